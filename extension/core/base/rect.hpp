@@ -1,0 +1,31 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+
+#include <cmath>
+
+namespace thicket {
+
+/// A half-open axis-aligned rectangle of the world, in metres: a point p lies in it exactly when
+/// min <= p < max on both axes, so rectangles that share an edge never share a point. World x is `x`;
+/// the engine's world z is `y` here.
+struct Rect {
+	glm::dvec2 min{0.0};
+	glm::dvec2 max{0.0};
+
+	constexpr bool contains(glm::dvec2 point) const {
+		return min.x <= point.x && point.x < max.x && min.y <= point.y && point.y < max.y;
+	}
+
+	/// True for no area, for an inverted rectangle and for NAN.
+	constexpr bool empty() const { return !(min.x < max.x && min.y < max.y); }
+
+	constexpr glm::dvec2 size() const { return max - min; }
+	constexpr glm::dvec2 center() const { return 0.5 * (min + max); }
+
+	bool finite() const {
+		return std::isfinite(min.x) && std::isfinite(min.y) && std::isfinite(max.x) && std::isfinite(max.y);
+	}
+};
+
+} // namespace thicket

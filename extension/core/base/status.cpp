@@ -1,0 +1,40 @@
+#include "core/base/status.hpp"
+
+#include <array>
+#include <cstdio>
+
+namespace thicket {
+
+namespace {
+
+const char *demand(ErrorCode code) {
+	switch (code) {
+		case ErrorCode::none: return "is fine";
+		case ErrorCode::not_finite: return "must be finite";
+		case ErrorCode::not_positive: return "must be positive";
+		case ErrorCode::out_of_range: return "is out of range";
+		case ErrorCode::inverted: return "ends before it starts";
+		case ErrorCode::too_many_points: return "asks for too many points";
+		case ErrorCode::missing: return "is missing";
+		case ErrorCode::wrong_size: return "has the wrong size";
+		case ErrorCode::cancelled: return "was cancelled";
+	}
+	return "is invalid";
+}
+
+} // namespace
+
+std::string describe(const Status &status) {
+	std::array<char, 32> number{};
+	std::snprintf(number.data(), number.size(), "%.9g", status.value);
+	std::string text = status.property;
+	text += ' ';
+	text += demand(status.code);
+	if (status.code != ErrorCode::missing && status.code != ErrorCode::none && status.code != ErrorCode::cancelled) {
+		text += ", got ";
+		text += number.data();
+	}
+	return text;
+}
+
+} // namespace thicket

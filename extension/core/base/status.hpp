@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace thicket {
+
+/// Why a call was refused.
+enum class ErrorCode : std::uint8_t {
+	none,
+	not_finite,      ///< NAN or infinite where a finite number is needed.
+	not_positive,    ///< Zero or negative where a positive number is needed.
+	out_of_range,    ///< Finite, but outside the range that the property's docstring gives.
+	inverted,        ///< A range whose end lies before its start.
+	too_many_points, ///< The request would give more than `max_points_per_call` points.
+	missing,         ///< A needed object or buffer is absent.
+	wrong_size,      ///< A buffer or an image of the wrong size.
+	cancelled,       ///< The caller's cancel flag was raised; outputs are unspecified but valid.
+};
+
+/// The outcome of a call across the core's border: the core throws nothing there. A failed call has no effect
+/// on the state it was called on.
+struct [[nodiscard]] Status {
+	ErrorCode code = ErrorCode::none;
+	const char *property = ""; ///< The property that was refused; a string literal.
+	double value = 0.0;        ///< The value that it had.
+
+	constexpr bool ok() const { return code == ErrorCode::none; }
+};
+
+/// One sentence that names property and value, for a log or an editor warning: "radius must be positive, got -1".
+std::string describe(const Status &status);
+
+} // namespace thicket

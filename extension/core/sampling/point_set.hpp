@@ -1,0 +1,55 @@
+#pragma once
+
+#include "core/base/status.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <cstdint>
+
+namespace thicket {
+
+/// Names one infinite Poisson-disk point set. Equal values name equal sets, for ever and on every machine.
+struct PointSet {
+	std::uint64_t seed = 0;
+	double radius = 1.0;      ///< Metres between any two points, at least; finite, in [min_radius, max_radius].
+	std::uint32_t levels = 1; ///< Levels of the progressive order, 1 to max_levels; 1 is plain dart throwing.
+	std::uint16_t layer = 0;  ///< Goes into the ids and, with the seed, into every random number.
+};
+
+inline constexpr double min_radius = 1e-3;
+inline constexpr double max_radius = 1e6;
+inline constexpr std::uint32_t max_levels = 8;
+
+/// The most points that one call may be asked for, by the density of a jammed set.
+inline constexpr double max_points_per_call = 1e8;
+
+/// A point of a set.
+struct SamplePoint {
+	glm::dvec2 position; ///< World metres; a whole multiple of `lattice_unit`, rounded once.
+	std::uint64_t id;    ///< A packed InstanceId.
+	std::uint32_t rank;  ///< Place in the progressive order: rank / 2^32 is the fraction of the set that comes before.
+	std::uint32_t level; ///< 0 for the finest; the point also belongs to the maximal set of radius r * 2^level.
+
+	friend bool operator==(const SamplePoint &, const SamplePoint &) = default;
+};
+
+/// Refuses a radius, a number of levels or a layer outside the ranges above.
+Status validate(const PointSet &set);
+
+/// Base squares are 2^lattice_bits units wide and radius^2 = 2 * 4^lattice_bits units^2, exactly.
+inline constexpr int lattice_bits = 14;
+
+/// Metres a lattice unit: radius / (sqrt(2) * 2^lattice_bits). All positions are whole multiples of it.
+double lattice_unit(const PointSet &set);
+
+/// The exact lattice coordinates of a point, for checks without rounding. |result| < 2^38.
+glm::i64vec2 lattice_position(const PointSet &set, const SamplePoint &point);
+
+/// The rank at which a level ends: points with `rank < level_rank_end(levels, level)` are a maximal Poisson-disk set
+/// of radius r * 2^level. 2^32 for level 0.
+std::uint64_t level_rank_end(std::uint32_t levels, std::uint32_t level);
+
+/// Points per square metre of the whole set.
+double point_density(const PointSet &set);
+
+} // namespace thicket
