@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/base/rect.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <cstdint>
+
+namespace thicket {
+
+/// Tile coordinates stay within +-max_tile_coordinate, so that they and their neighbours fit an int.
+inline constexpr std::int32_t max_tile_coordinate = 1 << 30;
+
+/// The tile that a place lies in: rounds down, so tile -1 ends where tile 0 begins. `tile_size` is metres, above 0;
+/// the place must be within max_tile_coordinate tiles of the origin.
+glm::ivec2 tile_at(double tile_size, glm::dvec2 position);
+
+/// The half-open square of a tile. Neighbours share their edges to the bit, so their tiles share no point and leave
+/// none out.
+Rect tile_rect(double tile_size, glm::ivec2 tile);
+
+/// The square of the distance from a place to the nearest point of a rectangle; 0 inside. Metres squared.
+double distance_squared(const Rect &rect, glm::dvec2 position);
+
+} // namespace thicket

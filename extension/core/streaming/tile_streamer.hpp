@@ -1,0 +1,120 @@
+#pragma once
+
+#include "core/base/rect.hpp"
+#include "core/base/status.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// How a layer is streamed.
+struct StreamLayer {
+	double tile_size = 64.0;      ///< Metres, finite, above 0.
+	double view_distance = 256.0; ///< Metres from a viewer to the nearest point of a tile, 0 to max_view_tiles tiles.
+
+	friend bool operator==(const StreamLayer &, const StreamLayer &) = default;
+};
+
+/// The farthest that a viewer may see, in tiles, after its radius scale: about 13,000 tiles for a viewer and layer.
+inline constexpr double max_view_tiles = 64.0;
+
+/// The most viewers.
+inline constexpr std::size_t max_viewers = 64;
+
+/// Someone to stream for.
+struct Viewer {
+	glm::dvec2 position{0.0};  ///< World metres, finite, within max_tile_coordinate tiles of every layer.
+	double radius_scale = 1.0; ///< Times the view distance of each layer; finite, 0 or more.
+};
+
+/// Names a tile of a layer. `grid` counts the tile sizes that the layer has had, so that a tile of the old size and one
+/// of the new, both on show for a while, are never taken for each other.
+struct TileKey {
+	std::uint32_t layer = 0;
+	std::uint32_t grid = 0;
+	glm::ivec2 tile{0};
+
+	friend bool operator==(const TileKey &, const TileKey &) = default;
+};
+
+/// A tile to make. `ticket` is unique: it tells the answer to this request from a late one to an earlier request.
+struct TileRequest {
+	TileKey key;
+	Rect rect; ///< World metres, half-open.
+	std::uint64_t ticket = 0;
+};
+
+/// What the caller has to do after an update, in this order.
+struct StreamChanges {
+	std::vector<TileRequest> cancel;  ///< Work under way that nobody wants any more. Answers to it will be refused.
+	std::vector<TileKey> drop;        ///< Tiles on show to be taken away.
+	std::vector<TileRequest> request; ///< Tiles to make, nearest first.
+
+	void clear();
+	bool empty() const { return cancel.empty() && drop.empty() && request.empty(); }
+};
+
+/// How many tiles are in each state.
+struct StreamCounts {
+	std::size_t waiting = 0; ///< Wanted, not yet requested.
+	std::size_t pending = 0; ///< Requested, not yet answered.
+	std::size_t shown = 0;   ///< On show, outdated ones included.
+};
+
+/// Says which tiles to make, to show and to drop around which viewers. Pure logic: no clock, no threads, no engine, and
+/// the same calls give the same answers in the same order.
+///
+/// Promises: (1) after an update every tile that touches the view of a viewer is waiting, pending or shown;
+/// (2) what is requested is never requested again before it is answered, cancelled or dropped;
+/// (3) requests come nearest first, over all layers and viewers, and what still waits is sorted anew when viewers move;
+/// (4) a tile is dropped only beyond `1.1 * view distance + one tile`, so turning back and forth loads nothing twice;
+/// (5) an outdated tile stays on show until its successor is there.
+class TileStreamer {
+public:
+	TileStreamer();
+	~TileStreamer();
+	TileStreamer(TileStreamer &&) noexcept;
+	TileStreamer &operator=(TileStreamer &&) noexcept;
+
+	/// Replaces the layers, matched to the old ones by index: a new view distance keeps all tiles, a new tile size starts
+	/// a new grid for that layer, a missing layer loses its tiles. Refused settings change nothing.
+	Status set_layers(std::span<const StreamLayer> layers);
+
+	/// What is shown or under way for a layer is outdated (its settings or the ground have changed) and will be requested
+	/// again. A layer that does not exist is ignored.
+	void invalidate(std::uint32_t layer);
+
+	/// The same for the tiles that touch `area` (metres) only: an edit under which nothing else changes.
+	void invalidate(std::uint32_t layer, const Rect &area);
+
+	/// Works out what has to change for these viewers, and replaces `r_changes` by it. At most `max_pending` tiles are
+	/// pending at a time; others wait for their turn, for which each update looks again. No viewers: all is dropped.
+	/// A refused viewer changes nothing. Costs little while viewers stay within an eighth of a tile.
+	Status update(std::span<const Viewer> viewers, std::size_t max_pending, StreamChanges &r_changes);
+
+	/// The answer to a request: the tile is made (or cannot be made: then nothing stands there, until it is invalidated).
+	/// True when it is to be put on show, in place of what stands under this key; false when it comes too late and must
+	/// be thrown away.
+	bool finish(const TileRequest &request);
+
+	/// Forgets all tiles, as if new, and keeps the layers: for a caller that has cleared its stage itself. Answers to
+	/// requests made before will be refused.
+	void clear();
+
+	StreamCounts counts() const;
+
+	/// True when there is nothing to wait for: all that is wanted is shown.
+	bool idle() const;
+
+private:
+	struct State;
+	std::unique_ptr<State> state_;
+};
+
+} // namespace thicket

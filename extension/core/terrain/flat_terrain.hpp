@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/terrain/terrain.hpp"
+
+namespace thicket {
+
+/// The same height everywhere, without end.
+class FlatTerrain final : public Terrain {
+public:
+	FlatTerrain() = default;
+
+	/// `height` in world metres; NAN makes a world without ground.
+	explicit FlatTerrain(float height) : height_(height) {}
+
+	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
+
+private:
+	float height_ = 0.0f;
+};
+
+} // namespace thicket

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "core/base/status.hpp"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <limits>
+#include <span>
+
+namespace thicket {
+
+/// What lies under a place: the height of the ground in world metres, and its unit normal, y up. A height of NAN
+/// means that there is no ground (off the terrain, a hole, water that a source leaves out).
+struct Ground {
+	float height = std::numeric_limits<float>::quiet_NaN();
+	glm::vec3 normal{0.0f, 1.0f, 0.0f};
+};
+
+/// Ground for many places at once. An implementation is a pure function of the position: asked twice, in whatever
+/// batch, it gives the same bits, or tiles that were made apart would not fit.
+class Terrain {
+public:
+	virtual ~Terrain() = default;
+
+	/// Writes the ground at `positions[i]` (world metres, x and z of the engine) to `r_ground[i]`. The spans are of
+	/// equal length; a position without ground, NAN and infinite ones included, gets a height of NAN and is no error.
+	/// Called from several threads at once, so an implementation keeps no state of the call.
+	virtual Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const = 0;
+
+	/// The ground at one place; no ground if `sample` fails. For many places, `sample` is the cheaper.
+	Ground at(glm::dvec2 position) const {
+		Ground ground;
+		return sample({&position, 1}, {&ground, 1}).ok() ? ground : Ground{};
+	}
+
+protected:
+	Terrain() = default;
+	Terrain(const Terrain &) = default;
+	Terrain &operator=(const Terrain &) = default;
+	Terrain(Terrain &&) = default;
+	Terrain &operator=(Terrain &&) = default;
+};
+
+} // namespace thicket
