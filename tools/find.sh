@@ -1,0 +1,42 @@
+# Where things are, for tools/godot and tools/setup.sh, which source this.
+
+# The folder for what is installed once and used by every checkout.
+cache_folder() {
+	echo "${THICKET_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/thicket}"
+}
+
+# The Debian root in which Godot lies, whether it is there or not.
+godot_root() {
+	echo "$(cache_folder)/godot-root"
+}
+
+# True for a program that says that it is Godot 4.4 or newer.
+is_new_godot() {
+	local version
+	version=$("$1" --version 2>/dev/null </dev/null | tail -n 1) || return 1
+	[[ $version =~ ^([0-9]+)\.([0-9]+) ]] || return 1
+	((BASH_REMATCH[1] > 4 || (BASH_REMATCH[1] == 4 && BASH_REMATCH[2] >= 4)))
+}
+
+# Prints the path of a Godot that runs as it is: $GODOT, or godot or godot4 on the PATH; nothing if there is none.
+# A $GODOT that cannot be used is an error, not a reason to take another.
+find_native_godot() {
+	local candidate
+	if [[ -n ${GODOT:-} ]]; then
+		candidate=$(command -v "$GODOT") && is_new_godot "$candidate" || {
+			echo "thicket: GODOT=$GODOT is not Godot 4.4 or newer" >&2
+			return 1
+		}
+		echo "$candidate"
+		return
+	fi
+	for candidate in godot godot4; do
+		candidate=$(command -v "$candidate") || continue
+		# This wrapper itself may be on the PATH.
+		[[ $(readlink -f "$candidate") != "$(readlink -f "$0")" ]] || continue
+		if is_new_godot "$candidate"; then
+			echo "$candidate"
+			return
+		fi
+	done
+}

@@ -1,0 +1,70 @@
+"""The extension's file names, and the .gdextension manifest, written from the binaries that are really there."""
+
+import os
+import re
+
+ADDON = "demo_project/addons/thicket"
+ENTRY_SYMBOL = "thicket_library_init"
+COMPATIBILITY_MINIMUM = "4.4"
+SUFFIXES = {"windows": "dll", "macos": "dylib"}
+
+BINARY = re.compile(r"^libthicket\.(\w+)\.(template_debug|template_release|editor)\.(\w+)\.(?:so|dll|dylib)$")
+
+
+def addon_folder(env, out):
+    """Where the extension is built: into the demo's addon, except with sanitizers, which a plain Godot cannot load."""
+    return out + "/addon" if env["sanitize"] else "#" + ADDON
+
+
+def binary_name(env):
+    suffix = SUFFIXES.get(env["platform"], "so")
+    return "libthicket.%s.%s.%s.%s" % (env["platform"], env["target"], env["arch"], suffix)
+
+
+def manifest(env, addon, binary, beside):
+    """The node of the manifest, rewritten after the binary is linked. What it says depends on which other binaries lie
+    there, built by other runs, so they are listed when the build starts."""
+    folder = env.Dir(addon)
+    there = os.path.join(folder.abspath, "bin")
+    names = set(os.listdir(there) if os.path.isdir(there) else [])
+    names.update(node.name for node in env.Flatten([binary, beside]))
+    icons = os.path.join(folder.abspath, "icons")
+    text = write(names, os.listdir(icons) if os.path.isdir(icons) else [])
+    node = env.Textfile(addon + "/thicket.gdextension", text, TEXTFILESUFFIX="")
+    env.Depends(node, [binary, beside])
+    return node
+
+
+def write(names, icons):
+    """The manifest's text for these files in bin/ and these in icons/."""
+    binaries = sorted((match for match in map(BINARY.match, names) if match), key=lambda match: match.group(0))
+    libraries, dependencies = [], []
+    shipped = sorted(name for name in names if re.match(r"^libhwy\.", name))
+    for platform, arch in sorted({(match.group(1), match.group(3)) for match in binaries}):
+        built = {match.group(2): match.group(0) for match in binaries if match.group(1, 3) == (platform, arch)}
+        # Without a release binary an exported game still runs, and the other way round.
+        features = {
+            "editor": built.get("editor"),
+            "debug": built.get("template_debug") or built.get("editor") or built.get("template_release"),
+            "release": built.get("template_release") or built.get("template_debug") or built.get("editor"),
+        }
+        for feature, name in features.items():
+            if name:
+                key = "%s.%s.%s" % (platform, feature, arch)
+                libraries.append('%s = "bin/%s"' % (key, name))
+                if shipped:
+                    entries = ", ".join('"bin/%s": ""' % name for name in shipped)
+                    dependencies.append("%s = { %s }" % (key, entries))
+    lines = [
+        "[configuration]", "",
+        'entry_symbol = "%s"' % ENTRY_SYMBOL,
+        'compatibility_minimum = "%s"' % COMPATIBILITY_MINIMUM,
+        "reloadable = true", "",
+        "[libraries]", "", *libraries,
+    ]  # fmt: skip
+    if dependencies:
+        lines += ["", "[dependencies]", "", *dependencies]
+    pictures = sorted(name for name in icons if name.endswith(".svg"))
+    if pictures:
+        lines += ["", "[icons]", "", *('%s = "icons/%s"' % (name[: -len(".svg")], name) for name in pictures)]
+    return lines

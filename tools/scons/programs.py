@@ -1,0 +1,24 @@
+"""Finds sources, and tells those that are programs from those that programs share."""
+
+import glob
+import os
+import re
+
+MAIN = re.compile(r"^\s*(?:auto|int)\s+main\s*\(|LLVMFuzzerTestOneInput\s*\(", re.MULTILINE)
+
+
+def find(root, patterns):
+    """Paths relative to root of every file that a pattern finds, sorted; hidden ones and folders are left out."""
+    found = set()
+    for pattern in patterns:
+        found.update(glob.glob(pattern, root_dir=root, recursive=True))
+    return sorted(path.replace(os.sep, "/") for path in found)
+
+
+def split(root, pattern):
+    """(programs, shared): the files with a main, each of which becomes a program, and those that all of them link."""
+    mains, shared = [], []
+    for path in find(root, [pattern]):
+        with open(os.path.join(root, path), encoding="utf-8") as source:
+            (mains if MAIN.search(source.read()) else shared).append(path)
+    return mains, shared
