@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Sets up, builds, and runs every test. Arguments go to pytest: bash tests/run.sh -k sampler
+set -euo pipefail
+from=$PWD
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
+source tools/setup.sh
+
+setup_compiler
+setup_python
+setup_godot
+say "building"
+scons -Q -j"$(nproc)"
+
+arguments=()
+for argument in "$@"; do
+	# A path, perhaps with ::test behind it, is meant from where the caller stands.
+	[[ $argument != /* && $argument != -* && -e $from/${argument%%::*} ]] && argument=$from/$argument
+	arguments+=("$argument")
+done
+exec "$(python_venv)/bin/python" -m pytest "${arguments[@]}" </dev/null

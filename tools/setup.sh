@@ -1,0 +1,138 @@
+#!/usr/bin/env bash
+# Installs what building, testing and the demo need and this machine lacks; says what it does; does nothing, and asks
+# the network nothing, where all is there. Run it for everything, or source it and call the parts:
+#   setup_compiler   a C++20 compiler, scons, GLM, Highway, doctest
+#   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
+#   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
+# The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
+
+setup_repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+source "$setup_repo/tools/find.sh"
+
+# The Debian release that Godot comes from where a machine has none. The mirror is the machine's own.
+godot_suite=forky
+godot_root_packages=godot,xvfb,xauth,libgl1,libegl1,libgl1-mesa-dri,mesa-vulkan-drivers,fonts-dejavu-core
+
+say() {
+	echo "thicket: $*" >&2
+}
+
+setup_compiler() {
+	local missing=()
+	command -v "${CXX:-g++}" >/dev/null || missing+=(g++)
+	command -v scons >/dev/null || missing+=(scons)
+	has_header glm/glm.hpp || missing+=(libglm-dev)
+	has_header hwy/highway.h || missing+=(libhwy-dev)
+	has_header doctest/doctest.h || missing+=(doctest-dev)
+	install_packages "to build" "${missing[@]}"
+}
+
+setup_python() {
+	local venv stamp wanted
+	venv=$(python_venv)
+	stamp=$venv/complete
+	wanted=$(cat "$setup_repo/tests/requirements.txt")
+	if [[ -f $stamp && $(<"$stamp") == "$wanted" && -x $venv/bin/python ]]; then
+		return
+	fi
+	local missing=()
+	python3 -c 'import venv, ensurepip' 2>/dev/null || missing+=(python3 python3-venv)
+	install_packages "to test" "${missing[@]}"
+	say "making a Python environment in $venv"
+	mkdir -p "$(cache_folder)"
+	python3 -m venv --clear "$venv"
+	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+		--requirement "$setup_repo/tests/requirements.txt"
+	echo "$wanted" >"$stamp"
+}
+
+# Prints the folder of the virtual environment.
+python_venv() {
+	echo "$(cache_folder)/venv"
+}
+
+setup_godot() {
+	local native root missing=()
+	native=$(find_native_godot) || return
+	if [[ -n $native ]]; then
+		# Only needed to draw without a display.
+		command -v xvfb-run >/dev/null || missing+=(xvfb xauth libgl1-mesa-dri)
+		[[ -n ${DISPLAY:-}${WAYLAND_DISPLAY:-} ]] || install_packages "to draw without a display" "${missing[@]}"
+		return
+	fi
+	root=$(godot_root)
+	command -v bwrap >/dev/null || missing+=(bubblewrap)
+	[[ -x $root/usr/bin/godot ]] || command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
+	install_packages "to run Godot" "${missing[@]}"
+	[[ -x $root/usr/bin/godot ]] || make_godot_root "$root"
+}
+
+# Makes a Debian root with Godot in it. It appears under its name only when it is whole.
+make_godot_root() {
+	local root=$1 mirror partial
+	mirror=$(debian_mirror)
+	if [[ -z $mirror ]]; then
+		say "no Godot 4.4 or newer here, and no Debian mirror among the apt sources to take it from: install Godot" \
+			"and put it on the PATH, or set GODOT to it"
+		return 1
+	fi
+	say "installing Godot from Debian $godot_suite into $root (about 800 MB, once)"
+	mkdir -p "$(dirname "$root")"
+	partial=$(mktemp --directory "$root.partial.XXXXXX")
+	if ! mmdebstrap --quiet --variant=apt --include="$godot_root_packages" \
+		--dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
+		--dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \
+		"$godot_suite" "$partial" "$mirror" </dev/null >&2; then
+		rm -rf "$partial"
+		say "Godot could not be installed; the messages above say why"
+		return 1
+	fi
+	chmod 755 "$partial"
+	rm -rf "$root"
+	mv "$partial" "$root"
+}
+
+# Prints the first Debian mirror among the machine's apt sources, in either format; nothing if there is none.
+debian_mirror() {
+	local file
+	for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list; do
+		[[ -r $file ]] || continue
+		sed -nE -e 's/^[[:space:]]*URIs:[[:space:]]*([^[:space:]]+).*/\1/p' \
+			-e 's/^[[:space:]]*deb[[:space:]]+(\[[^]]*\][[:space:]]+)?([^[:space:]]+).*/\2/p' "$file"
+	done | grep -E '/debian/?$' | head -n 1
+}
+
+has_header() {
+	echo "#include <$1>" | "${CXX:-g++}" -std=c++20 -E -x c++ - >/dev/null 2>&1
+}
+
+# install_packages WHY PACKAGE...: installs Debian packages; does nothing for none.
+install_packages() {
+	local why=$1 as_root=()
+	shift
+	(($#)) || return 0
+	if ! command -v apt-get >/dev/null; then
+		say "$why, please install what Debian calls: $*"
+		return 1
+	fi
+	if ((EUID != 0)); then
+		as_root=(sudo)
+		if ! command -v sudo >/dev/null || ! { sudo -n true 2>/dev/null || [[ -t 0 ]]; }; then
+			say "$why, please install as root: apt-get install $*"
+			return 1
+		fi
+	fi
+	say "$why, installing $*"
+	# A source that is no business of ours may be out of reach; what counts is whether the packages can be had.
+	"${as_root[@]}" apt-get -qq -o Acquire::Retries=3 update >&2 || true
+	"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3 -o Dpkg::Use-Pty=0 \
+		install --no-install-recommends --yes "$@" </dev/null >&2
+}
+
+if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
+	set -euo pipefail
+	setup_compiler
+	setup_python
+	setup_godot
+	say "all there: $("$setup_repo/tools/godot" --version | tail -n 1) as Godot"
+fi
