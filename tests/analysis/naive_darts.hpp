@@ -1,0 +1,166 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace thicket::analysis {
+
+/// Naive dart throwing run to its end on a square torus, in units of the radius: the reference that the sampler's
+/// statistics are held against. It shares no code, no random numbers and no lattice with the sampler.
+///
+/// At first darts are thrown at the whole domain. Then a list of equal squares is kept that covers all that is not
+/// yet covered; darts are thrown uniformly at the squares of the list, and after each batch every square is split in
+/// four and the parts within the disk of one point are dropped. A dart outside of the list would be rejected anyway,
+/// so leaving it out changes no probability: the accepted darts are those of naive dart throwing. The end is reached
+/// when the list is empty, or when the squares are 2^-40 of a radius wide.
+class NaiveDarts {
+public:
+	/// Splits the domain for `run_in_phases`: the squares of phase 0 are filled to their end, then those of phase 1,
+	/// and so on. Gets the middle of a square; every square of one grid cell must be in one phase.
+	using PhaseOf = int (*)(glm::dvec2 middle);
+
+	/// `side` in radii; at least 8, so that a disk does not meet itself. Any seed.
+	NaiveDarts(double side, std::uint64_t seed) :
+			side_(side), columns_(static_cast<int>(std::floor(side * std::sqrt(2.0))) + 1),
+			cell_(side / columns_), random_(seed),
+			points_of_cell_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_), {nowhere, nowhere}) {}
+
+	/// The jammed set, in the order of acceptance.
+	std::vector<glm::dvec2> run() {
+		throw_at_domain();
+		fill(all_cells());
+		return std::move(points_);
+	}
+
+	/// Not dart throwing, but what tiles coloured by phase do: a wrong set that a good test has to notice.
+	std::vector<glm::dvec2> run_in_phases(int phases, PhaseOf phase_of) {
+		for (int phase = 0; phase < phases; ++phase) {
+			std::vector<glm::dvec2> squares = all_cells();
+			std::erase_if(squares, [&](glm::dvec2 corner) { return phase_of(corner + 0.5 * cell_) != phase; });
+			fill(std::move(squares));
+		}
+		return std::move(points_);
+	}
+
+private:
+	static constexpr double nowhere = -1e9;
+	static constexpr int reach = 2;
+	static constexpr double throws_per_area = 4.0;
+	static constexpr int most_splits = 40;
+
+	double side_;
+	int columns_;
+	double cell_; ///< A little less than 1 / sqrt(2): at most one point a cell.
+	std::mt19937_64 random_;
+	std::vector<glm::dvec2> points_of_cell_;
+	std::vector<glm::dvec2> points_;
+
+	double unit() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+
+	int cell_of(double coordinate) const {
+		return std::min(static_cast<int>(coordinate / cell_), columns_ - 1);
+	}
+
+	glm::dvec2 &cell(int x, int y) {
+		const auto wrap = [&](int i) { return static_cast<std::size_t>((i + columns_) % columns_); };
+		return points_of_cell_[wrap(y) * static_cast<std::size_t>(columns_) + wrap(x)];
+	}
+
+	double shortest(double difference) const {
+		return std::abs(difference - side_ * std::round(difference / side_));
+	}
+
+	void try_dart(glm::dvec2 dart) {
+		const int column = cell_of(dart.x);
+		const int row = cell_of(dart.y);
+		for (int y = row - reach; y <= row + reach; ++y) {
+			for (int x = column - reach; x <= column + reach; ++x) {
+				const glm::dvec2 point = cell(x, y);
+				const double dx = shortest(point.x - dart.x);
+				const double dy = shortest(point.y - dart.y);
+				if (point.x != nowhere && dx * dx + dy * dy < 1.0) {
+					return;
+				}
+			}
+		}
+		cell(column, row) = dart;
+		points_.push_back(dart);
+	}
+
+	void throw_at_domain() {
+		const auto throws = static_cast<std::int64_t>(throws_per_area * side_ * side_);
+		for (std::int64_t i = 0; i < throws; ++i) {
+			const double x = side_ * unit();
+			try_dart({x, side_ * unit()});
+		}
+	}
+
+	std::vector<glm::dvec2> all_cells() const {
+		std::vector<glm::dvec2> corners;
+		for (int y = 0; y < columns_; ++y) {
+			for (int x = 0; x < columns_; ++x) {
+				corners.emplace_back(x * cell_, y * cell_);
+			}
+		}
+		return corners;
+	}
+
+	/// The square [corner, corner + width) lies within the disk of one point.
+	bool covered(glm::dvec2 corner, double width) {
+		const glm::dvec2 middle = corner + 0.5 * width;
+		const int column = cell_of(middle.x);
+		const int row = cell_of(middle.y);
+		for (int y = row - reach; y <= row + reach; ++y) {
+			for (int x = column - reach; x <= column + reach; ++x) {
+				const glm::dvec2 point = cell(x, y);
+				const double dx = shortest(point.x - middle.x) + 0.5 * width;
+				const double dy = shortest(point.y - middle.y) + 0.5 * width;
+				if (point.x != nowhere && dx * dx + dy * dy < 1.0) {
+					return true;
+				}
+			}
+		}
+		return false;
+	}
+
+	void fill(std::vector<glm::dvec2> squares) {
+		double width = cell_;
+		for (int split = 0; split < most_splits; ++split) {
+			std::erase_if(squares, [&](glm::dvec2 corner) { return covered(corner, width); });
+			if (squares.empty()) {
+				return;
+			}
+			std::uniform_int_distribution<std::size_t> pick(0, squares.size() - 1);
+			for (std::size_t i = 0; i < squares.size(); ++i) {
+				const glm::dvec2 corner = squares[pick(random_)];
+				const double x = corner.x + width * unit();
+				try_dart({std::min(x, std::nextafter(side_, 0.0)),
+						std::min(corner.y + width * unit(), std::nextafter(side_, 0.0))});
+			}
+			width *= 0.5;
+			split_all(squares, width);
+		}
+	}
+
+	void split_all(std::vector<glm::dvec2> &r_squares, double width) {
+		std::vector<glm::dvec2> children;
+		children.reserve(4 * r_squares.size());
+		for (const glm::dvec2 corner : r_squares) {
+			for (int child = 0; child < 4; ++child) {
+				const glm::dvec2 part = corner + width * glm::dvec2(child & 1, child >> 1);
+				if (!covered(part, width)) {
+					children.push_back(part);
+				}
+			}
+		}
+		r_squares = std::move(children);
+	}
+};
+
+} // namespace thicket::analysis

@@ -1,0 +1,138 @@
+// Speed of the tile sampler against Bridson's method, in one run: points a second of processor time at several tile
+// sizes and levels, the margin's overhead, the workspace, and each instruction set. Prints rows of a Markdown table.
+//   bench_sampler [rounds = 9] [seconds a measurement = 0.25]
+
+#include "tests/bench/common/bridson.hpp"
+#include "tests/bench/common/plain_bridson.hpp"
+#include "tests/bench/common/simd_targets.hpp"
+#include "tests/bench/common/timing.hpp"
+
+#include "core/sampling/tile_sampler.hpp"
+
+#include <array>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace thicket::bench {
+namespace {
+
+struct Options {
+	int rounds = 9;
+	double seconds = 0.25;
+};
+
+constexpr std::array<int, 4> tile_sizes = {16, 32, 64, 128};
+
+/// Walks over fresh tiles, so that no tile is measured twice, and keeps the workspace as a game would.
+class TileWalk {
+public:
+	TileWalk(int tile_size, std::uint32_t levels) : size_(tile_size), set_{.seed = 1, .levels = levels} {}
+
+	std::size_t next() {
+		const glm::dvec2 corner = size_ * glm::dvec2(index_ % columns, index_ / columns);
+		++index_;
+		const Status status = sampler_.sample(set_, {corner, corner + size_}, points_);
+		if (!status.ok()) {
+			std::fprintf(stderr, "bench_sampler: %s\n", describe(status).c_str());
+			std::exit(EXIT_FAILURE);
+		}
+		const SampleStats &stats = sampler_.stats();
+		computed_ += static_cast<double>(stats.computed);
+		kept_ += static_cast<double>(stats.kept);
+		retries_ += stats.retries;
+		bytes_per_cell_ = static_cast<double>(stats.workspace_bytes) / static_cast<double>(stats.cells);
+		return points_.size();
+	}
+
+	double overhead() const { return computed_ / kept_; }
+	double bytes_per_cell() const { return bytes_per_cell_; }
+	double retries_per_tile() const { return retries_ / static_cast<double>(index_); }
+
+private:
+	static constexpr int columns = 256;
+
+	double size_;
+	PointSet set_;
+	TileSampler sampler_;
+	std::vector<SamplePoint> points_;
+	int index_ = 0;
+	double computed_ = 0.0;
+	double kept_ = 0.0;
+	double retries_ = 0.0;
+	double bytes_per_cell_ = 0.0;
+};
+
+template <typename Method>
+double bridson_rate(Method &method, int tile_size, std::uint64_t &seed, double seconds) {
+	static std::vector<glm::vec2> points;
+	return rate(seconds, [&] {
+		method.sample(glm::vec2(static_cast<float>(tile_size)), seed++, points);
+		return points.size();
+	});
+}
+
+/// One tile size: all methods in turn within each round, so that a disturbance hits all of them alike.
+void compare(int tile_size, const Options &options) {
+	TileWalk plain_order(tile_size, 1);
+	TileWalk four_levels(tile_size, 4);
+	PlainBridson plain;
+	Bridson tuned;
+	std::uint64_t seed = 1;
+	Series sampler_rates, level_rates, plain_rates, tuned_rates;
+	for (int round = 0; round < options.rounds; ++round) {
+		sampler_rates.add(rate(options.seconds, [&] { return plain_order.next(); }));
+		plain_rates.add(bridson_rate(plain, tile_size, seed, options.seconds));
+		level_rates.add(rate(options.seconds, [&] { return four_levels.next(); }));
+		tuned_rates.add(bridson_rate(tuned, tile_size, seed, options.seconds));
+	}
+	const std::string tile = "tiles of " + std::to_string(tile_size) + " r: ";
+	print_row(tile + "sampler, L = 1", sampler_rates, 1e-6, " M points/s");
+	print_row(tile + "sampler, L = 4", level_rates, 1e-6, " M points/s");
+	print_row(tile + "plain Bridson", plain_rates, 1e-6, " M points/s");
+	print_row(tile + "tuned Bridson", tuned_rates, 1e-6, " M points/s");
+	print_row(tile + "sampler over plain Bridson", sampler_rates / plain_rates, 1.0, " times");
+	print_row(tile + "sampler over tuned Bridson", sampler_rates / tuned_rates, 1.0, " times");
+	print_count(tile + "points computed per point kept, L = 1", plain_order.overhead(), "", 3);
+	print_count(tile + "points computed per point kept, L = 4", four_levels.overhead(), "", 3);
+	print_count(tile + "blocks run again with a wider margin, per tile", plain_order.retries_per_tile(), "", 4);
+	print_count(tile + "workspace a cell", plain_order.bytes_per_cell(), " bytes", 1);
+}
+
+/// Every instruction set in turn within each round, tiles of 64 r, L = 1.
+void compare_targets(const Options &options) {
+	const std::vector<SimdTarget> targets = simd_targets();
+	std::vector<Series> rates(targets.size());
+	TileWalk walk(64, 1);
+	for (int round = 0; round < options.rounds; ++round) {
+		for (std::size_t i = 0; i < targets.size(); ++i) {
+			const ForcedTarget forced(targets[i]);
+			rates[i].add(rate(options.seconds, [&] { return walk.next(); }));
+		}
+	}
+	for (std::size_t i = 0; i < targets.size(); ++i) {
+		print_row("tiles of 64 r: sampler on " + targets[i].name, rates[i], 1e-6, " M points/s");
+	}
+}
+
+} // namespace
+} // namespace thicket::bench
+
+int main(int argument_count, char **arguments) {
+	using namespace thicket::bench;
+	Options options;
+	if (argument_count > 1) {
+		options.rounds = std::atoi(arguments[1]);
+	}
+	if (argument_count > 2) {
+		options.seconds = std::atof(arguments[2]);
+	}
+	if (options.rounds < 1 || !(options.seconds > 0.0)) {
+		std::fprintf(stderr, "usage: bench_sampler [rounds >= 1] [seconds > 0]\n");
+		return EXIT_FAILURE;
+	}
+	for (const int tile_size : tile_sizes) {
+		compare(tile_size, options);
+	}
+	compare_targets(options);
+}
