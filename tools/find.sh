@@ -40,3 +40,15 @@ find_native_godot() {
 		fi
 	done
 }
+
+# Lets Godot import what is new in the demo project, which it does not do by itself when it runs a project.
+import_demo() {
+	local repo stamp
+	repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+	stamp=$repo/demo_project/.godot/thicket_imported
+	if [[ -f $stamp && -z $(find "$repo/demo_project" -name .godot -prune -o -newer "$stamp" -print -quit) ]]; then
+		return
+	fi
+	"$repo/tools/godot" --headless --path "$repo/demo_project" --import </dev/null
+	touch "$stamp"
+}
