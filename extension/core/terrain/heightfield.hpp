@@ -13,13 +13,17 @@ namespace thicket {
 
 /// Where the posts of a heightfield stand and what their 16 bits mean.
 struct HeightfieldFrame {
-	glm::ivec2 posts{0};      ///< Columns along x and rows along z (Rect.y), 2 to max_heightfield_posts each.
-	Rect area;                ///< World metres from the first post to the last on both axes; finite, not empty.
-	double min_height = 0.0;  ///< World metres of a post of 0; finite, |height| <= 1e6.
-	double max_height = 1.0;  ///< World metres of a post of 65535; at least min_height, |height| <= 1e6.
+	glm::ivec2 posts{0};     ///< Columns along x and rows along z (Rect.y), 2 to max_heightfield_posts each.
+	Rect area;               ///< World metres from the first post to the last on both axes; finite, not empty.
+	double min_height = 0.0; ///< World metres of a post of 0; at most max_heightfield_height either side of 0.
+	double max_height = 1.0; ///< World metres of a post of 65535; at least min_height, same limits.
 };
 
 inline constexpr int max_heightfield_posts = 1 << 15;
+inline constexpr double max_heightfield_height = 1e6;
+
+/// Refuses a frame outside the ranges above.
+Status validate(const HeightfieldFrame &frame);
 
 /// Terrain from a grid of 16-bit posts. Between four posts the height is bilinear, the very surface that `sample`
 /// gives at any finer spacing; a mesh that is drawn from it has to ask here, not at the posts alone.
@@ -34,20 +38,19 @@ public:
 	Status set(const HeightfieldFrame &frame, std::span<const std::uint16_t> posts);
 
 	/// As Terrain::sample. The border belongs to the field; what lies outside has no ground, as has a field that was
-	/// never set. The same position gives the same bits from any tile. Heights are exact to a float's rounding.
+	/// never set. The same position gives the same bits from any tile. A height is computed in double and rounded to
+	/// float once.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
 	const HeightfieldFrame &frame() const { return frame_; }
 
 private:
-	Ground ground_at(glm::dvec2 position) const;
-	double post(int column, int row) const;
-	glm::dvec2 gradient(int column, int row) const;
+	Ground ground_in_area(glm::dvec2 position) const;
 
 	HeightfieldFrame frame_;
 	std::vector<std::uint16_t> posts_;
 	glm::dvec2 posts_per_metre_{0.0};
-	double metres_per_step_ = 0.0;
+	double metres_per_step_ = 0.0; ///< A step is the difference of 1 between two posts.
 };
 
 } // namespace thicket

@@ -1,0 +1,40 @@
+#include "core/sampling/block_sampler.hpp"
+
+namespace thicket {
+
+namespace {
+
+/// Cells around a block that nearly every chain stays in; see tests/bench for how often it does not.
+constexpr std::int32_t first_margin = 14;
+
+} // namespace
+
+void BlockSampler::prepare(const PointSet &set, RankFunction rank) {
+	levels_.resize(set.levels);
+	for (std::uint32_t level = 0; level < set.levels; ++level) {
+		LevelGrid &grid = levels_[level];
+		grid.source = DartSource::of(set, level);
+		grid.level = level;
+		grid.levels = set.levels;
+		grid.rank = rank;
+		grid.coarser = level + 1 < set.levels ? &levels_[level + 1] : nullptr;
+	}
+}
+
+bool BlockSampler::resolve(const CellRect &block, const std::atomic<bool> *cancel) {
+	retries_ = 0;
+	for (std::int32_t margin = first_margin;; margin *= 2, ++retries_) {
+		CellRect needed = block;
+		for (LevelGrid &grid : levels_) {
+			grid.reset(needed.grown(margin));
+			// Coarse cells that hold points within reach of the needed ones; the margins serve each other.
+			needed = {(needed.min >> 1) - 1, ((needed.max - 1) >> 1) + 2};
+		}
+		const ResolveResult result = resolve_block(levels_, block, cancel);
+		if (result != ResolveResult::margin_too_small) {
+			return result == ResolveResult::done;
+		}
+	}
+}
+
+} // namespace thicket

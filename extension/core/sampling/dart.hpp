@@ -1,0 +1,107 @@
+#pragma once
+
+#include "core/base/philox.hpp"
+#include "core/sampling/point_set.hpp"
+
+#include <bit>
+#include <cstdint>
+
+// The law of the process: which darts exist, when and where. Everything that decides placement follows from these
+// functions; the resolver only finds out which darts are accepted. Positions are lattice units within a cell.
+
+namespace thicket {
+
+inline constexpr std::uint32_t cell_size = 1u << lattice_bits;
+inline constexpr std::uint32_t cell_mask = cell_size - 1;
+inline constexpr std::uint32_t radius_squared = 2u << (2 * lattice_bits);
+
+/// A position in a cell: x in the low lattice_bits bits, y above.
+using CellPosition = std::uint32_t;
+inline constexpr std::uint32_t position_mask = (1u << (2 * lattice_bits)) - 1;
+
+constexpr std::uint32_t position_x(CellPosition position) { return position & cell_mask; }
+constexpr std::uint32_t position_y(CellPosition position) { return position >> lattice_bits & cell_mask; }
+
+/// A moment in the race of clocks: the bits of a positive float, whose order is that of the times, with the low five
+/// bits replaced by the cell's tag.
+using TimeKey = std::uint32_t;
+inline constexpr std::uint32_t tag_bits = 31;
+inline constexpr TimeKey time_unknown = 0;           ///< Before every dart; marks cells outside the workspace.
+inline constexpr TimeKey time_never = 0x7f800000;    ///< After every dart; marks cells that throw no more.
+
+/// Cells at most two apart on each axis have different tags, so darts that could conflict never tie.
+constexpr std::uint32_t tag_of(std::uint32_t x_mod_5, std::uint32_t y_mod_5) { return x_mod_5 + 5 * y_mod_5; }
+
+constexpr std::uint32_t mod_5(std::int32_t cell) {
+	const std::int32_t remainder = cell % 5;
+	return static_cast<std::uint32_t>(remainder < 0 ? remainder + 5 : remainder);
+}
+
+/// Exp(1) from random bits: -ln(u) with u an odd multiple of 2^-24, by ln m = 2 artanh((m - 1) / (m + 1)) for the
+/// mantissa. Only IEEE float operations, in the order written, so every path gives the same bits. Error below 1e-6.
+inline float exponential(std::uint32_t random) {
+	const float odd = static_cast<float>(static_cast<std::int32_t>(random >> 8 | 1u));
+	const auto bits = std::bit_cast<std::uint32_t>(odd);
+	// Mantissa in [0.75, 1.5), so that u just below 1 loses nothing to cancellation.
+	const std::uint32_t shifted = bits + 0x00400000u;
+	const auto exponent = static_cast<std::int32_t>(shifted >> 23) - 127 - 24;
+	const float mantissa = std::bit_cast<float>((shifted & 0x007fffffu) + 0x3f400000u);
+	const float s = (mantissa - 1.0f) / (mantissa + 1.0f);
+	const float s2 = s * s;
+	float series = s2 * (1.0f / 9.0f) + (1.0f / 7.0f);
+	series = series * s2 + (1.0f / 5.0f);
+	series = series * s2 + (1.0f / 3.0f);
+	series = series * s2 + 1.0f;
+	const float ln_mantissa = (s + s) * series;
+	return static_cast<float>(-exponent) * 0.693147180559945f - ln_mantissa;
+}
+
+/// A dart of a cell: a square of the cell's quadtree, the time of its clock and a place in it.
+struct Dart {
+	TimeKey time;
+	std::uint32_t level_position; ///< Quadtree level (0 is the whole cell) above the CellPosition.
+};
+
+constexpr std::uint32_t dart_level(std::uint32_t level_position) { return level_position >> (2 * lattice_bits); }
+constexpr CellPosition dart_position(std::uint32_t level_position) { return level_position & position_mask; }
+
+/// The lower corner of the dart's square.
+constexpr CellPosition square_origin(std::uint32_t level_position) {
+	const std::uint32_t inside = cell_mask >> dart_level(level_position);
+	return dart_position(level_position) & ~(inside | inside << lattice_bits);
+}
+
+/// The random source of one level of one point set.
+struct DartSource {
+	std::array<std::uint32_t, 2> key; ///< The seed.
+	std::uint32_t stream;             ///< Layer and level of the progressive order.
+
+	static constexpr DartSource of(const PointSet &set, std::uint32_t level) {
+		return {{static_cast<std::uint32_t>(set.seed), static_cast<std::uint32_t>(set.seed >> 32)},
+				std::uint32_t{set.layer} | level << 16};
+	}
+
+	constexpr std::array<std::uint32_t, 4> bits(
+			std::int32_t x, std::int32_t y, std::uint32_t square_level, CellPosition origin) const {
+		return philox4x32({static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), stream | square_level << 24, origin}, key);
+	}
+
+	/// The first dart of a cell: its clock runs at rate 1, the area of a cell.
+	Dart base_dart(std::int32_t x, std::int32_t y, std::uint32_t tag) const {
+		const auto random = bits(x, y, 0, 0);
+		return {(std::bit_cast<TimeKey>(exponential(random[0])) & ~tag_bits) | tag, random[1] & position_mask};
+	}
+
+	/// The dart of a child square, whose clock starts when its parent was rejected and runs at rate 4^-level. Never
+	/// before the parent: float addition is monotone and both keys carry the same tag.
+	Dart child_dart(std::int32_t x, std::int32_t y, TimeKey parent, std::uint32_t level, CellPosition origin) const {
+		const auto random = bits(x, y, level, origin);
+		const auto area_inverse = static_cast<float>(1u << (2 * level));
+		const float time = std::bit_cast<float>(parent) + exponential(random[0]) * area_inverse;
+		const std::uint32_t inside = cell_mask >> level;
+		const CellPosition position = origin | (random[1] & (inside | inside << lattice_bits));
+		return {(std::bit_cast<TimeKey>(time) & ~tag_bits) | (parent & tag_bits), level << (2 * lattice_bits) | position};
+	}
+};
+
+} // namespace thicket

@@ -1,0 +1,43 @@
+#include "core/sampling/level_grid.hpp"
+
+namespace thicket {
+
+namespace {
+
+/// Vector loads of a row may read this many cells past its end.
+constexpr std::uint32_t overread = 16;
+
+template <typename T>
+std::size_t bytes_of(const std::vector<T> &buffer) {
+	return buffer.capacity() * sizeof(T);
+}
+
+} // namespace
+
+void LevelGrid::reset(const CellRect &p_cells) {
+	cells = p_cells;
+	const glm::ivec2 size = cells.size() + 2 * border;
+	stride = static_cast<std::uint32_t>(size.x);
+	const std::size_t count = std::size_t{stride} * static_cast<std::size_t>(size.y) + overread;
+	if (time.size() < count) {
+		time.resize(count);
+		dart.resize(count);
+		point.resize(count);
+		waiting.resize(count);
+		open.resize(count);
+	}
+	if (coarser != nullptr) {
+		ready.assign(count, 0);
+	}
+	pool.resize(1);
+	free_square = 0;
+	chain.clear();
+	accepted = darts = squares = 0;
+}
+
+std::size_t LevelGrid::bytes() const {
+	return bytes_of(time) + bytes_of(dart) + bytes_of(point) + bytes_of(waiting) + bytes_of(open) + bytes_of(ready) +
+			bytes_of(pool) + bytes_of(chain);
+}
+
+} // namespace thicket

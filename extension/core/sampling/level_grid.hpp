@@ -1,0 +1,81 @@
+#pragma once
+
+#include "core/sampling/dart.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace thicket {
+
+/// A rectangle of cells, half-open.
+struct CellRect {
+	glm::ivec2 min{0};
+	glm::ivec2 max{0};
+
+	constexpr bool contains(glm::ivec2 cell) const {
+		return min.x <= cell.x && cell.x < max.x && min.y <= cell.y && cell.y < max.y;
+	}
+	constexpr CellRect grown(std::int32_t by) const { return {min - by, max + by}; }
+	constexpr glm::ivec2 size() const { return max - min; }
+};
+
+/// A square that waits for its turn: time above level and position, so that the order of the keys is the order of events.
+struct PendingSquare {
+	std::uint64_t key;
+	std::uint32_t next; ///< The cell's next square in time, 0 for none.
+};
+
+/// Maps an accepted dart to its place in the progressive order.
+using RankFunction = std::uint32_t (*)(std::uint32_t levels, std::uint32_t level, TimeKey time);
+
+/// The state of the race over a rectangle of cells of one level of the progressive order. Cells are stored by rows, with a border
+/// of `border` cells whose time is unknown: a chain that asks for one must start again in a larger grid.
+struct LevelGrid {
+	static constexpr std::int32_t border = 2; ///< Cells that a disk can reach beyond its own cell.
+	static constexpr std::uint32_t no_point = 0xffffffff;
+	static constexpr std::uint64_t all_open = ~std::uint64_t{0};
+
+	DartSource source{};
+	std::uint32_t level = 0;
+	std::uint32_t levels = 1;
+	RankFunction rank = nullptr;
+	LevelGrid *coarser = nullptr; ///< The level whose points stand here from the start; null for the coarsest.
+
+	CellRect cells;           ///< Without the border.
+	std::uint32_t stride = 0; ///< Cells from one row to the next.
+
+	std::vector<TimeKey> time;         ///< Time of the cell's next dart; time_never once the cell is decided.
+	std::vector<std::uint32_t> dart;   ///< The next dart; the rank once a point stands.
+	std::vector<std::uint32_t> point;  ///< The accepted position, or no_point.
+	std::vector<std::uint32_t> waiting; ///< First pending square after the next dart, 0 for none.
+	std::vector<std::uint64_t> open;   ///< A bit for each of 8 x 8 sub-squares, by rows: not known to be covered.
+	std::vector<std::uint8_t> ready;   ///< All points of coarser levels near the cell stand. Empty without a coarser level.
+
+	std::vector<PendingSquare> pool; ///< Entry 0 is unused.
+	std::uint32_t free_square = 0;
+	std::vector<std::uint32_t> chain; ///< Cells that wait for the one after them.
+
+	std::uint64_t accepted = 0;
+	std::uint64_t darts = 0;
+	std::uint64_t squares = 0;
+
+	/// Prepares for `p_cells`, reusing memory. The arrays' contents are set by the resolver.
+	void reset(const CellRect &p_cells);
+
+	std::uint32_t index_of(glm::ivec2 cell) const {
+		const glm::ivec2 offset = cell - cells.min + border;
+		return static_cast<std::uint32_t>(offset.y) * stride + static_cast<std::uint32_t>(offset.x);
+	}
+
+	glm::ivec2 cell_of(std::uint32_t index) const {
+		return cells.min - border +
+				glm::ivec2(static_cast<std::int32_t>(index % stride), static_cast<std::int32_t>(index / stride));
+	}
+
+	std::size_t bytes() const;
+};
+
+} // namespace thicket

@@ -1,0 +1,78 @@
+#include "core/sampling/rank.hpp"
+
+#include <array>
+
+namespace thicket {
+
+namespace {
+
+constexpr std::uint32_t stage_table[rank_stages][rank_knots] = {
+#include "core/sampling/rank_tables.inc"
+};
+
+/// Points in radius^2 of a set of so many levels; see rank_tables.inc.
+constexpr std::array<double, max_levels> densities = {
+	0.696551, 0.710929, 0.711585, 0.711590, 0.711590, 0.711590, 0.711590, 0.711590,
+};
+
+constexpr std::uint64_t full = std::uint64_t{1} << 32;
+
+/// ends[levels - 1][level]: the rank at which a level ends.
+constexpr auto make_level_ends() {
+	std::array<std::array<std::uint64_t, max_levels + 1>, max_levels> ends{};
+	for (std::uint32_t levels = 1; levels <= max_levels; ++levels) {
+		ends[levels - 1][0] = full;
+		double scale = 1.0;
+		for (std::uint32_t level = 1; level < levels; ++level) {
+			scale /= 4.0;
+			const double share = densities[levels - 1 - level] * scale / densities[levels - 1];
+			ends[levels - 1][level] = static_cast<std::uint64_t>(share * static_cast<double>(full));
+		}
+	}
+	return ends;
+}
+
+constexpr auto level_ends = make_level_ends();
+
+/// Share of a stage, in 2^-32, whose time lies before `time`: linear between the knots, below the first one too.
+std::uint32_t share_before(std::uint32_t stage, TimeKey time) {
+	const auto &table = stage_table[stage < rank_stages ? stage : rank_stages - 1];
+	const std::uint32_t knot = rank_knot(time);
+	if (knot == 0) {
+		return static_cast<std::uint32_t>(std::uint64_t{table[0]} * time / first_rank_knot);
+	}
+	if (knot == rank_knots) {
+		return table[rank_knots - 1];
+	}
+	constexpr std::uint32_t step = 1u << rank_knot_shift;
+	const std::uint64_t part = (time - first_rank_knot) & (step - 1);
+	return table[knot - 1] + static_cast<std::uint32_t>((table[knot] - table[knot - 1]) * part >> rank_knot_shift);
+}
+
+} // namespace
+
+std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time) {
+	const auto &ends = level_ends[levels - 1];
+	const std::uint64_t start = ends[level + 1];
+	const std::uint64_t span = ends[level] - start;
+	return static_cast<std::uint32_t>(start + (share_before(levels - 1 - level, time) * span >> 32));
+}
+
+std::uint32_t level_of_rank(std::uint32_t levels, std::uint32_t rank) {
+	std::uint32_t level = levels - 1;
+	while (rank >= level_ends[levels - 1][level]) {
+		--level;
+	}
+	return level;
+}
+
+std::uint64_t level_rank_end(std::uint32_t levels, std::uint32_t level) {
+	return levels >= 1 && levels <= max_levels && level < levels ? level_ends[levels - 1][level] : full;
+}
+
+double point_density(const PointSet &set) {
+	const std::uint32_t levels = set.levels < 1 ? 1 : set.levels > max_levels ? max_levels : set.levels;
+	return densities[levels - 1] / (set.radius * set.radius);
+}
+
+} // namespace thicket

@@ -1,0 +1,156 @@
+#include "core/sampling/tile_sampler.hpp"
+
+#include "core/sampling/block_sampler.hpp"
+#include "core/sampling/rank.hpp"
+#include "core/base/instance_id.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+/// The widest block that is resolved at once, in cells: large enough for its margin to be a small part, small
+/// enough for its grid to stay in the second-level cache.
+constexpr std::int32_t widest_block = 128;
+
+/// The first lattice coordinate whose world position is at or above `world`.
+std::int64_t lattice_at_or_above(double world, double unit) {
+	auto lattice = static_cast<std::int64_t>(std::floor(world / unit));
+	while (static_cast<double>(lattice) * unit < world) {
+		++lattice;
+	}
+	while (static_cast<double>(lattice - 1) * unit >= world) {
+		--lattice;
+	}
+	return lattice;
+}
+
+/// The cells that have a lattice point in the rectangle.
+CellRect cells_of(const Rect &rect, double unit) {
+	const auto first_cell = [unit](double world) {
+		return static_cast<std::int32_t>(lattice_at_or_above(world, unit) >> lattice_bits);
+	};
+	const auto end_cell = [unit](double world) {
+		return static_cast<std::int32_t>(((lattice_at_or_above(world, unit) - 1) >> lattice_bits) + 1);
+	};
+	CellRect cells{{first_cell(rect.min.x), first_cell(rect.min.y)}, {end_cell(rect.max.x), end_cell(rect.max.y)}};
+	cells.min = glm::max(cells.min, glm::ivec2(-cell_limit));
+	cells.max = glm::min(cells.max, glm::ivec2(cell_limit));
+	return cells;
+}
+
+Status validate_rect(const PointSet &set, const Rect &rect) {
+	for (const double bound : {rect.min.x, rect.min.y, rect.max.x, rect.max.y}) {
+		if (!std::isfinite(bound)) {
+			return {ErrorCode::not_finite, "rect", bound};
+		}
+	}
+	const glm::dvec2 size = rect.size();
+	if (size.x < 0.0 || size.y < 0.0) {
+		return {ErrorCode::inverted, "rect", std::min(size.x, size.y)};
+	}
+	const double limit = lattice_unit(set) * cell_size * cell_limit;
+	for (const double bound : {rect.min.x, rect.min.y, rect.max.x, rect.max.y}) {
+		if (std::abs(bound) > limit) {
+			return {ErrorCode::out_of_range, "rect", bound};
+		}
+	}
+	const double expected = size.x * size.y * point_density(set);
+	if (expected > max_points_per_call) {
+		return {ErrorCode::too_many_points, "rect", expected};
+	}
+	return {};
+}
+
+} // namespace
+
+struct TileSampler::Workspace {
+	BlockSampler blocks;
+	SampleStats stats;
+
+	void collect(const PointSet &set, const Rect &rect, const CellRect &block, std::vector<SamplePoint> &r_points);
+	void count(const CellRect &block);
+};
+
+void TileSampler::Workspace::collect(
+		const PointSet &set, const Rect &rect, const CellRect &block, std::vector<SamplePoint> &r_points) {
+	const LevelGrid &grid = blocks.finest();
+	const double unit = lattice_unit(set);
+	for (std::int32_t y = block.min.y; y < block.max.y; ++y) {
+		std::uint32_t index = grid.index_of({block.min.x, y});
+		for (std::int32_t x = block.min.x; x < block.max.x; ++x, ++index) {
+			const CellPosition position = grid.point[index];
+			if (position == LevelGrid::no_point) {
+				continue;
+			}
+			const std::int64_t lattice_x = std::int64_t{x} * cell_size + position_x(position);
+			const std::int64_t lattice_y = std::int64_t{y} * cell_size + position_y(position);
+			const glm::dvec2 world(static_cast<double>(lattice_x) * unit, static_cast<double>(lattice_y) * unit);
+			if (rect.contains(world)) {
+				const std::uint32_t rank = grid.dart[index];
+				r_points.push_back({world, pack({set.layer, {x, y}}), rank, level_of_rank(set.levels, rank)});
+			}
+		}
+	}
+}
+
+void TileSampler::Workspace::count(const CellRect &) {
+	stats.retries += blocks.retries();
+	stats.workspace_bytes = 0;
+	for (const LevelGrid &grid : blocks.levels()) {
+		const glm::ivec2 size = grid.cells.size();
+		stats.computed += grid.accepted;
+		stats.darts += grid.darts;
+		stats.squares += grid.squares;
+		stats.cells += static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
+		stats.workspace_bytes += grid.bytes();
+	}
+}
+
+TileSampler::TileSampler() : workspace_(std::make_unique<Workspace>()) {}
+TileSampler::~TileSampler() = default;
+TileSampler::TileSampler(TileSampler &&) noexcept = default;
+TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
+
+const SampleStats &TileSampler::stats() const {
+	return workspace_->stats;
+}
+
+Status TileSampler::sample(
+		const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const std::atomic<bool> *cancel) {
+	Status status = validate(set);
+	if (status.ok()) {
+		status = validate_rect(set, rect);
+	}
+	if (!status.ok()) {
+		return status;
+	}
+	r_points.clear();
+	workspace_->stats = {};
+	if (rect.empty()) {
+		return {};
+	}
+	const CellRect cells = cells_of(rect, lattice_unit(set));
+	const glm::ivec2 size = glm::max(cells.size(), glm::ivec2(0));
+	const glm::ivec2 blocks = (size + widest_block - 1) / widest_block;
+	workspace_->blocks.prepare(set, rank_of);
+	for (std::int32_t row = 0; row < blocks.y; ++row) {
+		for (std::int32_t column = 0; column < blocks.x; ++column) {
+			const glm::ivec2 place(column, row);
+			const CellRect block{cells.min + size * place / blocks, cells.min + size * (place + 1) / blocks};
+			if (!workspace_->blocks.resolve(block, cancel)) {
+				return {ErrorCode::cancelled, "sample", 0.0};
+			}
+			workspace_->collect(set, rect, block, r_points);
+			workspace_->count(block);
+		}
+	}
+	workspace_->stats.kept = r_points.size();
+	return {};
+}
+
+} // namespace thicket
