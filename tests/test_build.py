@@ -1,0 +1,187 @@
+"""What the build and the tree promise: rooms include only what stands before them, the core knows no engine, warnings
+are errors, and the manifest names what was built."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import REPO, run
+
+# Each room, and the rooms that it may include besides itself.
+ROOMS = {
+    "core/base": [],
+    "core/sampling": ["core/base"],
+    "core/terrain": ["core/base", "core/sampling"],
+    "core/rules": ["core/base", "core/sampling", "core/terrain"],
+    "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
+    "core/streaming": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
+    "bindings": [],
+    "nodes": ["core", "bindings"],
+}
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+SOURCES = sorted(
+    path.relative_to(REPO / "extension").as_posix()
+    for path in (REPO / "extension").rglob("*")
+    if path.suffix in (".hpp", ".cpp", ".h", ".inl")
+)
+
+
+def includes(source: str) -> list[tuple[bool, str]]:
+    """(quoted, what is included) for each include of a file of extension/."""
+    text = (REPO / "extension" / source).read_text(encoding="utf-8")
+    return [(match.group(1) == '"', match.group(2)) for match in INCLUDE.finditer(text)]
+
+
+def room_of(path: str) -> str | None:
+    return next((room for room in ROOMS if path.startswith(room + "/")), None)
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_room_order(source):
+    """A room includes only itself and rooms that stand before it."""
+    room = room_of(source)
+    assert room, f"{source} lies in no room of {list(ROOMS)}"
+    for quoted, included in includes(source):
+        if not quoted or (REPO / "extension" / source).with_name(included).exists():
+            continue
+        allowed = [room, *ROOMS[room]]
+        assert any(included.startswith(one + "/") for one in allowed), f"{source} includes {included}"
+
+
+@pytest.mark.parametrize("source", [source for source in SOURCES if source.startswith("core/")])
+def test_core_includes_no_engine(source):
+    engine = [name for _, name in includes(source) if re.search(r"godot|gdextension", name, re.IGNORECASE)]
+    assert not engine, f"{source} includes {engine}"
+
+
+@pytest.mark.parametrize("source", [source for source in SOURCES if source.endswith((".hpp", ".h"))])
+def test_headers_are_included_once_and_open_no_namespace(source):
+    text = (REPO / "extension" / source).read_text(encoding="utf-8")
+    if not source.endswith("-inl.hpp"):
+        assert "#pragma once" in text
+    assert not re.search(r"^\s*using\s+namespace\s", text, re.MULTILINE), f"{source} opens a namespace to all who include it"
+
+
+def test_core_compiles_on_its_own(tmp_path):
+    """Every header of the core compiles with nothing before it, in a C++20 compiler that finds no engine header."""
+    headers = [source for source in SOURCES if source.startswith("core/") and source.endswith(".hpp")]
+    assert headers
+    failures = []
+    for header in headers:
+        if header.endswith("-inl.hpp"):
+            continue
+        unit = tmp_path / "unit.cpp"
+        unit.write_text(f'#include "{header}"\n')
+        done = run(["g++", "-std=c++20", "-fsyntax-only", f"-I{REPO}/extension", unit], timeout=120)
+        if done.returncode:
+            failures.append(f"{header}:\n{done.stderr[:2000]}")
+    assert not failures, "\n".join(failures)
+
+
+@pytest.fixture(scope="module")
+def commands() -> list[dict]:
+    """What the build would run for each source, as compile_commands.json has it."""
+    import json
+
+    done = run(["scons", "-Q", "compiledb"], timeout=300, cwd=REPO)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads((REPO / "compile_commands.json").read_text(encoding="utf-8"))
+
+
+def test_compile_flags(commands):
+    """Our code is compiled with all warnings as errors, and so that floating point means the same everywhere."""
+    assert any("extension/core/" in entry["file"] for entry in commands)
+    for entry in commands:
+        for flag in ("-std=c++20", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-ffp-contract=off"):
+            assert flag in entry["command"].split(), f"{entry['file']} is compiled without {flag}"
+        assert "-ffast-math" not in entry["command"]
+        assert "-march=native" not in entry["command"]
+
+
+def test_build_has_nothing_left_to_do():
+    """A second build finds everything up to date, whatever the first one did."""
+    first = run(["scons", "-Q", "-j2"], timeout=1800, cwd=REPO)
+    assert first.returncode == 0, first.stdout + first.stderr
+    second = run(["scons", "-Q", "-q"], timeout=120, cwd=REPO)
+    assert second.returncode == 0, f"still to do:\n{run(['scons', '-Q', '-n'], timeout=120, cwd=REPO).stdout}"
+
+
+def test_core_needs_no_godot(tmp_path):
+    """With no Godot anywhere, core, tests and benches still build, and asking for the extension says what is missing."""
+    bare = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "THICKET_CACHE": str(tmp_path), "GODOT": "/nowhere/godot"}
+    done = run(["scons", "-Q", "-n", "core", "tests", "bench"], timeout=120, cwd=REPO, env=bare)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    "option", ["target=fastest", "sanitize=memory", "godot_cpp=/nowhere", "colour=green", "werror=perhaps"]
+)
+def test_wrong_option_is_refused(option):
+    done = run(["scons", "-Q", "-n", option, "core"], timeout=120, cwd=REPO)
+    assert done.returncode != 0
+    assert option.split("=")[0] in done.stdout + done.stderr
+
+
+ADDON = REPO / "demo_project/addons/thicket"
+
+
+def manifest_paths() -> dict[str, str]:
+    """feature tags → file, as the manifest has them."""
+    text = (ADDON / "thicket.gdextension").read_text(encoding="utf-8")
+    section = text.split("[libraries]")[1].split("\n[")[0]
+    return dict(re.findall(r'^(\S+)\s*=\s*"([^"]+)"', section, re.MULTILINE))
+
+
+def test_manifest_names_what_was_built():
+    paths = manifest_paths()
+    assert paths, "the manifest names no library"
+    for tags, path in paths.items():
+        assert (ADDON / path).is_file(), f"{tags} = {path} is not there"
+    built = {f"bin/{path.name}" for path in (ADDON / "bin").glob("libthicket.*")}
+    assert set(paths.values()) == built
+    text = (ADDON / "thicket.gdextension").read_text(encoding="utf-8")
+    assert 'compatibility_minimum = "4.4"' in text
+    assert "reloadable = true" in text
+
+
+def test_manifest_falls_back_to_the_binary_that_is_there():
+    """One binary serves all builds of the engine; a second one takes over its own."""
+    sys.path.insert(0, str(REPO / "tools/scons"))
+    import manifest
+
+    debug, release = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_release.x86_64.so"
+    alone = "\n".join(manifest.write({debug, "libhwy.so.1", "notes.txt"}, ["ScatterLayer.svg", "ScatterLayer.png"]))
+    assert f'linux.release.x86_64 = "bin/{debug}"' in alone
+    assert 'linux.debug.x86_64 = { "bin/libhwy.so.1": "" }' in alone
+    assert 'ScatterLayer = "icons/ScatterLayer.svg"' in alone
+    assert "notes" not in alone and "editor" not in alone
+    both = "\n".join(manifest.write({debug, release}, []))
+    assert f'linux.debug.x86_64 = "bin/{debug}"' in both
+    assert f'linux.release.x86_64 = "bin/{release}"' in both
+    assert "[dependencies]" not in both and "[icons]" not in both
+
+
+def test_extension_shows_only_its_entry(build_dir):
+    """The binary exports what Godot calls and nothing that could meet another library's symbol of that name."""
+    for binary in (ADDON / "bin").glob("libthicket.*.so"):
+        listed = subprocess.run(["nm", "-D", "--defined-only", binary], capture_output=True, text=True, check=True)
+        names = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines() if line.strip()}
+        assert names == {"thicket_library_init"}, f"{binary.name} also shows {sorted(names)[:20]}"
+
+
+def test_tracked_files_name_no_machine():
+    """No path of a build machine and no package host in a tracked file; Markdown may link to pages."""
+    listed = run(["git", "ls-files", "-z"], timeout=60, cwd=REPO)
+    if listed.returncode:
+        pytest.skip("not a git checkout")
+    wrong = re.compile(r"/work/|/root/|deb\.debian\.org|pypi\.org|files\.pythonhosted")
+    for name in filter(None, listed.stdout.split("\0")):
+        path = REPO / name
+        if not path.is_file() or path == Path(__file__):
+            continue
+        text = path.read_bytes().decode("utf-8", errors="ignore")
+        assert not wrong.search(text), f"{name} names {wrong.search(text).group()}"
