@@ -46,7 +46,7 @@ def test_room_order(source):
     room = room_of(source)
     assert room, f"{source} lies in no room of {list(ROOMS)}"
     for quoted, included in includes(source):
-        if not quoted or (REPO / "extension" / source).with_name(included).exists():
+        if not quoted or "/" not in included:
             continue
         allowed = [room, *ROOMS[room]]
         assert any(included.startswith(one + "/") for one in allowed), f"{source} includes {included}"

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+BINDINGS = "extension/bindings"
 DUMPED = ("extension_api.json", "gdextension_interface.h")
 
 
@@ -38,6 +39,34 @@ def external(env, folder):
     if env["platform"] == "linux":
         env.Append(CPPDEFINES=["LINUX_ENABLED", "UNIX_ENABLED"])
     return []
+
+
+def stand_in(env, out, sources):
+    """Our own stand-in: its hand-written part, and what its generator makes of the engine's dump. The generator tells
+    beforehand which files it will write, so the engine is asked only when something that needs them is built."""
+    root = env.Dir("#").abspath
+    generated = env.Dir(out + "/gen").abspath
+    generator = [sys.executable, os.path.join(root, BINDINGS, "generate.py"), "--out", generated, "--used", used_api(root)]
+    listed = subprocess.run([*generator, "--list"], capture_output=True, text=True, check=False)
+    if listed.returncode:
+        sys.exit("thicket: extension/bindings/generate.py --list failed:\n" + listed.stderr)
+    description, interface = dump(env)
+    inputs = [path for path in glob.glob(os.path.join(root, BINDINGS, "**"), recursive=True) if os.path.isfile(path)]
+    inputs = [path for path in inputs if "__pycache__" not in path]
+    command = [*generator, "--api", description.abspath, "--interface", interface.abspath]
+    action = env.Action([command], "write   %s/gen" % out.lstrip("#"))
+    written = env.Command(listed.stdout.splitlines(), [description, interface, *sorted({*inputs, used_api(root)})], action)
+    env.Append(CPPPATH=["#%s/include" % BINDINGS, generated + "/include"])
+    made = [env.SharedObject(node) for node in written if node.name.endswith(".cpp")]
+    return made + sources(BINDINGS + "/src/**/*.cpp")
+
+
+def used_api(root):
+    """The list of what engine code uses; it lies with that code or with the bindings."""
+    found = glob.glob(os.path.join(root, "extension/*/used_api.toml"))
+    if len(found) != 1:
+        sys.exit("thicket: one used_api.toml is needed in extension/, found %d" % len(found))
+    return found[0]
 
 
 def find(env):
