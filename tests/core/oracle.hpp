@@ -1,0 +1,131 @@
+#pragma once
+
+#include "core/base/instance_id.hpp"
+#include "core/sampling/dart.hpp"
+#include "core/sampling/level_grid.hpp"
+#include "core/sampling/rank.hpp"
+
+#include <glm/common.hpp>
+
+#include <functional>
+#include <map>
+#include <queue>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace thicket::oracle {
+
+/// A point as the lattice has it.
+struct Point {
+	glm::i64vec2 lattice;
+	std::uint32_t rank;
+};
+
+/// The points of a level, by cell.
+using Points = std::map<std::pair<std::int32_t, std::int32_t>, Point>;
+
+/// Cells at the edge of a finite domain feel that their neighbours are missing; no chain was ever seen to be this long.
+inline constexpr std::int32_t margin = 34;
+
+/// Dart throwing by the book on a finite domain: all darts in one heap, the earliest first. Shares nothing with the sampler but
+/// the law of the darts (dart.hpp).
+class StrictTimeHeap {
+public:
+	StrictTimeHeap(const PointSet &set, std::uint32_t level, const CellRect &cells, const Points &coarser) :
+			source_(DartSource::of(set, level)), set_(set), level_(level), cells_(cells) {
+		for (const auto &[cell, point] : coarser) {
+			const glm::i64vec2 lattice = point.lattice * std::int64_t{2};
+			points_[cell_of(lattice)] = {lattice, point.rank};
+		}
+	}
+
+	Points run() {
+		for (std::int32_t y = cells_.min.y; y < cells_.max.y; ++y) {
+			for (std::int32_t x = cells_.min.x; x < cells_.max.x; ++x) {
+				push({x, y}, source_.base_dart(x, y, tag_of(mod_5(x), mod_5(y))));
+			}
+		}
+		while (!events_.empty()) {
+			const auto [time, level_position, x, y] = events_.top();
+			events_.pop();
+			handle({x, y}, {time, level_position});
+		}
+		return std::move(points_);
+	}
+
+private:
+	using Event = std::tuple<TimeKey, std::uint32_t, std::int32_t, std::int32_t>;
+
+	static std::pair<std::int32_t, std::int32_t> cell_of(glm::i64vec2 lattice) {
+		return {static_cast<std::int32_t>(lattice.x >> lattice_bits), static_cast<std::int32_t>(lattice.y >> lattice_bits)};
+	}
+
+	static glm::i64vec2 lattice_of(glm::ivec2 cell, CellPosition position) {
+		return glm::i64vec2(cell) * std::int64_t{cell_size} + glm::i64vec2(position_x(position), position_y(position));
+	}
+
+	void push(glm::ivec2 cell, const Dart &dart) { events_.emplace(dart.time, dart.level_position, cell.x, cell.y); }
+
+	/// True when `covers` holds for a point of the 7 x 7 cells around `cell`.
+	template <typename Test>
+	bool any_point_near(glm::ivec2 cell, Test covers) const {
+		for (std::int32_t y = cell.y - 3; y <= cell.y + 3; ++y) {
+			for (std::int32_t x = cell.x - 3; x <= cell.x + 3; ++x) {
+				const auto point = points_.find({x, y});
+				if (point != points_.end() && covers(point->second.lattice)) {
+					return true;
+				}
+			}
+		}
+		return false;
+	}
+
+	void handle(glm::ivec2 cell, const Dart &dart) {
+		if (points_.contains({cell.x, cell.y})) {
+			return;
+		}
+		const glm::i64vec2 lattice = lattice_of(cell, dart_position(dart.level_position));
+		const auto distance2 = [](glm::i64vec2 d) { return d.x * d.x + d.y * d.y; };
+		if (!any_point_near(cell, [&](glm::i64vec2 other) { return distance2(other - lattice) < radius_squared; })) {
+			points_[{cell.x, cell.y}] = {lattice, rank_of(set_.levels, level_, dart.time)};
+			return;
+		}
+		const std::uint32_t child_level = dart_level(dart.level_position) + 1;
+		if (child_level > lattice_bits) {
+			return;
+		}
+		const std::uint32_t width = cell_size >> child_level;
+		for (std::uint32_t child = 0; child < 4; ++child) {
+			const CellPosition corner =
+					square_origin(dart.level_position) + (child & 1) * width + (child >> 1) * (width << lattice_bits);
+			const glm::i64vec2 low = lattice_of(cell, corner);
+			const glm::i64vec2 high = low + std::int64_t{width} - std::int64_t{1};
+			const bool covered = any_point_near(cell, [&](glm::i64vec2 other) {
+				return distance2(glm::max(glm::abs(low - other), glm::abs(high - other))) < radius_squared;
+			});
+			if (!covered) {
+				push(cell, source_.child_dart(cell.x, cell.y, dart.time, child_level, corner));
+			}
+		}
+	}
+
+	DartSource source_;
+	PointSet set_;
+	std::uint32_t level_;
+	CellRect cells_;
+	Points points_;
+	std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
+};
+
+/// The set's points in and around `cells` (of the given level); right inside `cells`.
+inline Points points(const PointSet &set, const CellRect &cells, std::uint32_t level = 0) {
+	const CellRect domain = cells.grown(margin);
+	Points coarser;
+	if (level + 1 < set.levels) {
+		coarser = points(set, {(domain.min >> 1) - 2, (domain.max >> 1) + 2}, level + 1);
+	}
+	return StrictTimeHeap(set, level, domain, coarser).run();
+}
+
+} // namespace thicket::oracle

@@ -1,0 +1,59 @@
+#include "core/sampling/tile_sampler.hpp"
+#include "oracle.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <random>
+
+using namespace thicket;
+
+namespace {
+
+/// Compares the sampler with the oracle on a rectangle of cells.
+void check_against_oracle(const PointSet &set, const CellRect &cells) {
+	const double cell = lattice_unit(set) * cell_size;
+	const Rect rect{glm::dvec2(cells.min) * cell, glm::dvec2(cells.max) * cell};
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	REQUIRE(sampler.sample(set, rect, points).ok());
+
+	std::size_t expected = 0;
+	const oracle::Points truth = oracle::points(set, cells);
+	for (const auto &[at, point] : truth) {
+		expected += cells.contains({at.first, at.second}) ? 1 : 0;
+	}
+	CHECK(points.size() == expected);
+	for (const SamplePoint &point : points) {
+		const glm::ivec2 at = unpack(point.id).cell;
+		const auto found = truth.find({at.x, at.y});
+		REQUIRE(found != truth.end());
+		CHECK(found->second.lattice == lattice_position(set, point));
+		CHECK(found->second.rank == point.rank);
+	}
+}
+
+} // namespace
+
+TEST_CASE("oracle: the sampler's points are those of a strict-time heap") {
+	std::mt19937_64 random(20070901);
+	for (const std::uint32_t levels : {1u, 2u, 4u}) {
+		CAPTURE(levels);
+		for (int domain = 0; domain < 20; ++domain) {
+			CAPTURE(domain);
+			PointSet set;
+			set.seed = random();
+			set.radius = 0.25 + static_cast<double>(random() % 1000) / 100.0;
+			set.levels = levels;
+			set.layer = static_cast<std::uint16_t>(random());
+			// Some near the origin and negative, some at the end of the world.
+			const std::int32_t reach = domain % 2 == 0 ? 40 : cell_limit - 400;
+			const auto within = [&](std::int32_t bound) {
+				return static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(2 * bound)) - bound;
+			};
+			const glm::ivec2 corner(within(reach), within(reach));
+			const glm::ivec2 size(1 + static_cast<std::int32_t>(random() % 24), 1 + static_cast<std::int32_t>(random() % 24));
+			check_against_oracle(set, {corner, corner + size});
+		}
+	}
+}
