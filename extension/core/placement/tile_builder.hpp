@@ -2,6 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/placement/mesh_choice.hpp"
 #include "core/placement/placement.hpp"
 #include "core/placement/tile_instances.hpp"
 #include "core/rules/rules.hpp"
@@ -26,15 +27,7 @@ struct LayerSettings {
 	/// A weight for each mesh, finite and not negative, not all 0; an instance gets a mesh with a chance proportional to
 	/// the weight, from its own hash. None means one mesh. At most max_meshes.
 	std::vector<float> mesh_weights;
-
-	friend bool operator==(const LayerSettings &a, const LayerSettings &b) {
-		return a.set.seed == b.set.seed && a.set.radius == b.set.radius && a.set.levels == b.set.levels &&
-				a.set.layer == b.set.layer && a.rules == b.rules && a.placement == b.placement &&
-				a.mesh_weights == b.mesh_weights;
-	}
 };
-
-inline constexpr std::size_t max_meshes = 256;
 
 /// Refuses a layer of which any part is refused.
 Status validate(const LayerSettings &layer);

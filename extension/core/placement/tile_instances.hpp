@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/placement/placement.hpp"
+
 #include <glm/vec3.hpp>
 
 #include <cstddef>
@@ -8,10 +10,6 @@
 #include <vector>
 
 namespace thicket {
-
-/// Floats an instance in a buffer: a 3 x 4 matrix, row by row, the last column the position; what Godot's
-/// RenderingServer.multimesh_set_buffer takes for TRANSFORM_3D without colours and custom data.
-inline constexpr std::size_t floats_per_instance = 12;
 
 /// The instances of one mesh in one tile, sorted by (rank, id): every prefix is a well spaced thinning of the whole.
 struct MeshInstances {
@@ -23,6 +21,9 @@ struct MeshInstances {
 	float max_scale = 0.0f;           ///< The largest scale there is: grow the box by this times the mesh's reach.
 
 	std::size_t size() const { return ids.size(); }
+
+	/// Makes room for `count` instances. Keeps the memory it has.
+	void resize(std::size_t count);
 };
 
 /// How many points were left after each step.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace thicket {
 
@@ -71,9 +72,12 @@ bool PreparedRules::passes_ground(const Ground &ground, std::uint64_t id, std::u
 		return false;
 	}
 	const double height_chance = height_.chance(ground.height);
+	if (height_chance <= 0.0) {
+		return false;
+	}
 	// The angle costs more than all else here, so only where it is asked for.
-	const double slope_chance = slope_.open() || height_chance <= 0.0 ? 1.0 : slope_.chance(slope_degrees(ground.normal));
-	if (height_chance <= 0.0 || slope_chance <= 0.0) {
+	const double slope_chance = slope_.open() ? 1.0 : slope_.chance(slope_degrees(ground.normal));
+	if (slope_chance <= 0.0) {
 		return false;
 	}
 	if (height_chance >= 1.0 && slope_chance >= 1.0) {

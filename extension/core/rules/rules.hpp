@@ -44,7 +44,6 @@ public:
 
 	/// True when every finite value passes.
 	bool open() const { return min_open_ && max_open_; }
-	bool has_falloff() const { return falloff_ > 0.0 && !open(); }
 
 private:
 	double min_ = 0.0;

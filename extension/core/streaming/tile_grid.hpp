@@ -11,8 +11,8 @@ namespace thicket {
 /// Tile coordinates stay within +-max_tile_coordinate, so that they and their neighbours fit an int.
 inline constexpr std::int32_t max_tile_coordinate = 1 << 30;
 
-/// The tile that a place lies in: rounds down, so tile -1 ends where tile 0 begins. `tile_size` is metres, above 0;
-/// the place must be within max_tile_coordinate tiles of the origin.
+/// The tile that a place lies in: rounds down, so tile -1 ends where tile 0 begins. `tile_size` is metres, above 0,
+/// and `position` is finite; what lies beyond max_tile_coordinate gets the outermost tile.
 glm::ivec2 tile_at(double tile_size, glm::dvec2 position);
 
 /// The half-open square of a tile. Neighbours share their edges to the bit, so their tiles share no point and leave

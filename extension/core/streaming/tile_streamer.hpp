@@ -33,8 +33,8 @@ struct Viewer {
 	double radius_scale = 1.0; ///< Times the view distance of each layer; finite, 0 or more.
 };
 
-/// Names a tile of a layer. `grid` counts the tile sizes that the layer has had, so that a tile of the old size and one
-/// of the new, both on show for a while, are never taken for each other.
+/// Names a tile of a layer. Every tile size that a layer is given starts a new `grid`, a number not used before, so that
+/// a tile of the old size and one of the new, both on show for a while, are never taken for each other.
 struct TileKey {
 	std::uint32_t layer = 0;
 	std::uint32_t grid = 0;

@@ -1,0 +1,49 @@
+#include "core/placement/mesh_choice.hpp"
+
+#include "core/base/check.hpp"
+#include "core/rules/instance_random.hpp"
+
+#include <limits>
+#include <numeric>
+
+namespace thicket {
+
+Status validate_mesh_weights(std::span<const float> weights) {
+	if (weights.size() > max_meshes) {
+		return {ErrorCode::out_of_range, "mesh_weights", static_cast<double>(weights.size())};
+	}
+	for (const float weight : weights) {
+		const Status status = check_range("mesh_weights", weight, 0.0, std::numeric_limits<float>::max());
+		if (!status.ok()) {
+			return status;
+		}
+	}
+	const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+	return weights.empty() ? Status{} : check_positive("mesh_weights", sum);
+}
+
+void MeshChoice::set(std::span<const float> weights) {
+	constexpr double words = 0x1p32;
+	ends_.assign(weights.empty() ? 1 : weights.size(), static_cast<std::uint64_t>(words));
+	const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+	double before = 0.0;
+	for (std::size_t mesh = 0; mesh < weights.size(); ++mesh) {
+		before += weights[mesh];
+		// Summed in the same order as `sum`, so this is exactly 2^32 from the last weight above 0 on.
+		ends_[mesh] = static_cast<std::uint64_t>(before / sum * words);
+	}
+}
+
+std::size_t MeshChoice::mesh_for(std::uint64_t seed, std::uint64_t id) const {
+	if (ends_.size() == 1) {
+		return 0;
+	}
+	const std::uint32_t word = instance_random(seed, id, Draw::mesh)[0];
+	std::size_t mesh = 0;
+	while (word >= ends_[mesh]) {
+		++mesh;
+	}
+	return mesh;
+}
+
+} // namespace thicket

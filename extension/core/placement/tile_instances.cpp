@@ -1,0 +1,72 @@
+#include "core/placement/tile_instances.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+/// FNV-1a, a 32-bit word at a time.
+class WordHash {
+public:
+	void add(std::uint32_t word) { hash_ = (hash_ ^ word) * 0x100000001b3; }
+	void add(float value) { add(std::bit_cast<std::uint32_t>(value)); }
+	void add(std::uint64_t value) {
+		add(static_cast<std::uint32_t>(value));
+		add(static_cast<std::uint32_t>(value >> 32));
+	}
+	void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
+
+	template <typename Value>
+	void add_all(std::span<const Value> values) {
+		for (const Value value : values) {
+			add(value);
+		}
+	}
+
+	std::uint64_t value() const { return hash_; }
+
+private:
+	std::uint64_t hash_ = 0xcbf29ce484222325;
+};
+
+} // namespace
+
+void MeshInstances::resize(std::size_t count) {
+	buffer.resize(count * floats_per_instance);
+	ids.resize(count);
+	ranks.resize(count);
+}
+
+std::size_t visible_prefix(std::span<const std::uint32_t> ranks, double density) {
+	if (!(density > 0.0)) {
+		return 0;
+	}
+	const double end = std::ceil(density * 0x1p32);
+	const auto below = [end](std::uint32_t rank) { return rank < end; };
+	return static_cast<std::size_t>(std::partition_point(ranks.begin(), ranks.end(), below) - ranks.begin());
+}
+
+std::uint64_t digest(std::span<const float> buffer) {
+	WordHash hash;
+	hash.add_all(buffer);
+	return hash.value();
+}
+
+std::uint64_t digest(const TileInstances &tile) {
+	WordHash hash;
+	hash.add(tile.origin.x);
+	hash.add(tile.origin.y);
+	hash.add(tile.origin.z);
+	for (const MeshInstances &mesh : tile.meshes) {
+		hash.add(std::uint64_t{mesh.size()});
+		hash.add_all(std::span<const std::uint64_t>(mesh.ids));
+		hash.add_all(std::span<const std::uint32_t>(mesh.ranks));
+		hash.add_all(std::span<const float>(mesh.buffer));
+	}
+	return hash.value();
+}
+
+} // namespace thicket

@@ -1,0 +1,34 @@
+#include "core/streaming/tile_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thicket {
+
+glm::ivec2 tile_at(double tile_size, glm::dvec2 position) {
+	const auto coordinate = [tile_size](double along) {
+		constexpr double outermost = max_tile_coordinate;
+		auto tile = static_cast<std::int32_t>(std::clamp(std::floor(along / tile_size), -outermost, outermost));
+		// The division rounds; the edges of tile_rect decide.
+		if (along < tile * tile_size) {
+			--tile;
+		} else if (along >= (tile + 1) * tile_size) {
+			++tile;
+		}
+		return tile;
+	};
+	return {coordinate(position.x), coordinate(position.y)};
+}
+
+Rect tile_rect(double tile_size, glm::ivec2 tile) {
+	// A product, not a sum: the end of one tile and the start of the next are the same expression.
+	return {glm::dvec2(tile) * tile_size, glm::dvec2(tile + 1) * tile_size};
+}
+
+double distance_squared(const Rect &rect, glm::dvec2 position) {
+	const double x = std::max({rect.min.x - position.x, position.x - rect.max.x, 0.0});
+	const double y = std::max({rect.min.y - position.y, position.y - rect.max.y, 0.0});
+	return x * x + y * y;
+}
+
+} // namespace thicket
