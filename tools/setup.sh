@@ -65,11 +65,16 @@ setup_godot() {
 	[[ -x $root/usr/bin/godot ]] || command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
 	install_packages "to run Godot" "${missing[@]}"
 	[[ -x $root/usr/bin/godot ]] || make_godot_root "$root"
+	if ! "$setup_repo/tools/godot" --version >/dev/null </dev/null; then
+		say "Godot lies in $root, but bubblewrap cannot run it here (some containers forbid it): set GODOT to a Godot of" \
+			"this machine's own"
+		return 1
+	fi
 }
 
 # Makes a Debian root with Godot in it. It appears under its name only when it is whole.
 make_godot_root() {
-	local root=$1 mirror partial
+	local root=$1 mirror partial aptopts
 	mirror=$(debian_mirror)
 	if [[ -z $mirror ]]; then
 		say "no Godot 4.4 or newer here, and no Debian mirror among the apt sources to take it from: install Godot" \
@@ -79,7 +84,9 @@ make_godot_root() {
 	say "installing Godot from Debian $godot_suite into $root (about 800 MB, once)"
 	mkdir -p "$(dirname "$root")"
 	partial=$(mktemp --directory "$root.partial.XXXXXX")
-	if ! mmdebstrap --quiet --variant=apt --include="$godot_root_packages" \
+	# How this machine's apt reaches its mirror, and what it accepts from it, holds for this one too.
+	mapfile -t aptopts < <(apt-config dump | sed -nE 's/^(Acquire::(Check-|Retries|https?::).*[^:] ".*");$/--aptopt=\1/p')
+	if ! mmdebstrap --variant=apt --include="$godot_root_packages" "${aptopts[@]}" \
 		--dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
 		--dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \
 		"$godot_suite" "$partial" "$mirror" </dev/null >&2; then
@@ -134,5 +141,6 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	setup_compiler
 	setup_python
 	setup_godot
-	say "all there: $("$setup_repo/tools/godot" --version | tail -n 1) as Godot"
+	version=$("$setup_repo/tools/godot" --version | tail -n 1)
+	say "all there, Godot is $version"
 fi
