@@ -4,8 +4,14 @@ import os
 import platform as host
 import re
 import subprocess
+import sys
 
 from SCons.Script import BoolVariable, EnumVariable, PathVariable, Variables
+
+try:
+    import fcntl
+except ImportError:  # not on Windows
+    fcntl = None
 
 TARGETS = ("template_debug", "template_release", "editor")
 SANITIZERS = ("address", "undefined", "thread")
@@ -53,6 +59,20 @@ def sanitizers(env):
     return names
 
 
+def lock(env):
+    """Waits until no other build runs in this tree: two would write the same files. The lock ends with its process."""
+    folder = env.Dir("#build").abspath
+    os.makedirs(folder, exist_ok=True)
+    file = open(os.path.join(folder, ".lock"), "w", encoding="utf-8")
+    if fcntl:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            print("thicket: waiting for another build in this tree", file=sys.stderr)
+            fcntl.flock(file, fcntl.LOCK_EX)
+    return file
+
+
 def configure(env):
     """Sets the flags that all our code is compiled with; returns the name of the build folder, one for each set of
     options that gives other objects."""
@@ -91,7 +111,8 @@ def configure(env):
         name += "." + sanitizer
     # Short lines while building: a compiler's own messages stay, compiledb has the full commands.
     env.Replace(CXXCOMSTR="compile $SOURCE", SHCXXCOMSTR="compile $SOURCE", ARCOMSTR="archive $TARGET")
-    env.Replace(LINKCOMSTR="link    $TARGET", SHLINKCOMSTR="link    $TARGET", RANLIBCOMSTR="")
+    env.Replace(LINKCOMSTR="link    $TARGET", SHLINKCOMSTR="link    $TARGET")
+    env.Replace(ARFLAGS="rcsD", RANLIBCOM="")
     return name
 
 
