@@ -29,7 +29,7 @@ struct LatticeReport {
 	std::uint64_t too_close = 0; ///< Pairs closer than the radius, points of the border included.
 	std::uint64_t uncovered = 0; ///< Lattice points of the region that lie within the radius of no point.
 	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max(); ///< Smallest squared distance of a pair.
-	glm::i64vec2 uncovered_at{0}; ///< One of the uncovered lattice points.
+	glm::i64vec2 uncovered_at{0};                                          ///< One of the uncovered lattice points.
 
 	bool perfect() const { return too_close == 0 && uncovered == 0; }
 };
@@ -71,8 +71,9 @@ private:
 	LatticeReport report_;
 
 	LatticeCheck(int bits, const CellRect &region) :
-			bits_(bits), radius_squared_(std::int64_t{2} << (2 * bits)), region_(region),
-			bordered_{region.min - border, region.max + border}, columns_(bordered_.max.x - bordered_.min.x) {
+			bits_(bits), radius_squared_(std::int64_t{2} << (2 * bits)),
+			region_(region), bordered_{region.min - border, region.max + border},
+			columns_(bordered_.max.x - bordered_.min.x) {
 		const auto cells = static_cast<std::size_t>(columns_ * (bordered_.max.y - bordered_.min.y));
 		point_of_cell_.resize(cells);
 		taken_.resize(cells);

@@ -20,9 +20,7 @@ using namespace thicket;
 constexpr std::int32_t block_side = 128;
 
 /// Keeps level and time readable in place of the rank.
-std::uint32_t raw_rank(std::uint32_t, std::uint32_t level, TimeKey time) {
-	return level << 28 | time >> 3;
-}
+std::uint32_t raw_rank(std::uint32_t, std::uint32_t level, TimeKey time) { return level << 28 | time >> 3; }
 
 struct Measured {
 	std::vector<std::uint64_t> knots = std::vector<std::uint64_t>(rank_knots + 1);
@@ -31,7 +29,8 @@ struct Measured {
 	std::uint64_t finest = 0; ///< Placed at the finest level.
 };
 
-void measure(std::uint32_t levels, std::int32_t first_row, std::int32_t rows, std::int32_t columns, Measured &r_measured) {
+void measure(
+		std::uint32_t levels, std::int32_t first_row, std::int32_t rows, std::int32_t columns, Measured &r_measured) {
 	BlockSampler blocks;
 	PointSet set;
 	set.seed = 0x7461626c65;

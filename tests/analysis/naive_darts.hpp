@@ -27,9 +27,9 @@ public:
 
 	/// `side` in radii; at least 8, so that a disk does not meet itself. Any seed.
 	NaiveDarts(double side, std::uint64_t seed) :
-			side_(side), columns_(static_cast<int>(std::floor(side * std::sqrt(2.0))) + 1),
-			cell_(side / columns_), random_(seed),
-			points_of_cell_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_), {nowhere, nowhere}) {}
+			side_(side), columns_(static_cast<int>(std::floor(side * std::sqrt(2.0))) + 1), cell_(side / columns_),
+			random_(seed), points_of_cell_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_),
+								   {nowhere, nowhere}) {}
 
 	/// The jammed set, in the order of acceptance.
 	std::vector<glm::dvec2> run() {
@@ -63,18 +63,16 @@ private:
 
 	double unit() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
 
-	int cell_of(double coordinate) const {
-		return std::min(static_cast<int>(coordinate / cell_), columns_ - 1);
-	}
+	int cell_of(double coordinate) const { return std::min(static_cast<int>(coordinate / cell_), columns_ - 1); }
 
 	glm::dvec2 &cell(int x, int y) {
-		const auto wrap = [&](int i) { return static_cast<std::size_t>((i + columns_) % columns_); };
+		const auto wrap = [&](int i) {
+			return static_cast<std::size_t>((i + columns_) % columns_);
+		};
 		return points_of_cell_[wrap(y) * static_cast<std::size_t>(columns_) + wrap(x)];
 	}
 
-	double shortest(double difference) const {
-		return std::abs(difference - side_ * std::round(difference / side_));
-	}
+	double shortest(double difference) const { return std::abs(difference - side_ * std::round(difference / side_)); }
 
 	void try_dart(glm::dvec2 dart) {
 		const int column = cell_of(dart.x);

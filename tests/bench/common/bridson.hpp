@@ -33,7 +33,8 @@ public:
 		Xoroshiro random(seed);
 		const std::uint64_t bits = random();
 		const glm::vec2 first = glm::vec2(unit(bits >> 40), unit(bits >> 16 & 0xffffff)) * size;
-		insert({std::min(first.x, std::nextafter(size.x, 0.0f)), std::min(first.y, std::nextafter(size.y, 0.0f))}, r_points);
+		insert({std::min(first.x, std::nextafter(size.x, 0.0f)), std::min(first.y, std::nextafter(size.y, 0.0f))},
+				r_points);
 		while (!active_.empty()) {
 			const std::uint32_t slot = random.below(static_cast<std::uint32_t>(active_.size()));
 			if (!grow(active_[slot], random, r_points)) {

@@ -29,9 +29,7 @@ public:
 	}
 
 	/// An integer in [0, count), by multiply and shift; the bias is below count / 2^32. `count` > 0.
-	std::uint32_t below(std::uint32_t count) {
-		return static_cast<std::uint32_t>(((*this)() >> 32) * count >> 32);
-	}
+	std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(((*this)() >> 32) * count >> 32); }
 
 private:
 	std::uint64_t low_;

@@ -1,0 +1,90 @@
+"""What is measured on a window of a point set. Every function takes positions (n, 2) in radii, with the window at
+[0, side) x [0, side) and, where it says so, a border of further points around it."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+
+def inside(positions: np.ndarray, side: float) -> np.ndarray:
+    """True for the points of the half-open window."""
+    return np.all((positions >= 0.0) & (positions < side), axis=1)
+
+
+def close_pairs(positions: np.ndarray, side: float, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(distance, angle, weight) of all pairs not further apart than `reach`: the weight is how many of the two lie in
+    the window, so that each point of the window counts all its neighbours once. Needs a border of `reach`."""
+    pairs = cKDTree(positions).query_pairs(reach, output_type="ndarray")
+    offset = positions[pairs[:, 1]] - positions[pairs[:, 0]]
+    within = inside(positions, side).astype(np.int64)
+    weight = within[pairs[:, 0]] + within[pairs[:, 1]]
+    return np.hypot(offset[:, 0], offset[:, 1]), np.arctan2(offset[:, 1], offset[:, 0]), weight
+
+
+def pair_correlation(positions: np.ndarray, side: float, edges: np.ndarray, density: float) -> np.ndarray:
+    """g(r) in the bins between `edges`, relative to a fixed density (points per square radius), so that a set of
+    another density differs. Needs a border of edges[-1]."""
+    distance, _, weight = close_pairs(positions, side, edges[-1])
+    counts, _ = np.histogram(distance, bins=edges, weights=weight)
+    rings = np.pi * (edges[1:] ** 2 - edges[:-1] ** 2)
+    return counts / (side * side * density * density * rings)
+
+
+def cross_correlation(a: np.ndarray, b: np.ndarray, side: float, edges: np.ndarray) -> np.ndarray:
+    """g(r) between the points of `a` in the window and all of `b`, relative to the window's own density of `b`;
+    1 everywhere for independent sets. `b` needs a border of edges[-1]."""
+    centers = cKDTree(a[inside(a, side)])
+    counts = np.diff(centers.count_neighbors(cKDTree(b), edges).astype(float))
+    rings = np.pi * (edges[1:] ** 2 - edges[:-1] ** 2)
+    density_a, density_b = inside(a, side).sum(), inside(b, side).sum()
+    return counts / (density_a * density_b / (side * side) * rings)
+
+
+def near_pair_directions(positions: np.ndarray, side: float, reach: float, bins: int) -> np.ndarray:
+    """Fraction of the pairs nearer than `reach` in each direction, over half a turn; 1 / bins each for an isotropic
+    set. Needs a border of `reach`."""
+    _, angle, weight = close_pairs(positions, side, reach)
+    counts, _ = np.histogram(np.mod(angle, np.pi), bins=bins, range=(0.0, np.pi), weights=weight)
+    return counts / counts.sum()
+
+
+class Spectrum:
+    """The power spectrum of a window, tapered by a Hann window on each axis, at the wave vectors
+    2 pi (i, j) / side with |i|, |j| <= modes. Power is relative to that of unrelated points."""
+
+    def __init__(self, positions: np.ndarray, side: float, modes: int):
+        points = positions[inside(positions, side)]
+        taper = np.prod(np.sin(np.pi * points / side) ** 2, axis=1)
+        x = self._waves(points[:, 0] / side, np.arange(0, modes + 1)) * taper.astype(np.float32)
+        y = self._waves(points[:, 1] / side, np.arange(-modes, modes + 1))
+        power = np.abs(x @ y.T).astype(np.float64) ** 2 / np.sum(taper**2)
+        i, j = np.meshgrid(np.arange(0, modes + 1), np.arange(-modes, modes + 1), indexing="ij")
+        # The taper spreads the mean density over the modes next to zero; and of i = 0 one half says all.
+        used = (np.maximum(np.abs(i), np.abs(j)) > 2) & ((i > 0) | (j > 0))
+        self.power = power[used]
+        self.frequency = np.hypot(i, j)[used] / side
+        self.angle = np.arctan2(j, i)[used]
+
+    @staticmethod
+    def _waves(turns: np.ndarray, modes: np.ndarray) -> np.ndarray:
+        phase = np.mod(np.outer(modes, turns), 1.0)
+        return np.exp((-2j * np.pi * phase).astype(np.complex64))
+
+    def radial(self, edges: np.ndarray) -> np.ndarray:
+        """Mean power in the rings of frequency (waves per radius) between `edges`."""
+        ring = np.digitize(self.frequency, edges) - 1
+        kept = (ring >= 0) & (ring < len(edges) - 1)
+        count = np.bincount(ring[kept], minlength=len(edges) - 1)
+        return np.bincount(ring[kept], self.power[kept], minlength=len(edges) - 1) / count
+
+    def anisotropy(self, edges: np.ndarray) -> np.ndarray:
+        """For each ring the mean power times cos 2a, sin 2a, cos 4a and sin 4a, and the mean squared power (Ulichney's
+        anisotropy but for the factor): the parts of a set that has directions."""
+        ring = np.digitize(self.frequency, edges) - 1
+        kept = (ring >= 0) & (ring < len(edges) - 1)
+        count = np.bincount(ring[kept], minlength=len(edges) - 1)
+        shapes = [np.cos(2 * self.angle), np.sin(2 * self.angle), np.cos(4 * self.angle), np.sin(4 * self.angle)]
+        weights = [self.power * shape for shape in shapes] + [self.power**2]
+        sums = [np.bincount(ring[kept], weight[kept], minlength=len(edges) - 1) / count for weight in weights]
+        return np.concatenate(sums)

@@ -1,0 +1,169 @@
+// Promise 1 of TileSampler: a point of the set comes out, bit for bit the same, for every rectangle that contains it.
+
+#include "core/base/instance_id.hpp"
+#include "tilings.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/common.hpp>
+
+#include <array>
+#include <cmath>
+#include <span>
+
+using namespace thicket;
+using namespace thicket::tilings;
+
+namespace {
+
+/// Requires that every tiling gives the points that one call for the whole region gives.
+void check_tilings(const PointSet &set, const Rect &region, std::span<const Tiling> tilings, std::size_t least_points) {
+	const std::vector<SamplePoint> whole = points_at_once(set, region);
+	CHECK(whole.size() >= least_points);
+	for (const Tiling &tiling : tilings) {
+		CAPTURE(tiling.name);
+		const std::vector<SamplePoint> tiled = points_through(set, region, tiling);
+		CHECK(tiled.size() == whole.size());
+		// Not CHECK on the vectors themselves: nobody wants a million points in a log.
+		const bool identical = tiled == whole;
+		CHECK(identical);
+	}
+}
+
+/// A rectangle that holds this position and no other double.
+Rect only(glm::dvec2 position) {
+	return {position, {std::nextafter(position.x, HUGE_VAL), std::nextafter(position.y, HUGE_VAL)}};
+}
+
+} // namespace
+
+TEST_CASE("windows: a million points on both sides of the origin, tiles from 1 m to 1 km") {
+	const PointSet set{.seed = 11, .radius = 0.25, .levels = 1, .layer = 3};
+	const std::array tilings = {
+			Tiling{.name = "1 m, two threads, any order", .size{1.0, 1.0}, .threads = 2, .shuffle = 1},
+			Tiling{.name = "10 m", .size{10.0, 10.0}},
+			Tiling{.name = "3 m x 17 m, offset", .size{3.0, 17.0}, .offset{0.4, -1.7}},
+			Tiling{.name = "64 m, any order", .size{64.0, 64.0}, .shuffle = 2},
+			Tiling{.name = "33.3 m x 8.1 m, offset, two threads",
+					.size{33.3, 8.1},
+					.offset{-5.5, 100.25},
+					.threads = 2},
+			Tiling{.name = "100 m, two threads, any order", .size{100.0, 100.0}, .threads = 2, .shuffle = 3},
+			Tiling{.name = "2.5 m x 300 m", .size{2.5, 300.0}},
+			Tiling{.name = "1 km x 75 m, offset", .size{1000.0, 75.0}, .offset{-313.0, 20.0}},
+	};
+	check_tilings(set, {{-170.5, -129.25}, {130.0, 171.0}}, tilings, 1'000'000);
+}
+
+TEST_CASE("windows: a million points 5 000 km from the origin, tiles from 10 m to 1 km") {
+	const PointSet set{.seed = 12, .radius = 1.0, .levels = 1, .layer = 0};
+	const std::array tilings = {
+			Tiling{.name = "10 m, two threads, any order", .size{10.0, 10.0}, .threads = 2, .shuffle = 1},
+			Tiling{.name = "16 m", .size{16.0, 16.0}},
+			Tiling{.name = "12 m x 70 m, offset", .size{12.0, 70.0}, .offset{0.4, -1.7}},
+			Tiling{.name = "64 m, any order", .size{64.0, 64.0}, .shuffle = 2},
+			Tiling{.name = "133.3 m x 18.1 m, offset, two threads",
+					.size{133.3, 18.1},
+					.offset{-5.5, 1.25},
+					.threads = 2},
+			Tiling{.name = "256 m, two threads", .size{256.0, 256.0}, .threads = 2},
+			Tiling{.name = "1 km x 20 m", .size{1000.0, 20.0}},
+			Tiling{.name = "1 km, offset", .size{1000.0, 1000.0}, .offset{-313.0, 20.0}},
+	};
+	check_tilings(set, {{5.0e6, -3.0e6}, {5.0e6 + 1203.0, -3.0e6 + 1203.0}}, tilings, 1'000'000);
+	// A million tiles of 1 m take minutes here, where a metre is a radius; a part of them has to do.
+	const std::array small = {Tiling{.name = "1 m", .size{1.0, 1.0}, .threads = 2, .shuffle = 4}};
+	check_tilings(set, {{5.0e6 + 300.0, -3.0e6 + 300.0}, {5.0e6 + 380.0, -3.0e6 + 380.0}}, small, 4'000);
+}
+
+TEST_CASE("windows: a million points of a progressive set, four levels, tiles from 8 m to 1 km") {
+	const PointSet set{.seed = 13, .radius = 1.0, .levels = 4, .layer = 65535};
+	const std::array tilings = {
+			Tiling{.name = "20 m, two threads, any order", .size{20.0, 20.0}, .threads = 2, .shuffle = 1},
+			Tiling{.name = "8 m x 300 m, offset", .size{8.0, 300.0}, .offset{0.4, -1.7}},
+			Tiling{.name = "64 m, any order", .size{64.0, 64.0}, .shuffle = 2},
+			Tiling{.name = "133.3 m x 38.1 m, offset, two threads",
+					.size{133.3, 38.1},
+					.offset{-5.5, 1.25},
+					.threads = 2},
+			Tiling{.name = "200 m", .size{200.0, 200.0}},
+			Tiling{.name = "256 m, two threads, any order", .size{256.0, 256.0}, .threads = 2, .shuffle = 3},
+			Tiling{.name = "1 km x 50 m", .size{1000.0, 50.0}},
+			Tiling{.name = "1 km, offset", .size{1000.0, 1000.0}, .offset{-313.0, 20.0}},
+	};
+	check_tilings(set, {{-703.0, -499.0}, {491.0, 695.0}}, tilings, 1'000'000);
+}
+
+TEST_CASE("windows: all levels, a small region through small tiles") {
+	for (std::uint32_t levels = 1; levels <= max_levels; ++levels) {
+		CAPTURE(levels);
+		const PointSet set{.seed = levels, .radius = 2.0, .levels = levels, .layer = 9};
+		const std::array tilings = {
+				Tiling{.name = "9 m, any order", .size{9.0, 9.0}, .shuffle = 1},
+				Tiling{.name = "40 m x 11 m, two threads", .size{40.0, 11.0}, .offset{0.1, 0.2}, .threads = 2},
+		};
+		check_tilings(set, {{-60.0, 20.0}, {0.0, 80.0}}, tilings, 500);
+	}
+}
+
+TEST_CASE("windows: half-open to the last bit") {
+	for (const std::uint32_t levels : {1u, 3u}) {
+		const PointSet set{.seed = 14, .radius = 1.7, .levels = levels, .layer = 1};
+		TileSampler sampler;
+		std::vector<SamplePoint> points;
+		for (const glm::dvec2 corner : {glm::dvec2(-10.0), glm::dvec2(4.9e6, -4.9e6)}) {
+			for (const SamplePoint &point : points_at_once(set, {corner, corner + 20.0})) {
+				REQUIRE(sampler.sample(set, only(point.position), points).ok());
+				REQUIRE(points.size() == 1);
+				CHECK(points.front() == point);
+				const Rect up_to{point.position - 0.5, point.position};
+				REQUIRE(sampler.sample(set, up_to, points).ok());
+				CHECK(points.empty());
+				const Rect after{{std::nextafter(point.position.x, HUGE_VAL), point.position.y}, point.position + 0.5};
+				REQUIRE(sampler.sample(set, after, points).ok());
+				CHECK(points.empty());
+			}
+		}
+	}
+}
+
+TEST_CASE("windows: the corners of the world") {
+	const PointSet set{.seed = 15, .radius = 0.5, .levels = 2, .layer = 1};
+	const double limit = lattice_unit(set) * 16384.0 * cell_limit;
+	for (const glm::dvec2 side :
+			{glm::dvec2(-1.0, -1.0), glm::dvec2(1.0, -1.0), glm::dvec2(-1.0, 1.0), glm::dvec2(1.0, 1.0)}) {
+		const glm::dvec2 outer = side * limit;
+		const glm::dvec2 inner = side * (limit - 12.0);
+		const Rect region{glm::min(outer, inner), glm::max(outer, inner)};
+		const std::vector<SamplePoint> whole = points_at_once(set, region);
+		CHECK(whole.size() > 350);
+		std::vector<SamplePoint> parts;
+		for (int part = 0; part < 4; ++part) {
+			const glm::dvec2 middle = region.center();
+			const Rect quarter{{part & 1 ? middle.x : region.min.x, part & 2 ? middle.y : region.min.y},
+					{part & 1 ? region.max.x : middle.x, part & 2 ? region.max.y : middle.y}};
+			const std::vector<SamplePoint> found = points_at_once(set, quarter);
+			parts.insert(parts.end(), found.begin(), found.end());
+		}
+		std::sort(parts.begin(), parts.end(), [](const SamplePoint &a, const SamplePoint &b) { return a.id < b.id; });
+		CHECK(parts == whole);
+		for (const SamplePoint &point : whole) {
+			const glm::ivec2 cell = unpack(point.id).cell;
+			CHECK(glm::min(cell.x, cell.y) >= -cell_limit);
+			CHECK(glm::max(cell.x, cell.y) < cell_limit);
+		}
+	}
+}
+
+TEST_CASE("windows: an id names the layer and the cell in which its point lies") {
+	const PointSet set{.seed = 16, .radius = 3.0, .levels = 1, .layer = 40000};
+	for (const SamplePoint &point : points_at_once(set, {{-200.0, -100.0}, {100.0, 300.0}})) {
+		const InstanceId id = unpack(point.id);
+		CHECK(id.layer == set.layer);
+		const glm::i64vec2 lattice = lattice_position(set, point);
+		CHECK(id.cell.x == lattice.x >> lattice_bits);
+		CHECK(id.cell.y == lattice.y >> lattice_bits);
+		CHECK(point.position.x == static_cast<double>(lattice.x) * lattice_unit(set));
+		CHECK(point.position.y == static_cast<double>(lattice.y) * lattice_unit(set));
+	}
+}
