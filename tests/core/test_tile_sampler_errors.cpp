@@ -1,6 +1,6 @@
 // What TileSampler::sample does with bad input, with its cancel flag, and with memory.
 
-#include "allocation_counter.hpp"
+#include "allocation_count.hpp"
 #include "core/base/instance_id.hpp"
 #include "tilings.hpp"
 
@@ -221,16 +221,16 @@ TEST_CASE("sampler: once warm it allocates nothing") {
 			return true;
 		};
 		REQUIRE(walk());
-		const std::uint64_t before = allocations();
+		const std::size_t before = allocation_count();
 		const bool walked = walk();
-		const std::uint64_t after = allocations();
+		const std::size_t after = allocation_count();
 		CHECK(walked);
 		CHECK(after == before);
 	}
 	// The counter counts.
-	const std::uint64_t before = allocations();
+	const std::size_t before = allocation_count();
 	const std::vector<int> something(1000);
-	CHECK(allocations() > before);
+	CHECK(allocation_count() > before);
 	CHECK(something.size() == 1000);
 }
 

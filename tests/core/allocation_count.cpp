@@ -1,0 +1,51 @@
+#include "allocation_count.hpp"
+
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+thread_local std::size_t allocations = 0;
+
+void *allocate(std::size_t size, std::size_t alignment) {
+	++allocations;
+	// aligned_alloc wants a multiple of the alignment.
+	const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
+	void *memory = alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ ? std::malloc(size == 0 ? 1 : size)
+																 : std::aligned_alloc(alignment, rounded);
+	if (memory == nullptr) {
+		throw std::bad_alloc();
+	}
+	return memory;
+}
+
+} // namespace
+
+std::size_t allocation_count() {
+	return allocations;
+}
+
+// The array and nothrow forms of the library come back to these.
+void *operator new(std::size_t size) {
+	return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+}
+
+void *operator new(std::size_t size, std::align_val_t alignment) {
+	return allocate(size, static_cast<std::size_t>(alignment));
+}
+
+void operator delete(void *memory) noexcept {
+	std::free(memory);
+}
+
+void operator delete(void *memory, std::size_t) noexcept {
+	std::free(memory);
+}
+
+void operator delete(void *memory, std::align_val_t) noexcept {
+	std::free(memory);
+}
+
+void operator delete(void *memory, std::size_t, std::align_val_t) noexcept {
+	std::free(memory);
+}
