@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/base/status.hpp"
+
+#include <godot_cpp/classes/global_constants.hpp>
+#include <godot_cpp/variant/string.hpp>
+
+#include <cstdint>
+
+namespace thicket {
+
+/// A bounded number among a class's properties. One constant of this type says all that the inspector, the setter and
+/// its error message need to know, so a new property is one line.
+template <class Values, class Number>
+struct NumberProperty {
+	const char *name;
+	Number Values::*member;
+	Number min; ///< The smallest value taken. Above zero, the error for a smaller one says "must be positive".
+	Number max; ///< The largest value taken.
+	godot::PropertyHint hint = godot::PROPERTY_HINT_NONE;
+	const char *hint_string = "";
+};
+
+/// True for a finite value in [min, max]; otherwise prints one error that names owner, property and value, and is false.
+bool accept_number(const char *owner, const char *property, double value, double min, double max);
+
+/// Prints `owner`.`status` as an error of the engine; silent for a status that is fine or was cancelled.
+void report(const char *owner, const Status &status);
+
+/// The sentence that `report` prints.
+godot::String sentence(const char *owner, const Status &status);
+
+} // namespace thicket

@@ -1,0 +1,221 @@
+#include "nodes/scatter_stream.hpp"
+
+#include "nodes/property_check.hpp"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Tiles under way for each worker: enough that none runs dry between two frames, few enough that the nearest tiles still
+/// come first after a turn.
+constexpr std::size_t jobs_per_worker = 8;
+
+/// Places that a script on the main thread is asked for at a time.
+constexpr std::size_t ground_slice = 128;
+
+std::size_t worker_count() {
+	const std::size_t cores = std::thread::hardware_concurrency();
+	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core stays with the main thread.
+}
+
+std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
+	return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+}
+
+} // namespace
+
+ScatterStream::ScatterStream() : workers_(worker_count()) {}
+
+void ScatterStream::set_layers(
+		std::vector<StreamedLayer> layers, const std::vector<bool> &changed, const Ref<ScatterTerrain> &script) {
+	std::vector<StreamLayer> ranges;
+	std::vector<LayerLook> looks;
+	for (const StreamedLayer &layer : layers) {
+		ranges.push_back(layer.range);
+		looks.push_back(layer.look);
+	}
+	const Status status = streamer_.set_layers(ranges);
+	report("TerrainScatter3D", status);
+	if (!status.ok()) {
+		return;
+	}
+	layers_ = std::move(layers);
+	script_ = script;
+	stage_.set_looks(std::move(looks));
+	for (std::uint32_t layer = 0; layer < changed.size(); ++layer) {
+		if (changed[layer]) {
+			streamer_.invalidate(layer);
+		}
+	}
+}
+
+void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
+	const Clock::time_point start = Clock::now();
+	const Clock::time_point deadline = start + std::chrono::microseconds(budget);
+	take_finished();
+	request_tiles(viewers);
+	Clock::time_point before = Clock::now();
+	while (step()) {
+		const Clock::time_point now = Clock::now();
+		usual_step_ = std::max(now - before, usual_step_ * 7 / 8);
+		before = now;
+		if (now + usual_step_ > deadline) {
+			break;
+		}
+	}
+	figures_.frame_microseconds = microseconds(Clock::now() - start);
+}
+
+void ScatterStream::request_tiles(std::span<const Viewer> viewers) {
+	const Status status = streamer_.update(viewers, jobs_per_worker * workers_.threads(), changes_);
+	if (!status.ok()) {
+		if (viewer_status_.code != status.code) {
+			report("TerrainScatter3D", status);
+		}
+		viewer_status_ = status;
+		return;
+	}
+	viewer_status_ = status;
+	for (const TileRequest &request : changes_.cancel) {
+		cancel(request.ticket);
+	}
+	for (const TileKey &key : changes_.drop) {
+		if (stage_.drop(key)) {
+			events_.push_back({false, key.layer, key.tile});
+		}
+	}
+	for (const TileRequest &request : changes_.request) {
+		start(request);
+	}
+}
+
+void ScatterStream::start(const TileRequest &request) {
+	const std::shared_ptr<const LayerPlan> &plan = layers_[request.key.layer].plan;
+	if (!plan->wanted) {
+		streamer_.finish(request);
+		return;
+	}
+	const auto job = std::make_shared<TileJob>();
+	job->request = request;
+	job->plan = plan;
+	jobs_.push_back(job);
+	workers_.push(job);
+}
+
+void ScatterStream::cancel(std::uint64_t ticket) {
+	const auto has_ticket = [ticket](const std::shared_ptr<TileJob> &job) {
+		return job->request.ticket == ticket;
+	};
+	const auto found = std::find_if(jobs_.begin(), jobs_.end(), has_ticket);
+	if (found != jobs_.end()) {
+		(*found)->cancelled = true;
+		jobs_.erase(found);
+	}
+	std::erase_if(ask_ground_, has_ticket);
+	stage_.forget(ticket);
+}
+
+void ScatterStream::take_finished() {
+	for (const std::shared_ptr<TileJob> &job : workers_.take_finished()) {
+		if (!job->cancelled) {
+			settle(job);
+		}
+	}
+}
+
+void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
+	if (job->step == TileJob::Step::needs_ground) {
+		ask_ground_.push_back(job);
+		return;
+	}
+	const std::uint32_t index = job->request.key.layer;
+	if (!job->status.ok() && index < layers_.size() && layers_[index].plan == job->plan &&
+			!std::exchange(layers_[index].error_reported, true)) {
+		report("TerrainScatter3D", job->status);
+	}
+	++figures_.tiles_made;
+	figures_.points_sampled += job->counts.sampled;
+	figures_.worker_microseconds += job->microseconds;
+	stage_.push(job);
+}
+
+bool ScatterStream::ground_step() {
+	if (ask_ground_.empty()) {
+		return false;
+	}
+	const std::shared_ptr<TileJob> job = ask_ground_.front();
+	const std::size_t count = std::min(ground_slice, job->positions.size() - job->answered);
+	const auto positions = std::span<const glm::dvec2>(job->positions).subspan(job->answered, count);
+	const Ref<ScatterTerrain> script = script_;
+	const Status status = script->ask_script(positions, std::span(job->ground).subspan(job->answered, count));
+	if (ask_ground_.empty() || ask_ground_.front() != job) {
+		return false; // The script has changed the stream that asked it.
+	}
+	job->answered += count;
+	if (!status.ok()) {
+		ask_ground_.pop_front();
+		job->status = status;
+		job->step = TileJob::Step::done;
+		settle(job);
+	} else if (job->answered == job->positions.size()) {
+		ask_ground_.pop_front();
+		job->step = TileJob::Step::has_ground;
+		workers_.push(job);
+	}
+	return true;
+}
+
+bool ScatterStream::show_step() {
+	if (!stage_.upload_step()) {
+		return false;
+	}
+	if (const TileJob *job = stage_.completed()) {
+		const TileRequest request = job->request;
+		std::erase_if(jobs_, [job](const std::shared_ptr<TileJob> &other) { return other.get() == job; });
+		if (streamer_.finish(request)) {
+			stage_.present();
+			events_.push_back({true, request.key.layer, request.key.tile});
+		} else {
+			stage_.reject();
+		}
+	}
+	return true;
+}
+
+bool ScatterStream::step() {
+	ground_turn_ = !ground_turn_;
+	if (ground_turn_ && ground_step()) {
+		return true;
+	}
+	const bool shown = show_step();
+	const bool freed = stage_.free_step();
+	return shown || freed || (!ground_turn_ && ground_step());
+}
+
+void ScatterStream::stop() {
+	for (const std::shared_ptr<TileJob> &job : jobs_) {
+		job->cancelled = true;
+	}
+	workers_.stop();
+	jobs_.clear();
+	ask_ground_.clear();
+	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
+		for (const glm::ivec2 &tile : stage_.tiles(layer)) {
+			events_.push_back({false, layer, tile});
+		}
+	}
+	stage_.clear();
+	streamer_.clear();
+}
+
+std::vector<TileEvent> ScatterStream::take_events() { return std::exchange(events_, {}); }
+
+bool ScatterStream::idle() const { return streamer_.idle(); }
+
+} // namespace thicket

@@ -1,0 +1,277 @@
+#include "nodes/terrain_scatter_3d.hpp"
+
+#include <godot_cpp/classes/camera3d.hpp>
+#include <godot_cpp/classes/editor_interface.hpp>
+#include <godot_cpp/classes/engine.hpp>
+#include <godot_cpp/classes/sub_viewport.hpp>
+#include <godot_cpp/classes/viewport.hpp>
+#include <godot_cpp/classes/world3d.hpp>
+#include <godot_cpp/core/class_db.hpp>
+
+#include <cmath>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "TerrainScatter3D";
+
+/// Metres from a mesh's origin to the farthest corner of its box.
+float reach_of(const Ref<Mesh> &mesh) {
+	if (mesh.is_null()) {
+		return 0.0F;
+	}
+	const AABB box = mesh->get_aabb();
+	const Vector3 far_corner = box.position.abs().max((box.position + box.size).abs());
+	return static_cast<float>(far_corner.length());
+}
+
+std::vector<float> reaches_of(const std::vector<Ref<Mesh>> &meshes) {
+	std::vector<float> reaches;
+	for (const Ref<Mesh> &mesh : meshes) {
+		reaches.push_back(reach_of(mesh));
+	}
+	return reaches;
+}
+
+/// Shows nothing, and asks for as few tiles as there can be.
+StreamedLayer absent_layer() {
+	LayerPlan plan;
+	plan.wanted = false;
+	return {std::make_shared<LayerPlan>(std::move(plan)), {1e6, 0.0}, {}};
+}
+
+bool same_settings(const LayerSettings &a, const LayerSettings &b) {
+	return a.set.seed == b.set.seed && a.set.radius == b.set.radius && a.set.levels == b.set.levels &&
+			a.set.layer == b.set.layer && a.rules == b.rules && a.placement == b.placement &&
+			a.mesh_weights == b.mesh_weights;
+}
+
+bool same_tiles(const StreamedLayer &a, const StreamedLayer &b) {
+	return same_settings(a.plan->settings, b.plan->settings) && a.plan->wanted == b.plan->wanted &&
+			a.plan->terrain == b.plan->terrain && a.plan->mesh_reach == b.plan->mesh_reach &&
+			a.look.meshes == b.look.meshes;
+}
+
+} // namespace
+
+TerrainScatter3D::TerrainScatter3D() = default;
+
+TerrainScatter3D::~TerrainScatter3D() { stop(); }
+
+void TerrainScatter3D::_notification(int p_what) {
+	switch (p_what) {
+		case NOTIFICATION_ENTER_WORLD: start(); break;
+		case NOTIFICATION_EXIT_WORLD: stop(); break;
+		case NOTIFICATION_VISIBILITY_CHANGED: stream_.stage().set_visible(is_visible_in_tree()); break;
+		case NOTIFICATION_INTERNAL_PROCESS: process_frame(); break;
+		case NOTIFICATION_EXTENSION_RELOADED:
+			if (is_inside_tree()) {
+				start();
+			}
+			break;
+		default: break;
+	}
+}
+
+void TerrainScatter3D::start() {
+	stream_.stage().set_place(get_world_3d()->get_scenario(), get_instance_id());
+	stream_.stage().set_visible(is_visible_in_tree());
+	set_process_internal(true);
+	running_ = true;
+	mark_ground_dirty();
+}
+
+void TerrainScatter3D::stop() {
+	if (running_) {
+		running_ = false;
+		stream_.stop();
+		stream_.take_events();
+	}
+}
+
+void TerrainScatter3D::process_frame() {
+	if (dirty_) {
+		refresh();
+	}
+	if (terrain_.is_valid() && !streamed_.empty()) {
+		const std::vector<Viewer> viewers = find_viewers();
+		if (!viewers.empty()) {
+			stream_.frame(viewers, static_cast<std::uint64_t>(upload_budget_usec_));
+		}
+	}
+	emit_events();
+}
+
+void TerrainScatter3D::emit_events() {
+	for (const TileEvent &event : stream_.take_events()) {
+		emit_signal(event.shown ? "tile_shown" : "tile_hidden", static_cast<int64_t>(event.layer),
+				Vector2i(event.tile.x, event.tile.y));
+	}
+	const bool idle = is_idle();
+	if (idle && !std::exchange(was_idle_, idle)) {
+		emit_signal("idle");
+	}
+	was_idle_ = idle;
+}
+
+void TerrainScatter3D::mark_dirty() {
+	dirty_ = true;
+	was_idle_ = false;
+	update_configuration_warnings();
+}
+
+void TerrainScatter3D::mark_ground_dirty() {
+	ground_dirty_ = true;
+	mark_dirty();
+}
+
+StreamedLayer TerrainScatter3D::streamed_layer(std::size_t p_place, const Ref<ScatterLayer> &p_layer) {
+	if (p_layer.is_null()) {
+		return absent_layer();
+	}
+	const Status status = p_layer->check();
+	report("ScatterLayer", status);
+	if (!status.ok()) {
+		return p_place < streamed_.size() ? streamed_[p_place] : absent_layer();
+	}
+	StreamedLayer streamed;
+	streamed.look = {{p_layer->numbers(), p_layer->integers(), p_layer->get_material_override()}, p_layer->mesh_list()};
+	streamed.range = p_layer->streaming();
+	LayerPlan plan;
+	plan.settings = p_layer->settings(static_cast<std::uint64_t>(seed_), p_place);
+	plan.terrain = ground_;
+	plan.mesh_reach = reaches_of(streamed.look.meshes);
+	streamed.plan = std::make_shared<LayerPlan>(std::move(plan));
+	return streamed;
+}
+
+void TerrainScatter3D::refresh() {
+	dirty_ = false;
+	const bool new_ground = std::exchange(ground_dirty_, false);
+	if (new_ground && terrain_.is_valid()) {
+		ground_ = terrain_->snapshot();
+	}
+	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
+	if (!grounded) {
+		stream_.stop();
+		streamed_.clear();
+		return;
+	}
+	std::vector<StreamedLayer> next;
+	std::vector<bool> changed;
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		const auto index = static_cast<std::size_t>(place);
+		next.push_back(streamed_layer(index, layer_at(place)));
+		const bool same = index < streamed_.size() && same_tiles(streamed_[index], next.back());
+		if (same) {
+			next.back().plan = streamed_[index].plan;
+		}
+		changed.push_back(!same || new_ground);
+	}
+	streamed_ = next;
+	stream_.set_layers(std::move(next), changed, terrain_);
+}
+
+Node3D *TerrainScatter3D::active_camera() const {
+	if (Engine::get_singleton()->is_editor_hint()) {
+		return EditorInterface::get_singleton()->get_editor_viewport_3d(0)->get_camera_3d();
+	}
+	return get_viewport()->get_camera_3d();
+}
+
+std::vector<Viewer> TerrainScatter3D::find_viewers() const {
+	std::vector<Viewer> result;
+	const auto add = [&result](const Node3D *node) {
+		if (node != nullptr && node->is_inside_tree()) {
+			const Vector3 at = node->get_global_position();
+			if (std::isfinite(at.x) && std::isfinite(at.z)) {
+				result.push_back({{at.x, at.z}, 1.0});
+			}
+		}
+	};
+	for (int64_t viewer = 0; viewer < viewers_.size(); ++viewer) {
+		add(Object::cast_to<Node3D>(get_node_or_null(viewers_[viewer])));
+	}
+	if (viewers_.is_empty()) {
+		add(active_camera());
+	}
+	return result;
+}
+
+Ref<ScatterLayer> TerrainScatter3D::layer_at(int64_t p_place) const { return layers_[p_place]; }
+
+void TerrainScatter3D::set_seed(int64_t p_seed) {
+	if (seed_ != p_seed) {
+		seed_ = p_seed;
+		mark_dirty();
+	}
+}
+
+int64_t TerrainScatter3D::get_seed() const { return seed_; }
+
+void TerrainScatter3D::watch_layers(bool p_watch) {
+	const Callable on_change = callable_mp(this, &TerrainScatter3D::mark_dirty);
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		const Ref<ScatterLayer> layer = layer_at(place);
+		if (layer.is_null() || layer->is_connected("changed", on_change) == p_watch) {
+			continue;
+		}
+		if (p_watch) {
+			layer->connect("changed", on_change);
+		} else {
+			layer->disconnect("changed", on_change);
+		}
+	}
+}
+
+void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
+	watch_layers(false);
+	layers_ = p_layers;
+	watch_layers(true);
+	mark_dirty();
+}
+
+TypedArray<ScatterLayer> TerrainScatter3D::get_layers() const { return layers_; }
+
+void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
+	if (terrain_ == p_terrain) {
+		return;
+	}
+	const Callable on_change = callable_mp(this, &TerrainScatter3D::mark_ground_dirty);
+	if (terrain_.is_valid()) {
+		terrain_->disconnect("changed", on_change);
+	}
+	terrain_ = p_terrain;
+	ground_ = nullptr;
+	if (terrain_.is_valid()) {
+		terrain_->connect("changed", on_change);
+	}
+	mark_ground_dirty();
+}
+
+Ref<ScatterTerrain> TerrainScatter3D::get_terrain() const { return terrain_; }
+
+void TerrainScatter3D::set_viewers(const TypedArray<NodePath> &p_viewers) {
+	viewers_ = p_viewers;
+	update_configuration_warnings();
+}
+
+TypedArray<NodePath> TerrainScatter3D::get_viewers() const { return viewers_; }
+
+void TerrainScatter3D::set_upload_budget_usec(int64_t p_budget) {
+	if (accept_number(class_name, "upload_budget_usec", static_cast<double>(p_budget), 1.0, 1e6)) {
+		upload_budget_usec_ = p_budget;
+	}
+}
+
+int64_t TerrainScatter3D::get_upload_budget_usec() const { return upload_budget_usec_; }
+
+void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
+
+bool TerrainScatter3D::is_idle() const { return !dirty_ && stream_.idle(); }
+
+} // namespace thicket

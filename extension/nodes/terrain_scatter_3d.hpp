@@ -1,0 +1,100 @@
+#pragma once
+
+#include "nodes/scatter_layer.hpp"
+#include "nodes/scatter_stream.hpp"
+#include "nodes/scatter_terrain.hpp"
+
+#include <godot_cpp/classes/node3d.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/node_path.hpp>
+#include <godot_cpp/variant/packed_int64_array.hpp>
+#include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
+#include <godot_cpp/variant/vector2i.hpp>
+
+#include <memory>
+
+namespace thicket {
+
+/// Streams layers of instances onto a terrain, around viewers. Works in the editor as in the game. Instances stand in
+/// world space: the node's own transform does not move them. What it shows is never saved.
+class TerrainScatter3D : public godot::Node3D {
+	GDCLASS(TerrainScatter3D, godot::Node3D)
+
+public:
+	TerrainScatter3D();
+	~TerrainScatter3D() override;
+
+	/// Any 64-bit number; another seed places everything anew.
+	void set_seed(int64_t p_seed);
+	int64_t get_seed() const;
+
+	/// Null entries keep their place and show nothing.
+	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
+	godot::TypedArray<ScatterLayer> get_layers() const;
+
+	/// Null: nothing is shown.
+	void set_terrain(const godot::Ref<ScatterTerrain> &p_terrain);
+	godot::Ref<ScatterTerrain> get_terrain() const;
+
+	/// Node3Ds to stream around; none for the camera of the viewport, in the editor the editor's own.
+	void set_viewers(const godot::TypedArray<godot::NodePath> &p_viewers);
+	godot::TypedArray<godot::NodePath> get_viewers() const;
+
+	/// Microseconds of the main thread a frame, 1 to 1e6.
+	void set_upload_budget_usec(int64_t p_budget);
+	int64_t get_upload_budget_usec() const;
+
+	/// Makes all tiles anew; what stands stays until its successor is ready.
+	void regenerate();
+
+	/// True when every wanted tile is shown.
+	bool is_idle() const;
+	godot::Dictionary get_stats() const;
+
+	/// What stands in a tile, read back from the RenderingServer. Empty or 0 for a tile that is not shown.
+	godot::Array get_shown_tiles(int64_t p_layer) const;
+	godot::Vector3 get_tile_origin(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	godot::Array get_tile_buffers(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	godot::Array get_tile_ids(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	int64_t get_tile_digest(int64_t p_layer, const godot::Vector2i &p_tile) const;
+
+	/// What keeps the node from showing what it should, a sentence each; the editor shows them as warnings.
+	godot::PackedStringArray get_problems() const;
+	godot::PackedStringArray _get_configuration_warnings() const override { return get_problems(); }
+
+protected:
+	static void _bind_methods();
+	void _notification(int p_what);
+
+private:
+	void start();
+	void stop();
+	void process_frame();
+	void mark_dirty();
+	void mark_ground_dirty();
+	void refresh();
+	StreamedLayer streamed_layer(std::size_t p_place, const godot::Ref<ScatterLayer> &p_layer);
+	void emit_events();
+	std::vector<Viewer> find_viewers() const;
+	godot::Node3D *active_camera() const;
+	godot::Ref<ScatterLayer> layer_at(int64_t p_place) const;
+	const StagedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	void watch_layers(bool p_watch);
+
+	int64_t seed_ = 0;
+	godot::TypedArray<ScatterLayer> layers_;
+	godot::Ref<ScatterTerrain> terrain_;
+	godot::TypedArray<godot::NodePath> viewers_;
+	int64_t upload_budget_usec_ = 500;
+
+	ScatterStream stream_;
+	std::vector<StreamedLayer> streamed_; ///< As handed to the stream: the last good state of each layer.
+	std::shared_ptr<const Terrain> ground_;
+	bool running_ = false;
+	bool dirty_ = true;
+	bool ground_dirty_ = true;
+	bool was_idle_ = true;
+};
+
+} // namespace thicket

@@ -1,0 +1,103 @@
+#pragma once
+
+#include "core/placement/tile_builder.hpp"
+#include "core/streaming/tile_streamer.hpp"
+
+#include <godot_cpp/variant/aabb.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace thicket {
+
+/// All that a worker needs to make the tiles of a layer. Immutable once shared, so that properties may change, and nodes
+/// go, while workers are at it.
+struct LayerPlan {
+	LayerSettings settings;
+	std::shared_ptr<const Terrain> terrain; ///< Null where the main thread has to ask a script for the ground.
+	std::vector<float> mesh_reach;          ///< Metres from each mesh's origin to its farthest corner, at scale 1.
+	bool wanted = true;                     ///< False for a layer that shows nothing: its tiles are empty.
+};
+
+/// The instances of one mesh in a finished tile, ready to upload.
+struct MeshUpload {
+	godot::PackedFloat32Array buffer;
+	std::vector<std::uint64_t> ids;
+	std::vector<std::uint32_t> ranks;
+	godot::AABB aabb; ///< Around the meshes as they stand, relative to the tile's origin.
+};
+
+/// One tile on its way: from a request to what is uploaded. Owned by one thread at a time.
+struct TileJob {
+	/// Where it is on its way.
+	enum class Step : std::uint8_t {
+		start,        ///< Nothing done yet.
+		needs_ground, ///< `positions` wait for the main thread to fill `ground`.
+		has_ground,   ///< `ground` is full.
+		done,         ///< `meshes` or an error.
+	};
+
+	TileRequest request;
+	std::shared_ptr<const LayerPlan> plan;
+	Step step = Step::start;
+
+	std::vector<glm::dvec2> positions;
+	std::vector<Ground> ground;
+	std::size_t answered = 0; ///< How much of `ground` is filled.
+
+	Status status;
+	glm::dvec3 origin{0.0};
+	std::vector<MeshUpload> meshes;
+	TileCounts counts;
+	std::uint64_t microseconds = 0; ///< Spent on it by workers.
+
+	std::atomic<bool> cancelled = false; ///< Raised by the main thread, at any time.
+};
+
+/// Makes tiles on the engine's WorkerThreadPool. Called on the main thread only, apart from the work itself.
+class TileWorkers {
+public:
+	/// At most `threads` tasks of the pool at a time, at least 1.
+	explicit TileWorkers(std::size_t threads);
+	~TileWorkers();
+	TileWorkers(const TileWorkers &) = delete;
+	TileWorkers &operator=(const TileWorkers &) = delete;
+
+	/// Hands a job in; it is worked on in the order of coming.
+	void push(std::shared_ptr<TileJob> job);
+
+	/// Takes out the jobs that are done or need ground, in the order in which they got there. Cancelled ones come too.
+	std::vector<std::shared_ptr<TileJob>> take_finished();
+
+	/// Cancels everything and waits, a few milliseconds at most, until no worker holds anything of ours.
+	void stop();
+
+	std::size_t threads() const { return workers_.size(); }
+
+private:
+	struct Worker {
+		TileWorkers *owner = nullptr;
+		TileBuilder builder;
+		TileInstances tile;
+		std::shared_ptr<TileJob> job; ///< Guarded by mutex_.
+		std::int64_t task = -1;       ///< The engine's task, -1 for none. Main thread only.
+		bool running = false;         ///< Guarded by mutex_.
+	};
+
+	static void run(void *p_worker);
+	static void advance(Worker &worker, TileJob &job);
+	static void finish(Worker &worker, TileJob &job);
+	std::shared_ptr<TileJob> next(Worker &worker);
+
+	std::mutex mutex_;
+	std::deque<std::shared_ptr<TileJob>> queue_;
+	std::vector<std::shared_ptr<TileJob>> finished_;
+	std::vector<std::unique_ptr<Worker>> workers_;
+};
+
+} // namespace thicket
