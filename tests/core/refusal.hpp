@@ -1,0 +1,23 @@
+#pragma once
+
+#include "core/base/status.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+inline constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double infinite_value = std::numeric_limits<double>::infinity();
+
+/// Checks that a call was refused for this reason, and that the refusal names the property and the value it had.
+inline void check_refused(
+		const thicket::Status &status, thicket::ErrorCode code, const std::string &property, double value) {
+	CAPTURE(property);
+	CAPTURE(value);
+	CHECK(status.code == code);
+	CHECK(status.property == property);
+	CHECK((status.value == value || (std::isnan(value) && std::isnan(status.value))));
+	CHECK(describe(status).find(property) != std::string::npos);
+}
