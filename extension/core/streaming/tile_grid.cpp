@@ -8,14 +8,14 @@ namespace thicket {
 glm::ivec2 tile_at(double tile_size, glm::dvec2 position) {
 	const auto coordinate = [tile_size](double along) {
 		constexpr double outermost = max_tile_coordinate;
-		auto tile = static_cast<std::int32_t>(std::clamp(std::floor(along / tile_size), -outermost, outermost));
+		double tile = std::floor(along / tile_size);
 		// The division rounds; the edges of tile_rect decide.
 		if (along < tile * tile_size) {
-			--tile;
-		} else if (along >= (tile + 1) * tile_size) {
-			++tile;
+			tile -= 1.0;
+		} else if (along >= (tile + 1.0) * tile_size) {
+			tile += 1.0;
 		}
-		return tile;
+		return static_cast<std::int32_t>(std::clamp(tile, -outermost, outermost));
 	};
 	return {coordinate(position.x), coordinate(position.y)};
 }
