@@ -109,6 +109,8 @@ def configure(env):
         flags = ["-fsanitize=" + sanitizer, "-fno-omit-frame-pointer", "-fno-sanitize-recover=all"]
         env.Append(CCFLAGS=flags, LINKFLAGS=flags)
         name += "." + sanitizer
+    if env["godot_cpp"]:
+        name += ".godot-cpp"
     # Short lines while building: a compiler's own messages stay, compiledb has the full commands.
     env.Replace(CXXCOMSTR="compile $SOURCE", SHCXXCOMSTR="compile $SOURCE", ARCOMSTR="archive $TARGET")
     env.Replace(LINKCOMSTR="link    $TARGET", SHLINKCOMSTR="link    $TARGET")
