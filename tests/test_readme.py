@@ -1,0 +1,75 @@
+"""The README's examples run as they stand, and its commands and folders are there."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from conftest import REPO
+
+TEXT = (REPO / "README.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"^```gdscript\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
+
+# Runs each example as a person would who pastes it into a new project: nodes under a camera, terrains asked for a height.
+RUNNER = """extends SceneTree
+
+func _initialize() -> void:
+	root.add_child(Camera3D.new())
+	for example in %d:
+		var script: GDScript = load("res://example_%%d.gd" %% example)
+		assert(script != null and script.can_instantiate())
+		var made: Object = script.new()
+		if made is Node:
+			root.add_child(made)
+			for scatter in made.find_children("*", "TerrainScatter3D", true, false):
+				await scatter.idle
+				var ids := 0
+				for tile in scatter.get_shown_tiles(0):
+					for mesh_ids in scatter.get_tile_ids(0, tile):
+						ids += mesh_ids.size()
+				print("example ", example, " shows ", ids)
+			made.queue_free()
+		elif made is ScatterTerrain:
+			print("example ", example, " height ", made.get_height(Vector3(10, 0, 0)))
+	await process_frame
+	print("README: ran %d")
+	quit()
+"""
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory) -> Path:
+    """A new project with the addon and nothing else."""
+    folder = tmp_path_factory.mktemp("readme")
+    (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="README"\n')
+    (folder / "addons").mkdir()
+    (folder / "addons/thicket").symlink_to(REPO / "demo_project/addons/thicket")
+    (folder / ".godot").mkdir()
+    (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
+    for number, example in enumerate(EXAMPLES):
+        (folder / f"example_{number}.gd").write_text(example)
+    (folder / "runner.gd").write_text(RUNNER % (len(EXAMPLES), len(EXAMPLES)))
+    return folder
+
+
+def test_examples_run(godot, project):
+    assert len(EXAMPLES) >= 3
+    done = godot(["--path", project, "--script", "runner.gd"], timeout=120)
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0, printed
+    assert f"README: ran {len(EXAMPLES)}" in done.stdout, printed
+    assert not re.search(r"^(SCRIPT )?(ERROR|WARNING)", printed, re.MULTILINE), printed
+    shown = re.search(r"example 0 shows (\d+)", done.stdout)
+    assert shown and int(shown.group(1)) > 10_000, printed
+    assert re.search(r"example 1 height 1\.91", done.stdout), printed  # 4 sin(0.5) = 1.9177
+    assert re.search(r"\d{3,} points; the first is \d+ at", done.stdout), printed
+
+
+def test_folders_and_commands_are_there():
+    for folder in re.findall(r"^\| `([\w/]+)` \|", TEXT.split("## Where things are")[1], re.MULTILINE):
+        assert (REPO / folder).is_dir(), folder
+    for script in re.findall(r"\bbash ([\w/]+\.sh)", TEXT):
+        assert (REPO / script).is_file(), script
+    for picture in re.findall(r"!\[[^]]*\]\(([^)]+)\)", TEXT):
+        assert (REPO / picture).is_file(), picture
