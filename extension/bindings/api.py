@@ -1,0 +1,130 @@
+"""What Godot's own dump (`--dump-extension-api`) says, in the terms of C++."""
+
+import json
+import re
+
+ENUM = re.compile(r"^(enum|bitfield)::(?:(\w+)\.)?(\w+)$")
+
+# Constructors with an argument for every component, as default values spell them.
+IDENTITIES = {
+    "Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0)": "Transform3D()",
+    'NodePath("")': "NodePath()",
+    '&""': "StringName()",
+    '""': "String()",
+    "[]": "Array()",
+    "{}": "Dictionary()",
+}
+
+OPERATORS = {"+": "ADD", "%": "MODULE"}
+
+# Types without a destructor that are plain structs, written by hand. (RID is one too, but a class.)
+STRUCTS = frozenset("Vector2 Vector2i Vector3 Rect2 Rect2i AABB Basis Transform3D Color".split())
+
+PACKED_ELEMENTS = {"Byte": "uint8_t", "Int32": "int32_t", "Int64": "int64_t", "Float32": "float", "Float64": "double"}
+
+
+def snake(name):
+    """godot-cpp's file name for a class: Node3D is node3d, MultiMeshInstance3D multi_mesh_instance3d."""
+    name = re.sub(r"(.)([A-Z][a-z]+)", r"\1_\2", name)
+    name = re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", name)
+    return name.replace("2_D", "2D").replace("3_D", "3D").lower()
+
+
+def upper(name):
+    """Godot's constant for a Variant type: PackedByteArray is PACKED_BYTE_ARRAY, AABB stays AABB."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])", "_", name).upper()
+
+
+def packed_element(name):
+    """The element of a packed array, or None for any other type: PackedVector2Array holds Vector2."""
+    match = re.match(r"^Packed(\w+)Array$", name)
+    return PACKED_ELEMENTS.get(match.group(1), match.group(1)) if match else None
+
+
+class Api:
+    """Look-ups in extension_api.json for one configuration: 64-bit pointers, 32-bit reals."""
+
+    def __init__(self, path):
+        with open(path, encoding="utf-8") as file:
+            dump = json.load(file)
+
+        def by_name(items):
+            return {item["name"]: item for item in items}
+
+        self.version = dump["header"]["version_full_name"]
+        self.classes = by_name(dump["classes"])
+        self.builtins = by_name(dump["builtin_classes"])
+        self.enums = by_name(dump["global_enums"])
+        self.utilities = by_name(dump["utility_functions"])
+        self.singletons = {item["type"] for item in dump["singletons"]}
+        sizes = next(item for item in dump["builtin_class_sizes"] if item["build_configuration"] == "float_64")
+        self.sizes = {item["name"]: item["size"] for item in sizes["sizes"]}
+
+    def cpp_type(self, type_name, meta=""):
+        """A type of the dump as a C++ value type."""
+        enum = ENUM.match(type_name)
+        if enum:
+            name = "%s::%s" % enum.group(2, 3) if enum.group(2) else enum.group(3)
+            return "BitField<%s>" % name if enum.group(1) == "bitfield" else name
+        if type_name.startswith("typedarray::"):
+            return "TypedArray<%s>" % type_name[len("typedarray::") :]
+        if type_name == "int":
+            return meta + "_t" if meta else "int64_t"
+        if type_name == "float":
+            return meta or "double"
+        if type_name in self.classes:
+            return ("Ref<%s>" if self.classes[type_name]["is_refcounted"] else "%s *") % type_name
+        if type_name in ("bool", "Variant") or type_name in self.builtins:
+            return type_name
+        raise SystemExit("no C++ type is known for '%s'" % type_name)
+
+    def parameter_type(self, argument):
+        """The type of a parameter: small values by value, all others by reference."""
+        cpp = self.cpp_type(argument["type"], argument.get("meta", ""))
+        by_value = argument["type"] in ("int", "float", "bool") or ENUM.match(argument["type"]) or cpp.endswith("*")
+        return cpp + ("" if cpp.endswith("*") else " ") if by_value else "const %s &" % cpp
+
+    def parameters(self, method, defaults):
+        """The parameter list of a method, with default values for a declaration."""
+        return ", ".join(
+            self.parameter_type(argument)
+            + "p_"
+            + argument["name"]
+            + (" = " + self.default(argument) if defaults and "default_value" in argument else "")
+            for argument in method.get("arguments", [])
+        )
+
+    def default(self, argument):
+        """A default value of the dump as a C++ expression."""
+        value, cpp = argument["default_value"], self.cpp_type(argument["type"], argument.get("meta", ""))
+        if ENUM.match(argument["type"]):
+            return "static_cast<%s>(%s)" % (cpp, value)
+        if value == "null":
+            return "nullptr" if cpp.endswith("*") else cpp + "()"
+        if cpp.startswith("TypedArray"):
+            return cpp + "()"
+        return IDENTITIES.get(value, value)
+
+    def enums_of(self, items):
+        """(class or "", enum) for every enumeration that these methods mention, in order, once each."""
+        found = {}
+        for item in items:
+            types = [argument["type"] for argument in item.get("arguments", [])] + [return_type(item)]
+            for match in filter(None, map(ENUM.match, types)):
+                found[match.group(2) or "", match.group(3)] = None
+        return list(found)
+
+    def classes_of(self, items):
+        """Names of the classes that these methods mention as objects, sorted."""
+        types = {argument["type"] for item in items for argument in item.get("arguments", [])}
+        types.update(return_type(item) for item in items)
+        return sorted(name.removeprefix("typedarray::") for name in types if name.split("::")[-1] in self.classes)
+
+
+def return_type(method):
+    """The type that a method of a class, of a builtin type or a utility function returns, "" for none."""
+    return method.get("return_value", {}).get("type") or method.get("return_type") or ""
+
+
+def return_meta(method):
+    return method.get("return_value", {}).get("meta", "")

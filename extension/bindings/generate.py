@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""Writes the part of the stand-in for godot-cpp that follows from Godot's own dump.
+
+    generate.py --api extension_api.json --interface gdextension_interface.h --used used_api.toml --out DIR
+    generate.py --used used_api.toml --out DIR --list
+    generate.py --used used_api.toml --unused SOURCES...
+
+The first writes headers into DIR/include and sources into DIR/src; --list prints their paths and writes nothing;
+--unused prints the entries that none of the sources names, and fails if there are any. Files whose text stays the same
+are not written again, so that nothing is compiled again for them.
+"""
+
+import argparse
+import pathlib
+import re
+import sys
+import tomllib
+
+import api as dump
+import emit
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--used", type=pathlib.Path, required=True, help="the classes and methods to offer")
+    parser.add_argument("--api", help="extension_api.json, as Godot dumps it")
+    parser.add_argument("--interface", type=pathlib.Path, help="gdextension_interface.h, as Godot dumps it")
+    parser.add_argument("--out", type=pathlib.Path, help="folder for include/ and src/")
+    parser.add_argument("--list", action="store_true", help="print what would be written")
+    parser.add_argument("--unused", nargs="+", type=pathlib.Path, metavar="SOURCES", help="look for idle entries")
+    return parser.parse_args()
+
+
+def outputs(used):
+    """Paths below DIR of all that is written. They depend on used_api.toml alone, so a build knows them early."""
+    paths = ["include/gdextension_interface.h"]
+    paths += ["include/godot_cpp/core/" + name for name in ("gdextension_interface_loader.hpp", "builtin_traits.hpp")]
+    paths += ["include/godot_cpp/classes/global_constants.hpp"]
+    paths += ["include/godot_cpp/variant/utility_functions.hpp"]
+    paths += ["include/godot_cpp/variant/%s.hpp" % dump.snake(name) for name in used["builtins"]]
+    paths += ["include/godot_cpp/classes/%s.hpp" % dump.snake(name) for name in used["classes"]]
+    paths += ["src/gdextension_interface_loader.cpp", "src/builtins.cpp", "src/engine_classes.cpp"]
+    return paths
+
+
+def interface_functions(generated):
+    """Names of the interface functions that the stand-in calls, by hand or in these texts: only those are looked up."""
+    paths = [*HERE.rglob("*.hpp"), *HERE.rglob("*.inc"), *HERE.rglob("*.cpp")]
+    texts = [path.read_text(encoding="utf-8") for path in paths] + list(generated)
+    return sorted({name for text in texts for name in re.findall(r"\bgdextension_interface::(\w+)", text)})
+
+
+def interface_types(header):
+    """{function name: its pointer type}: in the header, the type follows the comment that names the function."""
+    found = re.findall(r"@name (\w+)\n.*?typedef .*?\(\*(\w+)\)\(", header, re.DOTALL)
+    return dict(found)
+
+
+def write(path, text):
+    if path.exists() and path.read_text(encoding="utf-8") == text:
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def generate(options, used):
+    api = dump.Api(options.api)
+    header = options.interface.read_text(encoding="utf-8")
+    types = interface_types(header)
+    texts = emit.builtins(api, used) | emit.utilities(api, used) | emit.classes(api, used)
+    texts |= emit.interface([(types[name], name) for name in interface_functions(texts.values())])
+    texts["include/gdextension_interface.h"] = header
+    expected = outputs(used)
+    if sorted(texts) != sorted(expected):
+        raise SystemExit("generate.py: --list and what is written differ: %s" % (set(texts) ^ set(expected)))
+    for path, text in texts.items():
+        write(options.out / path, text)
+
+
+def entries(used):
+    """(owner, word) for all that used_api.toml asks for, where word is what a source that uses it contains."""
+    for room in ("builtins", "classes"):
+        for owner, entry in used[room].items():
+            for kind in ("methods", "constants"):
+                yield from ((owner, word) for word in entry.get(kind, []))
+    yield from (("global", word) for word in used["global"]["utilities"] + used["global"]["enums"])
+
+
+def unused(used, folders):
+    """Sentences about entries that no source names."""
+    paths = [path for folder in folders for path in sorted(folder.rglob("*.[chi]*p*")) + sorted(folder.rglob("*.inc"))]
+    words = set(re.findall(r"\w+", "\n".join(path.read_text(encoding="utf-8") for path in paths)))
+    return ["%s: nothing uses '%s'" % pair for pair in entries(used) if pair[1] not in words]
+
+
+def main():
+    options = arguments()
+    used = tomllib.loads(options.used.read_text(encoding="utf-8"))
+    if options.unused:
+        sentences = unused(used, options.unused)
+        print("\n".join(sentences))
+        return 1 if sentences else 0
+    if not options.out or not (options.list or (options.api and options.interface)):
+        raise SystemExit("generate.py: --out with --list, or with --api and --interface (see --help)")
+    if options.list:
+        print("\n".join(str(options.out / path) for path in outputs(used)))
+    else:
+        generate(options, used)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <godot_cpp/core/defs.hpp>
+#include <godot_cpp/core/lazy_name.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <type_traits>
+
+namespace godot {
+
+class ClassDB;
+class Wrapped;
+struct PropertyInfo;
+
+namespace internal {
+
+class Access;
+template <typename T>
+class Class;
+
+/// What the next Wrapped on this thread is to be: its constructor takes no arguments, so that classes need not pass
+/// them on.
+struct Construction {
+	GodotObject *owner = nullptr; ///< The object of the engine to wrap; null to make one.
+	const StringName *engine_class = nullptr;
+	const StringName *extension_class = nullptr; ///< Null for a class of the engine.
+	const GDExtensionInstanceBindingCallbacks *callbacks = nullptr; ///< Null where the engine asked for the wrapper.
+};
+
+} // namespace internal
+
+/// The C++ side of an object of the engine. The engine owns it: for its own classes it is an instance binding, made when
+/// the object is first seen (`object_get_instance_binding`); for ours it is also the instance (`object_set_instance`).
+class Wrapped {
+public:
+	Wrapped(const Wrapped &) = delete;
+	Wrapped &operator=(const Wrapped &) = delete;
+
+	GodotObject *_owner = nullptr;
+
+protected:
+	Wrapped();
+	virtual ~Wrapped() = default;
+
+	/// Hooks that a class of ours may have, in the form that godot-cpp expects. These do nothing.
+	static void _bind_methods() {}
+	void _notification(int) {}
+	void _validate_property(PropertyInfo &) const {}
+
+	template <typename T, typename B>
+	static void register_virtuals() {}
+
+private:
+	template <typename T>
+	friend class internal::Class;
+	friend class internal::Access;
+	friend class ClassDB;
+};
+
+namespace internal {
+
+/// Reaches what is not for users of the classes.
+class Access {
+public:
+	/// Tells the object that it is complete (NOTIFICATION_POSTINITIALIZE).
+	static void post_initialize(Object *p_object);
+	static void expect(const Construction &p_next);
+	static void destroy(Wrapped *p_wrapped) { delete p_wrapped; }
+};
+
+} // namespace internal
+} // namespace godot
+
+#define GDCLASS_COMMON(m_class, m_inherits) \
+	template <typename T> \
+	friend class ::godot::internal::Class; \
+	friend class ::godot::ClassDB; \
+\
+public: \
+	using self_type = m_class; \
+	using parent_type = m_inherits; \
+	static ::godot::internal::LazyName &_class_name() { \
+		static constinit ::godot::internal::LazyName name(#m_class); \
+		return name; \
+	} \
+	static const ::godot::StringName &get_class_static() { \
+		return _class_name().get(); \
+	}
+
+/// At the top of a class of ours.
+#define GDCLASS(m_class, m_inherits) \
+	GDCLASS_COMMON(m_class, m_inherits) \
+	static constexpr bool _is_engine_class = false; \
+\
+protected: \
+	template <typename T, typename B> \
+	static void register_virtuals() { \
+		m_inherits::register_virtuals<T, B>(); \
+	} \
+\
+private:
+
+/// At the top of a class of the engine; the generator writes it.
+#define GDEXTENSION_CLASS(m_class, m_inherits) \
+	GDCLASS_COMMON(m_class, m_inherits) \
+	static constexpr bool _is_engine_class = true; \
+\
+private:

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <godot_cpp/core/gdextension_interface_loader.hpp>
+#include <godot_cpp/core/marshal.hpp>
+
+#include <array>
+#include <initializer_list>
+
+namespace godot::internal {
+
+/// Calls `p_call` with pointers to these values as the engine wants to see them.
+template <typename Call, typename... Args>
+void with_pointers(const Call &p_call, const Args &...p_args) {
+	[&](const auto &...p_wires) {
+		const std::array<GDExtensionConstTypePtr, sizeof...(Args)> pointers{ static_cast<const void *>(&p_wires)... };
+		p_call(pointers.data());
+	}(Marshal<Args>::wire(p_args)...);
+}
+
+/// Runs constructor number `Index` of a builtin type on uninitialised storage.
+template <typename Self, int Index, typename... Args>
+void construct(void *p_storage, const Args &...p_args) {
+	static const GDExtensionPtrConstructor constructor =
+			gdextension_interface::variant_get_ptr_constructor(builtin_type<Self>, Index);
+	with_pointers([&](const GDExtensionConstTypePtr *p_pointers) { constructor(p_storage, p_pointers); }, p_args...);
+}
+
+/// The value of `p_left Op p_right`.
+template <GDExtensionVariantOperator Op, typename R, typename Left, typename Right>
+R evaluate(const Left &p_left, const Right &p_right) {
+	static const GDExtensionPtrOperatorEvaluator evaluator = gdextension_interface::variant_get_ptr_operator_evaluator(
+			Op, builtin_type<Left>, builtin_type<Right>);
+	R result;
+	evaluator(p_left._native_ptr(), p_right._native_ptr(), &result);
+	return result;
+}
+
+/// A method of a builtin type, looked up once.
+class BuiltinMethod {
+public:
+	BuiltinMethod(GDExtensionVariantType p_type, const char *p_name, GDExtensionInt p_hash);
+
+	template <typename R, typename... Args>
+	R call(void *p_base, const Args &...p_args) const {
+		if constexpr (std::is_void_v<R>) {
+			run(p_base, nullptr, p_args...);
+		} else {
+			typename Marshal<R>::Wire result{};
+			run(p_base, &result, p_args...);
+			return Marshal<R>::adopt(result);
+		}
+	}
+
+	/// For a method that takes any number of values.
+	template <typename R>
+	R call_variants(void *p_base, std::initializer_list<Variant> p_values) const {
+		std::array<GDExtensionConstTypePtr, max_variants> pointers{};
+		std::size_t count = 0;
+		for (const Variant &value : p_values) {
+			pointers[count++] = &value;
+		}
+		if constexpr (std::is_void_v<R>) {
+			method_(p_base, pointers.data(), nullptr, static_cast<int32_t>(count));
+		} else {
+			R result;
+			method_(p_base, pointers.data(), &result, static_cast<int32_t>(count));
+			return result;
+		}
+	}
+
+private:
+	static constexpr std::size_t max_variants = 16;
+
+	template <typename... Args>
+	void run(void *p_base, void *r_result, const Args &...p_args) const {
+		with_pointers(
+				[&](const GDExtensionConstTypePtr *p_pointers) {
+					method_(p_base, p_pointers, r_result, static_cast<int32_t>(sizeof...(Args)));
+				},
+				p_args...);
+	}
+
+	GDExtensionPtrBuiltInMethod method_;
+};
+
+/// Calls a utility function that takes any number of values.
+void call_utility(const char *p_name, GDExtensionInt p_hash, std::initializer_list<Variant> p_values);
+
+} // namespace godot::internal

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <godot_cpp/classes/object.hpp>
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/core/class_hooks.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/core/method_bind.hpp>
+#include <godot_cpp/core/object.hpp>
+#include <godot_cpp/variant/callable_method_pointer.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
+
+#include <memory>
+
+namespace godot {
+
+namespace internal {
+
+/// Makes wrappers of a class of the engine possible; parents go first.
+void register_engine_class(LazyName &p_name, const GDExtensionInstanceBindingCallbacks &p_callbacks);
+
+template <typename T>
+void register_engine_class() {
+	register_engine_class(T::_class_name(), Class<T>::callbacks);
+}
+
+/// Of all classes that used_api.toml names; generated.
+void register_engine_classes();
+
+/// A class of ours as `classdb_register_extension_class4` takes it.
+struct ClassDescription {
+	const StringName &name;
+	const StringName &parent;
+	GDExtensionClassCreationInfo4 info;
+	void (*bind)();
+};
+
+/// A method of ours as `classdb_register_extension_class_method` takes it.
+struct MethodDescription {
+	const StringName &class_name;
+	const MethodDefinition &definition;
+	std::vector<PropertyInfo> arguments;
+	std::vector<GDExtensionClassMethodArgumentMetadata> metadata;
+	bool returns;
+	PropertyInfo result;
+	GDExtensionClassMethodArgumentMetadata result_metadata;
+	uint32_t flags;
+	GDExtensionClassMethodCall call;
+	GDExtensionClassMethodPtrCall ptrcall;
+};
+
+} // namespace internal
+
+/// Makes our classes known to the engine.
+class ClassDB {
+public:
+	template <typename T>
+	static void register_class() {
+		add_class(describe<T>(false));
+	}
+	template <typename T>
+	static void register_abstract_class() {
+		add_class(describe<T>(true));
+	}
+
+	template <typename M, typename... Defaults>
+	static void bind_method(const MethodDefinition &p_definition, M p_method, const Defaults &...p_defaults) {
+		using Sign = internal::Signature<M>;
+		using Bind = internal::MethodBindOf<M>;
+		auto bind = std::make_unique<Bind>(p_method);
+		bind->defaults = { Variant(p_defaults)... };
+		add_method({ Sign::Owner::get_class_static(), p_definition, Sign::arguments(), Sign::metadata(), Sign::returns,
+						   internal::Marshal<typename Sign::Result>::info(), internal::Marshal<typename Sign::Result>::metadata,
+						   Sign::is_const ? METHOD_FLAG_NORMAL | METHOD_FLAG_CONST : uint32_t{ METHOD_FLAG_NORMAL },
+						   Bind::call, Bind::ptrcall },
+				std::move(bind));
+	}
+
+	static void add_property(const StringName &p_class, const PropertyInfo &p_property, const StringName &p_setter,
+			const StringName &p_getter);
+	static void add_property_group(const StringName &p_class, const String &p_name, const String &p_prefix);
+	static void add_signal(const StringName &p_class, const MethodInfo &p_signal);
+	static void add_virtual_method(
+			const StringName &p_class, MethodInfo p_method, const std::vector<StringName> &p_arguments);
+
+	/// Unregisters all classes, the last one first.
+	static void unregister_classes();
+
+private:
+	template <typename T>
+	static internal::ClassDescription describe(bool p_abstract) {
+		using Hooks = internal::Class<T>;
+		GDExtensionClassCreationInfo4 info{};
+		info.is_abstract = p_abstract;
+		info.is_exposed = true;
+		info.notification_func = Hooks::notification;
+		info.create_instance_func = Hooks::create_instance;
+		info.free_instance_func = Hooks::free_instance;
+		info.recreate_instance_func = Hooks::recreate_instance;
+		if constexpr (Hooks::validates) {
+			info.validate_property_func = Hooks::validate_property;
+		}
+		return { T::get_class_static(), T::parent_type::get_class_static(), info, Hooks::bind };
+	}
+
+	static void add_class(const internal::ClassDescription &p_class);
+	static void add_method(internal::MethodDescription p_method, std::unique_ptr<internal::MethodBind> p_bind);
+};
+
+} // namespace godot
+
+#define GDREGISTER_CLASS(m_class) ::godot::ClassDB::register_class<m_class>()
+#define GDREGISTER_ABSTRACT_CLASS(m_class) ::godot::ClassDB::register_abstract_class<m_class>()
+
+#define ADD_PROPERTY(m_property, m_setter, m_getter) \
+	::godot::ClassDB::add_property(get_class_static(), m_property, m_setter, m_getter)
+#define ADD_GROUP(m_name, m_prefix) ::godot::ClassDB::add_property_group(get_class_static(), m_name, m_prefix)
+#define ADD_SIGNAL(m_signal) ::godot::ClassDB::add_signal(get_class_static(), m_signal)

@@ -1,0 +1,152 @@
+#pragma once
+
+#include <godot_cpp/classes/wrapped.hpp>
+#include <godot_cpp/core/marshal.hpp>
+#include <godot_cpp/core/signature.hpp>
+
+#include <concepts>
+#include <type_traits>
+
+namespace godot::internal {
+
+/// Adds an override of one of the engine's virtual methods to the class that is being registered.
+void add_override(const char *p_name, uint32_t p_hash, GDExtensionClassCallVirtual p_call);
+
+/// Does that if a class has an implementation of its own.
+template <auto Method, auto BaseMethod>
+void bind_virtual(const char *p_name, uint32_t p_hash) {
+	if constexpr (!std::is_same_v<decltype(Method), decltype(BaseMethod)>) {
+		using Sign = Signature<decltype(Method)>;
+		add_override(p_name, p_hash,
+				[](GDExtensionClassInstancePtr p_instance, const GDExtensionConstTypePtr *p_args, GDExtensionTypePtr r_result) {
+					auto *self = static_cast<typename Sign::Owner *>(static_cast<Wrapped *>(p_instance));
+					Sign::ptrcall(self, Method, p_args, r_result);
+				});
+	}
+}
+
+/// All that the engine may ask of a class, in the form in which it asks. T is a class of the engine or of ours.
+template <typename T>
+class Class {
+	using Parent = Class<typename T::parent_type>;
+
+public:
+	/// Makes the next T that this thread constructs wrap `p_owner`, or a new object of the engine if that is null.
+	static void prepare(GodotObject *p_owner) {
+		Access::expect({ p_owner, &engine_class<T>(), extension_class(), &callbacks });
+	}
+
+	/// For `GDExtensionClassCreationInfo4`.
+	static GDExtensionObjectPtr create_instance(void *, GDExtensionBool p_notify) {
+		if constexpr (std::is_abstract_v<T>) {
+			return nullptr;
+		} else {
+			prepare(nullptr);
+			T *object = new T;
+			if (p_notify) {
+				Access::post_initialize(object);
+			}
+			return object->_owner;
+		}
+	}
+
+	/// The library was loaded anew: `p_owner` lost the instance that the old one gave it.
+	static GDExtensionClassInstancePtr recreate_instance(void *, GDExtensionObjectPtr p_owner) {
+		if constexpr (std::is_abstract_v<T>) {
+			return nullptr;
+		} else {
+			prepare(p_owner);
+			return static_cast<Wrapped *>(new T);
+		}
+	}
+
+	static void free_instance(void *, GDExtensionClassInstancePtr p_instance) {
+		Access::destroy(static_cast<Wrapped *>(p_instance));
+	}
+
+	/// Base classes first; from the back where the engine takes something down.
+	static void notification(GDExtensionClassInstancePtr p_instance, int32_t p_what, GDExtensionBool p_reversed) {
+		notify(self(p_instance), p_what, p_reversed != 0);
+	}
+
+	static GDExtensionBool validate_property(
+			GDExtensionClassInstancePtr p_instance, GDExtensionPropertyInfo *r_property) {
+		PropertyInfo info(*r_property);
+		validate(self(p_instance), info);
+		info._update(*r_property);
+		return true;
+	}
+
+	static constexpr bool validates = !std::same_as<decltype(&T::_validate_property), void (Wrapped::*)(PropertyInfo &) const>;
+
+	/// Calls `_bind_methods`, which every class of ours declares.
+	static void bind() {
+		static_assert(&T::_bind_methods != &T::parent_type::_bind_methods, "the class must declare _bind_methods");
+		T::_bind_methods();
+		T::template register_virtuals<T, typename T::parent_type>();
+	}
+
+	static constexpr bool is_engine_class = T::_is_engine_class;
+
+	// Instance bindings. Ours come with their instance, so only those of the engine's classes are made here. They hold no
+	// references: the engine asks whether an object may die, and the answer is always yes.
+	static void *create_binding(void *, void *p_owner) {
+		if constexpr (is_engine_class) {
+			Access::expect({ p_owner, nullptr, nullptr, nullptr });
+			return static_cast<Wrapped *>(new T);
+		} else {
+			return nullptr;
+		}
+	}
+	static void free_binding(void *, void *, void *p_binding) {
+		if constexpr (is_engine_class) {
+			Access::destroy(static_cast<Wrapped *>(p_binding));
+		}
+	}
+	static GDExtensionBool reference_binding(void *, void *, GDExtensionBool) { return true; }
+	static constexpr GDExtensionInstanceBindingCallbacks callbacks{ create_binding, free_binding, reference_binding };
+
+private:
+	static T *self(GDExtensionClassInstancePtr p_instance) {
+		return static_cast<T *>(static_cast<Wrapped *>(p_instance));
+	}
+
+	template <typename C>
+	static const StringName &engine_class() {
+		if constexpr (C::_is_engine_class) {
+			return C::get_class_static();
+		} else {
+			return engine_class<typename C::parent_type>();
+		}
+	}
+
+	static const StringName *extension_class() { return is_engine_class ? nullptr : &T::get_class_static(); }
+
+	static void notify(T *p_self, int p_what, bool p_reversed) {
+		if constexpr (!is_engine_class) {
+			if (!p_reversed) {
+				Parent::notify(p_self, p_what, p_reversed);
+			}
+			if constexpr (std::same_as<decltype(&T::_notification), void (T::*)(int)>) {
+				p_self->_notification(p_what);
+			}
+			if (p_reversed) {
+				Parent::notify(p_self, p_what, p_reversed);
+			}
+		}
+	}
+
+	static void validate(const T *p_self, PropertyInfo &r_property) {
+		if constexpr (!is_engine_class) {
+			Parent::validate(p_self, r_property);
+			if constexpr (std::same_as<decltype(&T::_validate_property), void (T::*)(PropertyInfo &) const>) {
+				p_self->_validate_property(r_property);
+			}
+		}
+	}
+
+	template <typename>
+	friend class Class;
+};
+
+} // namespace godot::internal

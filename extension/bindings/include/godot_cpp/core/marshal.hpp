@@ -1,0 +1,147 @@
+#pragma once
+
+#include <godot_cpp/core/enum_cast.hpp>
+#include <godot_cpp/core/property_info.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <concepts>
+#include <type_traits>
+
+namespace godot {
+
+template <typename T>
+class Ref;
+
+namespace internal {
+
+class Access;
+
+/// The wrapper of an object of the engine, made if there is none yet; null for null.
+Object *wrapper_of(GodotObject *p_object);
+/// The object of the engine that is wrapped; null for null.
+GodotObject *owner_of(const Object *p_object);
+
+/// "Class.Enum" for a C++ name with any number of scopes.
+StringName enum_class_name(std::string_view p_cpp_name);
+
+/// How values of a C++ type cross the border to the engine. Every specialisation has
+/// - `type` and `metadata`, and `info()`, which describe the type to scripts;
+/// - `Wire`, what a pointer call (`object_method_bind_ptrcall`) passes a pointer to;
+/// - `wire(value)`, an argument for the engine; `adopt(wire)`, a result from the engine;
+/// - `decode(pointer)`, an argument from the engine; `encode(value, pointer)`, a result for the engine;
+/// - `fits(variant)`, whether `static_cast<T>(variant)` loses nothing.
+template <typename T>
+struct Marshal;
+
+/// The engine's name of a Variant type.
+String type_name(GDExtensionVariantType p_type);
+
+/// True where the engine converts a value to a type without loss (`variant_can_convert_strict`).
+bool converts(const Variant &p_value, GDExtensionVariantType p_type);
+
+/// For types that are copied as they are.
+template <typename T, typename W, GDExtensionVariantType Type>
+struct CopyMarshal {
+	using Wire = W;
+	static constexpr GDExtensionVariantType type = Type;
+	static constexpr GDExtensionClassMethodArgumentMetadata metadata = GDEXTENSION_METHOD_ARGUMENT_METADATA_NONE;
+
+	static PropertyInfo info() { return PropertyInfo(static_cast<Variant::Type>(Type), StringName()); }
+	static bool fits(const Variant &p_value) { return converts(p_value, Type); }
+	static W wire(const T &p_value) { return static_cast<W>(p_value); }
+	static T adopt(W &p_wire) { return static_cast<T>(p_wire); }
+	static T decode(const void *p_wire) { return static_cast<T>(*static_cast<const W *>(p_wire)); }
+	static void encode(const T &p_value, void *r_wire) { *static_cast<W *>(r_wire) = static_cast<W>(p_value); }
+};
+
+/// As above, without a copy on the way to the engine.
+template <typename T, GDExtensionVariantType Type>
+struct DirectMarshal : CopyMarshal<T, T, Type> {
+	static const T &wire(const T &p_value) { return p_value; }
+	static T adopt(T &p_wire) { return std::move(p_wire); }
+};
+
+template <Builtin T>
+struct Marshal<T> : DirectMarshal<T, builtin_type<T>> {};
+
+template <>
+struct Marshal<Variant> : DirectMarshal<Variant, GDEXTENSION_VARIANT_TYPE_NIL> {
+	static PropertyInfo info() {
+		return PropertyInfo(Variant::NIL, StringName(), PROPERTY_HINT_NONE, String(),
+				PROPERTY_USAGE_DEFAULT | PROPERTY_USAGE_NIL_IS_VARIANT);
+	}
+	static bool fits(const Variant &) { return true; }
+};
+
+template <>
+struct Marshal<bool> : CopyMarshal<bool, GDExtensionBool, GDEXTENSION_VARIANT_TYPE_BOOL> {};
+
+template <typename T>
+	requires std::is_arithmetic_v<T>
+struct Marshal<T> : CopyMarshal<T, NumberWire<T>, number_type<T>> {
+	static constexpr GDExtensionClassMethodArgumentMetadata metadata = static_cast<GDExtensionClassMethodArgumentMetadata>(
+			std::is_floating_point_v<T>
+					? (sizeof(T) == 4 ? GDEXTENSION_METHOD_ARGUMENT_METADATA_REAL_IS_FLOAT
+									  : GDEXTENSION_METHOD_ARGUMENT_METADATA_REAL_IS_DOUBLE)
+					: (std::is_signed_v<T> ? GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_INT8
+										   : GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_UINT8) +
+							(sizeof(T) == 8 ? 3 : sizeof(T) / 2)); // 1, 2, 4, 8 bytes follow one another.
+};
+
+template <typename T, typename E>
+struct EnumMarshal : CopyMarshal<T, int64_t, GDEXTENSION_VARIANT_TYPE_INT> {
+	static PropertyInfo info() {
+		static_assert(!enum_name<E>.empty(), "VARIANT_ENUM_CAST is missing");
+		const uint32_t kind = is_bitfield<E> ? PROPERTY_USAGE_CLASS_IS_BITFIELD : PROPERTY_USAGE_CLASS_IS_ENUM;
+		return PropertyInfo(Variant::INT, StringName(), PROPERTY_HINT_NONE, String(), PROPERTY_USAGE_DEFAULT | kind,
+				enum_class_name(enum_name<E>));
+	}
+};
+
+template <typename T>
+	requires std::is_enum_v<T>
+struct Marshal<T> : EnumMarshal<T, T> {};
+
+template <typename T>
+struct Marshal<BitField<T>> : EnumMarshal<BitField<T>, T> {};
+
+template <typename T>
+struct Marshal<T *> {
+	using Wire = GodotObject *;
+	static constexpr GDExtensionVariantType type = GDEXTENSION_VARIANT_TYPE_OBJECT;
+	static constexpr GDExtensionClassMethodArgumentMetadata metadata = GDEXTENSION_METHOD_ARGUMENT_METADATA_NONE;
+
+	static PropertyInfo info() {
+		return PropertyInfo(Variant::OBJECT, StringName(), PROPERTY_HINT_NONE, String(), PROPERTY_USAGE_DEFAULT,
+				T::get_class_static());
+	}
+	/// A null fits, and so does every object of the class.
+	static bool fits(const Variant &p_value) {
+		return p_value.get_type() == Variant::NIL ||
+				(p_value.get_type() == Variant::OBJECT && (is_null(p_value) || from(p_value) != nullptr));
+	}
+	static T *from(Object *p_object) { return dynamic_cast<T *>(p_object); }
+	static GodotObject *wire(const T *p_value) { return owner_of(p_value); }
+	static T *adopt(GodotObject *p_wire) { return from(wrapper_of(p_wire)); }
+	static T *decode(const void *p_wire) { return adopt(*static_cast<GodotObject *const *>(p_wire)); }
+	static void encode(T *p_value, void *r_wire) { *static_cast<GodotObject **>(r_wire) = owner_of(p_value); }
+
+private:
+	static bool is_null(const Variant &p_value) { return p_value.get_validated_object() == nullptr; }
+};
+
+template <typename T>
+struct Marshal<const T *> : Marshal<T *> {};
+
+/// The value of a Variant as a parameter of this type.
+template <typename T>
+T from_variant(const Variant &p_value) {
+	if constexpr (std::is_pointer_v<T>) {
+		return Marshal<T>::from(p_value.get_validated_object());
+	} else {
+		return static_cast<T>(p_value);
+	}
+}
+
+} // namespace internal
+} // namespace godot

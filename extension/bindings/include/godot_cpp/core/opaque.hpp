@@ -1,0 +1,75 @@
+#pragma once
+
+#include <godot_cpp/core/builtin_traits.hpp>
+#include <godot_cpp/core/defs.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace godot::internal {
+
+template <typename T>
+struct Marshal;
+
+/// Asks a constructor to leave the storage for the engine to fill.
+struct Uninitialized {};
+
+/// What the engine has for every Variant type, indexed by type. Null where a type has no such function.
+struct BuiltinFunctions {
+	GDExtensionPtrConstructor construct = nullptr;
+	GDExtensionPtrConstructor copy = nullptr;
+	GDExtensionPtrDestructor destroy = nullptr;
+	GDExtensionPtrOperatorEvaluator equal = nullptr;
+	GDExtensionVariantFromTypeConstructorFunc to_variant = nullptr;
+	GDExtensionTypeFromVariantConstructorFunc from_variant = nullptr;
+};
+
+extern BuiltinFunctions builtin_functions[GDEXTENSION_VARIANT_TYPE_VARIANT_MAX];
+
+/// Fills `builtin_functions`; the interface functions must have been looked up.
+void load_builtin_functions();
+
+/// A value whose bytes only the engine understands. All such types may be moved by moving their bytes.
+template <typename Self>
+class Opaque {
+public:
+	Opaque() { functions().construct(storage_, nullptr); }
+	explicit Opaque(Uninitialized) {}
+	Opaque(const Opaque &p_from) {
+		const GDExtensionConstTypePtr from = p_from.storage_;
+		functions().copy(storage_, &from);
+	}
+	Opaque(Opaque &&p_from) noexcept :
+			Opaque() {
+		swap(p_from);
+	}
+	~Opaque() { functions().destroy(storage_); }
+
+	Opaque &operator=(const Opaque &p_from) {
+		Opaque copy(p_from);
+		swap(copy);
+		return *this;
+	}
+	Opaque &operator=(Opaque &&p_from) noexcept {
+		swap(p_from);
+		return *this;
+	}
+
+	friend bool operator==(const Self &p_left, const Self &p_right) {
+		GDExtensionBool equal = 0;
+		functions().equal(p_left._native_ptr(), p_right._native_ptr(), &equal);
+		return equal != 0;
+	}
+
+	/// For interface functions.
+	void *_native_ptr() const { return const_cast<std::byte *>(storage_); }
+
+private:
+	static const BuiltinFunctions &functions() { return builtin_functions[builtin_type<Self>]; }
+
+	void swap(Opaque &r_other) noexcept { std::swap_ranges(storage_, storage_ + sizeof(storage_), r_other.storage_); }
+
+	alignas(8) std::byte storage_[builtin_size<Self>];
+};
+
+} // namespace godot::internal

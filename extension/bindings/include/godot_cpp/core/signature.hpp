@@ -1,0 +1,81 @@
+#pragma once
+
+#include <godot_cpp/core/marshal.hpp>
+
+#include <array>
+#include <utility>
+
+namespace godot::internal {
+
+template <typename M>
+struct Signature;
+
+/// What a member function takes and gives, and how the engine's two ways of calling reach it.
+template <typename C, typename R, typename... Args>
+struct Signature<R (C::*)(Args...)> {
+	using Owner = C;
+	static constexpr std::size_t count = sizeof...(Args);
+	static constexpr bool returns = !std::is_void_v<R>;
+	static constexpr bool is_const = false;
+
+	using Result = std::conditional_t<returns, std::decay_t<R>, bool>; // bool stands in where nothing is returned.
+
+	static std::vector<PropertyInfo> arguments() { return { Marshal<std::decay_t<Args>>::info()... }; }
+	static std::vector<GDExtensionClassMethodArgumentMetadata> metadata() {
+		return { Marshal<std::decay_t<Args>>::metadata... };
+	}
+
+	/// A pointer call: arguments are of the types that were registered.
+	template <typename M>
+	static void ptrcall(C *p_self, M p_method, const GDExtensionConstTypePtr *p_args, void *r_result) {
+		ptrcall(p_self, p_method, p_args, r_result, std::index_sequence_for<Args...>());
+	}
+
+	/// A call with Variants, one for each parameter. Names the first that does not fit.
+	template <typename M>
+	static void call(C *p_self, M p_method, const std::array<const Variant *, count> &p_args, Variant *r_result,
+			GDExtensionCallError &r_error) {
+		call(p_self, p_method, p_args, r_result, r_error, std::index_sequence_for<Args...>());
+	}
+
+private:
+	template <typename M, std::size_t... I>
+	static void ptrcall(C *p_self, M p_method, [[maybe_unused]] const GDExtensionConstTypePtr *p_args,
+			[[maybe_unused]] void *r_result, std::index_sequence<I...>) {
+		if constexpr (returns) {
+			Marshal<Result>::encode((p_self->*p_method)(Marshal<std::decay_t<Args>>::decode(p_args[I])...), r_result);
+		} else {
+			(p_self->*p_method)(Marshal<std::decay_t<Args>>::decode(p_args[I])...);
+		}
+	}
+
+	template <typename M, std::size_t... I>
+	static void call(C *p_self, M p_method, [[maybe_unused]] const std::array<const Variant *, count> &p_args,
+			[[maybe_unused]] Variant *r_result, GDExtensionCallError &r_error, std::index_sequence<I...>) {
+		if (!(fits<std::decay_t<Args>>(*p_args[I], I, r_error) && ...)) {
+			return;
+		}
+		if constexpr (returns) {
+			*r_result = (p_self->*p_method)(from_variant<std::decay_t<Args>>(*p_args[I])...);
+		} else {
+			(p_self->*p_method)(from_variant<std::decay_t<Args>>(*p_args[I])...);
+		}
+	}
+
+	template <typename T>
+	static bool fits(const Variant &p_value, std::size_t p_place, GDExtensionCallError &r_error) {
+		if (Marshal<T>::fits(p_value)) {
+			return true;
+		}
+		r_error = { GDEXTENSION_CALL_ERROR_INVALID_ARGUMENT, static_cast<int32_t>(p_place),
+			static_cast<int32_t>(Marshal<T>::type) };
+		return false;
+	}
+};
+
+template <typename C, typename R, typename... Args>
+struct Signature<R (C::*)(Args...) const> : Signature<R (C::*)(Args...)> {
+	static constexpr bool is_const = true;
+};
+
+} // namespace godot::internal

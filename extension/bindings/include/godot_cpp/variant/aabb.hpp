@@ -1,0 +1,17 @@
+#pragma once
+
+#include <godot_cpp/variant/vector3.hpp>
+
+namespace godot {
+
+/// A box: its least corner and its size.
+struct AABB {
+	Vector3 position;
+	Vector3 size;
+
+	constexpr AABB() = default;
+	constexpr AABB(const Vector3 &p_position, const Vector3 &p_size) :
+			position(p_position), size(p_size) {}
+};
+
+} // namespace godot

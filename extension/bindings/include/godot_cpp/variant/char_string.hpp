@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace godot {
+
+/// Text in one of the 8-bit encodings.
+class CharString {
+public:
+	explicit CharString(std::string p_text) :
+			text_(std::move(p_text)) {}
+	const char *get_data() const { return text_.c_str(); }
+	int64_t length() const { return static_cast<int64_t>(text_.size()); }
+
+private:
+	std::string text_;
+};
+
+} // namespace godot

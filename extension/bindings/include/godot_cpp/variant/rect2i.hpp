@@ -1,0 +1,17 @@
+#pragma once
+
+#include <godot_cpp/variant/vector2i.hpp>
+
+namespace godot {
+
+/// A corner and the way to the opposite one, in integers.
+struct Rect2i {
+	Vector2i position;
+	Vector2i size;
+
+	constexpr Rect2i() = default;
+	constexpr Rect2i(const Vector2i &p_position, const Vector2i &p_size) :
+			position(p_position), size(p_size) {}
+};
+
+} // namespace godot

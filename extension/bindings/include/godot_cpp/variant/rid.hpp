@@ -1,0 +1,20 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+namespace godot {
+
+/// The name of something that a server of the engine holds.
+class RID {
+public:
+	bool is_valid() const { return id_ != 0; }
+	bool is_null() const { return id_ == 0; }
+	int64_t get_id() const { return static_cast<int64_t>(id_); }
+	auto operator<=>(const RID &) const = default;
+
+private:
+	uint64_t id_ = 0;
+};
+
+} // namespace godot

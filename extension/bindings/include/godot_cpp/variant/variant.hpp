@@ -1,0 +1,137 @@
+#pragma once
+
+#include <godot_cpp/core/builtin_traits.hpp>
+#include <godot_cpp/core/defs.hpp>
+#include <godot_cpp/core/opaque.hpp>
+
+#include <concepts>
+#include <type_traits>
+
+namespace godot {
+
+class Object;
+
+namespace internal {
+
+/// A type of the engine, which a Variant holds as it is.
+template <typename T>
+concept Builtin = builtin_type<T> != GDEXTENSION_VARIANT_TYPE_NIL;
+
+template <typename T>
+concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+
+/// How the engine passes a number, and the Variant type that holds it.
+template <Number T>
+using NumberWire = std::conditional_t<std::is_same_v<T, bool>, GDExtensionBool,
+		std::conditional_t<std::is_floating_point_v<T>, double, int64_t>>;
+
+template <Number T>
+inline constexpr GDExtensionVariantType number_type = std::is_same_v<T, bool> ? GDEXTENSION_VARIANT_TYPE_BOOL
+		: std::is_floating_point_v<T>										  ? GDEXTENSION_VARIANT_TYPE_FLOAT
+																			  : GDEXTENSION_VARIANT_TYPE_INT;
+
+} // namespace internal
+
+/// Any value of the engine. Conversions to a type follow the engine's rules: what cannot be converted becomes that
+/// type's default.
+class Variant {
+public:
+	enum Type {
+		NIL, BOOL, INT, FLOAT, STRING, VECTOR2, VECTOR2I, RECT2, RECT2I, VECTOR3, VECTOR3I, TRANSFORM2D, VECTOR4,
+		VECTOR4I, PLANE, QUATERNION, AABB, BASIS, TRANSFORM3D, PROJECTION, COLOR, STRING_NAME, NODE_PATH, RID, OBJECT,
+		CALLABLE, SIGNAL, DICTIONARY, ARRAY, PACKED_BYTE_ARRAY, PACKED_INT32_ARRAY, PACKED_INT64_ARRAY,
+		PACKED_FLOAT32_ARRAY, PACKED_FLOAT64_ARRAY, PACKED_STRING_ARRAY, PACKED_VECTOR2_ARRAY, PACKED_VECTOR3_ARRAY,
+		PACKED_COLOR_ARRAY, PACKED_VECTOR4_ARRAY, VARIANT_MAX
+	}; // clang-format skip
+	static_assert(int(VARIANT_MAX) == int(GDEXTENSION_VARIANT_TYPE_VARIANT_MAX));
+
+	Variant();
+	Variant(const Variant &p_from);
+	Variant(Variant &&p_from) noexcept;
+	Variant(const char *p_utf8);
+	Variant(const Object *p_object);
+	Variant(const Array &p_array); // Typed arrays, too.
+	~Variant();
+	Variant &operator=(const Variant &p_from);
+	Variant &operator=(Variant &&p_from) noexcept;
+
+	template <internal::Number T>
+	Variant(T p_value) {
+		auto wire = static_cast<internal::NumberWire<T>>(p_value);
+		internal::builtin_functions[internal::number_type<T>].to_variant(storage_, &wire);
+	}
+
+	template <internal::Builtin T>
+	Variant(const T &p_value) {
+		internal::builtin_functions[internal::builtin_type<T>].to_variant(storage_, const_cast<T *>(&p_value));
+	}
+
+	template <internal::Number T>
+	operator T() const {
+		internal::NumberWire<T> wire{};
+		internal::builtin_functions[internal::number_type<T>].from_variant(&wire, _native_ptr());
+		return static_cast<T>(wire);
+	}
+
+	template <internal::Builtin T>
+	operator T() const {
+		if constexpr (std::constructible_from<T, internal::Uninitialized>) {
+			T value{ internal::Uninitialized{} };
+			internal::builtin_functions[internal::builtin_type<T>].from_variant(value._native_ptr(), _native_ptr());
+			return value;
+		} else {
+			T value;
+			internal::builtin_functions[internal::builtin_type<T>].from_variant(&value, _native_ptr());
+			return value;
+		}
+	}
+
+	/// The object, or null for any other value and for an object that was freed.
+	operator Object *() const { return get_validated_object(); }
+	Object *get_validated_object() const;
+
+	Type get_type() const;
+
+	/// For interface functions.
+	void *_native_ptr() const { return const_cast<std::byte *>(storage_); }
+
+private:
+	alignas(8) std::byte storage_[24];
+};
+
+} // namespace godot
+
+// As in godot-cpp, Variant brings all types that it may hold.
+#include <godot_cpp/variant/aabb.hpp>
+#include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/callable.hpp>
+#include <godot_cpp/variant/color.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/node_path.hpp>
+#include <godot_cpp/variant/packed_byte_array.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_float64_array.hpp>
+#include <godot_cpp/variant/packed_int32_array.hpp>
+#include <godot_cpp/variant/packed_int64_array.hpp>
+#include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/packed_vector2_array.hpp>
+#include <godot_cpp/variant/packed_vector3_array.hpp>
+#include <godot_cpp/variant/rect2.hpp>
+#include <godot_cpp/variant/rect2i.hpp>
+#include <godot_cpp/variant/rid.hpp>
+#include <godot_cpp/variant/signal.hpp>
+#include <godot_cpp/variant/string.hpp>
+#include <godot_cpp/variant/string_name.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
+
+namespace godot {
+
+/// The text with its placeholders (%d, %s, ...) filled in, by the rules of GDScript.
+template <typename... Args>
+String vformat(const String &p_text, const Args &...p_args) {
+	Array values;
+	(values.push_back(p_args), ...);
+	return p_text % values;
+}
+
+} // namespace godot

@@ -1,0 +1,270 @@
+#include <godot_cpp/core/class_db.hpp>
+
+#include <godot_cpp/core/engine_call.hpp>
+#include <godot_cpp/core/script_virtual.hpp>
+#include <godot_cpp/godot.hpp>
+
+namespace godot {
+
+using internal::library;
+
+namespace internal {
+
+namespace {
+
+struct Override {
+	StringName name;
+	uint32_t hash;
+	GDExtensionClassCallVirtual call;
+};
+
+/// What has to live for as long as the engine knows a class of ours.
+struct ClassRecord {
+	StringName name;
+	const ClassRecord *parent = nullptr; ///< Null where the engine's own classes begin.
+	std::vector<Override> overrides;
+	std::vector<std::unique_ptr<MethodBind>> methods;
+};
+
+// In order of registration: parents come first. Changed only while the engine registers and unregisters.
+std::vector<std::unique_ptr<ClassRecord>> records;
+
+ClassRecord *find_record(const StringName &p_name) {
+	for (const std::unique_ptr<ClassRecord> &record : records) {
+		if (record->name == p_name) {
+			return record.get();
+		}
+	}
+	return nullptr;
+}
+
+/// The engine asks once for each object and method.
+GDExtensionClassCallVirtual find_override(void *p_record, GDExtensionConstStringNamePtr p_name, uint32_t p_hash) {
+	const StringName &name = *static_cast<const StringName *>(p_name);
+	for (auto *record = static_cast<const ClassRecord *>(p_record); record; record = record->parent) {
+		for (const Override &override : record->overrides) {
+			if (override.hash == p_hash && override.name == name) {
+				return override.call;
+			}
+		}
+	}
+	return nullptr;
+}
+
+std::vector<GDExtensionPropertyInfo> native(const std::vector<PropertyInfo> &p_list) {
+	std::vector<GDExtensionPropertyInfo> result;
+	for (const PropertyInfo &info : p_list) {
+		result.push_back(info._native());
+	}
+	return result;
+}
+
+} // namespace
+
+void add_override(const char *p_name, uint32_t p_hash, GDExtensionClassCallVirtual p_call) {
+	records.back()->overrides.push_back({ StringName(p_name), p_hash, p_call });
+}
+
+bool MethodBind::complete(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_given, const Variant **r_args,
+		std::size_t p_count, GDExtensionCallError &r_error) const {
+	const auto given = static_cast<std::size_t>(p_given);
+	const std::size_t required = p_count - defaults.size();
+	if (given > p_count || given < required) {
+		r_error = given > p_count
+				? GDExtensionCallError{ GDEXTENSION_CALL_ERROR_TOO_MANY_ARGUMENTS, 0, static_cast<int32_t>(p_count) }
+				: GDExtensionCallError{ GDEXTENSION_CALL_ERROR_TOO_FEW_ARGUMENTS, 0, static_cast<int32_t>(required) };
+		return false;
+	}
+	for (std::size_t i = 0; i < p_count; ++i) {
+		r_args[i] = i < given ? static_cast<const Variant *>(p_args[i]) : &defaults[i - required];
+	}
+	return true;
+}
+
+EngineMethod::EngineMethod(const char *p_class, const char *p_name, GDExtensionInt p_hash) :
+		method_(gdextension_interface::classdb_get_method_bind(
+				StringName(p_class)._native_ptr(), StringName(p_name)._native_ptr(), p_hash)),
+		class_(p_class), name_(p_name) {}
+
+bool EngineMethod::check() const {
+	ERR_FAIL_COND_V_MSG(!method_, false, String("This engine has no ") + class_ + "." + name_ + "() as it was built for.");
+	return true;
+}
+
+Variant EngineMethod::run_variants(GodotObject *p_owner, std::initializer_list<Variant> p_values) const {
+	Variant result;
+	if (check()) {
+		std::vector<GDExtensionConstVariantPtr> pointers;
+		for (const Variant &value : p_values) {
+			pointers.push_back(&value);
+		}
+		GDExtensionCallError error{};
+		gdextension_interface::object_method_bind_call(method_, p_owner, pointers.data(),
+				static_cast<GDExtensionInt>(pointers.size()), &result, &error);
+	}
+	return result;
+}
+
+bool has_script_method(GodotObject *p_owner, const StringName &p_name) {
+	return gdextension_interface::object_has_script_method(p_owner, p_name._native_ptr());
+}
+
+bool call_script_method(GodotObject *p_owner, const StringName &p_name, const Variant *const *p_args, std::size_t p_count,
+		Variant &r_result) {
+	if (!has_script_method(p_owner, p_name)) {
+		return false;
+	}
+	GDExtensionCallError error{};
+	gdextension_interface::object_call_script_method(p_owner, p_name._native_ptr(),
+			reinterpret_cast<const GDExtensionConstVariantPtr *>(p_args), static_cast<GDExtensionInt>(p_count), &r_result, &error);
+	return error.error == GDEXTENSION_CALL_OK;
+}
+
+StringName enum_class_name(std::string_view p_cpp_name) {
+	const std::size_t last = p_cpp_name.rfind("::");
+	const std::size_t before = last == std::string_view::npos ? last : p_cpp_name.rfind("::", last - 1);
+	std::string name(before == std::string_view::npos ? p_cpp_name : p_cpp_name.substr(before + 2));
+	if (const std::size_t scope = name.find("::"); scope != std::string::npos) {
+		name.replace(scope, 2, ".");
+	}
+	return StringName(name.c_str());
+}
+
+Callable CallableMethod::make(std::unique_ptr<CallableMethod> p_method, Object *p_object) {
+	GDExtensionCallableCustomInfo2 info{};
+	info.token = library;
+	info.object_id = p_object->get_instance_id();
+	info.callable_userdata = p_method.release();
+	info.call_func = [](void *p_self, const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
+							 GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
+		*r_error = { GDEXTENSION_CALL_OK, 0, 0 };
+		static_cast<CallableMethod *>(p_self)->call(p_args, p_count, static_cast<Variant *>(r_result), *r_error);
+	};
+	info.free_func = [](void *p_self) { delete static_cast<CallableMethod *>(p_self); };
+	info.hash_func = [](void *p_self) { return static_cast<CallableMethod *>(p_self)->hash(); };
+	info.equal_func = [](void *p_a, void *p_b) -> GDExtensionBool {
+		return static_cast<CallableMethod *>(p_a)->equals(*static_cast<CallableMethod *>(p_b));
+	};
+	Callable result{ Uninitialized{} };
+	gdextension_interface::callable_custom_create2(result._native_ptr(), &info);
+	return result;
+}
+
+} // namespace internal
+
+using namespace internal;
+
+PropertyInfo::PropertyInfo(Variant::Type p_type, const StringName &p_name, PropertyHint p_hint, const String &p_hint_string,
+		uint32_t p_usage, const StringName &p_class_name) :
+		type(p_type),
+		name(p_name),
+		// The class of a resource is what the inspector lets one choose from.
+		class_name(p_hint == PROPERTY_HINT_RESOURCE_TYPE ? StringName(p_hint_string) : p_class_name),
+		hint(p_hint),
+		hint_string(p_hint_string),
+		usage(p_usage) {}
+
+PropertyInfo::PropertyInfo(const GDExtensionPropertyInfo &p_info) :
+		type(static_cast<Variant::Type>(p_info.type)),
+		name(*static_cast<const StringName *>(p_info.name)),
+		class_name(*static_cast<const StringName *>(p_info.class_name)),
+		hint(p_info.hint),
+		hint_string(*static_cast<const String *>(p_info.hint_string)),
+		usage(p_info.usage) {}
+
+GDExtensionPropertyInfo PropertyInfo::_native() const {
+	return { static_cast<GDExtensionVariantType>(type), name._native_ptr(), class_name._native_ptr(), hint,
+		hint_string._native_ptr(), usage };
+}
+
+void PropertyInfo::_update(GDExtensionPropertyInfo &r_info) const {
+	r_info.type = static_cast<GDExtensionVariantType>(type);
+	*static_cast<StringName *>(r_info.class_name) = class_name;
+	r_info.hint = hint;
+	*static_cast<String *>(r_info.hint_string) = hint_string;
+	r_info.usage = usage;
+}
+
+void ClassDB::add_class(const ClassDescription &p_class) {
+	auto record = std::make_unique<ClassRecord>();
+	record->name = p_class.name;
+	record->parent = find_record(p_class.parent);
+	GDExtensionClassCreationInfo4 info = p_class.info;
+	info.get_virtual_func = find_override;
+	info.class_userdata = record.get();
+	records.push_back(std::move(record));
+	gdextension_interface::classdb_register_extension_class4(
+			library, p_class.name._native_ptr(), p_class.parent._native_ptr(), &info);
+	p_class.bind();
+}
+
+void ClassDB::unregister_classes() {
+	for (; !records.empty(); records.pop_back()) {
+		gdextension_interface::classdb_unregister_extension_class(library, records.back()->name._native_ptr());
+	}
+}
+
+void ClassDB::add_method(MethodDescription p_method, std::unique_ptr<MethodBind> p_bind) {
+	for (std::size_t i = 0; i < p_method.arguments.size() && i < p_method.definition.arguments.size(); ++i) {
+		p_method.arguments[i].name = p_method.definition.arguments[i];
+	}
+	std::vector<GDExtensionPropertyInfo> arguments = native(p_method.arguments);
+	std::vector<GDExtensionVariantPtr> defaults;
+	for (const Variant &value : p_bind->defaults) {
+		defaults.push_back(value._native_ptr());
+	}
+	GDExtensionPropertyInfo result = p_method.result._native();
+	GDExtensionClassMethodInfo info{};
+	info.name = p_method.definition.name._native_ptr();
+	info.method_userdata = p_bind.get();
+	info.call_func = p_method.call;
+	info.ptrcall_func = p_method.ptrcall;
+	info.method_flags = p_method.flags;
+	info.has_return_value = p_method.returns;
+	info.return_value_info = &result;
+	info.return_value_metadata = p_method.result_metadata;
+	info.argument_count = static_cast<uint32_t>(arguments.size());
+	info.arguments_info = arguments.data();
+	info.arguments_metadata = p_method.metadata.data();
+	info.default_argument_count = static_cast<uint32_t>(defaults.size());
+	info.default_arguments = defaults.data();
+	gdextension_interface::classdb_register_extension_class_method(library, p_method.class_name._native_ptr(), &info);
+	find_record(p_method.class_name)->methods.push_back(std::move(p_bind));
+}
+
+void ClassDB::add_property(
+		const StringName &p_class, const PropertyInfo &p_property, const StringName &p_setter, const StringName &p_getter) {
+	const GDExtensionPropertyInfo info = p_property._native();
+	gdextension_interface::classdb_register_extension_class_property(
+			library, p_class._native_ptr(), &info, p_setter._native_ptr(), p_getter._native_ptr());
+}
+
+void ClassDB::add_property_group(const StringName &p_class, const String &p_name, const String &p_prefix) {
+	gdextension_interface::classdb_register_extension_class_property_group(
+			library, p_class._native_ptr(), p_name._native_ptr(), p_prefix._native_ptr());
+}
+
+void ClassDB::add_signal(const StringName &p_class, const MethodInfo &p_signal) {
+	const std::vector<GDExtensionPropertyInfo> arguments = native(p_signal.arguments);
+	gdextension_interface::classdb_register_extension_class_signal(library, p_class._native_ptr(), p_signal.name._native_ptr(),
+			arguments.data(), static_cast<GDExtensionInt>(arguments.size()));
+}
+
+void ClassDB::add_virtual_method(
+		const StringName &p_class, MethodInfo p_method, const std::vector<StringName> &p_arguments) {
+	for (std::size_t i = 0; i < p_method.arguments.size() && i < p_arguments.size(); ++i) {
+		p_method.arguments[i].name = p_arguments[i];
+	}
+	std::vector<GDExtensionPropertyInfo> arguments = native(p_method.arguments);
+	GDExtensionClassVirtualMethodInfo info{};
+	info.name = p_method.name._native_ptr();
+	info.method_flags = p_method.flags;
+	info.return_value = p_method.return_val._native();
+	info.return_value_metadata = p_method.return_val_metadata;
+	info.argument_count = static_cast<uint32_t>(arguments.size());
+	info.arguments = arguments.data();
+	info.arguments_metadata = p_method.arguments_metadata.data();
+	gdextension_interface::classdb_register_extension_class_virtual_method(library, p_class._native_ptr(), &info);
+}
+
+} // namespace godot

@@ -1,0 +1,44 @@
+#include "nodes/register_types.hpp"
+
+#include "nodes/poisson_sampler.hpp"
+#include "nodes/scatter_layer.hpp"
+#include "nodes/scatter_terrain.hpp"
+#include "nodes/scatter_terrain_flat.hpp"
+#include "nodes/scatter_terrain_heightmap.hpp"
+#include "nodes/terrain_scatter_3d.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/defs.hpp>
+
+using namespace godot;
+
+namespace thicket {
+
+void initialize(ModuleInitializationLevel p_level) {
+	if (p_level != MODULE_INITIALIZATION_LEVEL_SCENE) {
+		return;
+	}
+	GDREGISTER_CLASS(PoissonSampler);
+	GDREGISTER_CLASS(ScatterTerrain);
+	GDREGISTER_CLASS(ScatterTerrainFlat);
+	GDREGISTER_CLASS(ScatterTerrainHeightmap);
+	GDREGISTER_CLASS(ScatterLayer);
+	GDREGISTER_CLASS(TerrainScatter3D);
+}
+
+void terminate(ModuleInitializationLevel) {}
+
+} // namespace thicket
+
+extern "C" {
+
+/// Where the engine enters the library; named in thicket.gdextension.
+GDExtensionBool GDE_EXPORT thicket_library_init(GDExtensionInterfaceGetProcAddress p_get_proc_address,
+		GDExtensionClassLibraryPtr p_library, GDExtensionInitialization *r_initialization) {
+	const GDExtensionBinding::InitObject library(p_get_proc_address, p_library, r_initialization);
+	library.register_initializer(thicket::initialize);
+	library.register_terminator(thicket::terminate);
+	library.set_minimum_library_initialization_level(MODULE_INITIALIZATION_LEVEL_SCENE);
+	return library.init();
+}
+}
