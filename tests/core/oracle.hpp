@@ -43,19 +43,19 @@ public:
 	Points run() {
 		for (std::int32_t y = cells_.min.y; y < cells_.max.y; ++y) {
 			for (std::int32_t x = cells_.min.x; x < cells_.max.x; ++x) {
-				push({x, y}, source_.base_dart(x, y, tag_of(mod_5(x), mod_5(y))));
+				push({x, y}, source_.base_dart(x, y));
 			}
 		}
 		while (!events_.empty()) {
-			const auto [time, level_position, x, y] = events_.top();
+			const auto [dart, x, y] = events_.top();
 			events_.pop();
-			handle({x, y}, {time, level_position});
+			handle({x, y}, dart);
 		}
 		return std::move(points_);
 	}
 
 private:
-	using Event = std::tuple<TimeKey, std::uint32_t, std::int32_t, std::int32_t>;
+	using Event = std::tuple<DartKey, std::int32_t, std::int32_t>;
 
 	static std::pair<std::int32_t, std::int32_t> cell_of(glm::i64vec2 lattice) {
 		return {static_cast<std::int32_t>(lattice.x >> lattice_bits), static_cast<std::int32_t>(lattice.y >> lattice_bits)};
@@ -65,7 +65,7 @@ private:
 		return glm::i64vec2(cell) * std::int64_t{cell_size} + glm::i64vec2(position_x(position), position_y(position));
 	}
 
-	void push(glm::ivec2 cell, const Dart &dart) { events_.emplace(dart.time, dart.level_position, cell.x, cell.y); }
+	void push(glm::ivec2 cell, DartKey dart) { events_.emplace(dart, cell.x, cell.y); }
 
 	/// True when `covers` holds for a point of the 7 x 7 cells around `cell`.
 	template <typename Test>
@@ -81,31 +81,31 @@ private:
 		return false;
 	}
 
-	void handle(glm::ivec2 cell, const Dart &dart) {
+	void handle(glm::ivec2 cell, DartKey dart) {
 		if (points_.contains({cell.x, cell.y})) {
 			return;
 		}
-		const glm::i64vec2 lattice = lattice_of(cell, dart_position(dart.level_position));
+		const glm::i64vec2 lattice = lattice_of(cell, dart_position(dart_place(dart)));
 		const auto distance2 = [](glm::i64vec2 d) { return d.x * d.x + d.y * d.y; };
 		if (!any_point_near(cell, [&](glm::i64vec2 other) { return distance2(other - lattice) < radius_squared; })) {
-			points_[{cell.x, cell.y}] = {lattice, rank_of(set_.levels, level_, dart.time)};
+			points_[{cell.x, cell.y}] = {lattice, rank_of(set_.levels, level_, dart_time(dart))};
 			return;
 		}
-		const std::uint32_t child_level = dart_level(dart.level_position) + 1;
+		const std::uint32_t child_level = dart_level(dart_place(dart)) + 1;
 		if (child_level > lattice_bits) {
 			return;
 		}
 		const std::uint32_t width = cell_size >> child_level;
 		for (std::uint32_t child = 0; child < 4; ++child) {
 			const CellPosition corner =
-					square_origin(dart.level_position) + (child & 1) * width + (child >> 1) * (width << lattice_bits);
+					square_origin(dart_place(dart)) + (child & 1) * width + (child >> 1) * (width << lattice_bits);
 			const glm::i64vec2 low = lattice_of(cell, corner);
 			const glm::i64vec2 high = low + std::int64_t{width} - std::int64_t{1};
 			const bool covered = any_point_near(cell, [&](glm::i64vec2 other) {
 				return distance2(glm::max(glm::abs(low - other), glm::abs(high - other))) < radius_squared;
 			});
 			if (!covered) {
-				push(cell, source_.child_dart(cell.x, cell.y, dart.time, child_level, corner));
+				push(cell, child_dart(dart, child));
 			}
 		}
 	}

@@ -27,8 +27,7 @@ bool BlockSampler::resolve(const CellRect &block, const std::atomic<bool> *cance
 		CellRect needed = block;
 		for (LevelGrid &grid : levels_) {
 			grid.reset(needed.grown(margin));
-			// Coarse cells that hold points within reach of the needed ones; the margins serve each other.
-			needed = {(needed.min >> 1) - 1, ((needed.max - 1) >> 1) + 2};
+			needed = coarse_cells_around(needed);
 		}
 		const ResolveResult result = resolve_block(levels_, block, cancel);
 		if (result != ResolveResult::margin_too_small) {

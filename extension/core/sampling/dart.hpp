@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/philox.hpp"
+#include "core/base/split_mix.hpp"
 #include "core/sampling/point_set.hpp"
 
 #include <bit>
@@ -48,19 +49,24 @@ inline float exponential(std::uint32_t random) {
 	const float mantissa = std::bit_cast<float>((shifted & 0x007fffffu) + 0x3f400000u);
 	const float s = (mantissa - 1.0f) / (mantissa + 1.0f);
 	const float s2 = s * s;
-	float series = s2 * (1.0f / 9.0f) + (1.0f / 7.0f);
-	series = series * s2 + (1.0f / 5.0f);
-	series = series * s2 + (1.0f / 3.0f);
-	series = series * s2 + 1.0f;
+	const float s4 = s2 * s2;
+	const float low = s2 * (1.0f / 3.0f) + 1.0f;
+	const float high = s2 * (1.0f / 7.0f) + (1.0f / 5.0f) + s4 * (1.0f / 9.0f);
+	const float series = high * s4 + low;
 	const float ln_mantissa = (s + s) * series;
 	return static_cast<float>(-exponent) * 0.693147180559945f - ln_mantissa;
 }
 
-/// A dart of a cell: a square of the cell's quadtree, the time of its clock and a place in it.
-struct Dart {
-	TimeKey time;
-	std::uint32_t level_position; ///< Quadtree level (0 is the whole cell) above the CellPosition.
-};
+/// A dart of a cell: its TimeKey above the quadtree level of its square (0 is the whole cell) above its CellPosition. The order of
+/// the keys is the order of a cell's darts.
+using DartKey = std::uint64_t;
+
+constexpr DartKey make_dart(TimeKey time, std::uint32_t level_position) {
+	return DartKey{time} << 32 | level_position;
+}
+
+constexpr TimeKey dart_time(DartKey dart) { return static_cast<TimeKey>(dart >> 32); }
+constexpr std::uint32_t dart_place(DartKey dart) { return static_cast<std::uint32_t>(dart); }
 
 constexpr std::uint32_t dart_level(std::uint32_t level_position) { return level_position >> (2 * lattice_bits); }
 constexpr CellPosition dart_position(std::uint32_t level_position) { return level_position & position_mask; }
@@ -81,27 +87,27 @@ struct DartSource {
 				std::uint32_t{set.layer} | level << 16};
 	}
 
-	constexpr std::array<std::uint32_t, 4> bits(
-			std::int32_t x, std::int32_t y, std::uint32_t square_level, CellPosition origin) const {
-		return philox4x32({static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), stream | square_level << 24, origin}, key);
-	}
-
 	/// The first dart of a cell: its clock runs at rate 1, the area of a cell.
-	Dart base_dart(std::int32_t x, std::int32_t y, std::uint32_t tag) const {
-		const auto random = bits(x, y, 0, 0);
-		return {(std::bit_cast<TimeKey>(exponential(random[0])) & ~tag_bits) | tag, random[1] & position_mask};
-	}
-
-	/// The dart of a child square, whose clock starts when its parent was rejected and runs at rate 4^-level. Never
-	/// before the parent: float addition is monotone and both keys carry the same tag.
-	Dart child_dart(std::int32_t x, std::int32_t y, TimeKey parent, std::uint32_t level, CellPosition origin) const {
-		const auto random = bits(x, y, level, origin);
-		const auto area_inverse = static_cast<float>(1u << (2 * level));
-		const float time = std::bit_cast<float>(parent) + exponential(random[0]) * area_inverse;
-		const std::uint32_t inside = cell_mask >> level;
-		const CellPosition position = origin | (random[1] & (inside | inside << lattice_bits));
-		return {(std::bit_cast<TimeKey>(time) & ~tag_bits) | (parent & tag_bits), level << (2 * lattice_bits) | position};
+	DartKey base_dart(std::int32_t x, std::int32_t y) const {
+		const auto random = philox4x32({static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), stream, 0}, key);
+		const TimeKey time = (std::bit_cast<TimeKey>(exponential(random[0])) & ~tag_bits) | tag_of(mod_5(x), mod_5(y));
+		return make_dart(time, random[1] & position_mask);
 	}
 };
+
+/// The dart of a child square (0 to 3, x first), hashed from its parent's, whose clock starts when the parent was rejected and
+/// runs at rate 4^-level. Never before the parent: float addition is monotone and both keys carry the same tag.
+inline DartKey child_dart(DartKey parent, std::uint32_t child) {
+	const std::uint64_t random = split_mix(parent + (child + 1) * split_mix_gamma);
+	const std::uint32_t level = dart_level(dart_place(parent)) + 1;
+	const std::uint32_t width = cell_size >> level;
+	const CellPosition corner =
+			square_origin(dart_place(parent)) + (child & 1) * width + (child >> 1) * (width << lattice_bits);
+	const float wait = exponential(static_cast<std::uint32_t>(random >> 32)) * static_cast<float>(1u << (2 * level));
+	const float time = std::bit_cast<float>(dart_time(parent)) + wait;
+	const TimeKey key = (std::bit_cast<TimeKey>(time) & ~tag_bits) | (dart_time(parent) & tag_bits);
+	const std::uint32_t inside = (width - 1) | (width - 1) << lattice_bits;
+	return make_dart(key, level << (2 * lattice_bits) | corner | (static_cast<std::uint32_t>(random) & inside));
+}
 
 } // namespace thicket

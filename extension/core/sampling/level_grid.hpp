@@ -22,6 +22,11 @@ struct CellRect {
 	constexpr glm::ivec2 size() const { return max - min; }
 };
 
+/// The cells of the next coarser level that hold all points which can lie within its radius of the given cells.
+constexpr CellRect coarse_cells_around(const CellRect &cells) {
+	return {(cells.min >> 1) - 1, ((cells.max - 1) >> 1) + 2};
+}
+
 /// A square that waits for its turn: time above level and position, so that the order of the keys is the order of events.
 struct PendingSquare {
 	std::uint64_t key;
@@ -57,6 +62,8 @@ struct LevelGrid {
 	std::vector<PendingSquare> pool; ///< Entry 0 is unused.
 	std::uint32_t free_square = 0;
 	std::vector<std::uint32_t> chain; ///< Cells that wait for the one after them.
+
+	std::vector<std::uint32_t> due; ///< Cells to look at in a pass.
 
 	std::uint64_t accepted = 0;
 	std::uint64_t darts = 0;

@@ -6,12 +6,16 @@
 #define THICKET_RESOLVER_INL
 #endif
 
+#include "core/sampling/cover-inl.hpp"
+#include "core/sampling/darts-inl.hpp"
 #include "core/sampling/resolver.hpp"
 
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <cstdlib>
+#include <cstring>
 
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
@@ -20,13 +24,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes32 = hn::CappedTag<std::uint32_t, 8>;
 using SignedLanes32 = hn::RebindToSigned<Lanes32>;
-
-constexpr std::int32_t side = static_cast<std::int32_t>(cell_size);
-constexpr std::int32_t sub_bits = lattice_bits - 3;
-constexpr std::int32_t sub_side = side >> 3;
-
-/// Distances are cut off here, where their squares still add up in 31 bits and exceed radius^2.
-constexpr std::int32_t far = 23171;
 
 constexpr std::uint32_t sub_square_of(CellPosition position) {
 	return (position_y(position) >> sub_bits) * 8 + (position_x(position) >> sub_bits);
@@ -116,45 +113,24 @@ HWY_INLINE void close_cell(LevelGrid &grid, std::uint32_t cell) {
 	release_waiting(grid, cell);
 }
 
-/// Half the width of the disk, floored, at `distance` units from its centre: all x with |x| <= half_width have
-/// x^2 + distance^2 < radius^2. Negative beyond the disk.
-HWY_INLINE std::int32_t half_width(std::int32_t distance) {
-	const std::int32_t rest = static_cast<std::int32_t>(radius_squared) - 1 - distance * distance;
-	if (distance >= far || rest < 0) {
-		return -1;
-	}
-	// One less than rounded: never too wide.
-	return static_cast<std::int32_t>(std::sqrt(static_cast<float>(rest))) - 1;
-}
-
 /// Marks what a new point's disk covers, and closes the cells that are left without an open sub-square.
 HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position) {
-	const auto px = static_cast<std::int32_t>(position_x(position));
-	const auto py = static_cast<std::int32_t>(position_y(position));
-	for (std::int32_t row = -2; row <= 2; ++row) {
-		std::uint64_t cover[5] = {};
-		for (std::int32_t sub = 0; sub < 8; ++sub) {
-			const std::int32_t y = row * side + sub * sub_side;
-			const std::int32_t half = half_width(std::max(std::abs(y - py), std::abs(y + sub_side - 1 - py)));
-			const std::int32_t low = (px - half + 2 * side + sub_side - 1) >> sub_bits;
-			const std::int32_t high = (px + half + 1 + 2 * side) >> sub_bits;
-			if (half < 0 || low >= high) {
-				continue;
-			}
-			const std::uint64_t columns = (std::uint64_t{1} << high) - (std::uint64_t{1} << low);
-			for (std::int32_t column = 0; column < 5; ++column) {
-				cover[column] |= (columns >> (8 * column) & 0xff) << (8 * sub);
-			}
-		}
-		const std::uint32_t first = cell + static_cast<std::uint32_t>(row * static_cast<std::int32_t>(grid.stride) - 2);
+	Cover cover;
+	cover_of(position, cover);
+	std::uint32_t closed[25];
+	std::uint32_t closed_count = 0;
+	for (std::uint32_t row = 0; row < 5; ++row) {
+		const std::uint32_t first = cell + (row - 2) * grid.stride - 2;
 		for (std::uint32_t column = 0; column < 5; ++column) {
 			const std::uint64_t before = grid.open[first + column];
-			const std::uint64_t after = before & ~cover[column];
+			const std::uint64_t after = before & ~cover.cells[row][column];
 			grid.open[first + column] = after;
-			if (after == 0 && before != 0) {
-				close_cell(grid, first + column);
-			}
+			closed[closed_count] = first + column;
+			closed_count += after == 0 && before != 0 ? 1 : 0;
 		}
+	}
+	for (std::uint32_t i = 0; i < closed_count; ++i) {
+		close_cell(grid, closed[i]);
 	}
 }
 
@@ -166,8 +142,7 @@ HWY_INLINE void place_point(LevelGrid &grid, std::uint32_t cell, CellPosition po
 }
 
 /// Puts a square into its cell's list, which is sorted by key.
-HWY_INLINE void add_waiting(LevelGrid &grid, std::uint32_t cell, const Dart &dart) {
-	const std::uint64_t key = std::uint64_t{dart.time} << 32 | dart.level_position;
+HWY_INLINE void add_waiting(LevelGrid &grid, std::uint32_t cell, std::uint64_t key) {
 	std::uint32_t square = grid.free_square;
 	if (square != 0) {
 		grid.free_square = grid.pool[square].next;
@@ -184,34 +159,83 @@ HWY_INLINE void add_waiting(LevelGrid &grid, std::uint32_t cell, const Dart &dar
 	++grid.squares;
 }
 
-/// True where one accepted point's disk covers the whole square: the test of the paper's section 3.2, by the farthest corner.
-inline bool covered_by_one(const LevelGrid &grid, std::uint32_t cell, CellPosition origin, std::int32_t width) {
-	const auto x0 = static_cast<std::int32_t>(position_x(origin));
-	const auto y0 = static_cast<std::int32_t>(position_y(origin));
-	for (std::int32_t row = -2; row <= 2; ++row) {
-		for (std::int32_t column = -2; column <= 2; ++column) {
-			const std::uint32_t point = grid.point[cell + static_cast<std::uint32_t>(row * static_cast<std::int32_t>(grid.stride) + column)];
-			if (point == LevelGrid::no_point) {
-				continue;
-			}
-			const std::int32_t x = column * side + static_cast<std::int32_t>(position_x(point));
-			const std::int32_t y = row * side + static_cast<std::int32_t>(position_y(point));
-			const std::int32_t dx = std::max(std::abs(x0 - x), std::abs(x0 + width - 1 - x));
-			const std::int32_t dy = std::max(std::abs(y0 - y), std::abs(y0 + width - 1 - y));
-			if (dx < far && dy < far && dx * dx + dy * dy < static_cast<std::int32_t>(radius_squared)) {
-				return true;
-			}
+/// The points among the 5 x 5 cells whose squared distance to `centre`, a place in the middle cell, is below `limit`
+/// (at most 2^30): bit 8 * row + column.
+HWY_INLINE std::uint64_t points_near(const LevelGrid &grid, std::uint32_t cell, CellPosition centre, std::uint32_t limit) {
+	const Lanes32 d;
+	const SignedLanes32 di;
+	const std::uint32_t first = cell - 2 * grid.stride - 2;
+	std::uint64_t near = 0;
+	for (std::uint32_t row = 0; row < 5; ++row) {
+		for (std::size_t lane = 0; lane < 8; lane += hn::MaxLanes(d)) {
+			const auto column = hn::ShiftLeft<lattice_bits>(hn::Iota(d, static_cast<std::uint32_t>(lane) - 2));
+			const auto point = hn::LoadU(d, grid.point.data() + first + row * grid.stride + lane);
+			const auto dx = hn::Add(hn::And(point, hn::Set(d, cell_mask)), hn::Sub(column, hn::Set(d, position_x(centre))));
+			const auto dy = hn::Add(hn::ShiftRight<lattice_bits>(point), hn::Set(d, (row - 2) * cell_size - position_y(centre)));
+			const auto distance2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+			// One unsigned comparison in signed lanes.
+			const auto within = hn::Lt(hn::BitCast(di, hn::Sub(distance2, hn::Set(d, 0x80000000u))),
+					hn::Set(di, static_cast<std::int32_t>(limit - 0x80000000u)));
+			const auto stands = hn::Ne(point, hn::Set(d, LevelGrid::no_point));
+			std::uint8_t bits[8] = {};
+			hn::StoreMaskBits(d, hn::And(hn::RebindMask(d, within), stands), bits);
+			near |= std::uint64_t{bits[0]} << (8 * row + lane);
 		}
 	}
-	return false;
+	// Beyond the corners and the five columns distances overflow; nothing there can be near.
+	return near & 0x0e1f1f1f0eull;
 }
 
-HWY_INLINE bool known_covered(const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
-	const std::uint64_t open = grid.open[cell] >> sub_square_of(origin);
-	if (level <= 3) {
-		return (open & square_bits(level)) == 0;
+/// Which of the four children, of quadtree level `level` > 3, of the square with corner `origin` are known to be covered: the
+/// square is cut into parts, 8 x 8 where the lattice allows, and a part is covered when it lies in one disk. Slivers
+/// between disks end here that would be split many times.
+HWY_INLINE std::uint32_t covered_children(const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
+	const RowLanes di;
+	const std::uint32_t half = cell_size >> level;
+	const std::int32_t part_bits = std::max(lattice_bits - static_cast<std::int32_t>(level) - 2, 0);
+	const CellPosition centre = origin + half * (1 + cell_size);
+	// A disk that reaches the square comes within its half diagonal of the centre.
+	const std::uint32_t reach = far + half + half / 2;
+	alignas(32) std::uint32_t rows[8] = {};
+	for (std::uint64_t near = points_near(grid, cell, centre, reach * reach); near != 0; near &= near - 1) {
+		const auto place = static_cast<std::uint32_t>(std::countr_zero(near));
+		const std::uint32_t row = place >> 3;
+		const std::uint32_t column = place & 7;
+		const CellPosition point = grid.point[cell + (row - 2) * grid.stride + column - 2];
+		// The point, seen from the square's corner.
+		const auto px = static_cast<std::int32_t>(column * cell_size + position_x(point) - position_x(origin)) - 2 * side;
+		const auto py = static_cast<std::int32_t>(row * cell_size + position_y(point) - position_y(origin)) - 2 * side;
+		for (std::size_t lane = 0; lane < 8; lane += hn::MaxLanes(di)) {
+			const auto span = covered_parts(di, static_cast<std::int32_t>(lane), px, py, part_bits, 8);
+			const auto one = hn::Set(di, 1);
+			const auto bits = hn::Sub(hn::Shl(one, span.to), hn::Shl(one, span.from));
+			const RowLanesUnsigned du;
+			hn::Store(hn::Or(hn::Load(du, rows + lane), hn::BitCast(du, bits)), du, rows + lane);
+		}
 	}
-	return (open & 1) == 0 || covered_by_one(grid, cell, origin, side >> level);
+	const std::uint32_t count = half >> part_bits;
+	std::uint32_t below = ~0u;
+	std::uint32_t above = ~0u;
+	for (std::uint32_t row = 0; row < count; ++row) {
+		below &= rows[row];
+		above &= rows[count + row];
+	}
+	const std::uint32_t left = (1u << count) - 1;
+	const std::uint32_t right = left << count;
+	const auto all = [](std::uint32_t bits, std::uint32_t wanted) { return (bits & wanted) == wanted ? 1u : 0u; };
+	return all(below, left) | all(below, right) << 1 | all(above, left) << 2 | all(above, right) << 3;
+}
+
+/// Which of the four children of a square are not known to be covered.
+HWY_INLINE std::uint32_t open_children(const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
+	const std::uint64_t open = grid.open[cell] >> sub_square_of(origin);
+	if (level > 3) {
+		return (open & 1) == 0 ? 0u : ~covered_children(grid, cell, level, origin) & 15u;
+	}
+	const std::uint64_t bits = square_bits(level);
+	const std::uint32_t step = 8u >> level;
+	const auto any = [](std::uint64_t part) { return part != 0 ? 1u : 0u; };
+	return any(open & bits) | any(open >> step & bits) << 1 | any(open >> 8 * step & bits) << 2 | any(open >> 9 * step & bits) << 3;
 }
 
 /// The next dart was rejected: splits its square and takes the cell's next one.
@@ -221,12 +245,14 @@ inline void advance(LevelGrid &grid, std::uint32_t cell) {
 	const std::uint32_t level = dart_level(level_position) + 1;
 	if (level <= lattice_bits) {
 		const CellPosition origin = square_origin(level_position);
-		const std::uint32_t half = cell_size >> level;
-		const glm::ivec2 where = grid.cell_of(cell);
-		for (std::uint32_t child = 0; child < 4; ++child) {
-			const CellPosition corner = origin + (child & 1) * half + (child >> 1) * (half << lattice_bits);
-			if (!known_covered(grid, cell, level, corner)) {
-				add_waiting(grid, cell, grid.source.child_dart(where.x, where.y, grid.time[cell], level, corner));
+		const std::uint32_t uncovered = open_children(grid, cell, level, origin);
+		if (uncovered != 0) {
+			DartKey darts[4];
+			child_darts(make_dart(grid.time[cell], level_position), darts);
+			for (std::uint32_t child = 0; child < 4; ++child) {
+				if ((uncovered >> child & 1) != 0) {
+					add_waiting(grid, cell, darts[child]);
+				}
 			}
 		}
 	}
@@ -243,9 +269,9 @@ inline void advance(LevelGrid &grid, std::uint32_t cell) {
 	grid.free_square = next;
 }
 
-/// Decides one cell: follows the chain of blocking cells, each with an earlier dart than the one before.
-/// False when the chain leaves the grid.
-bool resolve_cell(LevelGrid *levels, std::uint32_t level, std::uint32_t start);
+/// Decides one cell's darts up to the time `until`: follows the chain of blocking cells, each with an earlier dart than the one
+/// before. False when the chain leaves the grid.
+bool resolve_cell(LevelGrid *levels, std::uint32_t level, std::uint32_t start, TimeKey until);
 
 /// Brings the points of the coarser levels that can reach `cell` into the grid.
 inline bool make_ready(LevelGrid *levels, std::uint32_t level, std::uint32_t cell) {
@@ -258,7 +284,7 @@ inline bool make_ready(LevelGrid *levels, std::uint32_t level, std::uint32_t cel
 	for (std::int32_t y = parent.y - 1; y <= parent.y + 1; ++y) {
 		for (std::int32_t x = parent.x - 1; x <= parent.x + 1; ++x) {
 			const std::uint32_t source = coarse.index_of({x, y});
-			if (!resolve_cell(levels, level + 1, source)) {
+			if (!resolve_cell(levels, level + 1, source, time_never - 1)) {
 				return false;
 			}
 			const CellPosition position = coarse.point[source];
@@ -287,9 +313,9 @@ inline bool make_ready(LevelGrid *levels, std::uint32_t level, std::uint32_t cel
 	return true;
 }
 
-inline bool resolve_cell(LevelGrid *levels, std::uint32_t level, std::uint32_t start) {
+inline bool resolve_cell(LevelGrid *levels, std::uint32_t level, std::uint32_t start, TimeKey until) {
 	LevelGrid &grid = levels[level];
-	if (grid.time[start] == time_never) {
+	if (grid.time[start] > until) {
 		return true;
 	}
 	auto &chain = grid.chain;
@@ -307,6 +333,8 @@ inline bool resolve_cell(LevelGrid *levels, std::uint32_t level, std::uint32_t s
 				chain.pop_back();
 				continue;
 			}
+		} else if (time > until) {
+			return true;
 		}
 		if (grid.coarser != nullptr && grid.ready[cell] == 0) {
 			if (!make_ready(levels, level, cell)) {
@@ -336,38 +364,65 @@ inline bool resolve_cell(LevelGrid *levels, std::uint32_t level, std::uint32_t s
 	return true;
 }
 
-/// Gives every cell its first dart, and the border its unknown time.
-inline void throw_base_darts(LevelGrid &grid) {
-	const glm::ivec2 size = grid.cells.size() + 2 * LevelGrid::border;
-	const std::size_t count = std::size_t{grid.stride} * static_cast<std::size_t>(size.y);
-	std::fill_n(grid.time.begin(), count, time_unknown);
-	std::fill_n(grid.point.begin(), count, LevelGrid::no_point);
-	std::fill_n(grid.waiting.begin(), count, 0u);
-	std::fill_n(grid.open.begin(), count, std::uint64_t{0});
-	for (std::int32_t y = grid.cells.min.y; y < grid.cells.max.y; ++y) {
-		std::uint32_t index = grid.index_of({grid.cells.min.x, y});
-		for (std::int32_t x = grid.cells.min.x; x < grid.cells.max.x; ++x, ++index) {
-			const Dart dart = grid.source.base_dart(x, y, tag_of(mod_5(x), mod_5(y)));
-			grid.time[index] = dart.time;
-			grid.dart[index] = dart.level_position;
-			grid.open[index] = LevelGrid::all_open;
+/// Times between which the passes of `resolve_region` double; by then hardly anything is left to cover.
+constexpr float first_pass = 0.25f;
+constexpr float last_pass = 256.0f;
+
+/// Lists the cells of a row whose next dart is not later than `until` in grid.due.
+HWY_INLINE void find_due(LevelGrid &grid, std::uint32_t first, std::uint32_t count, TimeKey until) {
+	grid.due.clear();
+	const hn::ScalableTag<std::int32_t> d;
+	const hn::RebindToUnsigned<decltype(d)> du;
+	for (std::uint32_t start = 0; start < count; start += hn::MaxLanes(d)) {
+		const auto own = hn::BitCast(d, hn::LoadU(du, grid.time.data() + first + start));
+		std::uint8_t bytes[8] = {};
+		hn::StoreMaskBits(d, hn::Lt(own, hn::Set(d, static_cast<std::int32_t>(until) + 1)), bytes);
+		std::uint64_t bits = 0;
+		std::memcpy(&bits, bytes, sizeof(bits));
+		for (; bits != 0; bits &= bits - 1) {
+			const auto lane = static_cast<std::uint32_t>(std::countr_zero(bits));
+			if (start + lane < count) {
+				grid.due.push_back(first + start + lane);
+			}
 		}
 	}
-	grid.squares += static_cast<std::uint64_t>(grid.cells.size().x) * static_cast<std::uint64_t>(grid.cells.size().y);
+}
+
+/// Decides all cells of a region of one level, the early darts of all cells first: the points that they leave cover most of
+/// the rest, which then need not be looked at. The order changes no result.
+inline ResolveResult resolve_region(
+		LevelGrid *levels, std::uint32_t level, const CellRect &region, const std::atomic<bool> *cancel) {
+	LevelGrid &grid = levels[level];
+	const auto width = static_cast<std::uint32_t>(region.size().x);
+	for (float until = first_pass; until <= last_pass; until *= 2.0f) {
+		const TimeKey due = until < last_pass ? std::bit_cast<TimeKey>(until) : time_never - 1;
+		for (std::int32_t y = region.min.y; y < region.max.y; ++y) {
+			if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
+				return ResolveResult::cancelled;
+			}
+			find_due(grid, grid.index_of({region.min.x, y}), width, due);
+			for (const std::uint32_t cell : grid.due) {
+				if (!resolve_cell(levels, level, cell, due)) {
+					return ResolveResult::margin_too_small;
+				}
+			}
+		}
+	}
+	return ResolveResult::done;
 }
 
 inline ResolveResult resolve_block(std::span<LevelGrid> levels, const CellRect &block, const std::atomic<bool> *cancel) {
 	for (LevelGrid &grid : levels) {
 		throw_base_darts(grid);
 	}
-	for (std::int32_t y = block.min.y; y < block.max.y; ++y) {
-		if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
-			return ResolveResult::cancelled;
+	for (std::size_t level = levels.size(); level-- > 0;) {
+		CellRect region = block;
+		for (std::size_t finer = 0; finer < level; ++finer) {
+			region = coarse_cells_around(region);
 		}
-		for (std::int32_t x = block.min.x; x < block.max.x; ++x) {
-			if (!resolve_cell(levels.data(), 0, levels[0].index_of({x, y}))) {
-				return ResolveResult::margin_too_small;
-			}
+		const ResolveResult result = resolve_region(levels.data(), static_cast<std::uint32_t>(level), region, cancel);
+		if (result != ResolveResult::done) {
+			return result;
 		}
 	}
 	return ResolveResult::done;
