@@ -1,0 +1,56 @@
+extends Camera3D
+## A camera that flies freely or walks on the ground; F changes between both.
+
+## Metres a second of walking and of flying; Shift makes both faster.
+const WALK_SPEED := 2.5
+const FLY_SPEED := 100.0
+const FAST := 4.0
+## Metres of the eye above the ground.
+const EYE_HEIGHT := 1.75
+const RADIANS_PER_PIXEL := 0.0025
+
+## The ground to walk on; has [code]height(x, z)[/code].
+var elevation: RefCounted
+## True while walking.
+var walking := false:
+	set(value):
+		walking = value
+		_follow_ground()
+
+
+func _unhandled_input(event: InputEvent) -> void:
+	var motion := event as InputEventMouseMotion
+	if motion != null and Input.mouse_mode == Input.MOUSE_MODE_CAPTURED:
+		rotation.y -= motion.relative.x * RADIANS_PER_PIXEL
+		rotation.x = clampf(rotation.x - motion.relative.y * RADIANS_PER_PIXEL, -1.5, 1.5)
+	var button := event as InputEventMouseButton
+	if button != null and button.pressed and button.button_index == MOUSE_BUTTON_LEFT:
+		Input.mouse_mode = Input.MOUSE_MODE_CAPTURED
+
+
+func _process(delta: float) -> void:
+	var wish := Vector3(
+		_axis(KEY_A, KEY_D) + _axis(KEY_LEFT, KEY_RIGHT), _axis(KEY_Q, KEY_E), _axis(KEY_W, KEY_S) + _axis(KEY_UP, KEY_DOWN))
+	if wish == Vector3.ZERO:
+		return
+	var fast := FAST if Input.is_physical_key_pressed(KEY_SHIFT) else 1.0
+	if walking:
+		var step := Basis(Vector3.UP, rotation.y) * Vector3(wish.x, 0.0, wish.z).limit_length(1.0)
+		position += step * WALK_SPEED * fast * delta
+	else:
+		position += (basis * Vector3(wish.x, 0.0, wish.z).limit_length(1.0) + Vector3.UP * wish.y) * FLY_SPEED * fast * delta
+	_follow_ground()
+
+
+## Keeps a walker at eye height and a flier out of the ground.
+func _follow_ground() -> void:
+	if elevation == null:
+		return
+	var ground: float = elevation.height(position.x, position.z)
+	if is_nan(ground):
+		return
+	position.y = ground + EYE_HEIGHT if walking else maxf(position.y, ground + 0.5)
+
+
+static func _axis(negative: Key, positive: Key) -> float:
+	return float(Input.is_physical_key_pressed(positive)) - float(Input.is_physical_key_pressed(negative))

@@ -1,0 +1,59 @@
+extends RefCounted
+## Gathers what the scatter reports, frame by frame, for the overlay and for the screenshot run.
+
+## Frames that the median and the 99th percentile look back on.
+const WINDOW := 1200
+
+var _microseconds := PackedFloat64Array()
+var _next := 0
+var _last := {}
+
+
+## Takes the figures of the frame that has just been processed.
+func sample(stats: Dictionary) -> void:
+	_last = stats
+	var value := float(stats.get("frame_usec", 0))
+	if _microseconds.size() < WINDOW:
+		_microseconds.append(value)
+		return
+	_microseconds[_next] = value
+	_next = (_next + 1) % WINDOW
+
+
+## Forgets the frames seen so far.
+func clear() -> void:
+	_microseconds.clear()
+	_next = 0
+
+
+## Microseconds of the main thread below which this share (0..1) of the frames stayed; 0 before the first frame.
+func quantile(share: float) -> float:
+	if _microseconds.is_empty():
+		return 0.0
+	var sorted := _microseconds.duplicate()
+	sorted.sort()
+	return sorted[clampi(ceili(share * sorted.size()) - 1, 0, sorted.size() - 1)]
+
+
+## Points that one worker samples in a second, over all tiles made so far; 0 before the first.
+func points_per_second() -> float:
+	var spent := float(_last.get("worker_usec", 0))
+	return float(_last.get("points_sampled", 0)) / spent * 1e6 if spent > 0.0 else 0.0
+
+
+## The figures in a few lines.
+func text() -> String:
+	return "\n".join([
+		"tiles          %s (%s on the way)" % [_last.get("tiles", 0), int(_last.get("waiting", 0)) + int(_last.get("pending", 0))],
+		"instances      %s" % grouped(int(_last.get("instances", 0))),
+		"main thread    %.0f µs median, %.0f µs p99 a frame" % [quantile(0.5), quantile(0.99)],
+		"points         %s a second and thread" % grouped(int(points_per_second())),
+	])
+
+
+## A number with a thin gap between groups of three digits.
+static func grouped(value: int) -> String:
+	var digits := str(value)
+	for at in range(digits.length() - 3, 0, -3):
+		digits = digits.insert(at, " ")
+	return digits

@@ -1,0 +1,39 @@
+extends RefCounted
+## The fixed path of the demo: where it looks from when nobody steers, in the screenshot run and in the engine's test alike.
+##
+## All positions are world metres in x and z and metres above the ground in y, so the path follows the terrain.
+
+## Metres a second between the first two places.
+const SPEED := 100.0
+
+## Every stop: its name, the eye (x, metres above the ground, z), the direction in degrees clockwise from north, and how far
+## it looks up (positive) or down, in degrees.
+const STOPS: Array[Dictionary] = [
+	{"name": "overview", "eye": Vector3(2350.0, 300.0, 150.0), "heading": 318.0, "pitch": -11.0},
+	{"name": "forest", "eye": Vector3(1620.0, 26.0, -1180.0), "heading": 325.0, "pitch": -3.0},
+	{"name": "walk", "eye": Vector3(1870.0, 1.75, -950.0), "heading": 312.0, "pitch": -2.0},
+	{"name": "stones", "eye": Vector3(1180.0, 1.75, -1520.0), "heading": 300.0, "pitch": 0.0},
+	{"name": "tiles", "eye": Vector3(1900.0, 150.0, -700.0), "heading": 318.0, "pitch": -28.0},
+]
+
+
+## The camera's place at a stop, for ground of that height.
+static func transform(stop: Dictionary, ground: float) -> Transform3D:
+	var eye: Vector3 = stop.eye
+	var basis := Basis.from_euler(Vector3(deg_to_rad(stop.pitch), -deg_to_rad(stop.heading), 0.0))
+	return Transform3D(basis, Vector3(eye.x, ground + eye.y, eye.z))
+
+
+## World x and z on the straight way between the first two stops after [param seconds], and z as y.
+static func on_the_way(seconds: float) -> Vector2:
+	var from: Vector3 = STOPS[0].eye
+	var to: Vector3 = STOPS[1].eye
+	var start := Vector2(from.x, from.z)
+	return start.move_toward(Vector2(to.x, to.z), SPEED * seconds)
+
+
+## Seconds from the first stop to the second.
+static func flight_seconds() -> float:
+	var from: Vector3 = STOPS[0].eye
+	var to: Vector3 = STOPS[1].eye
+	return Vector2(from.x, from.z).distance_to(Vector2(to.x, to.z)) / SPEED

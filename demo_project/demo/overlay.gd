@@ -1,0 +1,33 @@
+extends CanvasLayer
+## What the demo says on the screen: the scatter's figures and the keys.
+
+const HELP := """W A S D, Q E   move        mouse   look (click to catch it, Esc to free it)
+Shift   faster             F   walk or fly
+N B   next, previous seed  + -   more, less of everything
+T   tiles                  P   take the flight      H   this help"""
+
+@onready var _figures: Label = $Panel/Rows/Figures
+@onready var _help: Label = $Panel/Rows/Help
+@onready var _panel: Control = $Panel
+
+
+func _ready() -> void:
+	_help.text = HELP
+
+
+## Shows the figures of a frame; [param state] is the demo's own line.
+func show_figures(text: String, state: String) -> void:
+	_figures.text = "%s\n%s" % [text, state]
+
+
+## Shows or hides the list of keys.
+func toggle_help() -> void:
+	_help.visible = not _help.visible
+	# A panel does not shrink by itself.
+	_panel.reset_size.call_deferred()
+
+
+## Hides the list of keys, for pictures.
+func hide_help() -> void:
+	_help.visible = false
+	_panel.reset_size.call_deferred()

@@ -1,0 +1,91 @@
+extends Node
+## Flies the fixed path when nobody watches: writes a picture at each stop, prints the figures, and quits.
+##
+## The engine does not draw between the stops, so that a machine that draws in software streams at full speed.
+
+const Figures := preload("res://demo/figures.gd")
+const Flight := preload("res://demo/flight.gd")
+
+## Frames a second of the streaming part.
+const FLIGHT_FPS := 60
+## Seconds after which a stop that is not idle counts as failed.
+const PATIENCE := 120.0
+## Frames to draw before a picture is kept: levels of detail and shadows settle.
+const SETTLING_FRAMES := 3
+
+## The demo's root.
+var demo: Node3D
+## The folder for the pictures; made where it is missing. Empty: no pictures, for runs without a renderer.
+var folder := ""
+
+var _failed := false
+
+
+## Does everything and ends the process: 0 when all went well, 1 otherwise.
+func run() -> void:
+	if folder != "" and DirAccess.make_dir_recursive_absolute(folder) != OK:
+		_fail("cannot make the folder %s" % folder)
+	if not _failed:
+		await _fly()
+	for stop in Flight.STOPS:
+		if not _failed:
+			await _visit(stop)
+	print("demo: %s" % ("FAILED" if _failed else "done"))
+	# The default is restored, lest a failing run hang in a loop that draws nothing.
+	RenderingServer.render_loop_enabled = true
+	get_tree().quit(1 if _failed else 0)
+
+
+## Streams at full speed from the first stop to the second and prints what it cost.
+func _fly() -> void:
+	RenderingServer.render_loop_enabled = false
+	demo.place(Flight.STOPS[0])
+	await _wait_until_idle()
+	Engine.max_fps = FLIGHT_FPS
+	var figures: Figures = demo.figures
+	figures.clear()
+	for frame in int(Flight.flight_seconds() * FLIGHT_FPS):
+		demo.fly_to(Flight.on_the_way(float(frame) / FLIGHT_FPS))
+		await get_tree().process_frame
+	Engine.max_fps = 0
+	print("demo: flight of %.0f s at %.0f m/s" % [Flight.flight_seconds(), Flight.SPEED])
+	print(figures.text().indent("demo: "))
+
+
+func _visit(stop: Dictionary) -> void:
+	RenderingServer.render_loop_enabled = false
+	var started := Time.get_ticks_msec()
+	demo.place(stop)
+	demo.show_tiles(stop.name == "tiles")
+	await _wait_until_idle()
+	if _failed:
+		return
+	var stats: Dictionary = demo.scatter.get_stats()
+	print("demo: %s: %d tiles, %d instances, idle after %.1f s" % [
+		stop.name, stats.tiles, stats.instances, (Time.get_ticks_msec() - started) / 1000.0])
+	if folder == "":
+		return
+	RenderingServer.render_loop_enabled = true
+	for frame in SETTLING_FRAMES:
+		await RenderingServer.frame_post_draw
+	var image := get_viewport().get_texture().get_image()
+	var path := folder.path_join("%s.png" % stop.name)
+	if image == null or image.is_empty() or image.save_png(path) != OK:
+		_fail("cannot write %s" % path)
+
+
+func _wait_until_idle() -> void:
+	var limit := Time.get_ticks_msec() + int(PATIENCE * 1000.0)
+	# The camera has just jumped: give the scatter a frame to notice.
+	for frame in 3:
+		await get_tree().process_frame
+	while not demo.scatter.is_idle():
+		if Time.get_ticks_msec() > limit:
+			_fail("not idle after %.0f s: %s" % [PATIENCE, demo.scatter.get_stats()])
+			return
+		await get_tree().process_frame
+
+
+func _fail(why: String) -> void:
+	_failed = true
+	printerr("demo: %s" % why)

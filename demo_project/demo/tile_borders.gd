@@ -1,0 +1,85 @@
+extends MeshInstance3D
+## Draws the borders of the tiles that a scatter shows as bright bands on the ground, a colour for each layer.
+
+const COLORS: Array[Color] = [
+	Color(1.0, 0.72, 0.2), Color(0.35, 0.85, 1.0), Color(1.0, 0.45, 0.75), Color(0.75, 1.0, 0.4), Color(0.95, 0.95, 0.95)]
+## Metres: how far a band floats above the ground, and pieces that follow it.
+const LIFT := 0.6
+const PIECE := 16.0
+
+## The [code]TerrainScatter3D[/code] whose tiles to draw.
+var scatter: Node3D
+## The ground; has [code]height(x, z)[/code].
+var elevation: RefCounted
+
+var _stale := true
+
+
+func _ready() -> void:
+	var bands := StandardMaterial3D.new()
+	bands.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
+	bands.vertex_color_use_as_albedo = true
+	bands.cull_mode = BaseMaterial3D.CULL_DISABLED
+	bands.disable_fog = true
+	material_override = bands
+	cast_shadow = SHADOW_CASTING_SETTING_OFF
+	mesh = ImmediateMesh.new()
+
+
+## Follows a scatter; its tiles are drawn anew whenever they change.
+func follow(followed: Node3D, ground: RefCounted) -> void:
+	scatter = followed
+	elevation = ground
+	scatter.connect(&"tile_shown", _on_tiles_changed)
+	scatter.connect(&"tile_hidden", _on_tiles_changed)
+
+
+func _on_tiles_changed(_layer: int, _tile: Vector2i) -> void:
+	_stale = true
+
+
+func _process(_delta: float) -> void:
+	if visible and _stale and scatter != null:
+		_stale = false
+		_draw_all()
+
+
+func _draw_all() -> void:
+	var bands := mesh as ImmediateMesh
+	bands.clear_surfaces()
+	var layers: Array = scatter.get(&"layers")
+	var begun := false
+	for index in layers.size():
+		if layers[index] == null:
+			continue
+		var size: float = layers[index].get(&"tile_size")
+		for tile: Vector2i in scatter.call(&"get_shown_tiles", index):
+			if not begun:
+				bands.surface_begin(Mesh.PRIMITIVE_TRIANGLES)
+				begun = true
+			bands.surface_set_color(COLORS[index % COLORS.size()])
+			var from := Vector2(tile) * size
+			_band(from, from + Vector2(size, 0.0), size)
+			_band(from, from + Vector2(0.0, size), size)
+	if begun:
+		bands.surface_end()
+
+
+## A flat band along a border, wider for larger tiles, on the ground's bilinear height.
+func _band(from: Vector2, to: Vector2, size: float) -> void:
+	var bands := mesh as ImmediateMesh
+	var width := clampf(size * 0.008, 0.12, 1.2)
+	var side := (to - from).normalized().orthogonal() * width
+	var pieces := maxi(1, ceili(size / PIECE))
+	for i in pieces:
+		var a := from.lerp(to, float(i) / pieces)
+		var b := from.lerp(to, float(i + 1) / pieces)
+		var corners := [_on_ground(a - side), _on_ground(b - side), _on_ground(b + side), _on_ground(a + side)]
+		if corners.any(func(corner: Vector3) -> bool: return is_nan(corner.y)):
+			continue
+		for k: int in [0, 1, 2, 0, 2, 3]:
+			bands.surface_add_vertex(corners[k])
+
+
+func _on_ground(place: Vector2) -> Vector3:
+	return Vector3(place.x, float(elevation.height(place.x, place.y)) + LIFT, place.y)

@@ -1,0 +1,50 @@
+extends RefCounted
+## A handful of meadow flowers, 0.3 to 0.6 m high; the variant chooses white, yellow or violet.
+
+const Builder := preload("res://meshes/mesh_builder.gd")
+const STEM := Color(0.2, 0.3, 0.06, 0.7)
+const PETALS: Array[Color] = [Color(0.85, 0.83, 0.76), Color(0.86, 0.6, 0.06), Color(0.36, 0.2, 0.62)]
+const HEART := Color(0.7, 0.42, 0.03)
+
+
+## Fills [param mesh] with the flowers that [param variant] names.
+static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+	var rng := RandomNumberGenerator.new()
+	rng.seed = 1100 + variant
+	var color := PETALS[variant % PETALS.size()]
+	var builder := Builder.new()
+	builder.begin_level()
+	_flowers(builder, 9, 6, 0.05, color, rng)
+	builder.begin_level()
+	_flowers(builder, 5, 4, 0.075, color, rng)
+	builder.commit(mesh, PackedFloat32Array([16.0]), material)
+
+
+static func _flowers(builder: Builder, count: int, petals: int, size: float, color: Color, rng: RandomNumberGenerator) -> void:
+	for i in count:
+		var angle := i * 2.39996 + rng.randf()
+		var root := Vector3(cos(angle), 0.0, sin(angle)) * 0.42 * sqrt((i + 0.5) / count)
+		var lean := Vector3(rng.randf_range(-0.12, 0.12), 0.0, rng.randf_range(-0.12, 0.12))
+		var head := root + Vector3.UP * rng.randf_range(0.32, 0.6) + lean
+		var phase := rng.randf()
+		var side := Vector3(cos(angle * 3.0), 0.0, sin(angle * 3.0)) * 0.008
+		var a := builder.vertex(root - side, Vector3.UP, STEM * 0.6, Builder.OPAQUE_UV, Vector2(0.0, phase))
+		var b := builder.vertex(root + side, Vector3.UP, STEM * 0.6, Builder.OPAQUE_UV, Vector2(0.0, phase))
+		var c := builder.vertex(head, Vector3.UP, STEM, Builder.OPAQUE_UV, Vector2(0.8, phase))
+		builder.triangle(a, c, b)
+		_head(builder, head, (Vector3.UP + lean * 5.0).normalized(), petals, size * rng.randf_range(0.8, 1.2), color, phase)
+
+
+static func _head(builder: Builder, head: Vector3, axis: Vector3, petals: int, size: float, color: Color, phase: float) -> void:
+	var right := axis.cross(Vector3.FORWARD).normalized()
+	var forward := right.cross(axis)
+	var sway := Vector2(0.8, phase)
+	for i in petals:
+		var angle := TAU * i / petals
+		var out := right * cos(angle) + forward * sin(angle)
+		var wing := right * cos(angle + 1.57) + forward * sin(angle + 1.57)
+		var root := builder.vertex(head, Vector3.UP, HEART, Builder.OPAQUE_UV, sway)
+		var left := builder.vertex(head + (out * 0.75 + wing * 0.45) * size, Vector3.UP + out * 0.3, color, Builder.OPAQUE_UV, sway)
+		var tip := builder.vertex(head + out * size + axis * size * 0.25, Vector3.UP + out * 0.3, color, Builder.OPAQUE_UV, sway)
+		var other := builder.vertex(head + (out * 0.75 - wing * 0.45) * size, Vector3.UP + out * 0.3, color, Builder.OPAQUE_UV, sway)
+		builder.quad(root, left, tip, other)

@@ -1,0 +1,56 @@
+extends RefCounted
+## A tuft of grass, 0.35 to 0.75 m high: bent blades without any texture, lit like the ground that they stand on.
+
+const Builder := preload("res://meshes/mesh_builder.gd")
+const LOW := Color(0.12, 0.19, 0.04, 0.6)
+const HIGH := Color(0.42, 0.52, 0.12, 1.0)
+const DRY := Color(0.6, 0.54, 0.24, 1.0)
+
+
+## Fills [param mesh] with the tuft that [param variant] names; odd ones are lower and denser, and carry no dry stalks.
+static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+	var rng := RandomNumberGenerator.new()
+	rng.seed = 700 + variant
+	var lush := variant % 2 == 1
+	var builder := Builder.new()
+	builder.begin_level()
+	_blades(builder, 30 if lush else 24, 0.42 if lush else 0.66, 0.013, true, 0 if lush else 3, rng)
+	builder.begin_level()
+	_blades(builder, 11, 0.4 if lush else 0.6, 0.026, false, 0, rng)
+	builder.begin_level()
+	_blades(builder, 5, 0.38 if lush else 0.55, 0.05, false, 0, rng)
+	builder.commit(mesh, PackedFloat32Array([14.0, 34.0]), material)
+
+
+static func _blades(builder: Builder, count: int, height: float, width: float, bent: bool, stalks: int, rng: RandomNumberGenerator) -> void:
+	for i in count:
+		var angle := i * 2.39996 + rng.randf() * 0.6
+		var root := Vector3(cos(angle), 0.0, sin(angle)) * 0.3 * sqrt((i + 0.5) / count)
+		var heading := angle + rng.randf_range(-0.9, 0.9)
+		var lean := Vector3(cos(heading), 0.0, sin(heading)) * rng.randf_range(0.15, 0.75)
+		var tall := height * rng.randf_range(0.6, 1.1)
+		var tip_color := HIGH.lerp(DRY, rng.randf() * 0.35)
+		if i < stalks:
+			tall *= 1.35
+			lean *= 0.35
+			tip_color = DRY
+		_blade(builder, root, lean, tall, width * rng.randf_range(0.8, 1.25), tip_color, bent, rng.randf())
+
+
+static func _blade(builder: Builder, root: Vector3, lean: Vector3, tall: float, width: float, tip_color: Color, bent: bool, phase: float) -> void:
+	var side := lean.cross(Vector3.UP).normalized() * width
+	var normal := Vector3.UP + lean * 0.35
+	var base := root + Vector3.DOWN * 0.06
+	var tip := root + Vector3.UP * tall * (1.0 - 0.35 * lean.length()) + lean * tall
+	var a := builder.vertex(base - side, normal, LOW, Builder.OPAQUE_UV, Vector2(0.0, phase))
+	var b := builder.vertex(base + side, normal, LOW, Builder.OPAQUE_UV, Vector2(0.0, phase))
+	var c := builder.vertex(tip, normal, tip_color, Builder.OPAQUE_UV, Vector2(1.0, phase))
+	if not bent:
+		builder.triangle(a, c, b)
+		return
+	var middle := root + Vector3.UP * tall * 0.58 + lean * tall * 0.3
+	var color := LOW.lerp(tip_color, 0.5)
+	var d := builder.vertex(middle - side * 0.8, normal, color, Builder.OPAQUE_UV, Vector2(0.4, phase))
+	var e := builder.vertex(middle + side * 0.8, normal, color, Builder.OPAQUE_UV, Vector2(0.4, phase))
+	builder.quad(a, d, e, b)
+	builder.triangle(d, c, e)

@@ -1,0 +1,163 @@
+extends RefCounted
+## Collects the triangles of one plant or stone, level of detail by level of detail, and writes them into an [ArrayMesh].
+##
+## All levels share one vertex array and one surface; a level is an index list, which the engine picks by distance, for the
+## instances of a MultiMesh as well. Vertex data as the demo's shaders read it:
+## COLOR.rgb albedo (handed over linear, stored as sRGB for the sake of 8 bits), COLOR.a ambient occlusion 0..1, UV into [code]leaf_atlas.gd[/code], UV2.x sway 0..1 (how far the
+## wind moves the vertex), UV2.y a phase 0..1 that differs from twig to twig.
+
+## The edge length that the engine lets go below one pixel from one metre away on, in a view 1280 pixels wide and 65 degrees
+## high: twice the tangent of half the horizontal angle over the width. It turns a distance into the key of a level.
+const EDGE_PER_METRE := 0.00177
+
+## UV of the opaque white texel of the atlas, for bark and stone.
+const OPAQUE_UV := Vector2(0.75, 0.75)
+
+var _vertices := PackedVector3Array()
+var _normals := PackedVector3Array()
+var _colors := PackedColorArray()
+var _uvs := PackedVector2Array()
+var _uv2s := PackedVector2Array()
+var _levels: Array[PackedInt32Array] = []
+
+
+## Starts the next coarser level; the first call starts level 0.
+func begin_level() -> void:
+	_levels.append(PackedInt32Array())
+
+
+## Adds a vertex and returns its index. [param normal] need not be of unit length.
+func vertex(position: Vector3, normal: Vector3, color: Color, uv: Vector2, uv2: Vector2) -> int:
+	_vertices.append(position)
+	_normals.append(normal.normalized())
+	_colors.append(color.linear_to_srgb())
+	_uvs.append(uv)
+	_uv2s.append(uv2)
+	return _vertices.size() - 1
+
+
+## Adds a triangle of three vertex indices to the current level, clockwise as seen from its front.
+func triangle(a: int, b: int, c: int) -> void:
+	var level := _levels[_levels.size() - 1]
+	level.append(a)
+	level.append(b)
+	level.append(c)
+	_levels[_levels.size() - 1] = level
+
+
+## Adds the quad a, b, c, d (around its border) to the current level.
+func quad(a: int, b: int, c: int, d: int) -> void:
+	triangle(a, b, c)
+	triangle(a, c, d)
+
+
+## The number of triangles of a level.
+func triangle_count(level: int) -> int:
+	return _levels[level].size() / 3
+
+
+## Adds a flat leaf card with its own normal direction at the centre; [param bulge] bends the corner normals outwards from it
+## (0 flat, 1 strongly), so that a crown of cards is lit as a round body.
+func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color, sway: Vector2, bulge := 0.45) -> void:
+	var corners: Array[int] = []
+	for corner: Vector2 in [Vector2(-1, -1), Vector2(1, -1), Vector2(1, 1), Vector2(-1, 1)]:
+		var offset := right * corner.x + up * corner.y
+		var uv := region.position + region.size * (corner * Vector2(0.5, -0.5) + Vector2(0.5, 0.5))
+		corners.append(vertex(center + offset, normal.normalized() + offset.normalized() * bulge, color, uv, sway))
+	quad(corners[0], corners[3], corners[2], corners[1])
+
+
+## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, as a trunk or branch.
+func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, sides: int, color: Color, sway_from: float, sway_to: float) -> void:
+	var axis := (to - from).normalized()
+	var right := axis.cross(Vector3.FORWARD if absf(axis.z) < 0.9 else Vector3.RIGHT).normalized()
+	var forward := right.cross(axis)
+	var first := _vertices.size()
+	for i in sides + 1:
+		var angle := TAU * i / sides
+		var out := right * cos(angle) + forward * sin(angle)
+		vertex(from + out * from_radius, out, color, OPAQUE_UV, Vector2(sway_from, 0.5))
+		vertex(to + out * to_radius, out, color, OPAQUE_UV, Vector2(sway_to, 0.5))
+	for i in sides:
+		var a := first + 2 * i
+		quad(a, a + 1, a + 3, a + 2)
+
+
+## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, its radii varied by up to
+## [param roughness] (0..1). Vertex colours run from [param low] at the bottom to [param high] at the top.
+func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color, sway: Vector2, rng: RandomNumberGenerator) -> void:
+	var sphere := _icosphere(subdivisions)
+	var points: PackedVector3Array = sphere[0]
+	var faces: PackedInt32Array = sphere[1]
+	var first := _vertices.size()
+	for point in points:
+		var lump := 1.0 + roughness * (rng.randf() * 2.0 - 1.0)
+		var shade := low.lerp(high, clampf(point.y * 0.5 + 0.5 + rng.randf_range(-0.12, 0.12), 0.0, 1.0))
+		vertex(center + point * radii * lump, point / radii, shade, OPAQUE_UV, sway)
+	for i in range(0, faces.size(), 3):
+		triangle(first + faces[i], first + faces[i + 1], first + faces[i + 2])
+
+
+## Adds a cone (a conifer's tier) with a star-shaped skirt: its apex up, every second rim point pulled in by [param notch].
+func cone(base: Vector3, radius: float, height: float, sides: int, notch: float, droop: float, low: Color, high: Color, sway: Vector2, turn: float) -> void:
+	var apex := vertex(base + Vector3.UP * height, Vector3.UP, high, OPAQUE_UV, sway)
+	var first := _vertices.size()
+	for i in sides:
+		var angle := turn + TAU * i / sides
+		var out := Vector3(cos(angle), 0.0, sin(angle))
+		var reach := radius * (1.0 - (notch if i % 2 == 1 else 0.0))
+		var drop := droop * (1.0 if i % 2 == 0 else 0.4)
+		vertex(base + out * reach + Vector3.DOWN * drop, out + Vector3.UP * 0.55, low, OPAQUE_UV, sway)
+	for i in sides:
+		triangle(apex, first + i, first + (i + 1) % sides)
+
+
+## Writes the collected levels as one surface. [param distances] are the metres (at 1280 pixels of width and an instance scale
+## of 1) beyond which level 1, 2, ... are drawn; one fewer than the levels.
+func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) -> void:
+	assert(distances.size() == _levels.size() - 1)
+	var arrays: Array = []
+	arrays.resize(Mesh.ARRAY_MAX)
+	arrays[Mesh.ARRAY_VERTEX] = _vertices
+	arrays[Mesh.ARRAY_NORMAL] = _normals
+	arrays[Mesh.ARRAY_COLOR] = _colors
+	arrays[Mesh.ARRAY_TEX_UV] = _uvs
+	arrays[Mesh.ARRAY_TEX_UV2] = _uv2s
+	arrays[Mesh.ARRAY_INDEX] = _levels[0]
+	var lods := {}
+	for i in distances.size():
+		lods[distances[i] * EDGE_PER_METRE] = _levels[i + 1]
+	mesh.clear_surfaces()
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], lods)
+	mesh.surface_set_material(0, material)
+
+
+## Unit icosphere: points and clockwise faces.
+static func _icosphere(subdivisions: int) -> Array:
+	var t := (1.0 + sqrt(5.0)) / 2.0
+	var points := PackedVector3Array()
+	for p: Vector3 in [
+		Vector3(-1, t, 0), Vector3(1, t, 0), Vector3(-1, -t, 0), Vector3(1, -t, 0), Vector3(0, -1, t), Vector3(0, 1, t),
+		Vector3(0, -1, -t), Vector3(0, 1, -t), Vector3(t, 0, -1), Vector3(t, 0, 1), Vector3(-t, 0, -1), Vector3(-t, 0, 1)]:
+		points.append(p.normalized())
+	var faces := PackedInt32Array([
+		0, 5, 11, 0, 1, 5, 0, 7, 1, 0, 10, 7, 0, 11, 10, 1, 9, 5, 5, 4, 11, 11, 2, 10, 10, 6, 7, 7, 8, 1,
+		3, 4, 9, 3, 2, 4, 3, 6, 2, 3, 8, 6, 3, 9, 8, 4, 5, 9, 2, 11, 4, 6, 10, 2, 8, 7, 6, 9, 1, 8])
+	for _step in subdivisions:
+		var next := PackedInt32Array()
+		var middle := {}
+		for i in range(0, faces.size(), 3):
+			var corner := [faces[i], faces[i + 1], faces[i + 2]]
+			var halves: Array[int] = []
+			for k in 3:
+				var a: int = mini(corner[k], corner[(k + 1) % 3])
+				var b: int = maxi(corner[k], corner[(k + 1) % 3])
+				var key := Vector2i(a, b)
+				if not middle.has(key):
+					middle[key] = points.size()
+					points.append((points[a] + points[b]).normalized())
+				halves.append(middle[key])
+			next.append_array([corner[0], halves[0], halves[2], halves[0], corner[1], halves[1]])
+			next.append_array([halves[2], halves[1], corner[2], halves[0], halves[1], halves[2]])
+		faces = next
+	return [points, faces]

@@ -1,0 +1,53 @@
+@tool
+extends ArrayMesh
+## A mesh that a scene stores as two settings and builds itself when it is loaded: a species of the demo and a variant.
+##
+## The surfaces are never saved, so a scene that uses it stays small. Equal settings give equal meshes, on every machine.
+
+const Materials := preload("res://meshes/plant_materials.gd")
+const SPECIES := {
+	&"oak": preload("res://meshes/oak.gd"),
+	&"spruce": preload("res://meshes/spruce.gd"),
+	&"shrub": preload("res://meshes/shrub.gd"),
+	&"fern": preload("res://meshes/fern.gd"),
+	&"grass": preload("res://meshes/grass.gd"),
+	&"flower": preload("res://meshes/flower.gd"),
+	&"stone": preload("res://meshes/stone.gd"),
+}
+
+## The builder to use, one of the keys of [constant SPECIES].
+@export_enum("oak", "spruce", "shrub", "fern", "grass", "flower", "stone") var species := "oak":
+	set(value):
+		if not SPECIES.has(StringName(value)):
+			push_error("species must be one of %s, got '%s'" % [", ".join(SPECIES.keys()), value])
+			return
+		species = value
+		_request_build()
+
+## Which individual of the species, 0 or more.
+@export_range(0, 15) var variant := 0:
+	set(value):
+		variant = clampi(value, 0, 15)
+		_request_build()
+
+var _requested := false
+
+
+func _init() -> void:
+	_request_build()
+
+
+func _validate_property(property: Dictionary) -> void:
+	if property.name == "_surfaces" or property.name == "_blend_shape_names":
+		property.usage &= ~PROPERTY_USAGE_STORAGE
+
+
+func _request_build() -> void:
+	if not _requested:
+		_requested = true
+		_build.call_deferred()
+
+
+func _build() -> void:
+	_requested = false
+	SPECIES[StringName(species)].build(self, variant, Materials.of(StringName(species)))

@@ -1,0 +1,99 @@
+extends RefCounted
+## A spruce of about 21 m: whorls of drooping branches, long at the bottom, around a straight trunk.
+
+const Builder := preload("res://meshes/mesh_builder.gd")
+const Atlas := preload("res://meshes/leaf_atlas.gd")
+const BARK := Color(0.22, 0.16, 0.12)
+const DARK := Color(0.03, 0.06, 0.03, 0.5)
+const LOW := Color(0.06, 0.12, 0.055)
+const HIGH := Color(0.24, 0.37, 0.14)
+const HEIGHT := 21.0
+
+
+## Fills [param mesh] with the tree that [param variant] names.
+static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+	var rng := RandomNumberGenerator.new()
+	rng.seed = 300 + variant
+	var builder := Builder.new()
+	var slim := 1.0 - 0.13 * (variant % 3)
+	builder.begin_level()
+	_trunk(builder, 6)
+	_branches(builder, 17, 8, slim, true, rng)
+	_tiers(builder, 6, 8, slim * 0.62, DARK, DARK, rng)
+	builder.begin_level()
+	_trunk(builder, 4)
+	_branches(builder, 12, 6, slim * 1.04, false, rng)
+	_tiers(builder, 5, 6, slim * 0.7, DARK, DARK, rng)
+	builder.begin_level()
+	_trunk(builder, 3)
+	_tiers(builder, 6, 8, slim, LOW * 0.8, HIGH * 0.85, rng)
+	builder.begin_level()
+	_trunk(builder, 3)
+	_tiers(builder, 2, 5, slim * 0.95, LOW * 0.9, HIGH * 0.75, rng)
+	builder.commit(mesh, PackedFloat32Array([65.0, 170.0, 480.0]), material)
+
+
+## The crown's radius in metres at a height 0..1 of the tree.
+static func _radius(height: float) -> float:
+	return 4.1 * pow(1.0 - height, 0.82) + 0.15
+
+
+static func _trunk(builder: Builder, sides: int) -> void:
+	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 0.4, 0.0), 0.5, 0.34, sides, BARK * 0.85, 0.0, 0.0)
+	builder.tube(Vector3(0.0, 0.4, 0.0), Vector3(0.0, HEIGHT * 0.9, 0.0), 0.34, 0.05, sides, BARK, 0.0, 0.4)
+
+
+static func _branches(builder: Builder, whorls: int, count: int, slim: float, bent: bool, rng: RandomNumberGenerator) -> void:
+	for whorl in whorls:
+		var along := float(whorl) / (whorls - 1)
+		var height := lerpf(0.09, 0.97, pow(along, 0.92))
+		var number := maxi(4, roundi(count * (1.0 - 0.5 * along)))
+		for i in number:
+			var angle := TAU * (i + 0.5 * (whorl % 2)) / number + rng.randf_range(-0.22, 0.22)
+			var out := Vector3(cos(angle), 0.0, sin(angle))
+			var reach := _radius(height) * slim * rng.randf_range(0.85, 1.15)
+			var start := Vector3.UP * HEIGHT * (height + rng.randf_range(-0.012, 0.012))
+			_branch(builder, start, out, reach, along, bent, rng)
+	# The leader: two crossed twigs upright at the top.
+	for turn: float in [0.0, PI * 0.5]:
+		var side := Vector3(cos(turn), 0.0, sin(turn))
+		var top := Color(HIGH, 1.0)
+		builder.card(Vector3.UP * HEIGHT * 0.955, Vector3.UP * 1.3, side * 0.45, Vector3.UP, Atlas.TWIG, top, Vector2(0.5, 0.5), 0.3)
+
+
+## One branch: a strip of one or two quads that leaves the trunk upwards when young and droops when old.
+static func _branch(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, bent: bool, rng: RandomNumberGenerator) -> void:
+	var side := out.cross(Vector3.UP).rotated(out, rng.randf_range(-0.35, 0.35))
+	var width := reach * 0.46 + 0.3
+	var rise := lerpf(-0.22, 0.55, along) * reach
+	var middle := start + out * reach * 0.55 + Vector3.UP * (rise * 0.75)
+	var end := start + out * reach + Vector3.UP * (rise - reach * 0.2)
+	var stations: Array[Vector3] = [start, end]
+	if bent:
+		stations = [start, middle, end]
+	var phase := rng.randf()
+	var tint := rng.randf_range(-0.1, 0.22)
+	var previous := Vector2i(-1, -1)
+	for i in stations.size():
+		var t := float(i) / (stations.size() - 1)
+		var color := LOW.lerp(HIGH, clampf(0.05 + 0.75 * t * (0.45 + 0.55 * along) + tint, 0.0, 1.0))
+		color.a = clampf(0.25 + 0.6 * t + 0.25 * along, 0.0, 1.0)
+		var normal := out * (0.35 + 0.5 * t) + Vector3.UP * 0.75
+		var sway := Vector2(0.1 + 0.5 * t, phase)
+		var u := Atlas.TWIG.position.x + Atlas.TWIG.size.x * t
+		var a := builder.vertex(stations[i] + side * width, normal + side * 0.4, color, Vector2(u, Atlas.TWIG.position.y), sway)
+		var b := builder.vertex(stations[i] - side * width, normal - side * 0.4, color, Vector2(u, Atlas.TWIG.end.y), sway)
+		if previous.x >= 0:
+			builder.quad(previous.x, a, b, previous.y)
+		previous = Vector2i(a, b)
+
+
+static func _tiers(builder: Builder, tiers: int, sides: int, slim: float, low: Color, high: Color, rng: RandomNumberGenerator) -> void:
+	for tier in tiers:
+		var from := float(tier) / tiers
+		var height := lerpf(0.1, 0.93, from)
+		var rise := 1.55 * 0.9 / tiers * HEIGHT
+		var radius := _radius(height) * slim * 1.06
+		rise = minf(rise, HEIGHT * (1.0 - height))
+		var shade := low.lerp(high, 0.25 + 0.5 * from)
+		builder.cone(Vector3.UP * HEIGHT * height, radius, rise, sides, 0.22, radius * 0.16, Color(low.lerp(shade, 0.7), 0.85), Color(shade.lerp(high, 0.3), 0.6), Vector2(0.1 + 0.3 * from, 0.5), rng.randf() * TAU)

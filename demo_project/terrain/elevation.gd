@@ -1,0 +1,123 @@
+extends RefCounted
+## The demo's elevation model for drawing and walking: the posts that [code]convert_dem.py[/code] wrote, bilinear in between,
+## the same surface that a [ScatterTerrainHeightmap] of the same file gives to the scatter.
+##
+## The file is read as it lies in the project; to export the demo, add [code]*.r16, *.json[/code] to the preset's filter for
+## non-resource files.
+
+## Posts of the smallest block whose lowest and highest ground are kept.
+const BLOCK := 8
+
+## Columns (west to east) and rows (north to south) of posts.
+var posts := Vector2i.ZERO
+## World metres from the first post to the last: x, and z as y.
+var rect := Rect2()
+## Metres between posts along x and z.
+var spacing := Vector2.ONE
+
+var _heights := PackedFloat32Array()
+var _blocks := Vector2i.ZERO
+var _block_low := PackedFloat32Array()
+var _block_high := PackedFloat32Array()
+
+
+## Reads the description at [param path] and the samples beside it. Says what is wrong with [method push_error] and returns false.
+func load_description(path: String) -> bool:
+	var parsed: Variant = JSON.parse_string(FileAccess.get_file_as_string(path))
+	if not parsed is Dictionary:
+		push_error("%s: no elevation description" % path)
+		return false
+	var description: Dictionary = parsed
+	posts = Vector2i(int(description.columns), int(description.rows))
+	spacing = Vector2(description.post_metres_x, description.post_metres_z)
+	var size := Vector2(description.size_x, description.size_z)
+	rect = Rect2(size * -0.5, size)
+	var bytes := FileAccess.get_file_as_bytes(path.get_base_dir().path_join(description.samples))
+	if bytes.size() != posts.x * posts.y * 2:
+		push_error("%s: %d bytes of samples, %d expected" % [path, bytes.size(), posts.x * posts.y * 2])
+		return false
+	_decode(bytes, description.min_height, description.max_height)
+	_bound_blocks()
+	return true
+
+
+## Height of the ground in metres at world x and z; NAN outside of the map.
+func height(x: float, z: float) -> float:
+	var place := (Vector2(x, z) - rect.position) / spacing
+	if place.x < 0.0 or place.y < 0.0 or place.x > posts.x - 1 or place.y > posts.y - 1:
+		return NAN
+	var i := mini(int(place.x), posts.x - 2)
+	var j := mini(int(place.y), posts.y - 2)
+	var first := j * posts.x + i
+	var north := lerpf(_heights[first], _heights[first + 1], place.x - i)
+	var south := lerpf(_heights[first + posts.x], _heights[first + posts.x + 1], place.x - i)
+	return lerpf(north, south, place.y - j)
+
+
+## Lowest and highest ground of the posts from [param from] to [param to], rounded outwards to whole blocks.
+func bounds(from: Vector2i, to: Vector2i) -> Vector2:
+	var low := INF
+	var high := -INF
+	var last := (to / BLOCK).clamp(Vector2i.ZERO, _blocks - Vector2i.ONE)
+	for j in range(mini(from.y / BLOCK, last.y), last.y + 1):
+		for i in range(mini(from.x / BLOCK, last.x), last.x + 1):
+			low = minf(low, _block_low[j * _blocks.x + i])
+			high = maxf(high, _block_high[j * _blocks.x + i])
+	return Vector2(low, high)
+
+
+## Heights of the posts in metres as a texture of 32-bit floats, to be fetched without filtering.
+func height_texture() -> ImageTexture:
+	var image := Image.create_from_data(posts.x, posts.y, false, Image.FORMAT_RF, _heights.to_byte_array())
+	return ImageTexture.create_from_image(image)
+
+
+## What a shader needs to light the ground, at each post, to be filtered linearly: the gradient along x and along z in red
+## and green, and in blue how far the post lies above (ridge) or below (hollow) the land around it, in metres.
+func relief_texture() -> ImageTexture:
+	var values := PackedFloat32Array()
+	values.resize(posts.x * posts.y * 3)
+	var reach := 5
+	for j in posts.y:
+		var north := maxi(j - 1, 0)
+		var south := mini(j + 1, posts.y - 1)
+		var far_north := maxi(j - reach, 0) * posts.x
+		var far_south := mini(j + reach, posts.y - 1) * posts.x
+		for i in posts.x:
+			var west := maxi(i - 1, 0)
+			var east := mini(i + 1, posts.x - 1)
+			var row := j * posts.x
+			var at := 3 * (row + i)
+			values[at] = (_heights[row + east] - _heights[row + west]) / (spacing.x * (east - west))
+			values[at + 1] = (_heights[south * posts.x + i] - _heights[north * posts.x + i]) / (spacing.y * (south - north))
+			var far_west := maxi(i - reach, 0)
+			var far_east := mini(i + reach, posts.x - 1)
+			var around := _heights[far_north + i] + _heights[far_south + i] + _heights[row + far_west] + _heights[row + far_east]
+			values[at + 2] = _heights[row + i] - 0.25 * around
+	var image := Image.create_from_data(posts.x, posts.y, false, Image.FORMAT_RGBF, values.to_byte_array())
+	image.convert(Image.FORMAT_RGBH)
+	return ImageTexture.create_from_image(image)
+
+
+func _decode(bytes: PackedByteArray, min_height: float, max_height: float) -> void:
+	_heights.resize(posts.x * posts.y)
+	var step := (max_height - min_height) / 65535.0
+	for i in _heights.size():
+		_heights[i] = min_height + bytes.decode_u16(2 * i) * step
+
+
+func _bound_blocks() -> void:
+	_blocks = Vector2i((posts.x + BLOCK - 2) / BLOCK, (posts.y + BLOCK - 2) / BLOCK)
+	_block_low.resize(_blocks.x * _blocks.y)
+	_block_high.resize(_blocks.x * _blocks.y)
+	_block_low.fill(INF)
+	_block_high.fill(-INF)
+	for j in posts.y:
+		for i in posts.x:
+			var value := _heights[j * posts.x + i]
+			# A post on the border of a block belongs to both sides.
+			for block_j in range(maxi(0, (j - 1) / BLOCK), mini(_blocks.y - 1, j / BLOCK) + 1):
+				for block_i in range(maxi(0, (i - 1) / BLOCK), mini(_blocks.x - 1, i / BLOCK) + 1):
+					var at := block_j * _blocks.x + block_i
+					_block_low[at] = minf(_block_low[at], value)
+					_block_high[at] = maxf(_block_high[at], value)
