@@ -55,7 +55,13 @@ def stand_in(env, out, sources):
     inputs = [path for path in inputs if "__pycache__" not in path]
     command = [*generator, "--api", description.abspath, "--interface", interface.abspath]
     action = env.Action([command], "write   %s/gen" % out.lstrip("#"))
-    written = env.Command(listed.stdout.splitlines(), [description, interface, *sorted({*inputs, used_api(root)})], action)
+    # The generator reads headers as text: what they include, its own output among it, is no input of it.
+    written = env.Command(
+        listed.stdout.splitlines(),
+        [description, interface, *sorted({*inputs, used_api(root)})],
+        action,
+        source_scanner=env.Scanner(lambda node, env, path: []),
+    )
     env.Append(CPPPATH=["#%s/include" % BINDINGS, generated + "/include"])
     made = [env.SharedObject(node) for node in written if node.name.endswith(".cpp")]
     return made + sources(BINDINGS + "/src/**/*.cpp")
