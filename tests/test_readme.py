@@ -22,6 +22,7 @@ func _initialize() -> void:
 		var made: Object = script.new()
 		if made is Node:
 			root.add_child(made)
+			await process_frame
 			for scatter in made.find_children("*", "TerrainScatter3D", true, false):
 				await scatter.idle
 				var ids := 0

@@ -67,4 +67,4 @@ def write(names, icons):
     pictures = sorted(name for name in icons if name.endswith(".svg"))
     if pictures:
         lines += ["", "[icons]", "", *('%s = "icons/%s"' % (name[: -len(".svg")], name) for name in pictures)]
-    return lines
+    return [*lines, ""]

@@ -120,7 +120,11 @@ def configure(env):
 
 def shared_flags(env):
     """What turns our objects into a library that a running Godot can load, unload and load again."""
-    env.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--exclude-libs,ALL", "-Wl,-rpath,'$$ORIGIN'"])
+    if env["platform"] == "linux":
+        # Templates of the standard library are visible whatever -fvisibility says; the map hides them too, so that
+        # Godot sees its entry and nothing that could be taken for its own.
+        exports = env.File("#tools/scons/exports.map")
+        env.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,-rpath,'$$ORIGIN'", "-Wl,--version-script=" + exports.abspath])
     if "clang" not in os.path.basename(env["CXX"]):
         # A unique symbol pins its library in memory for ever, and a reload would then find the old code.
         env.Append(CXXFLAGS=["-fno-gnu-unique"])
