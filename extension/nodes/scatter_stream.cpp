@@ -212,6 +212,7 @@ void ScatterStream::stop() {
 	}
 	stage_.clear();
 	streamer_.clear();
+	figures_ = {};
 }
 
 std::vector<TileEvent> ScatterStream::take_events() { return std::exchange(events_, {}); }

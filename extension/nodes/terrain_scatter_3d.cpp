@@ -272,6 +272,6 @@ int64_t TerrainScatter3D::get_upload_budget_usec() const { return upload_budget_
 
 void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
 
-bool TerrainScatter3D::is_idle() const { return !dirty_ && stream_.idle(); }
+bool TerrainScatter3D::is_idle() const { return !dirty_ && (streamed_.empty() || stream_.idle()); }
 
 } // namespace thicket

@@ -1,0 +1,159 @@
+extends SceneTree
+## Base of the engine tests: `godot --headless --path PROJECT --script tests/engine/test_X.gd`.
+##
+## Runs every method whose name starts with "test_", each in a tree of its own making. A failed check prints a line that
+## starts with "FAILED"; an error of the engine that no test expects is a failure too. The last line is
+## "thicket engine tests: N checks, 0 failed" and the exit code 0 only where nothing failed.
+
+## Collects what the engine prints as errors and warnings, on any thread.
+class ErrorLog extends Logger:
+	var _mutex := Mutex.new()
+	var _messages: PackedStringArray
+
+	func _log_error(_function: String, _file: String, _line: int, code: String, rationale: String, _editor_notify: bool,
+			_error_type: int, _script_backtraces: Array[ScriptBacktrace]) -> void:
+		_mutex.lock()
+		_messages.push_back(rationale if rationale else code)
+		_mutex.unlock()
+
+	## What was printed since the last call.
+	func take() -> PackedStringArray:
+		_mutex.lock()
+		var taken := _messages
+		_messages = PackedStringArray()
+		_mutex.unlock()
+		return taken
+
+
+const IDLE_TIMEOUT_MSEC := 60000
+
+var errors := ErrorLog.new()
+var checks := 0
+var failures := 0
+var current := ""
+var arguments := OS.get_cmdline_user_args()
+
+
+func _initialize() -> void:
+	OS.add_logger(errors)
+	_run.call_deferred()
+
+
+func _run() -> void:
+	var only := arguments[0] if arguments.size() > 0 and arguments[0].begins_with("test_") else ""
+	for method: Dictionary in (get_script() as Script).get_script_method_list():
+		var method_name: String = method["name"]
+		if not method_name.begins_with("test_") or (only and only != method_name):
+			continue
+		current = method_name
+		var checks_before := checks
+		@warning_ignore("redundant_await")
+		await call(method_name)
+		for message in errors.take():
+			check(false, "the engine printed: " + message)
+		if checks == checks_before:
+			check(false, "made no check")
+		await clean()
+	print("thicket engine tests: %d checks, %d failed" % [checks, failures])
+	OS.remove_logger(errors)
+	quit(0 if failures == 0 else 1)
+
+
+## Frees what a test left in the tree.
+func clean() -> void:
+	for child in root.get_children():
+		child.queue_free()
+	await frames(2)
+
+
+func check(condition: bool, message: String) -> bool:
+	checks += 1
+	if not condition:
+		failures += 1
+		print("FAILED %s: %s" % [current, message])
+	return condition
+
+
+func check_equal(got: Variant, expected: Variant, message: String) -> bool:
+	return check(typeof(got) == typeof(expected) and got == expected, "%s: got %s, expected %s" % [message, got, expected])
+
+
+## Exactly one error was printed since the last look, and it has all these words in it.
+func check_error(words: Array, what: String) -> void:
+	var messages := errors.take()
+	if not check(messages.size() == 1, "%s: expected one error, got %s" % [what, messages]):
+		return
+	for word: Variant in words:
+		check(str(word) in messages[0], "%s: expected '%s' in '%s'" % [what, word, messages[0]])
+
+
+func check_no_error(what: String) -> void:
+	var messages := errors.take()
+	check(messages.is_empty(), "%s: expected no error, got %s" % [what, messages])
+
+
+func frames(count: int) -> void:
+	for index in count:
+		await process_frame
+
+
+## Waits until a scatter shows all that it should. False, and a failure, if that takes too long.
+func settle(scatter: TerrainScatter3D) -> bool:
+	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
+	await frames(2)
+	while not scatter.is_idle():
+		if Time.get_ticks_msec() > deadline:
+			return check(false, "still not idle after %d ms: %s" % [IDLE_TIMEOUT_MSEC, scatter.get_stats()])
+		await process_frame
+	return true
+
+
+## A viewer in the tree, for scatters made by `make_scatter`.
+func make_viewer(at := Vector3.ZERO) -> Node3D:
+	var viewer := Node3D.new()
+	root.add_child(viewer)
+	viewer.global_position = at
+	return viewer
+
+
+func make_layer(radius := 2.0) -> ScatterLayer:
+	var layer := ScatterLayer.new()
+	layer.radius = radius
+	layer.tile_size = 32.0
+	layer.view_distance = 64.0
+	layer.meshes = [BoxMesh.new()]
+	return layer
+
+
+## A scatter in the tree, not settled yet.
+func make_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain, viewer: Node3D) -> TerrainScatter3D:
+	var scatter := TerrainScatter3D.new()
+	scatter.seed = 7
+	scatter.layers = layers
+	scatter.terrain = terrain
+	scatter.upload_budget_usec = 20000
+	root.add_child(scatter)
+	scatter.viewers = [scatter.get_path_to(viewer)]
+	return scatter
+
+
+## The digests of all shown tiles of a layer, by tile.
+func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
+	var result := {}
+	for tile: Vector2i in scatter.get_shown_tiles(layer):
+		result[tile] = scatter.get_tile_digest(layer, tile)
+	return result
+
+
+## What stands in a tile according to the RenderingServer: world transforms, all meshes in a row.
+func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[Transform3D]:
+	var result: Array[Transform3D] = []
+	var origin := scatter.get_tile_origin(layer, tile)
+	for buffer: PackedFloat32Array in scatter.get_tile_buffers(layer, tile):
+		for at in range(0, buffer.size(), 12):
+			result.push_back(Transform3D(
+					Vector3(buffer[at], buffer[at + 4], buffer[at + 8]),
+					Vector3(buffer[at + 1], buffer[at + 5], buffer[at + 9]),
+					Vector3(buffer[at + 2], buffer[at + 6], buffer[at + 10]),
+					origin + Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])))
+	return result

@@ -1,0 +1,326 @@
+extends "harness.gd"
+## What a property refuses: one error that names property and value, the last good value stays, nothing crashes.
+
+## Heights or normals of a wrong number, or no numbers at all.
+class BrokenGround extends ScatterTerrain:
+	var extra := 0
+	var threaded := false
+	var fill := 0.0
+	var normals := -1
+
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		heights.resize(positions.size() + extra if positions else 0)
+		heights.fill(fill)
+		return heights
+
+	func _get_normals(positions: PackedVector2Array) -> PackedVector3Array:
+		var result := PackedVector3Array()
+		result.resize(positions.size() if normals < 0 else normals)
+		result.fill(Vector3.UP if normals < 0 else Vector3(NAN, 1.0, 0.0))
+		return result
+
+	func _is_thread_safe() -> bool:
+		return threaded
+
+
+const SPOT := "user://thicket_test.r16"
+
+
+func refuse(object: Object, property: StringName, value: Variant, word := "got") -> void:
+	var good: Variant = object.get(property)
+	var what := "%s = %s" % [property, value]
+	object.set(property, value)
+	var messages := errors.take()
+	if check(messages.size() == 1, "%s: expected one error, got %s" % [what, messages]):
+		for expected: String in [object.get_class() + "." + property, word]:
+			check(expected in messages[0], "%s: expected '%s' in '%s'" % [what, expected, messages[0]])
+		var named := messages[0].get_slice("got ", 1)
+		check(is_equal_approx(number(named), value) or named == str(value), "%s: names another value: %s" % [what, named])
+	check_equal(object.get(property), good, what + " is ignored")
+
+
+func number(text: String) -> float:
+	return text.to_float() if text.is_valid_float() else INF
+
+
+func accept(object: Object, property: StringName, value: Variant) -> void:
+	object.set(property, value)
+	check_no_error("%s = %s" % [property, value])
+	check_equal(object.get(property), value, str(property))
+
+
+func test_layer_numbers() -> void:
+	var layer := ScatterLayer.new()
+	var numbers := 0
+	for property in layer.get_property_list():
+		if property["type"] != TYPE_FLOAT or not property["usage"] & PROPERTY_USAGE_EDITOR:
+			continue
+		numbers += 1
+		for value: float in [NAN, INF, -INF]:
+			refuse(layer, property["name"], value, "must be finite")
+		refuse(layer, property["name"], 1e300, "is out of range")
+		refuse(layer, property["name"], -1e300)
+	check_equal(numbers, 22, "numbers of a layer")
+	for property in ["radius", "tile_size", "min_scale", "max_scale", "lod_bias"]:
+		refuse(layer, property, 0.0, "must be positive")
+		refuse(layer, property, -3.0, "must be positive")
+	for property in ["density", "align_to_normal"]:
+		refuse(layer, property, 1.5, "is out of range")
+		refuse(layer, property, -0.5, "is out of range")
+	refuse(layer, "max_slope_degrees", 91.0, "is out of range")
+	refuse(layer, "view_distance", -1.0, "is out of range")
+	refuse(layer, "radius", 1e-7, "is out of range")
+	accept(layer, "density", 0.0)
+	accept(layer, "min_height", -1000.0)
+
+
+func test_layer_integers_and_arrays() -> void:
+	var layer := ScatterLayer.new()
+	refuse(layer, "levels", 0, "must be positive")
+	refuse(layer, "levels", 9, "is out of range")
+	refuse(layer, "levels", 1 << 40, "is out of range")
+	refuse(layer, "layer_id", 65536, "is out of range")
+	refuse(layer, "cast_shadow", 4, "is out of range")
+	layer.mesh_weights = PackedFloat32Array([1.0, -2.0])
+	check_error(["ScatterLayer.mesh_weights", "-2"], "negative weight")
+	layer.mesh_weights = PackedFloat32Array([NAN])
+	check_error(["ScatterLayer.mesh_weights", "finite"], "NAN weight")
+	check_equal(layer.mesh_weights.size(), 0, "weights after bad ones")
+
+
+func test_sampler() -> void:
+	var sampler := PoissonSampler.new()
+	for value: float in [0.0, -1.0]:
+		refuse(sampler, "radius", value, "must be positive")
+	for value: float in [NAN, INF, -INF]:
+		refuse(sampler, "radius", value, "must be finite")
+	refuse(sampler, "levels", 0, "must be positive")
+	refuse(sampler, "levels", 99, "is out of range")
+	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, 0, 5, -5), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5),
+			Rect2(-1e30, -1e30, 3e30, 3e30), Rect2(0, 0, 1e6, 1e6)]:
+		check_equal(sampler.sample(rect)["ids"].size(), 0, "points in %s" % rect)
+		check_error(["PoissonSampler.rect"], str(rect))
+	for sides: Array in [[1.0, 0.0, 0.0, 1.0], [NAN, 0.0, 1.0, 1.0], [0.0, 0.0, INF, 1.0], [9e15, 0.0, 9e15 + 4.0, 4.0]]:
+		check_equal(sampler.sample_exact.callv(sides)["x"].size(), 0, "points in %s" % [sides])
+		check_error(["PoissonSampler.rect"], str(sides))
+	check_equal(sampler.sample(Rect2(3, 3, 0, 5))["ids"].size(), 0, "points in an empty rect")
+	check_no_error("an empty rect")
+	check(sampler.sample(Rect2(-5, -5, 9, 9))["ids"].size() > 10, "points after all that")
+
+
+func test_tiny_radius_for_the_tile() -> void:
+	var layer := make_layer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	layer.radius = 0.002
+	await settle(scatter)
+	check_error(["ScatterLayer.tile_size", "too many points"], "a tile of 10^8 points")
+	check_equal(digests(scatter, 0), before, "what stands after a tiny radius")
+	layer.radius = 2.0
+	await settle(scatter)
+	check_equal(digests(scatter, 0), before, "what stands after the old radius")
+
+
+func test_inverted_ranges_keep_what_stands() -> void:
+	for range_name: String in ["height", "slope_degrees", "scale", "yaw_degrees"]:
+		var layer := make_layer()
+		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+		await settle(scatter)
+		var before := digests(scatter, 0)
+		layer.set("min_" + range_name, 80.0)
+		layer.set("max_" + range_name, 20.0)
+		check_no_error("setting both ends of " + range_name)
+		await settle(scatter)
+		check_error(["ScatterLayer.", range_name, "20"], "inverted " + range_name)
+		check_equal(digests(scatter, 0), before, "what stands after an inverted " + range_name)
+		check(scatter.get_problems()[0].contains(range_name), "a warning for " + range_name)
+		layer.set("max_" + range_name, 85.0)
+		await settle(scatter)
+		check_no_error("a range in order again")
+		check(digests(scatter, 0) != before, "%s has an effect again" % range_name)
+		scatter.queue_free()
+
+
+func test_view_beyond_what_can_be_streamed() -> void:
+	var layer := make_layer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	layer.view_distance = 100000.0
+	await settle(scatter)
+	check_error(["ScatterLayer.view_distance", "100000"], "a view of 3000 tiles")
+	check_equal(digests(scatter, 0), before, "what stands")
+
+
+func test_node_properties() -> void:
+	var scatter := TerrainScatter3D.new()
+	refuse(scatter, "upload_budget_usec", 0, "must be positive")
+	refuse(scatter, "upload_budget_usec", -5, "must be positive")
+	refuse(scatter, "upload_budget_usec", 1 << 40, "is out of range")
+	for tile: Vector2i in [Vector2i.ZERO, Vector2i(1 << 30, -(1 << 31))]:
+		for layer: int in [0, -1, 1 << 40]:
+			check_equal(scatter.get_tile_digest(layer, tile), 0, "digest")
+			check_equal(scatter.get_tile_buffers(layer, tile), [], "buffers")
+			check_equal(scatter.get_tile_ids(layer, tile), [], "ids")
+			check_equal(scatter.get_shown_tiles(layer), [], "tiles")
+	scatter.free()
+
+
+func test_missing_parts_are_warned_of() -> void:
+	var scatter := make_scatter([], null, make_viewer())
+	await frames(3)
+	check_equal(scatter.get_problems().size(), 2, "warnings without terrain and layers")
+	scatter.layers = [null, make_layer(), ScatterLayer.new()]
+	scatter.terrain = ScatterTerrain.new()
+	await settle(scatter)
+	var problems := "\n".join(scatter.get_problems())
+	for words: String in ["_get_heights", "Layer 0: empty", "Layer 2: ScatterLayer.meshes"]:
+		check(words in problems, "'%s' in: %s" % [words, problems])
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles on no ground")
+	scatter.terrain = ScatterTerrainFlat.new()
+	await settle(scatter)
+	check(scatter.get_shown_tiles(1).size() > 10, "the layer between two bad ones shows")
+	check_equal(scatter.get_shown_tiles(0).size(), 0, "tiles of an empty layer")
+	scatter.viewers = [NodePath("nobody"), scatter.get_path_to(root)]
+	check_equal(scatter.get_problems().size(), 4, "warnings of two layers and two viewers")
+	scatter.layers = [make_layer(), make_layer()]
+	scatter.layers[0].layer_id = 1
+	check("layer_id" in "\n".join(scatter.get_problems()), "two layers of one id")
+	scatter.terrain = null
+	await frames(3)
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles without a terrain")
+
+
+func test_wrong_resources() -> void:
+	var terrain := ScatterTerrainFlat.new()
+	var scatter := make_scatter([make_layer()], terrain, make_viewer())
+	await settle(scatter)
+	scatter.set("terrain", BoxMesh.new())
+	scatter.set("layers", [BoxMesh.new(), 5])
+	scatter.set("layers", "nothing like it")
+	scatter.set("viewers", [3, BoxMesh.new()])
+	await frames(5)
+	errors.take() # The engine may say so in its own words; what counts is that nothing breaks.
+	check(scatter.terrain == null or scatter.terrain == terrain, "the terrain is no mesh")
+	scatter.terrain = terrain
+	scatter.layers = [make_layer()]
+	scatter.viewers = [scatter.get_path_to(make_viewer())]
+	await settle(scatter)
+	check(scatter.get_shown_tiles(0).size() > 10, "shows again")
+
+
+func test_far_away_viewer() -> void:
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	viewer.global_position = Vector3(1e20, 0.0, 0.0)
+	await frames(5)
+	viewer.global_position = Vector3(NAN, 0.0, INF)
+	await frames(5)
+	errors.take()
+	viewer.global_position = Vector3(2e7, 0.0, 0.0)
+	await settle(scatter)
+	check_error(["rect"], "beyond the last cell")
+	viewer.global_position = Vector3.ZERO
+	await settle(scatter)
+	check(scatter.get_stats()["instances"] > 1000, "shows again")
+
+
+func test_broken_scripts() -> void:
+	for threaded: bool in [false, true]:
+		for extra: int in [-1, 1, 1000]:
+			var ground := BrokenGround.new()
+			ground.threaded = threaded
+			ground.extra = extra
+			var scatter := make_scatter([make_layer()], ground, make_viewer())
+			await settle(scatter)
+			check_error(["_get_heights()", "wrong size"], "%+d heights" % extra)
+			check_equal(scatter.get_stats()["instances"], 0, "instances")
+			ground.extra = 0
+			scatter.regenerate()
+			await settle(scatter)
+			check_no_error("heights of the right number")
+			check(scatter.get_stats()["instances"] > 1000, "shows again")
+			ground.normals = 7
+			scatter.regenerate()
+			await settle(scatter)
+			check_error(["_get_normals()", "wrong size", "7"], "7 normals")
+			ground.normals = -1
+			ground.fill = NAN
+			scatter.regenerate()
+			await settle(scatter)
+			check_equal(scatter.get_stats()["instances"], 0, "instances on NAN heights")
+			ground.fill = INF
+			scatter.regenerate()
+			await settle(scatter)
+			check_equal(scatter.get_stats()["instances"], 0, "instances on infinite heights")
+			scatter.free()
+
+
+func write_posts(count: int) -> void:
+	var bytes := PackedByteArray()
+	bytes.resize(2 * count)
+	var file := FileAccess.open(SPOT, FileAccess.WRITE)
+	file.store_buffer(bytes)
+
+
+func test_heightmap_properties() -> void:
+	var terrain := ScatterTerrainHeightmap.new()
+	for count: Vector2i in [Vector2i(1, 5), Vector2i(5, -1), Vector2i(1 << 20, 5)]:
+		terrain.post_count = count
+		check_error(["ScatterTerrainHeightmap.post_count"], str(count))
+	for rect: Rect2 in [Rect2(0, 0, 0, 5), Rect2(0, 0, 5, -1), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5)]:
+		terrain.rect = rect
+		check_error(["ScatterTerrainHeightmap.rect"], str(rect))
+	check_equal(terrain.rect, Rect2(0, 0, 1000, 1000), "rect")
+	for value: float in [NAN, INF, 1e9]:
+		refuse(terrain, "min_height", value)
+		refuse(terrain, "max_height", value)
+	terrain.image = Image.new()
+	check_error(["ScatterTerrainHeightmap.image", "wrong size"], "an empty image")
+	check(terrain.image == null, "no image")
+
+
+func test_heightmap_files() -> void:
+	var terrain := ScatterTerrainHeightmap.new()
+	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height before a file")
+	check_error(["ScatterTerrainHeightmap.heightmap_path", "missing"], "no file")
+	terrain.post_count = Vector2i(4, 3)
+	terrain.heightmap_path = "user://no_such_file.r16"
+	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
+	check_error(["ScatterTerrainHeightmap.heightmap_path"], "a missing file")
+	write_posts(11)
+	terrain.heightmap_path = SPOT
+	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
+	check_error(["ScatterTerrainHeightmap.heightmap_path", "wrong size", "22"], "a short file")
+	check(terrain.get_height(Vector3.ZERO) != 0.0, "still none")
+	check_no_error("asking twice")
+	write_posts(12)
+	terrain.heightmap_path = SPOT
+	terrain.min_height = 5.0
+	check_equal(terrain.get_height(Vector3(10.0, 0.0, 10.0)), 5.0, "height")
+	terrain.max_height = -5.0
+	check_equal(terrain.get_height(Vector3(10.0, 0.0, 10.0)), 5.0, "height of the last good state")
+	check_error(["ScatterTerrainHeightmap.max_height", "-5"], "inverted heights")
+	DirAccess.remove_absolute(SPOT)
+
+
+func test_heightmap_images() -> void:
+	var terrain := ScatterTerrainHeightmap.new()
+	terrain.rect = Rect2(0, 0, 3, 2)
+	terrain.min_height = 100.0
+	terrain.max_height = 200.0
+	var image := Image.create_empty(4, 3, false, Image.FORMAT_RF)
+	image.set_pixel(1, 1, Color(0.5, 0.0, 0.0))
+	terrain.image = image
+	check(absf(terrain.get_height(Vector3(1.0, 0.0, 1.0)) - 150.0) < 0.01, "height at a post")
+	check(absf(terrain.get_height(Vector3(1.5, 0.0, 1.0)) - 125.0) < 0.01, "height between posts")
+	check(is_nan(terrain.get_height(Vector3(3.1, 0.0, 1.0))), "no height outside")
+	for value: float in [NAN, 2.0, -0.5]:
+		var bad := image.duplicate() as Image
+		bad.set_pixel(2, 2, Color(value, 0.0, 0.0))
+		terrain.image = bad
+		check(absf(terrain.get_height(Vector3(1.0, 0.0, 1.0)) - 150.0) < 0.01, "height of the last good image")
+		check_error(["ScatterTerrainHeightmap.image"], "an image with %s" % value)

@@ -1,0 +1,330 @@
+extends "harness.gd"
+## What stands on stage: where it should, as often as it should, the same whichever way it got there.
+
+## Rolling hills, asked for on the main thread.
+class Hills extends ScatterTerrain:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(height(at))
+		return heights
+
+	static func height(at: Vector2) -> float:
+		return 10.0 * sin(at.x * 0.05) + 5.0 * cos(at.y * 0.08)
+
+
+## The same, asked for on worker threads.
+class ThreadedHills extends Hills:
+	func _is_thread_safe() -> bool:
+		return true
+
+
+## The same with a hole, and normals of its own that lean by 45 degrees everywhere.
+class LeaningHills extends Hills:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := super(positions)
+		for index in positions.size():
+			if positions[index].length() < 10.0:
+				heights[index] = NAN
+		return heights
+
+	func _get_normals(positions: PackedVector2Array) -> PackedVector3Array:
+		var normals := PackedVector3Array()
+		normals.resize(positions.size())
+		normals.fill(Vector3(3.0, 3.0, 0.0))
+		return normals
+
+
+func all_transforms(scatter: TerrainScatter3D, layer: int) -> Array[Transform3D]:
+	var result: Array[Transform3D] = []
+	for tile: Vector2i in scatter.get_shown_tiles(layer):
+		result.append_array(transforms(scatter, layer, tile))
+	return result
+
+
+func test_view_is_covered_and_counted() -> void:
+	var shown := {}
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer(Vector3(5.0, 0.0, -70.0)))
+	scatter.tile_shown.connect(func(layer: int, tile: Vector2i) -> void: shown[[layer, tile]] = true)
+	await settle(scatter)
+	var tiles := scatter.get_shown_tiles(0)
+	check_equal(shown.size(), tiles.size(), "a signal for each tile")
+	for x in range(-3, 4):
+		for y in range(-6, 2):
+			var rect := Rect2(x * 32.0, y * 32.0, 32.0, 32.0)
+			var nearest := Vector2(5.0, -70.0).clamp(rect.position, rect.end)
+			if nearest.distance_to(Vector2(5.0, -70.0)) < 63.9:
+				check(Vector2i(x, y) in tiles, "tile %s lies in view" % Vector2i(x, y))
+	var count := all_transforms(scatter, 0).size()
+	check_equal(scatter.get_stats()["instances"], count, "instances in the figures")
+	# Random sequential adsorption jams at a coverage of 0.547; a few thousand points come close.
+	var coverage := count * PI / (tiles.size() * 32.0 * 32.0)
+	check(absf(coverage - 0.547) < 0.01, "coverage is %f" % coverage)
+
+
+func test_tiles_follow_the_viewer() -> void:
+	var hidden := []
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	scatter.tile_hidden.connect(func(_layer: int, tile: Vector2i) -> void: hidden.push_back(tile))
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	viewer.global_position = Vector3(1000.0, 0.0, 1000.0)
+	await settle(scatter)
+	await frames(30)
+	check_equal(hidden.size(), before.size(), "all old tiles are hidden")
+	check(not Vector2i(0, 0) in scatter.get_shown_tiles(0), "the old tile is gone")
+	check(Vector2i(31, 31) in scatter.get_shown_tiles(0), "the new tile is there")
+	viewer.global_position = Vector3.ZERO
+	await settle(scatter)
+	check_equal(digests(scatter, 0), before, "the same instances after coming back")
+
+
+func test_order_of_tiles_changes_nothing() -> void:
+	var direct := make_scatter([make_layer()], Hills.new(), make_viewer(Vector3(300.0, 0.0, 0.0)))
+	var viewer := make_viewer(Vector3(300.0, 0.0, 400.0))
+	var wandering := make_scatter([make_layer()], Hills.new(), viewer)
+	for step in 5:
+		await settle(wandering)
+		viewer.global_position.z -= 80.0
+	await settle(direct)
+	await settle(wandering)
+	var walked := digests(wandering, 0)
+	var straight := digests(direct, 0)
+	for tile: Vector2i in straight:
+		check_equal(walked.get(tile), straight[tile], "tile %s" % tile)
+	check(straight.size() > 10, "there are tiles to compare")
+
+
+func test_spacing_across_tile_borders() -> void:
+	var layer := make_layer(2.0)
+	layer.tile_size = 20.0
+	layer.levels = 3
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var grid := {}
+	var closest := INF
+	var count := 0
+	for transform in all_transforms(scatter, 0):
+		var at := Vector2(transform.origin.x, transform.origin.z)
+		var cell := Vector2i((at / 2.0).floor())
+		for x in range(cell.x - 1, cell.x + 2):
+			for y in range(cell.y - 1, cell.y + 2):
+				for other: Vector2 in grid.get(Vector2i(x, y), []):
+					closest = minf(closest, at.distance_to(other))
+		grid.get_or_add(cell, []).push_back(at)
+		count += 1
+	check(count > 2000, "there are instances to compare: %d" % count)
+	check(closest >= 1.9999, "the closest two are %f apart" % closest)
+	check(closest < 2.1, "the closest two are %f apart, so the check sees neighbours" % closest)
+
+
+func test_script_ground_on_the_main_thread() -> void:
+	var layer := make_layer()
+	layer.align_to_normal = 1.0
+	var scatter := make_scatter([layer], Hills.new(), make_viewer())
+	await settle(scatter)
+	var worst := 0.0
+	var lean := 0.0
+	for transform in all_transforms(scatter, 0):
+		var at := Vector2(transform.origin.x, transform.origin.z)
+		worst = maxf(worst, absf(transform.origin.y - Hills.height(at)))
+		var normal := Vector3(-0.5 * cos(at.x * 0.05), 1.0, 0.4 * sin(at.y * 0.08)).normalized()
+		lean = maxf(lean, normal.angle_to(transform.basis.y))
+	check(worst < 0.01, "off the ground by %f m" % worst)
+	check(lean < 0.02, "off the normal by %f rad" % lean)
+
+
+func test_script_ground_on_workers_is_the_same() -> void:
+	var viewer := make_viewer()
+	var main := make_scatter([make_layer()], Hills.new(), viewer)
+	var threaded := make_scatter([make_layer()], ThreadedHills.new(), viewer)
+	await settle(main)
+	await settle(threaded)
+	check_equal(digests(threaded, 0), digests(main, 0), "digests")
+
+
+func test_script_normals_and_holes() -> void:
+	var layer := make_layer()
+	layer.max_slope_degrees = 46.0
+	layer.align_to_normal = 1.0
+	var scatter := make_scatter([layer], LeaningHills.new(), make_viewer())
+	await settle(scatter)
+	var standing := all_transforms(scatter, 0)
+	check(standing.size() > 1000, "instances stand on a slope below the limit")
+	for transform in standing:
+		if Vector2(transform.origin.x, transform.origin.z).length() < 10.0:
+			check(false, "an instance stands in a hole, at %s" % transform.origin)
+	check(standing[0].basis.y.angle_to(Vector3(1.0, 1.0, 0.0)) < 0.01, "leans as the script says")
+	layer.max_slope_degrees = 44.0
+	await settle(scatter)
+	check_equal(scatter.get_stats()["instances"], 0, "instances on a slope above the limit")
+
+
+func test_rules_and_placement() -> void:
+	var layer := make_layer(1.0)
+	layer.min_height = 2.0
+	layer.max_height = 9.0
+	layer.max_slope_degrees = 20.0
+	layer.min_scale = 0.5
+	layer.max_scale = 1.5
+	layer.height_offset = -0.25
+	var scatter := make_scatter([layer], Hills.new(), make_viewer())
+	await settle(scatter)
+	var scales := [INF, 0.0]
+	for transform in all_transforms(scatter, 0):
+		var at := Vector2(transform.origin.x, transform.origin.z)
+		var height := Hills.height(at)
+		var slope := rad_to_deg(Vector3(-0.5 * cos(at.x * 0.05), 1.0, 0.4 * sin(at.y * 0.08)).angle_to(Vector3.UP))
+		var scale := transform.basis.get_scale()
+		scales = [minf(scales[0], scale.x), maxf(scales[1], scale.x)]
+		if not (height > 1.99 and height < 9.01 and slope < 20.3):
+			check(false, "stands at height %f, slope %f" % [height, slope])
+		if not (absf(transform.origin.y - height + 0.25) < 0.01 and transform.basis.y.normalized().y > 0.9999):
+			check(false, "does not stand upright and sunk by 0.25 m: %s" % transform)
+	check(scales[0] >= 0.4999 and scales[0] < 0.51, "the smallest scale is %f" % scales[0])
+	check(scales[1] <= 1.5001 and scales[1] > 1.49, "the largest scale is %f" % scales[1])
+
+
+func test_meshes_share_by_weight() -> void:
+	var layer := make_layer(1.0)
+	layer.meshes = [BoxMesh.new(), null, SphereMesh.new()]
+	layer.mesh_weights = PackedFloat32Array([1.0, 2.0])
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var counts := [0, 0, 0]
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		var ids := scatter.get_tile_ids(0, tile)
+		var buffers := scatter.get_tile_buffers(0, tile)
+		check_equal(buffers.size(), 3, "buffers of tile %s" % tile)
+		for mesh in 3:
+			check_equal(buffers[mesh].size(), 12 * ids[mesh].size(), "buffer %d of tile %s" % [mesh, tile])
+			counts[mesh] += ids[mesh].size()
+	var total: float = counts[0] + counts[1] + counts[2]
+	for mesh in 3:
+		check(absf(counts[mesh] / total - [0.25, 0.5, 0.25][mesh]) < 0.02, "shares are %s" % [counts])
+
+
+func test_density_is_a_prefix() -> void:
+	var layer := make_layer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var all := {}
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		all[tile] = scatter.get_tile_ids(0, tile)[0]
+	layer.density = 0.5
+	await settle(scatter)
+	for tile: Vector2i in all:
+		var ids: PackedInt64Array = scatter.get_tile_ids(0, tile)[0]
+		check_equal(ids, (all[tile] as PackedInt64Array).slice(0, ids.size()), "half of tile %s" % tile)
+		check(absf(ids.size() - 0.5 * all[tile].size()) < 25.0, "tile %s has %d of %d" % [tile, ids.size(), all[tile].size()])
+
+
+func test_a_change_keeps_old_tiles_until_new_ones_stand() -> void:
+	var layer := make_layer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var count: int = scatter.get_stats()["tiles"]
+	var before := digests(scatter, 0)
+	scatter.seed = 8
+	while true:
+		await process_frame
+		check_equal(scatter.get_stats()["tiles"], count, "tiles on show while all are made anew")
+		if scatter.is_idle():
+			break
+	for tile: Vector2i in before:
+		check(before[tile] != scatter.get_tile_digest(0, tile), "tile %s is another one" % tile)
+	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	var made: int = scatter.get_stats()["tiles_made"]
+	await settle(scatter)
+	check_equal(scatter.get_stats()["tiles_made"], made, "tiles made for another shadow setting")
+
+
+func test_tile_size_may_change() -> void:
+	var layer := make_layer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	layer.tile_size = 25.0
+	await settle(scatter)
+	await frames(10)
+	var fresh_layer := make_layer()
+	fresh_layer.tile_size = 25.0
+	var fresh := make_scatter([fresh_layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(fresh)
+	check_equal(digests(scatter, 0), digests(fresh, 0), "after a change of tile size")
+
+
+func test_layers_do_not_share_random_numbers() -> void:
+	var scatter := make_scatter([make_layer(), make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var first := {}
+	for transform in transforms(scatter, 0, Vector2i.ZERO):
+		first[transform.origin] = true
+	for transform in transforms(scatter, 1, Vector2i.ZERO):
+		check(not transform.origin in first, "both layers have an instance at %s" % transform.origin)
+
+
+func test_layer_id_survives_reordering() -> void:
+	var pinned := make_layer()
+	pinned.layer_id = 40
+	var other := make_layer(3.0)
+	other.layer_id = 41
+	var scatter := make_scatter([pinned, other], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	scatter.layers = [other, pinned]
+	await settle(scatter)
+	check_equal(digests(scatter, 1), before, "instances of the moved layer")
+
+
+func test_default_viewer_is_the_camera() -> void:
+	var camera := Camera3D.new()
+	root.add_child(camera)
+	camera.global_position = Vector3(400.0, 3.0, 400.0)
+	camera.make_current()
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), camera)
+	scatter.viewers = []
+	await settle(scatter)
+	check(Vector2i(12, 12) in scatter.get_shown_tiles(0), "the camera's tile is there")
+
+
+func test_two_viewers() -> void:
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	scatter.viewers = scatter.viewers + [scatter.get_path_to(make_viewer(Vector3(-960.0, 0.0, 0.0)))]
+	await settle(scatter)
+	check(Vector2i(0, 0) in scatter.get_shown_tiles(0), "the first viewer's tile")
+	check(Vector2i(-30, 0) in scatter.get_shown_tiles(0), "the second viewer's tile")
+
+
+func test_moving_the_node_moves_nothing() -> void:
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	scatter.global_transform = Transform3D(Basis().scaled(Vector3(2.0, 2.0, 2.0)), Vector3(500.0, 5.0, 5.0))
+	await frames(3)
+	check(scatter.is_idle(), "nothing is made anew")
+	check_equal(digests(scatter, 0), before, "instances after the node moved")
+
+
+func test_pausing_stops_the_stream() -> void:
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	paused = true
+	viewer.global_position.x = 500.0
+	await frames(20)
+	check(Vector2i(0, 0) in scatter.get_shown_tiles(0), "a paused stream keeps its tiles")
+	paused = false
+	await settle(scatter)
+	check(Vector2i(15, 0) in scatter.get_shown_tiles(0), "and goes on afterwards")
+
+
+func test_terrain_answers_scripts() -> void:
+	var hills := Hills.new()
+	check(absf(hills.get_height(Vector3(13.0, 99.0, 7.0)) - Hills.height(Vector2(13.0, 7.0))) < 1e-4, "height")
+	var normal := Vector3(-0.5 * cos(13.0 * 0.05), 1.0, 0.4 * sin(7.0 * 0.08)).normalized()
+	check(normal.angle_to(hills.get_normal(Vector3(13.0, 0.0, 7.0))) < 0.01, "normal")
+	var leaning := LeaningHills.new()
+	check(is_nan(leaning.get_height(Vector3(1.0, 0.0, 1.0))), "no height in a hole")
+	check_equal(leaning.get_normal(Vector3(1.0, 0.0, 1.0)), Vector3.ZERO, "normal in a hole")
+	check(is_nan(ScatterTerrain.new().get_height(Vector3.ZERO)), "no height without a script")
