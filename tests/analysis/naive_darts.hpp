@@ -11,6 +11,8 @@
 
 namespace thicket::analysis {
 
+inline constexpr std::uint64_t max_progressive_levels = 16;
+
 /// Naive dart throwing run to its end on a square torus, in units of the radius: the reference that the sampler's
 /// statistics are held against. It shares no code, no random numbers and no lattice with the sampler.
 ///
@@ -36,6 +38,15 @@ public:
 		throw_at_domain();
 		fill(all_cells());
 		return std::move(points_);
+	}
+
+	/// The jammed set that also holds `earlier`, points that keep their distance and lie on the torus: they come first.
+	std::vector<glm::dvec2> run_after(std::vector<glm::dvec2> earlier) {
+		for (const glm::dvec2 point : earlier) {
+			cell(cell_of(point.x), cell_of(point.y)) = point;
+		}
+		points_ = std::move(earlier);
+		return run();
 	}
 
 	/// Not dart throwing, but what tiles coloured by phase do: a wrong set that a good test has to notice.
@@ -160,5 +171,22 @@ private:
 		r_squares = std::move(children);
 	}
 };
+
+/// The progressive process by naive darts: with radius 2^(levels - 1) to its end, then half of that, down to 1; all
+/// points stay. `side` / 2^(levels - 1) must be a side that NaiveDarts takes.
+inline std::vector<glm::dvec2> naive_progressive(double side, std::uint32_t levels, std::uint64_t seed) {
+	std::vector<glm::dvec2> points;
+	for (std::uint32_t level = levels; level-- > 0;) {
+		const double radius = static_cast<double>(1u << level);
+		for (glm::dvec2 &point : points) {
+			point /= radius;
+		}
+		points = NaiveDarts(side / radius, seed * max_progressive_levels + level).run_after(std::move(points));
+		for (glm::dvec2 &point : points) {
+			point *= radius;
+		}
+	}
+	return points;
+}
 
 } // namespace thicket::analysis

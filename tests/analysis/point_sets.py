@@ -40,6 +40,10 @@ class PointsTool:
         """Naive dart throwing run to its end on a torus of this side, radius 1."""
         return self._sets(PLANE_POINT, "darts", side, first_seed, seeds)
 
+    def progressive(self, side, levels, first_seed, seeds=1) -> list[np.ndarray]:
+        """Naive dart throwing with radius 2^(levels - 1), then half of that, down to 1, on a torus of this side."""
+        return self._sets(PLANE_POINT, "progressive", side, levels, first_seed, seeds)
+
     def coloured(self, side, tile, first_seed, seeds=1) -> list[np.ndarray]:
         """Tiles filled in four phases on a torus, radius 1: a wrong set."""
         return self._sets(PLANE_POINT, "coloured", side, tile, first_seed, seeds)

@@ -3,6 +3,7 @@
 //       the tile sampler, in metres; TILE 0 asks for the rectangle at once, otherwise it is put together from tiles.
 //       Record: lattice x, lattice y (int64), id (uint64), rank, level (uint32).
 //   points darts SIDE FIRST_SEED SEEDS            naive dart throwing run to its end on a torus, in radii
+//   points progressive SIDE LEVELS FIRST_SEED SEEDS   the same for a progressive set
 //   points coloured SIDE TILE FIRST_SEED SEEDS    four phases of coloured tiles: packs too densely along its seams
 //   points bridson SIDE FIRST_SEED SEEDS          Bridson's method on a square: not dart throwing
 //       Record: x, y (float64).
@@ -114,12 +115,15 @@ int phase_of(glm::dvec2 middle) {
 void write_reference(const std::string &kind, Arguments &arguments) {
 	const double side = arguments.number();
 	phase_tile = kind == "coloured" ? arguments.number() : phase_tile;
+	const auto levels = kind == "progressive" ? static_cast<std::uint32_t>(arguments.whole()) : 1u;
 	const std::uint64_t first = arguments.whole();
 	const std::uint64_t count = arguments.whole();
 	for (std::uint64_t seed = first; seed < first + count; ++seed) {
 		std::vector<glm::dvec2> points;
 		if (kind == "darts") {
 			points = NaiveDarts(side, seed).run();
+		} else if (kind == "progressive") {
+			points = naive_progressive(side, levels, seed);
 		} else if (kind == "coloured") {
 			points = NaiveDarts(side, seed).run_in_phases(4, phase_of);
 		} else {
@@ -140,7 +144,7 @@ int main(int argument_count, char **arguments) {
 	const std::string kind = words.word();
 	if (kind == "sampler") {
 		write_sampler(words);
-	} else if (kind == "darts" || kind == "coloured" || kind == "bridson") {
+	} else if (kind == "darts" || kind == "progressive" || kind == "coloured" || kind == "bridson") {
 		write_reference(kind, words);
 	} else {
 		std::fprintf(stderr, "points: no such kind of set: %s\n", kind.c_str());

@@ -1,0 +1,255 @@
+"""The statistics of the sampler's sets, held against naive dart throwing run to its end and against what must be flat.
+
+All seeds are fixed, so every run computes the same figures. A hypothesis is refused where its p-value is below ALPHA;
+the wrong sets (Bridson's method, tiles coloured by phase) must fall far below. Nothing else is tuned: spreads are
+estimated from independent seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from analysis.estimators import (
+    Spectrum,
+    cross_correlation,
+    inside,
+    near_pair_directions,
+    pair_correlation,
+)
+from analysis.point_sets import CELL, LATTICE_BITS, RADIUS, PointsTool, in_radii
+from analysis.significance import mean_differs_from, means_differ, z_of_mean
+
+ALPHA = 1e-3
+WRONG = 1e-6
+
+# Random sequential adsorption of disks jams at this coverage.
+JAMMED_COVERAGE = 0.547070
+DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # points per square radius
+
+WINDOW = 64.0  # radii
+BORDER = 8.0
+SIDE = WINDOW + 2.0 * BORDER
+SETS = 128  # independent seeds of each kind
+CORNER = -29.0  # of the rectangle asked from the sampler: on both sides of the origin, on no line of its lattice
+TILE = 15.5
+
+PAIR_EDGES = np.concatenate([np.arange(1.0, 2.0, 0.05), np.arange(2.0, 5.01, 0.25)])
+RING_EDGES = np.arange(0.0625, 2.5001, 0.0625)
+WIDE_RING_EDGES = np.linspace(0.25, 2.5, 10)
+MODES = 160
+DIRECTIONS = 24
+
+
+@pytest.fixture(scope="session")
+def tool(build_dir) -> PointsTool:
+    return PointsTool(build_dir / "analysis" / "points")
+
+
+class Measured:
+    """One row of features a set, for each estimator."""
+
+    def __init__(self, windows: list[np.ndarray]):
+        spectra = [Spectrum(points, WINDOW, MODES) for points in windows]
+        self.density = np.array([inside(points, WINDOW).sum() for points in windows]) / WINDOW**2
+        self.pairs = np.array([pair_correlation(points, WINDOW, PAIR_EDGES, DENSITY) for points in windows])
+        self.rings = np.array([spectrum.radial(RING_EDGES) for spectrum in spectra])
+        self.anisotropy = np.array([spectrum.anisotropy(WIDE_RING_EDGES) for spectrum in spectra])
+        # The fractions add up to 1, so the last one says nothing new.
+        self.directions = np.array([near_pair_directions(p, WINDOW, 1.2, DIRECTIONS)[:-1] for p in windows])
+
+
+FEATURES = ["density", "pairs", "rings", "anisotropy"]
+
+
+def rows(measured: Measured, feature: str) -> np.ndarray:
+    values = getattr(measured, feature)
+    return values.reshape(len(values), -1)
+
+
+def of_reference(sets: list[np.ndarray]) -> Measured:
+    return Measured([in_radii(points, (BORDER, BORDER)) for points in sets])
+
+
+def of_sampler(tool: PointsTool, first_seed: int, levels: int) -> Measured:
+    rect = (CORNER, CORNER, CORNER + SIDE, CORNER + SIDE)
+    sets = tool.sampler(rect, first_seed, SETS, levels=levels, tile=TILE)
+    return Measured([in_radii(points, (CORNER + BORDER, CORNER + BORDER)) for points in sets])
+
+
+@pytest.fixture(scope="session")
+def darts(tool) -> Measured:
+    return of_reference(tool.darts(SIDE, 1, SETS))
+
+
+@pytest.fixture(scope="session")
+def sampled(tool) -> Measured:
+    return of_sampler(tool, 1001, levels=1)
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_sampler_agrees_with_naive_darts(darts, sampled, feature):
+    p = means_differ(rows(darts, feature), rows(sampled, feature))
+    assert p > ALPHA, f"{feature} differ: p = {p:.2g}"
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_naive_darts_agree_with_themselves(tool, darts, feature):
+    """The p-values mean what they say only if two halves of the reference agree."""
+    first, second = rows(darts, feature)[: SETS // 2], rows(darts, feature)[SETS // 2 :]
+    p = means_differ(first, second)
+    assert p > ALPHA, f"{feature} differ: p = {p:.2g}"
+
+
+@pytest.fixture(scope="session")
+def wrong_sets(tool) -> dict[str, Measured]:
+    return {
+        "coloured": of_reference(tool.coloured(SIDE, 8, 1, SETS)),
+        "bridson": of_reference(tool.bridson(SIDE, 1, SETS // 2)),
+    }
+
+
+@pytest.mark.parametrize(
+    ("kind", "feature"),
+    [("coloured", "density"), ("coloured", "pairs"), ("coloured", "rings")]
+    + [("bridson", feature) for feature in FEATURES],
+)
+def test_wrong_sets_are_noticed(darts, wrong_sets, kind, feature):
+    """Seams of coloured tiles (8 radii wide) add about 1 % of density, Bridson's sets are another family."""
+    p = means_differ(rows(darts, feature), rows(wrong_sets[kind], feature))
+    assert p < WRONG, f"{kind} passes for darts by its {feature}: p = {p:.2g}"
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_progressive_set_agrees_with_naive_darts(tool, feature, progressive):
+    p = means_differ(rows(progressive[0], feature), rows(progressive[1], feature))
+    assert p > ALPHA, f"{feature} differ: p = {p:.2g}"
+
+
+@pytest.fixture(scope="session")
+def progressive(tool) -> tuple[Measured, Measured]:
+    """(naive darts, sampler) with three levels."""
+    return of_reference(tool.progressive(SIDE, 3, 1, SETS)), of_sampler(tool, 2001, levels=3)
+
+
+def test_progressive_set_differs_from_plain_darts(darts, progressive):
+    """Else the comparison above would have no power to tell one process from the other."""
+    assert means_differ(darts.pairs, progressive[1].pairs) < WRONG
+
+
+def test_near_pairs_have_no_direction(sampled):
+    p = mean_differs_from(sampled.directions, 1.0 / DIRECTIONS)
+    assert p > ALPHA, f"directions differ: p = {p:.2g}"
+
+
+class Tally:
+    """What is counted over five million points: 48 seeds, each a square of 565 cells, some 400 radii. The side is a
+    whole number of cells and of fives of cells, so that every phase and class has the same area."""
+
+    SEEDS = 48
+    SIDE = 565 * CELL / RADIUS
+    PHASES = 5
+    CLASSES = 5
+
+    def __init__(self, tool: PointsTool, levels: int):
+        self.count, self.phase, self.tag = [], [], []
+        for seed in range(3001, 3001 + self.SEEDS, 12):
+            corner = 1000.25
+            for points in tool.sampler((corner, -corner, corner + self.SIDE, self.SIDE - corner), seed, 12, levels=levels):
+                self.add(points)
+
+    def add(self, points: np.ndarray):
+        self.count.append(len(points))
+        phase = [(points[axis] & (CELL - 1)) * self.PHASES >> LATTICE_BITS for axis in "xy"]
+        cell = [(points[axis] >> LATTICE_BITS) % self.CLASSES for axis in "xy"]
+        self.phase.append(np.bincount(phase[0] + self.PHASES * phase[1], minlength=self.PHASES**2) / len(points))
+        self.tag.append(np.bincount(cell[0] + self.CLASSES * cell[1], minlength=self.CLASSES**2) / len(points))
+
+
+@pytest.fixture(scope="session", params=[1, 3], ids=["L=1", "L=3"])
+def tally(request, tool) -> Tally:
+    made = Tally(tool, request.param)
+    made.levels = request.param
+    return made
+
+
+def test_coverage_is_that_of_the_jammed_state(tally):
+    if tally.levels > 1:
+        pytest.skip("the coverage of a progressive set is another")
+    assert sum(tally.count) >= 5_000_000
+    coverage = np.array(tally.count) * np.pi * 0.25 / tally.SIDE**2
+    error = coverage.std(ddof=1) / np.sqrt(len(coverage))
+    assert error < 1e-4, "too few points to say anything"
+    z = z_of_mean(coverage, JAMMED_COVERAGE)
+    assert abs(z) < 4.0, f"coverage {coverage.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
+
+
+def test_positions_within_cells_are_uniform(tally):
+    expected = 1.0 / tally.PHASES**2
+    p = mean_differs_from(np.array(tally.phase)[:, :-1], expected)
+    assert p > ALPHA, f"points prefer places within their cells: p = {p:.2g}"
+
+
+def test_no_class_of_cells_is_preferred(tally):
+    """Clocks carry the cell's place modulo 5 in their last bits, to break ties; nothing may come of it."""
+    p = mean_differs_from(np.array(tally.tag)[:, :-1], 1.0 / tally.CLASSES**2)
+    assert p > ALPHA, f"cells are preferred by their place modulo 5: p = {p:.2g}"
+
+
+@pytest.mark.parametrize("levels", range(1, 9))
+def test_prefix_of_rank_q_holds_q_of_the_points(tool, levels):
+    """40 windows of 256 radii: at least twice the coarsest radius."""
+    side, seeds = 256.0, 40
+    sets = tool.sampler((-side / 2, 0.0, side / 2, side), 4001, seeds, levels=levels)
+    shares = np.concatenate([[2.0**-10, 2.0**-8, 2.0**-6], np.arange(1, 16) / 16.0])
+    # A difference and no quotient: its mean is zero for a right table, however much the number of points varies.
+    surplus = np.array([np.searchsorted(np.sort(p["rank"]), shares * 2.0**32) - shares * len(p) for p in sets])
+    p = mean_differs_from(surplus, 0.0)
+    # Eight tests of one promise.
+    assert p > ALPHA / 8, f"surplus of {shares}: {surplus.sum(axis=0) / sum(map(len, sets))}, p = {p:.2g}"
+
+
+CROSS_EDGES = np.linspace(0.0, 3.0, 13)
+
+
+def cross_p(pairs: list[tuple[np.ndarray, np.ndarray]]) -> float:
+    """p-value of "no relation" for pairs of windows that are independent of the other pairs."""
+    rows = [cross_correlation(a, b, WINDOW, CROSS_EDGES) for a, b in pairs]
+    return mean_differs_from(np.array(rows), 1.0)
+
+
+def window(tool: PointsTool, seed: int, offset_cells=(0, 0), **options) -> np.ndarray:
+    """A window with its border, whose corner is that many cells from the usual one."""
+    shift = np.asarray(offset_cells) * CELL / RADIUS
+    low = shift - BORDER
+    high = shift + WINDOW + BORDER
+    points = tool.sampler((*low, *high), seed, **options)[0]
+    return in_radii(points, shift)
+
+
+RELATIONS: dict[str, Callable[[PointsTool, int], tuple[np.ndarray, np.ndarray]]] = {
+    "seed and next seed": lambda tool, seed: (window(tool, seed), window(tool, seed + 1)),
+    "seed and seed + 2^32": lambda tool, seed: (window(tool, seed), window(tool, seed + 2**32)),
+    "layer and next layer": lambda tool, seed: (window(tool, seed), window(tool, seed, layer=1)),
+    "layer and seed swapped": lambda tool, seed: (window(tool, seed, layer=1), window(tool, 1, layer=seed)),
+    "place and 2^8 cells east": lambda tool, seed: (window(tool, seed), window(tool, seed, (2**8, 0))),
+    "place and 2^16 cells east": lambda tool, seed: (window(tool, seed), window(tool, seed, (2**16, 0))),
+    "place and 2^22 cells south": lambda tool, seed: (window(tool, seed), window(tool, seed, (0, 2**22))),
+    "place and its opposite": lambda tool, seed: (window(tool, seed), window(tool, seed, (-(2**22), -(2**22)))),
+}
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_sets_are_unrelated(tool, relation):
+    seeds = range(5001, 5001 + 2 * 40, 2)
+    p = cross_p([RELATIONS[relation](tool, seed) for seed in seeds])
+    assert p > ALPHA / len(RELATIONS), f"{relation} are related: p = {p:.2g}"
+
+
+def test_a_relation_would_be_noticed(tool):
+    """A set and itself, with two of three points replaced by another set's."""
+    pairs = []
+    for seed in range(5001, 5001 + 2 * 40, 2):
+        a, b = window(tool, seed), window(tool, seed + 1)
+        pairs.append((a, np.concatenate([a[::3], b[1::3], b[2::3]])))
+    assert cross_p(pairs) < WRONG
