@@ -97,6 +97,16 @@ func frames(count: int) -> void:
 		await process_frame
 
 
+## Waits until `condition` holds. False, and a failure, if that takes too long.
+func until(condition: Callable, message: String) -> bool:
+	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
+	while not condition.call():
+		if Time.get_ticks_msec() > deadline:
+			return check(false, "not within %d ms: %s" % [IDLE_TIMEOUT_MSEC, message])
+		await process_frame
+	return check(true, message)
+
+
 ## Waits until a scatter shows all that it should. False, and a failure, if that takes too long.
 func settle(scatter: TerrainScatter3D) -> bool:
 	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC

@@ -1,0 +1,41 @@
+extends SceneTree
+## Quits while tiles are being made and uploaded. The runner looks at the exit code and at what is said to have leaked.
+## `-- frames leak` says after how many frames, and whether to leave a MultiMesh behind on purpose.
+
+class ThreadedGround extends ScatterTerrain:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(sin(at.x))
+		return heights
+
+	func _is_thread_safe() -> bool:
+		return true
+
+
+class Ground extends ThreadedGround:
+	func _is_thread_safe() -> bool:
+		return false
+
+
+func _initialize() -> void:
+	var arguments := OS.get_cmdline_user_args()
+	var camera := Camera3D.new()
+	root.add_child(camera)
+	camera.make_current()
+	for terrain: ScatterTerrain in [ScatterTerrainFlat.new(), ThreadedGround.new(), Ground.new()]:
+		var layer := ScatterLayer.new()
+		layer.radius = 0.25
+		layer.tile_size = 64.0
+		layer.view_distance = 1000.0
+		layer.meshes = [BoxMesh.new(), SphereMesh.new()]
+		var scatter := TerrainScatter3D.new()
+		scatter.layers = [layer]
+		scatter.terrain = terrain
+		root.add_child(scatter)
+	for frame in int(arguments[0]):
+		await process_frame
+	if arguments[1] == "leak":
+		RenderingServer.multimesh_create()
+	print("thicket quits in mid-generation")
+	quit()

@@ -1,0 +1,238 @@
+extends "harness.gd"
+## Freeing, changing and moving in the middle of generation: nothing crashes, nothing is left, nothing differs afterwards.
+
+## Slow ground that does something in the middle of being asked.
+class MeddlingGround extends ScatterTerrain:
+	var meddle := Callable()
+
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		heights.resize(positions.size())
+		if meddle.is_valid():
+			var once := meddle
+			meddle = Callable()
+			once.call()
+		return heights
+
+
+class SlowGround extends ScatterTerrain:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(sin(at.x) + cos(at.y))
+		return heights
+
+	func _is_thread_safe() -> bool:
+		return true
+
+
+var viewer: Node3D
+
+
+## Some seconds of work: many tiles of many points.
+func make_busy(terrain: ScatterTerrain) -> TerrainScatter3D:
+	var layers: Array[ScatterLayer] = []
+	for index in 3:
+		var layer := make_layer(0.3)
+		layer.levels = index + 1
+		layer.view_distance = 500.0
+		layer.meshes = [BoxMesh.new(), SphereMesh.new()]
+		layers.push_back(layer)
+	viewer = make_viewer()
+	return make_scatter(layers, terrain, viewer)
+
+
+func grounds() -> Array[ScatterTerrain]:
+	return [ScatterTerrainFlat.new(), MeddlingGround.new(), SlowGround.new()]
+
+
+func test_freed_in_mid_generation() -> void:
+	for round in 24:
+		var scatter := make_busy(grounds()[round % 3])
+		@warning_ignore("integer_division")
+		await frames(round / 3)
+		check(round < 3 or not scatter.is_idle(), "still at work after %d frames" % (round / 3.0))
+		if round % 2:
+			scatter.free()
+		else:
+			scatter.queue_free()
+			await process_frame
+		check(not is_instance_valid(scatter), "freed")
+	await frames(5)
+
+
+func has_tiles(scatter: TerrainScatter3D) -> bool:
+	return scatter.get_stats()["tiles"] > 0
+
+
+func show_and_free() -> void:
+	for terrain in grounds():
+		var scatter := make_busy(terrain)
+		scatter.layers[0].view_distance = 100.0
+		scatter.layers = [scatter.layers[0]]
+		await settle(scatter)
+		check(scatter.get_stats()["instances"] > 100000, "many instances")
+		var layer: WeakRef = weakref(scatter.layers[0])
+		scatter.queue_free()
+		await frames(2)
+		check(layer.get_ref() == null, "the layer went with the node")
+	await clean()
+
+
+func test_nothing_is_left() -> void:
+	var counts: Array[float] = []
+	for round in 3: # The first round leaves what scripts and renderer keep for good.
+		await show_and_free()
+		await frames(3)
+		counts.push_back(Performance.get_monitor(Performance.OBJECT_COUNT))
+	check_equal(counts[2], counts[1], "objects")
+
+
+func test_out_of_the_tree_and_back() -> void:
+	var scatter := make_busy(ScatterTerrainFlat.new())
+	for round in 5:
+		await frames(round)
+		root.remove_child(scatter)
+		check_equal(scatter.get_stats()["tiles"], 0, "tiles outside of the tree")
+		root.add_child(scatter)
+	await until(has_tiles.bind(scatter), "tiles after coming back")
+	var other_world := SubViewport.new()
+	other_world.own_world_3d = true
+	root.add_child(other_world)
+	scatter.reparent(other_world)
+	other_world.add_child(Node3D.new())
+	scatter.viewers = [scatter.get_path_to(viewer)]
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles on entering another world")
+	await until(has_tiles.bind(scatter), "tiles in another world")
+
+
+func test_changed_in_mid_generation() -> void:
+	var layer := make_layer(1.0)
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var random := RandomNumberGenerator.new()
+	random.seed = 1
+	for round in 150:
+		match random.randi_range(0, 9):
+			0: layer.radius = random.randf_range(0.5, 2.0)
+			1: layer.tile_size = random.randf_range(10.0, 60.0)
+			2: layer.view_distance = random.randf_range(0.0, 150.0)
+			3: layer.density = random.randf()
+			4: layer.meshes = [BoxMesh.new(), SphereMesh.new()].slice(0, random.randi_range(0, 2))
+			5: scatter.seed = random.randi()
+			6: scatter.terrain = grounds()[random.randi_range(0, 2)]
+			7: scatter.layers = [[layer], [layer, layer], [null, layer], []][random.randi_range(0, 3)]
+			8: layer.material_override = StandardMaterial3D.new()
+			9: scatter.visible = not scatter.visible
+		await frames(random.randi_range(0, 2))
+	layer.radius = 1.0
+	layer.tile_size = 32.0
+	layer.view_distance = 64.0
+	layer.density = 1.0
+	layer.meshes = [BoxMesh.new()]
+	scatter.seed = 7
+	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.layers = [layer]
+	await settle(scatter)
+	await frames(30)
+	var fresh := make_scatter([make_layer(1.0)], ScatterTerrainFlat.new(), make_viewer())
+	await settle(fresh)
+	check_equal(digests(scatter, 0), digests(fresh, 0), "after 150 changes")
+
+
+func test_viewer_freed_and_teleported() -> void:
+	var scatter := make_busy(ScatterTerrainFlat.new())
+	for round in 30:
+		viewer.global_position = Vector3(round * 1777.0, 0.0, -round * 999.0)
+		await process_frame
+	viewer.free()
+	await frames(10)
+	check(not scatter.is_idle(), "waits for a viewer")
+	scatter.viewers = [scatter.get_path_to(make_viewer())]
+	await until(has_tiles.bind(scatter), "goes on")
+
+
+func test_meddling_grounds() -> void:
+	for deed in 5:
+		var ground := MeddlingGround.new()
+		var scatter := make_scatter([make_layer()], ground, make_viewer())
+		ground.meddle = [
+			func() -> void: scatter.queue_free(),
+			func() -> void: root.remove_child.call_deferred(scatter),
+			func() -> void: scatter.terrain = null,
+			func() -> void: scatter.layers = [],
+			func() -> void: ground.emit_changed(),
+		][deed]
+		await frames(20)
+		check(not ground.meddle.is_valid(), "deed %d is done" % deed)
+		if is_instance_valid(scatter):
+			scatter.free()
+	await frames(3)
+
+
+func test_meddling_signal_handlers() -> void:
+	var layer := make_layer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var counts := [0, 0]
+	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void:
+		counts[0] += 1
+		if counts[0] == 5:
+			scatter.seed += 1
+		if counts[0] == 10:
+			scatter.layers = [layer, layer]
+		if counts[0] == 15:
+			root.remove_child(scatter)
+			root.add_child(scatter))
+	scatter.idle.connect(func() -> void:
+		counts[1] += 1
+		scatter.queue_free())
+	await frames(5)
+	while is_instance_valid(scatter):
+		await process_frame
+	check(counts[0] > 15, "signals: %s" % [counts])
+	check_equal(counts[1], 1, "idle signals")
+
+
+func test_change_of_scene_in_mid_generation() -> void:
+	for round in 6:
+		var scatter := make_busy(grounds()[round % 3])
+		var eye := Node3D.new()
+		root.remove_child(scatter)
+		scatter.add_child(eye)
+		eye.owner = scatter
+		scatter.viewers = [NodePath(eye.name)]
+		var packed := PackedScene.new()
+		check_equal(packed.pack(scatter), OK, "packing")
+		scatter.free()
+		check_equal(change_scene_to_packed(packed), OK, "changing to the scene")
+		await frames(2 + round)
+		check(current_scene is TerrainScatter3D, "the scene runs")
+		check(current_scene.get_child_count() == 1, "what is shown is not in the scene")
+		check(not current_scene.is_idle(), "and is at work")
+	unload_current_scene()
+	await frames(3)
+
+
+func test_saved_settings_come_back() -> void:
+	var scatter := make_busy(ScatterTerrainFlat.new())
+	scatter.layers[1].min_height = -5.0
+	scatter.layers[1].min_scale = 3.0
+	scatter.layers[1].max_scale = 4.0
+	scatter.layers[2].mesh_weights = PackedFloat32Array([0.5, 2.0])
+	scatter.seed = -12345678901234
+	var packed := PackedScene.new()
+	packed.pack(scatter)
+	ResourceSaver.save(packed, "user://thicket_test.tscn")
+	var text := FileAccess.get_file_as_string("user://thicket_test.tscn")
+	check(text.length() < 4000, "a scene of settings is small: %d bytes" % text.length())
+	var copy := (ResourceLoader.load("user://thicket_test.tscn", "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate()
+	for property in scatter.get_property_list():
+		if property["usage"] & PROPERTY_USAGE_STORAGE and property["type"] != TYPE_OBJECT and property["type"] != TYPE_ARRAY:
+			check_equal(copy.get(property["name"]), scatter.get(property["name"]), property["name"])
+	for index in 3:
+		for property in scatter.layers[index].get_property_list():
+			if property["usage"] & PROPERTY_USAGE_STORAGE and not property["type"] in [TYPE_OBJECT, TYPE_ARRAY, TYPE_STRING]:
+				check_equal(copy.layers[index].get(property["name"]), scatter.layers[index].get(property["name"]),
+						"layer %d: %s" % [index, property["name"]])
+		check_equal(copy.layers[index].meshes.size(), 2, "meshes")
+	copy.free()
+	DirAccess.remove_absolute("user://thicket_test.tscn")
