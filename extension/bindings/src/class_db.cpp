@@ -125,7 +125,7 @@ StringName enum_class_name(std::string_view p_cpp_name) {
 	const std::size_t before = last == std::string_view::npos ? last : p_cpp_name.rfind("::", last - 1);
 	std::string name(before == std::string_view::npos ? p_cpp_name : p_cpp_name.substr(before + 2));
 	if (const std::size_t scope = name.find("::"); scope != std::string::npos) {
-		name.replace(scope, 2, ".");
+		name.replace(scope, 2, 1, '.');
 	}
 	return StringName(name.c_str());
 }
