@@ -1,0 +1,148 @@
+// Makes the tiles that an engine run lists, by the core alone, and compares digests: one thread, no engine.
+//
+// Usage: tile_digests FILE. The file has a line of words for each thing, as tests/engine/tile_log.gd writes it:
+//   flat HEIGHT
+//   heightmap PATH COLUMNS ROWS MIN_X MIN_Z SIZE_X SIZE_Z MIN_HEIGHT MAX_HEIGHT
+//   layer INDEX NUMBER... (LayerSettings in the order of `read_layer`)
+//   tile LAYER TILE_SIZE X Y DIGEST
+// Ends with a line "tile_digests: N tiles, M instances, D differ" and 0 if D is 0, 1 if not, 2 if the file makes no sense.
+
+#include "core/placement/tile_builder.hpp"
+#include "core/streaming/tile_grid.hpp"
+#include "core/terrain/flat_terrain.hpp"
+#include "core/terrain/heightfield.hpp"
+
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace thicket;
+
+struct Totals {
+	std::size_t tiles = 0;
+	std::size_t instances = 0;
+	std::size_t different = 0;
+};
+
+class Comparison {
+public:
+	/// False for a line that makes no sense.
+	bool take(std::istringstream &line) {
+		std::string word;
+		line >> word;
+		if (word == "flat") {
+			return read_flat(line);
+		}
+		if (word == "heightmap") {
+			return read_heightmap(line);
+		}
+		if (word == "layer") {
+			return read_layer(line);
+		}
+		return word == "tile" && compare_tile(line);
+	}
+
+	const Totals &totals() const { return totals_; }
+
+private:
+	bool read_flat(std::istringstream &line) {
+		float height = 0.0F;
+		line >> height;
+		terrain_ = std::make_unique<FlatTerrain>(height);
+		return !line.fail();
+	}
+
+	bool read_heightmap(std::istringstream &line) {
+		std::string path;
+		HeightfieldFrame frame;
+		glm::dvec2 size{0.0};
+		line >> path >> frame.posts.x >> frame.posts.y >> frame.area.min.x >> frame.area.min.y >> size.x >> size.y >>
+				frame.min_height >> frame.max_height;
+		frame.area.max = frame.area.min + size;
+		std::ifstream file(path, std::ios::binary);
+		std::vector<std::uint16_t> posts;
+		for (char bytes[2]; file.read(bytes, 2);) {
+			posts.push_back(static_cast<std::uint16_t>(
+					static_cast<unsigned char>(bytes[0]) | static_cast<unsigned char>(bytes[1]) << 8));
+		}
+		auto field = std::make_unique<Heightfield>();
+		const bool set = field->set(frame, posts).ok();
+		terrain_ = std::move(field);
+		return set && !line.fail();
+	}
+
+	bool read_layer(std::istringstream &line) {
+		std::size_t index = 0;
+		std::int64_t seed = 0;
+		LayerSettings layer;
+		Rules &rules = layer.rules;
+		Placement &placement = layer.placement;
+		line >> index >> seed >> layer.set.radius >> layer.set.levels >> layer.set.layer >> rules.density >>
+				rules.min_slope_degrees >> rules.max_slope_degrees >> rules.slope_falloff >> rules.min_height >>
+				rules.max_height >> rules.height_falloff >> placement.min_yaw_degrees >> placement.max_yaw_degrees >>
+				placement.min_scale >> placement.max_scale >> placement.align_to_normal >> placement.height_offset;
+		const bool whole = !line.fail();
+		layer.set.seed = static_cast<std::uint64_t>(seed);
+		for (float weight = 0.0F; line >> weight;) {
+			layer.mesh_weights.push_back(weight);
+		}
+		layers_[index] = layer;
+		return whole && validate(layer).ok();
+	}
+
+	bool compare_tile(std::istringstream &line) {
+		std::size_t index = 0;
+		double size = 0.0;
+		glm::ivec2 tile{0};
+		std::int64_t expected = 0;
+		line >> index >> size >> tile.x >> tile.y >> expected;
+		if (line.fail() || terrain_ == nullptr || layers_.count(index) == 0 ||
+				!builder_.build(layers_[index], *terrain_, tile_rect(size, tile), instances_).ok()) {
+			return false;
+		}
+		++totals_.tiles;
+		for (const MeshInstances &mesh : instances_.meshes) {
+			totals_.instances += mesh.size();
+		}
+		if (static_cast<std::int64_t>(digest(instances_)) != expected) {
+			++totals_.different;
+			std::printf("layer %zu, tile %d %d differs\n", index, tile.x, tile.y);
+		}
+		return true;
+	}
+
+	std::unique_ptr<Terrain> terrain_;
+	std::map<std::size_t, LayerSettings> layers_;
+	TileBuilder builder_;
+	TileInstances instances_;
+	Totals totals_;
+};
+
+} // namespace
+
+int main(int argc, char **argv) {
+	std::ifstream file(argc == 2 ? argv[1] : "");
+	Comparison comparison;
+	for (std::string text; std::getline(file, text);) {
+		std::istringstream line(text);
+		if (!comparison.take(line)) {
+			std::fprintf(stderr, "tile_digests: cannot use this line: %s\n", text.c_str());
+			return 2;
+		}
+	}
+	const Totals &totals = comparison.totals();
+	std::printf(
+			"tile_digests: %zu tiles, %zu instances, %zu differ\n", totals.tiles, totals.instances, totals.different);
+	if (totals.tiles == 0) {
+		return 2;
+	}
+	return totals.different == 0 ? 0 : 1;
+}
