@@ -39,9 +39,10 @@ std::size_t MeshChoice::mesh_for(std::uint64_t seed, std::uint64_t id) const {
 		return 0;
 	}
 	const std::uint32_t word = instance_random(seed, id, Draw::mesh)[0];
+	// The ends ascend: count those at or below the word. Without a branch, which a random word would often mislead.
 	std::size_t mesh = 0;
-	while (word >= ends_[mesh]) {
-		++mesh;
+	for (const std::uint64_t end : ends_) {
+		mesh += word >= end ? 1 : 0;
 	}
 	return mesh;
 }
