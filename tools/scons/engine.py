@@ -67,6 +67,18 @@ def stand_in(env, out, sources):
     return made + sources(BINDINGS + "/src/**/*.cpp")
 
 
+def docs(env, out):
+    """The class reference as a source: the editor shows it with F1. An exported game has no use for it."""
+    if env["target"] == "template_release":
+        return []
+    script = os.path.join(env.Dir("#").abspath, BINDINGS, "docs.py")
+    xml = env.Glob("#extension/doc_classes/*.xml")
+    action = env.Action([[sys.executable, script, "--out", "$TARGET", "$SOURCES"]], "write   %s/docs" % out.lstrip("#"))
+    source = env.Command(out + "/docs/doc_data.cpp", xml, action) if xml else []
+    env.Depends(source, script)
+    return source
+
+
 def used_api(root):
     """The list of what engine code uses; it lies with that code or with the bindings."""
     found = glob.glob(os.path.join(root, "extension/*/used_api.toml"))
