@@ -65,6 +65,8 @@ constexpr DartKey make_dart(TimeKey time, std::uint32_t level_position) {
 	return DartKey{time} << 32 | level_position;
 }
 
+inline constexpr DartKey dart_never = ~DartKey{0};
+
 constexpr TimeKey dart_time(DartKey dart) { return static_cast<TimeKey>(dart >> 32); }
 constexpr std::uint32_t dart_place(DartKey dart) { return static_cast<std::uint32_t>(dart); }
 

@@ -30,7 +30,7 @@ void LevelGrid::reset(const CellRect &p_cells) {
 		ready.assign(count, 0);
 	}
 	pool.resize(1);
-	free_square = 0;
+	free_siblings = 0;
 	chain.clear();
 	accepted = darts = squares = 0;
 }

@@ -14,16 +14,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
-#include <cstring>
 
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-using Lanes32 = hn::CappedTag<std::uint32_t, 8>;
-using SignedLanes32 = hn::RebindToSigned<Lanes32>;
 
 constexpr std::uint32_t sub_square_of(CellPosition position) {
 	return (position_y(position) >> sub_bits) * 8 + (position_x(position) >> sub_bits);
@@ -32,53 +27,6 @@ constexpr std::uint32_t sub_square_of(CellPosition position) {
 /// Bits of the sub-squares of a child square of quadtree level 1, 2 or 3 whose corner is bit 0.
 constexpr std::uint64_t square_bits(std::uint32_t level) {
 	return level == 1 ? 0x0f0f0f0full : level == 2 ? 0x0303ull : 1ull;
-}
-
-/// What stands in a dart's way.
-struct Verdict {
-	bool conflict;     ///< An accepted point lies within the radius.
-	TimeKey earliest;  ///< The earliest next dart among the cells that the dart's disk reaches.
-};
-
-/// Looks at the 5 x 5 cells around a dart, a row at a time.
-HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPosition position) {
-	const Lanes32 d;
-	const SignedLanes32 di;
-	const auto px = static_cast<std::int32_t>(position_x(position));
-	const auto py = static_cast<std::int32_t>(position_y(position));
-	const std::uint32_t first = cell - 2 * grid.stride - 2;
-	const auto zero = hn::Zero(di);
-	auto conflict = hn::Zero(d);
-	auto earliest = hn::Set(di, static_cast<std::int32_t>(time_never));
-	for (std::size_t lane = 0; lane < 8; lane += hn::MaxLanes(d)) {
-		const auto column = hn::ShiftLeft<lattice_bits>(hn::Iota(di, static_cast<std::int32_t>(lane) - 2));
-		const auto corner = hn::Sub(column, hn::Set(di, px));
-		const auto beyond = hn::Sub(hn::Set(di, px + 1 - side), column);
-		const auto gap_x = hn::Min(hn::Max(hn::Max(corner, beyond), zero), hn::Set(di, far));
-		const auto gap_x2 = hn::Mul(gap_x, gap_x);
-		for (std::int32_t row = -2; row <= 2; ++row) {
-			const std::int32_t corner_y = row * side - py;
-			const std::int32_t gap_y = std::min(std::max({corner_y, py + 1 - side - row * side, 0}), far);
-			const auto reached = hn::Lt(hn::Add(gap_x2, hn::Set(di, gap_y * gap_y)), hn::Set(di, static_cast<std::int32_t>(radius_squared)));
-			const std::size_t start = first + static_cast<std::uint32_t>(row + 2) * grid.stride + lane;
-			const auto times = hn::BitCast(di, hn::LoadU(d, grid.time.data() + start));
-			earliest = hn::Min(earliest, hn::IfThenElse(reached, times, earliest));
-			const auto point = hn::LoadU(d, grid.point.data() + start);
-			const auto dx = hn::Add(hn::And(point, hn::Set(d, cell_mask)), hn::BitCast(d, corner));
-			const auto dy = hn::Add(hn::ShiftRight<lattice_bits>(point), hn::Set(d, static_cast<std::uint32_t>(corner_y)));
-			// Exact in 32 bits for every reached cell.
-			const auto distance2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
-			// Zero where the point lies within the radius.
-			const auto outside = hn::ShiftRight<2 * lattice_bits + 1>(distance2);
-			const auto within = hn::Eq(outside, hn::Zero(d));
-			const auto stands = hn::Ne(point, hn::Set(d, LevelGrid::no_point));
-			conflict = hn::Or(conflict, hn::IfThenElseZero(hn::And(hn::And(within, stands), hn::RebindMask(d, reached)), hn::Set(d, 1)));
-		}
-	}
-	Verdict verdict;
-	verdict.conflict = !hn::AllTrue(d, hn::Eq(conflict, hn::Zero(d)));
-	verdict.earliest = static_cast<TimeKey>(hn::GetLane(hn::MinOfLanes(di, earliest)));
-	return verdict;
 }
 
 /// The neighbour that carries the tag of `key`, as an offset in cells.
@@ -94,17 +42,17 @@ HWY_INLINE std::uint32_t tagged_neighbour(const LevelGrid &grid, std::uint32_t c
 }
 
 HWY_INLINE void release_waiting(LevelGrid &grid, std::uint32_t cell) {
-	std::uint32_t square = grid.waiting[cell];
-	if (square == 0) {
+	std::uint32_t last = grid.waiting[cell];
+	if (last == 0) {
 		return;
 	}
-	grid.waiting[cell] = 0;
-	const std::uint32_t first = square;
-	while (grid.pool[square].next != 0) {
-		square = grid.pool[square].next;
+	const std::uint32_t first = last;
+	while (grid.pool[last].next != 0) {
+		last = grid.pool[last].next;
 	}
-	grid.pool[square].next = grid.free_square;
-	grid.free_square = first;
+	grid.pool[last].next = grid.free_siblings;
+	grid.free_siblings = first;
+	grid.waiting[cell] = 0;
 }
 
 HWY_INLINE void close_cell(LevelGrid &grid, std::uint32_t cell) {
@@ -115,22 +63,24 @@ HWY_INLINE void close_cell(LevelGrid &grid, std::uint32_t cell) {
 
 /// Marks what a new point's disk covers, and closes the cells that are left without an open sub-square.
 HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position) {
+	const Neighbourhood around(grid, cell, position);
 	Cover cover;
-	cover_of(position, cover);
-	std::uint32_t closed[25];
-	std::uint32_t closed_count = 0;
-	for (std::uint32_t row = 0; row < 5; ++row) {
-		const std::uint32_t first = cell + (row - 2) * grid.stride - 2;
-		for (std::uint32_t column = 0; column < 5; ++column) {
-			const std::uint64_t before = grid.open[first + column];
-			const std::uint64_t after = before & ~cover.cells[row][column];
-			grid.open[first + column] = after;
-			closed[closed_count] = first + column;
-			closed_count += after == 0 && before != 0 ? 1 : 0;
+	cover_of(around, cover);
+	const hn::CappedTag<std::uint64_t, 4> d;
+	std::uint32_t closed = 0;
+	for (std::uint32_t row = 0; row < 4; ++row) {
+		for (std::uint32_t lane = 0; lane < 4; lane += hn::MaxLanes(d)) {
+			std::uint64_t *open = grid.open.data() + around.first + row * grid.stride + lane;
+			const auto before = hn::LoadU(d, open);
+			const auto after = hn::AndNot(hn::Load(d, cover.cells + 4 * row + lane), before);
+			hn::StoreU(after, d, open);
+			const auto last = hn::And(hn::Eq(after, hn::Zero(d)), hn::Ne(before, hn::Zero(d)));
+			closed |= bits_of(d, last) << (4 * row + lane);
 		}
 	}
-	for (std::uint32_t i = 0; i < closed_count; ++i) {
-		close_cell(grid, closed[i]);
+	for (; closed != 0; closed &= closed - 1) {
+		const auto place = static_cast<std::uint32_t>(std::countr_zero(closed));
+		close_cell(grid, around.first + (place >> 2) * grid.stride + (place & 3));
 	}
 }
 
@@ -141,89 +91,38 @@ HWY_INLINE void place_point(LevelGrid &grid, std::uint32_t cell, CellPosition po
 	stamp(grid, cell, position);
 }
 
-/// Puts a square into its cell's list, which is sorted by key.
-HWY_INLINE void add_waiting(LevelGrid &grid, std::uint32_t cell, std::uint64_t key) {
-	std::uint32_t square = grid.free_square;
-	if (square != 0) {
-		grid.free_square = grid.pool[square].next;
+/// Puts sorted siblings before the cell's others.
+HWY_INLINE void add_waiting(LevelGrid &grid, std::uint32_t cell, DartKey first, DartKey second, DartKey third, DartKey fourth) {
+	std::uint32_t place = grid.free_siblings;
+	if (place != 0) {
+		grid.free_siblings = grid.pool[place].next;
 	} else {
-		square = static_cast<std::uint32_t>(grid.pool.size());
+		place = static_cast<std::uint32_t>(grid.pool.size());
 		grid.pool.emplace_back();
 	}
-	std::uint32_t *link = &grid.waiting[cell];
-	while (*link != 0 && grid.pool[*link].key < key) {
-		link = &grid.pool[*link].next;
-	}
-	grid.pool[square] = {key, *link};
-	*link = square;
-	++grid.squares;
+	grid.pool[place] = {{first, second, third, fourth}, grid.waiting[cell]};
+	grid.waiting[cell] = place;
 }
 
-/// The points among the 5 x 5 cells whose squared distance to `centre`, a place in the middle cell, is below `limit`
-/// (at most 2^30): bit 8 * row + column.
-HWY_INLINE std::uint64_t points_near(const LevelGrid &grid, std::uint32_t cell, CellPosition centre, std::uint32_t limit) {
-	const Lanes32 d;
-	const SignedLanes32 di;
-	const std::uint32_t first = cell - 2 * grid.stride - 2;
-	std::uint64_t near = 0;
-	for (std::uint32_t row = 0; row < 5; ++row) {
-		for (std::size_t lane = 0; lane < 8; lane += hn::MaxLanes(d)) {
-			const auto column = hn::ShiftLeft<lattice_bits>(hn::Iota(d, static_cast<std::uint32_t>(lane) - 2));
-			const auto point = hn::LoadU(d, grid.point.data() + first + row * grid.stride + lane);
-			const auto dx = hn::Add(hn::And(point, hn::Set(d, cell_mask)), hn::Sub(column, hn::Set(d, position_x(centre))));
-			const auto dy = hn::Add(hn::ShiftRight<lattice_bits>(point), hn::Set(d, (row - 2) * cell_size - position_y(centre)));
-			const auto distance2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
-			// One unsigned comparison in signed lanes.
-			const auto within = hn::Lt(hn::BitCast(di, hn::Sub(distance2, hn::Set(d, 0x80000000u))),
-					hn::Set(di, static_cast<std::int32_t>(limit - 0x80000000u)));
-			const auto stands = hn::Ne(point, hn::Set(d, LevelGrid::no_point));
-			std::uint8_t bits[8] = {};
-			hn::StoreMaskBits(d, hn::And(hn::RebindMask(d, within), stands), bits);
-			near |= std::uint64_t{bits[0]} << (8 * row + lane);
+/// Takes the earliest of the cell's waiting squares; there is one.
+HWY_INLINE DartKey take_waiting(LevelGrid &grid, std::uint32_t cell) {
+	std::uint32_t *earliest = &grid.waiting[cell];
+	DartKey key = grid.pool[*earliest].keys[0];
+	for (std::uint32_t *link = &grid.pool[*earliest].next; *link != 0; link = &grid.pool[*link].next) {
+		if (grid.pool[*link].keys[0] < key) {
+			key = grid.pool[*link].keys[0];
+			earliest = link;
 		}
 	}
-	// Beyond the corners and the five columns distances overflow; nothing there can be near.
-	return near & 0x0e1f1f1f0eull;
-}
-
-/// Which of the four children, of quadtree level `level` > 3, of the square with corner `origin` are known to be covered: the
-/// square is cut into parts, 8 x 8 where the lattice allows, and a part is covered when it lies in one disk. Slivers
-/// between disks end here that would be split many times.
-HWY_INLINE std::uint32_t covered_children(const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
-	const RowLanes di;
-	const std::uint32_t half = cell_size >> level;
-	const std::int32_t part_bits = std::max(lattice_bits - static_cast<std::int32_t>(level) - 2, 0);
-	const CellPosition centre = origin + half * (1 + cell_size);
-	// A disk that reaches the square comes within its half diagonal of the centre.
-	const std::uint32_t reach = far + half + half / 2;
-	alignas(32) std::uint32_t rows[8] = {};
-	for (std::uint64_t near = points_near(grid, cell, centre, reach * reach); near != 0; near &= near - 1) {
-		const auto place = static_cast<std::uint32_t>(std::countr_zero(near));
-		const std::uint32_t row = place >> 3;
-		const std::uint32_t column = place & 7;
-		const CellPosition point = grid.point[cell + (row - 2) * grid.stride + column - 2];
-		// The point, seen from the square's corner.
-		const auto px = static_cast<std::int32_t>(column * cell_size + position_x(point) - position_x(origin)) - 2 * side;
-		const auto py = static_cast<std::int32_t>(row * cell_size + position_y(point) - position_y(origin)) - 2 * side;
-		for (std::size_t lane = 0; lane < 8; lane += hn::MaxLanes(di)) {
-			const auto span = covered_parts(di, static_cast<std::int32_t>(lane), px, py, part_bits, 8);
-			const auto one = hn::Set(di, 1);
-			const auto bits = hn::Sub(hn::Shl(one, span.to), hn::Shl(one, span.from));
-			const RowLanesUnsigned du;
-			hn::Store(hn::Or(hn::Load(du, rows + lane), hn::BitCast(du, bits)), du, rows + lane);
-		}
+	const std::uint32_t place = *earliest;
+	Siblings &siblings = grid.pool[place];
+	siblings.keys = {siblings.keys[1], siblings.keys[2], siblings.keys[3], dart_never};
+	if (siblings.keys[0] == dart_never) {
+		*earliest = siblings.next;
+		siblings.next = grid.free_siblings;
+		grid.free_siblings = place;
 	}
-	const std::uint32_t count = half >> part_bits;
-	std::uint32_t below = ~0u;
-	std::uint32_t above = ~0u;
-	for (std::uint32_t row = 0; row < count; ++row) {
-		below &= rows[row];
-		above &= rows[count + row];
-	}
-	const std::uint32_t left = (1u << count) - 1;
-	const std::uint32_t right = left << count;
-	const auto all = [](std::uint32_t bits, std::uint32_t wanted) { return (bits & wanted) == wanted ? 1u : 0u; };
-	return all(below, left) | all(below, right) << 1 | all(above, left) << 2 | all(above, right) << 3;
+	return key;
 }
 
 /// Which of the four children of a square are not known to be covered.
@@ -238,35 +137,95 @@ HWY_INLINE std::uint32_t open_children(const LevelGrid &grid, std::uint32_t cell
 	return any(open & bits) | any(open >> step & bits) << 1 | any(open >> 8 * step & bits) << 2 | any(open >> 9 * step & bits) << 3;
 }
 
-/// The next dart was rejected: splits its square and takes the cell's next one.
-inline void advance(LevelGrid &grid, std::uint32_t cell) {
+/// Without a branch, which would be a coin toss.
+HWY_INLINE void sort_pair(DartKey &a, DartKey &b) {
+	const DartKey swap = (a ^ b) & (DartKey{0} - DartKey{b < a});
+	a ^= swap;
+	b ^= swap;
+}
+
+/// Splits the square of a rejected dart and returns the cell's next dart, or dart_never.
+inline DartKey next_dart(LevelGrid &grid, std::uint32_t cell, DartKey rejected) {
 	++grid.darts;
-	const std::uint32_t level_position = grid.dart[cell];
-	const std::uint32_t level = dart_level(level_position) + 1;
-	if (level <= lattice_bits) {
-		const CellPosition origin = square_origin(level_position);
-		const std::uint32_t uncovered = open_children(grid, cell, level, origin);
-		if (uncovered != 0) {
-			DartKey darts[4];
-			child_darts(make_dart(grid.time[cell], level_position), darts);
-			for (std::uint32_t child = 0; child < 4; ++child) {
-				if ((uncovered >> child & 1) != 0) {
-					add_waiting(grid, cell, darts[child]);
-				}
+	const std::uint32_t level = dart_level(dart_place(rejected)) + 1;
+	const std::uint32_t uncovered =
+			level <= lattice_bits ? open_children(grid, cell, level, square_origin(dart_place(rejected))) : 0;
+	if (uncovered != 0) {
+		grid.squares += static_cast<std::uint64_t>(std::popcount(uncovered));
+		DartKey darts[4];
+		child_darts(rejected, darts);
+		for (std::uint32_t child = 0; child < 4; ++child) {
+			darts[child] |= DartKey{uncovered >> child & 1} - 1;
+		}
+		sort_pair(darts[0], darts[1]);
+		sort_pair(darts[2], darts[3]);
+		sort_pair(darts[0], darts[2]);
+		sort_pair(darts[1], darts[3]);
+		sort_pair(darts[1], darts[2]);
+		if (grid.waiting[cell] == 0) {
+			if (darts[1] != dart_never) {
+				add_waiting(grid, cell, darts[1], darts[2], darts[3], dart_never);
 			}
+			return darts[0];
+		}
+		add_waiting(grid, cell, darts[0], darts[1], darts[2], darts[3]);
+	}
+	return grid.waiting[cell] != 0 ? take_waiting(grid, cell) : dart_never;
+}
+
+/// True when a disk covers the place of the dart.
+HWY_INLINE bool closed_at(const LevelGrid &grid, std::uint32_t cell, DartKey dart) {
+	return (grid.open[cell] >> sub_square_of(dart_position(dart_place(dart))) & 1) == 0;
+}
+
+/// Why `settle` stopped, and at which cell.
+struct Settled {
+	enum Reason : std::uint8_t {
+		wanted_time_reached,
+		blocked,   ///< By an earlier dart of `cell`.
+		not_ready, ///< Points of coarser levels are missing.
+		beyond,    ///< A dart outside the grid could be in the way.
+	};
+	Reason reason;
+	std::uint32_t cell;
+};
+
+/// Decides a cell's darts up to the time `wanted` for as long as no other cell's dart must be decided first.
+HWY_INLINE Settled settle(LevelGrid &grid, std::uint32_t cell, TimeKey wanted) {
+	// The dart stays in registers: a vector load over a lane that was just stored would wait for it.
+	DartKey dart = make_dart(grid.time[cell], grid.dart[cell]);
+	const auto stop = [&](Settled::Reason reason, std::uint32_t at) {
+		grid.time[cell] = dart_time(dart);
+		grid.dart[cell] = dart_place(dart);
+		return Settled{reason, at};
+	};
+	while (dart_time(dart) <= wanted) {
+		if (closed_at(grid, cell, dart)) {
+			dart = next_dart(grid, cell, dart);
+			continue;
+		}
+		if (grid.coarser != nullptr && grid.ready[cell] == 0) {
+			return stop(Settled::not_ready, cell);
+		}
+		const Verdict verdict = look_around(grid, cell, dart_position(dart_place(dart)));
+		if (verdict.conflict) {
+			dart = next_dart(grid, cell, dart);
+		} else if (verdict.earliest >= dart_time(dart)) {
+			++grid.darts;
+			++grid.accepted;
+			place_point(grid, cell, dart_position(dart_place(dart)), grid.rank(grid.levels, grid.level, dart_time(dart)));
+			return {Settled::wanted_time_reached, cell};
+		} else if (verdict.earliest == time_unknown) {
+			return stop(Settled::beyond, cell);
+		} else {
+			return stop(Settled::blocked, tagged_neighbour(grid, cell, dart_time(dart), verdict.earliest));
 		}
 	}
-	const std::uint32_t next = grid.waiting[cell];
-	if (next == 0) {
+	if (dart == dart_never) {
 		close_cell(grid, cell);
-		return;
+		return {Settled::wanted_time_reached, cell};
 	}
-	PendingSquare &square = grid.pool[next];
-	grid.time[cell] = static_cast<TimeKey>(square.key >> 32);
-	grid.dart[cell] = static_cast<std::uint32_t>(square.key);
-	grid.waiting[cell] = square.next;
-	square.next = grid.free_square;
-	grid.free_square = next;
+	return stop(Settled::wanted_time_reached, cell);
 }
 
 /// Decides one cell's darts up to the time `until`: follows the chain of blocking cells, each with an earlier dart than the one
@@ -322,43 +281,24 @@ inline bool resolve_cell(LevelGrid *levels, std::uint32_t level, std::uint32_t s
 	chain.assign(1, start);
 	while (!chain.empty()) {
 		const std::uint32_t cell = chain.back();
-		const TimeKey time = grid.time[cell];
-		if (time == time_never) {
-			chain.pop_back();
-			continue;
-		}
-		if (chain.size() > 1) {
-			const TimeKey waiter = grid.time[chain[chain.size() - 2]];
-			if (time > waiter || waiter == time_never) {
+		// The first cell is wanted up to `until`, each later one until it blocks the one before no more.
+		TimeKey wanted = chain.size() > 1 ? grid.time[chain[chain.size() - 2]] : until;
+		wanted = wanted == time_never ? time_unknown : wanted;
+		const Settled settled = settle(grid, cell, wanted);
+		switch (settled.reason) {
+			case Settled::wanted_time_reached:
 				chain.pop_back();
-				continue;
-			}
-		} else if (time > until) {
-			return true;
-		}
-		if (grid.coarser != nullptr && grid.ready[cell] == 0) {
-			if (!make_ready(levels, level, cell)) {
+				break;
+			case Settled::blocked:
+				chain.push_back(settled.cell);
+				break;
+			case Settled::not_ready:
+				if (!make_ready(levels, level, cell)) {
+					return false;
+				}
+				break;
+			case Settled::beyond:
 				return false;
-			}
-			continue;
-		}
-		const CellPosition position = dart_position(grid.dart[cell]);
-		if ((grid.open[cell] >> sub_square_of(position) & 1) == 0) {
-			advance(grid, cell);
-			continue;
-		}
-		const Verdict verdict = look_around(grid, cell, position);
-		if (verdict.conflict) {
-			advance(grid, cell);
-		} else if (verdict.earliest < time) {
-			if (verdict.earliest == time_unknown) {
-				return false;
-			}
-			chain.push_back(tagged_neighbour(grid, cell, time, verdict.earliest));
-		} else {
-			++grid.darts;
-			++grid.accepted;
-			place_point(grid, cell, position, grid.rank(grid.levels, grid.level, time));
 		}
 	}
 	return true;
@@ -370,22 +310,18 @@ constexpr float last_pass = 256.0f;
 
 /// Lists the cells of a row whose next dart is not later than `until` in grid.due.
 HWY_INLINE void find_due(LevelGrid &grid, std::uint32_t first, std::uint32_t count, TimeKey until) {
-	grid.due.clear();
 	const hn::ScalableTag<std::int32_t> d;
 	const hn::RebindToUnsigned<decltype(d)> du;
-	for (std::uint32_t start = 0; start < count; start += hn::MaxLanes(d)) {
-		const auto own = hn::BitCast(d, hn::LoadU(du, grid.time.data() + first + start));
-		std::uint8_t bytes[8] = {};
-		hn::StoreMaskBits(d, hn::Lt(own, hn::Set(d, static_cast<std::int32_t>(until) + 1)), bytes);
-		std::uint64_t bits = 0;
-		std::memcpy(&bits, bytes, sizeof(bits));
-		for (; bits != 0; bits &= bits - 1) {
-			const auto lane = static_cast<std::uint32_t>(std::countr_zero(bits));
-			if (start + lane < count) {
-				grid.due.push_back(first + start + lane);
-			}
-		}
+	const std::uint32_t lanes = static_cast<std::uint32_t>(hn::MaxLanes(d));
+	grid.due.resize(count + 2 * lanes);
+	std::size_t found = 0;
+	for (std::uint32_t start = 0; start < count; start += lanes) {
+		const auto time = hn::BitCast(d, hn::LoadU(du, grid.time.data() + first + start));
+		const auto due = hn::And(hn::Lt(time, hn::Set(d, static_cast<std::int32_t>(until) + 1)),
+				hn::RebindMask(d, hn::FirstN(du, std::min<std::size_t>(lanes, count - start))));
+		found += hn::CompressStore(hn::Iota(du, first + start), hn::RebindMask(du, due), du, grid.due.data() + found);
 	}
+	grid.due.resize(found);
 }
 
 /// Decides all cells of a region of one level, the early darts of all cells first: the points that they leave cover most of
