@@ -1,5 +1,7 @@
 #pragma once
 
+// As in extension/core/sampling/resolver.cpp, so that both mean the same by "all targets".
+#define HWY_BROKEN_EMU128 0
 #include <hwy/highway.h>
 
 #include <cstdint>

@@ -1,0 +1,148 @@
+// Digests of what the core makes, one for each of a fixed list of point sets and tiles, computed on every instruction set
+// that this processor has. Prints them as JSON; fails where two instruction sets differ. tests/golden/core.json is this
+// program's output, and tests/test_golden.py holds every compiler and optimisation level against it.
+
+#include "tests/bench/common/hills.hpp"
+#include "tests/bench/common/simd_targets.hpp"
+
+#include "core/placement/tile_builder.hpp"
+#include "core/sampling/tile_sampler.hpp"
+#include "core/terrain/heightfield.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cinttypes>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace thicket;
+
+using Digests = std::vector<std::pair<std::string, std::uint64_t>>;
+
+struct Case {
+	const char *name;
+	PointSet set;
+	Rect rect;
+};
+
+const std::vector<Case> cases = {
+		{"plain, around the origin", {.seed = 1, .radius = 1.0}, {{-60.0, -45.0}, {70.0, 52.5}}},
+		{"plain, another seed and layer", {.seed = 0xfedcba9876543210, .radius = 0.37, .layer = 65535},
+				{{1.0, 2.0}, {30.0, 40.0}}},
+		{"plain, 5 000 km out", {.seed = 2, .radius = 1.5, .layer = 7},
+				{{5.0e6, -4.9e6}, {5.0e6 + 100.0, -4.9e6 + 130.0}}},
+		{"plain, the last cells of the world", {.seed = 3, .radius = 1e-3}, {{5931.60, 5931.60}, {5931.64, 5931.64}}},
+		{"plain, a strip of kilometres", {.seed = 4, .radius = 50.0}, {{-9.0e4, 100.0}, {9.0e4, 400.0}}},
+		{"two levels", {.seed = 5, .radius = 1.0, .levels = 2}, {{-80.0, 10.0}, {20.0, 90.0}}},
+		{"four levels", {.seed = 6, .radius = 2.0, .levels = 4, .layer = 1}, {{-300.0, -300.0}, {-100.0, -100.0}}},
+		{"eight levels, 5 000 km out", {.seed = 7, .radius = 1.0, .levels = 8, .layer = 2},
+				{{-5.0e6, 5.0e6}, {-5.0e6 + 90.0, 5.0e6 + 90.0}}},
+};
+
+/// FNV-1a over the bytes of a word.
+void add(std::uint64_t &r_hash, std::uint64_t word) {
+	for (int byte = 0; byte < 8; ++byte) {
+		r_hash = (r_hash ^ (word >> (8 * byte) & 0xff)) * 0x100000001b3;
+	}
+}
+
+[[noreturn]] void fail(const std::string &why) {
+	std::fprintf(stderr, "golden: %s\n", why.c_str());
+	std::exit(EXIT_FAILURE);
+}
+
+void require(const Status &status) {
+	if (!status.ok()) {
+		fail(describe(status));
+	}
+}
+
+/// Over the points by ascending id, so that the order in which they come out may change.
+std::uint64_t digest_points(TileSampler &sampler, const Case &one) {
+	std::vector<SamplePoint> points;
+	require(sampler.sample(one.set, one.rect, points));
+	std::sort(points.begin(), points.end(), [](const SamplePoint &a, const SamplePoint &b) { return a.id < b.id; });
+	std::uint64_t hash = 0xcbf29ce484222325;
+	add(hash, points.size());
+	for (const SamplePoint &point : points) {
+		add(hash, point.id);
+		add(hash, std::bit_cast<std::uint64_t>(point.position.x));
+		add(hash, std::bit_cast<std::uint64_t>(point.position.y));
+		add(hash, std::uint64_t{point.rank} << 32 | point.level);
+	}
+	return hash;
+}
+
+LayerSettings forest() {
+	LayerSettings layer;
+	layer.set = {.seed = 8, .radius = 2.5, .levels = 3, .layer = 4};
+	layer.rules = {.density = 0.8,
+			.min_slope_degrees = 2.0,
+			.max_slope_degrees = 40.0,
+			.slope_falloff = 10.0,
+			.min_height = 150.0,
+			.max_height = 700.0,
+			.height_falloff = 100.0};
+	layer.placement = {.min_yaw_degrees = -170.0,
+			.max_yaw_degrees = 180.0,
+			.min_scale = 0.7,
+			.max_scale = 1.6,
+			.align_to_normal = 0.6,
+			.height_offset = -0.2};
+	layer.mesh_weights = {3.0f, 1.0f, 0.5f};
+	return layer;
+}
+
+std::uint64_t digest_tile(TileBuilder &builder, glm::dvec2 corner) {
+	static const Heightfield near_hills = bench::Hills::at(glm::dvec2(-5000.0, -3000.0));
+	static const Heightfield far_hills = bench::Hills::at(glm::dvec2(5.0e6, 5.0e6));
+	TileInstances tile;
+	const Heightfield &hills = corner.x > 1e6 ? far_hills : near_hills;
+	require(builder.build(forest(), hills, {corner, corner + 200.0}, tile));
+	if (tile.counts.placed < 50) {
+		fail("a tile of the forest is nearly empty");
+	}
+	return digest(tile);
+}
+
+Digests all_digests() {
+	Digests digests;
+	TileSampler sampler;
+	for (const Case &one : cases) {
+		digests.emplace_back(one.name, digest_points(sampler, one));
+	}
+	TileBuilder builder;
+	digests.emplace_back("forest on hills", digest_tile(builder, {-150.0, 300.0}));
+	digests.emplace_back("forest on hills, 5 000 km out", digest_tile(builder, {5.0e6 + 2400.0, 5.0e6 + 3300.0}));
+	return digests;
+}
+
+} // namespace
+
+int main() {
+	Digests expected;
+	for (const bench::SimdTarget &target : bench::simd_targets()) {
+		const bench::ForcedTarget forced(target);
+		const Digests digests = all_digests();
+		if (expected.empty()) {
+			expected = digests;
+		}
+		for (std::size_t i = 0; i < digests.size(); ++i) {
+			if (digests[i] != expected[i]) {
+				fail(target.name + " differs: " + digests[i].first);
+			}
+		}
+		std::fprintf(stderr, "golden: %s computed %zu digests\n", target.name.c_str(), digests.size());
+	}
+	std::printf("{\n");
+	for (std::size_t i = 0; i < expected.size(); ++i) {
+		std::printf("\t\"%s\": \"%016" PRIx64 "\"%s\n", expected[i].first.c_str(), expected[i].second,
+				i + 1 < expected.size() ? "," : "");
+	}
+	std::printf("}\n");
+}
