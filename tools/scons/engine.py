@@ -79,6 +79,19 @@ def docs(env, out):
     return source
 
 
+def class_reference(env, out):
+    """The object that gives the editor our class reference. Release builds have none: no editor loads them."""
+    pages = sorted(env.Glob("#extension/doc_classes/*.xml"), key=str)
+    if env["target"] == "template_release" or not pages:
+        return []
+    script = env.File("#%s/docs.py" % BINDINGS)
+    action = env.Action([[sys.executable, script.abspath, "--out", "$TARGET", *[page.abspath for page in pages]]],
+        "pack    the class reference")  # fmt: skip
+    packed = env.Command(out + "/gen/doc_data.cpp", pages, action)
+    env.Depends(packed, script)
+    return env.SharedObject(packed)
+
+
 def used_api(root):
     """The list of what engine code uses; it lies with that code or with the bindings."""
     found = glob.glob(os.path.join(root, "extension/*/used_api.toml"))
