@@ -112,11 +112,12 @@ void check_view(const Stage &stage, const std::vector<StreamLayer> &layers, cons
 				}
 			}
 		}
-		for (const auto &[x, y] : tiles) {
+		for (const auto &tile : tiles) {
+			const Rect rect = tile_rect(size, {tile.first, tile.second});
 			CHECK(std::ranges::any_of(viewers, [&](const Viewer &viewer) {
 				// A viewer may have moved an eighth of a tile since the streamer looked.
 				const double reach = 1.1 * layers[layer].view_distance * viewer.radius_scale + 1.126 * size;
-				return distance_squared(tile_rect(size, {x, y}), viewer.position) <= reach * reach;
+				return distance_squared(rect, viewer.position) <= reach * reach;
 			}));
 		}
 	}

@@ -133,8 +133,8 @@ void LayerTiles::find_wanted() {
 	std::ranges::sort(wanted_, [](const Tile &a, const Tile &b) {
 		return a.at != b.at ? row_order(a.at, b.at) : a.distance_squared < b.distance_squared;
 	});
-	const auto rest = std::ranges::unique(wanted_, {}, &Tile::at);
-	wanted_.erase(rest.begin(), rest.end());
+	const auto same_tile = [](const Tile &a, const Tile &b) { return a.at == b.at; };
+	wanted_.erase(std::unique(wanted_.begin(), wanted_.end(), same_tile), wanted_.end());
 }
 
 double LayerTiles::nearest_squared(const Rect &rect) const {
