@@ -5,6 +5,7 @@
 //   heightmap PATH COLUMNS ROWS MIN_X MIN_Z SIZE_X SIZE_Z MIN_HEIGHT MAX_HEIGHT
 //   layer INDEX NUMBER... (LayerSettings in the order of `read_layer`)
 //   tile LAYER TILE_SIZE X Y DIGEST
+// Seeds, counts, coordinates and digests are whole numbers; all else is the bits of a double, as a whole number.
 // Ends with a line "tile_digests: N tiles, M instances, D differ" and 0 if D is 0, 1 if not, 2 if the file makes no sense.
 
 #include "core/placement/tile_builder.hpp"
@@ -12,6 +13,7 @@
 #include "core/terrain/flat_terrain.hpp"
 #include "core/terrain/heightfield.hpp"
 
+#include <bit>
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
@@ -25,6 +27,18 @@
 namespace {
 
 using namespace thicket;
+
+/// Reads a double by its bits.
+struct Bits {
+	double &value;
+};
+
+std::istream &operator>>(std::istream &line, Bits number) {
+	std::int64_t bits = 0;
+	line >> bits;
+	number.value = std::bit_cast<double>(bits);
+	return line;
+}
 
 struct Totals {
 	std::size_t tiles = 0;
@@ -54,9 +68,9 @@ public:
 
 private:
 	bool read_flat(std::istringstream &line) {
-		float height = 0.0F;
-		line >> height;
-		terrain_ = std::make_unique<FlatTerrain>(height);
+		double height = 0.0;
+		line >> Bits{height};
+		terrain_ = std::make_unique<FlatTerrain>(static_cast<float>(height));
 		return !line.fail();
 	}
 
@@ -64,8 +78,11 @@ private:
 		std::string path;
 		HeightfieldFrame frame;
 		glm::dvec2 size{0.0};
-		line >> path >> frame.posts.x >> frame.posts.y >> frame.area.min.x >> frame.area.min.y >> size.x >> size.y >>
-				frame.min_height >> frame.max_height;
+		line >> path >> frame.posts.x >> frame.posts.y;
+		for (double *number :
+				{&frame.area.min.x, &frame.area.min.y, &size.x, &size.y, &frame.min_height, &frame.max_height}) {
+			line >> Bits{*number};
+		}
 		frame.area.max = frame.area.min + size;
 		std::ifstream file(path, std::ios::binary);
 		std::vector<std::uint16_t> posts;
@@ -85,14 +102,18 @@ private:
 		LayerSettings layer;
 		Rules &rules = layer.rules;
 		Placement &placement = layer.placement;
-		line >> index >> seed >> layer.set.radius >> layer.set.levels >> layer.set.layer >> rules.density >>
-				rules.min_slope_degrees >> rules.max_slope_degrees >> rules.slope_falloff >> rules.min_height >>
-				rules.max_height >> rules.height_falloff >> placement.min_yaw_degrees >> placement.max_yaw_degrees >>
-				placement.min_scale >> placement.max_scale >> placement.align_to_normal >> placement.height_offset;
+		line >> index >> seed >> layer.set.levels >> layer.set.layer;
+		for (double *number : {&layer.set.radius, &rules.density, &rules.min_slope_degrees, &rules.max_slope_degrees,
+					 &rules.slope_falloff, &rules.min_height, &rules.max_height, &rules.height_falloff,
+					 &placement.min_yaw_degrees, &placement.max_yaw_degrees, &placement.min_scale, &placement.max_scale,
+					 &placement.align_to_normal, &placement.height_offset}) {
+			line >> Bits{*number};
+		}
 		const bool whole = !line.fail();
 		layer.set.seed = static_cast<std::uint64_t>(seed);
-		for (float weight = 0.0F; line >> weight;) {
-			layer.mesh_weights.push_back(weight);
+		double weight = 0.0;
+		while (line >> Bits{weight}) {
+			layer.mesh_weights.push_back(static_cast<float>(weight));
 		}
 		layers_[index] = layer;
 		return whole && validate(layer).ok();
@@ -103,7 +124,7 @@ private:
 		double size = 0.0;
 		glm::ivec2 tile{0};
 		std::int64_t expected = 0;
-		line >> index >> size >> tile.x >> tile.y >> expected;
+		line >> index >> Bits{size} >> tile.x >> tile.y >> expected;
 		if (line.fail() || terrain_ == nullptr || layers_.count(index) == 0 ||
 				!builder_.build(layers_[index], *terrain_, tile_rect(size, tile), instances_).ok()) {
 			return false;

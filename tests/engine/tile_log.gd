@@ -4,9 +4,12 @@ extends RefCounted
 var _lines: PackedStringArray
 
 
-## Every digit of a number.
+## A number by its bits: decimals would have to be long to be exact.
 func _exact(value: float) -> String:
-	return var_to_str(value)
+	var bytes := PackedByteArray()
+	bytes.resize(8)
+	bytes.encode_double(0, value)
+	return str(bytes.decode_s64(0))
 
 
 func add_terrain(terrain: ScatterTerrain) -> void:
@@ -20,12 +23,12 @@ func add_terrain(terrain: ScatterTerrain) -> void:
 
 
 func add_layer(index: int, scatter_seed: int, layer: ScatterLayer) -> void:
-	var numbers := [layer.density, layer.min_slope_degrees, layer.max_slope_degrees, layer.slope_falloff, layer.min_height,
+	var numbers := [layer.radius, layer.density, layer.min_slope_degrees, layer.max_slope_degrees, layer.slope_falloff, layer.min_height,
 			layer.max_height, layer.height_falloff, layer.min_yaw_degrees, layer.max_yaw_degrees, layer.min_scale,
 			layer.max_scale, layer.align_to_normal, layer.height_offset]
 	for mesh in layer.meshes.size():
 		numbers.push_back(layer.mesh_weights[mesh] if mesh < layer.mesh_weights.size() else 1.0)
-	_lines.push_back("layer %d %d %s %d %d %s" % [index, scatter_seed, _exact(layer.radius), layer.levels,
+	_lines.push_back("layer %d %d %d %d %s" % [index, scatter_seed, layer.levels,
 			layer.layer_id if layer.layer_id >= 0 else index, " ".join(numbers.map(_exact))])
 
 
