@@ -67,18 +67,6 @@ def stand_in(env, out, sources):
     return made + sources(BINDINGS + "/src/**/*.cpp")
 
 
-def docs(env, out):
-    """The class reference as a source: the editor shows it with F1. An exported game has no use for it."""
-    if env["target"] == "template_release":
-        return []
-    script = os.path.join(env.Dir("#").abspath, BINDINGS, "docs.py")
-    xml = env.Glob("#extension/doc_classes/*.xml")
-    action = env.Action([[sys.executable, script, "--out", "$TARGET", "$SOURCES"]], "write   %s/docs" % out.lstrip("#"))
-    source = env.Command(out + "/docs/doc_data.cpp", xml, action) if xml else []
-    env.Depends(source, script)
-    return source
-
-
 def class_reference(env, out):
     """The object that gives the editor our class reference. Release builds have none: no editor loads them."""
     pages = sorted(env.Glob("#extension/doc_classes/*.xml"), key=str)
