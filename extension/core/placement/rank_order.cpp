@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <span>
 #include <utility>
 
 namespace thicket {
@@ -21,17 +20,8 @@ std::size_t digit(std::uint64_t key, int shift) {
 	return key >> shift & (digit_values - 1);
 }
 
-} // namespace
-
-void sort_by_upper_half(std::vector<std::uint64_t> &keys, std::vector<std::uint64_t> &scratch) {
-	if (keys.size() < few) {
-		// An insertion sort is stable and needs no memory, unlike std::stable_sort.
-		for (auto key = keys.begin(); key != keys.end(); ++key) {
-			const auto above = [](std::uint64_t a, std::uint64_t b) { return a >> 32 < b >> 32; };
-			std::rotate(std::upper_bound(keys.begin(), key, *key, above), key, key + 1);
-		}
-		return;
-	}
+/// By rank alone; keys that share one come in any order.
+void radix_sort(std::vector<std::uint64_t> &keys, std::vector<std::uint64_t> &scratch) {
 	std::array<std::array<std::uint32_t, digit_values>, shifts.size()> counts{};
 	for (const std::uint64_t key : keys) {
 		for (std::size_t pass = 0; pass < shifts.size(); ++pass) {
@@ -48,6 +38,23 @@ void sort_by_upper_half(std::vector<std::uint64_t> &keys, std::vector<std::uint6
 			scratch[counts[pass][digit(key, shifts[pass])]++] = key;
 		}
 		keys.swap(scratch);
+	}
+}
+
+} // namespace
+
+void sort_by_rank(std::vector<std::uint64_t> &keys, std::span<const std::uint64_t> ids, std::vector<std::uint64_t> &scratch) {
+	if (keys.size() < few) {
+		std::sort(keys.begin(), keys.end());
+	} else {
+		radix_sort(keys, scratch);
+	}
+	const auto shares_rank = [](std::uint64_t a, std::uint64_t b) { return a >> 32 == b >> 32; };
+	const auto lower_id = [ids](std::uint64_t a, std::uint64_t b) { return ids[point_of(a)] < ids[point_of(b)]; };
+	for (auto first = std::adjacent_find(keys.begin(), keys.end(), shares_rank); first != keys.end();) {
+		const auto last = std::find_if(first, keys.end(), [&](std::uint64_t key) { return !shares_rank(*first, key); });
+		std::sort(first, last, lower_id);
+		first = std::adjacent_find(last, keys.end(), shares_rank);
 	}
 }
 

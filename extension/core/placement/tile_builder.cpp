@@ -81,7 +81,7 @@ struct TileBuilder::Workspace {
 
 	std::vector<Ground> ground; ///< For `build`, which asks the terrain itself.
 
-	// Of `place`: for each instance its rank and the index of its point, sorted, and its mesh.
+	// Of `place`: for each instance its rank key, sorted, and its mesh.
 	std::vector<std::uint64_t> order;
 	std::vector<std::uint64_t> order_scratch;
 	std::vector<std::uint8_t> mesh_of;
@@ -89,7 +89,6 @@ struct TileBuilder::Workspace {
 
 	void keep_dense(const std::vector<SamplePoint> &sampled_points);
 	void filter(std::span<const Ground> batch_ground, std::size_t first);
-	void sort();
 	void choose_meshes();
 	Status write(std::span<const Ground> all_ground, TileInstances &r_tile, const std::atomic<bool> *cancel);
 };
@@ -117,22 +116,8 @@ void TileBuilder::Workspace::filter(std::span<const Ground> batch_ground, std::s
 	for (std::size_t i = 0; i < batch_ground.size(); ++i) {
 		const std::size_t point = first + i;
 		if (rules.passes_ground(batch_ground[i], ids[point], set.seed)) {
-			order.push_back(std::uint64_t{ranks[point]} << 32 | point);
+			order.push_back(rank_key(ranks[point], point));
 		}
-	}
-}
-
-/// By rank and, for the few that share one, by id.
-void TileBuilder::Workspace::sort() {
-	sort_by_upper_half(order, order_scratch);
-	const auto shares_rank = [](std::uint64_t a, std::uint64_t b) { return a >> 32 == b >> 32; };
-	const auto lower_id = [this](std::uint64_t a, std::uint64_t b) {
-		return ids[static_cast<std::uint32_t>(a)] < ids[static_cast<std::uint32_t>(b)];
-	};
-	for (auto first = std::adjacent_find(order.begin(), order.end(), shares_rank); first != order.end();) {
-		const auto last = std::find_if(first, order.end(), [&](std::uint64_t key) { return !shares_rank(*first, key); });
-		std::sort(first, last, lower_id);
-		first = std::adjacent_find(last, order.end(), shares_rank);
 	}
 }
 
@@ -140,7 +125,7 @@ void TileBuilder::Workspace::choose_meshes() {
 	mesh_of.resize(order.size());
 	mesh_sizes.fill(0);
 	for (std::size_t i = 0; i < order.size(); ++i) {
-		const std::size_t mesh = mesh_choice.mesh_for(set.seed, ids[static_cast<std::uint32_t>(order[i])]);
+		const std::size_t mesh = mesh_choice.mesh_for(set.seed, ids[point_of(order[i])]);
 		mesh_of[i] = static_cast<std::uint8_t>(mesh);
 		++mesh_sizes[mesh];
 	}
@@ -164,7 +149,7 @@ Status TileBuilder::Workspace::write(
 			r_tile.meshes.clear();
 			return cancelled;
 		}
-		const auto point = static_cast<std::uint32_t>(order[i]);
+		const std::uint32_t point = point_of(order[i]);
 		const Ground &ground_here = all_ground[point];
 		const glm::vec3 position{
 			static_cast<float>(positions[point].x - center.x),
@@ -250,7 +235,7 @@ Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile,
 		}
 		work.filter(ground.subspan(first, std::min(batch, work.ids.size() - first)), first);
 	}
-	work.sort();
+	sort_by_rank(work.order, work.ids, work.order_scratch);
 	work.choose_meshes();
 	return work.write(ground, r_tile, cancel);
 }

@@ -10,26 +10,30 @@ constexpr std::int32_t first_margin = 14;
 } // namespace
 
 void BlockSampler::prepare(const PointSet &set, RankFunction rank) {
-	levels_.resize(set.levels);
+	levels_ = set.levels;
+	if (grids_.size() < levels_) {
+		grids_.resize(levels_);
+	}
 	for (std::uint32_t level = 0; level < set.levels; ++level) {
-		LevelGrid &grid = levels_[level];
+		LevelGrid &grid = grids_[level];
 		grid.source = DartSource::of(set, level);
 		grid.level = level;
 		grid.levels = set.levels;
 		grid.rank = rank;
-		grid.coarser = level + 1 < set.levels ? &levels_[level + 1] : nullptr;
+		grid.coarser = level + 1 < set.levels ? &grids_[level + 1] : nullptr;
 	}
 }
 
 bool BlockSampler::resolve(const CellRect &block, const std::atomic<bool> *cancel) {
 	retries_ = 0;
 	for (std::int32_t margin = first_margin;; margin *= 2, ++retries_) {
+		const std::span<LevelGrid> levels(grids_.data(), levels_);
 		CellRect needed = block;
-		for (LevelGrid &grid : levels_) {
+		for (LevelGrid &grid : levels) {
 			grid.reset(needed.grown(margin));
 			needed = coarse_cells_around(needed);
 		}
-		const ResolveResult result = resolve_block(levels_, block, cancel);
+		const ResolveResult result = resolve_block(levels, block, cancel);
 		if (result != ResolveResult::margin_too_small) {
 			return result == ResolveResult::done;
 		}

@@ -2,6 +2,8 @@
 
 #include "core/sampling/resolver.hpp"
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 namespace thicket {
@@ -16,12 +18,13 @@ public:
 	bool resolve(const CellRect &block, const std::atomic<bool> *cancel);
 
 	/// The finest level, valid for the cells of the last block.
-	const LevelGrid &finest() const { return levels_.front(); }
-	const std::vector<LevelGrid> &levels() const { return levels_; }
+	const LevelGrid &finest() const { return grids_.front(); }
+	std::span<const LevelGrid> levels() const { return {grids_.data(), levels_}; }
 	std::uint32_t retries() const { return retries_; }
 
 private:
-	std::vector<LevelGrid> levels_;
+	std::vector<LevelGrid> grids_; ///< As many as any set so far had levels: memory is kept.
+	std::size_t levels_ = 0;
 	std::uint32_t retries_ = 0;
 };
 

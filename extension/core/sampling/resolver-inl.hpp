@@ -69,7 +69,7 @@ HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position
 	const hn::CappedTag<std::uint64_t, 4> d;
 	std::uint32_t closed = 0;
 	for (std::uint32_t row = 0; row < 4; ++row) {
-		for (std::uint32_t lane = 0; lane < 4; lane += hn::MaxLanes(d)) {
+		for (std::uint32_t lane = 0; lane < 4; lane += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
 			std::uint64_t *open = grid.open.data() + around.first + row * grid.stride + lane;
 			const auto before = hn::LoadU(d, open);
 			const auto after = hn::AndNot(hn::Load(d, cover.cells + 4 * row + lane), before);
@@ -98,6 +98,10 @@ HWY_INLINE void add_waiting(LevelGrid &grid, std::uint32_t cell, DartKey first, 
 		grid.free_siblings = grid.pool[place].next;
 	} else {
 		place = static_cast<std::uint32_t>(grid.pool.size());
+		if (grid.pool.size() == grid.pool.capacity()) {
+			// Less than doubling: the pool is a large part of a cell's 64 bytes.
+			grid.pool.reserve(grid.pool.size() + grid.pool.size() / 4 + 64);
+		}
 		grid.pool.emplace_back();
 	}
 	grid.pool[place] = {{first, second, third, fourth}, grid.waiting[cell]};

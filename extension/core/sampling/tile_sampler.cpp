@@ -73,7 +73,7 @@ struct TileSampler::Workspace {
 	SampleStats stats;
 
 	void collect(const PointSet &set, const Rect &rect, const CellRect &block, std::vector<SamplePoint> &r_points);
-	void count(const CellRect &block);
+	void count();
 };
 
 void TileSampler::Workspace::collect(
@@ -98,7 +98,7 @@ void TileSampler::Workspace::collect(
 	}
 }
 
-void TileSampler::Workspace::count(const CellRect &) {
+void TileSampler::Workspace::count() {
 	stats.retries += blocks.retries();
 	stats.workspace_bytes = 0;
 	for (const LevelGrid &grid : blocks.levels()) {
@@ -146,7 +146,7 @@ Status TileSampler::sample(
 				return {ErrorCode::cancelled, "sample", 0.0};
 			}
 			workspace_->collect(set, rect, block, r_points);
-			workspace_->count(block);
+			workspace_->count();
 		}
 	}
 	workspace_->stats.kept = r_points.size();

@@ -93,14 +93,6 @@ bool LayerTiles::look(std::span<const Viewer> viewers, StreamChanges &r_changes)
 	}
 	merged_.insert(merged_.end(), wanted, wanted_.cend());
 	tiles_.swap(merged_);
-
-	std::erase_if(retired_, [&](const Retired &retired) {
-		const bool gone = !kept(retired.rect);
-		if (gone) {
-			r_changes.drop.push_back(retired.key);
-		}
-		return gone;
-	});
 	return true;
 }
 
@@ -218,7 +210,8 @@ TileRequest LayerTiles::request(glm::ivec2 at, std::uint64_t ticket) {
 }
 
 bool LayerTiles::finish(const TileRequest &request) {
-	Tile *tile = request.key.grid == grid_ ? find(request.key.tile) : nullptr;
+	// A ticket is never given twice, so it also tells a tile of this grid from one of another.
+	Tile *tile = find(request.key.tile);
 	if (tile == nullptr || request.ticket == 0 || tile->ticket != request.ticket) {
 		return false;
 	}

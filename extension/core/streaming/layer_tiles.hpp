@@ -42,7 +42,7 @@ public:
 	/// were to within an eighth of a tile and nothing else has changed.
 	bool look(std::span<const Viewer> viewers, StreamChanges &r_changes);
 
-	/// Drops retired tiles under which nothing is missing any more.
+	/// Drops retired tiles under which nothing is missing: all is there, or out of view.
 	void drop_covered(StreamChanges &r_changes);
 
 	/// Adds the tiles that wait to be requested.
