@@ -176,6 +176,30 @@ TEST_CASE("placement: scale is uniform over its range") {
 	CHECK(scales.back() <= 1.0);
 }
 
+TEST_CASE("placement: yaw, scale and mesh have nothing to do with each other") {
+	Placement placement;
+	placement.max_scale = 2.0;
+	MeshChoice choice;
+	choice.set(std::vector<float>{1.0f, 1.0f});
+	constexpr int tries = 20000;
+	double yaw_scale = 0.0;
+	double yaw_mesh = 0.0;
+	double scale_mesh = 0.0;
+	for (std::uint64_t id = 0; id < tries; ++id) {
+		const Transform transform = transform_of(placement, id);
+		// Each uniform in [-1, 1], so the products have a variance of 1/9 or 1/3.
+		const double yaw = yaw_of(transform) / 180.0 - 1.0;
+		const double scale = double{transform.scale} * 2.0 - 3.0;
+		const double mesh = choice.mesh_for(seed, id) == 0 ? -1.0 : 1.0;
+		yaw_scale += yaw * scale;
+		yaw_mesh += yaw * mesh;
+		scale_mesh += scale * mesh;
+	}
+	CHECK(std::abs(yaw_scale) < 4.0 * std::sqrt(tries / 9.0));
+	CHECK(std::abs(yaw_mesh) < 4.0 * std::sqrt(tries / 3.0));
+	CHECK(std::abs(scale_mesh) < 4.0 * std::sqrt(tries / 3.0));
+}
+
 TEST_CASE("placement: one setting leaves all others as they were") {
 	Placement plain;
 	Placement scaled = plain;
@@ -248,18 +272,21 @@ TEST_CASE("placement: bad mesh weights are refused by value") {
 	CHECK(validate_mesh_weights(huge).ok());
 }
 
-TEST_CASE("placement: the radix sort is a stable sort of the upper halves") {
+TEST_CASE("placement: points are sorted by rank, then id, whatever order they come in") {
 	std::mt19937_64 random(4);
 	std::vector<std::uint64_t> scratch;
 	for (const std::size_t count : {0u, 1u, 2u, 3u, 127u, 128u, 129u, 1000u, 50000u}) {
 		for (const std::uint64_t values : {1ull, 3ull, 1ull << 20, 1ull << 32}) {
 			std::vector<std::uint64_t> keys(count);
+			std::vector<std::uint64_t> ids(count);
 			for (std::size_t i = 0; i < count; ++i) {
-				keys[i] = random() % values << 32 | (random() & 0xffffffff);
+				keys[i] = rank_key(static_cast<std::uint32_t>(random() % values), i);
+				ids[i] = random();
 			}
 			std::vector<std::uint64_t> expected = keys;
-			std::ranges::stable_sort(expected, {}, [](std::uint64_t key) { return key >> 32; });
-			sort_by_upper_half(keys, scratch);
+			std::ranges::sort(expected, {}, [&](std::uint64_t key) { return std::pair(key >> 32, ids[point_of(key)]); });
+			std::ranges::shuffle(keys, random);
+			sort_by_rank(keys, ids, scratch);
 			CHECK(keys == expected);
 		}
 	}

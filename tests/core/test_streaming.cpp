@@ -262,6 +262,11 @@ TEST_CASE("streaming: several viewers, near each other and apart, each with its 
 	check_view(stage, two_layers, viewers);
 	stage.settle({viewers[2]});
 	check_view(stage, two_layers, {viewers[2]});
+	// It stays where it is and sees farther, then less.
+	for (const double scale : {2.0, 0.5}) {
+		stage.settle({{viewers[2].position, scale}});
+		check_view(stage, two_layers, {{viewers[2].position, scale}});
+	}
 	stage.settle({});
 	CHECK(stage.shown.empty());
 	CHECK(stage.pending.empty());
