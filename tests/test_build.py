@@ -126,6 +126,15 @@ def test_wrong_option_is_refused(option):
     assert option.split("=")[0] in done.stdout + done.stderr
 
 
+def test_godot_cpp_without_a_library_is_refused(tmp_path):
+    """A folder that holds no built godot-cpp is told from one that does, by what it lacks."""
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin/libgodot-cpp.linux.template_release.wasm32.a").touch()
+    done = run(["scons", "-Q", "-n", f"godot_cpp={tmp_path}", "extension"], timeout=120, cwd=REPO)
+    assert done.returncode != 0
+    assert "template_debug" in done.stderr and "wasm32" in done.stderr, done.stderr
+
+
 ADDON = REPO / "demo_project/addons/thicket"
 
 

@@ -2,6 +2,7 @@
 # Installs what building, testing and the demo need and this machine lacks; says what it does; does nothing, and asks
 # the network nothing, where all is there. Run it for everything, or source it and call the parts:
 #   setup_compiler   a C++20 compiler, scons, GLM, Highway, doctest
+#   setup_clang      a second compiler, for the tests that compare compilers; those are skipped where it cannot be had
 #   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
@@ -25,6 +26,11 @@ setup_compiler() {
 	has_header hwy/highway.h || missing+=(libhwy-dev)
 	has_header doctest/doctest.h || missing+=(doctest-dev)
 	install_packages "to build" "${missing[@]}"
+}
+
+setup_clang() {
+	command -v clang++ >/dev/null || install_packages "to compare compilers" clang ||
+		say "going on without clang; the tests that need it will be skipped"
 }
 
 setup_python() {
@@ -99,14 +105,15 @@ make_godot_root() {
 	mv "$partial" "$root"
 }
 
-# Prints the first Debian mirror among the machine's apt sources, in either format; nothing if there is none.
+# debian_mirror [FOLDER]: prints the first Debian mirror among the apt sources in /etc/apt, or in FOLDER, in either of
+# their formats; nothing if there is none.
 debian_mirror() {
-	local file
-	for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list; do
+	local folder=${1:-/etc/apt} file
+	for file in "$folder"/sources.list "$folder"/sources.list.d/*.sources "$folder"/sources.list.d/*.list; do
 		[[ -r $file ]] || continue
 		sed -nE -e 's/^[[:space:]]*URIs:[[:space:]]*([^[:space:]]+).*/\1/p' \
 			-e 's/^[[:space:]]*deb[[:space:]]+(\[[^]]*\][[:space:]]+)?([^[:space:]]+).*/\2/p' "$file"
-	done | grep -E '/debian/?$' | head -n 1
+	done | { grep -E "/debian/?\$" || true; } | head -n 1
 }
 
 has_header() {
@@ -139,6 +146,7 @@ install_packages() {
 if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	set -euo pipefail
 	setup_compiler
+	setup_clang
 	setup_python
 	setup_godot
 	version=$("$setup_repo/tools/godot" --version | tail -n 1)
