@@ -200,6 +200,8 @@ TEST_CASE("terrain: a refused heightfield names what is wrong and leaves the fie
 	refuse([](auto &bad) { bad.area.max.y = 9.0; }, ErrorCode::not_positive, "area", -1.0);
 	refuse([](auto &bad) { bad.area.min.x = nan_value; }, ErrorCode::not_finite, "area", nan_value);
 	refuse([](auto &bad) { bad.area.max.x = infinite_value; }, ErrorCode::not_finite, "area", infinite_value);
+	refuse([](auto &bad) { bad.area.min.y = -infinite_value; }, ErrorCode::not_finite, "area", infinite_value);
+	refuse([](auto &bad) { bad.area.min.y = bad.area.max.y = infinite_value; }, ErrorCode::not_finite, "area", nan_value);
 	refuse([](auto &bad) { bad.min_height = nan_value; }, ErrorCode::not_finite, "min_height", nan_value);
 	refuse([](auto &bad) { bad.max_height = infinite_value; }, ErrorCode::not_finite, "max_height", infinite_value);
 	refuse([](auto &bad) { bad.max_height = -101.0; }, ErrorCode::inverted, "max_height", -101.0);

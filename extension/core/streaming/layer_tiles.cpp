@@ -121,6 +121,9 @@ void LayerTiles::find_wanted() {
 			}
 		}
 	}
+	if (viewers_.size() == 1) {
+		return; // In row order already.
+	}
 	// The nearest first among equals, so that it is the one that stays.
 	std::ranges::sort(wanted_, [](const Tile &a, const Tile &b) {
 		return a.at != b.at ? row_order(a.at, b.at) : a.distance_squared < b.distance_squared;

@@ -45,9 +45,7 @@ Status validate(const HeightfieldFrame &frame) {
 	const auto check_height = [](const char *property, double height) {
 		return check_range(property, height, -max_heightfield_height, max_heightfield_height);
 	};
-	if (!frame.area.finite()) {
-		return {ErrorCode::not_finite, "area", frame.area.size().x};
-	}
+	// Not finite if either end is not.
 	const glm::dvec2 size = frame.area.size();
 	return first_failure(check_posts(frame.posts.x), check_posts(frame.posts.y), check_positive("area", size.x),
 			check_positive("area", size.y), check_height("min_height", frame.min_height),
