@@ -27,7 +27,8 @@ public:
 	std::size_t mesh_for(std::uint64_t seed, std::uint64_t id) const;
 
 private:
-	/// For each mesh the end of its share of the 2^32 values that a random word has; the last that has a share ends there.
+	/// For each mesh the end of its share of the 2^32 values that a random word has; the last that has a share ends
+	/// there.
 	std::vector<std::uint64_t> ends_{std::uint64_t{1} << 32};
 };
 

@@ -12,9 +12,7 @@ namespace thicket {
 
 namespace {
 
-double mix(double min, double max, double t) {
-	return min + (max - min) * t;
-}
+double mix(double min, double max, double t) { return min + (max - min) * t; }
 
 /// The instance's up axis, of unit length: between straight up and the normal.
 glm::dvec3 up_axis(glm::vec3 normal, double align) {
@@ -32,7 +30,9 @@ glm::dvec3 tilted(glm::dvec3 up, double x, double z) {
 } // namespace
 
 Status validate(const Placement &placement) {
-	const auto check_yaw = [](const char *property, double yaw) { return check_range(property, yaw, -360.0, 360.0); };
+	const auto check_yaw = [](const char *property, double yaw) {
+		return check_range(property, yaw, -360.0, 360.0);
+	};
 	const auto check_scale = [](const char *property, double scale) {
 		const Status status = check_positive(property, scale);
 		return status.ok() ? check_range(property, scale, min_placement_scale, max_placement_scale) : status;

@@ -19,7 +19,8 @@ inline constexpr std::size_t floats_per_instance = 12;
 struct Placement {
 	double min_yaw_degrees = 0.0; ///< Rotation about the instance's own up axis, uniform in [min, max]; -360 to 360.
 	double max_yaw_degrees = 360.0;
-	double min_scale = 1.0; ///< Uniform in [min, max], the same on all axes; min_placement_scale to max_placement_scale.
+	double min_scale =
+			1.0; ///< Uniform in [min, max], the same on all axes; min_placement_scale to max_placement_scale.
 	double max_scale = 1.0;
 	double align_to_normal = 0.0; ///< 0 stands upright, 1 along the normal, in between by the normalised mean; 0 to 1.
 	double height_offset = 0.0;   ///< Metres along world y, negative sinks into the ground; |offset| <= 1e4.
@@ -35,8 +36,8 @@ inline constexpr double max_height_offset = 1e4;
 Status validate(const Placement &placement);
 
 /// Writes the transform of an instance: yaw about its own up axis, then the tilt, by the shortest way, and the scale;
-/// `position` as it is. The basis is orthogonal with columns of length scale, and no mirror image, to a float's rounding.
-/// `normal` must be finite and point up (y > 0). Returns the scale. `placement` must be valid.
+/// `position` as it is. The basis is orthogonal with columns of length scale, and no mirror image, to a float's
+/// rounding. `normal` must be finite and point up (y > 0). Returns the scale. `placement` must be valid.
 float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
 		glm::vec3 position, std::span<float, floats_per_instance> r_transform);
 

@@ -16,9 +16,7 @@ constexpr std::size_t digit_values = 1 << 11;
 /// Below this, clearing the counters costs more than sorting.
 constexpr std::size_t few = 128;
 
-std::size_t digit(std::uint64_t key, int shift) {
-	return key >> shift & (digit_values - 1);
-}
+std::size_t digit(std::uint64_t key, int shift) { return key >> shift & (digit_values - 1); }
 
 /// By rank alone; keys that share one come in any order.
 void radix_sort(std::vector<std::uint64_t> &keys, std::vector<std::uint64_t> &scratch) {
@@ -43,14 +41,19 @@ void radix_sort(std::vector<std::uint64_t> &keys, std::vector<std::uint64_t> &sc
 
 } // namespace
 
-void sort_by_rank(std::vector<std::uint64_t> &keys, std::span<const std::uint64_t> ids, std::vector<std::uint64_t> &scratch) {
+void sort_by_rank(
+		std::vector<std::uint64_t> &keys, std::span<const std::uint64_t> ids, std::vector<std::uint64_t> &scratch) {
 	if (keys.size() < few) {
 		std::sort(keys.begin(), keys.end());
 	} else {
 		radix_sort(keys, scratch);
 	}
-	const auto shares_rank = [](std::uint64_t a, std::uint64_t b) { return a >> 32 == b >> 32; };
-	const auto lower_id = [ids](std::uint64_t a, std::uint64_t b) { return ids[point_of(a)] < ids[point_of(b)]; };
+	const auto shares_rank = [](std::uint64_t a, std::uint64_t b) {
+		return a >> 32 == b >> 32;
+	};
+	const auto lower_id = [ids](std::uint64_t a, std::uint64_t b) {
+		return ids[point_of(a)] < ids[point_of(b)];
+	};
 	for (auto first = std::adjacent_find(keys.begin(), keys.end(), shares_rank); first != keys.end();) {
 		const auto last = std::find_if(first, keys.end(), [&](std::uint64_t key) { return !shares_rank(*first, key); });
 		std::sort(first, last, lower_id);

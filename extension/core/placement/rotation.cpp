@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::array<Rotation, 4> quarter_turns{{{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}}};
 
-// Taylor series for |x| <= pi / 4. The first terms left out, x^13 / 13! and x^14 / 14!, are below 7e-12 and 4e-13 there.
+// Taylor series for |x| <= pi / 4. The first terms left out, x^13 / 13! and x^14 / 14!, are below 7e-12 and 4e-13
+// there.
 
 double sine_small(double x) {
 	const double square = x * x;
@@ -44,7 +45,7 @@ Rotation rotation_by(double turns) {
 	const Rotation quarter = quarter_turns[static_cast<std::size_t>(nearest & 3)];
 	// Exact, as every factor of the quarter is 0 or 1; a branch here would be guessed wrong three times in four.
 	return {small.cosine * quarter.cosine - small.sine * quarter.sine,
-		small.sine * quarter.cosine + small.cosine * quarter.sine};
+			small.sine * quarter.cosine + small.cosine * quarter.sine};
 }
 
 } // namespace thicket

@@ -15,17 +15,15 @@ namespace thicket {
 
 namespace {
 
-/// Points between two looks at the cancel flag, and in one call of the terrain: far below a millisecond of work, and the
-/// ground of a batch is still in the cache when the rules read it.
+/// Points between two looks at the cancel flag, and in one call of the terrain: far below a millisecond of work, and
+/// the ground of a batch is still in the cache when the rules read it.
 constexpr std::size_t batch = 2048;
 
 /// Where the height of a tile's origin is taken from, in tile sizes from its centre. Several places, because one may be
 /// a hole.
 constexpr std::array<glm::dvec2, 5> probes{{{0.0, 0.0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
 
-bool raised(const std::atomic<bool> *cancel) {
-	return cancel != nullptr && cancel->load(std::memory_order_relaxed);
-}
+bool raised(const std::atomic<bool> *cancel) { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
 
 constexpr Status cancelled{ErrorCode::cancelled, "tile", 0.0};
 
@@ -152,16 +150,15 @@ Status TileBuilder::Workspace::write(
 		const std::uint32_t point = point_of(order[i]);
 		const Ground &ground_here = all_ground[point];
 		const glm::vec3 position{
-			static_cast<float>(positions[point].x - center.x),
-			static_cast<float>(ground_here.height + placement.height_offset - height),
-			static_cast<float>(positions[point].y - center.y),
+				static_cast<float>(positions[point].x - center.x),
+				static_cast<float>(ground_here.height + placement.height_offset - height),
+				static_cast<float>(positions[point].y - center.y),
 		};
 		MeshInstances &mesh = r_tile.meshes[mesh_of[i]];
 		const std::size_t at = ends[mesh_of[i]]++;
 		const std::span<float, floats_per_instance> transform(
 				mesh.buffer.data() + at * floats_per_instance, floats_per_instance);
-		const float scale =
-				write_transform(placement, set.seed, ids[point], ground_here.normal, position, transform);
+		const float scale = write_transform(placement, set.seed, ids[point], ground_here.normal, position, transform);
 		mesh.ids[at] = ids[point];
 		mesh.ranks[at] = ranks[point];
 		mesh.min = glm::min(mesh.min, position);
@@ -216,9 +213,7 @@ Status TileBuilder::find_points(const LayerSettings &layer, const Rect &rect, co
 	return prepared;
 }
 
-std::span<const glm::dvec2> TileBuilder::positions() const {
-	return workspace_->positions;
-}
+std::span<const glm::dvec2> TileBuilder::positions() const { return workspace_->positions; }
 
 Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel) {
 	Workspace &work = *workspace_;
@@ -240,8 +235,6 @@ Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile,
 	return work.write(ground, r_tile, cancel);
 }
 
-const SampleStats &TileBuilder::sample_stats() const {
-	return workspace_->sampler.stats();
-}
+const SampleStats &TileBuilder::sample_stats() const { return workspace_->sampler.stats(); }
 
 } // namespace thicket

@@ -24,8 +24,8 @@ struct LayerSettings {
 	PointSet set;
 	Rules rules;
 	Placement placement;
-	/// A weight for each mesh, finite and not negative, not all 0; an instance gets a mesh with a chance proportional to
-	/// the weight, from its own hash. None means one mesh. At most max_meshes.
+	/// A weight for each mesh, finite and not negative, not all 0; an instance gets a mesh with a chance proportional
+	/// to the weight, from its own hash. None means one mesh. At most max_meshes.
 	std::vector<float> mesh_weights;
 };
 

@@ -45,7 +45,9 @@ std::size_t visible_prefix(std::span<const std::uint32_t> ranks, double density)
 		return 0;
 	}
 	const double end = std::ceil(density * 0x1p32);
-	const auto below = [end](std::uint32_t rank) { return rank < end; };
+	const auto below = [end](std::uint32_t rank) {
+		return rank < end;
+	};
 	return static_cast<std::size_t>(std::partition_point(ranks.begin(), ranks.end(), below) - ranks.begin());
 }
 

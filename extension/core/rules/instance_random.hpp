@@ -15,8 +15,8 @@ enum class Draw : std::uint32_t {
 	mesh = 2,      ///< Words: mesh, free, free, free.
 };
 
-/// Four words of 32 random bits that belong to an instance for ever: a function of the set's seed, the packed id and the
-/// purpose. The key is not the sampler's own, so they have nothing to do with where the point lies.
+/// Four words of 32 random bits that belong to an instance for ever: a function of the set's seed, the packed id and
+/// the purpose. The key is not the sampler's own, so they have nothing to do with where the point lies.
 constexpr std::array<std::uint32_t, 4> instance_random(std::uint64_t seed, std::uint64_t id, Draw draw) {
 	constexpr std::uint64_t other_than_sampler = 0x9fb21c651e98df25;
 	const std::uint64_t key = seed ^ other_than_sampler;
@@ -26,8 +26,6 @@ constexpr std::array<std::uint32_t, 4> instance_random(std::uint64_t seed, std::
 }
 
 /// A word as a number in [0, 1), all 32 bits of it.
-constexpr double unit_interval(std::uint32_t word) {
-	return word * 0x1p-32;
-}
+constexpr double unit_interval(std::uint32_t word) { return word * 0x1p-32; }
 
 } // namespace thicket

@@ -7,8 +7,8 @@ namespace thicket {
 
 namespace {
 
-/// The arc tangent in radians for |x| <= tan(pi / 8), by its Taylor series. The first term left out, x^21 / 21, is below
-/// 5e-10 there.
+/// The arc tangent in radians for |x| <= tan(pi / 8), by its Taylor series. The first term left out, x^21 / 21, is
+/// below 5e-10 there.
 double arctan_small(double x) {
 	const double square = x * x;
 	double sum = 1.0 / 19.0;

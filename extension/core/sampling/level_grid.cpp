@@ -29,15 +29,14 @@ void LevelGrid::reset(const CellRect &p_cells) {
 	if (coarser != nullptr) {
 		ready.assign(count, 0);
 	}
-	pool.resize(1);
-	free_siblings = 0;
+	siblings.clear();
 	chain.clear();
 	accepted = darts = squares = 0;
 }
 
 std::size_t LevelGrid::bytes() const {
 	return bytes_of(time) + bytes_of(dart) + bytes_of(point) + bytes_of(waiting) + bytes_of(open) + bytes_of(ready) +
-			bytes_of(pool) + bytes_of(chain);
+			siblings.bytes() + bytes_of(chain) + bytes_of(due);
 }
 
 } // namespace thicket

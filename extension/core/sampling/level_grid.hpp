@@ -1,10 +1,9 @@
 #pragma once
 
-#include "core/sampling/dart.hpp"
+#include "core/sampling/siblings.hpp"
 
 #include <glm/vec2.hpp>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -28,12 +27,6 @@ constexpr CellRect coarse_cells_around(const CellRect &cells) {
 	return {(cells.min >> 1) - 1, ((cells.max - 1) >> 1) + 2};
 }
 
-/// The open children of a split square that wait for their turn, by time; dart_never where there are fewer.
-struct Siblings {
-	std::array<DartKey, 4> keys;
-	std::uint32_t next; ///< The cell's next siblings, 0 for none.
-};
-
 /// Maps an accepted dart to its place in the progressive order.
 using RankFunction = std::uint32_t (*)(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
@@ -56,12 +49,11 @@ struct LevelGrid {
 	std::vector<TimeKey> time;         ///< Time of the cell's next dart; time_never once the cell is decided.
 	std::vector<std::uint32_t> dart;   ///< The next dart; the rank once a point stands.
 	std::vector<std::uint32_t> point;  ///< The accepted position, or no_point.
-	std::vector<std::uint32_t> waiting; ///< First of the cell's siblings in the pool, 0 for none.
+	std::vector<std::uint32_t> waiting; ///< The cell's list in `siblings`.
 	std::vector<std::uint64_t> open;   ///< A bit for each of 8 x 8 sub-squares, by rows: not known to be covered.
 	std::vector<std::uint8_t> ready;   ///< All points of coarser levels near the cell stand. Empty without a coarser level.
 
-	std::vector<Siblings> pool; ///< Entry 0 is unused.
-	std::uint32_t free_siblings = 0;
+	SiblingPool siblings;
 	std::vector<std::uint32_t> chain; ///< Cells that wait for the one after them.
 
 	std::vector<std::uint32_t> due; ///< Cells to look at in a pass.

@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 HWY_BEFORE_NAMESPACE();
@@ -41,24 +42,10 @@ HWY_INLINE std::uint32_t tagged_neighbour(const LevelGrid &grid, std::uint32_t c
 	return cell + static_cast<std::uint32_t>(dy * static_cast<std::int32_t>(grid.stride) + dx);
 }
 
-HWY_INLINE void release_waiting(LevelGrid &grid, std::uint32_t cell) {
-	std::uint32_t last = grid.waiting[cell];
-	if (last == 0) {
-		return;
-	}
-	const std::uint32_t first = last;
-	while (grid.pool[last].next != 0) {
-		last = grid.pool[last].next;
-	}
-	grid.pool[last].next = grid.free_siblings;
-	grid.free_siblings = first;
-	grid.waiting[cell] = 0;
-}
-
 HWY_INLINE void close_cell(LevelGrid &grid, std::uint32_t cell) {
 	grid.time[cell] = time_never;
 	grid.open[cell] = 0;
-	release_waiting(grid, cell);
+	grid.siblings.release(grid.waiting[cell]);
 }
 
 /// Marks what a new point's disk covers, and closes the cells that are left without an open sub-square.
@@ -91,44 +78,6 @@ HWY_INLINE void place_point(LevelGrid &grid, std::uint32_t cell, CellPosition po
 	stamp(grid, cell, position);
 }
 
-/// Puts sorted siblings before the cell's others.
-HWY_INLINE void add_waiting(LevelGrid &grid, std::uint32_t cell, DartKey first, DartKey second, DartKey third, DartKey fourth) {
-	std::uint32_t place = grid.free_siblings;
-	if (place != 0) {
-		grid.free_siblings = grid.pool[place].next;
-	} else {
-		place = static_cast<std::uint32_t>(grid.pool.size());
-		if (grid.pool.size() == grid.pool.capacity()) {
-			// Less than doubling: the pool is a large part of a cell's 64 bytes.
-			grid.pool.reserve(grid.pool.size() + grid.pool.size() / 4 + 64);
-		}
-		grid.pool.emplace_back();
-	}
-	grid.pool[place] = {{first, second, third, fourth}, grid.waiting[cell]};
-	grid.waiting[cell] = place;
-}
-
-/// Takes the earliest of the cell's waiting squares; there is one.
-HWY_INLINE DartKey take_waiting(LevelGrid &grid, std::uint32_t cell) {
-	std::uint32_t *earliest = &grid.waiting[cell];
-	DartKey key = grid.pool[*earliest].keys[0];
-	for (std::uint32_t *link = &grid.pool[*earliest].next; *link != 0; link = &grid.pool[*link].next) {
-		if (grid.pool[*link].keys[0] < key) {
-			key = grid.pool[*link].keys[0];
-			earliest = link;
-		}
-	}
-	const std::uint32_t place = *earliest;
-	Siblings &siblings = grid.pool[place];
-	siblings.keys = {siblings.keys[1], siblings.keys[2], siblings.keys[3], dart_never};
-	if (siblings.keys[0] == dart_never) {
-		*earliest = siblings.next;
-		siblings.next = grid.free_siblings;
-		grid.free_siblings = place;
-	}
-	return key;
-}
-
 /// Which of the four children of a square are not known to be covered.
 HWY_INLINE std::uint32_t open_children(const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
 	const std::uint64_t open = grid.open[cell] >> sub_square_of(origin);
@@ -156,8 +105,8 @@ inline DartKey next_dart(LevelGrid &grid, std::uint32_t cell, DartKey rejected) 
 			level <= lattice_bits ? open_children(grid, cell, level, square_origin(dart_place(rejected))) : 0;
 	if (uncovered != 0) {
 		grid.squares += static_cast<std::uint64_t>(std::popcount(uncovered));
-		DartKey darts[4];
-		child_darts(rejected, darts);
+		std::array<DartKey, 4> darts;
+		child_darts(rejected, darts.data());
 		for (std::uint32_t child = 0; child < 4; ++child) {
 			darts[child] |= DartKey{uncovered >> child & 1} - 1;
 		}
@@ -168,13 +117,13 @@ inline DartKey next_dart(LevelGrid &grid, std::uint32_t cell, DartKey rejected) 
 		sort_pair(darts[1], darts[2]);
 		if (grid.waiting[cell] == 0) {
 			if (darts[1] != dart_never) {
-				add_waiting(grid, cell, darts[1], darts[2], darts[3], dart_never);
+				grid.siblings.add(grid.waiting[cell], {darts[1], darts[2], darts[3], dart_never});
 			}
 			return darts[0];
 		}
-		add_waiting(grid, cell, darts[0], darts[1], darts[2], darts[3]);
+		grid.siblings.add(grid.waiting[cell], darts);
 	}
-	return grid.waiting[cell] != 0 ? take_waiting(grid, cell) : dart_never;
+	return grid.waiting[cell] != 0 ? grid.siblings.take(grid.waiting[cell]) : dart_never;
 }
 
 /// True when a disk covers the place of the dart.
@@ -236,41 +185,45 @@ HWY_INLINE Settled settle(LevelGrid &grid, std::uint32_t cell, TimeKey wanted) {
 /// before. False when the chain leaves the grid.
 bool resolve_cell(LevelGrid *levels, std::uint32_t level, std::uint32_t start, TimeKey until);
 
-/// Brings the points of the coarser levels that can reach `cell` into the grid.
+/// Copies the point of a decided coarse cell, if it has one, to where it stands in the finer grid.
+HWY_INLINE void hand_down(const LevelGrid &coarse, glm::ivec2 cell, LevelGrid &grid) {
+	const std::uint32_t source = coarse.index_of(cell);
+	const CellPosition position = coarse.point[source];
+	if (position == LevelGrid::no_point) {
+		return;
+	}
+	// A coarse unit is two fine ones.
+	const std::uint32_t x = 2 * position_x(position);
+	const std::uint32_t y = 2 * position_y(position);
+	const glm::ivec2 target = 2 * cell + glm::ivec2(x >> lattice_bits, y >> lattice_bits);
+	if (!grid.cells.contains(target)) {
+		return;
+	}
+	const std::uint32_t index = grid.index_of(target);
+	if (grid.point[index] == LevelGrid::no_point) {
+		place_point(grid, index, (x & cell_mask) | (y & cell_mask) << lattice_bits, coarse.dart[source]);
+	}
+}
+
+/// Brings the points of the coarser levels that can reach `cell`, and its siblings in the coarse cell, into the grid.
 inline bool make_ready(LevelGrid *levels, std::uint32_t level, std::uint32_t cell) {
 	LevelGrid &grid = levels[level];
 	LevelGrid &coarse = levels[level + 1];
 	const glm::ivec2 parent = grid.cell_of(cell) >> 1;
-	if (!CellRect{coarse.cells.min + 1, coarse.cells.max - 1}.contains(parent)) {
+	if (!coarse.cells.grown(-1).contains(parent)) {
 		return false;
 	}
 	for (std::int32_t y = parent.y - 1; y <= parent.y + 1; ++y) {
 		for (std::int32_t x = parent.x - 1; x <= parent.x + 1; ++x) {
-			const std::uint32_t source = coarse.index_of({x, y});
-			if (!resolve_cell(levels, level + 1, source, time_never - 1)) {
+			if (!resolve_cell(levels, level + 1, coarse.index_of({x, y}), time_never - 1)) {
 				return false;
 			}
-			const CellPosition position = coarse.point[source];
-			if (position == LevelGrid::no_point) {
-				continue;
-			}
-			const glm::ivec2 target(2 * x + static_cast<std::int32_t>(position_x(position) >> (lattice_bits - 1)),
-					2 * y + static_cast<std::int32_t>(position_y(position) >> (lattice_bits - 1)));
-			if (!grid.cells.contains(target)) {
-				continue;
-			}
-			const std::uint32_t index = grid.index_of(target);
-			if (grid.point[index] == LevelGrid::no_point) {
-				const CellPosition doubled = (2 * position_x(position) & cell_mask) | (2 * position_y(position) & cell_mask) << lattice_bits;
-				place_point(grid, index, doubled, coarse.dart[source]);
-			}
+			hand_down(coarse, {x, y}, grid);
 		}
 	}
-	for (std::int32_t y = 2 * parent.y; y < 2 * parent.y + 2; ++y) {
-		for (std::int32_t x = 2 * parent.x; x < 2 * parent.x + 2; ++x) {
-			if (grid.cells.contains({x, y})) {
-				grid.ready[grid.index_of({x, y})] = 1;
-			}
+	for (const glm::ivec2 part : {glm::ivec2(0, 0), glm::ivec2(1, 0), glm::ivec2(0, 1), glm::ivec2(1, 1)}) {
+		if (grid.cells.contains(2 * parent + part)) {
+			grid.ready[grid.index_of(2 * parent + part)] = 1;
 		}
 	}
 	return true;

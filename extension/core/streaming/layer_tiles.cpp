@@ -18,9 +18,7 @@ constexpr double slack_tiles = 0.125;
 /// A tile is kept out to this many view distances, and one tile more.
 constexpr double keep_factor = 1.1;
 
-bool row_order(glm::ivec2 a, glm::ivec2 b) {
-	return a.y != b.y ? a.y < b.y : a.x < b.x;
-}
+bool row_order(glm::ivec2 a, glm::ivec2 b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
 
 bool touch(const Rect &a, const Rect &b) {
 	return a.min.x < b.max.x && b.min.x < a.max.x && a.min.y < b.max.y && b.min.y < a.max.y;
@@ -128,7 +126,9 @@ void LayerTiles::find_wanted() {
 	std::ranges::sort(wanted_, [](const Tile &a, const Tile &b) {
 		return a.at != b.at ? row_order(a.at, b.at) : a.distance_squared < b.distance_squared;
 	});
-	const auto same_tile = [](const Tile &a, const Tile &b) { return a.at == b.at; };
+	const auto same_tile = [](const Tile &a, const Tile &b) {
+		return a.at == b.at;
+	};
 	wanted_.erase(std::unique(wanted_.begin(), wanted_.end(), same_tile), wanted_.end());
 }
 

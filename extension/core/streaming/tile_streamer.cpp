@@ -55,8 +55,8 @@ struct TileStreamer::State {
 	std::vector<LayerTiles> layers;
 	std::vector<LayerTiles::Waiting> waiting; ///< A heap under `later`; of no use while `waiting_outdated`.
 	bool waiting_outdated = true;
-	bool answered = false;  ///< Something was finished since retired tiles were last looked at.
-	StreamChanges backlog;  ///< What came up between updates.
+	bool answered = false; ///< Something was finished since retired tiles were last looked at.
+	StreamChanges backlog; ///< What came up between updates.
 	std::uint32_t last_grid = 0;
 	std::uint64_t last_ticket = 0;
 
@@ -123,9 +123,7 @@ Status TileStreamer::set_layers(std::span<const StreamLayer> settings) {
 	return {};
 }
 
-void TileStreamer::invalidate(std::uint32_t layer) {
-	invalidate(layer, everywhere);
-}
+void TileStreamer::invalidate(std::uint32_t layer) { invalidate(layer, everywhere); }
 
 void TileStreamer::invalidate(std::uint32_t layer, const Rect &area) {
 	if (layer < state_->layers.size()) {

@@ -33,8 +33,8 @@ struct Viewer {
 	double radius_scale = 1.0; ///< Times the view distance of each layer; finite, 0 or more.
 };
 
-/// Names a tile of a layer. Every tile size that a layer is given starts a new `grid`, a number not used before, so that
-/// a tile of the old size and one of the new, both on show for a while, are never taken for each other.
+/// Names a tile of a layer. Every tile size that a layer is given starts a new `grid`, a number not used before, so
+/// that a tile of the old size and one of the new, both on show for a while, are never taken for each other.
 struct TileKey {
 	std::uint32_t layer = 0;
 	std::uint32_t grid = 0;
@@ -82,12 +82,12 @@ public:
 	TileStreamer(TileStreamer &&) noexcept;
 	TileStreamer &operator=(TileStreamer &&) noexcept;
 
-	/// Replaces the layers, matched to the old ones by index: a new view distance keeps all tiles, a new tile size starts
-	/// a new grid for that layer, a missing layer loses its tiles. Refused settings change nothing.
+	/// Replaces the layers, matched to the old ones by index: a new view distance keeps all tiles, a new tile size
+	/// starts a new grid for that layer, a missing layer loses its tiles. Refused settings change nothing.
 	Status set_layers(std::span<const StreamLayer> layers);
 
-	/// What is shown or under way for a layer is outdated (its settings or the ground have changed) and will be requested
-	/// again. A layer that does not exist is ignored.
+	/// What is shown or under way for a layer is outdated (its settings or the ground have changed) and will be
+	/// requested again. A layer that does not exist is ignored.
 	void invalidate(std::uint32_t layer);
 
 	/// The same for the tiles that touch `area` (metres) only: an edit under which nothing else changes.
@@ -98,9 +98,9 @@ public:
 	/// A refused viewer changes nothing. Costs little while viewers stay within an eighth of a tile.
 	Status update(std::span<const Viewer> viewers, std::size_t max_pending, StreamChanges &r_changes);
 
-	/// The answer to a request: the tile is made (or cannot be made: then nothing stands there, until it is invalidated).
-	/// True when it is to be put on show, in place of what stands under this key; false when it comes too late and must
-	/// be thrown away.
+	/// The answer to a request: the tile is made (or cannot be made: then nothing stands there, until it is
+	/// invalidated). True when it is to be put on show, in place of what stands under this key; false when it comes too
+	/// late and must be thrown away.
 	bool finish(const TileRequest &request);
 
 	/// Forgets all tiles, as if new, and keeps the layers: for a caller that has cleared its stage itself. Answers to

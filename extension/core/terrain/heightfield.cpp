@@ -31,17 +31,19 @@ Line line_about(int patch, int posts) {
 	const int before = std::max(patch - 1, 0);
 	const int behind = std::min(patch + 2, posts - 1);
 	return {
-		{static_cast<std::size_t>(before), static_cast<std::size_t>(patch), static_cast<std::size_t>(patch) + 1,
-				static_cast<std::size_t>(behind)},
-		before == patch ? 1.0 : 0.5,
-		behind == patch + 1 ? 1.0 : 0.5,
+			{static_cast<std::size_t>(before), static_cast<std::size_t>(patch), static_cast<std::size_t>(patch) + 1,
+					static_cast<std::size_t>(behind)},
+			before == patch ? 1.0 : 0.5,
+			behind == patch + 1 ? 1.0 : 0.5,
 	};
 }
 
 } // namespace
 
 Status validate(const HeightfieldFrame &frame) {
-	const auto check_posts = [](int posts) { return check_range("posts", posts, 2, max_heightfield_posts); };
+	const auto check_posts = [](int posts) {
+		return check_range("posts", posts, 2, max_heightfield_posts);
+	};
 	const auto check_height = [](const char *property, double height) {
 		return check_range(property, height, -max_heightfield_height, max_heightfield_height);
 	};
@@ -100,27 +102,27 @@ Ground Heightfield::ground_in_area(glm::dvec2 position) const {
 
 	const Patch steps{post(1, 1), post(2, 1), post(1, 2), post(2, 2)};
 	const Patch slope_x{
-		(steps[1] - post(0, 1)) * across.first_weight,
-		(post(3, 1) - steps[0]) * across.second_weight,
-		(steps[3] - post(0, 2)) * across.first_weight,
-		(post(3, 2) - steps[2]) * across.second_weight,
+			(steps[1] - post(0, 1)) * across.first_weight,
+			(post(3, 1) - steps[0]) * across.second_weight,
+			(steps[3] - post(0, 2)) * across.first_weight,
+			(post(3, 2) - steps[2]) * across.second_weight,
 	};
 	const Patch slope_y{
-		(steps[2] - post(1, 0)) * along.first_weight,
-		(steps[3] - post(2, 0)) * along.first_weight,
-		(post(1, 3) - steps[0]) * along.second_weight,
-		(post(2, 3) - steps[1]) * along.second_weight,
+			(steps[2] - post(1, 0)) * along.first_weight,
+			(steps[3] - post(2, 0)) * along.first_weight,
+			(post(1, 3) - steps[0]) * along.second_weight,
+			(post(2, 3) - steps[1]) * along.second_weight,
 	};
 	const double gradient_x = bilinear(slope_x, x, y) * metres_per_step_ * posts_per_metre_.x;
 	const double gradient_y = bilinear(slope_y, x, y) * metres_per_step_ * posts_per_metre_.y;
 	const double to_unit = 1.0 / std::sqrt(gradient_x * gradient_x + gradient_y * gradient_y + 1.0);
 	return {
-		static_cast<float>(frame_.min_height + bilinear(steps, x, y) * metres_per_step_),
-		{
-				static_cast<float>(-gradient_x * to_unit),
-				static_cast<float>(to_unit),
-				static_cast<float>(-gradient_y * to_unit),
-		},
+			static_cast<float>(frame_.min_height + bilinear(steps, x, y) * metres_per_step_),
+			{
+					static_cast<float>(-gradient_x * to_unit),
+					static_cast<float>(to_unit),
+					static_cast<float>(-gradient_y * to_unit),
+			},
 	};
 }
 
