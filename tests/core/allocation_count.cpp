@@ -21,14 +21,10 @@ void *allocate(std::size_t size, std::size_t alignment) {
 
 } // namespace
 
-std::size_t allocation_count() {
-	return allocations;
-}
+std::size_t allocation_count() { return allocations; }
 
 // The array forms of the library come back to these. The nothrow ones do too, but a sanitizer has its own of them.
-void *operator new(std::size_t size) {
-	return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
-}
+void *operator new(std::size_t size) { return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__); }
 
 void *operator new(std::size_t size, std::align_val_t alignment) {
 	return allocate(size, static_cast<std::size_t>(alignment));
@@ -39,18 +35,10 @@ void *operator new(std::size_t size, const std::nothrow_t &) noexcept {
 	return std::malloc(size == 0 ? 1 : size);
 }
 
-void operator delete(void *memory) noexcept {
-	std::free(memory);
-}
+void operator delete(void *memory) noexcept { std::free(memory); }
 
-void operator delete(void *memory, std::size_t) noexcept {
-	std::free(memory);
-}
+void operator delete(void *memory, std::size_t) noexcept { std::free(memory); }
 
-void operator delete(void *memory, std::align_val_t) noexcept {
-	std::free(memory);
-}
+void operator delete(void *memory, std::align_val_t) noexcept { std::free(memory); }
 
-void operator delete(void *memory, std::size_t, std::align_val_t) noexcept {
-	std::free(memory);
-}
+void operator delete(void *memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }

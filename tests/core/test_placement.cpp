@@ -284,7 +284,8 @@ TEST_CASE("placement: points are sorted by rank, then id, whatever order they co
 				ids[i] = random();
 			}
 			std::vector<std::uint64_t> expected = keys;
-			std::ranges::sort(expected, {}, [&](std::uint64_t key) { return std::pair(key >> 32, ids[point_of(key)]); });
+			std::ranges::sort(
+					expected, {}, [&](std::uint64_t key) { return std::pair(key >> 32, ids[point_of(key)]); });
 			std::ranges::shuffle(keys, random);
 			sort_by_rank(keys, ids, scratch);
 			CHECK(keys == expected);

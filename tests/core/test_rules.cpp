@@ -22,7 +22,9 @@ constexpr double radian = std::numbers::pi / 180.0;
 /// Ground that is inclined by so many degrees, towards any side.
 Ground inclined(double degrees, float height = 0.0f, double heading = 30.0) {
 	const double across = std::sin(degrees * radian);
-	return {height, glm::vec3(across * std::cos(heading * radian), std::cos(degrees * radian), across * std::sin(heading * radian))};
+	return {height,
+			glm::vec3(across * std::cos(heading * radian), std::cos(degrees * radian),
+					across * std::sin(heading * radian))};
 }
 
 PreparedRules prepared(const Rules &rules) {
@@ -43,9 +45,7 @@ double fraction_passing(const Rules &rules, const Ground &ground) {
 }
 
 /// Four standard errors of a fraction of 20,000.
-double tolerance(double chance) {
-	return 4.0 * std::sqrt(chance * (1.0 - chance) / 20000.0) + 1e-9;
-}
+double tolerance(double chance) { return 4.0 * std::sqrt(chance * (1.0 - chance) / 20000.0) + 1e-9; }
 
 } // namespace
 
@@ -95,12 +95,12 @@ TEST_CASE("rules: what is no ground, a wall or a ceiling never passes") {
 	for (const Rules &rules : {anything, flat}) {
 		const PreparedRules ready = prepared(rules);
 		CHECK(ready.passes_ground({0.0f, {0.0f, 1.0f, 0.0f}}, 1, seed));
-		for (const Ground &ground : {Ground{}, Ground{nothing, {0.0f, 1.0f, 0.0f}}, Ground{infinite, {0.0f, 1.0f, 0.0f}},
-					 Ground{-infinite, {0.0f, 1.0f, 0.0f}}, Ground{0.0f, {nothing, 1.0f, 0.0f}},
-					 Ground{0.0f, {0.0f, nothing, 0.0f}}, Ground{0.0f, {0.0f, 1.0f, nothing}},
-					 Ground{0.0f, {0.0f, infinite, 0.0f}}, Ground{0.0f, {0.0f, 0.0f, 0.0f}},
-					 Ground{0.0f, {1.0f, 0.0f, 0.0f}}, Ground{0.0f, {0.0f, -1.0f, 0.0f}}, inclined(91.0), inclined(135.0),
-					 inclined(179.0)}) {
+		for (const Ground &ground : {Ground{}, Ground{nothing, {0.0f, 1.0f, 0.0f}},
+					 Ground{infinite, {0.0f, 1.0f, 0.0f}}, Ground{-infinite, {0.0f, 1.0f, 0.0f}},
+					 Ground{0.0f, {nothing, 1.0f, 0.0f}}, Ground{0.0f, {0.0f, nothing, 0.0f}},
+					 Ground{0.0f, {0.0f, 1.0f, nothing}}, Ground{0.0f, {0.0f, infinite, 0.0f}},
+					 Ground{0.0f, {0.0f, 0.0f, 0.0f}}, Ground{0.0f, {1.0f, 0.0f, 0.0f}},
+					 Ground{0.0f, {0.0f, -1.0f, 0.0f}}, inclined(91.0), inclined(135.0), inclined(179.0)}) {
 			CHECK_FALSE(ready.passes_ground(ground, 1, seed));
 		}
 	}
@@ -233,8 +233,8 @@ TEST_CASE("rules: bad settings are refused by name and value, and the last good 
 		const char *property;
 		double above;
 	};
-	for (const Limits &each : {Limits{&Rules::density, "density", 1.001}, {&Rules::slope_falloff, "slope_falloff", 90.5},
-				 {&Rules::min_slope_degrees, "min_slope_degrees", 91.0},
+	for (const Limits &each : {Limits{&Rules::density, "density", 1.001},
+				 {&Rules::slope_falloff, "slope_falloff", 90.5}, {&Rules::min_slope_degrees, "min_slope_degrees", 91.0},
 				 {&Rules::max_slope_degrees, "max_slope_degrees", 180.0}}) {
 		refuse(each.member, each.property, nan_value, ErrorCode::not_finite);
 		refuse(each.member, each.property, infinite_value, ErrorCode::not_finite);

@@ -21,9 +21,7 @@ constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
 using Name = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
-Name name_of(const TileKey &key) {
-	return {key.layer, key.grid, key.tile.x, key.tile.y};
-}
+Name name_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.tile.y}; }
 
 /// A caller that keeps to the protocol and checks that the streamer does too.
 class Stage {
@@ -257,7 +255,8 @@ TEST_CASE("streaming: a teleport drops, cancels and loads") {
 
 TEST_CASE("streaming: several viewers, near each other and apart, each with its own scale") {
 	Stage stage(two_layers);
-	const std::vector<Viewer> viewers{{{0.0, 0.0}, 1.0}, {{60.0, 10.0}, 1.5}, {{-5000.0, 700.0}, 0.25}, {{900.0, 0.0}, 0.0}};
+	const std::vector<Viewer> viewers{
+			{{0.0, 0.0}, 1.0}, {{60.0, 10.0}, 1.5}, {{-5000.0, 700.0}, 0.25}, {{900.0, 0.0}, 0.0}};
 	stage.settle(viewers);
 	check_view(stage, two_layers, viewers);
 	stage.settle({viewers[2]});
@@ -284,7 +283,8 @@ TEST_CASE("streaming: an outdated tile stays on show until its successor is ther
 	stage.update(viewers);
 	CHECK(stage.changes.drop.empty());
 	CHECK(stage.changes.request.size() == of_layer_1);
-	CHECK(std::ranges::all_of(stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
+	CHECK(std::ranges::all_of(
+			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
 
 	// Outdated again before it is done: the first answer is refused, the second one counts.
 	const TileRequest early = stage.changes.request[0];
@@ -329,8 +329,8 @@ TEST_CASE("streaming: a new view distance keeps what is there") {
 	REQUIRE(stage.streamer.set_layers(layers).ok());
 	stage.settle(viewers);
 	CHECK(stage.dropped == 0);
-	CHECK(std::ranges::includes(stage.shown, before, {}, &std::pair<const Name, TileKey>::first,
-			&std::pair<const Name, TileKey>::first));
+	CHECK(std::ranges::includes(
+			stage.shown, before, {}, &std::pair<const Name, TileKey>::first, &std::pair<const Name, TileKey>::first));
 	check_view(stage, layers, viewers);
 	// The same settings again change nothing.
 	REQUIRE(stage.streamer.set_layers(layers).ok());
@@ -352,7 +352,8 @@ TEST_CASE("streaming: with a new tile size the old tiles stay until the new ones
 	CHECK(stage.changes.cancel.empty());
 	CHECK(stage.changes.drop.empty());
 	CHECK(stage.shown.size() == old_tiles + other_tiles);
-	CHECK(std::ranges::all_of(stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
+	CHECK(std::ranges::all_of(
+			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
 
 	// One by one: at no time may a place in view be bare that was not.
 	while (!stage.pending.empty()) {
@@ -431,7 +432,8 @@ TEST_CASE("streaming: bad input is refused by name and value, and the last good 
 
 	const auto refuse_viewer = [&](Viewer bad, ErrorCode code, const char *property, double value) {
 		StreamChanges changes;
-		check_refused(stage.streamer.update(std::vector<Viewer>{viewers[0], bad}, unlimited, changes), code, property, value);
+		check_refused(
+				stage.streamer.update(std::vector<Viewer>{viewers[0], bad}, unlimited, changes), code, property, value);
 		CHECK(changes.empty());
 		stage.update(viewers);
 		CHECK(stage.changes.empty());

@@ -33,9 +33,7 @@ Heightfield field_of(const HeightfieldFrame &of, const std::vector<std::uint16_t
 	return field;
 }
 
-bool same_bits(const Ground &a, const Ground &b) {
-	return std::memcmp(&a, &b, sizeof(Ground)) == 0;
-}
+bool same_bits(const Ground &a, const Ground &b) { return std::memcmp(&a, &b, sizeof(Ground)) == 0; }
 
 } // namespace
 
@@ -201,7 +199,8 @@ TEST_CASE("terrain: a refused heightfield names what is wrong and leaves the fie
 	refuse([](auto &bad) { bad.area.min.x = nan_value; }, ErrorCode::not_finite, "area", nan_value);
 	refuse([](auto &bad) { bad.area.max.x = infinite_value; }, ErrorCode::not_finite, "area", infinite_value);
 	refuse([](auto &bad) { bad.area.min.y = -infinite_value; }, ErrorCode::not_finite, "area", infinite_value);
-	refuse([](auto &bad) { bad.area.min.y = bad.area.max.y = infinite_value; }, ErrorCode::not_finite, "area", nan_value);
+	refuse([](auto &bad) { bad.area.min.y = bad.area.max.y = infinite_value; }, ErrorCode::not_finite, "area",
+			nan_value);
 	refuse([](auto &bad) { bad.min_height = nan_value; }, ErrorCode::not_finite, "min_height", nan_value);
 	refuse([](auto &bad) { bad.max_height = infinite_value; }, ErrorCode::not_finite, "max_height", infinite_value);
 	refuse([](auto &bad) { bad.max_height = -101.0; }, ErrorCode::inverted, "max_height", -101.0);

@@ -23,7 +23,8 @@ namespace {
 
 /// Waves of hills over 600 x 400 m, from sharp to gentle, at the corner of the world that `offset` gives.
 Heightfield hills(glm::dvec2 offset = glm::dvec2(0.0)) {
-	const HeightfieldFrame frame{{61, 41}, {offset + glm::dvec2(-300.0, -200.0), offset + glm::dvec2(300.0, 200.0)}, 0.0, 90.0};
+	const HeightfieldFrame frame{
+			{61, 41}, {offset + glm::dvec2(-300.0, -200.0), offset + glm::dvec2(300.0, 200.0)}, 0.0, 90.0};
 	std::vector<std::uint16_t> posts;
 	for (int row = 0; row < 41; ++row) {
 		for (int column = 0; column < 61; ++column) {
@@ -416,7 +417,8 @@ TEST_CASE("tile: cancelling ends the build with a valid tile") {
 	CHECK(builder.build(rich_layer(), hills(), tile_of_hills, tile, &cancel).code == ErrorCode::cancelled);
 
 	cancel = false;
-	CHECK(builder.build(rich_layer(), CancellingTerrain(cancel), tile_of_hills, tile, &cancel).code == ErrorCode::cancelled);
+	CHECK(builder.build(rich_layer(), CancellingTerrain(cancel), tile_of_hills, tile, &cancel).code ==
+			ErrorCode::cancelled);
 	for (const MeshInstances &mesh : tile.meshes) {
 		CHECK(mesh.buffer.size() == mesh.size() * floats_per_instance);
 		CHECK(mesh.ranks.size() == mesh.size());
@@ -455,7 +457,8 @@ TEST_CASE("tile: bad input is refused by name and value, and the tile stays as i
 	CHECK(builder.build(fine, terrain, tile_of_hills, tile).code == ErrorCode::too_many_points);
 	CHECK(digest(tile) == before);
 
-	check_refused(builder.build(rich_layer(), FailingTerrain(), tile_of_hills, tile), ErrorCode::missing, "heights", 0.0);
+	check_refused(
+			builder.build(rich_layer(), FailingTerrain(), tile_of_hills, tile), ErrorCode::missing, "heights", 0.0);
 	CHECK(digest(tile) == before);
 
 	TileBuilder fresh;

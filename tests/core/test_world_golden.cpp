@@ -21,7 +21,8 @@ TEST_CASE("golden: ground, rules and transforms have the same bits with every co
 	Heightfield field;
 	REQUIRE(field.set({{posts, posts}, {{-1000.3, 2000.7}, {-200.1, 2950.9}}, 236.0, 1076.0}, heights).ok());
 	PreparedRules rules;
-	REQUIRE(rules.set({.max_slope_degrees = 40.0, .slope_falloff = 25.0, .min_height = 250.0, .height_falloff = 100.0}).ok());
+	REQUIRE(rules.set({.max_slope_degrees = 40.0, .slope_falloff = 25.0, .min_height = 250.0, .height_falloff = 100.0})
+					.ok());
 	Placement placement;
 	placement.min_scale = 0.7;
 	placement.max_scale = 1.3;
@@ -34,7 +35,8 @@ TEST_CASE("golden: ground, rules and transforms have the same bits with every co
 			const Ground ground = field.at(position);
 			const std::uint64_t id = pack({7, {column - 50, row * 1000}});
 			if (rules.passes_ground(ground, id, 20070901)) {
-				const glm::vec3 local(static_cast<float>(position.x + 600.0), ground.height, static_cast<float>(position.y - 2475.0));
+				const glm::vec3 local(
+						static_cast<float>(position.x + 600.0), ground.height, static_cast<float>(position.y - 2475.0));
 				std::array<float, floats_per_instance> transform{};
 				write_transform(placement, 20070901, id, ground.normal, local, transform);
 				buffer.insert(buffer.end(), transform.begin(), transform.end());
