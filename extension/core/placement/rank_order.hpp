@@ -14,7 +14,7 @@ constexpr std::uint64_t rank_key(std::uint32_t rank, std::size_t index) { return
 constexpr std::uint32_t point_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
 /// Sorts keys by rank, and those that share a rank by the id of their point, so the order has nothing to do with that
-/// of the points. `scratch` is working memory that is kept for the next time. O(n): a radix sort, about four times as
+/// of the points. `scratch` is working memory that is kept for the next time. O(n): a radix sort, about eight times as
 /// fast as std::sort on the keys of one tile.
 void sort_by_rank(
 		std::vector<std::uint64_t> &keys, std::span<const std::uint64_t> ids, std::vector<std::uint64_t> &scratch);
