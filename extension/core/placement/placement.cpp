@@ -1,6 +1,7 @@
 #include "core/placement/placement.hpp"
 
 #include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
 #include "core/placement/rotation.hpp"
 #include "core/rules/instance_random.hpp"
 

@@ -1,5 +1,7 @@
 #include "core/placement/rotation.hpp"
 
+#include "core/base/floating_point.hpp"
+
 #include <array>
 #include <cstddef>
 #include <numbers>

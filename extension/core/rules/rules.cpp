@@ -1,6 +1,7 @@
 #include "core/rules/rules.hpp"
 
 #include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
 #include "core/rules/instance_random.hpp"
 #include "core/rules/slope.hpp"
 

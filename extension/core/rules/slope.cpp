@@ -1,5 +1,7 @@
 #include "core/rules/slope.hpp"
 
+#include "core/base/floating_point.hpp"
+
 #include <cmath>
 #include <numbers>
 

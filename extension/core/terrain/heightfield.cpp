@@ -1,6 +1,7 @@
 #include "core/terrain/heightfield.hpp"
 
 #include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
 
 #include <algorithm>
 #include <array>
