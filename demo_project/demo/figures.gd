@@ -4,6 +4,9 @@ extends RefCounted
 ## Frames that the median and the 99th percentile look back on.
 const WINDOW := 1200
 
+## While true, frames no longer count: the quantiles stay those of the frames before.
+var frozen := false
+
 var _microseconds := PackedFloat64Array()
 var _next := 0
 var _last := {}
@@ -12,6 +15,8 @@ var _last := {}
 ## Takes the figures of the frame that has just been processed.
 func sample(stats: Dictionary) -> void:
 	_last = stats
+	if frozen:
+		return
 	var value := float(stats.get("frame_usec", 0))
 	if _microseconds.size() < WINDOW:
 		_microseconds.append(value)
@@ -44,10 +49,10 @@ func points_per_second() -> float:
 ## The figures in a few lines.
 func text() -> String:
 	return "\n".join([
-		"tiles          %s (%s on the way)" % [_last.get("tiles", 0), int(_last.get("waiting", 0)) + int(_last.get("pending", 0))],
-		"instances      %s" % grouped(int(_last.get("instances", 0))),
-		"main thread    %.0f µs median, %.0f µs p99 a frame" % [quantile(0.5), quantile(0.99)],
-		"points         %s a second and thread" % grouped(int(points_per_second())),
+		"%s tiles, %s on the way" % [_last.get("tiles", 0), int(_last.get("waiting", 0)) + int(_last.get("pending", 0))],
+		"%s instances" % grouped(int(_last.get("instances", 0))),
+		"%s points a second and thread" % grouped(int(points_per_second())),
+		"main thread: median %.0f µs, p99 %.0f µs a frame" % [quantile(0.5), quantile(0.99)],
 	])
 
 

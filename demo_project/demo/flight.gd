@@ -12,7 +12,7 @@ const STOPS: Array[Dictionary] = [
 	{"name": "overview", "eye": Vector3(2350.0, 300.0, 150.0), "heading": 318.0, "pitch": -11.0},
 	{"name": "forest", "eye": Vector3(1620.0, 26.0, -1180.0), "heading": 325.0, "pitch": -3.0},
 	{"name": "walk", "eye": Vector3(1870.0, 1.75, -950.0), "heading": 312.0, "pitch": -2.0},
-	{"name": "stones", "eye": Vector3(1180.0, 1.75, -1520.0), "heading": 300.0, "pitch": 0.0},
+	{"name": "stones", "eye": Vector3(-12561.0, 1.75, 10581.2), "heading": 334.0, "pitch": -6.0},
 	{"name": "tiles", "eye": Vector3(1900.0, 150.0, -700.0), "heading": 318.0, "pitch": -28.0},
 ]
 

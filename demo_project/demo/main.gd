@@ -3,7 +3,7 @@ extends Node3D
 ##
 ## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] flies the fixed path, writes
 ## a picture at each stop (to build/demo beside the project unless told otherwise; none with --headless), prints the figures and
-## quits; [code]--seed=NUMBER[/code] starts with another seed; [code]--at=STOP[/code] starts at a stop of the flight.
+## quits; [code]--stops=NAME,NAME[/code] does so for these stops alone; [code]--seed=NUMBER[/code] starts with another seed; [code]--at=STOP[/code] starts at a stop of the flight.
 
 const Figures := preload("res://demo/figures.gd")
 const Flight := preload("res://demo/flight.gd")
@@ -16,6 +16,7 @@ var figures := Figures.new()
 var _density := 1.0
 var _densities := PackedFloat64Array()
 var _flight_seconds := -1.0
+var _mode := ""
 
 @onready var scatter: Node3D = $Scatter
 @onready var _terrain: Node3D = $Terrain
@@ -37,7 +38,7 @@ func _ready() -> void:
 		if stop.name == arguments.get("at", ""):
 			place(stop)
 	if arguments.has("screenshots"):
-		_take_screenshots(arguments.screenshots)
+		_take_screenshots(arguments.screenshots, arguments.get("stops", ""))
 
 
 func _process(delta: float) -> void:
@@ -47,8 +48,9 @@ func _process(delta: float) -> void:
 		fly_to(Flight.on_the_way(_flight_seconds))
 		if _flight_seconds > Flight.flight_seconds():
 			_flight_seconds = -1.0
-	_overlay.show_figures(figures.text(), "seed %d, density %.0f %%, %s, %d frames a second" % [
-		scatter.get(&"seed"), _density * 100.0, "walking" if _camera.walking else "flying", Engine.get_frames_per_second()])
+	if not figures.frozen:
+		_mode = ", %s, %d frames a second" % ["walking" if _camera.walking else "flying", Engine.get_frames_per_second()]
+	_overlay.show_figures(figures.text(), "seed %d, density %.0f %%%s" % [scatter.get(&"seed"), _density * 100.0, _mode])
 
 
 func _unhandled_key_input(event: InputEvent) -> void:
@@ -95,6 +97,11 @@ func show_tiles(shown: bool) -> void:
 	_borders.visible = shown
 
 
+## Shows or hides the figures.
+func show_overlay(shown: bool) -> void:
+	_overlay.visible = shown
+
+
 func _set_density(density: float) -> void:
 	_density = clampf(density, 0.0, 1.0)
 	var layers: Array = scatter.get(&"layers")
@@ -102,12 +109,13 @@ func _set_density(density: float) -> void:
 		layers[i].set(&"density", _densities[i] * _density)
 
 
-func _take_screenshots(folder: String) -> void:
+func _take_screenshots(folder: String, stops: String) -> void:
 	_overlay.hide_help()
 	var run := Screenshots.new()
 	run.demo = self
 	if DisplayServer.get_name() != "headless":
 		run.folder = folder if folder != "" else ProjectSettings.globalize_path("res://").path_join("../build/demo").simplify_path()
+	run.only = stops.split(",", false)
 	add_child(run)
 	run.run()
 

@@ -11,12 +11,14 @@ const FLIGHT_FPS := 60
 ## Seconds after which a stop that is not idle counts as failed.
 const PATIENCE := 120.0
 ## Frames to draw before a picture is kept: levels of detail and shadows settle.
-const SETTLING_FRAMES := 3
+const SETTLING_FRAMES := 2
 
 ## The demo's root.
 var demo: Node3D
 ## The folder for the pictures; made where it is missing. Empty: no pictures, for runs without a renderer.
 var folder := ""
+## Names of the stops to visit, without the flight; empty: everything.
+var only := PackedStringArray()
 
 var _failed := false
 
@@ -25,10 +27,10 @@ var _failed := false
 func run() -> void:
 	if folder != "" and DirAccess.make_dir_recursive_absolute(folder) != OK:
 		_fail("cannot make the folder %s" % folder)
-	if not _failed:
+	if not _failed and only.is_empty():
 		await _fly()
 	for stop in Flight.STOPS:
-		if not _failed:
+		if not _failed and (only.is_empty() or only.has(stop.name)):
 			await _visit(stop)
 	print("demo: %s" % ("FAILED" if _failed else "done"))
 	# The default is restored, lest a failing run hang in a loop that draws nothing.
@@ -48,6 +50,7 @@ func _fly() -> void:
 		demo.fly_to(Flight.on_the_way(float(frame) / FLIGHT_FPS))
 		await get_tree().process_frame
 	Engine.max_fps = 0
+	figures.frozen = true
 	print("demo: flight of %.0f s at %.0f m/s" % [Flight.flight_seconds(), Flight.SPEED])
 	print(figures.text().indent("demo: "))
 
@@ -57,6 +60,7 @@ func _visit(stop: Dictionary) -> void:
 	var started := Time.get_ticks_msec()
 	demo.place(stop)
 	demo.show_tiles(stop.name == "tiles")
+	demo.show_overlay(stop.name == "tiles")
 	await _wait_until_idle()
 	if _failed:
 		return
@@ -66,8 +70,10 @@ func _visit(stop: Dictionary) -> void:
 	if folder == "":
 		return
 	RenderingServer.render_loop_enabled = true
+	started = Time.get_ticks_msec()
 	for frame in SETTLING_FRAMES:
 		await RenderingServer.frame_post_draw
+	print("demo: %s: %.1f s a frame" % [stop.name, (Time.get_ticks_msec() - started) / 1000.0 / SETTLING_FRAMES])
 	var image := get_viewport().get_texture().get_image()
 	var path := folder.path_join("%s.png" % stop.name)
 	if image == null or image.is_empty() or image.save_png(path) != OK:

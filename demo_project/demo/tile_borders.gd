@@ -1,5 +1,5 @@
 extends MeshInstance3D
-## Draws the borders of the tiles that a scatter shows as bright bands on the ground, a colour for each layer.
+## Draws the borders of the tiles that a scatter shows as bright bands on the ground, a colour for each size of tile.
 
 const COLORS: Array[Color] = [
 	Color(1.0, 0.72, 0.2), Color(0.35, 0.85, 1.0), Color(1.0, 0.45, 0.75), Color(0.75, 1.0, 0.4), Color(0.95, 0.95, 0.95)]
@@ -49,15 +49,17 @@ func _draw_all() -> void:
 	bands.clear_surfaces()
 	var layers: Array = scatter.get(&"layers")
 	var begun := false
+	var sizes: Array[float] = []
 	for index in layers.size():
-		if layers[index] == null:
+		if layers[index] == null or sizes.has(layers[index].get(&"tile_size")):
 			continue
 		var size: float = layers[index].get(&"tile_size")
+		sizes.append(size)
 		for tile: Vector2i in scatter.call(&"get_shown_tiles", index):
 			if not begun:
 				bands.surface_begin(Mesh.PRIMITIVE_TRIANGLES)
 				begun = true
-			bands.surface_set_color(COLORS[index % COLORS.size()])
+			bands.surface_set_color(COLORS[(sizes.size() - 1) % COLORS.size()])
 			var from := Vector2(tile) * size
 			_band(from, from + Vector2(size, 0.0), size)
 			_band(from, from + Vector2(0.0, size), size)

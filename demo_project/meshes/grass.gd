@@ -2,9 +2,9 @@ extends RefCounted
 ## A tuft of grass, 0.35 to 0.75 m high: bent blades without any texture, lit like the ground that they stand on.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
-const LOW := Color(0.12, 0.19, 0.04, 0.6)
-const HIGH := Color(0.42, 0.52, 0.12, 1.0)
-const DRY := Color(0.6, 0.54, 0.24, 1.0)
+const LOW := Color(0.1, 0.16, 0.04, 0.6)
+const HIGH := Color(0.3, 0.4, 0.1, 1.0)
+const DRY := Color(0.5, 0.44, 0.2, 1.0)
 
 
 ## Fills [param mesh] with the tuft that [param variant] names; odd ones are lower and denser, and carry no dry stalks.

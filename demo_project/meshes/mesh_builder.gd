@@ -83,10 +83,10 @@ func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, side
 		quad(a, a + 1, a + 3, a + 2)
 
 
-## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, its radii varied by up to
-## [param roughness] (0..1). Vertex colours run from [param low] at the bottom to [param high] at the top.
+## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times (a ring of twelve faces for -1), its radii varied
+## by up to [param roughness] (0..1). Vertex colours run from [param low] at the bottom to [param high] at the top.
 func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color, sway: Vector2, rng: RandomNumberGenerator) -> void:
-	var sphere := _icosphere(subdivisions)
+	var sphere := _bipyramid() if subdivisions < 0 else _icosphere(subdivisions)
 	var points: PackedVector3Array = sphere[0]
 	var faces: PackedInt32Array = sphere[1]
 	var first := _vertices.size()
@@ -130,6 +130,18 @@ func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) 
 	mesh.clear_surfaces()
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], lods)
 	mesh.surface_set_material(0, material)
+
+
+## A roundish body of only twelve faces: a ring of six points, every second one raised, with a top and a bottom.
+static func _bipyramid() -> Array:
+	var points := PackedVector3Array([Vector3.UP, Vector3.DOWN])
+	var faces := PackedInt32Array()
+	for i in 6:
+		var angle := TAU * i / 6.0
+		points.append(Vector3(cos(angle), 0.22 if i % 2 == 0 else -0.18, sin(angle)))
+		var next := (i + 1) % 6
+		faces.append_array([0, 2 + i, 2 + next, 1, 2 + next, 2 + i])
+	return [points, faces]
 
 
 ## Unit icosphere: points and clockwise faces.

@@ -3,10 +3,10 @@ extends RefCounted
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
-const BARK := Color(0.26, 0.2, 0.15)
-const CORE := Color(0.06, 0.11, 0.028, 0.4)
-const LOW := Color(0.11, 0.2, 0.035)
-const HIGH := Color(0.4, 0.5, 0.1)
+const BARK := Color(0.21, 0.175, 0.14)
+const CORE := Color(0.1, 0.165, 0.045, 0.5)
+const LOW := Color(0.1, 0.175, 0.04)
+const HIGH := Color(0.34, 0.43, 0.115)
 
 
 ## Fills [param mesh] with the tree that [param variant] names.
@@ -15,22 +15,25 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	rng.seed = 100 + variant
 	var clumps := _clumps(rng, variant)
 	var builder := Builder.new()
+	var heart: Array[Vector4] = [Vector4(0.0, 9.4, 0.0, 3.7)]
 	builder.begin_level()
-	_trunk(builder, clumps, 7)
+	_trunk(builder, clumps, 6)
 	_crown(builder, clumps, 13, 1.0, rng)
-	_cores(builder, clumps, 0, 0.72, CORE, CORE.lightened(0.02), rng)
+	_cores(builder, clumps.slice(0, 7) + heart, 0.62, CORE, CORE, rng)
 	builder.begin_level()
-	_trunk(builder, clumps.slice(0, 3), 4)
-	_crown(builder, clumps, 5, 1.55, rng)
-	_cores(builder, clumps, 0, 0.8, CORE, CORE.lightened(0.02), rng)
+	_trunk(builder, [], 4)
+	_crown(builder, clumps, 5, 1.6, rng)
+	_cores(builder, clumps.slice(0, 3) + heart, 0.9, CORE, CORE, rng)
 	builder.begin_level()
-	_trunk(builder, [], 3)
-	_crown(builder, clumps, 2, 1.5, rng)
-	_cores(builder, clumps.slice(0, 6), 0, 0.95, LOW * 0.8, LOW.lerp(HIGH, 0.5), rng)
+	_stem(builder)
+	_crown(builder, clumps, 2, 2.05, rng)
+	_cores(builder, heart, 1.08, LOW * 0.7, LOW.lerp(HIGH, 0.35), rng)
 	builder.begin_level()
-	_trunk(builder, [], 3)
-	builder.blob(Vector3(0.0, 10.0, 0.0), Vector3(4.9, 5.2, 4.9), 0, 0.14, Color(LOW, 0.55), Color(LOW.lerp(HIGH, 0.72), 1.0), Vector2(0.3, 0.5), rng)
-	builder.commit(mesh, PackedFloat32Array([70.0, 190.0, 520.0]), material)
+	_crown(builder, clumps.slice(6), 1, 2.6, rng)
+	_far_crown(builder, 1.15, rng)
+	builder.begin_level()
+	_far_crown(builder, 1.35, rng)
+	builder.commit(mesh, PackedFloat32Array([38.0, 100.0, 260.0, 600.0]), material)
 
 
 ## Centre and radius of the crown's clumps, as Vector4(x, y, z, radius).
@@ -42,11 +45,11 @@ static func _clumps(rng: RandomNumberGenerator, variant: int) -> Array[Vector4]:
 		# A golden-angle spiral from the crown's shoulder to its top keeps the clumps apart.
 		var along := (i + 0.5) / count
 		var angle := i * 2.39996 + variant
-		var reach := 3.7 * wide * sqrt(1.0 - pow(along * 1.04 - 0.12, 2.0)) * (0.55 if i > count - 4 else 1.0)
+		var reach := 3.7 * wide * sqrt(1.0 - pow(along * 1.04 - 0.12, 2.0)) * (0.6 if i > count - 4 else 1.0)
 		var height := 6.6 + 7.4 * along + rng.randf_range(-0.5, 0.5)
 		var radius := rng.randf_range(1.9, 2.5)
 		result.append(Vector4(cos(angle) * reach, height, sin(angle) * reach, radius))
-	result.append(Vector4(0.0, 10.0, 0.0, 3.2))
+	result.append(Vector4(0.3, 13.0, -0.2, 2.3))
 	return result
 
 
@@ -62,32 +65,45 @@ static func _trunk(builder: Builder, clumps: Array[Vector4], sides: int) -> void
 		builder.tube(start, start.lerp(end, 0.85), 0.2, 0.06, maxi(3, sides - 3), BARK * 0.8, 0.04, 0.25)
 
 
+## The trunk as it is seen from far away.
+static func _stem(builder: Builder) -> void:
+	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 6.5, 0.0), 0.5, 0.3, 3, BARK, 0.0, 0.04)
+
+
+## A crown of twelve faces.
+static func _far_crown(builder: Builder, size: float, rng: RandomNumberGenerator) -> void:
+	builder.blob(Vector3(0.0, 9.6, 0.0), Vector3(3.9, 4.3, 3.9) * size, -1, 0.12, Color(LOW * 0.75, 0.5), LOW.lerp(HIGH, 0.62), Vector2(0.2, 0.5), rng)
+
+
+## Leaf sprays around each clump, on the sides that are seen: not towards the crown's heart.
 static func _crown(builder: Builder, clumps: Array[Vector4], cards: int, size: float, rng: RandomNumberGenerator) -> void:
-	var heart := Vector3(0.0, 8.6, 0.0)
+	var heart := Vector3(0.0, 8.4, 0.0)
 	for clump in clumps:
 		var center := Vector3(clump.x, clump.y, clump.z)
+		var outward := (center - heart).normalized()
 		for i in cards:
 			var out := _direction(i, cards, rng)
-			# Few leaves where nobody looks: inside, and below.
-			if out.dot(center - heart) < -1.2 and out.y < 0.5:
-				continue
-			var position := center + out * clump.w * rng.randf_range(0.55, 0.95)
-			var normal := (position - heart).normalized() * 0.75 + out * 0.45 + Vector3.UP * 0.2
-			var face := (out + Vector3(rng.randf_range(-0.7, 0.7), rng.randf_range(-0.3, 0.7), rng.randf_range(-0.7, 0.7))).normalized()
+			if out.dot(outward) < -0.25:
+				out = (out - outward * 2.0 * out.dot(outward)).normalized()
+			var position := center + out * clump.w * (rng.randf_range(0.6, 0.85) if cards > 2 else 0.35)
+			var from_heart := position - heart
+			var normal := from_heart.normalized() * 0.8 + out * 0.4 + Vector3.UP * 0.25
+			var face := (out + outward * 0.4 + Vector3(rng.randf_range(-0.4, 0.4), rng.randf_range(-0.2, 0.5), rng.randf_range(-0.4, 0.4))).normalized()
 			var right := face.cross(Vector3.UP + Vector3(0.01, 0.0, 0.0)).normalized().rotated(face, rng.randf() * TAU)
-			var up := right.cross(face)
-			var extent := size * rng.randf_range(1.0, 1.4)
-			var height := clampf((position.y - 5.0) / 10.5, 0.0, 1.0)
-			var depth := clampf((position - heart).length() / 6.2, 0.0, 1.0)
-			var color := LOW.lerp(HIGH, clampf(0.15 + 0.75 * height * depth + rng.randf_range(-0.12, 0.2), 0.0, 1.0))
-			color.a = clampf(0.25 + 0.5 * depth + 0.35 * height, 0.0, 1.0)
-			builder.card(position, right * extent, up * extent, normal, Atlas.BROADLEAF, color, Vector2(0.3 + 0.4 * depth, rng.randf()))
+			var extent := size * rng.randf_range(1.0, 1.35)
+			var height := clampf((position.y - 5.0) / 9.5, 0.0, 1.0)
+			var depth := clampf(from_heart.length() / 5.6, 0.0, 1.0)
+			var color := LOW.lerp(HIGH, clampf(0.12 + 0.95 * height * depth + rng.randf_range(-0.1, 0.18), 0.0, 1.0))
+			color.a = clampf(0.2 + 0.5 * depth + 0.35 * height, 0.0, 1.0)
+			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color, Vector2(0.3 + 0.4 * depth, rng.randf()))
 
 
-static func _cores(builder: Builder, clumps: Array[Vector4], subdivisions: int, size: float, low: Color, high: Color, rng: RandomNumberGenerator) -> void:
+## Dark round bodies that fill the crown behind the leaves.
+static func _cores(builder: Builder, clumps: Array[Vector4], size: float, low: Color, high: Color, rng: RandomNumberGenerator) -> void:
 	for clump in clumps:
 		var radius := clump.w * size
-		builder.blob(Vector3(clump.x, clump.y, clump.z) * Vector3(0.92, 1.0, 0.92), Vector3(radius, radius * 0.85, radius), subdivisions, 0.12, low, high, Vector2(0.25, 0.5), rng)
+		var radii := Vector3(radius, radius * 0.9, radius)
+		builder.blob(Vector3(clump.x * 0.85, clump.y, clump.z * 0.85), radii, 0, 0.15, low, high, Vector2(0.25, 0.5), rng)
 
 
 ## The i-th of n directions spread over the sphere.

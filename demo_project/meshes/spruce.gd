@@ -4,9 +4,9 @@ extends RefCounted
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 const BARK := Color(0.22, 0.16, 0.12)
-const DARK := Color(0.03, 0.06, 0.03, 0.5)
+const DARK := Color(0.055, 0.1, 0.05, 0.5)
 const LOW := Color(0.06, 0.12, 0.055)
-const HIGH := Color(0.24, 0.37, 0.14)
+const HIGH := Color(0.25, 0.36, 0.16)
 const HEIGHT := 21.0
 
 
@@ -18,19 +18,21 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	var slim := 1.0 - 0.13 * (variant % 3)
 	builder.begin_level()
 	_trunk(builder, 6)
-	_branches(builder, 17, 8, slim, true, rng)
-	_tiers(builder, 6, 8, slim * 0.62, DARK, DARK, rng)
+	_branches(builder, 17, 7, slim, true, rng)
+	_tiers(builder, 4, 6, slim * 0.5, DARK, DARK, rng)
 	builder.begin_level()
 	_trunk(builder, 4)
-	_branches(builder, 12, 6, slim * 1.04, false, rng)
-	_tiers(builder, 5, 6, slim * 0.7, DARK, DARK, rng)
+	_branches(builder, 11, 5, slim * 1.05, false, rng)
+	_tiers(builder, 4, 5, slim * 0.62, DARK, DARK, rng)
 	builder.begin_level()
-	_trunk(builder, 3)
-	_tiers(builder, 6, 8, slim, LOW * 0.8, HIGH * 0.85, rng)
+	_stem(builder)
+	_branches(builder, 5, 4, slim * 1.1, false, rng)
+	_tiers(builder, 3, 6, slim * 0.8, LOW * 0.6, LOW.lerp(HIGH, 0.5), rng)
 	builder.begin_level()
-	_trunk(builder, 3)
 	_tiers(builder, 2, 5, slim * 0.95, LOW * 0.9, HIGH * 0.75, rng)
-	builder.commit(mesh, PackedFloat32Array([65.0, 170.0, 480.0]), material)
+	builder.begin_level()
+	_tiers(builder, 1, 4, slim * 0.95, LOW * 0.9, HIGH * 0.75, rng)
+	builder.commit(mesh, PackedFloat32Array([38.0, 100.0, 260.0, 600.0]), material)
 
 
 ## The crown's radius in metres at a height 0..1 of the tree.
@@ -43,6 +45,11 @@ static func _trunk(builder: Builder, sides: int) -> void:
 	builder.tube(Vector3(0.0, 0.4, 0.0), Vector3(0.0, HEIGHT * 0.9, 0.0), 0.34, 0.05, sides, BARK, 0.0, 0.4)
 
 
+## The trunk as it is seen from far away.
+static func _stem(builder: Builder) -> void:
+	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, HEIGHT * 0.3, 0.0), 0.4, 0.25, 3, BARK, 0.0, 0.05)
+
+
 static func _branches(builder: Builder, whorls: int, count: int, slim: float, bent: bool, rng: RandomNumberGenerator) -> void:
 	for whorl in whorls:
 		var along := float(whorl) / (whorls - 1)
@@ -51,8 +58,8 @@ static func _branches(builder: Builder, whorls: int, count: int, slim: float, be
 		for i in number:
 			var angle := TAU * (i + 0.5 * (whorl % 2)) / number + rng.randf_range(-0.22, 0.22)
 			var out := Vector3(cos(angle), 0.0, sin(angle))
-			var reach := _radius(height) * slim * rng.randf_range(0.85, 1.15)
-			var start := Vector3.UP * HEIGHT * (height + rng.randf_range(-0.012, 0.012))
+			var reach := _radius(height) * slim * rng.randf_range(0.72, 1.18)
+			var start := Vector3.UP * HEIGHT * (height + rng.randf_range(-0.02, 0.02))
 			_branch(builder, start, out, reach, along, bent, rng)
 	# The leader: two crossed twigs upright at the top.
 	for turn: float in [0.0, PI * 0.5]:
@@ -61,31 +68,31 @@ static func _branches(builder: Builder, whorls: int, count: int, slim: float, be
 		builder.card(Vector3.UP * HEIGHT * 0.955, Vector3.UP * 1.3, side * 0.45, Vector3.UP, Atlas.TWIG, top, Vector2(0.5, 0.5), 0.3)
 
 
-## One branch: a strip of one or two quads that leaves the trunk upwards when young and droops when old.
+## One branch: a roof of one or two pairs of quads, whose sides hang so that it is seen from the side as from above; it leaves
+## the trunk upwards when young and droops when old.
 static func _branch(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, bent: bool, rng: RandomNumberGenerator) -> void:
-	var side := out.cross(Vector3.UP).rotated(out, rng.randf_range(-0.35, 0.35))
-	var width := reach * 0.46 + 0.3
-	var rise := lerpf(-0.22, 0.55, along) * reach
-	var middle := start + out * reach * 0.55 + Vector3.UP * (rise * 0.75)
-	var end := start + out * reach + Vector3.UP * (rise - reach * 0.2)
-	var stations: Array[Vector3] = [start, end]
+	var side := out.cross(Vector3.UP).rotated(out, rng.randf_range(-0.3, 0.3))
+	var width := reach * 0.36 + 0.3
+	var rise := lerpf(-0.2, 0.55, along) * reach
+	var stations: Array[Vector3] = [start, start + out * reach + Vector3.UP * (rise - reach * 0.2)]
 	if bent:
-		stations = [start, middle, end]
+		stations.insert(1, start + out * reach * 0.55 + Vector3.UP * (rise * 0.75))
 	var phase := rng.randf()
 	var tint := rng.randf_range(-0.1, 0.22)
-	var previous := Vector2i(-1, -1)
+	var previous: Array[int] = []
 	for i in stations.size():
 		var t := float(i) / (stations.size() - 1)
 		var color := LOW.lerp(HIGH, clampf(0.05 + 0.75 * t * (0.45 + 0.55 * along) + tint, 0.0, 1.0))
-		color.a = clampf(0.25 + 0.6 * t + 0.25 * along, 0.0, 1.0)
-		var normal := out * (0.35 + 0.5 * t) + Vector3.UP * 0.75
-		var sway := Vector2(0.1 + 0.5 * t, phase)
-		var u := Atlas.TWIG.position.x + Atlas.TWIG.size.x * t
-		var a := builder.vertex(stations[i] + side * width, normal + side * 0.4, color, Vector2(u, Atlas.TWIG.position.y), sway)
-		var b := builder.vertex(stations[i] - side * width, normal - side * 0.4, color, Vector2(u, Atlas.TWIG.end.y), sway)
-		if previous.x >= 0:
-			builder.quad(previous.x, a, b, previous.y)
-		previous = Vector2i(a, b)
+		color.a = clampf(0.3 + 0.55 * t + 0.25 * along, 0.0, 1.0)
+		var normal := out * (0.45 + 0.5 * t) + Vector3.UP * 0.7
+		var row: Array[int] = []
+		for k: float in [-1.0, 0.0, 1.0]:
+			var place := stations[i] + side * width * k + Vector3.DOWN * width * 0.8 * absf(k)
+			var uv := Atlas.TWIG.position + Atlas.TWIG.size * Vector2(t, 0.5 + 0.5 * k)
+			row.append(builder.vertex(place, normal + side * 0.5 * k, color, uv, Vector2(0.1 + 0.5 * t, phase)))
+		for k in (2 if i > 0 else 0):
+			builder.quad(previous[k], row[k], row[k + 1], previous[k + 1])
+		previous = row
 
 
 static func _tiers(builder: Builder, tiers: int, sides: int, slim: float, low: Color, high: Color, rng: RandomNumberGenerator) -> void:

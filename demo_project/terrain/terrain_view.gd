@@ -7,7 +7,7 @@ extends Node3D
 ## it by less than 2 cm on this map; so plants stand on what is drawn. Lines of posts are always edges of the grid there.
 
 const Elevation := preload("res://terrain/elevation.gd")
-const Noise := preload("res://terrain/noise_texture.gd")
+const NoiseTexture := preload("res://terrain/noise_texture.gd")
 
 ## Quads along a patch's side.
 const QUADS := 16
@@ -26,6 +26,8 @@ const STEP := 6.0
 ## The ground that is drawn; null until the node is ready.
 var elevation: Elevation
 
+var _heights: ImageTexture
+var _relief: ImageTexture
 var _patch := ArrayMesh.new()
 var _quarter := ArrayMesh.new()
 var _instances: Array[RID] = []
@@ -38,12 +40,16 @@ func _ready() -> void:
 	if not elevation.load_description(description) or material == null:
 		set_process(false)
 		return
-	material.set_shader_parameter("heights", elevation.height_texture())
-	material.set_shader_parameter("relief", elevation.relief_texture())
-	material.set_shader_parameter("noise", Noise.texture())
-	material.set_shader_parameter("map_origin", elevation.rect.position)
-	material.set_shader_parameter("post_spacing", elevation.spacing)
-	material.set_shader_parameter("finest_range", FINEST_RANGE)
+	_heights = elevation.height_texture()
+	_relief = elevation.relief_texture()
+	# Past the resource: what the editor sets there would be saved with the scene.
+	var rid := material.get_rid()
+	RenderingServer.material_set_param(rid, &"heights", _heights.get_rid())
+	RenderingServer.material_set_param(rid, &"relief", _relief.get_rid())
+	RenderingServer.material_set_param(rid, &"noise", NoiseTexture.texture().get_rid())
+	RenderingServer.material_set_param(rid, &"map_origin", elevation.rect.position)
+	RenderingServer.material_set_param(rid, &"post_spacing", elevation.spacing)
+	RenderingServer.material_set_param(rid, &"finest_range", FINEST_RANGE)
 	_fill_grid(_patch, QUADS)
 	_fill_grid(_quarter, QUADS / 2)
 
