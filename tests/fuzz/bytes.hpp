@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <span>
+
+namespace thicket::fuzz {
+
+/// Turns a fuzzer's bytes into arguments. Past the end it gives zeros.
+class Bytes {
+public:
+	Bytes(const std::uint8_t *data, std::size_t size) : rest_(data, size) {}
+
+	template <typename T>
+	T raw() {
+		T value{};
+		const std::size_t taken = rest_.size() < sizeof value ? rest_.size() : sizeof value;
+		std::memcpy(&value, rest_.data(), taken);
+		rest_ = rest_.subspan(taken);
+		return value;
+	}
+
+	bool chance(int one_in) { return raw<std::uint8_t>() % one_in == 0; }
+	std::uint32_t below(std::uint32_t count) { return raw<std::uint32_t>() % count; }
+
+	/// A number of [from, to] in most cases, now and then one that hurts: a special value or any bits at all.
+	double number(double from, double to) {
+		static constexpr double inf = std::numeric_limits<double>::infinity();
+		static constexpr std::array<double, 14> nasty = {0.0, -0.0, 1.0, -1.0, inf, -inf,
+				std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::denorm_min(),
+				std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
+				std::numeric_limits<double>::lowest(), 1e300, -4.9e6, 0x1p31};
+		if (chance(24)) {
+			return nasty[raw<std::uint8_t>() % nasty.size()];
+		}
+		if (chance(48)) {
+			return raw<double>();
+		}
+		return from + (to - from) * (static_cast<double>(raw<std::uint16_t>()) / 65535.0);
+	}
+
+private:
+	std::span<const std::uint8_t> rest_;
+};
+
+} // namespace thicket::fuzz

@@ -1,0 +1,113 @@
+// Any sequence of layers, viewers and answers at all: the streamer refuses or keeps its books.
+
+#include "tests/fuzz/bytes.hpp"
+#include "tests/fuzz/fuzz_main.hpp"
+
+#include "core/streaming/tile_streamer.hpp"
+
+#include <set>
+#include <tuple>
+#include <vector>
+
+namespace {
+
+using namespace thicket;
+using fuzz::Bytes;
+using fuzz::promise;
+
+using Key = std::tuple<std::uint32_t, std::uint32_t, int, int>;
+
+Key key_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.tile.y}; }
+
+/// The caller's own books, kept by what the streamer says.
+struct Books {
+	std::vector<TileRequest> pending;
+	std::set<std::uint64_t> refused; ///< Answers that came too late; word of their cancellation may still come.
+	std::set<Key> shown;
+
+	void apply(const StreamChanges &changes) {
+		for (const TileRequest &cancelled : changes.cancel) {
+			const std::size_t before = pending.size();
+			std::erase_if(pending, [&](const TileRequest &one) { return one.ticket == cancelled.ticket; });
+			promise(pending.size() + 1 == before || refused.contains(cancelled.ticket),
+					"only work under way is cancelled");
+		}
+		for (const TileKey &dropped : changes.drop) {
+			promise(shown.erase(key_of(dropped)) == 1, "only what is shown is dropped");
+		}
+		for (const TileRequest &request : changes.request) {
+			for (const TileRequest &other : pending) {
+				promise(other.ticket != request.ticket && !(other.key == request.key), "nothing is requested twice");
+			}
+			promise(!request.rect.empty() && request.rect.finite(), "a request has a rectangle");
+			pending.push_back(request);
+		}
+	}
+};
+
+void set_layers(TileStreamer &streamer, Bytes &r_bytes) {
+	std::vector<StreamLayer> layers(r_bytes.below(4));
+	for (StreamLayer &layer : layers) {
+		layer.tile_size = r_bytes.number(8.0, 80.0);
+		layer.view_distance = r_bytes.number(0.0, 200.0);
+	}
+	(void)streamer.set_layers(layers).ok();
+}
+
+void update(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
+	std::vector<Viewer> viewers(r_bytes.chance(32) ? r_bytes.below(80) : r_bytes.below(3));
+	for (Viewer &viewer : viewers) {
+		viewer.position = {r_bytes.number(-300.0, 300.0), r_bytes.number(-300.0, 300.0)};
+		viewer.radius_scale = r_bytes.number(0.0, 2.0);
+	}
+	StreamChanges changes;
+	const std::size_t most = r_bytes.below(20);
+	if (streamer.update(viewers, most, changes).ok()) {
+		promise(changes.request.size() <= most, "no more is requested than asked for");
+		r_books.apply(changes);
+		const StreamCounts counts = streamer.counts();
+		promise(counts.pending == r_books.pending.size(), "pending tiles are counted");
+		promise(counts.shown == r_books.shown.size(), "shown tiles are counted");
+	} else {
+		promise(changes.empty(), "a refused update changes nothing");
+	}
+}
+
+void answer(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
+	if (r_books.pending.empty()) {
+		return;
+	}
+	const std::size_t which = r_bytes.below(static_cast<std::uint32_t>(r_books.pending.size()));
+	const TileRequest request = r_books.pending[which];
+	r_books.pending.erase(r_books.pending.begin() + static_cast<std::ptrdiff_t>(which));
+	if (streamer.finish(request)) {
+		r_books.shown.insert(key_of(request.key));
+	} else {
+		r_books.refused.insert(request.ticket);
+	}
+	promise(!streamer.finish(request), "an answer counts once");
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
+	Bytes bytes(data, size);
+	TileStreamer streamer;
+	Books books;
+	set_layers(streamer, bytes);
+	for (int step = 0; step < 40; ++step) {
+		switch (bytes.below(8)) {
+			case 0: set_layers(streamer, bytes); break;
+			case 1: streamer.invalidate(bytes.below(5)); break;
+			case 2:
+				streamer.invalidate(bytes.below(5),
+						{{bytes.number(-300.0, 0.0), bytes.number(-300.0, 0.0)},
+								{bytes.number(0.0, 300.0), bytes.number(0.0, 300.0)}});
+				break;
+			case 3:
+			case 4: update(streamer, bytes, books); break;
+			default: answer(streamer, bytes, books); break;
+		}
+	}
+	return 0;
+}

@@ -1,0 +1,135 @@
+// Any heightfield and any layer at all: they are refused or make tiles that an engine can show.
+
+#include "tests/fuzz/bytes.hpp"
+#include "tests/fuzz/fuzz_main.hpp"
+
+#include "core/placement/tile_builder.hpp"
+#include "core/terrain/heightfield.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace {
+
+using namespace thicket;
+using fuzz::Bytes;
+using fuzz::promise;
+
+/// A field of at most 40 x 40 posts around the origin, mostly; a wrong one is refused and leaves the flat one before it.
+Heightfield read_field(Bytes &r_bytes) {
+	Heightfield field;
+	const std::vector<std::uint16_t> flat(4, 1000);
+	promise(field.set({{2, 2}, {{-100.0, -100.0}, {100.0, 100.0}}, 0.0, 100.0}, flat).ok(), "a good field is taken");
+	HeightfieldFrame frame;
+	frame.posts = {static_cast<int>(r_bytes.below(42)) - 1, static_cast<int>(r_bytes.below(42)) - 1};
+	if (r_bytes.chance(32)) {
+		frame.posts = {r_bytes.raw<std::int32_t>(), r_bytes.raw<std::int32_t>()};
+	}
+	frame.area.min = {r_bytes.number(-200.0, 0.0), r_bytes.number(-200.0, 0.0)};
+	frame.area.max = {r_bytes.number(1.0, 200.0), r_bytes.number(1.0, 200.0)};
+	frame.min_height = r_bytes.number(-100.0, 500.0);
+	frame.max_height = r_bytes.number(0.0, 1000.0);
+	const auto product = static_cast<std::int64_t>(frame.posts.x) * frame.posts.y;
+	const std::size_t wanted = product > 0 && product < 2000 ? static_cast<std::size_t>(product) : 7;
+	std::vector<std::uint16_t> posts(r_bytes.chance(16) ? r_bytes.below(2000) : wanted);
+	for (std::uint16_t &post : posts) {
+		post = r_bytes.raw<std::uint16_t>();
+	}
+	const HeightfieldFrame before = field.frame();
+	if (!field.set(frame, posts).ok()) {
+		promise(field.frame().posts == before.posts, "a refused field changes nothing");
+	}
+	return field;
+}
+
+void check_field(const Heightfield &field, Bytes &r_bytes) {
+	std::vector<glm::dvec2> positions;
+	for (int i = 0; i < 16; ++i) {
+		positions.emplace_back(r_bytes.number(-250.0, 250.0), r_bytes.number(-250.0, 250.0));
+	}
+	positions.push_back(field.frame().area.min);
+	positions.push_back(field.frame().area.max);
+	std::vector<Ground> ground(positions.size());
+	promise(field.sample(positions, ground).ok(), "places without ground are no error");
+	const HeightfieldFrame &frame = field.frame();
+	const double slack = 1e-6 * (1.0 + std::abs(frame.min_height) + std::abs(frame.max_height));
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		if (std::isnan(ground[i].height)) {
+			promise(i < positions.size() - 2, "the corners of a field have ground");
+			continue;
+		}
+		promise(ground[i].height >= frame.min_height - slack && ground[i].height <= frame.max_height + slack,
+				"a height lies between the lowest and the highest");
+		const glm::vec3 normal = ground[i].normal;
+		const float length = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
+		promise(normal.y >= 0.0f && std::abs(length - 1.0f) < 1e-4f, "a normal points up and has length 1");
+	}
+}
+
+LayerSettings read_layer(Bytes &r_bytes) {
+	LayerSettings layer;
+	layer.set = {
+			r_bytes.raw<std::uint64_t>(), r_bytes.number(0.5, 5.0), 1 + r_bytes.below(4), r_bytes.raw<std::uint16_t>()};
+	layer.rules.density = r_bytes.number(0.0, 1.0);
+	layer.rules.min_slope_degrees = r_bytes.chance(2) ? 0.0 : r_bytes.number(0.0, 45.0);
+	layer.rules.max_slope_degrees = r_bytes.chance(2) ? 90.0 : r_bytes.number(45.0, 90.0);
+	layer.rules.slope_falloff = r_bytes.number(0.0, 30.0);
+	layer.rules.min_height = r_bytes.chance(2) ? -unlimited_height : r_bytes.number(0.0, 300.0);
+	layer.rules.max_height = r_bytes.chance(2) ? unlimited_height : r_bytes.number(300.0, 900.0);
+	layer.rules.height_falloff = r_bytes.number(0.0, 100.0);
+	layer.placement.min_yaw_degrees = r_bytes.number(-360.0, 0.0);
+	layer.placement.max_yaw_degrees = r_bytes.number(0.0, 360.0);
+	layer.placement.min_scale = r_bytes.number(0.1, 1.0);
+	layer.placement.max_scale = r_bytes.number(1.0, 5.0);
+	layer.placement.align_to_normal = r_bytes.number(0.0, 1.0);
+	layer.placement.height_offset = r_bytes.number(-5.0, 5.0);
+	layer.mesh_weights.resize(r_bytes.chance(16) ? r_bytes.below(400) : r_bytes.below(4));
+	for (float &weight : layer.mesh_weights) {
+		weight = static_cast<float>(r_bytes.number(0.0, 3.0));
+	}
+	return layer;
+}
+
+void check_tile(const LayerSettings &layer, const TileInstances &tile) {
+	promise(tile.meshes.size() == std::max<std::size_t>(1, layer.mesh_weights.size()), "every mesh has its instances");
+	std::size_t placed = 0;
+	for (const MeshInstances &mesh : tile.meshes) {
+		placed += mesh.size();
+		promise(mesh.buffer.size() == 12 * mesh.size() && mesh.ranks.size() == mesh.size(), "buffers fit each other");
+		promise(std::is_sorted(mesh.ranks.begin(), mesh.ranks.end()), "ranks ascend");
+		promise(std::all_of(mesh.buffer.begin(), mesh.buffer.end(), [](float value) { return std::isfinite(value); }),
+				"transforms are finite");
+	}
+	promise(placed == tile.counts.placed && tile.counts.placed <= tile.counts.dense &&
+					tile.counts.dense <= tile.counts.sampled,
+			"counts add up");
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
+	static TileBuilder builder;
+	Bytes bytes(data, size);
+	const LayerSettings layer = read_layer(bytes);
+	Rect rect;
+	rect.min = {bytes.number(-150.0, 100.0), bytes.number(-150.0, 100.0)};
+	rect.max = rect.min + glm::dvec2(bytes.number(0.0, 60.0), bytes.number(0.0, 60.0));
+	const Heightfield field = read_field(bytes);
+	check_field(field, bytes);
+
+	const std::atomic<bool> raised{true};
+	const double expected = rect.size().x * rect.size().y * point_density(layer.set);
+	const bool small = expected < 20000.0 && std::max(rect.size().x, rect.size().y) < 1000.0 * layer.set.radius;
+	TileInstances tile, again;
+	const Status status = builder.build(layer, field, rect, tile, small ? nullptr : &raised);
+	if (status.ok()) {
+		check_tile(layer, tile);
+		promise(TileBuilder().build(layer, field, rect, again).ok() && digest(tile) == digest(again),
+				"the same call gives the same tile");
+	} else if (status.code != ErrorCode::cancelled) {
+		promise(tile.meshes.empty(), "a refused call changes nothing");
+		promise(describe(status).find(status.property) == 0, "a refusal names the property");
+	}
+	return 0;
+}

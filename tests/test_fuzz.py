@@ -1,0 +1,36 @@
+"""Random input for a few seconds each, under the address and undefined-behaviour sanitizers: a smoke test of the targets
+in tests/fuzz, which can run for hours (see tests/fuzz/fuzz_main.hpp). Inputs come from fixed seeds, so what fails once
+fails again; how many are tried depends on the machine."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import BUILD_DIR, REPO, run
+
+SECONDS = 7
+TARGETS = ["fuzz_sampler", "fuzz_tile", "fuzz_streamer"]
+
+
+@pytest.fixture(scope="session")
+def sanitized() -> Path:
+    """The build folder with the fuzz targets under both sanitizers."""
+    folder = BUILD_DIR.with_name(BUILD_DIR.name + ".address.undefined")
+    scons = shutil.which("scons") or Path(sys.executable).with_name("scons")
+    programs = [(folder / "fuzz" / target).relative_to(REPO) for target in TARGETS]
+    built = run([scons, "-Q", f"-j{os.cpu_count()}", "sanitize=address,undefined", *programs], timeout=900, cwd=REPO)
+    assert built.returncode == 0, built.stdout[-4000:] + built.stderr[-4000:]
+    return folder
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_random_input(sanitized, target):
+    done = run([sanitized / "fuzz" / target, str(SECONDS)], timeout=120)
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+    inputs = re.search(r"(\d+) inputs", done.stdout)
+    assert inputs and int(inputs[1]) >= 100, done.stdout
