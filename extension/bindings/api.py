@@ -3,7 +3,7 @@
 import json
 import re
 
-ENUM = re.compile(r"^(enum|bitfield)::(?:(\w+)\.)?(\w+)$")
+ENUM = re.compile(r"^enum::(?:(\w+)\.)?(\w+)$")
 
 # Constructors with an argument for every component, as default values spell them.
 IDENTITIES = {
@@ -18,9 +18,9 @@ IDENTITIES = {
 OPERATORS = {"+": "ADD", "%": "MODULE"}
 
 # Types without a destructor that are plain structs, written by hand. (RID is one too, but a class.)
-STRUCTS = frozenset("Vector2 Vector2i Vector3 Rect2 Rect2i AABB Basis Transform3D Color".split())
+STRUCTS = frozenset("Vector2 Vector2i Vector3 Rect2 AABB Basis Transform3D".split())
 
-PACKED_ELEMENTS = {"Byte": "uint8_t", "Int32": "int32_t", "Int64": "int64_t", "Float32": "float", "Float64": "double"}
+PACKED_ELEMENTS = {"Byte": "uint8_t", "Int64": "int64_t", "Float32": "float", "Float64": "double"}
 
 
 def snake(name):
@@ -55,7 +55,6 @@ class Api:
         self.classes = by_name(dump["classes"])
         self.builtins = by_name(dump["builtin_classes"])
         self.enums = by_name(dump["global_enums"])
-        self.utilities = by_name(dump["utility_functions"])
         self.singletons = {item["type"] for item in dump["singletons"]}
         sizes = next(item for item in dump["builtin_class_sizes"] if item["build_configuration"] == "float_64")
         self.sizes = {item["name"]: item["size"] for item in sizes["sizes"]}
@@ -64,8 +63,7 @@ class Api:
         """A type of the dump as a C++ value type."""
         enum = ENUM.match(type_name)
         if enum:
-            name = "%s::%s" % enum.group(2, 3) if enum.group(2) else enum.group(3)
-            return "BitField<%s>" % name if enum.group(1) == "bitfield" else name
+            return "%s::%s" % enum.groups() if enum.group(1) else enum.group(2)
         if type_name.startswith("typedarray::"):
             return "TypedArray<%s>" % type_name[len("typedarray::") :]
         if type_name == "int":
@@ -111,7 +109,7 @@ class Api:
         for item in items:
             types = [argument["type"] for argument in item.get("arguments", [])] + [return_type(item)]
             for match in filter(None, map(ENUM.match, types)):
-                found[match.group(2) or "", match.group(3)] = None
+                found[match.group(1) or "", match.group(2)] = None
         return list(found)
 
     def classes_of(self, items):
@@ -122,7 +120,7 @@ class Api:
 
 
 def return_type(method):
-    """The type that a method of a class, of a builtin type or a utility function returns, "" for none."""
+    """The type that a method of a class or of a builtin type returns, "" for none."""
     return method.get("return_value", {}).get("type") or method.get("return_type") or ""
 
 

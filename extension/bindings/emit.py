@@ -147,12 +147,8 @@ def builtin(api, name, entry):
             "}", "",
         ]  # fmt: skip
     for method in methods:
-        if method["is_vararg"]:
-            declared += vararg(api, method, "internal::BuiltinMethod",
-                "GDEXTENSION_VARIANT_TYPE_" + dump.upper(name), "_native_ptr()")  # fmt: skip
-        else:
-            declared.append(declaration(api, method))
-            code += builtin_method(api, name, method)
+        declared.append(declaration(api, method))
+        code += builtin_method(api, name, method)
     if element:
         declared += [line for line, _ in packed_access(name, element)]
         declared += ["const %s *begin() const { return ptr(); }" % element]
@@ -165,9 +161,8 @@ def builtin(api, name, entry):
         *indented(["using Opaque::Opaque;", *declared]),
         "};",
     ]
-    needed = ["core/builtin_call" if any(method["is_vararg"] for method in methods) else "core/opaque"]
-    needed += ["variant/" + dump.snake(element)] if element and element not in dump.PACKED_ELEMENTS.values() else []
-    return header(*includes(*needed, *entry.get("includes", [])), *in_godot(body)), code
+    needed = ["variant/" + dump.snake(element)] if element and element not in dump.PACKED_ELEMENTS.values() else []
+    return header(*includes("core/opaque", *needed, *entry.get("includes", [])), *in_godot(body)), code
 
 
 def packed_access(name, element):
@@ -249,7 +244,7 @@ def definition(api, owner, method):
     )  # fmt: skip
 
 
-def vararg(api, method, holder, owner, instance):
+def vararg(api, owner, method):
     """A method that takes any number of values: a template, and so in the header."""
     result = result_type(api, method)
     fixed = method.get("arguments", [])
@@ -259,31 +254,10 @@ def vararg(api, method, holder, owner, instance):
         "template <typename... Args>",
         "%s%s(%s)%s {"
         % (spaced(result), method["name"], parameters, " const" if method["is_const"] else ""),
-        '\tstatic const %s method(%s, "%s", %d);' % (holder, owner, method["name"], method["hash"]),
-        "\treturn method.template call_variants<%s>(%s, { %s });" % (result, instance, values),
+        '\tstatic const internal::EngineMethod method("%s", "%s", %d);' % (owner, method["name"], method["hash"]),
+        "\treturn method.template call_variants<%s>(_owner, { %s });" % (result, values),
         "}",
     ]  # fmt: skip
-
-
-def utilities(api, used):
-    """The global functions, as members of UtilityFunctions. All of those that are used take any number of values."""
-    members = []
-    for name in used["global"]["utilities"]:
-        function = pick(list(api.utilities.values()), name, "the list of utilities")
-        arguments = ", ".join("const Variant &p_%s" % argument["name"] for argument in function["arguments"])
-        values = ", ".join(["p_%s" % argument["name"] for argument in function["arguments"]] + ["Variant(p_args)..."])
-        members += [
-            "template <typename... Args>",
-            "static void %s(%s, const Args &...p_args) {" % (name, arguments),
-            "\tinternal::call_utility(\"%s\", %d, { %s });" % (name, function["hash"], values),
-            "}",
-        ]  # fmt: skip
-    body = ["class UtilityFunctions {", "public:", *indented(members), "};"]
-    return {
-        "include/godot_cpp/variant/utility_functions.hpp": header(
-            *includes("core/builtin_call", "variant/variant"), *in_godot(body)
-        )
-    }
 
 
 # --- Classes -----------------------------------------------------------------------------------------------------------
@@ -295,8 +269,7 @@ def enumeration(enum):
 
 
 def enum_cast(enum, owner=""):
-    macro = "VARIANT_BITFIELD_CAST" if enum["is_bitfield"] else "VARIANT_ENUM_CAST"
-    return "%s(godot::%s%s)" % (macro, owner + "::" if owner else "", enum["name"])
+    return "VARIANT_ENUM_CAST(godot::%s%s)" % (owner + "::" if owner else "", enum["name"])
 
 
 def classes(api, used):
@@ -313,7 +286,7 @@ def classes(api, used):
     texts["include/godot_cpp/classes/global_constants.hpp"] = header(
         *includes("core/enum_cast"),
         *in_godot([line for enum in enums for line in [*enumeration(enum), ""]]),
-        *map(enum_cast, enums),
+        *(enum_cast(enum) for enum in enums if not enum["is_bitfield"]),
     )
     registered = [
         "void internal::register_engine_classes() {",
@@ -348,7 +321,7 @@ def engine_class(api, used, name, parent, entry):
                 % (method["name"], method["name"], method["name"], method["hash"]))  # fmt: skip
             code += virtual_default(api, name, method)
         elif method["is_vararg"]:
-            declared += vararg(api, method, "internal::EngineMethod", '"%s"' % name, "_owner")
+            declared += vararg(api, name, method)
         else:
             declared.append(declaration(api, method))
             code += engine_method(api, name, method)

@@ -38,7 +38,6 @@ def outputs(used):
     paths = ["include/gdextension_interface.h"]
     paths += ["include/godot_cpp/core/" + name for name in ("gdextension_interface_loader.hpp", "builtin_traits.hpp")]
     paths += ["include/godot_cpp/classes/global_constants.hpp"]
-    paths += ["include/godot_cpp/variant/utility_functions.hpp"]
     paths += ["include/godot_cpp/variant/%s.hpp" % dump.snake(name) for name in used["builtins"]]
     paths += ["include/godot_cpp/classes/%s.hpp" % dump.snake(name) for name in used["classes"]]
     paths += ["src/gdextension_interface_loader.cpp", "src/builtins.cpp", "src/engine_classes.cpp"]
@@ -69,7 +68,7 @@ def generate(options, used):
     api = dump.Api(options.api)
     header = options.interface.read_text(encoding="utf-8")
     types = interface_types(header)
-    texts = emit.builtins(api, used) | emit.utilities(api, used) | emit.classes(api, used)
+    texts = emit.builtins(api, used) | emit.classes(api, used)
     texts |= emit.interface([(types[name], name) for name in interface_functions(texts.values())])
     texts["include/gdextension_interface.h"] = header
     expected = outputs(used)
@@ -85,7 +84,6 @@ def entries(used):
         for owner, entry in used[room].items():
             for kind in ("methods", "constants"):
                 yield from ((owner, word) for word in entry.get(kind, []))
-    yield from (("global", word) for word in used["global"]["utilities"] + used["global"]["enums"])
 
 
 def unused(used, folders):

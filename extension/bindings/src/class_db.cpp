@@ -62,23 +62,7 @@ std::vector<GDExtensionPropertyInfo> native(const std::vector<PropertyInfo> &p_l
 } // namespace
 
 void add_override(const char *p_name, uint32_t p_hash, GDExtensionClassCallVirtual p_call) {
-	records.back()->overrides.push_back({ StringName(p_name), p_hash, p_call });
-}
-
-bool MethodBind::complete(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_given, const Variant **r_args,
-		std::size_t p_count, GDExtensionCallError &r_error) const {
-	const auto given = static_cast<std::size_t>(p_given);
-	const std::size_t required = p_count - defaults.size();
-	if (given > p_count || given < required) {
-		r_error = given > p_count
-				? GDExtensionCallError{ GDEXTENSION_CALL_ERROR_TOO_MANY_ARGUMENTS, 0, static_cast<int32_t>(p_count) }
-				: GDExtensionCallError{ GDEXTENSION_CALL_ERROR_TOO_FEW_ARGUMENTS, 0, static_cast<int32_t>(required) };
-		return false;
-	}
-	for (std::size_t i = 0; i < p_count; ++i) {
-		r_args[i] = i < given ? static_cast<const Variant *>(p_args[i]) : &defaults[i - required];
-	}
-	return true;
+	records.back()->overrides.push_back({StringName(p_name), p_hash, p_call});
 }
 
 EngineMethod::EngineMethod(const char *p_class, const char *p_name, GDExtensionInt p_hash) :
@@ -87,8 +71,10 @@ EngineMethod::EngineMethod(const char *p_class, const char *p_name, GDExtensionI
 		class_(p_class), name_(p_name) {}
 
 bool EngineMethod::check() const {
-	ERR_FAIL_COND_V_MSG(!method_, false, String("This engine has no ") + class_ + "." + name_ + "() as it was built for.");
-	return true;
+	if (!method_) {
+		ERR_PRINT(vformat("This engine has no %s.%s() of the form that the extension was built for.", class_, name_));
+	}
+	return method_ != nullptr;
 }
 
 Variant EngineMethod::run_variants(GodotObject *p_owner, std::initializer_list<Variant> p_values) const {
@@ -99,8 +85,8 @@ Variant EngineMethod::run_variants(GodotObject *p_owner, std::initializer_list<V
 			pointers.push_back(&value);
 		}
 		GDExtensionCallError error{};
-		gdextension_interface::object_method_bind_call(method_, p_owner, pointers.data(),
-				static_cast<GDExtensionInt>(pointers.size()), &result, &error);
+		gdextension_interface::object_method_bind_call(
+				method_, p_owner, pointers.data(), static_cast<GDExtensionInt>(pointers.size()), &result, &error);
 	}
 	return result;
 }
@@ -109,14 +95,15 @@ bool has_script_method(GodotObject *p_owner, const StringName &p_name) {
 	return gdextension_interface::object_has_script_method(p_owner, p_name._native_ptr());
 }
 
-bool call_script_method(GodotObject *p_owner, const StringName &p_name, const Variant *const *p_args, std::size_t p_count,
-		Variant &r_result) {
+bool call_script_method(GodotObject *p_owner, const StringName &p_name, const Variant *const *p_args,
+		std::size_t p_count, Variant &r_result) {
 	if (!has_script_method(p_owner, p_name)) {
 		return false;
 	}
 	GDExtensionCallError error{};
 	gdextension_interface::object_call_script_method(p_owner, p_name._native_ptr(),
-			reinterpret_cast<const GDExtensionConstVariantPtr *>(p_args), static_cast<GDExtensionInt>(p_count), &r_result, &error);
+			reinterpret_cast<const GDExtensionConstVariantPtr *>(p_args), static_cast<GDExtensionInt>(p_count),
+			&r_result, &error);
 	return error.error == GDEXTENSION_CALL_OK;
 }
 
@@ -137,15 +124,18 @@ Callable CallableMethod::make(std::unique_ptr<CallableMethod> p_method, Object *
 	info.callable_userdata = p_method.release();
 	info.call_func = [](void *p_self, const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
 							 GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
-		*r_error = { GDEXTENSION_CALL_OK, 0, 0 };
 		static_cast<CallableMethod *>(p_self)->call(p_args, p_count, static_cast<Variant *>(r_result), *r_error);
 	};
-	info.free_func = [](void *p_self) { delete static_cast<CallableMethod *>(p_self); };
-	info.hash_func = [](void *p_self) { return static_cast<CallableMethod *>(p_self)->hash(); };
+	info.free_func = [](void *p_self) {
+		delete static_cast<CallableMethod *>(p_self);
+	};
+	info.hash_func = [](void *p_self) {
+		return static_cast<CallableMethod *>(p_self)->hash();
+	};
 	info.equal_func = [](void *p_a, void *p_b) -> GDExtensionBool {
 		return static_cast<CallableMethod *>(p_a)->equals(*static_cast<CallableMethod *>(p_b));
 	};
-	Callable result{ Uninitialized{} };
+	Callable result{Uninitialized{}};
 	gdextension_interface::callable_custom_create2(result._native_ptr(), &info);
 	return result;
 }
@@ -154,35 +144,17 @@ Callable CallableMethod::make(std::unique_ptr<CallableMethod> p_method, Object *
 
 using namespace internal;
 
-PropertyInfo::PropertyInfo(Variant::Type p_type, const StringName &p_name, PropertyHint p_hint, const String &p_hint_string,
-		uint32_t p_usage, const StringName &p_class_name) :
+PropertyInfo::PropertyInfo(Variant::Type p_type, const StringName &p_name, PropertyHint p_hint,
+		const String &p_hint_string, uint32_t p_usage, const StringName &p_class_name) :
 		type(p_type),
 		name(p_name),
 		// The class of a resource is what the inspector lets one choose from.
-		class_name(p_hint == PROPERTY_HINT_RESOURCE_TYPE ? StringName(p_hint_string) : p_class_name),
-		hint(p_hint),
-		hint_string(p_hint_string),
-		usage(p_usage) {}
-
-PropertyInfo::PropertyInfo(const GDExtensionPropertyInfo &p_info) :
-		type(static_cast<Variant::Type>(p_info.type)),
-		name(*static_cast<const StringName *>(p_info.name)),
-		class_name(*static_cast<const StringName *>(p_info.class_name)),
-		hint(p_info.hint),
-		hint_string(*static_cast<const String *>(p_info.hint_string)),
-		usage(p_info.usage) {}
+		class_name(p_hint == PROPERTY_HINT_RESOURCE_TYPE ? StringName(p_hint_string) : p_class_name), hint(p_hint),
+		hint_string(p_hint_string), usage(p_usage) {}
 
 GDExtensionPropertyInfo PropertyInfo::_native() const {
-	return { static_cast<GDExtensionVariantType>(type), name._native_ptr(), class_name._native_ptr(), hint,
-		hint_string._native_ptr(), usage };
-}
-
-void PropertyInfo::_update(GDExtensionPropertyInfo &r_info) const {
-	r_info.type = static_cast<GDExtensionVariantType>(type);
-	*static_cast<StringName *>(r_info.class_name) = class_name;
-	r_info.hint = hint;
-	*static_cast<String *>(r_info.hint_string) = hint_string;
-	r_info.usage = usage;
+	return {static_cast<GDExtensionVariantType>(type), name._native_ptr(), class_name._native_ptr(), hint,
+			hint_string._native_ptr(), usage};
 }
 
 void ClassDB::add_class(const ClassDescription &p_class) {
@@ -209,10 +181,6 @@ void ClassDB::add_method(MethodDescription p_method, std::unique_ptr<MethodBind>
 		p_method.arguments[i].name = p_method.definition.arguments[i];
 	}
 	std::vector<GDExtensionPropertyInfo> arguments = native(p_method.arguments);
-	std::vector<GDExtensionVariantPtr> defaults;
-	for (const Variant &value : p_bind->defaults) {
-		defaults.push_back(value._native_ptr());
-	}
 	GDExtensionPropertyInfo result = p_method.result._native();
 	GDExtensionClassMethodInfo info{};
 	info.name = p_method.definition.name._native_ptr();
@@ -226,14 +194,12 @@ void ClassDB::add_method(MethodDescription p_method, std::unique_ptr<MethodBind>
 	info.argument_count = static_cast<uint32_t>(arguments.size());
 	info.arguments_info = arguments.data();
 	info.arguments_metadata = p_method.metadata.data();
-	info.default_argument_count = static_cast<uint32_t>(defaults.size());
-	info.default_arguments = defaults.data();
 	gdextension_interface::classdb_register_extension_class_method(library, p_method.class_name._native_ptr(), &info);
 	find_record(p_method.class_name)->methods.push_back(std::move(p_bind));
 }
 
-void ClassDB::add_property(
-		const StringName &p_class, const PropertyInfo &p_property, const StringName &p_setter, const StringName &p_getter) {
+void ClassDB::add_property(const StringName &p_class, const PropertyInfo &p_property, const StringName &p_setter,
+		const StringName &p_getter) {
 	const GDExtensionPropertyInfo info = p_property._native();
 	gdextension_interface::classdb_register_extension_class_property(
 			library, p_class._native_ptr(), &info, p_setter._native_ptr(), p_getter._native_ptr());
@@ -246,8 +212,8 @@ void ClassDB::add_property_group(const StringName &p_class, const String &p_name
 
 void ClassDB::add_signal(const StringName &p_class, const MethodInfo &p_signal) {
 	const std::vector<GDExtensionPropertyInfo> arguments = native(p_signal.arguments);
-	gdextension_interface::classdb_register_extension_class_signal(library, p_class._native_ptr(), p_signal.name._native_ptr(),
-			arguments.data(), static_cast<GDExtensionInt>(arguments.size()));
+	gdextension_interface::classdb_register_extension_class_signal(library, p_class._native_ptr(),
+			p_signal.name._native_ptr(), arguments.data(), static_cast<GDExtensionInt>(arguments.size()));
 }
 
 void ClassDB::add_virtual_method(

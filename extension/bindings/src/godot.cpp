@@ -48,7 +48,7 @@ void deinitialize(void *, GDExtensionInitializationLevel p_level) {
 		ClassDB::unregister_classes();
 	}
 	if (p_level == GDEXTENSION_INITIALIZATION_CORE) {
-		release_singletons();
+		release_wrappers();
 		LazyName::release_all();
 	}
 }
@@ -57,14 +57,15 @@ void deinitialize(void *, GDExtensionInitializationLevel p_level) {
 
 DocDataRegistration::DocDataRegistration(
 		const char *, int p_uncompressed_size, int p_compressed_size, const unsigned char *p_data) {
-	doc_data = { p_uncompressed_size, p_compressed_size, p_data };
+	doc_data = {p_uncompressed_size, p_compressed_size, p_data};
 }
 
 } // namespace internal
 
 GDExtensionBinding::InitObject::InitObject(GDExtensionInterfaceGetProcAddress p_get_proc_address,
 		GDExtensionClassLibraryPtr p_library, GDExtensionInitialization *r_initialization) :
-		get_proc_address_(p_get_proc_address), initialization_(r_initialization) {
+		get_proc_address_(p_get_proc_address),
+		initialization_(r_initialization) {
 	internal::library = p_library;
 	initialization_->initialize = internal::initialize;
 	initialization_->deinitialize = internal::deinitialize;
@@ -86,8 +87,8 @@ GDExtensionBool GDExtensionBinding::InitObject::init() const {
 	if (const char *missing = internal::load_interface(get_proc_address_)) {
 		auto print = reinterpret_cast<GDExtensionInterfacePrintError>(
 				reinterpret_cast<void *>(get_proc_address_("print_error")));
-		print((std::string("This engine lacks the interface function ") + missing).c_str(), __FUNCTION__, __FILE__, __LINE__,
-				true);
+		print((std::string("This engine lacks the interface function ") + missing).c_str(), __FUNCTION__, __FILE__,
+				__LINE__, true);
 		return false;
 	}
 	internal::load_builtin_functions();

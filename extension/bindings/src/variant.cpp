@@ -24,22 +24,15 @@ void load_builtin_functions() {
 		if (functions.destroy) {
 			functions.construct = gdextension_interface::variant_get_ptr_constructor(type, 0);
 			functions.copy = gdextension_interface::variant_get_ptr_constructor(type, 1);
-			functions.equal = gdextension_interface::variant_get_ptr_operator_evaluator(GDEXTENSION_VARIANT_OP_EQUAL, type, type);
+			functions.equal =
+					gdextension_interface::variant_get_ptr_operator_evaluator(GDEXTENSION_VARIANT_OP_EQUAL, type, type);
 		}
 	}
 }
 
 BuiltinMethod::BuiltinMethod(GDExtensionVariantType p_type, const char *p_name, GDExtensionInt p_hash) :
-		method_(gdextension_interface::variant_get_ptr_builtin_method(p_type, StringName(p_name)._native_ptr(), p_hash)) {}
-
-void call_utility(const char *p_name, GDExtensionInt p_hash, std::initializer_list<Variant> p_values) {
-	const auto function = gdextension_interface::variant_get_ptr_utility_function(StringName(p_name)._native_ptr(), p_hash);
-	std::vector<GDExtensionConstTypePtr> pointers;
-	for (const Variant &value : p_values) {
-		pointers.push_back(&value);
-	}
-	function(nullptr, pointers.data(), static_cast<int32_t>(pointers.size()));
-}
+		method_(gdextension_interface::variant_get_ptr_builtin_method(
+				p_type, StringName(p_name)._native_ptr(), p_hash)) {}
 
 bool converts(const Variant &p_value, GDExtensionVariantType p_type) {
 	const auto type = static_cast<GDExtensionVariantType>(p_value.get_type());
@@ -47,7 +40,7 @@ bool converts(const Variant &p_value, GDExtensionVariantType p_type) {
 }
 
 String type_name(GDExtensionVariantType p_type) {
-	String name{ Uninitialized{} };
+	String name{Uninitialized{}};
 	gdextension_interface::variant_get_type_name(p_type, name._native_ptr());
 	return name;
 }
@@ -79,21 +72,13 @@ void LazyName::release_all() {
 
 } // namespace internal
 
-Variant::Variant() {
-	gdextension_interface::variant_new_nil(storage_);
-}
+Variant::Variant() { gdextension_interface::variant_new_nil(storage_); }
 
-Variant::Variant(const Variant &p_from) {
-	gdextension_interface::variant_new_copy(storage_, p_from.storage_);
-}
+Variant::Variant(const Variant &p_from) { gdextension_interface::variant_new_copy(storage_, p_from.storage_); }
 
-Variant::Variant(Variant &&p_from) noexcept :
-		Variant() {
-	*this = std::move(p_from);
-}
+Variant::Variant(Variant &&p_from) noexcept : Variant() { *this = std::move(p_from); }
 
-Variant::Variant(const char *p_utf8) :
-		Variant(String(p_utf8)) {}
+Variant::Variant(const char *p_utf8) : Variant(String(p_utf8)) {}
 
 Variant::Variant(const Object *p_object) {
 	GodotObject *owner = internal::owner_of(p_object);
@@ -104,13 +89,9 @@ Variant::Variant(const Array &p_array) {
 	internal::builtin_functions[ARRAY].to_variant(storage_, p_array._native_ptr());
 }
 
-Variant::~Variant() {
-	gdextension_interface::variant_destroy(storage_);
-}
+Variant::~Variant() { gdextension_interface::variant_destroy(storage_); }
 
-Variant &Variant::operator=(const Variant &p_from) {
-	return *this = Variant(p_from);
-}
+Variant &Variant::operator=(const Variant &p_from) { return *this = Variant(p_from); }
 
 Variant &Variant::operator=(Variant &&p_from) noexcept {
 	std::swap_ranges(storage_, storage_ + sizeof(storage_), p_from.storage_);
@@ -122,12 +103,9 @@ Object *Variant::get_validated_object() const {
 	return id == 0 ? nullptr : internal::wrapper_of(gdextension_interface::object_get_instance_from_id(id));
 }
 
-Variant::Type Variant::get_type() const {
-	return static_cast<Type>(gdextension_interface::variant_get_type(storage_));
-}
+Variant::Type Variant::get_type() const { return static_cast<Type>(gdextension_interface::variant_get_type(storage_)); }
 
-String::String(const char *p_utf8) :
-		Opaque(internal::Uninitialized{}) {
+String::String(const char *p_utf8) : Opaque(internal::Uninitialized{}) {
 	gdextension_interface::string_new_with_utf8_chars(_native_ptr(), p_utf8);
 }
 
@@ -138,8 +116,7 @@ CharString String::utf8() const {
 	return CharString(std::move(text));
 }
 
-StringName::StringName(const char *p_utf8) :
-		Opaque(internal::Uninitialized{}) {
+StringName::StringName(const char *p_utf8) : Opaque(internal::Uninitialized{}) {
 	gdextension_interface::string_name_new_with_utf8_chars(_native_ptr(), p_utf8);
 }
 
@@ -161,18 +138,12 @@ void Array::set_typed(uint32_t p_type, const StringName &p_class, const Variant 
 }
 
 Variant &Dictionary::operator[](const Variant &p_key) {
-	return *static_cast<Variant *>(gdextension_interface::dictionary_operator_index(_native_ptr(), p_key._native_ptr()));
+	return *static_cast<Variant *>(
+			gdextension_interface::dictionary_operator_index(_native_ptr(), p_key._native_ptr()));
 }
 
-void _err_print_error(
-		const char *p_function, const char *p_file, int p_line, const char *p_error, const String &p_message, bool p_is_warning) {
-	const CharString message = p_message.utf8();
-	const bool has_error = *p_error != '\0';
-	const char *error = has_error ? p_error : message.get_data();
-	const char *detail = has_error ? message.get_data() : "";
-	const auto print = p_is_warning ? gdextension_interface::print_warning_with_message
-									: gdextension_interface::print_error_with_message;
-	print(error, detail, p_function, p_file, p_line, false);
+void _err_print_error(const char *p_function, const char *p_file, int p_line, const String &p_message) {
+	gdextension_interface::print_error(p_message.utf8().get_data(), p_function, p_file, p_line, false);
 }
 
 } // namespace godot

@@ -50,17 +50,11 @@ void register_engine_class(LazyName &p_name, const GDExtensionInstanceBindingCal
 	engine_classes.emplace_front(p_name, p_callbacks);
 }
 
-void Access::expect(const Construction &p_next) {
-	next_construction = p_next;
-}
+void Access::expect(const Construction &p_next) { next_construction = p_next; }
 
-void Access::post_initialize(Object *p_object) {
-	p_object->notification(Object::NOTIFICATION_POSTINITIALIZE);
-}
+void Access::post_initialize(Object *p_object) { p_object->notification(Object::NOTIFICATION_POSTINITIALIZE); }
 
-GodotObject *owner_of(const Object *p_object) {
-	return p_object ? p_object->_owner : nullptr;
-}
+GodotObject *owner_of(const Object *p_object) { return p_object ? p_object->_owner : nullptr; }
 
 Object *wrapper_of(GodotObject *p_object) {
 	if (!p_object) {
@@ -85,13 +79,14 @@ Object *find_singleton(const StringName &p_name) {
 }
 
 // The engine frees these objects after it has closed the library, when it could no longer call us to free a wrapper.
-void release_singletons() {
+void release_wrappers() {
 	for (const GDObjectInstanceID id : singleton_ids) {
 		if (GodotObject *object = gdextension_interface::object_get_instance_from_id(id)) {
 			gdextension_interface::object_free_instance_binding(object, library);
 		}
 	}
 	singleton_ids.clear();
+	engine_classes.clear();
 }
 
 } // namespace internal
@@ -101,7 +96,7 @@ Wrapped::Wrapped() {
 	_owner = own.owner;
 	if (!own.callbacks) {
 		if (!_owner) {
-			std::fputs("An object of the engine was made without memnew().\n", stderr);
+			std::fputs("The engine makes its objects, and ours: C++ cannot.\n", stderr);
 			std::abort();
 		}
 		return;
@@ -113,10 +108,6 @@ Wrapped::Wrapped() {
 		gdextension_interface::object_set_instance(_owner, own.extension_class->_native_ptr(), this);
 	}
 	gdextension_interface::object_set_instance_binding(_owner, internal::library, this, own.callbacks);
-}
-
-Object *ObjectDB::get_instance(uint64_t p_id) {
-	return internal::wrapper_of(gdextension_interface::object_get_instance_from_id(p_id));
 }
 
 } // namespace godot

@@ -13,7 +13,8 @@ extern GDExtensionClassLibraryPtr library;
 /// (`editor_help_load_xml_from_utf8_chars_and_len`). There is at most one; the data must stay.
 class DocDataRegistration {
 public:
-	DocDataRegistration(const char *p_hash, int p_uncompressed_size, int p_compressed_size, const unsigned char *p_data);
+	DocDataRegistration(
+			const char *p_hash, int p_uncompressed_size, int p_compressed_size, const unsigned char *p_data);
 };
 
 } // namespace internal

@@ -2,7 +2,7 @@
 
 #include <godot_cpp/classes/ref_counted.hpp>
 #include <godot_cpp/core/marshal.hpp>
-#include <godot_cpp/core/memory.hpp>
+#include <godot_cpp/core/gdextension_interface_loader.hpp>
 
 #include <utility>
 
@@ -13,44 +13,33 @@ template <typename T>
 class Ref {
 public:
 	Ref() = default;
-	Ref(const Ref &p_from) :
-			Ref(p_from.object_) {}
-	Ref(Ref &&p_from) noexcept :
-			object_(std::exchange(p_from.object_, nullptr)) {}
+	Ref(const Ref &p_from) : Ref(p_from.object_) {}
+	Ref(Ref &&p_from) noexcept : object_(std::exchange(p_from.object_, nullptr)) {}
 	template <typename Other>
-	Ref(const Ref<Other> &p_from) :
-			Ref(Object::cast_to<T>(p_from.ptr())) {}
+	Ref(const Ref<Other> &p_from) : Ref(Object::cast_to<T>(p_from.ptr())) {}
 	Ref(T *p_object) {
 		// The first reference takes over the one that every new object is born with.
 		if (p_object && p_object->init_ref()) {
 			object_ = p_object;
 		}
 	}
-	Ref(const Variant &p_from) :
-			Ref(Object::cast_to<T>(p_from.get_validated_object())) {}
-	~Ref() { unref(); }
+	Ref(const Variant &p_from) : Ref(Object::cast_to<T>(p_from.get_validated_object())) {}
+	~Ref() {
+		if (object_ && object_->unreference()) {
+			gdextension_interface::object_destroy(object_->_owner); // Its wrapper goes with it.
+		}
+	}
 
 	Ref &operator=(Ref p_from) {
 		std::swap(object_, p_from.object_);
 		return *this;
 	}
 
-	/// Makes a new object and refers to it.
-	void instantiate() { *this = Ref(memnew(T)); }
-	void unref() {
-		T *object = std::exchange(object_, nullptr);
-		if (object && object->unreference()) {
-			memdelete(object);
-		}
-	}
-
 	T *ptr() const { return object_; }
-	T *operator*() const { return object_; }
 	T *operator->() const { return object_; }
 	bool is_valid() const { return object_ != nullptr; }
 	bool is_null() const { return object_ == nullptr; }
 	bool operator==(const Ref &p_other) const { return object_ == p_other.object_; }
-	bool operator==(const T *p_other) const { return object_ == p_other; }
 	operator Variant() const { return Variant(static_cast<const Object *>(object_)); }
 
 	/// Takes over a reference that the engine has already counted.

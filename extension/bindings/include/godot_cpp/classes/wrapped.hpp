@@ -10,7 +10,6 @@ namespace godot {
 
 class ClassDB;
 class Wrapped;
-struct PropertyInfo;
 
 namespace internal {
 
@@ -23,7 +22,7 @@ class Class;
 struct Construction {
 	GodotObject *owner = nullptr; ///< The object of the engine to wrap; null to make one.
 	const StringName *engine_class = nullptr;
-	const StringName *extension_class = nullptr; ///< Null for a class of the engine.
+	const StringName *extension_class = nullptr;                    ///< Null for a class of the engine.
 	const GDExtensionInstanceBindingCallbacks *callbacks = nullptr; ///< Null where the engine asked for the wrapper.
 };
 
@@ -45,7 +44,6 @@ protected:
 	/// Hooks that a class of ours may have, in the form that godot-cpp expects. These do nothing.
 	static void _bind_methods() {}
 	void _notification(int) {}
-	void _validate_property(PropertyInfo &) const {}
 
 	template <typename T, typename B>
 	static void register_virtuals() {}
@@ -83,9 +81,7 @@ public: \
 		static constinit ::godot::internal::LazyName name(#m_class); \
 		return name; \
 	} \
-	static const ::godot::StringName &get_class_static() { \
-		return _class_name().get(); \
-	}
+	static const ::godot::StringName &get_class_static() { return _class_name().get(); }
 
 /// At the top of a class of ours.
 #define GDCLASS(m_class, m_inherits) \

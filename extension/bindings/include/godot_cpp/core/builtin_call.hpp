@@ -4,7 +4,6 @@
 #include <godot_cpp/core/marshal.hpp>
 
 #include <array>
-#include <initializer_list>
 
 namespace godot::internal {
 
@@ -12,7 +11,7 @@ namespace godot::internal {
 template <typename Call, typename... Args>
 void with_pointers(const Call &p_call, const Args &...p_args) {
 	[&](const auto &...p_wires) {
-		const std::array<GDExtensionConstTypePtr, sizeof...(Args)> pointers{ static_cast<const void *>(&p_wires)... };
+		const std::array<GDExtensionConstTypePtr, sizeof...(Args)> pointers{static_cast<const void *>(&p_wires)...};
 		p_call(pointers.data());
 	}(Marshal<Args>::wire(p_args)...);
 }
@@ -28,8 +27,8 @@ void construct(void *p_storage, const Args &...p_args) {
 /// The value of `p_left Op p_right`.
 template <GDExtensionVariantOperator Op, typename R, typename Left, typename Right>
 R evaluate(const Left &p_left, const Right &p_right) {
-	static const GDExtensionPtrOperatorEvaluator evaluator = gdextension_interface::variant_get_ptr_operator_evaluator(
-			Op, builtin_type<Left>, builtin_type<Right>);
+	static const GDExtensionPtrOperatorEvaluator evaluator =
+			gdextension_interface::variant_get_ptr_operator_evaluator(Op, builtin_type<Left>, builtin_type<Right>);
 	R result;
 	evaluator(p_left._native_ptr(), p_right._native_ptr(), &result);
 	return result;
@@ -51,26 +50,7 @@ public:
 		}
 	}
 
-	/// For a method that takes any number of values.
-	template <typename R>
-	R call_variants(void *p_base, std::initializer_list<Variant> p_values) const {
-		std::array<GDExtensionConstTypePtr, max_variants> pointers{};
-		std::size_t count = 0;
-		for (const Variant &value : p_values) {
-			pointers[count++] = &value;
-		}
-		if constexpr (std::is_void_v<R>) {
-			method_(p_base, pointers.data(), nullptr, static_cast<int32_t>(count));
-		} else {
-			R result;
-			method_(p_base, pointers.data(), &result, static_cast<int32_t>(count));
-			return result;
-		}
-	}
-
 private:
-	static constexpr std::size_t max_variants = 16;
-
 	template <typename... Args>
 	void run(void *p_base, void *r_result, const Args &...p_args) const {
 		with_pointers(
@@ -82,8 +62,5 @@ private:
 
 	GDExtensionPtrBuiltInMethod method_;
 };
-
-/// Calls a utility function that takes any number of values.
-void call_utility(const char *p_name, GDExtensionInt p_hash, std::initializer_list<Variant> p_values);
 
 } // namespace godot::internal

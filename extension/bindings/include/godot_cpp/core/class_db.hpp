@@ -55,24 +55,19 @@ class ClassDB {
 public:
 	template <typename T>
 	static void register_class() {
-		add_class(describe<T>(false));
-	}
-	template <typename T>
-	static void register_abstract_class() {
-		add_class(describe<T>(true));
+		add_class(describe<T>());
 	}
 
-	template <typename M, typename... Defaults>
-	static void bind_method(const MethodDefinition &p_definition, M p_method, const Defaults &...p_defaults) {
+	template <typename M>
+	static void bind_method(const MethodDefinition &p_definition, M p_method) {
 		using Sign = internal::Signature<M>;
 		using Bind = internal::MethodBindOf<M>;
-		auto bind = std::make_unique<Bind>(p_method);
-		bind->defaults = { Variant(p_defaults)... };
-		add_method({ Sign::Owner::get_class_static(), p_definition, Sign::arguments(), Sign::metadata(), Sign::returns,
-						   internal::Marshal<typename Sign::Result>::info(), internal::Marshal<typename Sign::Result>::metadata,
-						   Sign::is_const ? METHOD_FLAG_NORMAL | METHOD_FLAG_CONST : uint32_t{ METHOD_FLAG_NORMAL },
-						   Bind::call, Bind::ptrcall },
-				std::move(bind));
+		add_method({Sign::Owner::get_class_static(), p_definition, Sign::arguments(), Sign::metadata(), Sign::returns,
+						   internal::Marshal<typename Sign::Result>::info(),
+						   internal::Marshal<typename Sign::Result>::metadata,
+						   Sign::is_const ? METHOD_FLAG_NORMAL | METHOD_FLAG_CONST : uint32_t{METHOD_FLAG_NORMAL},
+						   Bind::call, Bind::ptrcall},
+				std::make_unique<Bind>(p_method));
 	}
 
 	static void add_property(const StringName &p_class, const PropertyInfo &p_property, const StringName &p_setter,
@@ -87,19 +82,15 @@ public:
 
 private:
 	template <typename T>
-	static internal::ClassDescription describe(bool p_abstract) {
+	static internal::ClassDescription describe() {
 		using Hooks = internal::Class<T>;
 		GDExtensionClassCreationInfo4 info{};
-		info.is_abstract = p_abstract;
 		info.is_exposed = true;
 		info.notification_func = Hooks::notification;
 		info.create_instance_func = Hooks::create_instance;
 		info.free_instance_func = Hooks::free_instance;
 		info.recreate_instance_func = Hooks::recreate_instance;
-		if constexpr (Hooks::validates) {
-			info.validate_property_func = Hooks::validate_property;
-		}
-		return { T::get_class_static(), T::parent_type::get_class_static(), info, Hooks::bind };
+		return {T::get_class_static(), T::parent_type::get_class_static(), info, Hooks::bind};
 	}
 
 	static void add_class(const internal::ClassDescription &p_class);
@@ -109,7 +100,6 @@ private:
 } // namespace godot
 
 #define GDREGISTER_CLASS(m_class) ::godot::ClassDB::register_class<m_class>()
-#define GDREGISTER_ABSTRACT_CLASS(m_class) ::godot::ClassDB::register_abstract_class<m_class>()
 
 #define ADD_PROPERTY(m_property, m_setter, m_getter) \
 	::godot::ClassDB::add_property(get_class_static(), m_property, m_setter, m_getter)

@@ -18,7 +18,8 @@ void bind_virtual(const char *p_name, uint32_t p_hash) {
 	if constexpr (!std::is_same_v<decltype(Method), decltype(BaseMethod)>) {
 		using Sign = Signature<decltype(Method)>;
 		add_override(p_name, p_hash,
-				[](GDExtensionClassInstancePtr p_instance, const GDExtensionConstTypePtr *p_args, GDExtensionTypePtr r_result) {
+				[](GDExtensionClassInstancePtr p_instance, const GDExtensionConstTypePtr *p_args,
+						GDExtensionTypePtr r_result) {
 					auto *self = static_cast<typename Sign::Owner *>(static_cast<Wrapped *>(p_instance));
 					Sign::ptrcall(self, Method, p_args, r_result);
 				});
@@ -33,31 +34,23 @@ class Class {
 public:
 	/// Makes the next T that this thread constructs wrap `p_owner`, or a new object of the engine if that is null.
 	static void prepare(GodotObject *p_owner) {
-		Access::expect({ p_owner, &engine_class<T>(), extension_class(), &callbacks });
+		Access::expect({p_owner, &engine_class<T>(), extension_class(), &callbacks});
 	}
 
 	/// For `GDExtensionClassCreationInfo4`.
 	static GDExtensionObjectPtr create_instance(void *, GDExtensionBool p_notify) {
-		if constexpr (std::is_abstract_v<T>) {
-			return nullptr;
-		} else {
-			prepare(nullptr);
-			T *object = new T;
-			if (p_notify) {
-				Access::post_initialize(object);
-			}
-			return object->_owner;
+		prepare(nullptr);
+		T *object = new T;
+		if (p_notify) {
+			Access::post_initialize(object);
 		}
+		return object->_owner;
 	}
 
 	/// The library was loaded anew: `p_owner` lost the instance that the old one gave it.
 	static GDExtensionClassInstancePtr recreate_instance(void *, GDExtensionObjectPtr p_owner) {
-		if constexpr (std::is_abstract_v<T>) {
-			return nullptr;
-		} else {
-			prepare(p_owner);
-			return static_cast<Wrapped *>(new T);
-		}
+		prepare(p_owner);
+		return static_cast<Wrapped *>(new T);
 	}
 
 	static void free_instance(void *, GDExtensionClassInstancePtr p_instance) {
@@ -68,16 +61,6 @@ public:
 	static void notification(GDExtensionClassInstancePtr p_instance, int32_t p_what, GDExtensionBool p_reversed) {
 		notify(self(p_instance), p_what, p_reversed != 0);
 	}
-
-	static GDExtensionBool validate_property(
-			GDExtensionClassInstancePtr p_instance, GDExtensionPropertyInfo *r_property) {
-		PropertyInfo info(*r_property);
-		validate(self(p_instance), info);
-		info._update(*r_property);
-		return true;
-	}
-
-	static constexpr bool validates = !std::same_as<decltype(&T::_validate_property), void (Wrapped::*)(PropertyInfo &) const>;
 
 	/// Calls `_bind_methods`, which every class of ours declares.
 	static void bind() {
@@ -92,7 +75,7 @@ public:
 	// references: the engine asks whether an object may die, and the answer is always yes.
 	static void *create_binding(void *, void *p_owner) {
 		if constexpr (is_engine_class) {
-			Access::expect({ p_owner, nullptr, nullptr, nullptr });
+			Access::expect({p_owner, nullptr, nullptr, nullptr});
 			return static_cast<Wrapped *>(new T);
 		} else {
 			return nullptr;
@@ -104,7 +87,7 @@ public:
 		}
 	}
 	static GDExtensionBool reference_binding(void *, void *, GDExtensionBool) { return true; }
-	static constexpr GDExtensionInstanceBindingCallbacks callbacks{ create_binding, free_binding, reference_binding };
+	static constexpr GDExtensionInstanceBindingCallbacks callbacks{create_binding, free_binding, reference_binding};
 
 private:
 	static T *self(GDExtensionClassInstancePtr p_instance) {
@@ -132,15 +115,6 @@ private:
 			}
 			if (p_reversed) {
 				Parent::notify(p_self, p_what, p_reversed);
-			}
-		}
-	}
-
-	static void validate(const T *p_self, PropertyInfo &r_property) {
-		if constexpr (!is_engine_class) {
-			Parent::validate(p_self, r_property);
-			if constexpr (std::same_as<decltype(&T::_validate_property), void (T::*)(PropertyInfo &) const>) {
-				p_self->_validate_property(r_property);
 			}
 		}
 	}

@@ -2,6 +2,8 @@
 
 #include <godot_cpp/core/builtin_call.hpp>
 
+#include <initializer_list>
+
 namespace godot::internal {
 
 /// A method of a class of the engine, looked up once (`classdb_get_method_bind`). One that this engine lacks prints an

@@ -11,8 +11,7 @@ namespace godot::internal {
 /// that are left). May be asked for again after that: not every system forgets a library that it was told to close.
 class LazyName {
 public:
-	constexpr explicit LazyName(const char *p_text) :
-			text_(p_text) {}
+	constexpr explicit LazyName(const char *p_text) : text_(p_text) {}
 
 	const StringName &get() {
 		if (!made_.load(std::memory_order_acquire)) {

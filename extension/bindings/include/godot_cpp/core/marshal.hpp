@@ -77,33 +77,26 @@ template <>
 struct Marshal<bool> : CopyMarshal<bool, GDExtensionBool, GDEXTENSION_VARIANT_TYPE_BOOL> {};
 
 template <typename T>
-	requires std::is_arithmetic_v<T>
+requires std::is_arithmetic_v<T>
 struct Marshal<T> : CopyMarshal<T, NumberWire<T>, number_type<T>> {
-	static constexpr GDExtensionClassMethodArgumentMetadata metadata = static_cast<GDExtensionClassMethodArgumentMetadata>(
-			std::is_floating_point_v<T>
-					? (sizeof(T) == 4 ? GDEXTENSION_METHOD_ARGUMENT_METADATA_REAL_IS_FLOAT
-									  : GDEXTENSION_METHOD_ARGUMENT_METADATA_REAL_IS_DOUBLE)
-					: (std::is_signed_v<T> ? GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_INT8
-										   : GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_UINT8) +
-							(sizeof(T) == 8 ? 3 : sizeof(T) / 2)); // 1, 2, 4, 8 bytes follow one another.
+	static constexpr GDExtensionClassMethodArgumentMetadata metadata =
+			static_cast<GDExtensionClassMethodArgumentMetadata>(std::is_floating_point_v<T>
+							? (sizeof(T) == 4 ? GDEXTENSION_METHOD_ARGUMENT_METADATA_REAL_IS_FLOAT
+											  : GDEXTENSION_METHOD_ARGUMENT_METADATA_REAL_IS_DOUBLE)
+							: (std::is_signed_v<T> ? GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_INT8
+												   : GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_UINT8) +
+									(sizeof(T) == 8 ? 3 : sizeof(T) / 2)); // 1, 2, 4, 8 bytes follow one another.
 };
 
-template <typename T, typename E>
-struct EnumMarshal : CopyMarshal<T, int64_t, GDEXTENSION_VARIANT_TYPE_INT> {
+template <typename T>
+requires std::is_enum_v<T>
+struct Marshal<T> : CopyMarshal<T, int64_t, GDEXTENSION_VARIANT_TYPE_INT> {
 	static PropertyInfo info() {
-		static_assert(!enum_name<E>.empty(), "VARIANT_ENUM_CAST is missing");
-		const uint32_t kind = is_bitfield<E> ? PROPERTY_USAGE_CLASS_IS_BITFIELD : PROPERTY_USAGE_CLASS_IS_ENUM;
-		return PropertyInfo(Variant::INT, StringName(), PROPERTY_HINT_NONE, String(), PROPERTY_USAGE_DEFAULT | kind,
-				enum_class_name(enum_name<E>));
+		static_assert(!enum_name<T>.empty(), "VARIANT_ENUM_CAST is missing");
+		return PropertyInfo(Variant::INT, StringName(), PROPERTY_HINT_NONE, String(),
+				PROPERTY_USAGE_DEFAULT | PROPERTY_USAGE_CLASS_IS_ENUM, enum_class_name(enum_name<T>));
 	}
 };
-
-template <typename T>
-	requires std::is_enum_v<T>
-struct Marshal<T> : EnumMarshal<T, T> {};
-
-template <typename T>
-struct Marshal<BitField<T>> : EnumMarshal<BitField<T>, T> {};
 
 template <typename T>
 struct Marshal<T *> {

@@ -15,10 +15,8 @@ struct MethodDefinition {
 
 template <typename... Args>
 MethodDefinition D_METHOD(const StringName &p_name, const Args &...p_arguments) {
-	return { p_name, { StringName(p_arguments)... } };
+	return {p_name, {StringName(p_arguments)...}};
 }
-
-#define DEFVAL(m_value) (m_value)
 
 namespace internal {
 
@@ -29,13 +27,6 @@ public:
 	MethodBind(const MethodBind &) = delete;
 	MethodBind &operator=(const MethodBind &) = delete;
 	virtual ~MethodBind() = default;
-
-	std::vector<Variant> defaults; ///< Of the last parameters.
-
-protected:
-	/// Points at the values given and at the defaults of those left out; false, with an error, if their number is wrong.
-	bool complete(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_given, const Variant **r_args,
-			std::size_t p_count, GDExtensionCallError &r_error) const;
 };
 
 template <typename M>
@@ -44,18 +35,13 @@ class MethodBindOf final : public MethodBind {
 	using Owner = typename Sign::Owner;
 
 public:
-	explicit MethodBindOf(M p_method) :
-			method_(p_method) {}
+	explicit MethodBindOf(M p_method) : method_(p_method) {}
 
 	/// For `GDExtensionClassMethodInfo`.
 	static void call(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstVariantPtr *p_args,
 			GDExtensionInt p_given, GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
-		const auto *bind = static_cast<const MethodBindOf *>(p_bind);
-		std::array<const Variant *, Sign::count> args;
-		*r_error = { GDEXTENSION_CALL_OK, 0, 0 };
-		if (bind->complete(p_args, p_given, args.data(), Sign::count, *r_error)) {
-			Sign::call(self(p_instance), bind->method_, args, static_cast<Variant *>(r_result), *r_error);
-		}
+		Sign::call(self(p_instance), static_cast<const MethodBindOf *>(p_bind)->method_, p_args, p_given, r_result,
+				*r_error);
 	}
 	static void ptrcall(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstTypePtr *p_args,
 			GDExtensionTypePtr r_result) {

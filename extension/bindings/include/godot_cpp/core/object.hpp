@@ -14,11 +14,4 @@ const T *Object::cast_to(const Object *p_object) {
 	return dynamic_cast<const T *>(p_object);
 }
 
-/// All objects of the engine.
-class ObjectDB {
-public:
-	/// The object of this id; null if it was freed.
-	static Object *get_instance(uint64_t p_id);
-};
-
 } // namespace godot

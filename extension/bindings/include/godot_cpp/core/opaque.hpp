@@ -39,10 +39,7 @@ public:
 		const GDExtensionConstTypePtr from = p_from.storage_;
 		functions().copy(storage_, &from);
 	}
-	Opaque(Opaque &&p_from) noexcept :
-			Opaque() {
-		swap(p_from);
-	}
+	Opaque(Opaque &&p_from) noexcept : Opaque() { swap(p_from); }
 	~Opaque() { functions().destroy(storage_); }
 
 	Opaque &operator=(const Opaque &p_from) {

@@ -20,12 +20,9 @@ struct PropertyInfo {
 	PropertyInfo(Variant::Type p_type, const StringName &p_name, PropertyHint p_hint = PROPERTY_HINT_NONE,
 			const String &p_hint_string = String(), uint32_t p_usage = PROPERTY_USAGE_DEFAULT,
 			const StringName &p_class_name = StringName());
-	explicit PropertyInfo(const GDExtensionPropertyInfo &p_info);
 
 	/// A view for interface functions, which lives no longer than this.
 	GDExtensionPropertyInfo _native() const;
-	/// Writes all but the name into what the engine handed out.
-	void _update(GDExtensionPropertyInfo &r_info) const;
 };
 
 /// A signal or a method that scripts may override.
@@ -39,7 +36,7 @@ struct MethodInfo {
 
 	template <typename... Args>
 	explicit MethodInfo(const StringName &p_name, const Args &...p_arguments) :
-			name(p_name), arguments{ p_arguments... } {}
+			name(p_name), arguments{p_arguments...} {}
 };
 
 } // namespace godot

@@ -13,19 +13,17 @@ bool has_script_method(GodotObject *p_owner, const StringName &p_name);
 
 /// Calls the method of the object's script (`object_call_script_method`); false if there is none or it cannot be called
 /// with these.
-bool call_script_method(
-		GodotObject *p_owner, const StringName &p_name, const Variant *const *p_args, std::size_t p_count, Variant &r_result);
+bool call_script_method(GodotObject *p_owner, const StringName &p_name, const Variant *const *p_args,
+		std::size_t p_count, Variant &r_result);
 
 template <typename F>
 struct ScriptVirtual;
 
-/// A method R(Args...) that scripts may override.
+/// A const method R(Args...) that scripts may override.
 template <typename R, typename... Args>
 struct ScriptVirtual<R(Args...)> {
-	/// `r_result` is there unless R is void.
-	template <typename... Result>
-	static bool call(GodotObject *p_owner, const StringName &p_name, const Args &...p_args, Result &...r_result) {
-		const std::array<Variant, sizeof...(Args)> values{ Variant(p_args)... };
+	static bool call(GodotObject *p_owner, const StringName &p_name, const Args &...p_args, R &r_result) {
+		const std::array<Variant, sizeof...(Args)> values{Variant(p_args)...};
 		std::array<const Variant *, sizeof...(Args)> pointers;
 		for (std::size_t i = 0; i < values.size(); ++i) {
 			pointers[i] = &values[i];
@@ -34,18 +32,16 @@ struct ScriptVirtual<R(Args...)> {
 		if (!call_script_method(p_owner, p_name, pointers.data(), pointers.size(), result)) {
 			return false;
 		}
-		((r_result = from_variant<R>(result)), ...);
+		r_result = from_variant<R>(result);
 		return true;
 	}
 
-	static MethodInfo info(const StringName &p_name, uint32_t p_flags) {
+	static MethodInfo info(const StringName &p_name) {
 		MethodInfo result(p_name, Marshal<Args>::info()...);
-		result.flags = p_flags;
-		result.arguments_metadata = { Marshal<Args>::metadata... };
-		if constexpr (!std::is_void_v<R>) {
-			result.return_val = Marshal<R>::info();
-			result.return_val_metadata = Marshal<R>::metadata;
-		}
+		result.flags = METHOD_FLAG_VIRTUAL | METHOD_FLAG_CONST;
+		result.arguments_metadata = {Marshal<Args>::metadata...};
+		result.return_val = Marshal<R>::info();
+		result.return_val_metadata = Marshal<R>::metadata;
 		return result;
 	}
 };

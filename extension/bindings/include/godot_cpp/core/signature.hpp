@@ -2,7 +2,6 @@
 
 #include <godot_cpp/core/marshal.hpp>
 
-#include <array>
 #include <utility>
 
 namespace godot::internal {
@@ -14,15 +13,14 @@ struct Signature;
 template <typename C, typename R, typename... Args>
 struct Signature<R (C::*)(Args...)> {
 	using Owner = C;
-	static constexpr std::size_t count = sizeof...(Args);
 	static constexpr bool returns = !std::is_void_v<R>;
 	static constexpr bool is_const = false;
 
 	using Result = std::conditional_t<returns, std::decay_t<R>, bool>; // bool stands in where nothing is returned.
 
-	static std::vector<PropertyInfo> arguments() { return { Marshal<std::decay_t<Args>>::info()... }; }
+	static std::vector<PropertyInfo> arguments() { return {Marshal<std::decay_t<Args>>::info()...}; }
 	static std::vector<GDExtensionClassMethodArgumentMetadata> metadata() {
-		return { Marshal<std::decay_t<Args>>::metadata... };
+		return {Marshal<std::decay_t<Args>>::metadata...};
 	}
 
 	/// A pointer call: arguments are of the types that were registered.
@@ -31,11 +29,19 @@ struct Signature<R (C::*)(Args...)> {
 		ptrcall(p_self, p_method, p_args, r_result, std::index_sequence_for<Args...>());
 	}
 
-	/// A call with Variants, one for each parameter. Names the first that does not fit.
+	/// A call with any number of Variants. Refuses a wrong number, and names the first that does not fit.
 	template <typename M>
-	static void call(C *p_self, M p_method, const std::array<const Variant *, count> &p_args, Variant *r_result,
-			GDExtensionCallError &r_error) {
-		call(p_self, p_method, p_args, r_result, r_error, std::index_sequence_for<Args...>());
+	static void call(C *p_self, M p_method, const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
+			void *r_result, GDExtensionCallError &r_error) {
+		constexpr auto wanted = static_cast<int32_t>(sizeof...(Args));
+		r_error = {GDEXTENSION_CALL_OK, 0, wanted};
+		if (p_count == wanted) {
+			call(p_self, p_method, p_args, static_cast<Variant *>(r_result), r_error,
+					std::index_sequence_for<Args...>());
+		} else {
+			r_error.error = p_count < wanted ? GDEXTENSION_CALL_ERROR_TOO_FEW_ARGUMENTS
+											 : GDEXTENSION_CALL_ERROR_TOO_MANY_ARGUMENTS;
+		}
 	}
 
 private:
@@ -50,25 +56,28 @@ private:
 	}
 
 	template <typename M, std::size_t... I>
-	static void call(C *p_self, M p_method, [[maybe_unused]] const std::array<const Variant *, count> &p_args,
-			[[maybe_unused]] Variant *r_result, GDExtensionCallError &r_error, std::index_sequence<I...>) {
-		if (!(fits<std::decay_t<Args>>(*p_args[I], I, r_error) && ...)) {
+	static void call(C *p_self, M p_method, [[maybe_unused]] const GDExtensionConstVariantPtr *p_args,
+			[[maybe_unused]] Variant *r_result, [[maybe_unused]] GDExtensionCallError &r_error,
+			std::index_sequence<I...>) {
+		if (!(fits<std::decay_t<Args>>(value(p_args[I]), I, r_error) && ...)) {
 			return;
 		}
 		if constexpr (returns) {
-			*r_result = (p_self->*p_method)(from_variant<std::decay_t<Args>>(*p_args[I])...);
+			*r_result = (p_self->*p_method)(from_variant<std::decay_t<Args>>(value(p_args[I]))...);
 		} else {
-			(p_self->*p_method)(from_variant<std::decay_t<Args>>(*p_args[I])...);
+			(p_self->*p_method)(from_variant<std::decay_t<Args>>(value(p_args[I]))...);
 		}
 	}
+
+	static const Variant &value(GDExtensionConstVariantPtr p_value) { return *static_cast<const Variant *>(p_value); }
 
 	template <typename T>
 	static bool fits(const Variant &p_value, std::size_t p_place, GDExtensionCallError &r_error) {
 		if (Marshal<T>::fits(p_value)) {
 			return true;
 		}
-		r_error = { GDEXTENSION_CALL_ERROR_INVALID_ARGUMENT, static_cast<int32_t>(p_place),
-			static_cast<int32_t>(Marshal<T>::type) };
+		r_error = {GDEXTENSION_CALL_ERROR_INVALID_ARGUMENT, static_cast<int32_t>(p_place),
+				static_cast<int32_t>(Marshal<T>::type)};
 		return false;
 	}
 };

@@ -8,8 +8,8 @@ namespace godot::internal {
 /// an error of the engine, if there is none of the name.
 Object *find_singleton(const StringName &p_name);
 
-/// Gives back the wrappers of all singletons that still live.
-void release_singletons();
+/// Gives back the wrappers of all singletons that still live, and makes no more of any kind.
+void release_wrappers();
 
 template <typename T>
 T *singleton() {

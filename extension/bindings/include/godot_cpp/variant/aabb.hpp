@@ -10,8 +10,7 @@ struct AABB {
 	Vector3 size;
 
 	constexpr AABB() = default;
-	constexpr AABB(const Vector3 &p_position, const Vector3 &p_size) :
-			position(p_position), size(p_size) {}
+	constexpr AABB(const Vector3 &p_position, const Vector3 &p_size) : position(p_position), size(p_size) {}
 };
 
 } // namespace godot

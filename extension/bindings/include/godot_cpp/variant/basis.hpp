@@ -6,12 +6,12 @@ namespace godot {
 
 /// Rotation and scale, stored by rows.
 struct Basis {
-	Vector3 rows[3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+	Vector3 rows[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 	constexpr Basis() = default;
 	/// From its columns: where the axes go.
 	constexpr Basis(const Vector3 &p_x, const Vector3 &p_y, const Vector3 &p_z) :
-			rows{ { p_x.x, p_y.x, p_z.x }, { p_x.y, p_y.y, p_z.y }, { p_x.z, p_y.z, p_z.z } } {}
+			rows{{p_x.x, p_y.x, p_z.x}, {p_x.y, p_y.y, p_z.y}, {p_x.z, p_y.z, p_z.z}} {}
 
 	constexpr bool operator==(const Basis &) const = default;
 };

@@ -27,23 +27,12 @@ class CallableMethodOf final : public CallableMethod {
 	using Sign = Signature<M>;
 
 public:
-	CallableMethodOf(T *p_object, M p_method) :
-			object_(p_object), method_(p_method) {}
+	CallableMethodOf(T *p_object, M p_method) : object_(p_object), method_(p_method) {}
 
 	// The engine does not call it once the object is gone.
 	void call(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count, Variant *r_result,
 			GDExtensionCallError &r_error) override {
-		constexpr auto wanted = static_cast<int32_t>(Sign::count);
-		if (p_count != wanted) {
-			r_error = { p_count < wanted ? GDEXTENSION_CALL_ERROR_TOO_FEW_ARGUMENTS : GDEXTENSION_CALL_ERROR_TOO_MANY_ARGUMENTS,
-				0, wanted };
-			return;
-		}
-		std::array<const Variant *, Sign::count> args;
-		for (std::size_t i = 0; i < Sign::count; ++i) {
-			args[i] = static_cast<const Variant *>(p_args[i]);
-		}
-		Sign::call(object_, method_, args, r_result, r_error);
+		Sign::call(object_, method_, p_args, p_count, r_result, r_error);
 	}
 
 	bool equals(const CallableMethod &p_other) const override {
@@ -63,7 +52,8 @@ private:
 /// A Callable of a method of an object; the method need not be registered.
 template <typename T, typename M>
 Callable callable_mp(T *p_object, M p_method) {
-	return internal::CallableMethod::make(std::make_unique<internal::CallableMethodOf<T, M>>(p_object, p_method), p_object);
+	return internal::CallableMethod::make(
+			std::make_unique<internal::CallableMethodOf<T, M>>(p_object, p_method), p_object);
 }
 
 } // namespace godot

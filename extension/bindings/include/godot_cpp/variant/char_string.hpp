@@ -8,8 +8,7 @@ namespace godot {
 /// Text in one of the 8-bit encodings.
 class CharString {
 public:
-	explicit CharString(std::string p_text) :
-			text_(std::move(p_text)) {}
+	explicit CharString(std::string p_text) : text_(std::move(p_text)) {}
 	const char *get_data() const { return text_.c_str(); }
 	int64_t length() const { return static_cast<int64_t>(text_.size()); }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <cstdint>
 
 namespace godot {
@@ -9,9 +8,6 @@ namespace godot {
 class RID {
 public:
 	bool is_valid() const { return id_ != 0; }
-	bool is_null() const { return id_ == 0; }
-	int64_t get_id() const { return static_cast<int64_t>(id_); }
-	auto operator<=>(const RID &) const = default;
 
 private:
 	uint64_t id_ = 0;

@@ -19,8 +19,7 @@ public:
 			assign(p_from);
 		}
 	}
-	TypedArray(const Variant &p_from) :
-			TypedArray(static_cast<Array>(p_from)) {}
+	TypedArray(const Variant &p_from) : TypedArray(static_cast<Array>(p_from)) {}
 
 private:
 	void make_typed() {

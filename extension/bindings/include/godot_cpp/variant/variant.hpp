@@ -15,7 +15,8 @@ namespace internal {
 
 /// A type of the engine, which a Variant holds as it is.
 template <typename T>
-concept Builtin = builtin_type<T> != GDEXTENSION_VARIANT_TYPE_NIL;
+concept Builtin = builtin_type<T>
+!= GDEXTENSION_VARIANT_TYPE_NIL;
 
 template <typename T>
 concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
@@ -27,7 +28,7 @@ using NumberWire = std::conditional_t<std::is_same_v<T, bool>, GDExtensionBool,
 
 template <Number T>
 inline constexpr GDExtensionVariantType number_type = std::is_same_v<T, bool> ? GDEXTENSION_VARIANT_TYPE_BOOL
-		: std::is_floating_point_v<T>										  ? GDEXTENSION_VARIANT_TYPE_FLOAT
+		: std::is_floating_point_v<T>                                         ? GDEXTENSION_VARIANT_TYPE_FLOAT
 																			  : GDEXTENSION_VARIANT_TYPE_INT;
 
 } // namespace internal
@@ -36,13 +37,15 @@ inline constexpr GDExtensionVariantType number_type = std::is_same_v<T, bool> ? 
 /// type's default.
 class Variant {
 public:
+	// clang-format off
 	enum Type {
 		NIL, BOOL, INT, FLOAT, STRING, VECTOR2, VECTOR2I, RECT2, RECT2I, VECTOR3, VECTOR3I, TRANSFORM2D, VECTOR4,
 		VECTOR4I, PLANE, QUATERNION, AABB, BASIS, TRANSFORM3D, PROJECTION, COLOR, STRING_NAME, NODE_PATH, RID, OBJECT,
 		CALLABLE, SIGNAL, DICTIONARY, ARRAY, PACKED_BYTE_ARRAY, PACKED_INT32_ARRAY, PACKED_INT64_ARRAY,
 		PACKED_FLOAT32_ARRAY, PACKED_FLOAT64_ARRAY, PACKED_STRING_ARRAY, PACKED_VECTOR2_ARRAY, PACKED_VECTOR3_ARRAY,
 		PACKED_COLOR_ARRAY, PACKED_VECTOR4_ARRAY, VARIANT_MAX
-	}; // clang-format skip
+	};
+	// clang-format on
 	static_assert(int(VARIANT_MAX) == int(GDEXTENSION_VARIANT_TYPE_VARIANT_MAX));
 
 	Variant();
@@ -76,7 +79,7 @@ public:
 	template <internal::Builtin T>
 	operator T() const {
 		if constexpr (std::constructible_from<T, internal::Uninitialized>) {
-			T value{ internal::Uninitialized{} };
+			T value{internal::Uninitialized{}};
 			internal::builtin_functions[internal::builtin_type<T>].from_variant(value._native_ptr(), _native_ptr());
 			return value;
 		} else {
@@ -105,24 +108,21 @@ private:
 #include <godot_cpp/variant/aabb.hpp>
 #include <godot_cpp/variant/array.hpp>
 #include <godot_cpp/variant/callable.hpp>
-#include <godot_cpp/variant/color.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/node_path.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_float64_array.hpp>
-#include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/packed_vector2_array.hpp>
 #include <godot_cpp/variant/packed_vector3_array.hpp>
 #include <godot_cpp/variant/rect2.hpp>
-#include <godot_cpp/variant/rect2i.hpp>
 #include <godot_cpp/variant/rid.hpp>
-#include <godot_cpp/variant/signal.hpp>
 #include <godot_cpp/variant/string.hpp>
 #include <godot_cpp/variant/string_name.hpp>
 #include <godot_cpp/variant/transform3d.hpp>
+#include <godot_cpp/variant/vector2i.hpp>
 
 namespace godot {
 

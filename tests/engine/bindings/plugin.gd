@@ -1,0 +1,88 @@
+@tool
+extends EditorPlugin
+## Runs one of the methods below in the editor, named by what follows `--`, prints "done" and quits.
+
+const EXTENSION := "res://addons/thicket/thicket.gdextension"
+const PATIENCE_MSEC := 60000
+
+
+func _enter_tree() -> void:
+	_run.call_deferred()
+
+
+func _run() -> void:
+	await get_tree().process_frame
+	for step in OS.get_cmdline_user_args():
+		@warning_ignore("redundant_await")
+		await call(step)
+	print("done")
+	get_tree().quit()
+
+
+## A live node keeps its properties, and works, when the library is loaded anew under it; twice.
+func reload() -> void:
+	var flat: Resource = ClassDB.instantiate("ScatterTerrainFlat")
+	flat.set("height", 7.0)
+	var layer: Resource = ClassDB.instantiate("ScatterLayer")
+	layer.set("radius", 3.5)
+	layer.set("meshes", [BoxMesh.new()])
+	var scatter: Node3D = ClassDB.instantiate("TerrainScatter3D")
+	scatter.set("seed", 42)
+	scatter.set("terrain", flat)
+	scatter.set("layers", [layer])
+	add_child(scatter)
+	for round in 3:
+		if round > 0:
+			GDExtensionManager.reload_extension.call_deferred(EXTENSION)
+			await get_tree().process_frame
+		await _stream(scatter)
+		print("round %d: seed %d, terrain %s at %s, radius %s, %d mesh" % [round, scatter.get("seed"),
+				scatter.get("terrain") == flat, flat.call("get_height", Vector3.ZERO), layer.get("radius"),
+				layer.get("meshes").size()])
+		layer.set("density", 1.0 - 0.1 * round)
+	scatter.queue_free()
+	await get_tree().process_frame
+
+
+func _stream(scatter: Node3D) -> void:
+	var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
+	while scatter.call("get_stats")["instances"] == 0 and Time.get_ticks_msec() < deadline:
+		await get_tree().process_frame
+	print("instances: ", scatter.call("get_stats")["instances"] > 0)
+
+
+## Prints the class reference that the editor shows for each of our classes, in one line.
+func help() -> void:
+	for name: String in ClassDB.get_class_list():
+		if ClassDB.class_get_api_type(name) == ClassDB.API_EXTENSION:
+			print("help %s: %s" % [name, (await _help_page(name)).replace("\n", " ")])
+
+
+## The editor reads its own reference on a thread, and a page that was opened before stays empty: ask until it is there.
+func _help_page(name: String) -> String:
+	var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
+	var text := ""
+	while Time.get_ticks_msec() < deadline:
+		EditorInterface.get_script_editor().goto_help("class_name:" + name)
+		for frame in 5:
+			await get_tree().process_frame
+		for page in EditorInterface.get_script_editor().find_children("*", "EditorHelp", true, false):
+			if page.name == name:
+				for label: RichTextLabel in page.find_children("*", "RichTextLabel", true, false):
+					text = label.get_parsed_text()
+					if text.begins_with("Class:") and not "no description for this class" in text:
+						return text
+	return text
+
+
+## Opens a scene and prints the warnings that the editor shows for its root.
+func warnings() -> void:
+	EditorInterface.open_scene_from_path("res://scatter.tscn")
+	for frame in 30:
+		await get_tree().process_frame
+	for tree: Tree in EditorInterface.get_base_control().find_children("*", "Tree", true, false):
+		var item := tree.get_root()
+		while item:
+			for button in item.get_button_count(0):
+				print("button of %s: %s" % [item.get_text(0), item.get_button_tooltip_text(0, button).replace("\n", " ")])
+			item = item.get_next_in_tree()

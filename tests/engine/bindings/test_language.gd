@@ -1,0 +1,198 @@
+extends "../harness.gd"
+## What scripts see of our classes through the bindings: calls, properties, references, overrides, signals, threads.
+
+const OURS: PackedStringArray = [
+	"PoissonSampler", "ScatterLayer", "ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainHeightmap", "TerrainScatter3D",
+]
+
+
+class Slope extends ScatterTerrain:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(at.x)
+		return heights
+
+
+class Leaning extends Slope:
+	func _get_normals(positions: PackedVector2Array) -> PackedVector3Array:
+		var normals := PackedVector3Array()
+		normals.resize(positions.size())
+		normals.fill(Vector3(3, 0, 4))
+		return normals
+
+
+class Wrong extends ScatterTerrain:
+	@warning_ignore("untyped_declaration")
+	func _get_heights(_positions):
+		return "no heights"
+
+
+func test_classes() -> void:
+	for name in OURS:
+		check(ClassDB.class_exists(name) and ClassDB.can_instantiate(name), name + " is there")
+		check_equal(ClassDB.class_get_api_type(name), ClassDB.API_EXTENSION, name + " is the extension's")
+		var object: Object = ClassDB.instantiate(name)
+		check_equal(object.get_class(), name, "class name")
+		check(object.is_class(ClassDB.get_parent_class(name)), name + " inherits")
+		if object is Node:
+			object.free()
+
+
+## Every property reads back what was written, starts at what the inspector takes for its default, and has a setter.
+func test_properties() -> void:
+	for name in OURS:
+		var object: Object = ClassDB.instantiate(name)
+		for property: Dictionary in ClassDB.class_get_property_list(name, true):
+			if not property["usage"] & PROPERTY_USAGE_EDITOR:
+				continue
+			var label := "%s.%s" % [name, property["name"]]
+			var value: Variant = object.get(property["name"])
+			check_equal(value, ClassDB.class_get_property_default_value(name, property["name"]), label + " starts at its default")
+			var type: int = typeof(value) if value != null else TYPE_OBJECT
+			check_equal(type, property["type"], label + " has its type")
+			object.set(property["name"], value)
+			check_equal(object.get(property["name"]), value, label + " reads back")
+		if object is Node:
+			object.free()
+
+
+func test_hints() -> void:
+	var hints := {}
+	for name in OURS:
+		for property: Dictionary in ClassDB.class_get_property_list(name, true):
+			hints["%s.%s" % [name, property["name"]]] = property
+	var layers: Dictionary = hints["TerrainScatter3D.layers"]
+	check_equal(layers["type"], TYPE_ARRAY, "layers")
+	check_equal(layers["hint"], PROPERTY_HINT_ARRAY_TYPE, "layers is a typed array")
+	check_equal(layers["hint_string"], "%d/%d:ScatterLayer" % [TYPE_OBJECT, PROPERTY_HINT_RESOURCE_TYPE], "of layers")
+	var terrain: Dictionary = hints["TerrainScatter3D.terrain"]
+	check_equal(terrain["class_name"], &"ScatterTerrain", "terrain's class")
+	check_equal(terrain["hint"], PROPERTY_HINT_RESOURCE_TYPE, "terrain is chosen in the inspector")
+	check_equal(hints["ScatterLayer.radius"]["hint"], PROPERTY_HINT_RANGE, "radius has a range")
+	check("Rules" in hints.keys().map(func(key: String) -> String: return key.get_slice(".", 1)), "groups are there")
+
+
+func test_typed_arrays() -> void:
+	var scatter := TerrainScatter3D.new()
+	var layer := ScatterLayer.new()
+	scatter.layers = [layer, null]
+	check_equal(scatter.layers.get_typed_builtin(), TYPE_OBJECT, "layers holds objects")
+	check_equal(scatter.layers.get_typed_class_name(), &"ScatterLayer", "of the class")
+	check(scatter.layers[0] == layer and scatter.layers[1] == null, "the same layers")
+	scatter.set("layers", [layer] as Array)
+	check_equal(scatter.layers.get_typed_class_name(), &"ScatterLayer", "an untyped array becomes typed")
+	check_equal(scatter.layers.size(), 1, "with what was in it")
+	scatter.viewers = [^"a", ^"b/c"]
+	check_equal(scatter.viewers, [^"a", ^"b/c"] as Array[NodePath], "viewers")
+	var mesh := BoxMesh.new()
+	layer.meshes = [mesh, SphereMesh.new()]
+	check(layer.meshes[0] == mesh and layer.meshes[1] is SphereMesh, "meshes of derived classes")
+	scatter.free()
+
+
+func test_numbers() -> void:
+	var sampler := PoissonSampler.new()
+	for number: int in [0, -1, 9223372036854775807, -9223372036854775807 - 1, 4294967296]:
+		sampler.seed = number
+		check_equal(sampler.seed, number, "64 bits")
+	sampler.set("radius", 3)
+	check_equal(sampler.radius, 3.0, "an integer is as good as a real")
+	sampler.radius = 0.1 + 0.2
+	check_equal(sampler.radius, 0.1 + 0.2, "all 53 bits of a real")
+
+
+func test_wrong_values() -> void:
+	var scatter := TerrainScatter3D.new()
+	var flat := ScatterTerrainFlat.new()
+	scatter.terrain = flat
+	for wrong: Variant in [Resource.new(), ScatterLayer.new(), 5, "text", Vector3.ZERO]:
+		scatter.set("terrain", wrong)
+		check(scatter.terrain == flat, "%s is no terrain" % [wrong])
+	scatter.set("seed", "text")
+	check_equal(scatter.seed, 0, "text is no seed")
+	scatter.set("terrain", null)
+	check(scatter.terrain == null, "null is none")
+	scatter.free()
+
+
+func test_overrides() -> void:
+	var slope := Slope.new()
+	check_equal(slope.get_height(Vector3(5, 1, 2)), 5.0, "the script's heights")
+	check(slope.get_normal(Vector3(5, 1, 2)).is_equal_approx(Vector3(-1, 1, 0).normalized()), "and their slope")
+	check(Leaning.new().get_normal(Vector3.ZERO).is_equal_approx(Vector3(0.6, 0, 0.8)), "the script's normals")
+	check(is_nan(ScatterTerrain.new().get_height(Vector3.ZERO)), "no override, no ground")
+	var virtuals: Array[StringName] = []
+	for method: Dictionary in ClassDB.class_get_method_list("ScatterTerrain", true):
+		if method["flags"] & METHOD_FLAG_VIRTUAL:
+			virtuals.push_back(method["name"])
+			if method["name"] == &"_get_heights":
+				check_equal(method["args"][0]["name"], "positions", "named argument")
+				check_equal(method["args"][0]["type"], TYPE_PACKED_VECTOR2_ARRAY, "typed argument")
+				check_equal(method["return"]["type"], TYPE_PACKED_FLOAT32_ARRAY, "typed result")
+	check(&"_get_heights" in virtuals and &"_get_normals" in virtuals, "the editor offers the overrides")
+	errors.take()
+	check(is_nan(Wrong.new().get_height(Vector3.ZERO)), "a result of another type is no ground")
+	check_error(["_get_heights"], "and said so")
+
+
+func test_references() -> void:
+	var scatter := TerrainScatter3D.new()
+	var flat := ScatterTerrainFlat.new()
+	check_equal(flat.get_reference_count(), 1, "new")
+	scatter.terrain = flat
+	check_equal(flat.get_reference_count(), 2, "held by the node")
+	check(scatter.terrain == flat, "the same object comes back")
+	check_equal(flat.get_reference_count(), 2, "reading leaves no reference")
+	scatter.terrain = null
+	check_equal(flat.get_reference_count(), 1, "let go")
+	scatter.terrain = flat
+	var layer := ScatterLayer.new()
+	scatter.layers = [layer]
+	var mesh := BoxMesh.new()
+	layer.meshes = [mesh]
+	layer.material_override = StandardMaterial3D.new()
+	var seen: Array[WeakRef] = [weakref(flat), weakref(layer), weakref(mesh), weakref(layer.material_override)]
+	root.add_child(scatter)
+	await frames(3)
+	scatter.queue_free()
+	await frames(2)
+	flat = null
+	layer = null
+	mesh = null
+	for reference in seen:
+		check(reference.get_ref() == null, "freed with the last reference: %s" % [reference.get_ref()])
+
+
+## Signals arrive with their arguments, typed as they were declared.
+func test_signals() -> void:
+	for signal_info: Dictionary in ClassDB.class_get_signal_list("TerrainScatter3D", true):
+		if signal_info["name"] in [&"tile_shown", &"tile_hidden"]:
+			var types: Array = signal_info["args"].map(func(argument: Dictionary) -> int: return argument["type"])
+			check_equal(types, [TYPE_INT, TYPE_VECTOR2I], "%s's arguments" % [signal_info["name"]])
+	var changes: Array[int] = [0]
+	var flat := ScatterTerrainFlat.new()
+	flat.changed.connect(func() -> void: changes[0] += 1)
+	flat.height = 3.0
+	check_equal(changes[0], 1, "changed")
+	var shown: Array = []
+	var scatter := make_scatter([make_layer(4.0)], flat, make_viewer())
+	scatter.tile_shown.connect(func(layer: int, tile: Vector2i) -> void: shown.push_back([layer, tile]))
+	await settle(scatter)
+	check(shown.size() > 4 and shown[0][0] == 0 and shown[0][1] is Vector2i, "tiles were shown: %s" % [shown.slice(0, 3)])
+
+
+## First calls from many threads at once: what the bindings look up lazily is looked up once.
+func test_threads() -> void:
+	var results: Array = []
+	results.resize(16)
+	var work := func(index: int) -> void:
+		var sampler := PoissonSampler.new()
+		sampler.radius = 1.5
+		sampler.levels = 2
+		results[index] = sampler.sample(Rect2(-20, -20, 40, 40))["ids"]
+	var group := WorkerThreadPool.add_group_task(work, results.size())
+	WorkerThreadPool.wait_for_group_task_completion(group)
+	check((results[0] as PackedInt64Array).size() > 100, "there are points")
+	for result: PackedInt64Array in results:
+		check(result == results[0], "the same on every thread")

@@ -1,0 +1,241 @@
+"""What the bindings promise: the extension loads, unloads and reloads cleanly, in a game and in the editor; scripts see
+our classes as they were declared; engine code compiles against godot-cpp and the stand-in alike."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from conftest import REPO, run
+
+ADDON = REPO / "demo_project/addons/thicket"
+BINDINGS = REPO / "extension/bindings"
+SCRIPTS = REPO / "tests/engine/bindings"
+CLASSES = sorted(path.stem for path in (REPO / "extension/doc_classes").glob("*.xml"))
+
+PROJECT = """config_version=5
+
+[application]
+
+config/name="Bindings"
+
+[editor_plugins]
+
+enabled=PackedStringArray("res://addons/steps/plugin.cfg")
+"""
+SCENE = """[gd_scene format=3]
+
+[node name="Scatter" type="TerrainScatter3D"]
+"""
+KINDS = (".py", ".hpp", ".inc", ".cpp")
+# What an engine says that has something to complain about, at work or at its end.
+COMPLAINTS = re.compile(r"ERROR|WARNING|[Ll]eak|Orphan|unclaimed|still in use|RID allocations|crashed|corrupted")
+
+
+def make_project(folder: Path, extension: bool) -> Path:
+    """A project with the extension, or without, and with the editor plugin that runs the steps of a test."""
+    folder.mkdir()
+    (folder / "project.godot").write_text(PROJECT)
+    shutil.copytree(SCRIPTS, folder / "addons/steps", ignore=shutil.ignore_patterns("test_*"))
+    if extension:
+        shutil.copytree(ADDON, folder / "addons/thicket")
+        (folder / "scatter.tscn").write_text(SCENE)
+        (folder / ".godot").mkdir()
+        (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
+    return folder
+
+
+@pytest.fixture
+def project(tmp_path) -> Path:
+    return make_project(tmp_path / "project", extension=True)
+
+
+def complaints(output: str) -> list[str]:
+    return [line for line in output.splitlines() if COMPLAINTS.search(line)]
+
+
+def test_scripts_see_our_classes_and_nothing_is_left(godot, project):
+    """A game with everything that scripts do; at the end the engine, asked to be verbose, has nothing to report."""
+    done = godot(["--verbose", "--path", project, "--script", SCRIPTS / "test_language.gd"])
+    assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
+    assert re.search(r"thicket engine tests: \d{3,} checks, 0 failed", done.stdout)
+    expected = [line for line in complaints(done.stdout + done.stderr) if "_get_heights() result" not in line]
+    assert not expected, "\n".join(expected)
+
+
+def test_a_leak_would_be_seen(godot, project):
+    """The lines that the test above looks for are lines that this engine prints."""
+    script = project / "leak.gd"
+    script.write_text("extends SceneTree\nfunc _init():\n\tTerrainScatter3D.new()\n\tquit()\n")
+    done = godot(["--verbose", "--path", project, "--script", script])
+    assert any("Leaked instance" in line for line in complaints(done.stdout + done.stderr))
+
+
+def editor(godot, project: Path, *steps: str) -> str:
+    # Folders of its own: the editor keeps the class reference that it once read, and what was open.
+    cache = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    environment = {
+        **os.environ,
+        "THICKET_CACHE": os.environ.get("THICKET_CACHE") or cache + "/thicket",
+        "XDG_CACHE_HOME": str(project / "cache"),
+        "XDG_CONFIG_HOME": str(project / "config"),
+        "XDG_DATA_HOME": str(project / "data"),
+    }
+    done = godot(["--verbose", "--editor", "--path", project, "--", *steps], timeout=600, env=environment)
+    output = done.stdout + done.stderr
+    assert done.returncode == 0 and "\ndone\n" in output, output[-6000:]
+    return output
+
+
+@pytest.fixture(scope="module")
+def plain_editor(godot, tmp_path_factory) -> set[str]:
+    """What an editor complains about that never heard of us."""
+    project = make_project(tmp_path_factory.mktemp("plain") / "project", extension=False)
+    return set(complaints(editor(godot, project)))
+
+
+@pytest.fixture(scope="module")
+def whole_editor(godot, tmp_path_factory) -> str:
+    """What an editor prints in which our library is reloaded under a live node, and our pages and scenes are opened."""
+    project = make_project(tmp_path_factory.mktemp("whole") / "project", extension=True)
+    return editor(godot, project, "reload", "help", "warnings")
+
+
+def test_editor_loads_and_unloads_without_a_complaint(plain_editor, whole_editor):
+    ours = [line for line in complaints(whole_editor) if line not in plain_editor]
+    assert not ours, "\n".join(ours)
+
+
+def test_reload_keeps_live_nodes(whole_editor):
+    rounds = re.findall(r"^round \d: (.*)$", whole_editor, re.MULTILINE)
+    assert len(rounds) == 3
+    assert set(rounds) == {"seed 42, terrain true at 7.0, radius 3.5, 1 mesh"}
+    assert whole_editor.count("instances: true") == 3
+
+
+def test_class_reference_is_shown_in_the_editor(whole_editor):
+    pages = dict(re.findall(r"^help (\w+): (.*)$", whole_editor, re.MULTILINE))
+    assert sorted(pages) == CLASSES
+    for name, page in pages.items():
+        root = ElementTree.parse(REPO / f"extension/doc_classes/{name}.xml").getroot()
+        brief = re.sub(r"\[(?:\w+ )?([\w.]+)\]", r"\1", root.findtext("brief_description").strip())
+        assert brief in page
+        assert "no description" not in page and "There is currently" not in page, page
+
+
+def test_editor_shows_configuration_warnings(whole_editor):
+    """The engine finds our override of one of its virtual methods."""
+    assert re.search(r"^button of Scatter: .*terrain", whole_editor, re.MULTILINE | re.IGNORECASE)
+
+
+def described(path: Path) -> dict[str, str]:
+    """{what a class has, with its types: its description} of a page of the class reference."""
+    root = ElementTree.parse(path).getroot()
+    found = {f"class {root.get('name')} of {root.get('inherits')}": root.findtext("description")}
+    for item in root.iterfind("*/*[@name]"):
+        types = [(part.get("name"), part.get("type")) for part in item.iterfind("param")]
+        result = item.find("return").get("type") if item.find("return") is not None else item.get("type")
+        text = item.text if item.tag == "member" else item.findtext("description")
+        found[f"{item.tag} {item.get('name')}{types} {result} {item.get('qualifiers')}"] = text
+    return found
+
+
+def test_class_reference_is_complete(godot, project):
+    """The engine writes the same members, arguments and types as our pages have, and none without a description."""
+    pages = project / "reference"
+    (pages / "doc_classes").mkdir(parents=True)
+    done = godot(["--path", project, "--doctool", pages, "--gdextension-docs"])
+    assert done.returncode == 0, done.stdout + done.stderr
+    written = {path.stem: described(path) for path in (pages / "doc_classes").glob("*.xml")}
+    ours = {name: described(REPO / f"extension/doc_classes/{name}.xml") for name in CLASSES}
+    assert {name: sorted(page) for name, page in ours.items()} == {name: sorted(page) for name, page in written.items()}
+    empty = [f"{name}: {what}" for name, page in ours.items() for what, text in page.items() if not (text or "").strip()]
+    assert not empty, "\n".join(empty)
+
+
+# --- The generator -----------------------------------------------------------------------------------------------------
+
+
+def generate(*arguments) -> subprocess.CompletedProcess[str]:
+    return run([sys.executable, BINDINGS / "generate.py", *arguments], timeout=120)
+
+
+def from_dump(used: Path, out: Path, build_dir: Path) -> subprocess.CompletedProcess[str]:
+    dump = build_dir.parent / "engine"
+    return generate("--used", used, "--out", out, "--api", dump / "extension_api.json",
+        "--interface", dump / "gdextension_interface.h")  # fmt: skip
+
+
+def test_nothing_is_offered_that_is_not_used():
+    done = generate("--used", BINDINGS / "used_api.toml", "--unused", REPO / "extension/nodes", BINDINGS / "src",
+        BINDINGS / "include")  # fmt: skip
+    assert done.returncode == 0, done.stdout
+
+
+def test_generator_writes_what_it_lists_and_only_changes(tmp_path, build_dir):
+    used = BINDINGS / "used_api.toml"
+    listed = generate("--used", used, "--out", tmp_path, "--list").stdout.split()
+    assert from_dump(used, tmp_path, build_dir).returncode == 0
+    written = {str(path): path.stat().st_mtime_ns for path in tmp_path.rglob("*") if path.is_file()}
+    assert sorted(written) == sorted(listed)
+    assert from_dump(used, tmp_path, build_dir).returncode == 0
+    assert {path: Path(path).stat().st_mtime_ns for path in written} == written
+
+
+@pytest.mark.parametrize(
+    ("addition", "words"),
+    [
+        ('[classes.Time]\nmethods = ["get_tikcs"]', ["Time", "get_tikcs"]),
+        ("[classes.MultiMeshInstance3D]", ["MultiMeshInstance3D", "GeometryInstance3D", "before"]),
+        ('[classes.Time]\nconstants = ["NOON"]', ["Time", "NOON"]),
+        ('[classes.Input]\nmethods = ["is_key_pressed"]', ["Input", "Key"]),
+    ],
+)
+def test_generator_names_what_the_engine_lacks(addition, words, tmp_path, build_dir):
+    used = tmp_path / "used.toml"
+    used.write_text((BINDINGS / "used_api.toml").read_text() + "\n" + addition + "\n")
+    done = from_dump(used, tmp_path / "out", build_dir)
+    assert done.returncode != 0
+    for word in words:
+        assert word in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_the_stand_in_stays_small():
+    """About 2000 lines by hand, generator included, without comments, includes and blank ones; no file past 400."""
+    texts = {path: path.read_text(encoding="utf-8") for path in BINDINGS.rglob("*") if path.suffix in KINDS}
+    code = sum(len(re.findall(r"^\s*(?!//|#include|#pragma)\S", text, re.MULTILINE)) for text in texts.values())
+    assert code < 2200, code
+    assert not [str(path) for path, text in texts.items() if text.count("\n") > 400]
+
+
+# --- godot-cpp ---------------------------------------------------------------------------------------------------------
+
+
+def test_engine_code_has_no_switch_between_bindings():
+    for path in (REPO / "extension/nodes").iterdir():
+        assert not re.search(r"^\s*#\s*(if|ifdef|ifndef|elif)\b", path.read_text(encoding="utf-8"), re.MULTILINE), path
+
+
+def test_every_header_that_is_used_is_offered():
+    """Headers that engine code includes are ones of the stand-in, hand-written or generated."""
+    used = tomllib.loads((BINDINGS / "used_api.toml").read_text())
+    listed = generate("--used", BINDINGS / "used_api.toml", "--out", "gen", "--list").stdout
+    assert used["classes"]
+    for path in (REPO / "extension/nodes").iterdir():
+        for name in re.findall(r"#include <(godot_cpp/[^>]+)>", path.read_text(encoding="utf-8")):
+            offered = (BINDINGS / "include" / name).is_file() or f"include/{name}" in listed
+            assert offered, f"{path.name} includes {name}"
+
+
+@pytest.mark.skipif("THICKET_GODOT_CPP" not in os.environ, reason="set THICKET_GODOT_CPP to a built godot-cpp")
+def test_the_same_sources_build_against_godot_cpp():
+    done = run(["scons", "-Q", "-j2", "godot_cpp=" + os.environ["THICKET_GODOT_CPP"], "extension"], 3600, cwd=REPO)
+    assert done.returncode == 0, done.stdout + done.stderr
