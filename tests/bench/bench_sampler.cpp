@@ -95,8 +95,11 @@ void compare(int tile_size, const Options &options) {
 	print_row(tile + "sampler over tuned Bridson", sampler_rates / tuned_rates, 1.0, " times");
 	print_count(tile + "points computed per point kept, L = 1", plain_order.overhead(), "", 3);
 	print_count(tile + "points computed per point kept, L = 4", four_levels.overhead(), "", 3);
-	print_count(tile + "blocks run again with a wider margin, per tile", plain_order.retries_per_tile(), "", 4);
-	print_count(tile + "workspace a cell", plain_order.bytes_per_cell(), " bytes", 1);
+	if (tile_size == 64) { // A tile that is one block: there the workspace and its cells are those of the tile.
+		print_count(tile + "workspace a cell, L = 1", plain_order.bytes_per_cell(), " bytes", 1);
+		print_count(tile + "workspace a cell, L = 4", four_levels.bytes_per_cell(), " bytes", 1);
+		print_count(tile + "blocks run again with a wider margin, per tile", plain_order.retries_per_tile(), "", 4);
+	}
 }
 
 /// Every instruction set in turn within each round, tiles of 64 r, L = 1.

@@ -1,0 +1,109 @@
+// What a whole tile costs over its points alone: sample, filter and place into buffers that are ready to upload, against
+// the sampler on the same rectangles, in one run. Prints rows of a Markdown table.
+//   bench_tile [rounds = 9] [seconds a measurement = 0.25]
+
+#include "tests/bench/common/hills.hpp"
+#include "tests/bench/common/timing.hpp"
+
+#include "core/placement/tile_builder.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace thicket::bench {
+namespace {
+
+/// Trees as the demo has them: on all ground that is not too steep or too high, thinning out towards both limits,
+/// leaning a little with the slope, of two meshes.
+LayerSettings forest(std::uint32_t levels) {
+	LayerSettings layer;
+	layer.set = {.seed = 1, .radius = 3.0, .levels = levels, .layer = 1};
+	layer.rules = {.density = 0.9,
+			.max_slope_degrees = 38.0,
+			.slope_falloff = 8.0,
+			.min_height = 40.0,
+			.max_height = 600.0,
+			.height_falloff = 80.0};
+	layer.placement = {.min_scale = 0.75, .max_scale = 1.35, .align_to_normal = 0.15, .height_offset = -0.1};
+	layer.mesh_weights = {3.0f, 1.0f};
+	return layer;
+}
+
+/// Nothing is refused: every point pays for its transform. The dearest case.
+LayerSettings meadow(std::uint32_t levels) {
+	LayerSettings layer;
+	layer.set = {.seed = 2, .radius = 3.0, .levels = levels, .layer = 2};
+	layer.placement = {.min_scale = 0.75, .max_scale = 1.35, .align_to_normal = 1.0};
+	return layer;
+}
+
+[[noreturn]] void fail(const Status &status) {
+	std::fprintf(stderr, "bench_tile: %s\n", describe(status).c_str());
+	std::exit(EXIT_FAILURE);
+}
+
+/// The same walk over tiles of 64 radii for both contenders.
+struct Walk {
+	int index = 0;
+
+	Rect next(double radius) {
+		const double size = 64.0 * radius;
+		constexpr int columns = 50;
+		const glm::dvec2 corner = size * glm::dvec2(index % columns, index / columns % 30);
+		++index;
+		return {corner, corner + size};
+	}
+};
+
+void compare(
+		const std::string &name, const LayerSettings &layer, const Heightfield &hills, int rounds, double seconds) {
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	TileBuilder builder;
+	TileInstances tile;
+	Walk sampled, built;
+	double points_seen = 0.0;
+	double instances = 0.0;
+	Series alone, whole;
+	for (int round = 0; round < rounds; ++round) {
+		alone.add(rate(seconds, [&] {
+			const Status status = sampler.sample(layer.set, sampled.next(layer.set.radius), points);
+			return status.ok() ? points.size() : (fail(status), 0);
+		}));
+		whole.add(rate(seconds, [&] {
+			const Status status = builder.build(layer, hills, built.next(layer.set.radius), tile);
+			if (!status.ok()) {
+				fail(status);
+			}
+			instances += static_cast<double>(tile.counts.placed);
+			points_seen += static_cast<double>(tile.counts.sampled);
+			return tile.counts.sampled;
+		}));
+	}
+	print_row(name + ": sampler alone", alone, 1e-6, " M points/s");
+	print_row(name + ": whole tile", whole, 1e-6, " M points/s");
+	print_row(name + ": whole tile over sampler alone", alone / whole, 1.0, " times the time");
+	print_count(name + ": instances a point", instances / points_seen, "");
+}
+
+} // namespace
+} // namespace thicket::bench
+
+int main(int argument_count, char **arguments) {
+	using namespace thicket;
+	using namespace thicket::bench;
+	const int rounds = argument_count > 1 ? std::atoi(arguments[1]) : 9;
+	const double seconds = argument_count > 2 ? std::atof(arguments[2]) : 0.25;
+	if (rounds < 1 || !(seconds > 0.0)) {
+		std::fprintf(stderr, "usage: bench_tile [rounds >= 1] [seconds > 0]\n");
+		return EXIT_FAILURE;
+	}
+	const Heightfield hills = Hills::at(glm::dvec2(0.0));
+	for (const std::uint32_t levels : {1u, 4u}) {
+		const std::string suffix = ", L = " + std::to_string(levels);
+		compare("forest" + suffix, forest(levels), hills, rounds, seconds);
+		compare("meadow" + suffix, meadow(levels), hills, rounds, seconds);
+	}
+}
