@@ -102,6 +102,7 @@ def builtins(api, used):
 def traits(api, names):
     lines = [
         *forward(sorted(names)),
+        "class Object;",
         "class Variant;",
         "",
         "namespace internal {",
