@@ -428,7 +428,8 @@ TEST_CASE("streaming: bad input is refused by name and value, and the last good 
 	refuse_layer({10.0, -1.0}, ErrorCode::out_of_range, "view_distance", -1.0);
 	refuse_layer({10.0, nan_value}, ErrorCode::not_finite, "view_distance", nan_value);
 	refuse_layer({10.0, 641.0}, ErrorCode::out_of_range, "view_distance", 641.0);
-	refuse_layer({1e-300, 1.0}, ErrorCode::out_of_range, "view_distance", 1.0);
+	refuse_layer({1e-300, 1.0}, ErrorCode::out_of_range, "tile_size", 1e-300);
+	refuse_layer({1e300, 1.0}, ErrorCode::out_of_range, "tile_size", 1e300);
 
 	const auto refuse_viewer = [&](Viewer bad, ErrorCode code, const char *property, double value) {
 		StreamChanges changes;

@@ -121,6 +121,17 @@ TEST_CASE("terrain: normals are of unit length, point up and have no seam along 
 	}
 }
 
+TEST_CASE("terrain: the steepest field that is allowed still has normals") {
+	const Heightfield field = field_of({{2, 2}, {{0.0, 0.0}, {0.001, 0.001}}, -1e6, 1e6}, {0, 65535, 65535, 0});
+	for (const glm::dvec2 position :
+			{glm::dvec2(0.0), glm::dvec2(0.0005), glm::dvec2(0.001), glm::dvec2(0.0003, 0.0008)}) {
+		const Ground ground = field.at(position);
+		CHECK(glm::length(ground.normal) == doctest::Approx(1.0).epsilon(1e-6));
+		CHECK(ground.normal.y > 0.0f);
+		CHECK(std::abs(ground.height) <= 1e6f);
+	}
+}
+
 TEST_CASE("terrain: at a post the normal is that of the central differences") {
 	const auto posts = random_posts(frame.posts, 5);
 	const Heightfield field = field_of(frame, posts);
@@ -196,6 +207,7 @@ TEST_CASE("terrain: a refused heightfield names what is wrong and leaves the fie
 	refuse([](auto &bad) { bad.posts = {7, 5}; }, ErrorCode::wrong_size, "posts", 28.0);
 	refuse([](auto &bad) { bad.area.max.x = -30.0; }, ErrorCode::not_positive, "area", 0.0);
 	refuse([](auto &bad) { bad.area.max.y = 9.0; }, ErrorCode::not_positive, "area", -1.0);
+	refuse([](auto &bad) { bad.area = {{0.0, 10.0}, {0.003, 70.0}}; }, ErrorCode::out_of_range, "area", 0.003);
 	refuse([](auto &bad) { bad.area.min.x = nan_value; }, ErrorCode::not_finite, "area", nan_value);
 	refuse([](auto &bad) { bad.area.max.x = infinite_value; }, ErrorCode::not_finite, "area", infinite_value);
 	refuse([](auto &bad) { bad.area.min.y = -infinite_value; }, ErrorCode::not_finite, "area", infinite_value);

@@ -21,12 +21,12 @@ constexpr Rect everywhere{glm::dvec2(-infinity), glm::dvec2(infinity)};
 
 Status validate(const StreamLayer &layer) {
 	return first_failure(check_positive("tile_size", layer.tile_size),
+			check_range("tile_size", layer.tile_size, min_tile_size, max_tile_size),
 			check_range("view_distance", layer.view_distance, 0.0, max_view_tiles * layer.tile_size));
 }
 
 Status validate(const Viewer &viewer, std::span<const LayerTiles> layers) {
-	// Without a layer there is still a finite place to ask for.
-	double reach = std::numeric_limits<double>::max();
+	double reach = max_viewer_tiles * max_tile_size;
 	double scale = std::numeric_limits<double>::max();
 	for (const LayerTiles &layer : layers) {
 		const StreamLayer &settings = layer.settings();

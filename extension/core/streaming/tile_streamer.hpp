@@ -15,11 +15,14 @@ namespace thicket {
 
 /// How a layer is streamed.
 struct StreamLayer {
-	double tile_size = 64.0;      ///< Metres, finite, above 0.
+	double tile_size = 64.0;      ///< Metres, min_tile_size to max_tile_size.
 	double view_distance = 256.0; ///< Metres from a viewer to the nearest point of a tile, 0 to max_view_tiles tiles.
 
 	friend bool operator==(const StreamLayer &, const StreamLayer &) = default;
 };
+
+inline constexpr double min_tile_size = 1e-3;
+inline constexpr double max_tile_size = 1e9;
 
 /// The farthest that a viewer may see, in tiles, after its radius scale: about 13,000 tiles for a viewer and layer.
 inline constexpr double max_view_tiles = 64.0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace thicket {
 
@@ -48,10 +49,15 @@ Status validate(const HeightfieldFrame &frame) {
 	const auto check_height = [](const char *property, double height) {
 		return check_range(property, height, -max_heightfield_height, max_heightfield_height);
 	};
-	// Not finite if either end is not.
+	const auto check_size = [](double size, int posts) {
+		const Status status = check_positive("area", size); // Not finite if either end is not.
+		return status.ok()
+				? check_range("area", size, min_post_spacing * (posts - 1), std::numeric_limits<double>::max())
+				: status;
+	};
 	const glm::dvec2 size = frame.area.size();
-	return first_failure(check_posts(frame.posts.x), check_posts(frame.posts.y), check_positive("area", size.x),
-			check_positive("area", size.y), check_height("min_height", frame.min_height),
+	return first_failure(check_posts(frame.posts.x), check_posts(frame.posts.y), check_size(size.x, frame.posts.x),
+			check_size(size.y, frame.posts.y), check_height("min_height", frame.min_height),
 			check_height("max_height", frame.max_height),
 			check_order("max_height", frame.min_height, frame.max_height));
 }

@@ -14,13 +14,14 @@ namespace thicket {
 /// Where the posts of a heightfield stand and what their 16 bits mean.
 struct HeightfieldFrame {
 	glm::ivec2 posts{0};     ///< Columns along x and rows along z (Rect.y), 2 to max_heightfield_posts each.
-	Rect area;               ///< World metres from the first post to the last on both axes; finite, not empty.
+	Rect area;               ///< World metres from the first post to the last; finite, min_post_spacing between posts.
 	double min_height = 0.0; ///< World metres of a post of 0; at most max_heightfield_height either side of 0.
 	double max_height = 1.0; ///< World metres of a post of 65535; at least min_height, same limits.
 };
 
 inline constexpr int max_heightfield_posts = 1 << 15;
 inline constexpr double max_heightfield_height = 1e6;
+inline constexpr double min_post_spacing = 1e-3; ///< Metres, on both axes.
 
 /// Refuses a frame outside the ranges above.
 Status validate(const HeightfieldFrame &frame);
