@@ -1,0 +1,104 @@
+extends SceneTree
+## What streaming costs the main thread: flies over the demo's forest in a straight line and takes, frame by frame, the time
+## that the scatter spent there. Prints rows of a Markdown table.
+##   tools/godot --xvfb --path demo_project --script tests/bench/streaming.gd [-- SECONDS]
+##
+## The viewer keeps to the clock, so a frame that is late finds more to do. The renderer draws nothing, or a machine that
+## draws in software would measure that; buffers are still handed to it, which is what an upload costs the main thread.
+
+const SPEED := 100.0
+const FRAMES_PER_SECOND := 60
+const EYE := 150.0
+const START := Vector2(-9000.0, 6000.0)
+const DIRECTION := Vector2(0.8, -0.6)
+const DEFAULT_SECONDS := 60.0
+const PATIENCE_SECONDS := 180.0
+
+var _scatter: Node
+var _viewer := Node3D.new()
+
+
+func _initialize() -> void:
+	_run.call_deferred()
+
+
+func _run() -> void:
+	RenderingServer.render_loop_enabled = false
+	var seconds := DEFAULT_SECONDS
+	var arguments := OS.get_cmdline_user_args()
+	if arguments.size() > 0:
+		seconds = maxf(1.0, arguments[0].to_float())
+	if not _take_scatter():
+		return _end("no TerrainScatter3D in the demo")
+	root.add_child(_viewer)
+	_fly(0.0)
+	_scatter.set(&"viewers", [_scatter.get_path_to(_viewer)])
+	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
+	for frame in 3:
+		await process_frame
+	while not _scatter.call(&"is_idle"):
+		if Time.get_ticks_msec() > limit:
+			return _end("not idle after %.0f s" % PATIENCE_SECONDS)
+		await process_frame
+	_report(await _measure(seconds))
+	_end("")
+
+
+## The scatter of the demo's scene, with its layers and ground; the demo's own scripts stay out of it.
+func _take_scatter() -> bool:
+	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
+	for node in demo.find_children("*", "TerrainScatter3D", true, false):
+		_scatter = node
+		_scatter.owner = null
+		_scatter.get_parent().remove_child(_scatter)
+		break
+	demo.free()
+	if _scatter != null:
+		root.add_child(_scatter)
+	return _scatter != null
+
+
+## Puts the viewer where it is after so many seconds, at a fixed height above the lowest ground: height does not matter.
+func _fly(seconds: float) -> void:
+	var place := START + DIRECTION * SPEED * seconds
+	_viewer.global_position = Vector3(place.x, EYE, place.y)
+
+
+## Figures of each frame of the flight.
+func _measure(seconds: float) -> Array[Dictionary]:
+	var frames: Array[Dictionary] = []
+	Engine.max_fps = FRAMES_PER_SECOND
+	var start := Time.get_ticks_usec()
+	var elapsed := 0.0
+	while elapsed < seconds:
+		elapsed = (Time.get_ticks_usec() - start) / 1e6
+		_fly(elapsed)
+		await process_frame
+		frames.push_back(_scatter.call(&"get_stats"))
+	return frames
+
+
+func _report(frames: Array[Dictionary]) -> void:
+	var spent := PackedFloat64Array()
+	var most_waiting := 0
+	for stats in frames:
+		spent.push_back(float(stats.frame_usec))
+		most_waiting = maxi(most_waiting, int(stats.waiting) + int(stats.pending))
+	spent.sort()
+	var last := frames[-1]
+	var flight := "flight at %.0f m/s, budget %d µs" % [SPEED, _scatter.get(&"upload_budget_usec")]
+	var count := frames.size()
+	var row := "| %s: main thread a frame, %s | %.0f µs | %.0f to %.0f µs | %d frames |"
+	print(row % [flight, "median", spent[count / 2], spent[0], spent[-1], count])
+	print(row % [flight, "p99", spent[ceili(0.99 * count) - 1], spent[0], spent[-1], count])
+	print("| %s: on show at the end | %d tiles, %d instances | exact | 1 |" % [flight, last.tiles, last.instances])
+	print("| %s: tiles not yet shown, at most | %d | exact | 1 |" % [flight, most_waiting])
+
+
+func _end(failure: String) -> void:
+	if failure != "":
+		printerr("streaming: " + failure)
+	if _scatter != null:
+		_scatter.queue_free()
+	RenderingServer.render_loop_enabled = true
+	quit(0 if failure == "" else 1)
