@@ -16,7 +16,6 @@ var figures := Figures.new()
 var _density := 1.0
 var _densities := PackedFloat64Array()
 var _flight_seconds := -1.0
-var _mode := ""
 
 @onready var scatter: Node3D = $Scatter
 @onready var _terrain: Node3D = $Terrain
@@ -48,9 +47,10 @@ func _process(delta: float) -> void:
 		fly_to(Flight.on_the_way(_flight_seconds))
 		if _flight_seconds > Flight.flight_seconds():
 			_flight_seconds = -1.0
+	var mode := ""
 	if not figures.frozen:
-		_mode = ", %s, %d frames a second" % ["walking" if _camera.walking else "flying", Engine.get_frames_per_second()]
-	_overlay.show_figures(figures.text(), "seed %d, density %.0f %%%s" % [scatter.get(&"seed"), _density * 100.0, _mode])
+		mode = ", %s, %d frames a second" % ["walking" if _camera.walking else "flying", Engine.get_frames_per_second()]
+	_overlay.show_figures(figures.text(), "seed %d, density %.0f %%%s" % [scatter.get(&"seed"), _density * 100.0, mode])
 
 
 func _unhandled_key_input(event: InputEvent) -> void:

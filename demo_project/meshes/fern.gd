@@ -3,8 +3,8 @@ extends RefCounted
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
-const LOW := Color(0.1, 0.2, 0.04, 0.5)
-const HIGH := Color(0.34, 0.5, 0.1, 1.0)
+const LOW := Color(0.08, 0.15, 0.035, 0.5)
+const HIGH := Color(0.25, 0.37, 0.09, 1.0)
 
 
 ## Fills [param mesh] with the fern that [param variant] names.

@@ -14,22 +14,22 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	var lush := variant % 2 == 1
 	var builder := Builder.new()
 	builder.begin_level()
-	_blades(builder, 30 if lush else 24, 0.42 if lush else 0.66, 0.013, true, 0 if lush else 3, rng)
+	_blades(builder, 36 if lush else 30, 0.42 if lush else 0.66, 0.013, true, 0 if lush else 3, rng)
 	builder.begin_level()
-	_blades(builder, 11, 0.4 if lush else 0.6, 0.026, false, 0, rng)
+	_blades(builder, 14, 0.4 if lush else 0.6, 0.026, false, 0, rng)
 	builder.begin_level()
-	_blades(builder, 5, 0.38 if lush else 0.55, 0.05, false, 0, rng)
-	builder.commit(mesh, PackedFloat32Array([14.0, 34.0]), material)
+	_blades(builder, 6, 0.38 if lush else 0.55, 0.05, false, 0, rng)
+	builder.commit(mesh, PackedFloat32Array([18.0, 40.0]), material)
 
 
 static func _blades(builder: Builder, count: int, height: float, width: float, bent: bool, stalks: int, rng: RandomNumberGenerator) -> void:
 	for i in count:
 		var angle := i * 2.39996 + rng.randf() * 0.6
-		var root := Vector3(cos(angle), 0.0, sin(angle)) * 0.3 * sqrt((i + 0.5) / count)
+		var root := Vector3(cos(angle), 0.0, sin(angle)) * 0.36 * sqrt((i + 0.5) / count)
 		var heading := angle + rng.randf_range(-0.9, 0.9)
 		var lean := Vector3(cos(heading), 0.0, sin(heading)) * rng.randf_range(0.15, 0.75)
 		var tall := height * rng.randf_range(0.6, 1.1)
-		var tip_color := HIGH.lerp(DRY, rng.randf() * 0.35)
+		var tip_color := HIGH.lerp(DRY, rng.randf() * 0.3)
 		if i < stalks:
 			tall *= 1.35
 			lean *= 0.35

@@ -54,15 +54,15 @@ static func _draw_twig(image: Image, rng: RandomNumberGenerator) -> void:
 	var bounds := Rect2i(SIZE / 2, 0, SIZE / 2, SIZE / 2)
 	var half := SIZE * 0.5
 	var root := Vector2(half * 1.01, half * 0.5)
-	var tip := Vector2(half * 1.97, half * 0.5)
-	_stroke(image, bounds, root, tip, 3.0, 0.35, false)
+	var tip := Vector2(half * 1.9, half * 0.5)
+	_stroke(image, bounds, root, root.lerp(tip, 0.9), 3.0, 0.35, false)
 	for i in 17:
 		var along := (i + 0.5) / 17.0
 		var base := root.lerp(tip, along)
 		for side: float in [-1.0, 1.0]:
 			var reach := half * 0.45 * (1.0 - pow(along, 2.2)) * rng.randf_range(0.75, 1.0) + half * 0.05
 			var end := base + Vector2(0.62, side).normalized() * reach
-			end.x = minf(end.x, half * 1.985)
+			end.x = minf(end.x, half * 1.96)
 			_needles(image, bounds, base, end, rng)
 	_needles(image, bounds, root.lerp(tip, 0.5), tip, rng)
 

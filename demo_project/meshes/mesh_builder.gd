@@ -83,17 +83,18 @@ func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, side
 		quad(a, a + 1, a + 3, a + 2)
 
 
-## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times (a ring of twelve faces for -1), its radii varied
-## by up to [param roughness] (0..1). Vertex colours run from [param low] at the bottom to [param high] at the top.
+## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, flatter below than above, its radii
+## varied by up to [param roughness] (0..1). Vertex colours run from [param low] at the bottom to [param high] at the top.
 func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color, sway: Vector2, rng: RandomNumberGenerator) -> void:
-	var sphere := _bipyramid() if subdivisions < 0 else _icosphere(subdivisions)
+	var sphere := _icosphere(subdivisions)
 	var points: PackedVector3Array = sphere[0]
 	var faces: PackedInt32Array = sphere[1]
 	var first := _vertices.size()
 	for point in points:
 		var lump := 1.0 + roughness * (rng.randf() * 2.0 - 1.0)
 		var shade := low.lerp(high, clampf(point.y * 0.5 + 0.5 + rng.randf_range(-0.12, 0.12), 0.0, 1.0))
-		vertex(center + point * radii * lump, point / radii, shade, OPAQUE_UV, sway)
+		var flat := Vector3(point.x, point.y * 0.65 if point.y < 0.0 else point.y, point.z)
+		vertex(center + flat * radii * lump, point / radii, shade, OPAQUE_UV, sway)
 	for i in range(0, faces.size(), 3):
 		triangle(first + faces[i], first + faces[i + 1], first + faces[i + 2])
 
@@ -130,18 +131,6 @@ func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) 
 	mesh.clear_surfaces()
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], lods)
 	mesh.surface_set_material(0, material)
-
-
-## A roundish body of only twelve faces: a ring of six points, every second one raised, with a top and a bottom.
-static func _bipyramid() -> Array:
-	var points := PackedVector3Array([Vector3.UP, Vector3.DOWN])
-	var faces := PackedInt32Array()
-	for i in 6:
-		var angle := TAU * i / 6.0
-		points.append(Vector3(cos(angle), 0.22 if i % 2 == 0 else -0.18, sin(angle)))
-		var next := (i + 1) % 6
-		faces.append_array([0, 2 + i, 2 + next, 1, 2 + next, 2 + i])
-	return [points, faces]
 
 
 ## Unit icosphere: points and clockwise faces.

@@ -18,8 +18,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	var heart: Array[Vector4] = [Vector4(0.0, 9.4, 0.0, 3.7)]
 	builder.begin_level()
 	_trunk(builder, clumps, 6)
-	_crown(builder, clumps, 13, 1.0, rng)
-	_cores(builder, clumps.slice(0, 7) + heart, 0.62, CORE, CORE, rng)
+	_crown(builder, clumps, 15, 1.0, rng)
+	_cores(builder, clumps.slice(3, 9) + heart, 0.55, CORE, CORE, rng)
 	builder.begin_level()
 	_trunk(builder, [], 4)
 	_crown(builder, clumps, 5, 1.6, rng)
@@ -29,11 +29,12 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	_crown(builder, clumps, 2, 2.05, rng)
 	_cores(builder, heart, 1.08, LOW * 0.7, LOW.lerp(HIGH, 0.35), rng)
 	builder.begin_level()
-	_crown(builder, clumps.slice(6), 1, 2.6, rng)
-	_far_crown(builder, 1.15, rng)
+	_stem(builder)
+	_crown(builder, clumps.slice(2), 1, 2.3, rng)
+	_far_crown(builder, 1.05, rng)
 	builder.begin_level()
-	_far_crown(builder, 1.35, rng)
-	builder.commit(mesh, PackedFloat32Array([38.0, 100.0, 260.0, 600.0]), material)
+	_far_crown(builder, 1.28, rng)
+	builder.commit(mesh, PackedFloat32Array([55.0, 140.0, 360.0, 850.0]), material)
 
 
 ## Centre and radius of the crown's clumps, as Vector4(x, y, z, radius).
@@ -70,9 +71,9 @@ static func _stem(builder: Builder) -> void:
 	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 6.5, 0.0), 0.5, 0.3, 3, BARK, 0.0, 0.04)
 
 
-## A crown of twelve faces.
+## A crown of twenty faces.
 static func _far_crown(builder: Builder, size: float, rng: RandomNumberGenerator) -> void:
-	builder.blob(Vector3(0.0, 9.6, 0.0), Vector3(3.9, 4.3, 3.9) * size, -1, 0.12, Color(LOW * 0.75, 0.5), LOW.lerp(HIGH, 0.62), Vector2(0.2, 0.5), rng)
+	builder.blob(Vector3(0.0, 9.2, 0.0), Vector3(3.9, 4.4, 3.9) * size, 0, 0.16, Color(LOW * 0.75, 0.5), LOW.lerp(HIGH, 0.62), Vector2(0.2, 0.5), rng)
 
 
 ## Leaf sprays around each clump, on the sides that are seen: not towards the crown's heart.
@@ -83,7 +84,7 @@ static func _crown(builder: Builder, clumps: Array[Vector4], cards: int, size: f
 		var outward := (center - heart).normalized()
 		for i in cards:
 			var out := _direction(i, cards, rng)
-			if out.dot(outward) < -0.25:
+			if out.dot(outward) < -0.35:
 				out = (out - outward * 2.0 * out.dot(outward)).normalized()
 			var position := center + out * clump.w * (rng.randf_range(0.6, 0.85) if cards > 2 else 0.35)
 			var from_heart := position - heart

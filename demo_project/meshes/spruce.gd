@@ -4,9 +4,9 @@ extends RefCounted
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 const BARK := Color(0.22, 0.16, 0.12)
-const DARK := Color(0.055, 0.1, 0.05, 0.5)
-const LOW := Color(0.06, 0.12, 0.055)
-const HIGH := Color(0.25, 0.36, 0.16)
+const DARK := Color(0.075, 0.13, 0.06, 0.55)
+const LOW := Color(0.075, 0.14, 0.06)
+const HIGH := Color(0.3, 0.41, 0.17)
 const HEIGHT := 21.0
 
 
@@ -32,7 +32,7 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	_tiers(builder, 2, 5, slim * 0.95, LOW * 0.9, HIGH * 0.75, rng)
 	builder.begin_level()
 	_tiers(builder, 1, 4, slim * 0.95, LOW * 0.9, HIGH * 0.75, rng)
-	builder.commit(mesh, PackedFloat32Array([38.0, 100.0, 260.0, 600.0]), material)
+	builder.commit(mesh, PackedFloat32Array([55.0, 140.0, 360.0, 850.0]), material)
 
 
 ## The crown's radius in metres at a height 0..1 of the tree.

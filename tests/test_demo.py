@@ -1,0 +1,210 @@
+"""The demo: its elevation data, its scene, and the pictures that it takes when nobody watches."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import REPO
+from PIL import Image
+
+DEMO = REPO / "demo_project"
+TERRAIN = DEMO / "terrain"
+PICTURES = REPO / "build/demo"
+COMPLAINT = re.compile(r"^(?:SCRIPT |USER |SHADER )?(?:ERROR|WARNING)\b.*", re.MULTILINE)
+# What the software renderer and a machine without sound say on their own.
+HARMLESS = ("V-Sync mode", "audio driver", "X509")
+
+
+def load_converter():
+    """convert_dem.py as a module."""
+    spec = importlib.util.spec_from_file_location("convert_dem", TERRAIN / "convert_dem.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def complaints(printed: str) -> list[str]:
+    return [line for line in COMPLAINT.findall(printed) if not any(words in line for words in HARMLESS)]
+
+
+def test_heightmap_comes_from_the_elevation_model():
+    pytest.importorskip("matplotlib")
+    converter = load_converter()
+    samples, description = converter.convert(converter.find_source())
+    assert (TERRAIN / "jacksboro.r16").read_bytes() == samples
+    assert json.loads((TERRAIN / "jacksboro.json").read_text()) == description
+
+
+def test_heightmap_holds_the_elevations_exactly():
+    pytest.importorskip("matplotlib")
+    converter = load_converter()
+    with np.load(converter.find_source()) as dem:
+        elevation = dem["elevation"].astype(np.float64)
+    description = json.loads((TERRAIN / "jacksboro.json").read_text())
+    samples = np.fromfile(TERRAIN / "jacksboro.r16", "<u2").reshape(description["rows"], description["columns"])
+    low, high = description["min_height"], description["max_height"]
+    assert np.array_equal(low + samples * ((high - low) / 65535.0), elevation)
+    assert (elevation.min(), elevation.max()) == (236.0, 1076.0)
+
+
+def test_heightmap_has_the_true_scale():
+    """3 arc-seconds on the ellipsoid, against the usual series for the length of a degree."""
+    description = json.loads((TERRAIN / "jacksboro.json").read_text())
+    latitude = np.radians((36.73291666666667 + 36.44625) / 2.0)
+    degree_z = 111132.92 - 559.82 * np.cos(2 * latitude) + 1.175 * np.cos(4 * latitude)
+    degree_x = 111412.84 * np.cos(latitude) - 93.5 * np.cos(3 * latitude)
+    assert description["post_metres_x"] == pytest.approx(degree_x / 1200.0, rel=1e-4)
+    assert description["post_metres_z"] == pytest.approx(degree_z / 1200.0, rel=1e-4)
+    for axis, posts in (("x", 403), ("z", 344)):
+        size = description[f"size_{axis}"]
+        assert size == description[f"post_metres_{axis}"] * (posts - 1)
+        # Exact in the engine's single precision, as is its half.
+        assert struct.unpack("f", struct.pack("f", size / 2.0))[0] == size / 2.0
+
+
+def test_converter_refuses_a_model_that_does_not_fit(tmp_path):
+    converter = load_converter()
+    corners = {"xmin": -84.0, "xmax": -83.9, "ymin": 36.7, "ymax": 36.4, "dx": 1 / 1200, "dy": 1 / 1200}
+    np.savez(tmp_path / "tall.npz", elevation=np.array([[0, 2000]], np.int16), **corners)
+    with pytest.raises(ValueError, match="do not fit 16 bits"):
+        converter.convert(tmp_path / "tall.npz")
+    np.savez(tmp_path / "turned.npz", elevation=np.zeros((2, 2), np.int16), **{**corners, "ymin": 36.4, "ymax": 36.7})
+    with pytest.raises(ValueError, match="northern"):
+        converter.convert(tmp_path / "turned.npz")
+
+
+def test_scene_holds_settings_only():
+    scene = DEMO / "demo.tscn"
+    text = scene.read_text()
+    assert scene.stat().st_size < 100_000
+    assert not re.search(r"MultiMesh|PackedByteArray|_surfaces|transform_array|buffer =", text)
+
+
+def test_scene_and_description_name_the_same_ground():
+    description = json.loads((TERRAIN / "jacksboro.json").read_text())
+    text = (DEMO / "demo.tscn").read_text()
+    rect = [float(part) for part in re.search(r"^rect = Rect2\((.*)\)$", text, re.MULTILINE).group(1).split(",")]
+    size = [description["size_x"], description["size_z"]]
+    assert rect == [-size[0] / 2, -size[1] / 2, *size]
+    for name in ("min_height", "max_height"):
+        assert float(re.search(rf'heightmap_path = [^\[]*^{name} = (.*)$', text, re.MULTILINE).group(1)) == description[name]
+    assert f"post_count = Vector2i({description['columns']}, {description['rows']})" in text
+
+
+def test_demo_runs_without_a_renderer(godot, imported_demo):
+    """The whole fixed path, headless: no warning, nothing leaked, a forest of more than 10^5 instances at each stop."""
+    done = godot(["--verbose", "--path", imported_demo, "--", "--screenshots"], timeout=300)
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    assert not complaints(printed), complaints(printed)
+    assert "leaked" not in printed
+    instances = [int(number) for number in re.findall(r"^demo: \w+: \d+ tiles, (\d+) instances", done.stdout, re.MULTILINE)]
+    assert len(instances) >= 5 and min(instances) > 100_000
+    assert re.search(r"^demo: main thread: median \d+ µs, p99 \d+ µs", done.stdout, re.MULTILINE)
+
+
+def test_plants_are_the_same_on_every_run(godot, imported_demo, tmp_path):
+    """Two processes build the same meshes to the bit, and saving one stores its settings alone."""
+    script = tmp_path / "plants.gd"
+    script.write_text(PLANTS.replace("OUT", str(tmp_path)))
+    runs = [godot(["--path", imported_demo, "--script", script], timeout=120) for _ in range(2)]
+    digests = [re.findall(r"^plant .*$", done.stdout, re.MULTILINE) for done in runs]
+    assert digests[0] == digests[1]
+    assert len(digests[0]) == len(set(digests[0])) == 14, runs[0].stdout + runs[0].stderr
+    assert not complaints(runs[0].stdout + runs[0].stderr)
+    for line in digests[0]:
+        triangles = [int(count) for count in re.search(r"triangles (.*)$", line).group(1).split()]
+        assert triangles == sorted(triangles, reverse=True) and 0 < triangles[-1] <= 60, line
+    saved = (tmp_path / "plant.tres").read_text()
+    assert "species" in saved and "_surfaces" not in saved and len(saved) < 1000
+
+
+PLANTS = """extends SceneTree
+
+
+func _init() -> void:
+	var plant_mesh: GDScript = load("res://meshes/plant_mesh.gd")
+	for species: String in ["oak", "spruce", "shrub", "fern", "grass", "flower", "stone"]:
+		for variant in 2:
+			var mesh: ArrayMesh = plant_mesh.new()
+			mesh.set(&"species", species)
+			mesh.set(&"variant", variant)
+			mesh.call(&"_build")
+			var arrays := mesh.surface_get_arrays(0)
+			var levels := [arrays[Mesh.ARRAY_INDEX].size() / 3]
+			for level: Dictionary in RenderingServer.mesh_get_surface(mesh.get_rid(), 0).get("lods", []):
+				levels.append(level.index_data.size() / (2 if arrays[Mesh.ARRAY_VERTEX].size() < 65536 else 4) / 3)
+			print("plant %s %d %s triangles %s" % [species, variant, var_to_bytes(arrays).hex_encode().md5_text(), " ".join(levels)])
+			if species == "oak" and variant == 1:
+				ResourceSaver.save(mesh, "OUT/plant.tres")
+	quit()
+"""
+
+
+@pytest.fixture(scope="module")
+def pictures(godot_xvfb, imported_demo) -> dict[str, np.ndarray]:
+    """The pictures of a run without a display, by name: height by width by RGB, 0 to 255."""
+    for old in PICTURES.glob("*.png"):
+        old.unlink()
+    arguments = ["--path", imported_demo, "--resolution", "1280x720", "--", f"--screenshots={PICTURES}"]
+    done = godot_xvfb(arguments, timeout=900)
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    assert not complaints(printed), complaints(printed)
+    return {path.stem: np.asarray(Image.open(path).convert("RGB"), np.float64) for path in PICTURES.glob("*.png")}
+
+
+def is_a_picture(image: np.ndarray) -> str:
+    """Why an image is not a picture of a landscape; empty if it is one."""
+    grey = image.mean(axis=2)
+    share, _ = np.histogram(grey, bins=64, range=(0, 256))
+    share = share[share > 0] / grey.size
+    entropy = -(share * np.log2(share)).sum()
+    detail = np.abs(np.diff(grey, axis=1)).mean()
+    red, green, blue = image[..., 0], image[..., 1], image[..., 2]
+    greens = ((green > red) & (green > blue * 1.05)).mean()
+    checks = {
+        f"entropy {entropy:.2f} bits": entropy > 3.5,
+        f"standard deviation {grey.std():.1f}": grey.std() > 20.0,
+        f"neighbours differ by {detail:.2f}": 1.5 < detail < 25.0,
+        f"{greens:.0%} green": greens > 0.25,
+        f"mean {grey.mean():.0f}": 40.0 < grey.mean() < 210.0,
+        f"{(grey < 4).mean():.0%} black": (grey < 4).mean() < 0.1,
+    }
+    return ", ".join(what for what, good in checks.items() if not good)
+
+
+def test_pictures_are_pictures(pictures):
+    assert {"overview", "forest", "walk", "stones", "tiles"} <= pictures.keys()
+    for name, image in pictures.items():
+        assert image.shape == (720, 1280, 3)
+        assert not is_a_picture(image), f"{name}: {is_a_picture(image)}"
+
+
+def test_pictures_have_a_sky(pictures):
+    """The upper border is bluer and brighter than the lower one, and smoother."""
+    for name in ("overview", "forest", "walk", "stones"):
+        top, bottom = pictures[name][:60], pictures[name][-160:]
+        columns = top[..., 2].mean(axis=0) - top[..., 0].mean(axis=0)
+        assert np.median(columns) > 15.0, f"{name}: no blue above"
+        assert top.mean() > bottom.mean() + 15.0, f"{name}: the sky is not brighter than the ground"
+
+
+def test_pictures_differ(pictures):
+    names = sorted(pictures)
+    for i, first in enumerate(names):
+        for second in names[i + 1 :]:
+            assert np.abs(pictures[first] - pictures[second]).mean() > 10.0, f"{first} and {second} show the same"
+
+
+def test_a_picture_that_is_none_would_be_noticed():
+    noise = np.random.default_rng(1).uniform(0, 255, (720, 1280, 3))
+    ramp = np.broadcast_to(np.linspace(60, 200, 1280)[None, :, None], (720, 1280, 3))
+    for bad in (np.zeros((720, 1280, 3)), np.full((720, 1280, 3), (40.0, 120.0, 40.0)), ramp, noise):
+        assert is_a_picture(bad)
