@@ -131,13 +131,12 @@ def builtin(api, name, entry):
     element = dump.packed_element(name)
     declared, code = [], []
     for wanted in entry.get("constructors", []):
-        constructor = next(
-            item for item in known["constructors"] if [a["type"] for a in item.get("arguments", [])] == wanted
-        )
+        signatures = {tuple(a["type"] for a in item.get("arguments", [])): item for item in known["constructors"]}
+        constructor = pick(signatures, tuple(wanted), name)
         declared.append("%s(%s);" % (name, api.parameters(constructor, True)))
         code += builtin_constructor(api, name, constructor)
     for symbol, right in entry.get("operators", []):
-        operator = next(o for o in known["operators"] if o["name"] == symbol and o.get("right_type") == right)
+        operator = pick({(o["name"], o.get("right_type")): o for o in known["operators"]}, (symbol, right), name)
         result = api.cpp_type(operator["return_type"])
         signature = "operator%s(const %s &p_right) const" % (symbol, right)
         declared.append("%s %s;" % (result, signature))
@@ -215,10 +214,11 @@ def builtin_method(api, name, method):
 
 
 def pick(items, name, owner):
-    found = next((item for item in items if item["name"] == name), None)
-    if found is None:
+    """The item of a name, from a dictionary or from a list of the dump. It is the user's mistake if there is none."""
+    items = items if isinstance(items, dict) else {item["name"]: item for item in items}
+    if name not in items:
         raise SystemExit("used_api.toml: %s has no '%s' in this Godot" % (owner, name))
-    return found
+    return items[name]
 
 
 def result_type(api, method):
@@ -266,7 +266,7 @@ def vararg(api, owner, method):
 
 def enumeration(enum):
     values = ["\t%s = %d," % (value["name"], value["value"]) for value in enum["values"]]
-    return ["enum %s  {" % enum["name"], *values, "};"]
+    return ["enum %s {" % enum["name"], *values, "};"]
 
 
 def enum_cast(enum, owner=""):
@@ -283,7 +283,7 @@ def classes(api, used):
         text, code = engine_class(api, used, name, parent, entry)
         texts["include/godot_cpp/classes/%s.hpp" % dump.snake(name)] = text
         bodies += code
-    enums = [pick(list(api.enums.values()), name, "the list of global enums") for name in used["global"]["enums"]]
+    enums = [pick(api.enums, name, "global.enums") for name in used["global"]["enums"]]
     texts["include/godot_cpp/classes/global_constants.hpp"] = header(
         *includes("core/enum_cast"),
         *in_godot([line for enum in enums for line in [*enumeration(enum), ""]]),
@@ -306,33 +306,21 @@ def engine_class(api, used, name, parent, entry):
     known = api.classes[name]
     methods = [pick(known["methods"], method, name) for method in entry.get("methods", [])]
     constants = [pick(known.get("constants", []), constant, name) for constant in entry.get("constants", [])]
-    mentioned = api.enums_of(methods) + [(name, enum) for enum in entry.get("enums", [])]
-    missing = [enum for owner, enum in mentioned if not owner and enum not in used["global"]["enums"]]
+    mentioned = api.enums_of(methods)
+    missing = sorted({enum for owner, enum in mentioned if not owner and enum not in used["global"]["enums"]})
     if missing:
-        raise SystemExit("used_api.toml: %s needs the global enums %s" % (name, ", ".join(sorted(set(missing)))))
-    own = [pick(known["enums"], enum, name) for enum in dict.fromkeys(e for owner, e in mentioned if owner == name)]
+        raise SystemExit("used_api.toml: %s needs the global enums %s" % (name, ", ".join(missing)))
+    own = [pick(known["enums"], enum, name) for owner, enum in mentioned if owner == name]
     others = sorted({owner for owner, _ in mentioned if owner not in ("", name)})
-    declared, virtuals, code = [], [], []
+    declared, overridable, code = members(api, name, methods)
     if name in api.singletons:
-        declared.append("static %s *get_singleton() { return internal::singleton<%s>(); }" % (name, name))
-    for method in methods:
-        if method["is_virtual"]:
-            declared.append(declaration(api, method, "virtual "))
-            virtuals.append('internal::bind_virtual<&T::%s, &B::%s>("%s", %d);'
-                % (method["name"], method["name"], method["name"], method["hash"]))  # fmt: skip
-            code += virtual_default(api, name, method)
-        elif method["is_vararg"]:
-            declared += vararg(api, name, method)
-        else:
-            declared.append(declaration(api, method))
-            code += engine_method(api, name, method)
-    declared += entry.get("native", [])
-    numbers = ["static constexpr int %s = %d;" % (constant["name"], constant["value"]) for constant in constants]
+        declared.insert(0, "static %s *get_singleton() { return internal::singleton<%s>(); }" % (name, name))
     enums = [line for enum in own for line in enumeration(enum)]
+    numbers = ["static constexpr int %s = %d;" % (constant["name"], constant["value"]) for constant in constants]
     hook = [
         "template <typename T, typename B>",
         "static void register_virtuals() {",
-        *indented(["%s::register_virtuals<T, B>();" % parent, *virtuals]),
+        *indented(["%s::register_virtuals<T, B>();" % parent, *overridable]),
         "}",
     ]
     body = [
@@ -342,17 +330,35 @@ def engine_class(api, used, name, parent, entry):
         "\tGDEXTENSION_CLASS(%s, %s)" % (name, parent),
         "",
         "public:",
-        *indented(enums + numbers + declared),
+        *indented(enums + numbers + declared + entry.get("native", [])),
         "",
         "protected:",
         *indented(hook),
         "};",
     ]
-    casts = [enum_cast(enum, name) for enum in own]
     paths = ["classes/" + dump.snake(parent), *("classes/" + dump.snake(other) for other in others)]
-    if name not in ("Object", "RefCounted"): # Ref itself needs these two.
+    if name not in ("Object", "RefCounted"):  # Ref itself needs these two.
         paths.append("classes/ref")
+    casts = [enum_cast(enum, name) for enum in own]
     return header(*includes(*paths, "core/engine_class"), *in_godot(body), *casts), code
+
+
+def members(api, name, methods):
+    """(declarations, registrations of overrides, definitions) of a class's methods."""
+    declared, overridable, code = [], [], []
+    for method in methods:
+        if method["is_vararg"]:
+            declared += vararg(api, name, method)
+        elif method["is_virtual"]:
+            declared.append(declaration(api, method, "virtual "))
+            overridable.append(
+                'internal::bind_virtual<&T::{0}, &B::{0}>("{0}", {1});'.format(method["name"], method["hash"])
+            )
+            code += virtual_default(api, name, method)
+        else:
+            declared.append(declaration(api, method))
+            code += engine_method(api, name, method)
+    return declared, overridable, code
 
 
 def engine_method(api, name, method):
