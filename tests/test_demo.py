@@ -122,7 +122,7 @@ def test_plants_are_the_same_on_every_run(godot, imported_demo, tmp_path):
         triangles = [int(count) for count in re.search(r"triangles (.*)$", line).group(1).split()]
         assert triangles == sorted(triangles, reverse=True) and 0 < triangles[-1] <= 60, line
     saved = (tmp_path / "plant.tres").read_text()
-    assert "species" in saved and "_surfaces" not in saved and len(saved) < 1000
+    assert "variant = 1" in saved and "_surfaces" not in saved and len(saved) < 1000
 
 
 PLANTS = """extends SceneTree
