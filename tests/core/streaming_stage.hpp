@@ -1,0 +1,125 @@
+#pragma once
+
+// What the tests of the streamer share.
+
+#include "core/streaming/tile_grid.hpp"
+#include "core/streaming/tile_streamer.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+#include <tuple>
+#include <vector>
+
+namespace thicket::test {
+
+inline constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
+
+using Name = std::tuple<std::uint32_t, std::uint32_t, int, int>;
+
+inline Name name_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.tile.y}; }
+
+/// A caller that keeps to the protocol and checks that the streamer does too.
+class Stage {
+public:
+	TileStreamer streamer;
+	StreamChanges changes;
+	std::map<Name, TileRequest> pending;
+	std::map<Name, TileKey> shown;
+	std::size_t requested = 0;
+	std::size_t dropped = 0;
+
+	explicit Stage(const std::vector<StreamLayer> &layers) { REQUIRE(streamer.set_layers(layers).ok()); }
+
+	/// One update, whose changes are carried out.
+	void update(const std::vector<Viewer> &viewers, std::size_t max_pending = unlimited) {
+		REQUIRE(streamer.update(viewers, max_pending, changes).ok());
+		for (const TileRequest &request : changes.cancel) {
+			const auto found = pending.find(name_of(request.key));
+			REQUIRE(found != pending.end());
+			CHECK(found->second.ticket == request.ticket);
+			pending.erase(found);
+			CHECK_FALSE(streamer.finish(request));
+		}
+		for (const TileKey &key : changes.drop) {
+			CHECK(shown.erase(name_of(key)) == 1);
+			++dropped;
+		}
+		for (const TileRequest &request : changes.request) {
+			CHECK(pending.emplace(name_of(request.key), request).second);
+			++requested;
+		}
+		// What was pending may have been more, under an older limit.
+		CHECK((changes.request.empty() || pending.size() <= max_pending));
+		CHECK(streamer.counts().pending == pending.size());
+		CHECK(streamer.counts().shown == shown.size());
+	}
+
+	void finish(const TileRequest &request) {
+		CHECK(streamer.finish(request));
+		// Not twice.
+		CHECK_FALSE(streamer.finish(request));
+		shown[name_of(request.key)] = request.key;
+		pending.erase(name_of(request.key));
+	}
+
+	void finish_all() {
+		while (!pending.empty()) {
+			finish(TileRequest(pending.begin()->second));
+		}
+	}
+
+	void settle(const std::vector<Viewer> &viewers) {
+		for (int round = 0; round < 3; ++round) {
+			update(viewers);
+			finish_all();
+		}
+		update(viewers);
+		CHECK(streamer.idle());
+	}
+};
+
+inline std::set<std::pair<int, int>> tiles_of(const Stage &stage, std::uint32_t layer) {
+	std::set<std::pair<int, int>> result;
+	for (const auto &[name, key] : stage.shown) {
+		if (key.layer == layer) {
+			CHECK(result.emplace(key.tile.x, key.tile.y).second);
+		}
+	}
+	return result;
+}
+
+/// Promise 1: all that touches the view of a viewer is there; promise 4: nothing beyond the hysteresis is.
+inline void check_view(const Stage &stage, const std::vector<StreamLayer> &layers, const std::vector<Viewer> &viewers) {
+	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
+		const double size = layers[layer].tile_size;
+		const auto tiles = tiles_of(stage, layer);
+		for (const Viewer &viewer : viewers) {
+			const double view = layers[layer].view_distance * viewer.radius_scale;
+			const glm::ivec2 first = tile_at(size, viewer.position - view);
+			const glm::ivec2 last = tile_at(size, viewer.position + view);
+			for (int y = first.y; y <= last.y; ++y) {
+				for (int x = first.x; x <= last.x; ++x) {
+					if (distance_squared(tile_rect(size, {x, y}), viewer.position) <= view * view) {
+						CHECK(tiles.contains({x, y}));
+					}
+				}
+			}
+		}
+		for (const auto &tile : tiles) {
+			const Rect rect = tile_rect(size, {tile.first, tile.second});
+			CHECK(std::ranges::any_of(viewers, [&](const Viewer &viewer) {
+				// A viewer may have moved an eighth of a tile since the streamer looked.
+				const double reach = 1.1 * layers[layer].view_distance * viewer.radius_scale + 1.126 * size;
+				return distance_squared(rect, viewer.position) <= reach * reach;
+			}));
+		}
+	}
+}
+
+inline const std::vector<StreamLayer> two_layers{{32.0, 100.0}, {50.0, 220.0}};
+
+} // namespace thicket::test

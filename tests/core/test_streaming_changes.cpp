@@ -1,0 +1,194 @@
+#include "core/streaming/tile_streamer.hpp"
+#include "refusal.hpp"
+#include "streaming_stage.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+TEST_CASE("streaming: an outdated tile stays on show until its successor is there") {
+	Stage stage(two_layers);
+	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
+	stage.settle(viewers);
+	const auto shown = stage.shown;
+	const std::size_t requested = stage.requested;
+	const std::size_t of_layer_1 = tiles_of(stage, 1).size();
+	stage.streamer.invalidate(1);
+	CHECK_FALSE(stage.streamer.idle());
+	stage.update(viewers);
+	CHECK(stage.changes.drop.empty());
+	CHECK(stage.changes.request.size() == of_layer_1);
+	CHECK(std::ranges::all_of(
+			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
+
+	// Outdated again before it is done: the first answer is refused, the second one counts.
+	const TileRequest early = stage.changes.request[0];
+	stage.streamer.invalidate(1);
+	CHECK_FALSE(stage.streamer.finish(early));
+	stage.update(viewers);
+	CHECK(stage.changes.cancel.size() == of_layer_1);
+	CHECK(stage.changes.request.size() == of_layer_1);
+	CHECK_FALSE(stage.streamer.finish(early));
+	stage.settle(viewers);
+	CHECK(stage.requested == requested + 2 * of_layer_1);
+	CHECK(stage.dropped == 0);
+	CHECK(stage.shown.size() == shown.size());
+
+	stage.streamer.invalidate(7);
+	stage.update(viewers);
+	CHECK(stage.changes.empty());
+}
+
+TEST_CASE("streaming: an edit outdates what it touches and no more") {
+	Stage stage({{10.0, 100.0}});
+	const std::vector<Viewer> viewers{{{5.0, 5.0}}};
+	stage.settle(viewers);
+	stage.streamer.invalidate(0, {{12.0, -3.0}, {20.0, 4.0}});
+	stage.update(viewers);
+	REQUIRE(stage.changes.request.size() == 2);
+	CHECK(stage.changes.request[0].key.tile == glm::ivec2(1, 0));
+	CHECK(stage.changes.request[1].key.tile == glm::ivec2(1, -1));
+	stage.finish_all();
+	stage.streamer.invalidate(0, {{1e6, 1e6}, {2e6, 2e6}});
+	stage.update(viewers);
+	CHECK(stage.changes.empty());
+}
+
+TEST_CASE("streaming: a new view distance keeps what is there") {
+	std::vector<StreamLayer> layers = two_layers;
+	Stage stage(layers);
+	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
+	stage.settle(viewers);
+	const auto before = stage.shown;
+	layers[0].view_distance = 180.0;
+	REQUIRE(stage.streamer.set_layers(layers).ok());
+	stage.settle(viewers);
+	CHECK(stage.dropped == 0);
+	CHECK(std::ranges::includes(
+			stage.shown, before, {}, &std::pair<const Name, TileKey>::first, &std::pair<const Name, TileKey>::first));
+	check_view(stage, layers, viewers);
+	// The same settings again change nothing.
+	REQUIRE(stage.streamer.set_layers(layers).ok());
+	stage.update(viewers);
+	CHECK(stage.changes.empty());
+}
+
+TEST_CASE("streaming: with a new tile size the old tiles stay until the new ones cover them") {
+	std::vector<StreamLayer> layers = two_layers;
+	Stage stage(layers);
+	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
+	stage.settle(viewers);
+	const std::uint32_t old_grid = stage.shown.rbegin()->second.grid;
+	const std::size_t old_tiles = tiles_of(stage, 1).size();
+	const std::size_t other_tiles = tiles_of(stage, 0).size();
+	layers[1].tile_size = 70.0;
+	REQUIRE(stage.streamer.set_layers(layers).ok());
+	stage.update(viewers);
+	CHECK(stage.changes.cancel.empty());
+	CHECK(stage.changes.drop.empty());
+	CHECK(stage.shown.size() == old_tiles + other_tiles);
+	CHECK(std::ranges::all_of(
+			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
+
+	// One by one: at no time may a place in view be bare that was not.
+	while (!stage.pending.empty()) {
+		stage.finish(TileRequest(stage.pending.begin()->second));
+		stage.update(viewers);
+		for (double x = -200.0; x <= 200.0; x += 20.0) {
+			for (double y = -90.0; y <= 90.0; y += 20.0) {
+				CHECK(std::ranges::any_of(stage.shown, [&](const auto &entry) {
+					const TileKey &key = entry.second;
+					const double size = key.grid == old_grid ? 50.0 : 70.0;
+					return key.layer == 1 && tile_rect(size, key.tile).contains({x, y});
+				}));
+			}
+		}
+	}
+	stage.settle(viewers);
+	CHECK(stage.dropped == old_tiles);
+	CHECK(tiles_of(stage, 0).size() == other_tiles);
+	check_view(stage, layers, viewers);
+}
+
+TEST_CASE("streaming: a layer that goes takes its tiles along, one that comes brings its own") {
+	std::vector<StreamLayer> layers = two_layers;
+	Stage stage(layers);
+	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
+	stage.settle(viewers);
+	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{layers[0]}).ok());
+	stage.settle(viewers);
+	CHECK(tiles_of(stage, 1).empty());
+	check_view(stage, {layers[0]}, viewers);
+
+	layers.push_back({25.0, 60.0});
+	REQUIRE(stage.streamer.set_layers(layers).ok());
+	stage.update(viewers, 10);
+	// Gone again while its tiles are being made.
+	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{}).ok());
+	stage.settle(viewers);
+	CHECK(stage.shown.empty());
+	REQUIRE(stage.streamer.set_layers(layers).ok());
+	stage.settle(viewers);
+	check_view(stage, layers, viewers);
+}
+
+TEST_CASE("streaming: clear forgets all tiles and keeps the layers") {
+	Stage stage(two_layers);
+	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
+	stage.settle(viewers);
+	stage.update({{{150.0, 0.0}}}, 3);
+	const TileRequest late = stage.changes.request.at(0);
+	stage.streamer.clear();
+	stage.pending.clear();
+	stage.shown.clear();
+	CHECK_FALSE(stage.streamer.finish(late));
+	stage.settle(viewers);
+	check_view(stage, two_layers, viewers);
+}
+
+TEST_CASE("streaming: bad input is refused by name and value, and the last good state stays") {
+	Stage stage(two_layers);
+	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
+	stage.settle(viewers);
+	const auto refuse_layer = [&](StreamLayer bad, ErrorCode code, const char *property, double value) {
+		check_refused(stage.streamer.set_layers(std::vector<StreamLayer>{two_layers[0], bad}), code, property, value);
+		stage.update(viewers);
+		CHECK(stage.changes.empty());
+		check_view(stage, two_layers, viewers);
+	};
+	refuse_layer({0.0, 100.0}, ErrorCode::not_positive, "tile_size", 0.0);
+	refuse_layer({-8.0, 100.0}, ErrorCode::not_positive, "tile_size", -8.0);
+	refuse_layer({nan_value, 100.0}, ErrorCode::not_finite, "tile_size", nan_value);
+	refuse_layer({infinite_value, 100.0}, ErrorCode::not_finite, "tile_size", infinite_value);
+	refuse_layer({10.0, -1.0}, ErrorCode::out_of_range, "view_distance", -1.0);
+	refuse_layer({10.0, nan_value}, ErrorCode::not_finite, "view_distance", nan_value);
+	refuse_layer({10.0, 641.0}, ErrorCode::out_of_range, "view_distance", 641.0);
+	refuse_layer({1e-300, 1.0}, ErrorCode::out_of_range, "tile_size", 1e-300);
+	refuse_layer({1e300, 1.0}, ErrorCode::out_of_range, "tile_size", 1e300);
+
+	const auto refuse_viewer = [&](Viewer bad, ErrorCode code, const char *property, double value) {
+		StreamChanges changes;
+		check_refused(
+				stage.streamer.update(std::vector<Viewer>{viewers[0], bad}, unlimited, changes), code, property, value);
+		CHECK(changes.empty());
+		stage.update(viewers);
+		CHECK(stage.changes.empty());
+	};
+	refuse_viewer({{nan_value, 0.0}}, ErrorCode::not_finite, "viewer.x", nan_value);
+	refuse_viewer({{0.0, infinite_value}}, ErrorCode::not_finite, "viewer.y", infinite_value);
+	refuse_viewer({{1e300, 0.0}}, ErrorCode::out_of_range, "viewer.x", 1e300);
+	refuse_viewer({{0.0, 0.0}, nan_value}, ErrorCode::not_finite, "viewer.radius_scale", nan_value);
+	refuse_viewer({{0.0, 0.0}, -1.0}, ErrorCode::out_of_range, "viewer.radius_scale", -1.0);
+	refuse_viewer({{0.0, 0.0}, 100.0}, ErrorCode::out_of_range, "viewer.radius_scale", 100.0);
+	StreamChanges changes;
+	CHECK(stage.streamer.update(std::vector<Viewer>(65), unlimited, changes).code == ErrorCode::out_of_range);
+
+	TileRequest made_up;
+	made_up.key.layer = 12;
+	CHECK_FALSE(stage.streamer.finish(made_up));
+	CHECK_FALSE(stage.streamer.finish({}));
+}

@@ -1,0 +1,40 @@
+#include "core/streaming/tile_grid.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+using namespace thicket;
+
+TEST_CASE("streaming: tiles round down and share their edges") {
+	CHECK(tile_at(10.0, {0.0, 9.999}) == glm::ivec2(0, 0));
+	CHECK(tile_at(10.0, {-0.001, 10.0}) == glm::ivec2(-1, 1));
+	CHECK(tile_at(10.0, {-10.0, -10.001}) == glm::ivec2(-1, -2));
+	CHECK(tile_at(64.0, {5e6, -5e6}) == glm::ivec2(78125, -78125));
+	CHECK(tile_at(1.0, {1e300, -1e300}) == glm::ivec2(max_tile_coordinate, -max_tile_coordinate));
+
+	std::mt19937_64 random(1);
+	std::uniform_real_distribution<double> along(-5e6, 5e6);
+	for (const double size : {0.1, 1.0, 33.3, 64.0, 1000.0 / 3.0}) {
+		for (int i = 0; i < 2000; ++i) {
+			glm::dvec2 position(along(random), along(random));
+			glm::ivec2 tile = tile_at(size, position);
+			CHECK(tile_rect(size, tile).contains(position));
+			CHECK(tile_rect(size, tile).max.x == tile_rect(size, tile + 1).min.x);
+			// Places that lie on an edge belong to the tile that starts there.
+			position = tile_rect(size, tile).min;
+			CHECK(tile_at(size, position) == tile);
+			position.x = std::nextafter(position.x, -1e9);
+			CHECK(tile_at(size, position) == glm::ivec2(tile.x - 1, tile.y));
+		}
+	}
+}
+
+TEST_CASE("streaming: the distance to a rectangle is that to its nearest point") {
+	const Rect rect{{-1.0, 2.0}, {3.0, 4.0}};
+	CHECK(distance_squared(rect, {0.0, 3.0}) == 0.0);
+	CHECK(distance_squared(rect, {3.0, 4.0}) == 0.0);
+	CHECK(distance_squared(rect, {-3.0, 3.0}) == 4.0);
+	CHECK(distance_squared(rect, {6.0, 8.0}) == 25.0);
+}

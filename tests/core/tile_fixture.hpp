@@ -1,0 +1,80 @@
+#pragma once
+
+// What the tests of whole tiles share.
+
+#include "core/placement/tile_builder.hpp"
+#include "core/terrain/heightfield.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+namespace thicket::test {
+
+/// Waves of hills over 600 x 400 m, from sharp to gentle.
+inline Heightfield hills() {
+	const HeightfieldFrame frame{{61, 41}, {{-300.0, -200.0}, {300.0, 200.0}}, 0.0, 90.0};
+	std::vector<std::uint16_t> posts;
+	for (int row = 0; row < 41; ++row) {
+		for (int column = 0; column < 61; ++column) {
+			posts.push_back(static_cast<std::uint16_t>((column * column * 7919 + row * row * 104729) % 65536));
+		}
+	}
+	Heightfield field;
+	REQUIRE(field.set(frame, posts).ok());
+	return field;
+}
+
+inline LayerSettings rich_layer() {
+	LayerSettings layer;
+	layer.set = {.seed = 99, .radius = 1.5, .levels = 2, .layer = 3};
+	layer.rules.max_slope_degrees = 50.0;
+	layer.rules.slope_falloff = 15.0;
+	layer.rules.min_height = 10.0;
+	layer.rules.height_falloff = 20.0;
+	layer.placement.align_to_normal = 0.7;
+	layer.placement.min_scale = 0.5;
+	layer.placement.height_offset = -0.125;
+	layer.mesh_weights = {1.0f, 2.0f, 0.5f};
+	return layer;
+}
+
+inline constexpr Rect tile_of_hills{{-64.0, 0.0}, {64.0, 128.0}};
+
+inline TileInstances built(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
+	TileBuilder builder;
+	TileInstances tile;
+	REQUIRE(builder.build(layer, terrain, rect, tile).ok());
+	return tile;
+}
+
+inline std::size_t size_of(const TileInstances &tile) {
+	std::size_t size = 0;
+	for (const MeshInstances &mesh : tile.meshes) {
+		size += mesh.size();
+	}
+	return size;
+}
+
+inline glm::dvec3 world_position(const TileInstances &tile, const MeshInstances &mesh, std::size_t i) {
+	const float *transform = mesh.buffer.data() + i * floats_per_instance;
+	return tile.origin + glm::dvec3(transform[3], transform[7], transform[11]);
+}
+
+using Transforms = std::map<std::uint64_t, std::vector<float>>;
+
+/// The transforms of all meshes by id.
+inline Transforms transforms_of(const TileInstances &tile) {
+	Transforms result;
+	for (const MeshInstances &mesh : tile.meshes) {
+		for (std::size_t i = 0; i < mesh.size(); ++i) {
+			const float *transform = mesh.buffer.data() + i * floats_per_instance;
+			result[mesh.ids[i]] = std::vector<float>(transform, transform + floats_per_instance);
+		}
+	}
+	return result;
+}
+
+} // namespace thicket::test
