@@ -20,7 +20,7 @@ class SiblingPool {
 public:
 	/// Forgets all lists; keeps the memory.
 	void clear() {
-		entries_.resize(1); // Entry 0 is nobody's.
+		used_ = 1; // Entry 0 is nobody's.
 		free_ = 0;
 	}
 
@@ -30,12 +30,10 @@ public:
 		if (place != 0) {
 			free_ = entries_[place].next;
 		} else {
-			place = static_cast<std::uint32_t>(entries_.size());
-			if (entries_.size() == entries_.capacity()) {
-				// Less than doubling: the pool is a large part of a cell's 64 bytes.
-				entries_.reserve(entries_.size() + entries_.size() / 4 + 64);
+			if (used_ >= entries_.size()) {
+				grow();
 			}
-			entries_.emplace_back();
+			place = used_++;
 		}
 		entries_[place] = {keys, head};
 		head = place;
@@ -79,7 +77,10 @@ public:
 	std::size_t bytes() const { return entries_.capacity() * sizeof(Siblings); }
 
 private:
+	void grow(); // Out of line, for it is rare.
+
 	std::vector<Siblings> entries_;
+	std::uint32_t used_ = 1;
 	std::uint32_t free_ = 0;
 };
 
