@@ -76,13 +76,9 @@ def lock(env):
 def configure(env):
     """Sets the flags that all our code is compiled with; returns the name of the build folder, one for each set of
     options that gives other objects."""
-    env["ENV"]["PATH"] = os.environ["PATH"]
+    env["ENV"] = {name: os.environ[name] for name in ("PATH", "HOME", "TERM", "TMPDIR") if name in os.environ}
     env["platform"] = platform_name()
     env["arch"] = arch_name()
-    # Sanitizers are told what to do through the environment, Godot is found through it.
-    for name in os.environ:
-        if name.endswith("SAN_OPTIONS") or name in ("HOME", "GODOT", "THICKET_CACHE", "XDG_CACHE_HOME", "TERM"):
-            env["ENV"][name] = os.environ[name]
 
     env.Append(
         CPPPATH=["#extension"],
