@@ -5,6 +5,9 @@ const OURS: PackedStringArray = [
 	"PoissonSampler", "ScatterLayer", "ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainHeightmap", "TerrainScatter3D",
 ]
 
+## Nothing until it is set: as a default it says so, as a value it would be wrong.
+const UNSET: PackedStringArray = ["ScatterTerrainHeightmap.post_count"]
+
 
 class Slope extends ScatterTerrain:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -51,6 +54,8 @@ func test_properties() -> void:
 			check_equal(value, ClassDB.class_get_property_default_value(name, property["name"]), label + " starts at its default")
 			var type: int = typeof(value) if value != null else TYPE_OBJECT
 			check_equal(type, property["type"], label + " has its type")
+			if label in UNSET:
+				continue
 			object.set(property["name"], value)
 			check_equal(object.get(property["name"]), value, label + " reads back")
 		if object is Node:
