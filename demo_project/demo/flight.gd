@@ -9,7 +9,7 @@ const SPEED := 100.0
 ## Every stop: its name, the eye (x, metres above the ground, z), the direction in degrees clockwise from north, and how far
 ## it looks up (positive) or down, in degrees.
 const STOPS: Array[Dictionary] = [
-	{"name": "overview", "eye": Vector3(2350.0, 300.0, 150.0), "heading": 318.0, "pitch": -11.0},
+	{"name": "overview", "eye": Vector3(2350.0, 280.0, 150.0), "heading": 301.0, "pitch": -11.0},
 	{"name": "forest", "eye": Vector3(1620.0, 26.0, -1180.0), "heading": 325.0, "pitch": -3.0},
 	{"name": "walk", "eye": Vector3(1870.0, 1.75, -950.0), "heading": 312.0, "pitch": -2.0},
 	{"name": "ridge", "eye": Vector3(1046.0, 26.0, -2000.0), "heading": 200.0, "pitch": -6.0},

@@ -24,7 +24,8 @@ static func texture() -> ImageTexture:
 static func _draw() -> Image:
 	var image := Image.create_empty(SIZE, SIZE, false, Image.FORMAT_RGBA8)
 	image.fill(Color(0.72, 0.72, 0.72, 0.0))
-	image.fill_rect(Rect2i(SIZE / 2, SIZE / 2, SIZE / 2, SIZE / 2), Color.WHITE)
+	# Small, so that no mipmap carries it into the regions beside it.
+	image.fill_rect(Rect2i(SIZE * 3 / 4 - 16, SIZE * 3 / 4 - 16, 32, 32), Color.WHITE)
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 11
 	_draw_broadleaf(image, rng)

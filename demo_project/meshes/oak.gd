@@ -6,7 +6,7 @@ const Atlas := preload("res://meshes/leaf_atlas.gd")
 const BARK := Color(0.21, 0.175, 0.14)
 const CORE := Color(0.1, 0.165, 0.045, 0.5)
 const LOW := Color(0.1, 0.175, 0.04)
-const HIGH := Color(0.34, 0.43, 0.115)
+const HIGH := Color(0.29, 0.375, 0.11)
 
 
 ## Fills [param mesh] with the tree that [param variant] names.
@@ -19,7 +19,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	builder.begin_level()
 	_trunk(builder, clumps, 6)
 	_crown(builder, clumps, 15, 1.0, rng)
-	_cores(builder, clumps.slice(3, 9) + heart, 0.55, CORE, CORE, rng)
+	_crown(builder, heart, 16, 1.1, rng)
+	_cores(builder, clumps.slice(3, 9) + heart, 0.42, CORE, CORE, rng)
 	builder.begin_level()
 	_trunk(builder, [], 4)
 	_crown(builder, clumps, 5, 1.6, rng)

@@ -3,9 +3,9 @@ extends RefCounted
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
-const CORE := Color(0.06, 0.11, 0.03, 0.45)
+const CORE := Color(0.09, 0.15, 0.045, 0.55)
 const LOW := Color(0.11, 0.2, 0.045)
-const HIGH := Color(0.42, 0.5, 0.13)
+const HIGH := Color(0.34, 0.41, 0.13)
 
 
 ## Fills [param mesh] with the shrub that [param variant] names.
