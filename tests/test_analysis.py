@@ -166,16 +166,23 @@ class Tally:
         self.tag.append(np.bincount(cell[0] + self.CLASSES * cell[1], minlength=self.CLASSES**2) / len(points))
 
 
-@pytest.fixture(scope="session", params=[1, 3], ids=["L=1", "L=3"])
-def tally(request, tool) -> Tally:
-    made = Tally(tool, request.param)
-    made.levels = request.param
-    return made
+@pytest.fixture(scope="session")
+def plain_tally(tool) -> Tally:
+    return Tally(tool, 1)
 
 
-def test_coverage_is_that_of_the_jammed_state(tally):
-    if tally.levels > 1:
-        pytest.skip("the coverage of a progressive set is another")
+@pytest.fixture(scope="session")
+def progressive_tally(tool) -> Tally:
+    return Tally(tool, 3)
+
+
+@pytest.fixture(params=["plain_tally", "progressive_tally"])
+def tally(request) -> Tally:
+    return request.getfixturevalue(request.param)
+
+
+def test_coverage_is_that_of_the_jammed_state(plain_tally):
+    tally = plain_tally
     assert sum(tally.count) >= 5_000_000
     coverage = np.array(tally.count) * np.pi * 0.25 / tally.SIDE**2
     error = coverage.std(ddof=1) / np.sqrt(len(coverage))

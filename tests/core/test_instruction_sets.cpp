@@ -1,0 +1,50 @@
+// The same bits on every instruction set that this processor has, and on the emulated one that all processors have.
+
+#include "tests/bench/common/simd_targets.hpp"
+#include "tilings.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace thicket;
+using namespace thicket::tilings;
+
+namespace {
+
+void check_all_targets(const PointSet &set, const Rect &rect) {
+	const std::vector<bench::SimdTarget> targets = bench::simd_targets();
+	REQUIRE(!targets.empty());
+	std::vector<SamplePoint> expected;
+	for (const bench::SimdTarget &target : targets) {
+		CAPTURE(target.name);
+		const bench::ForcedTarget forced(target);
+		TileSampler sampler;
+		std::vector<SamplePoint> points;
+		REQUIRE(sampler.sample(set, rect, points).ok());
+		if (expected.empty()) {
+			expected = points;
+		}
+		// Order included: it is a function of the arguments alone.
+		const bool identical = points == expected;
+		CHECK(identical);
+	}
+	CHECK(expected.size() > 20'000);
+}
+
+} // namespace
+
+TEST_CASE("instruction sets: the same points in the same order, plain set") {
+	check_all_targets({.seed = 41, .radius = 1.0, .levels = 1, .layer = 2}, {{-130.0, -20.0}, {170.0, 280.0}});
+}
+
+TEST_CASE("instruction sets: the same points in the same order, progressive set, far away") {
+	check_all_targets(
+			{.seed = 42, .radius = 1.0, .levels = 5, .layer = 3}, {{-5.0e6, 5.0e6}, {-5.0e6 + 200.0, 5.0e6 + 200.0}});
+}
+
+TEST_CASE("instruction sets: the emulated one is among them") {
+	// Else the tests above compare less than they say.
+	const std::vector<bench::SimdTarget> targets = bench::simd_targets();
+	CHECK(std::ranges::any_of(targets, [](const bench::SimdTarget &target) {
+		return target.name == "EMU128" || target.name == "SCALAR" || target.name.starts_with("NEON");
+	}));
+}
