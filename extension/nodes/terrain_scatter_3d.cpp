@@ -44,14 +44,8 @@ StreamedLayer absent_layer() {
 	return {std::make_shared<LayerPlan>(std::move(plan)), {1e6, 0.0}, {}};
 }
 
-bool same_settings(const LayerSettings &a, const LayerSettings &b) {
-	return a.set.seed == b.set.seed && a.set.radius == b.set.radius && a.set.levels == b.set.levels &&
-			a.set.layer == b.set.layer && a.rules == b.rules && a.placement == b.placement &&
-			a.mesh_weights == b.mesh_weights;
-}
-
 bool same_tiles(const StreamedLayer &a, const StreamedLayer &b) {
-	return same_settings(a.plan->settings, b.plan->settings) && a.plan->wanted == b.plan->wanted &&
+	return a.plan->settings == b.plan->settings && a.plan->wanted == b.plan->wanted &&
 			a.plan->terrain == b.plan->terrain && a.plan->mesh_reach == b.plan->mesh_reach &&
 			a.look.meshes == b.look.meshes;
 }
@@ -213,20 +207,26 @@ void TerrainScatter3D::set_seed(int64_t p_seed) {
 
 int64_t TerrainScatter3D::get_seed() const { return seed_; }
 
-void TerrainScatter3D::watch_layers(bool p_watch) {
-	const Callable on_change = callable_mp(this, &TerrainScatter3D::mark_dirty);
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		const Ref<ScatterLayer> layer = layer_at(place);
-		if (layer.is_null() || layer->is_connected("changed", on_change) == p_watch) {
-			continue;
-		}
-		if (p_watch) {
-			layer->connect("changed", on_change);
-		} else {
-			layer->disconnect("changed", on_change);
-		}
+// Connects to methods by their names: the connection outlives this C++ object when the extension is loaded anew.
+void TerrainScatter3D::watch(Resource *p_resource, const StringName &p_method, bool p_watch) {
+	const Callable on_change(this, p_method);
+	if (p_resource == nullptr || p_resource->is_connected("changed", on_change) == p_watch) {
+		return;
+	}
+	if (p_watch) {
+		p_resource->connect("changed", on_change);
+	} else {
+		p_resource->disconnect("changed", on_change);
 	}
 }
+
+void TerrainScatter3D::watch_layers(bool p_watch) {
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		watch(layer_at(place).ptr(), "_mark_dirty", p_watch);
+	}
+}
+
+void TerrainScatter3D::watch_terrain(bool p_watch) { watch(terrain_.ptr(), "_mark_ground_dirty", p_watch); }
 
 void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
 	watch_layers(false);
@@ -241,15 +241,10 @@ void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
 	if (terrain_ == p_terrain) {
 		return;
 	}
-	const Callable on_change = callable_mp(this, &TerrainScatter3D::mark_ground_dirty);
-	if (terrain_.is_valid()) {
-		terrain_->disconnect("changed", on_change);
-	}
+	watch_terrain(false);
 	terrain_ = p_terrain;
 	ground_ = nullptr;
-	if (terrain_.is_valid()) {
-		terrain_->connect("changed", on_change);
-	}
+	watch_terrain(true);
 	mark_ground_dirty();
 }
 

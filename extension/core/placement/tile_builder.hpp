@@ -27,6 +27,8 @@ struct LayerSettings {
 	/// A weight for each mesh, finite and not negative, not all 0; an instance gets a mesh with a chance proportional
 	/// to the weight, from its own hash. None means one mesh. At most max_meshes.
 	std::vector<float> mesh_weights;
+
+	friend bool operator==(const LayerSettings &, const LayerSettings &) = default;
 };
 
 /// Refuses a layer of which any part is refused.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/floating_point.hpp"
 #include "core/base/philox.hpp"
 #include "core/base/split_mix.hpp"
 #include "core/sampling/point_set.hpp"

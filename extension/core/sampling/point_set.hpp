@@ -14,6 +14,8 @@ struct PointSet {
 	double radius = 1.0;      ///< Metres between any two points, at least; finite, in [min_radius, max_radius].
 	std::uint32_t levels = 1; ///< Levels of the progressive order, 1 to max_levels; 1 is plain dart throwing.
 	std::uint16_t layer = 0;  ///< Goes into the ids and, with the seed, into every random number.
+
+	friend bool operator==(const PointSet &, const PointSet &) = default;
 };
 
 inline constexpr double min_radius = 1e-3;
