@@ -1,0 +1,116 @@
+"""The extension in the real engine, headless: what tests/engine asks from GDScript, and what only shows from outside."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from conftest import REPO
+
+ENGINE = REPO / "tests/engine"
+PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
+COMPLAINT = re.compile(r"^(?:SCRIPT |USER )?(?:ERROR|WARNING)\b.*", re.MULTILINE)
+
+SCENE = """[gd_scene format=3]
+
+[ext_resource type="Script" path="res://in_editor.gd" id="1"]
+
+[sub_resource type="ScatterTerrainFlat" id="ground"]
+
+[sub_resource type="BoxMesh" id="box"]
+
+[sub_resource type="ScatterLayer" id="layer"]
+radius = 1.0
+tile_size = 32.0
+view_distance = 100.0
+meshes = Array[Mesh]([SubResource("box")])
+
+[node name="Root" type="Node3D"]
+
+[node name="Scatter" type="TerrainScatter3D" parent="."]
+terrain = SubResource("ground")
+layers = Array[ScatterLayer]([SubResource("layer")])
+
+[node name="Watcher" type="Node" parent="."]
+script = ExtResource("1")
+"""
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory) -> Path:
+    """A new project with the addon and nothing else."""
+    folder = tmp_path_factory.mktemp("engine")
+    (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Thicket tests"\n')
+    (folder / "addons").mkdir()
+    (folder / "addons/thicket").symlink_to(REPO / "demo_project/addons/thicket")
+    (folder / ".godot").mkdir()
+    (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
+    return folder
+
+
+def assert_passed(done):
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0 and PASSED.search(done.stdout), printed
+    assert "leaked" not in printed, printed
+
+
+@pytest.mark.parametrize("script", ["test_streaming", "test_bad_input", "test_lifetime"])
+def test_script(godot, project, script):
+    assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / f"{script}.gd"], timeout=600))
+
+
+def test_the_harness_can_fail(godot, project):
+    done = godot(["--path", project, "--script", ENGINE / "failing.gd"])
+    assert done.returncode == 1
+    assert len(re.findall(r"^FAILED test_", done.stdout, re.MULTILINE)) == 4, done.stdout
+    assert not PASSED.search(done.stdout)
+
+
+@pytest.mark.parametrize("frames", [0, 1, 2, 5, 20, 80])
+def test_quitting_in_mid_generation(godot, project, frames):
+    arguments = ["--verbose", "--path", project, "--script", ENGINE / "quit_midway.gd", "--", str(frames), "clean"]
+    done = godot(arguments, timeout=60)
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0 and "thicket quits in mid-generation" in done.stdout, printed
+    assert "leaked" not in printed, printed
+    assert not COMPLAINT.search(printed), printed
+
+
+def test_a_leak_would_be_noticed(godot, project):
+    done = godot(["--verbose", "--path", project, "--script", ENGINE / "quit_midway.gd", "--", "5", "leak"], timeout=60)
+    assert re.search(r"1 RID allocations of type .*MultiMesh.* leaked", done.stdout + done.stderr)
+
+
+def test_demo(godot, core_tool, imported_demo, tmp_path):
+    """Streams the demo's forest and checks it; then the core alone makes the same tiles, to the bit."""
+    listed = tmp_path / "tiles.txt"
+    script = ENGINE / "test_demo.gd"
+    assert_passed(godot(["--path", imported_demo, "--script", script, "--", f"out={listed}"], timeout=600))
+
+    made = core_tool("analysis/tile_digests", listed)
+    counted = re.search(r"^tile_digests: (\d+) tiles, (\d+) instances, 0 differ$", made.stdout, re.MULTILINE)
+    assert made.returncode == 0 and counted, made.stdout + made.stderr
+    assert int(counted.group(1)) > 1000 and int(counted.group(2)) >= 100_000
+
+    lines = listed.read_text().splitlines()
+    first_tile = next(number for number, line in enumerate(lines) if line.startswith("tile "))
+    lines[first_tile] += "1"
+    tampered = tmp_path / "tampered.txt"
+    tampered.write_text("\n".join(lines))
+    assert core_tool("analysis/tile_digests", tampered).returncode == 1, "a wrong digest must be noticed"
+
+
+def test_editor_shows_and_reloads(godot, project):
+    """A scene in the editor streams around the editor's camera, and goes on after the extension was loaded anew."""
+    (project / "in_editor.gd").write_text((ENGINE / "in_editor.gd").read_text())
+    (project / "scene.tscn").write_text(SCENE)
+    done = godot(["--editor", "--path", project, "scene.tscn", "--quit-after", "20000"], timeout=120)
+    printed = done.stdout + done.stderr
+    shown = re.search(r"in the editor: (\d+) tiles, (\d+) instances", printed)
+    assert shown and int(shown.group(2)) > 10_000, printed
+    assert "children of the scatter: 0" in printed
+    assert "reload: 0" in printed, printed
+    assert f"after reloading: {shown.group(1)} tiles, {shown.group(2)} instances" in printed, printed
+    complaints = [line for line in COMPLAINT.findall(printed) if "X509" not in line]
+    assert done.returncode == 0 and not complaints, printed
