@@ -80,7 +80,9 @@ private:
 	godot::Node3D *active_camera() const;
 	godot::Ref<ScatterLayer> layer_at(int64_t p_place) const;
 	const StagedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	void watch(godot::Resource *p_resource, const godot::StringName &p_method, bool p_watch);
 	void watch_layers(bool p_watch);
+	void watch_terrain(bool p_watch);
 
 	int64_t seed_ = 0;
 	godot::TypedArray<ScatterLayer> layers_;

@@ -159,6 +159,8 @@ void TerrainScatter3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_viewers"), &Self::get_viewers);
 	ClassDB::bind_method(D_METHOD("set_upload_budget_usec", "microseconds"), &Self::set_upload_budget_usec);
 	ClassDB::bind_method(D_METHOD("get_upload_budget_usec"), &Self::get_upload_budget_usec);
+	ClassDB::bind_method(D_METHOD("_mark_dirty"), &Self::mark_dirty);
+	ClassDB::bind_method(D_METHOD("_mark_ground_dirty"), &Self::mark_ground_dirty);
 	ClassDB::bind_method(D_METHOD("regenerate"), &Self::regenerate);
 	ClassDB::bind_method(D_METHOD("is_idle"), &Self::is_idle);
 	ClassDB::bind_method(D_METHOD("get_stats"), &Self::get_stats);
