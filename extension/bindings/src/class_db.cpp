@@ -117,29 +117,6 @@ StringName enum_class_name(std::string_view p_cpp_name) {
 	return StringName(name.c_str());
 }
 
-Callable CallableMethod::make(std::unique_ptr<CallableMethod> p_method, Object *p_object) {
-	GDExtensionCallableCustomInfo2 info{};
-	info.token = library;
-	info.object_id = p_object->get_instance_id();
-	info.callable_userdata = p_method.release();
-	info.call_func = [](void *p_self, const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
-							 GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
-		static_cast<CallableMethod *>(p_self)->call(p_args, p_count, static_cast<Variant *>(r_result), *r_error);
-	};
-	info.free_func = [](void *p_self) {
-		delete static_cast<CallableMethod *>(p_self);
-	};
-	info.hash_func = [](void *p_self) {
-		return static_cast<CallableMethod *>(p_self)->hash();
-	};
-	info.equal_func = [](void *p_a, void *p_b) -> GDExtensionBool {
-		return static_cast<CallableMethod *>(p_a)->equals(*static_cast<CallableMethod *>(p_b));
-	};
-	Callable result{Uninitialized{}};
-	gdextension_interface::callable_custom_create2(result._native_ptr(), &info);
-	return result;
-}
-
 } // namespace internal
 
 using namespace internal;
