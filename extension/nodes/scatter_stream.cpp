@@ -28,6 +28,14 @@ std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
 	return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
 }
 
+/// The usual time of a step, after another one. A step in which the machine did something else counts as a slow one only,
+/// or a single such would hold up the stream for many frames.
+std::chrono::steady_clock::duration smoothed(
+		std::chrono::steady_clock::duration usual, std::chrono::steady_clock::duration step) {
+	const auto believed = std::min(step, 4 * usual + std::chrono::microseconds(1));
+	return usual + (believed - usual) / 8;
+}
+
 } // namespace
 
 ScatterStream::ScatterStream() : workers_(worker_count()) {}
@@ -63,7 +71,7 @@ void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget)
 	Clock::time_point before = Clock::now();
 	while (step()) {
 		const Clock::time_point now = Clock::now();
-		usual_step_ = std::max(now - before, usual_step_ * 7 / 8);
+		usual_step_ = smoothed(usual_step_, now - before);
 		before = now;
 		if (now + usual_step_ > deadline) {
 			break;
