@@ -58,7 +58,8 @@ private:
 	using Event = std::tuple<DartKey, std::int32_t, std::int32_t>;
 
 	static std::pair<std::int32_t, std::int32_t> cell_of(glm::i64vec2 lattice) {
-		return {static_cast<std::int32_t>(lattice.x >> lattice_bits), static_cast<std::int32_t>(lattice.y >> lattice_bits)};
+		return {static_cast<std::int32_t>(lattice.x >> lattice_bits),
+				static_cast<std::int32_t>(lattice.y >> lattice_bits)};
 	}
 
 	static glm::i64vec2 lattice_of(glm::ivec2 cell, CellPosition position) {
@@ -86,7 +87,9 @@ private:
 			return;
 		}
 		const glm::i64vec2 lattice = lattice_of(cell, dart_position(dart_place(dart)));
-		const auto distance2 = [](glm::i64vec2 d) { return d.x * d.x + d.y * d.y; };
+		const auto distance2 = [](glm::i64vec2 d) {
+			return d.x * d.x + d.y * d.y;
+		};
 		if (!any_point_near(cell, [&](glm::i64vec2 other) { return distance2(other - lattice) < radius_squared; })) {
 			points_[{cell.x, cell.y}] = {lattice, rank_of(set_.levels, level_, dart_time(dart))};
 			return;

@@ -52,7 +52,8 @@ TEST_CASE("oracle: the sampler's points are those of a strict-time heap") {
 				return static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(2 * bound)) - bound;
 			};
 			const glm::ivec2 corner(within(reach), within(reach));
-			const glm::ivec2 size(1 + static_cast<std::int32_t>(random() % 24), 1 + static_cast<std::int32_t>(random() % 24));
+			const glm::ivec2 size(
+					1 + static_cast<std::int32_t>(random() % 24), 1 + static_cast<std::int32_t>(random() % 24));
 			check_against_oracle(set, {corner, corner + size});
 		}
 	}

@@ -22,10 +22,10 @@ constexpr std::array<std::uint32_t, 4> philox4x32(
 		const std::uint64_t product_0 = std::uint64_t{philox_mul_0} * counter[0];
 		const std::uint64_t product_1 = std::uint64_t{philox_mul_1} * counter[2];
 		counter = {
-			static_cast<std::uint32_t>(product_1 >> 32) ^ counter[1] ^ key[0],
-			static_cast<std::uint32_t>(product_1),
-			static_cast<std::uint32_t>(product_0 >> 32) ^ counter[3] ^ key[1],
-			static_cast<std::uint32_t>(product_0),
+				static_cast<std::uint32_t>(product_1 >> 32) ^ counter[1] ^ key[0],
+				static_cast<std::uint32_t>(product_1),
+				static_cast<std::uint32_t>(product_0 >> 32) ^ counter[3] ^ key[1],
+				static_cast<std::uint32_t>(product_0),
 		};
 		key[0] += philox_weyl_0;
 		key[1] += philox_weyl_1;

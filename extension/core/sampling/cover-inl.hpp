@@ -27,7 +27,8 @@ constexpr std::int32_t far = 23171;
 /// on, as bits of up to 32 columns. A part counts only when all its lattice points lie within the radius: the test of
 /// the paper's section 3.2, by the farthest corner, for a row of squares at once.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V covered_parts(D di, std::int32_t first_row, std::int32_t px, std::int32_t py, int part_bits, std::int32_t columns) {
+HWY_INLINE V covered_parts(
+		D di, std::int32_t first_row, std::int32_t px, std::int32_t py, int part_bits, std::int32_t columns) {
 	const hn::RebindToFloat<D> df;
 	const hn::RebindToUnsigned<D> du;
 	const std::int32_t last = (1 << part_bits) - 1;
@@ -81,7 +82,8 @@ HWY_INLINE void cover_of(const Neighbourhood &around, Cover &r_cover) {
 /// Which of the four children, of quadtree level `level` > 3, of the square with corner `origin` are known to be covered: the
 /// square is cut into parts, 8 x 8 where the lattice allows, and a part is covered when it lies in one disk. Slivers
 /// between disks end here that would be split many times.
-HWY_INLINE std::uint32_t covered_children(const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
+HWY_INLINE std::uint32_t covered_children(
+		const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
 	const hn::CappedTag<std::int32_t, 8> di;
 	const hn::RebindToUnsigned<decltype(di)> du;
 	const std::uint32_t half = cell_size >> level;
@@ -110,7 +112,9 @@ HWY_INLINE std::uint32_t covered_children(const LevelGrid &grid, std::uint32_t c
 	}
 	const std::uint32_t left = (1u << count) - 1;
 	const std::uint32_t right = left << count;
-	const auto all = [](std::uint32_t bits, std::uint32_t wanted) { return (bits & wanted) == wanted ? 1u : 0u; };
+	const auto all = [](std::uint32_t bits, std::uint32_t wanted) {
+		return (bits & wanted) == wanted ? 1u : 0u;
+	};
 	return all(below, left) | all(below, right) << 1 | all(above, left) << 2 | all(above, right) << 3;
 }
 

@@ -28,8 +28,8 @@ constexpr std::uint32_t position_y(CellPosition position) { return position >> l
 /// bits replaced by the cell's tag.
 using TimeKey = std::uint32_t;
 inline constexpr std::uint32_t tag_bits = 31;
-inline constexpr TimeKey time_unknown = 0;           ///< Before every dart; marks cells outside the workspace.
-inline constexpr TimeKey time_never = 0x7f800000;    ///< After every dart; marks cells that throw no more.
+inline constexpr TimeKey time_unknown = 0;        ///< Before every dart; marks cells outside the workspace.
+inline constexpr TimeKey time_never = 0x7f800000; ///< After every dart; marks cells that throw no more.
 
 /// Cells at most two apart on each axis have different tags, so darts that could conflict never tie.
 constexpr std::uint32_t tag_of(std::uint32_t x_mod_5, std::uint32_t y_mod_5) { return x_mod_5 + 5 * y_mod_5; }
@@ -62,9 +62,7 @@ inline float exponential(std::uint32_t random) {
 /// the keys is the order of a cell's darts.
 using DartKey = std::uint64_t;
 
-constexpr DartKey make_dart(TimeKey time, std::uint32_t level_position) {
-	return DartKey{time} << 32 | level_position;
-}
+constexpr DartKey make_dart(TimeKey time, std::uint32_t level_position) { return DartKey{time} << 32 | level_position; }
 
 inline constexpr DartKey dart_never = ~DartKey{0};
 

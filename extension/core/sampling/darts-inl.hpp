@@ -70,7 +70,8 @@ HWY_INLINE auto exponentials(D d, V random) {
 	const auto s2 = hn::Mul(s, s);
 	const auto s4 = hn::Mul(s2, s2);
 	const auto low = hn::Add(hn::Mul(s2, hn::Set(df, 1.0f / 3.0f)), one);
-	const auto high = hn::Add(hn::Add(hn::Mul(s2, hn::Set(df, 1.0f / 7.0f)), hn::Set(df, 1.0f / 5.0f)), hn::Mul(s4, hn::Set(df, 1.0f / 9.0f)));
+	const auto high = hn::Add(hn::Add(hn::Mul(s2, hn::Set(df, 1.0f / 7.0f)), hn::Set(df, 1.0f / 5.0f)),
+			hn::Mul(s4, hn::Set(df, 1.0f / 9.0f)));
 	const auto series = hn::Add(hn::Mul(high, s4), low);
 	const auto ln_mantissa = hn::Mul(hn::Add(s, s), series);
 	return hn::Sub(hn::Mul(hn::ConvertTo(df, exponent), hn::Set(df, 0.693147180559945f)), ln_mantissa);
@@ -85,7 +86,8 @@ HWY_INLINE void child_darts(DartKey parent, DartKey *HWY_RESTRICT r_darts) {
 	const std::uint32_t width = cell_size >> level;
 	const std::uint32_t inside = (width - 1) | (width - 1) << lattice_bits;
 	const CellPosition origin = square_origin(dart_place(parent)) | level << (2 * lattice_bits);
-	alignas(32) static constexpr std::uint64_t steps[4] = {split_mix_gamma, 2 * split_mix_gamma, 3 * split_mix_gamma, 4 * split_mix_gamma};
+	alignas(32) static constexpr std::uint64_t steps[4] = {
+			split_mix_gamma, 2 * split_mix_gamma, 3 * split_mix_gamma, 4 * split_mix_gamma};
 	alignas(32) static constexpr std::uint64_t corners[4] = {0, 1, cell_size, 1 + cell_size};
 	for (std::size_t lane = 0; lane < 4; lane += hn::MaxLanes(d64)) {
 		auto random = hn::Add(hn::Set(d64, parent), hn::Load(d64, steps + lane));
@@ -93,10 +95,12 @@ HWY_INLINE void child_darts(DartKey parent, DartKey *HWY_RESTRICT r_darts) {
 		random = hn::Xor(random, hn::ShiftRight<27>(random)) * hn::Set(d64, split_mix_mul_1);
 		random = hn::Xor(random, hn::ShiftRight<31>(random));
 		// Times live in the upper halves of the 64-bit lanes, as in the key; what the lower halves hold is replaced.
-		const auto wait = hn::Mul(exponentials(d, hn::BitCast(d, random)), hn::Set(df, static_cast<float>(1u << (2 * level))));
+		const auto wait =
+				hn::Mul(exponentials(d, hn::BitCast(d, random)), hn::Set(df, static_cast<float>(1u << (2 * level))));
 		const auto time = hn::BitCast(d, hn::Add(hn::BitCast(df, hn::Set(d, dart_time(parent))), wait));
 		const auto key = hn::Or(hn::And(time, hn::Set(d, ~tag_bits)), hn::Set(d, dart_time(parent) & tag_bits));
-		const auto corner = hn::Or(hn::Set(d64, origin), hn::ShiftLeftSame(hn::Load(d64, corners + lane), lattice_bits - static_cast<int>(level)));
+		const auto corner = hn::Or(hn::Set(d64, origin),
+				hn::ShiftLeftSame(hn::Load(d64, corners + lane), lattice_bits - static_cast<int>(level)));
 		const auto place = hn::Or(corner, hn::And(random, hn::Set(d64, inside)));
 		hn::StoreU(hn::BitCast(d64, hn::OddEven(key, hn::BitCast(d, place))), d64, r_darts + lane);
 	}
@@ -116,9 +120,11 @@ HWY_INLINE void throw_base_darts(LevelGrid &grid) {
 		std::uint32_t index = grid.index_of({grid.cells.min.x, y});
 		const std::uint32_t row_tag = 5 * mod_5(y);
 		std::fill_n(grid.open.begin() + index, grid.cells.size().x, LevelGrid::all_open);
-		for (std::int32_t x = grid.cells.min.x; x < grid.cells.max.x; x += lanes, index += static_cast<std::uint32_t>(lanes)) {
-			const auto random = random_bits(d, hn::Iota(d, static_cast<std::uint32_t>(x)), hn::Set(d, static_cast<std::uint32_t>(y)),
-					hn::Set(d, grid.source.stream), hn::Zero(d), grid.source.key);
+		for (std::int32_t x = grid.cells.min.x; x < grid.cells.max.x;
+				x += lanes, index += static_cast<std::uint32_t>(lanes)) {
+			const auto random = random_bits(d, hn::Iota(d, static_cast<std::uint32_t>(x)),
+					hn::Set(d, static_cast<std::uint32_t>(y)), hn::Set(d, grid.source.stream), hn::Zero(d),
+					grid.source.key);
 			const auto time = hn::BitCast(d, exponentials(d, random.first));
 			alignas(64) std::uint32_t tags[lanes];
 			for (std::int32_t lane = 0; lane < lanes; ++lane) {

@@ -46,12 +46,13 @@ struct LevelGrid {
 	CellRect cells;           ///< Without the border.
 	std::uint32_t stride = 0; ///< Cells from one row to the next.
 
-	std::vector<TimeKey> time;         ///< Time of the cell's next dart; time_never once the cell is decided.
-	std::vector<std::uint32_t> dart;   ///< The next dart; the rank once a point stands.
-	std::vector<std::uint32_t> point;  ///< The accepted position, or no_point.
+	std::vector<TimeKey> time;          ///< Time of the cell's next dart; time_never once the cell is decided.
+	std::vector<std::uint32_t> dart;    ///< The next dart; the rank once a point stands.
+	std::vector<std::uint32_t> point;   ///< The accepted position, or no_point.
 	std::vector<std::uint32_t> waiting; ///< The cell's list in `siblings`.
-	std::vector<std::uint64_t> open;   ///< A bit for each of 8 x 8 sub-squares, by rows: not known to be covered.
-	std::vector<std::uint8_t> ready;   ///< All points of coarser levels near the cell stand. Empty without a coarser level.
+	std::vector<std::uint64_t> open;    ///< A bit for each of 8 x 8 sub-squares, by rows: not known to be covered.
+	std::vector<std::uint8_t>
+			ready; ///< All points of coarser levels near the cell stand. Empty without a coarser level.
 
 	SiblingPool siblings;
 	std::vector<std::uint32_t> chain; ///< Cells that wait for the one after them.

@@ -40,12 +40,12 @@ using BlockLanes = hn::CappedTag<std::uint32_t, 16>;
 constexpr std::size_t block_lanes = hn::MaxLanes(BlockLanes());
 
 /// Corners of the 16 cells.
-alignas(64) constexpr std::uint32_t block_x[16] = {
-		0, cell_size, 2 * cell_size, 3 * cell_size, 0, cell_size, 2 * cell_size, 3 * cell_size,
-		0, cell_size, 2 * cell_size, 3 * cell_size, 0, cell_size, 2 * cell_size, 3 * cell_size};
-alignas(64) constexpr std::uint32_t block_y[16] = {
-		0, 0, 0, 0, cell_size, cell_size, cell_size, cell_size, 2 * cell_size, 2 * cell_size, 2 * cell_size, 2 * cell_size,
-		3 * cell_size, 3 * cell_size, 3 * cell_size, 3 * cell_size};
+alignas(64) constexpr std::uint32_t block_x[16] = {0, cell_size, 2 * cell_size, 3 * cell_size, 0, cell_size,
+		2 * cell_size, 3 * cell_size, 0, cell_size, 2 * cell_size, 3 * cell_size, 0, cell_size, 2 * cell_size,
+		3 * cell_size};
+alignas(64) constexpr std::uint32_t block_y[16] = {0, 0, 0, 0, cell_size, cell_size, cell_size, cell_size,
+		2 * cell_size, 2 * cell_size, 2 * cell_size, 2 * cell_size, 3 * cell_size, 3 * cell_size, 3 * cell_size,
+		3 * cell_size};
 
 /// Loads rows of four cells into one vector, the lowest row first.
 template <class D>

@@ -13,7 +13,14 @@ constexpr std::uint32_t stage_table[rank_stages][rank_knots] = {
 /// Points in radius^2 of a set of so many levels: 4 / pi times the jamming coverage 0.547070 for the first, then as measured with
 /// rank_tables.inc.
 constexpr std::array<double, max_levels> densities = {
-	0.696551, 0.710752, 0.711502, 0.711476, 0.711476, 0.711476, 0.711476, 0.711476,
+		0.696551,
+		0.710752,
+		0.711502,
+		0.711476,
+		0.711476,
+		0.711476,
+		0.711476,
+		0.711476,
 };
 
 constexpr std::uint64_t full = std::uint64_t{1} << 32;

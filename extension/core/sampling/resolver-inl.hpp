@@ -33,8 +33,10 @@ constexpr std::uint64_t square_bits(std::uint32_t level) {
 /// The neighbour that carries the tag of `key`, as an offset in cells.
 HWY_INLINE std::uint32_t tagged_neighbour(const LevelGrid &grid, std::uint32_t cell, TimeKey own, TimeKey key) {
 	static constexpr std::int8_t offset[9] = {1, 2, -2, -1, 0, 1, 2, -2, -1}; // of (difference mod 5), from -4
-	static constexpr std::uint8_t tag_x[32] = {0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4};
-	static constexpr std::uint8_t tag_y[32] = {0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 4, 4, 4, 4, 4};
+	static constexpr std::uint8_t tag_x[32] = {
+			0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4};
+	static constexpr std::uint8_t tag_y[32] = {
+			0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 4, 4, 4, 4, 4};
 	const std::uint32_t from = own & tag_bits;
 	const std::uint32_t to = key & tag_bits;
 	const std::int32_t dx = offset[4 + tag_x[to] - tag_x[from]];
@@ -79,15 +81,19 @@ HWY_INLINE void place_point(LevelGrid &grid, std::uint32_t cell, CellPosition po
 }
 
 /// Which of the four children of a square are not known to be covered.
-HWY_INLINE std::uint32_t open_children(const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
+HWY_INLINE std::uint32_t open_children(
+		const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
 	const std::uint64_t open = grid.open[cell] >> sub_square_of(origin);
 	if (level > 3) {
 		return (open & 1) == 0 ? 0u : ~covered_children(grid, cell, level, origin) & 15u;
 	}
 	const std::uint64_t bits = square_bits(level);
 	const std::uint32_t step = 8u >> level;
-	const auto any = [](std::uint64_t part) { return part != 0 ? 1u : 0u; };
-	return any(open & bits) | any(open >> step & bits) << 1 | any(open >> 8 * step & bits) << 2 | any(open >> 9 * step & bits) << 3;
+	const auto any = [](std::uint64_t part) {
+		return part != 0 ? 1u : 0u;
+	};
+	return any(open & bits) | any(open >> step & bits) << 1 | any(open >> 8 * step & bits) << 2 |
+			any(open >> 9 * step & bits) << 3;
 }
 
 /// Without a branch, which would be a coin toss.
@@ -166,7 +172,8 @@ HWY_INLINE Settled settle(LevelGrid &grid, std::uint32_t cell, TimeKey wanted) {
 		} else if (verdict.earliest >= dart_time(dart)) {
 			++grid.darts;
 			++grid.accepted;
-			place_point(grid, cell, dart_position(dart_place(dart)), grid.rank(grid.levels, grid.level, dart_time(dart)));
+			place_point(
+					grid, cell, dart_position(dart_place(dart)), grid.rank(grid.levels, grid.level, dart_time(dart)));
 			return {Settled::wanted_time_reached, cell};
 		} else if (verdict.earliest == time_unknown) {
 			return stop(Settled::beyond, cell);
@@ -243,19 +250,14 @@ inline bool resolve_cell(LevelGrid *levels, std::uint32_t level, std::uint32_t s
 		wanted = wanted == time_never ? time_unknown : wanted;
 		const Settled settled = settle(grid, cell, wanted);
 		switch (settled.reason) {
-			case Settled::wanted_time_reached:
-				chain.pop_back();
-				break;
-			case Settled::blocked:
-				chain.push_back(settled.cell);
-				break;
+			case Settled::wanted_time_reached: chain.pop_back(); break;
+			case Settled::blocked: chain.push_back(settled.cell); break;
 			case Settled::not_ready:
 				if (!make_ready(levels, level, cell)) {
 					return false;
 				}
 				break;
-			case Settled::beyond:
-				return false;
+			case Settled::beyond: return false;
 		}
 	}
 	return true;
@@ -304,7 +306,8 @@ inline ResolveResult resolve_region(
 	return ResolveResult::done;
 }
 
-inline ResolveResult resolve_block(std::span<LevelGrid> levels, const CellRect &block, const std::atomic<bool> *cancel) {
+inline ResolveResult resolve_block(
+		std::span<LevelGrid> levels, const CellRect &block, const std::atomic<bool> *cancel) {
 	for (LevelGrid &grid : levels) {
 		throw_base_darts(grid);
 	}

@@ -116,9 +116,7 @@ TileSampler::~TileSampler() = default;
 TileSampler::TileSampler(TileSampler &&) noexcept = default;
 TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 
-const SampleStats &TileSampler::stats() const {
-	return workspace_->stats;
-}
+const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
 Status TileSampler::sample(
 		const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const std::atomic<bool> *cancel) {

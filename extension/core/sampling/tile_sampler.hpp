@@ -13,13 +13,13 @@ namespace thicket {
 
 /// What the last `TileSampler::sample` did.
 struct SampleStats {
-	std::uint64_t kept = 0;            ///< Points handed out.
-	std::uint64_t computed = 0;        ///< Points accepted anywhere, margin and coarser levels included.
-	std::uint64_t darts = 0;           ///< Darts evaluated.
-	std::uint64_t squares = 0;         ///< Active squares made, base squares included.
-	std::uint64_t cells = 0;           ///< Cells initialised, margin included.
-	std::uint32_t retries = 0;         ///< Blocks that ran again with a wider margin.
-	std::size_t workspace_bytes = 0;   ///< Workspace held, all levels.
+	std::uint64_t kept = 0;          ///< Points handed out.
+	std::uint64_t computed = 0;      ///< Points accepted anywhere, margin and coarser levels included.
+	std::uint64_t darts = 0;         ///< Darts evaluated.
+	std::uint64_t squares = 0;       ///< Active squares made, base squares included.
+	std::uint64_t cells = 0;         ///< Cells initialised, margin included.
+	std::uint32_t retries = 0;       ///< Blocks that ran again with a wider margin.
+	std::size_t workspace_bytes = 0; ///< Workspace held, all levels.
 };
 
 /// A window onto a fixed infinite Poisson-disk set: hierarchical dart throwing (White, Cline, Egbert 2007, sections 2
