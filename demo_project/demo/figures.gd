@@ -49,7 +49,8 @@ func points_per_second() -> float:
 ## The figures in a few lines.
 func text() -> String:
 	return "\n".join([
-		"%s tiles, %s on the way" % [_last.get("tiles", 0), int(_last.get("waiting", 0)) + int(_last.get("pending", 0))],
+		"%s tiles, %s on the way" % [_last.get("tiles", 0), int(_last.get("waiting", 0)) + int(_last.get("pending",
+				0))],
 		"%s instances" % grouped(int(_last.get("instances", 0))),
 		"%s points a second and thread" % grouped(int(points_per_second())),
 		"main thread: median %.0f µs, p99 %.0f µs a frame" % [quantile(0.5), quantile(0.99)],

@@ -1,13 +1,14 @@
 extends RefCounted
-## The fixed path of the demo: where it looks from when nobody steers, in the screenshot run and in the engine's test alike.
+## The fixed path of the demo: where it looks from when nobody steers, in the screenshot run and in the engine's test
+## alike.
 ##
 ## All positions are world metres in x and z and metres above the ground in y, so the path follows the terrain.
 
 ## Metres a second between the first two places.
 const SPEED := 100.0
 
-## Every stop: its name, the eye (x, metres above the ground, z), the direction in degrees clockwise from north, and how far
-## it looks up (positive) or down, in degrees.
+## Every stop: its name, the eye (x, metres above the ground, z), the direction in degrees clockwise from north, and how
+## far it looks up (positive) or down, in degrees.
 const STOPS: Array[Dictionary] = [
 	{"name": "overview", "eye": Vector3(2350.0, 280.0, 150.0), "heading": 301.0, "pitch": -11.0},
 	{"name": "forest", "eye": Vector3(1620.0, 26.0, -1180.0), "heading": 325.0, "pitch": -3.0},

@@ -1,9 +1,10 @@
 extends Node3D
 ## The demo: a forest on real terrain, a camera, an overlay, and keys to play with the scatter.
 ##
-## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] flies the fixed path, writes
-## a picture at each stop (to build/demo beside the project unless told otherwise; none with --headless), prints the figures and
-## quits; [code]--stops=NAME,NAME[/code] does so for these stops alone; [code]--seed=NUMBER[/code] starts with another seed; [code]--at=STOP[/code] starts at a stop of the flight.
+## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] flies the fixed
+## path, writes a picture at each stop (to build/demo beside the project unless told otherwise; none with --headless),
+## prints the figures and quits; [code]--stops=NAME,NAME[/code] does so for these stops alone;
+## [code]--seed=NUMBER[/code] starts with another seed; [code]--at=STOP[/code] starts at a stop of the flight.
 
 const Figures := preload("res://demo/figures.gd")
 const Flight := preload("res://demo/flight.gd")
@@ -114,7 +115,8 @@ func _take_screenshots(folder: String, stops: String) -> void:
 	var run := Screenshots.new()
 	run.demo = self
 	if DisplayServer.get_name() != "headless":
-		run.folder = folder if folder != "" else ProjectSettings.globalize_path("res://").path_join("../build/demo").simplify_path()
+		var beside := ProjectSettings.globalize_path("res://").path_join("../build/demo").simplify_path()
+		run.folder = folder if folder != "" else beside
 	run.only = stops.split(",", false)
 	add_child(run)
 	run.run()

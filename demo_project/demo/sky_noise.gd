@@ -7,4 +7,5 @@ const NoiseTexture := preload("res://terrain/noise_texture.gd")
 
 func _ready() -> void:
 	if environment != null and environment.sky != null and environment.sky.sky_material is ShaderMaterial:
-		RenderingServer.material_set_param(environment.sky.sky_material.get_rid(), &"noise", NoiseTexture.texture().get_rid())
+		RenderingServer.material_set_param(environment.sky.sky_material.get_rid(), &"noise",
+				NoiseTexture.texture().get_rid())

@@ -34,8 +34,10 @@ static func _fronds(builder: Builder, count: int, segments: int, rng: RandomNumb
 			var color := LOW.lerp(HIGH, 0.2 + 0.8 * t)
 			var u := Atlas.FROND.position.x + Atlas.FROND.size.x * t
 			var normal := Vector3.UP + out * (t - 0.2)
-			var a := builder.vertex(position + side * 0.2, normal + side * 0.3, color, Vector2(u, Atlas.FROND.position.y), Vector2(t * 0.6, phase))
-			var b := builder.vertex(position - side * 0.2, normal - side * 0.3, color, Vector2(u, Atlas.FROND.end.y), Vector2(t * 0.6, phase))
+			var a := builder.vertex(position + side * 0.2, normal + side * 0.3, color,
+					Vector2(u, Atlas.FROND.position.y), Vector2(t * 0.6, phase))
+			var b := builder.vertex(position - side * 0.2, normal - side * 0.3, color, Vector2(u, Atlas.FROND.end.y),
+					Vector2(t * 0.6, phase))
 			if previous.x >= 0:
 				builder.quad(previous.x, a, b, previous.y)
 			previous = Vector2i(a, b)

@@ -20,7 +20,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	builder.commit(mesh, PackedFloat32Array([16.0]), material)
 
 
-static func _flowers(builder: Builder, count: int, petals: int, size: float, color: Color, rng: RandomNumberGenerator) -> void:
+static func _flowers(builder: Builder, count: int, petals: int, size: float, color: Color,
+		rng: RandomNumberGenerator) -> void:
 	for i in count:
 		var angle := i * 2.39996 + rng.randf()
 		var root := Vector3(cos(angle), 0.0, sin(angle)) * 0.42 * sqrt((i + 0.5) / count)
@@ -32,10 +33,12 @@ static func _flowers(builder: Builder, count: int, petals: int, size: float, col
 		var b := builder.vertex(root + side, Vector3.UP, STEM * 0.6, Builder.OPAQUE_UV, Vector2(0.0, phase))
 		var c := builder.vertex(head, Vector3.UP, STEM, Builder.OPAQUE_UV, Vector2(0.8, phase))
 		builder.triangle(a, c, b)
-		_head(builder, head, (Vector3.UP + lean * 5.0).normalized(), petals, size * rng.randf_range(0.8, 1.2), color, phase)
+		_head(builder, head, (Vector3.UP + lean * 5.0).normalized(), petals, size * rng.randf_range(0.8, 1.2), color,
+				phase)
 
 
-static func _head(builder: Builder, head: Vector3, axis: Vector3, petals: int, size: float, color: Color, phase: float) -> void:
+static func _head(builder: Builder, head: Vector3, axis: Vector3, petals: int, size: float, color: Color,
+		phase: float) -> void:
 	var right := axis.cross(Vector3.FORWARD).normalized()
 	var forward := right.cross(axis)
 	var sway := Vector2(0.8, phase)
@@ -44,7 +47,10 @@ static func _head(builder: Builder, head: Vector3, axis: Vector3, petals: int, s
 		var out := right * cos(angle) + forward * sin(angle)
 		var wing := right * cos(angle + 1.57) + forward * sin(angle + 1.57)
 		var root := builder.vertex(head, Vector3.UP, HEART, Builder.OPAQUE_UV, sway)
-		var left := builder.vertex(head + (out * 0.75 + wing * 0.45) * size, Vector3.UP + out * 0.3, color, Builder.OPAQUE_UV, sway)
-		var tip := builder.vertex(head + out * size + axis * size * 0.25, Vector3.UP + out * 0.3, color, Builder.OPAQUE_UV, sway)
-		var other := builder.vertex(head + (out * 0.75 - wing * 0.45) * size, Vector3.UP + out * 0.3, color, Builder.OPAQUE_UV, sway)
+		var left := builder.vertex(head + (out * 0.75 + wing * 0.45) * size, Vector3.UP + out * 0.3, color,
+				Builder.OPAQUE_UV, sway)
+		var tip := builder.vertex(head + out * size + axis * size * 0.25, Vector3.UP + out * 0.3, color,
+				Builder.OPAQUE_UV, sway)
+		var other := builder.vertex(head + (out * 0.75 - wing * 0.45) * size, Vector3.UP + out * 0.3, color,
+				Builder.OPAQUE_UV, sway)
 		builder.quad(root, left, tip, other)

@@ -22,7 +22,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	builder.commit(mesh, PackedFloat32Array([18.0, 40.0]), material)
 
 
-static func _blades(builder: Builder, count: int, height: float, width: float, bent: bool, stalks: int, rng: RandomNumberGenerator) -> void:
+static func _blades(builder: Builder, count: int, height: float, width: float, bent: bool, stalks: int,
+		rng: RandomNumberGenerator) -> void:
 	for i in count:
 		var angle := i * 2.39996 + rng.randf() * 0.6
 		var root := Vector3(cos(angle), 0.0, sin(angle)) * 0.36 * sqrt((i + 0.5) / count)
@@ -37,7 +38,8 @@ static func _blades(builder: Builder, count: int, height: float, width: float, b
 		_blade(builder, root, lean, tall, width * rng.randf_range(0.8, 1.25), tip_color, bent, rng.randf())
 
 
-static func _blade(builder: Builder, root: Vector3, lean: Vector3, tall: float, width: float, tip_color: Color, bent: bool, phase: float) -> void:
+static func _blade(builder: Builder, root: Vector3, lean: Vector3, tall: float, width: float, tip_color: Color,
+		bent: bool, phase: float) -> void:
 	var side := lean.cross(Vector3.UP).normalized() * width
 	var normal := Vector3.UP + lean * 0.35
 	var base := root + Vector3.DOWN * 0.06

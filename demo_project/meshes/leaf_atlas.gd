@@ -1,13 +1,16 @@
 extends RefCounted
 ## Draws the leaves of all plants into one small texture, once a run: our own work, made of ellipses and strokes.
 ##
-## Four regions: broad leaves, a conifer's twig (stem on the left, tip on the right), a fern's frond (the same way), and
-## opaque white. The colour is a brightness that the vertex colour tints; alpha is for scissoring.
+## Five regions: broad leaves, a conifer's twig (stem on the left, tip on the right), a fern's frond (the same way),
+## bark (up is up), and opaque white. The colour is a brightness that the vertex colour tints; alpha is for scissoring.
 
 const SIZE := 512
 const BROADLEAF := Rect2(0.0, 0.0, 0.5, 0.5)
 const TWIG := Rect2(0.5, 0.0, 0.5, 0.5)
 const FROND := Rect2(0.0, 0.5, 0.5, 0.5)
+const BARK := Rect2(0.5625, 0.5625, 0.21875, 0.40625)
+## A texel that is opaque and white, for what has no texture.
+const OPAQUE_UV := Vector2(0.890625, 0.890625)
 
 static var _texture: ImageTexture
 
@@ -24,14 +27,33 @@ static func texture() -> ImageTexture:
 static func _draw() -> Image:
 	var image := Image.create_empty(SIZE, SIZE, false, Image.FORMAT_RGBA8)
 	image.fill(Color(0.72, 0.72, 0.72, 0.0))
-	# Small, so that no mipmap carries it into the regions beside it.
-	image.fill_rect(Rect2i(SIZE * 3 / 4 - 16, SIZE * 3 / 4 - 16, 32, 32), Color.WHITE)
+	# Margins around what is opaque keep mipmaps from carrying it into the regions beside it.
+	image.fill_rect(Rect2i(OPAQUE_UV * SIZE - Vector2(16.0, 16.0), Vector2(32.0, 32.0)), Color.WHITE)
+	_draw_bark(image)
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 11
 	_draw_broadleaf(image, rng)
 	_draw_twig(image, rng)
 	_draw_frond(image, rng)
 	return image
+
+
+## Furrows along the trunk.
+static func _draw_bark(image: Image) -> void:
+	var noise := FastNoiseLite.new()
+	noise.seed = 5
+	noise.noise_type = FastNoiseLite.TYPE_SIMPLEX_SMOOTH
+	noise.fractal_octaves = 3
+	noise.frequency = 1.0
+	var area := Rect2i(BARK.position * SIZE, BARK.size * SIZE)
+	for y in area.size.y:
+		for x in area.size.x:
+			# Left and right borders meet around the trunk.
+			var around := TAU * x / area.size.x
+			var furrow := noise.get_noise_3d(cos(around) * 2.2, sin(around) * 2.2, y * 0.012)
+			var grain := noise.get_noise_3d(cos(around) * 7.0, sin(around) * 7.0, y * 0.08 + 9.0)
+			var value := clampf(0.78 + 0.45 * furrow + 0.25 * grain, 0.3, 1.0)
+			image.set_pixel(area.position.x + x, area.position.y + y, Color(value, value, value, 1.0))
 
 
 ## A roundish spray of pointed leaves, dark ones first, so that it has depth.
@@ -47,7 +69,8 @@ static func _draw_broadleaf(image: Image, rng: RandomNumberGenerator) -> void:
 		var direction := Vector2.from_angle(angle + rng.randf_range(-0.9, 0.9))
 		var length := SIZE * rng.randf_range(0.055, 0.085)
 		var shade := lerpf(0.5, 1.0, depth) * rng.randf_range(0.85, 1.0)
-		_stroke(image, bounds, root - direction * length * 0.5, root + direction * length * 0.5, length * 0.24, shade, true)
+		_stroke(image, bounds, root - direction * length * 0.5, root + direction * length * 0.5, length * 0.24, shade,
+				true)
 
 
 ## A drooping conifer twig: side shoots along a stem, needles along the shoots.
@@ -77,7 +100,8 @@ static func _needles(image: Image, bounds: Rect2i, from: Vector2, to: Vector2, r
 		var base := from.lerp(to, float(i) / count)
 		var side := forward.orthogonal() * (1.0 if i % 2 == 0 else -1.0)
 		var direction := (forward + side * rng.randf_range(0.6, 1.0)).normalized()
-		_stroke(image, bounds, base, base + direction * rng.randf_range(9.0, 14.0), 1.7, rng.randf_range(0.6, 1.0), false)
+		_stroke(image, bounds, base, base + direction * rng.randf_range(9.0, 14.0), 1.7, rng.randf_range(0.6, 1.0),
+				false)
 
 
 ## A fern's frond: leaflets in pairs, longest in the lower third.
@@ -97,7 +121,8 @@ static func _draw_frond(image: Image, rng: RandomNumberGenerator) -> void:
 
 
 ## Paints a leaf (pointed at both ends, with a lighter rib) or a needle of half-width [param width] pixels.
-static func _stroke(image: Image, bounds: Rect2i, from: Vector2, to: Vector2, width: float, shade: float, leaf: bool) -> void:
+static func _stroke(image: Image, bounds: Rect2i, from: Vector2, to: Vector2, width: float, shade: float,
+		leaf: bool) -> void:
 	var axis := to - from
 	var length := axis.length()
 	var forward := axis / length

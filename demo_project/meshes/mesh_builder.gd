@@ -1,17 +1,21 @@
 extends RefCounted
-## Collects the triangles of one plant or stone, level of detail by level of detail, and writes them into an [ArrayMesh].
+## Collects the triangles of one plant or stone, level of detail by level of detail, and writes them into an
+## [ArrayMesh].
 ##
-## All levels share one vertex array and one surface; a level is an index list, which the engine picks by distance, for the
-## instances of a MultiMesh as well. Vertex data as the demo's shaders read it:
-## COLOR.rgb albedo (handed over linear, stored as sRGB for the sake of 8 bits), COLOR.a ambient occlusion 0..1, UV into [code]leaf_atlas.gd[/code], UV2.x sway 0..1 (how far the
-## wind moves the vertex), UV2.y a phase 0..1 that differs from twig to twig.
+## All levels share one vertex array and one surface; a level is an index list, which the engine picks by distance, for
+## the instances of a MultiMesh as well. Vertex data as the demo's shaders read it: COLOR.rgb albedo (handed over
+## linear, stored as sRGB for the sake of 8 bits), COLOR.a ambient occlusion 0..1, UV into [code]leaf_atlas.gd[/code],
+## UV2.x sway 0..1 (how far the wind moves the vertex), UV2.y a phase 0..1 that differs from twig to twig.
 
-## The edge length that the engine lets go below one pixel from one metre away on, in a view 1280 pixels wide and 65 degrees
-## high: twice the tangent of half the horizontal angle over the width. It turns a distance into the key of a level.
+const Atlas := preload("res://meshes/leaf_atlas.gd")
+
+## The edge length that the engine lets go below one pixel from one metre away on, in a view 1280 pixels wide and 65
+## degrees high: twice the tangent of half the horizontal angle over the width. It turns a distance into the key of a
+## level.
 const EDGE_PER_METRE := 0.00177
 
-## UV of the opaque white texel of the atlas, for bark and stone.
-const OPAQUE_UV := Vector2(0.75, 0.75)
+## For what has no texture: stones, blades and petals, the dark inside of a crown.
+const OPAQUE_UV := Atlas.OPAQUE_UV
 
 var _vertices := PackedVector3Array()
 var _normals := PackedVector3Array()
@@ -56,9 +60,10 @@ func triangle_count(level: int) -> int:
 	return _levels[level].size() / 3
 
 
-## Adds a flat leaf card with its own normal direction at the centre; [param bulge] bends the corner normals outwards from it
-## (0 flat, 1 strongly), so that a crown of cards is lit as a round body.
-func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color, sway: Vector2, bulge := 0.45) -> void:
+## Adds a flat leaf card with its own normal direction at the centre; [param bulge] bends the corner normals outwards
+## from it (0 flat, 1 strongly), so that a crown of cards is lit as a round body.
+func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color, sway: Vector2,
+		bulge := 0.45) -> void:
 	var corners: Array[int] = []
 	for corner: Vector2 in [Vector2(-1, -1), Vector2(1, -1), Vector2(1, 1), Vector2(-1, 1)]:
 		var offset := right * corner.x + up * corner.y
@@ -67,8 +72,9 @@ func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region:
 	quad(corners[0], corners[3], corners[2], corners[1])
 
 
-## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, as a trunk or branch.
-func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, sides: int, color: Color, sway_from: float, sway_to: float) -> void:
+## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, as a trunk or branch in bark.
+func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, sides: int, color: Color, sway_from: float,
+		sway_to: float) -> void:
 	var axis := (to - from).normalized()
 	var right := axis.cross(Vector3.FORWARD if absf(axis.z) < 0.9 else Vector3.RIGHT).normalized()
 	var forward := right.cross(axis)
@@ -76,16 +82,19 @@ func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, side
 	for i in sides + 1:
 		var angle := TAU * i / sides
 		var out := right * cos(angle) + forward * sin(angle)
-		vertex(from + out * from_radius, out, color, OPAQUE_UV, Vector2(sway_from, 0.5))
-		vertex(to + out * to_radius, out, color, OPAQUE_UV, Vector2(sway_to, 0.5))
+		var u := Atlas.BARK.position.x + Atlas.BARK.size.x * i / sides
+		vertex(from + out * from_radius, out, color, Vector2(u, Atlas.BARK.end.y), Vector2(sway_from, 0.5))
+		vertex(to + out * to_radius, out, color, Vector2(u, Atlas.BARK.position.y), Vector2(sway_to, 0.5))
 	for i in sides:
 		var a := first + 2 * i
 		quad(a, a + 1, a + 3, a + 2)
 
 
-## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, flatter below than above, its radii
-## varied by up to [param roughness] (0..1). Vertex colours run from [param low] at the bottom to [param high] at the top.
-func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color, sway: Vector2, rng: RandomNumberGenerator) -> void:
+## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, flatter below than above, its
+## radii varied by up to [param roughness] (0..1). Vertex colours run from [param low] at the bottom to [param high] at
+## the top.
+func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color, sway: Vector2,
+		rng: RandomNumberGenerator) -> void:
 	var sphere := _icosphere(subdivisions)
 	var points: PackedVector3Array = sphere[0]
 	var faces: PackedInt32Array = sphere[1]
@@ -99,8 +108,10 @@ func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, 
 		triangle(first + faces[i], first + faces[i + 1], first + faces[i + 2])
 
 
-## Adds a cone (a conifer's tier) with a star-shaped skirt: its apex up, every second rim point pulled in by [param notch].
-func cone(base: Vector3, radius: float, height: float, sides: int, notch: float, droop: float, low: Color, high: Color, sway: Vector2, turn: float) -> void:
+## Adds a cone (a conifer's tier) with a star-shaped skirt: its apex up, every second rim point pulled in by [param
+## notch].
+func cone(base: Vector3, radius: float, height: float, sides: int, notch: float, droop: float, low: Color, high: Color,
+		sway: Vector2, turn: float) -> void:
 	var apex := vertex(base + Vector3.UP * height, Vector3.UP, high, OPAQUE_UV, sway)
 	var first := _vertices.size()
 	for i in sides:
@@ -113,8 +124,8 @@ func cone(base: Vector3, radius: float, height: float, sides: int, notch: float,
 		triangle(apex, first + i, first + (i + 1) % sides)
 
 
-## Writes the collected levels as one surface. [param distances] are the metres (at 1280 pixels of width and an instance scale
-## of 1) beyond which level 1, 2, ... are drawn; one fewer than the levels.
+## Writes the collected levels as one surface. [param distances] are the metres (at 1280 pixels of width and an instance
+## scale of 1) beyond which level 1, 2, ... are drawn; one fewer than the levels.
 func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) -> void:
 	assert(distances.size() == _levels.size() - 1)
 	var arrays: Array = []
@@ -139,7 +150,8 @@ static func _icosphere(subdivisions: int) -> Array:
 	var points := PackedVector3Array()
 	for p: Vector3 in [
 		Vector3(-1, t, 0), Vector3(1, t, 0), Vector3(-1, -t, 0), Vector3(1, -t, 0), Vector3(0, -1, t), Vector3(0, 1, t),
-		Vector3(0, -1, -t), Vector3(0, 1, -t), Vector3(t, 0, -1), Vector3(t, 0, 1), Vector3(-t, 0, -1), Vector3(-t, 0, 1)]:
+		Vector3(0, -1, -t), Vector3(0, 1, -t), Vector3(t, 0, -1), Vector3(t, 0, 1), Vector3(-t, 0, -1),
+		Vector3(-t, 0, 1)]:
 		points.append(p.normalized())
 	var faces := PackedInt32Array([
 		0, 5, 11, 0, 1, 5, 0, 7, 1, 0, 10, 7, 0, 11, 10, 1, 9, 5, 5, 4, 11, 11, 2, 10, 10, 6, 7, 7, 8, 1,

@@ -74,11 +74,13 @@ static func _stem(builder: Builder) -> void:
 
 ## A crown of twenty faces.
 static func _far_crown(builder: Builder, size: float, rng: RandomNumberGenerator) -> void:
-	builder.blob(Vector3(0.0, 9.2, 0.0), Vector3(3.9, 4.4, 3.9) * size, 0, 0.16, Color(LOW * 0.75, 0.5), LOW.lerp(HIGH, 0.62), Vector2(0.2, 0.5), rng)
+	builder.blob(Vector3(0.0, 9.2, 0.0), Vector3(3.9, 4.4, 3.9) * size, 0, 0.16, Color(LOW * 0.75, 0.5),
+			LOW.lerp(HIGH, 0.62), Vector2(0.2, 0.5), rng)
 
 
 ## Leaf sprays around each clump, on the sides that are seen: not towards the crown's heart.
-static func _crown(builder: Builder, clumps: Array[Vector4], cards: int, size: float, rng: RandomNumberGenerator) -> void:
+static func _crown(builder: Builder, clumps: Array[Vector4], cards: int, size: float,
+		rng: RandomNumberGenerator) -> void:
 	var heart := Vector3(0.0, 8.4, 0.0)
 	for clump in clumps:
 		var center := Vector3(clump.x, clump.y, clump.z)
@@ -90,22 +92,26 @@ static func _crown(builder: Builder, clumps: Array[Vector4], cards: int, size: f
 			var position := center + out * clump.w * (rng.randf_range(0.6, 0.85) if cards > 2 else 0.35)
 			var from_heart := position - heart
 			var normal := from_heart.normalized() * 0.8 + out * 0.4 + Vector3.UP * 0.25
-			var face := (out + outward * 0.4 + Vector3(rng.randf_range(-0.4, 0.4), rng.randf_range(-0.2, 0.5), rng.randf_range(-0.4, 0.4))).normalized()
+			var face := (out + outward * 0.4 + Vector3(rng.randf_range(-0.4, 0.4), rng.randf_range(-0.2, 0.5),
+					rng.randf_range(-0.4, 0.4))).normalized()
 			var right := face.cross(Vector3.UP + Vector3(0.01, 0.0, 0.0)).normalized().rotated(face, rng.randf() * TAU)
 			var extent := size * rng.randf_range(1.0, 1.35)
 			var height := clampf((position.y - 5.0) / 9.5, 0.0, 1.0)
 			var depth := clampf(from_heart.length() / 5.6, 0.0, 1.0)
 			var color := LOW.lerp(HIGH, clampf(0.12 + 0.95 * height * depth + rng.randf_range(-0.1, 0.18), 0.0, 1.0))
 			color.a = clampf(0.2 + 0.5 * depth + 0.35 * height, 0.0, 1.0)
-			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color, Vector2(0.3 + 0.4 * depth, rng.randf()))
+			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color,
+					Vector2(0.3 + 0.4 * depth, rng.randf()))
 
 
 ## Dark round bodies that fill the crown behind the leaves.
-static func _cores(builder: Builder, clumps: Array[Vector4], size: float, low: Color, high: Color, rng: RandomNumberGenerator) -> void:
+static func _cores(builder: Builder, clumps: Array[Vector4], size: float, low: Color, high: Color,
+		rng: RandomNumberGenerator) -> void:
 	for clump in clumps:
 		var radius := clump.w * size
 		var radii := Vector3(radius, radius * 0.9, radius)
-		builder.blob(Vector3(clump.x * 0.85, clump.y, clump.z * 0.85), radii, 0, 0.15, low, high, Vector2(0.25, 0.5), rng)
+		builder.blob(Vector3(clump.x * 0.85, clump.y, clump.z * 0.85), radii, 0, 0.15, low, high, Vector2(0.25, 0.5),
+				rng)
 
 
 ## The i-th of n directions spread over the sphere.

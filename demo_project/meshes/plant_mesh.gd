@@ -2,7 +2,8 @@
 extends ArrayMesh
 ## A mesh that a scene stores as two settings and builds itself when it is loaded: a species of the demo and a variant.
 ##
-## The surfaces are never saved, so a scene that uses it stays small. Equal settings give equal meshes, on every machine.
+## The surfaces are never saved, so a scene that uses it stays small. Equal settings give equal meshes, on every
+## machine.
 
 const Materials := preload("res://meshes/plant_materials.gd")
 const SPECIES := {

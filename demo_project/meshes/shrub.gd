@@ -26,11 +26,13 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	_leaves(builder, clumps, 5, 0.6, rng)
 	_cores(builder, clumps, 0.8, CORE, LOW, rng)
 	builder.begin_level()
-	builder.blob(Vector3(0.0, 0.7, 0.0), Vector3(1.1, 0.85, 1.1), 0, 0.15, Color(LOW, 0.5), HIGH * 0.8, Vector2(0.2, 0.5), rng)
+	builder.blob(Vector3(0.0, 0.7, 0.0), Vector3(1.1, 0.85, 1.1), 0, 0.15, Color(LOW, 0.5), HIGH * 0.8,
+			Vector2(0.2, 0.5), rng)
 	builder.commit(mesh, PackedFloat32Array([28.0, 85.0]), material)
 
 
-static func _leaves(builder: Builder, clumps: Array[Vector4], count: int, size: float, rng: RandomNumberGenerator) -> void:
+static func _leaves(builder: Builder, clumps: Array[Vector4], count: int, size: float,
+		rng: RandomNumberGenerator) -> void:
 	for clump in clumps:
 		for i in count:
 			var y := 1.0 - 1.5 * (i + 0.5) / count
@@ -38,17 +40,20 @@ static func _leaves(builder: Builder, clumps: Array[Vector4], count: int, size: 
 			var ring := sqrt(maxf(0.0, 1.0 - y * y))
 			var out := Vector3(cos(angle) * ring, y, sin(angle) * ring)
 			var position := Vector3(clump.x, clump.y, clump.z) + out * clump.w * rng.randf_range(0.65, 1.0)
-			var face := (out + Vector3(rng.randf_range(-0.6, 0.6), rng.randf_range(-0.2, 0.6), rng.randf_range(-0.6, 0.6))).normalized()
+			var face := (out + Vector3(rng.randf_range(-0.6, 0.6), rng.randf_range(-0.2, 0.6),
+					rng.randf_range(-0.6, 0.6))).normalized()
 			var right := face.cross(Vector3.UP + Vector3(0.01, 0.0, 0.0)).normalized().rotated(face, rng.randf() * TAU)
 			var height := clampf(position.y / 1.6, 0.0, 1.0)
 			var color := LOW.lerp(HIGH, clampf(height * 0.8 + rng.randf_range(-0.1, 0.25), 0.0, 1.0))
 			color.a = clampf(0.3 + 0.75 * height, 0.0, 1.0)
 			var normal := position * Vector3(1.0, 0.8, 1.0) + Vector3.UP * 0.4 + out * 0.3
 			var extent := size * rng.randf_range(0.85, 1.25)
-			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color, Vector2(0.15 + 0.3 * height, rng.randf()))
+			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color,
+					Vector2(0.15 + 0.3 * height, rng.randf()))
 
 
-static func _cores(builder: Builder, clumps: Array[Vector4], size: float, low: Color, high: Color, rng: RandomNumberGenerator) -> void:
+static func _cores(builder: Builder, clumps: Array[Vector4], size: float, low: Color, high: Color,
+		rng: RandomNumberGenerator) -> void:
 	for clump in clumps:
 		var radii := Vector3(clump.w, clump.w * 0.9, clump.w) * size
 		builder.blob(Vector3(clump.x, clump.y, clump.z), radii, 0, 0.12, low, high, Vector2(0.12, 0.5), rng)

@@ -50,7 +50,8 @@ static func _stem(builder: Builder) -> void:
 	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, HEIGHT * 0.3, 0.0), 0.4, 0.25, 3, BARK, 0.0, 0.05)
 
 
-static func _branches(builder: Builder, whorls: int, count: int, slim: float, bent: bool, rng: RandomNumberGenerator) -> void:
+static func _branches(builder: Builder, whorls: int, count: int, slim: float, bent: bool,
+		rng: RandomNumberGenerator) -> void:
 	for whorl in whorls:
 		var along := float(whorl) / (whorls - 1)
 		var height := lerpf(0.09, 0.97, pow(along, 0.92))
@@ -65,12 +66,14 @@ static func _branches(builder: Builder, whorls: int, count: int, slim: float, be
 	for turn: float in [0.0, PI * 0.5]:
 		var side := Vector3(cos(turn), 0.0, sin(turn))
 		var top := Color(HIGH, 1.0)
-		builder.card(Vector3.UP * HEIGHT * 0.955, Vector3.UP * 1.3, side * 0.45, Vector3.UP, Atlas.TWIG, top, Vector2(0.5, 0.5), 0.3)
+		builder.card(Vector3.UP * HEIGHT * 0.955, Vector3.UP * 1.3, side * 0.45, Vector3.UP, Atlas.TWIG, top,
+				Vector2(0.5, 0.5), 0.3)
 
 
-## One branch: a roof of one or two pairs of quads, whose sides hang so that it is seen from the side as from above; it leaves
-## the trunk upwards when young and droops when old.
-static func _branch(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, bent: bool, rng: RandomNumberGenerator) -> void:
+## One branch: a roof of one or two pairs of quads, whose sides hang so that it is seen from the side as from above; it
+## leaves the trunk upwards when young and droops when old.
+static func _branch(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, bent: bool,
+		rng: RandomNumberGenerator) -> void:
 	var side := out.cross(Vector3.UP).rotated(out, rng.randf_range(-0.3, 0.3))
 	var width := reach * 0.36 + 0.3
 	var rise := lerpf(-0.2, 0.55, along) * reach
@@ -95,7 +98,8 @@ static func _branch(builder: Builder, start: Vector3, out: Vector3, reach: float
 		previous = row
 
 
-static func _tiers(builder: Builder, tiers: int, sides: int, slim: float, low: Color, high: Color, rng: RandomNumberGenerator) -> void:
+static func _tiers(builder: Builder, tiers: int, sides: int, slim: float, low: Color, high: Color,
+		rng: RandomNumberGenerator) -> void:
 	for tier in tiers:
 		var from := float(tier) / tiers
 		var height := lerpf(0.1, 0.93, from)
@@ -103,4 +107,6 @@ static func _tiers(builder: Builder, tiers: int, sides: int, slim: float, low: C
 		var radius := _radius(height) * slim * 1.06
 		rise = minf(rise, HEIGHT * (1.0 - height))
 		var shade := low.lerp(high, 0.25 + 0.5 * from)
-		builder.cone(Vector3.UP * HEIGHT * height, radius, rise, sides, 0.22, radius * 0.16, Color(low.lerp(shade, 0.7), 0.85), Color(shade.lerp(high, 0.3), 0.6), Vector2(0.1 + 0.3 * from, 0.5), rng.randf() * TAU)
+		builder.cone(Vector3.UP * HEIGHT * height, radius, rise, sides, 0.22, radius * 0.16,
+				Color(low.lerp(shade, 0.7), 0.85), Color(shade.lerp(high, 0.3), 0.6), Vector2(0.1 + 0.3 * from,
+				0.5), rng.randf() * TAU)

@@ -1,17 +1,18 @@
 #!/usr/bin/env python3
 """Converts the Jacksboro fault elevation model into the demo's heightmap.
 
-Source: `mpl-data/sample_data/jacksboro_fault_dem.npz` of the PyPI package matplotlib, elevations of the Shuttle Radar Topography
-Mission (SRTM, public domain; so says the change that brought the file there, matplotlib pull request 3291): 344 x 403 posts of
-3 arc-seconds in the Cumberland Mountains of Tennessee around the Jacksboro fault, in whole metres, 236 to 1076 m above the sea.
+Source: `mpl-data/sample_data/jacksboro_fault_dem.npz` of the PyPI package matplotlib, elevations of the Shuttle Radar
+Topography Mission (SRTM, public domain; so says the change that brought the file there, matplotlib pull request 3291):
+344 x 403 posts of 3 arc-seconds in the Cumberland Mountains of Tennessee around the Jacksboro fault, in whole metres,
+236 to 1076 m above the sea.
 
 Writes beside this script, bit for bit the same on every machine:
 - jacksboro.r16   unsigned 16-bit little-endian samples, row by row, rows from north to south, posts from west to east.
 - jacksboro.json  size, metres between posts, extent and the heights that samples 0 and 65535 stand for.
 
-In the world +x is east, +z is south, y is up, and the map's centre is the origin. One sample step is 1/64 m, which holds every
-elevation of the source exactly: height = min_height + sample / 65535 * (max_height - min_height), and max_height - min_height
-is 65535/64.
+In the world +x is east, +z is south, y is up, and the map's centre is the origin. One sample step is 1/64 m, which
+holds every elevation of the source exactly: height = min_height + sample / 65535 * (max_height - min_height), and
+max_height - min_height is 65535/64.
 
 Usage: convert_dem.py [--out DIRECTORY] [--source FILE.npz]
 """
@@ -32,7 +33,7 @@ ECCENTRICITY_2 = 6.69437999014e-3
 
 
 def find_source() -> pathlib.Path:
-    """The data file inside the installed matplotlib, found without importing it; raises FileNotFoundError if there is none."""
+    """The data file inside the installed matplotlib, found without importing it; FileNotFoundError if there is none."""
     spec = importlib.util.find_spec("matplotlib")
     if spec is None or spec.origin is None:
         raise FileNotFoundError("matplotlib is not installed: pip install matplotlib, or pass --source")
@@ -95,7 +96,8 @@ def main() -> None:
     samples, description = convert(arguments.source or find_source())
     arguments.out.mkdir(parents=True, exist_ok=True)
     (arguments.out / "jacksboro.r16").write_bytes(samples)
-    (arguments.out / "jacksboro.json").write_text(json.dumps(description, indent="\t") + "\n", encoding="utf-8", newline="\n")
+    text = json.dumps(description, indent="\t") + "\n"
+    (arguments.out / "jacksboro.json").write_text(text, encoding="utf-8", newline="\n")
     print(f"{len(samples)} bytes, {description['size_x']} m x {description['size_z']} m -> {arguments.out}")
 
 

@@ -1,9 +1,9 @@
 extends RefCounted
-## The demo's elevation model for drawing and walking: the posts that [code]convert_dem.py[/code] wrote, bilinear in between,
-## the same surface that a [ScatterTerrainHeightmap] of the same file gives to the scatter.
+## The demo's elevation model for drawing and walking: the posts that [code]convert_dem.py[/code] wrote, bilinear in
+## between, the same surface that a [ScatterTerrainHeightmap] of the same file gives to the scatter.
 ##
-## The file is read as it lies in the project; to export the demo, add [code]*.r16, *.json[/code] to the preset's filter for
-## non-resource files.
+## The file is read as it lies in the project; to export the demo, add [code]*.r16, *.json[/code] to the preset's filter
+## for non-resource files.
 
 ## Posts of the smallest block whose lowest and highest ground are kept.
 const BLOCK := 8
@@ -21,7 +21,8 @@ var _block_low := PackedFloat32Array()
 var _block_high := PackedFloat32Array()
 
 
-## Reads the description at [param path] and the samples beside it. Says what is wrong with [method push_error] and returns false.
+## Reads the description at [param path] and the samples beside it. Says what is wrong with [method push_error] and
+## returns false.
 func load_description(path: String) -> bool:
 	var parsed: Variant = JSON.parse_string(FileAccess.get_file_as_string(path))
 	if not parsed is Dictionary:
@@ -72,8 +73,8 @@ func height_texture() -> ImageTexture:
 	return ImageTexture.create_from_image(image)
 
 
-## What a shader needs to light the ground, at each post, to be filtered linearly: the gradient along x and along z in red
-## and green, and in blue how far the post lies above (ridge) or below (hollow) the land around it, in metres.
+## What a shader needs to light the ground, at each post, to be filtered linearly: the gradient along x and along z in
+## red and green, and in blue how far the post lies above (ridge) or below (hollow) the land around it, in metres.
 func relief_texture() -> ImageTexture:
 	var values := PackedFloat32Array()
 	values.resize(posts.x * posts.y * 3)
@@ -89,10 +90,12 @@ func relief_texture() -> ImageTexture:
 			var row := j * posts.x
 			var at := 3 * (row + i)
 			values[at] = (_heights[row + east] - _heights[row + west]) / (spacing.x * (east - west))
-			values[at + 1] = (_heights[south * posts.x + i] - _heights[north * posts.x + i]) / (spacing.y * (south - north))
+			var fall := _heights[south * posts.x + i] - _heights[north * posts.x + i]
+			values[at + 1] = fall / (spacing.y * (south - north))
 			var far_west := maxi(i - reach, 0)
 			var far_east := mini(i + reach, posts.x - 1)
-			var around := _heights[far_north + i] + _heights[far_south + i] + _heights[row + far_west] + _heights[row + far_east]
+			var around := _heights[far_north + i] + _heights[far_south + i]
+			around += _heights[row + far_west] + _heights[row + far_east]
 			values[at + 2] = _heights[row + i] - 0.25 * around
 	var image := Image.create_from_data(posts.x, posts.y, false, Image.FORMAT_RGBF, values.to_byte_array())
 	image.convert(Image.FORMAT_RGBH)
