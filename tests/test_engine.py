@@ -86,7 +86,7 @@ def test_demo(godot, core_tool, imported_demo, tmp_path):
     """Streams the demo's forest and checks it; then the core alone makes the same tiles, to the bit."""
     listed = tmp_path / "tiles.txt"
     script = ENGINE / "test_demo.gd"
-    assert_passed(godot(["--path", imported_demo, "--script", script, "--", f"out={listed}"], timeout=600))
+    assert_passed(godot(["--verbose", "--path", imported_demo, "--script", script, "--", f"out={listed}"], timeout=600))
 
     made = core_tool("analysis/tile_digests", listed)
     counted = re.search(r"^tile_digests: (\d+) tiles, (\d+) instances, 0 differ$", made.stdout, re.MULTILINE)

@@ -106,8 +106,25 @@ void ScatterLayer::set_meshes(const TypedArray<Mesh> &p_meshes) {
 		report(class_name, {ErrorCode::out_of_range, "meshes", static_cast<double>(p_meshes.size())});
 		return;
 	}
+	watch_meshes(false);
 	meshes_ = p_meshes;
+	watch_meshes(true);
 	emit_changed();
+}
+
+// A mesh that grows needs larger boxes around its tiles.
+void ScatterLayer::watch_meshes(bool p_watch) {
+	const Callable on_change(this, "emit_changed");
+	for (const Ref<Mesh> &mesh : mesh_list()) {
+		if (mesh.is_null() || mesh->is_connected("changed", on_change) == p_watch) {
+			continue;
+		}
+		if (p_watch) {
+			mesh->connect("changed", on_change);
+		} else {
+			mesh->disconnect("changed", on_change);
+		}
+	}
 }
 
 TypedArray<Mesh> ScatterLayer::get_meshes() const { return meshes_; }

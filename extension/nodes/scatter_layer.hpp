@@ -102,6 +102,7 @@ protected:
 	static void _bind_methods();
 
 private:
+	void watch_meshes(bool p_watch);
 	template <const NumberProperty<LayerNumbers, double> &property>
 	static void bind_number();
 	template <const NumberProperty<LayerIntegers, int64_t> &property>

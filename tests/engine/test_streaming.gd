@@ -240,6 +240,26 @@ func test_a_change_keeps_old_tiles_until_new_ones_stand() -> void:
 	check_equal(scatter.get_stats()["tiles_made"], made, "tiles made for another shadow setting")
 
 
+func test_a_mesh_that_grows_is_noticed() -> void:
+	var mesh := BoxMesh.new()
+	var layer := make_layer()
+	layer.meshes = [mesh, mesh]
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var made: int = scatter.get_stats()["tiles_made"]
+	mesh.size = Vector3(1.0, 30.0, 1.0)
+	await settle(scatter)
+	check(scatter.get_stats()["tiles_made"] > made, "tiles get larger boxes")
+	made = scatter.get_stats()["tiles_made"]
+	layer.meshes = [SphereMesh.new()]
+	await settle(scatter)
+	check(scatter.get_stats()["tiles_made"] > made, "tiles of another mesh")
+	made = scatter.get_stats()["tiles_made"]
+	mesh.size = Vector3.ONE
+	await settle(scatter)
+	check_equal(scatter.get_stats()["tiles_made"], made, "tiles made for a mesh that is no longer used")
+
+
 func test_tile_size_may_change() -> void:
 	var layer := make_layer()
 	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
