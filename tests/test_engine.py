@@ -60,6 +60,10 @@ def test_script(godot, project, script):
     assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / f"{script}.gd"], timeout=600))
 
 
+def test_pixels(godot_xvfb, project):
+    assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_pixels.gd"]))
+
+
 def test_the_harness_can_fail(godot, project):
     done = godot(["--path", project, "--script", ENGINE / "failing.gd"])
     assert done.returncode == 1
