@@ -68,7 +68,10 @@ setup_godot() {
 	fi
 	root=$(godot_root)
 	command -v bwrap >/dev/null || missing+=(bubblewrap)
-	[[ -x $root/usr/bin/godot ]] || command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
+	if [[ ! -x $root/usr/bin/godot ]]; then
+		command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
+		((EUID == 0)) || command -v newuidmap >/dev/null || missing+=(uidmap)
+	fi
 	install_packages "to run Godot" "${missing[@]}"
 	[[ -x $root/usr/bin/godot ]] || make_godot_root "$root"
 	if ! "$setup_repo/tools/godot" --version >/dev/null </dev/null; then
@@ -92,14 +95,16 @@ make_godot_root() {
 	partial=$(mktemp --directory "$root.partial.XXXXXX")
 	# How this machine's apt reaches its mirror, and what it accepts from it, holds for this one too.
 	mapfile -t aptopts < <(apt-config dump | sed -nE 's/^(Acquire::(Check-|Retries|https?::).*[^:] ".*");$/--aptopt=\1/p')
+	# Through tar, so that everything belongs to whoever installs it.
 	if ! mmdebstrap --variant=apt --include="$godot_root_packages" "${aptopts[@]}" \
 		--dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
 		--dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \
-		"$godot_suite" "$partial" "$mirror" </dev/null >&2; then
+		"$godot_suite" - "$mirror" </dev/null | tar --extract --directory "$partial" --exclude='./dev/*'; then
 		rm -rf "$partial"
 		say "Godot could not be installed; the messages above say why"
 		return 1
 	fi
+	mkdir -p "$partial/etc/ssl/certs"
 	chmod 755 "$partial"
 	rm -rf "$root"
 	mv "$partial" "$root"
