@@ -2,6 +2,7 @@
 
 import glob
 import os
+import re
 import subprocess
 import sys
 
@@ -34,11 +35,19 @@ def external(env, folder):
             env.Append(CCFLAGS=["-isystem", root])
     # As godot-cpp's own build defines them for the code that links with it.
     env.Append(CPPDEFINES=["GDEXTENSION", "THREADS_ENABLED"], LIBS=[env.File(fitting[0])])
-    if env["target"] != "template_release":
+    if supports_reload(fitting[0]):
         env.Append(CPPDEFINES=["HOT_RELOAD_ENABLED"])
     if env["platform"] == "linux":
         env.Append(CPPDEFINES=["LINUX_ENABLED", "UNIX_ENABLED"])
     return []
+
+
+def supports_reload(archive):
+    """Whether a godot-cpp was built with use_hot_reload=yes. What is linked with it must be compiled alike: they share a
+    record for each thread that holds one more pointer then (or, before godot-cpp 4.5, a record of its own)."""
+    listed = subprocess.run(["nm", "-S", archive], capture_output=True, text=True, check=False).stdout
+    sizes = re.findall(r"^[0-9a-f]+ ([0-9a-f]+) \w _ZZN5godot7Wrapped19_get_construct_infoEvE4info$", listed, re.MULTILINE)
+    return any(int(size, 16) > 16 for size in sizes) or "5godot7Wrapped17recreate_instanceE" in listed
 
 
 def stand_in(env, out, sources):
