@@ -262,6 +262,62 @@ func run() -> void:
 """
 
 
+def test_ground_has_no_holes(godot_xvfb, imported_demo, tmp_path):
+    """Magenta behind bare ground, seen from all over the map: nothing of it shows below any piece of ground."""
+    script = tmp_path / "holes.gd"
+    script.write_text(HOLES.replace("OUT", str(tmp_path)))
+    done = godot_xvfb(["--path", imported_demo, "--resolution", "480x270", "--script", script], timeout=300)
+    shots = [np.asarray(Image.open(path).convert("RGB"), np.int16) for path in sorted(tmp_path.glob("*.png"))]
+    assert done.returncode == 0 and len(shots) == 24, done.stdout + done.stderr
+    skies = 0
+    for shot in shots:
+        behind = (shot[..., 0] > 200) & (shot[..., 1] < 100) & (shot[..., 2] > 200)
+        below_ground = np.logical_or.accumulate(~behind, axis=0)
+        assert not (behind & below_ground).any()
+        assert behind.mean() < 0.8
+        skies += behind.any()
+    assert skies >= 6, "the views must look over the horizon, or the colour behind is wrong"
+
+
+HOLES = """extends SceneTree
+
+
+func _init() -> void:
+	run.call_deferred()
+
+
+func run() -> void:
+	RenderingServer.render_loop_enabled = false
+	var demo := (load("res://demo.tscn") as PackedScene).instantiate()
+	root.add_child(demo)
+	demo.show_overlay(false)
+	for layer in demo.scatter.layers:
+		layer.density = 0.0
+	var environment := (demo.get_node("WorldEnvironment") as WorldEnvironment).environment
+	environment.background_mode = Environment.BG_COLOR
+	environment.background_color = Color.MAGENTA
+	environment.fog_enabled = false
+	root.msaa_3d = Viewport.MSAA_DISABLED
+	var rng := RandomNumberGenerator.new()
+	rng.seed = 9
+	for view in 24:
+		var above: float = [2.0, 30.0, 200.0, 800.0][view % 4]
+		var eye := Vector3(rng.randf_range(-12000.0, 12000.0), above, rng.randf_range(-12000.0, 12000.0))
+		demo.place({"eye": eye, "heading": rng.randf() * 360.0, "pitch": [0.0, -8.0, -15.0, -30.0][view % 4]})
+		await process_frame
+		await process_frame
+		RenderingServer.render_loop_enabled = true
+		await RenderingServer.frame_post_draw
+		await RenderingServer.frame_post_draw
+		RenderingServer.render_loop_enabled = false
+		root.get_texture().get_image().save_png("OUT/view_%02d.png" % view)
+	RenderingServer.render_loop_enabled = true
+	demo.queue_free()
+	await process_frame
+	quit()
+"""
+
+
 @pytest.fixture(scope="module")
 def pictures(godot_xvfb, imported_demo) -> dict[str, np.ndarray]:
     """The pictures of a run without a display, by name: height by width by RGB, 0 to 255."""

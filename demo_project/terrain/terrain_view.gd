@@ -137,13 +137,17 @@ func _draw(mesh: ArrayMesh, level: int, post: Vector2i, size: int) -> void:
 	RenderingServer.instance_set_visible(instance, true)
 
 
-## A unit square of [param quads] by [param quads] quads; every vertex carries the number of quads as its y.
+## A unit square of [param quads] by [param quads] quads, for the shader: its place is the UV, the number of quads is UV2.x.
 static func _fill_grid(mesh: ArrayMesh, quads: int) -> void:
 	var vertices := PackedVector3Array()
+	var places := PackedVector2Array()
+	var counts := PackedVector2Array()
 	var indices := PackedInt32Array()
 	for j in quads + 1:
 		for i in quads + 1:
-			vertices.append(Vector3(float(i) / quads, quads, float(j) / quads))
+			places.append(Vector2(i, j) / quads)
+			counts.append(Vector2(quads, 0.0))
+			vertices.append(Vector3(places[-1].x, 0.0, places[-1].y))
 	for j in quads:
 		for i in quads:
 			var a := j * (quads + 1) + i
@@ -151,6 +155,8 @@ static func _fill_grid(mesh: ArrayMesh, quads: int) -> void:
 	var arrays: Array = []
 	arrays.resize(Mesh.ARRAY_MAX)
 	arrays[Mesh.ARRAY_VERTEX] = vertices
+	arrays[Mesh.ARRAY_TEX_UV] = places
+	arrays[Mesh.ARRAY_TEX_UV2] = counts
 	arrays[Mesh.ARRAY_INDEX] = indices
 	mesh.clear_surfaces()
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
