@@ -150,7 +150,7 @@ void TerrainScatter3D::refresh() {
 		ground_ = terrain_->snapshot();
 	}
 	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
-	if (!grounded) {
+	if (!grounded || layers_.is_empty()) {
 		stream_.stop();
 		streamed_.clear();
 		return;

@@ -74,7 +74,8 @@ public:
 	/// Takes out the jobs that are done or need ground, in the order in which they got there. Cancelled ones come too.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 
-	/// Cancels everything and waits, a few milliseconds at most, until no worker holds anything of ours.
+	/// Cancels everything and waits until no worker holds anything of ours: a few milliseconds, or as long as a script takes
+	/// for the heights that it was just asked for.
 	void stop();
 
 	std::size_t threads() const { return workers_.size(); }

@@ -71,6 +71,9 @@ func test_what_a_camera_sees() -> void:
 	root.get_camera_3d().cull_mask = 1
 	await settle(scatter)
 	check_equal(await share(RED), 0.0, "red on a render layer that the camera does not see")
+	scatter.seed = 10
+	await settle(scatter)
+	check_equal(await share(RED), 0.0, "red of new tiles on that layer")
 	layer.layers = 1
 
 	layer.visibility_range_end = 30.0

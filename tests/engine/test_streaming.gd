@@ -80,6 +80,31 @@ func test_tiles_follow_the_viewer() -> void:
 	check_equal(digests(scatter, 0), before, "the same instances after coming back")
 
 
+func test_what_is_taken_away_goes() -> void:
+	var hidden := []
+	var layer := make_layer()
+	var scatter := make_scatter([layer, make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	scatter.tile_hidden.connect(func(of_layer: int, _tile: Vector2i) -> void: hidden.push_back(of_layer))
+	await settle(scatter)
+	var count := scatter.get_shown_tiles(1).size()
+	scatter.layers = [layer]
+	await settle(scatter)
+	check_equal(hidden.count(1), count, "signals for the tiles of a layer that was taken away")
+	check_equal(hidden.count(0), 0, "signals for the tiles of the other")
+	check_equal(scatter.get_stats()["tiles"], count, "tiles of one layer")
+	scatter.layers = []
+	await settle(scatter)
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles of no layer")
+	check_equal(hidden.count(0), count, "signals for the last tiles")
+	scatter.layers = [layer]
+	await settle(scatter)
+	check_equal(scatter.get_stats()["tiles"], count, "tiles of the layer set again")
+	scatter.terrain = null
+	await settle(scatter)
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles without ground")
+	check_equal(hidden.count(0), 2 * count, "signals for tiles that lost their ground")
+
+
 func test_order_of_tiles_changes_nothing() -> void:
 	var direct := make_scatter([make_layer()], Hills.new(), make_viewer(Vector3(300.0, 0.0, 0.0)))
 	var viewer := make_viewer(Vector3(300.0, 0.0, 400.0))
