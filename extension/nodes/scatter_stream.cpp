@@ -2,7 +2,10 @@
 
 #include "nodes/property_check.hpp"
 
+#include <godot_cpp/core/error_macros.hpp>
+
 #include <algorithm>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -34,6 +37,13 @@ std::chrono::steady_clock::duration smoothed(
 		std::chrono::steady_clock::duration usual, std::chrono::steady_clock::duration step) {
 	const auto believed = std::min(step, 4 * usual + std::chrono::microseconds(1));
 	return usual + (believed - usual) / 8;
+}
+
+void report_tile(const TileKey &key, const Status &status) {
+	const std::string tile = std::to_string(key.tile.x) + ", " + std::to_string(key.tile.y);
+	const std::string text =
+			"TerrainScatter3D, layer " + std::to_string(key.layer) + ", tile (" + tile + "): " + describe(status);
+	ERR_PRINT(String(text.c_str()));
 }
 
 } // namespace
@@ -145,7 +155,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 	const std::uint32_t index = job->request.key.layer;
 	if (!job->status.ok() && index < layers_.size() && layers_[index].plan == job->plan &&
 			!std::exchange(layers_[index].error_reported, true)) {
-		report("TerrainScatter3D", job->status);
+		report_tile(job->request.key, job->status);
 	}
 	++figures_.tiles_made;
 	figures_.points_sampled += job->counts.sampled;

@@ -9,6 +9,7 @@
 #include <godot_cpp/core/class_db.hpp>
 
 #include <cmath>
+#include <string>
 #include <utility>
 
 using namespace godot;
@@ -128,7 +129,7 @@ StreamedLayer TerrainScatter3D::streamed_layer(std::size_t p_place, const Ref<Sc
 		return absent_layer();
 	}
 	const Status status = p_layer->check();
-	report("ScatterLayer", status);
+	report(("layers[" + std::to_string(p_place) + "]: ScatterLayer").c_str(), status);
 	if (!status.ok()) {
 		return p_place < streamed_.size() ? streamed_[p_place] : absent_layer();
 	}

@@ -139,6 +139,26 @@ func test_changed_in_mid_generation() -> void:
 	check_equal(digests(scatter, 0), digests(fresh, 0), "after 150 changes")
 
 
+func test_nobody_waits_for_a_huge_tile() -> void:
+	var layer := make_layer(0.5)
+	layer.tile_size = 1000.0
+	layer.view_distance = 0.0
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer(Vector3(500.0, 0.0, 500.0)))
+	for deed: Callable in [
+			func() -> void: root.remove_child(scatter),
+			func() -> void: root.add_child(scatter),
+			func() -> void: scatter.terrain = null,
+			func() -> void: scatter.terrain = ScatterTerrainFlat.new(),
+			func() -> void: scatter.free()]:
+		await frames(10)
+		OS.delay_msec(50)
+		var start := Time.get_ticks_msec()
+		deed.call()
+		await process_frame
+		var time := Time.get_ticks_msec() - start
+		check(time < 500, "2.8 million points of work held up the main thread for %d ms" % time)
+
+
 func test_viewer_freed_and_teleported() -> void:
 	var scatter := make_busy(ScatterTerrainFlat.new())
 	for round in 30:
@@ -152,7 +172,7 @@ func test_viewer_freed_and_teleported() -> void:
 
 
 func test_meddling_grounds() -> void:
-	for deed in 5:
+	for deed in 6:
 		var ground := MeddlingGround.new()
 		var scatter := make_scatter([make_layer()], ground, make_viewer())
 		ground.meddle = [
@@ -161,6 +181,7 @@ func test_meddling_grounds() -> void:
 			func() -> void: scatter.terrain = null,
 			func() -> void: scatter.layers = [],
 			func() -> void: ground.emit_changed(),
+			func() -> void: root.remove_child(scatter),
 		][deed]
 		await frames(20)
 		check(not ground.meddle.is_valid(), "deed %d is done" % deed)
