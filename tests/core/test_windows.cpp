@@ -106,6 +106,33 @@ TEST_CASE("windows: all levels, a small region through small tiles") {
 	}
 }
 
+TEST_CASE("windows: where the margin was too small at first") {
+	// About one cell in a million hangs on a chain that leaves the first margin. Strips one cell wide have many cells at
+	// their border, so they find such chains quickly; a wide window has them well inside.
+	for (const std::uint32_t levels : {1u, max_levels}) {
+		CAPTURE(levels);
+		const PointSet set{.seed = 17, .radius = 1.0, .levels = levels, .layer = 2};
+		TileSampler sampler;
+		std::vector<SamplePoint> points;
+		int widened = 0;
+		for (int strip = 0; strip < 30'000 && widened < 4; ++strip) {
+			const glm::dvec2 corner(90.0 * (strip % 20), 0.7 * (strip / 20) - 500.0);
+			const Rect rect{corner, corner + glm::dvec2(90.0, 0.7)};
+			REQUIRE(sampler.sample(set, rect, points).ok());
+			if (sampler.stats().retries == 0) {
+				continue;
+			}
+			++widened;
+			std::vector<SamplePoint> expected = points_at_once(set, {rect.min - 40.0, rect.max + 40.0});
+			std::erase_if(expected, [&](const SamplePoint &point) { return !rect.contains(point.position); });
+			std::sort(points.begin(), points.end(),
+					[](const SamplePoint &a, const SamplePoint &b) { return a.id < b.id; });
+			CHECK(points == expected);
+		}
+		CHECK(widened == 4);
+	}
+}
+
 TEST_CASE("windows: half-open to the last bit") {
 	for (const std::uint32_t levels : {1u, 3u}) {
 		const PointSet set{.seed = 14, .radius = 1.7, .levels = levels, .layer = 1};
