@@ -43,31 +43,43 @@ TileWorkers::TileWorkers(std::size_t threads) {
 TileWorkers::~TileWorkers() { stop(); }
 
 void TileWorkers::push(std::shared_ptr<TileJob> job) {
-	Worker *idle = nullptr;
 	{
 		const std::lock_guard lock(mutex_);
 		queue_.push_back(std::move(job));
-		const auto found =
-				std::find_if(workers_.begin(), workers_.end(), [](const auto &worker) { return !worker->running; });
-		if (found != workers_.end()) {
-			idle = found->get();
-			idle->running = true;
-		}
 	}
-	if (idle != nullptr) {
-		WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
-		if (idle->task >= 0) {
-			pool->wait_for_task_completion(idle->task); // It has nothing left to do but to return.
-		}
-		idle->task = pool->add_native_task(&TileWorkers::run, idle, false, "Thicket tiles");
-	}
+	wake();
 }
 
 std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
+	wake();
 	std::vector<std::shared_ptr<TileJob>> taken;
 	const std::lock_guard lock(mutex_);
 	taken.swap(finished_);
 	return taken;
+}
+
+void TileWorkers::wake() {
+	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
+	std::size_t waiting = 0;
+	{
+		const std::lock_guard lock(mutex_);
+		waiting = queue_.size();
+	}
+	for (const std::unique_ptr<Worker> &worker : workers_) {
+		if (waiting == 0) {
+			return;
+		}
+		// A worker that has run dry may still be on its way back to the pool: to wait for it here could cost the frame
+		// milliseconds. Another one takes the job, or this one in the next frame.
+		if (worker->task >= 0 && !pool->is_task_completed(worker->task)) {
+			continue;
+		}
+		if (worker->task >= 0) {
+			pool->wait_for_task_completion(worker->task); // It is; this makes the pool forget the task.
+		}
+		worker->task = pool->add_native_task(&TileWorkers::run, worker.get(), false, "Thicket tiles");
+		--waiting;
+	}
 }
 
 void TileWorkers::stop() {
@@ -96,7 +108,6 @@ std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
 		worker.job = nullptr;
 	}
 	if (queue_.empty()) {
-		worker.running = false;
 		return nullptr;
 	}
 	worker.job = std::move(queue_.front());

@@ -71,7 +71,8 @@ public:
 	/// Hands a job in; it is worked on in the order of coming.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Takes out the jobs that are done or need ground, in the order in which they got there. Cancelled ones come too.
+	/// Takes out the jobs that are done or need ground, in the order in which they got there. Cancelled ones come too. To be
+	/// called in every frame: it also starts workers for jobs that wait.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 
 	/// Cancels everything and waits until no worker holds anything of ours: a few milliseconds, or as long as a script takes
@@ -87,9 +88,10 @@ private:
 		TileInstances tile;
 		std::shared_ptr<TileJob> job; ///< Guarded by mutex_.
 		std::int64_t task = -1;       ///< The engine's task, -1 for none. Main thread only.
-		bool running = false;         ///< Guarded by mutex_.
 	};
 
+	/// Starts as many workers as there are jobs that wait.
+	void wake();
 	static void run(void *p_worker);
 	static void advance(Worker &worker, TileJob &job);
 	static void finish(Worker &worker, TileJob &job);
