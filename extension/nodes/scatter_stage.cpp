@@ -50,13 +50,20 @@ void ScatterStage::set_visible(bool visible) {
 void ScatterStage::set_looks(std::vector<LayerLook> looks) {
 	looks_ = std::move(looks);
 	for (auto &[key, tile] : tiles_) {
-		const std::uint32_t layer = std::get<0>(key);
-		if (layer < looks_.size()) {
-			for (StagedTile::Part &part : tile.parts) {
-				if (part.visual) {
-					part.visual->apply(looks_[layer].draw);
-				}
-			}
+		apply_look(std::get<0>(key), tile);
+	}
+	if (!uploads_.empty()) {
+		apply_look(uploads_.front()->request.key.layer, current_);
+	}
+}
+
+void ScatterStage::apply_look(std::uint32_t layer, StagedTile &tile) {
+	if (layer >= looks_.size()) {
+		return;
+	}
+	for (StagedTile::Part &part : tile.parts) {
+		if (part.visual) {
+			part.visual->apply(looks_[layer].draw);
 		}
 	}
 }
@@ -74,7 +81,7 @@ StagedTile::Part ScatterStage::make_part(const TileJob &job, MeshUpload &upload,
 		VisualPlace place = place_;
 		place.origin = Vector3(static_cast<real_t>(job.origin.x), static_cast<real_t>(job.origin.y),
 				static_cast<real_t>(job.origin.z));
-		part.visual.emplace(place, looks_[layer].meshes[mesh]->get_rid(), upload.buffer, upload.aabb);
+		part.visual.emplace(place, looks_[layer].meshes[mesh], upload.buffer, upload.aabb);
 		part.visual->apply(looks_[layer].draw);
 	} else {
 		part.hidden_buffer = upload.buffer;

@@ -88,6 +88,7 @@ private:
 	/// layer, x, y, -grid: neighbours in a layer stay together, the newest grid comes first.
 	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
 	static Order order(const TileKey &key);
+	void apply_look(std::uint32_t layer, StagedTile &tile);
 	void leave(StagedTile &&tile);
 	StagedTile::Part make_part(const TileJob &job, MeshUpload &upload, std::size_t mesh);
 

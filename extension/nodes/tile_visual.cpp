@@ -20,12 +20,14 @@ constexpr int64_t gi_dynamic = 2;
 
 } // namespace
 
-TileVisual::TileVisual(const VisualPlace &place, const RID &mesh, const PackedFloat32Array &buffer, const AABB &aabb) {
+TileVisual::TileVisual(
+		const VisualPlace &place, const Ref<Mesh> &mesh, const PackedFloat32Array &buffer, const AABB &aabb) :
+		mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	const auto count = static_cast<int32_t>(buffer.size() / static_cast<int64_t>(floats_per_instance));
 	multimesh_ = server->multimesh_create();
 	server->multimesh_allocate_data(multimesh_, count, RenderingServer::MULTIMESH_TRANSFORM_3D);
-	server->multimesh_set_mesh(multimesh_, mesh);
+	server->multimesh_set_mesh(multimesh_, mesh->get_rid());
 	// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
 	server->multimesh_set_custom_aabb(multimesh_, aabb);
 	server->multimesh_set_buffer(multimesh_, buffer);
@@ -39,13 +41,16 @@ TileVisual::TileVisual(const VisualPlace &place, const RID &mesh, const PackedFl
 TileVisual::~TileVisual() { free(); }
 
 TileVisual::TileVisual(TileVisual &&other) noexcept :
-		multimesh_(std::exchange(other.multimesh_, RID())), instance_(std::exchange(other.instance_, RID())) {}
+		multimesh_(std::exchange(other.multimesh_, RID())), instance_(std::exchange(other.instance_, RID())),
+		mesh_(std::move(other.mesh_)), material_(std::move(other.material_)) {}
 
 TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 	if (this != &other) {
 		free();
 		multimesh_ = std::exchange(other.multimesh_, RID());
 		instance_ = std::exchange(other.instance_, RID());
+		mesh_ = std::move(other.mesh_);
+		material_ = std::move(other.material_);
 	}
 	return *this;
 }
@@ -74,6 +79,7 @@ void TileVisual::apply(const DrawSettings &settings) {
 	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(numbers.extra_cull_margin));
 	server->instance_geometry_set_material_override(
 			instance_, settings.material.is_valid() ? settings.material->get_rid() : RID());
+	material_ = settings.material; // Only now: what it held before must not go while the instance names it.
 	server->instance_geometry_set_visibility_range(instance_, static_cast<float>(numbers.visibility_range_begin),
 			static_cast<float>(numbers.visibility_range_end), static_cast<float>(numbers.visibility_range_begin_margin),
 			static_cast<float>(numbers.visibility_range_end_margin),

@@ -27,6 +27,7 @@ func make_view() -> TerrainScatter3D:
 	var mesh := BoxMesh.new()
 	mesh.material = plain(RED)
 	var layer := make_layer(2.0)
+	layer.tile_size = 8.0
 	layer.meshes = [mesh]
 	return make_scatter([layer], ScatterTerrainFlat.new(), camera)
 
@@ -85,6 +86,22 @@ func test_what_a_camera_sees() -> void:
 	await settle(scatter)
 	check_equal(await share(RED), 0.0, "red of shadows only")
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_ON
+
+	# One buffer a frame, so that there are many frames between the first new tile and the last.
+	scatter.upload_budget_usec = 1
+	var mesh := BoxMesh.new()
+	mesh.material = plain(GREEN)
+	layer.meshes = [mesh]
+	var mixed := 0
+	while await share(GREEN) < 0.9 * red:
+		check(await share(RED) + await share(GREEN) > 0.8 * red, "old tiles stay until new ones are there")
+		mixed += 1
+	check(mixed > 2, "%d looks in between" % mixed)
+	scatter.upload_budget_usec = 20000
+	mesh = BoxMesh.new()
+	mesh.material = plain(RED)
+	layer.meshes = [mesh]
+	await settle(scatter)
 
 	layer.density = 0.1
 	await settle(scatter)

@@ -35,6 +35,15 @@ class LeaningHills extends Hills:
 		return normals
 
 
+## A slope of 45 degrees that ends at x = 0.
+class Cliff extends ScatterTerrain:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(at.x if at.x < 0.0 else NAN)
+		return heights
+
+
 func all_transforms(scatter: TerrainScatter3D, layer: int) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
@@ -372,4 +381,7 @@ func test_terrain_answers_scripts() -> void:
 	var leaning := LeaningHills.new()
 	check(is_nan(leaning.get_height(Vector3(1.0, 0.0, 1.0))), "no height in a hole")
 	check_equal(leaning.get_normal(Vector3(1.0, 0.0, 1.0)), Vector3.ZERO, "normal in a hole")
+	var slope := Vector3(-1.0, 1.0, 0.0)
+	check(slope.angle_to(Cliff.new().get_normal(Vector3(-9.0, 0.0, 0.0))) < 0.001, "normal on a slope")
+	check(slope.angle_to(Cliff.new().get_normal(Vector3(-0.1, 0.0, 0.0))) < 0.001, "normal beside a hole")
 	check(is_nan(ScatterTerrain.new().get_height(Vector3.ZERO)), "no height without a script")
