@@ -97,6 +97,7 @@ func test_sampler() -> void:
 		refuse(sampler, "radius", value, "must be finite")
 	refuse(sampler, "levels", 0, "must be positive")
 	refuse(sampler, "levels", 99, "is out of range")
+	check(sampler.sample(Rect2(-5, -5, 9, 9))["ids"].size() > 10, "points before all that")
 	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, 0, 5, -5), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5),
 			Rect2(-1e30, -1e30, 3e30, 3e30), Rect2(0, 0, 1e6, 1e6)]:
 		check_equal(sampler.sample(rect)["ids"].size(), 0, "points in %s" % rect)
@@ -291,6 +292,9 @@ func test_heightmap_files() -> void:
 	terrain.heightmap_path = "user://no_such_file.r16"
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
 	check_error(["ScatterTerrainHeightmap.heightmap_path"], "a missing file")
+	terrain.rect = Rect2(0, 0, 500, 500)
+	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height on another rect either")
+	check_error(["ScatterTerrainHeightmap.heightmap_path"], "a file that is still missing")
 	write_posts(11)
 	terrain.heightmap_path = SPOT
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
