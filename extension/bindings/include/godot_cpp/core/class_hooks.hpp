@@ -26,6 +26,10 @@ void bind_virtual(const char *p_name, uint32_t p_hash) {
 	}
 }
 
+/// A function as a type: types compare in every constant expression, addresses do not where sanitizers watch them.
+template <auto Function>
+struct Named;
+
 /// All that the engine may ask of a class, in the form in which it asks. T is a class of the engine or of ours.
 template <typename T>
 class Class {
@@ -64,7 +68,8 @@ public:
 
 	/// Calls `_bind_methods`, which every class of ours declares.
 	static void bind() {
-		static_assert(&T::_bind_methods != &T::parent_type::_bind_methods, "the class must declare _bind_methods");
+		static_assert(!std::is_same_v<Named<&T::_bind_methods>, Named<&T::parent_type::_bind_methods>>,
+				"the class must declare _bind_methods");
 		T::_bind_methods();
 		T::template register_virtuals<T, typename T::parent_type>();
 	}
