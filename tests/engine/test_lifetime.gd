@@ -174,7 +174,8 @@ func test_viewer_freed_and_teleported() -> void:
 func test_meddling_grounds() -> void:
 	for deed in 6:
 		var ground := MeddlingGround.new()
-		var scatter := make_scatter([make_layer()], ground, make_viewer())
+		# So few points that one question answers a tile: what follows the answer meets what the deed has left.
+		var scatter := make_scatter([make_layer(5.0)], ground, make_viewer())
 		ground.meddle = [
 			func() -> void: scatter.queue_free(),
 			func() -> void: root.remove_child.call_deferred(scatter),
