@@ -196,8 +196,12 @@ func test_threads() -> void:
 		sampler.radius = 1.5
 		sampler.levels = 2
 		results[index] = sampler.sample(Rect2(-20, -20, 40, 40))["ids"]
-	var group := WorkerThreadPool.add_group_task(work, results.size())
-	WorkerThreadPool.wait_for_group_task_completion(group)
+	var threads: Array[Thread] = []
+	for index in results.size():
+		threads.push_back(Thread.new())
+		threads[index].start(work.bind(index))
+	for thread in threads:
+		thread.wait_to_finish()
 	check((results[0] as PackedInt64Array).size() > 100, "there are points")
 	for result: PackedInt64Array in results:
 		check(result == results[0], "the same on every thread")
