@@ -8,7 +8,8 @@
 
 namespace thicket {
 
-/// Names one infinite Poisson-disk point set. Equal values name equal sets, for ever and on every machine.
+/// Names one infinite Poisson-disk point set. Equal values name equal sets, for ever and on every machine. Another seed or
+/// layer gives an unrelated set; another number of levels alone does not: its finest darts are the same, and some of its points.
 struct PointSet {
 	std::uint64_t seed = 0;
 	double radius = 1.0;      ///< Metres between any two points, at least; finite, in [min_radius, max_radius].
@@ -48,7 +49,7 @@ double lattice_unit(const PointSet &set);
 glm::i64vec2 lattice_position(const PointSet &set, const SamplePoint &point);
 
 /// The rank at which a level ends: points with `rank < level_rank_end(levels, level)` are a maximal Poisson-disk set
-/// of radius r * 2^level. 2^32 for level 0.
+/// of radius r * 2^level, on the lattice of that level, whose unit is 2^level of the finest. 2^32 for level 0.
 std::uint64_t level_rank_end(std::uint32_t levels, std::uint32_t level);
 
 /// Points per square metre of the whole set.
