@@ -89,6 +89,22 @@ def class_reference(env, out):
     return env.SharedObject(packed)
 
 
+def version_source(env):
+    """The file in which the engine that the bindings know tells its version."""
+    if not env["godot_cpp"]:
+        return env.File("#build/engine/" + DUMPED[0])
+    for part in ("gen/include", "include"):
+        header = os.path.join(os.path.abspath(env["godot_cpp"]), part, "godot_cpp/core/version.hpp")
+        if os.path.exists(header):
+            return env.File(header)
+    return env.Value("version_major 4 version_minor 4")
+
+
+def version(text):
+    """Major and minor version, as "4.6", from the text of version_source."""
+    return ".".join(re.search(r'(?i)version_%s"?:? +([0-9]+)' % part, text).group(1) for part in ("major", "minor"))
+
+
 def used_api(root):
     """The list of what engine code uses; it lies with that code or with the bindings."""
     found = glob.glob(os.path.join(root, "extension/*/used_api.toml"))

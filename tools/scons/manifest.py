@@ -3,9 +3,10 @@
 import os
 import re
 
+import engine
+
 ADDON = "demo_project/addons/thicket"
 ENTRY_SYMBOL = "thicket_library_init"
-COMPATIBILITY_MINIMUM = "4.4"
 SUFFIXES = {"windows": "dll", "macos": "dylib"}
 
 BINARY = re.compile(r"^libthicket\.(\w+)\.(template_debug|template_release|editor)\.(\w+)\.(?:so|dll|dylib)$")
@@ -30,9 +31,17 @@ def manifest(env, addon, binary, beside):
     names.update(node.name for node in env.Flatten([binary, beside]))
     icons = os.path.join(folder.abspath, "icons")
     text = write(names, os.listdir(icons) if os.path.isdir(icons) else [])
-    node = env.Textfile(addon + "/thicket.gdextension", text, TEXTFILESUFFIX="")
+    action = env.Action(write_text, "write   %s/thicket.gdextension" % addon.lstrip("#"))
+    node = env.Command(addon + "/thicket.gdextension", [env.Value("\n".join(text)), engine.version_source(env)], action)
     env.Depends(node, [binary, beside])
     return node
+
+
+def write_text(target, source, env):
+    """What was built knows the engine that described itself, and promises nothing about older ones."""
+    text = source[0].get_text_contents().replace("@MINIMUM@", engine.version(source[1].get_text_contents()))
+    with open(target[0].abspath, "w", encoding="utf-8") as file:
+        file.write(text)
 
 
 def write(names, icons):
@@ -58,7 +67,7 @@ def write(names, icons):
     lines = [
         "[configuration]", "",
         'entry_symbol = "%s"' % ENTRY_SYMBOL,
-        'compatibility_minimum = "%s"' % COMPATIBILITY_MINIMUM,
+        'compatibility_minimum = "@MINIMUM@"',
         "reloadable = true", "",
         "[libraries]", "", *libraries,
     ]  # fmt: skip
