@@ -1,4 +1,4 @@
-"""The extension in the real engine, headless: what tests/engine asks from GDScript, and what only shows from outside."""
+"""The extension in the real engine: what tests/engine asks from GDScript, and what only shows from outside."""
 
 from __future__ import annotations
 

@@ -21,7 +21,8 @@ struct NumberProperty {
 	const char *hint_string = "";
 };
 
-/// True for a finite value in [min, max]; otherwise prints one error that names owner, property and value, and is false.
+/// True for a finite value in [min, max]; otherwise prints one error that names owner, property and value, and is
+/// false.
 bool accept_number(const char *owner, const char *property, double value, double min, double max);
 
 /// Prints `owner`.`status` as an error of the engine; silent for a status that is fine or was cancelled.

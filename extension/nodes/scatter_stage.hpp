@@ -35,8 +35,8 @@ struct StagedTile {
 	std::vector<Part> parts;
 };
 
-/// What stands on show, and the finished tiles that wait for their upload. Main thread only. Works in small steps, so that
-/// its caller can stop when the frame's time is spent.
+/// What stands on show, and the finished tiles that wait for their upload. Main thread only. Works in small steps, so
+/// that its caller can stop when the frame's time is spent.
 class ScatterStage {
 public:
 	/// Where new tiles go.
@@ -45,15 +45,15 @@ public:
 	/// Shows or hides all that stands and all that comes.
 	void set_visible(bool visible);
 
-	/// The looks of all layers; a tile with other settings than `looks` says is set anew at once. Meshes count for tiles
-	/// still to come.
+	/// The looks of all layers; a tile with other settings than `looks` says is set anew at once. Meshes count for
+	/// tiles still to come.
 	void set_looks(std::vector<LayerLook> looks);
 
 	/// Queues a finished job without error for upload.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Uploads one buffer. When that completes a tile, the tile waits, hidden, in `completed` and nothing else is uploaded
-	/// until `present` or `reject` was called. False when there was nothing to do.
+	/// Uploads one buffer. When that completes a tile, the tile waits, hidden, in `completed` and nothing else is
+	/// uploaded until `present` or `reject` was called. False when there was nothing to do.
 	bool upload_step();
 	const TileJob *completed() const { return complete_ ? uploads_.front().get() : nullptr; }
 
@@ -66,7 +66,8 @@ public:
 	/// Takes a queued tile out, if it is there.
 	void forget(std::uint64_t ticket);
 
-	/// Takes a tile off the stage; what it held is freed step by step, by `free_step`. False if it does not stand there.
+	/// Takes a tile off the stage; what it held is freed step by step, by `free_step`. False if it does not stand
+	/// there.
 	bool drop(const TileKey &key);
 	bool free_step();
 

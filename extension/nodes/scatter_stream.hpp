@@ -39,8 +39,8 @@ class ScatterStream {
 public:
 	ScatterStream();
 
-	/// Replaces the layers and the ground. `changed[i]` says that layer i has to be made anew; what stands stays until then.
-	/// `script` is asked for the ground of plans that have no terrain of their own.
+	/// Replaces the layers and the ground. `changed[i]` says that layer i has to be made anew; what stands stays until
+	/// then. `script` is asked for the ground of plans that have no terrain of their own.
 	void set_layers(std::vector<StreamedLayer> layers, const std::vector<bool> &changed,
 			const godot::Ref<ScatterTerrain> &script);
 

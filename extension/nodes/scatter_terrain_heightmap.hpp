@@ -30,7 +30,8 @@ public:
 	void set_post_count(const godot::Vector2i &p_count);
 	godot::Vector2i get_post_count() const;
 
-	/// An image of one of the formats R16, RF, RH (0 to 1), R8 or L8; the first channel of others. Goes before the file.
+	/// An image of one of the formats R16, RF, RH (0 to 1), R8 or L8; the first channel of others. Goes before the
+	/// file.
 	void set_image(const godot::Ref<godot::Image> &p_image);
 	godot::Ref<godot::Image> get_image() const;
 

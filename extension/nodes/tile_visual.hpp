@@ -27,9 +27,9 @@ struct VisualPlace {
 
 /// One mesh's instances in one tile on show: a MultiMesh and an instance of the RenderingServer, freed with the object.
 ///
-/// Holds its mesh and its material: an outdated tile is drawn as it was until its successor is there, whatever the layer
-/// has let go of. The instance stands at the tile's centre, from where the engine measures visibility ranges. Physics interpolation is
-/// off, as it is for every multimesh that no MultiMesh resource owns: nothing here ever moves.
+/// Holds its mesh and its material: an outdated tile is drawn as it was until its successor is there, whatever the
+/// layer has let go of. The instance stands at the tile's centre, from where the engine measures visibility ranges.
+/// Physics interpolation is off, as it is for every multimesh that no MultiMesh resource owns: nothing here ever moves.
 class TileVisual {
 public:
 	/// Hidden at first. `buffer` has 12 floats an instance; `aabb` is relative to the origin.

@@ -139,8 +139,8 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 		finish(worker, job);
 		return;
 	}
-	// The points are found a second time once the ground is known: a script costs more than that, and no job has to hold
-	// a workspace while it waits for the main thread.
+	// The points are found a second time once the ground is known: a script costs more than that, and no job has to
+	// hold a workspace while it waits for the main thread.
 	job.status = builder.find_points(plan.settings, job.request.rect, &job.cancelled);
 	if (job.status.ok() && job.step == TileJob::Step::start) {
 		job.positions.assign(builder.positions().begin(), builder.positions().end());

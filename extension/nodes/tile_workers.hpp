@@ -15,8 +15,8 @@
 
 namespace thicket {
 
-/// All that a worker needs to make the tiles of a layer. Immutable once shared, so that properties may change, and nodes
-/// go, while workers are at it.
+/// All that a worker needs to make the tiles of a layer. Immutable once shared, so that properties may change, and
+/// nodes go, while workers are at it.
 struct LayerPlan {
 	LayerSettings settings;
 	std::shared_ptr<const Terrain> terrain; ///< Null where the main thread has to ask a script for the ground.
@@ -71,12 +71,12 @@ public:
 	/// Hands a job in; it is worked on in the order of coming.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Takes out the jobs that are done or need ground, in the order in which they got there. Cancelled ones come too. To be
-	/// called in every frame: it also starts workers for jobs that wait.
+	/// Takes out the jobs that are done or need ground, in the order in which they got there. Cancelled ones come too.
+	/// To be called in every frame: it also starts workers for jobs that wait.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 
-	/// Cancels everything and waits until no worker holds anything of ours: a few milliseconds, or as long as a script takes
-	/// for the heights that it was just asked for.
+	/// Cancels everything and waits until no worker holds anything of ours: a few milliseconds, or as long as a script
+	/// takes for the heights that it was just asked for.
 	void stop();
 
 	std::size_t threads() const { return workers_.size(); }

@@ -6,7 +6,8 @@
 //   layer INDEX NUMBER... (LayerSettings in the order of `read_layer`)
 //   tile LAYER TILE_SIZE X Y DIGEST
 // Seeds, counts, coordinates and digests are whole numbers; all else is the bits of a double, as a whole number.
-// Ends with a line "tile_digests: N tiles, M instances, D differ" and 0 if D is 0, 1 if not, 2 if the file makes no sense.
+// Ends with a line "tile_digests: N tiles, M instances, D differ" and 0 if D is 0, 1 if not, 2 if the file makes no
+// sense.
 
 #include "core/placement/tile_builder.hpp"
 #include "core/streaming/tile_grid.hpp"

@@ -1,5 +1,6 @@
 extends RefCounted
-## Heights and slopes of a raw 16-bit heightmap, worked out again in GDScript: the second opinion on ScatterTerrainHeightmap.
+## Heights and slopes of a raw 16-bit heightmap, worked out again in GDScript: the second opinion on
+## ScatterTerrainHeightmap.
 
 var _heights: PackedFloat64Array
 var _columns: int

@@ -75,7 +75,8 @@ func check(condition: bool, message: String) -> bool:
 
 
 func check_equal(got: Variant, expected: Variant, message: String) -> bool:
-	return check(typeof(got) == typeof(expected) and got == expected, "%s: got %s, expected %s" % [message, got, expected])
+	var equal: bool = typeof(got) == typeof(expected) and got == expected
+	return check(equal, "%s: got %s, expected %s" % [message, got, expected])
 
 
 ## Exactly one error was printed since the last look, and it has all these words in it.

@@ -1,6 +1,6 @@
 extends "harness.gd"
-## The demo's forest, streamed along a fixed path: every instance that the MultiMeshes hold is checked against the ground, the
-## rules and its neighbours in all tiles. `-- out=FILE` writes the tiles down for analysis/tile_digests.
+## The demo's forest, streamed along a fixed path: every instance that the MultiMeshes hold is checked against the
+## ground, the rules and its neighbours in all tiles. `-- out=FILE` writes the tiles down for analysis/tile_digests.
 
 const TileLog := preload("tile_log.gd")
 const GroundModel := preload("ground_model.gd")
@@ -79,7 +79,8 @@ func test_forest_along_a_path() -> void:
 			check(tile_log.save(argument.trim_prefix("out=")), "writing " + argument)
 
 
-## Checks a tile that is new; for one that was here before, that it has not changed. Returns 1 for a tile that came back.
+## Checks a tile that is new; for one that was here before, that it has not changed. Returns 1 for a tile that came
+## back.
 func look_at_tile(layer: int, tile: Vector2i) -> int:
 	var key := Vector3i(layer, tile.x, tile.y)
 	var digest := scatter.get_tile_digest(layer, tile)
@@ -110,8 +111,8 @@ func look_at_buffer(index: int, origin: Vector3, buffer: PackedFloat32Array) -> 
 		var slope := ground.slope(x, z)
 		worst_height = maxf(worst_height, absf(origin.y + buffer[at + 7] - layer.height_offset - height))
 		var size := Vector3(buffer[at], buffer[at + 4], buffer[at + 8]).length()
-		if (height < layer.min_height - 0.01 or height > layer.max_height + 0.01 or slope < layer.min_slope_degrees - 0.01
-				or slope > layer.max_slope_degrees + 0.01 or size < smallest or size > largest):
+		if (height < layer.min_height - 0.01 or height > layer.max_height + 0.01
+				or slope < layer.min_slope_degrees - 0.01 or slope > layer.max_slope_degrees + 0.01 or size < smallest or size > largest):
 			outside_rules += 1
 			first_outside = "layer %d: height %f, slope %f, scale %f" % [index, height, slope, size]
 		var cell := Vector2i(floori(x / radius), floori(z / radius))

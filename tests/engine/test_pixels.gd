@@ -49,7 +49,8 @@ func test_what_a_camera_sees() -> void:
 	var scatter := make_view()
 	await settle(scatter)
 	var layer := scatter.layers[0] as ScatterLayer
-	# 0.1741 instances a square metre, each with a top of 1 m² that perspective makes a little larger, and a side in view.
+	# 0.1741 instances a square metre, each with a top of 1 m² that perspective makes a little larger, and a side in
+	# view.
 	var red: float = await share(RED)
 	check(red > 0.15 and red < 0.35, "the picture is red to %f" % red)
 

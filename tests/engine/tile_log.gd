@@ -23,8 +23,8 @@ func add_terrain(terrain: ScatterTerrain) -> void:
 
 
 func add_layer(index: int, scatter_seed: int, layer: ScatterLayer) -> void:
-	var numbers := [layer.radius, layer.density, layer.min_slope_degrees, layer.max_slope_degrees, layer.slope_falloff, layer.min_height,
-			layer.max_height, layer.height_falloff, layer.min_yaw_degrees, layer.max_yaw_degrees, layer.min_scale,
+	var numbers := [layer.radius, layer.density, layer.min_slope_degrees, layer.max_slope_degrees, layer.slope_falloff,
+			layer.min_height, layer.max_height, layer.height_falloff, layer.min_yaw_degrees, layer.max_yaw_degrees, layer.min_scale,
 			layer.max_scale, layer.align_to_normal, layer.height_offset]
 	for mesh in layer.meshes.size():
 		numbers.push_back(layer.mesh_weights[mesh] if mesh < layer.mesh_weights.size() else 1.0)
