@@ -51,13 +51,12 @@ struct LevelGrid {
 	std::vector<std::uint32_t> point;   ///< The accepted position, or no_point.
 	std::vector<std::uint32_t> waiting; ///< The cell's list in `siblings`.
 	std::vector<std::uint64_t> open;    ///< A bit for each of 8 x 8 sub-squares, by rows: not known to be covered.
-	std::vector<std::uint8_t>
-			ready; ///< All points of coarser levels near the cell stand. Empty without a coarser level.
+	/// All points of coarser levels near the cell stand. Not in use without a coarser level.
+	std::vector<std::uint8_t> ready;
 
 	SiblingPool siblings;
 	std::vector<std::uint32_t> chain; ///< Cells that wait for the one after them.
-
-	std::vector<std::uint32_t> due; ///< Cells to look at in a pass.
+	std::vector<std::uint32_t> due;   ///< Cells to look at in a pass.
 
 	std::uint64_t accepted = 0;
 	std::uint64_t darts = 0;

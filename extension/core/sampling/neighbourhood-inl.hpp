@@ -76,6 +76,24 @@ HWY_INLINE auto within_radius(D d, V x, V y) {
 	return hn::Eq(hn::ShiftRight<2 * lattice_bits + 1>(hn::Add(hn::Mul(x, x), hn::Mul(y, y))), hn::Zero(d));
 }
 
+/// The points of some cells, seen from a disk's centre.
+template <class V, class M>
+struct PointOffsets {
+	V x;
+	V y;
+	M stands; ///< False where the cell has no point, and the offset no meaning.
+};
+
+/// The points of the cells from `start` on, whose lower corners lie at (corner_x, corner_y) from the centre.
+template <class V>
+HWY_INLINE auto offsets_of_points(const LevelGrid &grid, std::size_t start, V corner_x, V corner_y) {
+	const BlockLanes d;
+	const auto point = load_rows(d, grid.point.data() + start, grid.stride);
+	const auto stands = hn::Ne(point, hn::Set(d, LevelGrid::no_point));
+	return PointOffsets<V, decltype(stands)>{hn::Add(hn::And(point, hn::Set(d, cell_mask)), corner_x),
+			hn::Add(hn::ShiftRight<lattice_bits>(point), corner_y), stands};
+}
+
 /// What stands in a dart's way.
 struct Verdict {
 	bool conflict;    ///< An accepted point lies within the radius.
@@ -104,11 +122,8 @@ HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPo
 		const auto times = hn::BitCast(di, load_rows(d, grid.time.data() + start, grid.stride));
 		// The cell's own entry is out of date while `settle` holds its dart.
 		earliest = hn::Min(earliest, hn::IfThenElse(hn::AndNot(own, reached), times, never));
-		const auto point = load_rows(d, grid.point.data() + start, grid.stride);
-		const auto dx = hn::Add(hn::And(point, hn::Set(d, cell_mask)), hn::BitCast(d, corner_x));
-		const auto dy = hn::Add(hn::ShiftRight<lattice_bits>(point), hn::BitCast(d, corner_y));
-		const auto stands = hn::Ne(point, hn::Set(d, LevelGrid::no_point));
-		conflict |= !hn::AllFalse(d, hn::And(within_radius(d, dx, dy), stands));
+		const auto points = offsets_of_points(grid, start, hn::BitCast(d, corner_x), hn::BitCast(d, corner_y));
+		conflict |= !hn::AllFalse(d, hn::And(within_radius(d, points.x, points.y), points.stands));
 	}
 	return {conflict, static_cast<TimeKey>(hn::GetLane(hn::MinOfLanes(di, earliest)))};
 }
@@ -118,14 +133,11 @@ HWY_INLINE std::uint32_t points_near(const LevelGrid &grid, const Neighbourhood 
 	const BlockLanes d;
 	std::uint32_t near = 0;
 	for (std::size_t lane = 0; lane < 16; lane += block_lanes) {
-		const auto point = load_rows(d, grid.point.data() + around.first + lane / 4 * grid.stride, grid.stride);
 		const auto corner_x = hn::Sub(hn::Load(d, block_x + lane), hn::Set(d, static_cast<std::uint32_t>(around.x)));
 		const auto corner_y = hn::Sub(hn::Load(d, block_y + lane), hn::Set(d, static_cast<std::uint32_t>(around.y)));
-		const auto dx = hn::Add(hn::And(point, hn::Set(d, cell_mask)), corner_x);
-		const auto dy = hn::Add(hn::ShiftRight<lattice_bits>(point), corner_y);
-		const auto distance2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
-		const auto stands = hn::Ne(point, hn::Set(d, LevelGrid::no_point));
-		near |= bits_of(d, hn::And(hn::Lt(distance2, hn::Set(d, limit)), stands)) << lane;
+		const auto points = offsets_of_points(grid, around.first + lane / 4 * grid.stride, corner_x, corner_y);
+		const auto distance2 = hn::Add(hn::Mul(points.x, points.x), hn::Mul(points.y, points.y));
+		near |= bits_of(d, hn::And(hn::Lt(distance2, hn::Set(d, limit)), points.stands)) << lane;
 	}
 	return near;
 }

@@ -1,8 +1,9 @@
 #include "core/sampling/tile_sampler.hpp"
 
+#include "core/base/check.hpp"
+#include "core/base/instance_id.hpp"
 #include "core/sampling/block_sampler.hpp"
 #include "core/sampling/rank.hpp"
-#include "core/base/instance_id.hpp"
 
 #include <glm/common.hpp>
 
@@ -55,8 +56,8 @@ Status validate_rect(const PointSet &set, const Rect &rect) {
 	}
 	const double limit = lattice_unit(set) * cell_size * cell_limit;
 	for (const double bound : {rect.min.x, rect.min.y, rect.max.x, rect.max.y}) {
-		if (std::abs(bound) > limit) {
-			return {ErrorCode::out_of_range, "rect", bound};
+		if (const Status status = check_range("rect", bound, -limit, limit); !status.ok()) {
+			return status;
 		}
 	}
 	const double expected = size.x * size.y * point_density(set);
