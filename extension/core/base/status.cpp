@@ -17,6 +17,7 @@ const char *demand(ErrorCode code) {
 		case ErrorCode::too_many_points: return "asks for too many points";
 		case ErrorCode::missing: return "is missing";
 		case ErrorCode::wrong_size: return "has the wrong size";
+		case ErrorCode::out_of_memory: return "needs more memory than there is";
 		case ErrorCode::cancelled: return "was cancelled";
 	}
 	return "is invalid";

@@ -15,6 +15,7 @@ enum class ErrorCode : std::uint8_t {
 	too_many_points, ///< The request would give more than `max_points_per_call` points.
 	missing,         ///< A needed object or buffer is absent.
 	wrong_size,      ///< A buffer or an image of the wrong size.
+	out_of_memory,   ///< The machine has not enough memory for the request.
 	cancelled,       ///< The caller's cancel flag was raised; outputs are unspecified but valid.
 };
 
