@@ -1,0 +1,187 @@
+#pragma once
+
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace thicket::analysis {
+
+/// The rectangle [0, size.x) x [0, size.y) that a set fills, and the distance that its points keep. One unit of length
+/// for all, the points' own.
+struct CheckedDomain {
+	glm::dvec2 size{1.0}; ///< Above 0; with `toroidal` at least 4 radii on each axis.
+	double radius = 1.0;  ///< Above 0.
+	bool toroidal = false;
+	double tolerance = 1e-9; ///< In radii, 1e-12 to 0.1: how much farther than a radius a place may be from all points.
+};
+
+/// What `DomainCheck` found.
+struct DomainReport {
+	std::uint64_t outside = 0;   ///< Points that are not in the domain; they take no part in the rest.
+	std::uint64_t too_close = 0; ///< Pairs whose squared distance, computed in double precision, is below radius^2.
+	std::uint64_t gaps = 0; ///< Cells, about as large as a radius, that hold a place farther than it from all points.
+	double least_squared =
+			std::numeric_limits<double>::infinity(); ///< Smallest squared distance of the pairs compared.
+	glm::dvec2 gap_at{0.0};                          ///< A place in one of the gaps.
+
+	bool perfect() const { return outside == 0 && too_close == 0 && gaps == 0; }
+};
+
+/// Checks a Poisson-disk set on a whole rectangle or torus, in double precision: every pair, and every place.
+///
+/// Places are decided by subdivision: a square within one disk of radius (1 + tolerance) radii is covered, one whose
+/// middle is more than a radius from every point is a gap, any other is split. A square narrower than the tolerance is
+/// one or the other. So there are two outcomes: no gap, and then every place has a point within 1 + tolerance radii;
+/// or a gap, and then a point is missing. Time grows with the points and with the logarithm of the tolerance.
+class DomainCheck {
+public:
+	static DomainReport run(std::span<const glm::dvec2> points, const CheckedDomain &domain) {
+		DomainCheck check(domain);
+		check.enter(points);
+		check.check_pairs();
+		check.check_places();
+		return check.report_;
+	}
+
+private:
+	/// Of a cell and its eight neighbours: a set that keeps its distance has no more there.
+	static constexpr std::size_t most_nearby = 64;
+
+	/// Points near a rectangle, relative to the middle of its cell.
+	struct Nearby {
+		std::array<glm::dvec2, most_nearby> points;
+		std::size_t count = 0;
+	};
+
+	CheckedDomain domain_;
+	double radius_squared_;
+	double reach_;     ///< The radius with its tolerance.
+	glm::ivec2 cells_; ///< At least `reach_` wide, except where the whole domain is narrower.
+	glm::dvec2 cell_size_;
+	std::vector<glm::dvec2> points_; ///< Sorted by cell.
+	std::vector<std::size_t> cell_begin_;
+	DomainReport report_;
+
+	explicit DomainCheck(const CheckedDomain &domain) :
+			domain_(domain), radius_squared_(domain.radius * domain.radius),
+			reach_(domain.radius * (1.0 + domain.tolerance)), cells_(glm::max(glm::ivec2(domain.size / reach_), 1)),
+			cell_size_(domain.size / glm::dvec2(cells_)) {}
+
+	glm::ivec2 cell_of(glm::dvec2 point) const { return glm::min(glm::ivec2(point / cell_size_), cells_ - 1); }
+
+	std::size_t index_of(glm::ivec2 cell) const {
+		return static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(cells_.x) + static_cast<std::size_t>(cell.x);
+	}
+
+	void enter(std::span<const glm::dvec2> points) {
+		cell_begin_.assign(index_of({0, cells_.y}) + 2, 0);
+		std::vector<glm::dvec2> inside;
+		for (const glm::dvec2 point : points) {
+			if (point.x >= 0.0 && point.y >= 0.0 && point.x < domain_.size.x && point.y < domain_.size.y) {
+				inside.push_back(point);
+				++cell_begin_[index_of(cell_of(point)) + 2];
+			}
+		}
+		report_.outside = points.size() - inside.size();
+		for (std::size_t i = 1; i < cell_begin_.size(); ++i) {
+			cell_begin_[i] += cell_begin_[i - 1];
+		}
+		points_.resize(inside.size());
+		for (const glm::dvec2 point : inside) {
+			points_[cell_begin_[index_of(cell_of(point)) + 1]++] = point;
+		}
+	}
+
+	/// From `from` to `to`, around the torus where that is shorter.
+	glm::dvec2 offset(glm::dvec2 from, glm::dvec2 to) const {
+		const glm::dvec2 straight = to - from;
+		return domain_.toroidal ? straight - domain_.size * glm::round(straight / domain_.size) : straight;
+	}
+
+	static double squared(glm::dvec2 v) { return v.x * v.x + v.y * v.y; }
+
+	/// Calls `visit` with the index of each point in the cell and its neighbours.
+	template <typename Visit>
+	void visit_nearby(glm::ivec2 cell, const Visit &visit) const {
+		for (int y = cell.y - 1; y <= cell.y + 1; ++y) {
+			for (int x = cell.x - 1; x <= cell.x + 1; ++x) {
+				const glm::ivec2 wrapped((x + cells_.x) % cells_.x, (y + cells_.y) % cells_.y);
+				if (!domain_.toroidal && wrapped != glm::ivec2(x, y)) {
+					continue;
+				}
+				const std::size_t index = index_of(wrapped);
+				for (std::size_t i = cell_begin_[index]; i < cell_begin_[index + 1]; ++i) {
+					visit(i);
+				}
+			}
+		}
+	}
+
+	void check_pairs() {
+		for (std::size_t i = 0; i < points_.size(); ++i) {
+			visit_nearby(cell_of(points_[i]), [&](std::size_t other) {
+				if (other < i) {
+					const double distance = squared(offset(points_[i], points_[other]));
+					report_.too_close += distance < radius_squared_ ? 1 : 0;
+					report_.least_squared = std::min(report_.least_squared, distance);
+				}
+			});
+		}
+	}
+
+	void check_places() {
+		for (int y = 0; y < cells_.y; ++y) {
+			for (int x = 0; x < cells_.x; ++x) {
+				const glm::dvec2 middle = (glm::dvec2(x, y) + 0.5) * cell_size_;
+				Nearby nearby;
+				visit_nearby({x, y}, [&](std::size_t i) {
+					if (nearby.count < most_nearby) {
+						nearby.points[nearby.count++] = offset(middle, points_[i]);
+					}
+				});
+				glm::dvec2 gap(0.0);
+				if (!covered(gap, 0.5 * cell_size_, nearby)) {
+					++report_.gaps;
+					report_.gap_at = middle + gap;
+				}
+			}
+		}
+	}
+
+	/// Whether the disks cover the rectangle of the given half size around `r_middle`, which is left in a gap if not.
+	bool covered(glm::dvec2 &r_middle, glm::dvec2 half, const Nearby &nearby) const {
+		Nearby meeting;
+		double nearest = std::numeric_limits<double>::infinity();
+		for (std::size_t i = 0; i < nearby.count; ++i) {
+			const glm::dvec2 away = glm::abs(nearby.points[i] - r_middle);
+			if (squared(away + half) <= reach_ * reach_) {
+				return true;
+			}
+			nearest = std::min(nearest, squared(away));
+			if (squared(glm::max(away - half, 0.0)) < reach_ * reach_) {
+				meeting.points[meeting.count++] = nearby.points[i];
+			}
+		}
+		if (nearest > radius_squared_) {
+			return false;
+		}
+		for (int child = 0; child < 4; ++child) {
+			const glm::dvec2 towards(child & 1 ? 0.5 : -0.5, child & 2 ? 0.5 : -0.5);
+			glm::dvec2 middle = r_middle + towards * half;
+			if (!covered(middle, 0.5 * half, meeting)) {
+				r_middle = middle;
+				return false;
+			}
+		}
+		return true;
+	}
+};
+
+} // namespace thicket::analysis
