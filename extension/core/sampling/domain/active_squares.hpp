@@ -1,0 +1,182 @@
+#pragma once
+
+#include "core/base/split_mix.hpp"
+#include "core/sampling/domain/frame.hpp"
+#include "core/sampling/domain/zeroed_array.hpp"
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace thicket {
+
+/// The active squares: one list for each level, and a choice among all squares by area (section 3.3 of the paper). A list is a
+/// row of equal chunks, which it takes from and gives back to a common store: so the peak of all lists together is held, not
+/// the sum of their peaks.
+template <typename Real>
+class ActiveSquares {
+public:
+	static constexpr int most_levels = 34;
+
+	/// The random bits of one choice.
+	struct Draw {
+		std::uint64_t level;
+		std::uint64_t index;
+	};
+
+	struct Choice {
+		std::uint32_t level;
+		std::uint32_t index;
+	};
+
+	/// `expected` squares in all make chunks large enough to be few, and small enough not to matter.
+	explicit ActiveSquares(std::uint64_t expected) {
+		const auto wanted = std::bit_ceil(expected / 64 + 1);
+		chunk_shift_ =
+				static_cast<std::uint32_t>(std::countr_zero(std::clamp<std::uint64_t>(wanted, 1u << 8, 1u << 17)));
+	}
+
+	bool empty() const { return held_ == 0; }
+	std::uint64_t made() const { return made_; }
+	std::uint64_t list_checks() const { return list_checks_; }
+	std::uint32_t levels_used() const { return levels_used_; }
+	std::size_t bytes() const { return chunks_.size() * (sizeof(Square<Real>) << chunk_shift_); }
+
+	void push(std::uint32_t level, Square<Real> square) {
+		List &list = lists_[level];
+		if (list.count == list.chunks.size() << chunk_shift_) {
+			add_chunk(list);
+			levels_used_ = std::max(levels_used_, level + 1);
+		}
+		at(list, list.count++) = square;
+		first_ = std::min(first_, level);
+		set_area(level);
+		total_ += unit_area(level);
+		++held_;
+		++made_;
+	}
+
+	/// Takes a square out of its list; the last one takes its place.
+	Square<Real> take(Choice choice) {
+		List &list = lists_[choice.level];
+		Square<Real> &place = at(list, choice.index);
+		const Square<Real> square = place;
+		place = at(list, --list.count);
+		if ((list.count & ((1u << chunk_shift_) - 1)) == 0) {
+			spare_.push_back(list.chunks.back());
+			list.chunks.pop_back();
+		}
+		set_area(choice.level);
+		total_ -= unit_area(choice.level);
+		--held_;
+		while (first_ + 1 < levels_used_ && lists_[first_].count == 0) {
+			++first_;
+		}
+		if (total_ < stale_below_ || --fresh_for_ == 0) {
+			sum_areas();
+		}
+		return square;
+	}
+
+	/// The square that these random bits choose, with probability proportional to area.
+	Choice choose(const Draw &draw) {
+		std::uint32_t checks = 0;
+		const Choice choice = look_up(draw, checks);
+		list_checks_ += checks;
+		return choice;
+	}
+
+	/// What `choose` would say now, fetched towards the cache. A later `choose` mostly says the same: bits stand for the same
+	/// place in a list until that place is beyond its end or taken.
+	Choice foresee(const Draw &draw) const {
+		std::uint32_t checks = 0;
+		const Choice choice = look_up(draw, checks);
+		__builtin_prefetch(&at(lists_[choice.level], choice.index));
+		return choice;
+	}
+
+	/// The square at a place foreseen earlier, if there still is one.
+	const Square<Real> *peek(Choice choice) const {
+		const List &list = lists_[choice.level];
+		return choice.index < list.count ? &at(list, choice.index) : nullptr;
+	}
+
+private:
+	struct List {
+		std::vector<Square<Real> *> chunks;
+		std::uint64_t count = 0;
+	};
+
+	static constexpr std::uint32_t fresh_choices = 4096;
+
+	std::array<List, most_levels> lists_;
+	std::array<double, most_levels> areas_{}; ///< Of all squares in each list, in base squares.
+	std::vector<ZeroedArray<Square<Real>>> chunks_;
+	std::vector<Square<Real> *> spare_;
+	std::uint32_t chunk_shift_;
+	std::uint32_t levels_used_ = 0;
+	std::uint32_t first_ = most_levels - 1; ///< No list before it holds a square.
+	std::uint32_t fresh_for_ = fresh_choices;
+	double total_ = 0.0;
+	double stale_below_ = 0.0; ///< When so little is left, what roundings left in `total_` may count.
+	std::uint64_t held_ = 0;
+	std::uint64_t made_ = 0;
+	std::uint64_t list_checks_ = 0;
+
+	static double unit_area(std::uint32_t level) {
+		return std::bit_cast<double>((1023 - 2 * std::uint64_t{level}) << 52);
+	}
+
+	void set_area(std::uint32_t level) { areas_[level] = static_cast<double>(lists_[level].count) * unit_area(level); }
+
+	void sum_areas() {
+		total_ = 0.0;
+		for (std::uint32_t level = levels_used_; level-- > 0;) {
+			total_ += areas_[level];
+		}
+		stale_below_ = 0x1p-16 * total_;
+		fresh_for_ = fresh_choices;
+	}
+
+	Square<Real> &at(const List &list, std::uint64_t index) const {
+		return list.chunks[index >> chunk_shift_][index & ((std::uint64_t{1} << chunk_shift_) - 1)];
+	}
+
+	void add_chunk(List &r_list) {
+		if (spare_.empty()) {
+			chunks_.emplace_back(std::size_t{1} << chunk_shift_);
+			spare_.push_back(chunks_.back().data());
+		}
+		r_list.chunks.push_back(spare_.back());
+		spare_.pop_back();
+	}
+
+	/// Equation 3 of the paper: a linear search over the lists, then a place in the list. Places are drawn from the next power of
+	/// two until one is in the list.
+	Choice look_up(const Draw &draw, std::uint32_t &r_checks) const {
+		double rest = static_cast<double>(draw.level >> 11) * 0x1p-53 * total_;
+		std::uint32_t level = first_;
+		std::uint32_t found = first_;
+		for (; level < levels_used_; ++level) {
+			++r_checks;
+			if (lists_[level].count > 0) {
+				found = level; // The last one, where roundings lead beyond the end.
+			}
+			if (rest < areas_[level]) {
+				break;
+			}
+			rest -= areas_[level];
+		}
+		const std::uint64_t count = lists_[found].count;
+		const std::uint64_t mask = std::bit_ceil(count) - 1;
+		std::uint64_t bits = draw.index;
+		while ((bits & mask) >= count) {
+			bits = split_mix(bits + split_mix_gamma);
+		}
+		return {found, static_cast<std::uint32_t>(bits & mask)};
+	}
+};
+
+} // namespace thicket

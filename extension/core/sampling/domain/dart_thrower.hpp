@@ -1,0 +1,208 @@
+#pragma once
+
+#include "core/base/split_mix.hpp"
+#include "core/base/status.hpp"
+#include "core/sampling/domain/active_squares.hpp"
+#include "core/sampling/domain/domain_sampler.hpp"
+#include "core/sampling/domain/frame.hpp"
+#include "core/sampling/domain/group_map.hpp"
+#include "core/sampling/domain/point_cells.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace thicket {
+
+/// Hierarchical dart throwing (figure 2 of the paper) over one domain, all base squares active from the start or, for the
+/// wavefront, groups of them as darts are accepted.
+///
+/// Squares are chosen at random all over the domain, so in a large one each choice would wait for memory. Therefore the random
+/// bits of later choices are looked at ahead of time, and what they are likely to need is fetched: first the place in the
+/// list, then the cells around the square. That changes no outcome, for each choice is made anew when its turn comes.
+template <typename Real, bool accumulate>
+class DartThrower {
+public:
+	using Points = std::vector<glm::vec<2, Real>>;
+
+	/// `cell_width` in base squares. Throws std::bad_alloc.
+	DartThrower(const DomainRequest &request, std::uint32_t cell_width) :
+			frame_(Frame<Real>::of(request)), wavefront_(request.method == DomainMethod::wavefront),
+			key_(split_mix(request.seed + split_mix_gamma)), active_(frame_.base_squares()),
+			cells_(frame_, cell_width) {
+		for (int level = 0; level <= frame_.finest; ++level) {
+			half_x_[static_cast<std::size_t>(level)] = static_cast<Real>(std::ldexp(frame_.base.x, -level - 1));
+			half_y_[static_cast<std::size_t>(level)] = static_cast<Real>(std::ldexp(frame_.base.y, -level - 1));
+		}
+	}
+
+	/// Throws darts until no square is active, or a cancel. Accepted darts go to the end of `r_points`, if given.
+	Status run(Points *r_points, const Progress &progress, double expected_points) {
+		if (!begin(progress)) {
+			return {ErrorCode::cancelled};
+		}
+		std::uint64_t until_look = 1;
+		while (!active_.empty()) {
+			if (--until_look == 0) {
+				until_look = choices_between_looks;
+				if (!look(progress, expected_points)) {
+					return {ErrorCode::cancelled};
+				}
+			}
+			step(r_points);
+		}
+		return {};
+	}
+
+	DomainStats stats() const {
+		DomainStats stats = counts_;
+		stats.squares = active_.made();
+		stats.list_checks = active_.list_checks();
+		stats.levels = active_.levels_used();
+		stats.grid_bytes = cells_.bytes();
+		stats.square_bytes = active_.bytes() + (groups_ ? groups_->bytes() : 0);
+		return stats;
+	}
+
+	const PointCells<Real, accumulate> &cells() const { return cells_; }
+
+private:
+	/// How many choices ahead the place in the list is fetched; its square's cells half as many.
+	static constexpr std::uint64_t ahead = 24;
+	static constexpr std::uint64_t cells_ahead = ahead / 2;
+	static constexpr std::size_t ring = 32;
+	static constexpr std::uint64_t choices_between_looks = 4096;
+
+	using Unit = SquareUnit<Real>;
+	using Draw = typename ActiveSquares<Real>::Draw;
+	using Choice = typename ActiveSquares<Real>::Choice;
+
+	Frame<Real> frame_;
+	bool wavefront_;
+	std::uint64_t key_;
+	ActiveSquares<Real> active_;
+	PointCells<Real, accumulate> cells_;
+	std::optional<GroupMap> groups_;
+	DomainStats counts_;
+	std::array<Real, ActiveSquares<Real>::most_levels> half_x_{}; ///< Half the width of a square of each level.
+	std::array<Real, ActiveSquares<Real>::most_levels> half_y_{};
+	std::array<Choice, ring> foreseen_{};
+
+	/// Random bits, three words a choice.
+	std::uint64_t bits(std::uint64_t choice, std::uint64_t word) const {
+		return split_mix(key_ + (3 * choice + word) * split_mix_gamma);
+	}
+	Draw draw(std::uint64_t choice) const { return {bits(choice, 0), bits(choice, 1)}; }
+
+	void push_base(glm::uvec2 square) {
+		active_.push(0,
+				{static_cast<Unit>(Unit{square.x} << frame_.finest),
+						static_cast<Unit>(Unit{square.y} << frame_.finest)});
+	}
+
+	bool begin(const Progress &progress) {
+		if (wavefront_) {
+			groups_.emplace(frame_.squares, frame_.toroidal);
+			groups_->activate({0, 0}, [this](glm::uvec2 square) { push_base(square); });
+			return true;
+		}
+		for (std::uint32_t y = 0; y < frame_.squares.y; ++y) {
+			for (std::uint32_t x = 0; x < frame_.squares.x; ++x) {
+				if (x % choices_between_looks == 0 && progress.cancelled()) {
+					return false;
+				}
+				push_base({x, y});
+			}
+		}
+		return true;
+	}
+
+	bool look(const Progress &progress, double expected_points) const {
+		if (progress.report) {
+			progress.report(std::min(1.0, static_cast<double>(counts_.points) / expected_points), counts_.points);
+		}
+		return !progress.cancelled();
+	}
+
+	glm::uvec2 base_of(const Square<Real> &square) const {
+		return {static_cast<std::uint32_t>(square.x >> frame_.finest),
+				static_cast<std::uint32_t>(square.y >> frame_.finest)};
+	}
+
+	void foresee() {
+		const std::uint64_t choice = counts_.selections;
+		if (const Square<Real> *square = active_.peek(foreseen_[(choice + cells_ahead) % ring])) {
+			cells_.prefetch(base_of(*square));
+		}
+		foreseen_[(choice + ahead) % ring] = active_.foresee(draw(choice + ahead));
+	}
+
+	void step(Points *r_points) {
+		foresee();
+		const std::uint64_t number = counts_.selections++;
+		const Choice choice = active_.choose(draw(number));
+		const Square<Real> square = active_.take(choice);
+		const CenteredSquare<Real> centered = centered_square(square, choice.level);
+		const glm::uvec2 base = base_of(square);
+		const Near<Real> near = cells_.near(base, centered);
+		if (any_covers(near, centered, frame_.limit)) {
+			return;
+		}
+		++counts_.darts;
+		const glm::vec<2, Real> dart = dart_in(square, choice.level, bits(number, 2));
+		if (!any_within(near, dart.x, dart.y, frame_.limit)) {
+			accept(dart, base, r_points);
+		} else if (static_cast<int>(choice.level) < frame_.finest) {
+			split(square, choice.level, centered, near);
+		} else {
+			++counts_.discarded;
+		}
+	}
+
+	CenteredSquare<Real> centered_square(const Square<Real> &square, std::uint32_t level) const {
+		return {static_cast<Real>(static_cast<double>(square.x) * frame_.unit.x + frame_.bias) + half_x_[level],
+				static_cast<Real>(static_cast<double>(square.y) * frame_.unit.y + frame_.bias) + half_y_[level],
+				half_x_[level], half_y_[level]};
+	}
+
+	/// A place in the square with uniform probability.
+	glm::vec<2, Real> dart_in(const Square<Real> &square, std::uint32_t level, std::uint64_t random) const {
+		const double width = std::ldexp(0x1p-32, frame_.finest - static_cast<int>(level));
+		const double x = static_cast<double>(square.x) + static_cast<double>(random >> 32) * width;
+		const double y = static_cast<double>(square.y) + static_cast<double>(random & 0xffffffff) * width;
+		return {frame_.place(x * frame_.unit.x, 0), frame_.place(y * frame_.unit.y, 1)};
+	}
+
+	void accept(glm::vec<2, Real> dart, glm::uvec2 base, Points *r_points) {
+		++counts_.points;
+		cells_.add(dart.x, dart.y, base);
+		if (r_points != nullptr) {
+			r_points->push_back({frame_.to_plain(dart.x), frame_.to_plain(dart.y)});
+		}
+		if (groups_) {
+			groups_->activate_around(base, [this](glm::uvec2 square) { push_base(square); });
+		}
+	}
+
+	void split(const Square<Real> &square, std::uint32_t level, const CenteredSquare<Real> &centered,
+			const Near<Real> &near) {
+		const std::uint32_t child_level = level + 1;
+		const Real quarter_x = half_x_[child_level];
+		const Real quarter_y = half_y_[child_level];
+		const CenteredSquare<Real> first{centered.x - quarter_x, centered.y - quarter_y, quarter_x, quarter_y};
+		const std::uint32_t covered =
+				covered_quarters(near, first, centered.x + quarter_x, centered.y + quarter_y, frame_.limit);
+		const auto width = static_cast<Unit>(Unit{1} << (static_cast<std::uint32_t>(frame_.finest) - child_level));
+		for (std::uint32_t child = 0; child < 4; ++child) {
+			if ((covered >> child & 1) == 0) {
+				active_.push(child_level,
+						{static_cast<Unit>(square.x + (child & 1) * width),
+								static_cast<Unit>(square.y + (child >> 1) * width)});
+			}
+		}
+	}
+};
+
+} // namespace thicket

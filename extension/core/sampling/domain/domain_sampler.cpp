@@ -1,0 +1,139 @@
+#include "core/sampling/domain/domain_sampler.hpp"
+
+#include "core/sampling/domain/dart_thrower.hpp"
+#include "core/sampling/domain/naive_darts.hpp"
+#include "core/sampling/point_set.hpp"
+
+#include <cmath>
+#include <new>
+#include <numbers>
+#include <utility>
+#include <variant>
+
+namespace thicket {
+
+namespace {
+
+/// Accelerator cells of each method, in base squares.
+std::uint32_t cell_width(const DomainRequest &request) {
+	constexpr std::uint32_t standard = 2; // At most four points, as in section 3.1 of the paper.
+	constexpr std::uint32_t accumulator = 1;
+	constexpr std::uint32_t wavefront = 8;
+	if (request.cell_size > 0.0) {
+		return static_cast<std::uint32_t>(std::ceil(request.cell_size * std::numbers::sqrt2));
+	}
+	switch (request.method) {
+		case DomainMethod::accumulator: return accumulator;
+		case DomainMethod::wavefront: return wavefront;
+		default: return standard;
+	}
+}
+
+} // namespace
+
+template <typename Real>
+struct DomainSampler<Real>::State {
+	std::variant<std::monostate, NaiveDarts<Real>, DartThrower<Real, false>, DartThrower<Real, true>> thrower;
+	DomainStats stats;
+
+	template <class Thrower, class... Arguments>
+	Status run(const DomainRequest &request, std::vector<glm::vec<2, Real>> *r_points, const Progress &progress,
+			Arguments... arguments) {
+		const double expected = request.size.x * request.size.y * point_density({.radius = request.radius});
+		if (r_points != nullptr) {
+			r_points->reserve(static_cast<std::size_t>(1.02 * expected) + 64);
+		}
+		Thrower &chosen = thrower.template emplace<Thrower>(request, arguments...);
+		const Status status = chosen.run(r_points, progress, expected);
+		if (status.ok()) {
+			stats = chosen.stats();
+		}
+		return status;
+	}
+
+	Status run_method(
+			const DomainRequest &request, std::vector<glm::vec<2, Real>> *r_points, const Progress &progress) {
+		const std::uint32_t width = cell_width(request);
+		if (request.method == DomainMethod::naive) {
+			return run<NaiveDarts<Real>>(request, r_points, progress);
+		}
+		const Status status = request.method == DomainMethod::accumulator
+				? run<DartThrower<Real, true>>(request, r_points, progress, width)
+				: run<DartThrower<Real, false>>(request, r_points, progress, width);
+		stats.cell_size = width / std::numbers::sqrt2;
+		return status;
+	}
+
+	Status start(const DomainRequest &request, std::vector<glm::vec<2, Real>> *r_points, const Progress &progress) {
+		if (const Status status = validate(request); !status.ok()) {
+			return status;
+		}
+		const double widest = std::max(request.size.x, request.size.y);
+		if (std::is_same_v<Real, float> && widest > max_single_radii * request.radius) {
+			return {ErrorCode::out_of_range, "size", widest};
+		}
+		Status status;
+		try {
+			status = run_method(request, r_points, progress);
+		} catch (const std::bad_alloc &) {
+			status = {ErrorCode::out_of_memory, "size", widest};
+		}
+		if (!status.ok()) {
+			thrower = std::monostate{};
+		} else if (progress.report) {
+			progress.report(1.0, stats.points);
+		}
+		return status;
+	}
+};
+
+template <typename Real>
+DomainSampler<Real>::DomainSampler() : state_(std::make_unique<State>()) {}
+
+template <typename Real>
+DomainSampler<Real>::~DomainSampler() = default;
+
+template <typename Real>
+DomainSampler<Real>::DomainSampler(DomainSampler &&) noexcept = default;
+
+template <typename Real>
+DomainSampler<Real> &DomainSampler<Real>::operator=(DomainSampler &&) noexcept = default;
+
+template <typename Real>
+Status DomainSampler<Real>::sample(
+		const DomainRequest &request, std::vector<glm::vec<2, Real>> &r_points, const Progress &progress) {
+	std::vector<glm::vec<2, Real>> points;
+	const Status status = state_->start(request, &points, progress);
+	if (status.ok()) {
+		state_->thrower = std::monostate{};
+		r_points = std::move(points);
+	}
+	return status;
+}
+
+template <typename Real>
+Status DomainSampler<Real>::fill(const DomainRequest &request, const Progress &progress) {
+	return state_->start(request, nullptr, progress);
+}
+
+template <typename Real>
+void DomainSampler<Real>::visit(
+		const std::function<void(std::span<const Real> x, std::span<const Real> y)> &visitor) const {
+	std::visit(
+			[&](const auto &thrower) {
+				if constexpr (!std::is_same_v<std::decay_t<decltype(thrower)>, std::monostate>) {
+					thrower.cells().visit(visitor);
+				}
+			},
+			state_->thrower);
+}
+
+template <typename Real>
+const DomainStats &DomainSampler<Real>::stats() const {
+	return state_->stats;
+}
+
+template class DomainSampler<float>;
+template class DomainSampler<double>;
+
+} // namespace thicket

@@ -1,0 +1,87 @@
+#pragma once
+
+#include "core/base/floating_point.hpp"
+#include "core/sampling/domain/domain.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+namespace thicket {
+
+/// A coordinate of a square's lower corner, in units of the finest level's squares.
+template <typename Real>
+using SquareUnit = std::conditional_t<std::is_same_v<Real, float>, std::uint32_t, std::uint64_t>;
+
+/// An active square, known by its lower corner (section 3.3 of the paper); its level is that of its list.
+template <typename Real>
+struct Square {
+	SquareUnit<Real> x;
+	SquareUnit<Real> y;
+};
+
+/// The numbers of a domain: base squares by equation 1 of the paper, and a lattice on which coordinates stand.
+///
+/// All coordinates are whole multiples of `quantum`, of fewer than 2^bits, and are kept with `bias` added: then differences are
+/// exact also across the seam of a torus, and 0 is a place where no point can be.
+template <typename Real>
+struct Frame {
+	static constexpr int bits = std::numeric_limits<Real>::digits - 1;
+
+	glm::dvec2 period;  ///< Metres; `size` rounded down to a multiple of `quantum`.
+	double quantum;     ///< A power of two.
+	double bias;        ///< quantum * 2^bits; more than any coordinate, and than 8 radii.
+	glm::uvec2 squares; ///< Base squares on each axis.
+	glm::dvec2 base;    ///< Width of a base square; at most radius / sqrt(2).
+	int finest;         ///< The last level of squares that the precision allows.
+	glm::dvec2 unit;    ///< Metres a SquareUnit.
+	glm::dvec2 reach;   ///< Radius in base squares.
+	Real limit;         ///< A computed squared distance of this much is surely one of the radius.
+	bool toroidal;
+
+	static Frame of(const DomainRequest &request) {
+		Frame frame;
+		const double extent = std::max({request.size.x, request.size.y, 8.0 * request.radius});
+		frame.quantum = std::ldexp(1.0, std::ilogb(extent) + 1 - bits);
+		frame.bias = std::ldexp(frame.quantum, bits);
+		frame.toroidal = request.toroidal;
+		for (int axis = 0; axis < 2; ++axis) {
+			const double steps = std::floor(request.size[axis] / frame.quantum);
+			frame.period[axis] = std::max(steps, 1.0) * frame.quantum;
+			const double count = std::ceil(frame.period[axis] * std::numbers::sqrt2 / request.radius);
+			frame.squares[axis] = static_cast<std::uint32_t>(std::max(count, 1.0));
+			frame.base[axis] = frame.period[axis] / frame.squares[axis];
+			frame.reach[axis] = request.radius / frame.base[axis];
+		}
+		const int index_bits = std::bit_width(std::max(frame.squares.x, frame.squares.y));
+		const int by_precision = std::ilogb(std::min(frame.base.x, frame.base.y) / frame.quantum);
+		frame.finest = std::clamp(by_precision, 0, std::min(32, 8 * static_cast<int>(sizeof(Unit)) - index_bits));
+		frame.unit = {std::ldexp(frame.base.x, -frame.finest), std::ldexp(frame.base.y, -frame.finest)};
+		// Squares and sum are each rounded once, so the true squared distance is not below the square of the radius.
+		const double slack = 8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon());
+		frame.limit = static_cast<Real>(request.radius * request.radius * (1.0 + slack));
+		return frame;
+	}
+
+	/// The biased coordinate next to a place of the domain.
+	Real place(double metres, int axis) const {
+		const double to_quanta = 1.5 * 0x1p52 * quantum; // Its last bit is worth a quantum.
+		const double rounded = (metres + to_quanta) - to_quanta;
+		return static_cast<Real>(std::min(rounded, period[axis] - quantum) + bias);
+	}
+
+	Real to_plain(Real biased) const { return biased - static_cast<Real>(bias); }
+
+	std::uint64_t base_squares() const { return std::uint64_t{squares.x} * squares.y; }
+
+private:
+	using Unit = SquareUnit<Real>;
+};
+
+} // namespace thicket

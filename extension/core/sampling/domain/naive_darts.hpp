@@ -1,0 +1,80 @@
+#pragma once
+
+#include "core/base/split_mix.hpp"
+#include "core/base/status.hpp"
+#include "core/sampling/domain/domain_sampler.hpp"
+#include "core/sampling/domain/frame.hpp"
+#include "core/sampling/domain/point_cells.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace thicket {
+
+/// Naive dart throwing (section 1 of the paper): darts fall anywhere in the domain, one after the other, and stay where the
+/// minimum distance allows. It never knows whether it is done, so it stops after a number of darts.
+template <typename Real>
+class NaiveDarts {
+public:
+	/// Throws std::bad_alloc.
+	explicit NaiveDarts(const DomainRequest &request) :
+			frame_(Frame<Real>::of(request)), key_(split_mix(request.seed + split_mix_gamma)),
+			throws_(static_cast<std::uint64_t>(request.darts_each * static_cast<double>(frame_.base_squares()))),
+			cells_(frame_, cell_width) {}
+
+	/// Accepted darts go to the end of `r_points`, if given.
+	Status run(std::vector<glm::vec<2, Real>> *r_points, const Progress &progress, double) {
+		for (; counts_.darts < throws_; ++counts_.darts) {
+			if (counts_.darts % throws_between_looks == 0 && !look(progress)) {
+				return {ErrorCode::cancelled};
+			}
+			throw_dart(split_mix(key_ + counts_.darts * split_mix_gamma), r_points);
+		}
+		return {};
+	}
+
+	DomainStats stats() const {
+		DomainStats stats = counts_;
+		stats.grid_bytes = cells_.bytes();
+		return stats;
+	}
+
+	const PointCells<Real, false> &cells() const { return cells_; }
+
+private:
+	static constexpr std::uint32_t cell_width = 2;
+	static constexpr std::uint64_t throws_between_looks = 4096;
+
+	Frame<Real> frame_;
+	std::uint64_t key_;
+	std::uint64_t throws_;
+	PointCells<Real, false> cells_;
+	DomainStats counts_;
+
+	bool look(const Progress &progress) const {
+		if (progress.report) {
+			progress.report(static_cast<double>(counts_.darts) / static_cast<double>(throws_), counts_.points);
+		}
+		return !progress.cancelled();
+	}
+
+	void throw_dart(std::uint64_t random, std::vector<glm::vec<2, Real>> *r_points) {
+		const glm::dvec2 part(
+				static_cast<double>(random >> 32) * 0x1p-32, static_cast<double>(random & 0xffffffff) * 0x1p-32);
+		const glm::dvec2 place = part * frame_.period;
+		const glm::vec<2, Real> dart(frame_.place(place.x, 0), frame_.place(place.y, 1));
+		const glm::uvec2 square = glm::min(glm::uvec2(place / frame_.base), frame_.squares - 1u);
+		const Near<Real> near = cells_.near(square, {dart.x, dart.y, Real{0}, Real{0}});
+		if (any_within(near, dart.x, dart.y, frame_.limit)) {
+			return;
+		}
+		++counts_.points;
+		cells_.add(dart.x, dart.y, square);
+		if (r_points != nullptr) {
+			r_points->push_back({frame_.to_plain(dart.x), frame_.to_plain(dart.y)});
+		}
+	}
+};
+
+} // namespace thicket

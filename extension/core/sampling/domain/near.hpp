@@ -1,0 +1,107 @@
+#pragma once
+
+#include "core/base/floating_point.hpp"
+
+#include <hwy/highway.h>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace thicket {
+
+/// Points that may lie within a radius of some square: biased coordinates, x and y apart. Unused lanes are 0, which is
+/// farther than a radius from everything.
+template <typename Real>
+struct Near {
+	static constexpr std::size_t block = 8; ///< `lanes` is a multiple of it.
+
+	const Real *x;
+	const Real *y;
+	std::size_t lanes;
+};
+
+namespace near_detail {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <typename Real>
+using Lanes = hn::CappedTag<Real, Near<Real>::block>;
+
+/// |points - center| + half.
+template <typename Real, class Vector>
+HWY_INLINE Vector far_distance(const Real *points, Vector center, Vector half) {
+	const Lanes<Real> d;
+	return hn::Add(hn::Abs(hn::Sub(hn::LoadU(d, points), center)), half);
+}
+
+} // namespace near_detail
+
+/// True when a point lies within the limit of (x, y): the minimum distance check.
+template <typename Real>
+HWY_INLINE bool any_within(const Near<Real> &near, Real x, Real y, Real limit) {
+	namespace hn = near_detail::hn;
+	const near_detail::Lanes<Real> d;
+	for (std::size_t i = 0; i < near.lanes; i += hn::Lanes(d)) {
+		const auto dx = hn::Sub(hn::LoadU(d, near.x + i), hn::Set(d, x));
+		const auto dy = hn::Sub(hn::LoadU(d, near.y + i), hn::Set(d, y));
+		const auto squared = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+		if (!hn::AllFalse(d, hn::Lt(squared, hn::Set(d, limit)))) {
+			return true;
+		}
+	}
+	return false;
+}
+
+/// A square by its center and half its width on each axis.
+template <typename Real>
+struct CenteredSquare {
+	Real x;
+	Real y;
+	Real half_x;
+	Real half_y;
+};
+
+/// True when the disk of one point covers the square: by its farthest corner, equation 2 of the paper.
+template <typename Real>
+HWY_INLINE bool any_covers(const Near<Real> &near, const CenteredSquare<Real> &square, Real limit) {
+	namespace hn = near_detail::hn;
+	const near_detail::Lanes<Real> d;
+	for (std::size_t i = 0; i < near.lanes; i += hn::Lanes(d)) {
+		const auto dx = near_detail::far_distance(near.x + i, hn::Set(d, square.x), hn::Set(d, square.half_x));
+		const auto dy = near_detail::far_distance(near.y + i, hn::Set(d, square.y), hn::Set(d, square.half_y));
+		const auto squared = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+		if (!hn::AllFalse(d, hn::Lt(squared, hn::Set(d, limit)))) {
+			return true;
+		}
+	}
+	return false;
+}
+
+/// A bit for each quarter of a square (x first) that the disk of one point covers. `quarter` is that of the lower corner.
+template <typename Real>
+HWY_INLINE std::uint32_t covered_quarters(
+		const Near<Real> &near, const CenteredSquare<Real> &quarter, Real far_x, Real far_y, Real limit) {
+	namespace hn = near_detail::hn;
+	const near_detail::Lanes<Real> d;
+	std::uint32_t covered = 0;
+	for (std::size_t i = 0; i < near.lanes && covered != 15; i += hn::Lanes(d)) {
+		const auto half_x = hn::Set(d, quarter.half_x);
+		const auto half_y = hn::Set(d, quarter.half_y);
+		const auto left = near_detail::far_distance(near.x + i, hn::Set(d, quarter.x), half_x);
+		const auto right = near_detail::far_distance(near.x + i, hn::Set(d, far_x), half_x);
+		const auto low = near_detail::far_distance(near.y + i, hn::Set(d, quarter.y), half_y);
+		const auto high = near_detail::far_distance(near.y + i, hn::Set(d, far_y), half_y);
+		const auto left_2 = hn::Mul(left, left);
+		const auto right_2 = hn::Mul(right, right);
+		const auto low_2 = hn::Mul(low, low);
+		const auto high_2 = hn::Mul(high, high);
+		const auto within = hn::Set(d, limit);
+		covered |= hn::AllFalse(d, hn::Lt(hn::Add(left_2, low_2), within)) ? 0u : 1u;
+		covered |= hn::AllFalse(d, hn::Lt(hn::Add(right_2, low_2), within)) ? 0u : 2u;
+		covered |= hn::AllFalse(d, hn::Lt(hn::Add(left_2, high_2), within)) ? 0u : 4u;
+		covered |= hn::AllFalse(d, hn::Lt(hn::Add(right_2, high_2), within)) ? 0u : 8u;
+	}
+	return covered;
+}
+
+} // namespace thicket
