@@ -204,6 +204,27 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised in mid-work cancels soon") {
 	}
 }
 
+TEST_CASE_FIXTURE(Fixture, "sampler: says how far it is, and may be cancelled there") {
+	const Rect wide{{-300.0, 0.0}, {500.0, 400.0}};
+	double last = 0.0;
+	std::uint64_t found = 0;
+	const auto watch = [&](double fraction, std::uint64_t now) {
+		CHECK(fraction > last);
+		CHECK(now >= found);
+		last = fraction;
+		found = now;
+	};
+	REQUIRE(sampler.sample(PointSet{.seed = 1}, wide, points, nullptr, watch).ok());
+	CHECK(last == 1.0);
+	CHECK(found == points.size());
+	std::atomic<bool> cancel = false;
+	const auto stop = [&](double fraction, std::uint64_t) {
+		CHECK_FALSE(cancel);
+		cancel = fraction > 0.5;
+	};
+	CHECK(sampler.sample(PointSet{.seed = 1}, wide, points, &cancel, stop).code == ErrorCode::cancelled);
+}
+
 TEST_CASE("sampler: once warm it allocates nothing") {
 	for (const std::uint32_t levels : {1u, 4u}) {
 		CAPTURE(levels);

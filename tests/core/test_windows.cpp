@@ -7,8 +7,10 @@
 
 #include <glm/common.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <span>
 
 using namespace thicket;
@@ -149,6 +151,20 @@ TEST_CASE("windows: half-open to the last bit") {
 				CHECK(points.empty());
 			}
 		}
+	}
+}
+
+TEST_CASE("windows: a strip of 900 km") {
+	const PointSet set{.seed = 15, .radius = 1.0, .levels = 1, .layer = 0};
+	const std::vector<SamplePoint> strip = points_at_once(set, {{-450'000.0, 3.0}, {450'000.0, 4.0}});
+	CHECK(static_cast<double>(strip.size()) == doctest::Approx(900'000.0 * point_density(set)).epsilon(0.01));
+	for (const double x : {-450'000.0, -0.5, 449'000.0}) {
+		CAPTURE(x);
+		const Rect window{{x, 3.0}, {x + 1000.0, 4.0}};
+		std::vector<SamplePoint> inside;
+		std::copy_if(strip.begin(), strip.end(), std::back_inserter(inside),
+				[&](const SamplePoint &point) { return window.contains(point.position); });
+		CHECK((inside == points_at_once(set, window)));
 	}
 }
 

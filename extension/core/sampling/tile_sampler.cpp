@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 namespace thicket {
 
@@ -44,6 +45,22 @@ CellRect cells_of(const Rect &rect, double unit) {
 	return cells;
 }
 
+double expected_points(const PointSet &set, const Rect &rect) {
+	return rect.size().x * rect.size().y * point_density(set);
+}
+
+/// One piece of memory for all that will come: to grow in the middle of a large call would hold up a cancel.
+Status reserve(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points) {
+	const double expected = expected_points(set, rect);
+	const double enough = expected + 4.0 * std::sqrt(expected) + 16.0;
+	try {
+		r_points.reserve(static_cast<std::size_t>(enough));
+	} catch (const std::bad_alloc &) {
+		return {ErrorCode::out_of_memory, "rect", enough * sizeof(SamplePoint)};
+	}
+	return {};
+}
+
 Status validate_rect(const PointSet &set, const Rect &rect) {
 	for (const double bound : {rect.min.x, rect.min.y, rect.max.x, rect.max.y}) {
 		if (!std::isfinite(bound)) {
@@ -60,7 +77,7 @@ Status validate_rect(const PointSet &set, const Rect &rect) {
 			return status;
 		}
 	}
-	const double expected = size.x * size.y * point_density(set);
+	const double expected = expected_points(set, rect);
 	if (expected > max_points_per_call) {
 		return {ErrorCode::too_many_points, "rect", expected};
 	}
@@ -119,11 +136,14 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
-Status TileSampler::sample(
-		const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const std::atomic<bool> *cancel) {
+Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
+		const std::atomic<bool> *cancel, const std::function<void(double fraction, std::uint64_t points)> &report) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);
+	}
+	if (status.ok()) {
+		status = reserve(set, rect, r_points);
 	}
 	if (!status.ok()) {
 		return status;
@@ -134,18 +154,24 @@ Status TileSampler::sample(
 		return {};
 	}
 	const CellRect cells = cells_of(rect, lattice_unit(set));
-	const glm::ivec2 size = glm::max(cells.size(), glm::ivec2(0));
-	const glm::ivec2 blocks = (size + widest_block - 1) / widest_block;
+	const glm::i64vec2 size(glm::max(cells.size(), glm::ivec2(0)));
+	const glm::i64vec2 blocks = (size + std::int64_t{widest_block - 1}) / std::int64_t{widest_block};
 	workspace_->blocks.prepare(set, rank_of);
-	for (std::int32_t row = 0; row < blocks.y; ++row) {
-		for (std::int32_t column = 0; column < blocks.x; ++column) {
-			const glm::ivec2 place(column, row);
-			const CellRect block{cells.min + size * place / blocks, cells.min + size * (place + 1) / blocks};
+	const auto corner = [&](const glm::i64vec2 &place) {
+		return cells.min + glm::ivec2(size * place / blocks);
+	};
+	for (std::int64_t row = 0; row < blocks.y; ++row) {
+		for (std::int64_t column = 0; column < blocks.x; ++column) {
+			const CellRect block{corner({column, row}), corner({column + 1, row + 1})};
 			if (!workspace_->blocks.resolve(block, cancel)) {
 				return {ErrorCode::cancelled, "sample", 0.0};
 			}
 			workspace_->collect(set, rect, block, r_points);
 			workspace_->count();
+			if (report) {
+				const auto done = static_cast<double>(row * blocks.x + column + 1);
+				report(done / static_cast<double>(blocks.x * blocks.y), r_points.size());
+			}
 		}
 	}
 	workspace_->stats.kept = r_points.size();
