@@ -148,7 +148,7 @@ def described(path: Path) -> dict[str, str]:
     for item in root.iterfind("*/*[@name]"):
         types = [(part.get("name"), part.get("type")) for part in item.iterfind("param")]
         result = item.find("return").get("type") if item.find("return") is not None else item.get("type")
-        text = item.text if item.tag == "member" else item.findtext("description")
+        text = item.text if item.tag in ("member", "constant") else item.findtext("description")
         found[f"{item.tag} {item.get('name')}{types} {result} {item.get('qualifiers')}"] = text
     return found
 

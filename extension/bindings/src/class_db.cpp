@@ -159,6 +159,10 @@ void ClassDB::add_method(MethodDescription p_method, std::unique_ptr<MethodBind>
 	}
 	std::vector<GDExtensionPropertyInfo> arguments = native(p_method.arguments);
 	GDExtensionPropertyInfo result = p_method.result._native();
+	std::vector<GDExtensionVariantPtr> defaults;
+	for (Variant &value : p_method.defaults) {
+		defaults.push_back(&value);
+	}
 	GDExtensionClassMethodInfo info{};
 	info.name = p_method.definition.name._native_ptr();
 	info.method_userdata = p_bind.get();
@@ -171,8 +175,16 @@ void ClassDB::add_method(MethodDescription p_method, std::unique_ptr<MethodBind>
 	info.argument_count = static_cast<uint32_t>(arguments.size());
 	info.arguments_info = arguments.data();
 	info.arguments_metadata = p_method.metadata.data();
+	info.default_argument_count = static_cast<uint32_t>(defaults.size());
+	info.default_arguments = defaults.data();
 	gdextension_interface::classdb_register_extension_class_method(library, p_method.class_name._native_ptr(), &info);
 	find_record(p_method.class_name)->methods.push_back(std::move(p_bind));
+}
+
+void ClassDB::bind_integer_constant(
+		const StringName &p_class, const StringName &p_enum, const StringName &p_constant, GDExtensionInt p_value) {
+	gdextension_interface::classdb_register_extension_class_integer_constant(
+			library, p_class._native_ptr(), p_enum._native_ptr(), p_constant._native_ptr(), p_value, false);
 }
 
 void ClassDB::add_property(const StringName &p_class, const PropertyInfo &p_property, const StringName &p_setter,

@@ -105,6 +105,12 @@ Object *Variant::get_validated_object() const {
 
 Variant::Type Variant::get_type() const { return static_cast<Type>(gdextension_interface::variant_get_type(storage_)); }
 
+void Variant::callp(const StringName &p_method, const Variant **p_args, int p_count, Variant &r_result,
+		GDExtensionCallError &r_error) {
+	gdextension_interface::variant_call(_native_ptr(), p_method._native_ptr(),
+			reinterpret_cast<const GDExtensionConstVariantPtr *>(p_args), p_count, r_result._native_ptr(), &r_error);
+}
+
 String::String(const char *p_utf8) : Opaque(internal::Uninitialized{}) {
 	gdextension_interface::string_new_with_utf8_chars(_native_ptr(), p_utf8);
 }

@@ -37,6 +37,7 @@ struct ClassDescription {
 struct MethodDescription {
 	const StringName &class_name;
 	const MethodDefinition &definition;
+	std::vector<Variant> defaults; ///< Of the last arguments.
 	std::vector<PropertyInfo> arguments;
 	std::vector<GDExtensionClassMethodArgumentMetadata> metadata;
 	bool returns;
@@ -57,17 +58,23 @@ public:
 		add_class(describe<T>());
 	}
 
-	template <typename M>
-	static void bind_method(const MethodDefinition &p_definition, M p_method) {
+	/// `p_defaults` are for the last arguments, each in a DEFVAL.
+	template <typename M, typename... Defaults>
+	static void bind_method(const MethodDefinition &p_definition, M p_method, const Defaults &...p_defaults) {
 		using Sign = internal::Signature<M>;
 		using Bind = internal::MethodBindOf<M>;
-		add_method({Sign::Owner::get_class_static(), p_definition, Sign::arguments(), Sign::metadata(), Sign::returns,
-						   internal::Marshal<typename Sign::Result>::info(),
+		const std::vector<Variant> defaults{Variant(p_defaults)...};
+		add_method({Sign::Owner::get_class_static(), p_definition, defaults, Sign::arguments(), Sign::metadata(),
+						   Sign::returns, internal::Marshal<typename Sign::Result>::info(),
 						   internal::Marshal<typename Sign::Result>::metadata,
 						   Sign::is_const ? METHOD_FLAG_NORMAL | METHOD_FLAG_CONST : uint32_t{METHOD_FLAG_NORMAL},
 						   Bind::call, Bind::ptrcall},
-				std::make_unique<Bind>(p_method));
+				std::make_unique<Bind>(p_method, defaults));
 	}
+
+	/// A constant of an enumeration, which is named as "Class.Enum".
+	static void bind_integer_constant(
+			const StringName &p_class, const StringName &p_enum, const StringName &p_constant, GDExtensionInt p_value);
 
 	static void add_property(const StringName &p_class, const PropertyInfo &p_property, const StringName &p_setter,
 			const StringName &p_getter);
@@ -100,6 +107,11 @@ private:
 
 #define GDREGISTER_CLASS(m_class) ::godot::ClassDB::register_class<m_class>()
 
+#define DEFVAL(m_defval) (m_defval)
+#define BIND_ENUM_CONSTANT(m_constant) \
+	::godot::ClassDB::bind_integer_constant(get_class_static(), \
+			::godot::internal::enum_class_name(::godot::internal::enum_name<decltype(m_constant)>), #m_constant, \
+			m_constant)
 #define ADD_PROPERTY(m_property, m_setter, m_getter) \
 	::godot::ClassDB::add_property(get_class_static(), m_property, m_setter, m_getter)
 #define ADD_GROUP(m_name, m_prefix) ::godot::ClassDB::add_property_group(get_class_static(), m_name, m_prefix)

@@ -35,13 +35,13 @@ class MethodBindOf final : public MethodBind {
 	using Owner = typename Sign::Owner;
 
 public:
-	explicit MethodBindOf(M p_method) : method_(p_method) {}
+	MethodBindOf(M p_method, std::vector<Variant> p_defaults) : method_(p_method), defaults_(std::move(p_defaults)) {}
 
 	/// For `GDExtensionClassMethodInfo`.
 	static void call(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstVariantPtr *p_args,
 			GDExtensionInt p_given, GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
-		Sign::call(self(p_instance), static_cast<const MethodBindOf *>(p_bind)->method_, p_args, p_given, r_result,
-				*r_error);
+		const auto &bind = *static_cast<const MethodBindOf *>(p_bind);
+		Sign::call(self(p_instance), bind.method_, p_args, p_given, bind.defaults_, r_result, *r_error);
 	}
 	static void ptrcall(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstTypePtr *p_args,
 			GDExtensionTypePtr r_result) {
@@ -54,6 +54,7 @@ private:
 	}
 
 	M method_;
+	std::vector<Variant> defaults_; ///< Of the last arguments.
 };
 
 } // namespace internal

@@ -2,7 +2,9 @@
 
 #include <godot_cpp/core/marshal.hpp>
 
+#include <array>
 #include <utility>
+#include <vector>
 
 namespace godot::internal {
 
@@ -29,19 +31,28 @@ struct Signature<R (C::*)(Args...)> {
 		ptrcall(p_self, p_method, p_args, r_result, std::index_sequence_for<Args...>());
 	}
 
-	/// A call with any number of Variants. Refuses a wrong number, and names the first that does not fit.
+	/// A call with any number of Variants; `p_defaults` stand in for the last ones. Refuses a wrong number, and names the
+	/// first that does not fit.
 	template <typename M>
 	static void call(C *p_self, M p_method, const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
-			void *r_result, GDExtensionCallError &r_error) {
-		constexpr auto wanted = static_cast<int32_t>(sizeof...(Args));
-		r_error = {GDEXTENSION_CALL_OK, 0, wanted};
-		if (p_count == wanted) {
-			call(p_self, p_method, p_args, static_cast<Variant *>(r_result), r_error,
-					std::index_sequence_for<Args...>());
-		} else {
-			r_error.error = p_count < wanted ? GDEXTENSION_CALL_ERROR_TOO_FEW_ARGUMENTS
-											 : GDEXTENSION_CALL_ERROR_TOO_MANY_ARGUMENTS;
+			const std::vector<Variant> &p_defaults, void *r_result, GDExtensionCallError &r_error) {
+		constexpr std::size_t wanted = sizeof...(Args);
+		const auto given = static_cast<std::size_t>(p_count);
+		r_error = {GDEXTENSION_CALL_OK, 0, static_cast<int32_t>(wanted)};
+		if (given > wanted) {
+			r_error.error = GDEXTENSION_CALL_ERROR_TOO_MANY_ARGUMENTS;
+			return;
 		}
+		if (given + p_defaults.size() < wanted) {
+			r_error.error = GDEXTENSION_CALL_ERROR_TOO_FEW_ARGUMENTS;
+			return;
+		}
+		std::array<GDExtensionConstVariantPtr, wanted> values{};
+		for (std::size_t i = 0; i < wanted; ++i) {
+			values[i] = i < given ? p_args[i] : &p_defaults[p_defaults.size() - wanted + i];
+		}
+		call(p_self, p_method, values.data(), static_cast<Variant *>(r_result), r_error,
+				std::index_sequence_for<Args...>());
 	}
 
 private:

@@ -95,6 +95,10 @@ public:
 
 	Type get_type() const;
 
+	/// Calls a method of the value with pointers to arguments. Says in `r_error` why it could not.
+	void callp(const StringName &p_method, const Variant **p_args, int p_count, Variant &r_result,
+			GDExtensionCallError &r_error);
+
 	/// For interface functions.
 	void *_native_ptr() const { return const_cast<std::byte *>(storage_); }
 
