@@ -1,14 +1,13 @@
 #include "core/sampling/domain/domain_sampler.hpp"
 
-#include "core/sampling/domain/dart_thrower.hpp"
-#include "core/sampling/domain/naive_darts.hpp"
+#include "core/sampling/domain/thrower.hpp"
 #include "core/sampling/point_set.hpp"
 
 #include <cmath>
+#include <memory>
 #include <new>
 #include <numbers>
 #include <utility>
-#include <variant>
 
 namespace thicket {
 
@@ -33,34 +32,21 @@ std::uint32_t cell_width(const DomainRequest &request) {
 
 template <typename Real>
 struct DomainSampler<Real>::State {
-	std::variant<std::monostate, NaiveDarts<Real>, DartThrower<Real, false>, DartThrower<Real, true>> thrower;
+	std::unique_ptr<Thrower<Real>> thrower; ///< After a successful `fill`.
 	DomainStats stats;
 
-	template <class Thrower, class... Arguments>
-	Status run(const DomainRequest &request, std::vector<glm::vec<2, Real>> *r_points, const Progress &progress,
-			Arguments... arguments) {
+	Status run(const DomainRequest &request, std::vector<glm::vec<2, Real>> *r_points, const Progress &progress) {
 		const double expected = request.size.x * request.size.y * point_density({.radius = request.radius});
 		if (r_points != nullptr) {
 			r_points->reserve(static_cast<std::size_t>(1.02 * expected) + 64);
 		}
-		Thrower &chosen = thrower.template emplace<Thrower>(request, arguments...);
-		const Status status = chosen.run(r_points, progress, expected);
-		if (status.ok()) {
-			stats = chosen.stats();
-		}
-		return status;
-	}
-
-	Status run_method(
-			const DomainRequest &request, std::vector<glm::vec<2, Real>> *r_points, const Progress &progress) {
 		const std::uint32_t width = cell_width(request);
-		if (request.method == DomainMethod::naive) {
-			return run<NaiveDarts<Real>>(request, r_points, progress);
+		thrower = make_thrower<Real>(request, width);
+		const Status status = thrower->run(r_points, progress, expected);
+		if (status.ok()) {
+			stats = thrower->stats();
+			stats.cell_size = width / std::numbers::sqrt2;
 		}
-		const Status status = request.method == DomainMethod::accumulator
-				? run<DartThrower<Real, true>>(request, r_points, progress, width)
-				: run<DartThrower<Real, false>>(request, r_points, progress, width);
-		stats.cell_size = width / std::numbers::sqrt2;
 		return status;
 	}
 
@@ -74,12 +60,12 @@ struct DomainSampler<Real>::State {
 		}
 		Status status;
 		try {
-			status = run_method(request, r_points, progress);
+			status = run(request, r_points, progress);
 		} catch (const std::bad_alloc &) {
 			status = {ErrorCode::out_of_memory, "size", widest};
 		}
 		if (!status.ok()) {
-			thrower = std::monostate{};
+			thrower.reset();
 		} else if (progress.report) {
 			progress.report(1.0, stats.points);
 		}
@@ -105,7 +91,7 @@ Status DomainSampler<Real>::sample(
 	std::vector<glm::vec<2, Real>> points;
 	const Status status = state_->start(request, &points, progress);
 	if (status.ok()) {
-		state_->thrower = std::monostate{};
+		state_->thrower.reset();
 		r_points = std::move(points);
 	}
 	return status;
@@ -119,13 +105,9 @@ Status DomainSampler<Real>::fill(const DomainRequest &request, const Progress &p
 template <typename Real>
 void DomainSampler<Real>::visit(
 		const std::function<void(std::span<const Real> x, std::span<const Real> y)> &visitor) const {
-	std::visit(
-			[&](const auto &thrower) {
-				if constexpr (!std::is_same_v<std::decay_t<decltype(thrower)>, std::monostate>) {
-					thrower.cells().visit(visitor);
-				}
-			},
-			state_->thrower);
+	if (state_->thrower) {
+		state_->thrower->visit(visitor);
+	}
 }
 
 template <typename Real>

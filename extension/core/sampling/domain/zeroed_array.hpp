@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <memory>
 #include <new>
@@ -12,7 +13,7 @@ namespace thicket {
 /// cache miss, not two.
 void prefer_large_pages(void *block, std::size_t bytes);
 
-/// A fixed array of zeros. Large ones cost time and memory only where they are touched.
+/// A fixed array of zeros that starts a cache line. Large ones cost time and memory only where they are touched.
 template <typename Item>
 class ZeroedArray {
 	static_assert(std::is_trivial_v<Item>);
@@ -21,27 +22,32 @@ public:
 	ZeroedArray() = default;
 
 	/// Throws std::bad_alloc.
-	explicit ZeroedArray(std::size_t size) : size_(size), items_(static_cast<Item *>(std::calloc(size, sizeof(Item)))) {
-		if (size > 0 && items_ == nullptr) {
+	explicit ZeroedArray(std::size_t size) : size_(size), block_(std::calloc(1, size * sizeof(Item) + line)) {
+		if (block_ == nullptr) {
 			throw std::bad_alloc();
 		}
-		prefer_large_pages(items_.get(), bytes());
+		const auto address = reinterpret_cast<std::uintptr_t>(block_.get());
+		items_ = reinterpret_cast<Item *>((address + line - 1) & ~(line - 1));
+		prefer_large_pages(items_, bytes());
 	}
 
-	Item *data() { return items_.get(); }
-	const Item *data() const { return items_.get(); }
-	Item &operator[](std::size_t index) { return items_.get()[index]; }
-	const Item &operator[](std::size_t index) const { return items_.get()[index]; }
+	Item *data() { return items_; }
+	const Item *data() const { return items_; }
+	Item &operator[](std::size_t index) { return items_[index]; }
+	const Item &operator[](std::size_t index) const { return items_[index]; }
 	std::size_t size() const { return size_; }
 	std::size_t bytes() const { return size_ * sizeof(Item); }
 
 private:
+	static constexpr std::uintptr_t line = 64;
+
 	struct Free {
-		void operator()(Item *items) const { std::free(items); }
+		void operator()(void *block) const { std::free(block); }
 	};
 
 	std::size_t size_ = 0;
-	std::unique_ptr<Item, Free> items_;
+	std::unique_ptr<void, Free> block_;
+	Item *items_ = nullptr;
 };
 
 } // namespace thicket

@@ -1,30 +1,40 @@
-#pragma once
+// Naive dart throwing. Compiled once for each instruction set, by throwers.cpp.
+#if defined(THICKET_NAIVE_DARTS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_NAIVE_DARTS_INL
+#undef THICKET_NAIVE_DARTS_INL
+#else
+#define THICKET_NAIVE_DARTS_INL
+#endif
 
 #include "core/base/split_mix.hpp"
 #include "core/base/status.hpp"
 #include "core/sampling/domain/domain_sampler.hpp"
 #include "core/sampling/domain/frame.hpp"
-#include "core/sampling/domain/point_cells.hpp"
+#include "core/sampling/domain/point_cells-inl.hpp"
+#include "core/sampling/domain/thrower.hpp"
+
+#include <hwy/highway.h>
 
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
-namespace thicket {
+HWY_BEFORE_NAMESPACE();
+namespace thicket::HWY_NAMESPACE {
 
 /// Naive dart throwing (section 1 of the paper): darts fall anywhere in the domain, one after the other, and stay where the
 /// minimum distance allows. It never knows whether it is done, so it stops after a number of darts.
 template <typename Real>
-class NaiveDarts {
+class NaiveDarts final : public Thrower<Real> {
 public:
 	/// Throws std::bad_alloc.
-	explicit NaiveDarts(const DomainRequest &request) :
+	NaiveDarts(const DomainRequest &request, std::uint32_t cell_width) :
 			frame_(Frame<Real>::of(request)), key_(split_mix(request.seed + split_mix_gamma)),
 			throws_(static_cast<std::uint64_t>(request.darts_each * static_cast<double>(frame_.base_squares()))),
 			cells_(frame_, cell_width) {}
 
 	/// Accepted darts go to the end of `r_points`, if given.
-	Status run(std::vector<glm::vec<2, Real>> *r_points, const Progress &progress, double) {
+	Status run(std::vector<glm::vec<2, Real>> *r_points, const Progress &progress, double) override {
 		for (; counts_.darts < throws_; ++counts_.darts) {
 			if (counts_.darts % throws_between_looks == 0 && !look(progress)) {
 				return {ErrorCode::cancelled};
@@ -34,16 +44,15 @@ public:
 		return {};
 	}
 
-	DomainStats stats() const {
+	DomainStats stats() const override {
 		DomainStats stats = counts_;
 		stats.grid_bytes = cells_.bytes();
 		return stats;
 	}
 
-	const PointCells<Real, false> &cells() const { return cells_; }
+	void visit(const PointVisitor<Real> &visitor) const override { cells_.visit(visitor); }
 
 private:
-	static constexpr std::uint32_t cell_width = 2;
 	static constexpr std::uint64_t throws_between_looks = 4096;
 
 	Frame<Real> frame_;
@@ -77,4 +86,7 @@ private:
 	}
 };
 
-} // namespace thicket
+} // namespace thicket::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,10 +1,17 @@
-#pragma once
+// The acceleration grid. Compiled once for each instruction set, by throwers.cpp.
+#if defined(THICKET_POINT_CELLS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_POINT_CELLS_INL
+#undef THICKET_POINT_CELLS_INL
+#else
+#define THICKET_POINT_CELLS_INL
+#endif
 
 #include "core/sampling/domain/frame.hpp"
-#include "core/sampling/domain/near.hpp"
+#include "core/sampling/domain/near-inl.hpp"
 #include "core/sampling/domain/zeroed_array.hpp"
 
 #include <glm/vec2.hpp>
+#include <hwy/highway.h>
 
 #include <algorithm>
 #include <array>
@@ -16,7 +23,8 @@
 #include <utility>
 #include <vector>
 
-namespace thicket {
+HWY_BEFORE_NAMESPACE();
+namespace thicket::HWY_NAMESPACE {
 
 /// The acceleration grid (sections 3.1 and 4.3 of the paper): cells of whole base squares, each with room for as many points as
 /// are likely; what is beyond goes to an overflow. With `accumulate`, a point stands in every cell within a radius of it, and
@@ -45,7 +53,7 @@ public:
 	}
 
 	/// Fetches what `near` will read towards the cache.
-	void prefetch(glm::uvec2 square) const {
+	HWY_INLINE void prefetch(glm::uvec2 square) const {
 		if constexpr (accumulate) {
 			fetch(index_of(square / width_));
 		} else {
@@ -126,7 +134,7 @@ private:
 
 	bool full(std::size_t cell) const { return xs(cell)[capacity_ - 1] != Real{0}; }
 
-	void fetch(std::size_t cell) const {
+	HWY_INLINE void fetch(std::size_t cell) const {
 		constexpr std::size_t line = 64;
 		const char *place = reinterpret_cast<const char *>(xs(cell));
 		for (std::size_t offset = 0; offset < std::min<std::size_t>(2 * capacity_ * sizeof(Real), 4 * line);
@@ -276,4 +284,7 @@ private:
 	}
 };
 
-} // namespace thicket
+} // namespace thicket::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

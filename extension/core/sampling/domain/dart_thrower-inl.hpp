@@ -1,4 +1,10 @@
-#pragma once
+// Hierarchical dart throwing. Compiled once for each instruction set, by throwers.cpp.
+#if defined(THICKET_DART_THROWER_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_DART_THROWER_INL
+#undef THICKET_DART_THROWER_INL
+#else
+#define THICKET_DART_THROWER_INL
+#endif
 
 #include "core/base/split_mix.hpp"
 #include "core/base/status.hpp"
@@ -6,7 +12,10 @@
 #include "core/sampling/domain/domain_sampler.hpp"
 #include "core/sampling/domain/frame.hpp"
 #include "core/sampling/domain/group_map.hpp"
-#include "core/sampling/domain/point_cells.hpp"
+#include "core/sampling/domain/point_cells-inl.hpp"
+#include "core/sampling/domain/thrower.hpp"
+
+#include <hwy/highway.h>
 
 #include <array>
 #include <cstddef>
@@ -14,7 +23,8 @@
 #include <optional>
 #include <vector>
 
-namespace thicket {
+HWY_BEFORE_NAMESPACE();
+namespace thicket::HWY_NAMESPACE {
 
 /// Hierarchical dart throwing (figure 2 of the paper) over one domain, all base squares active from the start or, for the
 /// wavefront, groups of them as darts are accepted.
@@ -23,7 +33,7 @@ namespace thicket {
 /// bits of later choices are looked at ahead of time, and what they are likely to need is fetched: first the place in the
 /// list, then the cells around the square. That changes no outcome, for each choice is made anew when its turn comes.
 template <typename Real, bool accumulate>
-class DartThrower {
+class DartThrower final : public Thrower<Real> {
 public:
 	using Points = std::vector<glm::vec<2, Real>>;
 
@@ -39,7 +49,7 @@ public:
 	}
 
 	/// Throws darts until no square is active, or a cancel. Accepted darts go to the end of `r_points`, if given.
-	Status run(Points *r_points, const Progress &progress, double expected_points) {
+	Status run(Points *r_points, const Progress &progress, double expected_points) override {
 		if (!begin(progress)) {
 			return {ErrorCode::cancelled};
 		}
@@ -56,7 +66,7 @@ public:
 		return {};
 	}
 
-	DomainStats stats() const {
+	DomainStats stats() const override {
 		DomainStats stats = counts_;
 		stats.squares = active_.made();
 		stats.list_checks = active_.list_checks();
@@ -66,7 +76,7 @@ public:
 		return stats;
 	}
 
-	const PointCells<Real, accumulate> &cells() const { return cells_; }
+	void visit(const PointVisitor<Real> &visitor) const override { cells_.visit(visitor); }
 
 private:
 	/// How many choices ahead the place in the list is fetched; its square's cells half as many.
@@ -205,4 +215,7 @@ private:
 	}
 };
 
-} // namespace thicket
+} // namespace thicket::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,4 +1,10 @@
-#pragma once
+// What a dart and its square must know of the points around. Compiled once for each instruction set, by throwers.cpp.
+#if defined(THICKET_NEAR_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_NEAR_INL
+#undef THICKET_NEAR_INL
+#else
+#define THICKET_NEAR_INL
+#endif
 
 #include "core/base/floating_point.hpp"
 
@@ -7,7 +13,8 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace thicket {
+HWY_BEFORE_NAMESPACE();
+namespace thicket::HWY_NAMESPACE {
 
 /// Points that may lie within a radius of some square: biased coordinates, x and y apart. Unused lanes are 0, which is
 /// farther than a radius from everything.
@@ -20,27 +27,22 @@ struct Near {
 	std::size_t lanes;
 };
 
-namespace near_detail {
-
 namespace hn = hwy::HWY_NAMESPACE;
 
 template <typename Real>
-using Lanes = hn::CappedTag<Real, Near<Real>::block>;
+using Wide = hn::CappedTag<Real, Near<Real>::block>;
 
 /// |points - center| + half.
 template <typename Real, class Vector>
 HWY_INLINE Vector far_distance(const Real *points, Vector center, Vector half) {
-	const Lanes<Real> d;
+	const Wide<Real> d;
 	return hn::Add(hn::Abs(hn::Sub(hn::LoadU(d, points), center)), half);
 }
-
-} // namespace near_detail
 
 /// True when a point lies within the limit of (x, y): the minimum distance check.
 template <typename Real>
 HWY_INLINE bool any_within(const Near<Real> &near, Real x, Real y, Real limit) {
-	namespace hn = near_detail::hn;
-	const near_detail::Lanes<Real> d;
+	const Wide<Real> d;
 	for (std::size_t i = 0; i < near.lanes; i += hn::Lanes(d)) {
 		const auto dx = hn::Sub(hn::LoadU(d, near.x + i), hn::Set(d, x));
 		const auto dy = hn::Sub(hn::LoadU(d, near.y + i), hn::Set(d, y));
@@ -64,11 +66,10 @@ struct CenteredSquare {
 /// True when the disk of one point covers the square: by its farthest corner, equation 2 of the paper.
 template <typename Real>
 HWY_INLINE bool any_covers(const Near<Real> &near, const CenteredSquare<Real> &square, Real limit) {
-	namespace hn = near_detail::hn;
-	const near_detail::Lanes<Real> d;
+	const Wide<Real> d;
 	for (std::size_t i = 0; i < near.lanes; i += hn::Lanes(d)) {
-		const auto dx = near_detail::far_distance(near.x + i, hn::Set(d, square.x), hn::Set(d, square.half_x));
-		const auto dy = near_detail::far_distance(near.y + i, hn::Set(d, square.y), hn::Set(d, square.half_y));
+		const auto dx = far_distance(near.x + i, hn::Set(d, square.x), hn::Set(d, square.half_x));
+		const auto dy = far_distance(near.y + i, hn::Set(d, square.y), hn::Set(d, square.half_y));
 		const auto squared = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
 		if (!hn::AllFalse(d, hn::Lt(squared, hn::Set(d, limit)))) {
 			return true;
@@ -81,16 +82,15 @@ HWY_INLINE bool any_covers(const Near<Real> &near, const CenteredSquare<Real> &s
 template <typename Real>
 HWY_INLINE std::uint32_t covered_quarters(
 		const Near<Real> &near, const CenteredSquare<Real> &quarter, Real far_x, Real far_y, Real limit) {
-	namespace hn = near_detail::hn;
-	const near_detail::Lanes<Real> d;
+	const Wide<Real> d;
 	std::uint32_t covered = 0;
 	for (std::size_t i = 0; i < near.lanes && covered != 15; i += hn::Lanes(d)) {
 		const auto half_x = hn::Set(d, quarter.half_x);
 		const auto half_y = hn::Set(d, quarter.half_y);
-		const auto left = near_detail::far_distance(near.x + i, hn::Set(d, quarter.x), half_x);
-		const auto right = near_detail::far_distance(near.x + i, hn::Set(d, far_x), half_x);
-		const auto low = near_detail::far_distance(near.y + i, hn::Set(d, quarter.y), half_y);
-		const auto high = near_detail::far_distance(near.y + i, hn::Set(d, far_y), half_y);
+		const auto left = far_distance(near.x + i, hn::Set(d, quarter.x), half_x);
+		const auto right = far_distance(near.x + i, hn::Set(d, far_x), half_x);
+		const auto low = far_distance(near.y + i, hn::Set(d, quarter.y), half_y);
+		const auto high = far_distance(near.y + i, hn::Set(d, far_y), half_y);
 		const auto left_2 = hn::Mul(left, left);
 		const auto right_2 = hn::Mul(right, right);
 		const auto low_2 = hn::Mul(low, low);
@@ -104,4 +104,7 @@ HWY_INLINE std::uint32_t covered_quarters(
 	return covered;
 }
 
-} // namespace thicket
+} // namespace thicket::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

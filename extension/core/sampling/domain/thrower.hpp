@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/base/status.hpp"
+#include "core/sampling/domain/domain_sampler.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+template <typename Real>
+using PointVisitor = std::function<void(std::span<const Real> x, std::span<const Real> y)>;
+
+/// One run of a method over one domain.
+template <typename Real>
+class Thrower {
+public:
+	virtual ~Thrower() = default;
+
+	/// Throws darts to the end, or until a cancel. Accepted ones go to the end of `r_points`, if given, in the order of their
+	/// acceptance. Throws std::bad_alloc.
+	virtual Status run(std::vector<glm::vec<2, Real>> *r_points, const Progress &progress, double expected_points) = 0;
+
+	virtual DomainStats stats() const = 0;
+	virtual void visit(const PointVisitor<Real> &visitor) const = 0;
+};
+
+/// The method of the request, for the best instruction set of the processor; all of them give the same bits. `cell_width` is
+/// in base squares. Throws std::bad_alloc.
+template <typename Real>
+std::unique_ptr<Thrower<Real>> make_thrower(const DomainRequest &request, std::uint32_t cell_width);
+
+template <>
+std::unique_ptr<Thrower<float>> make_thrower<float>(const DomainRequest &request, std::uint32_t cell_width);
+template <>
+std::unique_ptr<Thrower<double>> make_thrower<double>(const DomainRequest &request, std::uint32_t cell_width);
+
+} // namespace thicket
