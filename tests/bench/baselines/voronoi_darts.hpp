@@ -1,0 +1,140 @@
+#pragma once
+
+#include "tests/bench/baselines/free_cell.hpp"
+#include "tests/bench/baselines/sum_tree.hpp"
+#include "tests/bench/common/random.hpp"
+
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
+// CGAL's inexact predicates are filtered: where doubles cannot decide, exact numbers do. Its own suffice for that, so
+// nothing is linked. Its assertions would make the debug build another benchmark.
+#define CGAL_DISABLE_GMP 1
+#define CGAL_NDEBUG 1
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Periodic_2_Delaunay_triangulation_2.h>
+#include <CGAL/Periodic_2_Delaunay_triangulation_traits_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace thicket::bench {
+
+/// Jones, "Efficient generation of Poisson-disk sampling patterns" (2006), on the torus [0, side)^2, in double
+/// precision: the Voronoi diagram of the growing set is kept, and every cell's area outside of its own disk. A dart
+/// picks a cell with probability proportional to that area and falls uniformly in it, and so uniformly in all that is
+/// free: the sets are those of dart throwing, and maximal. O(n log n) time, about 200 bytes a point.
+///
+/// The diagram is CGAL's periodic Delaunay triangulation, which finds a new dart's triangle in a few steps from the cell
+/// that was picked. The paper throws darts into the triangles of a cell's fan until one misses the disk; here they fall
+/// in the free part at once (`FreeCell`), which is the same distribution for less work.
+class VoronoiDarts {
+public:
+	/// Replaces `r_points` by a set in which no two points are closer than 1 and every place of the torus has a point
+	/// within 1 + `FreeCell::tolerance`. `side` >= 4.
+	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
+		side_ = side;
+		Xoroshiro random(seed);
+		triangulation_.emplace(Triangulation::Iso_rectangle(0.0, 0.0, side, side));
+		vertices_.clear();
+		weights_.reset(static_cast<std::size_t>(most_points * side * side) + 1);
+		r_points.clear();
+		const double x = FreeCell::unit(random) * side;
+		const double y = FreeCell::unit(random) * side;
+		add({wrap(x), wrap(y)}, Triangulation::Face_handle(), r_points);
+		while (weights_.total() > 0.0) {
+			const Vertex vertex = vertices_[weights_.find(FreeCell::unit(random) * weights_.total())];
+			look_at(vertex);
+			const glm::dvec2 fallen = r_points[vertex->info()] + cell_.draw(random);
+			const glm::dvec2 dart(wrap(fallen.x), wrap(fallen.y));
+			if (keeps_distance(dart, r_points[vertex->info()], r_points)) {
+				add(dart, vertex->face(), r_points);
+			}
+		}
+		triangulation_.reset();
+	}
+
+private:
+	using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+	using Traits = CGAL::Periodic_2_Delaunay_triangulation_traits_2<Kernel>;
+	using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Traits,
+			CGAL::Periodic_2_triangulation_vertex_base_2<Traits>>;
+	using Structure =
+			CGAL::Triangulation_data_structure_2<VertexBase, CGAL::Periodic_2_triangulation_face_base_2<Traits>>;
+	using Triangulation = CGAL::Periodic_2_Delaunay_triangulation_2<Traits, Structure>;
+	using Vertex = Triangulation::Vertex_handle;
+
+	/// In a unit of area at distance 1: disks of diameter 1 cover no more of the plane than a hexagonal lattice of them.
+	static constexpr double most_points = 1.1547006;
+
+	double side_ = 0.0;
+	std::optional<Triangulation> triangulation_;
+	std::vector<Vertex> vertices_; ///< By index of the point, which is also their info.
+	SumTree weights_;              ///< The cells' free areas.
+
+	// Of the cell that was looked at last.
+	FreeCell cell_;
+	std::vector<glm::dvec2> around_;
+	std::vector<Vertex> neighbours_;
+	std::vector<Vertex> changed_; ///< The neighbours of the point that was added last.
+
+	/// The place of the torus that a coordinate at most a side outside of it stands for.
+	double wrap(double coordinate) const {
+		const double wrapped = coordinate < 0.0 ? coordinate + side_ : coordinate;
+		const double inside = wrapped < side_ ? wrapped : wrapped - side_;
+		return inside < side_ ? inside : 0.0;
+	}
+
+	/// Finds a point's neighbours and its cell. While points are few, the triangulation is of nine copies of the torus:
+	/// a neighbour may then be a copy, even of the point itself, and stands for the one in `vertices_`.
+	void look_at(Vertex vertex) {
+		around_.clear();
+		neighbours_.clear();
+		const auto first = triangulation_->incident_faces(vertex);
+		auto face = first;
+		do {
+			const int here = face->index(vertex);
+			const int there = Triangulation::ccw(here);
+			const auto [from, from_copy] = triangulation_->periodic_point(face, here);
+			const auto [to, to_copy] = triangulation_->periodic_point(face, there);
+			around_.emplace_back(to.x() - from.x() + (to_copy.x() - from_copy.x()) * side_,
+					to.y() - from.y() + (to_copy.y() - from_copy.y()) * side_);
+			neighbours_.push_back(triangulation_->get_original_vertex(face->vertex(there)));
+		} while (++face != first);
+		cell_.assign(around_);
+	}
+
+	/// Rounding can bring a dart that falls on the rim of a free part into a disk: of its cell's point, or, in a corner,
+	/// of a neighbour. Such a dart is thrown again.
+	bool keeps_distance(glm::dvec2 dart, glm::dvec2 site, const std::vector<glm::dvec2> &points) const {
+		const auto far_enough = [&](glm::dvec2 point) {
+			const glm::dvec2 straight = point - dart;
+			const glm::dvec2 shortest = straight - side_ * glm::round(straight / side_);
+			return shortest.x * shortest.x + shortest.y * shortest.y >= 1.0;
+		};
+		return far_enough(site) && std::all_of(neighbours_.begin(), neighbours_.end(), [&](Vertex neighbour) {
+			return far_enough(points[neighbour->info()]);
+		});
+	}
+
+	/// Adds a point that lies at or near `near`, and brings its cell and the neighbours' up to date: no others change.
+	void add(glm::dvec2 point, Triangulation::Face_handle near, std::vector<glm::dvec2> &r_points) {
+		const Vertex vertex = triangulation_->insert({point.x, point.y}, near);
+		vertex->info() = static_cast<std::uint32_t>(r_points.size());
+		vertices_.push_back(vertex);
+		r_points.push_back(point);
+		look_at(vertex);
+		weights_.set(vertex->info(), cell_.area());
+		changed_ = neighbours_;
+		for (const Vertex neighbour : changed_) {
+			look_at(neighbour);
+			weights_.set(neighbour->info(), cell_.area());
+		}
+	}
+};
+
+} // namespace thicket::bench
