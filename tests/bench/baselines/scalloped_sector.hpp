@@ -1,0 +1,116 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace thicket::bench {
+
+inline double dot(glm::dvec2 a, glm::dvec2 b) { return a.x * b.x + a.y * b.y; }
+inline double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+inline glm::dvec2 normalized(glm::dvec2 v) { return v / std::sqrt(dot(v, v)); }
+
+/// A disk; as everything here relative to the point whose sectors are meant, which is the origin.
+struct Disk {
+	glm::dvec2 center{0.0};
+	double radius = 1.0;
+};
+
+/// The part of a disk's circle that faces the origin, or the part that faces away from it.
+struct Arc {
+	Disk disk;
+	double side = 1.0; ///< 1: the part that rays from the origin meet last; -1: the part that they meet first.
+
+	/// Distance from the origin along the unit vector `ray`; where the ray misses the circle, of its closest place.
+	double at(glm::dvec2 ray) const {
+		const double across = cross(disk.center, ray);
+		return dot(disk.center, ray) + side * std::sqrt(std::max(disk.radius * disk.radius - across * across, 0.0));
+	}
+
+	/// Area between the arc from `a` to `b` and its chord, above 0 where the arc lies beyond the chord. Less than half
+	/// of the circle.
+	double bulge(glm::dvec2 a, glm::dvec2 b) const {
+		const double sine = 0.5 * std::sqrt(dot(b - a, b - a)) / disk.radius; // of half the angle at the centre
+		const double square = sine * sine;
+		if (sine < 0.15) {
+			// The angle less its sine, as a series: the difference itself would lose its digits.
+			const double tail = 3.0 / 14.0 + square * (5.0 / 36.0 + square * (35.0 / 352.0 + square * (63.0 / 832.0)));
+			const double series = square * sine * (4.0 / 3.0 + square * (2.0 / 5.0 + square * tail));
+			return 0.5 * side * disk.radius * disk.radius * series;
+		}
+		const double bounded = std::min(sine, 1.0);
+		const double segment = 2.0 * (std::asin(bounded) - bounded * std::sqrt(1.0 - bounded * bounded));
+		return 0.5 * side * disk.radius * disk.radius * segment;
+	}
+};
+
+/// A region around the origin: all places on the rays from `from` to `to` (less than half a turn to the left) that lie
+/// beyond the arc `near` and before the arc `far`. Dunbar and Humphreys (2006), section 3.
+struct ScallopedSector {
+	glm::dvec2 from{1.0, 0.0}; ///< Of length 1, as is `to`.
+	glm::dvec2 to{1.0, 0.0};
+	Arc near;
+	Arc far;
+	double farthest = 0.0; ///< Distance from the origin that no place of the sector exceeds.
+	double area = 0.0;
+
+	/// Completes a sector whose rays and arcs are set.
+	void measure() {
+		area = area_until(to, near.at(to), far.at(to));
+		farthest = std::max(far.at(from), far.at(to));
+	}
+
+	/// The area from `from` to another ray of the sector, which meets the arcs at these distances.
+	double area_until(glm::dvec2 ray, double near_at, double far_at) const {
+		const double first_near = near.at(from);
+		const double first_far = far.at(from);
+		const double straight =
+				0.5 * cross(from, ray) * (first_far * (far_at - near_at) + near_at * (first_far - first_near));
+		return straight + far.bulge(first_far * from, far_at * ray) - near.bulge(first_near * from, near_at * ray);
+	}
+
+	/// The place that two numbers in [0, 1) stand for; uniform numbers give uniform places. The ray is found by Newton's
+	/// method, with bisection where that leaves the interval; along it the density grows with the distance.
+	glm::dvec2 place(double turned, double along) const {
+		double low = 0.0;
+		double high = 1.0;
+		double mix = turned;
+		for (int step = 0;; ++step) {
+			const glm::dvec2 towards = from + mix * (to - from);
+			const double squared = dot(towards, towards);
+			const glm::dvec2 ray = towards / std::sqrt(squared);
+			const double near_at = near.at(ray);
+			const double far_at = far.at(ray);
+			const double excess = area_until(ray, near_at, far_at) - turned * area;
+			const double thick = std::max(far_at * far_at - near_at * near_at, 0.0);
+			if (std::abs(excess) <= 1e-12 * area || step == most_steps) {
+				return std::sqrt(near_at * near_at + along * thick) * ray;
+			}
+			(excess > 0.0 ? high : low) = mix;
+			const double slope = 0.5 * thick * cross(from, to) / squared;
+			const double next = mix - excess / slope;
+			mix = next > low && next < high ? next : 0.5 * (low + high);
+		}
+	}
+
+	/// Told cheaply, so that a disk may be missed although this says false. The origin lies outside of the disk, or
+	/// `disk` has radius 2.
+	bool misses(const Disk &disk) const {
+		const double squared = dot(disk.center, disk.center);
+		const double reach = farthest + disk.radius;
+		if (squared >= reach * reach || cross(from, disk.center) <= -disk.radius ||
+				cross(to, disk.center) >= disk.radius) {
+			return true;
+		}
+		return squared + 1.0 >= disk.radius * disk.radius && dot(from, disk.center) <= 0.0 &&
+				dot(to, disk.center) <= 0.0;
+	}
+
+private:
+	static constexpr int most_steps = 60;
+};
+
+} // namespace thicket::bench

@@ -1,0 +1,227 @@
+#pragma once
+
+#include "tests/bench/baselines/scalloped_sector.hpp"
+#include "tests/bench/baselines/sector_cut.hpp"
+#include "tests/bench/baselines/sum_tree.hpp"
+#include "tests/bench/baselines/torus_grid.hpp"
+#include "tests/bench/common/random.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+namespace thicket::bench {
+
+/// Dunbar and Humphreys, "A spatial data structure for fast Poisson-disk sample generation" (2006): darts thrown
+/// uniformly at all places that are less than 2 from some point and at least 1 from every point, until there are none.
+///
+/// Each point owns the part of that region that is less than 2 from it and not from an earlier point, as a list of
+/// scalloped sectors. A dart chooses a point by its area with a tree, a sector of that point, a place in the sector,
+/// and so is accepted always; its disk is then cut out of the sectors of the points around it. O(N log N) time.
+///
+/// The least distance holds exactly: a dart that rounding brings closer than 1 to a point is thrown anew at the same
+/// sector, and a sector that has no place left between the coordinates is dropped. Keeps its memory between calls.
+class ScallopedSectors {
+public:
+	/// Replaces `r_points` by a maximal set on the torus [0, side)^2, no two points closer than 1. `side` from 10 to 5e4.
+	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
+		grid_.reset(side);
+		areas_.reset(static_cast<std::size_t>(densest * side * side) + 1);
+		first_.clear();
+		pool_.clear();
+		free_ = none;
+		r_points.clear();
+
+		Xoroshiro random(seed);
+		const double x = unit(random) * side;
+		look_around(grid_.wrap({x, unit(random) * side}));
+		insert(grid_.wrap({x, unit(random) * side}), r_points);
+		for (double total = areas_.total(); total > 0.0; total = areas_.total()) {
+			throw_dart(areas_.find(unit(random) * total), random, r_points);
+		}
+	}
+
+private:
+	/// Most points on a unit of area: those of a hexagonal lattice.
+	static constexpr double densest = 2.0 / std::numbers::sqrt3;
+	static constexpr int reach = 2;       ///< Cells; disks of radius 2 are at most 4 apart when they meet.
+	static constexpr int first_parts = 6; ///< Sectors of a whole annulus.
+	static constexpr int most_throws = 16;
+	static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+	static constexpr std::size_t most_neighbours = 128;
+
+	struct Neighbour {
+		std::uint32_t index;
+		glm::dvec2 offset;
+		double squared;
+	};
+
+	/// A sector in the list of its point, or in the list of unused ones.
+	struct Node {
+		ScallopedSector sector;
+		std::uint32_t next;
+	};
+
+	TorusGrid grid_;
+	SumTree areas_;
+	std::vector<std::uint32_t> first_; ///< Of each point, its first sector.
+	std::vector<Node> pool_;
+	std::uint32_t free_ = none;
+	SectorCut cut_;
+	std::array<Neighbour, most_neighbours> neighbours_; ///< Of the last dart, closer than 4.
+	std::size_t neighbour_count_ = 0;
+
+	static double unit(Xoroshiro &random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+
+	/// Throws at the sectors of a point until a dart is accepted, or the sector chosen turns out to have no place.
+	void throw_dart(std::size_t owner, Xoroshiro &random, std::vector<glm::dvec2> &r_points) {
+		const std::uint32_t chosen = choose_sector(owner, random);
+		for (int i = 0; i < most_throws; ++i) {
+			const double turned = unit(random);
+			const glm::dvec2 dart = grid_.wrap(r_points[owner] + pool_[chosen].sector.place(turned, unit(random)));
+			if (look_around(dart)) {
+				insert(dart, r_points);
+				return;
+			}
+		}
+		drop(owner, chosen);
+	}
+
+	/// A sector of a point that has some, by area.
+	std::uint32_t choose_sector(std::size_t owner, Xoroshiro &random) const {
+		double target = unit(random) * area_of(owner);
+		std::uint32_t i = first_[owner];
+		while (target >= pool_[i].sector.area && pool_[i].next != none) {
+			target -= pool_[i].sector.area;
+			i = pool_[i].next;
+		}
+		return i;
+	}
+
+	/// Finds the neighbours of a dart; false if one is closer than 1.
+	bool look_around(glm::dvec2 dart) {
+		neighbour_count_ = 0;
+		bool free = true;
+		grid_.visit(dart, reach, [&](std::uint32_t index, glm::dvec2 offset) {
+			const double squared = dot(offset, offset);
+			free &= squared >= 1.0;
+			if (squared < 16.0) {
+				neighbours_[neighbour_count_++] = {index, offset, squared};
+			}
+		});
+		return free;
+	}
+
+	/// Adds a point around which was looked.
+	void insert(glm::dvec2 point, std::vector<glm::dvec2> &r_points) {
+		const std::size_t index = r_points.size();
+		grid_.insert(static_cast<std::uint32_t>(index), point);
+		r_points.push_back(point);
+		first_.push_back(none);
+		for (std::size_t i = 0; i < neighbour_count_; ++i) {
+			const Neighbour &neighbour = neighbours_[i];
+			if (neighbour.squared < 9.0 && first_[neighbour.index] != none) {
+				cut(neighbour.index, {-neighbour.offset, 1.0});
+				weigh(neighbour.index);
+			}
+		}
+		add_annulus(index);
+		// What is near covers most: the others then find few sectors, or none.
+		cut_neighbours(index, 0.0, 2.5);
+		cut_neighbours(index, 2.5, 16.0);
+		weigh(index);
+	}
+
+	/// Leaves to earlier points, those at squared distances from `least` to `limit`, all that is less than 2 from them.
+	void cut_neighbours(std::size_t owner, double least, double limit) {
+		for (std::size_t i = 0; i < neighbour_count_ && first_[owner] != none; ++i) {
+			const Neighbour &neighbour = neighbours_[i];
+			if (neighbour.squared >= least && neighbour.squared < limit) {
+				cut(owner, {neighbour.offset, 2.0});
+			}
+		}
+	}
+
+	/// Gives a point all that is less than 2 and at least 1 from it.
+	void add_annulus(std::size_t owner) {
+		glm::dvec2 from(1.0, 0.0);
+		for (int i = 1; i <= first_parts; ++i) {
+			const double angle = 2.0 * std::numbers::pi / first_parts * i;
+			ScallopedSector part;
+			part.from = from;
+			part.to = i < first_parts ? glm::dvec2(std::cos(angle), std::sin(angle)) : glm::dvec2(1.0, 0.0);
+			part.far.disk.radius = 2.0;
+			part.measure();
+			from = part.to;
+			add_sector(owner, part);
+		}
+	}
+
+	void add_sector(std::size_t owner, const ScallopedSector &sector) {
+		std::uint32_t slot = free_;
+		if (slot == none) {
+			slot = static_cast<std::uint32_t>(pool_.size());
+			pool_.emplace_back();
+		} else {
+			free_ = pool_[slot].next;
+		}
+		pool_[slot] = {sector, first_[owner]};
+		first_[owner] = slot;
+	}
+
+	/// Takes a disk out of all sectors of a point.
+	void cut(std::size_t owner, const Disk &disk) {
+		std::uint32_t slot = first_[owner];
+		first_[owner] = none;
+		while (slot != none) {
+			Node &node = pool_[slot];
+			const std::uint32_t next = node.next;
+			if (node.sector.misses(disk) || !cut_.run(node.sector, disk)) {
+				node.next = first_[owner];
+				first_[owner] = slot;
+			} else {
+				release(slot);
+				for (std::size_t i = 0; i < cut_.count; ++i) {
+					add_sector(owner, cut_.parts[i]);
+				}
+			}
+			slot = next;
+		}
+	}
+
+	/// Takes a sector of a point out of its list.
+	void drop(std::size_t owner, std::uint32_t slot) {
+		std::uint32_t *link = &first_[owner];
+		while (*link != slot) {
+			link = &pool_[*link].next;
+		}
+		*link = pool_[slot].next;
+		release(slot);
+		weigh(owner);
+	}
+
+	void release(std::uint32_t slot) {
+		pool_[slot].next = free_;
+		free_ = slot;
+	}
+
+	/// Enters a point's area into the tree.
+	void weigh(std::size_t owner) { areas_.set(owner, area_of(owner)); }
+
+	double area_of(std::size_t owner) const {
+		double total = 0.0;
+		for (std::uint32_t i = first_[owner]; i != none; i = pool_[i].next) {
+			total += pool_[i].sector.area;
+		}
+		return total;
+	}
+};
+
+} // namespace thicket::bench

@@ -1,0 +1,138 @@
+#pragma once
+
+#include "tests/bench/baselines/scalloped_sector.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace thicket::bench {
+
+/// Takes a disk out of a scalloped sector; what remains are scalloped sectors again, before, below, above and after it.
+///
+/// The rays on which the order of the sector's arcs and the disk's circle can change (tangents to the disk, and those
+/// through the places where it crosses an arc) cut the sector into slices. In each slice one ray, in its middle, tells
+/// which parts remain. Neighbouring slices with the same part are joined, so that no cut is left without need.
+class SectorCut {
+public:
+	/// Two tangents and two crossings with either arc make seven slices, each with at most two parts.
+	static constexpr std::size_t most_parts = 14;
+
+	/// After a call that returned true: what remains, possibly nothing.
+	std::array<ScallopedSector, most_parts> parts;
+	std::size_t count = 0;
+
+	/// False if the disk leaves the sector whole. The origin lies outside of the disk, or within one of radius 2.
+	bool run(const ScallopedSector &sector, const Disk &disk) {
+		find_rays(sector, disk);
+		count = 0;
+		std::array<std::size_t, kinds> open{none, none, none};
+		bool touched = false;
+		for (std::size_t slice = 0; slice + 1 < ray_count_; ++slice) {
+			const std::array<bool, kinds> left = left_of_slice(sector, disk, slice);
+			touched |= !left[whole];
+			for (std::size_t kind = 0; kind < kinds; ++kind) {
+				if (left[kind] && open[kind] == none) {
+					open[kind] = slice;
+				} else if (!left[kind] && open[kind] != none) {
+					emit(sector, disk, kind, open[kind], slice);
+					open[kind] = none;
+				}
+			}
+		}
+		if (!touched) {
+			return false;
+		}
+		for (std::size_t kind = 0; kind < kinds; ++kind) {
+			if (open[kind] != none) {
+				emit(sector, disk, kind, open[kind], ray_count_ - 1);
+			}
+		}
+		return true;
+	}
+
+private:
+	enum Kind : std::size_t { whole, below, above, kinds };
+
+	static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+	static constexpr std::size_t most_rays = 8;
+
+	std::array<glm::dvec2, most_rays> rays_; ///< From the sector's first to its last, in order.
+	std::size_t ray_count_ = 0;
+
+	void find_rays(const ScallopedSector &sector, const Disk &disk) {
+		rays_[0] = sector.from;
+		ray_count_ = 1;
+		const double squared = dot(disk.center, disk.center);
+		const double tangent_squared = squared - disk.radius * disk.radius;
+		if (tangent_squared > 0.0) {
+			const glm::dvec2 along = std::sqrt(tangent_squared) * disk.center;
+			const glm::dvec2 across = disk.radius * glm::dvec2(-disk.center.y, disk.center.x);
+			add_ray(sector, along - across);
+			add_ray(sector, along + across);
+		}
+		add_crossings(sector, disk, sector.near.disk);
+		add_crossings(sector, disk, sector.far.disk);
+		rays_[ray_count_++] = sector.to;
+	}
+
+	/// The rays through the places where two circles cross.
+	void add_crossings(const ScallopedSector &sector, const Disk &disk, const Disk &other) {
+		const glm::dvec2 between = disk.center - other.center;
+		const double squared = dot(between, between);
+		const double other_squared = other.radius * other.radius;
+		const double along = 0.5 * (squared + other_squared - disk.radius * disk.radius) / squared;
+		const double across_squared = other_squared / squared - along * along;
+		if (across_squared > 0.0) { // false for one circle with itself, too
+			const glm::dvec2 across = std::sqrt(across_squared) * glm::dvec2(-between.y, between.x);
+			add_ray(sector, other.center + along * between - across);
+			add_ray(sector, other.center + along * between + across);
+		}
+	}
+
+	/// Keeps the rays sorted; one that is not inside of the sector is left out.
+	void add_ray(const ScallopedSector &sector, glm::dvec2 ray) {
+		if (!(cross(sector.from, ray) > 0.0 && cross(ray, sector.to) > 0.0)) {
+			return;
+		}
+		std::size_t i = ray_count_++;
+		for (; i > 1 && cross(rays_[i - 1], ray) < 0.0; --i) {
+			rays_[i] = rays_[i - 1];
+		}
+		rays_[i] = normalized(ray);
+	}
+
+	/// Which parts of the slice after this ray remain.
+	std::array<bool, kinds> left_of_slice(const ScallopedSector &sector, const Disk &disk, std::size_t slice) const {
+		const glm::dvec2 middle = normalized(rays_[slice] + rays_[slice + 1]);
+		const double near_at = sector.near.at(middle);
+		const double far_at = sector.far.at(middle);
+		const double across = cross(disk.center, middle);
+		const double half_squared = disk.radius * disk.radius - across * across;
+		if (half_squared <= 0.0) {
+			return {true, false, false};
+		}
+		const double half = std::sqrt(half_squared);
+		const double along = dot(disk.center, middle);
+		if (along - half >= far_at || along + half <= near_at) {
+			return {true, false, false};
+		}
+		return {false, along - half > near_at, along + half < far_at};
+	}
+
+	/// Adds the part of this kind between two rays, unless it is so small that rounding leaves no area.
+	void emit(const ScallopedSector &sector, const Disk &disk, std::size_t kind, std::size_t from, std::size_t to) {
+		ScallopedSector &part = parts[count];
+		part.from = rays_[from];
+		part.to = rays_[to];
+		part.near = kind == above ? Arc{disk, 1.0} : sector.near;
+		part.far = kind == below ? Arc{disk, -1.0} : sector.far;
+		part.measure();
+		count += part.area > 0.0 ? 1 : 0;
+	}
+};
+
+} // namespace thicket::bench

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace thicket::bench {
+
+/// Finds the neighbours of a place on the torus [0, side)^2 among points that keep distance 1: square cells two units
+/// wide or a little more, which hold the points themselves, so that a look at a cell reads one or two cache lines.
+class TorusGrid {
+public:
+	static constexpr double least_cell = 2.0;
+
+	/// Empties the grid. A neighbourhood of `reach` cells may not meet itself: `side` >= 2 (2 reach + 1).
+	void reset(double side) {
+		side_ = side;
+		half_side_ = 0.5 * side;
+		columns_ = static_cast<int>(side / least_cell);
+		per_cell_ = columns_ / side;
+		cells_.clear();
+		cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_));
+	}
+
+	/// Adds a point of the torus that is at least 1 from all others.
+	void insert(std::uint32_t index, glm::dvec2 point) {
+		Cell &cell = cells_[row_of(column_of(point.y)) + static_cast<std::size_t>(column_of(point.x))];
+		cell.indices[cell.count] = index;
+		cell.points[cell.count] = point;
+		++cell.count;
+	}
+
+	/// Calls `visit(index, offset)` for every point in the cells up to `reach` from that of `place`, and so for all
+	/// that are closer than 2 `reach`; `offset` leads from `place` to the point the short way round.
+	template <typename Visit>
+	void visit(glm::dvec2 place, int reach, const Visit &visit) const {
+		const int column = column_of(place.x);
+		const int row = column_of(place.y);
+		for (int y = row - reach; y <= row + reach; ++y) {
+			const std::size_t begin = row_of(wrap_column(y));
+			for (int x = column - reach; x <= column + reach; ++x) {
+				const Cell &cell = cells_[begin + static_cast<std::size_t>(wrap_column(x))];
+				for (std::uint32_t i = 0; i < cell.count; ++i) {
+					visit(cell.indices[i], offset(place, cell.points[i]));
+				}
+			}
+		}
+	}
+
+	/// The place of the torus that a place at most a side outside of it stands for.
+	glm::dvec2 wrap(glm::dvec2 place) const { return {wrap(place.x), wrap(place.y)}; }
+
+private:
+	/// Points at distance 1 in a square of width w: at most (2 / sqrt(3)) w^2 + 2 w + 1 (Oler 1961), and w < 2.4 from
+	/// five cells on.
+	static constexpr std::size_t most_points = 12;
+
+	struct alignas(64) Cell {
+		std::uint32_t count = 0;
+		std::array<std::uint32_t, most_points> indices;
+		alignas(64) std::array<glm::dvec2, most_points> points;
+	};
+
+	double side_ = 0.0;
+	double half_side_ = 0.0;
+	double per_cell_ = 0.0;
+	int columns_ = 0;
+	std::vector<Cell> cells_;
+
+	int column_of(double coordinate) const { return glm::min(static_cast<int>(coordinate * per_cell_), columns_ - 1); }
+
+	int wrap_column(int column) const {
+		return column < 0 ? column + columns_ : column >= columns_ ? column - columns_ : column;
+	}
+
+	std::size_t row_of(int row) const { return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_); }
+
+	double shortest(double difference) const {
+		return difference > half_side_     ? difference - side_
+				: difference < -half_side_ ? difference + side_
+										   : difference;
+	}
+
+	glm::dvec2 offset(glm::dvec2 from, glm::dvec2 to) const {
+		return {shortest(to.x - from.x), shortest(to.y - from.y)};
+	}
+
+	double wrap(double coordinate) const {
+		const double wrapped = coordinate < 0.0 ? coordinate + side_
+				: coordinate >= side_           ? coordinate - side_
+												: coordinate;
+		return wrapped < side_ ? wrapped : 0.0; // A tiny negative coordinate rounds up to the side itself.
+	}
+};
+
+} // namespace thicket::bench
