@@ -1,0 +1,83 @@
+#pragma once
+
+#include "region.hpp"
+#include "tile_check.hpp"
+
+#include "tests/analysis/lattice_checks.hpp"
+
+#include "core/base/split_mix.hpp"
+#include "core/base/status.hpp"
+#include "core/sampling/dart.hpp"
+#include "core/sampling/point_set.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace thicket::bench::billion {
+
+/// Gives the points of a rectangle, as TileSampler::sample does.
+using TileSource = std::function<Status(const Rect &rect, std::vector<SamplePoint> &r_points)>;
+
+/// What the exact gap checks found.
+struct GapFindings {
+	std::uint64_t tiles = 0;     ///< Tiles that were checked.
+	std::uint64_t uncovered = 0; ///< Lattice points in them that lie within the radius of no point.
+	std::uint64_t changed = 0;   ///< Tiles that had other points when they were seen in a larger rectangle.
+
+	GapFindings &operator+=(const GapFindings &other) {
+		tiles += other.tiles;
+		uncovered += other.uncovered;
+		changed += other.changed;
+		return *this;
+	}
+};
+
+/// True for one tile in `every`, chosen by a hash; never for 0.
+inline bool is_drawn(std::uint64_t tile, std::uint64_t key, std::uint64_t every) {
+	return every > 0 && split_mix(tile * split_mix_gamma + split_mix(key)) % every == 0;
+}
+
+/// Looks for lattice points of tiles that no point covers. A reusable workspace, for one thread.
+class GapCheck {
+public:
+	/// Checks the tile that `tile` took last, whose points had this digest, with what `source` gives around it. The
+	/// source must give the tile's own points again.
+	Status take(const TileCheck &tile, const Digest &digest, const TileSource &source, GapFindings &r_found) {
+		const CellRect &cells = tile.tile();
+		if (const Status status = source(world_rect(cells.grown(border)), around_); !status.ok()) {
+			return status;
+		}
+		lattice_.clear();
+		for (const glm::ivec2 point : tile.entered()) {
+			lattice_.emplace_back(point + tile.origin());
+		}
+		Digest again;
+		for (const SamplePoint &point : around_) {
+			glm::ivec2 lattice;
+			if (!lattice_of(point, lattice)) {
+				continue;
+			}
+			if (cells.contains({lattice.x >> lattice_bits, lattice.y >> lattice_bits})) {
+				again.add(point, lattice);
+			} else {
+				lattice_.emplace_back(lattice);
+			}
+		}
+		const analysis::LatticeReport report =
+				analysis::LatticeCheck::run(lattice_, lattice_bits, {cells.min, cells.max});
+		++r_found.tiles;
+		r_found.uncovered += report.uncovered;
+		r_found.changed += again == digest ? 0 : 1;
+		return {};
+	}
+
+private:
+	static constexpr std::int32_t border = 3; ///< What the lattice check asks for.
+
+	std::vector<SamplePoint> around_;
+	std::vector<glm::i64vec2> lattice_;
+};
+
+} // namespace thicket::bench::billion

@@ -1,0 +1,164 @@
+#pragma once
+
+#include "core/base/rect.hpp"
+#include "core/base/split_mix.hpp"
+#include "core/sampling/level_grid.hpp"
+#include "core/sampling/point_set.hpp"
+
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+
+namespace thicket::bench::billion {
+
+/// The share of the plane that disks of diameter r cover once naive dart throwing has run to its end. Measured without
+/// extrapolation by Zhang and Torquato, "Precise algorithm to generate random sequential addition of hard hyperspheres
+/// at saturation" (Phys. Rev. E 88, 053312, 2013): 0.5470735 +- 0.0000028. All of Thicket's tests take 0.547070.
+inline constexpr double jammed_coverage = 0.547070;
+
+/// Points expected in a cell, whose area is r^2 / 2.
+inline constexpr double points_per_cell = jammed_coverage * 4.0 / std::numbers::pi / 2.0;
+
+/// With this radius a cell is 1 m wide and the lattice unit 2^-lattice_bits m, so that world coordinates are exact. The
+/// set is the same with any radius, but for its scale.
+inline constexpr double cell_metre_radius = std::numbers::sqrt2;
+
+/// A square of whole cells around the origin, cut into square tiles (narrower in the last row and column) and, on its
+/// own grid, into blocks of equal area for the statistics.
+struct Region {
+	static constexpr std::int32_t blocks_per_side = 16;
+	/// Lattice coordinates of larger regions would not fit 32 bits.
+	static constexpr double most_points = 5e9;
+
+	std::int32_t side = 0; ///< In cells, a multiple of blocks_per_side.
+	std::int32_t tile = 0; ///< In cells.
+
+	/// The smallest region of which at least `points` points are certain: counts scatter by sqrt(points) / 4, and
+	/// eight times that is added.
+	static Region holding(double points, std::int32_t tile) {
+		const double cells = (points + 2.0 * std::sqrt(points)) / points_per_cell;
+		const auto blocks = static_cast<std::int32_t>(std::ceil(std::sqrt(cells) / blocks_per_side));
+		return {blocks * blocks_per_side, tile};
+	}
+
+	glm::ivec2 corner() const { return glm::ivec2(-side / 2); }
+	std::int32_t tiles_per_side() const { return (side + tile - 1) / tile; }
+	std::uint64_t tiles() const {
+		return static_cast<std::uint64_t>(tiles_per_side()) * static_cast<std::uint64_t>(tiles_per_side());
+	}
+	std::uint64_t index_of(glm::ivec2 place) const {
+		return static_cast<std::uint64_t>(place.y) * static_cast<std::uint64_t>(tiles_per_side()) +
+				static_cast<std::uint64_t>(place.x);
+	}
+	bool has_tile(glm::ivec2 place) const {
+		return place.x >= 0 && place.y >= 0 && place.x < tiles_per_side() && place.y < tiles_per_side();
+	}
+	CellRect tile_cells(glm::ivec2 place) const {
+		return {corner() + place * tile, corner() + glm::min((place + 1) * tile, glm::ivec2(side))};
+	}
+
+	std::int32_t block_side() const { return side / blocks_per_side; }
+	std::uint32_t block_of(glm::ivec2 cell) const {
+		const glm::ivec2 block = (cell - corner()) / block_side();
+		return static_cast<std::uint32_t>(block.y * blocks_per_side + block.x);
+	}
+
+	/// The share of an area that `points` disks cover.
+	static double coverage(double points, double cells) { return points / cells * (std::numbers::pi / 2.0); }
+};
+
+/// In metres, for a set of cell_metre_radius.
+inline Rect world_rect(const CellRect &cells) { return {glm::dvec2(cells.min), glm::dvec2(cells.max)}; }
+
+/// The order in which a region's tiles are made.
+enum class TileOrder {
+	rows,     ///< Row by row.
+	shuffled, ///< Bands of four rows, in each a keyed permutation: neighbours are made at unrelated times.
+	hilbert,  ///< Along Hilbert's curve.
+};
+
+/// Says which tile comes when, in O(1) memory: slot by slot, some of them empty.
+class TileSequence {
+public:
+	TileSequence(const Region &region, TileOrder order, std::uint64_t key) :
+			per_side_(static_cast<std::uint32_t>(region.tiles_per_side())), order_(order), key_(key) {
+		const std::uint64_t square = order == TileOrder::shuffled ? std::uint64_t{band_rows} * per_side_
+																  : std::uint64_t{per_side_} * per_side_;
+		while ((std::uint64_t{1} << (2 * half_bits_)) < square ||
+				(order == TileOrder::hilbert && (1u << half_bits_) < per_side_)) {
+			++half_bits_;
+		}
+	}
+
+	std::uint64_t slots() const {
+		switch (order_) {
+			case TileOrder::rows: return std::uint64_t{per_side_} * per_side_;
+			case TileOrder::shuffled: return std::uint64_t{(per_side_ + band_rows - 1) / band_rows} << (2 * half_bits_);
+			case TileOrder::hilbert: return std::uint64_t{1} << (2 * half_bits_);
+		}
+		return 0;
+	}
+
+	/// The tile of a slot below slots(), if it has one. Every tile has exactly one slot.
+	std::optional<glm::ivec2> at(std::uint64_t slot) const {
+		glm::uvec2 place(slot % per_side_, slot / per_side_);
+		if (order_ == TileOrder::shuffled) {
+			const std::uint64_t band = slot >> (2 * half_bits_);
+			const std::uint32_t inside = permuted(slot & ((std::uint64_t{1} << (2 * half_bits_)) - 1), band);
+			if (inside >= band_rows * per_side_) {
+				return std::nullopt;
+			}
+			place = {inside % per_side_, band * band_rows + inside / per_side_};
+		} else if (order_ == TileOrder::hilbert) {
+			place = on_curve(slot);
+		}
+		if (place.x >= per_side_ || place.y >= per_side_) {
+			return std::nullopt;
+		}
+		return glm::ivec2(place);
+	}
+
+private:
+	static constexpr std::uint32_t band_rows = 4; ///< More would hold more strips at a time.
+
+	std::uint32_t per_side_;
+	TileOrder order_;
+	std::uint64_t key_;
+	std::uint32_t half_bits_ = 0;
+
+	/// A Feistel network of four rounds: a bijection of numbers of 2 * half_bits_ bits.
+	std::uint32_t permuted(std::uint64_t number, std::uint64_t band) const {
+		const std::uint64_t mask = (std::uint64_t{1} << half_bits_) - 1;
+		std::uint64_t left = number >> half_bits_;
+		std::uint64_t right = number & mask;
+		for (std::uint64_t round = 0; round < 4; ++round) {
+			const std::uint64_t bits = split_mix(key_ + split_mix(4 * band + round) + right * split_mix_gamma);
+			left ^= bits >> 32 & mask;
+			std::swap(left, right);
+		}
+		return static_cast<std::uint32_t>(left << half_bits_ | right);
+	}
+
+	glm::uvec2 on_curve(std::uint64_t distance) const {
+		glm::uvec2 place(0);
+		for (std::uint32_t width = 1; width < 1u << half_bits_; width *= 2) {
+			const std::uint32_t right = distance >> 1 & 1;
+			const std::uint32_t up = (distance ^ right) & 1;
+			if (up == 0) {
+				if (right == 1) {
+					place = width - 1 - place;
+				}
+				std::swap(place.x, place.y);
+			}
+			place += width * glm::uvec2(right, up);
+			distance >>= 2;
+		}
+		return place;
+	}
+};
+
+} // namespace thicket::bench::billion

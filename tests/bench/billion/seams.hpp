@@ -1,0 +1,104 @@
+#pragma once
+
+#include "region.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace thicket::bench::billion {
+
+/// The points of a tile that another tile's can be too close to, in lattice units of the whole set.
+using Rim = std::vector<glm::ivec2>;
+
+/// Keeps the rims of finished tiles for as long as a neighbour is missing, so that of two neighbours the later one sees
+/// the earlier one's rim, whatever the order and the threads. Thread safe.
+class Seams {
+public:
+	explicit Seams(const Region &region) : region_(region), done_(region.tiles()) {}
+
+	/// Takes a finished tile's rim and gives those of the neighbours that were finished before: every pair of
+	/// neighbours is given out once. Counts a tile that was finished before and gives nothing for it.
+	std::vector<std::shared_ptr<const Rim>> finish(glm::ivec2 place, Rim &&rim) {
+		auto shared = std::make_shared<const Rim>(std::move(rim));
+		std::vector<std::shared_ptr<const Rim>> earlier;
+		const std::lock_guard lock(mutex_);
+		if (done_[region_.index_of(place)]) {
+			++repeated_;
+			return earlier;
+		}
+		done_[region_.index_of(place)] = true;
+		++finished_;
+		std::uint32_t neighbours = 0;
+		for (std::int32_t step = 0; step < 9; ++step) {
+			const glm::ivec2 neighbour = place + glm::ivec2(step % 3 - 1, step / 3 - 1);
+			if (step == 4 || !region_.has_tile(neighbour)) {
+				continue;
+			}
+			++neighbours;
+			const auto found = kept_.find(region_.index_of(neighbour));
+			if (found != kept_.end()) {
+				earlier.push_back(found->second.rim);
+				if (--found->second.missing == 0) {
+					drop(found);
+				}
+			}
+		}
+		keep(place, std::move(shared), neighbours - static_cast<std::uint32_t>(earlier.size()));
+		return earlier;
+	}
+
+	/// Tiles finished, each counted once.
+	std::uint64_t finished() const {
+		const std::lock_guard lock(mutex_);
+		return finished_;
+	}
+	/// Calls for a tile that was finished before.
+	std::uint64_t repeated() const {
+		const std::lock_guard lock(mutex_);
+		return repeated_;
+	}
+	/// The most points that were kept at a time.
+	std::size_t most_kept() const {
+		const std::lock_guard lock(mutex_);
+		return most_kept_;
+	}
+
+private:
+	struct Kept {
+		std::shared_ptr<const Rim> rim;
+		std::uint32_t missing; ///< Neighbours that are not finished.
+	};
+	using Map = std::unordered_map<std::uint64_t, Kept>;
+
+	Region region_;
+	mutable std::mutex mutex_;
+	Map kept_;
+	std::vector<bool> done_;
+	std::uint64_t finished_ = 0;
+	std::uint64_t repeated_ = 0;
+	std::size_t points_kept_ = 0;
+	std::size_t most_kept_ = 0;
+
+	void keep(glm::ivec2 place, std::shared_ptr<const Rim> rim, std::uint32_t missing) {
+		if (missing > 0) {
+			points_kept_ += rim->size();
+			most_kept_ = std::max(most_kept_, points_kept_);
+			kept_.emplace(region_.index_of(place), Kept{std::move(rim), missing});
+		}
+	}
+
+	void drop(Map::iterator kept) {
+		points_kept_ -= kept->second.rim->size();
+		kept_.erase(kept);
+	}
+};
+
+} // namespace thicket::bench::billion

@@ -1,0 +1,208 @@
+#pragma once
+
+#include "region.hpp"
+
+#include "core/base/instance_id.hpp"
+#include "core/base/split_mix.hpp"
+#include "core/sampling/dart.hpp"
+#include "core/sampling/level_grid.hpp"
+#include "core/sampling/point_set.hpp"
+
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace thicket::bench::billion {
+
+/// Names a set of points whatever their order: two sums, modulo 2^64, of differently keyed hashes of each point's id,
+/// lattice position and rank.
+struct Digest {
+	std::uint64_t high = 0;
+	std::uint64_t low = 0;
+
+	void add(const SamplePoint &point, glm::ivec2 lattice) {
+		const std::uint64_t place =
+				std::uint64_t{static_cast<std::uint32_t>(lattice.x)} << 32 | static_cast<std::uint32_t>(lattice.y);
+		const std::uint64_t name = point.id + point.rank * split_mix_gamma;
+		high += split_mix(split_mix(place + 0x6a09e667f3bcc908) ^ name); // The keys are digits of sqrt(2), sqrt(3).
+		low += split_mix(split_mix(place + 0xbb67ae8584caa73b) ^ name);
+	}
+	Digest &operator+=(const Digest &other) {
+		high += other.high;
+		low += other.low;
+		return *this;
+	}
+	friend bool operator==(const Digest &, const Digest &) = default;
+};
+
+/// What was found in the tiles so far; findings of several threads add up.
+struct Findings {
+	std::uint64_t points = 0;
+	std::uint64_t pairs = 0;     ///< Pairs of points whose distance was computed, each once.
+	std::uint64_t too_close = 0; ///< Of these, closer than the radius.
+	std::uint64_t misplaced = 0; ///< Points outside their tile, off the lattice, or with the id of another cell.
+	std::uint64_t doubled = 0;   ///< Points in a cell that has one already.
+	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max(); ///< Of all pairs, in lattice units^2.
+	Digest digest;
+
+	Findings &operator+=(const Findings &other) {
+		points += other.points;
+		pairs += other.pairs;
+		too_close += other.too_close;
+		misplaced += other.misplaced;
+		doubled += other.doubled;
+		least_squared = std::min(least_squared, other.least_squared);
+		digest += other.digest;
+		return *this;
+	}
+};
+
+/// The lattice position of a point of a set of cell_metre_radius, if it lies on the lattice within 2^30 units.
+inline bool lattice_of(const SamplePoint &point, glm::ivec2 &r_lattice) {
+	const glm::dvec2 lattice = point.position * static_cast<double>(cell_size);
+	if (!(std::abs(lattice.x) <= 0x1p30 && std::abs(lattice.y) <= 0x1p30)) {
+		return false;
+	}
+	r_lattice = glm::ivec2(lattice);
+	return glm::dvec2(r_lattice) == lattice;
+}
+
+/// Checks the points that one tile handed out: each in its own cell of the tile, and no two closer than the radius, in
+/// whole numbers. Only cells at most two apart can hold points that are too close, so all pairs from such cells are
+/// compared: at most 12 a point. A reusable workspace, for one thread.
+class TileCheck {
+public:
+	/// Cells that points of another tile can reach into this one.
+	static constexpr std::int32_t reach = 2;
+
+	/// Takes the points of the tile and compares them with each other.
+	Findings take(const CellRect &tile, std::uint16_t layer, std::span<const SamplePoint> points) {
+		tile_ = tile;
+		origin_ = tile.min * static_cast<std::int32_t>(cell_size);
+		columns_ = tile.size().x + 2 * border;
+		const std::int32_t rows = tile.size().y + 2 * border;
+		grid_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows), nowhere);
+		entered_.clear();
+		Findings found;
+		found.points = points.size();
+		for (const SamplePoint &point : points) {
+			enter(point, layer, found);
+		}
+		for (const glm::ivec2 local : entered_) {
+			compare_forward(local, found);
+		}
+		return found;
+	}
+
+	/// The points of the tile that another one's can be too close to, in lattice units of the whole set.
+	std::vector<glm::ivec2> rim() const {
+		const std::int32_t width = reach * static_cast<std::int32_t>(cell_size);
+		const glm::ivec2 end = tile_.size() * static_cast<std::int32_t>(cell_size) - width;
+		std::vector<glm::ivec2> rim;
+		rim.reserve(static_cast<std::size_t>(tile_.size().x + tile_.size().y) * 3 / 2);
+		for (const glm::ivec2 local : entered_) {
+			if (local.x < width || local.y < width || local.x >= end.x || local.y >= end.y) {
+				rim.push_back(local + origin_);
+			}
+		}
+		return rim;
+	}
+
+	/// Compares another tile's rim with the points of this one.
+	void compare_with(std::span<const glm::ivec2> rim, Findings &r_found) const {
+		const glm::ivec2 least(-reach * static_cast<std::int32_t>(cell_size));
+		const glm::ivec2 end = (tile_.size() + reach) * static_cast<std::int32_t>(cell_size);
+		for (const glm::ivec2 point : rim) {
+			const glm::ivec2 local = point - origin_;
+			if (local.x >= least.x && local.y >= least.y && local.x < end.x && local.y < end.y) {
+				compare_around(local, r_found);
+			}
+		}
+	}
+
+	const CellRect &tile() const { return tile_; }
+	/// The lattice positions of the points that were taken, relative to the tile's corner.
+	std::span<const glm::ivec2> entered() const { return entered_; }
+	glm::ivec2 origin() const { return origin_; }
+
+private:
+	/// A rim's points lie up to `reach` cells outside, and look as far again.
+	static constexpr std::int32_t border = 2 * reach;
+	/// Stands in empty cells, too far from everything to be counted as a pair and near enough to square.
+	static constexpr glm::ivec2 nowhere{-(1 << 29)};
+	static constexpr std::int64_t far_squared = std::int64_t{1} << 40;
+
+	CellRect tile_;
+	glm::ivec2 origin_{0};
+	std::int32_t columns_ = 0;
+	std::vector<glm::ivec2> grid_; ///< The point of each cell, relative to the tile's corner, or `nowhere`.
+	std::vector<glm::ivec2> entered_;
+
+	std::size_t index_of(glm::ivec2 local) const {
+		return static_cast<std::size_t>(
+				((local.y >> lattice_bits) + border) * columns_ + (local.x >> lattice_bits) + border);
+	}
+
+	void enter(const SamplePoint &point, std::uint16_t layer, Findings &r_found) {
+		glm::ivec2 lattice;
+		if (!lattice_of(point, lattice)) {
+			++r_found.misplaced;
+			return;
+		}
+		r_found.digest.add(point, lattice);
+		const glm::ivec2 cell(lattice.x >> lattice_bits, lattice.y >> lattice_bits);
+		if (!tile_.contains(cell) || point.id != pack({layer, cell})) {
+			++r_found.misplaced;
+			return;
+		}
+		const glm::ivec2 local = lattice - origin_;
+		glm::ivec2 &place = grid_[index_of(local)];
+		if (place != nowhere) {
+			++r_found.doubled;
+			return;
+		}
+		place = local;
+		entered_.push_back(local);
+	}
+
+	static void compare(glm::ivec2 a, glm::ivec2 b, Findings &r_found) {
+		const std::int64_t x = std::int64_t{a.x} - b.x;
+		const std::int64_t y = std::int64_t{a.y} - b.y;
+		const std::int64_t squared = x * x + y * y;
+		r_found.pairs += squared < far_squared ? 1 : 0;
+		r_found.too_close += squared < std::int64_t{radius_squared} ? 1 : 0;
+		r_found.least_squared =
+				std::min(r_found.least_squared, squared < far_squared ? squared : r_found.least_squared);
+	}
+
+	/// With the points of cells that come later in the order of rows, so that each pair is seen once.
+	void compare_forward(glm::ivec2 local, Findings &r_found) const {
+		const glm::ivec2 *place = grid_.data() + index_of(local);
+		compare(place[1], local, r_found);
+		compare(place[2], local, r_found);
+		for (std::int32_t row = 1; row <= reach; ++row) {
+			place += columns_;
+			for (std::int32_t column = -reach; column <= reach; ++column) {
+				compare(place[column], local, r_found);
+			}
+		}
+	}
+
+	void compare_around(glm::ivec2 local, Findings &r_found) const {
+		const glm::ivec2 *place = grid_.data() + index_of(local) - reach * columns_;
+		for (std::int32_t row = -reach; row <= reach; ++row, place += columns_) {
+			for (std::int32_t column = -reach; column <= reach; ++column) {
+				compare(place[column], local, r_found);
+			}
+		}
+	}
+};
+
+} // namespace thicket::bench::billion

@@ -1,0 +1,319 @@
+// What the program bench/billion would notice: its checks, on points made by hand and on spoilt points of the sampler.
+
+#include "tests/bench/billion/run.hpp"
+
+#include "core/sampling/tile_sampler.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::bench::billion;
+
+namespace {
+
+constexpr std::int32_t unit_cell = static_cast<std::int32_t>(cell_size);
+
+/// The smallest region: 64 cells, -32 to 31 on each axis.
+RunOptions small_run(std::int32_t tile, TileOrder order = TileOrder::rows, unsigned threads = 1) {
+	RunOptions options{.seed = 11, .points = 1e3, .tile = tile, .order = order, .threads = threads, .gaps = 1};
+	REQUIRE(options.region().side == 64);
+	return options;
+}
+
+SamplePoint point_at(glm::ivec2 lattice) {
+	const glm::ivec2 cell(lattice.x >> lattice_bits, lattice.y >> lattice_bits);
+	return {glm::dvec2(lattice) / static_cast<double>(cell_size), pack({0, cell}), 0, 0};
+}
+
+Outcome run_on(const RunOptions &options, const TileSource &source) {
+	Run run(options, [&source] { return source; });
+	return run.go([](std::uint64_t) {});
+}
+
+/// Whole sets that are given by hand have gaps; those are not looked for.
+Outcome check_by_hand(RunOptions options, const std::vector<glm::ivec2> &lattice) {
+	options.gaps = 0;
+	return run_on(options, [&lattice](const Rect &rect, std::vector<SamplePoint> &r_points) {
+		r_points.clear();
+		for (const glm::ivec2 place : lattice) {
+			if (rect.contains(point_at(place).position)) {
+				r_points.push_back(point_at(place));
+			}
+		}
+		return Status{};
+	});
+}
+
+/// Changes what the sampler handed out for a rectangle.
+using Spoil = std::function<void(const Rect &rect, std::vector<SamplePoint> &r_points)>;
+
+Outcome run_spoilt(const RunOptions &options, const Spoil &spoil) {
+	Run run(options, [&options, &spoil]() -> TileSource {
+		auto sampler = std::make_shared<TileSampler>();
+		return [sampler, &options, &spoil](const Rect &rect, std::vector<SamplePoint> &r_points) {
+			const Status status = sampler->sample(options.set(), rect, r_points);
+			spoil(rect, r_points);
+			return status;
+		};
+	});
+	return run.go([](std::uint64_t) {});
+}
+
+Outcome run_sound(const RunOptions &options) {
+	return run_spoilt(options, [](const Rect &, std::vector<SamplePoint> &) {});
+}
+
+bool is_perfect(const Outcome &outcome) {
+	return outcome.status.ok() && outcome.found.too_close == 0 && outcome.found.misplaced == 0 &&
+			outcome.found.doubled == 0 && outcome.gaps.uncovered == 0 && outcome.gaps.changed == 0 &&
+			outcome.tiles_repeated == 0;
+}
+
+/// A small run of which one point, that of the cell `taken`, is tampered with.
+struct Marked {
+	static constexpr std::int32_t tile = 16;
+
+	using Points = std::vector<SamplePoint>;
+	using Tamper = std::function<void(const Rect &rect, Points &r_points, Points::iterator found)>;
+
+	RunOptions options = small_run(tile);
+	Digest digest = run_sound(options).found.digest;
+	/// Cells in the middle row of a tile: one that holds a point and one that does not.
+	glm::ivec2 taken{0}, open{0};
+
+	Marked() {
+		Points points;
+		TileSampler sampler;
+		REQUIRE(sampler.sample(options.set(), {{0.0, 0.0}, {tile, tile}}, points).ok());
+		for (glm::ivec2 cell(0, tile / 2); cell.x < tile; ++cell.x) {
+			(find(points, cell) != points.end() ? taken : open) = cell;
+		}
+	}
+
+	static Points::iterator find(Points &r_points, glm::ivec2 cell) {
+		return std::find_if(r_points.begin(), r_points.end(),
+				[cell](const SamplePoint &point) { return unpack(point.id).cell == cell; });
+	}
+
+	/// Tampers with every list that has the point in it.
+	Outcome run(const Tamper &tamper) const {
+		const Outcome outcome = run_spoilt(options, [&](const Rect &rect, Points &r_points) {
+			if (const auto found = find(r_points, taken); found != r_points.end()) {
+				tamper(rect, r_points, found);
+			}
+		});
+		CHECK(outcome.found.digest != digest);
+		return outcome;
+	}
+};
+
+const std::vector<TileOrder> all_orders{TileOrder::rows, TileOrder::shuffled, TileOrder::hilbert};
+
+} // namespace
+
+TEST_CASE("billion: every order visits every tile once") {
+	for (const TileOrder order : all_orders) {
+		for (const std::int32_t side : {16, 48, 64, 80, 1616}) {
+			const Region region{side, 16};
+			const TileSequence sequence(region, order, 77);
+			std::set<std::uint64_t> seen;
+			std::uint64_t visits = 0;
+			for (std::uint64_t slot = 0; slot < sequence.slots(); ++slot) {
+				if (const auto place = sequence.at(slot)) {
+					REQUIRE(region.has_tile(*place));
+					seen.insert(region.index_of(*place));
+					++visits;
+				}
+			}
+			CHECK(visits == region.tiles());
+			CHECK(seen.size() == region.tiles());
+		}
+	}
+}
+
+TEST_CASE("billion: a pair that is too close is noticed inside a tile, across its borders and its corners") {
+	// The cell east and north of the corner that four tiles share is at 0, 0.
+	const std::pair<glm::ivec2, glm::ivec2> pairs[] = {
+			{{5 * unit_cell, 5 * unit_cell}, {5 * unit_cell + 23170, 5 * unit_cell}},
+			{{-1, 5 * unit_cell}, {23169, 5 * unit_cell}},
+			{{-23170, -3 * unit_cell}, {0, -3 * unit_cell}},
+			{{5 * unit_cell, -1}, {5 * unit_cell, 23169}},
+			{{-3 * unit_cell, -23170}, {-3 * unit_cell, 0}},
+			{{-1, -1}, {unit_cell - 1, unit_cell - 2}},
+			{{-unit_cell, -unit_cell}, {0, -1}},
+			{{-unit_cell, unit_cell - 1}, {0, 0}},
+			{{-1, 0}, {unit_cell - 1, 1 - unit_cell}},
+			{{-unit_cell + 1, -unit_cell}, {0, 0}},
+	};
+	for (const TileOrder order : all_orders) {
+		for (const auto &[a, b] : pairs) {
+			CAPTURE(a.x);
+			CAPTURE(a.y);
+			const Outcome close = check_by_hand(small_run(16, order), {a, b});
+			CHECK(close.found.points == 2);
+			CHECK(close.found.pairs == 1);
+			CHECK(close.found.too_close == 1);
+			CHECK(close.found.least_squared < std::int64_t{radius_squared});
+
+			const glm::ivec2 away = glm::sign(b - a) * 2; // Now at the radius or just beyond it.
+			const Outcome apart = check_by_hand(small_run(16, order), {a, b + away});
+			CHECK(apart.found.too_close == 0);
+			CHECK(apart.found.least_squared >= std::int64_t{radius_squared});
+		}
+	}
+	CHECK(check_by_hand(small_run(16), {{-1, -1}, {unit_cell - 1, unit_cell - 1}}).found.too_close == 0);
+}
+
+TEST_CASE("billion: distances of all pairs are those of brute force, for any tiles, order and threads") {
+	std::mt19937 random(3);
+	std::vector<glm::ivec2> points;
+	for (std::int32_t cell = 0; cell < 64 * 64; ++cell) {
+		if (random() % 4 == 0) {
+			const glm::ivec2 inside(random() % cell_size, random() % cell_size);
+			points.push_back((glm::ivec2(cell % 64, cell / 64) - 32) * unit_cell + inside);
+		}
+	}
+	Findings truth;
+	for (std::size_t i = 0; i < points.size(); ++i) {
+		for (std::size_t j = 0; j < i; ++j) {
+			const glm::i64vec2 offset(points[i] - points[j]);
+			const std::int64_t squared = offset.x * offset.x + offset.y * offset.y;
+			const glm::ivec2 cells = glm::abs((points[i] >> lattice_bits) - (points[j] >> lattice_bits));
+			truth.pairs += cells.x <= 2 && cells.y <= 2 ? 1 : 0;
+			truth.too_close += squared < std::int64_t{radius_squared} ? 1 : 0;
+			truth.least_squared = std::min(truth.least_squared, squared);
+		}
+	}
+	REQUIRE(truth.too_close > 100);
+	for (const TileOrder order : all_orders) {
+		for (const std::int32_t tile : {16, 17, 21, 31, 40, 64}) {
+			for (const unsigned threads : {1u, 3u}) {
+				const Outcome outcome = check_by_hand(small_run(tile, order, threads), points);
+				CHECK(outcome.found.points == points.size());
+				CHECK(outcome.found.pairs == truth.pairs);
+				CHECK(outcome.found.too_close == truth.too_close);
+				CHECK(outcome.found.least_squared == truth.least_squared);
+				CHECK(outcome.tiles_finished == small_run(tile).region().tiles());
+			}
+		}
+	}
+}
+
+TEST_CASE("billion: the sampler's set passes, with the same digest for any tiles, order and threads") {
+	const Outcome first = run_sound(small_run(16));
+	CHECK(is_perfect(first));
+	CHECK(first.gaps.tiles == 16);
+	CHECK(first.found.points >= 1000);
+	for (const TileOrder order : all_orders) {
+		for (const std::int32_t tile : {19, 64}) {
+			const Outcome other = run_sound(small_run(tile, order, 2));
+			CHECK(is_perfect(other));
+			CHECK(other.found.digest == first.found.digest);
+			CHECK(other.found.pairs == first.found.pairs);
+			CHECK(other.coverage == first.coverage);
+			CHECK(other.coverage_error == first.coverage_error);
+		}
+	}
+	RunOptions another = small_run(16);
+	another.seed = 12;
+	CHECK(run_sound(another).found.digest != first.found.digest);
+}
+
+TEST_CASE("billion: points that are missing or planted are noticed") {
+	const Marked marked;
+	const Outcome missing = marked.run([](const Rect &, auto &r_points, auto found) { r_points.erase(found); });
+	CHECK(missing.gaps.uncovered > 0);
+	CHECK(missing.gaps.changed == 0);
+
+	const Outcome missing_in_tile = marked.run([](const Rect &rect, auto &r_points, auto found) {
+		if (rect.size().x == Marked::tile) {
+			r_points.erase(found);
+		}
+	});
+	CHECK(missing_in_tile.gaps.uncovered > 0);
+	CHECK(missing_in_tile.gaps.changed == 1);
+
+	const Outcome planted = marked.run(
+			[&](const Rect &, auto &r_points, auto) { r_points.push_back(point_at(marked.open * unit_cell)); });
+	CHECK(planted.found.too_close > 0);
+}
+
+TEST_CASE("billion: points that are given twice, moved or renamed are noticed") {
+	const Marked marked;
+	const Outcome twice = marked.run([](const Rect &, auto &r_points, auto found) { r_points.push_back(*found); });
+	CHECK(twice.found.doubled == 1);
+
+	const Outcome off_lattice =
+			marked.run([](const Rect &, auto &, auto found) { found->position.x += 1.0 / (4 * unit_cell); });
+	CHECK(off_lattice.found.misplaced == 1);
+
+	const Outcome renamed = marked.run([&](const Rect &, auto &, auto found) { found->id = pack({0, marked.open}); });
+	CHECK(renamed.found.misplaced == 1);
+
+	const Outcome ranked = marked.run([](const Rect &, auto &, auto found) { found->rank ^= 1; });
+	CHECK(is_perfect(ranked)); // But for its digest, at which `run` looks.
+}
+
+TEST_CASE("billion: tiles that are dropped, repeated or exchanged are noticed") {
+	const RunOptions options = small_run(16);
+	const Outcome sound = run_sound(options);
+	const Rect chosen{{0.0, 0.0}, {16.0, 16.0}};
+
+	const Outcome dropped = run_spoilt(options, [&](const Rect &rect, std::vector<SamplePoint> &r_points) {
+		if (rect.min == chosen.min) {
+			r_points.clear();
+		}
+	});
+	CHECK(dropped.found.digest != sound.found.digest);
+	CHECK(dropped.gaps.uncovered > 0);
+
+	TileSampler sampler;
+	const Outcome exchanged = run_spoilt(options, [&](const Rect &rect, std::vector<SamplePoint> &r_points) {
+		if (rect.min == chosen.min && rect.max == chosen.max) {
+			REQUIRE(sampler.sample(options.set(), {{-16.0, 0.0}, {0.0, 16.0}}, r_points).ok());
+		}
+	});
+	CHECK(exchanged.found.digest != sound.found.digest);
+	CHECK(exchanged.found.misplaced > 0);
+
+	Seams seams(options.region());
+	CHECK(seams.finish({1, 1}, {{0, 0}}).empty());
+	CHECK(seams.finish({2, 2}, {}).size() == 1);
+	CHECK(seams.finish({1, 1}, {{0, 0}}).empty());
+	CHECK(seams.finish({2, 1}, {}).size() == 2);
+	CHECK(seams.repeated() == 1);
+	CHECK(seams.finished() == 3);
+}
+
+TEST_CASE("billion: rims are kept no longer than a neighbour is missing") {
+	const Region region{1600, 16};
+	for (const TileOrder order : all_orders) {
+		Seams seams(region);
+		const TileSequence sequence(region, order, 5);
+		std::size_t pairs = 0;
+		for (std::uint64_t slot = 0; slot < sequence.slots(); ++slot) {
+			if (const auto place = sequence.at(slot)) {
+				pairs += seams.finish(*place, {{0, 0}}).size();
+			}
+		}
+		CHECK(pairs == 2 * 100 * 99 + 2 * 99 * 99);
+		CHECK(seams.most_kept() < 7 * 100); // Of 10000 tiles: at most some rows.
+	}
+}
+
+TEST_CASE("billion: a refusal ends the run") {
+	const Outcome outcome = run_on(small_run(16, TileOrder::rows, 2), [](const Rect &, std::vector<SamplePoint> &) {
+		return Status{ErrorCode::out_of_range, "rect", 1.0};
+	});
+	CHECK(outcome.status.code == ErrorCode::out_of_range);
+	CHECK(outcome.tiles_finished == 0);
+}
