@@ -12,6 +12,9 @@
 // Seconds are processor time of the call that makes the points, from a cold object to a filled vector.
 
 #include "tests/analysis/naive_darts.hpp"
+#include "tests/bench/baselines/boundary_sampling.hpp"
+#include "tests/bench/baselines/scalloped_sectors.hpp"
+#include "tests/bench/baselines/voronoi_darts.hpp"
 #include "tests/bench/common/bridson.hpp"
 #include "tests/bench/common/plain_bridson.hpp"
 #include "tests/bench/common/timing.hpp"
@@ -190,6 +193,9 @@ const Method &find_method(const std::string &name) {
 			Method{"wavefront", run_domain<float>, run_domain<double>, true},
 			Method{"tile", nullptr, run_tiles},
 			Method{"reference", nullptr, run_reference},
+			Method{"scalloped", nullptr, run_torus<ScallopedSectors>},
+			Method{"boundary", nullptr, run_torus<BoundarySampling>},
+			Method{"jones", nullptr, run_torus<VoronoiDarts>},
 			Method{"plain_bridson", run_bounded<PlainBridson>, nullptr},
 			Method{"bridson", run_bounded<Bridson>, nullptr},
 	};
