@@ -25,7 +25,7 @@ namespace thicket::bench {
 /// throwing, and denser. O(N) time. Keeps its memory between calls.
 class BoundarySampling {
 public:
-	/// Replaces `r_points` by a maximal set on the torus [0, side)^2, no two points closer than 1. `side` from 10 to 1e5.
+	/// Replaces `r_points` by a maximal set on the torus [0, side)^2, no two points closer than 1. `side` from 11 to 1e5.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		grid_.reset(side);
 		active_.clear();
@@ -51,16 +51,18 @@ private:
 	/// Half the part of a circle that a neighbour on it covers.
 	static constexpr double sixth = std::numbers::pi / 3.0;
 
-	/// Open angles in [0, turn], as ranges that do not touch. A circle meets at most 18 disks whose centres keep their
-	/// distance and each adds at most one range, or two where it covers angle 0.
+	/// Open angles in [0, turn], as ranges that do not touch. A disk opens at most one more of them, and at most 20
+	/// points that keep their distance are less than 2 from another (Oler 1961).
 	struct Ranges {
 		struct Range {
 			double begin;
 			double end;
 		};
 
-		std::array<Range, 40> ranges{{{0.0, turn}}};
+		std::array<Range, 24> ranges;
 		std::uint32_t count = 1;
+
+		Ranges() { ranges[0] = {0.0, turn}; }
 
 		/// Takes out the angles closer than `half` to `middle`, which is at most a turn off the range of angles.
 		void cover(double middle, double half) {

@@ -54,22 +54,26 @@ struct ScallopedSector {
 	glm::dvec2 to{1.0, 0.0};
 	Arc near;
 	Arc far;
-	double farthest = 0.0; ///< Distance from the origin that no place of the sector exceeds.
+	double near_from = 0.0; ///< Distances from the origin at which the first and the last ray meet the arcs.
+	double near_to = 0.0;
+	double far_from = 0.0;
+	double far_to = 0.0;
 	double area = 0.0;
 
 	/// Completes a sector whose rays and arcs are set.
 	void measure() {
-		area = area_until(to, near.at(to), far.at(to));
-		farthest = std::max(far.at(from), far.at(to));
+		near_from = near.at(from);
+		near_to = near.at(to);
+		far_from = far.at(from);
+		far_to = far.at(to);
+		area = area_until(to, near_to, far_to);
 	}
 
 	/// The area from `from` to another ray of the sector, which meets the arcs at these distances.
 	double area_until(glm::dvec2 ray, double near_at, double far_at) const {
-		const double first_near = near.at(from);
-		const double first_far = far.at(from);
 		const double straight =
-				0.5 * cross(from, ray) * (first_far * (far_at - near_at) + near_at * (first_far - first_near));
-		return straight + far.bulge(first_far * from, far_at * ray) - near.bulge(first_near * from, near_at * ray);
+				0.5 * cross(from, ray) * (far_from * (far_at - near_at) + near_at * (far_from - near_from));
+		return straight + far.bulge(far_from * from, far_at * ray) - near.bulge(near_from * from, near_at * ray);
 	}
 
 	/// The place that two numbers in [0, 1) stand for; uniform numbers give uniform places. The ray is found by Newton's
@@ -100,13 +104,28 @@ struct ScallopedSector {
 	/// `disk` has radius 2.
 	bool misses(const Disk &disk) const {
 		const double squared = dot(disk.center, disk.center);
-		const double reach = farthest + disk.radius;
+		const double reach = std::max(far_from, far_to) + disk.radius;
 		if (squared >= reach * reach || cross(from, disk.center) <= -disk.radius ||
 				cross(to, disk.center) >= disk.radius) {
 			return true;
 		}
 		return squared + 1.0 >= disk.radius * disk.radius && dot(from, disk.center) <= 0.0 &&
 				dot(to, disk.center) <= 0.0;
+	}
+
+	/// Whether the disk holds the sector; told cheaply, so that false is no answer. By its corners: the near arc bends
+	/// into their hull, and so does the far arc where it is part of a disk. The origin's own circle does not, but a
+	/// disk that holds the origin covers one range of it.
+	bool within(const Disk &disk) const {
+		const double squared = disk.radius * disk.radius;
+		const auto holds = [&](glm::dvec2 place) {
+			const glm::dvec2 offset = place - disk.center;
+			return dot(offset, offset) <= squared;
+		};
+		if (!holds(far_from * from) || !holds(far_to * to)) {
+			return false;
+		}
+		return holds(glm::dvec2(0.0)) || (far.side < 0.0 && holds(near_from * from) && holds(near_to * to));
 	}
 
 private:

@@ -30,7 +30,11 @@ namespace thicket::bench {
 /// sector, and a sector that has no place left between the coordinates is dropped. Keeps its memory between calls.
 class ScallopedSectors {
 public:
-	/// Replaces `r_points` by a maximal set on the torus [0, side)^2, no two points closer than 1. `side` from 10 to 5e4.
+	/// Part of the torus that disks of half the radius cover, as measured: 0.0017 less than after darts at the whole
+	/// domain, because the set grows from one point and places near its edge are filled before others are open.
+	static constexpr double coverage = 0.5454;
+
+	/// Replaces `r_points` by a maximal set on the torus [0, side)^2, no two points closer than 1. `side` from 11 to 5e4.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		grid_.reset(side);
 		areas_.reset(static_cast<std::size_t>(densest * side * side) + 1);
@@ -51,8 +55,8 @@ public:
 private:
 	/// Most points on a unit of area: those of a hexagonal lattice.
 	static constexpr double densest = 2.0 / std::numbers::sqrt3;
-	static constexpr int reach = 2;       ///< Cells; disks of radius 2 are at most 4 apart when they meet.
-	static constexpr int first_parts = 6; ///< Sectors of a whole annulus.
+	static constexpr int reach = 2;                 ///< Cells; disks of radius 2 are at most 4 apart when they meet.
+	static constexpr std::size_t annulus_parts = 6; ///< So that no arc in it is half of its circle.
 	static constexpr int most_throws = 16;
 	static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 	static constexpr std::size_t most_neighbours = 128;
@@ -69,6 +73,7 @@ private:
 		std::uint32_t next;
 	};
 
+	std::array<ScallopedSector, annulus_parts> annulus_ = make_annulus();
 	TorusGrid grid_;
 	SumTree areas_;
 	std::vector<std::uint32_t> first_; ///< Of each point, its first sector.
@@ -132,10 +137,12 @@ private:
 				weigh(neighbour.index);
 			}
 		}
-		add_annulus(index);
+		for (const ScallopedSector &part : annulus_) {
+			add_sector(index, part);
+		}
 		// What is near covers most: the others then find few sectors, or none.
-		cut_neighbours(index, 0.0, 2.5);
-		cut_neighbours(index, 2.5, 16.0);
+		cut_neighbours(index, 0.0, 4.0);
+		cut_neighbours(index, 4.0, 16.0);
 		weigh(index);
 	}
 
@@ -149,19 +156,19 @@ private:
 		}
 	}
 
-	/// Gives a point all that is less than 2 and at least 1 from it.
-	void add_annulus(std::size_t owner) {
-		glm::dvec2 from(1.0, 0.0);
-		for (int i = 1; i <= first_parts; ++i) {
-			const double angle = 2.0 * std::numbers::pi / first_parts * i;
-			ScallopedSector part;
-			part.from = from;
-			part.to = i < first_parts ? glm::dvec2(std::cos(angle), std::sin(angle)) : glm::dvec2(1.0, 0.0);
-			part.far.disk.radius = 2.0;
-			part.measure();
-			from = part.to;
-			add_sector(owner, part);
+	/// All that is less than 2 and at least 1 from a point.
+	static std::array<ScallopedSector, annulus_parts> make_annulus() {
+		std::array<ScallopedSector, annulus_parts> annulus;
+		for (std::size_t i = 0; i < annulus_parts; ++i) {
+			const double angle = 2.0 * std::numbers::pi / annulus_parts * static_cast<double>(i);
+			annulus[i].from = {std::cos(angle), std::sin(angle)};
+			annulus[(i + annulus_parts - 1) % annulus_parts].to = annulus[i].from;
+			annulus[i].far.disk.radius = 2.0;
 		}
+		for (ScallopedSector &part : annulus) {
+			part.measure();
+		}
+		return annulus;
 	}
 
 	void add_sector(std::size_t owner, const ScallopedSector &sector) {

@@ -27,8 +27,11 @@ public:
 
 	/// False if the disk leaves the sector whole. The origin lies outside of the disk, or within one of radius 2.
 	bool run(const ScallopedSector &sector, const Disk &disk) {
-		find_rays(sector, disk);
 		count = 0;
+		if (sector.within(disk)) {
+			return true;
+		}
+		find_rays(sector, disk);
 		std::array<std::size_t, kinds> open{none, none, none};
 		bool touched = false;
 		for (std::size_t slice = 0; slice + 1 < ray_count_; ++slice) {

@@ -10,13 +10,17 @@
 
 namespace thicket::bench {
 
-/// Finds the neighbours of a place on the torus [0, side)^2 among points that keep distance 1: square cells two units
-/// wide or a little more, which hold the points themselves, so that a look at a cell reads one or two cache lines.
+/// Finds the neighbours of a place on the torus [0, side)^2 among points that keep distance 1: square cells a hair more
+/// than two units wide, which hold the points themselves, so that a look at a cell reads one or two cache lines.
 class TorusGrid {
 public:
-	static constexpr double least_cell = 2.0;
+	/// More than twice the distance at which boundary sampling places points.
+	static constexpr double least_cell = 2.0 + 1e-8;
 
-	/// Empties the grid. A neighbourhood of `reach` cells may not meet itself: `side` >= 2 (2 reach + 1).
+	/// The least side of a torus on which a neighbourhood of two cells does not meet itself.
+	static constexpr double least_side = 11.0;
+
+	/// Empties the grid. `side` from `least_side`.
 	void reset(double side) {
 		side_ = side;
 		half_side_ = 0.5 * side;
@@ -34,8 +38,8 @@ public:
 		++cell.count;
 	}
 
-	/// Calls `visit(index, offset)` for every point in the cells up to `reach` from that of `place`, and so for all
-	/// that are closer than 2 `reach`; `offset` leads from `place` to the point the short way round.
+	/// Calls `visit(index, offset)` for every point in the cells up to `reach` from that of `place`, so for all
+	/// that are no farther than `reach` times `least_cell`; `offset` leads from `place` to the point the short way round.
 	template <typename Visit>
 	void visit(glm::dvec2 place, int reach, const Visit &visit) const {
 		const int column = column_of(place.x);
@@ -55,7 +59,7 @@ public:
 	glm::dvec2 wrap(glm::dvec2 place) const { return {wrap(place.x), wrap(place.y)}; }
 
 private:
-	/// Points at distance 1 in a square of width w: at most (2 / sqrt(3)) w^2 + 2 w + 1 (Oler 1961), and w < 2.4 from
+	/// Points at distance 1 in a square of width w: at most (2 / sqrt(3)) w^2 + 2 w + 1 (Oler 1961), and w < 2.41 from
 	/// five cells on.
 	static constexpr std::size_t most_points = 12;
 

@@ -1,0 +1,348 @@
+// The baselines after Dunbar and Humphreys: least distance and maximality of whole sets on the torus, checked exactly;
+// the geometry of scalloped sectors against quadrature; the law of the sets against darts that share no code with them.
+
+#include "tests/analysis/domain_checks.hpp"
+#include "tests/analysis/naive_darts.hpp"
+#include "tests/bench/baselines/boundary_sampling.hpp"
+#include "tests/bench/baselines/scalloped_sectors.hpp"
+
+#include <doctest/doctest.h>
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+using namespace thicket;
+using analysis::DomainCheck;
+using analysis::DomainReport;
+using bench::Disk;
+using bench::ScallopedSector;
+
+namespace {
+
+/// The smallest that they take, cells of the grid that are no wider than they must be, and sizes beyond.
+constexpr double sides[] = {11.0, 12.0, 17.3, 38.0, 90.0};
+
+DomainReport check_torus(const std::vector<glm::dvec2> &points, double side, double tolerance) {
+	return DomainCheck::run(points, {.size = glm::dvec2(side), .toroidal = true, .tolerance = tolerance});
+}
+
+template <typename Sampler>
+void check_sets(double tolerance) {
+	Sampler sampler;
+	std::vector<glm::dvec2> points;
+	for (const double side : sides) {
+		for (std::uint64_t seed = 0; seed < 5; ++seed) {
+			CAPTURE(side);
+			CAPTURE(seed);
+			sampler.sample(side, seed, points);
+			const DomainReport report = check_torus(points, side, tolerance);
+			CHECK(report.outside == 0);
+			CHECK(report.too_close == 0);
+			CHECK(report.gaps == 0);
+		}
+	}
+}
+
+template <typename Sampler>
+void check_determinism() {
+	Sampler sampler;
+	std::vector<glm::dvec2> points;
+	sampler.sample(20.0, 1, points);
+	const std::vector<glm::dvec2> first = points;
+	sampler.sample(20.0, 2, points);
+	CHECK(points != first);
+	sampler.sample(50.0, 1, points);
+	sampler.sample(20.0, 1, points);
+	CHECK(points == first);
+	Sampler().sample(20.0, 1, points);
+	CHECK(points == first);
+}
+
+/// Mean and standard error of the part of the torus that disks of half the radius cover.
+struct Coverage {
+	double sum = 0.0;
+	double squares = 0.0;
+	int sets = 0;
+
+	void add(std::size_t points, double side) {
+		const double covered = static_cast<double>(points) * std::numbers::pi / 4.0 / (side * side);
+		sum += covered;
+		squares += covered * covered;
+		++sets;
+	}
+
+	double mean() const { return sum / sets; }
+	double variance() const { return (squares / sets - mean() * mean()) / (sets - 1); }
+};
+
+template <typename Sampler>
+Coverage coverage_of(double side, int sets) {
+	Sampler sampler;
+	std::vector<glm::dvec2> points;
+	Coverage coverage;
+	for (int seed = 0; seed < sets; ++seed) {
+		sampler.sample(side, static_cast<std::uint64_t>(seed), points);
+		coverage.add(points.size(), side);
+	}
+	return coverage;
+}
+
+/// Darts at a whole torus of which only those are accepted that are at least 1 from all points and less than 2 from
+/// one: what scalloped sectors do, without any of their geometry. Once every place is less than 2 from a point, the
+/// second condition holds always, and naive dart throwing goes on to the end.
+std::vector<glm::dvec2> darts_within_two(double side, std::uint64_t seed) {
+	std::mt19937_64 random(seed);
+	std::uniform_real_distribution<double> coordinate(0.0, side);
+	const auto throws = static_cast<int>(side * side);
+	std::vector<glm::dvec2> points{{coordinate(random), coordinate(random)}};
+	const auto squared = [&](glm::dvec2 dart, glm::dvec2 point) {
+		const double dx = std::abs(dart.x - point.x);
+		const double dy = std::abs(dart.y - point.y);
+		const glm::dvec2 shortest(std::min(dx, side - dx), std::min(dy, side - dy));
+		return shortest.x * shortest.x + shortest.y * shortest.y;
+	};
+	while (DomainCheck::run(points, {.size = glm::dvec2(side), .radius = 2.0, .toroidal = true}).gaps > 0) {
+		for (int i = 0; i < throws; ++i) {
+			const double x = coordinate(random);
+			const glm::dvec2 dart(x, coordinate(random));
+			double nearest = side * side;
+			for (std::size_t p = 0; p < points.size() && nearest >= 1.0; ++p) {
+				nearest = std::min(nearest, squared(dart, points[p]));
+			}
+			if (nearest >= 1.0 && nearest < 4.0) {
+				points.push_back(dart);
+			}
+		}
+	}
+	return analysis::NaiveDarts(side, seed).run_after(std::move(points));
+}
+
+/// All between 1 and 2 from the origin.
+std::vector<ScallopedSector> annulus() {
+	std::vector<ScallopedSector> sectors(6);
+	for (int i = 0; i < 6; ++i) {
+		ScallopedSector &sector = sectors[static_cast<std::size_t>(i)];
+		const double angle = std::numbers::pi / 3.0 * i;
+		sector.from = {std::cos(angle), std::sin(angle)};
+		sector.to = {std::cos(angle + std::numbers::pi / 3.0), std::sin(angle + std::numbers::pi / 3.0)};
+		sector.far.disk.radius = 2.0;
+		sector.measure();
+	}
+	return sectors;
+}
+
+std::vector<ScallopedSector> cut(const std::vector<ScallopedSector> &sectors, const Disk &disk) {
+	bench::SectorCut tool;
+	std::vector<ScallopedSector> rest;
+	for (const ScallopedSector &sector : sectors) {
+		if (sector.misses(disk) || !tool.run(sector, disk)) {
+			rest.push_back(sector);
+		} else {
+			rest.insert(rest.end(), tool.parts.begin(), tool.parts.begin() + static_cast<std::ptrdiff_t>(tool.count));
+		}
+	}
+	return rest;
+}
+
+bool holds(const Disk &disk, glm::dvec2 place) {
+	return bench::dot(place - disk.center, place - disk.center) < disk.radius * disk.radius;
+}
+
+/// Disks as they meet a point's sectors: of radius 1 at 1 to 3, of radius 2 at 1 to 4.
+std::vector<Disk> random_disks(std::mt19937_64 &random, int count) {
+	std::uniform_real_distribution<double> unit(0.0, 1.0);
+	std::vector<Disk> disks;
+	for (int i = 0; i < count; ++i) {
+		const double radius = unit(random) < 0.7 ? 1.0 : 2.0;
+		const double away = 1.0 + (radius + 1.0) * unit(random);
+		const double angle = 2.0 * std::numbers::pi * unit(random);
+		disks.push_back({away * glm::dvec2(std::cos(angle), std::sin(angle)), radius});
+	}
+	return disks;
+}
+
+/// Equal steps of the first number are equal steps of area, in order; equal steps of the second are equal steps of area
+/// along a ray, from arc to arc; and no place lies in a disk.
+void check_places(const ScallopedSector &sector, const std::vector<Disk> &disks) {
+	const double loose = 2e-7; // Where a ray touches a circle, its distance is a root of what rounding leaves.
+	for (const double turned : {0.0, 0.01, 0.3, 0.5, 0.77, 0.999}) {
+		const glm::dvec2 nearest = sector.place(turned, 0.0);
+		const glm::dvec2 middle = sector.place(turned, 0.5);
+		const glm::dvec2 farthest = sector.place(turned, 1.0);
+		const glm::dvec2 ray = bench::normalized(middle);
+		CHECK(std::abs(bench::cross(nearest, ray)) < 1e-12);
+		CHECK(std::abs(bench::cross(farthest, ray)) < 1e-12);
+		const double near_at = sector.near.at(ray);
+		const double far_at = sector.far.at(ray);
+		CHECK(std::abs(bench::dot(nearest, ray) - near_at) < loose);
+		CHECK(std::abs(bench::dot(farthest, ray) - far_at) < loose);
+		CHECK(std::abs(bench::dot(middle, middle) - 0.5 * (near_at * near_at + far_at * far_at)) < loose);
+		CHECK(std::abs(sector.area_until(ray, near_at, far_at) - turned * sector.area) < 1e-9 * sector.area + 1e-15);
+		for (Disk disk : disks) {
+			disk.radius -= 1e-9;
+			CHECK_FALSE(holds(disk, middle));
+		}
+	}
+}
+
+/// Area of the annulus from 1 to 2 outside of all disks, by counting the middles of small squares.
+double counted_area(const std::vector<Disk> &disks, int squares_a_side) {
+	const double width = 4.0 / squares_a_side;
+	int inside = 0;
+	for (int y = 0; y < squares_a_side; ++y) {
+		for (int x = 0; x < squares_a_side; ++x) {
+			const glm::dvec2 place((x + 0.5) * width - 2.0, (y + 0.5) * width - 2.0);
+			bool free = holds({{0.0, 0.0}, 2.0}, place) && !holds({{0.0, 0.0}, 1.0}, place);
+			for (std::size_t i = 0; i < disks.size() && free; ++i) {
+				free = !holds(disks[i], place);
+			}
+			inside += free ? 1 : 0;
+		}
+	}
+	return inside * width * width;
+}
+
+} // namespace
+
+TEST_CASE("baselines: scalloped sectors keep their distance and leave no gap") {
+	check_sets<bench::ScallopedSectors>(1e-9);
+}
+
+TEST_CASE("baselines: boundary sampling keeps its distance and leaves no gap") {
+	check_sets<bench::BoundarySampling>(3e-9);
+}
+
+TEST_CASE("baselines: Dunbar and Humphreys' methods give the same set for the same seed") {
+	check_determinism<bench::ScallopedSectors>();
+	check_determinism<bench::BoundarySampling>();
+}
+
+TEST_CASE("baselines: scalloped sectors are distributed like darts within 2 of the set") {
+	const double side = 24.0;
+	const int sets = 250;
+	const Coverage sectors = coverage_of<bench::ScallopedSectors>(side, sets);
+	Coverage darts;
+	for (int seed = 0; seed < sets; ++seed) {
+		darts.add(darts_within_two(side, static_cast<std::uint64_t>(seed)).size(), side);
+	}
+	CAPTURE(sectors.mean());
+	CAPTURE(darts.mean());
+	CHECK(std::abs(sectors.mean() - darts.mean()) < 4.0 * std::sqrt(sectors.variance() + darts.variance()));
+	// Not quite what darts at the whole domain give, 0.547070; see the class.
+	CHECK(std::abs(sectors.mean() - bench::ScallopedSectors::coverage) < 4.0 * std::sqrt(sectors.variance()));
+}
+
+TEST_CASE("baselines: boundary sampling is far denser than dart throwing") {
+	const Coverage coverage = coverage_of<bench::BoundarySampling>(40.0, 10);
+	CHECK(coverage.mean() > 0.66);
+	CHECK(coverage.mean() < 0.69);
+}
+
+TEST_CASE("baselines: sectors have the area that is left when disks are cut out") {
+	std::mt19937_64 random(5);
+	for (int round = 0; round < 60; ++round) {
+		CAPTURE(round);
+		const std::vector<Disk> disks = random_disks(random, 1 + round % 5);
+		std::vector<ScallopedSector> sectors = annulus();
+		for (const Disk &disk : disks) {
+			sectors = cut(sectors, disk);
+		}
+		double area = 0.0;
+		for (const ScallopedSector &sector : sectors) {
+			CHECK(sector.area > 0.0);
+			area += sector.area;
+		}
+		CHECK(std::abs(area - counted_area(disks, 500)) < 0.01);
+	}
+}
+
+TEST_CASE("baselines: uniform numbers give uniform places of a sector") {
+	std::mt19937_64 random(6);
+	for (int round = 0; round < 40; ++round) {
+		CAPTURE(round);
+		const std::vector<Disk> disks = random_disks(random, 3);
+		std::vector<ScallopedSector> sectors = annulus();
+		for (const Disk &disk : disks) {
+			sectors = cut(sectors, disk);
+		}
+		for (const ScallopedSector &sector : sectors) {
+			check_places(sector, disks);
+		}
+	}
+}
+
+TEST_CASE("baselines: a tree of sums finds every weight by its share and ends at exactly 0") {
+	bench::SumTree tree;
+	const std::size_t count = 1000;
+	tree.reset(count);
+	CHECK(tree.total() == 0.0);
+	double before = 0.0;
+	for (std::size_t i = 0; i < count; ++i) {
+		tree.set(i, static_cast<double>(i % 7));
+	}
+	for (std::size_t i = 0; i < count; ++i) {
+		const auto weight = static_cast<double>(i % 7);
+		if (weight > 0.0) {
+			CHECK(tree.find(before) == i);
+			CHECK(tree.find(before + 0.99 * weight) == i);
+		}
+		before += weight;
+	}
+	CHECK(tree.total() == before);
+	CHECK(tree.find(2.0 * before) % 7 != 0);
+	for (std::size_t i = 0; i < count; ++i) {
+		tree.set(i, 0.1 * static_cast<double>(i));
+	}
+	for (std::size_t i = 0; i < count; ++i) {
+		tree.set(i, 0.0);
+	}
+	CHECK(tree.total() == 0.0);
+}
+
+TEST_CASE("baselines: the check of domains finds a missing point, a point too many and a point outside") {
+	const double side = 12.5;
+	const std::vector<glm::dvec2> points = analysis::NaiveDarts(side, 9).run();
+	REQUIRE(check_torus(points, side, 1e-9).perfect());
+	// Without the seam the border is open.
+	CHECK(DomainCheck::run(points, {.size = glm::dvec2(side)}).gaps > 0);
+	for (std::size_t i = 0; i < points.size(); ++i) {
+		std::vector<glm::dvec2> changed = points;
+		changed.erase(changed.begin() + static_cast<std::ptrdiff_t>(i));
+		CHECK(check_torus(changed, side, 1e-9).gaps > 0);
+		CHECK(check_torus(changed, side, 1e-9).too_close == 0);
+		changed.push_back(glm::mod(points[i] + glm::dvec2(0.4, 0.5), side));
+		changed.push_back(points[i]);
+		CHECK(check_torus(changed, side, 1e-9).too_close > 0);
+		changed.back().x = side;
+		CHECK(check_torus(changed, side, 1e-9).outside == 1);
+	}
+	CHECK(check_torus({}, side, 1e-9).gaps > 0);
+}
+
+TEST_CASE("baselines: the check of domains counts in the points' own unit and on rectangles") {
+	// A square lattice of distance 3 has no place farther than 1.5 sqrt(2) from a point.
+	std::vector<glm::dvec2> points;
+	for (int y = 0; y < 5; ++y) {
+		for (int x = 0; x < 9; ++x) {
+			points.emplace_back(3.0 * x + 1.5, 3.0 * y + 1.5);
+		}
+	}
+	const glm::dvec2 size(27.0, 15.0);
+	const double covering = 1.5 * std::numbers::sqrt2;
+	for (const bool toroidal : {false, true}) {
+		CHECK(DomainCheck::run(points, {.size = size, .radius = covering, .toroidal = toroidal}).gaps == 0);
+		CHECK(DomainCheck::run(points, {.size = size, .radius = 0.999 * covering, .toroidal = toroidal}).gaps > 0);
+		CHECK(DomainCheck::run(points, {.size = size, .radius = 3.0, .toroidal = toroidal}).too_close == 0);
+		const DomainReport close = DomainCheck::run(points, {.size = size, .radius = 3.001, .toroidal = toroidal});
+		CHECK(close.too_close == (toroidal ? 90 : 76));
+		CHECK(close.least_squared == 9.0);
+	}
+}
