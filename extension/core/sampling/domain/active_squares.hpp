@@ -33,9 +33,9 @@ public:
 
 	/// `expected` squares in all make chunks large enough to be few, and small enough not to matter.
 	explicit ActiveSquares(std::uint64_t expected) {
-		const auto wanted = std::bit_ceil(expected / 64 + 1);
+		const auto wanted = std::bit_ceil(expected / 512 + 1);
 		chunk_shift_ =
-				static_cast<std::uint32_t>(std::countr_zero(std::clamp<std::uint64_t>(wanted, 1u << 8, 1u << 17)));
+				static_cast<std::uint32_t>(std::countr_zero(std::clamp<std::uint64_t>(wanted, 1u << 8, 1u << 16)));
 	}
 
 	bool empty() const { return held_ == 0; }

@@ -45,6 +45,7 @@ public:
 		for (int level = 0; level <= frame_.finest; ++level) {
 			half_x_[static_cast<std::size_t>(level)] = static_cast<Real>(std::ldexp(frame_.base.x, -level - 1));
 			half_y_[static_cast<std::size_t>(level)] = static_cast<Real>(std::ldexp(frame_.base.y, -level - 1));
+			step_[static_cast<std::size_t>(level)] = std::ldexp(0x1p-32, frame_.finest - level);
 		}
 	}
 
@@ -98,10 +99,12 @@ private:
 	DomainStats counts_;
 	std::array<Real, ActiveSquares<Real>::most_levels> half_x_{}; ///< Half the width of a square of each level.
 	std::array<Real, ActiveSquares<Real>::most_levels> half_y_{};
+	std::array<double, ActiveSquares<Real>::most_levels> step_{}; ///< Units that 2^-32 of the width stands for.
+	std::array<Draw, ring> draws_{};
 	std::array<Choice, ring> foreseen_{};
 
 	/// Random bits, three words a choice.
-	std::uint64_t bits(std::uint64_t choice, std::uint64_t word) const {
+	HWY_INLINE std::uint64_t bits(std::uint64_t choice, std::uint64_t word) const {
 		return split_mix(key_ + (3 * choice + word) * split_mix_gamma);
 	}
 	Draw draw(std::uint64_t choice) const { return {bits(choice, 0), bits(choice, 1)}; }
@@ -113,6 +116,9 @@ private:
 	}
 
 	bool begin(const Progress &progress) {
+		for (std::uint64_t choice = 0; choice < ahead; ++choice) {
+			draws_[choice] = draw(choice);
+		}
 		if (wavefront_) {
 			groups_.emplace(frame_.squares, frame_.toroidal);
 			groups_->activate({0, 0}, [this](glm::uvec2 square) { push_base(square); });
@@ -146,13 +152,15 @@ private:
 		if (const Square<Real> *square = active_.peek(foreseen_[(choice + cells_ahead) % ring])) {
 			cells_.prefetch(base_of(*square));
 		}
-		foreseen_[(choice + ahead) % ring] = active_.foresee(draw(choice + ahead));
+		const std::uint64_t later = choice + ahead;
+		draws_[later % ring] = draw(later);
+		foreseen_[later % ring] = active_.foresee(draws_[later % ring]);
 	}
 
 	void step(Points *r_points) {
 		foresee();
 		const std::uint64_t number = counts_.selections++;
-		const Choice choice = active_.choose(draw(number));
+		const Choice choice = active_.choose(draws_[number % ring]);
 		const Square<Real> square = active_.take(choice);
 		const CenteredSquare<Real> centered = centered_square(square, choice.level);
 		const glm::uvec2 base = base_of(square);
@@ -179,7 +187,7 @@ private:
 
 	/// A place in the square with uniform probability.
 	glm::vec<2, Real> dart_in(const Square<Real> &square, std::uint32_t level, std::uint64_t random) const {
-		const double width = std::ldexp(0x1p-32, frame_.finest - static_cast<int>(level));
+		const double width = step_[level];
 		const double x = static_cast<double>(square.x) + static_cast<double>(random >> 32) * width;
 		const double y = static_cast<double>(square.y) + static_cast<double>(random & 0xffffffff) * width;
 		return {frame_.place(x * frame_.unit.x, 0), frame_.place(y * frame_.unit.y, 1)};

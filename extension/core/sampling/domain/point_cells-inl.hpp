@@ -43,7 +43,8 @@ public:
 	/// Adds a point at a biased position, whose dart was thrown in a base square.
 	void add(Real x, Real y, glm::uvec2 square) {
 		if constexpr (accumulate) {
-			for_each_image(x, y, square, [this](Real image_x, Real image_y, glm::ivec2) { spread(image_x, image_y); });
+			for_each_image(x, y, square,
+					[this](Real image_x, Real image_y, glm::ivec2 image) { spread(image_x, image_y, image); });
 		} else {
 			for_each_image(x, y, square, [this](Real image_x, Real image_y, glm::ivec2 image) {
 				const glm::uvec2 cell = glm::uvec2(image + static_cast<int>(pad_)) / width_;
@@ -60,9 +61,7 @@ public:
 			const glm::uvec2 first = (square + pad_ - reach) / width_;
 			const glm::uvec2 last = (square + pad_ + reach) / width_;
 			for (std::uint32_t y = first.y; y <= last.y; ++y) {
-				for (std::uint32_t x = first.x; x <= last.x; ++x) {
-					fetch(index_of({x, y}));
-				}
+				fetch_row(index_of({first.x, y}), index_of({last.x, y}));
 			}
 		}
 	}
@@ -102,17 +101,20 @@ private:
 	static constexpr std::uint32_t reach =
 			2; ///< Base squares farther apart hold no points within a radius of each other.
 	static constexpr std::size_t block = Near<Real>::block;
+	static constexpr std::size_t most_neighbours = 2 * reach + 1;
 
 	Frame<Real> frame_;
 	std::uint32_t width_;
 	std::uint32_t pad_; ///< Base squares around the domain, for the images of a torus.
 	glm::uvec2 cells_;
 	std::size_t capacity_;
+	double radius_ = frame_.reach.x * frame_.base.x;
+	double margin_ = 4.0 * frame_.quantum; ///< More than roundings move a point or a square.
 	ZeroedArray<Real> places_; ///< For each cell its x, then its y; filled from the front, 0 where there is none.
 	std::unordered_map<std::size_t, std::vector<glm::vec<2, Real>>> overflow_; ///< Only looked up, never walked.
 	std::size_t overflow_bytes_ = 0;
-	std::vector<Real> gathered_x_ = std::vector<Real>(block);
-	std::vector<Real> gathered_y_ = std::vector<Real>(block);
+	std::vector<Real> gathered_x_;
+	std::vector<Real> gathered_y_;
 
 	/// The mean of a jammed set and two standard deviations; counts in a jammed set vary little. At most one point a base square.
 	static std::size_t likely_points(const Frame<Real> &frame, std::uint32_t width) {
@@ -127,6 +129,26 @@ private:
 		return (static_cast<std::size_t>(std::ceil(likely)) + step - 1) / step * step;
 	}
 
+	/// The columns (or rows) of cells that the disk around a place can reach, and their squared distances on that axis.
+	struct Neighbours {
+		int first;
+		int count;
+		std::array<double, most_neighbours> squared;
+
+		Neighbours(const Frame<Real> &frame, std::uint32_t width, int axis, double place, int square) {
+			const int wide = static_cast<int>(width);
+			const int last_square = static_cast<int>(frame.squares[axis]) - 1;
+			first = std::max(square - static_cast<int>(reach), 0) / wide;
+			count = std::min(square + static_cast<int>(reach), last_square) / wide - first + 1;
+			for (int i = 0; i < count; ++i) {
+				const double low = (first + i) * wide * frame.base[axis];
+				const double high = low + wide * frame.base[axis];
+				const double distance = std::max({low - place, place - high, 0.0});
+				squared[static_cast<std::size_t>(i)] = distance * distance;
+			}
+		}
+	};
+
 	std::size_t index_of(glm::uvec2 cell) const { return std::size_t{cell.y} * cells_.x + cell.x; }
 
 	Real *xs(std::size_t cell) { return places_.data() + cell * 2 * capacity_; }
@@ -134,12 +156,16 @@ private:
 
 	bool full(std::size_t cell) const { return xs(cell)[capacity_ - 1] != Real{0}; }
 
-	HWY_INLINE void fetch(std::size_t cell) const {
+	/// Inlined, because a compiler may take a function that only fetches for one that does nothing.
+	HWY_INLINE void fetch(std::size_t cell) const { fetch_row(cell, cell); }
+
+	/// Fetches cells that lie side by side, of large ones the start: the rest follows by itself.
+	HWY_INLINE void fetch_row(std::size_t first, std::size_t last) const {
 		constexpr std::size_t line = 64;
-		const char *place = reinterpret_cast<const char *>(xs(cell));
-		for (std::size_t offset = 0; offset < std::min<std::size_t>(2 * capacity_ * sizeof(Real), 4 * line);
-				offset += line) {
-			__builtin_prefetch(place + offset);
+		const char *begin = reinterpret_cast<const char *>(xs(first));
+		const char *end = std::min(reinterpret_cast<const char *>(xs(last + 1)), begin + 8 * line);
+		for (; begin < end; begin += line) {
+			__builtin_prefetch(begin);
 		}
 	}
 
@@ -165,45 +191,42 @@ private:
 		}
 	}
 
-	/// Stores an image in every cell of the domain within a radius of it.
-	void spread(Real x, Real y) {
-		const glm::dvec2 place(static_cast<double>(x) - frame_.bias, static_cast<double>(y) - frame_.bias);
-		// A little more than the radius, for roundings.
-		const glm::dvec2 around = frame_.reach * 1.0001;
-		const glm::dvec2 at = place / frame_.base;
-		const glm::dvec2 last_square = glm::dvec2(frame_.squares) - 1.0;
-		const auto cell_at = [&](double squares, int axis) {
-			return static_cast<std::uint32_t>(std::clamp(squares, 0.0, last_square[axis])) / width_;
-		};
-		if (at.x + around.x < 0.0 || at.y + around.y < 0.0 || at.x - around.x > last_square.x + 1.0 ||
-				at.y - around.y > last_square.y + 1.0) {
-			return;
-		}
-		for (std::uint32_t cell_y = cell_at(at.y - around.y, 1); cell_y <= cell_at(at.y + around.y, 1); ++cell_y) {
-			for (std::uint32_t cell_x = cell_at(at.x - around.x, 0); cell_x <= cell_at(at.x + around.x, 0); ++cell_x) {
-				if (cell_is_near({cell_x, cell_y}, at)) {
-					store(index_of({cell_x, cell_y}), x, y);
+	/// Stores an image in every cell of the domain within a radius of it. All of them are fetched before the first is read.
+	void spread(Real x, Real y, glm::ivec2 square) {
+		const Neighbours columns(frame_, width_, 0, static_cast<double>(x) - frame_.bias, square.x);
+		const Neighbours rows(frame_, width_, 1, static_cast<double>(y) - frame_.bias, square.y);
+		const double limit = (radius_ + margin_) * (radius_ + margin_);
+		std::array<std::size_t, most_neighbours * most_neighbours> near_cells;
+		std::size_t count = 0;
+		for (int row = 0; row < rows.count; ++row) {
+			for (int column = 0; column < columns.count; ++column) {
+				const std::size_t cell = index_of(glm::uvec2(columns.first + column, rows.first + row));
+				near_cells[count] = cell;
+				const bool within = columns.squared[static_cast<std::size_t>(column)] +
+								rows.squared[static_cast<std::size_t>(row)] <
+						limit;
+				if (within) {
+					fetch(cell);
+					++count;
 				}
 			}
 		}
-	}
-
-	/// A cell lies within a radius of a place, given in base squares.
-	bool cell_is_near(glm::uvec2 cell, glm::dvec2 at) const {
-		const glm::dvec2 low = glm::dvec2(cell * width_);
-		const double x = (at.x - std::clamp(at.x, low.x, low.x + width_)) / frame_.reach.x;
-		const double y = (at.y - std::clamp(at.y, low.y, low.y + width_)) / frame_.reach.y;
-		return x * x + y * y < 1.0001;
+		for (std::size_t i = 0; i < count; ++i) {
+			store(near_cells[i], x, y);
+		}
 	}
 
 	void store(std::size_t cell, Real x, Real y) {
-		Real *places = xs(cell);
-		Real *const end = places + capacity_;
-		Real *const place = std::partition_point(places, end, [](Real taken) { return taken != Real{0}; });
-		if (place != end) {
-			place[0] = x;
-			place[capacity_] = y;
-			return;
+		const Wide<Real> d;
+		Real *const places = xs(cell);
+		for (std::size_t i = 0; i < capacity_; i += hn::Lanes(d)) {
+			const auto vacant = hn::FindFirstTrue(d, hn::Eq(hn::LoadU(d, places + i), hn::Zero(d)));
+			if (vacant >= 0) {
+				const std::size_t place = i + static_cast<std::size_t>(vacant);
+				places[place] = x;
+				places[place + capacity_] = y;
+				return;
+			}
 		}
 		overflow_[cell].push_back({x, y});
 		overflow_bytes_ += sizeof(glm::vec<2, Real>);
@@ -222,20 +245,39 @@ private:
 	Near<Real> gather(glm::uvec2 square, const CenteredSquare<Real> &part) {
 		const glm::uvec2 first = (square + pad_ - reach) / width_;
 		const glm::uvec2 last = (square + pad_ + reach) / width_;
-		const Real radius = static_cast<Real>(frame_.reach.x * frame_.base.x * 1.0001);
-		const Real reach_x = radius + part.half_x;
-		const Real reach_y = radius + part.half_y;
+		const CenteredSquare<Real> box{part.x, part.y, static_cast<Real>(radius_ + margin_) + part.half_x,
+				static_cast<Real>(radius_ + margin_) + part.half_y};
 		std::size_t count = 0;
 		for (std::uint32_t y = first.y; y <= last.y; ++y) {
 			for (std::uint32_t x = first.x; x <= last.x; ++x) {
-				for_each_stored(index_of({x, y}), [&](Real point_x, Real point_y) {
-					if (std::abs(point_x - part.x) < reach_x && std::abs(point_y - part.y) < reach_y) {
-						append(point_x, point_y, count);
-					}
-				});
+				const std::size_t cell = index_of({x, y});
+				if (capacity_ % block == 0) {
+					gather_cell(hn::CappedTag<Real, block>(), cell, box, count);
+				} else {
+					gather_cell(hn::CappedTag<Real, block / 2>(), cell, box, count);
+				}
 			}
 		}
 		return finished(count);
+	}
+
+	/// Appends the points of a cell that lie in a box.
+	template <class D>
+	HWY_INLINE void gather_cell(D d, std::size_t cell, const CenteredSquare<Real> &box, std::size_t &r_count) {
+		make_room(r_count + capacity_);
+		const Real *places = xs(cell);
+		for (std::size_t i = 0; i < capacity_ && places[i] != Real{0}; i += hn::Lanes(d)) {
+			const auto x = hn::LoadU(d, places + i);
+			const auto y = hn::LoadU(d, places + capacity_ + i);
+			const auto inside = hn::And(hn::Lt(hn::Abs(hn::Sub(x, hn::Set(d, box.x))), hn::Set(d, box.half_x)),
+					hn::Lt(hn::Abs(hn::Sub(y, hn::Set(d, box.y))), hn::Set(d, box.half_y)));
+			hn::StoreU(hn::Compress(x, inside), d, gathered_x_.data() + r_count);
+			hn::StoreU(hn::Compress(y, inside), d, gathered_y_.data() + r_count);
+			r_count += hn::CountTrue(d, inside);
+		}
+		if (full(cell)) {
+			for_each_overflowing(cell, [&](Real x, Real y) { append(x, y, r_count); });
+		}
 	}
 
 	template <class Action>
@@ -244,30 +286,39 @@ private:
 		for (std::size_t i = 0; i < capacity_ && places[i] != Real{0}; ++i) {
 			action(places[i], places[i + capacity_]);
 		}
-		if (full(cell)) {
-			if (const auto more = overflow_.find(cell); more != overflow_.end()) {
-				for (const glm::vec<2, Real> point : more->second) {
-					action(point.x, point.y);
-				}
+		for_each_overflowing(cell, action);
+	}
+
+	template <class Action>
+	void for_each_overflowing(std::size_t cell, Action &&action) const {
+		if (const auto more = overflow_.find(cell); more != overflow_.end()) {
+			for (const glm::vec<2, Real> point : more->second) {
+				action(point.x, point.y);
 			}
 		}
 	}
 
-	void append(Real x, Real y, std::size_t &r_count) {
-		if (r_count == gathered_x_.size()) {
-			gathered_x_.resize(2 * r_count);
-			gathered_y_.resize(2 * r_count);
+	/// Room for `count` gathered points, and a vector that is written whole behind them.
+	void make_room(std::size_t count) {
+		if (count + block > gathered_x_.size()) {
+			gathered_x_.resize(2 * (count + block));
+			gathered_y_.resize(2 * (count + block));
 		}
+	}
+
+	void append(Real x, Real y, std::size_t &r_count) {
+		make_room(r_count + 1);
 		gathered_x_[r_count] = x;
 		gathered_y_[r_count] = y;
 		++r_count;
 	}
 
+	/// Closes the gathered points with zeros.
 	Near<Real> finished(std::size_t count) {
-		while (count % block != 0) {
-			append(Real{0}, Real{0}, count);
-		}
-		return {gathered_x_.data(), gathered_y_.data(), count};
+		make_room(count);
+		std::fill_n(gathered_x_.begin() + static_cast<std::ptrdiff_t>(count), block, Real{0});
+		std::fill_n(gathered_y_.begin() + static_cast<std::ptrdiff_t>(count), block, Real{0});
+		return {gathered_x_.data(), gathered_y_.data(), (count + block - 1) / block * block};
 	}
 
 	/// The cell is the one that holds the point for `visit`: not an image's, and with `accumulate` not a neighbour's.
