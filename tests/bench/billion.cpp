@@ -1,23 +1,24 @@
 // Makes a billion points of a single Poisson-disk set with the exact tile sampler, in bounded memory, and verifies them
 // while it runs. Usage, all arguments optional and in any order:
 //
-//   billion [points=1e9] [seed=1] [tile=128] [order=rows|shuffled|hilbert] [threads=N] [verify=yes|no] [gaps=256]
+//   billion [points=1e9] [seed=1] [tile=128] [order=rows|shuffled|hilbert] [threads=N] [verify=yes|no] [gaps=64]
 //
 // The region is a square of whole cells around the origin with at least `points` points (1e3 to 5e9), made in tiles of
-// `tile` cells (16 to 512; a cell is r / sqrt(2)), in an order, on some threads (1 to 256; as many as the processor has).
-// One tile in `gaps` (0: none) is searched for gaps. verify=no only makes and counts. Progress goes to the error stream.
+// `tile` cells (16 to 512; a cell is r / sqrt(2)), in an order, on 1 to 256 threads (as many as the processor has). One
+// tile in `gaps` (0: none) is searched for gaps. verify=no only makes and counts. Progress goes to the error stream.
 //
 // Prints one line of JSON:
 //   points_asked, seed, tile_cells, tile_radii, order, threads, verify, gaps       as asked
 //   points, tiles, side_cells, side_radii                                          what was made
 //   radius_squared, least_squared      in lattice units: the radius, and the smallest distance of all pairs of points
-//   pairs, too_close                   pairs of points from cells at most two apart, which are all that can be too close
+//   pairs, too_close                   pairs of points from cells at most two apart: all that can be too close are
 //   misplaced, doubled                 points that are not in their own cell of their tile; in a cell that has one
 //   tiles_missing, tiles_repeated      of the region
 //   gap_tiles, uncovered, changed      tiles searched for gaps, lattice points that no point covers, and tiles that had
 //                                      other points when they were asked for in a larger rectangle
 //   coverage, coverage_error, coverage_reference, coverage_z     of the plane by disks of diameter r; standard error
 //                                      from `blocks` blocks of equal area; distance to the reference in such errors
+//   coverage_lattice_loss              what the lattice keeps away from the reference, as measured on coarser lattices
 //   digest                             names the set of points, whatever order, tiles and threads it was made with
 //   seconds, points_per_second         on the clock, all included
 //   cpu_seconds, cpu_nanoseconds_per_point, sampling_seconds, checking_seconds, gap_seconds     of processor time
@@ -54,7 +55,7 @@ constexpr double largest_z = 4.0;
 
 constexpr const char *usage =
 		"usage: billion [points=1e9] [seed=1] [tile=128] [order=rows|shuffled|hilbert] [threads=N] "
-		"[verify=yes|no] [gaps=256]\n";
+		"[verify=yes|no] [gaps=64]\n";
 
 const char *name_of(TileOrder order) {
 	switch (order) {
@@ -226,6 +227,7 @@ void describe_findings(const RunOptions &options, const Outcome &outcome, JsonLi
 	r_line.real("coverage_error", outcome.coverage_error, 4);
 	r_line.real("coverage_reference", jammed_coverage, 10);
 	r_line.real("coverage_z", coverage_z(outcome), 4);
+	r_line.real("coverage_lattice_loss", coverage_lattice_loss, 3);
 	r_line.whole("blocks", Region::blocks_per_side * Region::blocks_per_side);
 	r_line.add("digest", hexadecimal(found.digest), options.verify);
 }

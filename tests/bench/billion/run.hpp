@@ -29,9 +29,9 @@ struct RunOptions {
 	double points = 1e9;     ///< At least, in [1e3, Region::most_points].
 	std::int32_t tile = 128; ///< Cells, in [16, 512].
 	TileOrder order = TileOrder::rows;
-	unsigned threads = 1;     ///< At least 1.
-	bool verify = true;       ///< False: make the points and count them, no more.
-	std::uint64_t gaps = 256; ///< The gap check takes one tile in so many; 0 for none.
+	unsigned threads = 1;    ///< At least 1.
+	bool verify = true;      ///< False: make the points and count them, no more.
+	std::uint64_t gaps = 64; ///< The gap check takes one tile in so many; 0 for none.
 
 	PointSet set() const { return {.seed = seed, .radius = cell_metre_radius}; }
 	Region region() const { return Region::holding(points, tile); }
