@@ -1,0 +1,87 @@
+"""The samplers of other projects that the benches compare with are set up, called and reported as they should be."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import struct
+import sys
+from pathlib import Path
+
+import numpy
+import pytest
+from conftest import REPO, run
+from scipy.spatial import cKDTree
+
+PEERS = REPO / "tests/bench/peers"
+PYTHON_RUNNER = [sys.executable, PEERS / "run_python_peer.py"]
+RUST_RUNNER = REPO / "build/peers/faster_poisson"
+KEYS = {"method", "points", "seconds", "size", "maximal_claimed", "toroidal", "precision", "version"}
+
+
+def shell(script: str, **environment: str):
+    """Runs a line of shell with the functions that set the peers up, in an environment with these changes."""
+    changed = {**os.environ, **environment}
+    return run(
+        ["bash", "-euo", "pipefail", "-c", f"source tests/bench/peers/setup.sh; {script}"],
+        timeout=60,
+        cwd=REPO,
+        env=changed,
+    )
+
+
+@pytest.mark.parametrize(
+    ("version", "taken"),
+    [
+        ("cargo 1.95.0 (f2d3ce0bd 2026-03-21)", True),
+        ("1.85.0+dfsg3-1~deb12u3", True),
+        ("cargo 1.84.1", False),
+        ("0.66.0+ds1-1", False),
+        ("(none)", False),
+        ("", False),
+    ],
+)
+def test_versions_of_rust(version, taken):
+    assert (shell(f"is_new_rust '{version}'").returncode == 0) == taken
+
+
+def test_without_rust_the_reason_is_said(tmp_path):
+    """No cargo on the PATH and none among the packages: one clear line, and a failure that the caller can go on from."""
+    for name in ("cargo", "apt-cache"):
+        (tmp_path / name).write_text("#!/bin/sh\nexit 1\n")
+        (tmp_path / name).chmod(0o755)
+    said = shell("setup_peers_rust || echo going on", PATH=f"{tmp_path}:/usr/bin:/bin")
+    assert said.returncode == 0 and said.stdout == "going on\n"
+    assert said.stderr.count("\n") == 1 and "1.85" in said.stderr
+
+
+def check_line_and_set(command: list, name: str, dump: Path):
+    done = run([*command, name, "400", "3", f"dump={dump}"], timeout=120)
+    assert done.returncode == 0, done.stderr
+    line = json.loads(done.stdout)
+    assert set(line) == KEYS and line["method"] == name and line["seconds"] > 0.0
+    assert line["size"] == pytest.approx(math.sqrt(400 * math.pi / 4 / 0.547070))
+    raw = dump.read_bytes()
+    (count,) = struct.unpack("<Q", raw[:8])
+    points = numpy.frombuffer(raw[8:], "<f8").reshape(-1, 2)
+    assert count == len(points) == line["points"] > 300
+    assert points.min() >= 0.0 and points.max() < line["size"]
+    assert cKDTree(points).query(points, k=2)[0][:, 1].min() >= 1.0 - 1e-5
+
+
+def test_python_peer(tmp_path):
+    check_line_and_set(PYTHON_RUNNER, "scipy_poisson_disk", tmp_path / "set")
+
+
+@pytest.mark.parametrize("name", ["faster_poisson_dart", "faster_poisson_bridson", "faster_poisson_parental"])
+def test_rust_peer(tmp_path, name):
+    if not RUST_RUNNER.is_file():
+        pytest.skip("faster_poisson is built by tests/bench/figures.sh only")
+    check_line_and_set([RUST_RUNNER], name, tmp_path / "set")
+
+
+@pytest.mark.parametrize("arguments", [[], ["no_such_sampler", "100", "1"], ["scipy_poisson_disk", "100"]])
+def test_a_wrong_call_is_refused(arguments):
+    done = run([*PYTHON_RUNNER, *arguments], timeout=60)
+    assert done.returncode == 2 and done.stderr.startswith("usage:")
