@@ -88,7 +88,7 @@ def test_too_much_memory_is_a_broken_promise(core_tool):
 def test_without_verification_nothing_is_claimed(core_tool):
     bare = billion(core_tool, "points=1e5", "verify=no")
     assert set(bare) == KEYS
-    unseen = "least_squared pairs too_close misplaced doubled gap_tiles uncovered changed digest".split()
+    unseen = "least_squared pairs too_close misplaced doubled gap_tiles uncovered changed digest checking_share".split()
     assert all(bare[key] is None for key in unseen)
     assert bare["points"] >= 1e5
 

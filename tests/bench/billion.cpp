@@ -139,6 +139,7 @@ class JsonLine {
 public:
 	void text(const char *key, const std::string &value) { add(key, '"' + value + '"'); }
 	void whole(const char *key, std::uint64_t value) { add(key, std::to_string(value)); }
+	/// Null for what is not finite.
 	void real(const char *key, double value, int digits) {
 		char number[64];
 		std::snprintf(number, sizeof(number), "%.*g", digits, value);
@@ -174,7 +175,7 @@ std::string broken_promises(const RunOptions &options, const Outcome &outcome, s
 			{"gaps", outcome.gaps.uncovered == 0},
 			{"windows", outcome.gaps.changed == 0},
 			{"coverage", std::abs(coverage_z(outcome)) <= largest_z},
-			{"memory", resident < resident_limit},
+			{"memory", resident > 0 && resident < resident_limit},
 	};
 	std::string names;
 	for (const auto &promise : promises) {
@@ -232,7 +233,8 @@ void describe_findings(const RunOptions &options, const Outcome &outcome, JsonLi
 	r_line.add("digest", hexadecimal(found.digest), options.verify);
 }
 
-void describe_cost(const Outcome &outcome, double cpu_seconds, std::uint64_t resident, JsonLine &r_line) {
+void describe_cost(const RunOptions &options, const Outcome &outcome, double cpu_seconds, std::uint64_t resident,
+		JsonLine &r_line) {
 	const auto points = static_cast<double>(outcome.found.points);
 	r_line.real("seconds", outcome.seconds, 6);
 	r_line.real("points_per_second", points / outcome.seconds, 6);
@@ -241,7 +243,7 @@ void describe_cost(const Outcome &outcome, double cpu_seconds, std::uint64_t res
 	r_line.real("sampling_seconds", outcome.spent.sampling, 6);
 	r_line.real("checking_seconds", outcome.spent.checking, 6);
 	r_line.real("gap_seconds", outcome.spent.gaps, 6);
-	r_line.real("checking_share", outcome.spent.checking / outcome.spent.sampling, 4);
+	r_line.real("checking_share", options.verify ? outcome.spent.checking / outcome.spent.sampling : NAN, 4);
 	r_line.whole("rim_points", outcome.most_rim_points);
 	r_line.add("resident_bytes", std::to_string(resident), resident > 0);
 	r_line.whole("resident_limit", resident_limit);
@@ -271,7 +273,7 @@ int run(const RunOptions &options) {
 	JsonLine line;
 	describe_request(options, line);
 	describe_findings(options, outcome, line);
-	describe_cost(outcome, cpu_seconds(), resident, line);
+	describe_cost(options, outcome, cpu_seconds(), resident, line);
 	line.add("broken", broken);
 	std::printf("%s\n", line.end().c_str());
 	return broken == "[]" ? 0 : 1;

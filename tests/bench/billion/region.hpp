@@ -20,9 +20,9 @@ namespace thicket::bench::billion {
 /// at saturation" (Phys. Rev. E 88, 053312, 2013): 0.5470735 +- 0.0000028. All of Thicket's tests take 0.547070.
 inline constexpr double jammed_coverage = 0.547070;
 
-/// What sets on a lattice lack of the plane's coverage, because no dart finds a gap between lattice points: proportional
-/// to the lattice unit. Measured by this program on coarser lattices, eight million points each: 0.156 +- 0.006 over 2^7
-/// with lattice_bits 7, 0.154 +- 0.012 over 2^8 with 8. At a billion points it is about two standard errors.
+/// What sets on a lattice lack of the plane's coverage, because no dart finds a gap between lattice points: it is
+/// proportional to the lattice unit. Measured by this program on coarser lattices, eight million points each: 0.156 +-
+/// 0.006 over 2^7 with lattice_bits 7, 0.154 +- 0.012 over 2^8 with 8. At a billion points it is two standard errors.
 inline constexpr double coverage_lattice_loss = 0.155 / (1 << lattice_bits);
 
 /// Points expected in a cell, whose area is r^2 / 2.
