@@ -130,6 +130,7 @@ private:
 		grid_.insert(static_cast<std::uint32_t>(index), point);
 		r_points.push_back(point);
 		first_.push_back(none);
+		fetch_sectors();
 		for (std::size_t i = 0; i < neighbour_count_; ++i) {
 			const Neighbour &neighbour = neighbours_[i];
 			if (neighbour.squared < 9.0 && first_[neighbour.index] != none) {
@@ -144,6 +145,19 @@ private:
 		cut_neighbours(index, 0.0, 4.0);
 		cut_neighbours(index, 4.0, 16.0);
 		weigh(index);
+	}
+
+	/// Asks for the memory of the sectors that the last dart may meet, all at once: they lie anywhere.
+	void fetch_sectors() const {
+		for (std::size_t i = 0; i < neighbour_count_; ++i) {
+			const std::uint32_t slot = neighbours_[i].squared < 9.0 ? first_[neighbours_[i].index] : none;
+			if (slot != none) {
+				const auto *line = reinterpret_cast<const char *>(&pool_[slot]);
+				__builtin_prefetch(line);
+				__builtin_prefetch(line + 64);
+				__builtin_prefetch(line + 128);
+			}
+		}
 	}
 
 	/// Leaves to earlier points, those at squared distances from `least` to `limit`, all that is less than 2 from them.
