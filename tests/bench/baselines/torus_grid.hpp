@@ -48,14 +48,6 @@ public:
 			const std::size_t begin = row_of(wrap_column(y));
 			for (int x = column - reach; x <= column + reach; ++x) {
 				const Cell &cell = cells_[begin + static_cast<std::size_t>(wrap_column(x))];
-				__builtin_prefetch(&cell);
-				__builtin_prefetch(&cell.points);
-			}
-		}
-		for (int y = row - reach; y <= row + reach; ++y) {
-			const std::size_t begin = row_of(wrap_column(y));
-			for (int x = column - reach; x <= column + reach; ++x) {
-				const Cell &cell = cells_[begin + static_cast<std::size_t>(wrap_column(x))];
 				for (std::uint32_t i = 0; i < cell.count; ++i) {
 					visit(cell.indices[i], offset(place, cell.points[i]));
 				}
