@@ -25,12 +25,11 @@
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
 
-#include <sys/resource.h>
-
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <numbers>
 #include <string>
@@ -77,11 +76,18 @@ void require(const Status &status) {
 	}
 }
 
-/// The most bytes that this process ever had in memory.
+/// The most bytes that this program ever had in memory. Not what getrusage says, which counts the process that started
+/// it, too. 0 where the system does not say.
 std::size_t peak_resident_bytes() {
-	rusage usage{};
-	getrusage(RUSAGE_SELF, &usage);
-	return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+	std::ifstream status("/proc/self/status");
+	std::string word;
+	while (status >> word) {
+		std::size_t kibibytes = 0;
+		if (word == "VmHWM:" && status >> kibibytes) {
+			return kibibytes * 1024;
+		}
+	}
+	return 0;
 }
 
 /// Times `make`, which fills a vector of points.

@@ -1,13 +1,18 @@
 #include "allocation_count.hpp"
 
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 namespace {
 
 thread_local std::size_t allocations = 0;
+thread_local std::size_t most_allocations = std::numeric_limits<std::size_t>::max();
 
 void *allocate(std::size_t size, std::size_t alignment) {
+	if (allocations >= most_allocations) {
+		throw std::bad_alloc();
+	}
 	++allocations;
 	// aligned_alloc wants a multiple of the alignment.
 	const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
@@ -23,6 +28,10 @@ void *allocate(std::size_t size, std::size_t alignment) {
 
 std::size_t allocation_count() { return allocations; }
 
+AllocationLimit::AllocationLimit(std::size_t allowed) { most_allocations = allocations + allowed; }
+
+AllocationLimit::~AllocationLimit() { most_allocations = std::numeric_limits<std::size_t>::max(); }
+
 // The array forms of the library come back to these. The nothrow ones do too, but a sanitizer has its own of them.
 void *operator new(std::size_t size) { return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__); }
 
@@ -31,8 +40,7 @@ void *operator new(std::size_t size, std::align_val_t alignment) {
 }
 
 void *operator new(std::size_t size, const std::nothrow_t &) noexcept {
-	++allocations;
-	return std::malloc(size == 0 ? 1 : size);
+	return allocations++ < most_allocations ? std::malloc(size == 0 ? 1 : size) : nullptr;
 }
 
 void operator delete(void *memory) noexcept { std::free(memory); }

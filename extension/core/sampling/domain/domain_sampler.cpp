@@ -15,10 +15,10 @@ namespace {
 
 /// Accelerator cells of each method, in base squares, chosen by measurement: the quickest from 10^5 to 10^7 points.
 std::uint32_t cell_width(const DomainRequest &request) {
-	constexpr std::uint32_t usual = 3;
-	constexpr std::uint32_t wavefront = 4;
+	constexpr std::uint32_t accumulator = 3;
+	constexpr std::uint32_t usual = 4;
 	if (request.method == DomainMethod::naive || request.cell_size == 0.0) {
-		return request.method == DomainMethod::wavefront ? wavefront : usual;
+		return request.method == DomainMethod::accumulator ? accumulator : usual;
 	}
 	return static_cast<std::uint32_t>(std::ceil(request.cell_size * std::numbers::sqrt2));
 }

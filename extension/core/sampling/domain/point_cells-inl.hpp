@@ -261,7 +261,7 @@ private:
 		return finished(count);
 	}
 
-	/// Appends the points of a cell that lie in a box.
+	/// Appends the points of a cell that lie in a box, perhaps with others.
 	template <class D>
 	HWY_INLINE void gather_cell(D d, std::size_t cell, const CenteredSquare<Real> &box, std::size_t &r_count) {
 		make_room(r_count + capacity_);
@@ -271,9 +271,13 @@ private:
 			const auto y = hn::LoadU(d, places + capacity_ + i);
 			const auto inside = hn::And(hn::Lt(hn::Abs(hn::Sub(x, hn::Set(d, box.x))), hn::Set(d, box.half_x)),
 					hn::Lt(hn::Abs(hn::Sub(y, hn::Set(d, box.y))), hn::Set(d, box.half_y)));
-			hn::StoreU(hn::Compress(x, inside), d, gathered_x_.data() + r_count);
-			hn::StoreU(hn::Compress(y, inside), d, gathered_y_.data() + r_count);
-			r_count += hn::CountTrue(d, inside);
+			// Picking doubles out of a vector costs more than it saves, so a vector with one of them inside is taken whole.
+			constexpr bool pick = sizeof(Real) == sizeof(float);
+			if (pick || !hn::AllFalse(d, inside)) {
+				hn::StoreU(pick ? hn::Compress(x, inside) : x, d, gathered_x_.data() + r_count);
+				hn::StoreU(pick ? hn::Compress(y, inside) : y, d, gathered_y_.data() + r_count);
+				r_count += pick ? hn::CountTrue(d, inside) : hn::Lanes(d);
+			}
 		}
 		if (full(cell)) {
 			for_each_overflowing(cell, [&](Real x, Real y) { append(x, y, r_count); });
