@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# The seed paper's figures, measured again: builds for release, measures, and writes build/figures and the page
+# tests/bench/RESULTS.md. Takes most of an hour; nothing else should run on the machine. Options:
+#   --quick         small sizes, to see that everything works; leaves the page alone and writes one into its folder
+#   --out DIR       the folder of tables and pictures, instead of build/figures; it is emptied first
+#   --redraw        measure nothing, draw and write again from the tables that are there
+#   --programs DIR  measure the programs in this build folder, and build nothing
+set -euo pipefail
+from=$PWD
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
+source tests/bench/peers/setup.sh
+
+# in_callers_folder OPTION FOLDER: prints the folder's path, as seen from where the command was called.
+in_callers_folder() {
+	if [[ -z ${2:-} ]]; then
+		say "$1 needs a folder"
+		return 2
+	fi
+	(cd "$from" && realpath --canonicalize-missing -- "$2")
+}
+
+arguments=()
+programs=
+redraw=
+while (($#)); do
+	case $1 in
+	--quick) arguments+=("$1") ;;
+	--redraw) redraw=$1 && arguments+=("$1") ;;
+	--out | --programs)
+		folder=$(in_callers_folder "$@")
+		if [[ $1 == --out ]]; then arguments+=("$1" "$folder"); else programs=$folder; fi
+		shift
+		;;
+	*)
+		say "no such option: $1 (see the head of tests/bench/figures.sh)"
+		exit 2
+		;;
+	esac
+	shift
+done
+
+setup_python
+if [[ -z $programs && -z $redraw ]]; then
+	setup_compiler
+	setup_peers_python || true
+	setup_peers_rust || true
+	say "building for release"
+	scons -Q -j"$(nproc)" target=template_release bench compiledb >&2
+fi
+if [[ -z $programs ]]; then
+	shopt -s nullglob
+	folders=(build/*.template_release.*/bench)
+	programs=$(dirname "${folders[0]:-build/none/bench}")
+fi
+PYTHONPATH=tests PYTHONDONTWRITEBYTECODE=1 exec "$(python_venv)/bin/python" -m bench.figures --programs "$programs" \
+	--peers-python "$(peers_python)" --peers-rust build/peers/faster_poisson "${arguments[@]}" </dev/null

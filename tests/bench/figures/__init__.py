@@ -1,0 +1,1 @@
+"""The seed paper's figures, measured again: `bash tests/bench/figures.sh`."""

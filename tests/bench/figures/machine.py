@@ -1,0 +1,62 @@
+"""What the page says about where and how its numbers were measured."""
+
+from __future__ import annotations
+
+import datetime
+import json
+import os
+import platform
+import re
+import subprocess
+from pathlib import Path
+
+from bench.figures.tables import Row
+
+
+def _output(*command: str | Path) -> str:
+    """What a command prints, or nothing if there is none of that name or it fails."""
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    except OSError:
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def _first(pattern: str, path: str) -> str:
+    try:
+        text = Path(path).read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
+    found = re.search(pattern, text, re.MULTILINE)
+    return found.group(1).strip() if found else ""
+
+
+def compile_flags(repo: Path, programs: Path) -> str:
+    """The flags that domain_run.cpp was built with into the folder of the programs, but for folders, names of files and
+    warnings."""
+    try:
+        database = json.loads((repo / "compile_commands.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return "unknown"
+    built = f"{programs.name}/obj/tests/bench/domain_run.o"
+    command = next((one["command"] for one in database if one["output"].endswith(built)), "")
+    flags = re.findall(r"(?:^|\s)(-(?!I|o\b|c\b)\S+)", command)
+    return " ".join(flag for flag in flags if not flag.startswith("-W")) or "unknown"
+
+
+def describe(repo: Path, programs: Path, quick: bool) -> Row:
+    """Machine, compiler, commit and date."""
+    changed = _output("git", "-C", repo, "status", "--porcelain", "--untracked-files=no")
+    commit = _output("git", "-C", repo, "rev-parse", "--short=12", "HEAD") or "unknown"
+    memory = _first(r"^MemTotal:\s+(\d+) kB", "/proc/meminfo")
+    return {
+        "processor": _first(r"^model name\s*: (.*)$", "/proc/cpuinfo") or platform.machine(),
+        "cores": os.cpu_count() or 0,
+        "memory_gib": int(memory or 0) / 2**20,
+        "system": f"{platform.system()} {platform.release()}",
+        "compiler": _output(os.environ.get("CXX", "g++"), "--version").partition("\n")[0],
+        "flags": compile_flags(repo, programs),
+        "commit": commit + (" with changes" if changed else ""),
+        "date": datetime.date.today().isoformat(),
+        "quick": quick,
+    }

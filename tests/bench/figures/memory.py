@@ -1,0 +1,133 @@
+"""Sections 4.2 and 4.3: bytes a point, the size of accelerator cells, and sets that fill a machine's memory."""
+
+from __future__ import annotations
+
+import math
+import statistics
+
+from bench.figures.paper import LARGE_CELL, LARGE_SETS, LargeSet
+from bench.figures.programs import Failed, Programs, Run, say
+from bench.figures.settings import Settings
+from bench.figures.speed import memory_available
+from bench.figures.tables import Row
+
+VARIANTS = ("hierarchical", "accumulator", "wavefront")
+PRECISIONS = ("single", "double")
+LEAST_BYTES = 10.0  # A point, in single precision: with less free memory a large set is not tried.
+COORDINATES = {"single": 8, "double": 16}  # Bytes of the bare point.
+
+
+def measure_variants(programs: Programs, settings: Settings) -> list[Row]:
+    """Section 4.2: bytes a point of each variant, as the sampler counts them, and as the system sees the process: its
+    peak, less what it had before, less the points that it hands out."""
+    rows = []
+    for method in VARIANTS:
+        for precision in PRECISIONS:
+            run = programs.domain(method, precision, settings.memory_points, 1, "torus")[0]
+            points = run["points"]
+            resident = run["resident_peak"] - run["resident_before"] - run["output_bytes"]
+            rows.append(
+                {
+                    "method": method,
+                    "precision": precision,
+                    "points": points,
+                    "cell_size": run["cell_size"],
+                    "grid": run["grid_bytes"] / points,
+                    "squares": run["square_bytes"] / points,
+                    "workspace": run["workspace_bytes"] / points,
+                    "resident": resident / points,
+                }
+            )
+            say(f"section 4.2: {method}, {precision}: {run['workspace_bytes'] / points:.1f} bytes a point")
+    return rows
+
+
+def measure_cells(programs: Programs, settings: Settings) -> list[Row]:
+    """Section 4.3: time and memory with accelerator cells of several sizes, all sizes in turn within each round. Points stay
+    in the cells."""
+    runs: dict[tuple[str, str, float], list[Run]] = {}
+    for round_number in range(settings.cell_rounds):
+        for method in ("accumulator", "wavefront"):
+            for precision in PRECISIONS:
+                for cell in settings.cells:
+                    line = programs.domain(
+                        method, precision, settings.memory_points, 1 + round_number, "torus", "fill", cell=cell
+                    )
+                    runs.setdefault((method, precision, cell), []).extend(line)
+        say(f"section 4.3: cells of {settings.cells} radii, round {round_number + 1} of {settings.cell_rounds}")
+    return [_cell_row(*key, some, runs[*key[:2], settings.cells[0]]) for key, some in runs.items()]
+
+
+def _cell_row(method: str, precision: str, cell: float, runs: list[Run], with_small_cells: list[Run]) -> Row:
+    slowdown = [run["seconds"] / small["seconds"] for run, small in zip(runs, with_small_cells, strict=True)]
+    seconds = [run["seconds"] / run["points"] for run in runs]
+    points = runs[0]["points"]
+    return {
+        "method": method,
+        "precision": precision,
+        "asked_cell": cell,
+        "cell_size": runs[0]["cell_size"],
+        "points": points,
+        "rounds": len(runs),
+        "microseconds": 1e6 * statistics.median(seconds),
+        "slowdown": statistics.median(slowdown),
+        "slowdown_lowest": min(slowdown),
+        "slowdown_highest": max(slowdown),
+        "grid": runs[0]["grid_bytes"] / points,
+        "squares": runs[0]["square_bytes"] / points,
+        "workspace": runs[0]["workspace_bytes"] / points,
+        "bare": COORDINATES[precision],
+    }
+
+
+def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
+    """Section 4.3: bytes a point of wavefront sampling against set size, with cells of 20 radii; points stay in the cells."""
+    rows = []
+    for precision in PRECISIONS:
+        for size in settings.growth_sizes:
+            run = programs.domain("wavefront", precision, size, 1, "torus", "fill", cell=LARGE_CELL)[0]
+            points = run["points"]
+            rows.append(
+                {
+                    "precision": precision,
+                    "points": points,
+                    "seconds": run["seconds"],
+                    "grid": run["grid_bytes"] / points,
+                    "squares": run["square_bytes"] / points,
+                    "workspace": run["workspace_bytes"] / points,
+                    "resident": run["resident_peak"] / points,
+                    "bare": COORDINATES[precision],
+                }
+            )
+            say(f"section 4.3: {size:,} points, {precision}: {run['workspace_bytes'] / points:.2f} bytes a point")
+    return rows
+
+
+def measure_large(programs: Programs, settings: Settings) -> list[Row]:
+    """Section 4.3: the paper's largest sets by wavefront sampling in single precision, under a hard limit of the address
+    space; none without `large_sets`, and none that this machine has no memory for."""
+    return [_fill(programs, large) for large in LARGE_SETS] if settings.large_sets else []
+
+
+def _fill(programs: Programs, large: LargeSet) -> Row:
+    row: Row = {"asked": large.points, "limit": large.limit_bytes, "available": memory_available()}
+    row |= dict.fromkeys(("points", "seconds", "workspace", "resident", "cell_size", "discarded", "coverage"), 0.0)
+    row["why"] = ""
+    name = f"section 4.3: {large.points / 1e6:.0f} million points within {large.limit_bytes / 2**30:.0f} GiB"
+    if row["available"] < LEAST_BYTES * large.points:
+        row["why"] = f"only {row['available'] / 2**30:.1f} GiB of memory were free"
+        say(f"{name}: left out, {row['why']}")
+        return row
+    say(name)
+    try:
+        flags = ("torus", "fill")
+        options = {"cell": LARGE_CELL, "limit_bytes": large.limit_bytes}
+        run = programs.domain("wavefront", "single", large.points, 1, *flags, **options)[0]
+    except Failed as failed:
+        row["why"] = str(failed).rpartition(": ")[2]
+        say(f"{name}: {failed}")
+        return row
+    say(f"{name}: {run['seconds']:.0f} s, {run['resident_peak'] / 2**30:.2f} GiB")
+    row |= {name: run[name] for name in ("points", "seconds", "cell_size", "discarded")}
+    row |= {"workspace": run["workspace_bytes"], "resident": run["resident_peak"]}
+    return row | {"coverage": run["points"] * math.pi / 4.0 / run["size"] ** 2}

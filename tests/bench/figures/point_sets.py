@@ -1,0 +1,104 @@
+"""Figure 5: point sets, spectra and coverage of what should be one and the same process."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from bench.figures.contenders import NAIVE_DARTS
+from bench.figures.paper import JAMMED_COVERAGE
+from bench.figures.programs import Programs, say
+from bench.figures.settings import Settings
+from bench.figures.spectra import AveragedSpectrum, ring_edges
+from bench.figures.tables import Row
+
+DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # points per square radius
+RINGS = 75
+SHOWN_SIDE = 24.0  # radii, of the pictures of point sets
+
+
+@dataclass(frozen=True)
+class Source:
+    """A method whose sets are looked at; the words are domain_run's."""
+
+    key: str
+    label: str
+    method: str
+    flags: tuple[str, ...] = ()
+    ends: bool = True  # Runs to the jammed state.
+
+
+SOURCES = [
+    Source("naive", "naive darts", "reference"),
+    Source("hierarchical", "hierarchical", "hierarchical", ("torus",)),
+    Source("wavefront", "wavefront", "wavefront", ("torus",)),
+    Source("tile", "exact tiles", "tile"),
+]
+# Only its coverage is told: it stops short of the end.
+STOPPED = Source("naive_stopped", f"naive darts, {NAIVE_DARTS} a square", "naive", ("torus", f"darts={NAIVE_DARTS}"), False)
+
+
+def read_sets(path: Path) -> list[np.ndarray]:
+    """What domain_run dumps: each set as (n, 2) coordinates in radii."""
+    data, sets, place = path.read_bytes(), [], 0
+    while place < len(data):
+        count = int(np.frombuffer(data, "<u8", 1, place)[0])
+        sets.append(np.frombuffer(data, "<f8", 2 * count, place + 8).reshape(count, 2))
+        place += 8 + 16 * count
+    return sets
+
+
+def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: int) -> list[np.ndarray]:
+    """Sets in domains of this side, in radii, or a hair more: domain_run counts in whole points."""
+    with tempfile.TemporaryDirectory() as folder:
+        dump = Path(folder) / "sets"
+        programs.domain(source.method, "double", np.ceil(DENSITY * side * side), seed, *source.flags, sets=sets, dump=dump)
+        return read_sets(dump)
+
+
+def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], dict[str, np.ndarray]]:
+    """The radial table, and for the pictures the power over the plane and the points of one set, by key."""
+    rows: list[Row] = []
+    arrays: dict[str, np.ndarray] = {}
+    side, modes = settings.spectrum_side, settings.spectrum_modes
+    edges = ring_edges(modes, side, RINGS)
+    for source in SOURCES:
+        sets = make_sets(programs, source, side, settings.spectrum_sets, seed=1)
+        spectrum = AveragedSpectrum(sets, side, modes, edges)
+        columns = (edges[:-1], edges[1:], spectrum.radial(), spectrum.radial_error(), spectrum.anisotropy())
+        for low, high, power, error, anisotropy in zip(*columns, strict=True):
+            head = {"source": source.key, "sets": len(sets), "side": side, "from": low, "to": high}
+            rows.append(head | {"power": power, "error": error, "anisotropy_db": anisotropy})
+        arrays[source.key + "_power"] = spectrum.image().astype(np.float32)
+        arrays[source.key + "_points"] = sets[0][np.all(sets[0] < SHOWN_SIDE, axis=1)]
+        say(f"figure 5: spectrum of {source.label}, {len(sets)} sets")
+    arrays["highest_frequency"] = np.array(modes / side)
+    return rows, arrays
+
+
+def measure_coverage(programs: Programs, settings: Settings) -> list[Row]:
+    """Coverage, which is points * pi / 4 over the area in square radii, over sets of independent seeds. Opposite edges meet,
+    or the domain is a window onto an infinite set: borders do not count in any of them."""
+    rows = []
+    for source in [*SOURCES, STOPPED]:
+        sets = settings.coverage_sets if source.ends else max(2, settings.coverage_sets // 10)
+        runs = programs.domain(source.method, "double", settings.coverage_points, 100_001, *source.flags, sets=sets)
+        coverage = np.array([run["points"] * np.pi / 4.0 / run["size"] ** 2 for run in runs])
+        error = float(coverage.std(ddof=1) / np.sqrt(sets))
+        rows.append(
+            {
+                "source": source.key,
+                "label": source.label,
+                "ends": source.ends,
+                "sets": sets,
+                "points": sum(run["points"] for run in runs),
+                "coverage": float(coverage.mean()),
+                "error": error,
+                "z": float((coverage.mean() - JAMMED_COVERAGE) / error),
+            }
+        )
+        say(f"figure 5: coverage of {source.label}: {coverage.mean():.6f} +- {error:.1e}")
+    return rows

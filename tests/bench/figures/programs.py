@@ -1,0 +1,60 @@
+"""Runs the programs that measure: each run is a process of its own, and prints a JSON object a line."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+Run = dict[str, object]
+
+
+class Failed(Exception):
+    """A program ended with an error; says which and why."""
+
+
+def say(*words: object) -> None:
+    """Progress, with the minutes since the command began."""
+    print(f"figures {(time.monotonic() - say.start) / 60:6.1f} min:", *words, file=sys.stderr, flush=True)
+
+
+say.start = time.monotonic()
+
+
+def run_lines(
+    command: list[object], *, limit_bytes: float | None = None, accepted: tuple[int, ...] = (0,), timeout: float = 7200
+) -> list[Run]:
+    """The JSON lines that a command prints. With `limit_bytes`, its whole address space is held to that. Ending in another
+    way than `accepted` is an error."""
+
+    def limit() -> None:
+        if limit_bytes is not None:
+            resource.setrlimit(resource.RLIMIT_AS, (int(limit_bytes), int(limit_bytes)))
+
+    words = [str(word) for word in command]
+    done = subprocess.run(
+        words, capture_output=True, text=True, errors="replace", timeout=timeout, check=False, preexec_fn=limit
+    )
+    if done.returncode not in accepted:
+        raise Failed(f"{' '.join(words)} ended with {done.returncode}: {done.stderr.strip()[-500:]}")
+    return [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+
+
+@dataclass
+class Programs:
+    """The programs of one build, and what runs the peers (Peers.run), in the same way."""
+
+    folder: Path
+    peer: Callable[..., list[Run]]
+
+    def domain(self, method: str, precision: str, points: float, seed: int, *flags: str, **options) -> list[Run]:
+        """domain_run (tests/bench/domain_run.cpp); `limit_bytes` as in run_lines, all other options are its own."""
+        limit_bytes = options.pop("limit_bytes", None)
+        named = [f"{key}={value}" for key, value in options.items()]
+        program = self.folder / "bench" / "domain_run"
+        return run_lines([program, method, precision, f"{points:.0f}", seed, *flags, *named], limit_bytes=limit_bytes)

@@ -1,0 +1,77 @@
+"""How much is measured: FULL for the page, QUICK to see that everything works."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+def half_decades(first: int, last: int) -> list[int]:
+    """10^first to 10^last points in half decades, the halves rounded to two digits."""
+    return [int(round(10 ** (step / 2), 1 - step // 2)) for step in range(2 * first, 2 * last + 1)]
+
+
+@dataclass(frozen=True)
+class Settings:
+    sizes: list[int]  # figures 4 and 6
+    most_rounds: int  # of every contender at every size,
+    least_rounds: int  # of our own methods up to the size that the loss is told for,
+    contender_seconds: float  # and between the two as many as fit into this
+    longest_run: float  # seconds; a contender ends before the size at which one run would take longer
+    shortest_run: float  # seconds; smaller sets are made until they have taken this long together
+
+    memory_points: int  # sections 4.2 and 4.3
+    cells: list[float]  # radii
+    cell_rounds: int
+    growth_sizes: list[int]  # of wavefront sampling
+
+    spectrum_sets: int  # figure 5
+    spectrum_side: float  # radii
+    spectrum_modes: int
+    coverage_sets: int
+    coverage_points: int
+
+    large_sets: bool  # 95 and 750 million points, and a billion
+    billion_points: float
+
+
+LOSS_FROM, LOSS_TO = 10**5, 10**7
+
+FULL = Settings(
+    sizes=half_decades(3, 8),
+    most_rounds=5,
+    least_rounds=3,
+    contender_seconds=15.0,
+    longest_run=30.0,
+    shortest_run=0.2,
+    memory_points=1_000_000,
+    cells=[1, 2, 3, 5, 10, 20, 40],
+    cell_rounds=3,
+    growth_sizes=[10**5, 10**6, 10**7],
+    spectrum_sets=50,
+    spectrum_side=96.0,
+    spectrum_modes=240,
+    coverage_sets=100,
+    coverage_points=100_000,
+    large_sets=True,
+    billion_points=1e9,
+)
+
+QUICK = Settings(
+    sizes=half_decades(3, 4) + [100_000],
+    most_rounds=2,
+    least_rounds=1,
+    contender_seconds=0.5,
+    longest_run=0.6,
+    shortest_run=0.02,
+    memory_points=100_000,
+    cells=[1, 5, 20],
+    cell_rounds=1,
+    growth_sizes=[10**4, 10**5],
+    spectrum_sets=10,
+    spectrum_side=48.0,
+    spectrum_modes=120,
+    coverage_sets=10,
+    coverage_points=20_000,
+    large_sets=False,
+    billion_points=1e6,
+)

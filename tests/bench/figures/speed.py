@@ -1,0 +1,174 @@
+"""Figure 4, points a second against set size, and figure 6, which counts what happened in the same runs."""
+
+from __future__ import annotations
+
+import os
+import statistics
+from collections.abc import Iterable
+
+from bench.figures.contenders import OURS, Contender
+from bench.figures.programs import Failed, Programs, Run, say
+from bench.figures.settings import LOSS_TO, Settings
+from bench.figures.tables import Row, where
+
+# Of the memory that is free, what a run may need by the look of its last size.
+MEMORY_SHARE = 0.8
+
+
+def memory_available() -> float:
+    """Bytes that a new process can have; all memory where the system does not say."""
+    try:
+        with open("/proc/meminfo", encoding="ascii") as file:
+            return next(int(line.split()[1]) * 1024.0 for line in file if line.startswith("MemAvailable"))
+    except OSError:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+
+
+class Series:
+    """One contender, from size to size."""
+
+    def __init__(self, contender: Contender, settings: Settings):
+        self.contender = contender
+        self.settings = settings
+        self.rates: dict[int, list[float]] = {}
+        self.first_rate = 0.0  # Of a set that is not counted, to know what to expect.
+        self.bytes_a_point = 0.0
+        self.ended = ""  # Why no larger set is made.
+
+    def seconds_expected(self, size: int) -> float:
+        """Of one run, if the rate goes on as it went over the last two sizes."""
+        medians = [statistics.median(rates) for rates in self.rates.values()]
+        if not medians:
+            return size / self.first_rate
+        falling = min(1.0, medians[-1] / medians[-2]) if len(medians) > 1 else 1.0
+        return size / (medians[-1] * falling)
+
+    def rounds(self, size: int) -> int:
+        """How many runs at this size; none once that would take too long or too much memory."""
+        seconds = self.seconds_expected(size)
+        if seconds > self.settings.longest_run:
+            self.ended = f"a run with {size:,} points would take {seconds:.0f} s"
+        elif self.bytes_a_point * size > MEMORY_SHARE * memory_available():
+            self.ended = f"{size:,} points would not fit into memory"
+        if self.ended:
+            return 0
+        fitting = int(self.settings.contender_seconds / max(seconds, 1e-9))
+        least = self.settings.least_rounds if self.contender.family == OURS and size <= LOSS_TO else 1
+        return min(max(fitting, least), self.settings.most_rounds)
+
+    def sets(self, size: int) -> int:
+        """How many sets make one run."""
+        return max(1, min(1000, round(self.settings.shortest_run / self.seconds_expected(size))))
+
+    def _run(self, programs: Programs, size: int, seed: int, sets: int) -> list[Run]:
+        contender = self.contender
+        run = programs.peer if contender.is_peer else programs.domain
+        return run(contender.method, contender.precision, size, seed, *contender.flags, sets=sets)
+
+    def begin(self, programs: Programs) -> None:
+        """Two sets of the smallest size (one of a peer, which warms up itself); the last tells how fast this one is about."""
+        size = self.settings.sizes[0]
+        try:
+            line = self._run(programs, size, 1, 1 if self.contender.is_peer else 2)[-1]
+            self.first_rate = line["points"] / max(line["seconds"], 1e-9)
+        except Failed as failed:
+            self.ended = str(failed)
+            say(f"figure 4: {self.contender.key} is left out: {failed}")
+
+    def take(self, programs: Programs, size: int, round_number: int) -> Row:
+        """One run: sets of this size, all with seeds of their own."""
+        seed = 1 + 1000 * (round_number + self.settings.most_rounds * self.settings.sizes.index(size))
+        lines = self._run(programs, size, seed, self.sets(size))
+        total = {name: sum(line.get(name, 0) for line in lines) for name in COUNTED}
+        rate = total["points"] / max(total["seconds"], 1e-9)
+        self.rates.setdefault(size, []).append(rate)
+        self.bytes_a_point = max(line.get("resident_peak", 0) for line in lines) / size
+        head = {"contender": self.contender.key, "asked": size, "round": round_number, "sets": len(lines), "rate": rate}
+        return head | total | {"resident_peak": max(line.get("resident_peak", 0) for line in lines)}
+
+
+COUNTED = ["points", "seconds", "darts", "squares", "selections", "list_checks", "discarded"]
+
+
+def measure(programs: Programs, contenders: Iterable[Contender], settings: Settings) -> list[Row]:
+    """All runs. Within a round every contender has its turn, so that a disturbance hits all of them alike."""
+    rows: list[Row] = []
+    series = [Series(contender, settings) for contender in contenders]
+    for one in series:
+        one.begin(programs)
+    for size in settings.sizes:
+        running = [(one, one.rounds(size)) for one in series if not one.ended]
+        for one, rounds in running:
+            if rounds == 0:
+                say(f"figure 4: {one.contender.key} ends: {one.ended}")
+        for round_number in range(settings.most_rounds):
+            for one, rounds in running:
+                if round_number < rounds and not one.ended:
+                    try:
+                        rows.append(one.take(programs, size, round_number))
+                    except Failed as failed:
+                        one.ended = str(failed)
+                        say(f"figure 4: {one.contender.key} ends: {failed}")
+        say(f"figure 4: {size:,} points,", ", ".join(_summary(one, size) for one in series if size in one.rates))
+    return rows
+
+
+def _summary(series: Series, size: int) -> str:
+    return f"{series.contender.key} {statistics.median(series.rates[size]) / 1e3:.3g} k/s"
+
+
+def summarise(runs: list[Row]) -> list[Row]:
+    """Figure 4's table: median, lowest and highest rate of each contender at each size."""
+    rows = []
+    for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs):
+        some = where(runs, contender=key, asked=size)
+        rates = [run["rate"] for run in some]
+        sets = sum(run["sets"] for run in some)
+        rows.append(
+            {
+                "contender": key,
+                "asked": size,
+                "points": sum(run["points"] for run in some) / sets,
+                "rounds": len(some),
+                "sets": sets,
+                "median": statistics.median(rates),
+                "lowest": min(rates),
+                "highest": max(rates),
+            }
+        )
+    return rows
+
+
+def losses(rates: list[Row], from_size: int, to_size: int) -> list[Row]:
+    """What share of its points a second each contender loses between two sizes: median over median, and the least and
+    most that the rounds allow."""
+    rows = []
+    for small in where(rates, asked=from_size):
+        for large in where(rates, asked=to_size, contender=small["contender"]):
+            rows.append(
+                {
+                    "contender": small["contender"],
+                    "from": from_size,
+                    "to": to_size,
+                    "loss": 1.0 - large["median"] / small["median"],
+                    "least": 1.0 - large["highest"] / small["lowest"],
+                    "most": 1.0 - large["lowest"] / small["highest"],
+                }
+            )
+    return rows
+
+
+def counts(runs: list[Row]) -> list[Row]:
+    """Figure 6's table: squares per accepted dart and list checks per selection, over all sets of a size; the lowest and
+    highest are those of the rounds."""
+    rows = []
+    for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs if run["selections"] > 0):
+        some = where(runs, contender=key, asked=size)
+        row = {"contender": key, "asked": size, "sets": sum(run["sets"] for run in some)}
+        for name, above, below in (("squares", "squares", "points"), ("checks", "list_checks", "selections")):
+            each = [run[above] / run[below] for run in some]
+            row[name] = sum(run[above] for run in some) / sum(run[below] for run in some)
+            row[name + "_lowest"], row[name + "_highest"] = min(each), max(each)
+        row["discarded"] = sum(run["discarded"] for run in some) / sum(run["points"] for run in some)
+        rows.append(row)
+    return rows

@@ -1,0 +1,42 @@
+"""Tables as CSV files: a list of rows, each a dictionary with the same keys. Numbers come back as numbers."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+Row = dict[str, object]
+
+
+def write(path: Path, rows: list[Row]) -> None:
+    """Replaces the file. The first row names the columns; floats keep what tells them apart at ten digits."""
+    assert rows, f"no rows for {path.name}"
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        for row in rows:
+            writer.writerow({key: f"{cell:.10g}" if isinstance(cell, float) else cell for key, cell in row.items()})
+
+
+def read(path: Path) -> list[Row]:
+    """The rows of a file that `write` made, or none if there is no such file."""
+    if not path.is_file():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        return [{key: _cell(text) for key, text in row.items()} for row in csv.DictReader(file)]
+
+
+def _cell(text: str) -> object:
+    if text in ("True", "False"):
+        return text == "True"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
+
+
+def where(rows: list[Row], **wanted) -> list[Row]:
+    """The rows that have all these cells."""
+    return [row for row in rows if all(row[key] == cell for key, cell in wanted.items())]
