@@ -1,0 +1,91 @@
+#pragma once
+
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace thicket::analysis {
+
+/// A sum of doubles and of products of two doubles without any rounding: Shewchuk's expansions ("Adaptive Precision
+/// Floating-Point Arithmetic", 1997, sections 2.4 and 2.5). Exact while no product is subnormal or overflows.
+class ExactSum {
+public:
+	void add(double value) {
+		std::size_t kept = 0;
+		for (std::size_t i = 0; i < count_; ++i) {
+			const double sum = value + parts_[i];
+			const double part = sum - value;
+			const double rest = (value - (sum - part)) + (parts_[i] - part);
+			if (rest != 0.0) {
+				parts_[kept++] = rest;
+			}
+			value = sum;
+		}
+		if (value != 0.0) {
+			parts_[kept++] = value;
+		}
+		count_ = kept;
+	}
+
+	void add_product(double a, double b) {
+		const double product = a * b;
+		add(std::fma(a, b, -product));
+		add(product);
+	}
+
+	/// -1, 0 or 1. The parts do not overlap and ascend, so the last one decides.
+	int sign() const { return count_ == 0 ? 0 : parts_[count_ - 1] < 0.0 ? -1 : 1; }
+
+private:
+	static constexpr std::size_t most_parts = 40;
+
+	std::array<double, most_parts> parts_{};
+	std::size_t count_ = 0;
+};
+
+/// Which image of a torus of this period lies nearest: what to add to `difference`. A period of 0 is no torus.
+inline double nearest_image(double difference, double period) {
+	return period > 0.0 ? -period * std::round(difference / period) : 0.0;
+}
+
+/// Adds the square of a - b + shift, exactly.
+inline void add_square(ExactSum &r_sum, double a, double b, double shift) {
+	const std::array terms = {a, -b, shift};
+	for (std::size_t i = 0; i < terms.size(); ++i) {
+		r_sum.add_product(terms[i], terms[i]);
+		for (std::size_t j = i + 1; j < terms.size(); ++j) {
+			r_sum.add_product(2.0 * terms[i], terms[j]);
+		}
+	}
+}
+
+/// The sign of |a - b|^2 - radius^2 with no rounding, on a torus of this period (0: along this axis there is none).
+inline int compare_distance_exactly(glm::dvec2 a, glm::dvec2 b, glm::dvec2 period, double radius) {
+	ExactSum sum;
+	add_square(sum, a.x, b.x, nearest_image(a.x - b.x, period.x));
+	add_square(sum, a.y, b.y, nearest_image(a.y - b.y, period.y));
+	sum.add_product(-radius, radius);
+	return sum.sign();
+}
+
+/// The same; the exact sum is asked only where doubles cannot tell.
+inline int compare_distance(glm::dvec2 a, glm::dvec2 b, glm::dvec2 period, double radius) {
+	glm::dvec2 d = a - b;
+	d += glm::dvec2(nearest_image(d.x, period.x), nearest_image(d.y, period.y));
+	const double excess = d.x * d.x + d.y * d.y - radius * radius;
+	// Differences err by two roundings of the largest number at most, squares by their own.
+	const glm::dvec2 largest = glm::max(glm::max(glm::abs(a), glm::abs(b)), period);
+	const double error = 0x1p-49 * (radius * radius + d.x * d.x + d.y * d.y) +
+			0x1p-49 * (largest.x * std::abs(d.x) + largest.y * std::abs(d.y)) +
+			0x1p-98 * (largest.x * largest.x + largest.y * largest.y);
+	if (std::abs(excess) > error) {
+		return excess < 0.0 ? -1 : 1;
+	}
+	return compare_distance_exactly(a, b, period, radius);
+}
+
+} // namespace thicket::analysis

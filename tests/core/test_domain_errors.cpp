@@ -1,0 +1,245 @@
+// What DomainSampler does with bad input, and when memory does not suffice: it names what is wrong, and changes nothing.
+
+#include "allocation_count.hpp"
+#include "domain_cases.hpp"
+#include "refusal.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+using namespace thicket;
+using namespace thicket::domain_cases;
+
+namespace {
+
+/// A sampler with a good result in its buffer and a fill to visit, both of which a refused call must leave as they are.
+template <typename Real>
+struct Fixture {
+	DomainRequest good = request_of({"", {20.0, 12.0}, 1.0, false}, DomainMethod::wavefront, 1);
+	DomainSampler<Real> sampler;
+	std::vector<glm::vec<2, Real>> points;
+	std::vector<glm::vec<2, Real>> before;
+
+	Fixture() {
+		REQUIRE(sampler.sample(good, points).ok());
+		REQUIRE(sampler.fill(good).ok());
+		REQUIRE(points.size() > 100);
+		before = points;
+	}
+
+	std::size_t visited() const {
+		std::size_t count = 0;
+		sampler.visit([&](std::span<const Real> x, std::span<const Real>) { count += x.size(); });
+		return count;
+	}
+
+	void refuse(const DomainRequest &request, ErrorCode code, const std::string &property, double value) {
+		CHECK(validate(request).code == code);
+		refuse_to_run(request, code, property, value);
+	}
+
+	/// As `refuse`, for what only this precision cannot do.
+	void refuse_to_run(const DomainRequest &request, ErrorCode code, const std::string &property, double value) {
+		check_refused(sampler.sample(request, points), code, property, value);
+		CHECK(points == before);
+		check_refused(sampler.fill(request), code, property, value);
+		CHECK(visited() == before.size());
+	}
+};
+
+template <typename Real>
+void refuse_size(Fixture<Real> &fixture, glm::dvec2 size, ErrorCode code, double value) {
+	CAPTURE(size.x);
+	CAPTURE(size.y);
+	for (const Method &method : methods) {
+		DomainRequest request = fixture.good;
+		request.method = method.method;
+		request.size = size;
+		fixture.refuse(request, code, "size", value);
+	}
+}
+
+constexpr double inf = infinite_value;
+
+} // namespace
+
+TEST_CASE_TEMPLATE("domain errors: radius", Real, float, double) {
+	Fixture<Real> fixture;
+	const auto refuse = [&](double radius, ErrorCode code) {
+		DomainRequest request = fixture.good;
+		request.radius = radius;
+		fixture.refuse(request, code, "radius", radius);
+	};
+	for (const double radius : {0.0, -0.0, -1.0, -1e300}) {
+		refuse(radius, ErrorCode::not_positive);
+	}
+	for (const double radius : {nan_value, inf, -inf}) {
+		refuse(radius, ErrorCode::not_finite);
+	}
+	for (const double radius : {std::nextafter(1e-3, 0.0), std::numeric_limits<double>::denorm_min(),
+				 std::nextafter(1e6, inf), std::numeric_limits<double>::max()}) {
+		refuse(radius, ErrorCode::out_of_range);
+	}
+}
+
+TEST_CASE_TEMPLATE("domain errors: size", Real, float, double) {
+	Fixture<Real> fixture;
+	for (const double bad : {nan_value, inf, -inf}) {
+		refuse_size(fixture, {bad, 10.0}, ErrorCode::not_finite, bad);
+		refuse_size(fixture, {10.0, bad}, ErrorCode::not_finite, bad);
+	}
+	for (const double bad : {0.0, -0.0, -1.0, -1e300}) {
+		refuse_size(fixture, {bad, 10.0}, ErrorCode::not_positive, bad);
+		refuse_size(fixture, {10.0, bad}, ErrorCode::not_positive, bad);
+	}
+	CHECK(describe(validate({.size = {-2.5, 1.0}})) == "size must be positive, got -2.5");
+}
+
+TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would meet itself", Real, float, double) {
+	Fixture<Real> fixture;
+	fixture.good.toroidal = true;
+	fixture.good.radius = 0.5;
+	const double least = min_torus_radii * fixture.good.radius;
+	const double narrow = std::nextafter(least, 0.0);
+	refuse_size(fixture, {narrow, 10.0}, ErrorCode::out_of_range, narrow);
+	refuse_size(fixture, {10.0, narrow}, ErrorCode::out_of_range, narrow);
+	refuse_size(fixture, {1e-3, 1e-3}, ErrorCode::out_of_range, 1e-3);
+	CHECK(validate({.size = {least, least}, .radius = 0.5, .toroidal = true}).ok());
+	CHECK(validate({.size = {narrow, narrow}, .radius = 0.5, .toroidal = false}).ok());
+}
+
+TEST_CASE("domain errors: a side that is too wide for single precision") {
+	Fixture<float> fixture;
+	DomainRequest request = fixture.good;
+	request.radius = 0.5;
+	const double wide = std::nextafter(max_single_radii * request.radius, inf);
+	for (const glm::dvec2 size : {glm::dvec2(wide, 0.1), glm::dvec2(0.1, wide)}) {
+		request.size = size;
+		CHECK(validate(request).ok());
+		fixture.refuse_to_run(request, ErrorCode::out_of_range, "size", wide);
+	}
+	// In double precision it is one domain of many.
+	check_promises<double>(request, sampled<double>(request));
+}
+
+TEST_CASE_TEMPLATE("domain errors: cell_size", Real, float, double) {
+	Fixture<Real> fixture;
+	for (const Method &method : methods) {
+		DomainRequest request = fixture.good;
+		request.method = method.method;
+		for (const double bad : {nan_value, inf, -inf}) {
+			request.cell_size = bad;
+			fixture.refuse(request, ErrorCode::not_finite, "cell_size", bad);
+		}
+		for (const double bad : {-1.0, -1e-300, std::nextafter(max_cell_size, inf), 1e300}) {
+			request.cell_size = bad;
+			fixture.refuse(request, ErrorCode::out_of_range, "cell_size", bad);
+		}
+	}
+}
+
+TEST_CASE_TEMPLATE("domain errors: darts_each", Real, float, double) {
+	Fixture<Real> fixture;
+	DomainRequest request = fixture.good;
+	request.method = DomainMethod::naive;
+	for (const double bad : {nan_value, inf, -inf}) {
+		request.darts_each = bad;
+		fixture.refuse(request, ErrorCode::not_finite, "darts_each", bad);
+	}
+	for (const double bad : {std::nextafter(1.0, 0.0), 0.0, -5.0, std::nextafter(1e6, inf), 1e300}) {
+		request.darts_each = bad;
+		fixture.refuse(request, ErrorCode::out_of_range, "darts_each", bad);
+	}
+}
+
+TEST_CASE_TEMPLATE(
+		"domain errors: whichever allocation fails, the call says so and changes nothing", Real, float, double) {
+	Fixture<Real> fixture;
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		for (const bool fill : {false, true}) {
+			CAPTURE(fill);
+			DomainRequest request = fixture.good;
+			request.method = method.method;
+			// Cells too large for a likely number of points in each, so that the overflow is in use too.
+			request.toroidal = true;
+			bool done = false;
+			std::size_t failures = 0;
+			for (std::size_t allowed = 0; !done; ++allowed) {
+				DomainSampler<Real> sampler;
+				Status status;
+				{
+					const AllocationLimit limit(allowed);
+					status = fill ? sampler.fill(request) : sampler.sample(request, fixture.points);
+				}
+				done = status.ok();
+				if (!done) {
+					++failures;
+					CHECK(status.code == ErrorCode::out_of_memory);
+					CHECK(fixture.points == fixture.before);
+					REQUIRE(sampler.fill(fixture.good).ok());
+				}
+			}
+			CHECK(failures > 0);
+			fixture.points = fixture.before;
+		}
+	}
+}
+
+#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
+
+namespace {
+
+/// Bytes of address space that this process has now.
+rlim_t address_space() {
+	std::ifstream statm("/proc/self/statm");
+	std::size_t pages = 0;
+	statm >> pages;
+	return static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+/// What a child process finds that may have 64 MB more than it has now.
+template <typename Real>
+bool refuses_in_little_memory(DomainMethod method) {
+	const rlim_t limit = address_space() + (rlim_t{64} << 20);
+	const rlimit limits{limit, limit};
+	DomainSampler<Real> sampler;
+	std::vector<glm::vec<2, Real>> points(3, glm::vec<2, Real>(7));
+	const std::vector<glm::vec<2, Real>> before = points;
+	DomainRequest huge = request_of({"", {20'000.0, 20'000.0}, 1.0, false}, method, 3);
+	if (setrlimit(RLIMIT_AS, &limits) != 0) {
+		return false;
+	}
+	const bool refused = sampler.sample(huge, points).code == ErrorCode::out_of_memory && points == before &&
+			sampler.fill(huge).code == ErrorCode::out_of_memory;
+	// What it took on the way is given back: there is room for a small domain.
+	huge.size = {100.0, 100.0};
+	return refused && sampler.sample(huge, points).ok() && points.size() > 5000;
+}
+
+} // namespace
+
+TEST_CASE_TEMPLATE("domain errors: a domain that is larger than memory", Real, float, double) {
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		std::fflush(nullptr);
+		const pid_t child = fork();
+		REQUIRE(child >= 0);
+		if (child == 0) {
+			alarm(60);
+			_exit(refuses_in_little_memory<Real>(method.method) ? EXIT_SUCCESS : EXIT_FAILURE);
+		}
+		int status = 0;
+		REQUIRE(waitpid(child, &status, 0) == child);
+		CHECK(WIFEXITED(status));
+		CHECK(WEXITSTATUS(status) == EXIT_SUCCESS);
+	}
+}
+
+#endif

@@ -1,0 +1,173 @@
+// Watching a call of DomainSampler, and ending it: from the report, and from another thread.
+
+#include "domain_cases.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+using namespace thicket;
+using namespace thicket::domain_cases;
+
+namespace {
+
+/// What a report said so far, and whether it said it properly.
+struct Watch {
+	std::uint64_t calls = 0;
+	std::uint64_t before_first_point = 0; ///< Calls without a point.
+	double first = 2.0;
+	double last = 0.0;
+	double widest_step = 0.0;
+	std::uint64_t points = 0;
+	bool in_order = true; ///< Fractions of [0, 1] that never fall, and points that never do.
+
+	void operator()(double fraction, std::uint64_t found) {
+		++calls;
+		before_first_point += found == 0 ? 1 : 0;
+		first = std::min(first, fraction);
+		in_order = in_order && fraction >= last && fraction <= 1.0 && found >= points;
+		widest_step = std::max(widest_step, fraction - last);
+		last = fraction;
+		points = found;
+	}
+};
+
+DomainRequest request_for(DomainMethod method, glm::dvec2 radii, bool toroidal = false) {
+	DomainRequest request = request_of({"", radii, 1.0, toroidal}, method, 31);
+	request.darts_each = 3.0;
+	return request;
+}
+
+/// Ten million points and more: seconds of work for every method.
+DomainRequest huge(DomainMethod method) { return request_for(method, {4000.0, 4000.0}); }
+
+/// A sampler with a good result in its buffer, which a cancelled call must leave as it is.
+template <typename Real>
+struct Fixture {
+	DomainRequest good = request_for(DomainMethod::hierarchical, {20.0, 12.0});
+	DomainSampler<Real> sampler;
+	std::vector<glm::vec<2, Real>> points;
+	std::vector<glm::vec<2, Real>> before;
+
+	Fixture() {
+		REQUIRE(sampler.sample(good, points).ok());
+		before = points;
+	}
+
+	void check_cancelled(const Status &status) {
+		CHECK(status.code == ErrorCode::cancelled);
+		CHECK(points == before);
+		std::vector<glm::vec<2, Real>> again;
+		REQUIRE(sampler.sample(good, again).ok());
+		CHECK(again == before);
+	}
+};
+
+} // namespace
+
+TEST_CASE_TEMPLATE("domain progress: it begins low, never falls, steps finely and ends at one", Real, float, double) {
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		for (const bool torus : {false, true}) {
+			CAPTURE(torus);
+			Watch watch;
+			DomainSampler<Real> sampler;
+			const Status status = sampler.fill(request_for(method.method, {300.0, 200.0}, torus),
+					{.report = [&](double fraction, std::uint64_t points) {
+						watch(fraction, points);
+					}});
+			REQUIRE(status.ok());
+			CHECK(watch.in_order);
+			CHECK(watch.first < 0.1);
+			CHECK(watch.last > 0.95);
+			CHECK(watch.widest_step < 0.1);
+			CHECK(watch.points <= sampler.stats().points);
+			CHECK(static_cast<double>(watch.points) > 0.9 * static_cast<double>(sampler.stats().points));
+			CHECK(watch.calls > sampler.stats().points / 10'000);
+		}
+	}
+}
+
+TEST_CASE_TEMPLATE(
+		"domain progress: a fraction also where area says little of the number of points", Real, float, double) {
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		for (const Shape &shape : shapes) {
+			CAPTURE(shape.name);
+			Watch watch;
+			const auto report = [&](double fraction, std::uint64_t points) {
+				watch(fraction, points);
+			};
+			DomainSampler<Real> sampler;
+			REQUIRE(sampler.fill(request_of(shape, method.method, 32), {.report = report}).ok());
+			CHECK(watch.in_order);
+			CHECK(watch.points <= sampler.stats().points);
+		}
+	}
+}
+
+TEST_CASE_TEMPLATE("domain cancel: a flag that is raised before or by a report", Real, float, double) {
+	Fixture<Real> fixture;
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		std::atomic<bool> cancel{true};
+		fixture.check_cancelled(
+				fixture.sampler.sample(huge(method.method), fixture.points, {.cancel = &cancel, .report = {}}));
+
+		for (const double enough : {0.0, 0.3, 0.9}) {
+			CAPTURE(enough);
+			cancel = false;
+			Watch watch;
+			const auto report = [&](double fraction, std::uint64_t points) {
+				watch(fraction, points);
+				cancel = fraction >= enough;
+			};
+			const DomainRequest request = request_for(method.method, {200.0, 200.0});
+			fixture.check_cancelled(
+					fixture.sampler.sample(request, fixture.points, {.cancel = &cancel, .report = report}));
+			// It does not go on to the end.
+			CHECK(watch.last < enough + 0.1);
+		}
+	}
+	// One that stays down changes nothing.
+	const std::atomic<bool> down{false};
+	REQUIRE(fixture.sampler.sample(fixture.good, fixture.points, {.cancel = &down, .report = {}}).ok());
+	CHECK(fixture.points == fixture.before);
+}
+
+TEST_CASE_TEMPLATE("domain cancel: a flag that another thread raises in mid-work", Real, float, double) {
+	Fixture<Real> fixture;
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		std::atomic<bool> cancel{false};
+		Status status;
+		std::thread worker([&] {
+			status = fixture.sampler.sample(huge(method.method), fixture.points, {.cancel = &cancel, .report = {}});
+		});
+		std::this_thread::sleep_for(std::chrono::milliseconds(150));
+		const auto start = std::chrono::steady_clock::now();
+		cancel = true;
+		worker.join();
+		// Fifty milliseconds are promised; a loaded machine may take its time to wake a thread.
+		CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(1));
+		fixture.check_cancelled(status);
+	}
+}
+
+TEST_CASE_TEMPLATE("domain cancel: a fill leaves all of the points before or none", Real, float, double) {
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		DomainSampler<Real> sampler;
+		REQUIRE(sampler.fill(request_for(method.method, {20.0, 12.0})).ok());
+		const std::uint64_t before = sampler.stats().points;
+		std::atomic<bool> cancel{false};
+		const auto report = [&](double, std::uint64_t points) {
+			cancel = points > 1000;
+		};
+		const DomainRequest request = request_for(method.method, {200.0, 200.0});
+		CHECK(sampler.fill(request, {.cancel = &cancel, .report = report}).code == ErrorCode::cancelled);
+		std::uint64_t left = 0;
+		sampler.visit([&](std::span<const Real> x, std::span<const Real>) { left += x.size(); });
+		CHECK((left == 0 || left == before));
+	}
+}

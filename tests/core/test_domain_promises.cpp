@@ -1,0 +1,121 @@
+// Promises 1 to 3 of DomainSampler on all kinds of domains: distances without any rounding, across the seams of a torus too; no
+// room left, down to the precision; all within the domain.
+
+#include "domain_cases.hpp"
+
+using namespace thicket;
+using namespace thicket::domain_cases;
+
+TEST_CASE_TEMPLATE("domain: distance, coverage and bounds on domains of all shapes", Real, float, double) {
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		for (const Shape &shape : shapes) {
+			CAPTURE(shape.name);
+			for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+				const DomainRequest request = request_of(shape, method.method, seed);
+				check_promises<Real>(request, sampled<Real>(request));
+			}
+		}
+	}
+}
+
+TEST_CASE_TEMPLATE("domain: all numbers of base squares and groups along each axis", Real, float, double) {
+	// Around each whole number of base squares, up to three groups and a half; and the smallest tori.
+	std::vector<double> bounded;
+	for (int squares = 0; squares <= 10; ++squares) {
+		for (const double more : {-0.01, 0.01, 0.5}) {
+			bounded.push_back((squares + more) * std::sqrt(0.5));
+		}
+	}
+	std::erase_if(bounded, [](double side) { return side <= 0.0; });
+	const std::vector<double> toroidal = {4.0, 4.2, 4.3, 4.9, 5.0, 5.6, 5.7, 6.3, 6.4, 7.0, 7.1, 8.4, 8.5};
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		for (const bool torus : {false, true}) {
+			CAPTURE(torus);
+			const std::vector<double> &sides = torus ? toroidal : bounded;
+			for (const double x : sides) {
+				CAPTURE(x);
+				for (const double y : sides) {
+					CAPTURE(y);
+					const DomainRequest request = request_of({"", {x, y}, 0.75, torus}, method.method, 5);
+					check_promises<Real>(request, sampled<Real>(request));
+				}
+			}
+		}
+	}
+}
+
+TEST_CASE_TEMPLATE("domain: a domain that one disk always covers gets one point", Real, float, double) {
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		for (std::uint64_t seed = 0; seed < 20; ++seed) {
+			for (const glm::dvec2 size : {glm::dvec2(0.7, 0.7), glm::dvec2(0.99, 0.1), glm::dvec2(1e-4, 0.9)}) {
+				CHECK(sampled<Real>(request_of({"", size, 1.0, false}, method.method, seed)).size() == 1);
+			}
+		}
+	}
+}
+
+TEST_CASE_TEMPLATE("domain: ten thousand radii wide", Real, float, double) {
+	for (const Method &method : maximal_methods) {
+		CAPTURE(method.name);
+		for (const bool torus : {false, true}) {
+			CAPTURE(torus);
+			for (const glm::dvec2 radii : {glm::dvec2(10'000.0, 5.3), glm::dvec2(5.3, 10'000.0)}) {
+				const DomainRequest request = request_of({"", radii, 1.3, torus}, method.method, 7);
+				check_promises<Real>(request, sampled<Real>(request));
+			}
+		}
+	}
+}
+
+TEST_CASE("domain: as wide as single precision allows") {
+	for (const Method &method : maximal_methods) {
+		CAPTURE(method.name);
+		const DomainRequest request = request_of({"", {1.1, max_single_radii}, 1.0, false}, method.method, 8);
+		check_promises<float>(request, sampled<float>(request));
+	}
+}
+
+TEST_CASE_TEMPLATE("domain: points do not end at a border, and the torus has none", Real, float, double) {
+	// What a border that was treated wrongly changes first: how many points stand near it. On a torus there are as many beside a
+	// seam as elsewhere; beside a border of a bounded domain there are more, because nothing beyond it takes their room.
+	constexpr double side = 120.0;
+	constexpr double strip = 0.5;
+	for (const Method &method : maximal_methods) {
+		CAPTURE(method.name);
+		for (const bool torus : {false, true}) {
+			CAPTURE(torus);
+			std::array<double, 4> beside{};
+			double inside = 0.0;
+			for (std::uint64_t seed = 11; seed < 15; ++seed) {
+				for (const auto &point :
+						sampled<Real>(request_of({"", {side, side}, 1.0, torus}, method.method, seed))) {
+					beside[0] += point.x < strip;
+					beside[1] += point.x >= side - strip;
+					beside[2] += point.y < strip;
+					beside[3] += point.y >= side - strip;
+					inside += point.x >= 0.25 * side && point.x < 0.75 * side;
+				}
+			}
+			const double expected = inside * strip / (0.5 * side);
+			for (const double count : beside) {
+				CAPTURE(count);
+				CAPTURE(expected);
+				// About 170 points are expected, spread by less than 10; a border raises that by four fifths.
+				CHECK(std::abs(count / expected - (torus ? 1.0 : 1.8)) < 0.3);
+			}
+		}
+	}
+}
+
+TEST_CASE("domain: no square is given up in double precision") {
+	for (const Method &method : maximal_methods) {
+		CAPTURE(method.name);
+		DomainSampler<double> sampler;
+		std::vector<glm::dvec2> points;
+		REQUIRE(sampler.sample(request_of({"", {150.0, 150.0}, 1.0, true}, method.method, 9), points).ok());
+		CHECK(sampler.stats().discarded == 0);
+	}
+}
