@@ -51,7 +51,7 @@ public:
 
 	/// Throws darts until no square is active, or a cancel. Accepted darts go to the end of `r_points`, if given.
 	Status run(Points *r_points, const Progress &progress, double expected_points) override {
-		if (!begin(progress)) {
+		if (!begin(progress, expected_points)) {
 			return {ErrorCode::cancelled};
 		}
 		std::uint64_t until_look = 1;
@@ -85,6 +85,7 @@ private:
 	static constexpr std::uint64_t cells_ahead = ahead / 2;
 	static constexpr std::size_t ring = 32;
 	static constexpr std::uint64_t choices_between_looks = 4096;
+	static constexpr std::uint64_t pushes_between_looks = 1u << 17;
 
 	using Unit = SquareUnit<Real>;
 	using Draw = typename ActiveSquares<Real>::Draw;
@@ -115,7 +116,7 @@ private:
 						static_cast<Unit>(Unit{square.y} << frame_.finest)});
 	}
 
-	bool begin(const Progress &progress) {
+	bool begin(const Progress &progress, double expected_points) {
 		for (std::uint64_t choice = 0; choice < ahead; ++choice) {
 			draws_[choice] = draw(choice);
 		}
@@ -126,7 +127,7 @@ private:
 		}
 		for (std::uint32_t y = 0; y < frame_.squares.y; ++y) {
 			for (std::uint32_t x = 0; x < frame_.squares.x; ++x) {
-				if (x % choices_between_looks == 0 && progress.cancelled()) {
+				if (active_.made() % pushes_between_looks == 0 && !look(progress, expected_points)) {
 					return false;
 				}
 				push_base({x, y});

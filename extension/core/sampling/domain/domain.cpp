@@ -3,8 +3,6 @@
 #include "core/base/check.hpp"
 #include "core/sampling/point_set.hpp"
 
-#include <limits>
-
 namespace thicket {
 
 namespace {
@@ -18,7 +16,7 @@ Status validate_size(const DomainRequest &request) {
 			return {ErrorCode::out_of_range, "size", side};
 		}
 	}
-	const double expected = request.size.x * request.size.y * point_density({.radius = request.radius});
+	const double expected = expected_points(request);
 	if (!(expected <= max_domain_points)) {
 		return {ErrorCode::too_many_points, "size", expected};
 	}
@@ -26,6 +24,11 @@ Status validate_size(const DomainRequest &request) {
 }
 
 } // namespace
+
+double expected_points(const DomainRequest &request) {
+	const glm::dvec2 radii = request.size / request.radius + (request.toroidal ? 0.0 : 1.0);
+	return radii.x * radii.y * point_density({.radius = 1.0});
+}
 
 Status validate(const DomainRequest &request) {
 	const Status numbers = first_failure(check_positive("radius", request.radius),

@@ -29,7 +29,7 @@ struct DomainRequest {
 			false; ///< Opposite edges meet: distances are measured around the torus, and the set tiles the plane.
 	double cell_size =
 			0.0; ///< Width of an accelerator cell in radii, 0 for the method's own, else up to max_cell_size. Rounded up
-			///< to whole base squares. Changes time and memory, never the points. `naive` ignores it.
+				 ///< to whole base squares. Changes time and memory, never the points. `naive` ignores it.
 	double darts_each =
 			100; ///< `naive` only: darts thrown for each base square, 1 to 1e6; more come closer to maximal.
 };
@@ -40,11 +40,15 @@ inline constexpr double max_cell_size = 1000.0;
 /// The most points that a domain may be asked for, by the density of a jammed set.
 inline constexpr double max_domain_points = 1e9;
 
-/// The widest side in radii at single precision: there, coordinates are still 64 times finer than the radius.
+/// The widest side in radii at single precision: up to there, coordinates are at least 32 times finer than the radius.
 inline constexpr double max_single_radii = 131072.0;
 
 /// Refuses what the docstrings above exclude.
 Status validate(const DomainRequest &request);
+
+/// About how many points a maximal set has: by the density of a jammed set, over the domain and, unless it is a torus, half a
+/// radius around it.
+double expected_points(const DomainRequest &request);
 
 /// Lets a long call be watched and ended.
 struct Progress {

@@ -1,7 +1,6 @@
 #include "core/sampling/domain/domain_sampler.hpp"
 
 #include "core/sampling/domain/thrower.hpp"
-#include "core/sampling/point_set.hpp"
 
 #include <cmath>
 #include <memory>
@@ -31,7 +30,7 @@ struct DomainSampler<Real>::State {
 	DomainStats stats;
 
 	Status run(const DomainRequest &request, std::vector<glm::vec<2, Real>> *r_points, const Progress &progress) {
-		const double expected = request.size.x * request.size.y * point_density({.radius = request.radius});
+		const double expected = expected_points(request);
 		if (r_points != nullptr) {
 			r_points->reserve(static_cast<std::size_t>(1.02 * expected) + 64);
 		}

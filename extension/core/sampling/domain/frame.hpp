@@ -60,7 +60,7 @@ struct Frame {
 			frame.reach[axis] = request.radius / frame.base[axis];
 		}
 		const int index_bits = std::bit_width(std::max(frame.squares.x, frame.squares.y));
-		const int by_precision = std::ilogb(std::min(frame.base.x, frame.base.y) / frame.quantum);
+		const int by_precision = std::ilogb(std::max(frame.base.x, frame.base.y) / frame.quantum);
 		frame.finest = std::clamp(by_precision, 0, std::min(32, 8 * static_cast<int>(sizeof(Unit)) - index_bits));
 		frame.unit = {std::ldexp(frame.base.x, -frame.finest), std::ldexp(frame.base.y, -frame.finest)};
 		// Squares and sum are each rounded once, so the true squared distance is not below the square of the radius.
