@@ -106,6 +106,21 @@ TEST_CASE_TEMPLATE(
 	}
 }
 
+TEST_CASE_TEMPLATE("domain progress: it is told also before the first point", Real, float, double) {
+	for (const DomainMethod method : {DomainMethod::hierarchical, DomainMethod::accumulator}) {
+		std::atomic<bool> cancel{false};
+		Watch watch;
+		const auto report = [&](double fraction, std::uint64_t points) {
+			watch(fraction, points);
+			cancel = points > 0;
+		};
+		DomainSampler<Real> sampler;
+		CHECK(sampler.fill(huge(method), {.cancel = &cancel, .report = report}).code == ErrorCode::cancelled);
+		CHECK(watch.before_first_point >= 3);
+		CHECK(watch.points < 1'000'000);
+	}
+}
+
 TEST_CASE_TEMPLATE("domain cancel: a flag that is raised before or by a report", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const Method &method : methods) {

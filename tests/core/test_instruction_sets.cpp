@@ -1,5 +1,6 @@
 // The same bits on every instruction set that this processor has, and on the emulated one that all processors have.
 
+#include "domain_cases.hpp"
 #include "tests/bench/common/simd_targets.hpp"
 #include "tilings.hpp"
 
@@ -39,6 +40,30 @@ TEST_CASE("instruction sets: the same points in the same order, plain set") {
 TEST_CASE("instruction sets: the same points in the same order, progressive set, far away") {
 	check_all_targets(
 			{.seed = 42, .radius = 1.0, .levels = 5, .layer = 3}, {{-5.0e6, 5.0e6}, {-5.0e6 + 200.0, 5.0e6 + 200.0}});
+}
+
+TEST_CASE_TEMPLATE("instruction sets: the same points in the same order, whole domains", Real, float, double) {
+	for (const domain_cases::Method &method : domain_cases::methods) {
+		CAPTURE(method.name);
+		for (const bool torus : {false, true}) {
+			// The method's own cells; some that hold one point; some that overflow.
+			for (const double cell_size : {0.0, 0.1, 9.0}) {
+				CAPTURE(cell_size);
+				DomainRequest request = domain_cases::request_of({"", {60.0, 41.0}, 1.0, torus}, method.method, 43);
+				request.cell_size = cell_size;
+				request.darts_each = 10.0;
+				std::vector<glm::vec<2, Real>> expected;
+				for (const bench::SimdTarget &target : bench::simd_targets()) {
+					CAPTURE(target.name);
+					const bench::ForcedTarget forced(target);
+					const std::vector<glm::vec<2, Real>> points = domain_cases::sampled<Real>(request);
+					expected = expected.empty() ? points : expected;
+					const bool identical = points == expected;
+					CHECK(identical);
+				}
+			}
+		}
+	}
 }
 
 TEST_CASE("instruction sets: the emulated one is among them") {
