@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from conftest import REPO
@@ -36,6 +38,22 @@ layers = Array[ScatterLayer]([SubResource("layer")])
 script = ExtResource("1")
 """
 
+# Runs each example as its reader would: nodes in a scene, a tool by its _run.
+EXAMPLES = """extends SceneTree
+
+func _initialize() -> void:
+	for number in 3:
+		var made: Object = load("res://example_%d.gd" % number).new()
+		if made is Node:
+			root.add_child(made)
+			await create_timer(0.3).timeout
+			made.free()
+		else:
+			made.call("_run")
+	print("examples: done")
+	quit()
+"""
+
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
@@ -55,9 +73,31 @@ def assert_passed(done):
     assert "leaked" not in printed, printed
 
 
-@pytest.mark.parametrize("script", ["test_streaming", "test_bad_input", "test_lifetime"])
+@pytest.mark.parametrize(
+    "script",
+    ["test_streaming", "test_bad_input", "test_lifetime", "test_domain", "test_domain_calls", "test_domain_cancel"],
+)
 def test_script(godot, project, script):
     assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / f"{script}.gd"], timeout=600))
+
+
+def test_examples_of_the_class_reference_run(godot, project):
+    """The examples of PoissonSampler's page: a look at a window, a pattern without a seam, and a large domain given up."""
+    text = ElementTree.parse(REPO / "extension/doc_classes/PoissonSampler.xml").getroot().findtext("description")
+    examples = [textwrap.dedent(block) for block in re.findall(r"\[codeblock\]\n(.*?)\[/codeblock\]", text, re.DOTALL)]
+    assert len(examples) == 3
+    examples[0] = "extends Node\nfunc _ready() -> void:\n" + textwrap.indent(examples[0], "    ")
+    examples[1] = examples[1].replace("extends EditorScript", "extends RefCounted")  # Only an editor makes those.
+    for number, example in enumerate(examples):
+        (project / f"example_{number}.gd").write_text(example)
+    (project / "examples.gd").write_text(EXAMPLES)
+    done = godot(["--path", project, "--script", "examples.gd"], timeout=60)
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0 and not COMPLAINT.search(printed), printed
+    assert len(re.findall(r"^\(-?\d\S*, -?\d\S*\)$", printed, re.MULTILINE)) > 100, printed
+    assert re.search(r"^\d+ %, \d+ points$", printed, re.MULTILINE), printed
+    assert "\n0 points\n" in printed and "examples: done" in printed, printed
+    assert (project / "dots.png").is_file()
 
 
 def test_pixels(godot_xvfb, project):

@@ -80,8 +80,8 @@ public:
 	godot::Dictionary sample_domain_exact(
 			double p_min_x, double p_min_y, double p_max_x, double p_max_y, const godot::Callable &p_progress);
 
-	/// Ends the call that is under way within 50 milliseconds; it gives nothing. From any thread, and from a progress
-	/// callable. Without effect on calls that have not begun.
+	/// Ends the call that is under way within 50 milliseconds, and what the system takes to get a large workspace back; it
+	/// gives nothing. From any thread, and from a progress callable. Without effect on calls that have not begun.
 	void cancel();
 
 	/// Figures of the last whole domain that was filled to its end: DomainStats.
