@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bench.figures import billion, machine, page_text, paper, speed, tables
-from bench.figures.__main__ import TABLES
 from bench.figures.contenders import CONTENDERS, OURS, Contender
+from bench.figures.parts import PARTS, TABLES
 from bench.figures.peers import CONTENDERS as PEERS
 from bench.figures.point_sets import SOURCES, read_sets
 from bench.figures.programs import Failed, Programs, run_lines
@@ -114,7 +114,20 @@ def test_pictures_of_a_run_are_there(quick):
     check_pictures(shown_pictures(quick.page, quick.folder))
 
 
-@pytest.mark.parametrize("arguments", [["--fast"], ["--out"], ["--programs"]])
+def test_part_is_measured_on_its_own(quick, tmp_path, build_dir):
+    """One part makes no page in an empty folder; in a full one it replaces its own tables and no others."""
+    command = ["bash", BENCH / "figures.sh", "--quick", "--programs", build_dir, "--only", "billion", "--out"]
+    alone = run([*command, tmp_path], timeout=300)
+    assert alone.returncode == 0 and "no page yet: speed, sets, memory, large" in alone.stderr, alone.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["billion.csv", "machine.json"]
+    times = {name: (quick.folder / name).stat().st_mtime_ns for name in TABLES if (quick.folder / name).is_file()}
+    again = run([*command, quick.folder], timeout=300)
+    assert again.returncode == 0 and "done" in again.stderr, again.stderr
+    changed = {name for name, at in times.items() if (quick.folder / name).stat().st_mtime_ns != at}
+    assert changed == set(PARTS["billion"].tables)
+
+
+@pytest.mark.parametrize("arguments", [["--fast"], ["--only", "nothing"], ["--out"], ["--programs"]])
 def test_wrong_options_are_refused(arguments):
     done = run(["bash", BENCH / "figures.sh", *arguments], timeout=60)
     assert done.returncode == 2 and arguments[0] in done.stderr, done.stderr
@@ -154,7 +167,7 @@ def test_domain_run_dumps_what_it_counts(core_tool, tmp_path):
 
 def test_limited_memory_is_limited(build_dir):
     """What is too large for the limit is refused; without one, or with a wider one, the same call succeeds."""
-    programs = Programs(build_dir, peer=lambda *_: [])
+    programs = Programs(build_dir, peer=lambda *_: [], contenders=[])
     call = ("accumulator", "double", 300_000, 1, "torus", "fill")
     assert programs.domain(*call, limit_bytes=2**30)[0]["points"] > 290_000
     with pytest.raises(Failed, match="memory"):

@@ -2,7 +2,8 @@
 # The seed paper's figures, measured again: builds for release, measures, and writes build/figures and the page
 # tests/bench/RESULTS.md. Takes most of an hour; nothing else should run on the machine. Options:
 #   --quick         small sizes, to see that everything works; leaves the page alone and writes one into its folder
-#   --out DIR       the folder of tables and pictures, instead of build/figures; it is emptied first
+#   --out DIR       the folder of tables and pictures, instead of build/figures
+#   --only PART     measure one of speed, sets, memory, large, billion; the tables of the others stay. Can be repeated
 #   --redraw        measure nothing, draw and write again from the tables that are there
 #   --programs DIR  measure the programs in this build folder, and build nothing
 set -euo pipefail
@@ -25,6 +26,14 @@ redraw=
 while (($#)); do
 	case $1 in
 	--quick) arguments+=("$1") ;;
+	--only)
+		if [[ ! ${2:-} =~ ^(speed|sets|memory|large|billion)$ ]]; then
+			say "--only needs one of speed, sets, memory, large, billion"
+			exit 2
+		fi
+		arguments+=("$1" "$2")
+		shift
+		;;
 	--redraw) redraw=$1 && arguments+=("$1") ;;
 	--out | --programs)
 		folder=$(in_callers_folder "$@")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 
-from bench.figures.paper import LARGE_CELL, LARGE_SETS, LargeSet
+from bench.figures.paper import LARGE_SETS, LargeSet
 from bench.figures.programs import Failed, Programs, Run, say
 from bench.figures.settings import Settings
 from bench.figures.speed import memory_available
@@ -13,6 +13,7 @@ from bench.figures.tables import Row
 
 VARIANTS = ("hierarchical", "accumulator", "wavefront")
 PRECISIONS = ("single", "double")
+LARGE_SET_CELL = 10  # Radii: little more than the bare points, and little slower than small cells.
 LEAST_BYTES = 10.0  # A point, in single precision: with less free memory a large set is not tried.
 COORDINATES = {"single": 8, "double": 16}  # Bytes of the bare point.
 
@@ -81,15 +82,16 @@ def _cell_row(method: str, precision: str, cell: float, runs: list[Run], with_sm
 
 
 def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: bytes a point of wavefront sampling against set size, with cells of 20 radii; points stay in the cells."""
+    """Section 4.3: bytes a point of wavefront sampling against set size, with large cells; points stay in the cells."""
     rows = []
     for precision in PRECISIONS:
         for size in settings.growth_sizes:
-            run = programs.domain("wavefront", precision, size, 1, "torus", "fill", cell=LARGE_CELL)[0]
+            run = programs.domain("wavefront", precision, size, 1, "torus", "fill", cell=LARGE_SET_CELL)[0]
             points = run["points"]
             rows.append(
                 {
                     "precision": precision,
+                    "cell": LARGE_SET_CELL,
                     "points": points,
                     "seconds": run["seconds"],
                     "grid": run["grid_bytes"] / points,
@@ -103,10 +105,10 @@ def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
     return rows
 
 
-def measure_large(programs: Programs, settings: Settings) -> list[Row]:
+def measure_large(programs: Programs) -> list[Row]:
     """Section 4.3: the paper's largest sets by wavefront sampling in single precision, under a hard limit of the address
-    space; none without `large_sets`, and none that this machine has no memory for."""
-    return [_fill(programs, large) for large in LARGE_SETS] if settings.large_sets else []
+    space; one that this machine has no memory for is not made, and its row says so."""
+    return [_fill(programs, large) for large in LARGE_SETS]
 
 
 def _fill(programs: Programs, large: LargeSet) -> Row:
@@ -121,7 +123,7 @@ def _fill(programs: Programs, large: LargeSet) -> Row:
     say(name)
     try:
         flags = ("torus", "fill")
-        options = {"cell": LARGE_CELL, "limit_bytes": large.limit_bytes}
+        options = {"cell": LARGE_SET_CELL, "limit_bytes": large.limit_bytes}
         run = programs.domain("wavefront", "single", large.points, 1, *flags, **options)[0]
     except Failed as failed:
         row["why"] = str(failed).rpartition(": ")[2]

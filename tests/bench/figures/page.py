@@ -7,6 +7,7 @@ from bench.figures import paper
 from bench.figures.contenders import CONTENDERS, NAIVE_DARTS
 from bench.figures.page_summary import summary
 from bench.figures.page_text import gib, number, percent, picture, rate, ratio, span, table, verdict
+from bench.figures.parts import PARTS
 from bench.figures.peers import CONTENDERS as PEERS
 from bench.figures.spectra import noise_level
 from bench.figures.tables import Row, where
@@ -14,8 +15,8 @@ from bench.figures.tables import Row, where
 Tables = dict[str, list[Row]]
 
 
-def write(measured: Tables, facts: Row, pictures: str) -> str:
-    """The page in Markdown, from all tables by name; `pictures` is the folder of the plots as seen from the page."""
+def write(measured: Tables, facts: dict[str, Row], pictures: str) -> str:
+    """The page in Markdown, from all tables by name and the machine of each part; `pictures` is the folder of the plots as seen from the page."""
     parts = [
         _head(facts),
         summary(measured),
@@ -25,24 +26,33 @@ def write(measured: Tables, facts: Row, pictures: str) -> str:
         _section42(measured, pictures),
         _section43(measured, pictures),
         _billion(measured),
-        _how(measured, facts),
+        _how(measured),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _head(facts: Row) -> str:
-    quick = "\n\n**This is a quick run with small sets: its numbers say that the command works, and little else.**"
-    return (
-        "# The seed paper, measured again\n\n"
+def _head(facts: dict[str, Row]) -> str:
+    first = facts["speed"]
+    others = [
+        f"{PARTS[name].shows} on {one['date']} at commit {one['commit']}"
+        for name, one in facts.items()
+        if (one["date"], one["commit"]) != (first["date"], first["commit"])
+    ]
+    parts = [
+        "# The seed paper, measured again",
         "White, Cline and Egbert, *Poisson Disk Point Sets by Hierarchical Dart Throwing* (2007), figure by figure: the paper's "
         "number, ours, and ours over the paper's. `bash tests/bench/figures.sh` measures everything and writes this page; no "
         "number of ours is typed in. The paper timed on a 2.13 GHz Core 2 Duo (figure 4), so ratios of speed hold the years "
-        "between the machines, too; ratios between methods on one machine do not.\n\n"
-        f"Measured on {facts['date']} at commit {facts['commit']}: {facts['processor']}, {facts['cores']} cores, "
-        f"{facts['memory_gib']:.0f} GiB, {facts['system']}; {facts['compiler']}, `{facts['flags']}`. Times are processor time of "
-        "one core and one process a run, medians with the lowest and highest round behind them; contenders take turns within "
-        "each round." + (quick if facts["quick"] else "")
-    )
+        "between the machines, too; ratios between methods on one machine do not.",
+        f"Measured on {first['date']} at commit {first['commit']}"
+        + (f" ({'; '.join(others)})" if others else "")
+        + f": {first['processor']}, {first['cores']} cores, {first['memory_gib']:.0f} GiB, {first['system']}; "
+        f"{first['compiler']}, `{first['flags']}`. Times are processor time of one core and one process a run, medians with the "
+        "lowest and highest round behind them; contenders take turns within each round.",
+    ]
+    if any(one["quick"] for one in facts.values()):
+        parts.append("**This is a quick run with small sets: its numbers say that the command works, and little else.**")
+    return "\n\n".join(parts)
 
 
 def _labels() -> dict[str, str]:
@@ -185,7 +195,7 @@ def _section43(measured: Tables, pictures: str) -> str:
         [row["precision"], number(row["points"], 2), *(number(row[name]) for name in ("bare", "grid", "squares", "workspace", "resident"))]
         for row in measured["section43_growth"]
     ]
-    grown = ["wavefront, cells of 20 r", "points", "bare points", "grid", "squares", "both", "whole process"]
+    grown = [f"wavefront, cells of {measured['section43_growth'][0]['cell']} r", "points", "bare points", "grid", "squares", "both", "whole process"]
     return "\n\n".join(
         [
             "## Section 4.3: wavefront sampling",
@@ -216,8 +226,8 @@ def _large(measured: Tables) -> str:
             rows.append([f"{row['points']:,}", limit, *cells, f"{number(row['seconds'])} s, {rate(row['points'] / row['seconds'])}/s"])
     head = ["points", "limit of the address space", "peak resident", "bytes a point", "coverage", "processor time"]
     return (
-        "The paper's largest sets, by wavefront sampling in single precision with cells of 20 r, each in a process whose address "
-        "space is limited:\n\n" + table(head, rows)
+        "The paper's largest sets, by wavefront sampling in single precision with cells of "
+        f"{measured['section43_growth'][0]['cell']} r, each in a process whose address space is limited:\n\n" + table(head, rows)
     )
 
 
@@ -252,13 +262,13 @@ def _billion(measured: Tables) -> str:
     )
 
 
-def _how(measured: Tables, facts: Row) -> str:
+def _how(measured: Tables) -> str:
     runs = measured["figure4_runs"]
     return (
         "## How\n\n"
         f"`bash tests/bench/figures.sh` builds for release, makes {sum(row['sets'] for row in runs):,} sets in {len(runs):,} "
         "processes for figure 4 alone, and leaves its tables, with every single run, in `build/figures`; `--redraw` draws them "
-        "again, `--quick` is a small run of everything, `--out DIR` puts it elsewhere. `tests/bench/domain_run.cpp` times one "
+        "again, `--only PART` measures one part, `--quick` is a small run of everything, `--out DIR` puts it elsewhere. `tests/bench/domain_run.cpp` times one "
         "set: processor time of the call, on a cold object, page faults of its memory included; sets that take less than a "
         "moment are made several times in one process. The code that measures and draws is in `tests/bench/figures`."
     )

@@ -198,7 +198,7 @@ def section43(cells: list[Row], growth: list[Row], theme: Theme) -> Figure:
         large.text(sizes[0], rows[-1]["bare"], f"bare points, {precision}", va="bottom", fontsize=8, color=theme.muted)
     _log_sizes(large, [row["points"] for row in growth], 1.3)
     large.set_ylim(bottom=0.0)
-    large.set_title("wavefront, 20 r: bytes a point")
+    large.set_title(f"wavefront, {growth[0]['cell']} r: bytes a point")
     for axes in (slow, small, large):
         axes.minorticks_off()
         axes.grid(True, axis="y")

@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from bench.figures.contenders import Contender
+
 Run = dict[str, object]
 
 
@@ -47,10 +49,11 @@ def run_lines(
 
 @dataclass
 class Programs:
-    """The programs of one build, and what runs the peers (Peers.run), in the same way."""
+    """The programs of one build; what runs the peers (Peers.run), in the same way; and who is timed."""
 
     folder: Path
     peer: Callable[..., list[Run]]
+    contenders: list[Contender]
 
     def domain(self, method: str, precision: str, points: float, seed: int, *flags: str, **options) -> list[Run]:
         """domain_run (tests/bench/domain_run.cpp); `limit_bytes` as in run_lines, all other options are its own."""
