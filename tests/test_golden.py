@@ -37,7 +37,7 @@ ROOMS = ["base", "sampling", "terrain", "rules", "placement"]
 
 def sources() -> list[Path]:
     """The rooms that the digests come from; streaming decides nothing that is drawn."""
-    rooms = [path for room in ROOMS for path in sorted((REPO / "extension/core" / room).glob("*.cpp"))]
+    rooms = [path for room in ROOMS for path in sorted((REPO / "extension/core" / room).rglob("*.cpp"))]
     return [*rooms, REPO / "tests/analysis/golden.cpp"]
 
 

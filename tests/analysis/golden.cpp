@@ -1,4 +1,4 @@
-// Digests of what the core makes, one for each of a fixed list of point sets and tiles, computed on every instruction set
+// Digests of what the core makes, one for each of a fixed list of point sets, domains and tiles, computed on every instruction set
 // that this processor has. Prints them as JSON; fails where two instruction sets differ. tests/golden/core.json is this
 // program's output, and tests/test_golden.py holds every compiler and optimisation level against it.
 
@@ -6,6 +6,7 @@
 #include "tests/bench/common/simd_targets.hpp"
 
 #include "core/placement/tile_builder.hpp"
+#include "core/sampling/domain/domain_sampler.hpp"
 #include "core/sampling/tile_sampler.hpp"
 #include "core/terrain/heightfield.hpp"
 
@@ -42,6 +43,26 @@ const std::vector<Case> cases = {
 		{"four levels", {.seed = 6, .radius = 2.0, .levels = 4, .layer = 1}, {{-300.0, -300.0}, {-100.0, -100.0}}},
 		{"eight levels, 5 000 km out", {.seed = 7, .radius = 1.0, .levels = 8, .layer = 2},
 				{{-5.0e6, 5.0e6}, {-5.0e6 + 90.0, 5.0e6 + 90.0}}},
+};
+
+struct DomainCase {
+	const char *name;
+	DomainRequest request;
+};
+
+const std::vector<DomainCase> domain_cases = {
+		{"naive, torus", {.size = {41.0, 33.0}, .seed = 9, .method = DomainMethod::naive, .toroidal = true}},
+		{"naive, bounded", {.size = {9.0, 31.0}, .radius = 0.3, .seed = 10, .method = DomainMethod::naive}},
+		{"hierarchical, torus", {.size = {90.0, 70.0}, .seed = 11, .toroidal = true}},
+		{"hierarchical, bounded", {.size = {17.0, 51.5}, .radius = 0.37, .seed = 0xfedcba9876543210}},
+		{"hierarchical, strip of kilometres", {.size = {3.0, 9000.0}, .radius = 2.5, .seed = 12}},
+		{"accumulator, torus",
+				{.size = {33.3, 155.0}, .seed = 13, .method = DomainMethod::accumulator, .toroidal = true}},
+		{"accumulator, bounded", {.size = {2.0, 0.5}, .radius = 0.01, .seed = 14, .method = DomainMethod::accumulator}},
+		{"wavefront, torus",
+				{.size = {1e8, 7e7}, .radius = 1e6, .seed = 15, .method = DomainMethod::wavefront, .toroidal = true}},
+		{"wavefront, bounded",
+				{.size = {100.0, 75.5}, .seed = 16, .method = DomainMethod::wavefront, .cell_size = 20.0}},
 };
 
 /// FNV-1a over the bytes of a word.
@@ -82,6 +103,21 @@ void digest_points(TileSampler &sampler, const Case &one, Digests &r_digests) {
 	r_digests.emplace_back(std::string(one.name) + ": ranks", ranks);
 }
 
+/// Over the points in the order of their acceptance.
+template <typename Real>
+void digest_domain(const DomainCase &one, const char *precision, Digests &r_digests) {
+	DomainSampler<Real> sampler;
+	std::vector<glm::vec<2, Real>> points;
+	require(sampler.sample(one.request, points));
+	std::uint64_t places = 0xcbf29ce484222325;
+	add(places, points.size());
+	for (const glm::vec<2, Real> point : points) {
+		add(places, std::bit_cast<std::uint64_t>(static_cast<double>(point.x)));
+		add(places, std::bit_cast<std::uint64_t>(static_cast<double>(point.y)));
+	}
+	r_digests.emplace_back(std::string("domain, ") + one.name + ", " + precision, places);
+}
+
 LayerSettings forest() {
 	LayerSettings layer;
 	layer.set = {.seed = 8, .radius = 2.5, .levels = 3, .layer = 4};
@@ -119,6 +155,10 @@ Digests all_digests() {
 	TileSampler sampler;
 	for (const Case &one : cases) {
 		digest_points(sampler, one, digests);
+	}
+	for (const DomainCase &one : domain_cases) {
+		digest_domain<float>(one, "single", digests);
+		digest_domain<double>(one, "double", digests);
 	}
 	TileBuilder builder;
 	digests.emplace_back("forest on hills", digest_tile(builder, {-150.0, 300.0}));

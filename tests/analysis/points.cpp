@@ -6,14 +6,18 @@
 //   points progressive SIDE LEVELS FIRST_SEED SEEDS   the same for a progressive set
 //   points coloured SIDE TILE FIRST_SEED SEEDS    four phases of coloured tiles: packs too densely along its seams
 //   points bridson SIDE FIRST_SEED SEEDS          Bridson's method on a square: not dart throwing
+//   points domain METHOD PRECISION WIDTH HEIGHT TORUS DARTS_EACH FIRST_SEED SEEDS
+//       the single-domain sampler, radius 1: METHOD as in DomainMethod, PRECISION single or double, TORUS 0 or 1.
 //       Record: x, y (float64).
 
 #include "tests/analysis/naive_darts.hpp"
 #include "tests/bench/common/bridson.hpp"
 
+#include "core/sampling/domain/domain_sampler.hpp"
 #include "core/sampling/tile_sampler.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <span>
@@ -63,14 +67,17 @@ void write(std::span<const Item> items) {
 	}
 }
 
-/// Appends the records of one rectangle.
-void sample_into(TileSampler &sampler, const PointSet &set, const Rect &rect, std::vector<Record> &r_records) {
-	static std::vector<SamplePoint> points;
-	const Status status = sampler.sample(set, rect, points);
+void require(const Status &status) {
 	if (!status.ok()) {
 		std::fprintf(stderr, "points: %s\n", describe(status).c_str());
 		std::exit(EXIT_FAILURE);
 	}
+}
+
+/// Appends the records of one rectangle.
+void sample_into(TileSampler &sampler, const PointSet &set, const Rect &rect, std::vector<Record> &r_records) {
+	static std::vector<SamplePoint> points;
+	require(sampler.sample(set, rect, points));
 	for (const SamplePoint &point : points) {
 		const glm::i64vec2 at = lattice_position(set, point);
 		r_records.push_back({at.x, at.y, point.id, point.rank, point.level});
@@ -103,6 +110,43 @@ void write_sampler(Arguments &arguments) {
 			}
 		}
 		write(std::span<const Record>(records));
+	}
+}
+
+DomainMethod method_of(const std::string &name) {
+	constexpr std::array names = {"naive", "hierarchical", "accumulator", "wavefront"};
+	const auto *const found = std::find(names.begin(), names.end(), name);
+	if (found == names.end()) {
+		std::fprintf(stderr, "points: no such method: %s\n", name.c_str());
+		std::exit(EXIT_FAILURE);
+	}
+	return static_cast<DomainMethod>(found - names.begin());
+}
+
+template <typename Real>
+void write_domains(DomainRequest request, std::uint64_t end) {
+	DomainSampler<Real> sampler;
+	std::vector<glm::vec<2, Real>> points;
+	for (; request.seed < end; ++request.seed) {
+		require(sampler.sample(request, points));
+		write(std::span<const glm::dvec2>(std::vector<glm::dvec2>(points.begin(), points.end())));
+	}
+}
+
+void write_domain(Arguments &arguments) {
+	DomainRequest request;
+	request.method = method_of(arguments.word());
+	const bool single = arguments.word() == "single";
+	request.size.x = arguments.number();
+	request.size.y = arguments.number();
+	request.toroidal = arguments.whole() != 0;
+	request.darts_each = arguments.number();
+	request.seed = arguments.whole();
+	const std::uint64_t end = request.seed + arguments.whole();
+	if (single) {
+		write_domains<float>(request, end);
+	} else {
+		write_domains<double>(request, end);
 	}
 }
 
@@ -144,6 +188,8 @@ int main(int argument_count, char **arguments) {
 	const std::string kind = words.word();
 	if (kind == "sampler") {
 		write_sampler(words);
+	} else if (kind == "domain") {
+		write_domain(words);
 	} else if (kind == "darts" || kind == "progressive" || kind == "coloured" || kind == "bridson") {
 		write_reference(kind, words);
 	} else {
