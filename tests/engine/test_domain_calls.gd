@@ -228,3 +228,10 @@ func test_refused_properties() -> void:
 	check_equal(sampler.method, PoissonSampler.METHOD_ACCUMULATOR, "the method stays")
 	check_equal(sampler.cell_size, 2.5, "and the cells")
 	check_equal(ClassDB.class_get_enum_constants("PoissonSampler", "Method").size(), 5, "methods")
+
+
+func test_refused_arguments() -> void:
+	var sampler := PoissonSampler.new()
+	for wrong: Array in [[], [SMALL, Callable(), 3], [SMALL, 3], ["text"]]:
+		check(sampler.callv("sample_domain", wrong) == null, "%s are no arguments" % [wrong])
+		check_error(["PoissonSampler::sample_domain"], "%s" % [wrong])

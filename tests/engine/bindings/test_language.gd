@@ -187,6 +187,31 @@ func test_signals() -> void:
 	check(shown.size() > 4 and shown[0][0] == 0 and shown[0][1] is Vector2i, "tiles were shown: %s" % [shown.slice(0, 3)])
 
 
+func test_enumerations() -> void:
+	check_equal(ClassDB.class_get_enum_list("PoissonSampler", true), PackedStringArray(["Method"]), "enumerations")
+	var constants := ClassDB.class_get_enum_constants("PoissonSampler", "Method", true)
+	for index in constants.size():
+		check_equal(ClassDB.class_get_integer_constant("PoissonSampler", constants[index]), index, constants[index])
+	check_equal(constants[PoissonSampler.METHOD_WAVEFRONT], "METHOD_WAVEFRONT", "a constant by its name")
+	var sampler := PoissonSampler.new()
+	sampler.method = PoissonSampler.METHOD_NAIVE
+	check_equal(sampler.method, PoissonSampler.METHOD_NAIVE, "an enumeration's value")
+
+
+func test_default_arguments() -> void:
+	for method: Dictionary in ClassDB.class_get_method_list("PoissonSampler", true):
+		var expected := [Callable()] if method["name"] in ["sample_domain", "sample_domain_exact"] else []
+		check_equal(method["default_args"], expected, "defaults of %s" % method["name"])
+	var sampler := PoissonSampler.new()
+	var told: Array[int] = [0]
+	var tell := func(_fraction: float, points: int) -> void: told[0] = points
+	var points := sampler.sample_domain(Rect2(0, 0, 9, 9))
+	check_equal(sampler.sample_domain(Rect2(0, 0, 9, 9), tell), points, "with the argument and without")
+	check_equal(told[0], points.size(), "the argument arrives")
+	check_equal(sampler.callv("sample_domain", [Rect2(0, 0, 9, 9)]), points, "without, by name")
+	check_equal(sampler.call("sample_domain_exact", 0.0, 0.0, 9.0, 9.0)["x"].size(), points.size(), "four of five")
+
+
 ## First calls from many threads at once: what the bindings look up lazily is looked up once.
 func test_threads() -> void:
 	var results: Array = []
