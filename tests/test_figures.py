@@ -1,5 +1,5 @@
-"""The figures of the seed paper: the command runs from end to end in small, and its estimators are right where the answer is
-known."""
+"""The figures of the seed paper: the command runs from end to end in small, and its estimators are right where the
+answer is known."""
 
 from __future__ import annotations
 
@@ -59,7 +59,10 @@ def test_tables_are_whole(quick):
     for name, rows in quick.tables.items():
         assert rows or name == "section43_large", f"{name} is empty"
         for row in rows:
-            assert not [key for key, cell in row.items() if isinstance(cell, float) and not np.isfinite(cell)], (name, row)
+            assert not [key for key, cell in row.items() if isinstance(cell, float) and not np.isfinite(cell)], (
+                name,
+                row,
+            )
     for contender in CONTENDERS:
         rows = tables.where(quick.tables["figure4"], contender=contender.key)
         assert rows and all(row["lowest"] <= row["median"] <= row["highest"] for row in rows), contender.key
@@ -72,7 +75,9 @@ def test_page_names_every_method_and_every_figure(quick):
     for contender in CONTENDERS:
         assert f"| {contender.label}, {contender.precision} |" in quick.page
     for peer in PEERS:
-        assert f"| {peer.label}, double |" in quick.page or f"{peer.label} is not set up" in quick.done.stderr, peer.label
+        assert f"| {peer.label}, double |" in quick.page or f"{peer.label} is not set up" in quick.done.stderr, (
+            peer.label
+        )
     for heading in ("Figure 4", "Figure 5", "Figure 6", "Section 4.2", "Section 4.3", "Passed"):
         assert f"\n## {heading}" in quick.page
     for source in SOURCES:
@@ -81,7 +86,16 @@ def test_page_names_every_method_and_every_figure(quick):
 
 def test_page_compares_with_the_paper(quick):
     summary = quick.page.split("## Figure 4")[0]
-    for wanted in ("| 211 k |", "| 4.05 k |", "| on par |", "| 9 to 10 |", "| less than 3 |", "| 120 |", "| 416 |", "| 2.50 |"):
+    for wanted in (
+        "| 211 k |",
+        "| 4.05 k |",
+        "| on par |",
+        "| 9 to 10 |",
+        "| less than 3 |",
+        "| 120 |",
+        "| 416 |",
+        "| 2.50 |",
+    ):
         assert wanted in summary, wanted
     counts = quick.tables["figure6"]
     assert all(paper.SQUARES_LEAST.value < row["squares"] < paper.SQUARES_MOST.value for row in counts)
@@ -156,7 +170,9 @@ def test_domain_run_dumps_what_it_counts(core_tool, tmp_path):
     sets = {}
     for flags in ([], ["fill"]):
         dump = tmp_path / "sets"
-        done = core_tool("bench/domain_run", "wavefront", "double", "2000", "7", "torus", "sets=2", f"dump={dump}", *flags)
+        done = core_tool(
+            "bench/domain_run", "wavefront", "double", "2000", "7", "torus", "sets=2", f"dump={dump}", *flags
+        )
         lines = [json.loads(line) for line in done.stdout.splitlines()]
         sets[len(flags)] = read_sets(dump)
         assert [len(points) for points in sets[len(flags)]] == [line["points"] for line in lines]
@@ -209,7 +225,10 @@ def test_sizes_are_half_decades():
 
 
 def test_tables_come_back_as_they_were(tmp_path):
-    rows = [{"name": "a", "count": 3, "share": 0.25, "there": True}, {"name": "b", "count": 4, "share": 1e-9, "there": False}]
+    rows = [
+        {"name": "a", "count": 3, "share": 0.25, "there": True},
+        {"name": "b", "count": 4, "share": 1e-9, "there": False},
+    ]
     tables.write(tmp_path / "table.csv", rows)
     assert tables.read(tmp_path / "table.csv") == rows
     assert tables.read(tmp_path / "none.csv") == []

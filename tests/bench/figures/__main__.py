@@ -27,10 +27,16 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="figures.sh", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="small sizes, to see that everything works")
     parser.add_argument("--out", type=Path, default=REPO / "build" / "figures", help="the folder of the results")
-    parser.add_argument("--only", action="append", choices=list(PARTS), help="measure this part; others stay as they are")
-    parser.add_argument("--redraw", action="store_true", help="measure nothing, draw what the folder of the results holds")
+    parser.add_argument(
+        "--only", action="append", choices=list(PARTS), help="measure this part; others stay as they are"
+    )
+    parser.add_argument(
+        "--redraw", action="store_true", help="measure nothing, draw what the folder of the results holds"
+    )
     parser.add_argument("--programs", type=Path, required=True, help="the folder of the build to measure")
-    parser.add_argument("--peers-python", type=Path, help="a Python with the packages of tests/bench/peers/requirements.txt")
+    parser.add_argument(
+        "--peers-python", type=Path, help="a Python with the packages of tests/bench/peers/requirements.txt"
+    )
     parser.add_argument("--peers-rust", type=Path, help="the program of tests/bench/peers/faster_poisson")
     return parser.parse_args()
 
@@ -69,7 +75,9 @@ def draw(table: dict[str, list[tables.Row]], arrays: dict[str, np.ndarray], pict
     save(lambda theme: plots_sets.radial(table["figure5_radial"], theme), pictures, "figure5_radial")
     save(lambda theme: plots.figure6(table["figure6"], CONTENDERS, theme), pictures, "figure6")
     save(lambda theme: plots.section42(table["section42"], theme), pictures, "section42")
-    save(lambda theme: plots.section43(table["section43_cells"], table["section43_growth"], theme), pictures, "section43")
+    save(
+        lambda theme: plots.section43(table["section43_cells"], table["section43_growth"], theme), pictures, "section43"
+    )
 
 
 def main() -> None:

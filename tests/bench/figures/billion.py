@@ -1,4 +1,4 @@
-"""A billion points of one set by the exact tile sampler (tests/bench/billion.cpp), made twice in two orders of tiles."""
+"""A billion points of one set by the exact tile sampler (tests/bench/billion.cpp), made in two orders of tiles."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from bench.figures.tables import Row
 ORDERS = ("rows", "shuffled")
 SHOWN = (
     "order points tiles tile_radii threads seconds points_per_second cpu_seconds resident_bytes resident_limit "
-    "radius_squared least_squared pairs too_close coverage coverage_error coverage_lattice_loss coverage_z gap_tiles uncovered "
-    "misplaced doubled tiles_missing tiles_repeated digest"
+    "radius_squared least_squared pairs too_close coverage coverage_error coverage_lattice_loss coverage_z gap_tiles "
+    "uncovered misplaced doubled tiles_missing tiles_repeated digest"
 ).split()
 
 

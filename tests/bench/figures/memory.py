@@ -44,8 +44,8 @@ def measure_variants(programs: Programs, settings: Settings) -> list[Row]:
 
 
 def measure_cells(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: time and memory with accelerator cells of several sizes, all sizes in turn within each round. Points stay
-    in the cells."""
+    """Section 4.3: time and memory with accelerator cells of several sizes, all sizes in turn within each round. Points
+    stay in the cells."""
     runs: dict[tuple[str, str, float], list[Run]] = {}
     for round_number in range(settings.cell_rounds):
         for method in ("accumulator", "wavefront"):
@@ -97,7 +97,7 @@ def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
                     "grid": run["grid_bytes"] / points,
                     "squares": run["square_bytes"] / points,
                     "workspace": run["workspace_bytes"] / points,
-                    "resident": run["resident_peak"] / points,
+                    "resident": (run["resident_peak"] - run["resident_before"]) / points,
                     "bare": COORDINATES[precision],
                 }
             )
@@ -106,8 +106,8 @@ def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
 
 
 def measure_large(programs: Programs) -> list[Row]:
-    """Section 4.3: the paper's largest sets by wavefront sampling in single precision, under a hard limit of the address
-    space; one that this machine has no memory for is not made, and its row says so."""
+    """Section 4.3: the paper's largest sets by wavefront sampling in single precision, under a hard limit of the
+    address space; one that this machine has no memory for is not made, and its row says so."""
     return [_fill(programs, large) for large in LARGE_SETS]
 
 

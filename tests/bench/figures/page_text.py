@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from bench.figures.tables import Row
+
+Tables = dict[str, list[Row]]
+
 
 def number(value: float, digits: int = 3) -> str:
     """With so many significant digits, thousands apart: 1,234,000, 12.3, 0.00123."""
@@ -59,3 +63,8 @@ def picture(folder: str, file: str, describes: str) -> str:
 
 def verdict(holds: bool) -> str:
     return "yes" if holds else "**no**"
+
+
+def prose(text: str) -> str:
+    """A paragraph on one line, however it is broken in the source."""
+    return " ".join(text.split())

@@ -54,5 +54,5 @@ class LargeSet:
 
 LARGE_SETS = [LargeSet(95e6, 2 * GIB, 2 * GIB), LargeSet(750e6, 32 * GIB, 24 * GIB)]
 
-# Not the paper's: random sequential adsorption of disks, which is naive dart throwing run to its end, jams at this coverage.
+# Not the paper's: random sequential adsorption of disks, which is naive dart throwing run to its end, jams here.
 JAMMED_COVERAGE = 0.547070

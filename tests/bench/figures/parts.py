@@ -26,8 +26,9 @@ def _speed(programs: Programs, settings: Settings, out: Path) -> None:
 
 
 def _sets(programs: Programs, settings: Settings, out: Path) -> None:
-    rows, arrays = point_sets.measure_spectra(programs, settings)
+    rows, whole, arrays = point_sets.measure_spectra(programs, settings)
     tables.write(out / "figure5_radial.csv", rows)
+    tables.write(out / "figure5_spectra.csv", whole)
     np.savez_compressed(out / ARRAYS, **arrays)
     tables.write(out / "figure5_coverage.csv", point_sets.measure_coverage(programs, settings))
 
@@ -58,7 +59,7 @@ class Part:
 
 PARTS = {
     "speed": Part("figures 4 and 6", _speed, ("figure4_runs.csv", "figure4.csv", "figure6.csv", "losses.csv")),
-    "sets": Part("figure 5", _sets, ("figure5_radial.csv", "figure5_coverage.csv")),
+    "sets": Part("figure 5", _sets, ("figure5_radial.csv", "figure5_spectra.csv", "figure5_coverage.csv")),
     "memory": Part("section 4.2, cells", _memory, ("section42.csv", "section43_cells.csv", "section43_growth.csv")),
     "large": Part("the sets that fill memory", _large, ("section43_large.csv",)),
     "billion": Part("the billion", _billion, ("billion.csv",)),

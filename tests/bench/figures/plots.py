@@ -87,7 +87,9 @@ def figure4(rates: list[Row], contenders: list[Contender], family: str, theme: T
 
 def _paper_marks(axes: Axes, theme: Theme) -> None:
     for key, reported in paper.RATES.items():
-        axes.plot(paper.RATE_POINTS, reported.value, marker="D", markersize=6, color=theme.ink, fillstyle="none", zorder=4)
+        axes.plot(
+            paper.RATE_POINTS, reported.value, marker="D", markersize=6, color=theme.ink, fillstyle="none", zorder=4
+        )
         name = next(contender.label for contender in CONTENDERS if contender.method == key)
         axes.annotate(
             f"paper, 2007: {name}",
@@ -144,12 +146,15 @@ def section42(memory: list[Row], theme: Theme) -> Figure:
     axes.barh(places, squares, left=grid, color=colours, alpha=0.45, height=0.62)
     widest = max(max(grid + squares), *(reported.value for reported in paper.BYTES.values()))
     for place, row, total in zip(places, memory, grid + squares, strict=True):
-        axes.text(total + 0.008 * widest, place, f"{total:.0f}", va="center", fontweight="bold")
         reported = paper.BYTES.get((row["method"], row["precision"]))
+        end = total
         if reported:
             axes.plot(reported.value, place, marker="D", color=theme.ink, fillstyle="none", markersize=7)
-            behind = max(reported.value, total + 0.035 * widest)
+            near = abs(reported.value - total) < 0.08 * widest
+            end = max(total, reported.value) if near else total
+            behind = end + 0.05 * widest if near else reported.value
             axes.text(behind + 0.015 * widest, place, f"paper: {reported.value:.0f}", va="center", fontsize=8.5)
+        axes.text(end + 0.012 * widest, place, f"{total:.0f}", va="center", fontweight="bold")
     axes.set_yticks(places, names)
     axes.set_xlim(0, widest * 1.17)
     axes.set_xlabel("bytes a point besides the points themselves (full colour: accelerator grid; pale: active squares)")
@@ -174,9 +179,15 @@ def section43(cells: list[Row], growth: list[Row], theme: Theme) -> Figure:
             slow.plot(sizes, [row["slowdown"] for row in rows], **style)
             small.plot(sizes, [row["grid"] / row["bare"] for row in rows], **style)
     slow.set_title("time over that with cells of 1 r")
-    slow.plot(paper.LARGE_CELL, paper.LARGE_CELL_SLOWDOWN.value, marker="D", color=theme.ink, fillstyle="none", markersize=6)
+    slow.plot(
+        paper.LARGE_CELL, paper.LARGE_CELL_SLOWDOWN.value, marker="D", color=theme.ink, fillstyle="none", markersize=6
+    )
     slow.annotate(
-        "paper", (paper.LARGE_CELL, paper.LARGE_CELL_SLOWDOWN.value), xytext=(-8, 4), textcoords="offset points", ha="right"
+        "paper",
+        (paper.LARGE_CELL, paper.LARGE_CELL_SLOWDOWN.value),
+        xytext=(-8, 4),
+        textcoords="offset points",
+        ha="right",
     )
     slow.set_ylim(bottom=0.0)
     small.set_title("grid over the bare points")

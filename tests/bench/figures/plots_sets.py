@@ -27,7 +27,9 @@ def sets_and_spectra(arrays: dict[str, np.ndarray], theme: Theme) -> Figure:
         above.set_title(source.label, loc="center")
         span = (-highest, highest, -highest, highest)
         power = arrays[source.key + "_power"]
-        below.imshow(power, origin="lower", cmap="gray", vmin=0.0, vmax=HIGHEST_SHOWN, extent=span, interpolation="antialiased")
+        below.imshow(
+            power, origin="lower", cmap="gray", vmin=0.0, vmax=HIGHEST_SHOWN, extent=span, interpolation="antialiased"
+        )
         for axes in (above, below):
             axes.set_xticks([])
             axes.set_yticks([])
@@ -66,7 +68,9 @@ def radial(rows: list[Row], theme: Theme) -> Figure:
     noise = noise_level(reference[0]["sets"])
     direction.axhline(noise, color=theme.muted, linewidth=1.2)
     direction.set_ylim(noise - 5.0, noise + 5.0)
-    direction.set_title(f"anisotropy of {reference[0]['sets']} averaged periodograms, dB; a set without directions has {noise:.1f}")
+    direction.set_title(
+        f"anisotropy of {reference[0]['sets']} averaged periodograms, dB; a set without directions has {noise:.1f}"
+    )
     direction.set_xlabel("frequency, waves a radius")
     direction.set_xlim(0.0, reference[-1]["to"])
     for axes in panels:

@@ -7,16 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from analysis.significance import means_differ
 
 from bench.figures.contenders import NAIVE_DARTS
 from bench.figures.paper import JAMMED_COVERAGE
 from bench.figures.programs import Programs, say
 from bench.figures.settings import Settings
-from bench.figures.spectra import AveragedSpectrum, ring_edges
+from bench.figures.spectra import AveragedSpectrum, noise_level, ring_edges
 from bench.figures.tables import Row
 
 DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # points per square radius
 RINGS = 75
+RINGS_TOGETHER = 5  # In the test for equal spectra, which needs more sets than features.
 SHOWN_SIDE = 24.0  # radii, of the pictures of point sets
 
 
@@ -38,7 +40,9 @@ SOURCES = [
     Source("tile", "exact tiles", "tile"),
 ]
 # Only its coverage is told: it stops short of the end.
-STOPPED = Source("naive_stopped", f"naive darts, {NAIVE_DARTS} a square", "naive", ("torus", f"darts={NAIVE_DARTS}"), False)
+STOPPED = Source(
+    "naive_stopped", f"naive darts, {NAIVE_DARTS} a square", "naive", ("torus", f"darts={NAIVE_DARTS}"), False
+)
 
 
 def read_sets(path: Path) -> list[np.ndarray]:
@@ -55,19 +59,34 @@ def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: 
     """Sets in domains of this side, in radii, or a hair more: domain_run counts in whole points."""
     with tempfile.TemporaryDirectory() as folder:
         dump = Path(folder) / "sets"
-        programs.domain(source.method, "double", np.ceil(DENSITY * side * side), seed, *source.flags, sets=sets, dump=dump)
+        programs.domain(
+            source.method, "double", np.ceil(DENSITY * side * side), seed, *source.flags, sets=sets, dump=dump
+        )
         return read_sets(dump)
 
 
-def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], dict[str, np.ndarray]]:
-    """The radial table, and for the pictures the power over the plane and the points of one set, by key."""
+def p_of_equal_means(a: AveragedSpectrum, b: AveragedSpectrum) -> float:
+    """How likely radial means are to differ as much by chance; 1 for one and the same."""
+    rows = [one.radial_of_sets.reshape(one.sets, -1, RINGS_TOGETHER).mean(axis=2) for one in (a, b)]
+    return 1.0 if a is b else means_differ(*rows)
+
+
+def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], list[Row], dict[str, np.ndarray]]:
+    """The radial table, the table of whole spectra, and for the pictures the power over the plane and the points of one
+    set, by key."""
     rows: list[Row] = []
+    whole: list[Row] = []
     arrays: dict[str, np.ndarray] = {}
     side, modes = settings.spectrum_side, settings.spectrum_modes
     edges = ring_edges(modes, side, RINGS)
+    reference = None
     for source in SOURCES:
         sets = make_sets(programs, source, side, settings.spectrum_sets, seed=1)
         spectrum = AveragedSpectrum(sets, side, modes, edges)
+        reference = spectrum if reference is None else reference
+        head = {"source": source.key, "label": source.label, "sets": len(sets)}
+        anisotropy = {"anisotropy_db": float(spectrum.anisotropy().mean()), "expected_db": noise_level(len(sets))}
+        whole.append(head | {"p": p_of_equal_means(reference, spectrum)} | anisotropy)
         columns = (edges[:-1], edges[1:], spectrum.radial(), spectrum.radial_error(), spectrum.anisotropy())
         for low, high, power, error, anisotropy in zip(*columns, strict=True):
             head = {"source": source.key, "sets": len(sets), "side": side, "from": low, "to": high}
@@ -76,12 +95,12 @@ def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], 
         arrays[source.key + "_points"] = sets[0][np.all(sets[0] < SHOWN_SIDE, axis=1)]
         say(f"figure 5: spectrum of {source.label}, {len(sets)} sets")
     arrays["highest_frequency"] = np.array(modes / side)
-    return rows, arrays
+    return rows, whole, arrays
 
 
 def measure_coverage(programs: Programs, settings: Settings) -> list[Row]:
-    """Coverage, which is points * pi / 4 over the area in square radii, over sets of independent seeds. Opposite edges meet,
-    or the domain is a window onto an infinite set: borders do not count in any of them."""
+    """Coverage, which is points * pi / 4 over the area in square radii, over sets of independent seeds. Opposite edges
+    meet, or the domain is a window onto an infinite set: borders do not count in any of them."""
     rows = []
     for source in [*SOURCES, STOPPED]:
         sets = settings.coverage_sets if source.ends else max(2, settings.coverage_sets // 10)

@@ -31,8 +31,8 @@ say.start = time.monotonic()
 def run_lines(
     command: list[object], *, limit_bytes: float | None = None, accepted: tuple[int, ...] = (0,), timeout: float = 7200
 ) -> list[Run]:
-    """The JSON lines that a command prints. With `limit_bytes`, its whole address space is held to that. Ending in another
-    way than `accepted` is an error."""
+    """The JSON lines that a command prints. With `limit_bytes`, its whole address space is held to that. Ending in
+    another way than `accepted` is an error."""
 
     def limit() -> None:
         if limit_bytes is not None:

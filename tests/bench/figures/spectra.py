@@ -1,5 +1,6 @@
-"""Periodograms averaged over many sets, and what is read off them, as Ulichney (1988) and Lagae and Dutré (2008) do: the
-mean power in rings of equal frequency, and the anisotropy, which is the variance within a ring over its mean squared."""
+"""Periodograms averaged over many sets, and what is read off them, as Ulichney (1988) and Lagae and Dutré (2008) do:
+the mean power in rings of equal frequency, and the anisotropy, which is the variance within a ring over its mean
+squared."""
 
 from __future__ import annotations
 
@@ -38,8 +39,8 @@ class AveragedSpectrum:
         return np.array([10.0 * np.log10(power.var(ddof=1) / power.mean() ** 2) for power in values])
 
     def image(self) -> np.ndarray:
-        """Power over the plane of frequencies, (2 modes + 1) squared, zero in the middle; rows go up with y. What the mean
-        density spoils is 0."""
+        """Power over the plane of frequencies, (2 modes + 1) squared, zero in the middle; rows go up with y. What the
+        mean density spoils is 0."""
         picture = np.zeros((2 * self.modes + 1, 2 * self.modes + 1))
         i = np.round(self.frequency * self.side * np.cos(self.angle)).astype(int)
         j = np.round(self.frequency * self.side * np.sin(self.angle)).astype(int)
@@ -55,5 +56,5 @@ def noise_level(sets: int) -> float:
 
 
 def ring_edges(modes: int, side: float, rings: int) -> np.ndarray:
-    """Edges of rings of equal width, from beyond the few waves that the mean density spoils to the highest frequency."""
+    """Edges of rings of equal width, from beyond the waves that the mean density spoils to the highest frequency."""
     return np.linspace(4.0 / side, modes / side, rings + 1)

@@ -66,7 +66,7 @@ class Series:
         return run(contender.method, contender.precision, size, seed, *contender.flags, sets=sets)
 
     def begin(self, programs: Programs) -> None:
-        """Two sets of the smallest size (one of a peer, which warms up itself); the last tells how fast this one is about."""
+        """Two sets of the smallest size (one of a peer, which warms up itself), to know how fast this one is about."""
         size = self.settings.sizes[0]
         try:
             line = self._run(programs, size, 1, 1 if self.contender.is_peer else 2)[-1]
@@ -159,8 +159,8 @@ def losses(rates: list[Row], from_size: int, to_size: int) -> list[Row]:
 
 
 def counts(runs: list[Row]) -> list[Row]:
-    """Figure 6's table: squares per accepted dart and list checks per selection, over all sets of a size; the lowest and
-    highest are those of the rounds."""
+    """Figure 6's table: squares per accepted dart and list checks per selection, over all sets of a size; the lowest
+    and highest are those of the rounds."""
     rows = []
     for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs if run["selections"] > 0):
         some = where(runs, contender=key, asked=size)

@@ -122,8 +122,8 @@ class Label:
 
 
 def label_ends(axes: Axes, labels: list[Label], gap: float = 7.0) -> None:
-    """Writes each label to the right of its place; those that would cover another are moved up and down, and a thin line
-    leads back."""
+    """Writes each label to the right of its place; those that would cover another are moved up and down, and a thin
+    line leads back."""
     figure = axes.figure
     figure.canvas.draw()
     texts = []

@@ -1,0 +1,159 @@
+"""The sections of the page for figures 4, 5 and 6."""
+
+from __future__ import annotations
+
+from bench.figures import paper
+from bench.figures.contenders import CONTENDERS, NAIVE_DARTS
+from bench.figures.page_text import Tables, number, percent, picture, prose, rate, span, table, verdict
+from bench.figures.peers import CONTENDERS as PEERS
+from bench.figures.point_sets import SHOWN_SIDE
+from bench.figures.tables import Row, where
+
+LABELS = {one.key: f"{one.label}, {one.precision}" for one in CONTENDERS + PEERS}
+LOSING = ("hierarchical", "accumulator", "wavefront")
+
+
+def figure4(measured: Tables, pictures: str) -> str:
+    rates = measured["figure4"]
+    sizes = sorted({row["asked"] for row in rates})
+    decades = [size for size in sizes if size == 10 ** (len(str(size)) - 1)]
+    stopped = next(row for row in measured["figure5_coverage"] if not row["ends"])
+    first = measured["losses"][0]
+    return "\n\n".join(
+        [
+            "## Figure 4: points a second against set size",
+            picture(pictures, "figure4.svg", "Points a second against set size: our methods, and those of the paper"),
+            picture(pictures, "figure4_today.svg", "Points a second against set size: our methods, and those of today"),
+            prose(
+                """Median points a second; the last columns tell the rounds of a size, and the widest spread of any
+                size (highest less lowest, over the median). A contender ends where one run would take too long or too
+                much memory."""
+            ),
+            table(["", *(number(size, 1) for size in decades), "rounds", "spread"], _rate_rows(rates, decades)),
+            prose(
+                f"""Naive darts are {NAIVE_DARTS} for each base square, which end at a coverage of
+                {stopped["coverage"]:.4f}, short of the jammed state that all others of ours reach. Our single-domain
+                methods, the baselines of the paper and naive darts work on a torus; exact tiles are a window onto the
+                infinite set, put together from tiles of 64 r; Bridson and the peers fill a bounded square. Points
+                handed out are counted, whatever the method. Bridson's sets and those of scipy and faster_poisson are
+                not maximal, and neither they nor those of boundary sampling are those of dart throwing. Bridson,
+                boundary sampling, scalloped sectors and Jones are our own implementations, in `tests/bench/common` and
+                `tests/bench/baselines`; the peers are the published packages, called by `tests/bench/peers`."""
+            ),
+            prose(
+                f"""What the points a second lose from {number(first["from"], 1)} to {number(first["to"], 1)} points;
+                less than a third is asked for:"""
+            ),
+            table(["", "lost", "between any two rounds", "less than a third"], _loss_rows(measured["losses"])),
+        ]
+    )
+
+
+def _rate_rows(rates: list[Row], decades: list[int]) -> list[list[str]]:
+    rows = []
+    for key, label in LABELS.items():
+        own = {row["asked"]: row for row in where(rates, contender=key)}
+        if own:
+            widest = max((row["highest"] - row["lowest"]) / row["median"] for row in own.values())
+            cells = [rate(own[size]["median"]) if size in own else "" for size in decades]
+            rounds = [row["rounds"] for row in own.values()]
+            rows.append([label, *cells, span(min(rounds), max(rounds), str), percent(widest, 0)])
+    return rows
+
+
+def _loss_rows(losses: list[Row]) -> list[list[str]]:
+    return [
+        [
+            LABELS[row["contender"]],
+            percent(row["loss"]),
+            span(row["least"], row["most"], percent),
+            verdict(row["loss"] < 1 / 3),
+        ]
+        for row in losses
+        if row["contender"].partition("-")[0] in LOSING
+    ]
+
+
+def figure5(measured: Tables, pictures: str) -> str:
+    radial = measured["figure5_radial"]
+    sets, side = radial[0]["sets"], radial[0]["side"]
+    spectra = [
+        [
+            row["label"],
+            row["sets"],
+            "the reference" if place == 0 else number(row["p"], 2),
+            f"{row['anisotropy_db']:.2f} dB",
+            f"{row['expected_db']:.2f} dB",
+        ]
+        for place, row in enumerate(measured["figure5_spectra"])
+    ]
+    coverage = [
+        [
+            row["label"],
+            f"{row['sets']:,}",
+            f"{row['points']:,}",
+            f"{row['coverage']:.6f} ± {row['error']:.6f}",
+            f"{row['z']:+.2f}" if row["ends"] else "stops early",
+            verdict(abs(row["z"]) < 4.0) if row["ends"] else "",
+        ]
+        for row in measured["figure5_coverage"]
+    ]
+    return "\n\n".join(
+        [
+            "## Figure 5: point sets and spectra",
+            picture(pictures, "figure5_sets.png", "Point sets of four methods, and their averaged periodograms"),
+            prose(
+                f"""Above, {SHOWN_SIDE:.0f} r by {SHOWN_SIDE:.0f} r of a set; below, the mean of {sets} periodograms of
+                windows of {number(side, 2)} r, the mean density in the middle left out. Naive darts are thrown to
+                their end here: `tests/analysis/naive_darts.hpp`, which shares no code with the samplers."""
+            ),
+            picture(pictures, "figure5_radial.svg", "Radial mean of the power, its differences, and anisotropy"),
+            prose(
+                """Anisotropy is the variance of the averaged power within a ring over its squared mean; the last
+                column is what that number of periodograms of a set without directions has. The p-value is that of
+                radial means that differ from those of naive darts no more than by chance (Hotelling's test,
+                independent sets)."""
+            ),
+            table(["", "sets", "p-value", "anisotropy, mean of the rings", "without directions"], spectra),
+            prose(
+                f"""Coverage by disks of diameter r, against the {paper.JAMMED_COVERAGE:.6f} at which random sequential
+                adsorption jams; tori, and windows onto the infinite set, so that no border counts:"""
+            ),
+            table(["", "sets", "points", "coverage and standard error", "z", "within 4"], coverage),
+        ]
+    )
+
+
+def figure6(measured: Tables, pictures: str) -> str:
+    counts = measured["figure6"]
+    rows = []
+    for key in dict.fromkeys(row["contender"] for row in counts):
+        own = where(counts, contender=key)
+        spans = [[row[name] for row in own] for name in ("asked", "squares", "checks")]
+        asked, squares, checks = (span(min(some), max(some), write) for some, write in zip(spans, WRITERS, strict=True))
+        rows.append([LABELS[key], asked, squares, checks, number(1e6 * max(row["discarded"] for row in own))])
+    head = [
+        "",
+        "points",
+        "squares per accepted dart",
+        "list checks per selection",
+        "discarded per million points, at most",
+    ]
+    least, most, checks = paper.SQUARES_LEAST, paper.SQUARES_MOST, paper.LIST_CHECKS_MOST
+    return "\n\n".join(
+        [
+            "## Figure 6: squares and list checks",
+            picture(
+                pictures, "figure6.svg", "Squares per accepted dart and list checks per selection against set size"
+            ),
+            prose(
+                f"""Counted in the runs of figure 4: lowest to highest of all sizes. The paper has {least.value:.0f} to
+                {most.value:.0f} squares per accepted dart ({least.where}) and less than {checks.value:.0f} list checks
+                ({checks.where}). Discarded squares are those smaller than the precision goes (§3.3)."""
+            ),
+            table(head, rows),
+        ]
+    )
+
+
+WRITERS = (lambda size: number(size, 2), number, number)
