@@ -189,7 +189,8 @@ def section43(cells: list[Row], growth: list[Row], theme: Theme) -> Figure:
         textcoords="offset points",
         ha="right",
     )
-    slow.set_ylim(bottom=0.0)
+    highest = max(paper.LARGE_CELL_SLOWDOWN.value, *(row["slowdown"] for row in cells))
+    slow.set_ylim(0.0, 1.12 * highest)
     small.set_title("grid over the bare points")
     small.set_yscale("log")
     small.set_yticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
@@ -198,7 +199,7 @@ def section43(cells: list[Row], growth: list[Row], theme: Theme) -> Figure:
         axes.set_xscale("log")
         axes.set_xticks([1, 2, 5, 10, 20, 40], ["1", "2", "5", "10", "20", "40"])
         axes.set_xlabel("width of a cell, radii")
-    slow.legend(frameon=False, fontsize=8, loc="upper left", handlelength=3.4)
+    small.legend(frameon=False, fontsize=8, loc="upper right", handlelength=3.4)
     for precision in ("single", "double"):
         rows = sorted(where(growth, precision=precision), key=lambda row: row["points"])
         sizes = [row["points"] for row in rows]
