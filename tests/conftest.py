@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from analysis.point_sets import PointsTool
 
 REPO = Path(__file__).resolve().parent.parent
 ARCH = {"amd64": "x86_64", "aarch64": "arm64"}.get(platform.machine().lower(), platform.machine().lower())
@@ -51,6 +52,12 @@ def core_tool(build_dir: Path) -> Callable[..., subprocess.CompletedProcess[str]
         return run([program, *args], timeout, **options)
 
     return call
+
+
+@pytest.fixture(scope="session")
+def tool(build_dir: Path) -> PointsTool:
+    """Point sets for the statistics."""
+    return PointsTool(build_dir / "analysis" / "points")
 
 
 @pytest.fixture(scope="session")

@@ -10,22 +10,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from analysis.estimators import (
-    Spectrum,
-    cross_correlation,
-    inside,
-    near_pair_directions,
-    pair_correlation,
-)
+from analysis.estimators import cross_correlation
+from analysis.measured import ALPHA, DIRECTIONS, FEATURES, JAMMED_COVERAGE, WRONG, Measured
 from analysis.point_sets import CELL, LATTICE_BITS, RADIUS, PointsTool, in_radii
 from analysis.significance import mean_differs_from, means_differ, z_of_mean
-
-ALPHA = 1e-3
-WRONG = 1e-6
-
-# Random sequential adsorption of disks jams at this coverage.
-JAMMED_COVERAGE = 0.547070
-DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # points per square radius
 
 WINDOW = 64.0  # radii
 BORDER = 8.0
@@ -34,47 +22,15 @@ SETS = 128  # independent seeds of each kind
 CORNER = -29.0  # of the rectangle asked from the sampler: on both sides of the origin, on no line of its lattice
 TILE = 15.5
 
-PAIR_EDGES = np.concatenate([np.arange(1.0, 2.0, 0.05), np.arange(2.0, 5.01, 0.25)])
-RING_EDGES = np.arange(0.0625, 2.5001, 0.0625)
-WIDE_RING_EDGES = np.linspace(0.25, 2.5, 10)
-MODES = 160
-DIRECTIONS = 24
-
-
-@pytest.fixture(scope="session")
-def tool(build_dir) -> PointsTool:
-    return PointsTool(build_dir / "analysis" / "points")
-
-
-class Measured:
-    """One row of features a set, for each estimator."""
-
-    def __init__(self, windows: list[np.ndarray]):
-        spectra = [Spectrum(points, WINDOW, MODES) for points in windows]
-        self.density = np.array([inside(points, WINDOW).sum() for points in windows]) / WINDOW**2
-        self.pairs = np.array([pair_correlation(points, WINDOW, PAIR_EDGES, DENSITY) for points in windows])
-        self.rings = np.array([spectrum.radial(RING_EDGES) for spectrum in spectra])
-        self.anisotropy = np.array([spectrum.anisotropy(WIDE_RING_EDGES) for spectrum in spectra])
-        # The fractions add up to 1, so the last one says nothing new.
-        self.directions = np.array([near_pair_directions(p, WINDOW, 1.2, DIRECTIONS)[:-1] for p in windows])
-
-
-FEATURES = ["density", "pairs", "rings", "anisotropy"]
-
-
-def rows(measured: Measured, feature: str) -> np.ndarray:
-    values = getattr(measured, feature)
-    return values.reshape(len(values), -1)
-
 
 def of_reference(sets: list[np.ndarray]) -> Measured:
-    return Measured([in_radii(points, (BORDER, BORDER)) for points in sets])
+    return Measured([in_radii(points, (BORDER, BORDER)) for points in sets], WINDOW)
 
 
 def of_sampler(tool: PointsTool, first_seed: int, levels: int) -> Measured:
     rect = (CORNER, CORNER, CORNER + SIDE, CORNER + SIDE)
     sets = tool.sampler(rect, first_seed, SETS, levels=levels, tile=TILE)
-    return Measured([in_radii(points, (CORNER + BORDER, CORNER + BORDER)) for points in sets])
+    return Measured([in_radii(points, (CORNER + BORDER, CORNER + BORDER)) for points in sets], WINDOW)
 
 
 @pytest.fixture(scope="session")
@@ -89,14 +45,14 @@ def sampled(tool) -> Measured:
 
 @pytest.mark.parametrize("feature", FEATURES)
 def test_sampler_agrees_with_naive_darts(darts, sampled, feature):
-    p = means_differ(rows(darts, feature), rows(sampled, feature))
+    p = means_differ(darts.rows(feature), sampled.rows(feature))
     assert p > ALPHA, f"{feature} differ: p = {p:.2g}"
 
 
 @pytest.mark.parametrize("feature", FEATURES)
 def test_naive_darts_agree_with_themselves(tool, darts, feature):
     """The p-values mean what they say only if two halves of the reference agree."""
-    first, second = rows(darts, feature)[: SETS // 2], rows(darts, feature)[SETS // 2 :]
+    first, second = darts.rows(feature)[: SETS // 2], darts.rows(feature)[SETS // 2 :]
     p = means_differ(first, second)
     assert p > ALPHA, f"{feature} differ: p = {p:.2g}"
 
@@ -116,13 +72,13 @@ def wrong_sets(tool) -> dict[str, Measured]:
 )
 def test_wrong_sets_are_noticed(darts, wrong_sets, kind, feature):
     """Seams of coloured tiles (8 radii wide) add about 1 % of density, Bridson's sets are another family."""
-    p = means_differ(rows(darts, feature), rows(wrong_sets[kind], feature))
+    p = means_differ(darts.rows(feature), wrong_sets[kind].rows(feature))
     assert p < WRONG, f"{kind} passes for darts by its {feature}: p = {p:.2g}"
 
 
 @pytest.mark.parametrize("feature", FEATURES)
 def test_progressive_set_agrees_with_naive_darts(tool, feature, progressive):
-    p = means_differ(rows(progressive[0], feature), rows(progressive[1], feature))
+    p = means_differ(progressive[0].rows(feature), progressive[1].rows(feature))
     assert p > ALPHA, f"{feature} differ: p = {p:.2g}"
 
 

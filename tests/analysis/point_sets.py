@@ -36,7 +36,9 @@ class PointsTool:
         """Sets of the tile sampler in rect = (min_x, min_y, max_x, max_y) metres, asked for at once or by tiles."""
         return self._sets(RECORD, "sampler", radius, levels, layer, *rect, tile, first_seed, seeds)
 
-    def domain(self, method, size, first_seed, seeds=1, *, precision="double", torus=True, darts_each=100) -> list[np.ndarray]:
+    def domain(
+        self, method, size, first_seed, seeds=1, *, precision="double", torus=True, darts_each=100
+    ) -> list[np.ndarray]:
         """Whole domains of size = (width, height), radius 1, by the method of that name in DomainMethod."""
         return self._sets(PLANE_POINT, "domain", method, precision, *size, int(torus), darts_each, first_seed, seeds)
 

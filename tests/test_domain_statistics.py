@@ -1,0 +1,154 @@
+"""The statistics of the single-domain samplers, held against naive dart throwing run to its end by code that shares
+nothing with them.
+
+Hierarchical dart throwing is naive dart throwing, point by point: also a part of a set, in the order of acceptance, is
+one of naive darts. Wavefront sampling fills the domain from a corner, so its order is another; the full sets are the
+same as far as these tests can see (section 4.4 of the paper says no more). All seeds are fixed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from analysis.measured import ALPHA, DIRECTIONS, FEATURES, JAMMED_COVERAGE, WRONG, Measured
+from analysis.significance import mean_differs_from, means_differ, z_of_mean
+
+WINDOW = 42.0  # radii
+BORDER = 6.0
+SIDE = WINDOW + 2.0 * BORDER
+SETS = 128  # independent seeds of each kind
+
+# The accumulator gives the points of the standard variant: tests/core/test_domain_determinism.cpp.
+EQUIVALENT = [("hierarchical", "single"), ("hierarchical", "double")]
+KINDS = [*EQUIVALENT, ("wavefront", "double")]
+# Both precisions start from the same random numbers, so the same seed would make them agree in their luck as well.
+FIRST_SEED = {"single": 1001, "double": 2001}
+
+
+def measured(sets: list[np.ndarray], part: float = 1.0) -> Measured:
+    """The first part of the points of each torus, with both seams through the middle of the window."""
+    windows = []
+    for points in sets:
+        first = points[: round(part * len(points))]
+        windows.append(np.mod(np.stack([first["x"], first["y"]], axis=1) + 0.5 * SIDE, SIDE) - BORDER)
+    return Measured(windows, WINDOW)
+
+
+@pytest.fixture(scope="module")
+def dart_sets(tool) -> list[np.ndarray]:
+    return tool.darts(SIDE, 1, SETS)
+
+
+@pytest.fixture(scope="module")
+def darts(dart_sets) -> Measured:
+    return measured(dart_sets)
+
+
+@pytest.fixture(scope="module")
+def domain_sets(tool) -> dict[tuple[str, str], list[np.ndarray]]:
+    return {kind: tool.domain(kind[0], (SIDE, SIDE), FIRST_SEED[kind[1]], SETS, precision=kind[1]) for kind in KINDS}
+
+
+@pytest.fixture(scope="module")
+def domains(domain_sets) -> dict[tuple[str, str], Measured]:
+    return {kind: measured(sets) for kind, sets in domain_sets.items()}
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+@pytest.mark.parametrize("kind", KINDS, ids="-".join)
+def test_sets_agree_with_naive_darts(darts, domains, kind, feature):
+    p = means_differ(darts.rows(feature), domains[kind].rows(feature))
+    # Twelve tests of one promise.
+    assert p > ALPHA / 12, f"{feature} differ: p = {p:.2g}"
+
+
+@pytest.mark.parametrize("kind", KINDS, ids="-".join)
+def test_near_pairs_have_no_direction(domains, kind):
+    p = mean_differs_from(domains[kind].directions, 1.0 / DIRECTIONS)
+    assert p > ALPHA / 3, f"directions differ: p = {p:.2g}"
+
+
+@pytest.mark.parametrize("part", [0.3, 0.9])
+@pytest.mark.parametrize("kind", EQUIVALENT, ids="-".join)
+def test_parts_of_sets_agree_with_naive_darts(dart_sets, domain_sets, kind, part):
+    """Darts must fall anywhere in the open domain with equal probability, at all times: not more often into small
+    squares, not in the order of rows."""
+    p = means_differ(measured(dart_sets, part).pairs, measured(domain_sets[kind], part).pairs)
+    assert p > ALPHA / 4, f"the first {part} of the points differ: p = {p:.2g}"
+
+
+@pytest.fixture(scope="module")
+def wrong_sets(tool) -> dict[str, Measured]:
+    """Naive dart throwing that ends too early, and seams of coloured tiles."""
+    return {
+        "early": measured(tool.domain("naive", (SIDE, SIDE), 3001, SETS, darts_each=40)),
+        "coloured": measured(tool.coloured(SIDE, 9, 1, SETS)),
+    }
+
+
+@pytest.mark.parametrize("feature", ["density", "pairs"])
+@pytest.mark.parametrize("kind", ["early", "coloured"])
+def test_what_differs_is_noticed(darts, wrong_sets, kind, feature):
+    p = means_differ(darts.rows(feature), wrong_sets[kind].rows(feature))
+    assert p < WRONG, f"{kind} passes for darts by its {feature}: p = {p:.2g}"
+
+
+def test_another_order_is_noticed(dart_sets, domain_sets):
+    """Else the comparison of parts would say nothing: the wavefront fills a corner first."""
+    wavefront = domain_sets["wavefront", "double"]
+    assert means_differ(measured(dart_sets, 0.3).pairs, measured(wavefront, 0.3).pairs) < WRONG
+
+
+def coverage(sets: list[np.ndarray], side: float) -> np.ndarray:
+    return np.array([len(points) for points in sets]) * np.pi * 0.25 / side**2
+
+
+@pytest.mark.parametrize("kind", [*EQUIVALENT, ("wavefront", "single")], ids="-".join)
+def test_coverage_is_that_of_the_jammed_state(tool, kind):
+    """Two million points on tori."""
+    side, seeds = 300.0, 32
+    sets = tool.domain(kind[0], (side, side), FIRST_SEED[kind[1]], seeds, precision=kind[1])
+    assert sum(map(len, sets)) >= 2_000_000
+    found = coverage(sets, side)
+    error = found.std(ddof=1) / np.sqrt(seeds)
+    assert error < 1.5e-4, "too few points to say anything"
+    z = z_of_mean(found, JAMMED_COVERAGE)
+    assert abs(z) < 4.0, f"coverage {found.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
+
+
+def test_naive_darts_come_close_to_the_jammed_state_as_they_should(tool):
+    """What is missing shrinks with the square root of the number of darts (Feder 1980, Swendsen 1981), so four times
+    the darts leave half of it."""
+    side, seeds = 60.0, 16
+    missing = []
+    for darts_each in [25, 100, 400]:
+        found = coverage(tool.domain("naive", (side, side), 4001, seeds, darts_each=darts_each), side)
+        assert z_of_mean(found, JAMMED_COVERAGE) < -4.0
+        missing.append(JAMMED_COVERAGE - found.mean())
+    assert 1.8 < missing[0] / missing[1] < 2.2
+    assert 1.8 < missing[1] / missing[2] < 2.2
+
+
+@pytest.mark.parametrize("method", ["hierarchical", "wavefront"])
+@pytest.mark.parametrize("torus", [True, False], ids=["torus", "bounded"])
+def test_four_sides_are_alike(tool, method, torus):
+    """Points beside each side of a domain that is no square, by their distance from it, a square radius each."""
+    size, seeds = np.array([70.0, 41.0]), 96
+    edges = np.linspace(0.0, 3.0, 9)
+    rows = []
+    for points in tool.domain(method, size, 5001, seeds, torus=torus):
+        sides = []
+        for axis, other in ((0, 1), (1, 0)):
+            place = points["xy"[axis]]
+            # Without the corners, where two sides meet.
+            away = np.abs(points["xy"[other]] - 0.5 * size[other]) < 0.5 * size[other] - edges[-1]
+            for distance in (place, size[axis] - place):
+                counts, _ = np.histogram(distance[away], bins=edges)
+                sides.append(counts / ((edges[1] - edges[0]) * (size[other] - 2.0 * edges[-1])))
+        rows.append(sides)
+    rows = np.array(rows)
+    differences = rows[:, 1:] - rows[:, :1]
+    p = mean_differs_from(differences.reshape(seeds, -1), 0.0)
+    assert p > ALPHA / 4, f"sides differ: p = {p:.2g}"
+    beside = z_of_mean(rows[:, :, 0].mean(axis=1), JAMMED_COVERAGE * 4.0 / np.pi)
+    # Beyond the border of a bounded domain nothing takes the room beside it; across a seam something does.
+    assert abs(beside) < 4.0 if torus else beside > 20.0
