@@ -3,7 +3,7 @@
 // A fuzz target is a file with LLVMFuzzerTestOneInput. With clang, `-fsanitize=fuzzer -DTHICKET_LIBFUZZER` makes it a
 // libFuzzer program:
 //   clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -DTHICKET_LIBFUZZER -ffp-contract=off -Iextension -I.
-//       extension/core/*/*.cpp tests/fuzz/fuzz_sampler.cpp -lhwy -o build/fuzz_sampler
+//       extension/core/*/*.cpp extension/core/*/*/*.cpp tests/fuzz/fuzz_sampler.cpp -lhwy -o build/fuzz_sampler
 // Without it, the main below feeds it random bytes:
 //   fuzz_sampler [seconds = 10] [seed = 1]      many inputs
 //   fuzz_sampler - SEED                         the one input that a failure has named

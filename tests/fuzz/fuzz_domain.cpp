@@ -1,0 +1,108 @@
+// Any domain and method at all: the sampler refuses or delivers, and what it delivers keeps its promises.
+
+#include "tests/analysis/domain_check.hpp"
+#include "tests/fuzz/bytes.hpp"
+#include "tests/fuzz/fuzz_main.hpp"
+
+#include "core/sampling/domain/domain_sampler.hpp"
+#include "core/sampling/point_set.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace thicket;
+using fuzz::Bytes;
+using fuzz::promise;
+
+DomainRequest read_request(Bytes &r_bytes) {
+	DomainRequest request;
+	request.seed = r_bytes.raw<std::uint64_t>();
+	request.radius = r_bytes.chance(4) ? r_bytes.number(min_radius, max_radius) : r_bytes.number(0.05, 20.0);
+	request.method = static_cast<DomainMethod>(r_bytes.below(4));
+	request.toroidal = r_bytes.chance(2);
+	const double scale = std::isfinite(request.radius) ? request.radius : 1.0;
+	for (int axis = 0; axis < 2; ++axis) {
+		// Now and then a side that is small beside a base square, or wide.
+		const double widest = r_bytes.chance(8) ? 0.1 : r_bytes.chance(32) ? 2000.0 : 24.0;
+		request.size[axis] = scale * r_bytes.number(request.toroidal ? 3.9 : 0.0, widest);
+	}
+	request.cell_size = r_bytes.chance(2) ? 0.0 : r_bytes.number(0.0, r_bytes.chance(8) ? max_cell_size : 9.0);
+	request.darts_each = r_bytes.number(1.0, 20.0);
+	return request;
+}
+
+/// A domain of few points, which the checks can walk over; larger ones are legal and slow.
+bool is_small(const DomainRequest &request) {
+	const glm::dvec2 radii = request.size / request.radius;
+	return (radii.x + 1.0) * (radii.y + 1.0) < 5000.0 &&
+			(request.method != DomainMethod::naive || request.darts_each < 50.0);
+}
+
+template <typename Real>
+void check_points(const DomainRequest &request, const std::vector<glm::vec<2, Real>> &points) {
+	const double extent = std::max({request.size.x, request.size.y, 8.0 * request.radius});
+	const double tolerance = 8.0 * std::ldexp(extent, 2 - std::numeric_limits<Real>::digits);
+	const bool maximal = request.method != DomainMethod::naive && tolerance < request.radius / 32.0;
+	const analysis::DomainReport report = analysis::DomainCheck::run(std::span<const glm::vec<2, Real>>(points),
+			{request.size, request.radius, request.toroidal, tolerance}, maximal);
+	promise(report.points > 0, "no domain is empty");
+	promise(report.outside == 0, "a point lies in its domain");
+	promise(report.too_close == 0, "points keep their distance");
+	promise(report.uncovered == 0, "no room is left");
+}
+
+/// A set that is like this one but for how it is made.
+template <typename Real>
+void check_twin(DomainRequest request, const std::vector<glm::vec<2, Real>> &points) {
+	request.cell_size = request.cell_size == 0.0 ? 1.7 : 0.0;
+	if (request.method == DomainMethod::hierarchical || request.method == DomainMethod::accumulator) {
+		request.method =
+				request.method == DomainMethod::hierarchical ? DomainMethod::accumulator : DomainMethod::hierarchical;
+	}
+	std::vector<glm::vec<2, Real>> twin;
+	promise(DomainSampler<Real>().sample(request, twin).ok() && twin == points, "cells and variants change no point");
+	DomainSampler<Real> sampler;
+	promise(sampler.fill(request).ok(), "what can be sampled can be filled");
+	std::size_t visited = 0;
+	sampler.visit([&](std::span<const Real> x, std::span<const Real>) { visited += x.size(); });
+	promise(visited == points.size(), "every point is visited");
+}
+
+template <typename Real>
+void sample_one(const DomainRequest &request) {
+	static DomainSampler<Real> sampler;
+	const std::atomic<bool> raised{true};
+	std::vector<glm::vec<2, Real>> points(1, glm::vec<2, Real>(77));
+	const std::vector<glm::vec<2, Real>> before = points;
+	const Status status =
+			sampler.sample(request, points, {.cancel = is_small(request) ? nullptr : &raised, .report = {}});
+	if (status.ok()) {
+		promise(validate(request).ok(), "a bad request is refused");
+		promise(sampler.stats().points == points.size(), "points are counted");
+		check_points<Real>(request, points);
+		check_twin<Real>(request, points);
+	} else {
+		promise(points == before, "a failed call changes nothing");
+		promise(status.code == ErrorCode::cancelled || describe(status).find(status.property) == 0,
+				"a refusal names the property");
+		promise(validate(request).ok() || validate(request).code == status.code, "a bad request is refused as such");
+	}
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
+	Bytes bytes(data, size);
+	const DomainRequest request = read_request(bytes);
+	if (bytes.chance(2)) {
+		sample_one<float>(request);
+	} else {
+		sample_one<double>(request);
+	}
+	return 0;
+}
