@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The seed paper's figures, measured again: builds for release, measures, and writes build/figures and the page
-# tests/bench/RESULTS.md. Takes most of an hour; nothing else should run on the machine. Options:
+# tests/bench/RESULTS.md. Takes about an hour, half of it for the sets that fill the memory (--only large); nothing else
+# should run on the machine while times are taken. Options:
 #   --quick         small sizes, to see that everything works; leaves the page alone and writes one into its folder
 #   --out DIR       the folder of tables and pictures, instead of build/figures
 #   --only PART     measure one of speed, sets, memory, large, billion; the tables of the others stay. Can be repeated

@@ -8,7 +8,7 @@ from bench.figures.contenders import TODAY, Contender
 from bench.figures.programs import Failed, Run, run_lines, say
 
 # A process makes one set after a small one, so that further sets cost a start each.
-MOST_SETS = 3
+MOST_SETS = 2
 
 PYTHON_PEERS = {"hdt_sampling": "hdt-sampling", "scipy_poisson_disk": "scipy PoissonDisk"}
 RUST_PEERS = {
