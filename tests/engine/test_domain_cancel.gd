@@ -69,6 +69,29 @@ func test_cancel_from_another_thread() -> void:
 			check_promise(times, "%s on a thread, at word %d" % [label(method), words])
 
 
+## A call that is silent does not look whether it is cancelled either. The first choices touch fresh memory all over, for
+## which the system needs a thousand times longer than for memory that it has at hand.
+func test_never_silent_for_long() -> void:
+	for method in METHODS:
+		var silences: PackedInt64Array = []
+		for round in TRIES:
+			var sampler := make(method)
+			var listener := Listener.new()
+			var words: Array[int] = [0]
+			listener.deed = func(_fraction: float) -> void:
+				words[0] += 1
+				if words[0] > 50:
+					sampler.cancel()
+			var longest := 0
+			var last := Time.get_ticks_usec()
+			sampler.sample_domain(HUGE, listener.hear)
+			for time in listener.times:
+				longest = maxi(longest, time - last)
+				last = time
+			silences.push_back(longest)
+		check_promise(silences, label(method) + " silent")
+
+
 ## So early that memory is still being got and squares are still being made. Whoever cancels cannot know that the call has
 ## begun, so asks again and again.
 func test_cancel_at_once() -> void:

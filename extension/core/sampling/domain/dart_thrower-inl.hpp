@@ -1,4 +1,4 @@
-// Hierarchical dart throwing. Compiled once for each instruction set, by throwers.cpp.
+// Hierarchical dart throwing. Compiled once for each instruction set, by thrower.cpp.
 #if defined(THICKET_DART_THROWER_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_DART_THROWER_INL
 #undef THICKET_DART_THROWER_INL
@@ -54,10 +54,13 @@ public:
 		if (!begin(progress, expected_points)) {
 			return {ErrorCode::cancelled};
 		}
+		// The first choices touch fresh memory all over, whose pages the system has to make: a thousand times slower than later.
+		std::uint64_t between_looks = 8;
 		std::uint64_t until_look = 1;
 		while (!active_.empty()) {
 			if (--until_look == 0) {
-				until_look = choices_between_looks;
+				between_looks = std::min(between_looks + between_looks / 8, choices_between_looks);
+				until_look = between_looks;
 				if (!look(progress, expected_points)) {
 					return {ErrorCode::cancelled};
 				}

@@ -1,4 +1,4 @@
-// Naive dart throwing. Compiled once for each instruction set, by throwers.cpp.
+// Naive dart throwing. Compiled once for each instruction set, by thrower.cpp.
 #if defined(THICKET_NAIVE_DARTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_NAIVE_DARTS_INL
 #undef THICKET_NAIVE_DARTS_INL

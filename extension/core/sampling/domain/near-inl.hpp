@@ -1,4 +1,4 @@
-// What a dart and its square must know of the points around. Compiled once for each instruction set, by throwers.cpp.
+// What a dart and its square must know of the points around. Compiled once for each instruction set, by thrower.cpp.
 #if defined(THICKET_NEAR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_NEAR_INL
 #undef THICKET_NEAR_INL

@@ -1,4 +1,4 @@
-// The acceleration grid. Compiled once for each instruction set, by throwers.cpp.
+// The acceleration grid. Compiled once for each instruction set, by thrower.cpp.
 #if defined(THICKET_POINT_CELLS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_POINT_CELLS_INL
 #undef THICKET_POINT_CELLS_INL
@@ -6,9 +6,9 @@
 #define THICKET_POINT_CELLS_INL
 #endif
 
+#include "core/sampling/domain/cell_store-inl.hpp"
 #include "core/sampling/domain/frame.hpp"
 #include "core/sampling/domain/near-inl.hpp"
-#include "core/sampling/domain/zeroed_array.hpp"
 
 #include <glm/vec2.hpp>
 #include <hwy/highway.h>
@@ -19,7 +19,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -35,10 +34,10 @@ public:
 	/// Cells of width x width base squares. Throws std::bad_alloc.
 	PointCells(const Frame<Real> &frame, std::uint32_t width) :
 			frame_(frame), width_(width), pad_(accumulate ? 0 : (reach + width - 1) / width * width),
-			cells_((frame.squares + 2 * pad_ + width - 1u) / width), capacity_(likely_points(frame, width)),
-			places_(std::size_t{cells_.x} * cells_.y * 2 * capacity_) {}
+			cells_((frame.squares + 2 * pad_ + width - 1u) / width),
+			store_(std::size_t{cells_.x} * cells_.y, likely_points(frame, width), accumulate ? block : block / 2) {}
 
-	std::size_t bytes() const { return places_.bytes() + overflow_bytes_; }
+	std::size_t bytes() const { return store_.bytes(); }
 
 	/// Adds a point at a biased position, whose dart was thrown in a base square.
 	void add(Real x, Real y, glm::uvec2 square) {
@@ -48,30 +47,39 @@ public:
 		} else {
 			for_each_image(x, y, square, [this](Real image_x, Real image_y, glm::ivec2 image) {
 				const glm::uvec2 cell = glm::uvec2(image + static_cast<int>(pad_)) / width_;
-				store(index_of(cell), image_x, image_y);
+				add_to(cell, image_x, image_y);
 			});
 		}
 	}
 
 	/// Fetches what `near` will read towards the cache.
 	HWY_INLINE void prefetch(glm::uvec2 square) const {
-		if constexpr (accumulate) {
-			fetch(index_of(square / width_));
-		} else {
-			const glm::uvec2 first = (square + pad_ - reach) / width_;
-			const glm::uvec2 last = (square + pad_ + reach) / width_;
-			for (std::uint32_t y = first.y; y <= last.y; ++y) {
-				fetch_row(index_of({first.x, y}), index_of({last.x, y}));
+		const CellRange range = cells_around(square);
+		if (!store_.sorted()) {
+			for (std::uint32_t y = range.first.y; y <= range.last.y; ++y) {
+				store_.fetch(index_of({range.first.x, y}), index_of({range.last.x, y}));
+			}
+			return;
+		}
+		const Real low = bottom_of(square.y) - static_cast<Real>(radius_);
+		const Real high = bottom_of(square.y + 1) + static_cast<Real>(radius_);
+		for (std::uint32_t y = range.first.y; y <= range.last.y; ++y) {
+			const double low_height = height_in(y, low);
+			const double high_height = height_in(y, high);
+			for (std::uint32_t x = range.first.x; x <= range.last.x; ++x) {
+				store_.fetch_part(index_of({x, y}), low_height, high_height);
 			}
 		}
 	}
 
 	/// The points that can lie within a radius of a part of a base square. Valid until the next call.
 	Near<Real> near(glm::uvec2 square, const CenteredSquare<Real> &part) {
+		const CenteredSquare<Real> box{part.x, part.y, static_cast<Real>(radius_ + margin_) + part.half_x,
+				static_cast<Real>(radius_ + margin_) + part.half_y};
 		if constexpr (accumulate) {
-			return whole_cell(index_of(square / width_));
+			return in_one_cell(square / width_, box);
 		} else {
-			return gather(square, part);
+			return gather(cells_around(square), box);
 		}
 	}
 
@@ -84,7 +92,7 @@ public:
 			for (std::uint32_t x = 0; x < cells_.x; ++x) {
 				xs.clear();
 				ys.clear();
-				for_each_stored(index_of({x, y}), [&](Real point_x, Real point_y) {
+				store_.for_each(index_of({x, y}), [&](Real point_x, Real point_y) {
 					if (is_home(point_x, point_y, {x, y})) {
 						xs.push_back(frame_.to_plain(point_x));
 						ys.push_back(frame_.to_plain(point_y));
@@ -98,8 +106,8 @@ public:
 	}
 
 private:
-	static constexpr std::uint32_t reach =
-			2; ///< Base squares farther apart hold no points within a radius of each other.
+	/// Base squares farther apart hold no points within a radius of each other.
+	static constexpr std::uint32_t reach = 2;
 	static constexpr std::size_t block = Near<Real>::block;
 	static constexpr std::size_t most_neighbours = 2 * reach + 1;
 
@@ -107,26 +115,30 @@ private:
 	std::uint32_t width_;
 	std::uint32_t pad_; ///< Base squares around the domain, for the images of a torus.
 	glm::uvec2 cells_;
-	std::size_t capacity_;
 	double radius_ = frame_.reach.x * frame_.base.x;
 	double margin_ = 4.0 * frame_.quantum; ///< More than roundings move a point or a square.
-	ZeroedArray<Real> places_; ///< For each cell its x, then its y; filled from the front, 0 where there is none.
-	std::unordered_map<std::size_t, std::vector<glm::vec<2, Real>>> overflow_; ///< Only looked up, never walked.
-	std::size_t overflow_bytes_ = 0;
+	double skirt_ =
+			accumulate ? frame_.reach.y : 0.0; ///< Rows of base squares beyond its own that a cell keeps points of.
+	double rows_per_metre_ = 1.0 / frame_.base.y;
+	double heights_per_row_ = 1.0 / (width_ + 2.0 * skirt_);
+	CellStore<Real> store_;
 	std::vector<Real> gathered_x_;
 	std::vector<Real> gathered_y_;
 
-	/// The mean of a jammed set and two standard deviations; counts in a jammed set vary little. At most one point a base square.
-	static std::size_t likely_points(const Frame<Real> &frame, std::uint32_t width) {
+	struct CellRange {
+		glm::uvec2 first;
+		glm::uvec2 last;
+	};
+
+	/// A little more than the mean of a jammed set, in which counts vary little. At most one point a base square.
+	static double likely_points(const Frame<Real> &frame, std::uint32_t width) {
 		constexpr double density = 0.6965; // Points a square radius: 0.547070 * 4 / pi.
 		const glm::dvec2 sides = static_cast<double>(width) / frame.reach;
 		const double area =
 				accumulate ? sides.x * sides.y + 2.0 * (sides.x + sides.y) + std::numbers::pi : sides.x * sides.y;
 		const double mean = density * area;
-		const double most = accumulate ? 1e9 : static_cast<double>(width) * width;
-		const double likely = std::min(mean + 0.6 * std::sqrt(mean), most);
-		const std::size_t step = accumulate ? block : block / 2;
-		return (static_cast<std::size_t>(std::ceil(likely)) + step - 1) / step * step;
+		const double likely = mean + 0.6 * std::sqrt(mean);
+		return accumulate ? likely : std::min(likely, static_cast<double>(width) * width - 1.0);
 	}
 
 	/// The columns (or rows) of cells that the disk around a place can reach, and their squared distances on that axis.
@@ -151,22 +163,23 @@ private:
 
 	std::size_t index_of(glm::uvec2 cell) const { return std::size_t{cell.y} * cells_.x + cell.x; }
 
-	Real *xs(std::size_t cell) { return places_.data() + cell * 2 * capacity_; }
-	const Real *xs(std::size_t cell) const { return places_.data() + cell * 2 * capacity_; }
-
-	bool full(std::size_t cell) const { return xs(cell)[capacity_ - 1] != Real{0}; }
-
-	/// Inlined, because a compiler may take a function that only fetches for one that does nothing.
-	HWY_INLINE void fetch(std::size_t cell) const { fetch_row(cell, cell); }
-
-	/// Fetches cells that lie side by side, of large ones the start: the rest follows by itself.
-	HWY_INLINE void fetch_row(std::size_t first, std::size_t last) const {
-		constexpr std::size_t line = 64;
-		const char *begin = reinterpret_cast<const char *>(xs(first));
-		const char *end = std::min(reinterpret_cast<const char *>(xs(last + 1)), begin + 8 * line);
-		for (; begin < end; begin += line) {
-			__builtin_prefetch(begin);
+	/// The cells that `near` looks into.
+	CellRange cells_around(glm::uvec2 square) const {
+		if constexpr (accumulate) {
+			return {square / width_, square / width_};
+		} else {
+			return {(square + pad_ - reach) / width_, (square + pad_ + reach) / width_};
 		}
+	}
+
+	/// The biased coordinate of a row of base squares.
+	Real bottom_of(std::uint32_t row) const { return static_cast<Real>(row * frame_.base.y + frame_.bias); }
+
+	/// Where y lies between the lowest and the highest point that a row of sorted cells may hold, 0 to 1.
+	double height_in(std::uint32_t cell_row, Real y) const {
+		const double rows = (static_cast<double>(y) - frame_.bias) * rows_per_metre_ + skirt_;
+		const double first = static_cast<double>(cell_row) * width_ - pad_;
+		return std::clamp((rows - first) * heights_per_row_, 0.0, 1.0);
 	}
 
 	/// Calls with the point itself, and on a torus with its images across the seams that are near.
@@ -196,65 +209,72 @@ private:
 		const Neighbours columns(frame_, width_, 0, static_cast<double>(x) - frame_.bias, square.x);
 		const Neighbours rows(frame_, width_, 1, static_cast<double>(y) - frame_.bias, square.y);
 		const double limit = (radius_ + margin_) * (radius_ + margin_);
-		std::array<std::size_t, most_neighbours * most_neighbours> near_cells;
+		std::array<glm::uvec2, most_neighbours * most_neighbours> near_cells;
 		std::size_t count = 0;
 		for (int row = 0; row < rows.count; ++row) {
 			for (int column = 0; column < columns.count; ++column) {
-				const std::size_t cell = index_of(glm::uvec2(columns.first + column, rows.first + row));
+				const glm::uvec2 cell(columns.first + column, rows.first + row);
 				near_cells[count] = cell;
 				const bool within = columns.squared[static_cast<std::size_t>(column)] +
 								rows.squared[static_cast<std::size_t>(row)] <
 						limit;
 				if (within) {
-					fetch(cell);
+					fetch_for_adding(cell, y);
 					++count;
 				}
 			}
 		}
 		for (std::size_t i = 0; i < count; ++i) {
-			store(near_cells[i], x, y);
+			add_to(near_cells[i], x, y);
 		}
 	}
 
-	void store(std::size_t cell, Real x, Real y) {
-		const Wide<Real> d;
-		Real *const places = xs(cell);
-		for (std::size_t i = 0; i < capacity_; i += hn::Lanes(d)) {
-			const auto vacant = hn::FindFirstTrue(d, hn::Eq(hn::LoadU(d, places + i), hn::Zero(d)));
-			if (vacant >= 0) {
-				const std::size_t place = i + static_cast<std::size_t>(vacant);
-				places[place] = x;
-				places[place + capacity_] = y;
-				return;
-			}
-		}
-		overflow_[cell].push_back({x, y});
-		overflow_bytes_ += sizeof(glm::vec<2, Real>);
+	void add_to(glm::uvec2 cell, Real x, Real y) {
+		store_.add(index_of(cell), x, y, store_.sorted() ? height_in(cell.y, y) : 0.0);
 	}
 
-	Near<Real> whole_cell(std::size_t cell) {
-		const Real *places = xs(cell);
-		if (!full(cell) || !overflow_.contains(cell)) {
-			return {places, places + capacity_, capacity_};
+	HWY_INLINE void fetch_for_adding(glm::uvec2 cell, Real y) const {
+		if (store_.sorted()) {
+			const double height = height_in(cell.y, y);
+			store_.fetch_part(index_of(cell), height, height);
+		} else {
+			store_.fetch(index_of(cell), index_of(cell));
 		}
-		std::size_t count = 0;
-		for_each_stored(cell, [&](Real x, Real y) { append(x, y, count); });
+	}
+
+	typename CellStore<Real>::Part part_in(glm::uvec2 cell, const CenteredSquare<Real> &box) const {
+		if (!store_.sorted()) {
+			return {0, store_.capacity()};
+		}
+		const Real low = box.y - box.half_y;
+		const Real high = box.y + box.half_y;
+		return store_.part(index_of(cell), low, high, height_in(cell.y, low), height_in(cell.y, high));
+	}
+
+	Near<Real> in_one_cell(glm::uvec2 cell, const CenteredSquare<Real> &box) {
+		const std::size_t index = index_of(cell);
+		const auto [begin, end] = part_in(cell, box);
+		const Real *xs = store_.places(index) + begin;
+		const std::size_t lanes = (end - begin + block - 1) / block * block;
+		if (!store_.overflows(index)) {
+			return {xs, xs + store_.capacity(), lanes};
+		}
+		make_room(lanes);
+		std::copy_n(xs, lanes, gathered_x_.begin());
+		std::copy_n(xs + store_.capacity(), lanes, gathered_y_.begin());
+		std::size_t count = lanes;
+		store_.for_each_overflowing(index, [&](Real x, Real y) { append(x, y, count); });
 		return finished(count);
 	}
 
-	Near<Real> gather(glm::uvec2 square, const CenteredSquare<Real> &part) {
-		const glm::uvec2 first = (square + pad_ - reach) / width_;
-		const glm::uvec2 last = (square + pad_ + reach) / width_;
-		const CenteredSquare<Real> box{part.x, part.y, static_cast<Real>(radius_ + margin_) + part.half_x,
-				static_cast<Real>(radius_ + margin_) + part.half_y};
+	Near<Real> gather(const CellRange &range, const CenteredSquare<Real> &box) {
 		std::size_t count = 0;
-		for (std::uint32_t y = first.y; y <= last.y; ++y) {
-			for (std::uint32_t x = first.x; x <= last.x; ++x) {
-				const std::size_t cell = index_of({x, y});
-				if (capacity_ % block == 0) {
-					gather_cell(hn::CappedTag<Real, block>(), cell, box, count);
+		for (std::uint32_t y = range.first.y; y <= range.last.y; ++y) {
+			for (std::uint32_t x = range.first.x; x <= range.last.x; ++x) {
+				if (store_.capacity() % block == 0) {
+					gather_cell(hn::CappedTag<Real, block>(), {x, y}, box, count);
 				} else {
-					gather_cell(hn::CappedTag<Real, block / 2>(), cell, box, count);
+					gather_cell(hn::CappedTag<Real, block / 2>(), {x, y}, box, count);
 				}
 			}
 		}
@@ -263,12 +283,13 @@ private:
 
 	/// Appends the points of a cell that lie in a box, perhaps with others.
 	template <class D>
-	HWY_INLINE void gather_cell(D d, std::size_t cell, const CenteredSquare<Real> &box, std::size_t &r_count) {
-		make_room(r_count + capacity_);
-		const Real *places = xs(cell);
-		for (std::size_t i = 0; i < capacity_ && places[i] != Real{0}; i += hn::Lanes(d)) {
-			const auto x = hn::LoadU(d, places + i);
-			const auto y = hn::LoadU(d, places + capacity_ + i);
+	HWY_INLINE void gather_cell(D d, glm::uvec2 cell, const CenteredSquare<Real> &box, std::size_t &r_count) {
+		const auto [begin, end] = part_in(cell, box);
+		const Real *xs = store_.places(index_of(cell));
+		make_room(r_count + end - begin);
+		for (std::size_t i = begin; i < end && xs[i] != Real{0}; i += hn::Lanes(d)) {
+			const auto x = hn::LoadU(d, xs + i);
+			const auto y = hn::LoadU(d, xs + store_.capacity() + i);
 			const auto inside = hn::And(hn::Lt(hn::Abs(hn::Sub(x, hn::Set(d, box.x))), hn::Set(d, box.half_x)),
 					hn::Lt(hn::Abs(hn::Sub(y, hn::Set(d, box.y))), hn::Set(d, box.half_y)));
 			// Picking doubles out of a vector costs more than it saves, so a vector with one of them inside is taken whole.
@@ -279,26 +300,8 @@ private:
 				r_count += pick ? hn::CountTrue(d, inside) : hn::Lanes(d);
 			}
 		}
-		if (full(cell)) {
-			for_each_overflowing(cell, [&](Real x, Real y) { append(x, y, r_count); });
-		}
-	}
-
-	template <class Action>
-	void for_each_stored(std::size_t cell, Action &&action) const {
-		const Real *places = xs(cell);
-		for (std::size_t i = 0; i < capacity_ && places[i] != Real{0}; ++i) {
-			action(places[i], places[i + capacity_]);
-		}
-		for_each_overflowing(cell, action);
-	}
-
-	template <class Action>
-	void for_each_overflowing(std::size_t cell, Action &&action) const {
-		if (const auto more = overflow_.find(cell); more != overflow_.end()) {
-			for (const glm::vec<2, Real> point : more->second) {
-				action(point.x, point.y);
-			}
+		if (store_.overflows(index_of(cell))) {
+			store_.for_each_overflowing(index_of(cell), [&](Real x, Real y) { append(x, y, r_count); });
 		}
 	}
 

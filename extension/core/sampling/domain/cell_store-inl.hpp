@@ -1,0 +1,181 @@
+// Where the acceleration grid keeps its points. Compiled once for each instruction set, by thrower.cpp.
+#if defined(THICKET_CELL_STORE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_CELL_STORE_INL
+#undef THICKET_CELL_STORE_INL
+#else
+#define THICKET_CELL_STORE_INL
+#endif
+
+#include "core/sampling/domain/near-inl.hpp"
+#include "core/sampling/domain/zeroed_array.hpp"
+
+#include <glm/vec2.hpp>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+HWY_BEFORE_NAMESPACE();
+namespace thicket::HWY_NAMESPACE {
+
+/// Points by cells, each with room for a number of them that is likely to suffice; what is beyond goes to an overflow
+/// (section 4.3 of the paper). Large cells keep their points sorted by y, so that a lookup reads a part of them only: where it
+/// begins is guessed, since points fill a cell evenly, and then searched for.
+template <typename Real>
+class CellStore {
+public:
+	static constexpr std::size_t block = Near<Real>::block;
+
+	/// A part of a cell: places [begin, end), `begin` a multiple of `block`.
+	struct Part {
+		std::size_t begin;
+		std::size_t end;
+	};
+
+	/// Room for about `likely` points a cell, and for a multiple of `least`, block or half a block. Throws std::bad_alloc.
+	CellStore(std::size_t cells, double likely, std::size_t least) :
+			sorted_(likely > sorted_above), capacity_(rounded_up(likely, sorted_ ? block : least)),
+			places_(cells * 2 * capacity_), counts_(sorted_ ? cells : 0) {}
+
+	std::size_t bytes() const { return places_.bytes() + counts_.bytes() + overflow_bytes_; }
+	std::size_t capacity() const { return capacity_; }
+	bool sorted() const { return sorted_; }
+
+	/// The x of a cell, 0 where there is no point; its y come `capacity` further on.
+	const Real *places(std::size_t cell) const { return places_.data() + cell * 2 * capacity_; }
+
+	bool overflows(std::size_t cell) const {
+		return places(cell)[capacity_ - 1] != Real{0} && overflow_.contains(cell);
+	}
+
+	/// Adds a point; `height` is where it lies between the lowest and the highest of the cell, 0 to 1.
+	void add(std::size_t cell, Real x, Real y, double height) {
+		Real *const xs = places_.data() + cell * 2 * capacity_;
+		const std::size_t count = sorted_ ? counts_[cell] : vacant(xs);
+		if (count == capacity_) {
+			overflow_[cell].push_back({x, y});
+			overflow_bytes_ += sizeof(glm::vec<2, Real>);
+			return;
+		}
+		std::size_t place = count;
+		if (sorted_) {
+			Real *const ys = xs + capacity_;
+			place = first_not_below(ys, count, y, height);
+			std::copy_backward(xs + place, xs + count, xs + count + 1);
+			std::copy_backward(ys + place, ys + count, ys + count + 1);
+			++counts_[cell];
+		}
+		xs[place] = x;
+		xs[place + capacity_] = y;
+	}
+
+	/// A part of a sorted cell that holds all its points with y in [low, high), and a few others; their heights as in `add`.
+	Part part(std::size_t cell, Real low, Real high, double low_height, double high_height) const {
+		const Real *ys = places(cell) + capacity_;
+		const std::size_t count = counts_[cell];
+		const std::size_t low_guess = guess(low_height, count);
+		std::size_t begin = (low_guess - std::min(low_guess, block)) / block * block;
+		while (begin > 0 && ys[begin - 1] >= low) {
+			begin -= block;
+		}
+		std::size_t end = std::min(guess(high_height, count) + block, count);
+		while (end < count && ys[end] < high) {
+			end = std::min(end + block, count);
+		}
+		return {begin, end};
+	}
+
+	/// Fetches cells that lie side by side towards the cache. Inlined, because a compiler may take a function that only fetches
+	/// for one that does nothing.
+	HWY_INLINE void fetch(std::size_t first, std::size_t last) const {
+		fetch_line_by_line(places(first), places(last + 1));
+	}
+
+	/// Fetches what `part` will read of a sorted cell, as far as can be guessed.
+	HWY_INLINE void fetch_part(std::size_t cell, double low_height, double high_height) const {
+		__builtin_prefetch(counts_.data() + cell);
+		const Real *low = places(cell) + guess(low_height, capacity_);
+		const Real *high = places(cell) + guess(high_height, capacity_);
+		fetch_line_by_line(low, high);
+		fetch_line_by_line(low + capacity_, high + capacity_);
+	}
+
+	template <class Action>
+	void for_each(std::size_t cell, Action &&action) const {
+		const Real *xs = places(cell);
+		for (std::size_t i = 0; i < capacity_ && xs[i] != Real{0}; ++i) {
+			action(xs[i], xs[i + capacity_]);
+		}
+		for_each_overflowing(cell, action);
+	}
+
+	template <class Action>
+	void for_each_overflowing(std::size_t cell, Action &&action) const {
+		if (const auto more = overflow_.find(cell); more != overflow_.end()) {
+			for (const glm::vec<2, Real> point : more->second) {
+				action(point.x, point.y);
+			}
+		}
+	}
+
+private:
+	static constexpr double sorted_above = 28.0; ///< Below, reading all is quicker.
+
+	bool sorted_;
+	std::size_t capacity_;
+	ZeroedArray<Real> places_;
+	ZeroedArray<std::uint32_t> counts_;                                        ///< Of sorted cells.
+	std::unordered_map<std::size_t, std::vector<glm::vec<2, Real>>> overflow_; ///< Only looked up, never walked.
+	std::size_t overflow_bytes_ = 0;
+
+	static std::size_t rounded_up(double likely, std::size_t step) {
+		return (static_cast<std::size_t>(likely) + step) / step * step;
+	}
+
+	/// The first place of an unsorted cell that holds no point.
+	std::size_t vacant(const Real *xs) const {
+		const Wide<Real> d;
+		for (std::size_t i = 0; i < capacity_; i += hn::Lanes(d)) {
+			if (const auto lane = hn::FindFirstTrue(d, hn::Eq(hn::LoadU(d, xs + i), hn::Zero(d))); lane >= 0) {
+				return std::min(i + static_cast<std::size_t>(lane), capacity_);
+			}
+		}
+		return capacity_;
+	}
+
+	/// The place of a height in a cell that is filled evenly.
+	static std::size_t guess(double height, std::size_t count) {
+		return static_cast<std::size_t>(height * static_cast<double>(count));
+	}
+
+	/// The first of sorted numbers that is not below `y`, from a guess in both directions.
+	static std::size_t first_not_below(const Real *ys, std::size_t count, Real y, double height) {
+		std::size_t low = guess(height, count);
+		std::size_t high = low;
+		for (std::size_t step = block / 2; low > 0 && ys[low - 1] >= y; step *= 2) {
+			high = low;
+			low -= std::min(low, step);
+		}
+		for (std::size_t step = block / 2; high < count && ys[high] < y; step *= 2) {
+			low = high;
+			high = std::min(count, high + step);
+		}
+		return static_cast<std::size_t>(std::lower_bound(ys + low, ys + high, y) - ys);
+	}
+
+	static HWY_INLINE void fetch_line_by_line(const Real *begin, const Real *end) {
+		constexpr std::size_t line = 64 / sizeof(Real);
+		constexpr std::size_t most = 8 * line;
+		for (const Real *place = begin; place < std::min(end, begin + most); place += line) {
+			__builtin_prefetch(place);
+		}
+	}
+};
+
+} // namespace thicket::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
