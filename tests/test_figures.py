@@ -128,6 +128,13 @@ def test_pictures_of_a_run_are_there(quick):
     check_pictures(shown_pictures(quick.page, quick.folder))
 
 
+@pytest.mark.skipif(not (BENCH / "RESULTS.md").is_file(), reason="no full run was made yet")
+def test_pictures_of_the_page_are_there():
+    text = (BENCH / "RESULTS.md").read_text(encoding="utf-8")
+    check_pictures(shown_pictures(text, BENCH))
+    assert "quick run" not in text
+
+
 def test_part_is_measured_on_its_own(quick, tmp_path, build_dir):
     """One part makes no page in an empty folder; in a full one it replaces its own tables and no others."""
     command = ["bash", BENCH / "figures.sh", "--quick", "--programs", build_dir, "--only", "billion", "--out"]
