@@ -9,7 +9,7 @@ from conftest import BUILD_DIR, REPO, run
 CHECKED = BUILD_DIR.with_name(BUILD_DIR.name + ".address.undefined")
 
 # Cases that do the same as others on many more points: minutes of checked code for nothing new.
-LONG = ["*million*", "oracle: the sampler*", "lattice: every level*"]
+LONG = ["*million*", "oracle: the sampler*", "lattice: every level*", "domain: ten thousand*", "domain: as wide*"]
 
 
 def test_no_case_trips_a_sanitizer():

@@ -16,21 +16,28 @@ namespace thicket::analysis {
 
 /// What `DomainCheck` is told of a domain.
 struct DomainShape {
-	glm::dvec2 size; ///< Of [0, size), metres.
-	double radius;   ///< Metres.
-	bool toroidal;   ///< Opposite edges meet; the period is `size`.
-	double tolerance =
-			0; ///< Metres by which a place may be farther than the radius from all points; below radius / 32.
+	glm::dvec2 size;        ///< Of [0, size), metres.
+	double radius;          ///< Metres.
+	bool toroidal;          ///< Opposite edges meet; the period is `size`.
+	double tolerance = 0.0; ///< Metres beyond the radius at which a place still counts as covered; at most radius / 8.
 };
 
-/// What it found.
+/// How far a place may lie beyond the radius from all points of a set in this precision: four steps of `Real` at the wider side
+/// of the domain or, where that is small, at eight radii. A step is at most 2^-22 of that in single precision, and a square that
+/// is given up is one or two steps wide.
+template <typename Real>
+double domain_tolerance(glm::dvec2 size, double radius) {
+	const double extent = std::max({size.x, size.y, 8.0 * radius});
+	return 4.0 * std::ldexp(extent, 2 - std::numeric_limits<Real>::digits);
+}
+
+/// What `DomainCheck` found.
 struct DomainReport {
 	std::uint64_t points = 0;
 	std::uint64_t outside = 0;   ///< Points that are not in [0, size).
 	std::uint64_t too_close = 0; ///< Pairs closer than the radius, exactly.
-	std::uint64_t uncovered =
-			0; ///< Cells of the check that hold a place farther than radius + tolerance / 2 from all points.
-	glm::dvec2 uncovered_at{0}; ///< Such a place, about.
+	std::uint64_t uncovered = 0; ///< Cells of the check that hold a place which is not covered.
+	glm::dvec2 uncovered_at{0};  ///< Such a place, about.
 };
 
 /// Checks a point set of a whole domain: distances without any rounding, coverage by subdivision down to a fraction of the
@@ -63,7 +70,7 @@ public:
 
 private:
 	/// Disks reach at most into the next cell, also with a tolerance.
-	static constexpr double cell_radii = 1.0625;
+	static constexpr double cell_radii = 1.2;
 
 	DomainShape shape_;
 	glm::dvec2 period_;

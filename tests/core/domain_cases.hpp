@@ -71,15 +71,6 @@ inline DomainRequest request_of(const Shape &shape, DomainMethod method, std::ui
 	return request;
 }
 
-/// How far a place may lie beyond the radius from all points: eight steps of `Real` at the wider side of the domain, and where
-/// the domain is small, at eight radii. A square that is given up is one or two steps wide, and a step is at most 2^-22 of the
-/// extent in single precision; in double precision these tests see no square given up.
-template <typename Real>
-double tolerance_of(const DomainRequest &request) {
-	const double extent = std::max({request.size.x, request.size.y, 8.0 * request.radius});
-	return 8.0 * std::ldexp(extent, 2 - std::numeric_limits<Real>::digits);
-}
-
 template <typename Real>
 std::vector<glm::vec<2, Real>> sampled(const DomainRequest &request) {
 	DomainSampler<Real> sampler;
@@ -93,7 +84,8 @@ std::vector<glm::vec<2, Real>> sampled(const DomainRequest &request) {
 template <typename Real>
 analysis::DomainReport report_on(const DomainRequest &request, const std::vector<glm::vec<2, Real>> &points) {
 	return analysis::DomainCheck::run(std::span<const glm::vec<2, Real>>(points),
-			{request.size, request.radius, request.toroidal, tolerance_of<Real>(request)},
+			{request.size, request.radius, request.toroidal,
+					analysis::domain_tolerance<Real>(request.size, request.radius)},
 			request.method != DomainMethod::naive);
 }
 

@@ -167,8 +167,7 @@ TEST_CASE_TEMPLATE(
 			CAPTURE(fill);
 			DomainRequest request = fixture.good;
 			request.method = method.method;
-			// Cells too large for a likely number of points in each, so that the overflow is in use too.
-			request.toroidal = true;
+			request.toroidal = true; // Then images are stored as well.
 			bool done = false;
 			std::size_t failures = 0;
 			for (std::size_t allowed = 0; !done; ++allowed) {

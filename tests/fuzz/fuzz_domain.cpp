@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -45,9 +44,8 @@ bool is_small(const DomainRequest &request) {
 
 template <typename Real>
 void check_points(const DomainRequest &request, const std::vector<glm::vec<2, Real>> &points) {
-	const double extent = std::max({request.size.x, request.size.y, 8.0 * request.radius});
-	const double tolerance = 8.0 * std::ldexp(extent, 2 - std::numeric_limits<Real>::digits);
-	const bool maximal = request.method != DomainMethod::naive && tolerance < request.radius / 32.0;
+	const double tolerance = analysis::domain_tolerance<Real>(request.size, request.radius);
+	const bool maximal = request.method != DomainMethod::naive && tolerance <= request.radius / 8.0;
 	const analysis::DomainReport report = analysis::DomainCheck::run(std::span<const glm::vec<2, Real>>(points),
 			{request.size, request.radius, request.toroidal, tolerance}, maximal);
 	promise(report.points > 0, "no domain is empty");
