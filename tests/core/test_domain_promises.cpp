@@ -78,6 +78,21 @@ TEST_CASE("domain: as wide as single precision allows") {
 	}
 }
 
+TEST_CASE("domain: the distance is exact where single precision cannot tell it from the radius") {
+	// So wide, coordinates are whole multiples of 2^-7 metres, and 36 steps between them have a length of exactly 65 / 64. The
+	// radius is a little more, by less than its square can say in single precision.
+	constexpr double radius = 65.0 / 64.0 * (1.0 + 1e-9);
+	for (const Method &method : methods) {
+		CAPTURE(method.name);
+		for (const bool torus : {false, true}) {
+			CAPTURE(torus);
+			DomainRequest request = request_of({"", {40'000.0, 4.1}, radius, torus}, method.method, 12);
+			request.darts_each = 4.0;
+			check_promises<float>(request, sampled<float>(request));
+		}
+	}
+}
+
 TEST_CASE_TEMPLATE("domain: points do not end at a border, and the torus has none", Real, float, double) {
 	// What a border that was treated wrongly changes first: how many points stand near it. On a torus there are as many beside a
 	// seam as elsewhere; beside a border of a bounded domain there are more, because nothing beyond it takes their room.
