@@ -53,7 +53,7 @@ public:
 	void visit(const PointVisitor<Real> &visitor) const override { cells_.visit(visitor); }
 
 private:
-	static constexpr std::uint64_t throws_between_looks = 4096;
+	static constexpr std::uint64_t throws_between_looks = 64; // The first ones touch fresh memory, which takes long.
 
 	Frame<Real> frame_;
 	std::uint64_t key_;
