@@ -12,7 +12,7 @@ import pytest
 from analysis.measured import ALPHA, DIRECTIONS, FEATURES, JAMMED_COVERAGE, WRONG, Measured
 from analysis.significance import mean_differs_from, means_differ, z_of_mean
 
-WINDOW = 42.0  # radii
+WINDOW = 36.0  # radii
 BORDER = 6.0
 SIDE = WINDOW + 2.0 * BORDER
 SETS = 128  # independent seeds of each kind
@@ -81,7 +81,7 @@ def wrong_sets(tool) -> dict[str, Measured]:
     """Naive dart throwing that ends too early, and seams of coloured tiles."""
     return {
         "early": measured(tool.domain("naive", (SIDE, SIDE), 3001, SETS, darts_each=40)),
-        "coloured": measured(tool.coloured(SIDE, 9, 1, SETS)),
+        "coloured": measured(tool.coloured(SIDE, 8, 1, SETS)),
     }
 
 

@@ -42,7 +42,8 @@ public:
 	std::uint64_t made() const { return made_; }
 	std::uint64_t list_checks() const { return list_checks_; }
 	std::uint32_t levels_used() const { return levels_used_; }
-	std::size_t bytes() const { return chunks_.size() * (sizeof(Square<Real>) << chunk_shift_); }
+	/// At their peak.
+	std::size_t bytes() const { return most_chunks_ * chunk_bytes(); }
 
 	void push(std::uint32_t level, Square<Real> square) {
 		List &list = lists_[level];
@@ -113,8 +114,10 @@ private:
 
 	std::array<List, most_levels> lists_;
 	std::array<double, most_levels> areas_{}; ///< Of all squares in each list, in base squares.
-	std::vector<ZeroedArray<Square<Real>>> chunks_;
-	std::vector<Square<Real> *> spare_;
+	std::vector<ZeroedArray<Square<Real>>> slabs_;
+	std::vector<Square<Real> *> spare_; ///< Chunks in no list.
+	std::size_t chunks_made_ = 0;
+	std::size_t most_chunks_ = 0; ///< In lists, at the peak.
 	std::uint32_t chunk_shift_;
 	std::uint32_t levels_used_ = 0;
 	std::uint32_t first_ = most_levels - 1; ///< No list before it holds a square.
@@ -144,13 +147,27 @@ private:
 		return list.chunks[index >> chunk_shift_][index & ((std::uint64_t{1} << chunk_shift_) - 1)];
 	}
 
+	std::size_t chunk_bytes() const { return sizeof(Square<Real>) << chunk_shift_; }
+
 	void add_chunk(List &r_list) {
 		if (spare_.empty()) {
-			chunks_.emplace_back(std::size_t{1} << chunk_shift_);
-			spare_.push_back(chunks_.back().data());
+			add_slab();
 		}
 		r_list.chunks.push_back(spare_.back());
 		spare_.pop_back();
+		most_chunks_ = std::max(most_chunks_, chunks_made_ - spare_.size());
+	}
+
+	/// Chunks come many at once, half as many as there are, because only a large piece of memory gets large pages. What is not
+	/// used yet of a piece costs nothing.
+	void add_slab() {
+		constexpr std::size_t largest = std::size_t{1} << 26;
+		const std::size_t chunks = std::clamp<std::size_t>(chunks_made_ / 2, 1, largest / chunk_bytes());
+		slabs_.emplace_back(chunks << chunk_shift_);
+		for (std::size_t chunk = chunks; chunk-- > 0;) {
+			spare_.push_back(slabs_.back().data() + (chunk << chunk_shift_));
+		}
+		chunks_made_ += chunks;
 	}
 
 	/// Equation 3 of the paper: a linear search over the lists, then a place in the list. Places are drawn from the next power of
