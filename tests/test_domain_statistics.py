@@ -118,7 +118,7 @@ def test_coverage_is_that_of_the_jammed_state(tool, kind):
 def test_naive_darts_come_close_to_the_jammed_state_as_they_should(tool):
     """What is missing shrinks with the square root of the number of darts (Feder 1980, Swendsen 1981), so four times
     the darts leave half of it."""
-    side, seeds = 60.0, 16
+    side, seeds = 48.0, 16
     missing = []
     for darts_each in [25, 100, 400]:
         found = coverage(tool.domain("naive", (side, side), 4001, seeds, darts_each=darts_each), side)
