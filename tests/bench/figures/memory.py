@@ -14,7 +14,6 @@ from bench.figures.tables import Row
 VARIANTS = ("hierarchical", "accumulator", "wavefront")
 PRECISIONS = ("single", "double")
 GROWTH_CELL = 10  # Radii: little more than the bare points.
-LARGE_SET_CELL = 5  # As fast as small cells.
 LEAST_BYTES = 10.0  # A point, in single precision: with less free memory a large set is not tried.
 COORDINATES = {"single": 8, "double": 16}  # Bytes of the bare point.
 
@@ -115,7 +114,7 @@ def measure_large(programs: Programs) -> list[Row]:
 def _fill(programs: Programs, large: LargeSet) -> Row:
     row: Row = {
         "asked": large.points,
-        "cell": LARGE_SET_CELL,
+        "cell": large.cell,
         "limit": large.limit_bytes,
         "available": memory_available(),
     }
@@ -129,7 +128,7 @@ def _fill(programs: Programs, large: LargeSet) -> Row:
     say(name)
     try:
         flags = ("torus", "fill")
-        options = {"cell": LARGE_SET_CELL, "limit_bytes": large.limit_bytes}
+        options = {"cell": large.cell, "limit_bytes": large.limit_bytes}
         run = programs.domain("wavefront", "single", large.points, 1, *flags, **options)[0]
     except Failed as failed:
         row["why"] = str(failed).rpartition(": ")[2]

@@ -82,17 +82,19 @@ def _large(measured: Tables) -> str:
             would = gib(known["resident"] * row["asked"])
             size = number(known["points"], 2)
             why = f"not run: {row['why']}. Extrapolated from {size} points: {would}"
-            rows.append([f"{row['asked']:,.0f}", limit, "", "", "", "", why])
+            rows.append([f"{row['asked']:,.0f}", limit, f"{row['cell']:g} r", "", "", "", "", why])
         else:
             each = number(row["resident"] / row["points"])
             time = f"{number(row['seconds'])} s, {rate(row['points'] / row['seconds'])}/s"
             lost = [f"{row['coverage']:.6f}", f"{row['discarded']:,}"]
-            rows.append([f"{row['points']:,}", limit, gib(row["resident"]), each, *lost, time])
-    head = ["points", "limit", "peak resident", "bytes a point", "coverage", "squares discarded", "processor time"]
-    cell = measured["section43_large"][0]["cell"]
-    about = f"""The paper's largest sets, by wavefront sampling in single precision with cells of {cell} r, each in a
-        process whose address space is limited. Squares that single precision cannot split any more are discarded
-        (§3.3); what that leaves empty shows in the coverage, against {paper.JAMMED_COVERAGE:.6f}:"""
+            rows.append(
+                [f"{row['points']:,}", limit, f"{row['cell']:g} r", gib(row["resident"]), each, *lost, time]
+            )
+    head = ["points", "limit", "cells", "peak resident", "bytes a point", "coverage", "squares discarded"]
+    head.append("processor time")
+    about = f"""The paper's largest sets, by wavefront sampling in single precision, each in a process whose address
+        space is limited. Squares that single precision cannot split any more are discarded (§3.3); what that leaves
+        empty shows in the coverage, against {paper.JAMMED_COVERAGE:.6f}:"""
     return prose(about) + "\n\n" + table(head, rows)
 
 

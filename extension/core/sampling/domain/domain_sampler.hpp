@@ -57,7 +57,7 @@ public:
 	/// memory that is used.
 	Status fill(const DomainRequest &request, const Progress &progress = {});
 
-	/// Hands out the points of the last successful `fill`, cell by cell: as many x as y.
+	/// Hands out the points of the last call, if that was a successful `fill`, cell by cell: as many x as y. Refused calls do not count.
 	void visit(const std::function<void(std::span<const Real> x, std::span<const Real> y)> &visitor) const;
 
 	const DomainStats &stats() const;
