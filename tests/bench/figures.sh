@@ -5,6 +5,7 @@
 #   --quick         small sizes, to see that everything works; leaves the page alone and writes one into its folder
 #   --out DIR       the folder of tables and pictures, instead of build/figures
 #   --only PART     measure one of speed, sets, memory, large, billion; the tables of the others stay. Can be repeated
+#   --minutes N     make no set that fills the memory (--only large) if that would take longer; by itself an hour
 #   --redraw        measure nothing, draw and write again from the tables that are there
 #   --programs DIR  measure the programs in this build folder, and build nothing
 set -euo pipefail
@@ -30,6 +31,14 @@ while (($#)); do
 	--only)
 		if [[ ! ${2:-} =~ ^(speed|sets|memory|large|billion)$ ]]; then
 			say "--only needs one of speed, sets, memory, large, billion"
+			exit 2
+		fi
+		arguments+=("$1" "$2")
+		shift
+		;;
+	--minutes)
+		if [[ ! ${2:-} =~ ^[0-9]+$ ]]; then
+			say "--minutes needs a whole number"
 			exit 2
 		fi
 		arguments+=("$1" "$2")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,9 @@ def arguments() -> argparse.Namespace:
         "--only", action="append", choices=list(PARTS), help="measure this part; others stay as they are"
     )
     parser.add_argument(
+        "--minutes", type=float, default=FULL.longest_large_run / 60.0, help="make no large set that takes longer"
+    )
+    parser.add_argument(
         "--redraw", action="store_true", help="measure nothing, draw what the folder of the results holds"
     )
     parser.add_argument("--programs", type=Path, required=True, help="the folder of the build to measure")
@@ -51,6 +55,7 @@ def measure(given: argparse.Namespace, out: Path) -> None:
     """Measures the parts that are asked for, and writes down their tables and what they were measured on."""
     out.mkdir(parents=True, exist_ok=True)
     folder = given.programs.resolve()
+    settings = QUICK if given.quick else replace(FULL, longest_large_run=60.0 * given.minutes)
     peers = Peers(BENCH / "peers", given.peers_python, given.peers_rust)
     programs = Programs(folder, peers.run, CONTENDERS + peers.contenders())
     for name in given.only or PARTS:
@@ -61,7 +66,7 @@ def measure(given: argparse.Namespace, out: Path) -> None:
         for table in part.tables:
             (out / table).unlink(missing_ok=True)
         facts[name] = machine.describe(REPO, folder, given.quick)
-        part.measure(programs, QUICK if given.quick else FULL, out)
+        part.measure(programs, settings, out)
         (out / FACTS).write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
 
 

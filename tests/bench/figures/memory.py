@@ -105,13 +105,20 @@ def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
     return rows
 
 
-def measure_large(programs: Programs) -> list[Row]:
+def measure_large(programs: Programs, settings: Settings) -> list[Row]:
     """Section 4.3: the paper's largest sets by wavefront sampling in single precision, under a hard limit of the
-    address space; one that this machine has no memory for is not made, and its row says so."""
-    return [_fill(programs, large) for large in LARGE_SETS]
+    address space; one that this machine has no memory for, or that would take too long, is not made, and its row says
+    so."""
+    rows: list[Row] = []
+    for large in LARGE_SETS:
+        rates = [row["points"] / row["seconds"] for row in rows if row["seconds"]]
+        expected = large.points / min(rates) if rates else 0.0
+        rows.append(_fill(programs, large, expected, settings.longest_large_run))
+    return rows
 
 
-def _fill(programs: Programs, large: LargeSet) -> Row:
+def _fill(programs: Programs, large: LargeSet, expected: float, longest: float) -> Row:
+    """`expected` is how many seconds the set should take, 0 if that is not known."""
     row: Row = {
         "asked": large.points,
         "cell": large.cell,
@@ -123,6 +130,9 @@ def _fill(programs: Programs, large: LargeSet) -> Row:
     name = f"section 4.3: {large.points / 1e6:.0f} million points within {large.limit_bytes / 2**30:.0f} GiB"
     if row["available"] < LEAST_BYTES * large.points:
         row["why"] = f"only {row['available'] / 2**30:.1f} GiB of memory were free"
+    elif expected > longest:
+        row["why"] = f"it would take {expected / 60.0:.0f} minutes"
+    if row["why"]:
         say(f"{name}: left out, {row['why']}")
         return row
     say(name)

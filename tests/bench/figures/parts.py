@@ -41,7 +41,7 @@ def _memory(programs: Programs, settings: Settings, out: Path) -> None:
 
 def _large(programs: Programs, settings: Settings, out: Path) -> None:
     if settings.large_sets:
-        tables.write(out / "section43_large.csv", memory.measure_large(programs))
+        tables.write(out / "section43_large.csv", memory.measure_large(programs, settings))
 
 
 def _billion(programs: Programs, settings: Settings, out: Path) -> None:

@@ -30,7 +30,8 @@ class Settings:
     coverage_sets: int
     coverage_points: int
 
-    large_sets: bool  # 95 and 750 million points, and a billion
+    large_sets: bool  # 95 and 750 million points
+    longest_large_run: float  # seconds; a large set that would take longer is not made
     billion_points: float
 
 
@@ -53,6 +54,7 @@ FULL = Settings(
     coverage_sets=100,
     coverage_points=100_000,
     large_sets=True,
+    longest_large_run=3600.0,
     billion_points=1e9,
 )
 
@@ -73,5 +75,6 @@ QUICK = Settings(
     coverage_sets=10,
     coverage_points=20_000,
     large_sets=False,
+    longest_large_run=0.0,
     billion_points=1e6,
 )

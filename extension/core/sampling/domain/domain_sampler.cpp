@@ -14,7 +14,7 @@ namespace {
 
 /// Accelerator cells of each method, in base squares, chosen by measurement: the quickest from 10^5 to 10^7 points.
 std::uint32_t cell_width(const DomainRequest &request) {
-	constexpr std::uint32_t accumulator = 3;
+	constexpr std::uint32_t accumulator = 5;
 	constexpr std::uint32_t usual = 4;
 	if (request.method == DomainMethod::naive || request.cell_size == 0.0) {
 		return request.method == DomainMethod::accumulator ? accumulator : usual;
