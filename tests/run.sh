@@ -6,6 +6,7 @@ cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 source tools/setup.sh
 
 setup_compiler
+setup_baselines
 setup_clang
 setup_python
 setup_godot

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what building, testing and the demo need and this machine lacks; says what it does; does nothing, and asks
 # the network nothing, where all is there. Run it for everything, or source it and call the parts:
-#   setup_compiler   a C++20 compiler, scons, GLM, Highway, doctest, CGAL
+#   setup_compiler   a C++20 compiler, scons, GLM, Highway, doctest
+#   setup_baselines  CGAL, for one of the methods that tests and benches compare with
 #   setup_clang      a second compiler, for the tests that compare compilers; those are skipped where it cannot be had
 #   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
@@ -25,8 +26,11 @@ setup_compiler() {
 	has_header glm/glm.hpp || missing+=(libglm-dev)
 	has_header hwy/highway.h || missing+=(libhwy-dev)
 	has_header doctest/doctest.h || missing+=(doctest-dev)
-	has_header CGAL/version.h || missing+=(libcgal-dev) # For one of the methods that the benches compare with.
 	install_packages "to build" "${missing[@]}"
+}
+
+setup_baselines() {
+	has_header CGAL/version.h || install_packages "to compare" libcgal-dev
 }
 
 setup_clang() {
@@ -152,6 +156,7 @@ install_packages() {
 if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	set -euo pipefail
 	setup_compiler
+	setup_baselines
 	setup_clang
 	setup_python
 	setup_godot

@@ -61,6 +61,7 @@ done
 setup_python
 if [[ -z $programs && -z $redraw ]]; then
 	setup_compiler
+	setup_baselines
 	setup_peers_python || true
 	setup_peers_rust || true
 	say "building for release"

@@ -7,6 +7,7 @@ set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh
 setup_compiler >&2
+setup_baselines >&2
 setup_godot >&2
 scons -Q -j"$(nproc)" target=template_release bench >&2
 
