@@ -1,6 +1,5 @@
 #include "core/placement/tile_builder.hpp"
 
-#include "core/base/check.hpp"
 #include "core/placement/mesh_choice.hpp"
 #include "core/placement/rank_order.hpp"
 
@@ -54,11 +53,6 @@ void close_bounds(MeshInstances &mesh) {
 }
 
 } // namespace
-
-Status validate(const LayerSettings &layer) {
-	return first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement),
-			validate_mesh_weights(layer.mesh_weights));
-}
 
 /// What stays between the steps, and the memory that stays between tiles.
 struct TileBuilder::Workspace {

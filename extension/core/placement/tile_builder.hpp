@@ -2,40 +2,32 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
-#include "core/placement/mesh_choice.hpp"
-#include "core/placement/placement.hpp"
+#include "core/placement/layer.hpp"
 #include "core/placement/tile_instances.hpp"
-#include "core/rules/rules.hpp"
-#include "core/sampling/point_set.hpp"
 #include "core/sampling/tile_sampler.hpp"
 #include "core/terrain/terrain.hpp"
 
 #include <glm/vec2.hpp>
 
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
 namespace thicket {
 
-/// All that makes a layer: one species or family.
-struct LayerSettings {
-	PointSet set;
-	Rules rules;
-	Placement placement;
-	/// A weight for each mesh, finite and not negative, not all 0; an instance gets a mesh with a chance proportional
-	/// to the weight, from its own hash. None means one mesh. At most max_meshes.
-	std::vector<float> mesh_weights;
-
-	friend bool operator==(const LayerSettings &, const LayerSettings &) = default;
+/// Places whose ground is asked for together: `count` of TileBuilder::positions(), from `first` on.
+struct GroundQuery {
+	std::size_t first = 0;
+	std::size_t count = 0;
+	std::span<const std::int32_t> textures; ///< Those whose weight has to be known; none: the weight stays 1.
 };
 
-/// Refuses a layer of which any part is refused.
-Status validate(const LayerSettings &layer);
-
-/// Makes tiles: sample, filter, place. The object is a reusable workspace: once it and the tile handed in are warm,
-/// nothing is allocated. Results do not depend on what it did before. Not thread safe; one per thread.
+/// Makes tiles: sample, filter, place. The layers that the layer's rules look at are sampled and filtered in as much of
+/// their surroundings as that takes, anew for each tile, so that no tile depends on another. The object is a reusable
+/// workspace: once it and the tile handed in are warm, nothing is allocated. Results do not depend on what it did before. Not thread safe; one per thread.
 ///
 /// `build` does all in one call. A terrain that may only be asked on one thread takes the same road in two steps:
 /// `find_points` on a worker, the ground for `positions()` wherever it can be had, then `place` on a worker again.
@@ -52,10 +44,11 @@ public:
 	Status build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
 			const std::atomic<bool> *cancel = nullptr);
 
-	/// The first step: the points that the density lets pass.
+	/// The first step: the points that the rules of the place let pass.
 	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr);
 
-	/// Where the ground has to be known after `find_points`; a few more places than points. Valid until the next call.
+	/// Where the ground has to be known after `find_points`: the layer's points and those of its neighbours, the surroundings
+	/// of each if a layer looks at its edge, and a few places for the tile's origin. Valid until the next call.
 	std::span<const glm::dvec2> positions() const;
 
 	/// The second step: filters and places the points of `find_points`. `ground[i]` belongs to `positions()[i]`; any

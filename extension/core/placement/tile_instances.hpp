@@ -11,11 +11,12 @@
 
 namespace thicket {
 
-/// The instances of one mesh in one tile, sorted by (rank, id): every prefix is a well spaced thinning of the whole.
+/// The instances of one mesh in one tile, sorted by (thinning rank, id): every prefix is a well spaced thinning of the whole,
+/// as if all densities were lower.
 struct MeshInstances {
 	std::vector<float> buffer;        ///< floats_per_instance an instance, relative to the tile's origin, in metres.
 	std::vector<std::uint64_t> ids;   ///< Packed InstanceIds.
-	std::vector<std::uint32_t> ranks; ///< Ascending.
+	std::vector<std::uint32_t> ranks; ///< thinning_rank of each, ascending.
 	glm::vec3 min{0.0f};              ///< Smallest and largest position relative to the tile's origin, the size of the
 	glm::vec3 max{0.0f};              ///< mesh not counted; both 0 for no instances.
 	float max_scale = 0.0f;           ///< The largest scale there is: grow the box by this times the mesh's reach.

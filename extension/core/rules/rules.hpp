@@ -1,9 +1,17 @@
 #pragma once
 
 #include "core/base/status.hpp"
+#include "core/rules/clump_noise.hpp"
+#include "core/rules/curve_table.hpp"
+#include "core/rules/density_field.hpp"
+#include "core/rules/painted_mask.hpp"
+#include "core/rules/shapes.hpp"
 #include "core/terrain/terrain.hpp"
 
 #include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
 
 namespace thicket {
 
@@ -13,11 +21,14 @@ inline constexpr double unlimited_height = 1e6;
 /// Which points of a set become instances. Each rule is a pure function of one point and the ground under it: a
 /// rule takes points away, it never moves one, and it changes nothing for the others. Defaults let all ground pass.
 ///
-/// Limits are hard: nothing stands outside them. A falloff thins inside, towards the limit: the chance to stand falls
-/// linearly from 1, a falloff away from the limit, to 0 at it. Where the bands of both limits meet, the smaller chance
-/// counts. A limit that limits nothing (0 and 90 degrees, unlimited_height) has no falloff either.
+/// Every rule gives a density from 0 to 1. They are multiplied, and a point stands if its rank is below the product: what
+/// is left of a set is its first points, which are well spaced at every density.
+///
+/// Limits are hard: nothing stands outside them. A falloff thins inside, towards the limit: the density falls linearly
+/// from 1, a falloff away from the limit, to 0 at it. Where the bands of both limits meet, the smaller density counts. A
+/// limit that limits nothing (0 and 90 degrees, unlimited_height) has no falloff either.
 struct Rules {
-	double density = 1.0;           ///< Fraction of the set, 0 to 1: keeps the points of the lowest ranks.
+	double density = 1.0;           ///< Fraction of the set, 0 to 1.
 	double min_slope_degrees = 0.0; ///< Angle between the normal and straight up, 0 to 90 true degrees.
 	double max_slope_degrees = 90.0;
 	double slope_falloff = 0.0;            ///< Degrees, 0 to 90; 0 is a sharp limit.
@@ -25,10 +36,26 @@ struct Rules {
 	double max_height = unlimited_height;
 	double height_falloff = 0.0; ///< Metres, 0 or more; 0 is a sharp limit.
 
+	std::shared_ptr<const CurveTable> height_curve; ///< Density over the height in world metres; null for none.
+	std::shared_ptr<const CurveTable> slope_curve;  ///< Density over the slope in degrees; null for none.
+	std::vector<std::shared_ptr<const DensityField>> fields; ///< Densities over the plane, none of them null.
+	Clumping clumping;
+	std::vector<std::int32_t> ground_textures; ///< Terrain::weigh's weight of these is a density. Empty: any ground.
+
+	/// Metres over which the layer thins towards the edge of what the other rules allow it, 0 to max_edge_feather. Looks at
+	/// edge_probes places around each point, which costs as much ground; see EdgeProbes.
+	double edge_feather = 0.0;
+
+	// What a designer edits in place. Another one under a pointer here is an edit whose reach can be known.
+	std::shared_ptr<const PaintedMask> mask; ///< Null for none.
+	std::shared_ptr<const ShapeSet> shapes;  ///< Null for none.
+
 	friend bool operator==(const Rules &, const Rules &) = default;
 };
 
-/// Refuses what is not finite, outside the ranges above, or a minimum above its maximum.
+inline constexpr double max_edge_feather = 1e3;
+
+/// Refuses what is not finite, outside the ranges above, a minimum above its maximum, or a field that is null.
 Status validate(const Rules &rules);
 
 /// One range with its falloff, ready to be asked.

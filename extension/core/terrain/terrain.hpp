@@ -5,6 +5,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <cstdint>
 #include <limits>
 #include <span>
 
@@ -15,6 +16,7 @@ namespace thicket {
 struct Ground {
 	float height = std::numeric_limits<float>::quiet_NaN();
 	glm::vec3 normal{0.0f, 1.0f, 0.0f};
+	float weight = 1.0f; ///< How much of it belongs to the textures that were asked for, 0 to 1; see Terrain::weigh.
 };
 
 /// Ground for many places at once. An implementation is a pure function of the position: asked twice, in whatever
@@ -27,6 +29,15 @@ public:
 	/// equal length; a position without ground, NAN and infinite ones included, gets a height of NAN and is no error.
 	/// Called from several threads at once, so an implementation keeps no state of the call.
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const = 0;
+
+	/// Writes to `r_ground[i].weight` how much of the ground at `positions[i]` belongs to any of `textures` (numbers of the
+	/// source's own: texture layers, channels of a weight map), 0 to 1. The spans of places are of equal length. Called after
+	/// `sample`, under the same rules. A terrain without textures leaves 1: it allows all.
+	virtual Status weigh([[maybe_unused]] std::span<const glm::dvec2> positions,
+			[[maybe_unused]] std::span<const std::int32_t> textures,
+			[[maybe_unused]] std::span<Ground> r_ground) const {
+		return {};
+	}
 
 	/// The ground at one place; no ground if `sample` fails. For many places, `sample` is the cheaper.
 	Ground at(glm::dvec2 position) const {

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "core/placement/layer.hpp"
+#include "core/placement/mesh_choice.hpp"
+#include "core/placement/tile_instances.hpp"
+#include "core/terrain/terrain.hpp"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// The points of a tile, and which of them stand. All spans but the last two have an entry for each point; `standing` holds
+/// indices into them, and `thinning_ranks` an entry for each of those.
+struct StandingPoints {
+	std::span<const glm::dvec2> positions; ///< World metres.
+	std::span<const Ground> ground;
+	std::span<const std::uint64_t> ids;
+	std::span<const std::uint32_t> standing;
+	std::span<const std::uint32_t> thinning_ranks;
+};
+
+/// The last step of a tile: gives every point that stands a mesh and a transform, in the order in which a layer thins. Keeps
+/// its memory.
+class InstanceWriter {
+public:
+	/// Replaces the meshes of `r_tile`, whose origin is set. Valid settings only. Empties them and ends with
+	/// ErrorCode::cancelled when `cancel` is raised.
+	Status write(const LayerSettings &layer, const StandingPoints &points, TileInstances &r_tile,
+			const std::atomic<bool> *cancel);
+
+private:
+	void choose_meshes(const LayerSettings &layer, const StandingPoints &points);
+
+	MeshChoice mesh_choice_;
+	std::vector<std::uint64_t> order_; ///< For each instance its thinning rank and the index of its point, sorted.
+	std::vector<std::uint64_t> order_scratch_;
+	std::vector<std::uint8_t> mesh_of_; ///< For each instance in order.
+	std::array<std::size_t, max_meshes> mesh_sizes_{};
+};
+
+} // namespace thicket

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "core/base/status.hpp"
+#include "core/placement/placement.hpp"
+#include "core/rules/rules.hpp"
+#include "core/sampling/point_set.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace thicket {
+
+struct LayerSettings;
+
+/// What another layer's instances mean to the points of a layer. Only the other's own rules decide which of its points are
+/// instances, so layers may be chained but never in a ring: the pointers cannot express one.
+struct Neighbour {
+	std::shared_ptr<const LayerSettings> layer; ///< Never null.
+	double distance =
+			1.0; ///< Metres, above 0, at most max_neighbour_distance: how far the other layer's instances count.
+
+	/// Density over the distance in metres to the nearest instance of the other layer; where none is within `distance`, the
+	/// density at `distance`. Null: nothing stands nearer than `distance`, in the plane, and the rule does not matter beyond.
+	std::shared_ptr<const CurveTable> curve;
+
+	friend bool operator==(const Neighbour &, const Neighbour &) = default;
+};
+
+inline constexpr double max_neighbour_distance = 1e3;
+inline constexpr std::size_t max_neighbours = 16;      ///< Of one layer.
+inline constexpr std::size_t max_neighbour_depth = 16; ///< Layers in a chain.
+
+/// All that makes a layer: one species or family.
+struct LayerSettings {
+	PointSet set;
+	Rules rules;
+	Placement placement;
+	/// A weight for each mesh, finite and not negative, not all 0; an instance gets a mesh with a chance proportional
+	/// to the weight, from its own hash. None means one mesh. At most max_meshes.
+	std::vector<float> mesh_weights;
+	/// Spacing and proximity: layers that stand before this one.
+	std::vector<Neighbour> neighbours;
+
+	friend bool operator==(const LayerSettings &, const LayerSettings &) = default;
+};
+
+/// Refuses a layer of which any part is refused.
+Status validate(const LayerSettings &layer);
+
+/// True if two layers differ in nothing but the masks and shapes of their rules, those of their neighbours included, so that
+/// what changed between them lies within `reach` of the edits.
+bool same_but_for_edits(const LayerSettings &a, const LayerSettings &b);
+
+/// How far, in metres, a change of the ground, a mask or a shape may reach for the layer's own instances: the distances of
+/// its neighbours' chains and edge feathers, added up.
+double reach(const LayerSettings &layer);
+
+} // namespace thicket

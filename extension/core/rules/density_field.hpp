@@ -1,0 +1,29 @@
+#pragma once
+
+#include "core/base/status.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <span>
+
+namespace thicket {
+
+/// A density over the plane: noise, an image, a painted mask. A pure function of the place: asked twice, in whatever
+/// batch, on whatever thread, it gives the same bits, or tiles that were made apart would not fit.
+class DensityField {
+public:
+	virtual ~DensityField() = default;
+
+	/// Writes the density at `positions[i]` (world metres, x and z of the engine) to `r_density[i]`; the spans are of equal
+	/// length. The caller holds values to [0, 1] and takes NAN for 0. Called from several threads at once.
+	virtual Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const = 0;
+
+protected:
+	DensityField() = default;
+	DensityField(const DensityField &) = default;
+	DensityField &operator=(const DensityField &) = default;
+	DensityField(DensityField &&) = default;
+	DensityField &operator=(DensityField &&) = default;
+};
+
+} // namespace thicket

@@ -1,0 +1,98 @@
+#pragma once
+
+#include "core/base/rect.hpp"
+#include "core/rules/density_field.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace thicket {
+
+/// A density brush.
+struct Brush {
+	enum class Mode : std::uint8_t {
+		paint,  ///< Towards 1.
+		erase,  ///< Towards 0.
+		smooth, ///< Towards the mean of the surroundings.
+	};
+
+	Mode mode = Mode::paint;
+	glm::dvec2 center{0.0}; ///< World metres, finite.
+	double radius = 4.0;    ///< Metres, above 0, at most max_brush_pixels pixels of the mask.
+	double strength = 1.0;  ///< How far towards the aim a single dab goes in its middle, 0 to 1.
+	double hardness =
+			0.5; ///< The part of the radius, 0 to 1, within which the strength is full; smooth to 0 at the rim.
+};
+
+inline constexpr double max_brush_pixels = 1024.0;
+
+/// A rectangle of whole pixels, half-open.
+struct PixelRect {
+	glm::ivec2 min{0};
+	glm::ivec2 max{0};
+
+	bool empty() const { return min.x >= max.x || min.y >= max.y; }
+	friend bool operator==(const PixelRect &, const PixelRect &) = default;
+};
+
+/// Densities that are painted, without an edge: the plane in square pixels of 8 bits, of which only those blocks are kept
+/// that a brush has touched. Pixel (x, y) covers [x, x + 1) times [y, y + 1) pixel sizes of the world; bilinear between centres.
+///
+/// A copy is cheap and shares the blocks, so a worker reads the state that was handed to it while the brush goes on.
+class PaintedMask final : public DensityField {
+public:
+	/// `pixel_size` in metres, min_pixel_size to max_pixel_size; `background` is the density where nothing was painted, 0
+	/// to 1. What is out of range is refused and changes nothing. Forgets what was painted.
+	Status reset(double pixel_size, double background);
+
+	double pixel_size() const { return pixel_size_; }
+	double background() const; ///< As rounded to 8 bits.
+
+	/// One dab. Returns in `r_changed` the world rectangle outside which no density has changed; empty if none has.
+	Status paint(const Brush &brush, Rect &r_changed);
+
+	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
+
+	/// The pixels of a rectangle of at most max_region_pixels, row by row; what undo keeps.
+	Status read(const PixelRect &region, std::vector<std::uint8_t> &r_pixels) const;
+
+	/// Writes such pixels back. `r_changed` as for `paint`.
+	Status write(const PixelRect &region, std::span<const std::uint8_t> pixels, Rect &r_changed);
+
+	/// The pixels whose value may affect, or be affected by, what lies in a world rectangle.
+	PixelRect pixels_of(const Rect &area) const;
+
+	/// The whole mask as bytes: versioned, checksummed, equal for equal masks. Blocks of one value take few bytes.
+	std::vector<std::uint8_t> to_bytes() const;
+
+	/// Takes bytes of `to_bytes`; what is truncated, corrupt or foreign is refused and changes nothing.
+	Status from_bytes(std::span<const std::uint8_t> bytes);
+
+	std::size_t block_count() const { return blocks_.size(); }
+
+	/// Equal in every density.
+	friend bool operator==(const PaintedMask &, const PaintedMask &);
+
+	static constexpr int block_side = 64;
+	static constexpr double min_pixel_size = 1.0 / 64.0;
+	static constexpr double max_pixel_size = 1024.0;
+	static constexpr std::size_t max_region_pixels = std::size_t{1} << 24;
+
+private:
+	using Block = std::array<std::uint8_t, std::size_t{block_side} * block_side>;
+	using Key = std::pair<std::int32_t, std::int32_t>; ///< Block row, block column.
+
+	double pixel_size_ = 1.0;
+	std::uint8_t background_ = 255;
+	std::map<Key, std::shared_ptr<const Block>> blocks_;
+};
+
+} // namespace thicket
