@@ -148,6 +148,18 @@ void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
 
 Ref<Material> ScatterLayer::get_material_override() const { return material_override_; }
 
+Rules ScatterLayer::core_rules() const {
+	Rules rules;
+	rules.density = numbers_.density;
+	rules.min_slope_degrees = numbers_.min_slope_degrees;
+	rules.max_slope_degrees = numbers_.max_slope_degrees;
+	rules.slope_falloff = numbers_.slope_falloff;
+	rules.min_height = numbers_.min_height;
+	rules.max_height = numbers_.max_height;
+	rules.height_falloff = numbers_.height_falloff;
+	return rules;
+}
+
 LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t place) const {
 	LayerSettings result;
 	const bool own_id = integers_.layer_id >= 0;
@@ -155,8 +167,7 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t place) cons
 	result.set.radius = numbers_.radius;
 	result.set.levels = static_cast<std::uint32_t>(integers_.levels);
 	result.set.layer = static_cast<std::uint16_t>(own_id ? static_cast<std::size_t>(integers_.layer_id) : place);
-	result.rules = {numbers_.density, numbers_.min_slope_degrees, numbers_.max_slope_degrees, numbers_.slope_falloff,
-			numbers_.min_height, numbers_.max_height, numbers_.height_falloff};
+	result.rules = core_rules();
 	result.placement = {numbers_.min_yaw_degrees, numbers_.max_yaw_degrees, numbers_.min_scale, numbers_.max_scale,
 			numbers_.align_to_normal, numbers_.height_offset};
 	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "core/placement/tile_builder.hpp"
+#include "core/placement/layer.hpp"
+#include "core/placement/mesh_choice.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/property_check.hpp"
 
@@ -102,6 +103,7 @@ protected:
 	static void _bind_methods();
 
 private:
+	Rules core_rules() const;
 	void watch_meshes(bool p_watch);
 	template <const NumberProperty<LayerNumbers, double> &property>
 	static void bind_number();
