@@ -68,6 +68,6 @@ def _how(measured: Tables) -> str:
         DIR` puts it elsewhere. `tests/bench/domain_run.cpp` times one set: processor time of the call, on a cold
         object, page faults of its memory included; sets that take less than a moment are made several times in one
         process. Before every run as much memory as it will need is touched once and given back, since the first touch may
-        wait for the host of a virtual machine. Peers start with a small set that is not counted. The code that measures and draws is in
-        `tests/bench/figures`."""
+        wait for the host of a virtual machine. Peers start with a small set that is not counted. The code that measures
+        and draws is in `tests/bench/figures`."""
     )
