@@ -1,0 +1,163 @@
+#include "core/rules/shape_volume.hpp"
+
+#include "core/base/floating_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+double dot(glm::dvec3 a, glm::dvec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double dot(glm::dvec2 a, glm::dvec2 b) { return a.x * b.x + a.y * b.y; }
+double length(glm::dvec2 a) { return std::sqrt(dot(a, a)); }
+
+glm::dvec3 unit(glm::dvec3 a) { return a / std::sqrt(dot(a, a)); }
+
+/// An engine's axes are floats: what is orthonormal to 1e-6 becomes so to a double's rounding (Gram and Schmidt), or the
+/// border of a large shape would lie metres off.
+glm::dmat3 orthonormal(const glm::dmat3 &axes) {
+	const glm::dvec3 y = unit(axes[1]); // First, as a cylinder has no other.
+	const glm::dvec3 x = unit(axes[0] - y * dot(axes[0], y));
+	const glm::dvec3 z = axes[2] - y * dot(axes[2], y);
+	return {x, y, unit(z - x * dot(z, x))};
+}
+
+/// Below this a cylinder's axis counts as upright; its shadow differs from a circle by half its square.
+constexpr double least_lean = 1e-7;
+
+/// The smallest value of `gap` over the directions between the axes x and y. Looks along `rays` of them first, then narrows
+/// the best one's surroundings down in thirds: a function of direction changes with the square of what is left.
+template <typename Gap>
+double least_gap(Gap gap) {
+	constexpr int rays = 16;
+	constexpr int rounds = 40;
+	const auto along = [&](double turn) { // 0 is x, 1 is y.
+		const glm::dvec2 direction(1.0 - turn, turn);
+		return gap(direction / length(direction));
+	};
+	int best = 0;
+	double least = along(0.0);
+	for (int i = 1; i <= rays; ++i) {
+		if (const double found = along(static_cast<double>(i) / rays); found < least) {
+			least = found;
+			best = i;
+		}
+	}
+	double low = static_cast<double>(std::max(best - 1, 0)) / rays;
+	double high = static_cast<double>(std::min(best + 1, rays)) / rays;
+	for (int i = 0; i < rounds; ++i) {
+		const double third = (high - low) / 3.0;
+		const double first = along(low + third);
+		const double second = along(high - third);
+		least = std::min({least, first, second});
+		if (first < second) {
+			high -= third;
+		} else {
+			low += third;
+		}
+	}
+	return least;
+}
+
+} // namespace
+
+ShapeVolume::ShapeVolume(const Shape &shape) :
+		kind_(shape.kind), shadow_(shape.ignore_height), center_(shape.center), half_size_(shape.half_size) {
+	if (kind_ == ShapeKind::sphere) {
+		return;
+	}
+	axes_ = orthonormal(shape.axes);
+	prepare_shadow();
+}
+
+void ShapeVolume::prepare_shadow() {
+	if (kind_ == ShapeKind::box) {
+		// The shadow is a zonogon: its sides run along the shadows of the edges, each as far out as all edges together reach.
+		std::array<glm::dvec2, 3> edges;
+		for (int i = 0; i < 3; ++i) {
+			edges[static_cast<std::size_t>(i)] = glm::dvec2(axes_[i].x, axes_[i].z) * half_size_[i];
+		}
+		for (std::size_t i = 0; i < 3; ++i) {
+			const double width = length(edges[i]);
+			if (width > 0.0) {
+				const glm::dvec2 normal = glm::dvec2(-edges[i].y, edges[i].x) / width;
+				sides_[i] = {
+						normal, std::abs(dot(normal, edges[(i + 1) % 3])) + std::abs(dot(normal, edges[(i + 2) % 3]))};
+			}
+		}
+		return;
+	}
+	const glm::dvec2 lean(axes_[1].x, axes_[1].z);
+	const double sine = length(lean);
+	if (sine > least_lean) {
+		lean_ = lean / sine;
+		lean_length_ = sine * half_size_.y;
+		upright_ = std::abs(axes_[1].y);
+	}
+}
+
+double ShapeVolume::depth(glm::dvec3 position) const {
+	const glm::dvec3 offset = position - center_;
+	const glm::dvec2 flat(offset.x, offset.z);
+	if (kind_ == ShapeKind::sphere) {
+		return half_size_.x - (shadow_ ? length(flat) : std::sqrt(dot(offset, offset)));
+	}
+	if (kind_ == ShapeKind::box) {
+		return shadow_ ? box_shadow_depth(flat) : box_depth(offset);
+	}
+	return shadow_ ? cylinder_shadow_depth(flat) : cylinder_depth(offset);
+}
+
+double ShapeVolume::box_depth(glm::dvec3 offset) const {
+	return std::min({half_size_.x - std::abs(dot(axes_[0], offset)), half_size_.y - std::abs(dot(axes_[1], offset)),
+			half_size_.z - std::abs(dot(axes_[2], offset))});
+}
+
+double ShapeVolume::cylinder_depth(glm::dvec3 offset) const {
+	const double along = dot(axes_[1], offset);
+	const glm::dvec3 across = offset - axes_[1] * along;
+	return std::min(half_size_.y - std::abs(along), half_size_.x - std::sqrt(dot(across, across)));
+}
+
+double ShapeVolume::box_shadow_depth(glm::dvec2 offset) const {
+	double result = max_shape_coordinate;
+	for (const Sides &sides : sides_) {
+		if (sides.distance > 0.0) {
+			result = std::min(result, sides.distance - std::abs(dot(sides.normal, offset)));
+		}
+	}
+	return result;
+}
+
+double ShapeVolume::cylinder_shadow_depth(glm::dvec2 offset) const {
+	const double radius = half_size_.x;
+	if (lean_length_ == 0.0) {
+		return radius - length(offset);
+	}
+	// An ellipse pushed along the lean. A convex border is as far away as its nearest tangent, and the nearest one faces the
+	// quadrant that the place lies in.
+	const glm::dvec2 place(std::abs(dot(lean_, offset)), std::abs(lean_.x * offset.y - lean_.y * offset.x));
+	return least_gap([&](glm::dvec2 normal) {
+		const glm::dvec2 ellipse(normal.x * radius * upright_, normal.y * radius);
+		return normal.x * lean_length_ + length(ellipse) - dot(normal, place);
+	});
+}
+
+glm::dvec2 ShapeVolume::reach() const {
+	if (kind_ == ShapeKind::sphere) {
+		return glm::dvec2(half_size_.x);
+	}
+	const auto along = [&](int axis) {
+		if (kind_ == ShapeKind::box) {
+			return std::abs(axes_[0][axis]) * half_size_.x + std::abs(axes_[1][axis]) * half_size_.y +
+					std::abs(axes_[2][axis]) * half_size_.z;
+		}
+		const double lean = axes_[1][axis];
+		return std::abs(lean) * half_size_.y + half_size_.x * std::sqrt(std::max(0.0, 1.0 - lean * lean));
+	};
+	return {along(0), along(2)};
+}
+
+} // namespace thicket

@@ -1,0 +1,91 @@
+#include "core/rules/shapes.hpp"
+
+#include "core/base/floating_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+bool flat(const Shape &shape) { return shape.kind == ShapeKind::polygon || shape.kind == ShapeKind::path; }
+
+double influence_at(double depth, double falloff) {
+	if (!(depth > 0.0)) {
+		return 0.0;
+	}
+	return depth < falloff ? depth / falloff : 1.0;
+}
+
+} // namespace
+
+Status ShapeSet::set(std::vector<Shape> shapes) {
+	for (const Shape &shape : shapes) {
+		if (const Status status = validate(shape); !status.ok()) {
+			return status;
+		}
+	}
+	std::vector<Prepared> prepared(shapes.size());
+	for (std::size_t i = 0; i < shapes.size(); ++i) {
+		prepared[i].bounds = bounds(shapes[i]);
+		if (flat(shapes[i])) {
+			prepared[i].outline.set(shapes[i].outline, shapes[i].kind == ShapeKind::polygon);
+		} else {
+			prepared[i].volume = ShapeVolume(shapes[i]);
+		}
+	}
+	includes_ = std::ranges::any_of(shapes, [](const Shape &shape) { return !shape.exclude; });
+	shapes_ = std::move(shapes);
+	prepared_ = std::move(prepared);
+	return {};
+}
+
+void ShapeSet::near(const Rect &area, std::vector<std::uint32_t> &r_near) const {
+	r_near.clear();
+	for (std::size_t i = 0; i < prepared_.size(); ++i) {
+		const Rect &reach = prepared_[i].bounds;
+		if (area.min.x <= reach.max.x && reach.min.x <= area.max.x && area.min.y <= reach.max.y &&
+				reach.min.y <= area.max.y) {
+			r_near.push_back(static_cast<std::uint32_t>(i));
+		}
+	}
+}
+
+double ShapeSet::chance(std::span<const std::uint32_t> near, glm::dvec3 position) const {
+	if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
+		return 0.0;
+	}
+	double included = includes_ ? 0.0 : 1.0;
+	double excluded = 0.0;
+	for (const std::uint32_t index : near) {
+		double &strongest = shapes_[index].exclude ? excluded : included;
+		if (strongest < 1.0) {
+			strongest = std::max(strongest, influence(index, position));
+		}
+	}
+	return included * (1.0 - excluded);
+}
+
+double ShapeSet::influence(std::uint32_t index, glm::dvec3 position) const {
+	const Shape &shape = shapes_[index];
+	const Prepared &prepared = prepared_[index];
+	const glm::dvec2 place(position.x, position.z);
+	if (!prepared.bounds.contains(place)) {
+		return 0.0;
+	}
+	if (shape.kind == ShapeKind::polygon) {
+		if (!prepared.outline.contains(place)) {
+			return 0.0;
+		}
+		return shape.falloff > 0.0 ? influence_at(prepared.outline.distance(place, shape.falloff), shape.falloff) : 1.0;
+	}
+	if (shape.kind == ShapeKind::path) {
+		const double half_width = shape.half_size.x;
+		return influence_at(half_width - prepared.outline.distance(place, half_width), shape.falloff);
+	}
+	return influence_at(prepared.volume.depth(position), shape.falloff);
+}
+
+} // namespace thicket
