@@ -24,7 +24,7 @@ TileVisual::TileVisual(
 		const VisualPlace &place, const Ref<Mesh> &mesh, const PackedFloat32Array &buffer, const AABB &aabb) :
 		mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const auto count = static_cast<int32_t>(buffer.size() / static_cast<int64_t>(floats_per_instance));
+	const auto count = static_cast<int32_t>(buffer.size() / static_cast<int64_t>(transform_floats));
 	multimesh_ = server->multimesh_create();
 	server->multimesh_allocate_data(multimesh_, count, RenderingServer::MULTIMESH_TRANSFORM_3D);
 	server->multimesh_set_mesh(multimesh_, mesh->get_rid());

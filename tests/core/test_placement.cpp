@@ -35,7 +35,7 @@ struct Transform {
 
 Transform transform_of(
 		const Placement &placement, std::uint64_t id, glm::vec3 normal = up, glm::vec3 position = glm::vec3(0.0f)) {
-	std::array<float, floats_per_instance> floats{};
+	std::array<float, transform_floats> floats{};
 	Transform result;
 	result.scale = write_transform(placement, seed, id, normal, position, floats);
 	for (int row = 0; row < 3; ++row) {

@@ -37,7 +37,7 @@ TEST_CASE("tile: with open rules every point of the set stands on its place, on 
 		CHECK(tile.counts.sampled == points.size());
 		CHECK(tile.counts.dense == points.size());
 		CHECK(tile.counts.placed == points.size());
-		CHECK(mesh.buffer.size() == mesh.size() * floats_per_instance);
+		CHECK(mesh.buffer.size() == mesh.size() * transform_floats);
 		for (std::size_t i = 0; i < mesh.size(); ++i) {
 			REQUIRE(by_id.contains(mesh.ids[i]));
 			const SamplePoint &point = by_id[mesh.ids[i]];
@@ -101,7 +101,7 @@ TEST_CASE("tile: rules are pure filters, no instance that stays changes a bit") 
 		for (const auto &[id, transform] : some) {
 			const auto found = all.find(id);
 			REQUIRE(found != all.end());
-			CHECK(std::memcmp(found->second.data(), transform.data(), sizeof(float) * floats_per_instance) == 0);
+			CHECK(std::memcmp(found->second.data(), transform.data(), sizeof(float) * transform_floats) == 0);
 		}
 	}
 }
@@ -230,7 +230,7 @@ TEST_CASE("tile: 10,000 km out a tile is as exact as at the origin") {
 		const glm::dvec3 position = world_position(tile, mesh, i);
 		CHECK(glm::distance(glm::dvec2(position.x, position.z), expected[mesh.ids[i]]) < 3e-6);
 		CHECK(position.y == 1234.5);
-		local.emplace_back(mesh.buffer[i * floats_per_instance + 3], mesh.buffer[i * floats_per_instance + 11]);
+		local.emplace_back(mesh.buffer[i * transform_floats + 3], mesh.buffer[i * transform_floats + 11]);
 	}
 	for (std::size_t i = 0; i < local.size(); ++i) {
 		for (std::size_t j = 0; j < i; ++j) {

@@ -134,7 +134,7 @@ TEST_CASE("tile: cancelling ends the build with a valid tile") {
 	CHECK(builder.build(rich_layer(), CancellingTerrain(cancel), tile_of_hills, tile, &cancel).code ==
 			ErrorCode::cancelled);
 	for (const MeshInstances &mesh : tile.meshes) {
-		CHECK(mesh.buffer.size() == mesh.size() * floats_per_instance);
+		CHECK(mesh.buffer.size() == mesh.size() * transform_floats);
 		CHECK(mesh.ranks.size() == mesh.size());
 	}
 	// And the builder is as good as new.

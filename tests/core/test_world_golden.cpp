@@ -37,12 +37,12 @@ TEST_CASE("golden: ground, rules and transforms have the same bits with every co
 			if (rules.passes_ground(ground, id, 20070901)) {
 				const glm::vec3 local(
 						static_cast<float>(position.x + 600.0), ground.height, static_cast<float>(position.y - 2475.0));
-				std::array<float, floats_per_instance> transform{};
+				std::array<float, transform_floats> transform{};
 				write_transform(placement, 20070901, id, ground.normal, local, transform);
 				buffer.insert(buffer.end(), transform.begin(), transform.end());
 			}
 		}
 	}
-	CHECK(buffer.size() / floats_per_instance == 962);
+	CHECK(buffer.size() / transform_floats == 962);
 	CHECK(digest(buffer) == 5042327808084613915u);
 }

@@ -59,7 +59,7 @@ inline std::size_t size_of(const TileInstances &tile) {
 }
 
 inline glm::dvec3 world_position(const TileInstances &tile, const MeshInstances &mesh, std::size_t i) {
-	const float *transform = mesh.buffer.data() + i * floats_per_instance;
+	const float *transform = mesh.buffer.data() + i * transform_floats;
 	return tile.origin + glm::dvec3(transform[3], transform[7], transform[11]);
 }
 
@@ -70,8 +70,8 @@ inline Transforms transforms_of(const TileInstances &tile) {
 	Transforms result;
 	for (const MeshInstances &mesh : tile.meshes) {
 		for (std::size_t i = 0; i < mesh.size(); ++i) {
-			const float *transform = mesh.buffer.data() + i * floats_per_instance;
-			result[mesh.ids[i]] = std::vector<float>(transform, transform + floats_per_instance);
+			const float *transform = mesh.buffer.data() + i * transform_floats;
+			result[mesh.ids[i]] = std::vector<float>(transform, transform + transform_floats);
 		}
 	}
 	return result;

@@ -69,8 +69,8 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 		};
 		MeshInstances &mesh = r_tile.meshes[mesh_of_[i]];
 		const std::size_t at = ends[mesh_of_[i]]++;
-		const std::span<float, floats_per_instance> transform(
-				mesh.buffer.data() + at * floats_per_instance, floats_per_instance);
+		const std::span<float, transform_floats> transform(
+				mesh.buffer.data() + at * transform_floats, transform_floats);
 		const float scale =
 				write_transform(placement, layer.set.seed, points.ids[point], ground.normal, position, transform);
 		mesh.ids[at] = points.ids[point];

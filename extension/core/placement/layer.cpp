@@ -25,7 +25,7 @@ Status validate_at_depth(const LayerSettings &layer, std::size_t depth) {
 		return {ErrorCode::out_of_range, "neighbours", static_cast<double>(layer.neighbours.size())};
 	}
 	Status status = first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement),
-			validate_mesh_weights(layer.mesh_weights));
+			validate(layer.look), validate_mesh_weights(layer.mesh_weights));
 	for (std::size_t i = 0; status.ok() && i < layer.neighbours.size(); ++i) {
 		status = validate_neighbour(layer.neighbours[i], depth);
 	}
@@ -44,7 +44,7 @@ bool same_alone(const LayerSettings &a, const LayerSettings &b) {
 		result.shapes = nullptr;
 		return result;
 	};
-	return a.set == b.set && a.placement == b.placement && a.mesh_weights == b.mesh_weights &&
+	return a.set == b.set && a.placement == b.placement && a.look == b.look && a.mesh_weights == b.mesh_weights &&
 			without_edits(a.rules) == without_edits(b.rules);
 }
 

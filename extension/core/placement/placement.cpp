@@ -28,6 +28,28 @@ glm::dvec3 tilted(glm::dvec3 up, double x, double z) {
 	return {x - up.x * share, -toward, z - up.z * share};
 }
 
+/// What the same rotation makes of any vector.
+glm::dvec3 tilted(glm::dvec3 up, glm::dvec3 v) { return tilted(up, v.x, v.z) + v.y * up; }
+
+/// The three axes of an instance, of unit length.
+struct Axes {
+	glm::dvec3 x;
+	glm::dvec3 y;
+	glm::dvec3 z;
+};
+
+/// The axes after the yaw, which leaves y where it is, and a rotation from straight up to `up`.
+Axes turned(const Rotation &turn, glm::dvec3 up) {
+	return {tilted(up, turn.cosine, -turn.sine), up, tilted(up, turn.sine, turn.cosine)};
+}
+
+/// The up axis of an instance that leans by `tilt` degrees towards `direction`, both random numbers from 0 to 1.
+glm::dvec3 leaning_axis(const Placement &placement, double tilt, double direction) {
+	const Rotation lean = rotation_by(mix(placement.min_tilt_degrees, placement.max_tilt_degrees, tilt) / 360.0);
+	const Rotation towards = rotation_by(direction);
+	return {lean.sine * towards.cosine, lean.cosine, lean.sine * towards.sine};
+}
+
 } // namespace
 
 Status validate(const Placement &placement) {
@@ -38,31 +60,47 @@ Status validate(const Placement &placement) {
 		const Status status = check_positive(property, scale);
 		return status.ok() ? check_range(property, scale, min_placement_scale, max_placement_scale) : status;
 	};
+	const auto check_tilt = [](const char *property, double tilt) {
+		return check_range(property, tilt, 0.0, 90.0);
+	};
+	const auto check_offset = [](const char *property, double offset) {
+		return check_range(property, offset, -max_height_offset, max_height_offset);
+	};
 	return first_failure(check_yaw("min_yaw_degrees", placement.min_yaw_degrees),
 			check_yaw("max_yaw_degrees", placement.max_yaw_degrees),
 			check_order("max_yaw_degrees", placement.min_yaw_degrees, placement.max_yaw_degrees),
 			check_scale("min_scale", placement.min_scale), check_scale("max_scale", placement.max_scale),
 			check_order("max_scale", placement.min_scale, placement.max_scale),
 			check_range("align_to_normal", placement.align_to_normal, 0.0, 1.0),
-			check_range("height_offset", placement.height_offset, -max_height_offset, max_height_offset));
+			check_offset("height_offset", placement.height_offset),
+			check_tilt("min_tilt_degrees", placement.min_tilt_degrees),
+			check_tilt("max_tilt_degrees", placement.max_tilt_degrees),
+			check_order("max_tilt_degrees", placement.min_tilt_degrees, placement.max_tilt_degrees),
+			check_offset("offset_along_normal", placement.offset_along_normal));
 }
 
 float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
-		glm::vec3 position, std::span<float, floats_per_instance> r_transform) {
+		glm::vec3 position, std::span<float, transform_floats> r_transform) {
 	const auto random = instance_random(seed, id, Draw::placement);
 	const double yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, unit_interval(random[0]));
 	const double scale = mix(placement.min_scale, placement.max_scale, unit_interval(random[1]));
 	const Rotation turn = rotation_by(yaw / 360.0);
-
-	// Columns of the basis: the tilt applied to the axes after the yaw, which leaves y where it is.
-	const glm::dvec3 y = up_axis(normal, placement.align_to_normal);
-	const glm::dvec3 x = tilted(y, turn.cosine, -turn.sine);
-	const glm::dvec3 z = tilted(y, turn.sine, turn.cosine);
+	const glm::dvec3 up = up_axis(normal, placement.align_to_normal);
+	Axes axes;
+	if (placement.max_tilt_degrees > 0.0) {
+		axes = turned(turn, leaning_axis(placement, unit_interval(random[2]), unit_interval(random[3])));
+		axes = {tilted(up, axes.x), tilted(up, axes.y), tilted(up, axes.z)};
+	} else {
+		axes = turned(turn, up);
+	}
+	if (placement.offset_along_normal != 0.0) {
+		position += glm::vec3(up_axis(normal, 1.0) * placement.offset_along_normal);
+	}
 	for (int row = 0; row < 3; ++row) {
 		const auto at = static_cast<std::size_t>(row) * 4;
-		r_transform[at] = static_cast<float>(scale * x[row]);
-		r_transform[at + 1] = static_cast<float>(scale * y[row]);
-		r_transform[at + 2] = static_cast<float>(scale * z[row]);
+		r_transform[at] = static_cast<float>(scale * axes.x[row]);
+		r_transform[at + 1] = static_cast<float>(scale * axes.y[row]);
+		r_transform[at + 2] = static_cast<float>(scale * axes.z[row]);
 		r_transform[at + 3] = position[row];
 	}
 	return static_cast<float>(scale);

@@ -150,8 +150,8 @@ Status TileBuilder::Workspace::write(
 		};
 		MeshInstances &mesh = r_tile.meshes[mesh_of[i]];
 		const std::size_t at = ends[mesh_of[i]]++;
-		const std::span<float, floats_per_instance> transform(
-				mesh.buffer.data() + at * floats_per_instance, floats_per_instance);
+		const std::span<float, transform_floats> transform(
+				mesh.buffer.data() + at * transform_floats, transform_floats);
 		const float scale = write_transform(placement, set.seed, ids[point], ground_here.normal, position, transform);
 		mesh.ids[at] = ids[point];
 		mesh.ranks[at] = ranks[point];

@@ -35,7 +35,7 @@ private:
 } // namespace
 
 void MeshInstances::resize(std::size_t count) {
-	buffer.resize(count * floats_per_instance);
+	buffer.resize(count * transform_floats);
 	ids.resize(count);
 	ranks.resize(count);
 }

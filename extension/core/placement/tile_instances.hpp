@@ -14,7 +14,7 @@ namespace thicket {
 /// The instances of one mesh in one tile, sorted by (thinning rank, id): every prefix is a well spaced thinning of the whole,
 /// as if all densities were lower.
 struct MeshInstances {
-	std::vector<float> buffer;        ///< floats_per_instance an instance, relative to the tile's origin, in metres.
+	std::vector<float> buffer;        ///< transform_floats an instance, relative to the tile's origin, in metres.
 	std::vector<std::uint64_t> ids;   ///< Packed InstanceIds.
 	std::vector<std::uint32_t> ranks; ///< thinning_rank of each, ascending.
 	glm::vec3 min{0.0f};              ///< Smallest and largest position relative to the tile's origin, the size of the

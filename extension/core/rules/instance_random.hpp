@@ -11,8 +11,8 @@ namespace thicket {
 /// leaves all others as they were.
 enum class Draw : std::uint32_t {
 	rules = 0,     ///< Words: slope falloff, height falloff, free, free.
-	placement = 1, ///< Words: yaw, scale, free, free.
-	mesh = 2,      ///< Words: mesh, free, free, free.
+	placement = 1, ///< Words: yaw, scale, tilt, direction of the tilt.
+	mesh = 2,      ///< Words: mesh, variation, wind phase, colour.
 };
 
 /// Four words of 32 random bits that belong to an instance for ever: a function of the set's seed, the packed id and
