@@ -27,7 +27,7 @@ struct Look {
 	bool use_colors = false;
 
 	/// What to choose from. Null: white. Two looks are equal only if they share the table itself.
-	std::shared_ptr<const ColorTable> colors;
+	std::shared_ptr<const ColorTable> colors{};
 
 	/// Adds INSTANCE_CUSTOM: r variation and g wind phase, 0 to 1 each by the instance's hash; b thinning rank, 0 to 1,
 	/// the density at which the instance would go; a scale.

@@ -38,7 +38,7 @@ struct Placement {
 
 	/// Maps the uniform random number, 0 to 1, to the place between min_scale and max_scale. Null: the straight line, all
 	/// scales as likely as each other. Two placements are equal only if they share the curve itself.
-	std::shared_ptr<const CurveTable> scale_curve;
+	std::shared_ptr<const CurveTable> scale_curve{};
 
 	friend bool operator==(const Placement &, const Placement &) = default;
 };

@@ -36,19 +36,19 @@ struct Rules {
 	double max_height = unlimited_height;
 	double height_falloff = 0.0; ///< Metres, 0 or more; 0 is a sharp limit.
 
-	std::shared_ptr<const CurveTable> height_curve; ///< Density over the height in world metres; null for none.
-	std::shared_ptr<const CurveTable> slope_curve;  ///< Density over the slope in degrees; null for none.
-	std::vector<std::shared_ptr<const DensityField>> fields; ///< Densities over the plane, none of them null.
-	Clumping clumping;
-	std::vector<std::int32_t> ground_textures; ///< Terrain::weigh's weight of these is a density. Empty: any ground.
+	std::shared_ptr<const CurveTable> height_curve{}; ///< Density over the height in world metres; null for none.
+	std::shared_ptr<const CurveTable> slope_curve{};  ///< Density over the slope in degrees; null for none.
+	std::vector<std::shared_ptr<const DensityField>> fields{}; ///< Densities over the plane, none of them null.
+	Clumping clumping{};
+	std::vector<std::int32_t> ground_textures{}; ///< Terrain::weigh's weight of these is a density. Empty: any ground.
 
 	/// Metres over which the layer thins towards the edge of what the other rules allow it, 0 to max_edge_feather. Looks at
 	/// edge_probes places around each point, which costs as much ground; see EdgeProbes.
 	double edge_feather = 0.0;
 
 	// What a designer edits in place. Another one under a pointer here is an edit whose reach can be known.
-	std::shared_ptr<const PaintedMask> mask; ///< Null for none.
-	std::shared_ptr<const ShapeSet> shapes;  ///< Null for none.
+	std::shared_ptr<const PaintedMask> mask{}; ///< Null for none.
+	std::shared_ptr<const ShapeSet> shapes{};  ///< Null for none.
 
 	friend bool operator==(const Rules &, const Rules &) = default;
 };
