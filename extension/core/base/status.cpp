@@ -18,6 +18,7 @@ const char *demand(ErrorCode code) {
 		case ErrorCode::missing: return "is missing";
 		case ErrorCode::wrong_size: return "has the wrong size";
 		case ErrorCode::out_of_memory: return "needs more memory than there is";
+		case ErrorCode::corrupt: return "is truncated, damaged or of another kind";
 		case ErrorCode::cancelled: return "was cancelled";
 	}
 	return "is invalid";
@@ -31,7 +32,9 @@ std::string describe(const Status &status) {
 	std::string text = status.property;
 	text += ' ';
 	text += demand(status.code);
-	if (status.code != ErrorCode::missing && status.code != ErrorCode::none && status.code != ErrorCode::cancelled) {
+	const bool has_value = status.code != ErrorCode::missing && status.code != ErrorCode::none &&
+			status.code != ErrorCode::corrupt && status.code != ErrorCode::cancelled;
+	if (has_value) {
 		text += ", got ";
 		text += number.data();
 	}

@@ -16,6 +16,7 @@ enum class ErrorCode : std::uint8_t {
 	missing,         ///< A needed object or buffer is absent.
 	wrong_size,      ///< A buffer or an image of the wrong size.
 	out_of_memory,   ///< The machine has not enough memory for the request.
+	corrupt,         ///< Stored bytes that are truncated, damaged or of another kind.
 	cancelled,       ///< The caller's cancel flag was raised; outputs are unspecified but valid.
 };
 

@@ -1,38 +1,11 @@
 #include "core/placement/tile_instances.hpp"
 
+#include "core/base/word_hash.hpp"
+
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace thicket {
-
-namespace {
-
-/// FNV-1a, a 32-bit word at a time.
-class WordHash {
-public:
-	void add(std::uint32_t word) { hash_ = (hash_ ^ word) * 0x100000001b3; }
-	void add(float value) { add(std::bit_cast<std::uint32_t>(value)); }
-	void add(std::uint64_t value) {
-		add(static_cast<std::uint32_t>(value));
-		add(static_cast<std::uint32_t>(value >> 32));
-	}
-	void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
-
-	template <typename Value>
-	void add_all(std::span<const Value> values) {
-		for (const Value value : values) {
-			add(value);
-		}
-	}
-
-	std::uint64_t value() const { return hash_; }
-
-private:
-	std::uint64_t hash_ = 0xcbf29ce484222325;
-};
-
-} // namespace
 
 void MeshInstances::resize(std::size_t count) {
 	buffer.resize(count * transform_floats);

@@ -33,7 +33,8 @@ public:
 
 	bool active() const { return clumping_.size > 0.0; }
 
-	/// 0 to 1. 1 everywhere for a size of 0; 0 for a place that is not finite.
+	/// 0 to 1. 1 everywhere for a size of 0; 0 for a place that is not finite or more than 10^14 sizes away. Its mean over long
+	/// distances is the coverage, whatever the softness.
 	double at(glm::dvec2 position) const;
 
 private:

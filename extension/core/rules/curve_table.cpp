@@ -1,0 +1,61 @@
+#include "core/rules/curve_table.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace thicket {
+
+Status CurveTable::set(double min, double max, std::span<const float> samples) {
+	constexpr double lowest = std::numeric_limits<double>::lowest();
+	constexpr double highest = std::numeric_limits<double>::max();
+	if (const Status status = first_failure(check_range("min", min, lowest, highest),
+				check_range("max", max, lowest, highest), check_order("max", min, max));
+			!status.ok()) {
+		return status;
+	}
+	if (min == max) {
+		return {ErrorCode::inverted, "max", max};
+	}
+	if (samples.size() < 2 || samples.size() > max_curve_samples) {
+		return {ErrorCode::wrong_size, "samples", static_cast<double>(samples.size())};
+	}
+	for (const float sample : samples) {
+		if (const Status status = check_range("samples", sample, 0.0, 1.0); !status.ok()) {
+			return status;
+		}
+	}
+	samples_.assign(samples.begin(), samples.end());
+	min_ = min;
+	max_ = max;
+	return {};
+}
+
+double CurveTable::at(double x) const {
+	if (std::isnan(x)) {
+		return 0.0;
+	}
+	if (x <= min_) {
+		return samples_.front();
+	}
+	if (x >= max_) {
+		return samples_.back();
+	}
+	// Halved if the width is beyond the largest number.
+	const double scale = std::isfinite(max_ - min_) ? 1.0 : 0.5;
+	const double part = (x * scale - min_ * scale) / (max_ * scale - min_ * scale);
+	const double place = part * static_cast<double>(samples_.size() - 1);
+	const std::size_t index = std::min(static_cast<std::size_t>(place), samples_.size() - 2);
+	const double first = samples_[index];
+	const double second = samples_[index + 1];
+	const double value = first + (second - first) * (place - static_cast<double>(index));
+	// A last bit may lie beyond the samples.
+	return std::clamp(value, std::min(first, second), std::max(first, second));
+}
+
+double CurveTable::largest() const { return *std::max_element(samples_.begin(), samples_.end()); }
+
+} // namespace thicket

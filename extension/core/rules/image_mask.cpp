@@ -1,0 +1,102 @@
+#include "core/rules/image_mask.hpp"
+
+#include "core/base/bilinear.hpp"
+#include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace thicket {
+
+namespace {
+
+/// The two pixels of a line, on either side of a place, and how far it is from the first to the second.
+struct Taps {
+	std::size_t first;
+	std::size_t second;
+	double part;
+};
+
+/// `place` from 0 to `count` in pixels from the border of the first.
+Taps taps_at(double place, int count, bool repeat) {
+	const double from_center = place - 0.5;
+	const double below = std::floor(from_center);
+	int first = static_cast<int>(below);
+	int second = first + 1;
+	if (repeat) {
+		first = first < 0 ? first + count : first;
+		second = second >= count ? second - count : second;
+	} else {
+		first = std::max(first, 0);
+		second = std::min(second, count - 1);
+	}
+	return {static_cast<std::size_t>(first), static_cast<std::size_t>(second), from_center - below};
+}
+
+} // namespace
+
+Status ImageMask::set(glm::ivec2 size, std::span<const std::uint8_t> pixels, const Rect &area, MaskEdge edge) {
+	if (const Status status = first_failure(check_range("size", size.x, 1, max_mask_pixels),
+				check_range("size", size.y, 1, max_mask_pixels), check_positive("area", area.size().x),
+				check_positive("area", area.size().y),
+				check_range("edge", static_cast<double>(edge), 0, static_cast<double>(MaskEdge::repeat)));
+			!status.ok()) {
+		return status;
+	}
+	if (pixels.size() != static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {
+		return {ErrorCode::wrong_size, "pixels", static_cast<double>(pixels.size())};
+	}
+	pixels_.assign(pixels.begin(), pixels.end());
+	size_ = size;
+	area_ = area;
+	edge_ = edge;
+	return {};
+}
+
+Status ImageMask::sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const {
+	if (positions.size() != r_density.size()) {
+		return {ErrorCode::wrong_size, "density", static_cast<double>(r_density.size())};
+	}
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		r_density[i] = static_cast<float>(at(positions[i]));
+	}
+	return {};
+}
+
+double ImageMask::at(glm::dvec2 position) const {
+	if (!std::isfinite(position.x) || !std::isfinite(position.y)) {
+		return 0.0;
+	}
+	const bool repeat = edge_ == MaskEdge::repeat;
+	if (!repeat) {
+		if (edge_ != MaskEdge::clamp && !area_.contains(position)) {
+			return edge_ == MaskEdge::everything ? 1.0 : 0.0;
+		}
+		position = glm::clamp(position, area_.min, area_.max);
+	}
+	glm::dvec2 part = (position - area_.min) / area_.size();
+	if (repeat) {
+		if (!std::isfinite(part.x) || !std::isfinite(part.y)) {
+			return 0.0; // So many images away that it cannot be told where.
+		}
+		part -= glm::dvec2(std::floor(part.x), std::floor(part.y));
+	}
+	const Taps across = taps_at(part.x * size_.x, size_.x, repeat);
+	const Taps along = taps_at(part.y * size_.y, size_.y, repeat);
+	const std::uint8_t *near = pixels_.data() + along.first * static_cast<std::size_t>(size_.x);
+	const std::uint8_t *far = pixels_.data() + along.second * static_cast<std::size_t>(size_.x);
+	return bilinear(near[across.first], near[across.second], far[across.first], far[across.second], across.part,
+				   along.part) /
+			255.0;
+}
+
+bool operator==(const ImageMask &a, const ImageMask &b) {
+	return a.size_ == b.size_ && a.pixels_ == b.pixels_ && a.area_.min == b.area_.min && a.area_.max == b.area_.max &&
+			a.edge_ == b.edge_;
+}
+
+} // namespace thicket

@@ -1,0 +1,124 @@
+#pragma once
+
+#include "core/rules/painted_mask.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+
+namespace thicket {
+
+/// log2 of a block's side.
+inline constexpr int block_bits = 6;
+static_assert(1 << block_bits == PaintedMask::block_side);
+
+/// The block that a pixel lies in, along one axis.
+constexpr int block_of(int pixel) { return pixel >> block_bits; }
+
+/// The index of a pixel in its block.
+constexpr std::size_t index_in_block(int x, int y) {
+	constexpr int mask = PaintedMask::block_side - 1;
+	return static_cast<std::size_t>((y & mask) << block_bits | (x & mask));
+}
+
+/// Columns of a rectangle within pixel_limit that is not inverted.
+inline std::size_t pixel_columns(const PixelRect &region) {
+	return static_cast<std::size_t>(std::int64_t{region.max.x} - region.min.x);
+}
+
+/// How many pixels such a rectangle has.
+inline std::size_t pixel_count(const PixelRect &region) {
+	return pixel_columns(region) * static_cast<std::size_t>(std::int64_t{region.max.y} - region.min.y);
+}
+
+/// True if all pixels have the same value.
+inline bool is_uniform(std::span<const std::uint8_t> pixels) {
+	return std::ranges::all_of(pixels, [&](std::uint8_t pixel) { return pixel == pixels.front(); });
+}
+
+/// Reads pixels of a mask that stays as it is. Remembers the last block, which neighbours mostly share.
+class PaintedMask::Reader {
+public:
+	explicit Reader(const PaintedMask &mask) : mask_(mask), block_(mask.find({0, 0})) {}
+
+	std::uint8_t at(int x, int y) {
+		const Key key{block_of(y), block_of(x)};
+		if (key != key_) {
+			block_ = mask_.find(key);
+			key_ = key;
+		}
+		return block_ ? (*block_)[index_in_block(x, y)] : mask_.background_;
+	}
+
+private:
+	const PaintedMask &mask_;
+	Key key_{0, 0};
+	const Block *block_;
+};
+
+/// Changes pixels of a mask. A block is never written to, since copies of the mask may share it: a new one takes its
+/// place. All memory is taken before the mask changes, so where that throws std::bad_alloc, the mask stays as it was.
+class PaintedMask::Edit {
+public:
+	explicit Edit(PaintedMask &r_mask) : mask_(r_mask) {}
+
+	/// Replaces each pixel of a region within pixel_limit by `change(x, y, value)`.
+	template <typename Change>
+	void apply(const PixelRect &region, const Change &change) {
+		if (region.empty()) {
+			return;
+		}
+		Blocks blocks;
+		for (int row = block_of(region.min.y); row <= block_of(region.max.y - 1); ++row) {
+			for (int column = block_of(region.min.x); column <= block_of(region.max.x - 1); ++column) {
+				const glm::ivec2 corner = glm::ivec2(column, row) * block_side;
+				const PixelRect part{glm::max(region.min, corner), glm::min(region.max, corner + block_side)};
+				const Block *const known = mask_.find({row, column});
+				Block block;
+				if (known) {
+					block = *known;
+				} else {
+					block.fill(mask_.background_);
+				}
+				if (change_part(part, change, block)) {
+					const bool background = block.front() == mask_.background_ && is_uniform(block);
+					blocks[{row, column}] = background ? nullptr : std::make_shared<const Block>(block);
+				}
+			}
+		}
+		mask_.replace(std::move(blocks));
+	}
+
+	/// The world rectangle outside which no density has changed; empty if none has.
+	Rect changed_area() const;
+
+private:
+	/// Changes a part of a block; true if any pixel has another value now.
+	template <typename Change>
+	bool change_part(const PixelRect &part, const Change &change, Block &r_block) {
+		bool any = false;
+		for (int y = part.min.y; y < part.max.y; ++y) {
+			for (int x = part.min.x; x < part.max.x; ++x) {
+				std::uint8_t &r_pixel = r_block[index_in_block(x, y)];
+				const std::uint8_t value = change(x, y, r_pixel);
+				if (value != r_pixel) {
+					r_pixel = value;
+					grow({x, y});
+					any = true;
+				}
+			}
+		}
+		return any;
+	}
+
+	void grow(glm::ivec2 pixel) {
+		const bool first = changed_.empty();
+		changed_.min = first ? pixel : glm::min(changed_.min, pixel);
+		changed_.max = first ? pixel + 1 : glm::max(changed_.max, pixel + 1);
+	}
+
+	PaintedMask &mask_;
+	PixelRect changed_;
+};
+
+} // namespace thicket
