@@ -10,7 +10,8 @@
 namespace thicket {
 
 /// A line through many points, ready for questions about places: a tree of boxes over runs of consecutive edges, two runs a
-/// box. O(n) memory and time to build; a question looks at about log n boxes. Metres.
+/// box. O(n) memory and time to build; a question looks at about log n boxes where points follow each other as they do on a
+/// drawn line, and at all edges where they jump at random. Metres.
 class Outline {
 public:
 	/// Through `points`, at least one, finite; `closed` adds the edge from the last to the first.

@@ -1,0 +1,231 @@
+#include "core/rules/outline.hpp"
+#include "core/rules/shapes.hpp"
+#include "shape_cases.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <span>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::shape_cases;
+
+namespace {
+
+using Points = std::vector<glm::dvec2>;
+
+Shape polygon(Points outline, double falloff = 0.0) {
+	return {.kind = ShapeKind::polygon, .falloff = falloff, .outline = std::move(outline)};
+}
+
+Shape path(Points outline, double half_width, double falloff = 0.0) {
+	return {.kind = ShapeKind::path,
+			.falloff = falloff,
+			.half_size = {half_width, 0.0, 0.0},
+			.outline = std::move(outline)};
+}
+
+double chance_at(const ShapeSet &set, double x, double z) { return chance(set, {x, 123.0, z}); }
+
+Outline outline_of(const Points &points, bool closed) {
+	Outline outline;
+	outline.set(points, closed);
+	return outline;
+}
+
+double distance_to_edge(glm::dvec2 a, glm::dvec2 b, glm::dvec2 place) {
+	const double length = glm::distance(a, b);
+	if (length == 0.0) {
+		return glm::distance(a, place);
+	}
+	const glm::dvec2 along = (b - a) / length;
+	const double t = glm::dot(place - a, along);
+	return t <= 0.0       ? glm::distance(a, place)
+			: t >= length ? glm::distance(b, place)
+						  : std::abs(along.x * (place.y - a.y) - along.y * (place.x - a.x));
+}
+
+double plain_distance(const Points &points, bool closed, glm::dvec2 place) {
+	double nearest = glm::distance(points.front(), place);
+	for (std::size_t i = 0; i + (closed ? 0 : 1) < points.size(); ++i) {
+		nearest = std::min(nearest, distance_to_edge(points[i], points[(i + 1) % points.size()], place));
+	}
+	return nearest;
+}
+
+/// Even-odd along +y, where the core goes along +x.
+bool plain_contains(const Points &points, glm::dvec2 place) {
+	bool within = false;
+	for (std::size_t i = 0; i < points.size(); ++i) {
+		const glm::dvec2 a = points[i];
+		const glm::dvec2 b = points[(i + 1) % points.size()];
+		if ((a.x > place.x) != (b.x > place.x)) {
+			within ^= a.y + (b.y - a.y) * (place.x - a.x) / (b.x - a.x) > place.y;
+		}
+	}
+	return within;
+}
+
+/// A coast: a circle of 500 m with bays.
+Points coast(std::size_t count) {
+	Points points;
+	for (std::size_t i = 0; i < count; ++i) {
+		const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
+		const double radius = 500.0 + 60.0 * std::sin(7.0 * angle) + 9.0 * std::sin(61.0 * angle);
+		points.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+	}
+	return points;
+}
+
+} // namespace
+
+TEST_CASE("outlines: a polygon's border is outside, depth is the distance to it") {
+	const Points square{{-4.0, -2.0}, {4.0, -2.0}, {4.0, 2.0}, {-4.0, 2.0}};
+	const ShapeSet sharp = set_of({polygon(square)});
+	const ShapeSet soft = set_of({polygon(square, 2.0)});
+	CHECK(chance_at(sharp, 3.999, 1.999) == 1.0);
+	CHECK(chance_at(sharp, -3.999, -1.999) == 1.0);
+	for (const glm::dvec2 border : {glm::dvec2(4.0, 0.0), glm::dvec2(-4.0, 0.0), glm::dvec2(0.0, 2.0),
+				 glm::dvec2(0.0, -2.0), glm::dvec2(4.0, 2.0), glm::dvec2(-4.0, -2.0), glm::dvec2(-4.0, 2.0)}) {
+		CHECK(chance_at(sharp, border.x, border.y) == 0.0);
+		CHECK(chance_at(soft, border.x, border.y) == 0.0);
+	}
+	CHECK(chance_at(soft, 0.0, 0.0) == 1.0);
+	CHECK(chance_at(soft, 3.0, 0.0) == 0.5);
+	CHECK(chance_at(soft, -3.5, 1.0) == 0.25);
+	CHECK(chance_at(soft, 1.0, -1.5) == 0.25);
+}
+
+TEST_CASE("outlines: rays through corners count right, at every half place of polygons with whole corners") {
+	const std::vector<Points> polygons{
+			{{0, 0}, {6, 0}, {6, 6}, {4, 6}, {4, 2}, {2, 2}, {2, 6}, {0, 6}},                 // A U.
+			{{0, 3}, {3, 0}, {6, 3}, {3, 6}},                                                 // A diamond.
+			{{0, 0}, {6, 6}, {6, 0}, {0, 6}},                                                 // A bow tie.
+			{{0, 0}, {2, 4}, {4, 0}, {6, 4}, {6, 6}, {0, 6}},                                 // Peaks on a line.
+			{{0, 0}, {6, 0}, {6, 6}, {0, 6}, {0, 0}, {2, 2}, {2, 4}, {4, 4}, {4, 2}, {2, 2}}, // A hole, by a slit.
+			{{0, 0}, {3, 0}, {3, 3}, {6, 3}, {6, 6}, {3, 6}, {3, 3}, {0, 3}},                 // Touches itself.
+			{{0, 0}, {6, 0}, {6, 0}, {6, 6}, {6, 6}, {6, 6}, {0, 6}, {0, 0}},                 // Repeated corners.
+			{{3, 0}, {5, 6}, {0, 2}, {6, 2}, {1, 6}},                                         // A star, empty within.
+			{{0, 0}, {6, 0}, {3, 0}},                                                         // No area.
+			{{2, 2}, {2, 2}, {2, 2}},                                                         // A point.
+	};
+	for (std::size_t index = 0; index < polygons.size(); ++index) {
+		const ShapeSet set = set_of({polygon(polygons[index])});
+		for (double x = -1.0; x <= 7.0; x += 0.5) {
+			for (double z = -1.0; z <= 7.0; z += 0.5) {
+				CAPTURE(index);
+				CAPTURE(x);
+				CAPTURE(z);
+				// A hair beside the line that the oracle's ray takes, so that it meets no corner.
+				const bool on_border = plain_distance(polygons[index], true, {x, z}) < 1e-12;
+				const bool within = !on_border && plain_contains(polygons[index], {x + 1e-9, z + 1.7e-9});
+				CHECK(chance_at(set, x, z) == (within ? 1.0 : 0.0));
+			}
+		}
+	}
+}
+
+TEST_CASE("outlines: of two polygons with an edge in common no place is in both, nor missed beside the edge") {
+	std::mt19937 random(1);
+	std::uniform_real_distribution<double> unit(0.0, 1.0);
+	for (int round = 0; round < 200; ++round) {
+		const glm::dvec2 a(10.0 * unit(random), 0.0);
+		const glm::dvec2 b(10.0 * unit(random), 10.0);
+		const Outline left = outline_of({a, b, {-1.0, 10.0}, {-1.0, 0.0}}, true);
+		const Outline right = outline_of({b, a, {11.0, 0.0}, {11.0, 10.0}}, true);
+		for (int i = 0; i < 50; ++i) {
+			const double y = 10.0 * unit(random);
+			const double x = a.x + (b.x - a.x) * y / 10.0 + (unit(random) - 0.5) * 1e-14;
+			CHECK(!(left.contains({x, y}) && right.contains({x, y})));
+			CHECK((left.contains({x, y}) || right.contains({x, y}) || left.distance({x, y}, 1.0) < 1e-14));
+		}
+	}
+}
+
+TEST_CASE("outlines: a path has round ends and round bends, and its border is outside") {
+	const Points bend{{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}};
+	const ShapeSet sharp = set_of({path(bend, 2.0)});
+	const ShapeSet soft = set_of({path(bend, 2.0, 1.0)});
+	CHECK(chance_at(sharp, 5.0, 1.999) == 1.0);
+	CHECK(chance_at(sharp, 5.0, 2.0) == 0.0);
+	CHECK(chance_at(sharp, -1.999, 0.0) == 1.0);
+	CHECK(chance_at(sharp, -2.0, 0.0) == 0.0);
+	CHECK(chance_at(sharp, -1.5, 1.5) == 0.0);  // The corner of a flat end.
+	CHECK(chance_at(sharp, 11.5, -1.5) == 0.0); // Of a sharp bend.
+	CHECK(chance_at(sharp, 11.4, -1.4) == 1.0);
+	CHECK(chance_at(sharp, 10.0, 11.999) == 1.0);
+	CHECK(chance_at(sharp, 5.0, 5.0) == 0.0); // It is not closed.
+	CHECK(chance_at(soft, 5.0, 0.5) == 1.0);
+	CHECK(chance_at(soft, 5.0, 1.5) == 0.5);
+	CHECK(chance_at(soft, -1.75, 0.0) == 0.25);
+	CHECK(chance_at(soft, 11.75, 10.0) == 0.25);
+	CHECK(chance_at(soft, 5.0, 2.5) == 0.0);
+}
+
+TEST_CASE("outlines: a path whose points repeat is that of the others; one of a single place is a disc") {
+	const ShapeSet plain = set_of({path({{0.0, 0.0}, {10.0, 5.0}, {12.0, -3.0}}, 2.0, 2.0)});
+	const ShapeSet repeated = set_of({path(
+			{{0.0, 0.0}, {0.0, 0.0}, {10.0, 5.0}, {10.0, 5.0}, {10.0, 5.0}, {12.0, -3.0}, {12.0, -3.0}}, 2.0, 2.0)});
+	for (double x = -3.0; x < 15.0; x += 0.3) {
+		for (double z = -6.0; z < 8.0; z += 0.3) {
+			CHECK(std::abs(chance_at(plain, x, z) - chance_at(repeated, x, z)) < 1e-12);
+		}
+	}
+	const ShapeSet disc = set_of({path({{3.0, 4.0}, {3.0, 4.0}}, 2.0, 2.0)});
+	CHECK(chance_at(disc, 3.0, 4.0) == 1.0);
+	CHECK(chance_at(disc, 4.0, 4.0) == 0.5);
+	CHECK(chance_at(disc, 3.0, 2.0) == 0.0);
+}
+
+TEST_CASE("outlines: random lines of any length are as one edge after the other says") {
+	std::mt19937 random(2);
+	std::uniform_real_distribution<double> unit(-1.0, 1.0);
+	for (const double far : {0.0, 1e7}) {
+		for (const std::size_t count : {1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 31, 33, 64, 65, 100, 129, 1000}) {
+			Points points;
+			glm::dvec2 at(far, -far);
+			for (std::size_t i = 0; i < count; ++i) {
+				at += glm::dvec2(unit(random), unit(random));
+				points.push_back(i % 7 == 3 ? points.back() : at);
+			}
+			for (const bool closed : {false, true}) {
+				const Outline outline = outline_of(points, closed);
+				for (int i = 0; i < 100; ++i) {
+					const double spread = i % 2 == 0 ? 3.0 : 40.0;
+					const glm::dvec2 place = points[random() % count] + spread * glm::dvec2(unit(random), unit(random));
+					const double distance = plain_distance(points, closed, place);
+					CAPTURE(count);
+					CHECK(std::abs(outline.distance(place, 1e9) - distance) < (far > 0.0 ? 1e-8 : 1e-12));
+					CHECK(outline.distance(place, distance * 0.75) == distance * 0.75);
+					if (closed && distance > 1e-8) {
+						CHECK(outline.contains(place) == plain_contains(points, place));
+					}
+				}
+			}
+		}
+	}
+}
+
+TEST_CASE("outlines: 65,536 points, in and about every bay") {
+	const Points points = coast(max_outline_points);
+	const ShapeSet set = set_of({polygon(points, 50.0)});
+	const ShapeSet shore = set_of({path(points, 12.0, 12.0)});
+	std::mt19937 random(3);
+	std::uniform_real_distribution<double> unit(-1.0, 1.0);
+	for (int i = 0; i < 300; ++i) {
+		const glm::dvec2 on = points[random() % points.size()];
+		const glm::dvec2 place = i % 2 == 0 ? on + 15.0 * glm::dvec2(unit(random), unit(random))
+											: 600.0 * glm::dvec2(unit(random), unit(random));
+		const double distance = plain_distance(points, true, place);
+		const double depth = plain_contains(points, place) ? distance : 0.0;
+		CHECK(chance_at(set, place.x, place.y) == doctest::Approx(std::min(depth / 50.0, 1.0)).epsilon(1e-9));
+		CHECK(chance_at(shore, place.x, place.y) ==
+				doctest::Approx(std::max(1.0 - distance / 12.0, 0.0)).epsilon(1e-6));
+	}
+}

@@ -1,0 +1,342 @@
+#include "core/rules/shapes.hpp"
+#include "refusal.hpp"
+#include "shape_cases.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::shape_cases;
+
+TEST_CASE("shapes: a box reaches as far as its half sizes and no further, its border is outside") {
+	const ShapeSet set = set_of({box({10.0, 5.0, -20.0}, {4.0, 2.0, 1.0})});
+	CHECK(chance(set, {10.0, 5.0, -20.0}) == 1.0);
+	for (const glm::dvec3 inside : {glm::dvec3(13.999, 5.0, -20.0), glm::dvec3(6.001, 5.0, -20.0),
+				 glm::dvec3(10.0, 6.999, -20.0), glm::dvec3(10.0, 3.001, -20.0), glm::dvec3(10.0, 5.0, -19.001),
+				 glm::dvec3(13.999, 6.999, -20.999)}) {
+		CHECK(chance(set, inside) == 1.0);
+	}
+	for (const glm::dvec3 outside : {glm::dvec3(14.0, 5.0, -20.0), glm::dvec3(6.0, 5.0, -20.0),
+				 glm::dvec3(10.0, 7.0, -20.0), glm::dvec3(10.0, 3.0, -20.0), glm::dvec3(10.0, 5.0, -19.0),
+				 glm::dvec3(10.0, 5.0, -21.0), glm::dvec3(14.0, 7.0, -19.0), glm::dvec3(1e7, 5.0, -20.0)}) {
+		CHECK(chance(set, outside) == 0.0);
+	}
+}
+
+TEST_CASE("shapes: influence grows linearly with depth, from 0 at the border to 1 at the falloff") {
+	Shape soft = box({0.0, 0.0, 0.0}, {10.0, 1000.0, 20.0});
+	soft.falloff = 4.0;
+	const ShapeSet set = set_of({soft});
+	for (double depth = -1.0; depth <= 10.0; depth += 0.125) {
+		const double expected = std::clamp(depth / 4.0, 0.0, 1.0);
+		CHECK(chance(set, {10.0 - depth, 0.0, 0.0}) == expected);
+		CHECK(chance(set, {depth - 10.0, 0.0, 3.0}) == expected);
+		CHECK(chance(set, {0.0, 0.0, 20.0 - depth}) == expected);
+		CHECK(chance(set, {0.0, 1000.0 - depth, 0.0}) == expected);
+	}
+	// Never deep enough for the whole effect.
+	soft.falloff = 40.0;
+	CHECK(chance(set_of({soft}), {0.0, 0.0, 0.0}) == 0.25);
+}
+
+TEST_CASE("shapes: a box turned by 45 degrees is a diamond, one that leans is cut by the ground at its own slope") {
+	const double half = std::sqrt(0.5);
+	Shape turned = box({0.0, 0.0, 0.0}, {half, 1.0, half});
+	turned.axes = glm::dmat3({half, 0.0, half}, {0.0, 1.0, 0.0}, {-half, 0.0, half});
+	const ShapeSet diamond = set_of({turned});
+	for (double x = -1.1; x <= 1.1; x += 0.1) {
+		for (double z = -1.1; z <= 1.1; z += 0.1) {
+			if (std::abs(std::abs(x) + std::abs(z) - 1.0) > 1e-9) {
+				CHECK(chance(diamond, {x, 0.0, z}) == (std::abs(x) + std::abs(z) < 1.0 ? 1.0 : 0.0));
+			}
+		}
+	}
+	// Its up axis leans 30 degrees towards +x: at a height of 1, the middle of the slab has moved by tan 30 degrees.
+	Shape leaning = box({0.0, 0.0, 0.0}, {0.1, 10.0, 10.0});
+	const double sine = 0.5;
+	const double cosine = std::sqrt(0.75);
+	leaning.axes = glm::dmat3({cosine, -sine, 0.0}, {sine, cosine, 0.0}, {0.0, 0.0, 1.0});
+	const ShapeSet slab = set_of({leaning});
+	const double middle = sine / cosine;
+	const double width = 0.1 / cosine;
+	CHECK(chance(slab, {middle + width - 1e-6, 1.0, 0.0}) == 1.0);
+	CHECK(chance(slab, {middle + width + 1e-6, 1.0, 0.0}) == 0.0);
+	CHECK(chance(slab, {middle - width + 1e-6, 1.0, 0.0}) == 1.0);
+	CHECK(chance(slab, {middle - width - 1e-6, 1.0, 0.0}) == 0.0);
+}
+
+TEST_CASE("shapes: boxes, spheres and cylinders at any turn are as deep as a search says, and as their shadows are") {
+	std::mt19937 random(1);
+	std::uniform_real_distribution<double> unit(-1.0, 1.0);
+	for (int round = 0; round < 60; ++round) {
+		for (const ShapeKind kind : {ShapeKind::box, ShapeKind::sphere, ShapeKind::cylinder}) {
+			Shape shape = random_volume(kind, random);
+			shape.falloff = 100.0; // More than any depth here, so that the influence tells the depth.
+			for (const bool ignore_height : {false, true}) {
+				shape.ignore_height = ignore_height;
+				const ShapeSet set = set_of({shape});
+				for (int i = 0; i < 20; ++i) {
+					const glm::dvec3 place = shape.center + 12.0 * glm::dvec3(unit(random), unit(random), unit(random));
+					const double depth =
+							ignore_height ? searched_shadow_depth(shape, place) : plain_depth(shape, place);
+					CAPTURE(static_cast<int>(kind));
+					CAPTURE(depth);
+					CHECK(std::abs(chance(set, place) * 100.0 - std::max(depth, 0.0)) < 1e-4);
+				}
+			}
+		}
+	}
+}
+
+TEST_CASE("shapes: without height, a flat box is as deep as it is wide and counts at any height") {
+	Shape flat_box = box({0.0, 50.0, 0.0}, {30.0, 0.01, 20.0});
+	flat_box.falloff = 10.0;
+	flat_box.ignore_height = true;
+	const ShapeSet set = set_of({flat_box});
+	for (const double height : {-1e6, 0.0, 50.0, 1e6}) {
+		CHECK(chance(set, {0.0, height, 0.0}) == 1.0);
+		CHECK(chance(set, {25.0, height, 0.0}) == 0.5);
+		CHECK(chance(set, {0.0, height, -15.0}) == 0.5);
+		CHECK(chance(set, {30.0, height, 0.0}) == 0.0);
+	}
+	flat_box.ignore_height = false;
+	CHECK(chance(set_of({flat_box}), {0.0, 0.0, 0.0}) == 0.0);
+}
+
+TEST_CASE("shapes: a cylinder that lies on its side casts a rectangle, one upright a circle") {
+	Shape lying = cylinder(2.0, 10.0);
+	lying.ignore_height = true;
+	lying.falloff = 100.0;
+	lying.axes = glm::dmat3({0.0, 1.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, 1.0});
+	const ShapeSet log = set_of({lying});
+	CHECK(chance(log, {0.0, 9.0, 0.0}) * 100.0 == doctest::Approx(2.0));
+	CHECK(chance(log, {9.5, 9.0, 0.0}) * 100.0 == doctest::Approx(0.5));
+	CHECK(chance(log, {9.5, 9.0, 1.75}) * 100.0 == doctest::Approx(0.25));
+	CHECK(chance(log, {10.001, 0.0, 0.0}) == 0.0);
+	CHECK(chance(log, {0.0, 0.0, 2.001}) == 0.0);
+	lying.axes = glm::dmat3(1.0);
+	const ShapeSet upright = set_of({lying});
+	CHECK(chance(upright, {1.2, 77.0, 1.6}) == 0.0);
+	CHECK(chance(upright, {0.6, 77.0, 0.8}) == 0.01);
+}
+
+TEST_CASE("shapes: the strongest including shape times what the strongest excluding one leaves") {
+	Shape wide = box({0.0, 0.0, 0.0}, {100.0, 100.0, 100.0});
+	wide.falloff = 100.0;
+	Shape narrow = box({0.0, 0.0, 0.0}, {10.0, 100.0, 10.0});
+	narrow.falloff = 20.0;
+	Shape hole = box({0.0, 0.0, 0.0}, {8.0, 100.0, 8.0});
+	hole.falloff = 8.0;
+	hole.exclude = true;
+	Shape smaller_hole = hole;
+	smaller_hole.half_size.x = 4.0;
+
+	CHECK(chance(set_of({}), {3.0, 0.0, 0.0}) == 1.0);
+	CHECK(chance(set_of({wide, narrow}), {0.0, 0.0, 0.0}) == 1.0); // 1 and 0.5: no sum, no product.
+	CHECK(chance(set_of({narrow, wide}), {50.0, 0.0, 0.0}) == 0.5);
+	CHECK(chance(set_of({hole}), {20.0, 0.0, 0.0}) == 1.0); // Nothing includes, so all is included.
+	CHECK(chance(set_of({hole}), {6.0, 0.0, 0.0}) == 0.75);
+	CHECK(chance(set_of({hole, smaller_hole}), {2.0, 0.0, 0.0}) == 0.25); // 0.75 and 0.25 taken away.
+	CHECK(chance(set_of({smaller_hole, hole}), {2.0, 0.0, 0.0}) == 0.25);
+	CHECK(chance(set_of({hole, narrow}), {6.0, 0.0, 0.0}) == 0.75 * 0.2);
+	CHECK(chance(set_of({wide, hole}), {0.0, 0.0, 0.0}) == 0.0);
+}
+
+TEST_CASE("shapes: where only a far shape includes, nothing is included; where only a far one excludes, all is") {
+	Shape far = box({1e6, 0.0, 0.0}, {10.0, 10.0, 10.0});
+	const Rect here{{-50.0, -50.0}, {50.0, 50.0}};
+	std::vector<std::uint32_t> near{7};
+	const ShapeSet including = set_of({far});
+	CHECK(including.includes());
+	including.near(here, near);
+	CHECK(near.empty());
+	CHECK(including.chance(near, {0.0, 0.0, 0.0}) == 0.0);
+
+	far.exclude = true;
+	const ShapeSet excluding = set_of({far});
+	CHECK(!excluding.includes());
+	excluding.near(here, near);
+	CHECK(near.empty());
+	CHECK(excluding.chance(near, {0.0, 0.0, 0.0}) == 1.0);
+	CHECK(set_of({}).empty());
+}
+
+TEST_CASE("shapes: near gives the shapes that touch an area, in order, and bounds hold all that a shape changes") {
+	std::mt19937 random(5);
+	std::uniform_real_distribution<double> unit(-1.0, 1.0);
+	for (int round = 0; round < 20; ++round) {
+		const std::vector<Shape> shapes = random_shapes(12, random);
+		const ShapeSet set = set_of(shapes);
+		const Rect area = rect_around({40.0 * unit(random), 40.0 * unit(random)}, 2.0 + 10.0 * std::abs(unit(random)));
+		std::vector<std::uint32_t> near;
+		set.near(area, near);
+		CHECK(std::ranges::is_sorted(near));
+		for (std::uint32_t i = 0; i < shapes.size(); ++i) {
+			const Rect reach = bounds(shapes[i]);
+			const bool touches = area.min.x <= reach.max.x && reach.min.x <= area.max.x && area.min.y <= reach.max.y &&
+					reach.min.y <= area.max.y;
+			CHECK((std::ranges::count(near, i) == (touches ? 1 : 0)));
+			Shape alone = shapes[i];
+			alone.exclude = false;
+			alone.falloff = 0.0;
+			const ShapeSet lonely = set_of({alone});
+			for (int k = 0; k < 50; ++k) {
+				const glm::dvec3 place(60.0 * unit(random), 10.0 * unit(random), 60.0 * unit(random));
+				CHECK((chance(lonely, place) == 0.0 || reach.contains({place.x, place.z})));
+			}
+		}
+		// The area that `near` was asked for changes no bit.
+		for (int k = 0; k < 50; ++k) {
+			const glm::dvec3 place(area.center().x + unit(random) * 0.5 * area.size().x, 10.0 * unit(random),
+					area.center().y + unit(random) * 0.5 * area.size().y);
+			CHECK(set.chance(near, place) == chance(set, place));
+		}
+	}
+}
+
+TEST_CASE("shapes: moving, adding or removing one changes nothing outside its old and its new bounds") {
+	std::mt19937 random(6);
+	std::uniform_real_distribution<double> unit(-1.0, 1.0);
+	int changed = 0;
+	for (int round = 0; round < 40; ++round) {
+		std::vector<Shape> shapes = random_shapes(8, random);
+		shapes[0].exclude = false; // The first and the last including shape switch all the rest of the world.
+		const ShapeSet before = set_of(shapes);
+		const std::size_t moved = 1 + random() % 7;
+		const Rect old_bounds = bounds(shapes[moved]);
+		Shape &shape = shapes[moved];
+		const glm::dvec2 by(20.0 * unit(random), 20.0 * unit(random));
+		shape.center += glm::dvec3(by.x, 0.0, by.y);
+		for (glm::dvec2 &point : shape.outline) {
+			point += by;
+		}
+		const Rect new_bounds = bounds(shape);
+		const ShapeSet after = set_of(shapes);
+		shapes.erase(shapes.begin() + static_cast<std::ptrdiff_t>(moved));
+		const ShapeSet without = set_of(shapes);
+		for (int k = 0; k < 500; ++k) {
+			const glm::dvec3 place(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
+			const glm::dvec2 flat(place.x, place.z);
+			const bool in_old = old_bounds.contains(flat);
+			const bool in_new = new_bounds.contains(flat);
+			CHECK((in_old || in_new || chance(before, place) == chance(after, place)));
+			CHECK((in_old || chance(before, place) == chance(without, place)));
+			CHECK((in_new || chance(after, place) == chance(without, place)));
+			changed += chance(before, place) != chance(after, place) ? 1 : 0;
+		}
+	}
+	CHECK(changed > 300);
+}
+
+TEST_CASE("shapes: far from the origin a shape is the same to the grain of the coordinates") {
+	std::mt19937 random(7);
+	std::uniform_real_distribution<double> unit(-1.0, 1.0);
+	const glm::dvec2 far(1e7, -1e7);
+	for (const Shape &shape : random_shapes(60, random)) {
+		Shape moved = shape;
+		moved.center += glm::dvec3(far.x, 0.0, far.y);
+		for (glm::dvec2 &point : moved.outline) {
+			point += far;
+		}
+		const ShapeSet near_set = set_of({shape});
+		const ShapeSet far_set = set_of({moved});
+		const double grain = 1e-8; // Of a double at 1e7 m, several roundings.
+		for (int k = 0; k < 100; ++k) {
+			const glm::dvec3 place(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
+			const double here = chance(near_set, place);
+			const double there = chance(far_set, place + glm::dvec3(far.x, 0.0, far.y));
+			CHECK((std::abs(here - there) * std::max(shape.falloff, grain) <= grain));
+		}
+	}
+}
+
+TEST_CASE("shapes: a place that is not finite has no chance") {
+	const ShapeSet set = set_of({box({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, true)});
+	for (const glm::dvec3 nowhere : {glm::dvec3(nan_value, 0.0, 0.0), glm::dvec3(0.0, nan_value, 0.0),
+				 glm::dvec3(0.0, 0.0, infinite_value), glm::dvec3(0.0, -infinite_value, 0.0)}) {
+		CHECK(set.chance({}, nowhere) == 0.0);
+	}
+	CHECK(set.chance({}, {9.0, 0.0, 0.0}) == 1.0);
+}
+
+TEST_CASE("shapes: a refused shape names what is wrong, and the set stays as it was") {
+	ShapeSet set = set_of({box({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+	const ShapeSet before = set;
+	const Shape good_box = box({0.0, 0.0, 0.0}, {2.0, 2.0, 2.0});
+	const Shape good_path{.kind = ShapeKind::path, .half_size = {2.0, 0.0, 0.0}, .outline = {{0.0, 0.0}, {1.0, 0.0}}};
+	const Shape good_polygon{.kind = ShapeKind::polygon, .outline = {{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}}};
+	const Shape good_cylinder = cylinder(1.0, 1.0);
+	const auto refuse = [&](Shape bad, auto change, ErrorCode code, const char *property, double value) {
+		change(bad);
+		check_refused(validate(bad), code, property, value);
+		check_refused(set.set({good_box, bad}), code, property, value);
+		CHECK(set == before);
+		CHECK(chance(set, {1.5, 0.0, 0.0}) == 0.0);
+	};
+	refuse(
+			good_box, [](Shape &s) { s.falloff = -0.5; }, ErrorCode::out_of_range, "falloff", -0.5);
+	refuse(
+			good_box, [](Shape &s) { s.falloff = nan_value; }, ErrorCode::not_finite, "falloff", nan_value);
+	refuse(
+			good_box, [](Shape &s) { s.falloff = 2e9; }, ErrorCode::out_of_range, "falloff", 2e9);
+	refuse(
+			good_box, [](Shape &s) { s.center.y = infinite_value; }, ErrorCode::not_finite, "center", infinite_value);
+	refuse(
+			good_box, [](Shape &s) { s.center.z = -2e9; }, ErrorCode::out_of_range, "center", -2e9);
+	refuse(
+			good_box, [](Shape &s) { s.half_size.z = 0.0; }, ErrorCode::not_positive, "half_size", 0.0);
+	refuse(
+			good_box, [](Shape &s) { s.half_size.x = -1.0; }, ErrorCode::not_positive, "half_size", -1.0);
+	refuse(
+			good_box, [](Shape &s) { s.half_size.y = 2e9; }, ErrorCode::out_of_range, "half_size", 2e9);
+	refuse(
+			good_box, [](Shape &s) { s.axes[1].y = 1.5; }, ErrorCode::out_of_range, "axes", 2.25);
+	refuse(
+			good_box,
+			[](Shape &s) {
+				s.axes[0] = {0.0, 1.0, 0.0};
+			},
+			ErrorCode::out_of_range, "axes", 1.0);
+	refuse(
+			good_box, [](Shape &s) { s.axes[2].x = nan_value; }, ErrorCode::not_finite, "axes", nan_value);
+	refuse(
+			good_cylinder, [](Shape &s) { s.half_size.x = 0.0; }, ErrorCode::not_positive, "radius", 0.0);
+	refuse(
+			good_cylinder, [](Shape &s) { s.half_size.y = -3.0; }, ErrorCode::not_positive, "half_height", -3.0);
+	refuse(
+			good_cylinder, [](Shape &s) { s.kind = ShapeKind::sphere, s.half_size.x = -1.0; }, ErrorCode::not_positive,
+			"radius", -1.0);
+	refuse(
+			good_path, [](Shape &s) { s.half_size.x = 0.0; }, ErrorCode::not_positive, "half_width", 0.0);
+	refuse(
+			good_path, [](Shape &s) { s.outline.pop_back(); }, ErrorCode::wrong_size, "outline", 1.0);
+	refuse(
+			good_polygon, [](Shape &s) { s.outline.pop_back(); }, ErrorCode::wrong_size, "outline", 2.0);
+	refuse(
+			good_polygon, [](Shape &s) { s.outline.resize(65537); }, ErrorCode::wrong_size, "outline", 65537.0);
+	refuse(
+			good_polygon, [](Shape &s) { s.outline[1].y = nan_value; }, ErrorCode::not_finite, "outline", nan_value);
+	refuse(
+			good_polygon, [](Shape &s) { s.outline[2].x = -2e9; }, ErrorCode::out_of_range, "outline", -2e9);
+	refuse(
+			good_box, [](Shape &s) { s.kind = static_cast<ShapeKind>(9); }, ErrorCode::out_of_range, "kind", 9.0);
+
+	// What a kind does not use is not looked at; axes from floats are near enough.
+	Shape sphere = good_box;
+	sphere.kind = ShapeKind::sphere;
+	sphere.axes = glm::dmat3(0.0);
+	sphere.half_size = {1.0, -1.0, nan_value};
+	sphere.outline = {{nan_value, 0.0}};
+	CHECK(validate(sphere).ok());
+	Shape rounded = good_box;
+	rounded.axes = glm::dmat3(glm::mat3({0.6f, 0.0f, 0.8f}, {0.0f, 1.0f, 0.0f}, {-0.8f, 0.0f, 0.6f}));
+	CHECK(validate(rounded).ok());
+}
