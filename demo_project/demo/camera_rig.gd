@@ -1,13 +1,15 @@
 extends Camera3D
 ## A camera that flies freely or walks on the ground; F changes between both.
 
-## Metres a second of walking and of flying; Shift makes both faster.
+## Metres a second of walking; Shift makes walking and flying faster.
 const WALK_SPEED := 2.5
-const FLY_SPEED := 100.0
 const FAST := 4.0
 ## Metres of the eye above the ground.
 const EYE_HEIGHT := 1.75
 const RADIANS_PER_PIXEL := 0.0025
+
+## Metres a second of flying.
+@export_range(1.0, 1000.0, 1.0, "suffix:m/s") var fly_speed := 100.0
 
 ## The ground to walk on; has [code]height(x, z)[/code].
 var elevation: RefCounted
@@ -40,7 +42,7 @@ func _process(delta: float) -> void:
 		position += step * WALK_SPEED * fast * delta
 	else:
 		position += (basis * Vector3(wish.x, 0.0,
-				wish.z).limit_length(1.0) + Vector3.UP * wish.y) * FLY_SPEED * fast * delta
+				wish.z).limit_length(1.0) + Vector3.UP * wish.y) * fly_speed * fast * delta
 	_follow_ground()
 
 

@@ -1,6 +1,5 @@
 extends RefCounted
-## The fixed path of the demo: where it looks from when nobody steers, in the screenshot run and in the engine's test
-## alike.
+## The fixed path of the first scene: where it looks from when nobody steers.
 ##
 ## All positions are world metres in x and z and metres above the ground in y, so the path follows the terrain.
 
@@ -15,15 +14,8 @@ const STOPS: Array[Dictionary] = [
 	{"name": "walk", "eye": Vector3(1870.0, 1.75, -950.0), "heading": 312.0, "pitch": -2.0},
 	{"name": "ridge", "eye": Vector3(1046.0, 26.0, -2000.0), "heading": 200.0, "pitch": -6.0},
 	{"name": "stones", "eye": Vector3(-12552.5, 1.75, 10573.5), "heading": 337.0, "pitch": -7.0},
-	{"name": "tiles", "eye": Vector3(1900.0, 150.0, -700.0), "heading": 318.0, "pitch": -28.0},
+	{"name": "tiles", "eye": Vector3(1900.0, 150.0, -700.0), "heading": 318.0, "pitch": -28.0, "tiles": true},
 ]
-
-
-## The camera's place at a stop, for ground of that height.
-static func transform(stop: Dictionary, ground: float) -> Transform3D:
-	var eye: Vector3 = stop.eye
-	var basis := Basis.from_euler(Vector3(deg_to_rad(stop.pitch), -deg_to_rad(stop.heading), 0.0))
-	return Transform3D(basis, Vector3(eye.x, ground + eye.y, eye.z))
 
 
 ## World x and z on the straight way between the first two stops after [param seconds], and z as y.

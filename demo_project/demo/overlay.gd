@@ -4,7 +4,10 @@ extends CanvasLayer
 const HELP := """W A S D, Q E   move        mouse   look (click to catch it, Esc to free it)
 Shift   faster             F   walk or fly
 N B   next, previous seed  + -   more, less of everything
-T   tiles                  P   take the flight      H   this help"""
+T   tiles                  H   this help"""
+
+## The scene's own keys, one line.
+@export var own_keys := ""
 
 @onready var _figures: Label = $Panel/Rows/Figures
 @onready var _help: Label = $Panel/Rows/Help
@@ -12,7 +15,7 @@ T   tiles                  P   take the flight      H   this help"""
 
 
 func _ready() -> void:
-	_help.text = HELP
+	_help.text = HELP if own_keys.is_empty() else "%s\n%s" % [HELP, own_keys]
 
 
 ## Shows the figures of a frame; [param state] is the demo's own line.

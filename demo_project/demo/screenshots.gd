@@ -1,10 +1,10 @@
 extends Node
-## Flies the fixed path when nobody watches: writes a picture at each stop, prints the figures, and quits.
+## Visits a scene's stops when nobody watches: writes a picture at each, prints the figures, and quits. A demo that has a
+## flight is flown along it first.
 ##
 ## The engine does not draw between the stops, so that a machine that draws in software streams at full speed.
 
 const Figures := preload("res://demo/figures.gd")
-const Flight := preload("res://demo/flight.gd")
 
 ## Frames a second of the streaming part.
 const FLIGHT_FPS := 60
@@ -30,9 +30,9 @@ func run() -> void:
 	get_viewport().scaling_3d_scale = 2.0
 	if folder != "" and DirAccess.make_dir_recursive_absolute(folder) != OK:
 		_fail("cannot make the folder %s" % folder)
-	if not _failed and only.is_empty():
+	if not _failed and only.is_empty() and demo.flight_seconds() > 0.0:
 		await _fly()
-	for stop in Flight.STOPS:
+	for stop: Dictionary in demo.stops():
 		if not _failed and (only.is_empty() or only.has(stop.name)):
 			await _visit(stop)
 	print("demo: %s" % ("FAILED" if _failed else "done"))
@@ -44,17 +44,17 @@ func run() -> void:
 ## Streams at full speed from the first stop to the second and prints what it cost.
 func _fly() -> void:
 	RenderingServer.render_loop_enabled = false
-	demo.place(Flight.STOPS[0])
+	demo.place(demo.stops()[0])
 	await _wait_until_idle()
 	Engine.max_fps = FLIGHT_FPS
 	var figures: Figures = demo.figures
 	figures.clear()
-	for frame in int(Flight.flight_seconds() * FLIGHT_FPS):
-		demo.fly_to(Flight.on_the_way(float(frame) / FLIGHT_FPS))
+	for frame in int(demo.flight_seconds() * FLIGHT_FPS):
+		demo.fly(float(frame) / FLIGHT_FPS)
 		await get_tree().process_frame
 	Engine.max_fps = 0
 	figures.frozen = true
-	print("demo: flight of %.0f s at %.0f m/s" % [Flight.flight_seconds(), Flight.SPEED])
+	print("demo: flight of %.0f s" % demo.flight_seconds())
 	print(figures.text().indent("demo: "))
 
 
@@ -62,8 +62,8 @@ func _visit(stop: Dictionary) -> void:
 	RenderingServer.render_loop_enabled = false
 	var started := Time.get_ticks_msec()
 	demo.place(stop)
-	demo.show_tiles(stop.name == "tiles")
-	demo.show_overlay(stop.name == "tiles")
+	demo.show_tiles(stop.get("tiles", false))
+	demo.show_overlay(stop.get("tiles", false))
 	await _wait_until_idle()
 	if _failed:
 		return

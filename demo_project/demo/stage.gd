@@ -1,0 +1,143 @@
+extends Node3D
+## What all scenes of the demo share: a scatter, a camera on its ground, an overlay, keys to play with the scatter, and a
+## run that takes pictures when nobody watches. A scene's own script extends this one.
+##
+## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] visits the scene's
+## stops, writes a picture at each (to build/demo beside the project unless told otherwise, in a folder of its own for each
+## scene but the first; none with --headless), prints the figures and quits; [code]--stops=NAME,NAME[/code] does so for these stops alone; [code]--seed=NUMBER[/code] starts
+## with another seed; [code]--at=STOP[/code] starts at a stop.
+
+const Figures := preload("res://demo/figures.gd")
+const Screenshots := preload("res://demo/screenshots.gd")
+const DENSITY_STEP := 0.1
+
+## The scatter's figures, gathered in every frame.
+var figures := Figures.new()
+## The ground under the camera; has [code]height(x, z)[/code]. Set by the scene's own script before this one is ready.
+var ground: RefCounted
+
+var _density := 1.0
+var _densities := PackedFloat64Array()
+
+@onready var scatter: Node3D = $Scatter
+@onready var camera: Camera3D = $Camera
+@onready var _overlay: CanvasLayer = $Overlay
+@onready var _borders: MeshInstance3D = $TileBorders
+
+
+func _ready() -> void:
+	camera.elevation = ground
+	_borders.follow(scatter, ground)
+	for layer: Resource in scatter.get(&"layers"):
+		_densities.append(layer.get(&"density"))
+	var arguments := _arguments()
+	if arguments.has("seed"):
+		scatter.set(&"seed", int(arguments.seed))
+	place(stops()[0])
+	for stop in stops():
+		if stop.name == arguments.get("at", ""):
+			place(stop)
+	if arguments.has("screenshots"):
+		_take_screenshots(arguments.screenshots, arguments.get("stops", ""))
+
+
+func _process(_delta: float) -> void:
+	figures.sample(scatter.call(&"get_stats"))
+	var mode := ""
+	if not figures.frozen:
+		mode = ", %s, %d frames a second" % ["walking" if camera.walking else "flying", Engine.get_frames_per_second()]
+	_overlay.show_figures(figures.text(), "seed %d, density %.0f %%%s" % [scatter.get(&"seed"), _density * 100.0, mode])
+
+
+func _unhandled_key_input(event: InputEvent) -> void:
+	var key := event as InputEventKey
+	if key == null or not key.pressed or key.echo:
+		return
+	match key.keycode:
+		KEY_N:
+			scatter.set(&"seed", int(scatter.get(&"seed")) + 1)
+		KEY_B:
+			scatter.set(&"seed", int(scatter.get(&"seed")) - 1)
+		KEY_PLUS, KEY_EQUAL, KEY_KP_ADD:
+			_set_density(_density + DENSITY_STEP)
+		KEY_MINUS, KEY_KP_SUBTRACT:
+			_set_density(_density - DENSITY_STEP)
+		KEY_F:
+			camera.walking = not camera.walking
+		KEY_T:
+			show_tiles(not _borders.visible)
+		KEY_H:
+			_overlay.toggle_help()
+		KEY_ESCAPE:
+			Input.mouse_mode = Input.MOUSE_MODE_VISIBLE
+		_:
+			own_key(key.keycode)
+
+
+## The places that the screenshot run visits; the first is where the scene starts. See [code]flight.gd[/code] for what a
+## stop holds; where its [code]tiles[/code] is true, the borders of tiles and the figures are in the picture.
+func stops() -> Array[Dictionary]:
+	return []
+
+
+## How long the scene's flight takes; 0 for a scene without one.
+func flight_seconds() -> float:
+	return 0.0
+
+
+## Puts the camera where the flight is after [param _seconds].
+func fly(_seconds: float) -> void:
+	pass
+
+
+## Called for a key that is not one of all scenes.
+func own_key(_keycode: Key) -> void:
+	pass
+
+
+## Puts the camera where a stop says.
+func place(stop: Dictionary) -> void:
+	var eye: Vector3 = stop.eye
+	var height: float = ground.height(eye.x, eye.z)
+	var basis_there := Basis.from_euler(Vector3(deg_to_rad(stop.pitch), -deg_to_rad(stop.heading), 0.0))
+	camera.walking = false
+	camera.transform = Transform3D(basis_there, Vector3(eye.x, eye.y if is_nan(height) else height + eye.y, eye.z))
+
+
+## Shows or hides the borders of the tiles.
+func show_tiles(shown: bool) -> void:
+	_borders.visible = shown
+
+
+## Shows or hides the figures.
+func show_overlay(shown: bool) -> void:
+	_overlay.visible = shown
+
+
+func _set_density(density: float) -> void:
+	_density = clampf(density, 0.0, 1.0)
+	var layers: Array = scatter.get(&"layers")
+	for i in layers.size():
+		layers[i].set(&"density", _densities[i] * _density)
+
+
+func _take_screenshots(folder: String, only: String) -> void:
+	_overlay.hide_help()
+	var run := Screenshots.new()
+	run.demo = self
+	if DisplayServer.get_name() != "headless":
+		var scene := scene_file_path.get_file().get_basename()
+		var beside := ProjectSettings.globalize_path("res://").path_join("../build/demo").simplify_path()
+		run.folder = folder if folder != "" else beside.path_join("" if scene == "demo" else scene)
+	run.only = only.split(",", false)
+	add_child(run)
+	run.run()
+
+
+## The user's arguments: --name=value as name and value, --name as name and an empty value.
+static func _arguments() -> Dictionary:
+	var found := {}
+	for argument in OS.get_cmdline_user_args():
+		var parts := argument.trim_prefix("--").split("=", true, 1)
+		found[parts[0]] = parts[1] if parts.size() > 1 else ""
+	return found

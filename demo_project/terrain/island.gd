@@ -1,0 +1,44 @@
+@tool
+extends ScatterTerrain
+## A hilly island with a sinkhole, by a formula: a ground of your own needs no more than this. Past the coast and in the
+## sinkhole there is no ground, so nothing stands there.
+
+## Metres from the world's origin to the coast, on average.
+@export_range(20.0, 500.0, 1.0, "suffix:m") var coast := 150.0:
+	set(value):
+		coast = value
+		emit_changed()  # The scatter makes its tiles anew, and so does whatever else shows this ground.
+## The middle of the sinkhole, world x and z in metres.
+@export var sinkhole := Vector2(44.0, 20.0):
+	set(value):
+		sinkhole = value
+		emit_changed()
+## Metres from there to its edge, on average.
+@export_range(0.0, 100.0, 1.0, "suffix:m") var sinkhole_radius := 17.0:
+	set(value):
+		sinkhole_radius = value
+		emit_changed()
+
+
+func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+	var heights := PackedFloat32Array()
+	heights.resize(positions.size())
+	for i in positions.size():
+		heights[i] = _height(positions[i])
+	return heights
+
+
+## Only reads its own settings, so any number of threads may ask at once.
+func _is_thread_safe() -> bool:
+	return true
+
+
+## Metres, for a place given as world x and z.
+func _height(at: Vector2) -> float:
+	var angle := at.angle()
+	var bays := 0.17 * sin(2.0 * angle + 0.4) + 0.09 * sin(3.0 * angle + 2.2) + 0.04 * sin(8.0 * angle)
+	var rim := at - sinkhole
+	if at.length() > coast * (1.0 + bays) or rim.length() < sinkhole_radius * (1.0 + 0.12 * sin(3.0 * rim.angle())):
+		return NAN
+	var hill := 42.0 * exp(-at.distance_squared_to(Vector2(-45.0, -55.0)) / 4500.0)
+	return 15.0 + hill + 4.0 * sin(0.04 * at.x + sin(0.026 * at.y)) + 2.5 * cos(0.05 * at.y)

@@ -1,0 +1,221 @@
+@tool
+extends MeshInstance3D
+## Draws any [ScatterTerrain] of moderate size as one mesh: a grid of its heights, cut along the edge of its holes, with
+## walls below that edge.
+##
+## UV.x of every vertex is its distance in metres to [member path], up to [constant FAR]; UV.y is 1 on walls, 0 elsewhere.
+
+const NoiseTexture := preload("res://terrain/noise_texture.gd")
+## What stands for "not near the path", in metres.
+const FAR := 64.0
+## Halvings of a quad's side that find where the ground ends.
+const HALVINGS := 8
+## Rows of quads from the top of a wall to its foot.
+const WALL_ROWS := 9
+
+## The ground to draw; drawn anew when it changes.
+@export var terrain: ScatterTerrain:
+	set(value):
+		if terrain != null:
+			terrain.changed.disconnect(_request_build)
+		terrain = value
+		if terrain != null:
+			terrain.changed.connect(_request_build)
+		_request_build()
+## The part of the world to draw, x and z in metres.
+@export var rect := Rect2(-200.0, -200.0, 400.0, 400.0):
+	set(value):
+		rect = value
+		_request_build()
+## Metres between two vertices.
+@export_range(0.25, 16.0, 0.25, "suffix:m") var spacing := 2.0:
+	set(value):
+		spacing = maxf(value, 0.25)
+		_request_build()
+## World height to which walls reach down, in metres.
+@export_range(-100.0, 100.0, 0.5, "suffix:m") var wall_foot := -4.0:
+	set(value):
+		wall_foot = value
+		_request_build()
+## A path whose distance the material may draw; none if empty.
+@export var path: Path3D:
+	set(value):
+		if path != null:
+			path.curve_changed.disconnect(_request_build)
+		path = value
+		if path != null:
+			path.curve_changed.connect(_request_build)
+		_request_build()
+## The material of ground and walls; gets the shared noise.
+@export var material: ShaderMaterial:
+	set(value):
+		material = value
+		_request_build()
+
+var _requested := false
+var _columns := 0
+var _vertices := PackedVector3Array()
+var _indices := PackedInt32Array()
+## Vertex where the ground ends between two posts, by the numbers of both.
+var _cuts := {}
+## Vertex to the next one along the edge, with the ground on the right as seen from above.
+var _edge := {}
+
+
+func _validate_property(property: Dictionary) -> void:
+	if property.name == "mesh":
+		property.usage &= ~PROPERTY_USAGE_STORAGE
+
+
+func _request_build() -> void:
+	if not _requested:
+		_requested = true
+		_build.call_deferred()
+
+
+func _build() -> void:
+	_requested = false
+	if terrain == null:
+		mesh = null
+		return
+	_vertices.clear()
+	_indices.clear()
+	_cuts.clear()
+	_edge.clear()
+	_columns = int(rect.size.x / spacing) + 1
+	var rows := int(rect.size.y / spacing) + 1
+	for row in rows:
+		for column in _columns:
+			_vertices.append(_on_ground(rect.position + Vector2(column, row) * spacing))
+	for row in rows - 1:
+		for column in _columns - 1:
+			_add_quad(row * _columns + column)
+	var built := ArrayMesh.new()
+	_add_ground(built)
+	if not _edge.is_empty():
+		_add_walls(built)
+	for surface in built.get_surface_count():
+		built.surface_set_material(surface, material)
+	if material != null:
+		# Past the resource: what the editor sets there would be saved with the scene.
+		RenderingServer.material_set_param(material.get_rid(), &"noise", NoiseTexture.texture().get_rid())
+	mesh = built
+
+
+func _on_ground(place: Vector2) -> Vector3:
+	return Vector3(place.x, terrain.get_height(Vector3(place.x, 0.0, place.y)), place.y)
+
+
+## The part of a quad that has ground: a polygon of up to six corners.
+func _add_quad(first: int) -> void:
+	var corners: Array[int] = [first, first + 1, first + _columns + 1, first + _columns]
+	var polygon: Array[int] = []
+	var left := -1
+	var entered := -1
+	for i in 4:
+		var here := corners[i]
+		var next := corners[(i + 1) % 4]
+		var solid := is_finite(_vertices[here].y)
+		if solid:
+			polygon.append(here)
+		if solid == is_finite(_vertices[next].y):
+			continue
+		var cut := _cut(here, next) if solid else _cut(next, here)
+		polygon.append(cut)
+		if solid:
+			left = cut
+		elif left >= 0:
+			_edge[left] = cut
+			left = -1
+		else:
+			entered = cut
+	if left >= 0:
+		_edge[left] = entered
+	for i in range(2, polygon.size()):
+		_indices.append_array([polygon[0], polygon[i - 1], polygon[i]])
+
+
+## The last place with ground on the way from a post that has it to one that has none.
+func _cut(solid: int, hollow: int) -> int:
+	var key := Vector2i(solid, hollow)
+	if not _cuts.has(key):
+		var from := _vertices[solid]
+		var to := Vector3(_vertices[hollow].x, from.y, _vertices[hollow].z)
+		for step in HALVINGS:
+			var middle := (from + to) * 0.5
+			middle.y = terrain.get_height(middle)
+			if is_finite(middle.y):
+				from = middle
+			else:
+				to = middle
+		_cuts[key] = _vertices.size()
+		_vertices.append(from)
+	return _cuts[key]
+
+
+func _add_ground(built: ArrayMesh) -> void:
+	var surface := SurfaceTool.new()
+	surface.begin(Mesh.PRIMITIVE_TRIANGLES)
+	# Posts without ground are in no triangle; they must not widen the box that the engine culls by.
+	var numbers := PackedInt32Array()
+	numbers.resize(_vertices.size())
+	numbers.fill(-1)
+	var count := 0
+	for index in _indices:
+		if numbers[index] < 0:
+			numbers[index] = count
+			count += 1
+			surface.set_uv(Vector2(_distance_to_path(_vertices[index]), 0.0))
+			surface.add_vertex(_vertices[index])
+		surface.add_index(numbers[index])
+	if count > 0:
+		surface.generate_normals()
+		surface.commit(built)
+
+
+func _distance_to_path(place: Vector3) -> float:
+	if path == null or path.curve == null or path.curve.point_count < 2:
+		return FAR
+	var local := path.global_transform.affine_inverse() * place
+	var nearest := path.curve.get_closest_point(local)
+	return minf(Vector2(nearest.x - local.x, nearest.z - local.z).length(), FAR)
+
+
+func _add_walls(built: ArrayMesh) -> void:
+	var outward := {}
+	for from: int in _edge:
+		var to: int = _edge[from]
+		var along := _vertices[to] - _vertices[from]
+		var out := Vector3(along.z, 0.0, -along.x)
+		outward[from] = outward.get(from, Vector3.ZERO) + out
+		outward[to] = outward.get(to, Vector3.ZERO) + out
+	var noise := FastNoiseLite.new()
+	noise.seed = 3
+	noise.frequency = 0.09
+	var surface := SurfaceTool.new()
+	surface.begin(Mesh.PRIMITIVE_TRIANGLES)
+	# Facets, as rock breaks.
+	surface.set_smooth_group(-1)
+	var firsts := {}
+	var count := 0
+	for vertex: int in outward:
+		firsts[vertex] = count
+		count += WALL_ROWS + 1
+		var top := _vertices[vertex]
+		var out: Vector3 = (outward[vertex] as Vector3).normalized()
+		for row in WALL_ROWS + 1:
+			var depth := float(row) / WALL_ROWS
+			var place := Vector3(top.x, lerpf(top.y, wall_foot, depth), top.z)
+			# Pillars and ledges, and rubble at the foot.
+			var rough := noise.get_noise_3dv(place * Vector3(1.0, 0.3, 1.0)) + 0.6 * noise.get_noise_3dv(place * 2.7)
+			var lean := 2.0 * depth + 3.0 * depth ** 4 + 6.0 * minf(3.0 * depth, 1.0) * rough
+			surface.set_uv(Vector2(FAR, 1.0))
+			surface.add_vertex(place + out * lean)
+	for from: int in _edge:
+		for row in WALL_ROWS:
+			var a: int = firsts[from] + row
+			var b: int = firsts[_edge[from]] + row
+			for index: int in [a, a + 1, b + 1, a, b + 1, b]:
+				surface.add_index(index)
+	surface.generate_normals()
+	surface.commit(built)

@@ -1,0 +1,91 @@
+extends "harness.gd"
+## The demo's script terrain: plants stand on the formula, up to its edge and not beyond, and on the ground that is drawn.
+## Every fourth plant is asked.
+
+## World x and z: the rim of the sinkhole, a cape, the open sea.
+const PLACES: Array[Vector2] = [Vector2(44.0, 20.0), Vector2(-60.0, 110.0), Vector2(1600.0, 0.0)]
+
+var scene: Node3D
+var scatter: TerrainScatter3D
+var terrain: ScatterTerrain
+
+
+## The scene without its own script, which would move the camera.
+func load_scene() -> void:
+	scene = (load("res://script_terrain.tscn") as PackedScene).instantiate()
+	scene.set_script(null)
+	scatter = scene.get_node("Scatter")
+	terrain = scatter.terrain
+	root.add_child(scene)
+
+
+func test_plants_stand_on_the_formula() -> void:
+	load_scene()
+	var viewer := make_viewer()
+	scatter.viewers = [scatter.get_path_to(viewer)]
+	var count := 0
+	var worst := 0.0
+	var hollow := 0
+	var at_the_edge := 0
+	for place in PLACES:
+		viewer.global_position = Vector3(place.x, 30.0, place.y)
+		await settle(scatter)
+		for index in scatter.layers.size():
+			var offset: float = scatter.layers[index].height_offset
+			for tile: Vector2i in scatter.get_shown_tiles(index):
+				for transform in transforms(scatter, index, tile):
+					var at := transform.origin
+					count += 1
+					if count % 4 != 0:
+						continue
+					var height := terrain.get_height(at)
+					if is_nan(height):
+						hollow += 1
+						continue
+					worst = maxf(worst, absf(at.y - offset - height))
+					at_the_edge += int(is_nan(terrain.get_height(at + Vector3(1.0, 0.0, 0.0))))
+	check(count > 100000, "%d plants seen" % count)
+	check(hollow == 0, "%d plants where there is no ground" % hollow)
+	# A place is rounded to a float between the formula and the buffer; slopes make that a height.
+	check(worst < 0.01, "a plant stands %f m off the ground" % worst)
+	check(at_the_edge > 30, "only %d of those seen are within a metre of the edge" % at_the_edge)
+
+
+func test_the_drawn_ground_is_the_same() -> void:
+	load_scene()
+	await frames(3)
+	var drawn := scene.get_node("Ground") as MeshInstance3D
+	check_equal(drawn.mesh.get_surface_count(), 2, "surfaces: ground and walls")
+	var faces := PackedVector3Array()
+	var arrays := drawn.mesh.surface_get_arrays(0)
+	for index: int in arrays[Mesh.ARRAY_INDEX]:
+		faces.append(arrays[Mesh.ARRAY_VERTEX][index])
+	var worst := 0.0
+	var area := 0.0
+	for first in range(0, faces.size(), 3):
+		var a := faces[first]
+		var b := faces[first + 1]
+		var c := faces[first + 2]
+		var middle := (a + b + c) / 3.0
+		worst = maxf(worst, absf(middle.y - terrain.get_height(middle)))
+		area += 0.5 * Vector2(b.x - a.x, b.z - a.z).cross(Vector2(c.x - a.x, c.z - a.z))
+	check(worst < 0.05, "drawn %f m off the ground" % worst)
+	# Random places, by the formula.
+	var rng := RandomNumberGenerator.new()
+	rng.seed = 3
+	var hits := 0
+	for i in 5000:
+		hits += int(is_finite(terrain.get_height(Vector3(rng.randf_range(-210, 210), 0.0, rng.randf_range(-210, 210)))))
+	var expected := hits / 5000.0 * 420.0 * 420.0
+	check(absf(area / expected - 1.0) < 0.05, "%.0f m² drawn, %.0f m² of ground" % [area, expected])
+
+
+func test_a_changed_setting_changes_the_ground() -> void:
+	load_scene()
+	await frames(3)
+	var before := (scene.get_node("Ground") as MeshInstance3D).mesh
+	check(is_nan(terrain.get_height(Vector3(200.0, 0.0, 0.0))), "sea at first")
+	terrain.set(&"coast", 250.0)
+	await frames(3)
+	check(is_finite(terrain.get_height(Vector3(200.0, 0.0, 0.0))), "land when the coast is farther out")
+	check((scene.get_node("Ground") as MeshInstance3D).mesh != before, "drawn anew")
