@@ -3,26 +3,13 @@
 #include "core/base/floating_point.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace thicket {
 
 namespace {
-
-/// Runs that are still to be looked at: one a level and one more, of at most 2^32 runs.
-template <typename Run>
-class Stack {
-public:
-	void push(const Run &run) { runs_[size_++] = run; }
-	Run pop() { return runs_[--size_]; }
-	bool empty() const { return size_ == 0; }
-
-private:
-	std::array<Run, 40> runs_;
-	std::size_t size_ = 0;
-};
 
 enum class Side : std::uint8_t {
 	none,  ///< The ray from the place towards +x misses the edge.
@@ -68,54 +55,50 @@ void Outline::set(std::span<const glm::dvec2> points, bool closed) {
 	if (closed || points.size() == 1) {
 		points_.push_back(points.front());
 	}
-	boxes_.clear();
-	level_begin_ = {0};
-	for (std::size_t begin = 0; begin < edges(); begin += run_edges) {
-		Box box{points_[begin], points_[begin]};
-		for (std::size_t i = begin + 1; i <= std::min(begin + run_edges, edges()); ++i) {
-			box.min = {std::min(box.min.x, points_[i].x), std::min(box.min.y, points_[i].y)};
-			box.max = {std::max(box.max.x, points_[i].x), std::max(box.max.y, points_[i].y)};
+	edge_tree_ = RunTree(edges());
+	boxes_.resize(edge_tree_.runs());
+	edge_tree_.each([&](RunTree::Run run) {
+		Box &box = boxes_[edge_tree_.slot(run)];
+		if (run.level == 0) {
+			box = {points_[edge_tree_.begin(run)], points_[edge_tree_.begin(run)]};
+			for (std::size_t i = edge_tree_.begin(run) + 1; i <= edge_tree_.end(run); ++i) {
+				box = around(box, {points_[i], points_[i]});
+			}
+		} else {
+			box = boxes_[edge_tree_.slot(edge_tree_.first(run))];
+			if (edge_tree_.has_second(run)) {
+				box = around(box, boxes_[edge_tree_.slot(edge_tree_.second(run))]);
+			}
 		}
-		boxes_.push_back(box);
-	}
-	level_begin_.push_back(static_cast<std::uint32_t>(boxes_.size()));
-	while (level_begin_.back() - level_begin_[level_begin_.size() - 2] > 1) {
-		const std::size_t end = boxes_.size();
-		for (std::size_t i = level_begin_[level_begin_.size() - 2]; i < end; i += 2) {
-			const Box a = boxes_[i];
-			const Box b = boxes_[std::min(i + 1, end - 1)];
-			boxes_.push_back({{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y)},
-					{std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}});
-		}
-		level_begin_.push_back(static_cast<std::uint32_t>(boxes_.size()));
-	}
+	});
 }
 
-std::size_t Outline::end_of(Run run) const { return std::min(begin_of(run) + (run_edges << run.level), edges()); }
+Outline::Box Outline::around(const Box &a, const Box &b) {
+	return {{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y)},
+			{std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
+}
 
 bool Outline::contains(glm::dvec2 place) const {
-	Stack<Run> stack;
-	stack.push(root());
+	RunStack<RunTree::Run> stack;
+	stack.push(edge_tree_.root());
 	bool within = false;
 	while (!stack.empty()) {
-		const Run run = stack.pop();
-		const Box &box = box_of(run);
+		const RunTree::Run run = stack.pop();
+		const Box &box = boxes_[edge_tree_.slot(run)];
 		if (place.y < box.min.y || place.y > box.max.y || place.x > box.max.x) {
 			continue;
 		}
 		if (place.x < box.min.x) {
 			// All of the run lies ahead: an odd number of crossings if it ends on the other side of the ray.
-			const bool above_first = place.y < points_[begin_of(run)].y;
-			within ^= above_first != (place.y < points_[end_of(run)].y);
+			const bool above_first = place.y < points_[edge_tree_.begin(run)].y;
+			within ^= above_first != (place.y < points_[edge_tree_.end(run)].y);
 		} else if (run.level > 0) {
-			const Run first{run.level - 1, run.index * 2};
-			const Run second{run.level - 1, run.index * 2 + 1};
-			stack.push(first);
-			if (has(second)) {
-				stack.push(second);
+			stack.push(edge_tree_.first(run));
+			if (edge_tree_.has_second(run)) {
+				stack.push(edge_tree_.second(run));
 			}
 		} else {
-			for (std::size_t i = begin_of(run); i < end_of(run); ++i) {
+			for (std::size_t i = edge_tree_.begin(run); i < edge_tree_.end(run); ++i) {
 				const Side found = side(points_[i], points_[i + 1], place);
 				if (found == Side::on) {
 					return false;
@@ -128,15 +111,15 @@ bool Outline::contains(glm::dvec2 place) const {
 }
 
 double Outline::distance(glm::dvec2 place, double limit) const {
-	const auto box_distance2 = [&](Run run) {
-		const Box &box = box_of(run);
+	const auto box_distance2 = [&](RunTree::Run run) {
+		const Box &box = boxes_[edge_tree_.slot(run)];
 		const double x = std::max({box.min.x - place.x, place.x - box.max.x, 0.0});
 		const double y = std::max({box.min.y - place.y, place.y - box.max.y, 0.0});
 		return x * x + y * y;
 	};
-	using Candidate = std::pair<Run, double>;
-	Stack<Candidate> stack;
-	stack.push({root(), box_distance2(root())});
+	using Candidate = std::pair<RunTree::Run, double>;
+	RunStack<Candidate> stack;
+	stack.push({edge_tree_.root(), box_distance2(edge_tree_.root())});
 	double nearest2 = limit * limit;
 	bool found = false;
 	while (!stack.empty()) {
@@ -145,18 +128,16 @@ double Outline::distance(glm::dvec2 place, double limit) const {
 			continue;
 		}
 		if (run.level == 0) {
-			for (std::size_t i = begin_of(run); i < end_of(run); ++i) {
+			for (std::size_t i = edge_tree_.begin(run); i < edge_tree_.end(run); ++i) {
 				const double distance2 = edge_distance2(points_[i], points_[i + 1], place);
 				found = found || distance2 < nearest2;
 				nearest2 = std::min(nearest2, distance2);
 			}
 			continue;
 		}
-		Candidate near{{run.level - 1, run.index * 2}, 0.0};
-		near.second = box_distance2(near.first);
-		Candidate far{{run.level - 1, run.index * 2 + 1}, 0.0};
-		if (has(far.first)) {
-			far.second = box_distance2(far.first);
+		Candidate near{edge_tree_.first(run), box_distance2(edge_tree_.first(run))};
+		if (edge_tree_.has_second(run)) {
+			Candidate far{edge_tree_.second(run), box_distance2(edge_tree_.second(run))};
 			if (far.second < near.second) {
 				std::swap(near, far);
 			}

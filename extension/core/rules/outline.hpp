@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/base/run_tree.hpp"
+
 #include <glm/vec2.hpp>
 
 #include <cstddef>
@@ -29,24 +31,13 @@ private:
 		glm::dvec2 max;
 	};
 
-	/// A run of (run_edges << level) edges, the last one of a level shorter.
-	struct Run {
-		std::uint32_t level;
-		std::uint32_t index;
-	};
-
-	static constexpr std::size_t run_edges = 4;
+	static Box around(const Box &a, const Box &b);
 
 	std::size_t edges() const { return points_.size() - 1; }
-	std::size_t begin_of(Run run) const { return static_cast<std::size_t>(run.index) * (run_edges << run.level); }
-	std::size_t end_of(Run run) const;
-	const Box &box_of(Run run) const { return boxes_[level_begin_[run.level] + run.index]; }
-	bool has(Run run) const { return level_begin_[run.level] + run.index < level_begin_[run.level + 1]; }
-	Run root() const { return {static_cast<std::uint32_t>(level_begin_.size() - 2), 0}; }
 
-	std::vector<glm::dvec2> points_;         ///< Of a closed one, the first once more at the end.
-	std::vector<Box> boxes_;                 ///< Level by level, the shortest runs first.
-	std::vector<std::uint32_t> level_begin_; ///< Into boxes_; one more than levels.
+	std::vector<glm::dvec2> points_; ///< Of a closed one, the first once more at the end.
+	RunTree edge_tree_;              ///< Over the edges.
+	std::vector<Box> boxes_;         ///< By its slots.
 };
 
 } // namespace thicket

@@ -1,10 +1,13 @@
 #pragma once
 
 #include "core/base/rect.hpp"
+#include "core/base/run_tree.hpp"
 #include "core/terrain/terrain.hpp"
 
 #include <glm/vec3.hpp>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,28 +19,58 @@ namespace thicket {
 class TriangleTerrain final : public Terrain {
 public:
 	/// `corners` holds three world positions a triangle, in metres, in any winding; all finite and within max_extent of the
-	/// origin, at most max_triangles. Refused ones change nothing. Builds a grid over the triangles: O(n) memory.
+	/// origin on each axis, at most max_triangles. Refused ones change nothing. Builds a tree of boxes over the triangles: O(n
+	/// log n) time, O(n) memory, whatever their sizes.
 	Status set(std::span<const glm::dvec3> corners);
 
-	/// As Terrain::sample. A place on an edge or a corner belongs to every triangle that meets there, so meshes without a
-	/// gap give ground without one. The normal is that of the triangle, the height exact to a float's rounding.
+	/// As Terrain::sample. A place on an edge or a corner belongs to every triangle that meets there (exactly: see
+	/// orientation), so meshes without a gap give ground without one. The normal is that of the triangle, of equally high ones
+	/// the first in `corners`; the height is exact to a float's rounding.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
-	/// The rectangle around all triangles; empty for none.
+	/// The rectangle around all triangles but those on edge, from corner to corner; empty for none. Its far borders have ground.
 	const Rect &area() const { return area_; }
 
 	static constexpr double max_extent = 1e7;
 	static constexpr std::size_t max_triangles = std::size_t{1} << 24;
 
 private:
+	struct Triangle {
+		std::array<glm::dvec3, 3> corners;
+		std::uint32_t index; ///< In what `set` was given.
+	};
+
+	/// Around the triangles of a run, seen from above, and how high they reach.
+	struct Box {
+		glm::dvec2 min;
+		glm::dvec2 max;
+		double top;
+
+		/// Borders included; false for NAN.
+		bool holds(glm::dvec2 place) const {
+			return place.x >= min.x && place.x <= max.x && place.y >= min.y && place.y <= max.y;
+		}
+	};
+
+	/// The topmost triangle found so far.
+	struct Hit {
+		const Triangle *triangle = nullptr;
+		double height = 0.0;
+	};
+
+	static Box around(const Triangle &triangle);
+	static Box around(const Box &a, const Box &b);
+	static void meet(const Triangle &triangle, glm::dvec2 position, Hit &r_hit);
+	static Ground ground_of(const Hit &hit);
+
+	void take(std::span<const glm::dvec3> corners);
+	void build_boxes();
 	Ground ground_at(glm::dvec2 position) const;
 
 	Rect area_;
-	std::vector<glm::dvec3> corners_;
-	std::vector<std::uint32_t> cell_begin_; ///< One more than cells; into cell_triangles_.
-	std::vector<std::uint32_t> cell_triangles_;
-	glm::ivec2 cells_{0};
-	glm::dvec2 cells_per_metre_{0.0};
+	std::vector<Triangle> triangles_; ///< In the order of the tree.
+	RunTree tree_;
+	std::vector<Box> boxes_; ///< By the tree's slots.
 };
 
 } // namespace thicket

@@ -1,0 +1,226 @@
+#include "core/terrain/triangle_terrain.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
+#include "core/base/orientation.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <new>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+glm::dvec2 from_above(glm::dvec3 corner) { return {corner.x, corner.z}; }
+
+double area_from_above(const std::array<glm::dvec3, 3> &corners) {
+	return orientation(from_above(corners[0]), from_above(corners[1]), from_above(corners[2]));
+}
+
+/// What the order of a triangle is found by.
+struct Key {
+	glm::dvec2 place; ///< Three times its middle.
+	std::uint32_t triangle;
+};
+
+/// Puts triangles that lie near each other next to each other: the lower ones along the longer axis into the first half_runs
+/// leaves of the tree, the others behind them, and so on within both. One order whatever the library's nth_element.
+void arrange(std::span<Key> keys, std::size_t half_runs) {
+	if (half_runs == 0) {
+		return;
+	}
+	const std::size_t half = half_runs * RunTree::leaf_size;
+	if (keys.size() <= half) {
+		arrange(keys, half_runs / 2);
+		return;
+	}
+	glm::dvec2 min = keys.front().place;
+	glm::dvec2 max = min;
+	for (const Key &key : keys) {
+		min = {std::min(min.x, key.place.x), std::min(min.y, key.place.y)};
+		max = {std::max(max.x, key.place.x), std::max(max.y, key.place.y)};
+	}
+	const int axis = max.x - min.x >= max.y - min.y ? 0 : 1;
+	std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(half), keys.end(),
+			[axis](const Key &a, const Key &b) {
+				return a.place[axis] < b.place[axis] || (a.place[axis] == b.place[axis] && a.triangle < b.triangle);
+			});
+	arrange(keys.first(half), half_runs / 2);
+	arrange(keys.subspan(half), half_runs / 2);
+}
+
+Status check_corners(std::span<const glm::dvec3> corners) {
+	if (corners.size() % 3 != 0) {
+		return {ErrorCode::wrong_size, "corners", static_cast<double>(corners.size())};
+	}
+	if (corners.size() / 3 > TriangleTerrain::max_triangles) {
+		return {ErrorCode::out_of_range, "triangles", static_cast<double>(corners.size() / 3)};
+	}
+	for (const glm::dvec3 corner : corners) {
+		for (const double coordinate : {corner.x, corner.y, corner.z}) {
+			if (const Status status = check_range(
+						"corners", coordinate, -TriangleTerrain::max_extent, TriangleTerrain::max_extent);
+					!status.ok()) {
+				return status;
+			}
+		}
+	}
+	return {};
+}
+
+} // namespace
+
+Status TriangleTerrain::set(std::span<const glm::dvec3> corners) {
+	if (const Status status = check_corners(corners); !status.ok()) {
+		return status;
+	}
+	TriangleTerrain built;
+	try {
+		built.take(corners);
+		built.build_boxes();
+	} catch (const std::bad_alloc &) {
+		return {ErrorCode::out_of_memory, "corners", static_cast<double>(corners.size())};
+	}
+	*this = std::move(built);
+	return {};
+}
+
+void TriangleTerrain::take(std::span<const glm::dvec3> corners) {
+	const auto triangle = [&](std::uint32_t index) {
+		const std::size_t first = std::size_t{index} * 3;
+		return Triangle{{corners[first], corners[first + 1], corners[first + 2]}, index};
+	};
+	std::vector<Key> keys;
+	keys.reserve(corners.size() / 3);
+	for (std::uint32_t i = 0; i < corners.size() / 3; ++i) {
+		const auto &[a, b, c] = triangle(i).corners;
+		if (area_from_above({a, b, c}) != 0.0) {
+			keys.push_back({from_above(a) + from_above(b) + from_above(c), i});
+		}
+	}
+	tree_ = RunTree(keys.size());
+	if (!tree_.empty()) {
+		arrange(keys, std::bit_ceil(tree_.runs(0)) / 2);
+	}
+	triangles_.reserve(keys.size());
+	for (const Key &key : keys) {
+		triangles_.push_back(triangle(key.triangle));
+	}
+}
+
+void TriangleTerrain::build_boxes() {
+	if (tree_.empty()) {
+		return;
+	}
+	boxes_.resize(tree_.runs());
+	tree_.each([&](RunTree::Run run) {
+		Box &box = boxes_[tree_.slot(run)];
+		if (run.level == 0) {
+			box = around(triangles_[tree_.begin(run)]);
+			for (std::size_t i = tree_.begin(run) + 1; i < tree_.end(run); ++i) {
+				box = around(box, around(triangles_[i]));
+			}
+		} else {
+			box = boxes_[tree_.slot(tree_.first(run))];
+			if (tree_.has_second(run)) {
+				box = around(box, boxes_[tree_.slot(tree_.second(run))]);
+			}
+		}
+	});
+	const Box &all = boxes_[tree_.slot(tree_.root())];
+	area_ = {all.min, all.max};
+}
+
+TriangleTerrain::Box TriangleTerrain::around(const Triangle &triangle) {
+	const auto &[a, b, c] = triangle.corners;
+	return {{std::min({a.x, b.x, c.x}), std::min({a.z, b.z, c.z})},
+			{std::max({a.x, b.x, c.x}), std::max({a.z, b.z, c.z})}, std::max({a.y, b.y, c.y})};
+}
+
+TriangleTerrain::Box TriangleTerrain::around(const Box &a, const Box &b) {
+	return {{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y)},
+			{std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}, std::max(a.top, b.top)};
+}
+
+Status TriangleTerrain::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+	if (positions.size() != r_ground.size()) {
+		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+	}
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		r_ground[i] = ground_at(positions[i]);
+	}
+	return {};
+}
+
+Ground TriangleTerrain::ground_at(glm::dvec2 position) const {
+	Hit hit;
+	RunStack<RunTree::Run> stack;
+	const auto push = [&](RunTree::Run run) {
+		if (boxes_[tree_.slot(run)].holds(position)) {
+			stack.push(run);
+		}
+	};
+	if (!tree_.empty()) {
+		push(tree_.root());
+	}
+	while (!stack.empty()) {
+		const RunTree::Run run = stack.pop();
+		if (hit.triangle != nullptr && boxes_[tree_.slot(run)].top < hit.height) {
+			continue;
+		}
+		if (run.level == 0) {
+			for (std::size_t i = tree_.begin(run); i < tree_.end(run); ++i) {
+				meet(triangles_[i], position, hit);
+			}
+			continue;
+		}
+		// The higher half first: what it holds may lie above all of the other.
+		RunTree::Run first = tree_.first(run);
+		if (tree_.has_second(run)) {
+			RunTree::Run second = tree_.second(run);
+			if (boxes_[tree_.slot(second)].top > boxes_[tree_.slot(first)].top) {
+				std::swap(first, second);
+			}
+			push(second);
+		}
+		push(first);
+	}
+	return hit.triangle != nullptr ? ground_of(hit) : Ground{};
+}
+
+/// Keeps the higher one of `r_hit` and the triangle, if that lies above or below `position`.
+void TriangleTerrain::meet(const Triangle &triangle, glm::dvec2 position, Hit &r_hit) {
+	const auto &[a, b, c] = triangle.corners;
+	// Each corner's part in the place: the area of the triangle that the place makes with the other two corners.
+	const double part_a = orientation(position, from_above(b), from_above(c));
+	const double part_b = orientation(position, from_above(c), from_above(a));
+	const double part_c = orientation(position, from_above(a), from_above(b));
+	const bool within =
+			(part_a >= 0.0 && part_b >= 0.0 && part_c >= 0.0) || (part_a <= 0.0 && part_b <= 0.0 && part_c <= 0.0);
+	if (!within) {
+		return;
+	}
+	const double mean = (part_a * a.y + part_b * b.y + part_c * c.y) / (part_a + part_b + part_c);
+	const double height = std::clamp(mean, std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}));
+	const bool higher = r_hit.triangle == nullptr || height > r_hit.height ||
+			(height == r_hit.height && triangle.index < r_hit.triangle->index);
+	if (higher) {
+		r_hit = {&triangle, height};
+	}
+}
+
+Ground TriangleTerrain::ground_of(const Hit &hit) {
+	const auto &corners = hit.triangle->corners;
+	const glm::dvec3 u = corners[1] - corners[0];
+	const glm::dvec3 v = corners[2] - corners[0];
+	const double up = -area_from_above(corners);
+	const double turn = up < 0.0 ? -1.0 : 1.0;
+	const glm::dvec3 normal(turn * (u.y * v.z - u.z * v.y), std::abs(up), turn * (u.x * v.y - u.y * v.x));
+	const double to_unit = 1.0 / std::sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
+	return {static_cast<float>(hit.height), glm::vec3(normal * to_unit)};
+}
+
+} // namespace thicket

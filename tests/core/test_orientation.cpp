@@ -1,0 +1,71 @@
+#include "core/base/orientation.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <utility>
+
+using namespace thicket;
+
+namespace {
+
+__extension__ using Wide = __int128;
+
+int sign(double value) { return value > 0.0 ? 1 : (value < 0.0 ? -1 : 0); }
+
+/// Twice the area of a triangle whose corners are whole numbers below 2^52, without loss.
+Wide exact(const std::array<std::array<std::int64_t, 2>, 3> &corner) {
+	const auto gap = [&](std::size_t i, std::size_t axis) {
+		return static_cast<Wide>(corner[i][axis]) - static_cast<Wide>(corner[2][axis]);
+	};
+	return gap(0, 0) * gap(1, 1) - gap(0, 1) * gap(1, 0);
+}
+
+} // namespace
+
+TEST_CASE("orientation: turns, and the lack of one") {
+	CHECK(orientation({0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}) == 1.0);
+	CHECK(orientation({0.0, 0.0}, {0.0, 1.0}, {1.0, 0.0}) == -1.0);
+	CHECK(orientation({1.0, 1.0}, {3.0, 3.0}, {-7.0, -7.0}) == 0.0);
+	CHECK(orientation({0.1, 0.1}, {0.3, 0.3}, {0.7, 0.7}) == 0.0);
+	CHECK(orientation({2.0, 5.0}, {2.0, 5.0}, {2.0, 5.0}) == 0.0);
+	// A hair of a double's beside the line: a plain determinant says 0.
+	const double hair = std::ldexp(1.0, -53);
+	CHECK(orientation({0.5, 0.5 + hair}, {12.0, 12.0}, {24.0, 24.0}) == 12.0 * hair);
+	CHECK(orientation({0.5 + hair, 0.5}, {12.0, 12.0}, {24.0, 24.0}) == -12.0 * hair);
+}
+
+TEST_CASE("orientation: exact in sign and true in value, however narrow the triangle") {
+	std::mt19937_64 random(1);
+	int on_line = 0;
+	for (int round = 0; round < 20000; ++round) {
+		const int bits = 10 + static_cast<int>(random() % 42);
+		const auto number = [&] {
+			return static_cast<std::int64_t>(random() % (std::uint64_t{1} << bits)) - (std::int64_t{1} << (bits - 1));
+		};
+		std::array<std::array<std::int64_t, 2>, 3> corner{{{number(), number()}, {number(), number()}, {}}};
+		// The third on the line through the others, or up to a step beside it.
+		const auto part = static_cast<std::int64_t>(random() % 8);
+		for (std::size_t axis = 0; axis < 2; ++axis) {
+			corner[2][axis] = corner[0][axis] + (corner[1][axis] - corner[0][axis]) / 7 * part +
+					static_cast<std::int64_t>(random() % 3) - 1;
+		}
+		const double scale = std::ldexp(1.0, -static_cast<int>(random() % 60));
+		std::array<glm::dvec2, 3> place;
+		for (std::size_t i = 0; i < 3; ++i) {
+			place[i] = scale * glm::dvec2(static_cast<double>(corner[i][0]), static_cast<double>(corner[i][1]));
+		}
+		const Wide area = exact(corner);
+		const double expected = static_cast<double>(area) * scale * scale;
+		const double found = orientation(place[0], place[1], place[2]);
+		on_line += area == 0 ? 1 : 0;
+		CHECK(sign(found) == sign(expected));
+		CHECK(std::abs(found - expected) <= std::ldexp(std::abs(expected), -26));
+		CHECK(sign(orientation(place[1], place[0], place[2])) == -sign(expected));
+		CHECK(sign(orientation(place[2], place[0], place[1])) == sign(expected));
+	}
+	CHECK(on_line > 100);
+}
