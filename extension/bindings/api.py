@@ -18,9 +18,9 @@ IDENTITIES = {
 OPERATORS = {"+": "ADD", "%": "MODULE"}
 
 # Types without a destructor that are plain structs, written by hand. (RID is one too, but a class.)
-STRUCTS = frozenset("Vector2 Vector2i Vector3 Rect2 AABB Basis Transform3D".split())
+STRUCTS = frozenset("Vector2 Vector2i Vector3 Rect2 Rect2i AABB Basis Transform3D Color".split())
 
-PACKED_ELEMENTS = {"Byte": "uint8_t", "Int64": "int64_t", "Float32": "float", "Float64": "double"}
+PACKED_ELEMENTS = {"Byte": "uint8_t", "Int32": "int32_t", "Int64": "int64_t", "Float32": "float", "Float64": "double"}
 
 
 def snake(name):

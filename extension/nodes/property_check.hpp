@@ -19,6 +19,7 @@ struct NumberProperty {
 	Number max; ///< The largest value taken.
 	godot::PropertyHint hint = godot::PROPERTY_HINT_NONE;
 	const char *hint_string = "";
+	Number least = 0; ///< Where 0 stands for "none": the smallest other number taken, `min` being 0. 0 for no such gap.
 };
 
 /// True for a finite value in [min, max]; otherwise prints one error that names owner, property and value, and is

@@ -2,6 +2,7 @@
 
 #include "nodes/poisson_sampler.hpp"
 #include "nodes/scatter_layer.hpp"
+#include "nodes/scatter_mask.hpp"
 #include "nodes/scatter_terrain.hpp"
 #include "nodes/scatter_terrain_flat.hpp"
 #include "nodes/scatter_terrain_heightmap.hpp"
@@ -22,6 +23,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterTerrain);
 	GDREGISTER_CLASS(ScatterTerrainFlat);
 	GDREGISTER_CLASS(ScatterTerrainHeightmap);
+	GDREGISTER_CLASS(ScatterMask);
 	GDREGISTER_CLASS(ScatterLayer);
 	GDREGISTER_CLASS(TerrainScatter3D);
 }

@@ -199,6 +199,11 @@ void ClassDB::add_property_group(const StringName &p_class, const String &p_name
 			library, p_class._native_ptr(), p_name._native_ptr(), p_prefix._native_ptr());
 }
 
+void ClassDB::add_property_subgroup(const StringName &p_class, const String &p_name, const String &p_prefix) {
+	gdextension_interface::classdb_register_extension_class_property_subgroup(
+			library, p_class._native_ptr(), p_name._native_ptr(), p_prefix._native_ptr());
+}
+
 void ClassDB::add_signal(const StringName &p_class, const MethodInfo &p_signal) {
 	const std::vector<GDExtensionPropertyInfo> arguments = native(p_signal.arguments);
 	gdextension_interface::classdb_register_extension_class_signal(library, p_class._native_ptr(),

@@ -89,6 +89,10 @@ Variant::Variant(const Array &p_array) {
 	internal::builtin_functions[ARRAY].to_variant(storage_, p_array._native_ptr());
 }
 
+Variant::Variant(const Dictionary &p_dictionary) {
+	internal::builtin_functions[DICTIONARY].to_variant(storage_, p_dictionary._native_ptr());
+}
+
 Variant::~Variant() { gdextension_interface::variant_destroy(storage_); }
 
 Variant &Variant::operator=(const Variant &p_from) { return *this = Variant(p_from); }
@@ -143,9 +147,21 @@ void Array::set_typed(uint32_t p_type, const StringName &p_class, const Variant 
 			_native_ptr(), static_cast<GDExtensionVariantType>(p_type), p_class._native_ptr(), p_script._native_ptr());
 }
 
+const Variant &Dictionary::operator[](const Variant &p_key) const {
+	return *static_cast<const Variant *>(
+			gdextension_interface::dictionary_operator_index_const(_native_ptr(), p_key._native_ptr()));
+}
+
 Variant &Dictionary::operator[](const Variant &p_key) {
 	return *static_cast<Variant *>(
 			gdextension_interface::dictionary_operator_index(_native_ptr(), p_key._native_ptr()));
+}
+
+void Dictionary::set_typed(uint32_t p_key_type, const StringName &p_key_class, const Variant &p_key_script,
+		uint32_t p_value_type, const StringName &p_value_class, const Variant &p_value_script) {
+	gdextension_interface::dictionary_set_typed(_native_ptr(), static_cast<GDExtensionVariantType>(p_key_type),
+			p_key_class._native_ptr(), p_key_script._native_ptr(), static_cast<GDExtensionVariantType>(p_value_type),
+			p_value_class._native_ptr(), p_value_script._native_ptr());
 }
 
 void _err_print_error(const char *p_function, const char *p_file, int p_line, const String &p_message) {

@@ -7,6 +7,7 @@
 #include <godot_cpp/core/method_bind.hpp>
 #include <godot_cpp/core/object.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
+#include <godot_cpp/variant/typed_dictionary.hpp>
 
 #include <memory>
 
@@ -79,6 +80,7 @@ public:
 	static void add_property(const StringName &p_class, const PropertyInfo &p_property, const StringName &p_setter,
 			const StringName &p_getter);
 	static void add_property_group(const StringName &p_class, const String &p_name, const String &p_prefix);
+	static void add_property_subgroup(const StringName &p_class, const String &p_name, const String &p_prefix);
 	static void add_signal(const StringName &p_class, const MethodInfo &p_signal);
 	static void add_virtual_method(
 			const StringName &p_class, MethodInfo p_method, const std::vector<StringName> &p_arguments);
@@ -115,4 +117,5 @@ private:
 #define ADD_PROPERTY(m_property, m_setter, m_getter) \
 	::godot::ClassDB::add_property(get_class_static(), m_property, m_setter, m_getter)
 #define ADD_GROUP(m_name, m_prefix) ::godot::ClassDB::add_property_group(get_class_static(), m_name, m_prefix)
+#define ADD_SUBGROUP(m_name, m_prefix) ::godot::ClassDB::add_property_subgroup(get_class_static(), m_name, m_prefix)
 #define ADD_SIGNAL(m_signal) ::godot::ClassDB::add_signal(get_class_static(), m_signal)

@@ -53,7 +53,8 @@ public:
 	Variant(Variant &&p_from) noexcept;
 	Variant(const char *p_utf8);
 	Variant(const Object *p_object);
-	Variant(const Array &p_array); // Typed arrays, too.
+	Variant(const Array &p_array);           // Typed arrays, too.
+	Variant(const Dictionary &p_dictionary); // Typed dictionaries, too.
 	~Variant();
 	Variant &operator=(const Variant &p_from);
 	Variant &operator=(Variant &&p_from) noexcept;
@@ -112,16 +113,19 @@ private:
 #include <godot_cpp/variant/aabb.hpp>
 #include <godot_cpp/variant/array.hpp>
 #include <godot_cpp/variant/callable.hpp>
+#include <godot_cpp/variant/color.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/node_path.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_float64_array.hpp>
+#include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/packed_vector2_array.hpp>
 #include <godot_cpp/variant/packed_vector3_array.hpp>
 #include <godot_cpp/variant/rect2.hpp>
+#include <godot_cpp/variant/rect2i.hpp>
 #include <godot_cpp/variant/rid.hpp>
 #include <godot_cpp/variant/string.hpp>
 #include <godot_cpp/variant/string_name.hpp>

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <godot_cpp/variant/vector2i.hpp>
+
+namespace godot {
+
+/// A corner and the way to the opposite one, in whole numbers.
+struct Rect2i {
+	Vector2i position;
+	Vector2i size;
+
+	constexpr Rect2i() = default;
+	constexpr Rect2i(const Vector2i &p_position, const Vector2i &p_size) : position(p_position), size(p_size) {}
+
+	constexpr bool operator==(const Rect2i &) const = default;
+};
+
+} // namespace godot

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <godot_cpp/classes/object.hpp>
+#include <godot_cpp/variant/string_name.hpp>
+
+namespace thicket {
+
+/// Connects a signal of `p_source` to a bound method of `p_watcher`, or takes the connection away; does nothing for a null
+/// source, or where that is so already. By the method's name: the connection outlives the C++ object when the extension is
+/// loaded anew.
+void watch(godot::Object *p_source, const godot::StringName &p_signal, godot::Object *p_watcher,
+		const godot::StringName &p_method, bool p_watch);
+
+} // namespace thicket
