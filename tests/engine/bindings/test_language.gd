@@ -2,7 +2,8 @@ extends "../harness.gd"
 ## What scripts see of our classes through the bindings: calls, properties, references, overrides, signals, threads.
 
 const OURS: PackedStringArray = [
-	"PoissonSampler", "ScatterLayer", "ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainHeightmap", "TerrainScatter3D",
+	"PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainHeightmap",
+	"TerrainScatter3D",
 ]
 
 ## Nothing until it is set: as a default it says so, as a value it would be wrong.
