@@ -1,0 +1,271 @@
+#include "core/rules/clump_impulses.hpp"
+#include "core/rules/clump_noise.hpp"
+#include "refusal.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+ClumpNoise noise_of(const Clumping &clumping, std::uint64_t seed = 1) {
+	REQUIRE(validate(clumping).ok());
+	ClumpNoise noise;
+	noise.set(clumping, seed);
+	return noise;
+}
+
+/// Places all over a square of 100,000 clumps of 10 m, away from the origin.
+std::vector<glm::dvec2> places(std::size_t count, unsigned seed) {
+	std::mt19937_64 random(seed);
+	std::uniform_real_distribution<double> along(-4000.0, -4000.0 + 3162.0);
+	std::vector<glm::dvec2> result(count);
+	std::ranges::generate(result, [&] {
+		const double x = along(random);
+		return glm::dvec2(x, along(random));
+	});
+	return result;
+}
+
+double mean_at(const ClumpNoise &noise, const std::vector<glm::dvec2> &at) {
+	double sum = 0.0;
+	for (const glm::dvec2 place : at) {
+		sum += noise.at(place);
+	}
+	return sum / static_cast<double>(at.size());
+}
+
+/// With a coverage of a half and no edge at all, the density is the part of the plane below it.
+constexpr Clumping plain{.size = 10.0, .coverage = 0.5, .softness = 1.0};
+
+double correlation(const ClumpNoise &noise, const std::vector<glm::dvec2> &at, glm::dvec2 offset) {
+	double sum = 0.0;
+	for (const glm::dvec2 place : at) {
+		sum += (noise.at(place) - 0.5) * (noise.at(place + offset) - 0.5);
+	}
+	return sum * 12.0 / static_cast<double>(at.size());
+}
+
+} // namespace
+
+TEST_CASE("clumps: they cover the part of the plane that is asked for, whatever the seed") {
+	const auto at = places(40000, 1);
+	for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, ~std::uint64_t{0}}) {
+		for (const double coverage : {0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98}) {
+			const double share = mean_at(noise_of({10.0, coverage, 0.0}, seed), at);
+			CAPTURE(coverage);
+			CHECK(std::abs(share - coverage) < 0.01);
+		}
+	}
+}
+
+TEST_CASE("clumps: soft edges keep the mean and the outline") {
+	const auto at = places(40000, 2);
+	for (const double coverage : {0.1, 0.25, 0.5, 0.75, 0.9}) {
+		const ClumpNoise sharp = noise_of({10.0, coverage, 0.0});
+		for (const double softness : {0.1, 0.5, 1.0}) {
+			const ClumpNoise soft = noise_of({10.0, coverage, softness});
+			CHECK(std::abs(mean_at(soft, at) - coverage) < 0.01);
+			for (std::size_t i = 0; i < 1000; ++i) {
+				const double density = soft.at(at[i]);
+				CHECK((density > 0.5 ? 1.0 : 0.0) == sharp.at(at[i]));
+			}
+		}
+	}
+}
+
+TEST_CASE("clumps: the noise is uniform, to half a percent at every twentieth") {
+	const auto at = places(200000, 3);
+	const ClumpNoise noise = noise_of(plain, 7);
+	std::vector<double> values(at.size());
+	std::ranges::transform(at, values.begin(), [&](glm::dvec2 place) { return noise.at(place); });
+	std::ranges::sort(values);
+	for (int twentieth = 1; twentieth < 20; ++twentieth) {
+		const double value = values[values.size() * static_cast<std::size_t>(twentieth) / 20];
+		CHECK(std::abs(value - twentieth / 20.0) < 0.005);
+	}
+	CHECK(values.front() >= 0.0);
+	CHECK(values.back() <= 1.0);
+}
+
+TEST_CASE("clumps: the table that makes the noise uniform is what the noise measures") {
+	// Of 200,000 places a share is known to 0.0011 (one standard deviation).
+	constexpr std::array nearer
+#include "core/rules/clump_table.inc"
+			;
+	static_assert(nearer.size() == clump_knots);
+	CHECK(std::ranges::is_sorted(nearer));
+	CHECK(nearer.front() == 0.0);
+	CHECK(nearer.back() == 1.0);
+	std::vector<double> heights;
+	for (const glm::dvec2 place : places(200000, 4)) {
+		heights.push_back(std::abs(clump_impulses(place, 99)));
+	}
+	std::ranges::sort(heights);
+	for (std::size_t knot = 0; knot < clump_knots; ++knot) {
+		const auto below = std::ranges::lower_bound(heights, static_cast<double>(knot) / clump_knots_per_unit);
+		const double share = static_cast<double>(below - heights.begin()) / static_cast<double>(heights.size());
+		CHECK(std::abs(share - nearer[knot]) < 0.005);
+	}
+}
+
+TEST_CASE("clumps: without softness there is all or nothing; nothing and all cover nothing and all") {
+	const auto at = places(5000, 5);
+	for (const double softness : {0.0, 0.3, 1.0}) {
+		const ClumpNoise none = noise_of({10.0, 0.0, softness});
+		const ClumpNoise all = noise_of({10.0, 1.0, softness});
+		const ClumpNoise some = noise_of({10.0, 0.4, softness});
+		int between = 0;
+		for (const glm::dvec2 place : at) {
+			REQUIRE(none.at(place) == 0.0);
+			REQUIRE(all.at(place) == 1.0);
+			const double density = some.at(place);
+			REQUIRE((density >= 0.0 && density <= 1.0));
+			between += density > 0.0 && density < 1.0;
+		}
+		// The edges have 2 * softness * coverage of the plane.
+		CHECK(std::abs(between / 5000.0 - 2.0 * softness * 0.4) < 0.03);
+	}
+}
+
+TEST_CASE("clumps: their middles are as far apart as asked for") {
+	for (const double size : {1.0, 40.0}) {
+		const ClumpNoise noise = noise_of({size, 0.5, 1.0}, 3);
+		constexpr int side = 600; // Of steps of a twelfth of a size: 50 by 50 clumps.
+		std::vector<double> values(side * side);
+		for (int y = 0; y < side; ++y) {
+			for (int x = 0; x < side; ++x) {
+				values[static_cast<std::size_t>(y * side + x)] = noise.at(glm::dvec2(x, y) * (size / 12.0));
+			}
+		}
+		int maxima = 0;
+		for (int y = 1; y + 1 < side; ++y) {
+			for (int x = 1; x + 1 < side; ++x) {
+				const double *const here = &values[static_cast<std::size_t>(y * side + x)];
+				const double around = std::max({here[-side - 1], here[-side], here[-side + 1], here[-1], here[1],
+						here[side - 1], here[side], here[side + 1]});
+				maxima += *here > around;
+			}
+		}
+		CHECK(maxima > 2500 * 0.85);
+		CHECK(maxima < 2500 * 1.15);
+	}
+}
+
+TEST_CASE("clumps: no direction and no lattice stands out") {
+	const auto at = places(60000, 6);
+	const ClumpNoise noise = noise_of(plain, 5);
+	for (const double distance : {1.5, 3.0, 4.6, 6.9}) { // 4.6 m is the side of a cell.
+		std::vector<double> around;
+		for (int direction = 0; direction < 8; ++direction) {
+			const double angle = direction * 0.39269908169872414;
+			around.push_back(correlation(noise, at, distance * glm::dvec2(std::cos(angle), std::sin(angle))));
+		}
+		CHECK(std::ranges::max(around) - std::ranges::min(around) < 0.04);
+	}
+	for (const double distance : {20.0, 100.0, 46.0 * 64.0}) {
+		CHECK(std::abs(correlation(noise, at, {distance, 0.0})) < 0.02);
+		CHECK(std::abs(correlation(noise, at, {0.0, distance})) < 0.02);
+	}
+	// The mean over many cells, at each of 8 by 8 places in a cell.
+	constexpr double cell = 10.0 / 2.1747;
+	for (int part = 0; part < 64; ++part) {
+		double sum = 0.0;
+		double squares = 0.0;
+		for (int i = 0; i < 2000; ++i) {
+			const glm::dvec2 corner(i % 50 * 7, i / 50 * 7);
+			const double value = noise.at((corner + glm::dvec2(part % 8, part / 8) / 8.0) * cell) - 0.5;
+			sum += value;
+			squares += value * value;
+		}
+		CHECK(std::abs(sum / 2000.0) < 0.03);
+		CHECK(std::abs(squares / 2000.0 - 1.0 / 12.0) < 0.012);
+	}
+}
+
+TEST_CASE("clumps: the noise is continuous, near the origin and 10^9 m out, and does not come again") {
+	for (const glm::dvec2 origin : {glm::dvec2(0.0), glm::dvec2(1e9, -1e9), glm::dvec2(-1e9, 5e8)}) {
+		const ClumpNoise noise = noise_of(plain, 9);
+		double low = 1.0;
+		double high = 0.0;
+		for (int i = 0; i < 20000; ++i) {
+			const glm::dvec2 place = origin + glm::dvec2(i * 0.01, i * -0.007);
+			const double value = noise.at(place);
+			REQUIRE(std::abs(noise.at(place + glm::dvec2(0.01, -0.007)) - value) < 0.02);
+			low = std::min(low, value);
+			high = std::max(high, value);
+		}
+		CHECK(low < 0.1);
+		CHECK(high > 0.9);
+	}
+	// Whole powers of two of cells away, where truncated coordinates would repeat.
+	const auto at = places(10000, 7);
+	for (const double cells : {0x1p8, 0x1p16, 0x1p24, 0x1p32}) {
+		CHECK(std::abs(correlation(noise_of(plain, 9), at, {cells * 10.0 / 2.1747, 0.0})) < 0.05);
+	}
+}
+
+TEST_CASE("clumps: seeds have noise of their own, and sizes scale one") {
+	const auto at = places(20000, 8);
+	const ClumpNoise first = noise_of(plain, 1);
+	const ClumpNoise large = noise_of({20.0, 0.5, 1.0}, 1);
+	for (const std::uint64_t seed : {std::uint64_t{2}, std::uint64_t{1} << 40, std::uint64_t{1} + 0x9E3779B97F4A7C15}) {
+		const ClumpNoise other = noise_of(plain, seed);
+		double sum = 0.0;
+		for (const glm::dvec2 place : at) {
+			sum += (first.at(place) - 0.5) * (other.at(place) - 0.5);
+		}
+		CHECK(std::abs(sum * 12.0 / 20000.0) < 0.04);
+	}
+	for (const glm::dvec2 place : at) {
+		REQUIRE(large.at(2.0 * place) == first.at(place));
+	}
+}
+
+TEST_CASE("clumps: a size of 0 is no clumping, and no place has no density") {
+	const ClumpNoise off = noise_of({});
+	CHECK_FALSE(off.active());
+	CHECK(off.at({3.0, 4.0}) == 1.0);
+	CHECK_FALSE(ClumpNoise().active());
+	CHECK(ClumpNoise().at({-1e300, 0.0}) == 1.0);
+	for (const double coverage : {0.0, 0.5, 1.0}) {
+		const ClumpNoise noise = noise_of({10.0, coverage, 0.5});
+		CHECK(noise.active());
+		for (const double bad : {nan_value, infinite_value, -infinite_value, 1e300, -1e300}) {
+			CHECK(noise.at({bad, 0.0}) == 0.0);
+			CHECK(noise.at({0.0, bad}) == 0.0);
+		}
+	}
+	const ClumpNoise smallest = noise_of({min_clump_size, 0.5, 1.0});
+	CHECK(smallest.at({1e9, 1e9}) != smallest.at({1e9 + 0.05, 1e9}));
+}
+
+TEST_CASE("clumps: what is refused is named") {
+	const auto refuse = [](auto change, ErrorCode code, const char *property, double value) {
+		Clumping bad{.size = 5.0};
+		change(bad);
+		check_refused(validate(bad), code, property, value);
+	};
+	refuse([](auto &bad) { bad.size = nan_value; }, ErrorCode::not_finite, "clump_size", nan_value);
+	refuse([](auto &bad) { bad.size = infinite_value; }, ErrorCode::not_finite, "clump_size", infinite_value);
+	refuse([](auto &bad) { bad.size = -1.0; }, ErrorCode::out_of_range, "clump_size", -1.0);
+	refuse([](auto &bad) { bad.size = 0.05; }, ErrorCode::out_of_range, "clump_size", 0.05);
+	refuse([](auto &bad) { bad.size = 2e5; }, ErrorCode::out_of_range, "clump_size", 2e5);
+	refuse([](auto &bad) { bad.coverage = -0.1; }, ErrorCode::out_of_range, "clump_coverage", -0.1);
+	refuse([](auto &bad) { bad.coverage = 1.1; }, ErrorCode::out_of_range, "clump_coverage", 1.1);
+	refuse([](auto &bad) { bad.coverage = nan_value; }, ErrorCode::not_finite, "clump_coverage", nan_value);
+	refuse([](auto &bad) { bad.softness = 1.5; }, ErrorCode::out_of_range, "clump_softness", 1.5);
+	refuse([](auto &bad) { bad.softness = -0.5; }, ErrorCode::out_of_range, "clump_softness", -0.5);
+	refuse([](auto &bad) { bad.softness = -infinite_value; }, ErrorCode::not_finite, "clump_softness", -infinite_value);
+	for (const double size : {0.0, min_clump_size, max_clump_size}) {
+		CHECK(validate({size, 0.0, 0.0}).ok());
+		CHECK(validate({size, 1.0, 1.0}).ok());
+	}
+}

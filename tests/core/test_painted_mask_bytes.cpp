@@ -1,0 +1,198 @@
+#include "core/base/word_hash.hpp"
+#include "core/rules/painted_mask.hpp"
+#include "mask_fixture.hpp"
+#include "refusal.hpp"
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <cstddef>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Puts the right checksum at the end of bytes that were changed.
+Bytes sealed(Bytes bytes) {
+	bytes.resize(bytes.size() - 8);
+	WordHash hash;
+	for (const std::uint8_t byte : bytes) {
+		hash.add(std::uint32_t{byte});
+	}
+	for (int byte = 0; byte < 8; ++byte) {
+		bytes.push_back(static_cast<std::uint8_t>(hash.value() >> 8 * byte));
+	}
+	return bytes;
+}
+
+/// A small mask with a block of one value and one of many.
+PaintedMask small_mask() {
+	PaintedMask mask = mask_of(0.5, 0.0);
+	write(mask, {{64, -128}, {128, -64}}, std::vector<std::uint8_t>(64 * 64, 9));
+	write(mask, {{-5, 70}, {-2, 71}}, {1, 2, 3});
+	return mask;
+}
+
+constexpr std::size_t header = 17;
+
+/// Refused as corrupt, and the mask that was there stays.
+void check_corrupt(const Bytes &bytes) {
+	PaintedMask mask = small_mask();
+	const Status status = mask.from_bytes(bytes);
+	REQUIRE(status.code == ErrorCode::corrupt);
+	REQUIRE(std::string(status.property) == "data");
+	REQUIRE(mask == small_mask());
+}
+
+} // namespace
+
+TEST_CASE("mask bytes: a mask comes back as it was, and its bytes as well") {
+	for (const PaintedMask &mask :
+			{PaintedMask(), mask_of(1.0 / 64.0, 0.0), mask_of(1024.0, 0.4), small_mask(), noisy_mask(0.3, 1)}) {
+		PaintedMask other = noisy_mask(1.0, 2);
+		REQUIRE(other.from_bytes(mask.to_bytes()).ok());
+		CHECK(other == mask);
+		CHECK(other.to_bytes() == mask.to_bytes());
+		CHECK(other.block_count() == mask.block_count());
+		CHECK(density(other, {-1.3, 35.2}) == density(mask, {-1.3, 35.2}));
+	}
+}
+
+TEST_CASE(
+		"mask bytes: a mask that was loaded can be painted, and blocks that shared a value do not follow each other") {
+	PaintedMask mask = mask_of(1.0, 0.0);
+	paint(mask, {.center = {0.0, 0.0}, .radius = 300.0, .hardness = 1.0});
+	PaintedMask loaded;
+	REQUIRE(loaded.from_bytes(mask.to_bytes()).ok());
+	const Brush erase{.mode = Brush::Mode::erase, .center = {32.0, 32.0}, .radius = 20.0};
+	paint(mask, erase);
+	paint(loaded, erase);
+	CHECK(loaded == mask);
+	CHECK(pixel(loaded, 32, 32) == 0);
+	CHECK(pixel(loaded, 96, 32) == 255);
+}
+
+TEST_CASE("mask bytes: equal masks have equal bytes, however they were painted") {
+	PaintedMask forth = mask_of(1.0, 0.0);
+	PaintedMask back = mask_of(1.0, 0.0);
+	paint(back, {.center = {500.0, 0.0}, .radius = 90.0});
+	for (int i = 0; i < 5; ++i) {
+		paint(forth, {.center = {100.0 * i, -77.0}, .radius = 30.0});
+		paint(back, {.center = {100.0 * (4 - i), -77.0}, .radius = 30.0});
+	}
+	CHECK_FALSE(back.to_bytes() == forth.to_bytes());
+	paint(back, {.mode = Brush::Mode::erase, .center = {510.0, 0.0}, .radius = 101.0, .hardness = 1.0});
+	CHECK(back == forth);
+	CHECK(back.to_bytes() == forth.to_bytes());
+}
+
+TEST_CASE("mask bytes: blocks of one value take few bytes") {
+	PaintedMask mask = mask_of(1.0, 0.0);
+	const std::size_t empty = mask.to_bytes().size();
+	CHECK(empty == 25);
+	write(mask, {{-640, -640}, {640, 640}}, std::vector<std::uint8_t>(1280 * 1280, 255));
+	CHECK(mask.block_count() == 400);
+	CHECK(mask.to_bytes().size() == empty + 400 * 10);
+}
+
+TEST_CASE("mask bytes: the format is as it was") {
+	PaintedMask mask = mask_of(0.5, 0.2);
+	write(mask, {{-64, 128}, {0, 192}}, std::vector<std::uint8_t>(64 * 64, 7));
+	const Bytes expected{'T', 'M', 'S', 'K', 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xe0, 0x3f, 51, // Header.
+			2, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0, 7, // Row 2, column -1, of one value, 7.
+			0, 0, 0, 0, 0, 0, 0, 0};
+	CHECK(mask.to_bytes() == sealed(expected));
+	// FNV-1a itself, from its authors' list of test values.
+	WordHash hash;
+	for (const char letter : std::string("foobar")) {
+		hash.add(static_cast<std::uint32_t>(letter));
+	}
+	CHECK(hash.value() == 0x85944171f73967e8);
+}
+
+TEST_CASE("mask bytes: every truncation is refused") {
+	const Bytes bytes = small_mask().to_bytes();
+	for (std::size_t size = 0; size < bytes.size(); ++size) {
+		check_corrupt({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+	}
+	Bytes longer = bytes;
+	longer.push_back(0);
+	check_corrupt(longer);
+}
+
+TEST_CASE("mask bytes: every change of a single byte is refused") {
+	PaintedMask mask = mask_of(0.5, 0.0);
+	write(mask, {{64, -128}, {128, -64}}, std::vector<std::uint8_t>(64 * 64, 9));
+	const Bytes bytes = mask.to_bytes();
+	for (std::size_t place = 0; place < bytes.size(); ++place) {
+		for (int change = 1; change < 256; ++change) {
+			Bytes bad = bytes;
+			bad[place] = static_cast<std::uint8_t>(bad[place] ^ change);
+			const Status status = mask.from_bytes(bad);
+			const bool version = place >= 4 && place < 8;
+			REQUIRE(status.code == (version ? ErrorCode::out_of_range : ErrorCode::corrupt));
+		}
+	}
+	const Bytes large = small_mask().to_bytes();
+	for (std::size_t place = 0; place < large.size(); ++place) {
+		Bytes bad = large;
+		bad[place] ^= 0x10;
+		REQUIRE_FALSE(mask.from_bytes(bad).ok());
+	}
+	CHECK(mask.to_bytes() == bytes);
+}
+
+TEST_CASE("mask bytes: a later version is named") {
+	Bytes bytes = small_mask().to_bytes();
+	bytes[4] = 2;
+	PaintedMask mask = small_mask();
+	check_refused(mask.from_bytes(sealed(bytes)), ErrorCode::out_of_range, "version", 2.0);
+	CHECK(mask == small_mask());
+}
+
+TEST_CASE("mask bytes: what the checksum covers but no mask writes is refused") {
+	const Bytes bytes = small_mask().to_bytes(); // Blocks at (-2, 1), of one value, and at (1, -1).
+	constexpr std::size_t uniform_size = 10;
+	REQUIRE(bytes.size() == header + uniform_size + 9 + 64 * 64 + 8);
+	const auto changed = [&](std::size_t place, std::uint8_t value) {
+		Bytes bad = bytes;
+		bad[place] = value;
+		return sealed(bad);
+	};
+	check_corrupt(changed(15, 0x41));         // Pixels of 2 ^ 17 metres.
+	check_corrupt(changed(15, 0xbf));         // Of -0.5 metres.
+	check_corrupt(changed(header + 3, 0x7f)); // A row far out.
+	check_corrupt(changed(header + 7, 0x7f)); // A column far out.
+	check_corrupt(changed(header + 8, 2));    // Neither kind.
+	check_corrupt(changed(header + 8, 1));    // All pixels, but they are no more than half of the next block.
+	check_corrupt(changed(header + 9, 0));    // A block that is all background.
+	check_corrupt(changed(header + uniform_size + 8, 0)); // One value, and bytes behind it that are no block.
+
+	// Blocks out of order, and one twice.
+	Bytes swapped(bytes.begin(), bytes.begin() + header);
+	swapped.insert(swapped.end(), bytes.begin() + header + uniform_size, bytes.end() - 8);
+	swapped.insert(swapped.end(), bytes.begin() + header, bytes.begin() + header + uniform_size);
+	check_corrupt(sealed([&] {
+		swapped.resize(swapped.size() + 8);
+		return swapped;
+	}()));
+	Bytes twice(bytes.begin(), bytes.begin() + header + uniform_size);
+	twice.insert(twice.end(), bytes.begin() + header, bytes.end());
+	check_corrupt(sealed(twice));
+
+	// All pixels of a block that has one value.
+	Bytes spelled_out = mask_of(1.0, 0.0).to_bytes();
+	spelled_out.resize(header);
+	spelled_out.insert(spelled_out.end(), {0, 0, 0, 0, 0, 0, 0, 0, 1});
+	spelled_out.resize(spelled_out.size() + 64 * 64, 5);
+	check_corrupt(sealed([&] {
+		spelled_out.resize(spelled_out.size() + 8);
+		return spelled_out;
+	}()));
+}
