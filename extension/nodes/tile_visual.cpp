@@ -20,13 +20,12 @@ constexpr int64_t gi_dynamic = 2;
 
 } // namespace
 
-TileVisual::TileVisual(
-		const VisualPlace &place, const Ref<Mesh> &mesh, const PackedFloat32Array &buffer, const AABB &aabb) :
-		mesh_(mesh) {
+TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mesh> &mesh,
+		const PackedFloat32Array &buffer, const AABB &aabb) : mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const auto count = static_cast<int32_t>(buffer.size() / static_cast<int64_t>(transform_floats));
+	const auto count = static_cast<int32_t>(buffer.size() / static_cast<int64_t>(floats_per_instance(look)));
 	multimesh_ = server->multimesh_create();
-	server->multimesh_allocate_data(multimesh_, count, RenderingServer::MULTIMESH_TRANSFORM_3D);
+	server->multimesh_allocate_data(multimesh_, count, RenderingServer::MULTIMESH_TRANSFORM_3D, look.use_colors, look.use_custom_data);
 	server->multimesh_set_mesh(multimesh_, mesh->get_rid());
 	// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
 	server->multimesh_set_custom_aabb(multimesh_, aabb);

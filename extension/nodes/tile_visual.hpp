@@ -32,9 +32,9 @@ struct VisualPlace {
 /// Physics interpolation is off, as it is for every multimesh that no MultiMesh resource owns: nothing here ever moves.
 class TileVisual {
 public:
-	/// Hidden at first. `buffer` has 12 floats an instance; `aabb` is relative to the origin.
-	TileVisual(const VisualPlace &place, const godot::Ref<godot::Mesh> &mesh, const godot::PackedFloat32Array &buffer,
-			const godot::AABB &aabb);
+	/// Hidden at first. `buffer` has as many floats an instance as `look` says; `aabb` is relative to the origin.
+	TileVisual(const VisualPlace &place, const Look &look, const godot::Ref<godot::Mesh> &mesh,
+			const godot::PackedFloat32Array &buffer, const godot::AABB &aabb);
 	~TileVisual();
 	TileVisual(TileVisual &&other) noexcept;
 	TileVisual &operator=(TileVisual &&other) noexcept;

@@ -3,6 +3,7 @@
 #include "core/placement/rank_order.hpp"
 #include "core/placement/rotation.hpp"
 #include "core/placement/tile_instances.hpp"
+#include "placement_fixture.hpp"
 #include "refusal.hpp"
 
 #include <doctest/doctest.h>
@@ -20,42 +21,14 @@
 #include <vector>
 
 using namespace thicket;
+using namespace thicket::test;
 
 namespace {
-
-constexpr std::uint64_t seed = 1234567;
-constexpr glm::vec3 up{0.0f, 1.0f, 0.0f};
-
-/// A transform read back: columns of the basis, and the position.
-struct Transform {
-	glm::dmat3 basis{1.0};
-	glm::dvec3 position{0.0};
-	float scale = 0.0f;
-};
-
-Transform transform_of(
-		const Placement &placement, std::uint64_t id, glm::vec3 normal = up, glm::vec3 position = glm::vec3(0.0f)) {
-	std::array<float, transform_floats> floats{};
-	Transform result;
-	result.scale = write_transform(placement, seed, id, normal, position, floats);
-	for (int row = 0; row < 3; ++row) {
-		for (int column = 0; column < 3; ++column) {
-			result.basis[column][row] = double{floats[static_cast<std::size_t>(row * 4 + column)]};
-		}
-		result.position[row] = double{floats[static_cast<std::size_t>(row * 4 + 3)]};
-	}
-	return result;
-}
 
 /// Of an upright instance, in degrees from 0 to 360: the rotation about y as Godot's Basis(Vector3.UP, angle) has it.
 double yaw_of(const Transform &transform) {
 	const double yaw = std::atan2(transform.basis[2][0], transform.basis[0][0]) * 180.0 / std::numbers::pi;
 	return yaw < 0.0 ? yaw + 360.0 : yaw;
-}
-
-glm::vec3 random_normal(std::mt19937 &random) {
-	std::uniform_real_distribution<float> along(-1.0f, 1.0f);
-	return glm::normalize(glm::vec3(along(random), 0.05f + std::abs(along(random)), along(random)));
 }
 
 } // namespace
@@ -236,6 +209,14 @@ TEST_CASE("placement: bad settings are refused by name and value") {
 	refuse(&Placement::align_to_normal, "align_to_normal", nan_value, ErrorCode::not_finite);
 	refuse(&Placement::height_offset, "height_offset", infinite_value, ErrorCode::not_finite);
 	refuse(&Placement::height_offset, "height_offset", -2e4, ErrorCode::out_of_range);
+	refuse(&Placement::offset_along_normal, "offset_along_normal", nan_value, ErrorCode::not_finite);
+	refuse(&Placement::offset_along_normal, "offset_along_normal", 2e4, ErrorCode::out_of_range);
+	refuse(&Placement::min_tilt_degrees, "min_tilt_degrees", -1.0, ErrorCode::out_of_range);
+	refuse(&Placement::max_tilt_degrees, "max_tilt_degrees", 90.5, ErrorCode::out_of_range);
+	refuse(&Placement::max_tilt_degrees, "max_tilt_degrees", nan_value, ErrorCode::not_finite);
+	Placement inverted;
+	inverted.min_tilt_degrees = 5.0;
+	check_refused(validate(inverted), ErrorCode::inverted, "max_tilt_degrees", 0.0);
 	CHECK(validate(Placement{}).ok());
 }
 

@@ -27,6 +27,30 @@ void close_bounds(MeshInstances &mesh) {
 	}
 }
 
+/// Writes the instance that `key` names to the place `at` of its mesh.
+void write_instance(const LayerSettings &layer, const StandingPoints &points, std::uint64_t key, glm::dvec3 origin,
+		std::size_t at, MeshInstances &r_mesh) {
+	const std::uint32_t point = point_of(key);
+	const auto rank = static_cast<std::uint32_t>(key >> 32);
+	const std::uint64_t id = points.ids[point];
+	const Ground &ground = points.ground[point];
+	const glm::vec3 position{
+			static_cast<float>(points.positions[point].x - origin.x),
+			static_cast<float>(ground.height + layer.placement.height_offset - origin.y),
+			static_cast<float>(points.positions[point].y - origin.z),
+	};
+	const std::span<float> floats = r_mesh.floats_of(at);
+	const auto transform = floats.first<transform_floats>();
+	const float scale = write_transform(layer.placement, layer.set.seed, id, ground.normal, position, transform);
+	write_look(layer.look, layer.set.seed, id, rank, scale, floats.subspan(transform_floats));
+	r_mesh.ids[at] = id;
+	r_mesh.ranks[at] = rank;
+	const glm::vec3 stands{transform[3], transform[7], transform[11]};
+	r_mesh.min = glm::min(r_mesh.min, stands);
+	r_mesh.max = glm::max(r_mesh.max, stands);
+	r_mesh.max_scale = std::max(r_mesh.max_scale, scale);
+}
+
 } // namespace
 
 void InstanceWriter::choose_meshes(const LayerSettings &layer, const StandingPoints &points) {
@@ -49,35 +73,19 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 	sort_by_rank(order_, points.ids, order_scratch_);
 	choose_meshes(layer, points);
 	r_tile.meshes.resize(mesh_choice_.size());
+	const std::size_t stride = floats_per_instance(layer.look);
 	std::array<std::size_t, max_meshes> ends{};
 	for (std::size_t mesh = 0; mesh < r_tile.meshes.size(); ++mesh) {
-		r_tile.meshes[mesh].resize(mesh_sizes_[mesh]);
+		r_tile.meshes[mesh].resize(mesh_sizes_[mesh], stride);
 		open_bounds(r_tile.meshes[mesh]);
 	}
-	const Placement &placement = layer.placement;
 	for (std::size_t i = 0; i < order_.size(); ++i) {
 		if (i % batch == 0 && cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
 			r_tile.meshes.clear();
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
-		const std::uint32_t point = point_of(order_[i]);
-		const Ground &ground = points.ground[point];
-		const glm::vec3 position{
-				static_cast<float>(points.positions[point].x - r_tile.origin.x),
-				static_cast<float>(ground.height + placement.height_offset - r_tile.origin.y),
-				static_cast<float>(points.positions[point].y - r_tile.origin.z),
-		};
 		MeshInstances &mesh = r_tile.meshes[mesh_of_[i]];
-		const std::size_t at = ends[mesh_of_[i]]++;
-		const std::span<float, transform_floats> transform(
-				mesh.buffer.data() + at * transform_floats, transform_floats);
-		const float scale =
-				write_transform(placement, layer.set.seed, points.ids[point], ground.normal, position, transform);
-		mesh.ids[at] = points.ids[point];
-		mesh.ranks[at] = static_cast<std::uint32_t>(order_[i] >> 32);
-		mesh.min = glm::min(mesh.min, position);
-		mesh.max = glm::max(mesh.max, position);
-		mesh.max_scale = std::max(mesh.max_scale, scale);
+		write_instance(layer, points, order_[i], r_tile.origin, ends[mesh_of_[i]]++, mesh);
 	}
 	std::for_each(r_tile.meshes.begin(), r_tile.meshes.end(), close_bounds);
 	return {};

@@ -27,7 +27,7 @@ struct StandingPoints {
 	std::span<const std::uint32_t> thinning_ranks;
 };
 
-/// The last step of a tile: gives every point that stands a mesh and a transform, in the order in which a layer thins. Keeps
+/// The last step of a tile: gives every point that stands a mesh, a transform and a look, in the order in which a layer thins. Keeps
 /// its memory.
 class InstanceWriter {
 public:

@@ -1,14 +1,10 @@
 #include "core/placement/tile_builder.hpp"
 
-#include "core/placement/mesh_choice.hpp"
-#include "core/placement/rank_order.hpp"
-
-#include <glm/common.hpp>
+#include "core/placement/instance_writer.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace thicket {
 
@@ -39,19 +35,6 @@ double origin_height(std::span<const Ground> ground) {
 	return count > 0.0 ? std::floor(sum / count + 0.5) : 0.0;
 }
 
-/// Empties a mesh's box, to be grown again.
-void open_bounds(MeshInstances &mesh) {
-	mesh.min = glm::vec3(std::numeric_limits<float>::max());
-	mesh.max = -mesh.min;
-	mesh.max_scale = 0.0f;
-}
-
-void close_bounds(MeshInstances &mesh) {
-	if (mesh.size() == 0) {
-		mesh.min = mesh.max = glm::vec3(0.0f);
-	}
-}
-
 } // namespace
 
 /// What stays between the steps, and the memory that stays between tiles.
@@ -61,10 +44,8 @@ struct TileBuilder::Workspace {
 
 	// Of the last successful `find_points`.
 	bool found = false;
-	PointSet set;
-	Placement placement;
+	LayerSettings layer;
 	PreparedRules rules;
-	MeshChoice mesh_choice;
 	Rect rect;
 	std::size_t sampled = 0;
 	std::vector<glm::dvec2> positions; ///< Of the points that passed the density, then of the probes.
@@ -73,16 +54,13 @@ struct TileBuilder::Workspace {
 
 	std::vector<Ground> ground; ///< For `build`, which asks the terrain itself.
 
-	// Of `place`: for each instance its rank key, sorted, and its mesh.
-	std::vector<std::uint64_t> order;
-	std::vector<std::uint64_t> order_scratch;
-	std::vector<std::uint8_t> mesh_of;
-	std::array<std::size_t, max_meshes> mesh_sizes{};
+	// Of `place`.
+	std::vector<std::uint32_t> standing;
+	std::vector<std::uint32_t> thinning_ranks;
+	InstanceWriter writer;
 
 	void keep_dense(const std::vector<SamplePoint> &sampled_points);
 	void filter(std::span<const Ground> batch_ground, std::size_t first);
-	void choose_meshes();
-	Status write(std::span<const Ground> all_ground, TileInstances &r_tile, const std::atomic<bool> *cancel);
 };
 
 /// Splits the points that pass the density into one array for each part, and adds the probes.
@@ -103,64 +81,15 @@ void TileBuilder::Workspace::keep_dense(const std::vector<SamplePoint> &sampled_
 	}
 }
 
-/// Adds those of the points from `first` on that pass the rules to the order.
+/// Adds those of the points from `first` on that pass the rules to what stands.
 void TileBuilder::Workspace::filter(std::span<const Ground> batch_ground, std::size_t first) {
 	for (std::size_t i = 0; i < batch_ground.size(); ++i) {
 		const std::size_t point = first + i;
-		if (rules.passes_ground(batch_ground[i], ids[point], set.seed)) {
-			order.push_back(rank_key(ranks[point], point));
+		if (rules.passes_ground(batch_ground[i], ids[point], layer.set.seed)) {
+			standing.push_back(static_cast<std::uint32_t>(point));
+			thinning_ranks.push_back(ranks[point]);
 		}
 	}
-}
-
-void TileBuilder::Workspace::choose_meshes() {
-	mesh_of.resize(order.size());
-	mesh_sizes.fill(0);
-	for (std::size_t i = 0; i < order.size(); ++i) {
-		const std::size_t mesh = mesh_choice.mesh_for(set.seed, ids[point_of(order[i])]);
-		mesh_of[i] = static_cast<std::uint8_t>(mesh);
-		++mesh_sizes[mesh];
-	}
-}
-
-/// Writes the transforms of the instances in order, each to the end of its mesh's arrays.
-Status TileBuilder::Workspace::write(
-		std::span<const Ground> all_ground, TileInstances &r_tile, const std::atomic<bool> *cancel) {
-	const glm::dvec2 center = rect.center();
-	const double height = origin_height(all_ground.subspan(ids.size()));
-	r_tile.origin = {center.x, height, center.y};
-	r_tile.counts = {sampled, ids.size(), order.size()};
-	r_tile.meshes.resize(mesh_choice.size());
-	std::array<std::size_t, max_meshes> ends{};
-	for (std::size_t mesh = 0; mesh < r_tile.meshes.size(); ++mesh) {
-		r_tile.meshes[mesh].resize(mesh_sizes[mesh]);
-		open_bounds(r_tile.meshes[mesh]);
-	}
-	for (std::size_t i = 0; i < order.size(); ++i) {
-		if (i % batch == 0 && raised(cancel)) {
-			r_tile.meshes.clear();
-			return cancelled;
-		}
-		const std::uint32_t point = point_of(order[i]);
-		const Ground &ground_here = all_ground[point];
-		const glm::vec3 position{
-				static_cast<float>(positions[point].x - center.x),
-				static_cast<float>(ground_here.height + placement.height_offset - height),
-				static_cast<float>(positions[point].y - center.y),
-		};
-		MeshInstances &mesh = r_tile.meshes[mesh_of[i]];
-		const std::size_t at = ends[mesh_of[i]]++;
-		const std::span<float, transform_floats> transform(
-				mesh.buffer.data() + at * transform_floats, transform_floats);
-		const float scale = write_transform(placement, set.seed, ids[point], ground_here.normal, position, transform);
-		mesh.ids[at] = ids[point];
-		mesh.ranks[at] = ranks[point];
-		mesh.min = glm::min(mesh.min, position);
-		mesh.max = glm::max(mesh.max, position);
-		mesh.max_scale = std::max(mesh.max_scale, scale);
-	}
-	std::for_each(r_tile.meshes.begin(), r_tile.meshes.end(), close_bounds);
-	return {};
 }
 
 TileBuilder::TileBuilder() : workspace_(std::make_unique<Workspace>()) {}
@@ -198,9 +127,7 @@ Status TileBuilder::find_points(const LayerSettings &layer, const Rect &rect, co
 		return status;
 	}
 	const Status prepared = work.rules.set(layer.rules);
-	work.set = layer.set;
-	work.placement = layer.placement;
-	work.mesh_choice.set(layer.mesh_weights);
+	work.layer = layer;
 	work.rect = rect;
 	work.keep_dense(work.points);
 	work.found = prepared.ok();
@@ -217,16 +144,19 @@ Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile,
 	if (ground.size() != work.positions.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(ground.size())};
 	}
-	work.order.clear();
+	work.standing.clear();
+	work.thinning_ranks.clear();
 	for (std::size_t first = 0; first < work.ids.size(); first += batch) {
 		if (raised(cancel)) {
 			return cancelled;
 		}
 		work.filter(ground.subspan(first, std::min(batch, work.ids.size() - first)), first);
 	}
-	sort_by_rank(work.order, work.ids, work.order_scratch);
-	work.choose_meshes();
-	return work.write(ground, r_tile, cancel);
+	const glm::dvec2 center = work.rect.center();
+	r_tile.origin = {center.x, origin_height(ground.subspan(work.ids.size())), center.y};
+	r_tile.counts = {work.sampled, work.ids.size(), work.standing.size()};
+	const StandingPoints points{work.positions, ground, work.ids, work.standing, work.thinning_ranks};
+	return work.writer.write(work.layer, points, r_tile, cancel);
 }
 
 const SampleStats &TileBuilder::sample_stats() const { return workspace_->sampler.stats(); }

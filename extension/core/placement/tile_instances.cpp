@@ -7,8 +7,9 @@
 
 namespace thicket {
 
-void MeshInstances::resize(std::size_t count) {
-	buffer.resize(count * transform_floats);
+void MeshInstances::resize(std::size_t count, std::size_t floats) {
+	stride = floats;
+	buffer.resize(count * floats);
 	ids.resize(count);
 	ranks.resize(count);
 }

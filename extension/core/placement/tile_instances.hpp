@@ -14,17 +14,23 @@ namespace thicket {
 /// The instances of one mesh in one tile, sorted by (thinning rank, id): every prefix is a well spaced thinning of the whole,
 /// as if all densities were lower.
 struct MeshInstances {
-	std::vector<float> buffer;        ///< transform_floats an instance, relative to the tile's origin, in metres.
+	/// `stride` floats an instance: the transform relative to the tile's origin, in metres, then what Look adds.
+	std::vector<float> buffer;
 	std::vector<std::uint64_t> ids;   ///< Packed InstanceIds.
 	std::vector<std::uint32_t> ranks; ///< thinning_rank of each, ascending.
 	glm::vec3 min{0.0f};              ///< Smallest and largest position relative to the tile's origin, the size of the
 	glm::vec3 max{0.0f};              ///< mesh not counted; both 0 for no instances.
 	float max_scale = 0.0f;           ///< The largest scale there is: grow the box by this times the mesh's reach.
 
+	std::size_t stride = transform_floats; ///< floats_per_instance of the layer's look.
+
 	std::size_t size() const { return ids.size(); }
 
-	/// Makes room for `count` instances. Keeps the memory it has.
-	void resize(std::size_t count);
+	/// Makes room for `count` instances of `floats` each. Keeps the memory it has.
+	void resize(std::size_t count, std::size_t floats = transform_floats);
+
+	/// The floats of one instance.
+	std::span<float> floats_of(std::size_t i) { return std::span(buffer).subspan(i * stride, stride); }
 };
 
 /// How many points were left after each step.
