@@ -136,6 +136,28 @@ TEST_CASE("placement: the offset along the normal leaves the ground at a right a
 	}
 }
 
+TEST_CASE("placement: the scale curve maps the random number, and nothing else changes") {
+	Placement straight;
+	straight.min_scale = 1.0;
+	straight.max_scale = 3.0;
+	Placement bent = straight;
+	CurveTable line;
+	REQUIRE(line.set(0.0, 1.0, std::vector<float>{0.0f, 1.0f}).ok());
+	CurveTable falling;
+	REQUIRE(falling.set(0.0, 1.0, std::vector<float>{1.0f, 0.0f, 0.0f}).ok());
+	for (std::uint64_t id = 0; id < 1000; ++id) {
+		const Transform before = transform_of(straight, id);
+		const double random = (double{before.scale} - 1.0) / 2.0;
+		bent.scale_curve = std::make_shared<const CurveTable>(line);
+		CHECK(double{transform_of(bent, id).scale} == doctest::Approx(double{before.scale}).epsilon(1e-6));
+		bent.scale_curve = std::make_shared<const CurveTable>(falling);
+		const Transform after = transform_of(bent, id);
+		CHECK(double{after.scale} == doctest::Approx(1.0 + 2.0 * std::max(1.0 - 2.0 * random, 0.0)).epsilon(1e-5));
+		const double turn = glm::dot(glm::normalize(before.basis[0]), glm::normalize(after.basis[0]));
+		CHECK(turn == doctest::Approx(1.0).epsilon(1e-6));
+	}
+}
+
 TEST_CASE("look: a half is the nearest there is, and stays what it is") {
 	std::mt19937 random(9);
 	// All halves that are finite and positive, by the format's definition, ascending.

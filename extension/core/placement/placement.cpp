@@ -50,6 +50,12 @@ glm::dvec3 leaning_axis(const Placement &placement, double tilt, double directio
 	return {lean.sine * towards.cosine, lean.cosine, lean.sine * towards.sine};
 }
 
+/// The scale for a random number from 0 to 1.
+double scale_at(const Placement &placement, double random) {
+	const double place = placement.scale_curve == nullptr ? random : placement.scale_curve->at(random);
+	return mix(placement.min_scale, placement.max_scale, place);
+}
+
 } // namespace
 
 Status validate(const Placement &placement) {
@@ -83,7 +89,7 @@ float write_transform(const Placement &placement, std::uint64_t seed, std::uint6
 		glm::vec3 position, std::span<float, transform_floats> r_transform) {
 	const auto random = instance_random(seed, id, Draw::placement);
 	const double yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, unit_interval(random[0]));
-	const double scale = mix(placement.min_scale, placement.max_scale, unit_interval(random[1]));
+	const double scale = scale_at(placement, unit_interval(random[1]));
 	const Rotation turn = rotation_by(yaw / 360.0);
 	const glm::dvec3 up = up_axis(normal, placement.align_to_normal);
 	Axes axes;
