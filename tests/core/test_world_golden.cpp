@@ -1,6 +1,7 @@
 #include "core/base/instance_id.hpp"
 #include "core/placement/placement.hpp"
 #include "core/placement/tile_instances.hpp"
+#include "core/rules/instance_random.hpp"
 #include "core/rules/rules.hpp"
 #include "core/terrain/heightfield.hpp"
 
@@ -21,8 +22,12 @@ TEST_CASE("golden: ground, rules and transforms have the same bits with every co
 	Heightfield field;
 	REQUIRE(field.set({{posts, posts}, {{-1000.3, 2000.7}, {-200.1, 2950.9}}, 236.0, 1076.0}, heights).ok());
 	PreparedRules rules;
-	REQUIRE(rules.set({.max_slope_degrees = 40.0, .slope_falloff = 25.0, .min_height = 250.0, .height_falloff = 100.0})
-					.ok());
+	Rules settings;
+	settings.max_slope_degrees = 40.0;
+	settings.slope_falloff = 25.0;
+	settings.min_height = 250.0;
+	settings.height_falloff = 100.0;
+	REQUIRE(rules.set(settings, 20070901).ok());
 	Placement placement;
 	placement.min_scale = 0.7;
 	placement.max_scale = 1.3;
@@ -34,7 +39,8 @@ TEST_CASE("golden: ground, rules and transforms have the same bits with every co
 			const glm::dvec2 position(-1001.0 + column * 8.1, 2000.0 + row * 9.6);
 			const Ground ground = field.at(position);
 			const std::uint64_t id = pack({7, {column - 50, row * 1000}});
-			if (rules.passes_ground(ground, id, 20070901)) {
+			const std::uint32_t rank = instance_random(20070901, id, Draw::mesh)[0];
+			if (stands(rank, rules.ground_density(ground))) {
 				const glm::vec3 local(
 						static_cast<float>(position.x + 600.0), ground.height, static_cast<float>(position.y - 2475.0));
 				std::array<float, transform_floats> transform{};

@@ -1,6 +1,7 @@
 #include "core/placement/tile_builder.hpp"
 
 #include "core/placement/instance_writer.hpp"
+#include "core/placement/stage_chain.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,13 +11,13 @@ namespace thicket {
 
 namespace {
 
-/// Points between two looks at the cancel flag, and in one call of the terrain: far below a millisecond of work, and
-/// the ground of a batch is still in the cache when the rules read it.
+/// Places in one call of the terrain: the ground of a batch is far below a millisecond of work.
 constexpr std::size_t batch = 2048;
 
 /// Where the height of a tile's origin is taken from, in tile sizes from its centre. Several places, because one may be
 /// a hole.
-constexpr std::array<glm::dvec2, 5> probes{{{0.0, 0.0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
+constexpr std::array<glm::dvec2, 5> origin_probes{
+		{{0.0, 0.0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
 
 bool raised(const std::atomic<bool> *cancel) { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
 
@@ -39,57 +40,52 @@ double origin_height(std::span<const Ground> ground) {
 
 /// What stays between the steps, and the memory that stays between tiles.
 struct TileBuilder::Workspace {
-	TileSampler sampler;
-	std::vector<SamplePoint> points;
+	StageChain chain;
+	InstanceWriter writer;
 
 	// Of the last successful `find_points`.
 	bool found = false;
-	LayerSettings layer;
-	PreparedRules rules;
 	Rect rect;
-	std::size_t sampled = 0;
-	std::vector<glm::dvec2> positions; ///< Of the points that passed the density, then of the probes.
-	std::vector<std::uint64_t> ids;    ///< Of those points.
-	std::vector<std::uint32_t> ranks;
+	std::vector<glm::dvec2> positions; ///< Of all stages, then of the origin's probes.
+	std::vector<GroundQuery> queries;
 
 	std::vector<Ground> ground; ///< For `build`, which asks the terrain itself.
 
-	// Of `place`.
-	std::vector<std::uint32_t> standing;
-	std::vector<std::uint32_t> thinning_ranks;
-	InstanceWriter writer;
-
-	void keep_dense(const std::vector<SamplePoint> &sampled_points);
-	void filter(std::span<const Ground> batch_ground, std::size_t first);
+	void gather_positions();
+	Status ask(const Terrain &terrain, const GroundQuery &query, const std::atomic<bool> *cancel);
 };
 
-/// Splits the points that pass the density into one array for each part, and adds the probes.
-void TileBuilder::Workspace::keep_dense(const std::vector<SamplePoint> &sampled_points) {
-	sampled = sampled_points.size();
+void TileBuilder::Workspace::gather_positions() {
 	positions.clear();
-	ids.clear();
-	ranks.clear();
-	for (const SamplePoint &point : sampled_points) {
-		if (rules.passes_density(point.rank)) {
-			positions.push_back(point.position);
-			ids.push_back(point.id);
-			ranks.push_back(point.rank);
-		}
+	queries.clear();
+	for (std::size_t i = 0; i < chain.size(); ++i) {
+		const LayerStage &stage = chain.stage(i);
+		queries.push_back({positions.size(), stage.place_count(), stage.layer().rules.ground_textures});
+		stage.add_places(positions);
 	}
-	for (const glm::dvec2 probe : probes) {
+	queries.push_back({positions.size(), origin_probes.size(), {}});
+	for (const glm::dvec2 probe : origin_probes) {
 		positions.push_back(rect.center() + probe * rect.size());
 	}
 }
 
-/// Adds those of the points from `first` on that pass the rules to what stands.
-void TileBuilder::Workspace::filter(std::span<const Ground> batch_ground, std::size_t first) {
-	for (std::size_t i = 0; i < batch_ground.size(); ++i) {
-		const std::size_t point = first + i;
-		if (rules.passes_ground(batch_ground[i], ids[point], layer.set.seed)) {
-			standing.push_back(static_cast<std::uint32_t>(point));
-			thinning_ranks.push_back(ranks[point]);
+Status TileBuilder::Workspace::ask(const Terrain &terrain, const GroundQuery &query, const std::atomic<bool> *cancel) {
+	for (std::size_t done = 0; done < query.count; done += batch) {
+		if (raised(cancel)) {
+			return cancelled;
+		}
+		const std::size_t count = std::min(batch, query.count - done);
+		const auto where = std::span<const glm::dvec2>(positions).subspan(query.first + done, count);
+		const auto there = std::span(ground).subspan(query.first + done, count);
+		Status status = terrain.sample(where, there);
+		if (status.ok() && !query.textures.empty()) {
+			status = terrain.weigh(where, query.textures, there);
+		}
+		if (!status.ok()) {
+			return status;
 		}
 	}
+	return {};
 }
 
 TileBuilder::TileBuilder() : workspace_(std::make_unique<Workspace>()) {}
@@ -103,15 +99,9 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 		return status;
 	}
 	Workspace &work = *workspace_;
-	work.ground.resize(work.positions.size());
-	for (std::size_t first = 0; first < work.positions.size(); first += batch) {
-		if (raised(cancel)) {
-			return cancelled;
-		}
-		const std::size_t count = std::min(batch, work.positions.size() - first);
-		const Status status = terrain.sample(
-				std::span(work.positions).subspan(first, count), std::span(work.ground).subspan(first, count));
-		if (!status.ok()) {
+	work.ground.assign(work.positions.size(), Ground{});
+	for (const GroundQuery &query : work.queries) {
+		if (const Status status = work.ask(terrain, query, cancel); !status.ok()) {
 			return status;
 		}
 	}
@@ -123,18 +113,20 @@ Status TileBuilder::find_points(const LayerSettings &layer, const Rect &rect, co
 		return status;
 	}
 	Workspace &work = *workspace_;
-	if (const Status status = work.sampler.sample(layer.set, rect, work.points, cancel); !status.ok()) {
+	work.found = false;
+	work.chain.set(layer);
+	if (const Status status = work.chain.sample(rect, cancel); !status.ok()) {
 		return status;
 	}
-	const Status prepared = work.rules.set(layer.rules);
-	work.layer = layer;
 	work.rect = rect;
-	work.keep_dense(work.points);
-	work.found = prepared.ok();
-	return prepared;
+	work.gather_positions();
+	work.found = true;
+	return {};
 }
 
 std::span<const glm::dvec2> TileBuilder::positions() const { return workspace_->positions; }
+
+std::span<const GroundQuery> TileBuilder::queries() const { return workspace_->queries; }
 
 Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel) {
 	Workspace &work = *workspace_;
@@ -144,21 +136,19 @@ Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile,
 	if (ground.size() != work.positions.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(ground.size())};
 	}
-	work.standing.clear();
-	work.thinning_ranks.clear();
-	for (std::size_t first = 0; first < work.ids.size(); first += batch) {
-		if (raised(cancel)) {
-			return cancelled;
-		}
-		work.filter(ground.subspan(first, std::min(batch, work.ids.size() - first)), first);
+	if (const Status status = work.chain.filter(ground, cancel); !status.ok()) {
+		return status;
 	}
+	const LayerStage &own = work.chain.own();
 	const glm::dvec2 center = work.rect.center();
-	r_tile.origin = {center.x, origin_height(ground.subspan(work.ids.size())), center.y};
-	r_tile.counts = {work.sampled, work.ids.size(), work.standing.size()};
-	const StandingPoints points{work.positions, ground, work.ids, work.standing, work.thinning_ranks};
-	return work.writer.write(work.layer, points, r_tile, cancel);
+	r_tile.origin = {center.x, origin_height(ground.last(origin_probes.size())), center.y};
+	r_tile.counts = {own.sampled(), own.positions().size(), own.standing().size()};
+	const std::size_t first = work.queries[work.chain.size() - 1].first;
+	const StandingPoints points{own.positions(), ground.subspan(first, own.positions().size()), own.ids(),
+			own.standing(), own.thinning_ranks()};
+	return work.writer.write(own.layer(), points, r_tile, cancel);
 }
 
-const SampleStats &TileBuilder::sample_stats() const { return workspace_->sampler.stats(); }
+const SampleStats &TileBuilder::sample_stats() const { return workspace_->chain.sample_stats(); }
 
 } // namespace thicket

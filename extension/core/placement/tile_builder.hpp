@@ -51,6 +51,9 @@ public:
 	/// of each if a layer looks at its edge, and a few places for the tile's origin. Valid until the next call.
 	std::span<const glm::dvec2> positions() const;
 
+	/// All of them, in order, by the textures that count there. Valid as long.
+	std::span<const GroundQuery> queries() const;
+
 	/// The second step: filters and places the points of `find_points`. `ground[i]` belongs to `positions()[i]`; any
 	/// other length is refused as `ground`, and so is a call without points found before. May be repeated.
 	Status place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel = nullptr);

@@ -10,7 +10,6 @@ namespace thicket {
 /// What an instance's random bits are for. Every purpose has words of its own, so that a change in how one is used
 /// leaves all others as they were.
 enum class Draw : std::uint32_t {
-	rules = 0,     ///< Words: slope falloff, height falloff, free, free.
 	placement = 1, ///< Words: yaw, scale, tilt, direction of the tilt.
 	mesh = 2,      ///< Words: mesh, variation, wind phase, colour.
 };

@@ -2,7 +2,6 @@
 
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
-#include "core/rules/instance_random.hpp"
 #include "core/rules/slope.hpp"
 
 #include <algorithm>
@@ -25,9 +24,22 @@ bool is_ground(const Ground &ground) {
 			std::isfinite(ground.normal.z) && ground.normal.y > 0.0f;
 }
 
+/// What a source says is held to [0, 1]; NAN is 0.
+double unit_density(float value) { return value > 0.0f ? std::min(double{value}, 1.0) : 0.0; }
+
+Status multiply(const DensityField &field, std::span<const glm::dvec2> positions, std::span<double> r_densities,
+		std::span<float> scratch) {
+	const Status status = field.sample(positions, scratch);
+	for (std::size_t i = 0; status.ok() && i < positions.size(); ++i) {
+		r_densities[i] *= unit_density(scratch[i]);
+	}
+	return status;
+}
+
 } // namespace
 
 Status validate(const Rules &rules) {
+	const bool null_field = std::find(rules.fields.begin(), rules.fields.end(), nullptr) != rules.fields.end();
 	return first_failure(check_range("density", rules.density, 0.0, 1.0),
 			check_range("min_slope_degrees", rules.min_slope_degrees, 0.0, max_slope),
 			check_range("max_slope_degrees", rules.max_slope_degrees, 0.0, max_slope),
@@ -35,7 +47,9 @@ Status validate(const Rules &rules) {
 			check_range("slope_falloff", rules.slope_falloff, 0.0, max_slope),
 			check_height("min_height", rules.min_height), check_height("max_height", rules.max_height),
 			check_order("max_height", rules.min_height, rules.max_height),
-			check_range("height_falloff", rules.height_falloff, 0.0, std::numeric_limits<double>::max()));
+			check_range("height_falloff", rules.height_falloff, 0.0, std::numeric_limits<double>::max()),
+			validate(rules.clumping), check_range("edge_feather", rules.edge_feather, 0.0, max_edge_feather),
+			null_field ? Status{ErrorCode::missing, "fields", 0.0} : Status{});
 }
 
 PreparedRange::PreparedRange(double min, bool min_open, double max, bool max_open, double falloff) :
@@ -54,38 +68,67 @@ double PreparedRange::chance(double value) const {
 	return std::min({above, below, 1.0});
 }
 
-Status PreparedRules::set(const Rules &rules) {
+Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 	if (const Status status = validate(rules); !status.ok()) {
 		return status;
 	}
 	rules_ = rules;
-	// Whole ranks below density * 2^32, which is exact.
-	rank_end_ = static_cast<std::uint64_t>(std::ceil(rules.density * 0x1p32));
 	slope_ = PreparedRange(rules.min_slope_degrees, rules.min_slope_degrees <= 0.0, rules.max_slope_degrees,
 			rules.max_slope_degrees >= max_slope, rules.slope_falloff);
 	height_ = PreparedRange(rules.min_height, rules.min_height <= -unlimited_height, rules.max_height,
 			rules.max_height >= unlimited_height, rules.height_falloff);
+	clumps_.set(rules.clumping, seed);
 	return {};
 }
 
-bool PreparedRules::passes_ground(const Ground &ground, std::uint64_t id, std::uint64_t seed) const {
-	if (!is_ground(ground)) {
-		return false;
+Status PreparedRules::place_densities(
+		std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const {
+	std::fill(r_densities.begin(), r_densities.end(), rules_.density);
+	scratch.resize(positions.size());
+	for (const std::shared_ptr<const DensityField> &field : rules_.fields) {
+		if (const Status status = multiply(*field, positions, r_densities, scratch); !status.ok()) {
+			return status;
+		}
 	}
-	const double height_chance = height_.chance(ground.height);
-	if (height_chance <= 0.0) {
-		return false;
+	if (rules_.mask != nullptr) {
+		if (const Status status = multiply(*rules_.mask, positions, r_densities, scratch); !status.ok()) {
+			return status;
+		}
+	}
+	if (clumps_.active()) {
+		for (std::size_t i = 0; i < positions.size(); ++i) {
+			r_densities[i] *= clumps_.at(positions[i]);
+		}
+	}
+	return {};
+}
+
+double PreparedRules::ground_density(const Ground &ground) const {
+	if (!is_ground(ground)) {
+		return 0.0;
+	}
+	double density = height_.chance(ground.height);
+	if (rules_.height_curve != nullptr) {
+		density *= rules_.height_curve->at(ground.height);
+	}
+	if (!rules_.ground_textures.empty()) {
+		density *= unit_density(ground.weight);
 	}
 	// The angle costs more than all else here, so only where it is asked for.
-	const double slope_chance = slope_.open() ? 1.0 : slope_.chance(slope_degrees(ground.normal));
-	if (slope_chance <= 0.0) {
-		return false;
+	if (density > 0.0 && (!slope_.open() || rules_.slope_curve != nullptr)) {
+		const double slope = slope_degrees(ground.normal);
+		density *= slope_.chance(slope);
+		if (rules_.slope_curve != nullptr) {
+			density *= rules_.slope_curve->at(slope);
+		}
 	}
-	if (height_chance >= 1.0 && slope_chance >= 1.0) {
-		return true;
-	}
-	const auto random = instance_random(seed, id, Draw::rules);
-	return unit_interval(random[0]) < slope_chance && unit_interval(random[1]) < height_chance;
+	return density;
+}
+
+double PreparedRules::shape_density(
+		std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground) const {
+	return rules_.shapes == nullptr ? 1.0
+									: rules_.shapes->chance(near, {position.x, double{ground.height}, position.y});
 }
 
 } // namespace thicket

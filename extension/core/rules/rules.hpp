@@ -83,23 +83,39 @@ private:
 /// Rules made ready for many points. Immutable after `set`, so threads may share one.
 class PreparedRules {
 public:
-	/// Prepares `rules`, or refuses them as `validate` does and stays as it was.
-	Status set(const Rules &rules);
+	/// Prepares `rules` for the set of that seed, or refuses them as `validate` does and stays as it was.
+	Status set(const Rules &rules, std::uint64_t seed);
 
 	const Rules &rules() const { return rules_; }
 
-	/// Density: depends on the rank alone, so it can be asked before the ground is known.
-	bool passes_density(std::uint32_t rank) const { return rank < rank_end_; }
+	/// Replaces `r_densities` by the product of the rules that depend on the place alone, so that they can be asked before
+	/// the ground is known: density, fields, mask, clumping. `scratch` is working memory that is kept for the next time.
+	/// Fails as a field does.
+	Status place_densities(
+			std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const;
 
-	/// All other rules. No ground (a height or a normal that is not finite, a normal that does not point up) never
-	/// passes. `id` and `seed` give the point's own random numbers, which a falloff compares its chance with.
-	bool passes_ground(const Ground &ground, std::uint64_t id, std::uint64_t seed) const;
+	/// The product of the rules that look at the ground: limits, curves, textures. No ground (a height or a normal that is not
+	/// finite, a normal that does not point up) has a density of 0.
+	double ground_density(const Ground &ground) const;
+
+	/// The factor of the shapes, given those near (ShapeSet::near); 1 for a layer without shapes.
+	double shape_density(std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground) const;
 
 private:
 	Rules rules_;
-	std::uint64_t rank_end_ = std::uint64_t{1} << 32;
 	PreparedRange slope_;
 	PreparedRange height_;
+	ClumpNoise clumps_;
 };
+
+/// A point stands if its rank, as a fraction of 2^32, is below the product of all densities. 1 keeps all, 0 none.
+constexpr bool stands(std::uint32_t rank, double density) { return rank < density * 0x1p32; }
+
+/// The place of a point that stands in the order in which a layer thins: its rank over its density, so that below a
+/// fraction q lie just those that would stand if every density were q times as large.
+constexpr std::uint32_t thinning_rank(std::uint32_t rank, double density) {
+	const double fraction = rank / density;
+	return fraction < 0x1p32 ? static_cast<std::uint32_t>(fraction) : 0xffffffffu;
+}
 
 } // namespace thicket

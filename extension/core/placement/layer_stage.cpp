@@ -1,0 +1,153 @@
+#include "core/placement/layer_stage.hpp"
+
+#include "core/placement/edge_probes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+/// Points between two looks at the cancel flag: below a millisecond of work.
+constexpr std::size_t batch = 2048;
+
+constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets();
+
+} // namespace
+
+void LayerStage::set(const LayerSettings &layer, std::span<const LayerStage *const> neighbours) {
+	static_cast<void>(rules_.set(layer.rules, layer.set.seed)); // Valid, so it is not refused.
+	layer_ = &layer;
+	neighbours_.assign(neighbours.begin(), neighbours.end());
+}
+
+Status LayerStage::sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel) {
+	window_ = window;
+	if (const Status status = sampler.sample(layer_->set, window, points_, cancel); !status.ok()) {
+		return status;
+	}
+	sampled_ = points_.size();
+	sampled_positions_.resize(sampled_);
+	sampled_densities_.resize(sampled_);
+	std::transform(points_.begin(), points_.end(), sampled_positions_.begin(),
+			[](const SamplePoint &point) { return point.position; });
+	if (const Status status = rules_.place_densities(sampled_positions_, sampled_densities_, scratch_); !status.ok()) {
+		return status;
+	}
+	keep_dense();
+	near_shapes_.clear();
+	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
+		// Probes lie outside the window, too.
+		const double around = rules_.rules().edge_feather;
+		shapes->near({window.min - around, window.max + around}, near_shapes_);
+	}
+	return open_probes();
+}
+
+/// Splits the points that the rules of the place let pass into one array for each part.
+void LayerStage::keep_dense() {
+	positions_.clear();
+	ids_.clear();
+	ranks_.clear();
+	densities_.clear();
+	for (std::size_t i = 0; i < sampled_; ++i) {
+		if (stands(points_[i].rank, sampled_densities_[i])) {
+			positions_.push_back(points_[i].position);
+			ids_.push_back(points_[i].id);
+			ranks_.push_back(points_[i].rank);
+			densities_.push_back(sampled_densities_[i]);
+		}
+	}
+}
+
+Status LayerStage::open_probes() {
+	probes_.clear();
+	probe_open_.clear();
+	const double feather = rules_.rules().edge_feather;
+	if (feather <= 0.0) {
+		return {};
+	}
+	for (const glm::dvec2 position : positions_) {
+		for (const glm::dvec2 offset : probe_offsets) {
+			probes_.push_back(position + feather * offset);
+		}
+	}
+	sampled_densities_.resize(probes_.size());
+	const Status status = rules_.place_densities(probes_, sampled_densities_, scratch_);
+	probe_open_.resize(probes_.size());
+	std::transform(sampled_densities_.begin(), sampled_densities_.end(), probe_open_.begin(),
+			[](double density) { return density > 0.0; });
+	return status;
+}
+
+void LayerStage::add_places(std::vector<glm::dvec2> &r_places) const {
+	r_places.insert(r_places.end(), positions_.begin(), positions_.end());
+	r_places.insert(r_places.end(), probes_.begin(), probes_.end());
+}
+
+bool LayerStage::probe_allows(std::size_t probe, const Ground &ground) const {
+	return probe_open_[probe] != 0 && rules_.ground_density(ground) > 0.0 &&
+			rules_.shape_density(near_shapes_, probes_[probe], ground) > 0.0;
+}
+
+double LayerStage::edge_factor(std::size_t point, std::span<const Ground> probe_ground) const {
+	std::size_t allowed = 0;
+	for (std::size_t i = 0; i < edge_probes; ++i) {
+		const std::size_t probe = point * edge_probes + i;
+		allowed += probe_allows(probe, probe_ground[probe]) ? 1 : 0;
+	}
+	return edge_density(allowed);
+}
+
+double LayerStage::neighbour_density(std::size_t neighbour, glm::dvec2 position) const {
+	const Neighbour &rule = layer_->neighbours[neighbour];
+	const double squared = neighbours_[neighbour]->grid_.nearest_squared(position, rule.distance);
+	if (rule.curve == nullptr) {
+		return squared < rule.distance * rule.distance ? 0.0 : 1.0;
+	}
+	return rule.curve->at(std::sqrt(squared));
+}
+
+/// The product of all rules, in the order of what they cost; a point that has fallen below its rank is not asked further.
+double LayerStage::density_at(std::size_t point, std::span<const Ground> ground) const {
+	const Ground &here = ground[point];
+	double density = densities_[point] * rules_.ground_density(here);
+	if (stands(ranks_[point], density)) {
+		density *= rules_.shape_density(near_shapes_, positions_[point], here);
+	}
+	for (std::size_t i = 0; i < neighbours_.size() && stands(ranks_[point], density); ++i) {
+		density *= neighbour_density(i, positions_[point]);
+	}
+	if (!probe_open_.empty() && stands(ranks_[point], density)) {
+		density *= edge_factor(point, ground.subspan(positions_.size()));
+	}
+	return density;
+}
+
+Status LayerStage::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
+	standing_.clear();
+	thinning_ranks_.clear();
+	for (std::size_t point = 0; point < positions_.size(); ++point) {
+		if (point % batch == 0 && cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
+			return {ErrorCode::cancelled, "tile", 0.0};
+		}
+		const double density = density_at(point, ground);
+		if (stands(ranks_[point], density)) {
+			standing_.push_back(static_cast<std::uint32_t>(point));
+			thinning_ranks_.push_back(thinning_rank(ranks_[point], density));
+		}
+	}
+	return {};
+}
+
+void LayerStage::index_standing(double distance) {
+	standing_positions_.clear();
+	for (const std::uint32_t point : standing_) {
+		standing_positions_.push_back(positions_[point]);
+	}
+	grid_.set(standing_positions_, window_, std::max(distance, layer_->set.radius));
+}
+
+} // namespace thicket

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "core/base/rect.hpp"
+#include "core/placement/layer.hpp"
+#include "core/placement/point_grid.hpp"
+#include "core/rules/rules.hpp"
+#include "core/sampling/tile_sampler.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// One layer's points in a window, on their way from the set to what stands: `sample`, then `filter` once the ground is
+/// known. A tile has one for its own layer and one for each layer that its rules look at. Keeps its memory.
+class LayerStage {
+public:
+	/// Prepares for a layer of valid settings, which has to stay until the points are filtered. `neighbours` are the stages of
+	/// layer.neighbours, in their order.
+	void set(const LayerSettings &layer, std::span<const LayerStage *const> neighbours);
+
+	/// The points of the half-open `window` that the rules of the place let pass. Ends with ErrorCode::cancelled when
+	/// `cancel` is raised.
+	Status sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel);
+
+	/// Where the ground has to be known: the points' places, then edge_probes for each point if the layer looks at its edge.
+	void add_places(std::vector<glm::dvec2> &r_places) const;
+	std::size_t place_count() const { return positions_.size() + probe_open_.size(); }
+
+	/// Finds out who stands; `ground` has one entry for each place. The neighbours' stages have been filtered before.
+	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
+
+	/// Makes those who stand ready to be asked by other stages, from at most `distance` metres.
+	void index_standing(double distance);
+
+	const LayerSettings &layer() const { return *layer_; }
+	const Rect &window() const { return window_; }
+	std::size_t sampled() const { return sampled_; }
+	std::span<const glm::dvec2> positions() const { return positions_; }
+	std::span<const std::uint64_t> ids() const { return ids_; }
+
+	/// Indices of the points that stand, ascending; and for each its thinning_rank.
+	std::span<const std::uint32_t> standing() const { return standing_; }
+	std::span<const std::uint32_t> thinning_ranks() const { return thinning_ranks_; }
+
+private:
+	void keep_dense();
+	Status open_probes();
+	bool probe_allows(std::size_t probe, const Ground &ground) const;
+	double edge_factor(std::size_t point, std::span<const Ground> probe_ground) const;
+	double neighbour_density(std::size_t neighbour, glm::dvec2 position) const;
+	double density_at(std::size_t point, std::span<const Ground> ground) const;
+
+	const LayerSettings *layer_ = nullptr;
+	PreparedRules rules_;
+	std::vector<const LayerStage *> neighbours_;
+	Rect window_;
+	std::size_t sampled_ = 0;
+
+	std::vector<SamplePoint> points_; ///< As sampled; kept for their memory.
+	std::vector<glm::dvec2> positions_;
+	std::vector<std::uint64_t> ids_;
+	std::vector<std::uint32_t> ranks_;
+	std::vector<double> densities_;        ///< Of the rules of the place.
+	std::vector<glm::dvec2> probes_;       ///< edge_probes for each point, or none.
+	std::vector<std::uint8_t> probe_open_; ///< Whether the rules of the place allow them.
+	std::vector<std::uint32_t> near_shapes_;
+
+	std::vector<std::uint32_t> standing_;
+	std::vector<std::uint32_t> thinning_ranks_;
+	PointGrid grid_;
+	std::vector<glm::dvec2> standing_positions_;
+
+	// Working memory of `sample`.
+	std::vector<glm::dvec2> sampled_positions_;
+	std::vector<double> sampled_densities_;
+	std::vector<float> scratch_;
+};
+
+} // namespace thicket

@@ -1,0 +1,258 @@
+// What an edit may change: nothing beyond its reach. And the thinning of a layer towards its edge.
+
+#include "core/placement/edge_probes.hpp"
+#include "core/placement/tile_builder.hpp"
+#include "core/terrain/flat_terrain.hpp"
+#include "tile_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <random>
+#include <utility>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+struct Standing {
+	glm::dvec2 position;
+	std::vector<float> transform;
+	std::uint32_t rank = 0;
+
+	friend bool operator==(const Standing &a, const Standing &b) {
+		return a.transform == b.transform && a.rank == b.rank;
+	}
+};
+
+std::map<std::uint64_t, Standing> standing_in(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
+	const TileInstances tile = built(layer, terrain, rect);
+	const Transforms transforms = transforms_of(tile);
+	std::map<std::uint64_t, Standing> result;
+	for (const MeshInstances &mesh : tile.meshes) {
+		for (std::size_t i = 0; i < mesh.size(); ++i) {
+			const glm::dvec3 position = world_position(tile, mesh, i);
+			result[mesh.ids[i]] = {{position.x, position.z}, transforms.at(mesh.ids[i]), mesh.ranks[i]};
+		}
+	}
+	return result;
+}
+
+/// The rectangle around all instances that stand in one of two states only, or in another way. NAN for none.
+Rect changed_area(const std::map<std::uint64_t, Standing> &before, const std::map<std::uint64_t, Standing> &after) {
+	Rect area{glm::dvec2(nothing), glm::dvec2(nothing)};
+	const auto add_missing = [&area](const auto &from, const auto &other) {
+		for (const auto &[id, standing] : from) {
+			const auto found = other.find(id);
+			if (found == other.end() || !(found->second == standing)) {
+				const glm::dvec2 at = standing.position;
+				area = std::isnan(area.min.x) ? Rect{at, at} : Rect{glm::min(area.min, at), glm::max(area.max, at)};
+			}
+		}
+	};
+	add_missing(before, after);
+	add_missing(after, before);
+	return area;
+}
+
+Shape cylinder(glm::dvec2 at, double radius, bool exclude) {
+	Shape shape;
+	shape.kind = ShapeKind::cylinder;
+	shape.ignore_height = true;
+	shape.exclude = exclude;
+	shape.falloff = 2.0;
+	shape.center = {at.x, 0.0, at.y};
+	shape.half_size = {radius, 10.0, 0.0};
+	return shape;
+}
+
+/// A layer with a bit of everything, next to another one.
+struct World {
+	std::shared_ptr<PaintedMask> mask = std::make_shared<PaintedMask>();
+	std::vector<Shape> shapes{cylinder({-20.0, 40.0}, 15.0, true), cylinder({30.0, 90.0}, 9.0, true)};
+	double oak_density = 0.8;
+
+	World() { REQUIRE(mask->reset(0.5, 1.0).ok()); }
+
+	LayerSettings layer() const {
+		auto oaks = std::make_shared<LayerSettings>();
+		oaks->set = {.seed = 1, .radius = 7.0, .levels = 1, .layer = 0};
+		oaks->rules.density = oak_density;
+		oaks->rules.mask = std::make_shared<PaintedMask>(*mask);
+		LayerSettings result = rich_layer();
+		result.rules.min_height = -unlimited_height;
+		auto set = std::make_shared<ShapeSet>();
+		REQUIRE(set->set(shapes).ok());
+		result.rules.shapes = set;
+		result.rules.edge_feather = 3.0;
+		result.neighbours = {{oaks, 4.0, nullptr}};
+		return result;
+	}
+};
+
+bool within(const Rect &area, const Rect &limits) {
+	constexpr double rounding = 1e-4; // Positions come back as floats.
+	return area.min.x >= limits.min.x - rounding && area.min.y >= limits.min.y - rounding &&
+			area.max.x <= limits.max.x + rounding && area.max.y <= limits.max.y + rounding;
+}
+
+Rect both(const Rect &a, const Rect &b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
+
+} // namespace
+
+TEST_CASE("edits: what changes lies within the reach of the edit, and something does") {
+	const Heightfield terrain = hills();
+	std::mt19937_64 random(77);
+	std::uniform_real_distribution<double> unit(0.0, 1.0);
+	World world;
+	LayerSettings layer = world.layer();
+	CHECK(reach(layer) == 4.0);
+	auto before = standing_in(layer, terrain, tile_of_hills);
+	int changes = 0;
+	for (int round = 0; round < 40; ++round) {
+		Rect edited;
+		const glm::dvec2 at(-60.0 + 120.0 * unit(random), 4.0 + 120.0 * unit(random));
+		if (round % 2 == 0) {
+			const auto mode = static_cast<Brush::Mode>(round / 2 % 3);
+			REQUIRE(world.mask->paint({mode, at, 2.0 + 8.0 * unit(random), 1.0, 0.5}, edited).ok());
+		} else {
+			Shape &shape = world.shapes[static_cast<std::size_t>(round / 2 % 2)];
+			edited = bounds(shape);
+			shape = cylinder(at, 3.0 + 10.0 * unit(random), true);
+			edited = both(edited, bounds(shape));
+		}
+		const LayerSettings next = world.layer();
+		CHECK(same_but_for_edits(layer, next));
+		const auto after = standing_in(next, terrain, tile_of_hills);
+		const Rect area = changed_area(before, after);
+		if (!std::isnan(area.min.x)) {
+			CHECK(within(area, {edited.min - reach(next), edited.max + reach(next)}));
+			++changes;
+		}
+		before = after;
+		layer = next;
+	}
+	CHECK(changes > 20);
+	world.oak_density = 0.5;
+	CHECK_FALSE(same_but_for_edits(layer, world.layer()));
+	LayerSettings sparser = layer;
+	sparser.rules.density = 0.5;
+	CHECK_FALSE(same_but_for_edits(layer, sparser));
+}
+
+TEST_CASE("edits: undone ones leave no trace") {
+	const Heightfield terrain = hills();
+	World world;
+	const auto before = standing_in(world.layer(), terrain, tile_of_hills);
+	const Shape old = world.shapes[0];
+	world.shapes[0] = cylinder({10.0, 20.0}, 12.0, true);
+	std::vector<std::uint8_t> pixels;
+	const PixelRect region = world.mask->pixels_of({{0.0, 40.0}, {40.0, 80.0}});
+	REQUIRE(world.mask->read(region, pixels).ok());
+	Rect changed;
+	REQUIRE(world.mask->paint({Brush::Mode::erase, {20.0, 60.0}, 15.0, 0.7, 0.3}, changed).ok());
+	CHECK(standing_in(world.layer(), terrain, tile_of_hills) != before);
+	REQUIRE(world.mask->write(region, pixels, changed).ok());
+	world.shapes[0] = old;
+	CHECK(standing_in(world.layer(), terrain, tile_of_hills) == before);
+}
+
+TEST_CASE("edits: shapes include and exclude what they hold") {
+	LayerSettings layer;
+	layer.set = {.seed = 4, .radius = 1.0, .levels = 1, .layer = 0};
+	const FlatTerrain terrain(3.0f);
+	const auto all = standing_in(layer, terrain, tile_of_hills);
+	for (const bool exclude : {false, true}) {
+		Shape shape = cylinder({5.0, 60.0}, 20.0, exclude);
+		shape.falloff = 0.0;
+		auto set = std::make_shared<ShapeSet>();
+		REQUIRE(set->set({shape}).ok());
+		LayerSettings shaped = layer;
+		shaped.rules.shapes = set;
+		const auto some = standing_in(shaped, terrain, tile_of_hills);
+		for (const auto &[id, standing] : all) {
+			const double distance = std::hypot(standing.position.x - 5.0, standing.position.y - 60.0);
+			if (std::abs(distance - 20.0) > 1e-4) {
+				CHECK(some.contains(id) == ((distance < 20.0) != exclude));
+			}
+		}
+	}
+}
+
+TEST_CASE("edge feather: a layer thins towards the edge of what it may stand on, and nowhere else") {
+	LayerSettings layer;
+	layer.set = {.seed = 4, .radius = 0.5, .levels = 1, .layer = 0};
+	layer.rules.max_height = 10.0;
+	// Ground that rises to the right: the limit of height is the line x = 10.
+	class Ramp final : public Terrain {
+	public:
+		Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
+			std::ranges::transform(positions, r_ground.begin(), [](glm::dvec2 at) {
+				return Ground{static_cast<float>(at.x), {-1.0f, 1.0f, 0.0f}};
+			});
+			return {};
+		}
+	};
+	const Rect rect{{-20.0, -30.0}, {20.0, 30.0}};
+	const auto hard = standing_in(layer, Ramp(), rect);
+	layer.rules.edge_feather = 8.0;
+	const auto soft = standing_in(layer, Ramp(), rect);
+	std::vector<double> total(32, 0.0);
+	std::vector<double> left(32, 0.0);
+	for (const auto &[id, standing] : hard) {
+		const auto metre = static_cast<std::size_t>(10.0 - standing.position.x);
+		total[metre] += 1.0;
+		left[metre] += soft.contains(id) ? 1.0 : 0.0;
+	}
+	for (std::size_t metre = 8; metre < 30; ++metre) {
+		CHECK(left[metre] == total[metre]);
+	}
+	CHECK(left[0] / total[0] < 0.15);
+	CHECK(left[3] / total[3] > 0.2);
+	CHECK(left[3] / total[3] < 0.8);
+	CHECK(left[6] / total[6] > left[2] / total[2]);
+	CHECK(edge_density(edge_probes) == 1.0);
+	CHECK(edge_density(edge_probes / 2) == 0.0);
+	CHECK(edge_density(0) == 0.0);
+}
+
+TEST_CASE("edge feather: holes, masks and shapes are edges, too") {
+	LayerSettings layer;
+	layer.set = {.seed = 4, .radius = 0.5, .levels = 1, .layer = 0};
+	layer.rules.edge_feather = 6.0;
+	const FlatTerrain terrain(0.0f);
+	const auto soft_near = [&](const Rules &rules, glm::dvec2 edge) {
+		LayerSettings one = layer;
+		one.rules = rules;
+		one.rules.edge_feather = 0.0;
+		const Rect strip{edge - 1.0, edge + 1.0};
+		const auto hard = standing_in(one, terrain, strip);
+		one.rules.edge_feather = layer.rules.edge_feather;
+		return static_cast<double>(standing_in(one, terrain, strip).size()) / static_cast<double>(hard.size());
+	};
+	CHECK(soft_near(layer.rules, {20.0, 0.0}) == 1.0);
+	Rules masked = layer.rules;
+	auto mask = std::make_shared<PaintedMask>();
+	REQUIRE(mask->reset(0.25, 1.0).ok());
+	Rect changed;
+	REQUIRE(mask->paint({Brush::Mode::erase, {0.0, 0.0}, 20.0, 1.0, 1.0}, changed).ok());
+	masked.mask = mask;
+	CHECK(soft_near(masked, {21.5, 0.0}) < 0.4);
+	CHECK(soft_near(masked, {30.0, 0.0}) == 1.0);
+	Rules shaped = layer.rules;
+	auto shapes = std::make_shared<ShapeSet>();
+	Shape hole = cylinder({0.0, 0.0}, 20.0, true);
+	hole.falloff = 0.0;
+	REQUIRE(shapes->set({hole}).ok());
+	shaped.shapes = shapes;
+	CHECK(soft_near(shaped, {21.5, 0.0}) < 0.4);
+	CHECK(soft_near(shaped, {30.0, 0.0}) == 1.0);
+}

@@ -1,0 +1,230 @@
+// Spacing and proximity to other layers, on tiles of any kind.
+
+#include "core/placement/tile_builder.hpp"
+#include "core/terrain/flat_terrain.hpp"
+#include "refusal.hpp"
+#include "tile_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+constexpr double everywhere = std::numeric_limits<double>::infinity();
+
+std::shared_ptr<LayerSettings> layer_of(std::uint16_t number, double radius) {
+	auto layer = std::make_shared<LayerSettings>();
+	layer->set = {.seed = 2007, .radius = radius, .levels = 1, .layer = number};
+	return layer;
+}
+
+std::shared_ptr<const CurveTable> table(double min, double max, std::vector<float> samples) {
+	auto result = std::make_shared<CurveTable>();
+	REQUIRE(result->set(min, max, samples).ok());
+	return result;
+}
+
+/// Where the instances of a layer stand, by id, as exactly as the set says.
+std::map<std::uint64_t, glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
+	const TileInstances tile = built(layer, terrain, rect);
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	REQUIRE(sampler.sample(layer.set, rect, points).ok());
+	std::map<std::uint64_t, glm::dvec2> result;
+	for (const SamplePoint &point : points) {
+		result.emplace(point.id, point.position);
+	}
+	std::set<std::uint64_t> standing;
+	for (const MeshInstances &mesh : tile.meshes) {
+		standing.insert(mesh.ids.begin(), mesh.ids.end());
+	}
+	std::erase_if(result, [&standing](const auto &entry) { return !standing.contains(entry.first); });
+	return result;
+}
+
+double nearest(glm::dvec2 position, const std::map<std::uint64_t, glm::dvec2> &others) {
+	double nearest = everywhere;
+	for (const auto &[id, other] : others) {
+		nearest = std::min(nearest, glm::distance(position, other));
+	}
+	return nearest;
+}
+
+Rect grown(const Rect &rect, double by) { return {rect.min - by, rect.max + by}; }
+
+const std::vector<Rect> windows{{{-20.0, -35.0}, {30.0, 5.0}}, {{1000.25, -7.5}, {1013.5, 60.0}},
+		{{3.0, 4.0}, {9.0, 6.5}}, {{-5e6, 5e6}, {-5e6 + 40.0, 5e6 + 25.0}}};
+
+} // namespace
+
+TEST_CASE("neighbours: spacing takes away just those that stand too near, also across the window's border") {
+	const FlatTerrain terrain(0.0f);
+	const auto oaks = layer_of(0, 6.0);
+	oaks->rules.density = 0.6;
+	const auto ferns = layer_of(1, 1.0);
+	LayerSettings spaced = *ferns;
+	spaced.neighbours = {{oaks, 2.5, nullptr}};
+	for (const Rect &window : windows) {
+		const auto trees = places(*oaks, terrain, grown(window, 10.0));
+		const auto all = places(*ferns, terrain, window);
+		const auto some = places(spaced, terrain, window);
+		std::size_t expected = 0;
+		for (const auto &[id, position] : all) {
+			const bool stands = nearest(position, trees) >= 2.5;
+			CHECK(some.contains(id) == stands);
+			expected += stands ? 1 : 0;
+		}
+		CHECK(some.size() == expected);
+		CHECK((all.size() < 20 || some.size() < all.size()));
+	}
+}
+
+TEST_CASE("neighbours: only instances count, not points that their own rules took away") {
+	const Heightfield terrain = hills();
+	const auto oaks = layer_of(0, 6.0);
+	oaks->rules.max_slope_degrees = 20.0;
+	LayerSettings ferns = *layer_of(1, 1.0);
+	ferns.neighbours = {{oaks, 4.0, nullptr}};
+	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 10.0));
+	const auto points = places(*layer_of(0, 6.0), terrain, grown(tile_of_hills, 10.0));
+	CHECK(trees.size() < points.size());
+	int near_absent = 0;
+	for (const auto &[id, position] : places(ferns, terrain, tile_of_hills)) {
+		CHECK(nearest(position, trees) >= 4.0);
+		near_absent += nearest(position, points) < 4.0 ? 1 : 0;
+	}
+	CHECK(near_absent > 100);
+}
+
+TEST_CASE("neighbours: proximity is a density over the distance to the nearest") {
+	const FlatTerrain terrain(0.0f);
+	const auto oaks = layer_of(0, 12.0);
+	LayerSettings ferns = *layer_of(1, 0.5);
+	const auto all = places(ferns, terrain, tile_of_hills);
+	ferns.neighbours = {{oaks, 6.0, table(0.0, 6.0, {1.0f, 0.5f, 0.0f})}};
+	const auto some = places(ferns, terrain, tile_of_hills);
+	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 20.0));
+	std::vector<double> total(8, 0.0);
+	std::vector<double> left(8, 0.0);
+	for (const auto &[id, position] : all) {
+		const double distance = nearest(position, trees);
+		const auto ring = static_cast<std::size_t>(std::min(distance, 7.0));
+		total[ring] += 1.0;
+		left[ring] += some.contains(id) ? 1.0 : 0.0;
+	}
+	for (std::size_t ring = 0; ring < 6; ++ring) {
+		CAPTURE(ring);
+		const double expected = 1.0 - (static_cast<double>(ring) + 0.5) / 6.0;
+		CHECK(std::abs(left[ring] / total[ring] - expected) < 4.0 * std::sqrt(0.25 / total[ring]) + 0.02);
+	}
+	CHECK(left[6] + left[7] == 0.0);
+	CHECK(total[6] + total[7] > 100.0);
+}
+
+TEST_CASE("neighbours: beyond the distance the curve's density there counts") {
+	const FlatTerrain terrain(0.0f);
+	const auto oaks = layer_of(0, 12.0);
+	LayerSettings grass = *layer_of(1, 1.0);
+	const auto all = places(grass, terrain, tile_of_hills);
+	grass.neighbours = {{oaks, 3.0, table(0.0, 3.0, {0.0f, 1.0f})}};
+	const auto some = places(grass, terrain, tile_of_hills);
+	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 20.0));
+	for (const auto &[id, position] : all) {
+		if (nearest(position, trees) >= 3.0) {
+			CHECK(some.contains(id));
+		}
+	}
+	CHECK(some.size() < all.size());
+	// With nobody to be near to, too.
+	oaks->rules.density = 0.0;
+	CHECK(places(grass, terrain, tile_of_hills).size() == all.size());
+}
+
+TEST_CASE("neighbours: chains hold across tiles of any size, in any order") {
+	const Heightfield terrain = hills();
+	const auto oaks = layer_of(0, 7.0);
+	oaks->rules.max_slope_degrees = 35.0;
+	const auto shrubs = layer_of(1, 3.0);
+	shrubs->neighbours = {{oaks, 4.0, nullptr}};
+	const auto stones = layer_of(2, 5.0);
+	stones->neighbours = {{oaks, 3.0, nullptr}, {shrubs, 2.0, nullptr}};
+	LayerSettings ferns = *layer_of(3, 1.25);
+	ferns.rules.min_height = 10.0;
+	ferns.neighbours = {{shrubs, 5.0, table(0.0, 5.0, {1.0f, 0.25f})}, {stones, 1.5, nullptr}, {oaks, 1.0, nullptr}};
+	CHECK(reach(ferns) == 5.0 + 4.0);
+	const auto whole = places(ferns, terrain, tile_of_hills);
+	CHECK(whole.size() > 200);
+	for (const double side : {64.0, 17.0, 8.5}) {
+		std::map<std::uint64_t, glm::dvec2> together;
+		for (double y = tile_of_hills.max.y; y > tile_of_hills.min.y; y -= side) {
+			for (double x = tile_of_hills.min.x; x < tile_of_hills.max.x; x += 2.0 * side) {
+				const Rect part{{x, std::max(y - side, tile_of_hills.min.y)},
+						{std::min(x + 2.0 * side, tile_of_hills.max.x), y}};
+				together.merge(places(ferns, terrain, part));
+			}
+		}
+		CHECK(together == whole);
+	}
+	const auto standing_stones = places(*stones, terrain, grown(tile_of_hills, 20.0));
+	for (const auto &[id, position] : whole) {
+		CHECK(nearest(position, standing_stones) >= 1.5);
+	}
+}
+
+TEST_CASE("neighbours: ground in two steps gives the tile that one step gives") {
+	const Heightfield terrain = hills();
+	const auto oaks = layer_of(0, 7.0);
+	oaks->rules.max_slope_degrees = 30.0;
+	LayerSettings ferns = *layer_of(3, 1.5);
+	ferns.rules.edge_feather = 6.0;
+	ferns.neighbours = {{oaks, 5.0, nullptr}};
+	TileBuilder builder;
+	REQUIRE(builder.find_points(ferns, tile_of_hills).ok());
+	std::vector<Ground> ground(builder.positions().size());
+	REQUIRE(terrain.sample(builder.positions(), ground).ok());
+	std::size_t covered = 0;
+	for (const GroundQuery &query : builder.queries()) {
+		CHECK(query.first == covered);
+		covered += query.count;
+	}
+	CHECK(covered == builder.positions().size());
+	TileInstances tile;
+	REQUIRE(builder.place(ground, tile).ok());
+	CHECK(digest(tile) == digest(built(ferns, terrain, tile_of_hills)));
+}
+
+TEST_CASE("neighbours: bad ones are refused by name") {
+	LayerSettings layer = *layer_of(0, 1.0);
+	const auto refuse = [&layer](const Neighbour &neighbour, ErrorCode code, const char *property, double value) {
+		layer.neighbours = {neighbour};
+		check_refused(validate(layer), code, property, value);
+		TileInstances tile;
+		CHECK_FALSE(TileBuilder().build(layer, FlatTerrain(0.0f), tile_of_hills, tile).ok());
+	};
+	const auto good = layer_of(1, 2.0);
+	refuse({nullptr, 1.0, nullptr}, ErrorCode::missing, "neighbours", 0.0);
+	refuse({good, 0.0, nullptr}, ErrorCode::not_positive, "neighbour distance", 0.0);
+	refuse({good, nan_value, nullptr}, ErrorCode::not_finite, "neighbour distance", nan_value);
+	refuse({good, 1001.0, nullptr}, ErrorCode::out_of_range, "neighbour distance", 1001.0);
+	const auto bad = layer_of(1, -2.0);
+	refuse({bad, 1.0, nullptr}, ErrorCode::not_positive, "radius", -2.0);
+	auto chain = layer_of(0, 1.0);
+	for (std::size_t depth = 0; depth <= max_neighbour_depth; ++depth) {
+		auto next = layer_of(0, 1.0);
+		next->neighbours = {{chain, 1.0, nullptr}};
+		chain = next;
+	}
+	check_refused(validate(*chain), ErrorCode::out_of_range, "neighbours", 1.0);
+}
