@@ -226,5 +226,7 @@ TEST_CASE("neighbours: bad ones are refused by name") {
 		next->neighbours = {{chain, 1.0, nullptr}};
 		chain = next;
 	}
-	check_refused(validate(*chain), ErrorCode::out_of_range, "neighbours", 1.0);
+	check_refused(validate(*chain), ErrorCode::out_of_range, "depth of neighbours", max_neighbour_depth + 1.0);
+	layer.neighbours.assign(max_neighbours + 1, {good, 1.0, nullptr});
+	check_refused(validate(layer), ErrorCode::out_of_range, "neighbours", max_neighbours + 1.0);
 }

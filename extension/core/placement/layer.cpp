@@ -21,7 +21,10 @@ Status validate_neighbour(const Neighbour &neighbour, std::size_t depth) {
 }
 
 Status validate_at_depth(const LayerSettings &layer, std::size_t depth) {
-	if (depth > max_neighbour_depth || layer.neighbours.size() > max_neighbours) {
+	if (depth > max_neighbour_depth) {
+		return {ErrorCode::out_of_range, "depth of neighbours", static_cast<double>(depth)};
+	}
+	if (layer.neighbours.size() > max_neighbours) {
 		return {ErrorCode::out_of_range, "neighbours", static_cast<double>(layer.neighbours.size())};
 	}
 	Status status = first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement),
