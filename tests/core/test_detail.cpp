@@ -1,0 +1,135 @@
+#include "core/placement/detail.hpp"
+#include "refusal.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <random>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+Detail thinning() {
+	Detail detail;
+	detail.lod_distances = {20.0, 50.0, 51.0};
+	detail.thin_begin = 30.0;
+	detail.thin_end = 130.0;
+	detail.thin_density = 0.2;
+	detail.scale_compensation = true;
+	return detail;
+}
+
+} // namespace
+
+TEST_CASE("detail: meshes change at their distances, and back 5 % nearer") {
+	const Detail detail = thinning();
+	CHECK(lod_at(detail, 0.0, 0) == 0);
+	CHECK(lod_at(detail, 19.99, 0) == 0);
+	CHECK(lod_at(detail, 20.0, 0) == 1);
+	CHECK(lod_at(detail, 19.01, 1) == 1);
+	CHECK(lod_at(detail, 18.99, 1) == 0);
+	CHECK(lod_at(detail, 1e5, 0) == 3);
+	CHECK(lod_at(detail, 50.5, 0) == 2);
+	CHECK(lod_at(detail, 50.5, 3) == 3);
+	CHECK(lod_at(detail, 0.0, 3) == 0);
+	CHECK(lod_at({}, 1e5, 0) == 0);
+	CHECK(lod_at({}, 1e5, 7) == 0);
+}
+
+TEST_CASE("detail: walking to and fro within 5 % changes a mesh once") {
+	const Detail detail = thinning();
+	std::size_t shown = lod_at(detail, 10.0, 0);
+	int changes = 0;
+	for (int step = 0; step < 1000; ++step) {
+		const double distance = 19.6 + 0.55 * std::sin(step * 0.3);
+		const std::size_t lod = lod_at(detail, distance, shown);
+		changes += lod != shown ? 1 : 0;
+		shown = lod;
+	}
+	CHECK(changes == 1);
+}
+
+TEST_CASE("detail: the density falls evenly from begin to end, never rises, and stays after") {
+	const Detail detail = thinning();
+	CHECK(thinned_density(detail, 0.0) == 1.0);
+	CHECK(thinned_density(detail, 30.0) == 1.0);
+	CHECK(thinned_density(detail, 80.0) == doctest::Approx(0.6));
+	CHECK(thinned_density(detail, 130.0) == doctest::Approx(0.2));
+	CHECK(thinned_density(detail, 1e6) == doctest::Approx(0.2));
+	double last = 1.0;
+	for (double distance = 0.0; distance < 200.0; distance += 0.1) {
+		const double density = thinned_density(detail, distance);
+		const double exact = 1.0 - 0.8 * std::fmin(std::fmax((distance - 30.0) / 100.0, 0.0), 1.0);
+		CHECK(density <= last);
+		CHECK(density >= exact - 1e-12);
+		CHECK(density <= exact + 0.8 / thin_steps + 1e-12);
+		last = density;
+	}
+	CHECK(thinned_density({}, 1e6) == 1.0);
+
+	Detail sudden = detail;
+	sudden.thin_end = sudden.thin_begin;
+	CHECK(thinned_density(sudden, 29.9) == 1.0);
+	CHECK(thinned_density(sudden, 30.0) == doctest::Approx(0.2));
+}
+
+TEST_CASE("detail: what is left covers what all covered, up to a limit") {
+	Detail detail = thinning();
+	CHECK(compensating_scale(detail, 1.0) == 1.0);
+	CHECK(compensating_scale(detail, 0.25) == 2.0);
+	CHECK(compensating_scale(detail, 0.01) == max_scale_compensation);
+	CHECK(compensating_scale(detail, 0.0) == max_scale_compensation);
+	detail.scale_compensation = false;
+	CHECK(compensating_scale(detail, 0.25) == 1.0);
+}
+
+TEST_CASE("detail: within the margin nothing changes, whatever is shown") {
+	std::mt19937 random(11);
+	std::uniform_real_distribution<double> any(0.0, 160.0);
+	std::uniform_real_distribution<double> share(-0.9999, 0.9999);
+	const Detail detail = thinning();
+	double least = 1e9;
+	for (int i = 0; i < 20000; ++i) {
+		const double distance = any(random);
+		const double margin = distance_margin(detail, distance);
+		least = std::fmin(least, margin);
+		const double near = distance + margin * share(random);
+		CHECK(thinned_density(detail, near) == thinned_density(detail, distance));
+		for (std::size_t shown = 0; shown < 4; ++shown) {
+			CHECK(lod_at(detail, near, shown) == lod_at(detail, distance, shown));
+		}
+	}
+	CHECK(least < 0.01);
+	CHECK(distance_margin(detail, 10.0) == doctest::Approx(9.0));
+	CHECK(distance_margin(detail, 200.0) == doctest::Approx(70.0));
+	CHECK(distance_margin({}, 10.0) == std::numeric_limits<double>::infinity());
+}
+
+TEST_CASE("detail: bad settings are refused by name and value") {
+	const auto refuse = [](double Detail::*member, const char *property, double value, ErrorCode code) {
+		Detail bad = thinning();
+		bad.*member = value;
+		check_refused(validate(bad), code, property, value);
+	};
+	refuse(&Detail::thin_begin, "thin_begin", nan_value, ErrorCode::not_finite);
+	refuse(&Detail::thin_begin, "thin_begin", -1.0, ErrorCode::out_of_range);
+	refuse(&Detail::thin_end, "thin_end", 2e6, ErrorCode::out_of_range);
+	refuse(&Detail::thin_end, "thin_end", 29.0, ErrorCode::inverted);
+	refuse(&Detail::thin_density, "thin_density", 1.5, ErrorCode::out_of_range);
+	refuse(&Detail::thin_density, "thin_density", infinite_value, ErrorCode::not_finite);
+	const auto refuse_distances = [](std::vector<double> distances, ErrorCode code, double value) {
+		Detail bad;
+		bad.lod_distances = std::move(distances);
+		check_refused(validate(bad), code, "lod_distances", value);
+	};
+	refuse_distances({10.0, 5.0}, ErrorCode::inverted, 5.0);
+	refuse_distances({-1.0}, ErrorCode::out_of_range, -1.0);
+	refuse_distances({1.0, nan_value}, ErrorCode::not_finite, nan_value);
+	refuse_distances(std::vector<double>(max_lods + 1, 1.0), ErrorCode::out_of_range, max_lods + 1.0);
+	CHECK(validate(Detail{}).ok());
+	CHECK(validate(thinning()).ok());
+}
