@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string_view>
 #include <vector>
 
 using namespace godot;
@@ -89,8 +90,9 @@ void ScatterMask::set_data(const PackedByteArray &p_data) {
 		return;
 	}
 	const Status status = mask_.from_bytes({p_data.ptr(), static_cast<std::size_t>(p_data.size())});
-	report(class_name, status);
 	if (!status.ok()) {
+		const bool whole = std::string_view(status.property) == "data";
+		report(class_name, {status.code, whole ? "data" : "data: its version", status.value});
 		return;
 	}
 	// The bytes know it to 1/255 only; what a scene says beside them is finer.

@@ -1,0 +1,273 @@
+extends "harness.gd"
+## What a layer holds: defaults, what files keep, what it refuses, when it tells of a change, what it warns of.
+
+const SPOT := "user://thicket_layer"
+
+var defaults := {
+	"density_over_height": null, "density_over_slope": null, "ground_textures": PackedInt32Array(), "noise": null,
+	"noise_curve": null, "mask": null, "mask_texture": null, "mask_texture_rect": Rect2(0, 0, 1000, 1000),
+	"mask_texture_channel": ScatterLayer.MASK_CHANNEL_RED, "mask_texture_edge": ScatterLayer.MASK_EDGE_NOTHING,
+	"clump_size": 0.0, "clump_coverage": 0.5, "clump_softness": 0.25, "edge_feather": 0.0, "proximity_layer": "",
+	"proximity_distance": 5.0, "proximity_curve": null, "scale_curve": null, "min_tilt_degrees": 0.0,
+	"max_tilt_degrees": 0.0, "offset_along_normal": 0.0, "use_colors": false, "color_gradient": null,
+	"use_custom_data": false,
+}
+
+## The resources that a layer's rules are made of, by their properties, and something to change in each.
+var sources := {
+	"density_over_height": ["Curve", "max_domain", 500.0], "density_over_slope": ["Curve", "max_domain", 60.0],
+	"noise": ["FastNoiseLite", "frequency", 0.5], "noise_curve": ["Curve", "min_domain", -1.0],
+	"mask": ["ScatterMask", "background", 0.5], "mask_texture": ["GradientTexture2D", "width", 16],
+	"proximity_curve": ["Curve", "max_domain", 9.0], "scale_curve": ["Curve", "max_domain", 2.0],
+	"color_gradient": ["Gradient", "colors", PackedColorArray([Color.RED, Color.BLUE])],
+}
+
+
+func made(type: String) -> Resource:
+	return ClassDB.instantiate(type)
+
+
+func line(from: Vector2, to: Vector2) -> Curve:
+	var curve := Curve.new()
+	curve.min_domain = from.x
+	curve.max_domain = to.x
+	curve.add_point(from, 0.0, (to.y - from.y) / (to.x - from.x))
+	curve.add_point(to, (to.y - from.y) / (to.x - from.x), 0.0)
+	return curve
+
+
+## A layer of which no property is at its default.
+func full_layer() -> ScatterLayer:
+	var layer := make_layer()
+	layer.resource_name = "Ferns"
+	layer.density_over_height = line(Vector2(100, 0), Vector2(900, 1))
+	layer.density_over_slope = line(Vector2(0, 1), Vector2(90, 0))
+	layer.ground_textures = [3, 0, 255]
+	layer.noise = FastNoiseLite.new()
+	layer.noise_curve = line(Vector2(-1, 0), Vector2(1, 1))
+	layer.mask = ScatterMask.new()
+	layer.mask.paint(Vector2(30, 40), 9.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
+	layer.mask_texture = GradientTexture2D.new()
+	layer.mask_texture_rect = Rect2(-50, -60, 70, 80)
+	layer.mask_texture_channel = ScatterLayer.MASK_CHANNEL_LUMINANCE
+	layer.mask_texture_edge = ScatterLayer.MASK_EDGE_REPEAT
+	layer.clump_size = 25.0
+	layer.clump_coverage = 0.75
+	layer.clump_softness = 0.5
+	layer.edge_feather = 4.0
+	layer.spacing = {"Oaks": 4.0, "Stones": 1.5}
+	layer.proximity_layer = "Oaks"
+	layer.proximity_distance = 12.0
+	layer.proximity_curve = line(Vector2(0, 1), Vector2(12, 0))
+	layer.scale_curve = line(Vector2(0, 0), Vector2(1, 1))
+	layer.min_tilt_degrees = 5.0
+	layer.max_tilt_degrees = 15.0
+	layer.offset_along_normal = -0.25
+	layer.use_colors = true
+	layer.color_gradient = Gradient.new()
+	layer.use_custom_data = true
+	return layer
+
+
+func check_full(layer: ScatterLayer, from: String) -> void:
+	var expected := full_layer()
+	for property: String in defaults:
+		var value: Variant = layer.get(property)
+		check(value != defaults[property], "%s from %s is not at its default" % [property, from])
+		if not value is Resource:
+			check_equal(value, expected.get(property), property + " from " + from)
+	check_equal(layer.spacing, {"Oaks": 4.0, "Stones": 1.5} as Dictionary[String, float], "spacing from " + from)
+	check_equal(layer.resource_name, "Ferns", "name from " + from)
+	check(is_equal_approx(layer.density_over_height.sample(300.0), 0.25), "a curve from " + from)
+	check_equal(layer.mask.data, expected.mask.data, "what is painted, from " + from)
+
+
+func test_defaults() -> void:
+	var layer := ScatterLayer.new()
+	for property: String in defaults:
+		var shown: Variant = ClassDB.class_get_property_default_value("ScatterLayer", property)
+		for value: Variant in [layer.get(property), shown]:
+			check(value == defaults[property], "%s: got %s, expected %s" % [property, value, defaults[property]])
+	check_equal(layer.spacing, {} as Dictionary[String, float], "spacing")
+	check_equal([layer.spacing.get_typed_key_builtin(), layer.spacing.get_typed_value_builtin()], [TYPE_STRING, TYPE_FLOAT], "its types")
+
+
+func test_files() -> void:
+	var layer := full_layer()
+	check_full(layer, "memory")
+	for ending: String in [".tres", ".res"]:
+		check_equal(ResourceSaver.save(layer, SPOT + ending), OK, "saved")
+		check_full(ResourceLoader.load(SPOT + ending, "", ResourceLoader.CACHE_MODE_IGNORE_DEEP), ending)
+		DirAccess.remove_absolute(SPOT + ending)
+	check_full(layer.duplicate(), "a copy")
+	check_full(layer.duplicate_deep(Resource.DEEP_DUPLICATE_ALL), "a deep copy")
+	var scatter := TerrainScatter3D.new()
+	scatter.layers = [layer]
+	var scene := PackedScene.new()
+	scene.pack(scatter)
+	check_equal(ResourceSaver.save(scene, SPOT + ".tscn"), OK, "saved in a scene")
+	var loaded: PackedScene = ResourceLoader.load(SPOT + ".tscn", "", ResourceLoader.CACHE_MODE_IGNORE_DEEP)
+	var copy: TerrainScatter3D = loaded.instantiate()
+	check_full(copy.layers[0], ".tscn")
+	DirAccess.remove_absolute(SPOT + ".tscn")
+	copy.free()
+	scatter.free()
+
+
+func refuse(layer: ScatterLayer, property: StringName, value: Variant, words := []) -> void:
+	var changes: Array[int] = [0]
+	var count := func() -> void: changes[0] += 1
+	var before: Variant = layer.get(property)
+	layer.changed.connect(count)
+	layer.set(property, value)
+	layer.changed.disconnect(count)
+	check_error(["ScatterLayer.%s" % property] + words, "%s = %s" % [property, value])
+	check_equal(layer.get(property), before, "%s after %s" % [property, value])
+	check_equal(changes[0], 0, "nothing was told")
+
+
+func test_refused() -> void:
+	var layer := full_layer()
+	refuse(layer, "clump_size", 0.05, ["range", "0.05"])
+	for property: String in ["clump_coverage", "clump_softness"]:
+		refuse(layer, property, -0.1, ["range"])
+		refuse(layer, property, 1.1, ["range"])
+	refuse(layer, "edge_feather", 1001.0, ["range"])
+	refuse(layer, "edge_feather", -1.0, ["range"])
+	refuse(layer, "proximity_distance", 1001.0, ["range"])
+	for property: String in ["min_tilt_degrees", "max_tilt_degrees"]:
+		refuse(layer, property, 91.0, ["range"])
+		refuse(layer, property, -1.0, ["range"])
+	refuse(layer, "offset_along_normal", -10001.0, ["range"])
+	for number: int in [-1, 5, 1 << 40]:
+		refuse(layer, "mask_texture_channel", number, ["range"])
+		refuse(layer, "mask_texture_edge", number if number != 5 else 4, ["range"])
+	for rect: Rect2 in [Rect2(0, 0, 0, 5), Rect2(0, 0, 5, -1), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5), Rect2(2e9, 0, 5, 5)]:
+		refuse(layer, "mask_texture_rect", rect)
+	refuse(layer, "ground_textures", PackedInt32Array([1, -1]), ["-1"])
+	refuse(layer, "ground_textures", PackedInt32Array([256]), ["256"])
+	var many := PackedInt32Array()
+	many.resize(257)
+	refuse(layer, "ground_textures", many, ["wrong size", "257"])
+	check_full(layer, "before all that")
+
+
+func test_refused_spacing() -> void:
+	var layer := full_layer()
+	for metres: float in [NAN, INF, 0.0, -1.0, 1000.5]:
+		refuse(layer, "spacing", {"Oaks": 2.0, "Firs": metres} as Dictionary[String, float])
+	var many: Dictionary[String, float] = {}
+	for index in 17:
+		many[str(index)] = 1.0
+	refuse(layer, "spacing", many, ["wrong size", "17"])
+	layer.set("spacing", {"Oaks": "near"})
+	errors.take() # The engine's own words for a text that is no number.
+	for bad: Variant in [[1, 2], "text", 5]:
+		layer.set("spacing", bad)
+	check_no_error("another type never arrives")
+	layer.spacing.set("Oaks", -7.0)
+	check_error(["read-only"], "an edit behind the checks")
+	layer.spacing = {"Oaks": 1000.0, "Stones": 1}
+	check_equal(layer.spacing, {"Oaks": 1000.0, "Stones": 1.0} as Dictionary[String, float], "spacing")
+	var mine: Dictionary[String, float] = {"Oaks": 3.0}
+	layer.spacing = mine
+	mine["Oaks"] = -3.0
+	check_equal(layer.spacing["Oaks"], 3.0, "the layer has a copy")
+	var edited := layer.spacing.duplicate()
+	edited["Firs"] = 2.0
+	layer.spacing = edited
+	check_equal(layer.spacing.size(), 2, "as scripts edit it")
+
+
+## What is in a resource changes: the layer tells, once, for each property that it is in, and no longer than it is there.
+func test_changes_within_resources() -> void:
+	for property: String in sources:
+		var layer := ScatterLayer.new()
+		var changes: Array[int] = [0]
+		layer.changed.connect(func() -> void: changes[0] += 1)
+		var source := made(sources[property][0])
+		layer.set(property, source)
+		check_equal(changes[0], 1, property + " set")
+		layer.set(property, source)
+		check_equal(changes[0], 1, property + " set to what it was")
+		source.set(sources[property][1], sources[property][2])
+		check(changes[0] == 2, "%s edited: told %d times" % [property, changes[0] - 1])
+		layer.set(property, null)
+		check_equal(changes[0], 3, property + " taken away")
+		source.emit_changed()
+		check_equal(changes[0], 3, property + " is not listened to any more")
+	var curve := Curve.new()
+	var layer := ScatterLayer.new()
+	var changes: Array[int] = [0]
+	layer.density_over_height = curve
+	layer.density_over_slope = curve
+	layer.changed.connect(func() -> void: changes[0] += 1)
+	layer.density_over_height = null
+	curve.emit_changed()
+	check_equal(changes[0], 2, "one curve in two properties, one of which has let go")
+
+
+func test_wrong_resources() -> void:
+	var layer := full_layer()
+	for property: String in sources:
+		var before: Variant = layer.get(property)
+		layer.set(property, BoxMesh.new())
+		check_equal(layer.get(property), before, property + " is no mesh")
+	check_no_error("another class never arrives")
+
+
+## The one warning of a layer that is otherwise fine, by a word that is in it.
+func warns(edit: Callable, words: String) -> void:
+	var layer := make_layer()
+	edit.call(layer)
+	var scatter := TerrainScatter3D.new()
+	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.layers = [layer]
+	var problems := scatter.get_problems()
+	scatter.free()
+	if words:
+		check("Layer 0" in problems[0] and words in problems[0] if problems.size() == 1 else false, "'%s' in %s" % [words, problems])
+	else:
+		check_equal(problems, PackedStringArray(), "no warning")
+
+
+func test_warnings() -> void:
+	var zero := line(Vector2(0, 0), Vector2(90, 0))
+	warns(func(_layer: ScatterLayer) -> void: pass, "")
+	warns(func(layer: ScatterLayer) -> void: layer.density = 0.0, "density is 0")
+	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = zero, "density_over_height is 0 everywhere")
+	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = zero, "density_over_slope is 0 everywhere")
+	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = Curve.new(), "density_over_slope has no points")
+	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = line(Vector2(0, 0), Vector2(1, 1)), "metres of height")
+	warns(func(layer: ScatterLayer) -> void: layer.noise_curve = line(Vector2(-1, 0), Vector2(1, 1)), "without a noise")
+	warns(func(layer: ScatterLayer) -> void: layer.noise = FastNoiseLite.new(), "")
+	warns(func(layer: ScatterLayer) -> void: layer.mask = ScatterMask.new(), "mask has no effect")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.mask = ScatterMask.new()
+		layer.mask.background = 0.0, "nothing is painted")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.mask = ScatterMask.new()
+		layer.mask.paint(Vector2.ZERO, 3.0, 1.0, 0.5, ScatterMask.MODE_ERASE), "")
+	warns(func(layer: ScatterLayer) -> void: layer.mask_texture = NoiseTexture2D.new(), "mask_texture has no image")
+	warns(func(layer: ScatterLayer) -> void: layer.mask_texture = GradientTexture2D.new(), "mask_texture has no image")
+	warns(func(layer: ScatterLayer) -> void:
+		var texture := GradientTexture2D.new()
+		texture.gradient = Gradient.new()
+		layer.mask_texture = texture, "")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.clump_size = 9.0
+		layer.clump_coverage = 0.0, "clump_coverage is 0")
+	warns(func(layer: ScatterLayer) -> void: layer.edge_feather = 3.0, "")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.radius = 0.1
+		layer.tile_size = 64.0
+		layer.edge_feather = 3.0, "tile_size smaller")
+	warns(func(layer: ScatterLayer) -> void: layer.spacing = {"": 2.0}, "without a layer's name")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.resource_name = "Oaks"
+		layer.spacing = {"Oaks": 2.0}, "the layer itself")
+	warns(func(layer: ScatterLayer) -> void: layer.proximity_curve = line(Vector2(0, 1), Vector2(9, 0)), "names no layer")
+	warns(func(layer: ScatterLayer) -> void: layer.scale_curve = line(Vector2(0, 0), Vector2(1, 1)), "scale_curve is not used")
+	warns(func(layer: ScatterLayer) -> void: layer.color_gradient = Gradient.new(), "without use_colors")
+	warns(func(layer: ScatterLayer) -> void: layer.max_tilt_degrees = 20.0, "")
+	warns(func(layer: ScatterLayer) -> void: layer.min_tilt_degrees = 20.0, "max_tilt_degrees ends before it starts")
