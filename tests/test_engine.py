@@ -75,7 +75,16 @@ def assert_passed(done):
 
 @pytest.mark.parametrize(
     "script",
-    ["test_streaming", "test_bad_input", "test_lifetime", "test_domain", "test_domain_calls", "test_domain_cancel"],
+    [
+        "test_streaming",
+        "test_bad_input",
+        "test_lifetime",
+        "test_domain",
+        "test_domain_calls",
+        "test_domain_cancel",
+        "test_layer_properties",
+        "test_mask",
+    ],
 )
 def test_script(godot, project, script):
     assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / f"{script}.gd"], timeout=600))
