@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace thicket {
 
@@ -40,6 +41,31 @@ Line line_about(int patch, int posts) {
 	};
 }
 
+/// The gradient per post at `post`, between its neighbours. Posts of metres may be holes: one that is missing is left out, as
+/// on the border.
+template <typename Post>
+double difference(double behind, double before, double post, double weight) {
+	if constexpr (std::is_floating_point_v<Post>) {
+		if (std::isnan(before)) {
+			return behind - post;
+		}
+		if (std::isnan(behind)) {
+			return post - before;
+		}
+	}
+	return (behind - before) * weight;
+}
+
+Status check(const HeightfieldFrame &frame, std::size_t posts) {
+	if (const Status status = validate(frame); !status.ok()) {
+		return status;
+	}
+	if (posts != static_cast<std::size_t>(frame.posts.x) * static_cast<std::size_t>(frame.posts.y)) {
+		return {ErrorCode::wrong_size, "posts", static_cast<double>(posts)};
+	}
+	return {};
+}
+
 } // namespace
 
 Status validate(const HeightfieldFrame &frame) {
@@ -63,35 +89,83 @@ Status validate(const HeightfieldFrame &frame) {
 }
 
 Status Heightfield::set(const HeightfieldFrame &frame, std::span<const std::uint16_t> posts) {
-	if (const Status status = validate(frame); !status.ok()) {
+	if (const Status status = check(frame, posts.size()); !status.ok()) {
 		return status;
 	}
-	if (posts.size() != static_cast<std::size_t>(frame.posts.x) * static_cast<std::size_t>(frame.posts.y)) {
-		return {ErrorCode::wrong_size, "posts", static_cast<double>(posts.size())};
-	}
 	posts_.assign(posts.begin(), posts.end());
+	metres_ = {};
+	take(frame, frame.min_height, (frame.max_height - frame.min_height) / 65535.0);
+	return {};
+}
+
+Status Heightfield::set_metres(const HeightfieldFrame &frame, std::span<const float> posts) {
+	if (const Status status = check(frame, posts.size()); !status.ok()) {
+		return status;
+	}
+	for (const float post : posts) {
+		if (std::isnan(post)) {
+			continue;
+		}
+		const Status status = check_range("posts", post, -max_heightfield_height, max_heightfield_height);
+		if (!status.ok()) {
+			return status;
+		}
+	}
+	metres_.assign(posts.begin(), posts.end());
+	posts_ = {};
+	take(frame, 0.0, 1.0);
+	return {};
+}
+
+void Heightfield::take(const HeightfieldFrame &frame, double base, double metres_per_step) {
 	frame_ = frame;
 	posts_per_metre_ = glm::dvec2(frame.posts - 1) / frame.area.size();
-	metres_per_step_ = (frame.max_height - frame.min_height) / 65535.0;
-	return {};
+	base_ = base;
+	metres_per_step_ = metres_per_step;
 }
 
 Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
 	}
-	const glm::dvec2 min = frame_.area.min;
-	const glm::dvec2 max = frame_.area.max;
-	for (std::size_t i = 0; i < positions.size(); ++i) {
-		const glm::dvec2 position = positions[i];
-		// False for NAN.
-		const bool inside = position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
-		r_ground[i] = inside && !posts_.empty() ? ground_in_area(position) : Ground{};
+	const auto fill = [&](const auto &posts) {
+		for (std::size_t i = 0; i < positions.size(); ++i) {
+			r_ground[i] = in_area(positions[i]) && !posts.empty() ? ground_in_area(posts, positions[i]) : Ground{};
+		}
+	};
+	if (metres_.empty()) {
+		fill(posts_);
+	} else {
+		fill(metres_);
 	}
 	return {};
 }
 
-Ground Heightfield::ground_in_area(glm::dvec2 position) const {
+Status Heightfield::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+		std::span<Ground> r_ground) const {
+	if (positions.size() != r_ground.size()) {
+		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+	}
+	if (weights_.empty()) {
+		return {};
+	}
+	const unsigned channels = weights_.channels_of(textures);
+	const glm::dvec2 size = frame_.area.size();
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		const bool inside = in_area(positions[i]);
+		r_ground[i].weight = inside ? weights_.weight((positions[i] - frame_.area.min) / size, channels) : 0.0f;
+	}
+	return {};
+}
+
+bool Heightfield::in_area(glm::dvec2 position) const {
+	const auto &[min, max] = frame_.area;
+	// False for NAN.
+	return position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
+}
+
+template <typename Post>
+Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 position) const {
 	// In posts from the first one. The last patch takes its far border too.
 	const glm::dvec2 place = (position - frame_.area.min) * posts_per_metre_;
 	const int column = std::min(static_cast<int>(place.x), frame_.posts.x - 2);
@@ -104,27 +178,33 @@ Ground Heightfield::ground_in_area(glm::dvec2 position) const {
 	const auto stride = static_cast<std::size_t>(frame_.posts.x);
 	// The post at a column and a row of the 4 x 4 about the patch; its corners are never asked for.
 	const auto post = [&](std::size_t i, std::size_t j) {
-		return static_cast<double>(posts_[along.index[j] * stride + across.index[i]]);
+		return static_cast<double>(posts[along.index[j] * stride + across.index[i]]);
 	};
 
 	const Patch steps{post(1, 1), post(2, 1), post(1, 2), post(2, 2)};
+	const double height = base_ + bilinear(steps, x, y) * metres_per_step_;
+	if constexpr (std::is_floating_point_v<Post>) {
+		if (std::isnan(height)) {
+			return {};
+		}
+	}
 	const Patch slope_x{
-			(steps[1] - post(0, 1)) * across.first_weight,
-			(post(3, 1) - steps[0]) * across.second_weight,
-			(steps[3] - post(0, 2)) * across.first_weight,
-			(post(3, 2) - steps[2]) * across.second_weight,
+			difference<Post>(steps[1], post(0, 1), steps[0], across.first_weight),
+			difference<Post>(post(3, 1), steps[0], steps[1], across.second_weight),
+			difference<Post>(steps[3], post(0, 2), steps[2], across.first_weight),
+			difference<Post>(post(3, 2), steps[2], steps[3], across.second_weight),
 	};
 	const Patch slope_y{
-			(steps[2] - post(1, 0)) * along.first_weight,
-			(steps[3] - post(2, 0)) * along.first_weight,
-			(post(1, 3) - steps[0]) * along.second_weight,
-			(post(2, 3) - steps[1]) * along.second_weight,
+			difference<Post>(steps[2], post(1, 0), steps[0], along.first_weight),
+			difference<Post>(steps[3], post(2, 0), steps[1], along.first_weight),
+			difference<Post>(post(1, 3), steps[0], steps[2], along.second_weight),
+			difference<Post>(post(2, 3), steps[1], steps[3], along.second_weight),
 	};
 	const double gradient_x = bilinear(slope_x, x, y) * metres_per_step_ * posts_per_metre_.x;
 	const double gradient_y = bilinear(slope_y, x, y) * metres_per_step_ * posts_per_metre_.y;
 	const double to_unit = 1.0 / std::sqrt(gradient_x * gradient_x + gradient_y * gradient_y + 1.0);
 	return {
-			static_cast<float>(frame_.min_height + bilinear(steps, x, y) * metres_per_step_),
+			static_cast<float>(height),
 			{
 					static_cast<float>(-gradient_x * to_unit),
 					static_cast<float>(to_unit),

@@ -1,0 +1,82 @@
+#include "core/terrain/weight_map.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
+
+#include <algorithm>
+
+namespace thicket {
+
+namespace {
+
+/// Two neighbours on an axis, and how far a place lies from the first to the second.
+struct Between {
+	int first;
+	int second;
+	double part;
+};
+
+Between between(double place, int pixels) {
+	const double along = place * (pixels - 1);
+	const int first = std::clamp(static_cast<int>(along), 0, std::max(pixels - 2, 0));
+	return {first, std::min(first + 1, pixels - 1), along - first};
+}
+
+} // namespace
+
+Status WeightMap::set(glm::ivec2 size, int channels, std::span<const std::uint8_t> weights) {
+	const Status status = first_failure(check_range("weight_size", size.x, 1, max_side),
+			check_range("weight_size", size.y, 1, max_side), check_range("weight_channels", channels, 1, max_channels));
+	if (!status.ok()) {
+		return status;
+	}
+	const std::size_t bytes =
+			static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(channels);
+	if (weights.size() != bytes) {
+		return {ErrorCode::wrong_size, "weights", static_cast<double>(weights.size())};
+	}
+	weights_.assign(weights.begin(), weights.end());
+	size_ = size;
+	channels_ = channels;
+	return {};
+}
+
+unsigned WeightMap::channels_of(std::span<const std::int32_t> textures) const {
+	unsigned channels = 0;
+	for (const std::int32_t texture : textures) {
+		if (texture >= 0 && texture < channels_) {
+			channels |= 1u << static_cast<unsigned>(texture);
+		}
+	}
+	return channels;
+}
+
+float WeightMap::weight(glm::dvec2 place, unsigned channels) const {
+	const auto unit = [](double value) {
+		return value > 0.0 ? std::min(value, 1.0) : 0.0; // NAN is 0.
+	};
+	const Between x = between(unit(place.x), size_.x);
+	const Between y = between(unit(place.y), size_.y);
+	const auto row = [&](int index) {
+		const double first = sum(x.first, index, channels);
+		return first + (sum(x.second, index, channels) - first) * x.part;
+	};
+	const double near = row(y.first);
+	const double all = near + (row(y.second) - near) * y.part;
+	return static_cast<float>(std::clamp(all / 255.0, 0.0, 1.0));
+}
+
+int WeightMap::sum(int column, int row, unsigned channels) const {
+	const std::size_t pixel =
+			static_cast<std::size_t>(row) * static_cast<std::size_t>(size_.x) + static_cast<std::size_t>(column);
+	const std::size_t first = pixel * static_cast<std::size_t>(channels_);
+	int result = 0;
+	for (unsigned channel = 0; channel < static_cast<unsigned>(channels_); ++channel) {
+		if ((channels >> channel & 1u) != 0) {
+			result += weights_[first + channel];
+		}
+	}
+	return result;
+}
+
+} // namespace thicket

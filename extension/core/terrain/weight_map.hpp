@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/base/status.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// How much of the ground belongs to each of a few textures: an image of up to four channels of 8 bits. It knows no metres: its
+/// first column and row lie at 0, its last at 1, whatever its resolution.
+class WeightMap {
+public:
+	static constexpr int max_side = 1 << 15; ///< Pixels along x and along y.
+	static constexpr int max_channels = 4;
+
+	/// Copies `weights`, row by row, x fastest, a pixel's channels next to each other; 255 is all of the ground. A side has 1 to
+	/// max_side pixels, 1 to max_channels channels, `weights` a byte for each. Refused ones change nothing.
+	Status set(glm::ivec2 size, int channels, std::span<const std::uint8_t> weights);
+
+	/// True if nothing was set.
+	bool empty() const { return weights_.empty(); }
+
+	/// The channels that textures stand for, a bit each: texture 0 is the first channel. Numbers without a channel have no bit.
+	unsigned channels_of(std::span<const std::int32_t> textures) const;
+
+	/// The sum of some channels (bits as above) at a place, 0 to 1 on both axes, others held to that: bilinear between pixels,
+	/// 0 to 1. Only if not empty.
+	float weight(glm::dvec2 place, unsigned channels) const;
+
+private:
+	int sum(int column, int row, unsigned channels) const;
+
+	glm::ivec2 size_{0};
+	int channels_ = 0;
+	std::vector<std::uint8_t> weights_;
+};
+
+} // namespace thicket
