@@ -84,6 +84,7 @@ def assert_passed(done):
         "test_domain_cancel",
         "test_layer_properties",
         "test_mask",
+        "test_terrains",
     ],
 )
 def test_script(godot, project, script):

@@ -6,6 +6,8 @@
 #include "nodes/scatter_terrain.hpp"
 #include "nodes/scatter_terrain_flat.hpp"
 #include "nodes/scatter_terrain_heightmap.hpp"
+#include "nodes/scatter_terrain_noise.hpp"
+#include "nodes/scatter_terrain_object.hpp"
 #include "nodes/terrain_scatter_3d.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
@@ -23,6 +25,8 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterTerrain);
 	GDREGISTER_CLASS(ScatterTerrainFlat);
 	GDREGISTER_CLASS(ScatterTerrainHeightmap);
+	GDREGISTER_CLASS(ScatterTerrainNoise);
+	GDREGISTER_CLASS(ScatterTerrainObject);
 	GDREGISTER_CLASS(ScatterMask);
 	GDREGISTER_CLASS(ScatterLayer);
 	GDREGISTER_CLASS(TerrainScatter3D);

@@ -144,6 +144,8 @@ void ScatterStage::leave(StagedTile &&tile) {
 	}
 }
 
+bool ScatterStage::holds(const TileKey &key) const { return tiles_.contains(order(key)); }
+
 bool ScatterStage::drop(const TileKey &key) {
 	const auto found = tiles_.find(order(key));
 	if (found == tiles_.end()) {

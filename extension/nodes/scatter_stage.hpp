@@ -66,6 +66,9 @@ public:
 	/// Takes a queued tile out, if it is there.
 	void forget(std::uint64_t ticket);
 
+	/// True if a tile stands under this key.
+	bool holds(const TileKey &key) const;
+
 	/// Takes a tile off the stage; what it held is freed step by step, by `free_step`. False if it does not stand
 	/// there.
 	bool drop(const TileKey &key);

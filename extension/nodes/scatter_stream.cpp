@@ -116,8 +116,8 @@ void ScatterStream::request_tiles(std::span<const Viewer> viewers) {
 
 void ScatterStream::start(const TileRequest &request) {
 	const std::shared_ptr<const LayerPlan> &plan = layers_[request.key.layer].plan;
-	if (!plan->wanted) {
-		streamer_.finish(request);
+	if (!plan->wanted || !script_->ready()) {
+		streamer_.finish(request); // What stands there stays.
 		return;
 	}
 	const auto job = std::make_shared<TileJob>();
@@ -154,9 +154,14 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 		return;
 	}
 	const std::uint32_t index = job->request.key.layer;
-	if (!job->status.ok() && index < layers_.size() && layers_[index].plan == job->plan &&
+	if (!job->status.ok() && script_->ready() && index < layers_.size() && layers_[index].plan == job->plan &&
 			!std::exchange(layers_[index].error_reported, true)) {
 		report_tile(job->request.key, job->status);
+	}
+	if (!job->status.ok() && stage_.holds(job->request.key)) {
+		std::erase(jobs_, job);
+		streamer_.finish(job->request);
+		return;
 	}
 	++figures_.tiles_made;
 	figures_.points_sampled += job->counts.sampled;
@@ -172,7 +177,7 @@ bool ScatterStream::ground_step() {
 	const std::size_t count = std::min(ground_slice, job->positions.size() - job->answered);
 	const auto positions = std::span<const glm::dvec2>(job->positions).subspan(job->answered, count);
 	const Ref<ScatterTerrain> script = script_;
-	const Status status = script->ask_script(positions, std::span(job->ground).subspan(job->answered, count));
+	const Status status = script->ask(positions, {}, std::span(job->ground).subspan(job->answered, count));
 	if (ask_ground_.empty() || ask_ground_.front() != job) {
 		return false; // The script has changed the stream that asked it.
 	}

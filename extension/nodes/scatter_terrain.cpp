@@ -1,15 +1,17 @@
 #include "nodes/scatter_terrain.hpp"
 
-#include "nodes/property_check.hpp"
+#include "core/terrain/slope_stencil.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
+#include <string>
 
 using namespace godot;
 
@@ -19,16 +21,13 @@ namespace {
 
 constexpr const char *class_name = "ScatterTerrain";
 
-/// Half the distance in metres over which a slope is measured where a script gives heights only.
-constexpr double difference_step = 0.5;
-
 /// A script that says that it may be called from worker threads.
 class ScriptGround : public Terrain {
 public:
 	explicit ScriptGround(const Ref<ScatterTerrain> &p_script) : script_(p_script) {}
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
-		return script_->ask_script(positions, r_ground);
+		return script_->ask(positions, {}, r_ground);
 	}
 
 private:
@@ -49,18 +48,6 @@ Status wrong_size(const char *property, int64_t size) {
 	return {ErrorCode::wrong_size, property, static_cast<double>(size)};
 }
 
-/// Rise over run through three heights in a row, one-sided where a neighbour has no ground.
-float rise(float before, float here, float after) {
-	constexpr auto step = static_cast<float>(difference_step);
-	if (std::isfinite(before) && std::isfinite(after)) {
-		return (after - before) / (2.0F * step);
-	}
-	if (std::isfinite(after)) {
-		return (after - here) / step;
-	}
-	return std::isfinite(before) ? (here - before) / step : 0.0F;
-}
-
 } // namespace
 
 std::shared_ptr<const Terrain> ScatterTerrain::snapshot() {
@@ -74,7 +61,7 @@ String ScatterTerrain::problem() {
 	if (GDVIRTUAL_IS_OVERRIDDEN(_get_heights)) {
 		return {};
 	}
-	return "ScatterTerrain gives no ground by itself: use ScatterTerrainFlat or ScatterTerrainHeightmap, or extend it "
+	return "ScatterTerrain gives no ground by itself: use one of the classes that inherit from it, or extend it "
 		   "with a script (a @tool script to see it in the editor) that has _get_heights().";
 }
 
@@ -84,7 +71,8 @@ bool ScatterTerrain::main_thread_only() const {
 	return !thread_safe && GDVIRTUAL_IS_OVERRIDDEN(_get_heights);
 }
 
-Status ScatterTerrain::ask_script(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+Status ScatterTerrain::ask(std::span<const glm::dvec2> positions,
+		[[maybe_unused]] std::span<const std::int32_t> textures, std::span<Ground> r_ground) const {
 	const PackedVector2Array where = packed(positions);
 	PackedFloat32Array heights;
 	GDVIRTUAL_CALL(_get_heights, where, heights);
@@ -124,10 +112,8 @@ Status ScatterTerrain::difference_normals(std::span<const glm::dvec2> positions,
 	std::vector<glm::dvec2> around;
 	around.reserve(4 * positions.size());
 	for (const glm::dvec2 &position : positions) {
-		around.push_back(position - glm::dvec2{difference_step, 0.0});
-		around.push_back(position + glm::dvec2{difference_step, 0.0});
-		around.push_back(position - glm::dvec2{0.0, difference_step});
-		around.push_back(position + glm::dvec2{0.0, difference_step});
+		const SlopeStencil stencil(position);
+		around.insert(around.end(), stencil.places().begin(), stencil.places().end());
 	}
 	PackedFloat32Array heights;
 	GDVIRTUAL_CALL(_get_heights, packed(around), heights);
@@ -135,11 +121,9 @@ Status ScatterTerrain::difference_normals(std::span<const glm::dvec2> positions,
 		return wrong_size("_get_heights() result", heights.size());
 	}
 	const float *height = heights.ptr();
-	for (Ground &ground : r_ground) {
-		const float x = rise(height[0], ground.height, height[1]);
-		const float z = rise(height[2], ground.height, height[3]);
-		ground.normal = glm::normalize(glm::vec3{-x, 1.0F, -z});
-		height += 4;
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		r_ground[i].normal =
+				SlopeStencil(positions[i]).normal(r_ground[i].height, std::span<const float, 4>(height + 4 * i, 4));
 	}
 	return {};
 }
@@ -152,13 +136,39 @@ Ground ScatterTerrain::ground_at(const Vector3 &p_global_position) {
 		return ground;
 	}
 	const Status status =
-			terrain ? terrain->sample({&position, 1}, {&ground, 1}) : ask_script({&position, 1}, {&ground, 1});
-	report(class_name, status);
+			terrain ? terrain->sample({&position, 1}, {&ground, 1}) : ask({&position, 1}, {}, {&ground, 1});
+	if (!status.ok()) {
+		ERR_PRINT(String((std::string(class_name) + ": " + describe(status)).c_str()));
+	}
 	if (!status.ok() || !std::isfinite(ground.height)) {
 		return {std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
 	}
 	return ground;
 }
+
+void ScatterTerrain::enter(Node3D *p_host) {
+	hosts_.push_back(p_host);
+	if (hosts_.size() == 1) {
+		host_changed();
+	}
+}
+
+void ScatterTerrain::leave(Node3D *p_host) {
+	const Node3D *before = host();
+	const auto found = std::find(hosts_.begin(), hosts_.end(), p_host);
+	if (found != hosts_.end()) {
+		hosts_.erase(found);
+	}
+	if (host() == before) {
+		return;
+	}
+	host_changed();
+	if (host() != nullptr) {
+		emit_changed();
+	}
+}
+
+void ScatterTerrain::emit_terrain_changed(const Rect2 &p_rect) { emit_signal("terrain_changed", p_rect); }
 
 double ScatterTerrain::get_height(const Vector3 &p_global_position) { return ground_at(p_global_position).height; }
 
@@ -173,6 +183,7 @@ void ScatterTerrain::_bind_methods() {
 	GDVIRTUAL_BIND(_get_heights, "positions");
 	GDVIRTUAL_BIND(_get_normals, "positions");
 	GDVIRTUAL_BIND(_is_thread_safe);
+	ADD_SIGNAL(MethodInfo("terrain_changed", PropertyInfo(Variant::RECT2, "rect")));
 }
 
 } // namespace thicket

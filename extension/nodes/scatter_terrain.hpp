@@ -2,15 +2,19 @@
 
 #include "core/terrain/terrain.hpp"
 
+#include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/core/gdvirtual.gen.inc>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_vector2_array.hpp>
 #include <godot_cpp/variant/packed_vector3_array.hpp>
+#include <godot_cpp/variant/rect2.hpp>
 #include <godot_cpp/variant/vector3.hpp>
 
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace thicket {
 
@@ -20,18 +24,28 @@ class ScatterTerrain : public godot::Resource {
 
 public:
 	/// An immutable view of the ground as it is now, safe on any thread for as long as it is held. Null when there is
-	/// no ground to give, or when a script gives it and may only be asked on the main thread.
+	/// no ground to give, or when it may only be asked on the main thread.
 	virtual std::shared_ptr<const Terrain> snapshot();
 
 	/// What keeps this ground from being used, in one sentence; empty when nothing does.
 	virtual godot::String problem();
 
-	/// True when the ground comes from a script that may only be asked on the main thread, by `ask_script`.
-	bool main_thread_only() const;
+	/// True when the ground may only be asked on the main thread, by `ask`.
+	virtual bool main_thread_only() const;
 
-	/// Asks the script for the ground under `positions`; `r_ground` has the same size. A script that gives a wrong
-	/// number of heights or normals is refused; its NAN heights stand for no ground.
-	Status ask_script(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const;
+	/// False while that which gives the ground is away for the time being: tiles are then left as they are.
+	virtual bool ready() const { return true; }
+
+	/// On the main thread: the ground under `positions`, and how much of it belongs to `textures` (see Terrain::weigh;
+	/// none: not asked for). `r_ground` has the size of `positions`. A script that gives a wrong number of heights,
+	/// normals or weights is refused; its NAN heights stand for no ground.
+	virtual Status ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+			std::span<Ground> r_ground) const;
+
+	/// A node in the tree that begins to use this ground, or no longer does. Each `enter` has its `leave`, while the
+	/// node is still there.
+	void enter(godot::Node3D *p_host);
+	void leave(godot::Node3D *p_host);
 
 	/// Height in metres of the ground above or below a world position; NAN where there is none.
 	double get_height(const godot::Vector3 &p_global_position);
@@ -46,10 +60,22 @@ public:
 protected:
 	static void _bind_methods();
 
+	/// Called after the first of the hosts has become another one.
+	virtual void host_changed() {}
+
+	/// The node from which what this ground needs of the scene is looked for: the first of those that use it; null for
+	/// none.
+	godot::Node3D *host() const { return hosts_.empty() ? nullptr : hosts_.front(); }
+
+	/// Tells that the ground has changed within a world rect, in metres of x and z.
+	void emit_terrain_changed(const godot::Rect2 &p_rect);
+
 private:
 	Status ask_normals(const godot::PackedVector2Array &p_positions, std::span<Ground> r_ground) const;
 	Status difference_normals(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const;
 	Ground ground_at(const godot::Vector3 &p_global_position);
+
+	std::vector<godot::Node3D *> hosts_;
 };
 
 } // namespace thicket

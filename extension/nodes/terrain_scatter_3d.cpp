@@ -76,13 +76,18 @@ void TerrainScatter3D::start() {
 	stream_.stage().set_place(get_world_3d()->get_scenario(), get_instance_id());
 	stream_.stage().set_visible(is_visible_in_tree());
 	set_process_internal(true);
-	running_ = true;
+	if (!std::exchange(running_, true) && terrain_.is_valid()) {
+		terrain_->enter(this);
+	}
 	mark_ground_dirty();
 }
 
 void TerrainScatter3D::stop() {
 	if (running_) {
 		running_ = false;
+		if (terrain_.is_valid()) {
+			terrain_->leave(this);
+		}
 		stream_.stop();
 		stream_.take_events();
 	}
@@ -243,8 +248,14 @@ void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
 		return;
 	}
 	watch_terrain(false);
+	if (running_ && terrain_.is_valid()) {
+		terrain_->leave(this);
+	}
 	terrain_ = p_terrain;
 	ground_ = nullptr;
+	if (running_ && terrain_.is_valid()) {
+		terrain_->enter(this);
+	}
 	watch_terrain(true);
 	mark_ground_dirty();
 }

@@ -1,0 +1,55 @@
+#include "core/terrain/slope_stencil.hpp"
+
+#include "core/base/floating_point.hpp"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace thicket {
+
+namespace {
+
+/// Half the distance in metres over which a slope is measured.
+constexpr double usual_step = 0.5;
+
+double as_float(double value) { return static_cast<double>(static_cast<float>(value)); }
+
+/// Far out, four floats to either side: the distance is then off by an eighth of a step at most.
+double step_at(double coordinate) {
+	return std::max(usual_step, 4.0 * std::abs(coordinate) * std::numeric_limits<float>::epsilon());
+}
+
+/// Rise over run through three heights in a row.
+double rise(double before, double here, double behind, double run_before, double run_behind) {
+	if (std::isfinite(before) && std::isfinite(behind)) {
+		return (behind - before) / (run_before + run_behind);
+	}
+	if (std::isfinite(behind)) {
+		return (behind - here) / run_behind;
+	}
+	return std::isfinite(before) ? (here - before) / run_before : 0.0;
+}
+
+} // namespace
+
+SlopeStencil::SlopeStencil(glm::dvec2 position) : centre_(as_float(position.x), as_float(position.y)) {
+	const double step_x = step_at(centre_.x);
+	const double step_z = step_at(centre_.y);
+	places_ = {
+			glm::dvec2{as_float(centre_.x - step_x), centre_.y},
+			glm::dvec2{as_float(centre_.x + step_x), centre_.y},
+			glm::dvec2{centre_.x, as_float(centre_.y - step_z)},
+			glm::dvec2{centre_.x, as_float(centre_.y + step_z)},
+	};
+}
+
+glm::vec3 SlopeStencil::normal(float here, std::span<const float, 4> around) const {
+	const double x = rise(around[0], here, around[1], centre_.x - places_[0].x, places_[1].x - centre_.x);
+	const double z = rise(around[2], here, around[3], centre_.y - places_[2].y, places_[3].y - centre_.y);
+	return glm::vec3(glm::normalize(glm::dvec3{-x, 1.0, -z}));
+}
+
+} // namespace thicket

@@ -1,0 +1,266 @@
+#include "nodes/object_ground.hpp"
+
+#include "core/terrain/slope_stencil.hpp"
+
+#include <godot_cpp/classes/object.hpp>
+#include <godot_cpp/variant/vector3.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Places for which the object is held at a time.
+constexpr std::size_t slice = 64;
+
+constexpr const char *gone = "ScatterTerrainObject.node";
+
+/// True on a thread that is calling methods.
+thread_local bool calling = false;
+
+/// While one stands, the object stays.
+class Calling {
+public:
+	explicit Calling(std::shared_mutex &gate) : lock_(gate) { calling = true; }
+	~Calling() { calling = false; }
+	Calling(const Calling &) = delete;
+	Calling &operator=(const Calling &) = delete;
+
+private:
+	std::shared_lock<std::shared_mutex> lock_;
+};
+
+bool is_number(const Variant &p_value) {
+	return p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
+}
+
+/// The object that a method without arguments gives; null if it gives none.
+Object *object_from(Object *p_object, const StringName &p_method) {
+	Variant result;
+	GDExtensionCallError error{};
+	Variant(p_object).callp(p_method, nullptr, 0, result, error);
+	return error.error == GDEXTENSION_CALL_OK ? result.get_validated_object() : nullptr;
+}
+
+Variant value_from(Object *p_object, const StringName &p_method) {
+	Variant result;
+	GDExtensionCallError error{};
+	Variant(p_object).callp(p_method, nullptr, 0, result, error);
+	return error.error == GDEXTENSION_CALL_OK ? result : Variant();
+}
+
+/// How much of textures that a place consists of is among those asked for.
+float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_t> textures) {
+	const auto among = [textures](real_t texture) {
+		return std::ranges::any_of(textures, [texture](std::int32_t wanted) { return texture == real_t(wanted); });
+	};
+	const float blend = std::clamp(static_cast<float>(p_base_overlay_blend.z), 0.0F, 1.0F); // NAN stays.
+	const float weight =
+			(among(p_base_overlay_blend.x) ? 1.0F - blend : 0.0F) + (among(p_base_overlay_blend.y) ? blend : 0.0F);
+	return std::isfinite(weight) ? weight : 0.0F;
+}
+
+} // namespace
+
+glm::dvec2 MapSpace::to_map(glm::dvec2 world) const {
+	const Vector3 *rows = to_world.basis.rows;
+	const double xx = rows[0].x;
+	const double xz = rows[0].z;
+	const double zx = rows[2].x;
+	const double zz = rows[2].z;
+	const double x = world.x - to_world.origin.x;
+	const double z = world.y - to_world.origin.z;
+	const double determinant = xx * zz - xz * zx;
+	return {(x * zz - z * xz) / determinant, (z * xx - x * zx) / determinant};
+}
+
+Rect2 MapSpace::world_rect(const Rect2 &p_part) const {
+	const Vector3 *rows = to_world.basis.rows;
+	glm::vec2 min{std::numeric_limits<float>::max()};
+	glm::vec2 max{std::numeric_limits<float>::lowest()};
+	for (int corner = 0; corner < 4; ++corner) {
+		const real_t x = p_part.position.x + (corner % 2 == 0 ? 0 : p_part.size.x);
+		const real_t z = p_part.position.y + (corner / 2 == 0 ? 0 : p_part.size.y);
+		const glm::vec2 world{
+				rows[0].x * x + rows[0].z * z + to_world.origin.x, rows[2].x * x + rows[2].z * z + to_world.origin.z};
+		min = glm::min(min, world);
+		max = glm::max(max, world);
+	}
+	return Rect2(min.x, min.y, max.x - min.x, max.y - min.y);
+}
+
+std::shared_ptr<ObjectGround> ObjectGround::of(Object *p_object) {
+	auto ground = std::make_shared<ObjectGround>();
+	return ground->take_methods(p_object) || ground->take_methods(p_object->get("data").get_validated_object()) ||
+					ground->take_map(p_object)
+			? ground
+			: nullptr;
+}
+
+bool ObjectGround::take_methods(Object *p_object) {
+	if (p_object == nullptr || !p_object->has_method(height_method_)) {
+		return false;
+	}
+	source_ = Variant(p_object);
+	has_normal_ = p_object->has_method(normal_method_);
+	has_textures_ = p_object->has_method(texture_method_);
+	return true;
+}
+
+bool ObjectGround::take_map(Object *p_object) {
+	if (!p_object->has_method("get_data") || !p_object->has_method("get_internal_transform")) {
+		return false;
+	}
+	Object *data = object_from(p_object, "get_data");
+	if (data == nullptr || !data->has_method("get_interpolated_height_at") || !data->has_method("get_resolution")) {
+		return false;
+	}
+	const Variant transform = value_from(p_object, "get_internal_transform");
+	const Variant resolution = value_from(data, "get_resolution");
+	if (transform.get_type() != Variant::TRANSFORM3D || !is_number(resolution)) {
+		return false;
+	}
+	source_ = Variant(data);
+	height_method_ = "get_interpolated_height_at";
+	map_ = MapSpace{static_cast<Transform3D>(transform), static_cast<double>(resolution) - 1.0};
+	return true;
+}
+
+void ObjectGround::close() {
+	open_ = false;
+	if (!calling) {
+		const std::unique_lock wait(gate_);
+	}
+}
+
+Status ObjectGround::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+	if (positions.size() != r_ground.size()) {
+		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+	}
+	for (std::size_t first = 0; first < positions.size(); first += slice) {
+		const std::size_t count = std::min(slice, positions.size() - first);
+		const Calling hold(gate_);
+		const Status status = sample_slice(positions.subspan(first, count), r_ground.subspan(first, count));
+		if (!status.ok()) {
+			return status;
+		}
+	}
+	return {};
+}
+
+Status ObjectGround::sample_slice(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		if (const Status status = ground_at(positions[i], r_ground[i]); !status.ok()) {
+			return status;
+		}
+	}
+	return {};
+}
+
+Status ObjectGround::ground_at(glm::dvec2 position, Ground &r_ground) const {
+	r_ground = {};
+	Status status = height_at(position, r_ground.height);
+	if (status.ok() && std::isfinite(r_ground.height)) {
+		status = has_normal_ ? normal_at(position, r_ground) : slope_by_heights(position, r_ground);
+	}
+	return status;
+}
+
+Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
+	r_height = std::numeric_limits<float>::quiet_NaN();
+	const glm::dvec2 place = map_ ? map_->to_map(position) : position;
+	const bool inside = map_
+			? place.x >= 0.0 && place.x <= map_->last_post && place.y >= 0.0 && place.y <= map_->last_post
+			: std::isfinite(place.x) && std::isfinite(place.y);
+	if (!inside) {
+		return {};
+	}
+	Variant result;
+	if (const Status status = call(height_method_, "height method of ScatterTerrainObject.node", place, result);
+			!status.ok()) {
+		return status;
+	}
+	if (!is_number(result)) {
+		return {ErrorCode::missing, "number from the height method of ScatterTerrainObject.node", 0.0};
+	}
+	const auto height = static_cast<double>(result);
+	r_height = static_cast<float>(map_ ? map_->to_world.basis.rows[1].y * height + map_->to_world.origin.y : height);
+	return {};
+}
+
+Status ObjectGround::slope_by_heights(glm::dvec2 position, Ground &r_ground) const {
+	const SlopeStencil stencil(position);
+	std::array<float, 4> around{};
+	for (std::size_t i = 0; i < around.size(); ++i) {
+		if (const Status status = height_at(stencil.places()[i], around[i]); !status.ok()) {
+			return status;
+		}
+	}
+	r_ground.normal = stencil.normal(r_ground.height, around);
+	return {};
+}
+
+Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
+	Variant result;
+	if (const Status status = call(normal_method_, "get_normal() of ScatterTerrainObject.node", position, result);
+			!status.ok()) {
+		return status;
+	}
+	if (result.get_type() != Variant::VECTOR3) {
+		return {ErrorCode::missing, "Vector3 from get_normal() of ScatterTerrainObject.node", 0.0};
+	}
+	const auto given = static_cast<Vector3>(result);
+	const glm::vec3 normal{given.x, given.y, given.z};
+	const float length = std::sqrt(glm::dot(normal, normal));
+	if (std::isfinite(length) && length > 0.0F) {
+		r_ground.normal = normal / length;
+	} else {
+		r_ground.height = std::numeric_limits<float>::quiet_NaN();
+	}
+	return {};
+}
+
+Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+		std::span<Ground> r_ground) const {
+	if (positions.size() != r_ground.size()) {
+		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+	}
+	for (std::size_t i = 0; has_textures_ && i < positions.size(); ++i) {
+		const Calling hold(gate_);
+		Variant result;
+		const Status status =
+				call(texture_method_, "get_texture_id() of ScatterTerrainObject.node", positions[i], result);
+		if (!status.ok()) {
+			return status;
+		}
+		if (result.get_type() != Variant::VECTOR3) {
+			return {ErrorCode::missing, "Vector3 from get_texture_id() of ScatterTerrainObject.node", 0.0};
+		}
+		r_ground[i].weight = weight_of(static_cast<Vector3>(result), textures);
+	}
+	return {};
+}
+
+Status ObjectGround::call(
+		const StringName &p_method, const char *p_refusal, glm::dvec2 position, Variant &r_result) const {
+	if (!open_ || source() == nullptr) {
+		return {ErrorCode::missing, gone, 0.0};
+	}
+	const Variant where(Vector3(static_cast<real_t>(position.x), 0, static_cast<real_t>(position.y)));
+	const Variant *argument = &where;
+	GDExtensionCallError error{};
+	Variant source(source_);
+	source.callp(p_method, &argument, 1, r_result, error);
+	return error.error == GDEXTENSION_CALL_OK ? Status{} : Status{ErrorCode::missing, p_refusal, 0.0};
+}
+
+} // namespace thicket
