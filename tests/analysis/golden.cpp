@@ -2,6 +2,7 @@
 // that this processor has. Prints them as JSON; fails where two instruction sets differ. tests/golden/core.json is this
 // program's output, and tests/test_golden.py holds every compiler and optimisation level against it.
 
+#include "tests/analysis/golden_layers.hpp"
 #include "tests/bench/common/hills.hpp"
 #include "tests/bench/common/simd_targets.hpp"
 
@@ -118,34 +119,14 @@ void digest_domain(const DomainCase &one, const char *precision, Digests &r_dige
 	r_digests.emplace_back(std::string("domain, ") + one.name + ", " + precision, places);
 }
 
-LayerSettings forest() {
-	LayerSettings layer;
-	layer.set = {.seed = 8, .radius = 2.5, .levels = 3, .layer = 4};
-	layer.rules = {.density = 0.8,
-			.min_slope_degrees = 2.0,
-			.max_slope_degrees = 40.0,
-			.slope_falloff = 10.0,
-			.min_height = 150.0,
-			.max_height = 700.0,
-			.height_falloff = 100.0};
-	layer.placement = {.min_yaw_degrees = -170.0,
-			.max_yaw_degrees = 180.0,
-			.min_scale = 0.7,
-			.max_scale = 1.6,
-			.align_to_normal = 0.6,
-			.height_offset = -0.2};
-	layer.mesh_weights = {3.0f, 1.0f, 0.5f};
-	return layer;
-}
-
-std::uint64_t digest_tile(TileBuilder &builder, glm::dvec2 corner) {
+std::uint64_t digest_tile(TileBuilder &builder, const LayerSettings &layer, glm::dvec2 corner) {
 	static const Heightfield near_hills = bench::Hills::at(glm::dvec2(-5000.0, -3000.0));
 	static const Heightfield far_hills = bench::Hills::at(glm::dvec2(5.0e6, 5.0e6));
 	TileInstances tile;
 	const Heightfield &hills = corner.x > 1e6 ? far_hills : near_hills;
-	require(builder.build(forest(), hills, {corner, corner + 200.0}, tile));
+	require(builder.build(layer, hills, {corner, corner + 200.0}, tile));
 	if (tile.counts.placed < 50) {
-		fail("a tile of the forest is nearly empty");
+		fail("a tile is nearly empty");
 	}
 	return digest(tile);
 }
@@ -161,8 +142,13 @@ Digests all_digests() {
 		digest_domain<double>(one, "double", digests);
 	}
 	TileBuilder builder;
-	digests.emplace_back("forest on hills", digest_tile(builder, {-150.0, 300.0}));
-	digests.emplace_back("forest on hills, 5 000 km out", digest_tile(builder, {5.0e6 + 2400.0, 5.0e6 + 3300.0}));
+	const glm::dvec2 near(-150.0, 300.0);
+	const glm::dvec2 far(5.0e6 + 2400.0, 5.0e6 + 3300.0);
+	digests.emplace_back("forest on hills", digest_tile(builder, analysis::forest(), near));
+	digests.emplace_back("forest on hills, 5 000 km out", digest_tile(builder, analysis::forest(), far));
+	digests.emplace_back("undergrowth with every rule", digest_tile(builder, analysis::undergrowth(near), near));
+	digests.emplace_back(
+			"undergrowth with every rule, 5 000 km out", digest_tile(builder, analysis::undergrowth(far), far));
 	return digests;
 }
 

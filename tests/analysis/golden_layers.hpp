@@ -1,0 +1,93 @@
+#pragma once
+
+// The layers whose tiles have golden digests.
+
+#include "core/placement/layer.hpp"
+#include "core/rules/image_mask.hpp"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+namespace thicket::analysis {
+
+inline LayerSettings forest() {
+	LayerSettings layer;
+	layer.set = {.seed = 8, .radius = 2.5, .levels = 3, .layer = 4};
+	layer.rules.density = 0.8;
+	layer.rules.min_slope_degrees = 2.0;
+	layer.rules.max_slope_degrees = 40.0;
+	layer.rules.slope_falloff = 10.0;
+	layer.rules.min_height = 150.0;
+	layer.rules.max_height = 700.0;
+	layer.rules.height_falloff = 100.0;
+	layer.placement.min_yaw_degrees = -170.0;
+	layer.placement.max_yaw_degrees = 180.0;
+	layer.placement.min_scale = 0.7;
+	layer.placement.max_scale = 1.6;
+	layer.placement.align_to_normal = 0.6;
+	layer.placement.height_offset = -0.2;
+	layer.mesh_weights = {3.0f, 1.0f, 0.5f};
+	return layer;
+}
+
+inline void expect(const Status &status) {
+	if (!status.ok()) {
+		throw std::logic_error(describe(status));
+	}
+}
+
+inline std::shared_ptr<const CurveTable> golden_curve(double min, double max, const std::vector<float> &samples) {
+	auto table = std::make_shared<CurveTable>();
+	expect(table->set(min, max, samples));
+	return table;
+}
+
+/// A layer with every rule and look there is, for a tile of 200 m at `corner`.
+inline LayerSettings undergrowth(glm::dvec2 corner) {
+	auto shrubs = std::make_shared<LayerSettings>();
+	shrubs->set = {.seed = 8, .radius = 4.0, .levels = 1, .layer = 5};
+	shrubs->rules.density = 0.7;
+	shrubs->neighbours = {{std::make_shared<LayerSettings>(forest()), 3.0, nullptr}};
+
+	LayerSettings layer = forest();
+	layer.set = {.seed = 8, .radius = 1.0, .levels = 2, .layer = 6};
+	layer.rules.density = 1.0;
+	layer.rules.height_curve = golden_curve(100.0, 800.0, {0.5f, 1.0f, 0.25f});
+	layer.rules.slope_curve = golden_curve(0.0, 45.0, {1.0f, 0.75f, 0.5f});
+	layer.rules.clumping = {15.0, 0.6, 0.3};
+	layer.rules.edge_feather = 4.0;
+	layer.neighbours = {{shrubs, 5.0, golden_curve(0.0, 5.0, {1.0f, 0.4f})}, {shrubs, 0.75, nullptr}};
+
+	auto mask = std::make_shared<PaintedMask>();
+	Rect changed;
+	expect(mask->reset(0.75, 1.0));
+	expect(mask->paint({Brush::Mode::erase, corner + glm::dvec2(60.0, 140.0), 30.0, 0.9, 0.3}, changed));
+	expect(mask->paint({Brush::Mode::smooth, corner + glm::dvec2(80.0, 120.0), 25.0, 0.8, 0.5}, changed));
+	layer.rules.mask = mask;
+	auto image = std::make_shared<ImageMask>();
+	const std::array<std::uint8_t, 6> pixels{255, 160, 220, 90, 255, 200};
+	expect(image->set({3, 2}, pixels, {corner - 10.0, corner + 90.0}, MaskEdge::repeat));
+	layer.rules.fields = {image};
+	Shape path;
+	path.kind = ShapeKind::path;
+	path.exclude = true;
+	path.falloff = 1.5;
+	path.half_size = {3.0, 0.0, 0.0};
+	path.outline = {corner, corner + glm::dvec2(70.0, 90.0), corner + glm::dvec2(200.0, 110.0)};
+	auto shapes = std::make_shared<ShapeSet>();
+	expect(shapes->set({path}));
+	layer.rules.shapes = shapes;
+
+	layer.placement.max_tilt_degrees = 12.0;
+	layer.placement.offset_along_normal = 0.1;
+	layer.placement.scale_curve = golden_curve(0.0, 1.0, {0.0f, 0.2f, 1.0f});
+	layer.look.use_colors = true;
+	layer.look.colors = std::make_shared<ColorTable>(ColorTable{{0.1f, 0.6f, 0.2f, 1.0f}, {0.7f, 0.6f, 0.1f, 1.0f}});
+	layer.look.use_custom_data = true;
+	return layer;
+}
+
+} // namespace thicket::analysis
