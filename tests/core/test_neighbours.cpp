@@ -205,6 +205,20 @@ TEST_CASE("neighbours: ground in two steps gives the tile that one step gives") 
 	CHECK(digest(tile) == digest(built(ferns, terrain, tile_of_hills)));
 }
 
+TEST_CASE("neighbours: what a tile samples is known beforehand") {
+	const auto oaks = layer_of(0, 4.0);
+	const auto shrubs = layer_of(1, 2.0);
+	shrubs->neighbours = {{oaks, 20.0, nullptr}};
+	LayerSettings ferns = *layer_of(2, 1.0);
+	ferns.neighbours = {{shrubs, 10.0, nullptr}};
+	const auto expected = [](const LayerSettings &layer, double side) {
+		return point_density(layer.set) * side * side;
+	};
+	CHECK(points_to_sample(*oaks, 64.0) == expected(*oaks, 64.0));
+	CHECK(points_to_sample(ferns, 64.0) ==
+			doctest::Approx(expected(ferns, 64.0) + expected(*shrubs, 84.0) + expected(*oaks, 124.0)));
+}
+
 TEST_CASE("neighbours: bad ones are refused by name") {
 	LayerSettings layer = *layer_of(0, 1.0);
 	const auto refuse = [&layer](const Neighbour &neighbour, ErrorCode code, const char *property, double value) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 namespace {
@@ -67,6 +68,20 @@ void check_field(const Heightfield &field, Bytes &r_bytes) {
 	}
 }
 
+/// Rules that look around a point.
+void read_surroundings(LayerSettings &r_layer, Bytes &r_bytes) {
+	if (r_bytes.chance(2)) {
+		r_layer.rules.clumping = {r_bytes.number(0.1, 50.0), r_bytes.number(0.0, 1.0), r_bytes.number(0.0, 1.0)};
+	}
+	r_layer.rules.edge_feather = r_bytes.chance(4) ? r_bytes.number(0.0, 10.0) : 0.0;
+	for (std::uint32_t count = r_bytes.below(3); count > 0; --count) {
+		auto other = std::make_shared<LayerSettings>();
+		other->set = {r_layer.set.seed, r_bytes.number(1.0, 5.0), 1, static_cast<std::uint16_t>(count)};
+		other->rules.density = r_bytes.number(0.0, 1.0);
+		r_layer.neighbours.push_back({other, r_bytes.number(0.1, 10.0), nullptr});
+	}
+}
+
 LayerSettings read_layer(Bytes &r_bytes) {
 	LayerSettings layer;
 	layer.set = {
@@ -88,6 +103,7 @@ LayerSettings read_layer(Bytes &r_bytes) {
 	for (float &weight : layer.mesh_weights) {
 		weight = static_cast<float>(r_bytes.number(0.0, 3.0));
 	}
+	read_surroundings(layer, r_bytes);
 	return layer;
 }
 

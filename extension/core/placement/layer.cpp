@@ -70,4 +70,12 @@ double reach(const LayerSettings &layer) {
 	return std::max(farthest, layer.rules.edge_feather);
 }
 
+double points_to_sample(const LayerSettings &layer, double tile_size) {
+	double points = point_density(layer.set) * tile_size * tile_size;
+	for (const Neighbour &neighbour : layer.neighbours) {
+		points += points_to_sample(*neighbour.layer, tile_size + 2.0 * neighbour.distance);
+	}
+	return points;
+}
+
 } // namespace thicket

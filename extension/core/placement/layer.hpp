@@ -58,4 +58,8 @@ bool same_but_for_edits(const LayerSettings &a, const LayerSettings &b);
 /// its neighbours' chains and edge feathers, added up.
 double reach(const LayerSettings &layer);
 
+/// About how many points a square tile of `tile_size` metres takes to make: those of the layer, and of its neighbours in all
+/// the surroundings from which they count. What memory and time grow with.
+double points_to_sample(const LayerSettings &layer, double tile_size);
+
 } // namespace thicket
