@@ -1,0 +1,248 @@
+extends RefCounted
+## Writes what stands in a rectangle as resources of the engine: a [MultiMesh] for each layer, mesh and tile, the meshes
+## that have no file of their own, and a scene of [MultiMeshInstance3D]s, each at the centre of its tile.
+##
+## For scatter that never changes, and for tools that read scenes. Needs no editor:
+## [codeblock]
+## var bake := preload("res://addons/thicket/bake.gd").new()
+## if bake.begin($TerrainScatter3D, Rect2(0, 0, 512, 512), "res://baked", "valley") == OK:
+##     while bake.step(20.0):
+##         await get_tree().process_frame
+## [/codeblock]
+## All is written beside its place first and moved there at the end, so whoever cancels finds what was there before.
+
+const UNFINISHED := ".bake_unfinished/"
+## Most tiles of all layers together.
+const MOST_TILES := 100000
+
+## What went wrong, in a sentence; empty while nothing has.
+var problem := ""
+## From 0 to 1.
+var progress := 0.0
+## Instances written so far.
+var instances := 0
+## Where the scene lies once [method step] has returned false without a [member problem].
+var scene_path := ""
+
+var _scatter: Node3D
+var _rect := Rect2()
+var _folder := ""
+var _name := ""
+var _running := false
+var _nodes: Array[Array] = [] # layer, tile, origin, multimesh
+var _tiles: Array[Vector3i] = [] # layer, tile x, tile y
+var _next := 0
+var _written: PackedStringArray = []
+var _mesh_files: Dictionary[Mesh, Mesh] = {}
+
+
+## Begins to bake [param rect] (world x, z in metres) into [param folder], which is made if need be, with a scene of the
+## name [param name]. [param layers] are places in the scatter's list; empty for all. Returns an error, and says why in
+## [member problem], where that cannot be.
+func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers := PackedInt32Array()) -> Error:
+	cancel()
+	problem = ""
+	instances = 0
+	progress = 0.0
+	_scatter = scatter
+	_rect = rect.abs()
+	_folder = folder if folder.ends_with("/") else folder + "/"
+	scene_path = _folder + name + ".tscn"
+	if not _rect.is_finite() or not _rect.has_area():
+		return _refuse(ERR_INVALID_PARAMETER, "The rectangle is empty.")
+	if name.is_empty() or not name.is_valid_filename():
+		return _refuse(ERR_INVALID_PARAMETER, "'%s' is no name for a file." % name)
+	if scatter.get(&"terrain") == null:
+		return _refuse(ERR_UNCONFIGURED, "The scatter has no terrain.")
+	var error := _list_tiles(layers)
+	if error != OK:
+		return error
+	error = DirAccess.make_dir_recursive_absolute(_folder + UNFINISHED)
+	if error != OK:
+		return _refuse(error, "Cannot make the folder %s: %s." % [_folder, error_string(error)])
+	_empty_unfinished()
+	_name = name
+	_running = true
+	return OK
+
+
+## Goes on for about [param msec] milliseconds, at least by one tile. Returns true while there is more to do; false at
+## the end, after [method cancel], and where something went wrong.
+func step(msec: float) -> bool:
+	if not _running:
+		return false
+	var deadline := Time.get_ticks_usec() + int(msec * 1000.0)
+	while _next < _tiles.size():
+		if not _bake_tile(_tiles[_next]):
+			cancel()
+			return false
+		_next += 1
+		progress = 0.99 * _next / _tiles.size()
+		if Time.get_ticks_usec() >= deadline:
+			return true
+	if _write_scene() and _move_all():
+		progress = 1.0
+	cancel()
+	return false
+
+
+## Gives up what has been begun and leaves nothing of it. Without effect when nothing is under way.
+func cancel() -> void:
+	if not _running:
+		return
+	_running = false
+	_empty_unfinished()
+	DirAccess.remove_absolute(_folder + UNFINISHED)
+	_nodes.clear()
+	_tiles.clear()
+	_written.clear()
+	_mesh_files.clear()
+	_next = 0
+	_scatter = null
+
+
+func _empty_unfinished() -> void:
+	for file in DirAccess.get_files_at(_folder + UNFINISHED):
+		DirAccess.remove_absolute(_folder + UNFINISHED + file)
+
+
+func _refuse(error: Error, why: String) -> Error:
+	problem = why
+	return error
+
+
+func _list_tiles(chosen: PackedInt32Array) -> Error:
+	var layers: Array = _scatter.get(&"layers")
+	for index in layers.size():
+		if layers[index] == null or not (chosen.is_empty() or chosen.has(index)):
+			continue
+		var size: float = layers[index].get(&"tile_size")
+		var from := Vector2i((_rect.position / size).floor())
+		var to := Vector2i((_rect.end / size).ceil())
+		if float(to.x - from.x) * (to.y - from.y) > MOST_TILES - _tiles.size():
+			_tiles.clear()
+			return _refuse(ERR_PARAMETER_RANGE_ERROR, "More than %d tiles: bake a smaller rectangle." % MOST_TILES)
+		for y in range(from.y, to.y):
+			for x in range(from.x, to.x):
+				_tiles.append(Vector3i(index, x, y))
+	return OK if not _tiles.is_empty() else _refuse(ERR_UNCONFIGURED, "There is no layer to bake.")
+
+
+func _bake_tile(tile: Vector3i) -> bool:
+	var layer: Resource = _scatter.get(&"layers")[tile.x]
+	var size: float = layer.get(&"tile_size")
+	var area := Rect2(Vector2(tile.y, tile.z) * size, Vector2(size, size)).intersection(_rect)
+	var built: Dictionary = _scatter.call(&"build_rect", tile.x, area)
+	if built.is_empty():
+		problem = "Layer %d cannot be made: see the errors printed above." % tile.x
+		return false
+	for mesh_index: int in built.buffers.size():
+		var buffer: PackedFloat32Array = built.buffers[mesh_index]
+		var mesh: Mesh = built.meshes[mesh_index]
+		if buffer.is_empty() or mesh == null:
+			continue
+		var file := "%s_%s_%d_%d_%d.res" % [_name, _file_part(tile.x), mesh_index, tile.y, tile.z]
+		var multimesh := _multimesh(layer, buffer, _in_file(mesh, tile.x, mesh_index))
+		if multimesh == null or not _save(multimesh, file):
+			return false
+		instances += multimesh.instance_count
+		_nodes.append([layer, tile, built.origin, multimesh])
+	return true
+
+
+func _multimesh(layer: Resource, buffer: PackedFloat32Array, mesh: Mesh) -> MultiMesh:
+	if mesh == null:
+		return null
+	var multimesh := MultiMesh.new()
+	multimesh.transform_format = MultiMesh.TRANSFORM_3D
+	multimesh.use_colors = layer.get(&"use_colors") == true
+	multimesh.use_custom_data = layer.get(&"use_custom_data") == true
+	multimesh.mesh = mesh
+	var stride := 12 + 4 * int(multimesh.use_colors) + 4 * int(multimesh.use_custom_data)
+	multimesh.instance_count = buffer.size() / stride
+	multimesh.buffer = buffer
+	return multimesh
+
+
+## The mesh itself if it has a file of its own, else a copy that gets one.
+func _in_file(mesh: Mesh, layer: int, mesh_index: int) -> Mesh:
+	if not mesh.resource_path.is_empty() and not "::" in mesh.resource_path:
+		return mesh
+	if not _mesh_files.has(mesh):
+		var copy := mesh.duplicate() as Mesh
+		var file := "%s_%s_%d.res" % [_name, _file_part(layer), mesh_index]
+		_mesh_files[mesh] = copy if _save(copy, file) else null
+	return _mesh_files[mesh]
+
+
+func _instance(layer: Resource, tile: Vector3i, origin: Vector3, multimesh: MultiMesh) -> MultiMeshInstance3D:
+	var instance := MultiMeshInstance3D.new()
+	instance.name = "%s_%d_%d" % [_file_part(tile.x).to_pascal_case(), tile.y, tile.z]
+	instance.position = origin
+	instance.multimesh = multimesh
+	for property: StringName in [
+		&"material_override", &"cast_shadow", &"gi_mode", &"layers", &"lod_bias", &"extra_cull_margin",
+		&"visibility_range_begin", &"visibility_range_begin_margin", &"visibility_range_end",
+		&"visibility_range_end_margin", &"visibility_range_fade_mode",
+	]:
+		instance.set(property, layer.get(property))
+	return instance
+
+
+## Names of files and nodes: the layer's own, if it has one.
+func _file_part(layer: int) -> String:
+	var name: String = _scatter.get(&"layers")[layer].resource_name.to_snake_case().validate_filename()
+	return "%d_%s" % [layer, name] if not name.is_empty() else str(layer)
+
+
+## Writes a resource to its unfinished place. Whoever refers to it then names the place where it will lie.
+func _save(resource: Resource, file: String) -> bool:
+	var error := ResourceSaver.save(resource, _folder + UNFINISHED + file)
+	resource.set_path_cache(_folder + file)
+	if error != OK:
+		problem = "Cannot write %s: %s." % [_folder + file, error_string(error)]
+		return false
+	_written.append(file)
+	return true
+
+
+func _write_scene() -> bool:
+	var scene := Node3D.new()
+	scene.name = _name.to_pascal_case()
+	for node in _nodes:
+		var instance := _instance(node[0], node[1], node[2], node[3])
+		scene.add_child(instance, true)
+		instance.owner = scene
+	var packed := PackedScene.new()
+	packed.pack(scene)
+	scene.free()
+	return _save(packed, scene_path.get_file())
+
+
+## Moves all to its place, the scene last. Files of an earlier bake that this one has not written are removed.
+func _move_all() -> bool:
+	var stale := _files_of_scene()
+	for file in _written:
+		var error := DirAccess.rename_absolute(_folder + UNFINISHED + file, _folder + file)
+		if error != OK:
+			problem = "Cannot write %s: %s." % [_folder + file, error_string(error)]
+			return false
+		stale.erase(file)
+	for file in stale:
+		DirAccess.remove_absolute(_folder + file)
+	for file in _written:
+		if ResourceLoader.has_cached(_folder + file):
+			ResourceLoader.load(_folder + file, "", ResourceLoader.CACHE_MODE_REPLACE)
+	return true
+
+
+## What an earlier bake of this name wrote here.
+func _files_of_scene() -> PackedStringArray:
+	var files := PackedStringArray()
+	if FileAccess.file_exists(scene_path):
+		var prefix := scene_path.get_file().get_basename() + "_"
+		for dependency in ResourceLoader.get_dependencies(scene_path):
+			var path := dependency.get_slice("::", dependency.get_slice_count("::") - 1)
+			if path.get_base_dir() + "/" == _folder and path.get_file().begins_with(prefix):
+				files.append(path.get_file())
+	return files

@@ -1,0 +1,72 @@
+@tool
+extends RefCounted
+## The ring that shows where the brush would paint, on the ground below the mouse.
+
+const Brush := preload("res://addons/thicket/editor/brush.gd")
+const GroundRay := preload("res://addons/thicket/editor/ground_ray.gd")
+
+const COLORS: Array[Color] = [Color(0.5, 1.0, 0.45), Color(1.0, 0.45, 0.35), Color(0.45, 0.75, 1.0)]
+const SIDES := 64
+
+## Where the mouse points at the ground, in world metres; [constant Vector3.INF] where there is none.
+var place := Vector3.INF
+
+var _camera: Camera3D
+
+
+## Points at the ground below a position in the camera's viewport.
+func aim(camera: Camera3D, position: Vector2, terrain: Resource) -> void:
+	_camera = camera
+	position /= _shrink(camera)
+	place = GroundRay.hit(terrain, camera.project_ray_origin(position), camera.project_ray_normal(position))
+
+
+## Shows nothing until the next [method aim].
+func hide() -> void:
+	place = Vector3.INF
+
+
+## Draws the ring on an overlay of a viewport, if the mouse was there last: the radius, the part that is painted in
+## full, and a dot in the middle.
+func draw(overlay: Control, brush: Brush, terrain: Resource) -> void:
+	if not place.is_finite() or not is_instance_valid(_camera) or terrain == null or not _is_over(overlay):
+		return
+	var color := COLORS[brush.mode]
+	_ring(overlay, terrain, brush.radius, color, 2.0)
+	if brush.hardness > 0.0:
+		_ring(overlay, terrain, brush.radius * brush.hardness, Color(color, 0.45), 1.0)
+	overlay.draw_circle(_camera.unproject_position(place) * _shrink(_camera), 2.5, color)
+
+
+func _ring(overlay: Control, terrain: Resource, radius: float, color: Color, width: float) -> void:
+	var line := PackedVector2Array()
+	for side in SIDES + 1:
+		var angle := TAU * side / SIDES
+		var at := place + Vector3(cos(angle), 0.0, sin(angle)) * radius
+		var height: float = terrain.call(&"get_height", at)
+		if not is_nan(height):
+			at.y = height
+		if _camera.is_position_behind(at):
+			_line(overlay, line, color, width)
+			line = PackedVector2Array()
+		else:
+			line.append(_camera.unproject_position(at) * _shrink(_camera))
+	_line(overlay, line, color, width)
+
+
+func _line(overlay: Control, line: PackedVector2Array, color: Color, width: float) -> void:
+	if line.size() > 1:
+		overlay.draw_polyline(line, Color(0.0, 0.0, 0.0, 0.5 * color.a), width + 2.0, true)
+		overlay.draw_polyline(line, color, width, true)
+
+
+## Overlays lie beside the container of their viewport.
+func _is_over(overlay: Control) -> bool:
+	var container := _camera.get_viewport().get_parent()
+	return container != null and container.get_parent() != null and container.get_parent().is_ancestor_of(overlay)
+
+
+## At half resolution a viewport has fewer pixels than its overlay.
+static func _shrink(camera: Camera3D) -> float:
+	var container := camera.get_viewport().get_parent() as SubViewportContainer
+	return float(container.stretch_shrink) if container != null and container.stretch else 1.0

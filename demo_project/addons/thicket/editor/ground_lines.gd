@@ -1,0 +1,58 @@
+@tool
+extends RefCounted
+## Lines for gizmos that follow the ground of a scatter.
+
+## Metres above the ground, so that lines are not lost in it.
+const LIFT := 0.1
+
+## The ground to follow; null for lines at [member level].
+var terrain: Resource
+## World height in metres of lines where there is no ground.
+var level := 0.0
+## How often the ground may still be asked; after that lines go straight from corner to corner.
+var budget := 4000
+## Pairs of ends, in the space of the node.
+var segments := PackedVector3Array()
+
+var _to_node: Transform3D
+
+
+## Lines for [param node], which need not be below a scatter.
+func _init(node: Node3D) -> void:
+	_to_node = node.global_transform.affine_inverse()
+	level = node.global_position.y
+	var scatter := scatter_of(node)
+	if scatter != null:
+		terrain = scatter.get(&"terrain")
+
+
+## The scatter above a node, or the node itself; null if there is none.
+static func scatter_of(node: Node) -> Node3D:
+	while node != null and not node.is_class("TerrainScatter3D"):
+		node = node.get_parent()
+	return node as Node3D
+
+
+## Adds a line through world places (x, z), at most [param piece] metres from one asked height to the next.
+func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
+	var count := points.size() if closed else points.size() - 1
+	for index in count:
+		var from := points[index]
+		var to := points[(index + 1) % points.size()]
+		var pieces := clampi(ceili(from.distance_to(to) / piece), 1, maxi(1, budget))
+		budget -= pieces
+		var last := _place(from)
+		for step in pieces:
+			var next := _place(from.lerp(to, (step + 1.0) / pieces))
+			segments.append(last)
+			segments.append(next)
+			last = next
+
+
+func _place(at: Vector2) -> Vector3:
+	var place := Vector3(at.x, level, at.y)
+	if terrain != null:
+		var height: float = terrain.call(&"get_height", place)
+		if not is_nan(height):
+			place.y = height + LIFT
+	return _to_node * place

@@ -1,0 +1,45 @@
+@tool
+extends RefCounted
+## Finds where a ray meets the ground of a [code]ScatterTerrain[/code].
+
+## Metres: the longest ray, and the shortest and longest step along it.
+const REACH := 20000.0
+const SHORTEST := 0.05
+const LONGEST := 200.0
+const MOST_STEPS := 600
+const HALVINGS := 24
+
+
+## The first place in world metres where the ray enters the ground from above, or [constant Vector3.INF] if there is
+## none. [param direction] has a length of 1. A step is half as long as the ray is high above the ground, so a ridge is
+## missed only where the ground is steeper than 60 degrees and the ray grazes it. Asks the terrain some hundred times.
+static func hit(terrain: Resource, from: Vector3, direction: Vector3) -> Vector3:
+	var at := 0.0
+	var last := NAN
+	var last_at := 0.0
+	for step in MOST_STEPS:
+		var above := _above(terrain, from + direction * at)
+		if last > 0.0 and above <= 0.0:
+			return _refine(terrain, from, direction, last_at, at)
+		last = above
+		last_at = at
+		# Over a hole nothing is known; near things matter more than far ones.
+		var stride := 0.5 * absf(above) if not is_nan(above) else 0.02 * at
+		at += clampf(stride, maxf(SHORTEST, 0.001 * at), LONGEST)
+		if at > REACH:
+			break
+	return Vector3.INF
+
+
+static func _above(terrain: Resource, place: Vector3) -> float:
+	return place.y - float(terrain.call(&"get_height", place))
+
+
+static func _refine(terrain: Resource, from: Vector3, direction: Vector3, above_at: float, below_at: float) -> Vector3:
+	for halving in HALVINGS:
+		var middle := 0.5 * (above_at + below_at)
+		if _above(terrain, from + direction * middle) > 0.0:
+			above_at = middle
+		else:
+			below_at = middle
+	return from + direction * below_at

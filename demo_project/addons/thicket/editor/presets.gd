@@ -1,0 +1,86 @@
+@tool
+extends RefCounted
+## Layers to start from: copies of those in the scenes of the presets folder.
+
+const FOLDER := "res://addons/thicket/presets/"
+const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
+
+
+## New layers of a preset, as an array that fits the scatter's; names that [param taken] holds get a number, and so do
+## their mentions in spacing and proximity. Empty if there is no such preset.
+static func layers(name: String, taken: PackedStringArray) -> Array:
+	var scene := load(FOLDER + name + ".tscn") as PackedScene
+	if scene == null:
+		return []
+	var source := scene.instantiate()
+	var found: Array = source.get(&"layers")
+	var copies: Dictionary[Resource, Resource] = {}
+	var result := found.duplicate()
+	result.clear()
+	for layer: Resource in found:
+		result.append(_copy(layer, copies))
+	source.free()
+	_rename(result, taken)
+	return result
+
+
+## Adds a preset's layers to a scatter, as one step of undo.
+static func add(name: String, scatter: Node3D, undo_redo: EditorUndoRedoManager) -> void:
+	var old: Array = scatter.get(&"layers")
+	var taken := PackedStringArray()
+	for layer: Resource in old:
+		if layer != null:
+			taken.append(layer.resource_name)
+	var new := old.duplicate()
+	new.append_array(layers(name, taken))
+	undo_redo.create_action("Add Layers: " + name.capitalize(), UndoRedo.MERGE_DISABLE, scatter)
+	undo_redo.add_do_property(scatter, &"layers", new)
+	undo_redo.add_undo_property(scatter, &"layers", old)
+	undo_redo.commit_action()
+
+
+## A copy of a resource and of those in it, without their paths; files of their own are shared. What is used twice is
+## copied once.
+static func _copy(resource: Resource, copies: Dictionary[Resource, Resource]) -> Resource:
+	if not resource.resource_path.is_empty() and not "::" in resource.resource_path:
+		return resource
+	if not copies.has(resource):
+		var copy := resource.duplicate(false)
+		copies[resource] = copy
+		for property in copy.get_property_list():
+			if property.usage & PROPERTY_USAGE_STORAGE and property.name != "script":
+				var value: Variant = copy.get(property.name)
+				if value is Resource or value is Array:
+					copy.set(property.name, _copy_value(value, copies))
+	return copies[resource]
+
+
+static func _copy_value(value: Variant, copies: Dictionary[Resource, Resource]) -> Variant:
+	if value is Resource:
+		return _copy(value as Resource, copies)
+	if value is Array:
+		var array: Array = value.duplicate()
+		for index in array.size():
+			array[index] = _copy_value(array[index], copies)
+		return array
+	return value
+
+
+static func _rename(new_layers: Array, taken: PackedStringArray) -> void:
+	var names := {}
+	for layer: Resource in new_layers:
+		var name := layer.resource_name
+		var number := 2
+		while taken.has(name):
+			name = "%s %d" % [layer.resource_name, number]
+			number += 1
+		names[layer.resource_name] = name
+		layer.resource_name = name
+	for layer: Resource in new_layers:
+		var spacing: Dictionary = layer.get(&"spacing").duplicate()
+		for key: String in spacing.keys():
+			if names.has(key) and names[key] != key:
+				spacing[names[key]] = spacing[key]
+				spacing.erase(key)
+		layer.set(&"spacing", spacing)
+		layer.set(&"proximity_layer", names.get(layer.get(&"proximity_layer"), layer.get(&"proximity_layer")))
