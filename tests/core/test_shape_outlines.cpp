@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -100,6 +101,34 @@ TEST_CASE("outlines: a polygon's border is outside, depth is the distance to it"
 	CHECK(chance_at(soft, 3.0, 0.0) == 0.5);
 	CHECK(chance_at(soft, -3.5, 1.0) == 0.25);
 	CHECK(chance_at(soft, 1.0, -1.5) == 0.25);
+}
+
+TEST_CASE("outlines: a border of many short edges is outside all along") {
+	constexpr int side = 12;
+	Points square;
+	const std::array<glm::dvec2, 4> along{glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(-1, 0), glm::dvec2(0, -1)};
+	glm::dvec2 at(0.0);
+	for (const glm::dvec2 step : along) {
+		for (int i = 0; i < side; ++i) {
+			square.push_back(at);
+			at += step;
+		}
+	}
+	for (std::size_t start = 0; start < square.size(); ++start) {
+		std::ranges::rotate(square, square.begin() + 1);
+		const Outline outline = outline_of(square, true);
+		for (double place = 0.0; place <= side; place += 0.5) {
+			CHECK(!outline.contains({0.0, place}));
+			CHECK(!outline.contains({side, place}));
+			CHECK(!outline.contains({place, 0.0}));
+			CHECK(!outline.contains({place, side}));
+			const bool within = place > 0.0 && place < side;
+			CHECK(outline.contains({1e-9, place}) == within);
+			CHECK(outline.contains({side - 1e-9, place}) == within);
+			CHECK(outline.contains({place, 1e-9}) == within);
+			CHECK(outline.contains({place, side - 1e-9}) == within);
+		}
+	}
 }
 
 TEST_CASE("outlines: rays through corners count right, at every half place of polygons with whole corners") {

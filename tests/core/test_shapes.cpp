@@ -6,9 +6,10 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -126,6 +127,56 @@ TEST_CASE("shapes: a cylinder that lies on its side casts a rectangle, one uprig
 	const ShapeSet upright = set_of({lying});
 	CHECK(chance(upright, {1.2, 77.0, 1.6}) == 0.0);
 	CHECK(chance(upright, {0.6, 77.0, 0.8}) == 0.01);
+}
+
+TEST_CASE("shapes: a leaning cylinder's shadow is as deep as a search says, at every lean") {
+	for (int degrees = 1; degrees < 90; degrees += 8) {
+		const double angle = degrees * std::numbers::pi / 180.0;
+		Shape leaning = cylinder(6.0, 3.0);
+		leaning.ignore_height = true;
+		leaning.falloff = 100.0;
+		leaning.axes = glm::dmat3(
+				{std::cos(angle), -std::sin(angle), 0.0}, {std::sin(angle), std::cos(angle), 0.0}, {0.0, 0.0, 1.0});
+		const ShapeSet set = set_of({leaning});
+		for (double x = 0.25; x < 9.0; x += 0.5) {
+			for (double z = 0.2; z < 6.0; z += 0.8) {
+				const double depth = std::max(searched_shadow_depth(leaning, {x, 0.0, z}), 0.0);
+				CHECK(std::abs(chance(set, {-x, 0.0, z}) * 100.0 - depth) < 1e-6);
+			}
+		}
+	}
+}
+
+TEST_CASE("shapes: axes as inexact as an engine's floats move no border") {
+	Shape large = box({0.0, 0.0, 0.0}, {1e6, 1e6, 1e6});
+	large.axes = glm::dmat3({1.0 + 4e-7, 0.0, 0.0}, {4e-7, 1.0 - 4e-7, 0.0}, {0.0, 0.0, 1.0 - 4e-7});
+	for (const bool ignore_height : {false, true}) {
+		large.ignore_height = ignore_height;
+		const ShapeSet set = set_of({large});
+		CHECK(chance(set, {0.0, 0.0, 1e6 - 1e-3}) == 1.0);
+		CHECK(chance(set, {0.0, 0.0, 1e6 + 1e-3}) == 0.0);
+		CHECK(bounds(large).contains({0.0, 1e6}));
+	}
+}
+
+TEST_CASE("shapes: bounds hold the border and no more than a hair beside it") {
+	const Shape shape = box({10.0, 0.0, -200.0}, {4.0, 1.0, 8.0});
+	const Shape ring = [] {
+		Shape path;
+		path.kind = ShapeKind::path;
+		path.half_size.x = 2.0;
+		path.outline = {{8.0, -206.0}, {12.0, -194.0}};
+		return path;
+	}();
+	for (const Shape &of : {shape, ring}) {
+		const Rect reach = bounds(of);
+		CHECK(reach.contains({14.0, -192.0}));
+		CHECK(reach.contains({6.0, -208.0}));
+		for (const glm::dvec2 beside : {glm::dvec2(14.0 + 1e-9, -200.0), glm::dvec2(6.0 - 1e-9, -200.0),
+					 glm::dvec2(10.0, -192.0 + 1e-9), glm::dvec2(10.0, -208.0 - 1e-9)}) {
+			CHECK(!reach.contains(beside));
+		}
+	}
 }
 
 TEST_CASE("shapes: the strongest including shape times what the strongest excluding one leaves") {
