@@ -2,6 +2,7 @@
 // that this processor has. Prints them as JSON; fails where two instruction sets differ. tests/golden/core.json is this
 // program's output, and tests/test_golden.py holds every compiler and optimisation level against it.
 
+#include "tests/analysis/golden_fields.hpp"
 #include "tests/analysis/golden_layers.hpp"
 #include "tests/bench/common/hills.hpp"
 #include "tests/bench/common/simd_targets.hpp"
@@ -149,6 +150,9 @@ Digests all_digests() {
 	digests.emplace_back("undergrowth with every rule", digest_tile(builder, analysis::undergrowth(near), near));
 	digests.emplace_back(
 			"undergrowth with every rule, 5 000 km out", digest_tile(builder, analysis::undergrowth(far), far));
+	for (const auto &one : analysis::field_digests(require)) {
+		digests.push_back(one);
+	}
 	return digests;
 }
 

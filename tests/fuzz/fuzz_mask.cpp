@@ -1,0 +1,172 @@
+// Any bytes as a painted mask, and any dabs on one: they are refused, or leave a mask that is whole.
+
+#include "tests/fuzz/bytes.hpp"
+#include "tests/fuzz/fuzz_main.hpp"
+
+#include "core/base/word_hash.hpp"
+#include "core/rules/painted_mask.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace {
+
+using namespace thicket;
+using fuzz::Bytes;
+using fuzz::promise;
+
+using Pixels = std::vector<std::uint8_t>;
+
+void check_refusal(const Status &status, const PaintedMask &mask, const PaintedMask &before) {
+	promise(mask == before, "a refused call changes nothing");
+	promise(describe(status).find(status.property) == 0, "a refusal names the property");
+}
+
+/// Takes what was written, and only that.
+void check_bytes(const PaintedMask &mask) {
+	const Pixels bytes = mask.to_bytes();
+	PaintedMask loaded;
+	promise(loaded.from_bytes(bytes).ok() && loaded == mask, "a mask is loaded as it was");
+	promise(loaded.to_bytes() == bytes, "equal masks have equal bytes");
+}
+
+/// Bytes of a mask that were damaged in a few places, with a right checksum or not.
+void load_damaged(const PaintedMask &mask, Bytes &r_bytes) {
+	Pixels bytes = mask.to_bytes();
+	const std::uint32_t changes = r_bytes.below(4);
+	for (std::uint32_t i = 0; i < changes && !bytes.empty(); ++i) {
+		// Mostly the header and the first block's.
+		const auto size = static_cast<std::uint32_t>(bytes.size());
+		const std::uint32_t place = r_bytes.below(r_bytes.chance(2) ? size : std::min(size, 40u));
+		switch (r_bytes.below(4)) {
+			case 0: bytes.resize(place); break;
+			case 1: bytes.insert(bytes.begin() + place, 1 + r_bytes.below(20), r_bytes.raw<std::uint8_t>()); break;
+			case 2: bytes.erase(bytes.begin() + place, bytes.begin() + std::min(size, place + 10)); break;
+			default: bytes[place] = r_bytes.raw<std::uint8_t>(); break;
+		}
+	}
+	if (bytes.size() >= 8 && r_bytes.chance(2)) {
+		WordHash hash;
+		std::for_each(bytes.begin(), bytes.end() - 8, [&](std::uint8_t byte) { hash.add(std::uint32_t{byte}); });
+		for (int byte = 0; byte < 8; ++byte) {
+			bytes[bytes.size() - 8 + static_cast<std::size_t>(byte)] =
+					static_cast<std::uint8_t>(hash.value() >> 8 * byte);
+		}
+	}
+	PaintedMask loaded = mask;
+	const Status status = loaded.from_bytes(bytes);
+	if (status.ok()) {
+		promise(loaded.to_bytes() == bytes, "what is taken is what would be written");
+	} else {
+		check_refusal(status, loaded, mask);
+	}
+}
+
+Brush read_brush(Bytes &r_bytes, double pixel_size) {
+	Brush brush;
+	brush.mode = static_cast<Brush::Mode>(r_bytes.below(r_bytes.chance(16) ? 256 : 3));
+	brush.center = pixel_size * glm::dvec2(r_bytes.number(-150.0, 150.0), r_bytes.number(-150.0, 150.0));
+	brush.radius = pixel_size * r_bytes.number(0.1, r_bytes.chance(4) ? 80.0 : 10.0);
+	brush.strength = r_bytes.number(0.0, 1.0);
+	brush.hardness = r_bytes.number(0.0, 1.0);
+	return brush;
+}
+
+std::vector<float> densities(const PaintedMask &mask, const std::vector<glm::dvec2> &places) {
+	std::vector<float> result(places.size());
+	promise(mask.sample(places, result).ok(), "any place can be asked for");
+	promise(std::ranges::all_of(result, [](float density) { return density >= 0.0f && density <= 1.0f; }),
+			"a density lies between 0 and 1");
+	return result;
+}
+
+/// One dab, and what holds for it: the rest of the plane stays, and it can be undone.
+void dab(PaintedMask &r_mask, Bytes &r_bytes) {
+	const PaintedMask before = r_mask;
+	const Brush brush = read_brush(r_bytes, r_mask.pixel_size());
+	Rect changed;
+	const Status status = r_mask.paint(brush, changed);
+	if (!status.ok()) {
+		check_refusal(status, r_mask, before);
+		return;
+	}
+	std::vector<glm::dvec2> places;
+	for (int i = 0; i < 8; ++i) {
+		const glm::dvec2 near(r_bytes.number(-2.0, 2.0), r_bytes.number(-2.0, 2.0));
+		places.push_back(brush.center + brush.radius * near);
+		places.emplace_back(changed.max.x, changed.min.y + near.x * changed.size().y);
+		places.emplace_back(changed.min.x + near.x * changed.size().x, changed.max.y);
+	}
+	const std::vector<float> was = densities(before, places);
+	const std::vector<float> is = densities(r_mask, places);
+	for (std::size_t i = 0; i < places.size(); ++i) {
+		promise(changed.contains(places[i]) || was[i] == is[i], "nothing changes outside of what a dab has changed");
+	}
+	const PixelRect region = before.pixels_of({brush.center - brush.radius, brush.center + brush.radius});
+	Pixels pixels;
+	Rect undone;
+	PaintedMask back = r_mask;
+	if (before.read(region, pixels).ok()) {
+		promise(back.write(region, pixels, undone).ok() && back == before, "a dab is undone by its pixels");
+	}
+}
+
+/// Reads and writes a region that may be any four numbers.
+void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
+	const auto near = [&] {
+		return r_bytes.chance(24) ? r_bytes.raw<std::int32_t>() : static_cast<int>(r_bytes.below(300)) - 150;
+	};
+	PixelRect region;
+	region.min = {near(), 0};
+	region.min.y = near();
+	region.max = region.min;
+	if (!r_bytes.chance(24)) { // Sums that stay in range.
+		region.max = glm::ivec2(std::min(region.min.x, 1 << 30), std::min(region.min.y, 1 << 30)) +
+				static_cast<int>(r_bytes.below(90)) - 2;
+	} else {
+		region.max.x = near();
+		region.max.y = near();
+	}
+	Pixels pixels;
+	const PaintedMask before = r_mask;
+	if (const Status status = r_mask.read(region, pixels); !status.ok()) {
+		check_refusal(status, r_mask, before);
+		return;
+	}
+	if (pixels.size() > 1 << 16) {
+		return; // Right, but slow.
+	}
+	Rect changed;
+	promise(r_mask.write(region, pixels, changed).ok() && changed.empty() && r_mask == before,
+			"what was read is written back without a change");
+	if (r_bytes.chance(2)) {
+		std::ranges::fill(pixels, r_bytes.raw<std::uint8_t>());
+		promise(r_mask.write(region, pixels, changed).ok(), "a region that can be read can be written");
+	} else {
+		pixels.push_back(0);
+		promise(r_mask.write(region, pixels, changed).code == ErrorCode::wrong_size, "a byte too many is refused");
+	}
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
+	PaintedMask raw;
+	if (raw.from_bytes({data, size}).ok()) {
+		promise(raw.to_bytes() == Pixels(data, data + size), "what is taken is what would be written");
+	}
+	Bytes bytes(data, size);
+	PaintedMask mask;
+	const double pixel_size = bytes.chance(2) ? 1.0 : bytes.number(PaintedMask::min_pixel_size, 8.0);
+	if (const Status status = mask.reset(pixel_size, bytes.number(0.0, 1.0)); !status.ok()) {
+		check_refusal(status, mask, PaintedMask());
+	}
+	const std::uint32_t steps = bytes.below(6);
+	for (std::uint32_t step = 0; step < steps; ++step) {
+		bytes.chance(4) ? copy_region(mask, bytes) : dab(mask, bytes);
+	}
+	check_bytes(mask);
+	load_damaged(mask, bytes);
+	return 0;
+}
