@@ -1,0 +1,128 @@
+// What it costs to ask a rule for its density at one point: a painted mask, an image, clumps, a curve, at the points of a
+// layer in the order in which a tile has them. Prints rows of a Markdown table.
+//   bench_fields [rounds = 9] [seconds a measurement = 0.25]
+
+#include "tests/bench/common/timing.hpp"
+
+#include "core/rules/clump_noise.hpp"
+#include "core/rules/curve_table.hpp"
+#include "core/rules/image_mask.hpp"
+#include "core/rules/painted_mask.hpp"
+#include "core/sampling/tile_sampler.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace thicket::bench {
+namespace {
+
+void require(const Status &status) {
+	if (!status.ok()) {
+		std::fprintf(stderr, "bench_fields: %s\n", describe(status).c_str());
+		std::exit(EXIT_FAILURE);
+	}
+}
+
+/// The points of a tile of 200 m, about 7,500 of them.
+std::vector<glm::dvec2> places() {
+	std::vector<SamplePoint> points;
+	require(TileSampler().sample({.seed = 1, .radius = 2.0}, {{100.0, -300.0}, {300.0, -100.0}}, points));
+	std::vector<glm::dvec2> result;
+	for (const SamplePoint &point : points) {
+		result.push_back(point.position);
+	}
+	return result;
+}
+
+/// Strokes all over the tile, in pixels of a metre.
+PaintedMask painted() {
+	PaintedMask mask;
+	Rect changed;
+	require(mask.reset(1.0, 0.0));
+	for (int i = 0; i < 200; ++i) {
+		require(mask.paint({.center = {100.0 + i * 37 % 200, -300.0 + i * 61 % 200}, .radius = 15.0}, changed));
+	}
+	return mask;
+}
+
+ImageMask image() {
+	ImageMask mask;
+	std::mt19937 random(1);
+	std::vector<std::uint8_t> pixels(1024 * 1024);
+	for (std::uint8_t &pixel : pixels) {
+		pixel = static_cast<std::uint8_t>(random());
+	}
+	require(mask.set({1024, 1024}, pixels, {{-500.0, -500.0}, {500.0, 500.0}}, MaskEdge::repeat));
+	return mask;
+}
+
+/// Takes turns among the contenders, and prints nanoseconds a point. `at` writes all densities of the tile.
+class Contest {
+public:
+	explicit Contest(std::size_t points) : points_(points) {}
+
+	template <typename At>
+	void measure(std::size_t contender, const char *name, double seconds, At at) {
+		if (contender == names_.size()) {
+			names_.emplace_back(name);
+			series_.emplace_back();
+		}
+		series_[contender].add(1e9 / rate(seconds, [&] { return at(), points_; }));
+	}
+
+	void print() const {
+		for (std::size_t i = 0; i < names_.size(); ++i) {
+			print_row(names_[i] + ": density at a point", series_[i], 1.0, " ns", 1);
+		}
+	}
+
+private:
+	std::size_t points_;
+	std::vector<std::string> names_;
+	std::vector<Series> series_;
+};
+
+void run(int rounds, double seconds) {
+	const std::vector<glm::dvec2> at = places();
+	std::vector<float> densities(at.size());
+	const PaintedMask mask = painted();
+	const PaintedMask empty;
+	const ImageMask picture = image();
+	ClumpNoise clumps;
+	clumps.set({.size = 20.0}, 1);
+	CurveTable curve;
+	require(curve.set(-300.0, -100.0, std::vector<float>(256, 0.5f)));
+	Contest contest(at.size());
+	for (int round = 0; round < rounds; ++round) {
+		contest.measure(0, "painted mask", seconds, [&] { require(mask.sample(at, densities)); });
+		contest.measure(1, "painted mask without paint", seconds, [&] { require(empty.sample(at, densities)); });
+		contest.measure(2, "image mask", seconds, [&] { require(picture.sample(at, densities)); });
+		contest.measure(3, "clumps", seconds, [&] {
+			for (std::size_t i = 0; i < at.size(); ++i) {
+				densities[i] = static_cast<float>(clumps.at(at[i]));
+			}
+		});
+		contest.measure(4, "curve", seconds, [&] {
+			for (std::size_t i = 0; i < at.size(); ++i) {
+				densities[i] = static_cast<float>(curve.at(at[i].y));
+			}
+		});
+	}
+	contest.print();
+}
+
+} // namespace
+} // namespace thicket::bench
+
+int main(int argument_count, char **arguments) {
+	const int rounds = argument_count > 1 ? std::atoi(arguments[1]) : 9;
+	const double seconds = argument_count > 2 ? std::atof(arguments[2]) : 0.25;
+	if (rounds < 1 || !(seconds > 0.0)) {
+		std::fprintf(stderr, "usage: bench_fields [rounds >= 1] [seconds > 0]\n");
+		return EXIT_FAILURE;
+	}
+	thicket::bench::run(rounds, seconds);
+}
