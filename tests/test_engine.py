@@ -85,6 +85,8 @@ def assert_passed(done):
         "test_layer_properties",
         "test_mask",
         "test_terrains",
+        "test_layer_rules",
+        "test_layer_placement",
     ],
 )
 def test_script(godot, project, script):

@@ -189,7 +189,7 @@ public:
 
 	/// The layer whose instances decide about this one's density; empty for none. They count up to the distance, in metres,
 	/// and the table, which is never null, is the density over the distance to the nearest.
-	const std::string &proximity_layer() const { return proximity_layer_; }
+	std::string proximity_layer() const { return proximity_layer_.utf8().get_data(); }
 	double proximity_distance() const { return numbers_.proximity_distance; }
 	std::shared_ptr<const CurveTable> proximity_table() const;
 
@@ -252,7 +252,7 @@ private:
 	godot::PackedInt32Array ground_textures_;
 	godot::TypedDictionary<godot::String, double> spacing_property_; ///< Read-only.
 	std::map<std::string, double> spacing_;
-	std::string proximity_layer_;
+	godot::String proximity_layer_;
 
 	godot::TypedArray<godot::Mesh> meshes_;
 	godot::PackedFloat32Array mesh_weights_;

@@ -87,7 +87,7 @@ void ScatterLayer::add_neighbour_problems(PackedStringArray &r_problems) const {
 	if (spacing_.count("") > 0) {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
 	}
-	if (!proximity_layer_.empty()) {
+	if (!proximity_layer_.is_empty()) {
 		add_curve_problem("proximity_curve", resources_.proximity_curve, "metres of distance", r_problems);
 	} else if (resources_.proximity_curve.is_valid()) {
 		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer.");

@@ -70,7 +70,7 @@ Rules ScatterLayer::core_rules() const {
 		rules.fields.push_back(made.image);
 	}
 	rules.clumping = {numbers_.clump_size, numbers_.clump_coverage, numbers_.clump_softness};
-	rules.ground_textures.assign(ground_textures_.begin(), ground_textures_.end());
+	rules.ground_textures.assign(ground_textures_.ptr(), ground_textures_.ptr() + ground_textures_.size());
 	rules.edge_feather = numbers_.edge_feather;
 	if (mask_.is_valid()) {
 		rules.mask = mask_->snapshot();
@@ -127,14 +127,13 @@ void ScatterLayer::set_spacing(const TypedDictionary<String, double> &p_spacing)
 TypedDictionary<String, double> ScatterLayer::get_spacing() const { return spacing_property_; }
 
 void ScatterLayer::set_proximity_layer(const String &p_name) {
-	const std::string name = p_name.utf8().get_data();
-	if (name != proximity_layer_) {
-		proximity_layer_ = name;
+	if (proximity_layer_ != p_name) {
+		proximity_layer_ = p_name;
 		emit_changed();
 	}
 }
 
-String ScatterLayer::get_proximity_layer() const { return proximity_layer_.c_str(); }
+String ScatterLayer::get_proximity_layer() const { return proximity_layer_; }
 
 void ScatterLayer::bind_rules() {
 	ADD_GROUP("Rules", "");

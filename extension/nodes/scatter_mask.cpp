@@ -96,7 +96,7 @@ void ScatterMask::set_data(const PackedByteArray &p_data) {
 		return;
 	}
 	// The bytes know it to 1/255 only; what a scene says beside them is finer.
-	if (std::abs(background_ - mask_.background()) > 0.5 / 255.0) {
+	if (std::lround(255.0 * background_) != std::lround(255.0 * mask_.background())) {
 		background_ = mask_.background();
 	}
 	snapshot_ = nullptr;

@@ -202,13 +202,13 @@ func test_stored_bytes() -> void:
 
 
 func test_files() -> void:
-	var mask := blank(0.25, 2.0)
+	var mask := blank(0.5, 2.0)
 	mask.paint(Vector2(50, 60), 25.0)
 	var seen := samples(mask, Vector2(50, 60), 40.0)
 	for ending: String in [".tres", ".res"]:
 		check_equal(ResourceSaver.save(mask, SPOT + ending), OK, "saved")
 		var loaded: ScatterMask = ResourceLoader.load(SPOT + ending, "", ResourceLoader.CACHE_MODE_IGNORE)
-		check_equal([loaded.pixel_size, loaded.background], [2.0, 0.25], "properties from " + ending)
+		check_equal([loaded.pixel_size, loaded.background], [2.0, 0.5], "properties from " + ending)
 		check_equal(samples(loaded, Vector2(50, 60), 40.0), seen, "densities from " + ending)
 		check(FileAccess.get_size(SPOT + ending) < 8192, "%s of %d bytes" % [ending, FileAccess.get_size(SPOT + ending)])
 		# As the editor does it when the file has changed under it: into the object that is there.

@@ -1,0 +1,98 @@
+extends "harness.gd"
+## Base of the tests of a layer's rules: a ground with all heights and slopes, and what stands on it by its ids.
+
+const SIDE := 65
+
+
+## Heights 0 to 400 metres and slopes 0 to 63 degrees, rising with x.
+func hillside() -> ScatterTerrainHeightmap:
+	var image := Image.create_empty(SIDE, SIDE, false, Image.FORMAT_RF)
+	for x in SIDE:
+		for z in SIDE:
+			image.set_pixel(x, z, Color(pow(x / (SIDE - 1.0), 2.0), 0.0, 0.0))
+	var terrain := ScatterTerrainHeightmap.new()
+	terrain.image = image
+	terrain.rect = Rect2(-200, -200, 400, 400)
+	terrain.max_height = 400.0
+	return terrain
+
+
+## A layer whose densities below 1 are well spread, on that hillside.
+func scatter_on_hillside(layer: ScatterLayer) -> TerrainScatter3D:
+	layer.levels = 3
+	return make_scatter([layer], hillside(), make_viewer(Vector3(0, 0, 20)))
+
+
+func line(from: Vector2, to: Vector2) -> Curve:
+	var curve := Curve.new()
+	curve.min_domain = from.x
+	curve.max_domain = to.x
+	curve.add_point(from, 0.0, (to.y - from.y) / (to.x - from.x))
+	curve.add_point(to, (to.y - from.y) / (to.x - from.x), 0.0)
+	return curve
+
+
+## {id: [world transform, the floats that follow it in the buffer]} of all that a layer shows.
+func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
+	var result := {}
+	for tile: Vector2i in scatter.get_shown_tiles(layer):
+		var origin := scatter.get_tile_origin(layer, tile)
+		var buffers := scatter.get_tile_buffers(layer, tile)
+		var all_ids := scatter.get_tile_ids(layer, tile)
+		for mesh in buffers.size():
+			var buffer: PackedFloat32Array = buffers[mesh]
+			var ids: PackedInt64Array = all_ids[mesh]
+			var stride := buffer.size() / maxi(ids.size(), 1)
+			for index in ids.size():
+				var at := index * stride
+				var transform := Transform3D(
+						Vector3(buffer[at], buffer[at + 4], buffer[at + 8]),
+						Vector3(buffer[at + 1], buffer[at + 5], buffer[at + 9]),
+						Vector3(buffer[at + 2], buffer[at + 6], buffer[at + 10]),
+						origin + Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11]))
+				result[ids[index]] = [transform, buffer.slice(at + 12, at + stride)]
+	return result
+
+
+## Checks that `after` is what a filter of these densities leaves of `before`: nothing new, nothing moved, nothing where the
+## density is 0, all where it is 1, and as many as the densities add up to.
+func check_filtered(before: Dictionary, after: Dictionary, density: Callable, what: String) -> void:
+	var expected := 0.0
+	var variance := 0.0
+	var wrong := 0
+	for id: int in before:
+		var place: Transform3D = before[id][0]
+		var share: float = clampf(density.call(place.origin), 0.0, 1.0)
+		expected += share
+		variance += share * (1.0 - share)
+		var stands := after.has(id)
+		if (stands and after[id][0] != place) or (stands and share <= 0.0) or (not stands and share >= 1.0):
+			wrong += 1
+	check_equal(wrong, 0, "%s: moved, or on the wrong side, of %d" % [what, before.size()])
+	check(before.has_all(after.keys()), what + ": nothing new")
+	check(absf(after.size() - expected) <= 5.0 * sqrt(variance) + 1.0, "%s: %d stand, %.1f expected" % [what, after.size(), expected])
+	check(after.size() > 100 and after.size() < before.size(), "%s: %d of %d" % [what, after.size(), before.size()])
+
+
+## Sets one property, sees what it leaves, and takes it back: then all is as it was.
+func check_rule(scatter: TerrainScatter3D, property: String, value: Variant, density: Callable) -> void:
+	var layer := scatter.layers[0]
+	var before := instances(scatter)
+	var old: Variant = layer.get(property)
+	layer.set(property, value)
+	await settle(scatter)
+	check_filtered(before, instances(scatter), density, property)
+	layer.set(property, old)
+	await settle(scatter)
+	check(instances(scatter) == before, property + " taken back: as before")
+
+
+## How often each tile was shown while `edit` and what it brings about lasted.
+func shown_by(scatter: TerrainScatter3D, edit: Callable) -> Dictionary:
+	var shown := {}
+	var count := func(layer: int, tile: Vector2i) -> void: shown[[layer, tile]] = shown.get([layer, tile], 0) + 1
+	scatter.tile_shown.connect(count)
+	edit.call()
+	await settle(scatter)
+	scatter.tile_shown.disconnect(count)
+	return shown

@@ -1,0 +1,225 @@
+extends "rules_harness.gd"
+## What each rule of a layer does to what stands: it takes instances away by its density, and touches nothing else.
+
+
+func image_texture(width: int, height: int, pixel: Callable) -> ImageTexture:
+	var image := Image.create_empty(width, height, false, Image.FORMAT_RGBA8)
+	for x in width:
+		for y in height:
+			image.set_pixel(x, y, pixel.call(x, y))
+	return ImageTexture.create_from_image(image)
+
+
+func test_densities() -> void:
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var terrain := scatter.terrain
+	await check_rule(scatter, "density", 0.5, func(_at: Vector3) -> float: return 0.5)
+	await check_rule(scatter, "min_height", 100.0, func(at: Vector3) -> float: return float(at.y >= 100.0))
+	var over_height := line(Vector2(60, 0), Vector2(150, 1))
+	await check_rule(scatter, "density_over_height", over_height, func(at: Vector3) -> float:
+		return clampf((at.y - 60.0) / 90.0, 0.0, 1.0))
+	var over_slope := line(Vector2(40, 1), Vector2(50, 0))
+	await check_rule(scatter, "density_over_slope", over_slope, func(at: Vector3) -> float:
+		var slope := rad_to_deg(acos(terrain.get_normal(at).y))
+		return 0.5 if absf(slope - 40.0) < 0.1 or absf(slope - 50.0) < 0.1 else clampf((50.0 - slope) / 10.0, 0.0, 1.0))
+
+
+func test_noise() -> void:
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var noise := FastNoiseLite.new()
+	noise.frequency = 0.05
+	await check_rule(scatter, "noise", noise, func(at: Vector3) -> float: return 0.5 + 0.5 * noise.get_noise_2d(at.x, at.z))
+	layer.noise = noise
+	layer.density = 1.0
+	var steep := line(Vector2(-0.1, 0), Vector2(0.1, 1))
+	layer.noise_curve = steep
+	await settle(scatter)
+	var cut := instances(scatter)
+	layer.noise = null
+	layer.noise_curve = null
+	await settle(scatter)
+	check_filtered(instances(scatter), cut, func(at: Vector3) -> float:
+		var value := noise.get_noise_2d(at.x, at.z)
+		return 0.5 if absf(absf(value) - 0.1) < 1e-3 else steep.sample(clampf(value, -0.1, 0.1)), "noise_curve")
+
+
+## Workers ask a copy: a change while they are at it makes the tiles anew, and no thread sees half of it.
+func test_noise_that_changes_under_way() -> void:
+	var layer := make_layer()
+	layer.noise = FastNoiseLite.new()
+	var scatter := scatter_on_hillside(layer)
+	for step in 20:
+		layer.noise.frequency = 0.01 * (step + 1)
+		await frames(1)
+	await settle(scatter)
+	var seen := instances(scatter)
+	var other := make_layer()
+	other.noise = FastNoiseLite.new()
+	other.noise.frequency = 0.2
+	var again := scatter_on_hillside(other)
+	await settle(again)
+	check(instances(again) == seen, "%d instances as by the last frequency" % seen.size())
+
+
+func test_painted_mask() -> void:
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var mask := ScatterMask.new()
+	mask.background = 0.25
+	mask.paint(Vector2(-20, 30), 40.0, 1.0, 0.3)
+	mask.paint(Vector2(40, 10), 20.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
+	await check_rule(scatter, "mask", mask, func(at: Vector3) -> float: return mask.sample(Vector2(at.x, at.z)))
+
+
+func test_mask_texture_channels() -> void:
+	var layer := make_layer()
+	layer.mask_texture_edge = ScatterLayer.MASK_EDGE_CLAMP
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var whole := instances(scatter)
+	layer.mask_texture = image_texture(3, 2, func(_x: int, _y: int) -> Color: return Color8(51, 102, 153, 204))
+	for channel in 5:
+		layer.mask_texture_channel = channel as ScatterLayer.MaskChannel
+		await settle(scatter)
+		var share: float = [0.2, 0.4, 0.6, 0.8, (0.2126 * 51 + 0.7152 * 102 + 0.0722 * 153) / 255.0][channel]
+		check_filtered(whole, instances(scatter), func(_at: Vector3) -> float: return share, "channel %d" % channel)
+	var image := Image.create_empty(2, 2, false, Image.FORMAT_R8)
+	image.fill(Color(0.6, 0.0, 0.0))
+	layer.mask_texture = ImageTexture.create_from_image(image)
+	await settle(scatter)
+	check_filtered(whole, instances(scatter), func(_at: Vector3) -> float: return 0.6, "luminance of red alone")
+
+
+func test_mask_texture_place_and_edges() -> void:
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var whole := instances(scatter)
+	layer.mask_texture = image_texture(2, 1, func(x: int, _y: int) -> Color: return Color(x, 0, 0))
+	layer.mask_texture_rect = Rect2(-40, -10, 60, 70)
+	for edge in 4:
+		layer.mask_texture_edge = edge as ScatterLayer.MaskTextureEdge
+		await settle(scatter)
+		check_filtered(whole, instances(scatter), func(at: Vector3) -> float:
+			var x := (at.x + 40.0) / 60.0
+			var inside := x >= 0.0 and x < 1.0 and at.z >= -10.0 and at.z < 60.0
+			if absf(x) < 1e-5 or absf(x - 1.0) < 1e-5 or absf(at.z + 10.0) < 1e-4 or absf(at.z - 60.0) < 1e-4:
+				return 0.5
+			if edge == ScatterLayer.MASK_EDGE_REPEAT:
+				return 1.0 - absf(fposmod(2.0 * x - 0.5, 2.0) - 1.0)
+			if not inside and edge != ScatterLayer.MASK_EDGE_CLAMP:
+				return float(edge == ScatterLayer.MASK_EDGE_EVERYTHING)
+			return clampf(2.0 * x - 0.5, 0.0, 1.0), "edge %d" % edge)
+	layer.mask_texture_rect = Rect2(-4000, -4000, 2, 2)
+	layer.mask_texture_edge = ScatterLayer.MASK_EDGE_EVERYTHING
+	await settle(scatter)
+	check(instances(scatter) == whole, "an image that lies elsewhere")
+
+
+func test_textures_that_come_late() -> void:
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var whole := instances(scatter)
+	layer.mask_texture_rect = Rect2(-200, -200, 400, 400)
+	layer.mask_texture = ImageTexture.new()
+	await settle(scatter)
+	check_equal(instances(scatter).size(), 0, "nothing stands without an image")
+	var half := Image.create_empty(4, 4, false, Image.FORMAT_L8)
+	half.fill(Color(0.4, 0.4, 0.4))
+	(layer.mask_texture as ImageTexture).set_image(half)
+	await settle(scatter)
+	check_filtered(whole, instances(scatter), func(_at: Vector3) -> float: return 0.4, "an image that came later")
+	var texture := NoiseTexture2D.new()
+	texture.width = 32
+	texture.height = 32
+	texture.noise = FastNoiseLite.new()
+	layer.mask_texture = texture
+	await until(func() -> bool: return texture.get_image() != null, "the engine has made the noise")
+	await settle(scatter)
+	var stand := instances(scatter)
+	check(stand.size() > 500 and stand.size() < whole.size() and whole.has_all(stand.keys()), "%d by a noise texture" % stand.size())
+
+
+func test_clumps() -> void:
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var whole := instances(scatter)
+	layer.clump_size = 12.0
+	layer.clump_softness = 0.0
+	var last := {}
+	for coverage: float in [0.25, 0.5, 0.75]:
+		layer.clump_coverage = coverage
+		await settle(scatter)
+		var stand := instances(scatter)
+		check(absf(stand.size() / float(whole.size()) - coverage) < 0.12, "%d of %d for %s" % [stand.size(), whole.size(), coverage])
+		check(whole.has_all(stand.keys()) and stand.has_all(last.keys()), "clumps grow, and stay where they are")
+		last = stand
+	layer.clump_size = 0.0
+	await settle(scatter)
+	check(instances(scatter) == whole, "no clumps, as before")
+
+
+func test_edge_feather() -> void:
+	var layer := make_layer()
+	layer.min_height = 100.0 # Which lies along x = 0.
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var sharp := instances(scatter)
+	layer.edge_feather = 20.0
+	await settle(scatter)
+	var soft := instances(scatter)
+	check(sharp.has_all(soft.keys()), "nothing new")
+	var stand := {"near": 0, "far": 0}
+	var stood := {"near": 0, "far": 0}
+	for id: int in sharp:
+		var x: float = sharp[id][0].origin.x
+		var where := "near" if x < 5.0 else "far" if x > 21.0 else ""
+		if where:
+			stood[where] += 1
+			stand[where] += int(soft.has(id) and soft[id] == sharp[id])
+	check(stand["near"] < 0.4 * stood["near"] and stood["near"] > 50, "few at the edge: %s of %s" % [stand, stood])
+	check_equal(stand["far"], stood["far"], "all far from it")
+
+
+func test_rules_multiply() -> void:
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var whole := instances(scatter)
+	var noise := FastNoiseLite.new()
+	var mask := ScatterMask.new()
+	mask.background = 0.8
+	mask.paint(Vector2(0, 20), 30.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
+	layer.density = 0.9
+	layer.noise = noise
+	layer.mask = mask
+	layer.density_over_height = line(Vector2(0, 0.5), Vector2(400, 1))
+	await settle(scatter)
+	check_filtered(whole, instances(scatter), func(at: Vector3) -> float:
+		return 0.9 * (0.5 + 0.5 * noise.get_noise_2d(at.x, at.z)) * mask.sample(Vector2(at.x, at.z)) * (0.5 + at.y / 800.0), "all")
+
+
+## A curve's point that is dragged: what stands is replaced tile by tile, once a frame at most, and only if it matters.
+func test_edits_in_place_refresh_once() -> void:
+	var layer := make_layer()
+	var curve := line(Vector2(0, 1), Vector2(400, 0))
+	layer.density_over_height = curve
+	layer.mask = ScatterMask.new()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var tiles := scatter.get_shown_tiles(0).size()
+	var shown: Dictionary = await shown_by(scatter, func() -> void:
+		for step in 10:
+			curve.set_point_value(1, 0.05 * step))
+	check_equal(shown.size(), tiles, "all tiles")
+	check_equal(shown.values().max(), 1, "once each")
+	for same: Callable in [curve.emit_changed, func() -> void: curve.bake_resolution = 50, layer.emit_changed, layer.mask.emit_changed]:
+		shown = await shown_by(scatter, same)
+		check_equal(shown.size(), 0, "nothing that matters has changed")
