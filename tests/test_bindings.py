@@ -122,7 +122,7 @@ def test_editor_loads_and_unloads_without_a_complaint(plain_editor, whole_editor
 def test_reload_keeps_live_nodes(whole_editor):
     rounds = re.findall(r"^round \d: (.*)$", whole_editor, re.MULTILINE)
     assert len(rounds) == 3
-    assert set(rounds) == {"seed 42, terrain true at 7.0, radius 3.5, 1 mesh"}
+    assert set(rounds) == {"seed 42, terrain true at 7.0, radius 3.5, 1 mesh, rules true"}
     assert whole_editor.count("instances: true") == 3
 
 

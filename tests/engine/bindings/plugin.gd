@@ -26,6 +26,7 @@ func reload() -> void:
 	var layer: Resource = ClassDB.instantiate("ScatterLayer")
 	layer.set("radius", 3.5)
 	layer.set("meshes", [BoxMesh.new()])
+	_set_rules(layer)
 	var scatter: Node3D = ClassDB.instantiate("TerrainScatter3D")
 	scatter.set("seed", 42)
 	scatter.set("terrain", flat)
@@ -36,12 +37,41 @@ func reload() -> void:
 			GDExtensionManager.reload_extension.call_deferred(EXTENSION)
 			await get_tree().process_frame
 		await _stream(scatter)
-		print("round %d: seed %d, terrain %s at %s, radius %s, %d mesh" % [round, scatter.get("seed"),
+		print("round %d: seed %d, terrain %s at %s, radius %s, %d mesh, rules %s" % [round, scatter.get("seed"),
 				scatter.get("terrain") == flat, flat.call("get_height", Vector3.ZERO), layer.get("radius"),
-				layer.get("meshes").size()])
+				layer.get("meshes").size(), _rules_hold(layer)])
 		layer.set("density", 1.0 - 0.1 * round)
 	scatter.queue_free()
 	await get_tree().process_frame
+
+
+func _set_rules(layer: Resource) -> void:
+	var curve := Curve.new()
+	curve.add_point(Vector2(0.0, 0.5))
+	layer.set("density_over_height", curve)
+	layer.set("noise", FastNoiseLite.new())
+	var mask: Resource = ClassDB.instantiate("ScatterMask")
+	mask.set("background", 0.5)
+	mask.call("paint", Vector2.ZERO, 20.0)
+	layer.set("mask", mask)
+	layer.set("spacing", {"Oaks": 2.5})
+
+
+## Whether those rules are as they were, and the layer hears of a curve's change once, and of dabs by their places.
+func _rules_hold(layer: Resource) -> bool:
+	var heard := [0, 0]
+	var on_changed := func() -> void: heard[0] += 1
+	var on_area_changed := func(_rect: Rect2) -> void: heard[1] += 1
+	layer.changed.connect(on_changed)
+	layer.connect("area_changed", on_area_changed)
+	var curve: Curve = layer.get("density_over_height")
+	curve.emit_changed()
+	for mode: int in [1, 0]: # Erases, then paints.
+		layer.get("mask").call("paint", Vector2(100, 0), 2.0, 1.0, 0.5, mode)
+	layer.changed.disconnect(on_changed)
+	layer.disconnect("area_changed", on_area_changed)
+	var densities: Array = [Vector2.ZERO, Vector2(100, 0)].map(layer.get("mask").sample)
+	return heard == [1, 2] and densities == [1.0, 1.0] and layer.get("spacing") == {"Oaks": 2.5} and curve.point_count == 1
 
 
 func _stream(scatter: Node3D) -> void:
