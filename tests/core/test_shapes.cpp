@@ -177,6 +177,7 @@ TEST_CASE("shapes: bounds hold the border and no more than a hair beside it") {
 			CHECK(!reach.contains(beside));
 		}
 	}
+	CHECK(bounds(box({-3.0, 0.0, -4.0}, {3.0, 1.0, 4.0})).contains({0.0, 0.0})); // A border at 0 has its hair too.
 }
 
 TEST_CASE("shapes: the strongest including shape times what the strongest excluding one leaves") {

@@ -162,6 +162,13 @@ TEST_CASE("triangles: of equally high ones the first gives the normal") {
 		CHECK(terrain_of(level + rising).at({x, 0.0}).normal == glm::vec3(0.0f, 1.0f, 0.0f));
 		CHECK(terrain_of(rising + level).at({x, 0.0}).normal.y < 0.8f);
 	}
+	// A level triangle is level to the last bit, so that no rounding puts it below what falls away from its edge.
+	const Corners floor{{0.0, 0.1, 0.0}, {3.7, 0.1, 0.0}, {2.0, 0.1, 4.1}};
+	const Corners slope{{0.0, 0.1, 0.0}, {3.7, 0.1, 0.0}, {1.3, -5.0, -2.9}};
+	const TriangleTerrain edge = terrain_of(floor + slope);
+	for (double x = 0.0; x < 3.7; x += 0.01) {
+		CHECK(edge.at({x, 0.0}).normal == glm::vec3(0.0f, 1.0f, 0.0f));
+	}
 }
 
 TEST_CASE("triangles: a mesh has no cracks, and holes where it has holes") {

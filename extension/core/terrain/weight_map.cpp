@@ -16,9 +16,10 @@ struct Between {
 	double part;
 };
 
+/// `place` within 0 to 1.
 Between between(double place, int pixels) {
 	const double along = place * (pixels - 1);
-	const int first = std::clamp(static_cast<int>(along), 0, std::max(pixels - 2, 0));
+	const int first = static_cast<int>(along);
 	return {first, std::min(first + 1, pixels - 1), along - first};
 }
 
