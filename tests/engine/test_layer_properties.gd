@@ -92,6 +92,34 @@ func test_defaults() -> void:
 	check_equal([layer.spacing.get_typed_key_builtin(), layer.spacing.get_typed_value_builtin()], [TYPE_STRING, TYPE_FLOAT], "its types")
 
 
+## Every property is found where a designer looks for it, and every number says its unit.
+func test_inspector() -> void:
+	var group := ""
+	var subgroup := ""
+	var places := {}
+	for property: Dictionary in ClassDB.class_get_property_list("ScatterLayer", true):
+		var name: String = property["name"]
+		if property["usage"] & PROPERTY_USAGE_GROUP:
+			group = name
+			subgroup = ""
+		elif property["usage"] & PROPERTY_USAGE_SUBGROUP:
+			subgroup = name
+		elif property["usage"] & PROPERTY_USAGE_EDITOR:
+			places[name] = group + "/" + subgroup
+			var hint: String = property["hint_string"]
+			if name.ends_with("_degrees") or name == "slope_falloff":
+				check("degrees" in hint, "%s has a unit: %s" % [name, hint])
+			elif name in ["radius", "clump_size", "edge_feather", "mask_texture_rect", "spacing"] or name.ends_with("_distance") \
+					or "offset" in name or "_height" in name and property["type"] == TYPE_FLOAT:
+				check("suffix:m" in hint, "%s has a unit: %s" % [name, hint])
+	for expected: Array in [["radius", "/"], ["density", "Rules/"], ["density_over_height", "Rules/Height"],
+			["slope_falloff", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
+			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
+			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
+			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"]]:
+		check_equal(places[expected[0]], expected[1], "place of %s" % expected[0])
+
+
 func test_files() -> void:
 	var layer := full_layer()
 	check_full(layer, "memory")

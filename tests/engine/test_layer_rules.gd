@@ -1,6 +1,14 @@
 extends "rules_harness.gd"
 ## What each rule of a layer does to what stands: it takes instances away by its density, and touches nothing else.
 
+## Two textures that run into each other along x.
+class Textured extends Node3D:
+	func get_height(_at: Vector3) -> float:
+		return 3.0
+
+	func get_texture_id(at: Vector3) -> Vector3:
+		return Vector3(2, 5, clampf(0.5 + at.x / 60.0, 0.0, 1.0))
+
 
 func image_texture(width: int, height: int, pixel: Callable) -> ImageTexture:
 	var image := Image.create_empty(width, height, false, Image.FORMAT_RGBA8)
@@ -144,6 +152,32 @@ func test_textures_that_come_late() -> void:
 	await settle(scatter)
 	var stand := instances(scatter)
 	check(stand.size() > 500 and stand.size() < whole.size() and whole.has_all(stand.keys()), "%d by a noise texture" % stand.size())
+
+
+func test_ground_textures() -> void:
+	var node := Textured.new()
+	root.add_child(node)
+	var terrain := ScatterTerrainObject.new()
+	terrain.thread_safe = true
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	layer.view_distance = 40.0
+	terrain.node = scatter.get_path_to(node)
+	scatter.terrain = terrain
+	await settle(scatter)
+	var part := func(at: Vector3) -> float: return clampf(0.5 + at.x / 60.0, 0.0, 1.0)
+	await check_rule(scatter, "ground_textures", PackedInt32Array([5]), part)
+	await check_rule(scatter, "ground_textures", PackedInt32Array([9, 2]), func(at: Vector3) -> float: return 1.0 - part.call(at))
+	var whole := instances(scatter)
+	layer.ground_textures = [2, 5]
+	await settle(scatter)
+	check(instances(scatter).size() > whole.size() - 5, "both are all of the ground, but for a rounding")
+	layer.ground_textures = [3]
+	await settle(scatter)
+	check_equal(instances(scatter).size(), 0, "instances on a texture that is nowhere")
+	scatter.terrain = hillside()
+	await settle(scatter)
+	check(instances(scatter).size() > 1000, "a terrain without textures allows all")
 
 
 func test_clumps() -> void:
