@@ -9,6 +9,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,22 @@ LayerSettings meadow(std::uint32_t levels) {
 	LayerSettings layer;
 	layer.set = {.seed = 2, .radius = 3.0, .levels = levels, .layer = 2};
 	layer.placement = {.min_scale = 0.75, .max_scale = 1.35, .align_to_normal = 1.0};
+	return layer;
+}
+
+/// Plants that keep a distance from the trees of the forest, which each tile has to find out anew.
+LayerSettings spaced() {
+	LayerSettings layer = meadow(1);
+	layer.set.radius = 1.0;
+	layer.neighbours = {{std::make_shared<LayerSettings>(forest(1)), 2.0, nullptr}};
+	return layer;
+}
+
+/// A meadow that thins towards its edge.
+LayerSettings feathered() {
+	LayerSettings layer = meadow(1);
+	layer.rules.max_slope_degrees = 38.0;
+	layer.rules.edge_feather = 8.0;
 	return layer;
 }
 
@@ -106,4 +123,6 @@ int main(int argument_count, char **arguments) {
 		compare("forest" + suffix, forest(levels), hills, rounds, seconds);
 		compare("meadow" + suffix, meadow(levels), hills, rounds, seconds);
 	}
+	compare("spaced from a forest, a third of its radius", spaced(), hills, rounds, seconds);
+	compare("meadow with edge_feather", feathered(), hills, rounds, seconds);
 }
