@@ -87,6 +87,7 @@ void LayerSnapshots::refresh_image(const Ref<Texture2D> &p_texture, const MaskFr
 	constexpr std::array<std::uint8_t, 1> black{0};
 	image_status = image_missing ? fresh->set({1, 1}, black, frame.area, MaskEdge::clamp)
 								 : fresh->set(pixels_.size, pixels_.values, frame.area, frame.edge);
+	image_status.property = "mask_texture";
 	if (image_status.ok()) {
 		replace<ImageMask>(image, fresh);
 	}

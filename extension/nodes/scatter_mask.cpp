@@ -5,6 +5,7 @@
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -38,11 +39,21 @@ Rect2 around(const Rect &rect) {
 PixelRect pixel_rect(const Rect2i &p_rect) {
 	// In 64 bits first: a script may ask for a corner beyond the last pixel.
 	const auto end = [](int32_t position, int32_t size) {
-		const int64_t sum = int64_t{position} + size;
-		return static_cast<int32_t>(std::min<int64_t>(sum, std::numeric_limits<int32_t>::max()));
+		using Limits = std::numeric_limits<int32_t>;
+		return static_cast<int32_t>(std::clamp<int64_t>(int64_t{position} + size, Limits::min(), Limits::max()));
 	};
 	const glm::ivec2 min{p_rect.position.x, p_rect.position.y};
 	return {min, {end(min.x, p_rect.size.x), end(min.y, p_rect.size.y)}};
+}
+
+/// By the names that scripts know.
+Status for_scripts(Status status) {
+	if (std::string_view(status.property) == "region") {
+		status.property = "rect";
+	} else if (std::string_view(status.property) == "version") {
+		status.property = "data: its version";
+	}
+	return status;
 }
 
 } // namespace
@@ -90,9 +101,8 @@ void ScatterMask::set_data(const PackedByteArray &p_data) {
 		return;
 	}
 	const Status status = mask_.from_bytes({p_data.ptr(), static_cast<std::size_t>(p_data.size())});
+	report(class_name, for_scripts(status));
 	if (!status.ok()) {
-		const bool whole = std::string_view(status.property) == "data";
-		report(class_name, {status.code, whole ? "data" : "data: its version", status.value});
 		return;
 	}
 	// The bytes know it to 1/255 only; what a scene says beside them is finer.
@@ -114,7 +124,7 @@ PackedByteArray ScatterMask::get_data() const {
 }
 
 Rect2 ScatterMask::announce(const Status &status, const Rect &changed) {
-	report(class_name, status);
+	report(class_name, for_scripts(status));
 	if (!status.ok() || changed.empty()) {
 		return {};
 	}
@@ -142,7 +152,7 @@ Rect2 ScatterMask::paint(const Vector2 &p_center, double p_radius, double p_stre
 PackedByteArray ScatterMask::get_pixels(const Rect2i &p_rect) const {
 	std::vector<std::uint8_t> pixels;
 	const Status status = mask_.read(pixel_rect(p_rect), pixels);
-	report(class_name, status);
+	report(class_name, for_scripts(status));
 	PackedByteArray result;
 	if (status.ok() && !pixels.empty()) {
 		result.resize(static_cast<int64_t>(pixels.size()));

@@ -154,6 +154,21 @@ func test_textures_that_come_late() -> void:
 	check(stand.size() > 500 and stand.size() < whole.size() and whole.has_all(stand.keys()), "%d by a noise texture" % stand.size())
 
 
+func test_textures_too_large() -> void:
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	var before := instances(scatter)
+	layer.mask_texture = ImageTexture.create_from_image(Image.create_empty(16385, 1, false, Image.FORMAT_L8))
+	await settle(scatter)
+	check_error(["layers[0]: ScatterLayer.mask_texture", "range", "16385"], "more pixels than can be")
+	check(instances(scatter) == before, "what stood stands")
+	check("mask_texture" in "\n".join(scatter.get_problems()), "a warning")
+	layer.mask_texture = ImageTexture.create_from_image(Image.create_empty(16384, 1, false, Image.FORMAT_L8))
+	await settle(scatter)
+	check_equal(instances(scatter).size(), 0, "as many as can be, all black")
+
+
 func test_ground_textures() -> void:
 	var node := Textured.new()
 	root.add_child(node)
