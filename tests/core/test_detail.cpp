@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <vector>
@@ -85,6 +86,36 @@ TEST_CASE("detail: what is left covers what all covered, up to a limit") {
 	CHECK(compensating_scale(detail, 0.0) == max_scale_compensation);
 	detail.scale_compensation = false;
 	CHECK(compensating_scale(detail, 0.25) == 1.0);
+}
+
+TEST_CASE("detail: a limited share follows what is wanted in few steps and never lets too much through") {
+	double share = 1.0;
+	int changes = 0;
+	const auto follow = [&share, &changes](std::uint64_t wanted, std::uint64_t most) {
+		const double next = limited_share(share, wanted, most);
+		changes += next != share ? 1 : 0;
+		share = next;
+		CHECK(share * static_cast<double>(wanted) <= static_cast<double>(most));
+		CHECK(share >= 0.0);
+		CHECK(share <= 1.0);
+		// Settled: the same answer once more.
+		CHECK(limited_share(share, wanted, most) == share);
+	};
+	for (std::uint64_t wanted = 0; wanted <= 1000000; wanted += 500) {
+		follow(wanted, 100000);
+		CHECK((wanted > 100000 || share == 1.0));
+		CHECK((wanted < 100000 || share * static_cast<double>(wanted) > 0.69 * 100000.0));
+	}
+	CHECK(changes < 30);
+	for (std::uint64_t wanted = 1000000; wanted > 0; wanted -= 500) {
+		follow(wanted, 100000);
+	}
+	CHECK(share == 1.0);
+	CHECK(changes < 60);
+	follow(10, 0);
+	CHECK(share == 0.0);
+	follow(10, std::numeric_limits<std::uint64_t>::max());
+	CHECK(share == 1.0);
 }
 
 TEST_CASE("detail: within the margin nothing changes, whatever is shown") {

@@ -68,6 +68,15 @@ double compensating_scale(const Detail &detail, double share) {
 	return detail.scale_compensation ? 1.0 / std::sqrt(std::max(share, least_share)) : 1.0;
 }
 
+double limited_share(double share, std::uint64_t wanted, std::uint64_t most) {
+	constexpr double filled = 0.9;     // What a new share aims at,
+	constexpr double too_little = 0.7; // and below which it is given up.
+	const auto all = static_cast<double>(wanted);
+	const auto limit = static_cast<double>(most);
+	const bool keep = share * all <= limit && (share >= 1.0 || share * all >= too_little * limit);
+	return keep ? share : std::min(1.0, filled * limit / std::max(all, 1.0));
+}
+
 double distance_margin(const Detail &detail, double distance) {
 	double margin = std::numeric_limits<double>::infinity();
 	const auto keep_from = [&margin, distance](double limit) {

@@ -3,6 +3,7 @@
 #include "core/base/status.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace thicket {
@@ -44,6 +45,10 @@ inline constexpr double thin_steps = 64.0;
 /// What to scale the instances by where this share is left: 1 / sqrt(share), at most max_scale_compensation, or 1 for a layer
 /// that does not compensate.
 double compensating_scale(const Detail &detail, double share);
+
+/// The share of what is wanted that keeps what is drawn below `most`, given the share so far: it changes only where too much
+/// would be drawn, or far less than may be, and then leaves room for a tenth more. 0 to 1.
+double limited_share(double share, std::uint64_t wanted, std::uint64_t most);
 
 /// How much the distance may change, either way, before anything above may answer otherwise. Metres, 0 or more, infinite
 /// where nothing depends on the distance.

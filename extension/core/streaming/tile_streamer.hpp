@@ -34,6 +34,7 @@ inline constexpr std::size_t max_viewers = 64;
 struct Viewer {
 	glm::dvec2 position{0.0};  ///< World metres, finite, within max_tile_coordinate tiles of every layer.
 	double radius_scale = 1.0; ///< Times the view distance of each layer; finite, 0 or more.
+	double height = 0.0;       ///< World y in metres, finite. Tiles are streamed in the plane: it counts for detail only.
 };
 
 /// Names a tile of a layer. Every tile size that a layer is given starts a new `grid`, a number not used before, so

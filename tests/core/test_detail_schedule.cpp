@@ -1,0 +1,107 @@
+#include "core/placement/detail.hpp"
+#include "core/streaming/detail_schedule.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <random>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+TileKey key_of(int x) { return {0, 1, {x, 0}}; }
+
+std::vector<int> due(DetailSchedule &schedule) {
+	std::vector<int> result;
+	while (const auto look = schedule.next()) {
+		result.push_back(look->key.tile.x);
+	}
+	return result;
+}
+
+} // namespace
+
+TEST_CASE("detail schedule: a tile is looked at once viewers have moved as far as it allows") {
+	DetailSchedule schedule;
+	CHECK(schedule.move(std::vector<Viewer>{{{0.0, 0.0}}}));
+	schedule.add(key_of(1), 0.0);
+	schedule.add(key_of(2), 10.0);
+	schedule.add(key_of(3), 4.0);
+	schedule.add(key_of(4), std::numeric_limits<double>::infinity());
+	CHECK(due(schedule) == std::vector{1});
+	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{3.0, 0.0}}}));
+	CHECK(due(schedule).empty());
+	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}}})); // Back: 6 m in all.
+	CHECK(due(schedule) == std::vector{3});
+	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}, 1.0, 5.0}})); // Up.
+	CHECK(due(schedule) == std::vector{2});
+	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{1e6, 0.0}}}));
+	CHECK(due(schedule).empty());
+	CHECK(schedule.move(std::vector<Viewer>{{{1e6, 0.0}}, {{0.0, 0.0}}}));
+	schedule.add(key_of(5), 0.0);
+	schedule.clear();
+	CHECK(due(schedule).empty());
+}
+
+TEST_CASE("detail schedule: distances count from the nearest viewer, in three dimensions") {
+	DetailSchedule schedule;
+	CHECK(schedule.distance_to(glm::dvec3(0.0), glm::dvec3(1.0)) == std::numeric_limits<double>::infinity());
+	schedule.move(std::vector<Viewer>{{{-3.0, 0.5}, 1.0, 5.0}, {{100.0, 100.0}, 1.0, 0.5}});
+	CHECK(schedule.distance_to(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(5.0));
+	CHECK(schedule.distance_to(glm::dvec3(99.0, 0.0, 99.0), glm::dvec3(101.0, 1.0, 101.0)) == 0.0);
+}
+
+TEST_CASE("detail schedule: with the margins of detail no change is ever missed, and few looks are taken") {
+	std::mt19937 random(12);
+	std::uniform_real_distribution<double> turn(-0.3, 0.3);
+	Detail detail;
+	detail.lod_distances = {30.0, 80.0};
+	detail.thin_begin = 50.0;
+	detail.thin_end = 200.0;
+	detail.thin_density = 0.1;
+	struct Shown {
+		double at = 0.0;
+		std::size_t lod = 0;
+		double density = 1.0;
+	};
+	std::map<int, Shown> tiles;
+	DetailSchedule schedule;
+	std::vector<Viewer> viewers{{{0.0, 0.0}, 1.0, 2.0}};
+	schedule.move(viewers);
+	const auto box_min = [](int x) {
+		return glm::dvec3(x * 32.0, 0.0, 0.0);
+	};
+	const auto distance = [&](int x) {
+		return schedule.distance_to(box_min(x), box_min(x) + glm::dvec3(32.0, 10.0, 32.0));
+	};
+	for (int x = -20; x < 20; ++x) {
+		tiles[x].at = schedule.add(key_of(x), 0.0);
+	}
+	std::uint64_t looks = 0;
+	double heading = 0.0;
+	for (int frame = 0; frame < 4000; ++frame) {
+		heading += turn(random);
+		viewers[0].position += 0.2 * glm::dvec2(std::cos(heading), std::sin(heading));
+		schedule.move(viewers);
+		while (const auto look = schedule.next()) {
+			const int x = look->key.tile.x;
+			Shown &shown = tiles[x];
+			REQUIRE(look->at == shown.at);
+			++looks;
+			shown.lod = lod_at(detail, distance(x), shown.lod);
+			shown.density = thinned_density(detail, distance(x));
+			shown.at = schedule.add(look->key, distance_margin(detail, distance(x)));
+		}
+		for (const auto &[x, shown] : tiles) {
+			CHECK(shown.lod == lod_at(detail, distance(x), shown.lod));
+			CHECK(shown.density == thinned_density(detail, distance(x)));
+		}
+	}
+	CHECK(looks > 100);
+	CHECK(looks < 4000 * 40 / 4);
+}
