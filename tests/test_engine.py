@@ -116,6 +116,11 @@ def test_pixels(godot_xvfb, project):
     assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_pixels.gd"]))
 
 
+def test_look(godot_xvfb, project):
+    """What the renderer draws of each tile; a renderer that keeps nothing could not say."""
+    assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_look.gd"]))
+
+
 def test_the_harness_can_fail(godot, project):
     done = godot(["--path", project, "--script", ENGINE / "failing.gd"])
     assert done.returncode == 1

@@ -58,6 +58,9 @@ Status ScatterLayer::check() const {
 	if (status.ok()) {
 		status = snapshots_.image_status;
 	}
+	if (status.ok()) {
+		status = validate(detail());
+	}
 	if (!status.ok()) {
 		return status;
 	}
@@ -85,6 +88,7 @@ void ScatterLayer::_bind_methods() {
 	bind_neighbours();
 	bind_placement();
 	bind_drawing();
+	bind_lod();
 	ADD_SIGNAL(MethodInfo("area_changed", PropertyInfo(Variant::RECT2, "rect")));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/placement/detail.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/mesh_choice.hpp"
 #include "core/streaming/tile_streamer.hpp"
@@ -55,6 +56,9 @@ struct LayerNumbers {
 	double visibility_range_begin_margin = 0.0;
 	double visibility_range_end = 0.0;
 	double visibility_range_end_margin = 0.0;
+	double thin_begin = 0.0;
+	double thin_end = 0.0;
+	double thin_density = 1.0;
 };
 
 /// The whole numbers of a layer. Enumerations hold the engine's values, or ours.
@@ -73,6 +77,7 @@ struct LayerIntegers {
 struct LayerSwitches {
 	bool use_colors = false;
 	bool use_custom_data = false;
+	bool thin_scale_compensation = false;
 };
 
 /// A resource among a layer's properties, as NumberProperty is a number.
@@ -176,6 +181,15 @@ public:
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
 
+	/// What is drawn in place of the meshes from each of the lod distances on: a row of entries for the meshes, then the row of
+	/// the next distance. Null for the finer mesh; at most max_lods rows of max_meshes.
+	void set_lod_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
+	godot::TypedArray<godot::Mesh> get_lod_meshes() const;
+
+	/// Metres from a viewer to a tile's box, ascending, 0 to 1e6 each; at most max_lods.
+	void set_lod_distances(const godot::PackedFloat32Array &p_distances);
+	godot::PackedFloat32Array get_lod_distances() const;
+
 	/// The settings that the core works with, all but the neighbours and the shapes, which are the node's. `place` is the
 	/// layer's index among its node's layers: its id, unless `layer_id` says otherwise. A table, a field or a mask in it is
 	/// the same object as in the settings before until what it says has changed.
@@ -195,6 +209,10 @@ public:
 
 	/// The meshes, null entries included; at least as many as `settings` has weights for.
 	std::vector<godot::Ref<godot::Mesh>> mesh_list() const;
+
+	/// The meshes for the distance, whole rows of them only, null entries included.
+	std::vector<godot::Ref<godot::Mesh>> lod_mesh_list() const;
+	Detail detail() const;
 
 	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
 	Status check() const;
@@ -224,6 +242,7 @@ private:
 	void add_curve_problems(godot::PackedStringArray &r_problems) const;
 	void add_mask_problems(godot::PackedStringArray &r_problems) const;
 	void add_neighbour_problems(godot::PackedStringArray &r_problems) const;
+	void add_lod_problems(godot::PackedStringArray &r_problems) const;
 	void add_mesh_problems(godot::PackedStringArray &r_problems) const;
 
 	template <const Number &property>
@@ -240,6 +259,7 @@ private:
 	static void bind_neighbours();
 	static void bind_placement();
 	static void bind_drawing();
+	static void bind_lod();
 
 	LayerNumbers numbers_;
 	LayerIntegers integers_;
@@ -256,6 +276,8 @@ private:
 
 	godot::TypedArray<godot::Mesh> meshes_;
 	godot::PackedFloat32Array mesh_weights_;
+	godot::TypedArray<godot::Mesh> lod_meshes_;
+	godot::PackedFloat32Array lod_distances_;
 	godot::Ref<godot::Material> material_override_;
 };
 

@@ -52,10 +52,13 @@ void ScatterLayer::set_meshes(const TypedArray<Mesh> &p_meshes) {
 	emit_changed();
 }
 
-// A mesh that grows needs larger boxes around its tiles.
+// A mesh that grows needs larger boxes around its tiles. Both arrays together: a mesh may be in both.
 void ScatterLayer::watch_meshes(bool p_watch) {
-	for (const Ref<Mesh> &mesh : mesh_list()) {
-		watch(mesh.ptr(), "changed", this, "emit_changed", p_watch);
+	for (const TypedArray<Mesh> &meshes : {meshes_, lod_meshes_}) {
+		for (int64_t at = 0; at < meshes.size(); ++at) {
+			const Ref<Mesh> mesh = meshes[at];
+			watch(mesh.ptr(), "changed", this, "emit_changed", p_watch);
+		}
 	}
 }
 

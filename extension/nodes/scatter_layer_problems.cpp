@@ -121,6 +121,7 @@ PackedStringArray ScatterLayer::problems() const {
 	add_mask_problems(result);
 	add_neighbour_problems(result);
 	add_mesh_problems(result);
+	add_lod_problems(result);
 	return result;
 }
 

@@ -1,5 +1,7 @@
 #include "nodes/scatter_stage.hpp"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -10,20 +12,27 @@ namespace thicket {
 
 namespace {
 
-std::uint64_t count_instances(const StagedTile &tile) {
-	std::uint64_t count = 0;
-	for (const StagedTile::Part &part : tile.parts) {
-		count += part.ids.size();
-	}
-	return count;
-}
-
 void set_tile_visible(StagedTile &tile, bool visible) {
 	for (StagedTile::Part &part : tile.parts) {
 		if (part.visual) {
 			part.visual->set_visible(visible);
 		}
 	}
+}
+
+/// The mesh near by, then those for the distance, none of them null.
+std::vector<Ref<Mesh>> mesh_levels(const LayerLook &look, std::size_t mesh) {
+	std::vector<Ref<Mesh>> levels{look.meshes[mesh]};
+	for (std::size_t at = mesh; at < look.lod_meshes.size(); at += look.meshes.size()) {
+		levels.push_back(look.lod_meshes[at].is_valid() ? look.lod_meshes[at] : levels.back());
+	}
+	return levels;
+}
+
+void grow_box(const AABB &box, StagedTile &r_tile) {
+	const Vector3 end = box.position + box.size;
+	r_tile.min = glm::min(r_tile.min, glm::vec3(box.position.x, box.position.y, box.position.z));
+	r_tile.max = glm::max(r_tile.max, glm::vec3(end.x, end.y, end.z));
 }
 
 } // namespace
@@ -48,23 +57,18 @@ void ScatterStage::set_visible(bool visible) {
 }
 
 void ScatterStage::set_looks(std::vector<LayerLook> looks) {
-	looks_ = std::move(looks);
-	for (auto &[key, tile] : tiles_) {
-		apply_look(std::get<0>(key), tile);
-	}
-	if (!uploads_.empty()) {
-		apply_look(uploads_.front()->request.key.layer, current_);
-	}
-}
-
-void ScatterStage::apply_look(std::uint32_t layer, StagedTile &tile) {
-	if (layer >= looks_.size()) {
-		return;
-	}
-	for (StagedTile::Part &part : tile.parts) {
-		if (part.visual) {
-			part.visual->apply(looks_[layer].draw);
+	look_versions_.resize(looks.size());
+	bool changed = false;
+	for (std::size_t layer = 0; layer < looks.size(); ++layer) {
+		const LayerLook *old = layer < looks_.size() ? &looks_[layer] : nullptr;
+		if (old == nullptr || old->detail != looks[layer].detail || !old->draw.draws_as(looks[layer].draw)) {
+			look_versions_[layer] = ++last_version_;
+			changed = true;
 		}
+	}
+	looks_ = std::move(looks);
+	if (changed) {
+		visit_all();
 	}
 }
 
@@ -78,12 +82,14 @@ StagedTile::Part ScatterStage::make_part(const TileJob &job, MeshUpload &upload,
 	const bool drawn =
 			layer < looks_.size() && mesh < looks_[layer].meshes.size() && looks_[layer].meshes[mesh].is_valid();
 	if (drawn && !part.ids.empty()) {
+		part.levels = mesh_levels(looks_[layer], mesh);
 		VisualPlace place = place_;
 		place.origin = Vector3(static_cast<real_t>(job.origin.x), static_cast<real_t>(job.origin.y),
 				static_cast<real_t>(job.origin.z));
-		part.visual.emplace(
-				place, job.plan->settings.look, looks_[layer].meshes[mesh], upload.buffer, upload.aabb);
+		part.visual.emplace(place, job.plan->settings.look, looks_[layer].meshes[mesh], upload.buffer, upload.aabb);
 		part.visual->apply(looks_[layer].draw);
+		grow_box(upload.aabb, current_);
+		++upload_count_;
 	} else {
 		part.hidden_buffer = upload.buffer;
 	}
@@ -97,6 +103,9 @@ bool ScatterStage::upload_step() {
 	TileJob &job = *uploads_.front();
 	current_.origin = job.origin;
 	current_.counts = job.counts;
+	if (const std::uint32_t layer = job.request.key.layer; current_.parts.empty() && layer < looks_.size()) {
+		current_.look_version = look_versions_[layer];
+	}
 	const std::size_t next = current_.parts.size();
 	if (next < job.meshes.size()) {
 		current_.parts.push_back(make_part(job, job.meshes[next], next));
@@ -107,12 +116,14 @@ bool ScatterStage::upload_step() {
 
 void ScatterStage::present() {
 	const TileKey key = uploads_.front()->request.key;
-	set_tile_visible(current_, visible_);
-	instances_ += count_instances(current_);
 	StagedTile &slot = tiles_[order(key)];
-	instances_ -= count_instances(slot);
+	uncount(slot);
+	current_.lod = slot.lod;
 	// The old visuals go now: for as long as both stood, each would be drawn twice.
 	slot = std::exchange(current_, StagedTile());
+	count(slot);
+	refine(key, slot);
+	set_tile_visible(slot, visible_);
 	uploads_.pop_front();
 	complete_ = false;
 }
@@ -151,7 +162,7 @@ bool ScatterStage::drop(const TileKey &key) {
 	if (found == tiles_.end()) {
 		return false;
 	}
-	instances_ -= count_instances(found->second);
+	uncount(found->second);
 	leave(std::move(found->second));
 	tiles_.erase(found);
 	return true;
@@ -171,7 +182,10 @@ void ScatterStage::clear() {
 	complete_ = false;
 	leaving_.clear();
 	tiles_.clear();
-	instances_ = 0;
+	instances_ = drawn_ = wanted_ = upload_count_ = 0;
+	schedule_.clear();
+	cut_.clear();
+	share_ = 1.0;
 }
 
 const StagedTile *ScatterStage::find(std::uint32_t layer, glm::ivec2 tile) const {

@@ -1,14 +1,18 @@
 #pragma once
 
+#include "core/placement/detail.hpp"
+#include "core/streaming/detail_schedule.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/tile_visual.hpp"
 #include "nodes/tile_workers.hpp"
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -18,6 +22,18 @@ namespace thicket {
 struct LayerLook {
 	DrawSettings draw;
 	std::vector<godot::Ref<godot::Mesh>> meshes; ///< Null entries are not drawn.
+
+	/// For each distance of `detail` in a row of its own an entry for each of the meshes; null for the finer one.
+	std::vector<godot::Ref<godot::Mesh>> lod_meshes;
+	Detail detail;
+};
+
+/// How much of what stands is drawn, whatever the distance.
+struct DrawLimits {
+	double quality = 1.0;                                                    ///< Share of every tile, 0 to 1.
+	std::uint64_t max_instances = std::numeric_limits<std::uint64_t>::max(); ///< Of all tiles together.
+
+	friend bool operator==(const DrawLimits &, const DrawLimits &) = default;
 };
 
 /// A tile on show.
@@ -25,14 +41,23 @@ struct StagedTile {
 	/// The instances of one mesh. No visual where there are no instances or no mesh.
 	struct Part {
 		std::optional<TileVisual> visual;
+		std::vector<godot::Ref<godot::Mesh>> levels; ///< Of a visual: the mesh, then those for the distance.
 		std::vector<std::uint64_t> ids;
 		std::vector<std::uint32_t> ranks;
 		godot::PackedFloat32Array hidden_buffer; ///< Of a part without a visual.
+		std::uint64_t drawn = 0;                 ///< How many of them the visual draws,
+		std::uint64_t wanted = 0;                ///< and would draw without a limit for all tiles together.
 	};
 
 	glm::dvec3 origin{0.0};
 	TileCounts counts;
 	std::vector<Part> parts;
+
+	glm::vec3 min{std::numeric_limits<float>::max()};  ///< The box around all that is drawn, relative to the origin;
+	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inside out where nothing is.
+	std::size_t lod = 0;
+	std::uint64_t look_version = 0; ///< Of the layer's look that it was last drawn with.
+	double visit_at = 0.0;          ///< Of the next visit that DetailSchedule was asked for.
 };
 
 /// What stands on show, and the finished tiles that wait for their upload. Main thread only. Works in small steps, so
@@ -45,9 +70,18 @@ public:
 	/// Shows or hides all that stands and all that comes.
 	void set_visible(bool visible);
 
-	/// The looks of all layers; a tile with other settings than `looks` says is set anew at once. Meshes count for
+	/// The looks of all layers; tiles drawn with other settings follow, step by step, by `detail_step`. Meshes count for
 	/// tiles still to come.
 	void set_looks(std::vector<LayerLook> looks);
+
+	/// How much to draw; tiles follow as above.
+	void set_limits(const DrawLimits &limits) { next_limits_ = limits; }
+
+	/// Where the viewers are in this frame: what is drawn of a tile depends on its distance to the nearest.
+	void look_around(std::span<const Viewer> viewers);
+
+	/// Draws one tile as its distance, its layer's look and the limits say, without an upload. False if all tiles are.
+	bool detail_step();
 
 	/// Queues a finished job without error for upload.
 	void push(std::shared_ptr<TileJob> job);
@@ -88,20 +122,41 @@ public:
 	std::size_t tile_count() const { return tiles_.size(); }
 	std::uint64_t instance_count() const { return instances_; }
 
+	/// Instances that are drawn when in sight, at most as many as the limits allow.
+	std::uint64_t drawn_count() const { return drawn_; }
+
+	/// Buffers handed to the renderer since the stage was new or cleared.
+	std::uint64_t upload_count() const { return upload_count_; }
+
 private:
 	/// layer, x, y, -grid: neighbours in a layer stay together, the newest grid comes first.
 	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
 	static Order order(const TileKey &key);
-	void apply_look(std::uint32_t layer, StagedTile &tile);
 	void leave(StagedTile &&tile);
+	void count(const StagedTile &tile);
+	void uncount(const StagedTile &tile);
+	void visit_all();
+	void apply_look(const TileKey &key, StagedTile &tile);
+	void refine(const TileKey &key, StagedTile &tile);
 	StagedTile::Part make_part(const TileJob &job, MeshUpload &upload, std::size_t mesh);
 
 	VisualPlace place_;
 	bool visible_ = true;
 	std::vector<LayerLook> looks_;
+	std::vector<std::uint64_t> look_versions_; ///< Of each look: another number whenever it draws otherwise.
+	std::uint64_t last_version_ = 0;
 	std::map<Order, StagedTile> tiles_;
 	std::vector<TileVisual> leaving_;
 	std::uint64_t instances_ = 0;
+	std::uint64_t upload_count_ = 0;
+
+	DetailSchedule schedule_;
+	DrawLimits limits_;
+	DrawLimits next_limits_;
+	double share_ = 1.0; ///< Of what is wanted, so that max_instances are not exceeded.
+	std::uint64_t drawn_ = 0;
+	std::uint64_t wanted_ = 0;
+	std::vector<TileKey> cut_; ///< Tiles that the limit cut short, to be visited once more.
 
 	std::deque<std::shared_ptr<TileJob>> uploads_;
 	StagedTile current_; ///< As much of uploads_.front() as is uploaded.

@@ -79,6 +79,7 @@ void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget)
 	const Clock::time_point deadline = start + std::chrono::microseconds(budget);
 	take_finished();
 	request_tiles(viewers);
+	stage_.look_around(viewers);
 	Clock::time_point before = Clock::now();
 	while (step()) {
 		const Clock::time_point now = Clock::now();
@@ -219,7 +220,8 @@ bool ScatterStream::step() {
 	}
 	const bool shown = show_step();
 	const bool freed = stage_.free_step();
-	return shown || freed || (!ground_turn_ && ground_step());
+	const bool refined = stage_.detail_step();
+	return shown || freed || refined || (!ground_turn_ && ground_step());
 }
 
 void ScatterStream::stop() {

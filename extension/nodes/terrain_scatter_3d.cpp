@@ -8,6 +8,7 @@
 #include <godot_cpp/classes/world3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -30,10 +31,18 @@ float reach_of(const Ref<Mesh> &mesh) {
 	return static_cast<float>(far_corner.length());
 }
 
-std::vector<float> reaches_of(const std::vector<Ref<Mesh>> &meshes) {
+/// The reach of each mesh of a layer, at any distance.
+std::vector<float> reaches_of(const LayerLook &look) {
 	std::vector<float> reaches;
-	for (const Ref<Mesh> &mesh : meshes) {
+	for (const Ref<Mesh> &mesh : look.meshes) {
 		reaches.push_back(reach_of(mesh));
+	}
+	for (std::size_t at = 0; at < look.lod_meshes.size(); ++at) {
+		float &reach = reaches[at % reaches.size()];
+		reach = std::max(reach, reach_of(look.lod_meshes[at]));
+	}
+	for (float &reach : reaches) {
+		reach *= static_cast<float>(compensating_scale(look.detail, look.detail.thin_density));
 	}
 	return reaches;
 }
@@ -48,7 +57,7 @@ StreamedLayer absent_layer() {
 bool same_tiles(const StreamedLayer &a, const StreamedLayer &b) {
 	return a.plan->settings == b.plan->settings && a.plan->wanted == b.plan->wanted &&
 			a.plan->terrain == b.plan->terrain && a.plan->mesh_reach == b.plan->mesh_reach &&
-			a.look.meshes == b.look.meshes;
+			a.look.meshes == b.look.meshes && a.look.lod_meshes == b.look.lod_meshes;
 }
 
 } // namespace
@@ -100,10 +109,20 @@ void TerrainScatter3D::process_frame() {
 	if (terrain_.is_valid() && !streamed_.empty()) {
 		const std::vector<Viewer> viewers = find_viewers();
 		if (!viewers.empty()) {
+			stream_.stage().set_limits(draw_limits());
 			stream_.frame(viewers, static_cast<std::uint64_t>(upload_budget_usec_));
 		}
 	}
 	emit_events();
+}
+
+DrawLimits TerrainScatter3D::draw_limits() const {
+	DrawLimits limits;
+	limits.quality = quality_;
+	if (Engine::get_singleton()->is_editor_hint()) {
+		limits.max_instances = static_cast<std::uint64_t>(preview_instances_);
+	}
+	return limits;
 }
 
 void TerrainScatter3D::emit_events() {
@@ -139,12 +158,13 @@ StreamedLayer TerrainScatter3D::streamed_layer(std::size_t p_place, const Ref<Sc
 		return p_place < streamed_.size() ? streamed_[p_place] : absent_layer();
 	}
 	StreamedLayer streamed;
-	streamed.look = {{p_layer->numbers(), p_layer->integers(), p_layer->get_material_override()}, p_layer->mesh_list()};
+	streamed.look = {{p_layer->numbers(), p_layer->integers(), p_layer->get_material_override()}, p_layer->mesh_list(),
+			p_layer->lod_mesh_list(), p_layer->detail()};
 	streamed.range = p_layer->streaming();
 	LayerPlan plan;
 	plan.settings = p_layer->settings(static_cast<std::uint64_t>(seed_), p_place);
 	plan.terrain = ground_;
-	plan.mesh_reach = reaches_of(streamed.look.meshes);
+	plan.mesh_reach = reaches_of(streamed.look);
 	streamed.plan = std::make_shared<LayerPlan>(std::move(plan));
 	return streamed;
 }
@@ -189,7 +209,7 @@ std::vector<Viewer> TerrainScatter3D::find_viewers() const {
 		if (node != nullptr && node->is_inside_tree()) {
 			const Vector3 at = node->get_global_position();
 			if (std::isfinite(at.x) && std::isfinite(at.z)) {
-				result.push_back({{at.x, at.z}, 1.0});
+				result.push_back({{at.x, at.z}, 1.0, std::isfinite(at.y) ? at.y : 0.0});
 			}
 		}
 	};
@@ -276,6 +296,22 @@ void TerrainScatter3D::set_upload_budget_usec(int64_t p_budget) {
 }
 
 int64_t TerrainScatter3D::get_upload_budget_usec() const { return upload_budget_usec_; }
+
+void TerrainScatter3D::set_quality(double p_quality) {
+	if (accept_number(class_name, "quality", p_quality, 0.0, 1.0)) {
+		quality_ = p_quality;
+	}
+}
+
+double TerrainScatter3D::get_quality() const { return quality_; }
+
+void TerrainScatter3D::set_preview_instances(int64_t p_count) {
+	if (accept_number(class_name, "preview_instances", static_cast<double>(p_count), 0.0, 1e9)) {
+		preview_instances_ = p_count;
+	}
+}
+
+int64_t TerrainScatter3D::get_preview_instances() const { return preview_instances_; }
 
 void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
 

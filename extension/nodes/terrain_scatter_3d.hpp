@@ -45,6 +45,15 @@ public:
 	void set_upload_budget_usec(int64_t p_budget);
 	int64_t get_upload_budget_usec() const;
 
+	/// The share of every tile that is drawn, 0 to 1: those instances that would also stand at that density. No tile is made
+	/// or uploaded anew for it.
+	void set_quality(double p_quality);
+	double get_quality() const;
+
+	/// The most instances that are drawn in the editor, 0 to 1e9; all tiles are thinned alike to keep to it.
+	void set_preview_instances(int64_t p_count);
+	int64_t get_preview_instances() const;
+
 	/// Makes all tiles anew; what stands stays until its successor is ready.
 	void regenerate();
 
@@ -56,6 +65,7 @@ public:
 	godot::Array get_shown_tiles(int64_t p_layer) const;
 	godot::Vector3 get_tile_origin(int64_t p_layer, const godot::Vector2i &p_tile) const;
 	godot::Array get_tile_buffers(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	godot::Array get_tile_multimeshes(int64_t p_layer, const godot::Vector2i &p_tile) const;
 	godot::Array get_tile_ids(int64_t p_layer, const godot::Vector2i &p_tile) const;
 	int64_t get_tile_digest(int64_t p_layer, const godot::Vector2i &p_tile) const;
 
@@ -76,6 +86,7 @@ private:
 	void refresh();
 	StreamedLayer streamed_layer(std::size_t p_place, const godot::Ref<ScatterLayer> &p_layer);
 	void emit_events();
+	DrawLimits draw_limits() const;
 	std::vector<Viewer> find_viewers() const;
 	godot::Node3D *active_camera() const;
 	godot::Ref<ScatterLayer> layer_at(int64_t p_place) const;
@@ -89,6 +100,8 @@ private:
 	godot::Ref<ScatterTerrain> terrain_;
 	godot::TypedArray<godot::NodePath> viewers_;
 	int64_t upload_budget_usec_ = 500;
+	double quality_ = 1.0;
+	int64_t preview_instances_ = 250000;
 
 	ScatterStream stream_;
 	std::vector<StreamedLayer> streamed_; ///< As handed to the stream: the last good state of each layer.

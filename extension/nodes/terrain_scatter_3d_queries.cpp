@@ -64,6 +64,16 @@ Array TerrainScatter3D::get_tile_buffers(int64_t p_layer, const Vector2i &p_tile
 	return result;
 }
 
+Array TerrainScatter3D::get_tile_multimeshes(int64_t p_layer, const Vector2i &p_tile) const {
+	Array result;
+	if (const StagedTile *tile = tile_at(p_layer, p_tile)) {
+		for (const StagedTile::Part &part : tile->parts) {
+			result.push_back(part.visual ? part.visual->multimesh() : RID());
+		}
+	}
+	return result;
+}
+
 Array TerrainScatter3D::get_tile_ids(int64_t p_layer, const Vector2i &p_tile) const {
 	Array result;
 	if (const StagedTile *tile = tile_at(p_layer, p_tile)) {
@@ -102,6 +112,8 @@ Dictionary TerrainScatter3D::get_stats() const {
 	Dictionary stats;
 	stats["tiles"] = number(stream_.stage().tile_count());
 	stats["instances"] = number(stream_.stage().instance_count());
+	stats["drawn"] = number(stream_.stage().drawn_count());
+	stats["uploads"] = number(stream_.stage().upload_count());
 	stats["waiting"] = number(counts.waiting);
 	stats["pending"] = number(counts.pending);
 	stats["uploading"] = number(stream_.stage().waiting());
@@ -159,6 +171,10 @@ void TerrainScatter3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_viewers"), &Self::get_viewers);
 	ClassDB::bind_method(D_METHOD("set_upload_budget_usec", "microseconds"), &Self::set_upload_budget_usec);
 	ClassDB::bind_method(D_METHOD("get_upload_budget_usec"), &Self::get_upload_budget_usec);
+	ClassDB::bind_method(D_METHOD("set_quality", "quality"), &Self::set_quality);
+	ClassDB::bind_method(D_METHOD("get_quality"), &Self::get_quality);
+	ClassDB::bind_method(D_METHOD("set_preview_instances", "count"), &Self::set_preview_instances);
+	ClassDB::bind_method(D_METHOD("get_preview_instances"), &Self::get_preview_instances);
 	ClassDB::bind_method(D_METHOD("_mark_dirty"), &Self::mark_dirty);
 	ClassDB::bind_method(D_METHOD("_mark_ground_dirty"), &Self::mark_ground_dirty);
 	ClassDB::bind_method(D_METHOD("regenerate"), &Self::regenerate);
@@ -168,6 +184,7 @@ void TerrainScatter3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_shown_tiles", "layer"), &Self::get_shown_tiles);
 	ClassDB::bind_method(D_METHOD("get_tile_origin", "layer", "tile"), &Self::get_tile_origin);
 	ClassDB::bind_method(D_METHOD("get_tile_buffers", "layer", "tile"), &Self::get_tile_buffers);
+	ClassDB::bind_method(D_METHOD("get_tile_multimeshes", "layer", "tile"), &Self::get_tile_multimeshes);
 	ClassDB::bind_method(D_METHOD("get_tile_ids", "layer", "tile"), &Self::get_tile_ids);
 	ClassDB::bind_method(D_METHOD("get_tile_digest", "layer", "tile"), &Self::get_tile_digest);
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
@@ -182,6 +199,10 @@ void TerrainScatter3D::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "upload_budget_usec", PROPERTY_HINT_RANGE,
 						 "50,5000,10,or_less,or_greater,suffix:µs"),
 			"set_upload_budget_usec", "get_upload_budget_usec");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::FLOAT, "quality", PROPERTY_HINT_RANGE, "0,1,0.01"), "set_quality", "get_quality");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "preview_instances", PROPERTY_HINT_RANGE, "0,2000000,1000,or_greater"),
+			"set_preview_instances", "get_preview_instances");
 	ADD_SIGNAL(MethodInfo("tile_shown", PropertyInfo(Variant::INT, "layer"), PropertyInfo(Variant::VECTOR2I, "tile")));
 	ADD_SIGNAL(MethodInfo("tile_hidden", PropertyInfo(Variant::INT, "layer"), PropertyInfo(Variant::VECTOR2I, "tile")));
 	ADD_SIGNAL(MethodInfo("idle"));

@@ -20,17 +20,35 @@ constexpr int64_t gi_dynamic = 2;
 
 } // namespace
 
+bool DrawSettings::draws_as(const DrawSettings &other) const {
+	const auto same = [this, &other](auto... members) {
+		return ((numbers.*members == other.numbers.*members) && ...);
+	};
+	const auto same_integers = [this, &other](auto... members) {
+		return ((integers.*members == other.integers.*members) && ...);
+	};
+	return material == other.material &&
+			same(&LayerNumbers::lod_bias, &LayerNumbers::extra_cull_margin, &LayerNumbers::visibility_range_begin,
+					&LayerNumbers::visibility_range_begin_margin, &LayerNumbers::visibility_range_end,
+					&LayerNumbers::visibility_range_end_margin) &&
+			same_integers(&LayerIntegers::cast_shadow, &LayerIntegers::gi_mode, &LayerIntegers::layers,
+					&LayerIntegers::visibility_range_fade_mode);
+}
+
 TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mesh> &mesh,
-		const PackedFloat32Array &buffer, const AABB &aabb) : mesh_(mesh) {
+		const PackedFloat32Array &buffer, const AABB &aabb) :
+		mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	const auto count = static_cast<int32_t>(buffer.size() / static_cast<int64_t>(floats_per_instance(look)));
 	multimesh_ = server->multimesh_create();
-	server->multimesh_allocate_data(multimesh_, count, RenderingServer::MULTIMESH_TRANSFORM_3D, look.use_colors, look.use_custom_data);
+	server->multimesh_allocate_data(
+			multimesh_, count, RenderingServer::MULTIMESH_TRANSFORM_3D, look.use_colors, look.use_custom_data);
 	server->multimesh_set_mesh(multimesh_, mesh->get_rid());
 	// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
 	server->multimesh_set_custom_aabb(multimesh_, aabb);
 	server->multimesh_set_buffer(multimesh_, buffer);
 
+	drawn_ = static_cast<std::size_t>(count);
 	instance_ = server->instance_create2(multimesh_, place.scenario);
 	server->instance_set_visible(instance_, false);
 	server->instance_set_transform(instance_, Transform3D(Basis(), place.origin));
@@ -41,7 +59,8 @@ TileVisual::~TileVisual() { free(); }
 
 TileVisual::TileVisual(TileVisual &&other) noexcept :
 		multimesh_(std::exchange(other.multimesh_, RID())), instance_(std::exchange(other.instance_, RID())),
-		mesh_(std::move(other.mesh_)), material_(std::move(other.material_)) {}
+		mesh_(std::move(other.mesh_)), material_(std::move(other.material_)), drawn_(other.drawn_),
+		scale_(other.scale_) {}
 
 TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 	if (this != &other) {
@@ -50,6 +69,8 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 		instance_ = std::exchange(other.instance_, RID());
 		mesh_ = std::move(other.mesh_);
 		material_ = std::move(other.material_);
+		drawn_ = other.drawn_;
+		scale_ = other.scale_;
 	}
 	return *this;
 }
@@ -87,6 +108,27 @@ void TileVisual::apply(const DrawSettings &settings) {
 
 void TileVisual::set_visible(bool visible) {
 	RenderingServer::get_singleton()->instance_set_visible(instance_, visible);
+}
+
+void TileVisual::set_mesh(const Ref<Mesh> &mesh) {
+	if (mesh_ != mesh) {
+		RenderingServer::get_singleton()->multimesh_set_mesh(multimesh_, mesh->get_rid());
+		mesh_ = mesh; // Only now: see above.
+	}
+}
+
+void TileVisual::set_drawn(std::size_t count) {
+	if (drawn_ != count) {
+		RenderingServer::get_singleton()->multimesh_set_visible_instances(multimesh_, static_cast<int32_t>(count));
+		drawn_ = count;
+	}
+}
+
+void TileVisual::set_scale(float scale) {
+	if (scale_ != scale) {
+		RenderingServer::get_singleton()->instance_geometry_set_shader_parameter(instance_, "scatter_scale", scale);
+		scale_ = scale;
+	}
 }
 
 PackedFloat32Array TileVisual::read_back() const {

@@ -7,6 +7,7 @@
 #include <godot_cpp/variant/rid.hpp>
 #include <godot_cpp/variant/vector3.hpp>
 
+#include <cstddef>
 #include <cstdint>
 
 namespace thicket {
@@ -16,6 +17,9 @@ struct DrawSettings {
 	LayerNumbers numbers;
 	LayerIntegers integers;
 	godot::Ref<godot::Material> material; ///< Null for the meshes' own.
+
+	/// True if both draw the same: what places instances does not count.
+	bool draws_as(const DrawSettings &other) const;
 };
 
 /// Where a TileVisual stands.
@@ -42,6 +46,15 @@ public:
 	void apply(const DrawSettings &settings);
 	void set_visible(bool visible);
 
+	// What depends on the distance, without another upload. Each does nothing where that is so already.
+	void set_mesh(const godot::Ref<godot::Mesh> &mesh);
+
+	/// Draws the first so many instances.
+	void set_drawn(std::size_t count);
+
+	/// The instance uniform `scatter_scale` for the shaders.
+	void set_scale(float scale);
+
 	/// What the RenderingServer holds. Slow: it waits for the renderer.
 	godot::PackedFloat32Array read_back() const;
 
@@ -54,6 +67,8 @@ private:
 	godot::RID instance_;
 	godot::Ref<godot::Mesh> mesh_;
 	godot::Ref<godot::Material> material_;
+	std::size_t drawn_ = 0;
+	float scale_ = 1.0F;
 };
 
 } // namespace thicket
