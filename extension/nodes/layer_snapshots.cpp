@@ -54,17 +54,17 @@ void LayerSnapshots::refresh_curve(
 }
 
 void LayerSnapshots::refresh_noise(const LayerResources &resources) {
-	const std::shared_ptr<const CurveTable> before = noise_curve_;
-	refresh_curve(LayerSource::noise_curve, resources.noise_curve, noise_curve_);
+	const std::shared_ptr<const CurveTable> before = noise_curve;
+	refresh_curve(LayerSource::noise_curve, resources.noise_curve, noise_curve);
 	// Noise cannot be compared; its signal is what tells.
-	if (take(LayerSource::noise) || before != noise_curve_) {
-		noise = noise_field(resources.noise, noise_curve_);
+	if (take(LayerSource::noise) || before != noise_curve) {
+		noise = noise_field(resources.noise, noise_curve);
 	}
 }
 
 void LayerSnapshots::refresh_proximity(const LayerResources &resources, double distance) {
-	refresh_curve(LayerSource::proximity_curve, resources.proximity_curve, own_proximity_curve_);
-	replace(proximity_curve, own_proximity_curve_ ? own_proximity_curve_ : falling_line(distance));
+	refresh_curve(LayerSource::proximity_curve, resources.proximity_curve, own_proximity_curve);
+	replace(proximity_curve, own_proximity_curve ? own_proximity_curve : falling_line(distance));
 }
 
 void LayerSnapshots::refresh_image(const Ref<Texture2D> &p_texture, const MaskFrame &frame) {

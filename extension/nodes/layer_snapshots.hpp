@@ -58,7 +58,9 @@ public:
 	std::shared_ptr<const CurveTable> height_curve;
 	std::shared_ptr<const CurveTable> slope_curve;
 	std::shared_ptr<const CurveTable> scale_curve;
-	std::shared_ptr<const CurveTable> proximity_curve; ///< Never null after `refresh`.
+	std::shared_ptr<const CurveTable> noise_curve;         ///< As `noise` has it.
+	std::shared_ptr<const CurveTable> own_proximity_curve; ///< The designer's.
+	std::shared_ptr<const CurveTable> proximity_curve;     ///< That, or a straight line; never null after `refresh`.
 	std::shared_ptr<const DensityField> noise;
 	std::shared_ptr<const ImageMask> image; ///< Nothing stands anywhere while a texture has no image.
 	std::shared_ptr<const ColorTable> colors;
@@ -75,8 +77,6 @@ private:
 	void refresh_image(const godot::Ref<godot::Texture2D> &p_texture, const MaskFrame &frame);
 
 	std::array<bool, static_cast<std::size_t>(LayerSource::count)> marked_{};
-	std::shared_ptr<const CurveTable> noise_curve_;
-	std::shared_ptr<const CurveTable> own_proximity_curve_; ///< The designer's; null for the straight line.
 	ChannelPixels pixels_;
 	MaskFrame frame_; ///< As `pixels_` and `image` were made.
 };

@@ -14,14 +14,13 @@ bool as_made(const Ref<Curve> &p_curve) {
 	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
 }
 
-/// Problems of a curve of densities; `scale` says what its domain is about, and `whole` whether 0 to 1 is likely all of it.
-void add_curve_problem(
-		const char *p_name, const Ref<Curve> &p_curve, const char *p_domain, PackedStringArray &r_problems) {
+/// Problems of a curve of densities and of the table made of it; `p_domain` says what it is over.
+void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std::shared_ptr<const CurveTable> &table,
+		const char *p_domain, PackedStringArray &r_problems) {
 	if (p_curve.is_null()) {
 		return;
 	}
 	const String name = "ScatterLayer." + String(p_name);
-	const std::shared_ptr<const CurveTable> table = curve_table(p_curve);
 	if (table == nullptr) {
 		r_problems.push_back(name + String(" has no points: it is not used."));
 		return;
@@ -56,9 +55,12 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 }
 
 void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
-	add_curve_problem("density_over_height", resources_.density_over_height, "metres of height", r_problems);
-	add_curve_problem("density_over_slope", resources_.density_over_slope, "degrees of slope", r_problems);
-	add_curve_problem("noise_curve", resources_.noise_curve, "the noise, from -1 to 1", r_problems);
+	const LayerSnapshots &made = snapshots();
+	add_curve_problem(
+			"density_over_height", resources_.density_over_height, made.height_curve, "metres of height", r_problems);
+	add_curve_problem(
+			"density_over_slope", resources_.density_over_slope, made.slope_curve, "degrees of slope", r_problems);
+	add_curve_problem("noise_curve", resources_.noise_curve, made.noise_curve, "the noise, from -1 to 1", r_problems);
 	if (resources_.noise_curve.is_valid() && resources_.noise.is_null()) {
 		r_problems.push_back("ScatterLayer.noise_curve is not used without a noise.");
 	}
@@ -88,7 +90,8 @@ void ScatterLayer::add_neighbour_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
 	}
 	if (!proximity_layer_.is_empty()) {
-		add_curve_problem("proximity_curve", resources_.proximity_curve, "metres of distance", r_problems);
+		add_curve_problem("proximity_curve", resources_.proximity_curve, snapshots().own_proximity_curve,
+				"metres of distance", r_problems);
 	} else if (resources_.proximity_curve.is_valid()) {
 		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer.");
 	}
