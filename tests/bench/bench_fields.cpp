@@ -2,7 +2,7 @@
 // layer in the order in which a tile has them. Prints rows of a Markdown table.
 //   bench_fields [rounds = 9] [seconds a measurement = 0.25]
 
-#include "tests/bench/common/timing.hpp"
+#include "tests/bench/common/contest.hpp"
 
 #include "core/rules/clump_noise.hpp"
 #include "core/rules/curve_table.hpp"
@@ -58,32 +58,6 @@ ImageMask image() {
 	require(mask.set({1024, 1024}, pixels, {{-500.0, -500.0}, {500.0, 500.0}}, MaskEdge::repeat));
 	return mask;
 }
-
-/// Takes turns among the contenders, and prints nanoseconds a point. `at` writes all densities of the tile.
-class Contest {
-public:
-	explicit Contest(std::size_t points) : points_(points) {}
-
-	template <typename At>
-	void measure(std::size_t contender, const char *name, double seconds, At at) {
-		if (contender == names_.size()) {
-			names_.emplace_back(name);
-			series_.emplace_back();
-		}
-		series_[contender].add(1e9 / rate(seconds, [&] { return at(), points_; }));
-	}
-
-	void print() const {
-		for (std::size_t i = 0; i < names_.size(); ++i) {
-			print_row(names_[i] + ": density at a point", series_[i], 1.0, " ns", 1);
-		}
-	}
-
-private:
-	std::size_t points_;
-	std::vector<std::string> names_;
-	std::vector<Series> series_;
-};
 
 void run(int rounds, double seconds) {
 	const std::vector<glm::dvec2> at = places();

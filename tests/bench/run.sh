@@ -18,7 +18,7 @@ echo "Measured on one core of ${processor:-$(uname -m)}, $("${CXX:-g++}" --versi
 echo
 echo "| what | median | lowest to highest round | rounds |"
 echo "|---|---|---|---|"
-for program in bench_sampler bench_tile bench_fields; do
+for program in bench_sampler bench_tile bench_fields bench_shapes; do
 	"${folders[0]}/$program" "$@"
 done
 
