@@ -29,8 +29,8 @@ inline constexpr double min_post_spacing = 1e-3; ///< Metres, on both axes.
 /// Refuses a frame outside the ranges above.
 Status validate(const HeightfieldFrame &frame);
 
-/// Terrain from a grid of posts, of 16 bits or of metres. Between four posts the height is bilinear, the very surface that `sample`
-/// gives at any finer spacing; a mesh that is drawn from it has to ask here, not at the posts alone.
+/// Terrain from a grid of posts, of 16 bits or of metres. Between four posts the height is bilinear, the very surface
+/// that `sample` gives at any finer spacing; a mesh that is drawn from it has to ask here, not at the posts alone.
 ///
 /// Normals are smooth: the gradients of the four posts, by central differences (one-sided on the border), weighted
 /// bilinearly. The gradient of the bilinear patch itself jumps at each line of posts, which would show as straight
