@@ -115,7 +115,7 @@ TEST_CASE("outlines: a border of many short edges is outside all along") {
 		}
 	}
 	for (std::size_t start = 0; start < square.size(); ++start) {
-		std::ranges::rotate(square, square.begin() + 1);
+		std::rotate(square.begin(), square.begin() + 1, square.end());
 		const Outline outline = outline_of(square, true);
 		for (double place = 0.0; place <= side; place += 0.5) {
 			CHECK(!outline.contains({0.0, place}));
@@ -216,7 +216,8 @@ TEST_CASE("outlines: random lines of any length are as one edge after the other 
 	std::mt19937 random(2);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (const double far : {0.0, 1e7}) {
-		for (const std::size_t count : {1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 31, 33, 64, 65, 100, 129, 1000}) {
+		for (const std::size_t count :
+				std::vector<std::size_t>{1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 31, 33, 64, 65, 100, 129, 1000}) {
 			Points points;
 			glm::dvec2 at(far, -far);
 			for (std::size_t i = 0; i < count; ++i) {

@@ -246,7 +246,7 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, nor a height bey
 TEST_CASE("triangles: random ones of all sizes are as one after the other says, in any order") {
 	std::mt19937 random(3);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
-	for (const std::size_t count : {1, 2, 4, 5, 8, 9, 17, 33, 100, 500}) {
+	for (const std::size_t count : std::vector<std::size_t>{1, 2, 4, 5, 8, 9, 17, 33, 100, 500}) {
 		Corners corners;
 		for (std::size_t i = 0; i < count; ++i) {
 			const double size = i % 10 == 0 ? 100.0 : 8.0;
