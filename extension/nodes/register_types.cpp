@@ -4,8 +4,10 @@
 #include "nodes/scatter_layer.hpp"
 #include "nodes/scatter_mask.hpp"
 #include "nodes/scatter_terrain.hpp"
+#include "nodes/scatter_terrain_colliders.hpp"
 #include "nodes/scatter_terrain_flat.hpp"
 #include "nodes/scatter_terrain_heightmap.hpp"
+#include "nodes/scatter_terrain_meshes.hpp"
 #include "nodes/scatter_terrain_noise.hpp"
 #include "nodes/scatter_terrain_object.hpp"
 #include "nodes/terrain_scatter_3d.hpp"
@@ -27,6 +29,8 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterTerrainHeightmap);
 	GDREGISTER_CLASS(ScatterTerrainNoise);
 	GDREGISTER_CLASS(ScatterTerrainObject);
+	GDREGISTER_CLASS(ScatterTerrainMeshes);
+	GDREGISTER_CLASS(ScatterTerrainColliders);
 	GDREGISTER_CLASS(ScatterMask);
 	GDREGISTER_CLASS(ScatterLayer);
 	GDREGISTER_CLASS(TerrainScatter3D);

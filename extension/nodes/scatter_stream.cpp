@@ -19,10 +19,6 @@ namespace {
 /// still come first after a turn.
 constexpr std::size_t jobs_per_worker = 8;
 
-/// Places that a script on the main thread is asked for at a time: some 0.1 ms of GDScript, neighbours for slopes
-/// included.
-constexpr std::size_t ground_slice = 32;
-
 std::size_t worker_count() {
 	const std::size_t cores = std::thread::hardware_concurrency();
 	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core stays with the main thread.
@@ -170,17 +166,22 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 	stage_.push(job);
 }
 
-bool ScatterStream::ground_step() {
+std::size_t ScatterStream::ground_step(std::size_t most) {
 	if (ask_ground_.empty()) {
-		return false;
+		return 0;
 	}
 	const std::shared_ptr<TileJob> job = ask_ground_.front();
-	const std::size_t count = std::min(ground_slice, job->positions.size() - job->answered);
-	const auto positions = std::span<const glm::dvec2>(job->positions).subspan(job->answered, count);
-	const Ref<ScatterTerrain> script = script_;
-	const Status status = script->ask(positions, {}, std::span(job->ground).subspan(job->answered, count));
-	if (ask_ground_.empty() || ask_ground_.front() != job) {
-		return false; // The script has changed the stream that asked it.
+	const auto part = std::find_if(job->parts.begin(), job->parts.end(),
+			[&job](const TileJob::Part &candidate) { return candidate.end > job->answered; });
+	const std::size_t count = part != job->parts.end() ? std::min(most, part->end - job->answered) : 0;
+	Status status;
+	if (count > 0) {
+		const Ref<ScatterTerrain> terrain = script_;
+		status = terrain->ask(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count), part->textures,
+				std::span(job->ground).subspan(job->answered, count));
+		if (ask_ground_.empty() || ask_ground_.front() != job) {
+			return 0; // A script has changed the stream that asked it.
+		}
 	}
 	job->answered += count;
 	if (!status.ok()) {
@@ -193,7 +194,19 @@ bool ScatterStream::ground_step() {
 		job->step = TileJob::Step::has_ground;
 		workers_.push(job);
 	}
-	return true;
+	return std::max<std::size_t>(count, 1);
+}
+
+bool ScatterStream::ground_step_in_frame() {
+	return script_.is_valid() && !script_->needs_physics_frames() && ground_step(script_->places_at_once()) > 0;
+}
+
+void ScatterStream::physics_frame() {
+	std::size_t left = script_.is_valid() && script_->needs_physics_frames() ? script_->places_at_once() : 0;
+	while (left > 0) {
+		const std::size_t asked = ground_step(left);
+		left = asked > 0 ? left - asked : 0;
+	}
 }
 
 bool ScatterStream::show_step() {
@@ -215,13 +228,13 @@ bool ScatterStream::show_step() {
 
 bool ScatterStream::step() {
 	ground_turn_ = !ground_turn_;
-	if (ground_turn_ && ground_step()) {
+	if (ground_turn_ && ground_step_in_frame()) {
 		return true;
 	}
 	const bool shown = show_step();
 	const bool freed = stage_.free_step();
 	const bool refined = stage_.detail_step();
-	return shown || freed || refined || (!ground_turn_ && ground_step());
+	return shown || freed || refined || (!ground_turn_ && ground_step_in_frame());
 }
 
 void ScatterStream::stop() {

@@ -51,6 +51,10 @@ public:
 	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still.
 	void frame(std::span<const Viewer> viewers, std::uint64_t budget);
 
+	/// The part of the work that belongs into a physics frame: asks for ground that may only be asked then, as much of it
+	/// as its terrain allows.
+	void physics_frame();
+
 	/// Waits for the workers and clears the stage. The stream may go on afterwards, from nothing.
 	void stop();
 
@@ -73,7 +77,8 @@ private:
 	void cancel(std::uint64_t ticket);
 	void take_finished();
 	void settle(const std::shared_ptr<TileJob> &job);
-	bool ground_step();
+	std::size_t ground_step(std::size_t most);
+	bool ground_step_in_frame();
 	bool show_step();
 	bool step();
 

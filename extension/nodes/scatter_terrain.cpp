@@ -21,6 +21,10 @@ namespace {
 
 constexpr const char *class_name = "ScatterTerrain";
 
+/// Places that a script on the main thread is asked for at a time: some 0.1 ms of GDScript, neighbours for slopes
+/// included.
+constexpr std::size_t script_slice = 32;
+
 /// A script that says that it may be called from worker threads.
 class ScriptGround : public Terrain {
 public:
@@ -28,6 +32,11 @@ public:
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
 		return script_->ask(positions, {}, r_ground);
+	}
+
+	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+			std::span<Ground> r_ground) const override {
+		return script_->ask_weights(positions, textures, r_ground);
 	}
 
 private:
@@ -71,8 +80,10 @@ bool ScatterTerrain::main_thread_only() const {
 	return !thread_safe && GDVIRTUAL_IS_OVERRIDDEN(_get_heights);
 }
 
-Status ScatterTerrain::ask(std::span<const glm::dvec2> positions,
-		[[maybe_unused]] std::span<const std::int32_t> textures, std::span<Ground> r_ground) const {
+std::size_t ScatterTerrain::places_at_once() const { return script_slice; }
+
+Status ScatterTerrain::ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+		std::span<Ground> r_ground) const {
 	const PackedVector2Array where = packed(positions);
 	PackedFloat32Array heights;
 	GDVIRTUAL_CALL(_get_heights, where, heights);
@@ -84,8 +95,30 @@ Status ScatterTerrain::ask(std::span<const glm::dvec2> positions,
 		ground.height = *height++;
 		ground.normal = {0.0F, 1.0F, 0.0F};
 	}
-	return GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? ask_normals(where, r_ground)
-												 : difference_normals(positions, r_ground);
+	const Status status = GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? ask_normals(where, r_ground)
+																: difference_normals(positions, r_ground);
+	return status.ok() && !textures.empty() ? ask_weights(positions, textures, r_ground) : status;
+}
+
+Status ScatterTerrain::ask_weights(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+		std::span<Ground> r_ground) const {
+	if (!GDVIRTUAL_IS_OVERRIDDEN(_get_weights)) {
+		return {};
+	}
+	PackedInt32Array wanted;
+	wanted.resize(static_cast<int64_t>(textures.size()));
+	std::copy(textures.begin(), textures.end(), wanted.ptrw());
+	PackedFloat32Array weights;
+	GDVIRTUAL_CALL(_get_weights, packed(positions), wanted, weights);
+	if (weights.size() != static_cast<int64_t>(positions.size())) {
+		return wrong_size("_get_weights() result", weights.size());
+	}
+	const float *weight = weights.ptr();
+	for (Ground &ground : r_ground) {
+		ground.weight = std::isfinite(*weight) ? std::clamp(*weight, 0.0F, 1.0F) : 0.0F;
+		++weight;
+	}
+	return {};
 }
 
 Status ScatterTerrain::ask_normals(const PackedVector2Array &p_positions, std::span<Ground> r_ground) const {
@@ -182,6 +215,7 @@ void ScatterTerrain::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_normal", "global_position"), &ScatterTerrain::get_normal);
 	GDVIRTUAL_BIND(_get_heights, "positions");
 	GDVIRTUAL_BIND(_get_normals, "positions");
+	GDVIRTUAL_BIND(_get_weights, "positions", "textures");
 	GDVIRTUAL_BIND(_is_thread_safe);
 	ADD_SIGNAL(MethodInfo("terrain_changed", PropertyInfo(Variant::RECT2, "rect")));
 }

@@ -6,6 +6,7 @@
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/core/gdvirtual.gen.inc>
 #include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_vector2_array.hpp>
 #include <godot_cpp/variant/packed_vector3_array.hpp>
 #include <godot_cpp/variant/rect2.hpp>
@@ -33,6 +34,12 @@ public:
 	/// True when the ground may only be asked on the main thread, by `ask`.
 	virtual bool main_thread_only() const;
 
+	/// True when `ask` may be called in physics frames only.
+	virtual bool needs_physics_frames() const { return false; }
+
+	/// The most places to ask for in one call of `ask`, and in one physics frame.
+	virtual std::size_t places_at_once() const;
+
 	/// False while that which gives the ground is away for the time being: tiles are then left as they are.
 	virtual bool ready() const { return true; }
 
@@ -40,6 +47,10 @@ public:
 	/// none: not asked for). `r_ground` has the size of `positions`. A script that gives a wrong number of heights,
 	/// normals or weights is refused; its NAN heights stand for no ground.
 	virtual Status ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+			std::span<Ground> r_ground) const;
+
+	/// Asks a script for the weights alone; where it has no method for them they stay.
+	Status ask_weights(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const;
 
 	/// A node in the tree that begins to use this ground, or no longer does. Each `enter` has its `leave`, while the
@@ -55,6 +66,7 @@ public:
 
 	GDVIRTUAL1RC(godot::PackedFloat32Array, _get_heights, godot::PackedVector2Array)
 	GDVIRTUAL1RC(godot::PackedVector3Array, _get_normals, godot::PackedVector2Array)
+	GDVIRTUAL2RC(godot::PackedFloat32Array, _get_weights, godot::PackedVector2Array, godot::PackedInt32Array)
 	GDVIRTUAL0RC(bool, _is_thread_safe)
 
 protected:

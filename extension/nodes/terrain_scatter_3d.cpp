@@ -72,6 +72,7 @@ void TerrainScatter3D::_notification(int p_what) {
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
 		case NOTIFICATION_VISIBILITY_CHANGED: stream_.stage().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_INTERNAL_PROCESS: process_frame(); break;
+		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: stream_.physics_frame(); break;
 		case NOTIFICATION_EXTENSION_RELOADED:
 			if (is_inside_tree()) {
 				start();
@@ -171,6 +172,7 @@ StreamedLayer TerrainScatter3D::streamed_layer(std::size_t p_place, const Ref<Sc
 
 void TerrainScatter3D::refresh() {
 	dirty_ = false;
+	set_physics_process_internal(terrain_.is_valid() && terrain_->needs_physics_frames());
 	const bool new_ground = std::exchange(ground_dirty_, false);
 	if (new_ground && terrain_.is_valid()) {
 		ground_ = terrain_->snapshot();

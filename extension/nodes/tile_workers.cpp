@@ -144,6 +144,9 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 	job.status = builder.find_points(plan.settings, job.request.rect, &job.cancelled);
 	if (job.status.ok() && job.step == TileJob::Step::start) {
 		job.positions.assign(builder.positions().begin(), builder.positions().end());
+		for (const GroundQuery &query : builder.queries()) {
+			job.parts.push_back({query.first + query.count, {query.textures.begin(), query.textures.end()}});
+		}
 		job.ground.resize(job.positions.size());
 		job.step = TileJob::Step::needs_ground;
 		return;
@@ -157,6 +160,7 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 void TileWorkers::finish(Worker &worker, TileJob &job) {
 	job.step = TileJob::Step::done;
 	job.positions = {};
+	job.parts = {};
 	job.ground = {};
 	if (!job.status.ok()) {
 		return;

@@ -46,7 +46,14 @@ struct TileJob {
 	std::shared_ptr<const LayerPlan> plan;
 	Step step = Step::start;
 
+	/// Some of `positions`, one after the other, for which the same textures count; see GroundQuery.
+	struct Part {
+		std::size_t end = 0; ///< In `positions`; where the next part begins.
+		std::vector<std::int32_t> textures;
+	};
+
 	std::vector<glm::dvec2> positions;
+	std::vector<Part> parts;
 	std::vector<Ground> ground;
 	std::size_t answered = 0; ///< How much of `ground` is filled.
 
