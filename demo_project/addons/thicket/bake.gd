@@ -177,7 +177,7 @@ func _in_file(mesh: Mesh, layer: int, mesh_index: int) -> Mesh:
 
 func _instance(layer: Resource, tile: Vector3i, origin: Vector3, multimesh: MultiMesh) -> MultiMeshInstance3D:
 	var instance := MultiMeshInstance3D.new()
-	instance.name = "%s_%d_%d" % [_file_part(tile.x).to_pascal_case(), tile.y, tile.z]
+	instance.name = "%s_%d_%d" % [layer.resource_name.validate_node_name(), tile.y, tile.z]
 	instance.position = origin
 	instance.multimesh = multimesh
 	for property: StringName in [
@@ -189,7 +189,7 @@ func _instance(layer: Resource, tile: Vector3i, origin: Vector3, multimesh: Mult
 	return instance
 
 
-## Names of files and nodes: the layer's own, if it has one.
+## In names of files: the layer's place and its name, if it has one.
 func _file_part(layer: int) -> String:
 	var name: String = _scatter.get(&"layers")[layer].resource_name.to_snake_case().validate_filename()
 	return "%d_%s" % [layer, name] if not name.is_empty() else str(layer)

@@ -12,9 +12,7 @@ const MOST_HEIGHTS := 2000
 ## The one that is selected; no other is drawn.
 var scatter: Node3D
 
-
-func _init() -> void:
-	create_material("extent", Color(COLOR, 0.7), false, true)
+var _line := GroundLines.material(Color(COLOR, 0.6))
 
 
 func _get_gizmo_name() -> String:
@@ -45,7 +43,7 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	var pieces := maxi(1, MOST_HEIGHTS / edges.size())
 	for edge in edges:
 		lines.add(edge, false, maxf(2.0, edge[0].distance_to(edge[1]) / pieces))
-	gizmo.add_lines(lines.segments, get_material("extent", gizmo))
+	gizmo.add_lines(lines.segments, _line)
 
 
 ## The sides of tiles beyond which there is none.

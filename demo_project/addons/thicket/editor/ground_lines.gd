@@ -33,6 +33,18 @@ static func scatter_of(node: Node) -> Node3D:
 	return node as Node3D
 
 
+## A material for lines that are seen through everything, and in full whether their node is selected or not, which those
+## of a gizmo plugin's own are not.
+static func material(color: Color) -> StandardMaterial3D:
+	var made := StandardMaterial3D.new()
+	made.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
+	made.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
+	made.no_depth_test = true
+	made.disable_fog = true
+	made.albedo_color = color
+	return made
+
+
 ## Adds a line through world places (x, z), at most [param piece] metres from one asked height to the next.
 func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 	var count := points.size() if closed else points.size() - 1

@@ -15,13 +15,17 @@ const AXES: Array[Vector3] = [Vector3.RIGHT, Vector3.UP, Vector3.BACK]
 
 var undo_redo: EditorUndoRedoManager
 
+# Of shapes that include, and of those that exclude.
+var _borders: Array[Material] = []
+var _bodies: Array[Material] = []
+var _falloffs: Array[Material] = []
+
 
 func _init() -> void:
-	for rule: Array in [["include", INCLUDE], ["exclude", EXCLUDE]]:
-		var color: Color = rule[1]
-		create_material(rule[0] + "_border", color, false, true)
-		create_material(rule[0] + "_body", Color(color, 0.5))
-		create_material(rule[0] + "_falloff", Color(color, 0.35), false, true)
+	for color: Color in [INCLUDE, EXCLUDE]:
+		_borders.append(GroundLines.material(color))
+		_bodies.append(GroundLines.material(Color(color, 0.35)))
+		_falloffs.append(GroundLines.material(Color(color, 0.5)))
 	create_handle_material("handles")
 
 
@@ -36,18 +40,18 @@ func _has_gizmo(node: Node3D) -> bool:
 func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	gizmo.clear()
 	var shape := gizmo.get_node_3d()
-	var rule := "exclude" if shape.get(&"exclude") else "include"
+	var rule := int(shape.get(&"exclude"))
 	var body := Outline.body(shape)
 	if not body.is_empty():
-		gizmo.add_lines(body, get_material(rule + "_body", gizmo))
+		gizmo.add_lines(body, _bodies[rule])
 	var border := _on_ground(shape, 0.0)
 	if not border.is_empty():
-		gizmo.add_lines(border, get_material(rule + "_border", gizmo))
+		gizmo.add_lines(border, _borders[rule])
 	var falloff: float = shape.get(&"falloff")
 	if falloff > 0.0:
 		var full := _on_ground(shape, falloff)
 		if not full.is_empty():
-			gizmo.add_lines(full, get_material(rule + "_falloff", gizmo))
+			gizmo.add_lines(full, _falloffs[rule])
 	gizmo.add_collision_segments(border + body)
 	var handles := _handles(shape)
 	if not handles.is_empty():
@@ -142,15 +146,15 @@ func _handles(shape: Node3D) -> PackedVector3Array:
 
 
 ## Where a path begins in the world, and the direction across it; empty if there is no path.
-static func _path_start(shape: Node3D) -> Array[Vector3]:
+static func _path_start(shape: Node3D) -> PackedVector3Array:
 	var path := Outline.path_node(shape)
 	if path == null or path.curve == null or path.curve.point_count < 2:
-		return []
+		return PackedVector3Array()
 	var points := path.curve.tessellate(4, 3.0)
 	var from := path.global_transform * points[0]
 	var ahead := path.global_transform * points[1] - from
 	var across := Vector3(-ahead.z, 0.0, ahead.x).normalized()
-	return [from, across] if across != Vector3.ZERO else []
+	return PackedVector3Array([from, across] if across != Vector3.ZERO else [])
 
 
 static func _drag_width(shape: Node3D, from: Vector3, to: Vector3) -> void:

@@ -21,7 +21,9 @@ var brush := Brush.new()
 var _on: Button
 var _layers: OptionButton
 var _modes: Array[Button] = []
-var _radius: SpinBox
+var _radius: EditorSpinSlider
+var _strength: EditorSpinSlider
+var _hardness: EditorSpinSlider
 var _settings: Array[Control] = []
 
 
@@ -45,13 +47,14 @@ func _init() -> void:
 		button.pressed.connect(_on_mode.bind(mode))
 		_modes.append(button)
 		_add_setting(button)
-	_radius = _spin("Radius of the brush in metres (keys [ and ]).", 0.25, 512.0, 0.25, brush.radius, "m")
+	_radius = _slider("Radius", "Radius of the brush (keys [ and ]).", 0.25, 256.0, 0.25, brush.radius, "m")
+	_radius.exp_edit = true
 	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value; brush_changed.emit())
-	var strength := _spin("Strength: how far one dab goes.", 1.0, 100.0, 1.0, brush.strength * 100.0, "%")
-	strength.value_changed.connect(func(value: float) -> void: brush.strength = value * 0.01)
-	var hardness := _spin("Hardness: the part of the radius that is painted in full.", 0.0, 100.0, 1.0,
-			brush.hardness * 100.0, "% hard")
-	hardness.value_changed.connect(func(value: float) -> void: brush.hardness = value * 0.01; brush_changed.emit())
+	_strength = _slider("Strength", "How far one dab goes in its middle.", 1.0, 100.0, 1.0, brush.strength * 100.0, "%")
+	_strength.value_changed.connect(func(value: float) -> void: brush.strength = value * 0.01)
+	_hardness = _slider("Hardness", "The part of the radius that is painted in full.", 0.0, 100.0, 1.0,
+			brush.hardness * 100.0, "%")
+	_hardness.value_changed.connect(func(value: float) -> void: brush.hardness = value * 0.01; brush_changed.emit())
 	add_child(VSeparator.new())
 	_add_presets()
 	var bake := _button("Bake", "Bake", "Write what stands in a rectangle as MultiMesh resources and a scene.")
@@ -101,6 +104,13 @@ func choose_mode(mode: int) -> void:
 	_on_mode(mode)
 
 
+## Sets the brush: metres, and two parts from 0 to 1.
+func set_brush(radius: float, strength: float, hardness: float) -> void:
+	_radius.value = radius
+	_strength.value = strength * 100.0
+	_hardness.value = hardness * 100.0
+
+
 ## Makes the brush larger or smaller by a factor.
 func scale_radius(factor: float) -> void:
 	_radius.value = _radius.value * factor
@@ -125,16 +135,19 @@ func _button(text: String, icon: StringName, tip: String) -> Button:
 	return button
 
 
-func _spin(tip: String, from: float, to: float, step: float, value: float, suffix: String) -> SpinBox:
-	var spin := SpinBox.new()
-	spin.min_value = from
-	spin.max_value = to
-	spin.step = step
-	spin.value = value
-	spin.suffix = suffix
-	spin.tooltip_text = tip
-	_add_setting(spin)
-	return spin
+func _slider(label: String, tip: String, from: float, to: float, step: float, value: float,
+		suffix: String) -> EditorSpinSlider:
+	var slider := EditorSpinSlider.new()
+	slider.label = label
+	slider.min_value = from
+	slider.max_value = to
+	slider.step = step
+	slider.value = value
+	slider.suffix = suffix
+	slider.tooltip_text = tip
+	slider.custom_minimum_size.x = 130.0 * EditorInterface.get_editor_scale()
+	_add_setting(slider)
+	return slider
 
 
 func _add_setting(control: Control) -> void:

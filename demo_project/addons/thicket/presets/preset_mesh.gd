@@ -56,7 +56,7 @@ func _build_spruce() -> void:
 func _build_birch() -> void:
 	_cone(0.0, 3.6, 0.16, 0.09, 6, Color(0.75, 0.74, 0.7), Color(0.6, 0.58, 0.53))
 	var low := Color(0.2, 0.27, 0.1)
-	var high := Color(0.47, 0.52, 0.22)
+	var high := Color(0.42, 0.47, 0.22)
 	_blob(Vector3(-0.2, 4.3, 0.1), Vector3(1.3, 1.5, 1.3), 0.2, low, high, true)
 	_blob(Vector3(0.55, 5.2, -0.3), Vector3(0.9, 1.1, 0.9), 0.2, low, high, true)
 	_blob(Vector3(0.0, 6.4, 0.1), Vector3(0.8, 1.1, 0.8), 0.2, low * 1.15, high, true)
