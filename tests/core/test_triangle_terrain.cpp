@@ -240,6 +240,8 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, nor a height bey
 		// Off the fan only where its width at the place is no more than a grain or two of the coordinates.
 		CHECK((!std::isnan(height) || part * part * part * 50.0 * 1e-5 < 2e-11));
 		CHECK((std::isnan(height) || std::abs(height - at.y) < 1e-4));
+		const glm::dvec3 normal(terrain.at(place).normal);
+		CHECK((std::isnan(height) || glm::distance(normal, glm::normalize(glm::dvec3(-0.1, 1.0, 0.0))) < 1e-3));
 	}
 }
 

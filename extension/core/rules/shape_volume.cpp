@@ -67,16 +67,18 @@ ShapeVolume::ShapeVolume(const Shape &shape) :
 void ShapeVolume::prepare_shadow() {
 	if (kind_ == ShapeKind::box) {
 		// The shadow is a zonogon: its sides run along the shadows of the edges, each as far out as all edges together reach.
-		std::array<glm::dvec2, 3> edges;
+		const auto shadow = [&](int i) {
+			return glm::dvec2(axes_[i].x, axes_[i].z);
+		};
 		for (int i = 0; i < 3; ++i) {
-			edges[static_cast<std::size_t>(i)] = glm::dvec2(axes_[i].x, axes_[i].z) * half_size_[i];
-		}
-		for (std::size_t i = 0; i < 3; ++i) {
-			const double width = length(edges[i]);
-			if (width > 0.0) {
-				const glm::dvec2 normal = glm::dvec2(-edges[i].y, edges[i].x) / width;
-				sides_[i] = {
-						normal, std::abs(dot(normal, edges[(i + 1) % 3])) + std::abs(dot(normal, edges[(i + 2) % 3]))};
+			const double width = length(shadow(i));
+			if (width > 0.0) { // Not of an edge that stands upright.
+				const glm::dvec2 normal = glm::dvec2(-shadow(i).y, shadow(i).x) / width;
+				const int j = (i + 1) % 3;
+				const int k = (i + 2) % 3;
+				sides_[static_cast<std::size_t>(i)] = {normal,
+						std::abs(dot(normal, shadow(j))) * half_size_[j] +
+								std::abs(dot(normal, shadow(k))) * half_size_[k]};
 			}
 		}
 		return;
@@ -116,7 +118,7 @@ double ShapeVolume::cylinder_depth(glm::dvec3 offset) const {
 double ShapeVolume::box_shadow_depth(glm::dvec2 offset) const {
 	double result = max_shape_coordinate;
 	for (const Sides &sides : sides_) {
-		if (sides.distance > 0.0) {
+		if (sides.normal != glm::dvec2(0.0)) {
 			result = std::min(result, sides.distance - std::abs(dot(sides.normal, offset)));
 		}
 	}

@@ -28,8 +28,8 @@ public:
 private:
 	/// A pair of parallel sides of the shadow of a box.
 	struct Sides {
-		glm::dvec2 normal{0.0};
-		double distance = 0.0; ///< Of each to the center; no sides if 0.
+		glm::dvec2 normal{0.0}; ///< 0 for none.
+		double distance = 0.0;  ///< Of each to the center.
 	};
 
 	void prepare_shadow();

@@ -214,11 +214,14 @@ void TriangleTerrain::meet(const Triangle &triangle, glm::dvec2 position, Hit &r
 
 Ground TriangleTerrain::ground_of(const Hit &hit) {
 	const auto &corners = hit.triangle->corners;
-	const glm::dvec3 u = corners[1] - corners[0];
-	const glm::dvec3 v = corners[2] - corners[0];
-	const double up = -area_from_above(corners);
-	const double turn = up < 0.0 ? -1.0 : 1.0;
-	const glm::dvec3 normal(turn * (u.y * v.z - u.z * v.y), std::abs(up), turn * (u.x * v.y - u.y * v.x));
+	// Areas along the axes rather than a cross product, which is noise where the triangle is narrow.
+	const auto area_along = [&](int x, int y) {
+		return orientation(
+				{corners[0][x], corners[0][y]}, {corners[1][x], corners[1][y]}, {corners[2][x], corners[2][y]});
+	};
+	glm::dvec3 normal(area_along(1, 2), area_along(2, 0), area_along(0, 1));
+	const double longest = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
+	normal /= normal.y < 0.0 ? -longest : longest; // Or the squares of a tiny triangle's areas would vanish.
 	const double to_unit = 1.0 / std::sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
 	return {static_cast<float>(hit.height), glm::vec3(normal * to_unit)};
 }

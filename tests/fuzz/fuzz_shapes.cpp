@@ -1,0 +1,156 @@
+// Random shapes and triangles, sound and unsound, asked at random places and at their own corners.
+
+#include "tests/fuzz/bytes.hpp"
+#include "tests/fuzz/fuzz_main.hpp"
+
+#include "core/rules/shapes.hpp"
+#include "core/terrain/triangle_terrain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::fuzz;
+
+namespace {
+
+/// Small whole numbers, so that lines meet and run along each other, or any.
+double coordinate(Bytes &r_bytes) {
+	return r_bytes.chance(2) ? static_cast<double>(r_bytes.below(9)) - 4.0 : r_bytes.number(-5.0, 5.0);
+}
+
+glm::dvec3 read_vector(Bytes &r_bytes) {
+	const double x = coordinate(r_bytes);
+	const double y = coordinate(r_bytes);
+	return {x, y, coordinate(r_bytes)};
+}
+
+/// One of a few turns that are orthonormal, or nearly, or anything.
+glm::dmat3 read_axes(Bytes &r_bytes) {
+	glm::dmat3 axes(1.0);
+	switch (r_bytes.below(4)) {
+		case 0: axes = glm::dmat3({0.8, -0.6, 0.0}, {0.6, 0.8, 0.0}, {0.0, 0.0, 1.0}); break;
+		case 1: axes = glm::dmat3({0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}); break;
+		case 2: axes[1].x = r_bytes.number(-1e-6, 1e-6); break;
+		default: break;
+	}
+	if (r_bytes.chance(16)) {
+		axes[r_bytes.below(3) % 3] = read_vector(r_bytes);
+	}
+	return axes;
+}
+
+Shape read_shape(Bytes &r_bytes) {
+	Shape shape;
+	shape.kind = static_cast<ShapeKind>(r_bytes.below(r_bytes.chance(32) ? 7 : 5));
+	shape.exclude = r_bytes.chance(3);
+	shape.ignore_height = r_bytes.chance(2);
+	shape.falloff = r_bytes.chance(3) ? 0.0 : r_bytes.number(0.0, 4.0);
+	shape.center = read_vector(r_bytes);
+	shape.axes = read_axes(r_bytes);
+	shape.half_size = {r_bytes.number(0.1, 5.0), r_bytes.number(0.1, 5.0), r_bytes.number(0.1, 5.0)};
+	for (std::uint32_t points = r_bytes.below(24); points > 0; --points) {
+		const double x = coordinate(r_bytes);
+		shape.outline.emplace_back(x, coordinate(r_bytes));
+	}
+	return shape;
+}
+
+double chance_of(const ShapeSet &set, glm::dvec3 place) {
+	std::vector<std::uint32_t> near;
+	const glm::dvec2 flat(place.x, place.z);
+	set.near({flat, flat}, near);
+	return set.chance(near, place);
+}
+
+void check_shapes(Bytes &r_bytes) {
+	std::vector<Shape> shapes;
+	for (std::uint32_t count = r_bytes.below(5); count > 0; --count) {
+		Shape shape = read_shape(r_bytes);
+		const bool sound = validate(shape).ok();
+		promise(ShapeSet().set({shape}).ok() == sound, "a set takes what is valid and nothing else");
+		if (sound) {
+			const Rect reach = bounds(shape);
+			promise(reach.finite() && reach.min.x <= reach.max.x && reach.min.y <= reach.max.y,
+					"bounds are a rectangle");
+			shapes.push_back(shape);
+		}
+	}
+	ShapeSet set;
+	promise(set.set(shapes).ok(), "valid shapes are taken");
+	const Rect all{{-1e12, -1e12}, {1e12, 1e12}};
+	std::vector<std::uint32_t> every;
+	set.near(all, every);
+	promise(every.size() == shapes.size(), "all shapes are near everywhere");
+	for (int i = 0; i < 20; ++i) {
+		glm::dvec3 place = read_vector(r_bytes);
+		if (!shapes.empty() && r_bytes.chance(3)) {
+			const Shape &shape = shapes[r_bytes.below(static_cast<std::uint32_t>(shapes.size()))];
+			place = shape.outline.empty() ? shape.center : glm::dvec3(shape.outline[0].x, place.y, shape.outline[0].y);
+		}
+		const double chance = chance_of(set, place);
+		promise(chance >= 0.0 && chance <= 1.0, "a chance is between 0 and 1");
+		promise(chance == set.chance(every, place), "shapes that are not near change nothing");
+		for (Shape shape : shapes) {
+			shape.exclude = false;
+			ShapeSet alone;
+			promise(alone.set({shape}).ok(), "a valid shape is taken alone");
+			promise(alone.chance({}, place) == 0.0, "an including shape that is not near includes nothing");
+			promise(chance_of(alone, place) == 0.0 || bounds(shape).contains({place.x, place.z}),
+					"outside of its bounds a shape has no influence");
+		}
+	}
+}
+
+bool sound_ground(const Ground &ground, double lowest, double highest) {
+	const glm::dvec3 normal(ground.normal);
+	const double length = std::sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
+	return std::isnan(ground.height) ||
+			(ground.height >= static_cast<float>(lowest) && ground.height <= static_cast<float>(highest) &&
+					std::abs(length - 1.0) < 1e-6 && normal.y >= 0.0);
+}
+
+void check_triangles(Bytes &r_bytes) {
+	std::vector<glm::dvec3> corners;
+	double lowest = std::numeric_limits<double>::infinity();
+	double highest = -lowest;
+	for (std::uint32_t count = 3 * r_bytes.below(30); count > 0; --count) {
+		corners.push_back(read_vector(r_bytes));
+		lowest = std::min(lowest, corners.back().y);
+		highest = std::max(highest, corners.back().y);
+	}
+	TriangleTerrain terrain;
+	if (!terrain.set(corners).ok()) {
+		return;
+	}
+	for (int i = 0; i < 20; ++i) {
+		const glm::dvec3 place = read_vector(r_bytes);
+		promise(sound_ground(terrain.at({place.x, place.z}), lowest, highest), "ground lies between the corners");
+	}
+	for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+		TriangleTerrain alone;
+		promise(alone.set(std::span(corners).subspan(i, 3)).ok(), "a triangle of a sound mesh is sound");
+		if (alone.area().empty()) {
+			continue;
+		}
+		for (std::size_t corner = i; corner < i + 3; ++corner) {
+			const glm::dvec2 place(corners[corner].x, corners[corner].z);
+			const float height = terrain.at(place).height;
+			promise(height >= alone.at(place).height, "a corner has ground, and no triangle more puts it lower");
+		}
+	}
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
+	Bytes bytes(data, size);
+	if (bytes.chance(2)) {
+		check_shapes(bytes);
+	} else {
+		check_triangles(bytes);
+	}
+	return 0;
+}
