@@ -102,6 +102,7 @@ def assert_passed(done):
         "test_terrains",
         "test_layer_rules",
         "test_layer_placement",
+        "test_shapes_node",
     ],
 )
 def test_script(godot, project, script):

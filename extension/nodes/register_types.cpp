@@ -3,6 +3,7 @@
 #include "nodes/poisson_sampler.hpp"
 #include "nodes/scatter_layer.hpp"
 #include "nodes/scatter_mask.hpp"
+#include "nodes/scatter_shape_3d.hpp"
 #include "nodes/scatter_terrain.hpp"
 #include "nodes/scatter_terrain_colliders.hpp"
 #include "nodes/scatter_terrain_flat.hpp"
@@ -33,6 +34,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterTerrainColliders);
 	GDREGISTER_CLASS(ScatterMask);
 	GDREGISTER_CLASS(ScatterLayer);
+	GDREGISTER_CLASS(ScatterShape3D);
 	GDREGISTER_CLASS(TerrainScatter3D);
 }
 

@@ -86,7 +86,7 @@ StagedTile::Part ScatterStage::make_part(const TileJob &job, MeshUpload &upload,
 		VisualPlace place = place_;
 		place.origin = Vector3(static_cast<real_t>(job.origin.x), static_cast<real_t>(job.origin.y),
 				static_cast<real_t>(job.origin.z));
-		part.visual.emplace(place, job.plan->settings.look, looks_[layer].meshes[mesh], upload.buffer, upload.aabb);
+		part.visual.emplace(place, job.plan->settings->look, looks_[layer].meshes[mesh], upload.buffer, upload.aabb);
 		part.visual->apply(looks_[layer].draw);
 		grow_box(upload.aabb, current_);
 		++upload_count_;

@@ -48,7 +48,7 @@ void report_tile(const TileKey &key, const Status &status) {
 ScatterStream::ScatterStream() : workers_(worker_count()) {}
 
 void ScatterStream::set_layers(
-		std::vector<StreamedLayer> layers, const std::vector<bool> &changed, const Ref<ScatterTerrain> &script) {
+		std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated, const Ref<ScatterTerrain> &script) {
 	std::vector<StreamLayer> ranges;
 	std::vector<LayerLook> looks;
 	for (const StreamedLayer &layer : layers) {
@@ -63,9 +63,13 @@ void ScatterStream::set_layers(
 	layers_ = std::move(layers);
 	script_ = script;
 	stage_.set_looks(std::move(looks));
-	for (std::uint32_t layer = 0; layer < changed.size(); ++layer) {
-		if (changed[layer]) {
+	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
+		if (outdated[layer].everywhere) {
 			streamer_.invalidate(layer);
+			continue;
+		}
+		for (const Rect &area : outdated[layer].areas) {
+			streamer_.invalidate(layer, area);
 		}
 	}
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/placement/layer_edits.hpp"
 #include "nodes/scatter_stage.hpp"
 #include "nodes/scatter_terrain.hpp"
 
@@ -39,13 +40,10 @@ class ScatterStream {
 public:
 	ScatterStream();
 
-	/// Replaces the layers and the ground. `changed[i]` says that layer i has to be made anew; what stands stays until
+	/// Replaces the layers and the ground. `outdated[i]` says where layer i has to be made anew; what stands stays until
 	/// then. `script` is asked for the ground of plans that have no terrain of their own.
-	void set_layers(std::vector<StreamedLayer> layers, const std::vector<bool> &changed,
+	void set_layers(std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated,
 			const godot::Ref<ScatterTerrain> &script);
-
-	/// Makes every tile of a layer anew.
-	void invalidate(std::uint32_t layer) { streamer_.invalidate(layer); }
 
 	/// One frame's work: what came from the workers is uploaded and what is wanted is requested, until `budget`
 	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still.

@@ -1,5 +1,7 @@
 #include "nodes/terrain_scatter_3d.hpp"
 
+#include "nodes/watch.hpp"
+
 #include <godot_cpp/classes/camera3d.hpp>
 #include <godot_cpp/classes/editor_interface.hpp>
 #include <godot_cpp/classes/engine.hpp>
@@ -8,9 +10,10 @@
 #include <godot_cpp/classes/world3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
 
-#include <algorithm>
+#include <glm/common.hpp>
+
 #include <cmath>
-#include <string>
+#include <limits>
 #include <utility>
 
 using namespace godot;
@@ -21,43 +24,16 @@ namespace {
 
 constexpr const char *class_name = "TerrainScatter3D";
 
-/// Metres from a mesh's origin to the farthest corner of its box.
-float reach_of(const Ref<Mesh> &mesh) {
-	if (mesh.is_null()) {
-		return 0.0F;
-	}
-	const AABB box = mesh->get_aabb();
-	const Vector3 far_corner = box.position.abs().max((box.position + box.size).abs());
-	return static_cast<float>(far_corner.length());
-}
+/// Metres around a change of the ground in which slopes may be others: heights are compared over less than that.
+constexpr double slope_margin = 1.0;
 
-/// The reach of each mesh of a layer, at any distance.
-std::vector<float> reaches_of(const LayerLook &look) {
-	std::vector<float> reaches;
-	for (const Ref<Mesh> &mesh : look.meshes) {
-		reaches.push_back(reach_of(mesh));
-	}
-	for (std::size_t at = 0; at < look.lod_meshes.size(); ++at) {
-		float &reach = reaches[at % reaches.size()];
-		reach = std::max(reach, reach_of(look.lod_meshes[at]));
-	}
-	for (float &reach : reaches) {
-		reach *= static_cast<float>(compensating_scale(look.detail, look.detail.thin_density));
-	}
-	return reaches;
-}
-
-/// Shows nothing, and asks for as few tiles as there can be.
-StreamedLayer absent_layer() {
-	LayerPlan plan;
-	plan.wanted = false;
-	return {std::make_shared<LayerPlan>(std::move(plan)), {1e6, 0.0}, {}};
-}
-
-bool same_tiles(const StreamedLayer &a, const StreamedLayer &b) {
-	return a.plan->settings == b.plan->settings && a.plan->wanted == b.plan->wanted &&
-			a.plan->terrain == b.plan->terrain && a.plan->mesh_reach == b.plan->mesh_reach &&
-			a.look.meshes == b.look.meshes && a.look.lod_meshes == b.look.lod_meshes;
+/// A rectangle of the engine; all of the world for one without an area, or that is not finite.
+Rect world_rect(const Rect2 &p_rect) {
+	constexpr double infinity = std::numeric_limits<double>::infinity();
+	const glm::dvec2 corner{p_rect.position.x, p_rect.position.y};
+	const glm::dvec2 other = corner + glm::dvec2{p_rect.size.x, p_rect.size.y};
+	const Rect rect{glm::min(corner, other), glm::max(corner, other)};
+	return rect.empty() || !rect.finite() ? Rect{glm::dvec2(-infinity), glm::dvec2(infinity)} : rect;
 }
 
 } // namespace
@@ -104,10 +80,13 @@ void TerrainScatter3D::stop() {
 }
 
 void TerrainScatter3D::process_frame() {
+	if (shapes_.paths_changed()) {
+		mark_edited();
+	}
 	if (dirty_) {
 		refresh();
 	}
-	if (terrain_.is_valid() && !streamed_.empty()) {
+	if (terrain_.is_valid() && !plans_.streamed().empty()) {
 		const std::vector<Viewer> viewers = find_viewers();
 		if (!viewers.empty()) {
 			stream_.stage().set_limits(draw_limits());
@@ -138,64 +117,73 @@ void TerrainScatter3D::emit_events() {
 	was_idle_ = idle;
 }
 
-void TerrainScatter3D::mark_dirty() {
+void TerrainScatter3D::mark_edited() {
 	dirty_ = true;
 	was_idle_ = false;
+}
+
+void TerrainScatter3D::mark_dirty() {
+	mark_edited();
 	update_configuration_warnings();
+	shapes_.update_warnings(); // They may name layers.
 }
 
 void TerrainScatter3D::mark_ground_dirty() {
-	ground_dirty_ = true;
+	ground_change_.everywhere = true;
 	mark_dirty();
 }
 
-StreamedLayer TerrainScatter3D::streamed_layer(std::size_t p_place, const Ref<ScatterLayer> &p_layer) {
-	if (p_layer.is_null()) {
-		return absent_layer();
+void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
+	const Rect rect = world_rect(p_rect);
+	ground_change_.everywhere = ground_change_.everywhere || !rect.finite();
+	ground_change_.add(rect, slope_margin);
+	mark_edited();
+}
+
+void TerrainScatter3D::mark_area_edited(const Rect2 &) { mark_edited(); }
+
+void TerrainScatter3D::add_shape(ScatterShape3D *p_shape) {
+	shapes_.add(p_shape);
+	mark_edited();
+}
+
+void TerrainScatter3D::remove_shape(ScatterShape3D *p_shape) {
+	shapes_.remove(p_shape);
+	mark_edited();
+}
+
+void TerrainScatter3D::shape_changed(const ScatterShape3D *p_shape) {
+	shapes_.mark(p_shape);
+	mark_edited();
+}
+
+bool TerrainScatter3D::has_layer_named(const String &p_name) const {
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		const Ref<ScatterLayer> layer = layer_at(place);
+		if (layer.is_valid() && layer->get_name() == p_name) {
+			return true;
+		}
 	}
-	const Status status = p_layer->check();
-	report(("layers[" + std::to_string(p_place) + "]: ScatterLayer").c_str(), status);
-	if (!status.ok()) {
-		return p_place < streamed_.size() ? streamed_[p_place] : absent_layer();
-	}
-	StreamedLayer streamed;
-	streamed.look = {{p_layer->numbers(), p_layer->integers(), p_layer->get_material_override()}, p_layer->mesh_list(),
-			p_layer->lod_mesh_list(), p_layer->detail()};
-	streamed.range = p_layer->streaming();
-	LayerPlan plan;
-	plan.settings = p_layer->settings(static_cast<std::uint64_t>(seed_), p_place);
-	plan.terrain = ground_;
-	plan.mesh_reach = reaches_of(streamed.look);
-	streamed.plan = std::make_shared<LayerPlan>(std::move(plan));
-	return streamed;
+	return false;
 }
 
 void TerrainScatter3D::refresh() {
 	dirty_ = false;
 	set_physics_process_internal(terrain_.is_valid() && terrain_->needs_physics_frames());
-	const bool new_ground = std::exchange(ground_dirty_, false);
-	if (new_ground && terrain_.is_valid()) {
+	ScatterGround ground{static_cast<std::uint64_t>(seed_), nullptr, std::exchange(ground_change_, {})};
+	if (!ground.changed.empty() && terrain_.is_valid()) {
 		ground_ = terrain_->snapshot();
 	}
+	ground.terrain = ground_;
 	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
+	shapes_.update();
 	if (!grounded || layers_.is_empty()) {
 		stream_.stop();
-		streamed_.clear();
+		plans_.clear();
 		return;
 	}
-	std::vector<StreamedLayer> next;
-	std::vector<bool> changed;
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		const auto index = static_cast<std::size_t>(place);
-		next.push_back(streamed_layer(index, layer_at(place)));
-		const bool same = index < streamed_.size() && same_tiles(streamed_[index], next.back());
-		if (same) {
-			next.back().plan = streamed_[index].plan;
-		}
-		changed.push_back(!same || new_ground);
-	}
-	streamed_ = next;
-	stream_.set_layers(std::move(next), changed, terrain_);
+	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, shapes_);
+	stream_.set_layers(plans_.streamed(), outdated, terrain_);
 }
 
 Node3D *TerrainScatter3D::active_camera() const {
@@ -235,26 +223,17 @@ void TerrainScatter3D::set_seed(int64_t p_seed) {
 
 int64_t TerrainScatter3D::get_seed() const { return seed_; }
 
-// Connects to methods by their names: the connection outlives this C++ object when the extension is loaded anew.
-void TerrainScatter3D::watch(Resource *p_resource, const StringName &p_method, bool p_watch) {
-	const Callable on_change(this, p_method);
-	if (p_resource == nullptr || p_resource->is_connected("changed", on_change) == p_watch) {
-		return;
-	}
-	if (p_watch) {
-		p_resource->connect("changed", on_change);
-	} else {
-		p_resource->disconnect("changed", on_change);
-	}
-}
-
 void TerrainScatter3D::watch_layers(bool p_watch) {
 	for (int64_t place = 0; place < layers_.size(); ++place) {
-		watch(layer_at(place).ptr(), "_mark_dirty", p_watch);
+		watch(layer_at(place).ptr(), "changed", this, "_mark_dirty", p_watch);
+		watch(layer_at(place).ptr(), "area_changed", this, "_mark_area_edited", p_watch);
 	}
 }
 
-void TerrainScatter3D::watch_terrain(bool p_watch) { watch(terrain_.ptr(), "_mark_ground_dirty", p_watch); }
+void TerrainScatter3D::watch_terrain(bool p_watch) {
+	watch(terrain_.ptr(), "changed", this, "_mark_ground_dirty", p_watch);
+	watch(terrain_.ptr(), "terrain_changed", this, "_mark_ground_edited", p_watch);
+}
 
 void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
 	watch_layers(false);
@@ -317,6 +296,6 @@ int64_t TerrainScatter3D::get_preview_instances() const { return preview_instanc
 
 void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
 
-bool TerrainScatter3D::is_idle() const { return !dirty_ && (streamed_.empty() || stream_.idle()); }
+bool TerrainScatter3D::is_idle() const { return !dirty_ && (plans_.streamed().empty() || stream_.idle()); }
 
 } // namespace thicket

@@ -1,14 +1,17 @@
 #pragma once
 
+#include "nodes/layer_plans.hpp"
 #include "nodes/scatter_layer.hpp"
 #include "nodes/scatter_stream.hpp"
 #include "nodes/scatter_terrain.hpp"
+#include "nodes/shape_register.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/node_path.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/rect2.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
 #include <godot_cpp/variant/vector2i.hpp>
 
@@ -69,6 +72,18 @@ public:
 	godot::Array get_tile_ids(int64_t p_layer, const godot::Vector2i &p_tile) const;
 	int64_t get_tile_digest(int64_t p_layer, const godot::Vector2i &p_tile) const;
 
+	/// What stands in a half-open rectangle of world x and z, made at once on the calling thread, the main one: origin
+	/// (Vector3), and for each mesh of the layer its buffer (PackedFloat32Array, as get_tile_buffers), ids
+	/// (PackedInt64Array) and mesh (Mesh or null). A layer that does not exist and a rectangle that TileSampler refuses
+	/// print an error and give empty arrays.
+	godot::Dictionary build_rect(int64_t p_layer, const godot::Rect2 &p_rect);
+
+	/// A shape below this node enters the tree, leaves it, or is not what it was: what it touches is made anew.
+	void add_shape(ScatterShape3D *p_shape);
+	void remove_shape(ScatterShape3D *p_shape);
+	void shape_changed(const ScatterShape3D *p_shape);
+	bool has_layer_named(const godot::String &p_name) const;
+
 	/// What keeps the node from showing what it should, a sentence each; the editor shows them as warnings.
 	godot::PackedStringArray get_problems() const;
 	godot::PackedStringArray _get_configuration_warnings() const override { return get_problems(); }
@@ -81,17 +96,20 @@ private:
 	void start();
 	void stop();
 	void process_frame();
+	void mark_edited();
 	void mark_dirty();
 	void mark_ground_dirty();
+	void mark_ground_edited(const godot::Rect2 &p_rect);
+	void mark_area_edited(const godot::Rect2 &p_rect);
 	void refresh();
-	StreamedLayer streamed_layer(std::size_t p_place, const godot::Ref<ScatterLayer> &p_layer);
+	void add_layer_problems(godot::PackedStringArray &r_problems) const;
+	Status find_streamed(int64_t p_layer, StreamedLayer &r_streamed);
 	void emit_events();
 	DrawLimits draw_limits() const;
 	std::vector<Viewer> find_viewers() const;
 	godot::Node3D *active_camera() const;
 	godot::Ref<ScatterLayer> layer_at(int64_t p_place) const;
 	const StagedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile) const;
-	void watch(godot::Resource *p_resource, const godot::StringName &p_method, bool p_watch);
 	void watch_layers(bool p_watch);
 	void watch_terrain(bool p_watch);
 
@@ -104,11 +122,12 @@ private:
 	int64_t preview_instances_ = 250000;
 
 	ScatterStream stream_;
-	std::vector<StreamedLayer> streamed_; ///< As handed to the stream: the last good state of each layer.
+	LayerPlans plans_;
+	ShapeRegister shapes_;
 	std::shared_ptr<const Terrain> ground_;
+	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
 	bool running_ = false;
 	bool dirty_ = true;
-	bool ground_dirty_ = true;
 	bool was_idle_ = true;
 };
 

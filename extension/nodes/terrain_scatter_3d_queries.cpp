@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <set>
+#include <string>
 
 using namespace godot;
 
@@ -124,6 +126,38 @@ Dictionary TerrainScatter3D::get_stats() const {
 	return stats;
 }
 
+void TerrainScatter3D::add_layer_problems(PackedStringArray &r_problems) const {
+	std::vector<std::optional<NamedLayer>> named;
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		const Ref<ScatterLayer> layer = layer_at(place);
+		named.push_back(layer.is_valid() ? std::optional(names_of(*layer.ptr())) : std::nullopt);
+	}
+	std::vector<const NamedLayer *> names;
+	for (const std::optional<NamedLayer> &layer : named) {
+		names.push_back(layer ? &*layer : nullptr);
+	}
+	std::set<int64_t> ids;
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		const String where = "Layer " + String::num_int64(place) + ": ";
+		const Ref<ScatterLayer> layer = layer_at(place);
+		if (layer.is_null()) {
+			r_problems.push_back(where + String("empty, shows nothing."));
+			continue;
+		}
+		for (const String &problem : layer->problems()) {
+			r_problems.push_back(where + problem);
+		}
+		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(place))) {
+			r_problems.push_back(where + String(problem.c_str()));
+		}
+		const int64_t id = layer->integers().layer_id;
+		if (!ids.insert(id >= 0 ? id : place).second) {
+			r_problems.push_back(
+					where + String("has the same layer_id as another: both use the same random numbers and ids."));
+		}
+	}
+}
+
 PackedStringArray TerrainScatter3D::get_problems() const {
 	PackedStringArray warnings;
 	if (terrain_.is_null()) {
@@ -134,23 +168,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 	if (layers_.is_empty()) {
 		warnings.push_back("No layers: add a ScatterLayer to TerrainScatter3D.layers.");
 	}
-	std::set<int64_t> ids;
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		const String where = "Layer " + String::num_int64(place) + ": ";
-		const Ref<ScatterLayer> layer = layer_at(place);
-		if (layer.is_null()) {
-			warnings.push_back(where + String("empty, shows nothing."));
-			continue;
-		}
-		for (const String &problem : layer->problems()) {
-			warnings.push_back(where + problem);
-		}
-		const int64_t id = layer->integers().layer_id;
-		if (!ids.insert(id >= 0 ? id : place).second) {
-			warnings.push_back(
-					where + String("has the same layer_id as another: both use the same random numbers and ids."));
-		}
-	}
+	add_layer_problems(warnings);
 	for (int64_t viewer = 0; is_inside_tree() && viewer < viewers_.size(); ++viewer) {
 		if (Object::cast_to<Node3D>(get_node_or_null(viewers_[viewer])) == nullptr) {
 			warnings.push_back("Viewer " + String::num_int64(viewer) + " is no Node3D in this scene.");
@@ -177,6 +195,8 @@ void TerrainScatter3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_preview_instances"), &Self::get_preview_instances);
 	ClassDB::bind_method(D_METHOD("_mark_dirty"), &Self::mark_dirty);
 	ClassDB::bind_method(D_METHOD("_mark_ground_dirty"), &Self::mark_ground_dirty);
+	ClassDB::bind_method(D_METHOD("_mark_ground_edited", "rect"), &Self::mark_ground_edited);
+	ClassDB::bind_method(D_METHOD("_mark_area_edited", "rect"), &Self::mark_area_edited);
 	ClassDB::bind_method(D_METHOD("regenerate"), &Self::regenerate);
 	ClassDB::bind_method(D_METHOD("is_idle"), &Self::is_idle);
 	ClassDB::bind_method(D_METHOD("get_stats"), &Self::get_stats);
@@ -187,6 +207,7 @@ void TerrainScatter3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_tile_multimeshes", "layer", "tile"), &Self::get_tile_multimeshes);
 	ClassDB::bind_method(D_METHOD("get_tile_ids", "layer", "tile"), &Self::get_tile_ids);
 	ClassDB::bind_method(D_METHOD("get_tile_digest", "layer", "tile"), &Self::get_tile_digest);
+	ClassDB::bind_method(D_METHOD("build_rect", "layer", "rect"), &Self::build_rect);
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "terrain", PROPERTY_HINT_RESOURCE_TYPE, "ScatterTerrain"), "set_terrain",
 			"get_terrain");

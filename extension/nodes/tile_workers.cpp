@@ -135,13 +135,13 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 	const LayerPlan &plan = *job.plan;
 	TileBuilder &builder = worker.builder;
 	if (plan.terrain != nullptr) {
-		job.status = builder.build(plan.settings, *plan.terrain, job.request.rect, worker.tile, &job.cancelled);
+		job.status = builder.build(*plan.settings, *plan.terrain, job.request.rect, worker.tile, &job.cancelled);
 		finish(worker, job);
 		return;
 	}
 	// The points are found a second time once the ground is known: a script costs more than that, and no job has to
 	// hold a workspace while it waits for the main thread.
-	job.status = builder.find_points(plan.settings, job.request.rect, &job.cancelled);
+	job.status = builder.find_points(*plan.settings, job.request.rect, &job.cancelled);
 	if (job.status.ok() && job.step == TileJob::Step::start) {
 		job.positions.assign(builder.positions().begin(), builder.positions().end());
 		for (const GroundQuery &query : builder.queries()) {

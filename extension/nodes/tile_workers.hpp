@@ -18,10 +18,10 @@ namespace thicket {
 /// All that a worker needs to make the tiles of a layer. Immutable once shared, so that properties may change, and
 /// nodes go, while workers are at it.
 struct LayerPlan {
-	LayerSettings settings;
-	std::shared_ptr<const Terrain> terrain; ///< Null where the main thread has to ask a script for the ground.
-	std::vector<float> mesh_reach;          ///< Metres from each mesh's origin to its farthest corner, at scale 1.
-	bool wanted = true;                     ///< False for a layer that shows nothing: its tiles are empty.
+	std::shared_ptr<const LayerSettings> settings; ///< Never null.
+	std::shared_ptr<const Terrain> terrain;        ///< Null where the main thread has to ask a script for the ground.
+	std::vector<float> mesh_reach; ///< Metres from each mesh's origin to its farthest corner, at scale 1.
+	bool wanted = true;            ///< False for a layer that shows nothing: its tiles are empty.
 };
 
 /// The instances of one mesh in a finished tile, ready to upload.

@@ -168,3 +168,43 @@ func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[
 					Vector3(buffer[at + 2], buffer[at + 6], buffer[at + 10]),
 					origin + Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])))
 	return result
+
+
+## The instances of all shown tiles of a layer by their ids, as the RenderingServer has them.
+func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transform3D]:
+	var result: Dictionary[int, Transform3D] = {}
+	for tile: Vector2i in scatter.get_shown_tiles(layer):
+		var ids := PackedInt64Array()
+		for part: PackedInt64Array in scatter.get_tile_ids(layer, tile):
+			ids.append_array(part)
+		var standing := transforms(scatter, layer, tile)
+		check(ids.size() == standing.size(), "an id for each transform")
+		for index in ids.size():
+			result[ids[index]] = standing[index]
+	check(result.size() == _sum_of_ids(scatter, layer), "no id comes twice")
+	return result
+
+
+func _sum_of_ids(scatter: TerrainScatter3D, layer: int) -> int:
+	var sum := 0
+	for tile: Vector2i in scatter.get_shown_tiles(layer):
+		for part: PackedInt64Array in scatter.get_tile_ids(layer, tile):
+			sum += part.size()
+	return sum
+
+
+## Where an instance stands on the map.
+func on_map(at: Transform3D) -> Vector2:
+	return Vector2(at.origin.x, at.origin.z)
+
+
+## What stands in one of two states only, or in another way.
+func changed_places(before: Dictionary[int, Transform3D], after: Dictionary[int, Transform3D]) -> PackedVector2Array:
+	var places: PackedVector2Array
+	for id in before:
+		if not after.has(id) or after[id] != before[id]:
+			places.push_back(on_map(before[id]))
+	for id in after:
+		if not before.has(id):
+			places.push_back(on_map(after[id]))
+	return places

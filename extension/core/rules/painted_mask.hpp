@@ -83,6 +83,10 @@ public:
 	/// and changes nothing. Takes no more memory than some 20 bytes for each of the bytes.
 	Status from_bytes(std::span<const std::uint8_t> bytes);
 
+	/// Whether any density of two masks differs, and the world rectangle outside which none does; infinite if the masks have
+	/// not the same raster or background, empty if they are equal.
+	bool differs(const PaintedMask &other, Rect &r_area) const;
+
 	std::size_t block_count() const { return blocks_.size(); }
 
 	/// Equal in pixel size and in every density.

@@ -1,0 +1,111 @@
+#include "core/placement/layer_edits.hpp"
+
+#include "core/rules/shape_edits.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace thicket {
+
+namespace {
+
+bool holds(const Rect &outer, const Rect &inner) {
+	return outer.min.x <= inner.min.x && outer.min.y <= inner.min.y && inner.max.x <= outer.max.x &&
+			inner.max.y <= outer.max.y;
+}
+
+/// What decides where a layer's instances stand, without its neighbours and without what is edited in place.
+bool same_rules(const LayerSettings &a, const LayerSettings &b) {
+	const auto without_edits = [](const Rules &rules) {
+		Rules result = rules;
+		result.mask = nullptr;
+		result.shapes = nullptr;
+		return result;
+	};
+	return a.set == b.set && without_edits(a.rules) == without_edits(b.rules);
+}
+
+/// What decides how an instance looks where it stands.
+bool same_look(const LayerSettings &a, const LayerSettings &b) {
+	return a.placement == b.placement && a.look == b.look && a.mesh_weights == b.mesh_weights;
+}
+
+bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::vector<Rect> &r_areas) {
+	if (before == after) {
+		return true;
+	}
+	Rect area;
+	if (before == nullptr || after == nullptr) {
+		return false;
+	}
+	if (before->differs(*after, area)) {
+		r_areas.push_back(area);
+	}
+	return area.empty() || area.finite();
+}
+
+/// Edits of the layer's own mask and shapes.
+EditedArea own_edits(const Rules &before, const Rules &after) {
+	std::vector<Rect> areas;
+	EditedArea result;
+	result.everywhere = !find_shape_edits(before.shapes.get(), after.shapes.get(), areas) ||
+			!find_mask_edits(before.mask.get(), after.mask.get(), areas);
+	for (const Rect &area : areas) {
+		result.add(area, after.edge_feather);
+	}
+	return result;
+}
+
+} // namespace
+
+Rect grown(const Rect &area, double distance) {
+	const double margin = distance > 0.0 ? 1.001 * distance + 1e-6 : 0.0;
+	return {area.min - margin, area.max + margin};
+}
+
+void EditedArea::add(const Rect &area, double distance) {
+	const Rect more = grown(area, distance);
+	if (more.empty() || std::ranges::any_of(areas, [&more](const Rect &other) { return holds(other, more); })) {
+		return;
+	}
+	std::erase_if(areas, [&more](const Rect &other) { return holds(more, other); });
+	areas.push_back(more);
+}
+
+void EditedArea::add(const EditedArea &other, double distance) {
+	everywhere = everywhere || other.everywhere;
+	for (const Rect &area : other.areas) {
+		add(area, distance);
+	}
+}
+
+const EditedArea &EditSearch::find(const LayerSettings &before, const LayerSettings &after) {
+	const auto [at, is_new] = found_.try_emplace({&before, &after});
+	if (is_new) {
+		at->second = find_standing(before, after);
+		at->second.everywhere = at->second.everywhere || !same_look(before, after);
+	}
+	return at->second;
+}
+
+const EditedArea &EditSearch::find_standing(const LayerSettings &before, const LayerSettings &after) {
+	const auto [at, is_new] = standing_.try_emplace({&before, &after});
+	if (!is_new || &before == &after) {
+		return at->second;
+	}
+	EditedArea &area = at->second;
+	area.everywhere = !same_rules(before, after) || before.neighbours.size() != after.neighbours.size();
+	if (area.everywhere) {
+		return area;
+	}
+	area.add(own_edits(before.rules, after.rules));
+	for (std::size_t i = 0; i < after.neighbours.size(); ++i) {
+		const Neighbour &was = before.neighbours[i];
+		const Neighbour &is = after.neighbours[i];
+		area.everywhere = area.everywhere || was.distance != is.distance || was.curve != is.curve;
+		area.add(find_standing(*was.layer, *is.layer), is.distance);
+	}
+	return area;
+}
+
+} // namespace thicket

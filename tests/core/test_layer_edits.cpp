@@ -1,0 +1,203 @@
+// Which rectangles an edit touches: of shapes, masks and paths, through neighbours and edges.
+
+#include "core/placement/layer_edits.hpp"
+#include "core/rules/shape_edits.hpp"
+#include "refusal.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+Shape ball(glm::dvec2 at, double radius, bool exclude = true) {
+	Shape shape;
+	shape.kind = ShapeKind::sphere;
+	shape.exclude = exclude;
+	shape.center = {at.x, 0.0, at.y};
+	shape.half_size = {radius, 0.0, 0.0};
+	return shape;
+}
+
+std::shared_ptr<const ShapeSet> set_of(std::vector<Shape> shapes) {
+	auto set = std::make_shared<ShapeSet>();
+	REQUIRE(set->set(std::move(shapes)).ok());
+	return set;
+}
+
+std::shared_ptr<LayerSettings> layer_with(std::vector<Shape> shapes) {
+	auto layer = std::make_shared<LayerSettings>();
+	layer->rules.shapes = set_of(std::move(shapes));
+	return layer;
+}
+
+bool near(const Rect &a, const Rect &b, double tolerance = 0.01) {
+	const auto close = [tolerance](glm::dvec2 p, glm::dvec2 q) {
+		return std::abs(p.x - q.x) <= tolerance && std::abs(p.y - q.y) <= tolerance;
+	};
+	return close(a.min, b.min) && close(a.max, b.max);
+}
+
+bool holds(const std::vector<Rect> &areas, glm::dvec2 place) {
+	return std::ranges::any_of(areas, [place](const Rect &area) { return area.contains(place); });
+}
+
+} // namespace
+
+TEST_CASE("edits of shapes: a moved one touches where it was and where it is, whatever the order") {
+	const auto before = set_of({ball({0.0, 0.0}, 2.0), ball({50.0, 0.0}, 3.0), ball({90.0, 90.0}, 1.0)});
+	const auto after = set_of({ball({90.0, 90.0}, 1.0), ball({50.0, 10.0}, 3.0), ball({0.0, 0.0}, 2.0)});
+	std::vector<Rect> areas;
+	REQUIRE(find_shape_edits(before.get(), after.get(), areas));
+	REQUIRE(areas.size() == 2);
+	CHECK(near(areas[0], {{47.0, 7.0}, {53.0, 13.0}}));
+	CHECK(near(areas[1], {{47.0, -3.0}, {53.0, 3.0}}));
+	areas.clear();
+	CHECK(find_shape_edits(before.get(), before.get(), areas));
+	CHECK(find_shape_edits(nullptr, nullptr, areas));
+	CHECK(areas.empty());
+	// Two equal shapes are two.
+	const auto twice = set_of({ball({0.0, 0.0}, 2.0), ball({0.0, 0.0}, 2.0)});
+	const auto once = set_of({ball({0.0, 0.0}, 2.0)});
+	CHECK(find_shape_edits(twice.get(), once.get(), areas));
+	CHECK(areas.size() == 1);
+}
+
+TEST_CASE("edits of shapes: the first that includes, and the last, concern everything") {
+	const auto outside = set_of({ball({0.0, 0.0}, 2.0)});
+	const auto one = set_of({ball({0.0, 0.0}, 2.0), ball({9.0, 0.0}, 2.0, false)});
+	const auto two = set_of({ball({0.0, 0.0}, 2.0), ball({9.0, 0.0}, 2.0, false), ball({30.0, 0.0}, 2.0, false)});
+	std::vector<Rect> areas;
+	CHECK_FALSE(find_shape_edits(outside.get(), one.get(), areas));
+	CHECK_FALSE(find_shape_edits(one.get(), nullptr, areas));
+	CHECK(areas.empty());
+	CHECK(find_shape_edits(one.get(), two.get(), areas));
+	REQUIRE(areas.size() == 1);
+	CHECK(near(areas[0], {{28.0, -2.0}, {32.0, 2.0}}));
+}
+
+TEST_CASE("edits of shapes: a long path touches what lies along it") {
+	Shape road;
+	road.kind = ShapeKind::path;
+	road.half_size.x = 2.0;
+	for (int i = 0; i <= 1000; ++i) {
+		road.outline.emplace_back(i, i);
+	}
+	std::vector<Rect> areas;
+	add_touched(road, areas);
+	CHECK(areas.size() <= max_path_pieces);
+	CHECK_FALSE(holds(areas, {100.0, 900.0}));
+	for (const glm::dvec2 place : road.outline) {
+		CHECK(holds(areas, place + glm::dvec2(1.4, -1.4)));
+	}
+	road.outline.resize(2);
+	areas.clear();
+	add_touched(road, areas);
+	REQUIRE(areas.size() == 1);
+	CHECK(near(areas[0], bounds(road)));
+}
+
+TEST_CASE("edits of a mask: the pixels that differ, and as far as they are blended") {
+	PaintedMask before;
+	REQUIRE(before.reset(0.5, 1.0).ok());
+	PaintedMask after = before;
+	Rect area;
+	CHECK_FALSE(before.differs(after, area));
+	CHECK(area.empty());
+	Rect changed;
+	const std::vector<std::uint8_t> dark(6, 7);
+	// Over the corner of four blocks.
+	REQUIRE(after.write({{63, -1}, {66, 1}}, dark, changed).ok());
+	CHECK(before.differs(after, area));
+	CHECK(near(area, {{31.25, -0.75}, {33.25, 0.75}}, 1e-9));
+	CHECK(near(area, changed, 1e-9));
+	Rect back;
+	CHECK(after.differs(before, back));
+	CHECK(near(area, back, 0.0));
+	// Painted back, it is as if nothing had been.
+	const std::vector<std::uint8_t> bright(6, 255);
+	REQUIRE(after.write({{63, -1}, {66, 1}}, bright, changed).ok());
+	CHECK_FALSE(before.differs(after, area));
+
+	PaintedMask other;
+	REQUIRE(other.reset(0.25, 1.0).ok());
+	CHECK(before.differs(other, area));
+	CHECK_FALSE(area.finite());
+}
+
+TEST_CASE("edits of a layer: its own by its edge, its neighbours' by their distances, chained") {
+	const auto oak_before = layer_with({ball({0.0, 0.0}, 2.0)});
+	const auto oak_after = layer_with({});
+	const auto between = [](const std::shared_ptr<LayerSettings> &oak) {
+		auto birch = std::make_shared<LayerSettings>();
+		birch->set.layer = 1;
+		birch->neighbours = {{oak, 3.0, nullptr}};
+		auto fern = std::make_shared<LayerSettings>();
+		fern->set.layer = 2;
+		fern->neighbours = {{birch, 4.0, nullptr}, {oak, 1.0, nullptr}};
+		return fern;
+	};
+	oak_before->rules.edge_feather = oak_after->rules.edge_feather = 5.0;
+	const auto before = between(oak_before);
+	const auto after = between(oak_after);
+	EditSearch search;
+	const EditedArea own = search.find(*oak_before, *oak_after);
+	CHECK_FALSE(own.everywhere);
+	REQUIRE(own.areas.size() == 1);
+	CHECK(near(own.areas[0], {{-7.0, -7.0}, {7.0, 7.0}}, 0.02));
+	const EditedArea through = search.find(*before, *after);
+	CHECK_FALSE(through.everywhere);
+	REQUIRE(through.areas.size() == 1); // The shorter way lies within the longer one.
+	CHECK(near(through.areas[0], {{-14.0, -14.0}, {14.0, 14.0}}, 0.05));
+	CHECK(through.areas[0].min.x < -14.0);
+	CHECK(search.find(*before, *before).empty());
+}
+
+TEST_CASE("edits of a layer: a setting is no edit, and a neighbour's look does not matter") {
+	const auto oak = layer_with({});
+	LayerSettings before;
+	before.set.layer = 1;
+	before.neighbours = {{oak, 3.0, nullptr}};
+	EditSearch search;
+	const auto everywhere_after = [&](const auto &change) {
+		auto changed = std::make_shared<LayerSettings>(*oak);
+		LayerSettings after = before;
+		change(after, *changed);
+		after.neighbours[0].layer = changed;
+		const EditedArea area = EditSearch().find(before, after);
+		CHECK(area.areas.empty());
+		return area.everywhere;
+	};
+	CHECK_FALSE(everywhere_after([](LayerSettings &, LayerSettings &) {}));
+	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.rules.density = 0.5; }));
+	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.placement.max_scale = 2.0; }));
+	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.mesh_weights = {1.0f, 2.0f}; }));
+	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.neighbours[0].distance = 4.0; }));
+	CHECK(everywhere_after([](LayerSettings &, LayerSettings &other) { other.rules.density = 0.5; }));
+	CHECK(everywhere_after([](LayerSettings &, LayerSettings &other) { other.set.seed = 5; }));
+	CHECK_FALSE(everywhere_after([](LayerSettings &, LayerSettings &other) { other.placement.max_scale = 2.0; }));
+	CHECK_FALSE(everywhere_after([](LayerSettings &, LayerSettings &other) { other.mesh_weights = {1.0f, 2.0f}; }));
+	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) {
+		auto mask = std::make_shared<PaintedMask>();
+		own.rules.mask = mask;
+	}));
+}
+
+TEST_CASE("edited areas: none lies within another, and growing is generous") {
+	EditedArea area;
+	area.add(Rect{{0.0, 0.0}, {1.0, 1.0}});
+	area.add(Rect{{5.0, 5.0}, {6.0, 6.0}});
+	area.add(Rect{{0.2, 0.2}, {0.5, 0.5}});
+	area.add(Rect{{3.0, 3.0}, {3.0, 4.0}});
+	CHECK(area.areas.size() == 2);
+	area.add(Rect{{1.0, 1.0}, {2.0, 2.0}}, 5.0);
+	REQUIRE(area.areas.size() == 1);
+	CHECK(near(area.areas[0], {{-4.0, -4.0}, {7.0, 7.0}}));
+	CHECK(area.areas[0].min.x < -4.0);
+	CHECK(grown({{0.0, 0.0}, {1.0, 1.0}}, 0.0).max == glm::dvec2(1.0, 1.0));
+}

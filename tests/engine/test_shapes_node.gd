@@ -1,0 +1,383 @@
+extends "harness.gd"
+## ScatterShape3D: what it includes and excludes, what it follows, what it refuses and warns of, how long it counts.
+
+const BEYOND := 0.001 # Metres; how far a float may be off at these distances.
+
+
+func make_shape(kind: ScatterShape3D.Kind, exclude := true) -> ScatterShape3D:
+	var shape := ScatterShape3D.new()
+	shape.kind = kind
+	shape.exclude = exclude
+	return shape
+
+
+func make_field(layers := 1) -> TerrainScatter3D:
+	var list: Array[ScatterLayer] = []
+	for index in layers:
+		var layer := make_layer(1.5)
+		layer.resource_name = "layer %d" % index
+		list.push_back(layer)
+	return make_scatter(list, ScatterTerrainFlat.new(), make_viewer())
+
+
+## Exactly those of `before` stand for which `stays` holds, as they stood. Both kinds occur.
+func check_kept(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], stays: Callable, what: String) -> void:
+	var after := instances(scatter, 0)
+	var wrong := 0
+	var kept := 0
+	for id in before:
+		var stands := after.has(id)
+		kept += int(stands)
+		wrong += int(stands != stays.call(before[id].origin) or (stands and after[id] != before[id]))
+	check_equal(wrong, 0, what + ": wrong instances")
+	check_equal(kept, after.size(), what + ": nothing new")
+	check(kept > 50 and before.size() - kept > 20, "%s: %d of %d stand" % [what, kept, before.size()])
+
+
+func distance_to_line(at: Vector2, line: PackedVector2Array) -> float:
+	var nearest := INF
+	for index in line.size() - 1:
+		nearest = minf(nearest, at.distance_to(Geometry2D.get_closest_point_to_segment(at, line[index], line[index + 1])))
+	return nearest
+
+
+func test_kinds() -> void:
+	var scatter := make_field()
+	await settle(scatter)
+	var before := instances(scatter, 0)
+	var frame := Transform3D(Basis.from_euler(Vector3(0.4, 0.9, -0.3)).scaled_local(Vector3(2.0, 1.0, 0.5)),
+			Vector3(7.0, 1.0, -11.0))
+	var polygon := PackedVector2Array([Vector2(-9, -9), Vector2(12, -6), Vector2(0, 0), Vector2(10, 14), Vector2(-9, 9)])
+	for exclude: bool in [true, false]:
+		for kind: ScatterShape3D.Kind in [ScatterShape3D.KIND_BOX, ScatterShape3D.KIND_SPHERE, ScatterShape3D.KIND_CYLINDER,
+				ScatterShape3D.KIND_POLYGON]:
+			var shape := make_shape(kind, exclude)
+			shape.size = Vector3(14.0, 9.0, 30.0)
+			shape.radius = 16.0
+			shape.height = 60.0
+			shape.polygon = polygon
+			shape.transform = frame
+			if kind == ScatterShape3D.KIND_SPHERE:
+				shape.scale = Vector3.ONE
+			elif kind == ScatterShape3D.KIND_CYLINDER:
+				shape.scale = Vector3(1.0, 0.5, 1.0)
+			elif kind == ScatterShape3D.KIND_POLYGON:
+				shape.rotation = Vector3(0.0, 0.9, 0.0)
+			scatter.add_child(shape)
+			await settle(scatter)
+			check_kept(scatter, before, func(at: Vector3) -> bool: return within(shape, at) != exclude,
+					"kind %d, exclude %s" % [kind, exclude])
+			shape.free()
+			await settle(scatter)
+			check(instances(scatter, 0) == before, "all is back after kind %d" % kind)
+
+
+func within(shape: ScatterShape3D, at: Vector3) -> bool:
+	var local := shape.global_transform.affine_inverse() * at
+	match shape.kind:
+		ScatterShape3D.KIND_BOX:
+			return absf(local.x) < 0.5 * shape.size.x and absf(local.y) < 0.5 * shape.size.y and absf(local.z) < 0.5 * shape.size.z
+		ScatterShape3D.KIND_SPHERE:
+			return at.distance_to(shape.global_position) < shape.radius
+		ScatterShape3D.KIND_CYLINDER:
+			return Vector2(local.x, local.z).length() < shape.radius and absf(local.y) < 0.5 * shape.height
+	return Geometry2D.is_point_in_polygon(Vector2(local.x, local.z), shape.polygon)
+
+
+func make_curve(points: PackedVector3Array) -> Curve3D:
+	var curve := Curve3D.new()
+	for point in points:
+		curve.add_point(point, Vector3(-4, 0, -2), Vector3(4, 0, 2))
+	return curve
+
+
+func make_path(points: PackedVector3Array) -> Path3D:
+	var path := Path3D.new()
+	path.curve = make_curve(points)
+	return path
+
+
+## The instances near a path, which are those that have gone, and no others.
+func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], path: Path3D, what: String) -> void:
+	await settle(scatter)
+	var line: PackedVector2Array
+	for point in path.curve.get_baked_points():
+		var world := path.global_transform * point
+		line.push_back(Vector2(world.x, world.z))
+	var after := instances(scatter, 0)
+	var gone := 0
+	var wrong := 0
+	for id in before:
+		var distance := distance_to_line(on_map(before[id]), line)
+		gone += int(not after.has(id))
+		# The outline may lie a centimetre beside the curve.
+		wrong += int(not after.has(id) and distance > 2.5 + 0.011) + int(after.has(id) and distance < 2.5 - 0.011)
+	check_equal(wrong, 0, what + ": wrong instances")
+	check(gone > 20, "%s: %d are gone" % [what, gone])
+
+
+func test_paths() -> void:
+	var scatter := make_field()
+	await settle(scatter)
+	var before := instances(scatter, 0)
+	var path := make_path([Vector3(-30, 5, -20), Vector3(0, 900, 10), Vector3(40, -3, 0)])
+	root.add_child(path)
+	var shape := make_shape(ScatterShape3D.KIND_PATH)
+	shape.width = 5.0
+	scatter.add_child(shape)
+	shape.path = shape.get_path_to(path)
+	await check_path(scatter, before, path, "a path elsewhere")
+	shape.position = Vector3(50, 0, 50)
+	await check_path(scatter, before, path, "the shape moved")
+	path.transform = Transform3D(Basis(Vector3.UP, 1.0), Vector3(3.0, 0.0, -4.0))
+	await check_path(scatter, before, path, "the path moved")
+	path.curve.set_point_position(1, Vector3(10, 0, -30))
+	await check_path(scatter, before, path, "a point of the curve moved")
+	path.curve = make_curve([Vector3(-20, 0, 0), Vector3(20, 0, 0)])
+	await check_path(scatter, before, path, "another curve")
+	root.remove_child(path)
+	await settle(scatter)
+	check(instances(scatter, 0) == before, "a path outside of the tree")
+	scatter.add_child(path)
+	shape.path = NodePath()
+	shape.reparent(path)
+	await check_path(scatter, before, path, "the parent's path")
+	path.free()
+	await settle(scatter)
+	check(instances(scatter, 0) == before, "path and shape are gone")
+
+
+func test_ignore_height_and_falloff() -> void:
+	var scatter := make_field()
+	await settle(scatter)
+	var before := instances(scatter, 0)
+	var shape := make_shape(ScatterShape3D.KIND_CYLINDER)
+	shape.radius = 20.0
+	shape.position.y = 100.0
+	scatter.add_child(shape)
+	await settle(scatter)
+	check(instances(scatter, 0) == before, "high above the ground")
+	shape.ignore_height = true
+	await settle(scatter)
+	check_kept(scatter, before, func(at: Vector3) -> bool: return Vector2(at.x, at.z).length() >= 20.0, "its shadow")
+	var sharp := instances(scatter, 0)
+	shape.falloff = 15.0
+	await settle(scatter)
+	var soft := instances(scatter, 0)
+	var deep := 0
+	var outer := 0
+	for id in soft:
+		check(before.has(id), "a rule adds nothing")
+		deep += int(on_map(soft[id]).length() < 5.0 - BEYOND)
+		outer += int(not sharp.has(id))
+	check_equal(deep, 0, "instances deeper than the falloff")
+	check(outer > 50, "%d stand in the falloff" % outer)
+	for id in sharp:
+		check(soft.has(id), "nothing goes outside")
+
+
+func test_layers_by_name() -> void:
+	var scatter := make_field(3)
+	await settle(scatter)
+	var before := [digests(scatter, 0), digests(scatter, 1), digests(scatter, 2)]
+	var shape := make_shape(ScatterShape3D.KIND_SPHERE)
+	shape.radius = 20.0
+	shape.layer_names = PackedStringArray(["layer 1", "layer 2"])
+	scatter.add_child(shape)
+	await settle(scatter)
+	for layer in 3:
+		check_equal(digests(scatter, layer) == before[layer], layer == 0, "layer %d is as before" % layer)
+	scatter.layers[1].resource_name = "other"
+	await settle(scatter)
+	check(digests(scatter, 1) == before[1], "a layer of another name")
+	check_equal(shape.get_problems().size(), 1, "problems with an unknown name")
+	check("\"layer 1\"" in shape.get_problems()[0], "the name is said")
+	shape.layer_names = PackedStringArray()
+	await settle(scatter)
+	for layer in 3:
+		check(digests(scatter, layer) != before[layer], "no names: layer %d" % layer)
+	check_equal(shape.get_problems().size(), 0, "problems")
+
+
+func test_hidden_shapes() -> void:
+	var scatter := make_field()
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	var between := Node3D.new()
+	scatter.add_child(between)
+	var shape := make_shape(ScatterShape3D.KIND_SPHERE)
+	between.add_child(shape)
+	await settle(scatter)
+	var with_shape := digests(scatter, 0)
+	check(with_shape != before, "a shape at some depth counts")
+	for node: Node3D in [shape, between]:
+		node.hide()
+		await settle(scatter)
+		check(digests(scatter, 0) == before, "hidden")
+		node.show()
+		await settle(scatter)
+		check(digests(scatter, 0) == with_shape, "shown again")
+	var made: int = scatter.get_stats()["tiles_made"]
+	scatter.hide()
+	await settle(scatter)
+	scatter.show()
+	await settle(scatter)
+	check_equal(scatter.get_stats()["tiles_made"], made, "a hidden scatter makes nothing anew")
+
+
+func test_comes_and_goes() -> void:
+	var scatter := make_field()
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	var shape := make_shape(ScatterShape3D.KIND_BOX)
+	scatter.add_child(shape)
+	await settle(scatter)
+	var with_shape := digests(scatter, 0)
+	scatter.remove_child(shape)
+	await settle(scatter)
+	check(digests(scatter, 0) == before, "out of the tree")
+	shape.position.x = 3.0
+	shape.position.x = 0.0
+	scatter.add_child(shape)
+	await settle(scatter)
+	check(digests(scatter, 0) == with_shape, "back in the tree")
+	root.remove_child(scatter)
+	root.add_child(scatter)
+	await settle(scatter)
+	check(digests(scatter, 0) == with_shape, "with its scatter")
+	var other := make_field()
+	shape.reparent(other)
+	await settle(scatter)
+	await settle(other)
+	check(digests(scatter, 0) == before, "taken away")
+	check(digests(other, 0) == with_shape, "below another scatter")
+	other.remove_child(shape)
+	other.free()
+	check_equal(shape.get_problems().size(), 0, "outside of the tree there is nothing to warn of")
+	root.add_child(shape)
+	check("TerrainScatter3D" in "".join(shape.get_problems()), "a shape belongs below a scatter")
+	shape.free()
+	shape = make_shape(ScatterShape3D.KIND_BOX)
+	scatter.add_child(shape)
+	await frames(1)
+	scatter.free()
+	check(not is_instance_valid(shape), "freed with its scatter")
+
+
+func test_freed_in_any_frame() -> void:
+	for round in 12:
+		var scatter := make_field()
+		var shapes: Array[ScatterShape3D] = []
+		for index in 4:
+			shapes.push_back(make_shape(index as ScatterShape3D.Kind, index % 2 == 0))
+			scatter.add_child(shapes[-1])
+		await frames(round % 4)
+		shapes[0].queue_free()
+		shapes[1].position.x += 5.0
+		shapes[2].free()
+		await frames(round % 3)
+		if round % 2:
+			scatter.queue_free()
+		else:
+			scatter.free()
+		await frames(1)
+		check(not is_instance_valid(shapes[3]), "gone")
+
+
+func test_saved_and_loaded() -> void:
+	var scatter := make_field()
+	var path := make_path([Vector3(-20, 0, 0), Vector3(20, 0, 9)])
+	scatter.add_child(path)
+	path.owner = scatter
+	var kinds := [ScatterShape3D.KIND_BOX, ScatterShape3D.KIND_POLYGON, ScatterShape3D.KIND_PATH]
+	for kind: ScatterShape3D.Kind in kinds:
+		var shape := make_shape(kind)
+		shape.polygon = PackedVector2Array([Vector2(20, 20), Vector2(40, 20), Vector2(20, 45)])
+		shape.layer_names = PackedStringArray(["layer 0"])
+		path.add_child(shape)
+		shape.owner = scatter
+	await settle(scatter)
+	var packed := PackedScene.new()
+	check_equal(packed.pack(scatter), OK, "packing")
+	var copy: TerrainScatter3D = packed.instantiate()
+	copy.viewers = []
+	root.add_child(copy)
+	copy.viewers = [copy.get_path_to(make_viewer())]
+	await settle(copy)
+	check(digests(copy, 0) == digests(scatter, 0), "the same instances")
+
+
+func test_what_is_refused() -> void:
+	var shape := ScatterShape3D.new()
+	for property: String in ["falloff", "radius", "height", "width"]:
+		for value: float in [NAN, INF, -1.0, 1e9]:
+			var good: float = shape.get(property)
+			shape.set(property, value)
+			check_error(["ScatterShape3D." + property], "%s = %s" % [property, value])
+			check_equal(shape.get(property), good, property)
+	for size: Vector3 in [Vector3(1, 0, 1), Vector3(NAN, 1, 1), Vector3(1, 1, -2), Vector3(1e8, 1, 1)]:
+		shape.size = size
+		check_error(["ScatterShape3D.size"], "size %s" % size)
+	shape.polygon = PackedVector2Array([Vector2(0, 0), Vector2(INF, 0), Vector2(0, 1)])
+	check_error(["ScatterShape3D.polygon", "finite"], "a corner at infinity")
+	var large: PackedVector2Array
+	large.resize(65537)
+	shape.polygon = large
+	check_error(["ScatterShape3D.polygon", "65537"], "too many corners")
+	shape.set("kind", 5)
+	check_error(["ScatterShape3D.kind", "5"], "no such kind")
+	check(shape.size == Vector3(10, 10, 10) and shape.polygon.is_empty() and shape.kind == 0, "all is as it was")
+	shape.free()
+
+
+func test_shear_and_scales() -> void:
+	var scatter := make_field()
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	var stretched := Node3D.new()
+	stretched.scale = Vector3(3.0, 1.0, 1.0)
+	scatter.add_child(stretched)
+	var shape := make_shape(ScatterShape3D.KIND_BOX)
+	shape.rotation.y = 0.5
+	stretched.add_child(shape)
+	await settle(scatter)
+	check_error(["ScatterShape3D.shear"], "a sheared box")
+	check(digests(scatter, 0) == before, "it has no effect")
+	check("shear" in "".join(shape.get_problems()), "and says so")
+	shape.position.x = 2.0
+	await settle(scatter)
+	check_no_error("the same trouble again")
+	shape.rotation.y = 0.0
+	await settle(scatter)
+	check(digests(scatter, 0) != before, "a stretched box is a box")
+	check_equal(shape.get_problems().size(), 0, "problems of a box")
+	shape.kind = ScatterShape3D.KIND_SPHERE
+	check("largest" in "".join(shape.get_problems()), "a sphere has one radius")
+	shape.scale = Vector3(0, 1, 1)
+	await settle(scatter)
+	errors.take() # The engine has no inverse of such a basis either.
+	check(digests(scatter, 0) == before, "nothing is left of it")
+
+
+func test_problems() -> void:
+	var scatter := make_field()
+	var shape := make_shape(ScatterShape3D.KIND_POLYGON)
+	scatter.add_child(shape)
+	shape.polygon = PackedVector2Array([Vector2(0, 0), Vector2(9, 0)])
+	check("fewer than 3 corners" in "".join(shape.get_problems()), "two corners")
+	shape.polygon.push_back(Vector2(9, 9))
+	shape.polygon = PackedVector2Array([Vector2(0, 0), Vector2(9, 0), Vector2(9, 9)])
+	check_equal(shape.get_problems().size(), 0, "three corners")
+	shape.kind = ScatterShape3D.KIND_PATH
+	check("No path" in "".join(shape.get_problems()), "no path")
+	shape.path = ^".."
+	check("No path" in "".join(shape.get_problems()), "a node that is no path")
+	var path := Path3D.new()
+	scatter.add_child(path)
+	shape.path = shape.get_path_to(path)
+	check("2 points" in "".join(shape.get_problems()), "a path without a curve")
+	path.curve = make_curve([Vector3.ZERO])
+	check("2 points" in "".join(shape.get_problems()), "a curve of one point")
+	path.curve.add_point(Vector3(5, 0, 5))
+	check_equal(shape.get_problems().size(), 0, "a path")
+	await settle(scatter)
