@@ -63,6 +63,7 @@ def test_examples_run(godot, project):
     assert not re.search(r"^(SCRIPT )?(ERROR|WARNING)", printed, re.MULTILINE), printed
     shown = re.search(r"example 0 shows (\d+)", done.stdout)
     assert shown and int(shown.group(1)) > 10_000, printed
+    assert all(int(count) > 100 for count in re.findall(r"example \d+ shows (\d+)", done.stdout)), printed
     assert re.search(r"example 1 height 1\.91", done.stdout), printed  # 4 sin(0.5) = 1.9177
     assert re.search(r"\d{3,} points; the first is \d+ at", done.stdout), printed
 
