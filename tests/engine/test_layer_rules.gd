@@ -169,30 +169,33 @@ func test_textures_too_large() -> void:
 	check_equal(instances(scatter).size(), 0, "as many as can be, all black")
 
 
+## On worker threads, and asked on the main thread.
 func test_ground_textures() -> void:
 	var node := Textured.new()
 	root.add_child(node)
-	var terrain := ScatterTerrainObject.new()
-	terrain.thread_safe = true
-	var layer := make_layer()
-	var scatter := scatter_on_hillside(layer)
-	layer.view_distance = 40.0
-	terrain.node = scatter.get_path_to(node)
-	scatter.terrain = terrain
-	await settle(scatter)
 	var part := func(at: Vector3) -> float: return clampf(0.5 + at.x / 60.0, 0.0, 1.0)
-	await check_rule(scatter, "ground_textures", PackedInt32Array([5]), part)
-	await check_rule(scatter, "ground_textures", PackedInt32Array([9, 2]), func(at: Vector3) -> float: return 1.0 - part.call(at))
-	var whole := instances(scatter)
-	layer.ground_textures = [2, 5]
-	await settle(scatter)
-	check(instances(scatter).size() > whole.size() - 5, "both are all of the ground, but for a rounding")
-	layer.ground_textures = [3]
-	await settle(scatter)
-	check_equal(instances(scatter).size(), 0, "instances on a texture that is nowhere")
-	scatter.terrain = hillside()
-	await settle(scatter)
-	check(instances(scatter).size() > 1000, "a terrain without textures allows all")
+	for thread_safe: bool in [true, false]:
+		var terrain := ScatterTerrainObject.new()
+		terrain.thread_safe = thread_safe
+		var layer := make_layer()
+		var scatter := scatter_on_hillside(layer)
+		layer.view_distance = 40.0
+		terrain.node = scatter.get_path_to(node)
+		scatter.terrain = terrain
+		await settle(scatter)
+		await check_rule(scatter, "ground_textures", PackedInt32Array([5]), part)
+		await check_rule(scatter, "ground_textures", PackedInt32Array([9, 2]), func(at: Vector3) -> float: return 1.0 - part.call(at))
+		var whole := instances(scatter)
+		layer.ground_textures = [2, 5]
+		await settle(scatter)
+		check(instances(scatter).size() > whole.size() - 5, "both are all of the ground, but for a rounding")
+		layer.ground_textures = [3]
+		await settle(scatter)
+		check_equal(instances(scatter).size(), 0, "instances on a texture that is nowhere")
+		scatter.terrain = hillside()
+		await settle(scatter)
+		check(instances(scatter).size() > 1000, "a terrain without textures allows all")
+		scatter.free()
 
 
 func test_clumps() -> void:
