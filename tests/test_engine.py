@@ -103,6 +103,7 @@ def assert_passed(done):
         "test_layer_rules",
         "test_layer_placement",
         "test_shapes_node",
+        "test_edits",
     ],
 )
 def test_script(godot, project, script):

@@ -198,11 +198,12 @@ func on_map(at: Transform3D) -> Vector2:
 	return Vector2(at.origin.x, at.origin.z)
 
 
-## What stands in one of two states only, or in another way.
+## What stands in one of two states only, or in another way. Tiles whose origins differ in height round differently.
 func changed_places(before: Dictionary[int, Transform3D], after: Dictionary[int, Transform3D]) -> PackedVector2Array:
 	var places: PackedVector2Array
 	for id in before:
-		if not after.has(id) or after[id] != before[id]:
+		var moved := not after.has(id) or after[id].origin.distance_to(before[id].origin) > 1e-5
+		if moved or after[id].basis != before[id].basis:
 			places.push_back(on_map(before[id]))
 	for id in after:
 		if not before.has(id):
