@@ -114,6 +114,9 @@ TEST_CASE("curve: the widest and the narrowest range work") {
 	const CurveTable narrow = table_of(1000.0, next, {0.25f, 0.75f});
 	CHECK(narrow.at(1000.0) == 0.25);
 	CHECK(narrow.at(next) == 0.75);
+	// So near the end that no number tells the way there from the whole.
+	const CurveTable steep = table_of(-1e10, 1.0, {1.0f, 1e-20f});
+	CHECK(steep.at(std::nextafter(1.0, 0.0)) == 1e-20f);
 	constexpr double smallest = std::numeric_limits<double>::denorm_min();
 	const CurveTable denormal = table_of(0.0, 2.0 * smallest, {0.0f, 1.0f});
 	CHECK(denormal.at(smallest) == 0.5);

@@ -173,6 +173,25 @@ TEST_CASE("painted mask: writing says what has changed, and the same again chang
 	CHECK(read(mask, {{7, 7}, {7, 99}}).empty());
 }
 
+TEST_CASE("painted mask: a pixel has no share in any density outside the rectangle that says what it has changed") {
+	std::mt19937 random(14);
+	std::uniform_real_distribution<double> unit(0.05, 9.0);
+	for (int round = 0; round < 1000; ++round) {
+		const double size = unit(random);
+		PaintedMask mask = mask_of(size, 0.0);
+		const glm::ivec2 at(static_cast<int>(random() % 2000) - 1000, static_cast<int>(random() % 2000) - 1000);
+		const Rect changed = write(mask, {at, at + 1}, {255});
+		const glm::dvec2 middle = (glm::dvec2(at) + 0.5) * size;
+		REQUIRE(density(mask, {changed.max.x, middle.y}) == 0.0f);
+		REQUIRE(density(mask, {middle.x, changed.max.y}) == 0.0f);
+		REQUIRE(density(mask, {std::nextafter(changed.min.x, -1e9), middle.y}) == 0.0f);
+		REQUIRE(density(mask, {middle.x, std::nextafter(changed.min.y, -1e9)}) == 0.0f);
+		// And the rectangle is as small as the pixel's reach.
+		REQUIRE(density(mask, {changed.max.x - 1e-6 * size, middle.y}) > 0.0f);
+		REQUIRE(density(mask, {changed.min.x + 1e-6 * size, middle.y}) > 0.0f);
+	}
+}
+
 TEST_CASE("painted mask: a block that is painted back to the background equals none") {
 	PaintedMask mask = mask_of(1.0, 1.0);
 	const PaintedMask before = mask;

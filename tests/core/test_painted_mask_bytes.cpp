@@ -41,6 +41,13 @@ PaintedMask small_mask() {
 
 constexpr std::size_t header = 17;
 
+/// A mask on a background of 0 with a block of these bytes.
+Bytes with_block(const Bytes &block) {
+	Bytes bytes = mask_of(1.0, 0.0).to_bytes();
+	bytes.insert(bytes.end() - 8, block.begin(), block.end());
+	return sealed(bytes);
+}
+
 /// Refused as corrupt, and the mask that was there stays.
 void check_corrupt(const Bytes &bytes) {
 	PaintedMask mask = small_mask();
@@ -178,21 +185,51 @@ TEST_CASE("mask bytes: what the checksum covers but no mask writes is refused") 
 	Bytes swapped(bytes.begin(), bytes.begin() + header);
 	swapped.insert(swapped.end(), bytes.begin() + header + uniform_size, bytes.end() - 8);
 	swapped.insert(swapped.end(), bytes.begin() + header, bytes.begin() + header + uniform_size);
-	check_corrupt(sealed([&] {
-		swapped.resize(swapped.size() + 8);
-		return swapped;
-	}()));
+	swapped.resize(swapped.size() + 8);
+	check_corrupt(sealed(swapped));
 	Bytes twice(bytes.begin(), bytes.begin() + header + uniform_size);
 	twice.insert(twice.end(), bytes.begin() + header, bytes.end());
 	check_corrupt(sealed(twice));
 
 	// All pixels of a block that has one value.
-	Bytes spelled_out = mask_of(1.0, 0.0).to_bytes();
-	spelled_out.resize(header);
-	spelled_out.insert(spelled_out.end(), {0, 0, 0, 0, 0, 0, 0, 0, 1});
-	spelled_out.resize(spelled_out.size() + 64 * 64, 5);
-	check_corrupt(sealed([&] {
-		spelled_out.resize(spelled_out.size() + 8);
-		return spelled_out;
-	}()));
+	Bytes spelled_out = with_block({0, 0, 0, 0, 0, 0, 0, 0, 1});
+	spelled_out.insert(spelled_out.end() - 8, 64 * 64, 5);
+	check_corrupt(sealed(spelled_out));
+}
+
+TEST_CASE("mask bytes: blocks reach to the end of the plane and no further") {
+	// The last block of 2 ^ 30 pixels is number 2 ^ 24 - 1, the first one -2 ^ 24.
+	for (const int flip : {0x00, 0xff}) {
+		const auto byte = [flip](int value) {
+			return static_cast<std::uint8_t>(value ^ flip);
+		};
+		const Bytes inside{byte(255), byte(255), byte(255), byte(0)};
+		const Bytes outside{byte(0), byte(0), byte(0), byte(1)};
+		const auto block = [](Bytes row, const Bytes &column) {
+			row.insert(row.end(), column.begin(), column.end());
+			row.insert(row.end(), {0, 7});
+			return row;
+		};
+		PaintedMask mask;
+		CHECK(mask.from_bytes(with_block(block(inside, inside))).ok());
+		const int last = flip ? -PaintedMask::pixel_limit : PaintedMask::pixel_limit - 1;
+		CHECK(pixel(mask, last, last) == 7);
+		check_corrupt(with_block(block(outside, inside)));
+		check_corrupt(with_block(block(inside, outside)));
+	}
+}
+
+TEST_CASE("mask bytes: what is cut short is refused, with the right checksum too, unless whole blocks are left") {
+	const Bytes bytes = small_mask().to_bytes();
+	const std::size_t content = bytes.size() - 8;
+	for (std::size_t size = 8; size < content; ++size) {
+		Bytes cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size) + 8);
+		if (size == header || size == header + 10) {
+			PaintedMask mask;
+			CHECK(mask.from_bytes(sealed(cut)).ok());
+			CHECK(mask.block_count() == (size - header) / 10);
+		} else {
+			check_corrupt(sealed(cut));
+		}
+	}
 }
