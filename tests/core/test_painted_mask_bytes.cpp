@@ -20,7 +20,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// Puts the right checksum at the end of bytes that were changed.
 Bytes sealed(Bytes bytes) {
-	bytes.resize(bytes.size() - 8);
+	bytes.erase(bytes.end() - 8, bytes.end());
 	WordHash hash;
 	for (const std::uint8_t byte : bytes) {
 		hash.add(std::uint32_t{byte});
