@@ -5,6 +5,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <map>
+#include <utility>
 #include <vector>
 
 using namespace thicket;
@@ -25,13 +28,17 @@ TEST_CASE("streaming: an outdated tile stays on show until its successor is ther
 	CHECK(std::ranges::all_of(
 			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
 
-	// Outdated again before it is done: the first answer is refused, the second one counts.
+	// Outdated again before it is done: the first answer is shown too, then the tile is requested once more.
 	const TileRequest early = stage.changes.request[0];
 	stage.streamer.invalidate(1);
-	CHECK_FALSE(stage.streamer.finish(early));
 	stage.update(viewers);
-	CHECK(stage.changes.cancel.size() == of_layer_1);
-	CHECK(stage.changes.request.size() == of_layer_1);
+	CHECK(stage.changes.empty());
+	stage.finish(early);
+	stage.update(viewers);
+	CHECK(stage.changes.cancel.empty());
+	REQUIRE(stage.changes.request.size() == 1);
+	CHECK(stage.changes.request[0].key == early.key);
+	CHECK(stage.changes.request[0].ticket != early.ticket);
 	CHECK_FALSE(stage.streamer.finish(early));
 	stage.settle(viewers);
 	CHECK(stage.requested == requested + 2 * of_layer_1);
@@ -41,6 +48,57 @@ TEST_CASE("streaming: an outdated tile stays on show until its successor is ther
 	stage.streamer.invalidate(7);
 	stage.update(viewers);
 	CHECK(stage.changes.empty());
+}
+
+TEST_CASE("streaming: what is of no use any more is cancelled, and requested anew") {
+	Stage stage(two_layers);
+	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
+	stage.update(viewers);
+	const std::vector<TileRequest> early = stage.changes.request;
+	stage.streamer.invalidate(0);
+	stage.streamer.cancel(0);
+	stage.streamer.cancel(9);
+	stage.update(viewers);
+	const auto of_layer_0 = static_cast<std::size_t>(
+			std::ranges::count_if(early, [](const TileRequest &request) { return request.key.layer == 0; }));
+	CHECK(of_layer_0 > 0);
+	CHECK(stage.changes.cancel.size() == of_layer_0);
+	CHECK(stage.changes.request.size() == of_layer_0);
+	stage.finish_all();
+	stage.update(viewers);
+	CHECK(stage.streamer.idle());
+}
+
+TEST_CASE("streaming: changes that come with every update keep the nearest tiles following") {
+	Stage stage({{10.0, 100.0}});
+	const std::vector<Viewer> viewers{{{5.0, 5.0}}};
+	stage.settle(viewers);
+	constexpr std::size_t most = 12;
+	std::map<std::pair<int, int>, int> renewed;
+	for (int change = 0; change < 60; ++change) {
+		stage.streamer.invalidate(0);
+		stage.update(viewers, most);
+		CHECK(stage.pending.size() <= most);
+		CHECK(stage.changes.cancel.empty());
+		// Some of them are done until the next change, in the order of their requests.
+		for (int done = 0; done < 5 && !stage.pending.empty(); ++done) {
+			const auto first = std::ranges::min_element(
+					stage.pending, {}, [](const auto &pending) { return pending.second.ticket; });
+			const TileRequest request = first->second;
+			++renewed[{request.key.tile.x, request.key.tile.y}];
+			stage.finish(request);
+		}
+	}
+	for (int x = -1; x <= 1; ++x) {
+		for (int y = -1; y <= 1; ++y) {
+			CHECK(renewed[{x, y}] > 10);
+		}
+	}
+	// The last change counts as soon as what was under way is done.
+	stage.update(viewers, most);
+	stage.finish_all();
+	stage.settle(viewers);
+	CHECK(stage.dropped == 0);
 }
 
 TEST_CASE("streaming: an edit outdates what it touches and no more") {

@@ -41,12 +41,18 @@ void LayerTiles::configure(const StreamLayer &settings, std::uint32_t new_grid, 
 	settings_ = settings;
 }
 
-void LayerTiles::invalidate(const Rect &area, StreamChanges &r_changes) {
+void LayerTiles::invalidate(const Rect &area) {
 	for (Tile &tile : tiles_) {
 		if (touch(tile_rect(settings_.tile_size, tile.at), area)) {
-			cancel(tile, r_changes);
 			tile.current = false;
+			tile.late = tile.ticket != 0;
 		}
+	}
+}
+
+void LayerTiles::cancel_all(StreamChanges &r_changes) {
+	for (Tile &tile : tiles_) {
+		cancel(tile, r_changes);
 	}
 }
 
@@ -161,6 +167,7 @@ void LayerTiles::cancel(Tile &tile, StreamChanges &r_changes) {
 	if (tile.ticket != 0) {
 		r_changes.cancel.push_back({key(tile.at), tile_rect(settings_.tile_size, tile.at), tile.ticket});
 		tile.ticket = 0;
+		tile.late = false;
 		--pending_;
 	}
 }
@@ -212,7 +219,7 @@ TileRequest LayerTiles::request(glm::ivec2 at, std::uint64_t ticket) {
 	return {key(at), tile_rect(settings_.tile_size, at), ticket};
 }
 
-bool LayerTiles::finish(const TileRequest &request) {
+bool LayerTiles::finish(const TileRequest &request, bool &r_again) {
 	// A ticket is never given twice, so it also tells a tile of this grid from one of another.
 	Tile *tile = find(request.key.tile);
 	if (tile == nullptr || request.ticket == 0 || tile->ticket != request.ticket) {
@@ -220,7 +227,9 @@ bool LayerTiles::finish(const TileRequest &request) {
 	}
 	tile->ticket = 0;
 	tile->shown = true;
-	tile->current = true;
+	tile->current = !tile->late;
+	tile->late = false;
+	r_again = !tile->current;
 	--pending_;
 	return true;
 }

@@ -32,8 +32,11 @@ public:
 	/// Takes new settings; a new tile size retires what is on show, cancels the rest, and starts `new_grid`.
 	void configure(const StreamLayer &settings, std::uint32_t new_grid, StreamChanges &r_changes);
 
-	/// What touches `area` is outdated.
-	void invalidate(const Rect &area, StreamChanges &r_changes);
+	/// What touches `area` is outdated. What is under way stays so, and is outdated when it comes.
+	void invalidate(const Rect &area);
+
+	/// Cancels what is under way; it waits to be requested again.
+	void cancel_all(StreamChanges &r_changes);
 
 	/// Cancels and drops everything.
 	void clear(StreamChanges &r_changes);
@@ -51,8 +54,8 @@ public:
 	/// Turns a waiting tile into a pending one.
 	TileRequest request(glm::ivec2 tile, std::uint64_t ticket);
 
-	/// See TileStreamer::finish.
-	bool finish(const TileRequest &request);
+	/// See TileStreamer::finish. `r_again` says that the tile waits to be requested again at once.
+	bool finish(const TileRequest &request, bool &r_again);
 
 	void count(StreamCounts &r_counts) const;
 
@@ -63,6 +66,7 @@ private:
 		std::uint64_t ticket = 0; ///< Of the pending request; 0 for none.
 		bool shown = false;
 		bool current = false; ///< Shown, and not outdated.
+		bool late = false;    ///< Pending, and outdated since it was requested.
 
 		bool waiting() const { return !current && ticket == 0; }
 	};

@@ -127,7 +127,14 @@ void TileStreamer::invalidate(std::uint32_t layer) { invalidate(layer, everywher
 
 void TileStreamer::invalidate(std::uint32_t layer, const Rect &area) {
 	if (layer < state_->layers.size()) {
-		state_->layers[layer].invalidate(area, state_->backlog);
+		state_->layers[layer].invalidate(area);
+		state_->waiting_outdated = true;
+	}
+}
+
+void TileStreamer::cancel(std::uint32_t layer) {
+	if (layer < state_->layers.size()) {
+		state_->layers[layer].cancel_all(state_->backlog);
 		state_->waiting_outdated = true;
 	}
 }
@@ -160,8 +167,10 @@ bool TileStreamer::finish(const TileRequest &request) {
 	if (request.key.layer >= state_->layers.size()) {
 		return false;
 	}
-	const bool accepted = state_->layers[request.key.layer].finish(request);
+	bool again = false;
+	const bool accepted = state_->layers[request.key.layer].finish(request, again);
 	state_->answered = state_->answered || accepted;
+	state_->waiting_outdated = state_->waiting_outdated || again;
 	return accepted;
 }
 

@@ -34,7 +34,7 @@ inline constexpr std::size_t max_viewers = 64;
 struct Viewer {
 	glm::dvec2 position{0.0};  ///< World metres, finite, within max_tile_coordinate tiles of every layer.
 	double radius_scale = 1.0; ///< Times the view distance of each layer; finite, 0 or more.
-	double height = 0.0;       ///< World y in metres, finite. Tiles are streamed in the plane: it counts for detail only.
+	double height = 0.0; ///< World y in metres, finite. Tiles are streamed in the plane: it counts for detail only.
 };
 
 /// Names a tile of a layer. Every tile size that a layer is given starts a new `grid`, a number not used before, so
@@ -78,7 +78,7 @@ struct StreamCounts {
 /// (2) what is requested is never requested again before it is answered, cancelled or dropped;
 /// (3) requests come nearest first, over all layers and viewers, and what still waits is sorted anew when viewers move;
 /// (4) a tile is dropped only beyond `1.1 * view distance + one tile`, so turning back and forth loads nothing twice;
-/// (5) an outdated tile stays on show until its successor is there.
+/// (5) an outdated tile stays on show until its successor is there, also where that is outdated itself by then.
 class TileStreamer {
 public:
 	TileStreamer();
@@ -90,12 +90,16 @@ public:
 	/// starts a new grid for that layer, a missing layer loses its tiles. Refused settings change nothing.
 	Status set_layers(std::span<const StreamLayer> layers);
 
-	/// What is shown or under way for a layer is outdated (its settings or the ground have changed) and will be
-	/// requested again. A layer that does not exist is ignored.
+	/// What is shown or under way for a layer is outdated (its settings or the ground have changed) and will be requested
+	/// again. What is under way is to be shown all the same when it comes, and requested again only then: however fast
+	/// changes come, as while a slider is dragged, tiles follow them. A layer that does not exist is ignored.
 	void invalidate(std::uint32_t layer);
 
 	/// The same for the tiles that touch `area` (metres) only: an edit under which nothing else changes.
 	void invalidate(std::uint32_t layer, const Rect &area);
+
+	/// What is under way for a layer is cancelled and will be requested again: the answers would be of no use.
+	void cancel(std::uint32_t layer);
 
 	/// Works out what has to change for these viewers, and replaces `r_changes` by it. At most `max_pending` tiles are
 	/// pending at a time; others wait for their turn, for which each update looks again. No viewers: all is dropped.
