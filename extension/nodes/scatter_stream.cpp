@@ -16,16 +16,14 @@ namespace thicket {
 namespace {
 
 /// Tiles under way for each worker: enough that none runs dry between two frames, few enough that the nearest tiles
-/// still come first after a turn.
-constexpr std::size_t jobs_per_worker = 8;
+/// still come first after a turn or a change: as many as take a worker this long, within limits.
+constexpr std::uint64_t worker_lead_microseconds = 30'000;
+constexpr std::size_t min_jobs_per_worker = 8;
+constexpr std::size_t max_jobs_per_worker = 64;
 
 std::size_t worker_count() {
 	const std::size_t cores = std::thread::hardware_concurrency();
 	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core stays with the main thread.
-}
-
-std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
-	return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
 }
 
 /// The usual time of a step, after another one. A step in which the machine did something else counts as a slow one
@@ -34,6 +32,12 @@ std::chrono::steady_clock::duration smoothed(
 		std::chrono::steady_clock::duration usual, std::chrono::steady_clock::duration step) {
 	const auto believed = std::min(step, 4 * usual + std::chrono::microseconds(1));
 	return usual + (believed - usual) / 8;
+}
+
+/// True if a tile made for one layer may be shown for the other until its own is there: the same points and meshes.
+bool interchangeable(const StreamedLayer &a, const StreamedLayer &b) {
+	return a.plan->wanted == b.plan->wanted && a.plan->settings->set == b.plan->settings->set &&
+			a.look.meshes == b.look.meshes && a.look.lod_meshes == b.look.lod_meshes;
 }
 
 void report_tile(const TileKey &key, const Status &status) {
@@ -60,6 +64,11 @@ void ScatterStream::set_layers(
 	if (!status.ok()) {
 		return;
 	}
+	for (std::uint32_t layer = 0; layer < std::min(layers.size(), layers_.size()); ++layer) {
+		if (!interchangeable(layers_[layer], layers[layer])) {
+			streamer_.cancel(layer);
+		}
+	}
 	layers_ = std::move(layers);
 	script_ = script;
 	stage_.set_looks(std::move(looks));
@@ -75,8 +84,7 @@ void ScatterStream::set_layers(
 }
 
 void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
-	const Clock::time_point start = Clock::now();
-	const Clock::time_point deadline = start + std::chrono::microseconds(budget);
+	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	take_finished();
 	request_tiles(viewers);
 	stage_.look_around(viewers);
@@ -89,11 +97,18 @@ void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget)
 			break;
 		}
 	}
-	figures_.frame_microseconds = microseconds(Clock::now() - start);
+}
+
+std::size_t ScatterStream::jobs_per_worker() const {
+	if (!ask_ground_.empty()) {
+		return min_jobs_per_worker; // What takes the time is not the workers.
+	}
+	const std::uint64_t fitting = worker_lead_microseconds / std::max<std::uint64_t>(usual_job_microseconds_, 1);
+	return std::clamp<std::uint64_t>(fitting, min_jobs_per_worker, max_jobs_per_worker);
 }
 
 void ScatterStream::request_tiles(std::span<const Viewer> viewers) {
-	const Status status = streamer_.update(viewers, jobs_per_worker * workers_.threads(), changes_);
+	const Status status = streamer_.update(viewers, jobs_per_worker() * workers_.threads(), changes_);
 	if (!status.ok()) {
 		if (viewer_status_.code != status.code) {
 			report("TerrainScatter3D", status);
@@ -167,6 +182,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 	++figures_.tiles_made;
 	figures_.points_sampled += job->counts.sampled;
 	figures_.worker_microseconds += job->microseconds;
+	usual_job_microseconds_ = (7 * usual_job_microseconds_ + job->microseconds) / 8;
 	stage_.push(job);
 }
 

@@ -27,9 +27,8 @@ struct TileEvent {
 	glm::ivec2 tile{0};
 };
 
-/// Figures since the stream began, and of the last frame.
+/// Figures since the stream began.
 struct StreamFigures {
-	std::uint64_t frame_microseconds = 0;  ///< Of the main thread, in the last frame.
 	std::uint64_t worker_microseconds = 0; ///< Of all workers, for all tiles.
 	std::uint64_t tiles_made = 0;
 	std::uint64_t points_sampled = 0;
@@ -70,6 +69,7 @@ public:
 private:
 	using Clock = std::chrono::steady_clock;
 
+	std::size_t jobs_per_worker() const;
 	void request_tiles(std::span<const Viewer> viewers);
 	void start(const TileRequest &request);
 	void cancel(std::uint64_t ticket);
@@ -93,6 +93,7 @@ private:
 	Status viewer_status_;
 	StreamFigures figures_;
 	Clock::duration usual_step_{0};
+	std::uint64_t usual_job_microseconds_ = 10'000; ///< Of one tile, smoothed; a guess until there were some.
 	bool ground_turn_ = false;
 };
 

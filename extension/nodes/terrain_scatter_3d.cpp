@@ -12,6 +12,7 @@
 
 #include <glm/common.hpp>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -80,6 +81,7 @@ void TerrainScatter3D::stop() {
 }
 
 void TerrainScatter3D::process_frame() {
+	const auto start = std::chrono::steady_clock::now();
 	if (shapes_.paths_changed()) {
 		mark_edited();
 	}
@@ -93,6 +95,7 @@ void TerrainScatter3D::process_frame() {
 			stream_.frame(viewers, static_cast<std::uint64_t>(upload_budget_usec_));
 		}
 	}
+	frame_time_ = std::chrono::steady_clock::now() - start;
 	emit_events();
 }
 

@@ -15,6 +15,7 @@
 #include <godot_cpp/variant/typed_array.hpp>
 #include <godot_cpp/variant/vector2i.hpp>
 
+#include <chrono>
 #include <memory>
 
 namespace thicket {
@@ -126,6 +127,7 @@ private:
 	ShapeRegister shapes_;
 	std::shared_ptr<const Terrain> ground_;
 	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
+	std::chrono::steady_clock::duration frame_time_{0}; ///< Of the main thread, in the last frame.
 	bool running_ = false;
 	bool dirty_ = true;
 	bool was_idle_ = true;

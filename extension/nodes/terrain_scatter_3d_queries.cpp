@@ -119,7 +119,8 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["waiting"] = number(counts.waiting);
 	stats["pending"] = number(counts.pending);
 	stats["uploading"] = number(stream_.stage().waiting());
-	stats["frame_usec"] = number(figures.frame_microseconds);
+	stats["frame_usec"] =
+			static_cast<int64_t>(std::chrono::duration_cast<std::chrono::microseconds>(frame_time_).count());
 	stats["tiles_made"] = number(figures.tiles_made);
 	stats["points_sampled"] = number(figures.points_sampled);
 	stats["worker_usec"] = number(figures.worker_microseconds);
