@@ -1,5 +1,6 @@
 #include "core/terrain/heightfield.hpp"
 
+#include "core/base/bilinear.hpp"
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 
@@ -17,9 +18,7 @@ namespace {
 using Patch = std::array<double, 4>;
 
 double bilinear(const Patch &patch, double x, double y) {
-	const double near = patch[0] + (patch[1] - patch[0]) * x;
-	const double far = patch[2] + (patch[3] - patch[2]) * x;
-	return near + (far - near) * y;
+	return thicket::bilinear(patch[0], patch[1], patch[2], patch[3], x, y);
 }
 
 /// The indices of four posts in a line about a patch: before it, its two and behind it, held inside the field; and what
