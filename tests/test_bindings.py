@@ -199,7 +199,7 @@ def test_generator_writes_what_it_lists_and_only_changes(tmp_path, build_dir):
     ("addition", "words"),
     [
         ('[classes.Time]\nmethods = ["get_tikcs"]', ["Time", "get_tikcs"]),
-        ("[classes.MultiMeshInstance3D]", ["MultiMeshInstance3D", "GeometryInstance3D", "before"]),
+        ("[classes.Sprite3D]", ["Sprite3D", "SpriteBase3D", "before"]),
         ('[classes.Time]\nconstants = ["NOON"]', ["Time", "NOON"]),
         ('[classes.Input]\nmethods = ["is_key_pressed"]', ["Input", "Key"]),
     ],
