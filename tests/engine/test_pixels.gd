@@ -87,6 +87,7 @@ func test_what_a_camera_sees() -> void:
 	await settle(scatter)
 	check_equal(await share(RED), 0.0, "red of shadows only")
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_ON
+	await settle(scatter)
 
 	# One buffer a frame, so that there are many frames between the first new tile and the last.
 	scatter.upload_budget_usec = 1
