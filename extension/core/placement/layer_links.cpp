@@ -72,7 +72,8 @@ std::vector<std::string> name_problems(Layers layers, std::size_t place) {
 	std::vector<std::string> problems;
 	const NamedLayer &layer = *layers[place];
 	for (const auto &[name, distance] : layer.spacing) {
-		if (find(layers, name) == layers.size()) {
+		// That there is no name at all is told by the layer itself.
+		if (!name.empty() && find(layers, name) == layers.size()) {
 			problems.push_back("spacing names \"" + name + "\", and no layer has that name.");
 		}
 	}
