@@ -10,8 +10,9 @@ namespace thicket {
 
 /// How a layer gathers in clumps.
 struct Clumping {
-	double size =
-			0.0; ///< Metres from one clump to the next, on average; 0 for none, else min_clump_size to max_clump_size.
+	/// Metres from the middle of one clump to that of the next, on average, where neighbours that grow together count as two; 0
+	/// for no clumping, else min_clump_size to max_clump_size.
+	double size = 0.0;
 	double coverage = 0.5;  ///< The part of the plane that clumps cover, 0 to 1, over long distances.
 	double softness = 0.25; ///< How gradually a clump ends: 0 a sharp edge, 1 no edge at all; 0 to 1.
 
