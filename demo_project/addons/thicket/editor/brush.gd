@@ -86,7 +86,7 @@ func finish(undo_redo: EditorUndoRedoManager) -> void:
 		if now != _before[block]:
 			before[block] = _before[block].compress(FileAccess.COMPRESSION_ZSTD)
 			after[block] = now.compress(FileAccess.COMPRESSION_ZSTD)
-	if undo_redo != null and (_is_new or not after.is_empty()):
+	if undo_redo != null and is_instance_valid(_scatter) and (_is_new or not after.is_empty()):
 		var name: String = ["Paint", "Erase", "Smooth"][_stroke_mode]
 		undo_redo.create_action("%s Density of %s" % [name, _layer.resource_name], UndoRedo.MERGE_DISABLE, _scatter)
 		if _is_new:

@@ -10,7 +10,7 @@ const Presets := preload("res://addons/thicket/editor/presets.gd")
 const ShapeGizmos := preload("res://addons/thicket/editor/shape_gizmos.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
 
-## Seconds between two drawings of what follows the ground or the tiles.
+## Seconds between two looks at what the extent and the toolbar show.
 const REDRAW_SECONDS := 0.25
 const RADIUS_STEP := 1.15
 
@@ -24,7 +24,7 @@ var _shapes := ShapeGizmos.new()
 var _extent := ExtentGizmos.new()
 var _scatter: Node3D
 var _shown: Array = []
-var _moved: Dictionary[Node3D, Transform3D] = {}
+var _tiles := 0
 var _since_redraw := 0.0
 
 
@@ -89,7 +89,6 @@ func _process(delta: float) -> void:
 			_shown = shown
 			_scatter.update_gizmos()
 			toolbar.show_layers(_scatter)
-	_redraw_moved_shapes()
 
 
 ## What the extent and the toolbar show of a scatter.
@@ -97,21 +96,13 @@ func _state(scatter: Node3D) -> Array:
 	var state: Array = [scatter, scatter.global_transform, scatter.get(&"terrain")]
 	for layer: Resource in scatter.get(&"layers"):
 		state.append(layer.resource_name if layer != null else null)
+	# Tiles come and go as the camera moves; the line waits until they stay.
 	if scatter.call(&"is_idle"):
+		_tiles = 0
 		for index: int in scatter.get(&"layers").size():
-			state.append(hash(scatter.call(&"get_shown_tiles", index)))
+			_tiles = hash([_tiles, scatter.call(&"get_shown_tiles", index)])
+	state.append(_tiles)
 	return state
-
-
-## A gizmo moves with its node as it is, but the ground below it is another one.
-func _redraw_moved_shapes() -> void:
-	for node in EditorInterface.get_selection().get_selected_nodes():
-		var shape := node as Node3D
-		if shape != null and shape.is_class("ScatterShape3D") and shape.is_inside_tree():
-			if _moved.get(shape) != shape.global_transform:
-				_moved.clear()
-				_moved[shape] = shape.global_transform
-				shape.update_gizmos()
 
 
 func _forward_3d_gui_input(camera: Camera3D, event: InputEvent) -> int:

@@ -145,7 +145,7 @@ func _slider(label: String, tip: String, from: float, to: float, step: float, va
 	slider.value = value
 	slider.suffix = suffix
 	slider.tooltip_text = tip
-	slider.custom_minimum_size.x = 130.0 * EditorInterface.get_editor_scale()
+	slider.custom_minimum_size.x = 138.0 * EditorInterface.get_editor_scale()
 	_add_setting(slider)
 	return slider
 

@@ -1,0 +1,327 @@
+@tool
+extends "res://tests/steps.gd"
+## A designer's first hour, in the demo scene: a scatter and a layer, a stroke, undo, redo, save, reopen; a preset, a
+## shape, a bake.
+
+const SCENE := "res://demo.tscn"
+const MASK := "res://demo_posts_mask.res"
+const BAKED := "res://baked"
+## As saved for the editor's camera: it looks at this place on the ground.
+const LOOKED_AT := Vector2(40.0, -30.0)
+
+var scatter: Node3D
+var ground: Resource
+var before := {}
+var painted := {}
+
+
+func on_ground(x: float, z: float) -> Vector3:
+	return Vector3(x, ground.get_height(Vector3(x, 0.0, z)), z)
+
+
+## Software draws the demo's own forest, and shadows, in seconds a frame.
+func set_costly(shown: bool) -> void:
+	EditorInterface.get_edited_scene_root().get_node("Scatter").visible = shown
+	EditorInterface.get_edited_scene_root().get_node("Sun").shadow_enabled = shown
+
+
+func save_and_reopen() -> void:
+	set_costly(true)
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+	scatter = null
+	ground = null
+	EditorInterface.get_selection().clear()
+	EditorInterface.reload_scene_from_path(SCENE)
+	await frames(5)
+	set_costly(false)
+	scatter = EditorInterface.get_edited_scene_root().get_node("Posts")
+	ground = scatter.terrain
+	select(scatter)
+	await settle(scatter)
+
+
+func select(node: Node) -> void:
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(node)
+	EditorInterface.edit_node(node)
+
+
+## A node and a layer, made through the editor's undo and redo.
+func test_add() -> void:
+	var root := await open(SCENE)
+	ground = root.get_node("Scatter").terrain
+	set_costly(false)
+	var undo_redo := plugin.get_undo_redo()
+	scatter = ClassDB.instantiate(&"TerrainScatter3D")
+	scatter.name = "Posts"
+	scatter.terrain = ground
+	undo_redo.create_action("Add Node", UndoRedo.MERGE_DISABLE, root)
+	undo_redo.add_do_method(root, &"add_child", scatter, true)
+	undo_redo.add_do_property(scatter, &"owner", root)
+	undo_redo.add_do_reference(scatter)
+	undo_redo.add_undo_method(root, &"remove_child", scatter)
+	undo_redo.commit_action()
+	select(scatter)
+	await frames(3)
+	EditorInterface.set_main_screen_editor("3D")
+	check(addon().toolbar.visible, "the toolbar is there for a scatter")
+	check(not addon().toolbar.is_brush_on(), "without layers there is no brush")
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.resource_name = "Posts"
+	layer.radius = 1.5
+	layer.tile_size = 32.0
+	layer.view_distance = 80.0
+	layer.height_offset = 1.0
+	var post := CylinderMesh.new()
+	post.top_radius = 0.0
+	post.bottom_radius = 0.5
+	post.radial_segments = 8
+	post.rings = 0
+	layer.meshes = [post] as Array[Mesh]
+	var layers: Array = scatter.layers.duplicate()
+	layers.append(layer)
+	undo_redo.create_action("Add Layer", UndoRedo.MERGE_DISABLE, scatter)
+	undo_redo.add_do_property(scatter, &"layers", layers)
+	undo_redo.add_undo_property(scatter, &"layers", [])
+	undo_redo.commit_action()
+	await settle(scatter)
+	await picture("added")
+	# The editor writes numbers with fewer digits than the scene has; from here on they stay.
+	await save_and_reopen()
+	before = instances(scatter, 0)
+	check(before.size() > 1000, "the layer stands around the editor's camera: %d instances" % before.size())
+
+
+## One stroke that erases is one step, and changes nothing beyond its reach.
+func test_stroke() -> void:
+	addon().toolbar.set_brush_on(true)
+	addon().toolbar.set_brush(6.0, 1.0, 0.8)
+	addon().toolbar.choose_mode(1)
+	addon().toolbar.choose_layer(0)
+	var version := history(scatter).get_version()
+	var places := PackedVector3Array()
+	for step in 9:
+		places.append(on_ground(LOOKED_AT.x - 16.0 + 4.0 * step, LOOKED_AT.y))
+	await stroke(places)
+	await settle(scatter)
+	await picture("brush")
+	check_equal(history(scatter).get_version(), version + 1, "a stroke is one step of undo")
+	painted = instances(scatter, 0)
+	check(painted.size() < before.size() - 50, "erased: %d of %d stand" % [painted.size(), before.size()])
+	var farthest := 0.0
+	for id: int in before:
+		if not painted.has(id):
+			var at := Vector2(before[id].x, before[id].z)
+			var nearest := at.clamp(LOOKED_AT - Vector2(16.0, 0.0), LOOKED_AT + Vector2(16.0, 0.0))
+			farthest = maxf(farthest, at.distance_to(nearest))
+		else:
+			check(painted[id] == before[id], "what stays does not move")
+	check(farthest > 4.0 and farthest < 6.0 + 2.0, "erased up to %.2f m beside the stroke" % farthest)
+	check(painted.keys().all(func(id: int) -> bool: return before.has(id)), "nothing new stands")
+	check(FileAccess.file_exists(MASK), "the mask has a file")
+
+
+func test_undo_redo() -> void:
+	history(scatter).undo()
+	await settle(scatter)
+	check(instances(scatter, 0) == before, "undone: the same instances as before")
+	check(scatter.layers[0].mask == null, "and no mask")
+	history(scatter).redo()
+	await settle(scatter)
+	check(instances(scatter, 0) == painted, "redone: the same as painted")
+
+
+## Saved and opened again, the same stands; the scene holds settings only.
+func test_save_and_reopen() -> void:
+	await save_and_reopen()
+	check(instances(scatter, 0) == painted, "opened again: the same as painted")
+	var text := FileAccess.get_file_as_string(SCENE)
+	check(text.length() < 100_000, "the scene is small: %d bytes" % text.length())
+	check(MASK.get_file() in text, "the scene refers to the mask's file")
+	for word in ["PackedByteArray", "MultiMesh", "buffer ="]:
+		check(not word in text, "the scene holds settings only, no %s" % word)
+	var mask := ResourceLoader.load(MASK, "", ResourceLoader.CACHE_MODE_IGNORE)
+	check(mask.sample(LOOKED_AT) < 0.01 and mask.sample(LOOKED_AT + Vector2(0.0, 20.0)) == 1.0, "the stroke is in the file")
+
+
+## On a layer without a mask, painting leaves only what is painted; smoothing it blurs the rim. Undone, all is as before.
+func test_paint_and_smooth() -> void:
+	var layer: Resource = scatter.layers[0].duplicate()
+	layer.resource_name = "Stakes"
+	layer.mask = null
+	var old: Array = scatter.layers
+	var both := old.duplicate()
+	both.append(layer)
+	scatter.layers = both
+	addon().toolbar.show_layers(scatter)
+	addon().toolbar.choose_layer(1)
+	addon().toolbar.set_brush(8.0, 1.0, 1.0)
+	await settle(scatter)
+	var full := instances(scatter, 1)
+	var at := Vector2(LOOKED_AT.x, LOOKED_AT.y + 10.0)
+	addon().toolbar.choose_mode(2)
+	await stroke([on_ground(at.x, at.y)])
+	check(layer.mask == null, "there is nothing to smooth")
+	addon().toolbar.choose_mode(0)
+	await stroke([on_ground(at.x, at.y)])
+	await settle(scatter)
+	var kept := instances(scatter, 1)
+	check(kept.size() > 30 and kept.size() < 120, "%d of %d stand where it is painted" % [kept.size(), full.size()])
+	for id: int in kept:
+		check(Vector2(kept[id].x, kept[id].z).distance_to(at) < 9.0 and kept[id] == full[id], "under the brush, not moved")
+	check_equal(layer.mask.resource_path, "res://demo_stakes_mask.res", "the mask's file")
+	addon().toolbar.choose_mode(2)
+	var rim := at + Vector2(8.0, 0.0)
+	var sharp: float = layer.mask.sample(rim - Vector2(2.0, 0.0)) - layer.mask.sample(rim + Vector2(2.0, 0.0))
+	await stroke([on_ground(rim.x, rim.y), on_ground(rim.x, rim.y + 0.5), on_ground(rim.x, rim.y + 6.0)])
+	var smooth: float = layer.mask.sample(rim - Vector2(2.0, 0.0)) - layer.mask.sample(rim + Vector2(2.0, 0.0))
+	check(sharp > 0.95 and smooth < 0.6, "the rim was %f, and is %f after smoothing" % [sharp, smooth])
+	history(scatter).undo()
+	check(layer.mask.sample(rim - Vector2(2.0, 0.0)) > 0.95, "smoothing is undone")
+	history(scatter).undo()
+	await settle(scatter)
+	check(instances(scatter, 1) == full, "painting is undone")
+	scatter.layers = old
+	addon().toolbar.show_layers(scatter)
+
+
+## A preset adds its layers with undo; added again, the names differ and the rules name the new ones.
+func test_presets() -> void:
+	var version := history(scatter).get_version()
+	addon().toolbar.preset_chosen.emit("forest")
+	addon().toolbar.preset_chosen.emit("forest")
+	check_equal(history(scatter).get_version(), version + 2, "a preset is one step of undo")
+	var names := PackedStringArray(scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name))
+	check(names.has("Spruce") and names.has("Spruce 2") and names.size() == 13, "names: %s" % names)
+	var bush: Resource = scatter.layers[names.find("Bush 2")]
+	check_equal(bush.spacing.keys(), ["Spruce 2", "Birch 2"], "rules name the new layers")
+	check(scatter.layers[names.find("Bush")] != bush and bush.meshes[0].resource_path.is_empty(), "layers are copies")
+	check(scatter.get_problems().is_empty(), "nothing stands in the way: %s" % scatter.get_problems())
+	history(scatter).undo()
+	for layer: Resource in scatter.layers:
+		layer.view_distance = minf(layer.view_distance, 60.0)
+	await settle(scatter)
+	await picture("preset")
+	history(scatter).undo()
+	check_equal(scatter.layers.size(), 1, "undone")
+	for preset in ["meadow", "scree"]:
+		addon().toolbar.preset_chosen.emit(preset)
+		check(scatter.layers.size() > 3 and scatter.get_problems().is_empty(), "%s: %s" % [preset, scatter.get_problems()])
+		history(scatter).undo()
+
+
+## Shapes of all kinds below the scatter are drawn, and their handles set their sizes with undo.
+func test_gizmos() -> void:
+	var shapes: Array[Node3D] = []
+	for kind in 5:
+		var shape: Node3D = ClassDB.instantiate(&"ScatterShape3D")
+		shape.kind = kind
+		shape.exclude = kind % 2 == 0
+		shape.falloff = 2.0
+		shape.radius = 7.0
+		shape.size = Vector3(14.0, 8.0, 10.0)
+		shape.polygon = PackedVector2Array([Vector2(-8, -6), Vector2(8, -8), Vector2(2, 0), Vector2(8, 8), Vector2(-8, 6)])
+		scatter.add_child(shape)
+		shape.owner = EditorInterface.get_edited_scene_root()
+		shape.global_position = on_ground(LOOKED_AT.x - 40.0 + 20.0 * kind, LOOKED_AT.y - 12.0 + 10.0 * (kind % 2))
+		shapes.append(shape)
+	var path := Path3D.new()
+	path.curve = Curve3D.new()
+	for step in 5:
+		path.curve.add_point(on_ground(LOOKED_AT.x + 20.0 * step - 40.0, LOOKED_AT.y + 20.0 + 6.0 * (step % 2)))
+	scatter.add_child(path)
+	path.owner = EditorInterface.get_edited_scene_root()
+	shapes[4].path = shapes[4].get_path_to(path)
+	EditorInterface.get_selection().clear()
+	for shape in shapes:
+		EditorInterface.get_selection().add_node(shape)
+	await settle(scatter)
+	await frames(30)
+	await picture("gizmos")
+	select(shapes[2])
+	await picture("shape")
+	drag(shapes[0], 0, Vector3(10.0, 0.0, 0.0), &"size", Vector3(20.0, 8.0, 10.0))
+	drag(shapes[0], 2, Vector3(0.0, 0.0, 4.0), &"size", Vector3(14.0, 8.0, 8.0))
+	drag(shapes[1], 0, Vector3(5.0, 0.0, 0.0), &"radius", 5.0)
+	drag(shapes[2], 0, Vector3(6.0, 0.0, 0.0), &"radius", 6.0)
+	drag(shapes[2], 1, Vector3(0.0, 2.0, 0.0), &"height", 4.0)
+	var polygon: PackedVector2Array = shapes[3].polygon
+	polygon[1] = Vector2(9.0, -7.0)
+	drag(shapes[3], 1, Vector3(9.0, 0.0, -7.0), &"polygon", polygon)
+	var across := Vector3(-6.0, 0.0, 20.0).normalized()
+	var start: Vector3 = shapes[4].to_local(path.to_global(path.curve.get_point_position(0)))
+	drag(shapes[4], 0, start + across * 3.0, &"width", 6.0)
+	for shape in shapes:
+		shape.queue_free()
+	path.queue_free()
+	await frames(2)
+
+
+## Drags a handle of a shape to a place in its own space; undo takes it back.
+func drag(shape: Node3D, handle: int, to: Vector3, property: StringName, expected: Variant) -> void:
+	var gizmo := shape.get_gizmos()[0] as EditorNode3DGizmo
+	var gizmos := gizmo.get_plugin()
+	var before_drag: Variant = gizmos._get_handle_value(gizmo, handle, false)
+	check(before_drag == shape.get(property), "handle %d is about %s" % [handle, property])
+	gizmos._set_handle(gizmo, handle, false, camera(), camera().unproject_position(shape.to_global(to)))
+	gizmos._commit_handle(gizmo, handle, false, before_drag, false)
+	var message := "%s of kind %d: %s, dragged to %s" % [property, shape.kind, shape.get(property), expected]
+	if expected is float:
+		check(absf(shape.get(property) - expected) < 0.02, message)
+	elif expected is Vector3:
+		check(shape.get(property).distance_to(expected) < 0.02, message)
+	else:
+		check(shape.get(property)[handle].distance_to(expected[handle]) < 0.02, message)
+	history(shape).undo()
+	check(shape.get(property) == before_drag, "%s is as before" % property)
+
+
+## A cancelled bake leaves nothing; a finished one holds what stands.
+func test_bake() -> void:
+	select(scatter)
+	await frames(2)
+	var dialog: Node = addon().bake
+	dialog.choose_folder(BAKED)
+	var rect := Rect2(LOOKED_AT - Vector2(50.0, 30.0), Vector2(100.0, 60.0))
+	dialog.open(scatter, Vector3(LOOKED_AT.x, 0.0, LOOKED_AT.y))
+	await picture("bake", dialog)
+	dialog.fill(scatter, rect)
+	dialog.start()
+	dialog.job.step(0.0)
+	check(dialog.job.progress > 0.0 and dialog.job.progress < 1.0, "under way: %s" % dialog.job.progress)
+	dialog.stop()
+	dialog.hide()
+	check_equal(files(BAKED), PackedStringArray(), "a cancelled bake leaves no file")
+	check(not DirAccess.dir_exists_absolute(BAKED.path_join(".bake_unfinished")), "and no folder")
+	dialog.start()
+	await until(func() -> bool: return not dialog.is_processing(), "baked")
+	check_equal(dialog.job.problem, "", "no problem")
+	var scene: Node = load(BAKED + "/posts.tscn").instantiate()
+	var expected := {}
+	for place: Vector3 in instances(scatter, 0).values():
+		if rect.has_point(Vector2(place.x, place.z)):
+			expected[place.snapped(Vector3.ONE * 0.01)] = true
+	var count := 0
+	var found := 0
+	for child: MultiMeshInstance3D in scene.get_children():
+		count += child.multimesh.instance_count
+		var buffer := child.multimesh.buffer
+		for at in range(0, buffer.size(), 12):
+			var place := child.position + Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
+			found += int(expected.has(place.snapped(Vector3.ONE * 0.01)))
+	check(count == expected.size() and found >= count - 3, "%d baked, %d of them stand, of %d" % [count, found, expected.size()])
+	check(FileAccess.get_file_as_string(BAKED + "/posts.tscn").length() < 20_000, "a small scene")
+	scene.free()
+
+
+func test_inspector_and_help() -> void:
+	EditorInterface.edit_node(scatter)
+	EditorInterface.edit_resource(scatter.layers[0])
+	await frames(5)
+	for section in EditorInterface.get_inspector().find_children("*", "EditorInspectorSection", true, false):
+		section.call(&"unfold")
+	await picture("inspector")
+	EditorInterface.set_main_screen_editor("Script")
+	EditorInterface.get_script_editor().goto_help("class_name:ScatterLayer")
+	await frames(30)
+	await picture("help")

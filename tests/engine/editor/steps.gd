@@ -1,0 +1,138 @@
+@tool
+extends Node
+## What the scripts of editor tests have in common: checks, waiting, the mouse, pictures.
+
+const PATIENCE_MSEC := 60000
+
+## The plugin that runs this.
+var plugin: EditorPlugin
+var current := ""
+
+
+func check(condition: bool, message: String) -> bool:
+	plugin.checks += 1
+	if not condition:
+		plugin.failures += 1
+		print("FAILED: " + message)
+	return condition
+
+
+func check_equal(got: Variant, expected: Variant, message: String) -> bool:
+	var equal: bool = typeof(got) == typeof(expected) and got == expected
+	return check(equal, "%s: got %s, expected %s" % [message, got, expected])
+
+
+func frames(count: int) -> void:
+	for index in count:
+		await get_tree().process_frame
+
+
+## Waits until a condition holds; a failure if that takes too long.
+func until(condition: Callable, message: String) -> bool:
+	var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
+	while not condition.call():
+		if Time.get_ticks_msec() > deadline:
+			return check(false, "not within %d ms: %s" % [PATIENCE_MSEC, message])
+		await get_tree().process_frame
+	return true
+
+
+## Waits until a scatter shows what it should.
+func settle(scatter: Node3D) -> void:
+	await frames(3)
+	await until(func() -> bool: return scatter.is_idle(), "idle")
+
+
+## Opens a scene in a tab of the editor and returns its root.
+func open(path: String) -> Node:
+	EditorInterface.open_scene_from_path(path)
+	await until(func() -> bool:
+		var root := EditorInterface.get_edited_scene_root()
+		return root != null and root.scene_file_path == path, "%s is open" % path)
+	return EditorInterface.get_edited_scene_root()
+
+
+## The addon's own plugin.
+func addon() -> EditorPlugin:
+	for found in get_tree().root.find_children("*", "EditorPlugin", true, false):
+		if found.get_script() != null and found.get_script().resource_path == "res://addons/thicket/editor/plugin.gd":
+			return found
+	return null
+
+
+func camera() -> Camera3D:
+	return EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
+
+
+## Undo and redo of the scene that a node stands in.
+func history(node: Node) -> UndoRedo:
+	var manager := plugin.get_undo_redo()
+	return manager.get_history_undo_redo(manager.get_object_history_id(node))
+
+
+## A stroke with the left button over places of the world, as the 3D view hands it to the plugin.
+func stroke(places: PackedVector3Array, with_control := false) -> void:
+	for index in places.size():
+		var at := camera().unproject_position(places[index])
+		if index == 0:
+			_hand(_button(at, true, with_control))
+		var motion := InputEventMouseMotion.new()
+		motion.position = at
+		motion.button_mask = MOUSE_BUTTON_MASK_LEFT
+		_hand(motion)
+		await get_tree().process_frame
+	_hand(_button(camera().unproject_position(places[places.size() - 1]), false, with_control))
+
+
+func _button(at: Vector2, pressed: bool, with_control: bool) -> InputEventMouseButton:
+	var button := InputEventMouseButton.new()
+	button.button_index = MOUSE_BUTTON_LEFT
+	button.position = at
+	button.pressed = pressed
+	button.ctrl_pressed = with_control
+	return button
+
+
+func _hand(event: InputEvent) -> void:
+	addon()._forward_3d_gui_input(camera(), event)
+
+
+## What stands: the digest of each shown tile of a layer.
+func digests(scatter: Node3D, layer: int) -> Dictionary:
+	var result := {}
+	for tile: Vector2i in scatter.get_shown_tiles(layer):
+		result[tile] = scatter.get_tile_digest(layer, tile)
+	return result
+
+
+## Every instance of a layer that stands in its shown tiles: id and world transform.
+func instances(scatter: Node3D, layer: int) -> Dictionary:
+	var result := {}
+	for tile: Vector2i in scatter.get_shown_tiles(layer):
+		var origin: Vector3 = scatter.get_tile_origin(layer, tile)
+		var buffers: Array = scatter.get_tile_buffers(layer, tile)
+		var ids: Array = scatter.get_tile_ids(layer, tile)
+		for mesh in ids.size():
+			var stride: int = buffers[mesh].size() / maxi(1, ids[mesh].size())
+			for index: int in ids[mesh].size():
+				var at := index * stride
+				var place := Vector3(buffers[mesh][at + 3], buffers[mesh][at + 7], buffers[mesh][at + 11])
+				result[ids[mesh][index]] = origin + place
+	return result
+
+
+## A picture of the whole editor, or of another window, in build/editor, where there is a display.
+func picture(picture_name: String, window := get_window()) -> void:
+	if DisplayServer.get_name() == "headless":
+		return
+	await frames(4)
+	RenderingServer.render_loop_enabled = true
+	await RenderingServer.frame_post_draw
+	await RenderingServer.frame_post_draw
+	RenderingServer.render_loop_enabled = false
+	window.get_texture().get_image().save_png("res://pictures_of_tests/%s.png" % picture_name)
+
+
+## The files of a folder, by name.
+func files(folder: String) -> PackedStringArray:
+	return DirAccess.get_files_at(folder) if DirAccess.dir_exists_absolute(folder) else PackedStringArray()

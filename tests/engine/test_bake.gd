@@ -1,0 +1,171 @@
+extends "harness.gd"
+## What the addon's bake writes, without an editor; and where its brush hits the ground.
+
+const Bake := preload("res://addons/thicket/bake.gd")
+const GroundRay := preload("res://addons/thicket/editor/ground_ray.gd")
+
+const FOLDER := "res://baked/deep"
+const SCENE := FOLDER + "/wood.tscn"
+
+
+class Hills extends ScatterTerrain:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(4.0 * sin(0.1 * at.x) + 2.0 * cos(0.07 * at.y) if at.length() < 200.0 else NAN)
+		return heights
+
+	func _is_thread_safe() -> bool:
+		return true
+
+
+## Two layers, of two meshes and of one, the first with colours and a mesh that has a file.
+func wood() -> TerrainScatter3D:
+	var trees := make_layer(3.0)
+	trees.resource_name = "Trees"
+	trees.use_colors = true
+	var cone := CylinderMesh.new()
+	cone.top_radius = 0.0
+	ResourceSaver.save(cone, "res://cone.res")
+	cone.take_over_path("res://cone.res")
+	trees.meshes = [BoxMesh.new(), cone]
+	trees.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	trees.visibility_range_end = 77.0
+	var stones := make_layer(2.0)
+	stones.tile_size = 48.0
+	return make_scatter([trees, stones], Hills.new(), make_viewer())
+
+
+func all_files() -> PackedStringArray:
+	return DirAccess.get_files_at(FOLDER) if DirAccess.dir_exists_absolute(FOLDER) else PackedStringArray()
+
+
+func empty_folder() -> void:
+	for file in all_files():
+		DirAccess.remove_absolute(FOLDER.path_join(file))
+
+
+func run_to_end(bake: Bake) -> void:
+	var last := -1.0
+	while bake.step(1.0):
+		check(bake.progress >= last and bake.progress < 1.0, "progress grows")
+		last = bake.progress
+		await process_frame
+
+
+## Whole tiles are the ones that are shown, to the bit; the meshes are shared, and drawn as the layer says.
+func test_whole_tiles() -> void:
+	empty_folder()
+	var scatter := wood()
+	await settle(scatter)
+	var bake := Bake.new()
+	check_equal(bake.begin(scatter, Rect2(-32, -64, 96, 64), FOLDER, "wood", [0]), OK, "begun")
+	await run_to_end(bake)
+	check_equal(bake.problem, "", "no problem")
+	check_equal(bake.progress, 1.0, "at the end")
+	var scene := (load(SCENE) as PackedScene).instantiate()
+	check_equal(scene.get_child_count(), 3 * 2 * 2, "a node for each tile and mesh")
+	var seen: Dictionary[Mesh, int] = {}
+	for node: MultiMeshInstance3D in scene.get_children():
+		var tile := Vector2i((Vector2(node.position.x, node.position.z) / 32.0).floor())
+		var mesh := 1 if node.multimesh.mesh is CylinderMesh else 0
+		check_equal(node.position, scatter.get_tile_origin(0, tile), "where the tile's transforms start from")
+		check(node.multimesh.buffer == scatter.get_tile_buffers(0, tile)[mesh], "what stands in tile %s" % tile)
+		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "with colours")
+		check_equal(node.visibility_range_end, 77.0, "the layer's range")
+		check_equal(node.cast_shadow, GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, "the layer's shadows")
+		seen[node.multimesh.mesh] = mesh
+	check_equal(seen.size(), 2, "two meshes in all")
+	check(seen.keys().any(func(mesh: Mesh) -> bool: return mesh.resource_path == "res://cone.res"), "one's own file")
+	check_equal(all_files().size(), 12 + 1 + 1, "multimeshes, a mesh, the scene: %s" % all_files())
+	scene.free()
+
+
+## Instances of parts of tiles are those in the rectangle, and no others.
+func test_parts_of_tiles() -> void:
+	empty_folder()
+	var scatter := wood()
+	await settle(scatter)
+	var rect := Rect2(-21.5, -40.25, 61.0, 33.5)
+	var bake := Bake.new()
+	check_equal(bake.begin(scatter, rect, FOLDER, "wood"), OK, "begun")
+	await run_to_end(bake)
+	var expected := 0
+	for layer in 2:
+		for tile: Vector2i in scatter.get_shown_tiles(layer):
+			var origin := scatter.get_tile_origin(layer, tile)
+			for buffer: PackedFloat32Array in scatter.get_tile_buffers(layer, tile):
+				var stride := 16 if layer == 0 else 12
+				for at in range(0, buffer.size(), stride):
+					expected += int(rect.has_point(Vector2(origin.x + buffer[at + 3], origin.z + buffer[at + 11])))
+	check(expected > 100 and bake.instances == expected, "%d instances of %d" % [bake.instances, expected])
+
+
+## A bake that is given up leaves what was there; a second one replaces the first and removes what it no longer has.
+func test_cancel_and_again() -> void:
+	empty_folder()
+	var scatter := wood()
+	await settle(scatter)
+	var bake := Bake.new()
+	bake.begin(scatter, Rect2(0, 0, 64, 64), FOLDER, "wood")
+	bake.step(0.0)
+	bake.cancel()
+	check_equal(all_files(), PackedStringArray(), "nothing is left")
+	check_equal(DirAccess.get_directories_at(FOLDER), PackedStringArray(), "no folder either")
+	check(not bake.step(1.0), "there is nothing to go on with")
+	bake.begin(scatter, Rect2(0, 0, 64, 64), FOLDER, "wood")
+	await run_to_end(bake)
+	var mine := FileAccess.open(FOLDER + "/wood_of_mine.res", FileAccess.WRITE)
+	mine.store_string("mine")
+	mine.close()
+	var first := {}
+	for file in all_files():
+		first[file] = FileAccess.get_md5(FOLDER.path_join(file))
+	bake.begin(scatter, Rect2(0, 0, 32, 32), FOLDER, "wood")
+	bake.step(0.0)
+	bake.cancel()
+	for file: String in first:
+		check_equal(FileAccess.get_md5(FOLDER.path_join(file)), first[file], file)
+	bake.begin(scatter, Rect2(0, 0, 32, 32), FOLDER, "wood")
+	await run_to_end(bake)
+	check(all_files().has("wood_of_mine.res"), "other files stay")
+	check_equal(all_files().size(), 2 + 1 + 1 + 1 + 1 + 1, "smaller: %s" % all_files())
+	check_equal((load(SCENE) as PackedScene).get_state().get_node_count(), 1 + 3, "as the scene says")
+
+
+func test_refusals() -> void:
+	var scatter := wood()
+	await settle(scatter)
+	var bake := Bake.new()
+	for wrong: Array in [
+		[Rect2(0, 0, 0, 10), "wood", "rectangle"], [Rect2(0, 0, NAN, 10), "wood", "rectangle"],
+		[Rect2(0, 0, 10, 10), "", "name"], [Rect2(0, 0, 10, 10), "a/b", "name"], [Rect2(0, 0, 1e6, 1e6), "wood", "tiles"],
+	]:
+		check(bake.begin(scatter, wrong[0], FOLDER, wrong[1]) != OK, "refused: %s" % [wrong])
+		check(wrong[2] in bake.problem, "and says why: " + bake.problem)
+		check(not bake.step(1.0), "nothing to do")
+	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", [7]) != OK, "no such layer")
+	scatter.terrain = null
+	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "terrain" in bake.problem, bake.problem)
+
+
+## Where a ray meets the ground: on it, from above, the first time; none where there is no ground.
+func test_rays() -> void:
+	var hills := Hills.new()
+	var random := RandomNumberGenerator.new()
+	random.seed = 3
+	var met := 0
+	for index in 200:
+		var from := Vector3(random.randf_range(-60, 60), random.randf_range(8, 60), random.randf_range(-60, 60))
+		var to := Vector3(random.randf_range(-60, 60), -8.0, random.randf_range(-60, 60))
+		var hit := GroundRay.hit(hills, from, from.direction_to(to))
+		if check(hit.is_finite(), "a ray downwards meets the ground"):
+			met += int(absf(hit.y - hills.get_height(hit)) < 0.001)
+			for part in 40:
+				var before := from.lerp(hit, part / 40.0)
+				check(before.y > hills.get_height(before) - 0.05, "not through the ground before")
+	check_equal(met, 200, "on the ground")
+	check(not GroundRay.hit(hills, Vector3(0, 10, 0), Vector3.UP).is_finite(), "none in the sky")
+	check(not GroundRay.hit(hills, Vector3(300, 10, 0), Vector3.DOWN).is_finite(), "none where there is no ground")
+	var over_hole := GroundRay.hit(hills, Vector3(260, 60, 0), Vector3(-1, -0.5, 0).normalized())
+	check(over_hole.is_finite() and over_hole.x < 200.0, "ground behind a hole: %s" % over_hole)
