@@ -95,8 +95,9 @@ Status PreparedRules::place_densities(
 			return status;
 		}
 	}
-	if (clumps_.active()) {
-		for (std::size_t i = 0; i < positions.size(); ++i) {
+	// Clumps cost more than all else here, so only where anything is left.
+	for (std::size_t i = 0; clumps_.active() && i < positions.size(); ++i) {
+		if (r_densities[i] > 0.0) {
 			r_densities[i] *= clumps_.at(positions[i]);
 		}
 	}
