@@ -149,6 +149,22 @@ func test_refusals() -> void:
 	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "terrain" in bake.problem, bake.problem)
 
 
+## A layer that cannot be made ends the bake, which leaves nothing.
+func test_layer_that_cannot_be_made() -> void:
+	empty_folder()
+	var wrong := make_layer()
+	wrong.min_scale = 3.0
+	var scatter := make_scatter([make_layer(), wrong], Hills.new(), make_viewer())
+	await frames(2)
+	errors.take()
+	var bake := Bake.new()
+	check_equal(bake.begin(scatter, Rect2(0, 0, 32, 32), FOLDER, "wood"), OK, "begun")
+	await run_to_end(bake)
+	check("Layer 1" in bake.problem and bake.progress < 1.0, bake.problem)
+	check(not errors.take().is_empty(), "an error says why")
+	check_equal(all_files(), PackedStringArray(), "nothing is left")
+
+
 ## Where a ray meets the ground: on it, from above, the first time; none where there is no ground.
 func test_rays() -> void:
 	var hills := Hills.new()

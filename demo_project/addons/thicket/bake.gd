@@ -133,8 +133,8 @@ func _bake_tile(tile: Vector3i) -> bool:
 	var size: float = layer.get(&"tile_size")
 	var area := Rect2(Vector2(tile.y, tile.z) * size, Vector2(size, size)).intersection(_rect)
 	var built: Dictionary = _scatter.call(&"build_rect", tile.x, area)
-	if built.is_empty():
-		problem = "Layer %d cannot be made: see the errors printed above." % tile.x
+	if built.buffers.is_empty():
+		problem = "Layer %d cannot be made; the error that was printed says why." % tile.x
 		return false
 	for mesh_index: int in built.buffers.size():
 		var buffer: PackedFloat32Array = built.buffers[mesh_index]
