@@ -12,6 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <vector>
 
 using namespace godot;
 
@@ -39,25 +40,6 @@ private:
 	std::shared_lock<std::shared_mutex> lock_;
 };
 
-bool is_number(const Variant &p_value) {
-	return p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
-}
-
-/// The object that a method without arguments gives; null if it gives none.
-Object *object_from(Object *p_object, const StringName &p_method) {
-	Variant result;
-	GDExtensionCallError error{};
-	Variant(p_object).callp(p_method, nullptr, 0, result, error);
-	return error.error == GDEXTENSION_CALL_OK ? result.get_validated_object() : nullptr;
-}
-
-Variant value_from(Object *p_object, const StringName &p_method) {
-	Variant result;
-	GDExtensionCallError error{};
-	Variant(p_object).callp(p_method, nullptr, 0, result, error);
-	return error.error == GDEXTENSION_CALL_OK ? result : Variant();
-}
-
 /// How much of textures that a place consists of is among those asked for.
 float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_t> textures) {
 	const auto among = [textures](real_t texture) {
@@ -70,33 +52,6 @@ float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_
 }
 
 } // namespace
-
-glm::dvec2 MapSpace::to_map(glm::dvec2 world) const {
-	const Vector3 *rows = to_world.basis.rows;
-	const double xx = rows[0].x;
-	const double xz = rows[0].z;
-	const double zx = rows[2].x;
-	const double zz = rows[2].z;
-	const double x = world.x - to_world.origin.x;
-	const double z = world.y - to_world.origin.z;
-	const double determinant = xx * zz - xz * zx;
-	return {(x * zz - z * xz) / determinant, (z * xx - x * zx) / determinant};
-}
-
-Rect2 MapSpace::world_rect(const Rect2 &p_part) const {
-	const Vector3 *rows = to_world.basis.rows;
-	glm::vec2 min{std::numeric_limits<float>::max()};
-	glm::vec2 max{std::numeric_limits<float>::lowest()};
-	for (int corner = 0; corner < 4; ++corner) {
-		const real_t x = p_part.position.x + (corner % 2 == 0 ? 0 : p_part.size.x);
-		const real_t z = p_part.position.y + (corner / 2 == 0 ? 0 : p_part.size.y);
-		const glm::vec2 world{
-				rows[0].x * x + rows[0].z * z + to_world.origin.x, rows[2].x * x + rows[2].z * z + to_world.origin.z};
-		min = glm::min(min, world);
-		max = glm::max(max, world);
-	}
-	return Rect2(min.x, min.y, max.x - min.x, max.y - min.y);
-}
 
 std::shared_ptr<ObjectGround> ObjectGround::of(Object *p_object) {
 	auto ground = std::make_shared<ObjectGround>();
@@ -120,19 +75,14 @@ bool ObjectGround::take_map(Object *p_object) {
 	if (!p_object->has_method("get_data") || !p_object->has_method("get_internal_transform")) {
 		return false;
 	}
-	Object *data = object_from(p_object, "get_data");
+	Object *data = result_of(p_object, "get_data").get_validated_object();
 	if (data == nullptr || !data->has_method("get_interpolated_height_at") || !data->has_method("get_resolution")) {
 		return false;
 	}
-	const Variant transform = value_from(p_object, "get_internal_transform");
-	const Variant resolution = value_from(data, "get_resolution");
-	if (transform.get_type() != Variant::TRANSFORM3D || !is_number(resolution)) {
-		return false;
-	}
+	map_ = read_map(p_object, data);
 	source_ = Variant(data);
 	height_method_ = "get_interpolated_height_at";
-	map_ = MapSpace{static_cast<Transform3D>(transform), static_cast<double>(resolution) - 1.0};
-	return true;
+	return map_.has_value();
 }
 
 void ObjectGround::close() {
@@ -178,10 +128,7 @@ Status ObjectGround::ground_at(glm::dvec2 position, Ground &r_ground) const {
 Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 	r_height = std::numeric_limits<float>::quiet_NaN();
 	const glm::dvec2 place = map_ ? map_->to_map(position) : position;
-	const bool inside = map_
-			? place.x >= 0.0 && place.x <= map_->last_post && place.y >= 0.0 && place.y <= map_->last_post
-			: std::isfinite(place.x) && std::isfinite(place.y);
-	if (!inside) {
+	if (!std::isfinite(place.x) || !std::isfinite(place.y) || (map_ && !map_->has_ground(place))) {
 		return {};
 	}
 	Variant result;
@@ -193,7 +140,7 @@ Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 		return {ErrorCode::missing, "number from the height method of ScatterTerrainObject.node", 0.0};
 	}
 	const auto height = static_cast<double>(result);
-	r_height = static_cast<float>(map_ ? map_->to_world.basis.rows[1].y * height + map_->to_world.origin.y : height);
+	r_height = map_ ? map_->height_in_world(height) : static_cast<float>(height);
 	return {};
 }
 
@@ -234,19 +181,31 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 	if (positions.size() != r_ground.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
 	}
-	for (std::size_t i = 0; has_textures_ && i < positions.size(); ++i) {
-		const Calling hold(gate_);
-		Variant result;
-		const Status status =
-				call(texture_method_, "get_texture_id() of ScatterTerrainObject.node", positions[i], result);
-		if (!status.ok()) {
-			return status;
+	const std::vector<unsigned> channels = map_ ? map_->channels_of(textures) : std::vector<unsigned>();
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		if (map_) {
+			r_ground[i].weight = map_->weight(map_->to_map(positions[i]), channels);
+		} else if (has_textures_) {
+			const Calling hold(gate_);
+			if (const Status status = weigh_by_textures(positions[i], textures, r_ground[i]); !status.ok()) {
+				return status;
+			}
 		}
-		if (result.get_type() != Variant::VECTOR3) {
-			return {ErrorCode::missing, "Vector3 from get_texture_id() of ScatterTerrainObject.node", 0.0};
-		}
-		r_ground[i].weight = weight_of(static_cast<Vector3>(result), textures);
 	}
+	return {};
+}
+
+Status ObjectGround::weigh_by_textures(
+		glm::dvec2 position, std::span<const std::int32_t> textures, Ground &r_ground) const {
+	Variant result;
+	if (const Status status = call(texture_method_, "get_texture_id() of ScatterTerrainObject.node", position, result);
+			!status.ok()) {
+		return status;
+	}
+	if (result.get_type() != Variant::VECTOR3) {
+		return {ErrorCode::missing, "Vector3 from get_texture_id() of ScatterTerrainObject.node", 0.0};
+	}
+	r_ground.weight = weight_of(static_cast<Vector3>(result), textures);
 	return {};
 }
 

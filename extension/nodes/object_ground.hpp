@@ -1,10 +1,9 @@
 #pragma once
 
 #include "core/terrain/terrain.hpp"
+#include "nodes/terrain_map.hpp"
 
-#include <godot_cpp/variant/rect2.hpp>
 #include <godot_cpp/variant/string_name.hpp>
-#include <godot_cpp/variant/transform3d.hpp>
 #include <godot_cpp/variant/variant.hpp>
 
 #include <glm/vec2.hpp>
@@ -16,23 +15,11 @@
 
 namespace thicket {
 
-/// Where a square map of heights that an object keeps in a space of its own lies in the world. Upright: turned about the
-/// vertical, moved and scaled only.
-struct MapSpace {
-	godot::Transform3D to_world; ///< From map space, where x and z count posts.
-	double last_post = 0.0;      ///< The map reaches from 0 to here, along x and z.
-
-	/// The place in map space; the height is left at 0.
-	glm::dvec2 to_map(glm::dvec2 world) const;
-	/// The rect around a part of the map.
-	godot::Rect2 world_rect(const godot::Rect2 &p_part) const;
-};
-
 /// Ground from the methods of an object of the engine, whatever its class:
 /// - `get_height(Vector3)` and maybe `get_normal(Vector3)`, of the object itself or of its property `data`, in world
 ///   space, NAN where there is no ground (Terrain3D: `data.get_height`);
 /// - `get_data().get_interpolated_height_at(Vector3)` in the map's own space, with `get_data().get_resolution()` and
-///   `get_internal_transform()` beside it (HTerrain).
+///   `get_internal_transform()` beside it (HTerrain; see TerrainMap for its holes and textures).
 /// An object that has `get_texture_id(Vector3)`, which gives a base texture, an overlay and the part of the overlay from
 /// 0 to 1, has weights too.
 class ObjectGround : public Terrain {
@@ -53,7 +40,7 @@ public:
 
 	/// What the methods belong to: the object itself or its data. Null if it is gone.
 	godot::Object *source() const { return source_.get_validated_object(); }
-	const std::optional<MapSpace> &map() const { return map_; }
+	const std::optional<TerrainMap> &map() const { return map_; }
 
 private:
 	bool take_methods(godot::Object *p_object);
@@ -63,6 +50,7 @@ private:
 	Status height_at(glm::dvec2 position, float &r_height) const;
 	Status slope_by_heights(glm::dvec2 position, Ground &r_ground) const;
 	Status normal_at(glm::dvec2 position, Ground &r_ground) const;
+	Status weigh_by_textures(glm::dvec2 position, std::span<const std::int32_t> textures, Ground &r_ground) const;
 	Status call(const godot::StringName &p_method, const char *p_refusal, glm::dvec2 position,
 			godot::Variant &r_result) const;
 
@@ -72,7 +60,7 @@ private:
 	godot::StringName texture_method_ = "get_texture_id";
 	bool has_normal_ = false;
 	bool has_textures_ = false;
-	std::optional<MapSpace> map_;
+	std::optional<TerrainMap> map_;
 
 	mutable std::shared_mutex gate_; ///< Shared while methods are called, so that the object stays for so long.
 	std::atomic<bool> open_ = true;

@@ -45,11 +45,13 @@ void ScatterTerrainObject::find() {
 	Node *target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
 	std::shared_ptr<ObjectGround> found = target != nullptr ? ObjectGround::of(target) : nullptr;
 	problem_ = problem_of(target, found != nullptr);
-	if (ground_ != nullptr) {
-		ground_->close();
+	if (found == nullptr || followed_node_.get_validated_object() != target) {
+		close();
 	}
 	if (found != nullptr) {
 		ground_ = std::move(found);
+		std::erase_if(given_, [](const std::weak_ptr<ObjectGround> &given) { return given.expired(); });
+		given_.push_back(ground_);
 	}
 	if (target != nullptr) {
 		follow(target); // Else the old one may come back.
@@ -106,13 +108,21 @@ void ScatterTerrainObject::connect_signals(bool p_connect) {
 	}
 }
 
+// Tiles under way may hold one that has been replaced.
+void ScatterTerrainObject::close() {
+	for (const std::weak_ptr<ObjectGround> &given : given_) {
+		if (const std::shared_ptr<ObjectGround> ground = given.lock()) {
+			ground->close();
+		}
+	}
+	given_.clear();
+}
+
 void ScatterTerrainObject::host_changed() {
 	stale_ = true;
 	if (host() == nullptr) {
 		unfollow();
-		if (ground_ != nullptr) {
-			ground_->close(); // Nobody tells any more when the node goes.
-		}
+		close(); // Nobody tells any more when the node goes.
 	}
 }
 
@@ -122,9 +132,7 @@ void ScatterTerrainObject::change() {
 }
 
 void ScatterTerrainObject::node_gone() {
-	if (ground_ != nullptr) {
-		ground_->close();
-	}
+	close();
 	change();
 }
 
@@ -134,12 +142,13 @@ void ScatterTerrainObject::area_edited(const AABB &p_area) {
 	emit_terrain_changed(Rect2(p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z));
 }
 
-void ScatterTerrainObject::map_edited(int64_t p_x, int64_t p_z, int64_t p_width, int64_t p_depth, int64_t) {
+void ScatterTerrainObject::map_edited(int64_t p_x, int64_t p_z, int64_t p_width, int64_t p_depth, int64_t p_channel) {
 	if (ground_ != nullptr && ground_->map()) {
 		// Heights between posts and slopes depend on the posts around them.
 		constexpr real_t margin = 2;
 		const Rect2 part(static_cast<real_t>(p_x) - margin, static_cast<real_t>(p_z) - margin,
 				static_cast<real_t>(p_width) + 2 * margin, static_cast<real_t>(p_depth) + 2 * margin);
+		stale_ = stale_ || TerrainMap::copies(p_channel);
 		emit_terrain_changed(ground_->map()->world_rect(part));
 	}
 }

@@ -40,6 +40,7 @@ private:
 	void follow(godot::Node *p_target);
 	void unfollow();
 	void connect_signals(bool p_connect);
+	void close();
 	void change();
 	void node_gone();
 	void node_moved(const godot::Transform3D &p_transform);
@@ -49,8 +50,9 @@ private:
 	godot::NodePath node_;
 	bool thread_safe_ = false;
 
-	std::shared_ptr<ObjectGround> ground_; ///< The last that could be used; closed when its node is gone.
-	bool stale_ = true;                    ///< The node has to be looked for.
+	std::shared_ptr<ObjectGround> ground_;           ///< The last that could be used; closed when its node is gone.
+	std::vector<std::weak_ptr<ObjectGround>> given_; ///< All of that node, for tiles that are still under way.
+	bool stale_ = true;                              ///< The node has to be looked for.
 	godot::String problem_;
 	godot::String reported_; ///< The problem that was printed last.
 	godot::Variant followed_node_;

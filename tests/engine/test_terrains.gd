@@ -31,7 +31,16 @@ class Terrain3DLike extends Node3D:
 class HTerrainLikeData extends Resource:
 	signal region_changed(x: int, y: int, w: int, h: int, channel: int)
 	const SIZE := 65
+	const CHANNEL_SPLAT := 2
+	const CHANNEL_COLOR := 3
 	var lift := 0.0
+	var maps := {}
+
+	func get_map_count(map_type: int) -> int:
+		return maps[map_type].size() if maps.has(map_type) else 0
+
+	func get_image(map_type: int, index := 0) -> Image:
+		return maps[map_type][index]
 
 	func get_resolution() -> int:
 		return SIZE
@@ -802,3 +811,43 @@ func test_heightmap_weights() -> void:
 	check_error(["ScatterTerrainHeightmap.weight_image", "missing"], "a mesh")
 	terrain.image = BoxMesh.new()
 	check_error(["ScatterTerrainHeightmap.image", "missing"], "a mesh")
+
+
+func test_holes_and_textures_of_hterrain_like() -> void:
+	var node := HTerrainLike.new()
+	var size := HTerrainLikeData.SIZE
+	var colors := Image.create_empty(size, size, false, Image.FORMAT_RGBA8)
+	colors.fill(Color.WHITE)
+	colors.fill_rect(Rect2i(20, 0, 10, size), Color(1.0, 1.0, 1.0, 0.0))
+	var splats: Array[Image] = []
+	for index in 2:
+		splats.push_back(Image.create_empty(size, size, false, Image.FORMAT_RGBA8))
+		splats[index].fill(Color(0.0, 0.0, 0.0, 0.0))
+	splats[0].fill_rect(Rect2i(0, 0, size, 33), Color(0.0, 1.0, 0.0, 0.0))
+	splats[1].fill_rect(Rect2i(0, 33, size, 32), Color(0.0, 0.0, 0.0, 1.0))
+	node.get_data().maps = {HTerrainLikeData.CHANNEL_COLOR: [colors], HTerrainLikeData.CHANNEL_SPLAT: splats}
+	var counts := {}
+	for textures: Array in [[], [1], [7], [1, 7], [0, 2, 3, 4, 5, 6, 8]]:
+		var layer := make_layer()
+		layer.ground_textures = PackedInt32Array(textures)
+		var scatter := make_on(node, false, layer)
+		await settle(scatter)
+		var stand := all_transforms(scatter)
+		counts[textures] = stand.size()
+		var in_hole := stand.filter(func(one: Transform3D) -> bool: return one.origin.x > -23.5 and one.origin.x < -5.5)
+		check_equal(in_hole.size(), 0, "instances in the hole")
+		if textures == [1]:
+			check(stand.all(func(one: Transform3D) -> bool: return one.origin.z < 2.0), "texture 1 lies in front")
+		scatter.free()
+	check(counts[[]] > 500, "instances: %d" % counts[[]])
+	check_equal(counts[[1, 7]], counts[[]], "both textures are everything")
+	check(counts[[1]] > 100 and counts[[7]] > 100, "halves: %s" % counts)
+	check_equal(counts[[0, 2, 3, 4, 5, 6, 8]], 0, "textures that are nowhere")
+	var on := make_on(node)
+	await settle(on)
+	var before := all_transforms(on).size()
+	colors.fill(Color.WHITE)
+	node.get_data().region_changed.emit(20, 0, 10, size, HTerrainLikeData.CHANNEL_COLOR)
+	on.regenerate()
+	await settle(on)
+	check(all_transforms(on).size() > before, "the hole is filled")
