@@ -31,7 +31,10 @@ bool ScatterTerrainObject::ready() const {
 
 Status ScatterTerrainObject::ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 		std::span<Ground> r_ground) const {
-	const std::shared_ptr<const ObjectGround> ground = ground_;
+	const std::shared_ptr<const ObjectGround> ground = ground_; // Whoever is asked may change the property.
+	if (ground == nullptr) {
+		return {ErrorCode::missing, "ScatterTerrainObject.node", 0.0};
+	}
 	const Status status = ground->sample(positions, r_ground);
 	return status.ok() && !textures.empty() ? ground->weigh(positions, textures, r_ground) : status;
 }
