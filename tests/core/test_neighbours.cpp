@@ -219,6 +219,27 @@ TEST_CASE("neighbours: what a tile samples is known beforehand") {
 			doctest::Approx(expected(ferns, 64.0) + expected(*shrubs, 84.0) + expected(*oaks, 124.0)));
 }
 
+TEST_CASE("neighbours: layers that all look at all that stand before them count once each") {
+	std::vector<std::shared_ptr<const LayerSettings>> layers;
+	double points = 0.0;
+	for (std::size_t i = 0; i <= max_neighbour_depth; ++i) {
+		const auto layer = layer_of(static_cast<std::uint16_t>(i), 2.0);
+		layer->rules.edge_feather = 0.25;
+		for (const auto &other : layers) {
+			layer->neighbours.push_back({other, 1.5, nullptr});
+		}
+		layers.push_back(layer);
+		const double side = 64.0 + 3.0 * static_cast<double>(i);
+		points += point_density(layer->set) * side * side;
+		CHECK(validate(*layer).ok());
+		CHECK(reach(*layer) == doctest::Approx(1.5 * static_cast<double>(i) + 0.25));
+		CHECK(points_to_sample(*layer, 64.0) == doctest::Approx(points));
+	}
+	LayerSettings deeper = *layer_of(20, 2.0);
+	deeper.neighbours = {{layers[0], 1.0, nullptr}, {layers.back(), 1.0, nullptr}};
+	check_refused(validate(deeper), ErrorCode::out_of_range, "depth of neighbours", max_neighbour_depth + 1.0);
+}
+
 TEST_CASE("neighbours: bad ones are refused by name") {
 	LayerSettings layer = *layer_of(0, 1.0);
 	const auto refuse = [&layer](const Neighbour &neighbour, ErrorCode code, const char *property, double value) {
@@ -241,6 +262,16 @@ TEST_CASE("neighbours: bad ones are refused by name") {
 		chain = next;
 	}
 	check_refused(validate(*chain), ErrorCode::out_of_range, "depth of neighbours", max_neighbour_depth + 1.0);
+	// Many layers, none of them deep: 5 that look at 16 others each.
+	layer.neighbours.clear();
+	for (std::uint16_t i = 0; i < 5; ++i) {
+		const auto between = layer_of(i, 1.0);
+		for (std::uint16_t j = 0; j < max_neighbours; ++j) {
+			between->neighbours.push_back({layer_of(j, 1.0), 1.0, nullptr});
+		}
+		layer.neighbours.push_back({between, 1.0, nullptr});
+	}
+	check_refused(validate(layer), ErrorCode::out_of_range, "neighbours of neighbours", max_chain_layers + 1.0);
 	layer.neighbours.assign(max_neighbours + 1, {good, 1.0, nullptr});
 	check_refused(validate(layer), ErrorCode::out_of_range, "neighbours", max_neighbours + 1.0);
 }

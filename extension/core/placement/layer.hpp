@@ -30,7 +30,8 @@ struct Neighbour {
 
 inline constexpr double max_neighbour_distance = 1e3;
 inline constexpr std::size_t max_neighbours = 16;      ///< Of one layer.
-inline constexpr std::size_t max_neighbour_depth = 16; ///< Layers in a chain.
+inline constexpr std::size_t max_neighbour_depth = 16; ///< Layers in a row.
+inline constexpr std::size_t max_chain_layers = 64;    ///< That a layer depends on, itself included.
 
 /// All that makes a layer: one species or family.
 struct LayerSettings {
@@ -50,16 +51,12 @@ struct LayerSettings {
 /// Refuses a layer of which any part is refused.
 Status validate(const LayerSettings &layer);
 
-/// True if two layers differ in nothing but the masks and shapes of their rules, those of their neighbours included, so that
-/// what changed between them lies within `reach` of the edits.
-bool same_but_for_edits(const LayerSettings &a, const LayerSettings &b);
-
-/// How far, in metres, a change of the ground, a mask or a shape may reach for the layer's own instances: the distances of
-/// its neighbours' chains and edge feathers, added up.
+/// How far, in metres, a change of the ground, a mask or a shape may reach for the instances of a valid layer: the distances
+/// of its neighbours' chains and edge feathers, added up.
 double reach(const LayerSettings &layer);
 
-/// About how many points a square tile of `tile_size` metres takes to make: those of the layer, and of its neighbours in all
-/// the surroundings from which they count. What memory and time grow with.
+/// About how many points a square tile of `tile_size` metres of a valid layer takes to make: those of the layer, and of its
+/// neighbours in all the surroundings from which they count. What memory and time grow with.
 double points_to_sample(const LayerSettings &layer, double tile_size);
 
 } // namespace thicket
