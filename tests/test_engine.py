@@ -34,6 +34,11 @@ meshes = Array[Mesh]([SubResource("box")])
 terrain = SubResource("ground")
 layers = Array[ScatterLayer]([SubResource("layer")])
 
+[node name="Glade" type="ScatterShape3D" parent="Scatter"]
+kind = 1
+exclude = true
+radius = 20.0
+
 [node name="Watcher" type="Node" parent="."]
 script = ExtResource("1")
 """
@@ -188,7 +193,7 @@ def test_editor_shows_and_reloads(scene, least, godot, project):
     printed = done.stdout + done.stderr
     shown = re.search(r"in the editor: (\d+) tiles, (\d+) instances", printed)
     assert shown and int(shown.group(2)) > least, printed
-    assert "children of the scatter: 0" in printed
+    assert "children of the scatter: 1\n" in printed
     assert "reload: 0" in printed, printed
     assert f"after reloading: {shown.group(1)} tiles, {shown.group(2)} instances" in printed, printed
     complaints = [line for line in COMPLAINT.findall(printed) if "X509" not in line]

@@ -189,20 +189,20 @@ Status ScatterShape3D::build(Shape &r_shape) const {
 	} else if (const Status status = build_solid(r_shape); !status.ok()) {
 		return status;
 	}
-	return validate(r_shape);
+	const bool unfinished =
+			(kind_ == KIND_POLYGON && r_shape.outline.size() < 3) || (kind_ == KIND_PATH && r_shape.outline.size() < 2);
+	return unfinished ? Status{ErrorCode::missing, "outline", 0.0} : validate(r_shape);
 }
 
 std::optional<Shape> ScatterShape3D::world_shape() {
 	if (!is_inside_tree() || !shown()) {
 		return std::nullopt;
 	}
-	const bool unfinished =
-			(kind_ == KIND_POLYGON && polygon_.size() < 3) || (kind_ == KIND_PATH && path_outline().size() < 2);
-	if (unfinished) {
-		return std::nullopt;
-	}
 	Shape shape;
 	const Status status = build(shape);
+	if (status.code == ErrorCode::missing) {
+		return std::nullopt; // Its warnings say so.
+	}
 	if (std::exchange(reported_, status.code) != status.code) {
 		report(class_name, status);
 	}

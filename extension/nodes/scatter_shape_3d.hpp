@@ -91,6 +91,7 @@ private:
 	void leave();
 	void changed();
 	bool shown() const;
+	/// ErrorCode::missing for an outline with too few points.
 	Status build(Shape &r_shape) const;
 	Status build_solid(Shape &r_shape) const;
 	std::vector<glm::dvec2> polygon_outline() const;

@@ -128,7 +128,15 @@ void TerrainScatter3D::mark_edited() {
 void TerrainScatter3D::mark_dirty() {
 	mark_edited();
 	update_configuration_warnings();
-	shapes_.update_warnings(); // They may name layers.
+	PackedStringArray names;
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		const Ref<ScatterLayer> layer = layer_at(place);
+		names.push_back(layer.is_valid() ? layer->get_name() : String());
+	}
+	if (!(names == layer_names_)) {
+		layer_names_ = names;
+		shapes_.update_warnings(); // They may name layers.
+	}
 }
 
 void TerrainScatter3D::mark_ground_dirty() {
@@ -161,13 +169,7 @@ void TerrainScatter3D::shape_changed(const ScatterShape3D *p_shape) {
 }
 
 bool TerrainScatter3D::has_layer_named(const String &p_name) const {
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		const Ref<ScatterLayer> layer = layer_at(place);
-		if (layer.is_valid() && layer->get_name() == p_name) {
-			return true;
-		}
-	}
-	return false;
+	return !p_name.is_empty() && layer_names_.has(p_name);
 }
 
 void TerrainScatter3D::refresh() {

@@ -125,6 +125,7 @@ private:
 	ScatterStream stream_;
 	LayerPlans plans_;
 	ShapeRegister shapes_;
+	godot::PackedStringArray layer_names_; ///< By place, as shapes were told of them last.
 	std::shared_ptr<const Terrain> ground_;
 	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
 	std::chrono::steady_clock::duration frame_time_{0}; ///< Of the main thread, in the last frame.
