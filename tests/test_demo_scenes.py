@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from conftest import REPO, run
 from PIL import Image
-from test_demo import DEMO, complaints, is_a_picture
+from test_demo import DEMO, TERRAIN, complaints, is_a_picture, load_script
 
 ENGINE = REPO / "tests/engine"
-SCENES = ["script_terrain"]
+SCENES = ["rules", "script_terrain"]
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 
 
@@ -45,7 +45,7 @@ def test_what_stands_in_the_scene(godot, imported_demo, scene):
     assert "leaked" not in printed, printed[-4000:]
 
 
-@pytest.mark.parametrize(("scene", "stop"), [("script_terrain", "island")])
+@pytest.mark.parametrize(("scene", "stop"), [("rules", "valley"), ("script_terrain", "island")])
 def test_scene_is_a_picture(godot_xvfb, imported_demo, tmp_path, scene, stop):
     arguments = ["--path", imported_demo, "--resolution", "640x360", f"res://{scene}.tscn", "--"]
     done = godot_xvfb([*arguments, f"--screenshots={tmp_path}", f"--stops={stop}"], timeout=120)
@@ -69,3 +69,28 @@ def test_an_unknown_scene_is_named():
     assert "no scene 'nowhere'" in done.stderr
     for scene in ["demo", *SCENES]:
         assert re.search(rf"\b{scene}\b", done.stderr)
+
+
+def test_the_valley_is_what_its_script_makes():
+    """To one step of 2 mm and one of 1/255: other versions of numpy may round the last bit otherwise."""
+    valley = load_script("make_valley")
+    posts, soil = valley.make()
+    stored = np.frombuffer((TERRAIN / "valley.r16").read_bytes(), "<u2").astype(int)
+    assert np.abs(stored - np.frombuffer(posts, "<u2").astype(int)).max() <= 1
+    shares = np.asarray(Image.open(TERRAIN / "valley_soil.png"), int)
+    assert shares.shape == (valley.SOIL_POSTS, valley.SOIL_POSTS, 4)
+    assert np.abs(shares - np.asarray(soil, int)).max() <= 1
+    assert np.abs(shares.sum(axis=-1) - 255).max() <= 2
+
+
+def test_the_rules_scene_and_the_valley_agree():
+    valley = load_script("make_valley")
+    text = (DEMO / "rules.tscn").read_text()
+    assert f"post_count = Vector2i({valley.POSTS}, {valley.POSTS})" in text
+    assert text.count(f"rect = Rect2({-valley.SIZE / 2:g}, {-valley.SIZE / 2:g}, {valley.SIZE:g}, {valley.SIZE:g})") == 2
+    assert f"min_height = {valley.LOW}\n" in text and f"max_height = {valley.HIGH}\n" in text
+    numbers = re.search(r'"points": PackedVector3Array\((.*?)\)', text).group(1).split(",")
+    points = np.array(numbers, float).reshape(-1, 3, 3)[:, 2]  # In, out, place.
+    assert np.array_equal(points[:, [0, 2]], np.array(valley.PATH, float))
+    heights = valley.heights(points[:, 0], points[:, 2])
+    assert np.abs(points[:, 1] - heights).max() < 0.01, "the path lies on the ground"

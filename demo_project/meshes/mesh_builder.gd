@@ -125,9 +125,11 @@ func cone(base: Vector3, radius: float, height: float, sides: int, notch: float,
 
 
 ## Writes the collected levels as one surface. [param distances] are the metres (at 1280 pixels of width and an instance
-## scale of 1) beyond which level 1, 2, ... are drawn; one fewer than the levels.
+## scale of 1) beyond which level 1, 2, ... are drawn; one fewer than the levels. Levels finer than the mesh's
+## [code]finest_level[/code] are left out, but never the last.
 func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) -> void:
 	assert(distances.size() == _levels.size() - 1)
+	var finest := mini(mesh.get(&"finest_level"), _levels.size() - 1)
 	var arrays: Array = []
 	arrays.resize(Mesh.ARRAY_MAX)
 	arrays[Mesh.ARRAY_VERTEX] = _vertices
@@ -135,9 +137,9 @@ func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) 
 	arrays[Mesh.ARRAY_COLOR] = _colors
 	arrays[Mesh.ARRAY_TEX_UV] = _uvs
 	arrays[Mesh.ARRAY_TEX_UV2] = _uv2s
-	arrays[Mesh.ARRAY_INDEX] = _levels[0]
+	arrays[Mesh.ARRAY_INDEX] = _levels[finest]
 	var lods := {}
-	for i in distances.size():
+	for i in range(finest, distances.size()):
 		lods[distances[i] * EDGE_PER_METRE] = _levels[i + 1]
 	mesh.clear_surfaces()
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], lods)

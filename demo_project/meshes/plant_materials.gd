@@ -14,6 +14,7 @@ const SETTINGS := {
 	&"fern": {"sway": 0.05, "translucency": 0.6, "tint_range": 0.25, "fade_end": 75.0},
 	&"grass": {"sway": 0.09, "translucency": 0.6, "tint_range": 0.3, "fade_end": 70.0},
 	&"flower": {"sway": 0.07, "translucency": 0.5, "tint_range": 0.12, "fade_end": 75.0},
+	&"reed": {"sway": 0.14, "translucency": 0.5, "tint_range": 0.25, "fade_end": 150.0},
 	&"stone": {"fade_end": 480.0},
 }
 

@@ -1,6 +1,7 @@
 @tool
 extends ArrayMesh
-## A mesh that a scene stores as two settings and builds itself when it is loaded: a species of the demo and a variant.
+## A mesh that a scene stores as a few settings and builds itself when it is loaded: a species of the demo, a variant, and
+## how fine it is at most.
 ##
 ## The surfaces are never saved, so a scene that uses it stays small. Equal settings give equal meshes, on every
 ## machine.
@@ -13,11 +14,12 @@ const SPECIES := {
 	&"fern": preload("res://meshes/fern.gd"),
 	&"grass": preload("res://meshes/grass.gd"),
 	&"flower": preload("res://meshes/flower.gd"),
+	&"reed": preload("res://meshes/reed.gd"),
 	&"stone": preload("res://meshes/stone.gd"),
 }
 
 ## The builder to use, one of the keys of [constant SPECIES].
-@export_enum("oak", "spruce", "shrub", "fern", "grass", "flower", "stone") var species := "oak":
+@export_enum("oak", "spruce", "shrub", "fern", "grass", "flower", "reed", "stone") var species := "oak":
 	set(value):
 		if not SPECIES.has(StringName(value)):
 			push_error("species must be one of %s, got '%s'" % [", ".join(SPECIES.keys()), value])
@@ -29,6 +31,12 @@ const SPECIES := {
 @export_range(0, 15) var variant := 0:
 	set(value):
 		variant = clampi(value, 0, 15)
+		_request_build()
+
+## The finest level of detail that it has, 0 for the species' own: a coarser mesh for [member ScatterLayer.lod_meshes].
+@export_range(0, 4) var finest_level := 0:
+	set(value):
+		finest_level = clampi(value, 0, 4)
 		_request_build()
 
 var _requested := false

@@ -7,7 +7,7 @@ extends MeshInstance3D
 
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
 ## What stands for "not near the path", in metres.
-const FAR := 64.0
+const FAR := 16.0
 ## Halvings of a quad's side that find where the ground ends.
 const HALVINGS := 8
 ## Rows of quads from the top of a wall to its foot.
@@ -46,6 +46,11 @@ const WALL_ROWS := 9
 		if path != null:
 			path.curve_changed.connect(_request_build)
 		_request_build()
+## What the ground consists of, a weight in each channel, over [member rect]: for the material, if it draws that.
+@export var soil: Image:
+	set(value):
+		soil = value
+		_request_build()
 ## The material of ground and walls; gets the shared noise.
 @export var material: ShaderMaterial:
 	set(value):
@@ -53,8 +58,11 @@ const WALL_ROWS := 9
 		_request_build()
 
 var _requested := false
+var _soil_texture: ImageTexture
 var _columns := 0
 var _vertices := PackedVector3Array()
+## For each post, 1 where there is ground.
+var _solid := PackedByteArray()
 var _indices := PackedInt32Array()
 ## Vertex where the ground ends between two posts, by the numbers of both.
 var _cuts := {}
@@ -79,6 +87,7 @@ func _build() -> void:
 		mesh = null
 		return
 	_vertices.clear()
+	_solid.clear()
 	_indices.clear()
 	_cuts.clear()
 	_edge.clear()
@@ -86,7 +95,10 @@ func _build() -> void:
 	var rows := int(rect.size.y / spacing) + 1
 	for row in rows:
 		for column in _columns:
-			_vertices.append(_on_ground(rect.position + Vector2(column, row) * spacing))
+			var place := rect.position + Vector2(column, row) * spacing
+			var height := terrain.get_height(Vector3(place.x, 0.0, place.y))
+			_vertices.append(Vector3(place.x, height, place.y))
+			_solid.append(int(is_finite(height)))
 	for row in rows - 1:
 		for column in _columns - 1:
 			_add_quad(row * _columns + column)
@@ -96,29 +108,45 @@ func _build() -> void:
 		_add_walls(built)
 	for surface in built.get_surface_count():
 		built.surface_set_material(surface, material)
-	if material != null:
-		# Past the resource: what the editor sets there would be saved with the scene.
-		RenderingServer.material_set_param(material.get_rid(), &"noise", NoiseTexture.texture().get_rid())
+	_fill_material()
 	mesh = built
 
 
-func _on_ground(place: Vector2) -> Vector3:
-	return Vector3(place.x, terrain.get_height(Vector3(place.x, 0.0, place.y)), place.y)
+## Past the resource: what the editor sets in a material would be saved with the scene.
+func _fill_material() -> void:
+	if material == null:
+		return
+	var rid := material.get_rid()
+	RenderingServer.material_set_param(rid, &"noise", NoiseTexture.texture().get_rid())
+	if soil != null:
+		_soil_texture = ImageTexture.create_from_image(soil)
+		RenderingServer.material_set_param(rid, &"soil", _soil_texture.get_rid())
+		RenderingServer.material_set_param(rid, &"soil_origin", rect.position)
+		RenderingServer.material_set_param(rid, &"soil_size", rect.size)
 
 
 ## The part of a quad that has ground: a polygon of up to six corners.
 func _add_quad(first: int) -> void:
-	var corners: Array[int] = [first, first + 1, first + _columns + 1, first + _columns]
+	var south := first + _columns
+	if _solid[first] + _solid[first + 1] + _solid[south] + _solid[south + 1] == 4:
+		_indices.append(first)
+		_indices.append(first + 1)
+		_indices.append(south + 1)
+		_indices.append(first)
+		_indices.append(south + 1)
+		_indices.append(south)
+		return
+	var corners: Array[int] = [first, first + 1, south + 1, south]
 	var polygon: Array[int] = []
 	var left := -1
 	var entered := -1
 	for i in 4:
 		var here := corners[i]
 		var next := corners[(i + 1) % 4]
-		var solid := is_finite(_vertices[here].y)
+		var solid := _solid[here] == 1
 		if solid:
 			polygon.append(here)
-		if solid == is_finite(_vertices[next].y):
+		if solid == (_solid[next] == 1):
 			continue
 		var cut := _cut(here, next) if solid else _cut(next, here)
 		polygon.append(cut)
@@ -154,28 +182,54 @@ func _cut(solid: int, hollow: int) -> int:
 
 
 func _add_ground(built: ArrayMesh) -> void:
-	var surface := SurfaceTool.new()
-	surface.begin(Mesh.PRIMITIVE_TRIANGLES)
-	# Posts without ground are in no triangle; they must not widen the box that the engine culls by.
-	var numbers := PackedInt32Array()
-	numbers.resize(_vertices.size())
-	numbers.fill(-1)
-	var count := 0
-	for index in _indices:
-		if numbers[index] < 0:
-			numbers[index] = count
-			count += 1
-			surface.set_uv(Vector2(_distance_to_path(_vertices[index]), 0.0))
-			surface.add_vertex(_vertices[index])
-		surface.add_index(numbers[index])
-	if count > 0:
-		surface.generate_normals()
-		surface.commit(built)
+	if _indices.is_empty():
+		return
+	var normals := PackedVector3Array()
+	var uvs := PackedVector2Array()
+	var near_path := _path_bounds()
+	for vertex in _vertices.size():
+		var place := _vertices[vertex]
+		normals.append(_normal(vertex))
+		var near := near_path.has_point(Vector2(place.x, place.z))
+		uvs.append(Vector2(_distance_to_path(place) if near else FAR, 0.0))
+		# A post without ground is in no triangle, but counts for the box that the engine culls by.
+		if is_nan(place.y):
+			_vertices[vertex].y = wall_foot
+	var arrays: Array = []
+	arrays.resize(Mesh.ARRAY_MAX)
+	arrays[Mesh.ARRAY_VERTEX] = _vertices
+	arrays[Mesh.ARRAY_NORMAL] = normals
+	arrays[Mesh.ARRAY_TEX_UV] = uvs
+	arrays[Mesh.ARRAY_INDEX] = _indices
+	built.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+
+
+## From the posts around it; from the terrain itself at the borders.
+func _normal(vertex: int) -> Vector3:
+	var column := vertex % _columns
+	if column > 0 and column < _columns - 1 and vertex >= _columns and vertex + _columns < _solid.size():
+		var around := _solid[vertex - 1] + _solid[vertex + 1] + _solid[vertex - _columns] + _solid[vertex + _columns]
+		var rise_x := _vertices[vertex + 1].y - _vertices[vertex - 1].y
+		var rise_z := _vertices[vertex + _columns].y - _vertices[vertex - _columns].y
+		if around == 4:
+			return Vector3(-rise_x, 2.0 * spacing, -rise_z).normalized()
+	var normal := terrain.get_normal(_vertices[vertex])
+	return normal if normal != Vector3.ZERO else Vector3.UP
+
+
+func _path_bounds() -> Rect2:
+	if path == null or path.curve == null or path.curve.point_count < 2:
+		return Rect2()
+	var bounds := Rect2()
+	var points := path.curve.get_baked_points()
+	for i in points.size():
+		var place := path.global_transform * points[i]
+		var flat := Vector2(place.x, place.z)
+		bounds = bounds.expand(flat) if i > 0 else Rect2(flat, Vector2.ZERO)
+	return bounds.grow(FAR)
 
 
 func _distance_to_path(place: Vector3) -> float:
-	if path == null or path.curve == null or path.curve.point_count < 2:
-		return FAR
 	var local := path.global_transform.affine_inverse() * place
 	var nearest := path.curve.get_closest_point(local)
 	return minf(Vector2(nearest.x - local.x, nearest.z - local.z).length(), FAR)

@@ -1,0 +1,57 @@
+extends "res://demo/stage.gd"
+## The scene that shows the rules: a valley with a lake, woods, meadows and scree, and a clearing that walks through the
+## wood. Where the clearing has been, the same trees stand again; nothing else moves.
+
+const ScatterGround := preload("res://demo/scatter_ground.gd")
+## Stops as in the other scenes; [code]clearing[/code] is the clearing's place on its way, 0 to 1.
+const STOPS: Array[Dictionary] = [
+	{"name": "valley", "eye": Vector3(-72.0, 30.0, 176.0), "heading": 27.0, "pitch": -11.0},
+	{"name": "ferns", "eye": Vector3(-19.0, 1.8, 160.0), "heading": 60.0, "pitch": -7.0},
+	{"name": "shore", "eye": Vector3(-20.0, 2.2, 42.0), "heading": 330.0, "pitch": -5.0},
+	{"name": "path", "eye": Vector3(22.0, 2.2, 104.0), "heading": 25.0, "pitch": -6.0},
+	{"name": "scree", "eye": Vector3(128.0, 2.5, 20.0), "heading": 52.0, "pitch": 10.0},
+	{"name": "clearing", "eye": Vector3(-50.0, 82.0, -20.0), "heading": 0.0, "pitch": -18.0},
+	{"name": "clearing_moved", "eye": Vector3(-50.0, 82.0, -20.0), "heading": 0.0, "pitch": -18.0, "clearing": 1.0},
+]
+## World x and z of the clearing at the start and at the end of its way.
+const WAY: Array[Vector2] = [Vector2(-105.0, -160.0), Vector2(5.0, -170.0)]
+## Seconds for the way there and back.
+const PERIOD := 40.0
+
+var _walked := 0.0
+var _walking := false
+
+@onready var _clearing: Node3D = $Scatter/Clearing
+
+
+func _ready() -> void:
+	ground = ScatterGround.new($Scatter.terrain)
+	super()
+
+
+func _process(delta: float) -> void:
+	super(delta)
+	if _walking:
+		_walked += delta
+		move_clearing(0.5 - 0.5 * cos(TAU * _walked / PERIOD))
+
+
+func stops() -> Array[Dictionary]:
+	return STOPS
+
+
+func own_key(keycode: Key) -> void:
+	if keycode == KEY_M:
+		_walking = not _walking
+
+
+func place(stop: Dictionary) -> void:
+	super(stop)
+	if stop.has("clearing"):
+		move_clearing(stop.clearing)
+
+
+## Puts the clearing on its way: 0 where it starts, 1 where it turns back.
+func move_clearing(share: float) -> void:
+	var there := WAY[0].lerp(WAY[1], share)
+	_clearing.global_position = Vector3(there.x, _clearing.global_position.y, there.y)

@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""Makes the ground of the demo's rules scene: a valley of 768 m with a lake, meadows, woods and a steep scree slope.
+
+Writes beside this script:
+- valley.r16       385 x 385 unsigned 16-bit little-endian posts, 2 m apart, row by row, rows from north to south, posts
+                   from west to east: height = LOW + post / 65535 * (HIGH - LOW) metres. The lake's surface is at 0.
+- valley_soil.png  193 x 193 pixels, 4 m apart: how much of the ground is meadow (red), forest floor (green), rock (blue)
+                   and sand (alpha), 0 to 255, together 255.
+
+In the world +x is east, +z is south, y is up, and the map's centre is the origin.
+
+Usage: make_valley.py [--out DIRECTORY]; needs numpy and pillow.
+"""
+
+import argparse
+import pathlib
+
+import numpy as np
+from PIL import Image
+
+SIZE = 768.0
+POSTS = 385
+SOIL_POSTS = 193
+LOW = -8.0
+HIGH = 120.0
+# x and z of the path's bends, from south to north, as in the scene.
+PATH = [(60, 384), (48, 300), (26, 220), (4, 150), (24, 92), (64, 40), (74, -18), (58, -78), (82, -140), (68, -215),
+        (92, -295), (80, -384)]
+
+
+def smooth(start: float, end: float, value: np.ndarray) -> np.ndarray:
+    """0 up to start, 1 from end on, a smooth step between; start may be the larger."""
+    t = np.clip((value - start) / (end - start), 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+def noise(x: np.ndarray, z: np.ndarray, size: float, seed: int) -> np.ndarray:
+    """Smooth noise, about -1 to 1, that changes over size metres."""
+    lattice = np.random.default_rng(seed).uniform(-1.0, 1.0, (256, 256))
+    px, pz = x / size + 128.0, z / size + 128.0
+    i, j = np.floor(px).astype(int), np.floor(pz).astype(int)
+    u, v = smooth(0.0, 1.0, px - i), smooth(0.0, 1.0, pz - j)
+    north = lattice[j, i] * (1.0 - u) + lattice[j, i + 1] * u
+    south = lattice[j + 1, i] * (1.0 - u) + lattice[j + 1, i + 1] * u
+    return north * (1.0 - v) + south * v
+
+
+def rough(x: np.ndarray, z: np.ndarray, size: float, seed: int) -> np.ndarray:
+    """Three octaves of noise, the largest over size metres."""
+    return sum(noise(x, z, size / 2**octave, seed + octave) / 2**octave for octave in range(3)) / 1.75
+
+
+def from_shore(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Metres from the lake's shore, roughly; below 0 in the lake."""
+    across, along = (x + 45.0) / 82.0, (z + 25.0) / 48.0
+    angle = np.arctan2(along, across)
+    bays = 1.0 + 0.14 * np.sin(2.0 * angle + 0.8) + 0.09 * np.sin(3.0 * angle - 0.5) + 0.04 * np.sin(7.0 * angle)
+    return (np.hypot(across, along) / bays - 1.0) * 60.0
+
+
+def from_path(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Metres from the middle of the path, drawn with straight lines."""
+    nearest = np.full(x.shape, np.inf)
+    for (ax, az), (bx, bz) in zip(PATH, PATH[1:], strict=False):
+        along = ((x - ax) * (bx - ax) + (z - az) * (bz - az)) / ((bx - ax) ** 2 + (bz - az) ** 2)
+        along = np.clip(along, 0.0, 1.0)
+        nearest = np.minimum(nearest, np.hypot(x - ax - along * (bx - ax), z - az - along * (bz - az)))
+    return nearest
+
+
+def scarp(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Metres up the eastern slope from its foot, in the plane."""
+    return x - 122.0 - 24.0 * np.sin(z / 75.0 + 0.6) - 14.0 * rough(x, z, 60.0, 50)
+
+
+def heights(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """World metres."""
+    shore = from_shore(x, z)
+    inland = smooth(4.0, 60.0, shore)
+    ground = np.where(shore < 0.0, np.maximum(0.12 * shore, -5.0), 0.055 * shore)
+    ground = np.minimum(ground, 5.0 + 0.01 * shore)
+    ground += inland * (3.2 * rough(x, z, 90.0, 10) + 0.5 * rough(x, z, 24.0, 20))
+    ground += 62.0 * smooth(-95.0, -360.0, z + 18.0 * rough(x, z, 120.0, 30)) * (1.0 - 0.45 * smooth(60.0, 150.0, x))
+    ground += 46.0 * smooth(-150.0, -384.0, x + 20.0 * rough(x, z, 120.0, 40))
+    ground += 34.0 * smooth(190.0, 384.0, z)
+    up = scarp(x, z)
+    # Steep where the eye rests on it, gentler and wooded to the north and south.
+    reach = 62.0 + 90.0 * smooth(70.0, 170.0, np.abs(z + 10.0 + 40.0 * noise(x, z, 60.0, 55)))
+    ground += 38.0 * smooth(0.0, 1.0, (up + 8.0) / (reach + 8.0))
+    ground += 14.0 * smooth(40.0, 200.0, up)
+    return ground
+
+
+def soils(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Shares of meadow, forest floor, rock and sand along the last axis."""
+    step = 2.0
+    ground = heights(x, z)
+    rise_x = (heights(x + step, z) - heights(x - step, z)) / (2.0 * step)
+    rise_z = (heights(x, z + step) - heights(x, z - step)) / (2.0 * step)
+    slope = np.degrees(np.arctan(np.hypot(rise_x, rise_z)))
+    # Woods stand back from the middle of the valley, from the lake and from the path.
+    valley = (np.hypot((x - 5.0) / 145.0, (z - 70.0) / 160.0) - 1.0) * 130.0
+    open_land = np.minimum.reduce([valley, from_shore(x, z) - 16.0, from_path(x, z) - 20.0])
+    groves = 30.0 * smooth(0.3, 0.5, rough(x, z, 62.0, 70)) * smooth(20.0, 40.0, from_shore(x, z))
+    wood = smooth(-3.0, 3.0, open_land + 24.0 * rough(x, z, 50.0, 60) + 2.0 * groves)
+    rock = smooth(24.0, 31.0, slope + 3.0 * noise(x, z, 9.0, 80))
+    sand = smooth(0.75, 0.3, ground + 0.25 * noise(x, z, 12.0, 90))
+    shares = np.stack([(1.0 - rock) * (1.0 - sand) * (1.0 - wood), (1.0 - rock) * (1.0 - sand) * wood,
+                       rock * (1.0 - sand), sand], axis=-1)
+    return shares
+
+
+def grid(posts: int) -> tuple[np.ndarray, np.ndarray]:
+    """World x and z of posts by posts places, rows from north to south."""
+    line = np.linspace(-SIZE / 2.0, SIZE / 2.0, posts)
+    x, z = np.meshgrid(line, line)
+    return x, z
+
+
+def make() -> tuple[bytes, Image.Image]:
+    """The posts and the picture of the soils."""
+    values = np.round((heights(*grid(POSTS)) - LOW) / (HIGH - LOW) * 65535.0)
+    if values.min() < 0.0 or values.max() > 65535.0:
+        raise ValueError("heights do not fit between LOW and HIGH")
+    shares = soils(*grid(SOIL_POSTS))
+    return values.astype("<u2").tobytes(), Image.fromarray(np.round(shares * 255.0).astype(np.uint8), "RGBA")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path(__file__).parent)
+    folder = parser.parse_args().out
+    posts, soil = make()
+    (folder / "valley.r16").write_bytes(posts)
+    soil.save(folder / "valley_soil.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()

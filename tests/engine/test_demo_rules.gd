@@ -1,0 +1,152 @@
+extends "harness.gd"
+## What the demo's rules scene promises: ferns under oaks alone, trees that keep apart, a bare path, a lake with reeds at its
+## shore and nothing in it, stones on steep ground, and a clearing that changes nothing but what it passes over.
+
+## World x and z of the viewer: the western wood's edge, the lake's eastern shore by the path, the scree.
+const PLACES: Array[Vector2] = [Vector2(-125.0, 30.0), Vector2(62.0, 5.0), Vector2(140.0, 60.0)]
+## By how much, in metres, a place may be off that was rounded on its way into a buffer.
+const ROUNDING := 0.002
+
+var scene: Node3D
+var scatter: TerrainScatter3D
+var terrain: ScatterTerrain
+var viewer: Node3D
+## Layer's name to instance's id to its place, a Vector3.
+var standing := {}
+
+
+func load_scene() -> void:
+	scene = (load("res://rules.tscn") as PackedScene).instantiate()
+	# Its own script would move the camera.
+	scene.set_script(null)
+	scatter = scene.get_node("Scatter")
+	terrain = scatter.terrain
+	root.add_child(scene)
+	viewer = make_viewer()
+	standing = {}
+	scatter.viewers = [scatter.get_path_to(viewer)]
+
+
+## Adds to `standing` what stands around a place, world x and z.
+func look_from(place: Vector2) -> void:
+	viewer.global_position = Vector3(place.x, 10.0, place.y)
+	await settle(scatter)
+	for index in scatter.layers.size():
+		var known: Dictionary = standing.get_or_add(scatter.layers[index].resource_name, {})
+		for tile: Vector2i in scatter.get_shown_tiles(index):
+			var ids: Array[int] = []
+			for mesh_ids: PackedInt64Array in scatter.get_tile_ids(index, tile):
+				ids.append_array(mesh_ids)
+			var places := transforms(scatter, index, tile)
+			for i in ids.size():
+				known[ids[i]] = places[i].origin
+
+
+func flat(place: Vector3) -> Vector2:
+	return Vector2(place.x, place.z)
+
+
+## For each instance of a layer, the distance in the plane to the nearest one of another, up to `reach`; INF beyond it.
+func nearest(of: String, to: String, reach: float) -> PackedFloat64Array:
+	var cells := {}
+	for place: Vector3 in standing[to].values():
+		cells.get_or_add(Vector2i((flat(place) / reach).floor()), PackedVector2Array()).append(flat(place))
+	var result := PackedFloat64Array()
+	for place: Vector3 in standing[of].values():
+		var at := flat(place)
+		var best := INF
+		var cell := Vector2i((at / reach).floor())
+		for dx in [-1, 0, 1]:
+			for dy in [-1, 0, 1]:
+				for other: Vector2 in cells.get(cell + Vector2i(dx, dy), PackedVector2Array()):
+					best = minf(best, at.distance_to(other))
+		result.append(best if best <= reach else INF)
+	return result
+
+
+func test_what_stands_where() -> void:
+	load_scene()
+	check_equal(scatter.get_problems(), PackedStringArray(), "warnings of the scene")
+	for place in PLACES:
+		await look_from(place)
+	for layer: String in standing:
+		check(standing[layer].size() > 200, "%d instances of %s" % [standing[layer].size(), layer])
+	check_neighbours()
+	check_path()
+	check_heights_and_slopes()
+
+
+func check_neighbours() -> void:
+	var to_oaks := nearest("Fern", "Oak", 8.0)
+	check(not to_oaks.has(INF), "ferns in the open: %d of %d" % [to_oaks.count(INF), to_oaks.size()])
+	var spruces := nearest("Spruce", "Oak", 5.5 - ROUNDING)
+	check(spruces.count(INF) == spruces.size(), "%d spruces too near to an oak" % (spruces.size() - spruces.count(INF)))
+	var scree := nearest("Scree", "Boulders", 1.4 - ROUNDING)
+	check(scree.count(INF) == scree.size(), "%d stones too near to a boulder" % (scree.size() - scree.count(INF)))
+
+
+func check_path() -> void:
+	var path := scene.get_node("Scatter/Path") as Path3D
+	var polyline := path.curve.get_baked_points()
+	var on_path := 0
+	var beside := 0
+	for layer: String in standing:
+		for place: Vector3 in standing[layer].values():
+			# Far from all of it.
+			if place.x < -20.0 or place.x > 115.0:
+				continue
+			var closest := path.curve.get_closest_point(path.to_local(Vector3(place.x, 0.0, place.z)))
+			# The curve hangs near the ground, so what is closest in space must be made so in the plane.
+			closest = path.curve.get_closest_point(Vector3(place.x, closest.y, place.z))
+			var away := flat(closest).distance_to(flat(place))
+			on_path += int(away < 0.9)
+			beside += int(away > 1.7 and away < 4.0)
+	check(polyline.size() > 100, "a long path")
+	check(on_path == 0, "%d instances on the path" % on_path)
+	check(beside > 200, "%d instances beside the path" % beside)
+
+
+func check_heights_and_slopes() -> void:
+	var deepest := {}
+	for layer: String in standing:
+		for place: Vector3 in standing[layer].values():
+			deepest[layer] = minf(deepest.get(layer, INF), terrain.get_height(place))
+	for layer: String in deepest:
+		var limit := -0.4 if layer == "Reeds" else 0.0
+		check(deepest[layer] >= limit - ROUNDING, "%s at %f m in the lake" % [layer, deepest[layer]])
+	check(deepest["Reeds"] < -0.2, "reeds in shallow water")
+	var gentlest := 90.0
+	for place: Vector3 in standing["Scree"].values():
+		gentlest = minf(gentlest, rad_to_deg(acos(terrain.get_normal(place).y)))
+	check(gentlest > 21.9, "scree on ground of %f degrees" % gentlest)
+
+
+func test_the_clearing_moves_and_nothing_else() -> void:
+	load_scene()
+	var clearing := scene.get_node("Scatter/Clearing") as Node3D
+	var place := flat(clearing.global_position)
+	await look_from(place + Vector2(0.0, 30.0))
+	var before := standing.duplicate()
+	var trees: Array = before["Oak"].values() + before["Spruce"].values()
+	check(not trees.any(func(at: Vector3) -> bool: return flat(at).distance_to(place) < 24.0), "trees in the clearing")
+	clearing.global_position += Vector3(40.0, 0.0, 0.0)
+	standing = {}
+	await look_from(place + Vector2(0.0, 30.0))
+	var changed := 0
+	var strays := 0
+	# A fern looks 9 m far for oaks, undergrowth a little farther for ferns.
+	var reach := 30.0 + 9.5
+	for layer: String in before:
+		for id: int in before[layer].keys() + standing[layer].keys():
+			if before[layer].get(id) == standing[layer].get(id):
+				continue
+			changed += 1
+			var at := flat(before[layer].get(id, standing[layer].get(id)))
+			var near := minf(at.distance_to(place), at.distance_to(place + Vector2(40.0, 0.0)))
+			strays += int(near > reach or (before[layer].has(id) and standing[layer].has(id)))
+	check(changed > 100, "%d instances came or went" % changed)
+	check(strays == 0, "%d instances moved, or changed far from the clearing" % strays)
+	clearing.global_position -= Vector3(40.0, 0.0, 0.0)
+	standing = {}
+	await look_from(place + Vector2(0.0, 30.0))
+	check(standing == before, "the same forest when the clearing is back")
