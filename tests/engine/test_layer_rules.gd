@@ -84,6 +84,39 @@ func test_painted_mask() -> void:
 	await check_rule(scatter, "mask", mask, func(at: Vector3) -> float: return mask.sample(Vector2(at.x, at.z)))
 
 
+## A dab changes what is under it and nothing else, in the tiles that it touches; the pixels put back undo it.
+func test_dabs() -> void:
+	var layer := make_layer()
+	var mask := ScatterMask.new()
+	mask.background = 0.25
+	var scatter := scatter_on_hillside(layer)
+	layer.mask = mask
+	await settle(scatter)
+	var before := instances(scatter)
+	var pixels := mask.get_pixel_rect(Rect2(-12, -12, 24, 24))
+	var kept := mask.get_pixels(pixels)
+	var painted: Array[Rect2] = []
+	var shown: Dictionary = await shown_by(scatter, func() -> void: painted.push_back(mask.paint(Vector2.ZERO, 12.0)))
+	var rect := painted[0]
+	for key: Array in shown:
+		var tile := Rect2(Vector2(key[1]) * layer.tile_size, Vector2.ONE * layer.tile_size)
+		check(tile.intersects(rect, true), "tile %s does not touch %s" % [key[1], rect])
+	check_equal(shown.values(), [1, 1, 1, 1], "four tiles, once each")
+	var after := instances(scatter)
+	var outside := 0
+	for id: int in before:
+		var place: Transform3D = before[id][0]
+		if not rect.has_point(Vector2(place.origin.x, place.origin.z)):
+			outside += 1
+			if not (after.has(id) and after[id] == before[id]):
+				check(false, "changed outside the dab: %s" % place.origin)
+	check(outside > 1000 and after.size() > before.size(), "%d, then %d, of which %d outside" % [before.size(), after.size(), outside])
+	check(after.has_all(before.keys()), "a dab of more density takes nothing away")
+	mask.set_pixels(pixels, kept)
+	await settle(scatter)
+	check(instances(scatter) == before, "undone")
+
+
 func test_mask_texture_channels() -> void:
 	var layer := make_layer()
 	layer.mask_texture_edge = ScatterLayer.MASK_EDGE_CLAMP
