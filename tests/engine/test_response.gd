@@ -1,0 +1,103 @@
+extends "harness.gd"
+## What a designer does with a slider: many changes, one in every frame.
+
+const TILE := 16.0
+const NEAR := 32.0
+
+var seen := {}
+var most_pending := 0
+
+
+## The most tiles that may be under way, as the node promises: 64 for each worker, one core being the main thread's.
+func limit() -> int:
+	return 64 * (clampi(OS.get_processor_count(), 2, 9) - 1)
+
+
+func near(tile: Vector2i) -> bool:
+	var rect := Rect2(Vector2(tile) * TILE, Vector2.ONE * TILE)
+	return Vector2.ZERO.distance_to(Vector2.ZERO.clamp(rect.position, rect.end)) <= NEAR
+
+
+func make_wide_scatter(layer: ScatterLayer) -> TerrainScatter3D:
+	layer.tile_size = TILE
+	layer.view_distance = 200.0
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: seen[tile] = seen.get(tile, 0) + 1)
+	return scatter
+
+
+## Changes something in every frame, and counts meanwhile.
+func drag(scatter: TerrainScatter3D, change: Callable, steps: int) -> void:
+	seen.clear()
+	most_pending = 0
+	for step in steps:
+		change.call(step)
+		await process_frame
+		most_pending = maxi(most_pending, scatter.get_stats()["pending"])
+
+
+func test_a_dragged_slider_is_followed_and_queues_nothing_up() -> void:
+	var layer := make_layer(1.0)
+	var scatter := make_wide_scatter(layer)
+	await settle(scatter)
+	var tiles: int = scatter.get_stats()["tiles"]
+	check(tiles > limit(), "more tiles than may be under way: %d" % tiles)
+	Engine.max_fps = 60
+	await drag(scatter, func(step: int) -> void: layer.density = 0.5 + 0.004 * step, 90)
+	check(most_pending <= limit(), "%d tiles under way, at most %d" % [most_pending, limit()])
+	var least := 1 << 30
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		if near(tile):
+			least = mini(least, seen.get(tile, 0))
+	check(least >= 3, "while the slider was dragged, every near tile came anew: one only %d times" % least)
+	# What is under way when the drag ends, and then each tile once.
+	var made: int = scatter.get_stats()["tiles_made"]
+	await settle(scatter)
+	Engine.max_fps = 0
+	var late: int = scatter.get_stats()["tiles_made"] - made
+	check(late <= tiles + limit(), "tiles made after the drag: %d of %d" % [late, tiles])
+	check_equal(scatter.get_stats()["tiles"], tiles, "tiles on show")
+
+	var fresh_layer := layer.duplicate() as ScatterLayer
+	var fresh := make_scatter([fresh_layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(fresh)
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the last value counts")
+
+
+func test_what_changes_only_how_it_is_drawn_makes_nothing_anew() -> void:
+	var layer := make_layer(1.0)
+	var scatter := make_wide_scatter(layer)
+	await settle(scatter)
+	var before := scatter.get_stats()
+	await drag(scatter, func(step: int) -> void: layer.visibility_range_end = 100.0 + step, 20)
+	await drag(scatter, func(step: int) -> void: layer.thin_end = 100.0 + step, 20)
+	await drag(scatter, func(step: int) -> void: layer.lod_distances = PackedFloat32Array([10.0 + step]), 20)
+	await drag(scatter, func(step: int) -> void: scatter.quality = 0.02 * step, 20)
+	await settle(scatter)
+	for figure: String in ["tiles_made", "uploads", "instances"]:
+		check_equal(scatter.get_stats()[figure], before[figure], figure + " after drags of what is only drawn")
+	check(scatter.get_stats()["drawn"] < before["drawn"], "less is drawn at a lower quality")
+
+
+func test_other_meshes_are_never_mixed_up() -> void:
+	var layer := make_layer(1.0)
+	var other := make_layer(1.5)
+	other.meshes = [SphereMesh.new(), BoxMesh.new()]
+	layer.layer_id = 1
+	other.layer_id = 2
+	var scatter := make_wide_scatter(layer)
+	other.tile_size = TILE
+	other.view_distance = 200.0
+	await settle(scatter)
+	# While tiles of one layer are under way another takes its place, and back.
+	for step in 7:
+		layer.density = 0.9 - 0.05 * step
+		await process_frame
+		scatter.layers = [other if step % 2 == 0 else layer]
+		await process_frame
+	await settle(scatter)
+	var fresh := make_scatter([other], ScatterTerrainFlat.new(), make_viewer())
+	await settle(fresh)
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the layer that came last stands")
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		check_equal(scatter.get_tile_ids(0, tile).size(), 2, "meshes of tile %s" % tile)
