@@ -111,7 +111,7 @@ def plain_editor(godot, tmp_path_factory) -> set[str]:
 def whole_editor(godot, tmp_path_factory) -> str:
     """What an editor prints in which our library is reloaded under a live node, and our pages and scenes are opened."""
     project = make_project(tmp_path_factory.mktemp("whole") / "project", extension=True)
-    return editor(godot, project, "reload", "help", "warnings")
+    return editor(godot, project, "reload", "help", "preview", "warnings")
 
 
 def test_editor_loads_and_unloads_without_a_complaint(plain_editor, whole_editor):
@@ -139,6 +139,17 @@ def test_class_reference_is_shown_in_the_editor(whole_editor):
 def test_editor_shows_configuration_warnings(whole_editor):
     """The engine finds our override of one of its virtual methods."""
     assert re.search(r"^button of Scatter: .*terrain", whole_editor, re.MULTILINE | re.IGNORECASE)
+
+
+def test_preview_keeps_to_its_number(whole_editor):
+    """In the editor never more is drawn than preview_instances, and not much less where more stands; without an upload."""
+    figure = r"^preview of (\d+): (\d+) drawn of (\d+), at most (\d+), (\d+) uploads$"
+    rows = [[int(number) for number in row] for row in re.findall(figure, whole_editor, re.MULTILINE)]
+    assert [row[0] for row in rows] == [5000, 800, 0, 20000, 10**9]
+    for limit, drawn, standing, most, uploads in rows:
+        assert standing > 50_000 and standing == rows[0][2] and uploads == rows[0][4]
+        assert most <= limit and 0.65 * min(limit, standing) <= drawn <= min(limit, standing)
+    assert rows[-1][1] == rows[-1][2]
 
 
 def described(path: Path) -> dict[str, str]:

@@ -109,6 +109,7 @@ def assert_passed(done):
         "test_layer_placement",
         "test_shapes_node",
         "test_edits",
+        "test_response",
     ],
 )
 def test_script(godot, project, script):

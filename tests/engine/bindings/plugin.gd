@@ -81,6 +81,35 @@ func _stream(scatter: Node3D) -> void:
 	print("instances: ", scatter.call("get_stats")["instances"] > 0)
 
 
+## What is drawn in the editor keeps to a number, while tiles come and when that number changes.
+func preview() -> void:
+	var layer: Resource = ClassDB.instantiate("ScatterLayer")
+	layer.set("radius", 1.0)
+	layer.set("tile_size", 16.0)
+	layer.set("meshes", [BoxMesh.new()])
+	var scatter: Node3D = ClassDB.instantiate("TerrainScatter3D")
+	scatter.set("terrain", ClassDB.instantiate("ScatterTerrainFlat"))
+	scatter.set("layers", [layer])
+	scatter.set("upload_budget_usec", 5000)
+	scatter.set("preview_instances", 5000)
+	add_child(scatter)
+	for limit: int in [5000, 800, 0, 20000, 1000000000]:
+		scatter.set("preview_instances", limit)
+		var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
+		var most := 0
+		var frames := 0
+		while frames < 30 and Time.get_ticks_msec() < deadline:
+			await get_tree().process_frame
+			frames = frames + 1 if scatter.call("is_idle") else 0
+			if limit == 5000: # Later ones begin with what was drawn before.
+				most = maxi(most, scatter.call("get_stats")["drawn"])
+		var stats: Dictionary = scatter.call("get_stats")
+		print("preview of %d: %d drawn of %d, at most %d, %d uploads" % [limit, stats["drawn"], stats["instances"], most,
+				stats["uploads"]])
+	scatter.queue_free()
+	await get_tree().process_frame
+
+
 ## Prints the class reference that the editor shows for each of our classes, in one line.
 func help() -> void:
 	for name: String in ClassDB.get_class_list():
