@@ -109,6 +109,8 @@ def assert_passed(done):
         "test_layer_placement",
         "test_shapes_node",
         "test_edits",
+        "test_neighbours",
+        "test_build_rect",
         "test_response",
     ],
 )

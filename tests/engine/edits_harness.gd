@@ -1,0 +1,96 @@
+extends "harness.gd"
+## What the tests of edits and of layers that know each other share: ferns that keep away from oaks, on a mound that changes.
+
+const FLOATS := 0.001 # Metres; how far a float may be off at these distances.
+const OAK := 0
+const FERN := 1
+const SPACING := 3.0
+const FEATHER := 2.0
+
+## Hills with a mound that may change; asked on worker threads.
+class Mound extends ScatterTerrain:
+	var area := Rect2(0, 0, 1, 1)
+	var height := 0.0
+
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(sin(at.x * 0.1) + 2.0 * cos(at.y * 0.07) + (height if area.has_point(at) else 0.0))
+		return heights
+
+	func _is_thread_safe() -> bool:
+		return true
+
+
+## Hills on the main thread.
+class MainMound extends Mound:
+	func _is_thread_safe() -> bool:
+		return false
+
+
+## Which tiles of which layers were shown since the last look.
+class Shown:
+	var tiles: Array[Dictionary] = [{}, {}, {}]
+
+	func _init(scatter: TerrainScatter3D) -> void:
+		scatter.tile_shown.connect(func(layer: int, tile: Vector2i) -> void: tiles[layer][tile] = true)
+
+	func take() -> Array[Dictionary]:
+		var taken := tiles
+		tiles = [{}, {}, {}]
+		return taken
+
+
+func named_layer(layer_name: String, id: int, radius: float) -> ScatterLayer:
+	var layer := make_layer(radius)
+	layer.resource_name = layer_name
+	layer.layer_id = id
+	return layer
+
+
+func make_mask() -> ScatterMask:
+	var mask := ScatterMask.new()
+	mask.pixel_size = 0.5
+	mask.paint(Vector2(1000, 1000), 1.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
+	return mask
+
+
+func make_forest() -> Array[ScatterLayer]:
+	var oak := named_layer("oak", 1, 4.0)
+	oak.tile_size = 40.0
+	oak.density = 0.8
+	var fern := named_layer("fern", 2, 1.5)
+	fern.spacing = {"oak": SPACING}
+	fern.edge_feather = FEATHER
+	oak.mask = make_mask()
+	fern.mask = make_mask()
+	return [oak, fern]
+
+
+func tile_rect(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Rect2:
+	var size := scatter.layers[layer].tile_size
+	return Rect2(Vector2(tile) * size, Vector2(size, size))
+
+
+func make_clearing() -> ScatterShape3D:
+	var shape := ScatterShape3D.new()
+	shape.kind = ScatterShape3D.KIND_CYLINDER
+	shape.ignore_height = true
+	shape.exclude = true
+	shape.falloff = 3.0
+	shape.radius = 8.0
+	return shape
+
+
+func nearest(place: Vector2, others: PackedVector2Array) -> float:
+	var least := INF
+	for other in others:
+		least = minf(least, place.distance_squared_to(other))
+	return sqrt(least)
+
+
+func places(scatter: TerrainScatter3D, layer: int) -> PackedVector2Array:
+	var result: PackedVector2Array
+	for at: Transform3D in instances(scatter, layer).values():
+		result.push_back(on_map(at))
+	return result

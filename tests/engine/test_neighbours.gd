@@ -1,0 +1,161 @@
+extends "edits_harness.gd"
+## Layers that know each other by name: who gives way to whom, and what a change of one means to another.
+
+## The least distance from any instance of a layer near the middle to any of another.
+func gap(scatter: TerrainScatter3D, layer: int, other: int) -> float:
+	var least := INF
+	var others := places(scatter, other)
+	for place in places(scatter, layer):
+		if place.length() < 50.0:
+			least = minf(least, nearest(place, others))
+	return least
+
+
+func test_one_layer_changed() -> void:
+	var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
+	var shown := Shown.new(scatter)
+	await settle(scatter)
+	var oaks := instances(scatter, OAK)
+	var ferns := instances(scatter, FERN)
+	shown.take()
+	scatter.layers[FERN].density = 0.5
+	await settle(scatter)
+	check(shown.take()[OAK].is_empty(), "a later layer does not matter to an earlier one")
+	scatter.layers[FERN].density = 1.0
+	await settle(scatter)
+	check(instances(scatter, FERN) == ferns, "the same ferns again")
+	shown.take()
+	scatter.layers[OAK].max_scale = 2.0
+	await settle(scatter)
+	check(shown.take()[FERN].is_empty(), "how oaks look does not matter to ferns")
+	scatter.layers[OAK].max_scale = 1.0
+	scatter.layers[OAK].density = 0.5
+	await settle(scatter)
+	var felled := changed_places(oaks, instances(scatter, OAK))
+	var changed := changed_places(ferns, instances(scatter, FERN))
+	check(felled.size() > 20 and changed.size() > 50, "%d oaks and %d ferns changed" % [felled.size(), changed.size()])
+	var far := 0
+	for place in changed:
+		# Oaks beyond the view reach in, too.
+		var near_edge := maxf(absf(place.x), absf(place.y)) > 60.0
+		far += int(not near_edge and nearest(place, felled) > SPACING + FLOATS)
+	check_equal(far, 0, "ferns that changed far from any oak that did")
+
+
+func test_spacing_across_tiles_and_by_order() -> void:
+	var a := named_layer("a", 11, 3.0)
+	var b := named_layer("b", 12, 2.0)
+	var c := named_layer("c", 13, 1.0)
+	a.tile_size = 48.0
+	b.tile_size = 20.0
+	a.view_distance = 90.0
+	b.view_distance = 90.0
+	a.spacing = {"b": 2.5}
+	b.spacing = {"a": 1.0, "c": 1.25}
+	c.spacing = {"a": 1.75}
+	b.density = 0.15 # So sparse that all find room in any order.
+	c.density = 0.05
+	var alone: Array[Dictionary] = []
+	for layer: ScatterLayer in [a, b, c]:
+		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+		await settle(scatter)
+		alone.push_back(instances(scatter, 0))
+		scatter.free()
+	for order: Array in [[a, b, c], [c, b, a]]:
+		var list: Array[ScatterLayer] = []
+		list.assign(order)
+		var scatter := make_scatter(list, ScatterTerrainFlat.new(), make_viewer())
+		await settle(scatter)
+		var at := [order.find(a), order.find(b), order.find(c)]
+		for index in 3:
+			var stands := instances(scatter, at[index])
+			check_equal(stands == alone[index], at[index] == 0, "layer %d of %s is complete" % [index, order])
+			for id in stands:
+				check(alone[index].has(id), "who gives way goes, and nobody comes")
+		check(gap(scatter, at[1], at[0]) >= 2.5 - FLOATS, "the larger of two distances: %f" % gap(scatter, at[1], at[0]))
+		check(gap(scatter, at[2], at[1]) >= 1.25 - FLOATS, "one names the other: %f" % gap(scatter, at[2], at[1]))
+		check(gap(scatter, at[2], at[0]) >= 1.75 - FLOATS, "the other way round: %f" % gap(scatter, at[2], at[0]))
+		check(gap(scatter, at[2], at[0]) < 1.8, "and no more than that: %f" % gap(scatter, at[2], at[0]))
+		check_equal(scatter.get_problems(), PackedStringArray(), "problems")
+		scatter.free()
+
+
+func test_proximity() -> void:
+	var scatter := make_scatter(make_forest(), ScatterTerrainFlat.new(), make_viewer())
+	var fern := scatter.layers[FERN]
+	fern.spacing = {}
+	fern.edge_feather = 0.0
+	fern.proximity_layer = "oak"
+	fern.proximity_distance = 4.0
+	scatter.layers[OAK].density = 0.2
+	scatter.layers[OAK].view_distance = 90.0
+	await settle(scatter)
+	var oaks := places(scatter, OAK)
+	var counts := [0, 0]
+	for place in places(scatter, FERN):
+		var distance := nearest(place, oaks)
+		check(distance < 4.0 + FLOATS or place.length() > 60.0, "a fern in the open, %f m from an oak" % distance)
+		counts[int(distance > 2.0)] += 1
+	# The inner part is a third of the outer one, and a straight line is 3/4 against 1/3 on average.
+	check(counts[0] > 50 and counts[1] > 50, "ferns near and farther off: %s" % [counts])
+	check(3 * counts[0] > counts[1], "they thin out: %s" % [counts])
+	scatter.layers = [fern, scatter.layers[OAK]]
+	check("before" in "".join(scatter.get_problems()), "proximity to a later layer is warned of")
+	await settle(scatter)
+	check(places(scatter, 0).size() > 1000, "and has no effect")
+
+
+func test_names() -> void:
+	var scatter := make_scatter(make_forest(), ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a good forest")
+	var spaced := digests(scatter, FERN)
+	scatter.layers[OAK].resource_name = "elm"
+	check("\"oak\"" in "".join(scatter.get_problems()), "a name that no layer has")
+	await settle(scatter)
+	check(digests(scatter, FERN) != spaced, "nobody to give way to")
+	scatter.layers[OAK].resource_name = "oak"
+	await settle(scatter)
+	check(digests(scatter, FERN) == spaced, "the oaks are back")
+	scatter.layers[FERN].resource_name = "oak"
+	check("same name" in "".join(scatter.get_problems()), "two layers of one name")
+	await settle(scatter)
+	check(digests(scatter, FERN) == spaced, "the first one is meant")
+	scatter.layers[FERN].resource_name = "fern"
+	scatter.layers = [null, scatter.layers[FERN]]
+	await settle(scatter)
+	check(digests(scatter, FERN) != spaced, "a layer that is not there")
+
+
+func test_refused_layers_keep_their_last_good_state() -> void:
+	var scatter := make_scatter(make_forest(), ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var before := [digests(scatter, OAK), digests(scatter, FERN)]
+	scatter.layers[OAK].min_slope_degrees = 50.0
+	scatter.layers[OAK].max_slope_degrees = 40.0
+	await settle(scatter)
+	check_error(["layers[0]", "max_slope_degrees", "40"], "a minimum above its maximum")
+	var mask := scatter.layers[FERN].mask
+	var area := mask.paint(Vector2(10, 10), 4.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
+	await settle(scatter)
+	check_no_error("the same again")
+	check(digests(scatter, OAK) == before[OAK], "oaks stay")
+	check(digests(scatter, FERN) != before[FERN], "ferns may be edited")
+	check(gap(scatter, FERN, OAK) >= SPACING - FLOATS, "and give way as before")
+	mask.paint(area.get_center(), 20.0, 1.0, 1.0, ScatterMask.MODE_PAINT)
+	await settle(scatter)
+	check(digests(scatter, FERN) == before[FERN], "painted over")
+	scatter.layers[OAK].max_slope_degrees = 90.0
+	scatter.layers[OAK].min_slope_degrees = 0.0
+	scatter.layers[OAK].radius = 0.5
+	scatter.layers[FERN].spacing = {"oak": 1000.0}
+	scatter.layers[FERN].tile_size = 50.0
+	await settle(scatter)
+	check_error(["layers[1]", "spacing", "points"], "oaks in a thousand metres around each tile")
+	check(digests(scatter, FERN) == before[FERN], "ferns stay")
+	scatter.layers[OAK].radius = 4.0
+	scatter.layers[FERN].spacing = {"oak": SPACING}
+	scatter.layers[FERN].tile_size = 32.0
+	await settle(scatter)
+	check_no_error("all is well again")
+	check([digests(scatter, OAK), digests(scatter, FERN)] == before, "all is as before")
