@@ -13,6 +13,8 @@ var scatter: Node3D
 var ground: Resource
 var before := {}
 var painted := {}
+var before_digests := {}
+var painted_digests := {}
 
 
 func on_ground(x: float, z: float) -> Vector3:
@@ -89,6 +91,7 @@ func test_add() -> void:
 	# The editor writes numbers with fewer digits than the scene has; from here on they stay.
 	await save_and_reopen()
 	before = instances(scatter, 0)
+	before_digests = digests(scatter, 0)
 	check(before.size() > 1000, "the layer stands around the editor's camera: %d instances" % before.size())
 
 
@@ -107,6 +110,8 @@ func test_stroke() -> void:
 	await picture("brush")
 	check_equal(history(scatter).get_version(), version + 1, "a stroke is one step of undo")
 	painted = instances(scatter, 0)
+	painted_digests = digests(scatter, 0)
+	check(painted_digests != before_digests, "digests tell them apart")
 	check(painted.size() < before.size() - 50, "erased: %d of %d stand" % [painted.size(), before.size()])
 	var farthest := 0.0
 	for id: int in before:
@@ -125,16 +130,19 @@ func test_undo_redo() -> void:
 	history(scatter).undo()
 	await settle(scatter)
 	check(instances(scatter, 0) == before, "undone: the same instances as before")
+	check(digests(scatter, 0) == before_digests, "to the bit")
 	check(scatter.layers[0].mask == null, "and no mask")
 	history(scatter).redo()
 	await settle(scatter)
 	check(instances(scatter, 0) == painted, "redone: the same as painted")
+	check(digests(scatter, 0) == painted_digests, "to the bit")
 
 
 ## Saved and opened again, the same stands; the scene holds settings only.
 func test_save_and_reopen() -> void:
 	await save_and_reopen()
 	check(instances(scatter, 0) == painted, "opened again: the same as painted")
+	check(digests(scatter, 0) == painted_digests, "to the bit")
 	var text := FileAccess.get_file_as_string(SCENE)
 	check(text.length() < 100_000, "the scene is small: %d bytes" % text.length())
 	check(MASK.get_file() in text, "the scene refers to the mask's file")

@@ -6,7 +6,6 @@ const PATIENCE_MSEC := 60000
 
 ## The plugin that runs this.
 var plugin: EditorPlugin
-var current := ""
 
 
 func check(condition: bool, message: String) -> bool:
