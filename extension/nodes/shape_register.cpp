@@ -53,11 +53,18 @@ std::shared_ptr<const ShapeSet> ShapeRegister::set_for(std::size_t place, const 
 	}
 	sets_.resize(std::max(sets_.size(), place + 1));
 	std::shared_ptr<const ShapeSet> &last = sets_[place];
+	const auto is_same = [&shapes](const std::shared_ptr<const ShapeSet> &set) {
+		return set != nullptr && std::ranges::equal(set->shapes(), shapes);
+	};
 	if (shapes.empty()) {
 		last = nullptr;
-	} else if (last == nullptr || !std::ranges::equal(last->shapes(), shapes)) {
+	} else if (!is_same(last)) {
+		// Most shapes count for all layers, which then share a set.
+		const auto shared = std::ranges::find_if(sets_, is_same);
 		auto next = std::make_shared<ShapeSet>();
-		if (next->set(std::move(shapes)).ok()) { // Each was valid by itself.
+		if (shared != sets_.end()) {
+			last = *shared;
+		} else if (next->set(std::move(shapes)).ok()) { // Each was valid by itself.
 			last = std::move(next);
 		}
 	}
