@@ -5,7 +5,7 @@ extends "res://demo/stage.gd"
 const ScatterGround := preload("res://demo/scatter_ground.gd")
 ## Stops as in the other scenes; [code]clearing[/code] is the clearing's place on its way, 0 to 1.
 const STOPS: Array[Dictionary] = [
-	{"name": "valley", "eye": Vector3(-72.0, 30.0, 176.0), "heading": 27.0, "pitch": -11.0},
+	{"name": "valley", "eye": Vector3(-84.0, 32.0, 170.0), "heading": 30.0, "pitch": -12.0},
 	{"name": "ferns", "eye": Vector3(-19.0, 1.8, 160.0), "heading": 60.0, "pitch": -7.0},
 	{"name": "shore", "eye": Vector3(-20.0, 2.2, 42.0), "heading": 330.0, "pitch": -5.0},
 	{"name": "path", "eye": Vector3(22.0, 2.2, 104.0), "heading": 25.0, "pitch": -6.0},
