@@ -105,6 +105,8 @@ def assert_passed(done):
         "test_layer_properties",
         "test_mask",
         "test_terrains",
+        "test_terrain_objects",
+        "test_heightmaps",
         "test_layer_rules",
         "test_layer_placement",
         "test_shapes_node",

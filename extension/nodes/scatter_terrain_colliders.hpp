@@ -42,7 +42,7 @@ private:
 	int64_t collision_mask_ = 1;
 	double ray_top_ = 1000.0;
 	double ray_bottom_ = -1000.0;
-	int64_t rays_per_frame_ = 500;
+	int64_t rays_per_frame_ = 250;
 };
 
 } // namespace thicket
