@@ -20,7 +20,8 @@ struct Posts {
 	std::vector<float> floats;
 };
 
-/// The image of an Image or of a Texture2D; null for a null, for what is neither, and for a texture without an image yet.
+/// The image of an Image or of a Texture2D; null for a null, for what is neither, and for a texture without an image
+/// yet.
 godot::Ref<godot::Image> image_of(const godot::Ref<godot::Resource> &p_resource);
 
 /// True for an image with pixels.

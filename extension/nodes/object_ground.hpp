@@ -20,8 +20,8 @@ namespace thicket {
 ///   space, NAN where there is no ground (Terrain3D: `data.get_height`);
 /// - `get_data().get_interpolated_height_at(Vector3)` in the map's own space, with `get_data().get_resolution()` and
 ///   `get_internal_transform()` beside it (HTerrain; see TerrainMap for its holes and textures).
-/// An object that has `get_texture_id(Vector3)`, which gives a base texture, an overlay and the part of the overlay from
-/// 0 to 1, has weights too.
+/// An object that has `get_texture_id(Vector3)`, which gives a base texture, an overlay and the part of the overlay
+/// from 0 to 1, has weights too.
 class ObjectGround : public Terrain {
 public:
 	/// Null if the object has none of these.
@@ -33,8 +33,8 @@ public:
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
 
-	/// The object is going: waits for calls from worker threads that are under way, a few dozen places at most. All later
-	/// ones are refused. Does not wait on a thread that is within such a call itself.
+	/// The object is going: waits for calls from worker threads that are under way, a few dozen places at most. All
+	/// later ones are refused. Does not wait on a thread that is within such a call itself.
 	void close();
 	bool is_open() const { return open_; }
 

@@ -9,9 +9,9 @@
 
 namespace thicket {
 
-/// Ground from a grid of heights: a raw file, an Image or a Texture2D, of 8, 16 or 32 bits. Properties may be set in any
-/// order; the ground is read when it is first needed after a change. What cannot be read prints one error, and the ground
-/// stays what it was.
+/// Ground from a grid of heights: a raw file, an Image or a Texture2D, of 8, 16 or 32 bits. Properties may be set in
+/// any order; the ground is read when it is first needed after a change. What cannot be read prints one error, and the
+/// ground stays what it was.
 class ScatterTerrainHeightmap : public ScatterTerrain {
 	GDCLASS(ScatterTerrainHeightmap, ScatterTerrain)
 
@@ -19,8 +19,8 @@ public:
 	std::shared_ptr<const Terrain> snapshot() override;
 	godot::String problem() override;
 
-	/// A file of little-endian posts without a header, row by row, x fastest: of 8 bits, 16 bits or floats, which its size
-	/// tells. Used where there is no image.
+	/// A file of little-endian posts without a header, row by row, x fastest: of 8 bits, 16 bits or floats, which its
+	/// size tells. Used where there is no image.
 	void set_heightmap_path(const godot::String &p_path);
 	godot::String get_heightmap_path() const;
 
@@ -32,8 +32,8 @@ public:
 	void set_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_image() const;
 
-	/// What posts that are floats mean: metres, or 0 to 1 between the lowest and the highest height as all others do. NAN
-	/// is a hole in both.
+	/// What posts that are floats mean: metres, or 0 to 1 between the lowest and the highest height as all others do.
+	/// NAN is a hole in both.
 	void set_heights_in_metres(bool p_metres);
 	bool is_heights_in_metres() const;
 

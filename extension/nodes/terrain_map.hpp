@@ -16,8 +16,8 @@
 
 namespace thicket {
 
-/// What HTerrain tells of its square map, apart from heights: where it lies, where it has holes, what it is painted with.
-/// Upright: turned about the vertical, moved and scaled only. A copy, safe on any thread.
+/// What HTerrain tells of its square map, apart from heights: where it lies, where it has holes, what it is painted
+/// with. Upright: turned about the vertical, moved and scaled only. A copy, safe on any thread.
 struct TerrainMap {
 	godot::Transform3D to_world;   ///< From map space, where x and z count posts.
 	double last_post = 0.0;        ///< The map reaches from 0 to here, along x and z.
