@@ -10,6 +10,8 @@ const NoiseTexture := preload("res://terrain/noise_texture.gd")
 const FAR := 16.0
 ## Halvings of a quad's side that find where the ground ends.
 const HALVINGS := 8
+## Seconds that a path must rest before the ground is drawn with it, lest every step of a drag does so.
+const PATH_REST := 0.25
 ## Rows of quads from the top of a wall to its foot.
 const WALL_ROWS := 9
 
@@ -41,10 +43,10 @@ const WALL_ROWS := 9
 @export var path: Path3D:
 	set(value):
 		if path != null:
-			path.curve_changed.disconnect(_request_build)
+			path.curve_changed.disconnect(_on_path_changed)
 		path = value
 		if path != null:
-			path.curve_changed.connect(_request_build)
+			path.curve_changed.connect(_on_path_changed)
 		_request_build()
 ## What the ground consists of, a weight in each channel, over [member rect]: for the material, if it draws that.
 @export var soil: Image:
@@ -58,6 +60,7 @@ const WALL_ROWS := 9
 		_request_build()
 
 var _requested := false
+var _path_changes := 0
 var _soil_texture: ImageTexture
 var _columns := 0
 var _vertices := PackedVector3Array()
@@ -79,6 +82,17 @@ func _request_build() -> void:
 	if not _requested:
 		_requested = true
 		_build.call_deferred()
+
+
+func _on_path_changed() -> void:
+	_path_changes += 1
+	if is_inside_tree():
+		get_tree().create_timer(PATH_REST).timeout.connect(_on_path_rested.bind(_path_changes))
+
+
+func _on_path_rested(changes: int) -> void:
+	if changes == _path_changes:
+		_request_build()
 
 
 func _build() -> void:

@@ -150,3 +150,46 @@ func test_the_clearing_moves_and_nothing_else() -> void:
 	standing = {}
 	await look_from(place + Vector2(0.0, 30.0))
 	check(standing == before, "the same forest when the clearing is back")
+
+
+func press(key: Key) -> void:
+	var event := InputEventKey.new()
+	event.keycode = key
+	event.pressed = true
+	root.push_input(event)
+
+
+func test_a_key_lets_the_clearing_walk_and_stop() -> void:
+	scene = (load("res://rules.tscn") as PackedScene).instantiate()
+	root.add_child(scene)
+	var clearing := scene.get_node("Scatter/Clearing") as Node3D
+	await frames(3)
+	var start := clearing.global_position
+	press(KEY_M)
+	await create_timer(0.4).timeout
+	check(clearing.global_position != start, "M: the clearing walks")
+	press(KEY_M)
+	await frames(2)
+	var rest := clearing.global_position
+	await frames(10)
+	check_equal(clearing.global_position, rest, "M again: the clearing rests")
+
+
+func test_the_drawn_path_follows_the_curve() -> void:
+	load_scene()
+	await frames(3)
+	var drawn := scene.get_node("Ground") as MeshInstance3D
+	var before := drawn.mesh
+	var path := scene.get_node("Scatter/Path") as Path3D
+	path.curve.set_point_position(3, path.curve.get_point_position(3) + Vector3(12.0, 0.0, 0.0))
+	await until(func() -> bool: return drawn.mesh != before, "drawn anew")
+	var arrays := drawn.mesh.surface_get_arrays(0)
+	var there := path.curve.get_point_position(3)
+	var nearest := INF
+	var distance := INF
+	for index in arrays[Mesh.ARRAY_VERTEX].size():
+		var away := flat(arrays[Mesh.ARRAY_VERTEX][index]).distance_to(flat(there))
+		if away < nearest:
+			nearest = away
+			distance = arrays[Mesh.ARRAY_TEX_UV][index].x
+	check(distance < 1.5, "the vertex at the moved bend is %f m from the path" % distance)
