@@ -217,6 +217,9 @@ func test_colors_and_custom_data() -> void:
 	check(absf(counts.get(Color(1.0, 0.0, 0.0), 0) / float(total) - 0.25) < 0.03, "a quarter is red: %s" % counts)
 	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "the other colour, its alpha included")
 	check((sums / total).distance_to(Vector2(0.5, 0.5)) < 0.03, "mean of variation and phase: %s" % (sums / total))
+	# This renderer keeps colours and data as halves; what was never handed to it is the same to the bit.
+	var built := scatter.build_rect(0, Rect2(0.0, 0.0, 32.0, 32.0))
+	check_equal(scatter.get_tile_buffers(0, Vector2i.ZERO), built["buffers"] as Array, "what the renderer holds, exactly")
 	# Other colours are other tiles, but not other places.
 	var before := transforms_of(scatter, 20)
 	gradient.set_color(0, Color(0.0, 1.0, 0.0))
