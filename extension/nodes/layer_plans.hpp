@@ -24,11 +24,12 @@ struct ScatterGround {
 	EditedArea changed;                     ///< Where it is not what it was at the last update.
 };
 
-/// Turns a node's list of layers into what workers need, and finds out what has to be made anew for it. Main thread only.
+/// Turns a node's list of layers into what workers need, and finds out what has to be made anew for it. Main thread
+/// only.
 class LayerPlans {
 public:
-	/// Reads the layers as they are now. Returns for each where its tiles are outdated. A layer whose settings are refused
-	/// keeps its last good ones, for its neighbours too, and one error is printed.
+	/// Reads the layers as they are now. Returns for each where its tiles are outdated. A layer whose settings are
+	/// refused keeps its last good ones, for its neighbours too, and one error is printed.
 	std::vector<EditedArea> update(
 			const godot::TypedArray<ScatterLayer> &p_layers, const ScatterGround &ground, ShapeRegister &shapes);
 

@@ -71,8 +71,8 @@ public:
 	template <const NumberProperty<ShapeNumbers, double> &property>
 	double get_number() const;
 
-	/// The shape as it stands in the world. None where it has no effect: hidden, not in the tree, unfinished, or such that
-	/// the core refuses it, for which one error is printed.
+	/// The shape as it stands in the world. None where it has no effect: hidden, not in the tree, unfinished, or such
+	/// that the core refuses it, for which one error is printed.
 	std::optional<Shape> world_shape();
 
 	/// True if the path that a shape of KIND_PATH follows is another one, has moved or has changed since the last call.

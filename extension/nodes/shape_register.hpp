@@ -13,8 +13,8 @@ namespace thicket {
 
 class ScatterShape3D;
 
-/// The shapes below a TerrainScatter3D, as they stood when last looked at, and the sets that they make for its layers. Main
-/// thread only.
+/// The shapes below a TerrainScatter3D, as they stood when last looked at, and the sets that they make for its layers.
+/// Main thread only.
 class ShapeRegister {
 public:
 	/// A shape counts from `add` to `remove`.
@@ -30,8 +30,8 @@ public:
 	/// Looks at the shapes that were marked.
 	void update();
 
-	/// The shapes that count for the layer of this name at a place in the node's list; null for none. The same pointer as
-	/// last time while nothing has changed.
+	/// The shapes that count for the layer of this name at a place in the node's list; null for none. The same pointer
+	/// as last time while nothing has changed.
 	std::shared_ptr<const ShapeSet> set_for(std::size_t place, const godot::String &name);
 
 	/// Has the editor ask all shapes for their warnings again.

@@ -149,7 +149,7 @@ void TerrainScatter3D::add_layer_problems(PackedStringArray &r_problems) const {
 			r_problems.push_back(where + problem);
 		}
 		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(place))) {
-			r_problems.push_back(where + String(problem.c_str()));
+			r_problems.push_back(where + String::utf8(problem.c_str()));
 		}
 		const int64_t id = layer->integers().layer_id;
 		if (!ids.insert(id >= 0 ? id : place).second) {

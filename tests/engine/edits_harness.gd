@@ -1,5 +1,6 @@
 extends "harness.gd"
-## What the tests of edits and of layers that know each other share: ferns that keep away from oaks, on a mound that changes.
+## What the tests of edits and of layers that know each other share: ferns that keep away from oaks, on a mound that
+## changes.
 
 const FLOATS := 0.001 # Metres; how far a float may be off at these distances.
 const OAK := 0

@@ -47,7 +47,8 @@ func edit(scatter: TerrainScatter3D, shape: ScatterShape3D, random: RandomNumber
 		1:
 			areas.push_back(scatter.layers[OAK].mask.paint(at, 6.0, 0.7, 0.3, random.randi_range(0, 1)))
 		2:
-			own.push_back(scatter.layers[FERN].mask.paint(at, random.randf_range(1.0, 9.0), 0.7, 0.3, random.randi_range(0, 1)))
+			var radius := random.randf_range(1.0, 9.0)
+			own.push_back(scatter.layers[FERN].mask.paint(at, radius, 0.7, 0.3, random.randi_range(0, 1)))
 		3:
 			var mound: Mound = scatter.terrain
 			areas.push_back(mound.area.grow(1.0))
@@ -125,7 +126,8 @@ func test_old_tiles_stay_until_new_ones_are_there() -> void:
 	scatter.add_child(shape)
 	await settle(scatter)
 	var tiles := scatter.get_shown_tiles(FERN)
-	scatter.tile_hidden.connect(func(layer: int, tile: Vector2i) -> void: check(false, "%d %s is hidden" % [layer, tile]))
+	scatter.tile_hidden.connect(
+			func(layer: int, tile: Vector2i) -> void: check(false, "%d %s is hidden" % [layer, tile]))
 	for round in 30:
 		shape.position.x = 2.0 * round
 		await frames(1)

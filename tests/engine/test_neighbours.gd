@@ -72,7 +72,7 @@ func test_spacing_across_tiles_and_by_order() -> void:
 			check_equal(stands == alone[index], at[index] == 0, "layer %d of %s is complete" % [index, order])
 			for id in stands:
 				check(alone[index].has(id), "who gives way goes, and nobody comes")
-		check(gap(scatter, at[1], at[0]) >= 2.5 - FLOATS, "the larger of two distances: %f" % gap(scatter, at[1], at[0]))
+		check(gap(scatter, at[1], at[0]) >= 2.5 - FLOATS, "the larger of two: %f" % gap(scatter, at[1], at[0]))
 		check(gap(scatter, at[2], at[1]) >= 1.25 - FLOATS, "one names the other: %f" % gap(scatter, at[2], at[1]))
 		check(gap(scatter, at[2], at[0]) >= 1.75 - FLOATS, "the other way round: %f" % gap(scatter, at[2], at[0]))
 		check(gap(scatter, at[2], at[0]) < 1.8, "and no more than that: %f" % gap(scatter, at[2], at[0]))
@@ -112,6 +112,9 @@ func test_names() -> void:
 	var spaced := digests(scatter, FERN)
 	scatter.layers[OAK].resource_name = "elm"
 	check("\"oak\"" in "".join(scatter.get_problems()), "a name that no layer has")
+	scatter.layers[FERN].spacing = {"Föhre": SPACING}
+	check("\"Föhre\"" in "".join(scatter.get_problems()), "names keep their letters")
+	scatter.layers[FERN].spacing = {"oak": SPACING}
 	await settle(scatter)
 	check(digests(scatter, FERN) != spaced, "nobody to give way to")
 	scatter.layers[OAK].resource_name = "oak"

@@ -37,7 +37,8 @@ func check_kept(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D],
 func distance_to_line(at: Vector2, line: PackedVector2Array) -> float:
 	var nearest := INF
 	for index in line.size() - 1:
-		nearest = minf(nearest, at.distance_to(Geometry2D.get_closest_point_to_segment(at, line[index], line[index + 1])))
+		var closest := Geometry2D.get_closest_point_to_segment(at, line[index], line[index + 1])
+		nearest = minf(nearest, at.distance_to(closest))
 	return nearest
 
 
@@ -47,10 +48,11 @@ func test_kinds() -> void:
 	var before := instances(scatter, 0)
 	var frame := Transform3D(Basis.from_euler(Vector3(0.4, 0.9, -0.3)).scaled_local(Vector3(2.0, 1.0, 0.5)),
 			Vector3(7.0, 1.0, -11.0))
-	var polygon := PackedVector2Array([Vector2(-9, -9), Vector2(12, -6), Vector2(0, 0), Vector2(10, 14), Vector2(-9, 9)])
+	var polygon := PackedVector2Array(
+			[Vector2(-9, -9), Vector2(12, -6), Vector2(0, 0), Vector2(10, 14), Vector2(-9, 9)])
 	for exclude: bool in [true, false]:
-		for kind: ScatterShape3D.Kind in [ScatterShape3D.KIND_BOX, ScatterShape3D.KIND_SPHERE, ScatterShape3D.KIND_CYLINDER,
-				ScatterShape3D.KIND_POLYGON]:
+		for kind: ScatterShape3D.Kind in [ScatterShape3D.KIND_BOX, ScatterShape3D.KIND_SPHERE,
+				ScatterShape3D.KIND_CYLINDER, ScatterShape3D.KIND_POLYGON]:
 			var shape := make_shape(kind, exclude)
 			shape.size = Vector3(14.0, 9.0, 30.0)
 			shape.radius = 16.0
@@ -76,7 +78,7 @@ func within(shape: ScatterShape3D, at: Vector3) -> bool:
 	var local := shape.global_transform.affine_inverse() * at
 	match shape.kind:
 		ScatterShape3D.KIND_BOX:
-			return absf(local.x) < 0.5 * shape.size.x and absf(local.y) < 0.5 * shape.size.y and absf(local.z) < 0.5 * shape.size.z
+			return (2.0 * local).abs().clamp(Vector3.ZERO, shape.size) == (2.0 * local).abs()
 		ScatterShape3D.KIND_SPHERE:
 			return at.distance_to(shape.global_position) < shape.radius
 		ScatterShape3D.KIND_CYLINDER:

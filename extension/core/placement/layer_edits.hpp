@@ -24,14 +24,14 @@ struct EditedArea {
 /// An area and all that lies within `distance` metres (0 or more) of it, and a hair more, for what rounding may do.
 Rect grown(const Rect &area, double distance);
 
-/// Tells from the settings of layers before and after, on the same ground, where their instances may have changed: under the
-/// shapes and the pixels of masks that are not the same as before, and as far around as a layer looks for its edge or for
-/// the instances of other layers. Remembers what it found, so that layers which share neighbours cost little more than one;
-/// so the settings must live as long as the search.
+/// Tells from the settings of layers before and after, on the same ground, where their instances may have changed:
+/// under the shapes and the pixels of masks that are not the same as before, and as far around as a layer looks for its
+/// edge or for the instances of other layers. Remembers what it found, so that layers which share neighbours cost
+/// little more than one; so the settings must live as long as the search.
 class EditSearch {
 public:
-	/// For the layer itself: its instances, how they stand and which mesh they have. All of it, if anything but masks and
-	/// shapes has changed, in the layer or in a rule of its neighbours.
+	/// For the layer itself: its instances, how they stand and which mesh they have. All of it, if anything but masks
+	/// and shapes has changed, in the layer or in a rule of its neighbours.
 	const EditedArea &find(const LayerSettings &before, const LayerSettings &after);
 
 private:

@@ -26,7 +26,7 @@ LayerSettings linked(Layers layers, std::size_t place, std::span<const LinkedLay
 	const NamedLayer &layer = *layers[place];
 	LayerSettings result = layer.settings;
 	for (std::size_t i = 0; i < place; ++i) {
-		// Of two layers of one name, only the first can be spoken of, and only the first is meant by what it says itself.
+		// Of two layers of one name only the first can be spoken of; both can speak.
 		if (layers[i] == nullptr || earlier[i].settings == nullptr) {
 			continue;
 		}

@@ -16,8 +16,8 @@ struct NamedLayer {
 	std::string name;       ///< Empty: nobody can speak of it.
 	LayerSettings settings; ///< Without neighbours.
 
-	/// Metres to keep to other layers, by their names; 0 for none. Of a pair, the larger of what both say counts, and the
-	/// later layer gives way.
+	/// Metres to keep to other layers, by their names; 0 for none. Of a pair, the larger of what both say counts, and
+	/// the later layer gives way.
 	std::map<std::string, double> spacing;
 
 	/// A layer whose instances this one stands near; empty for none. Only one that stands before it counts.
@@ -37,15 +37,15 @@ struct LinkedLayer {
 /// A further reason to refuse a layer, with its neighbours, at a place of the list.
 using LayerCheck = std::function<Status(const LayerSettings &layer, std::size_t place)>;
 
-/// Turns names into pointers: every layer gets those before it as neighbours that it, or they, name. Null entries keep their
-/// place and are nobody's neighbours; of two layers of one name, the first is meant. What comes out equal to `before`, the
-/// layers of the last call by place, is the same pointer; what is refused (too many neighbours, too long a chain, a distance
-/// out of range, or by `check`) keeps its settings from there.
+/// Turns names into pointers: every layer gets those before it as neighbours that it, or they, name. Null entries keep
+/// their place and are nobody's neighbours; of two layers of one name, the first is meant. What comes out equal to
+/// `before`, the layers of the last call by place, is the same pointer; what is refused (too many neighbours, too long
+/// a chain, a distance out of range, or by `check`) keeps its settings from there.
 std::vector<LinkedLayer> link_layers(
 		std::span<const NamedLayer *const> layers, std::span<const SharedLayer> before, const LayerCheck &check = {});
 
-/// What is likely not meant by a layer's names, a sentence each: names of no layer, proximity to a layer that does not stand
-/// before it, a name that an earlier layer has. `layers[place]` must not be null.
+/// What is likely not meant by a layer's names, a sentence each: names of no layer, proximity to a layer that does not
+/// stand before it, a name that an earlier layer has. `layers[place]` must not be null.
 std::vector<std::string> name_problems(std::span<const NamedLayer *const> layers, std::size_t place);
 
 } // namespace thicket

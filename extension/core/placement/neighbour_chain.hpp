@@ -9,8 +9,8 @@
 
 namespace thicket {
 
-/// A layer and all layers that it looks at, directly or through others, each of them once however many ways lead to it. Takes
-/// no memory; the layer must live as long.
+/// A layer and all layers that it looks at, directly or through others, each of them once however many ways lead to it.
+/// Takes no memory; the layer must live as long.
 class NeighbourChain {
 public:
 	struct Link {

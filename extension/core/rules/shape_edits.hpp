@@ -13,9 +13,9 @@ void add_touched(const Shape &shape, std::vector<Rect> &r_areas);
 
 inline constexpr std::size_t max_path_pieces = 64;
 
-/// Appends the rectangles outside which two sets (null for none) give the same chance everywhere: what shapes touch that are
-/// in one set and not in the other, whatever their order. False, with nothing appended, where the chance may differ
-/// anywhere: the first including shape came, or the last one went.
+/// Appends the rectangles outside which two sets (null for none) give the same chance everywhere: what shapes touch
+/// that are in one set and not in the other, whatever their order. False, with nothing appended, where the chance may
+/// differ anywhere: the first including shape came, or the last one went.
 bool find_shape_edits(const ShapeSet *before, const ShapeSet *after, std::vector<Rect> &r_areas);
 
 } // namespace thicket
