@@ -83,6 +83,9 @@ public:
 	/// Draws one tile as its distance, its layer's look and the limits say, without an upload. False if all tiles are.
 	bool detail_step();
 
+	/// True if `detail_step` would find nothing to do.
+	bool settled() const { return schedule_.settled(); }
+
 	/// Queues a finished job without error for upload.
 	void push(std::shared_ptr<TileJob> job);
 

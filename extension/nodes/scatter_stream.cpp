@@ -276,6 +276,6 @@ void ScatterStream::stop() {
 
 std::vector<TileEvent> ScatterStream::take_events() { return std::exchange(events_, {}); }
 
-bool ScatterStream::idle() const { return streamer_.idle(); }
+bool ScatterStream::idle() const { return streamer_.idle() && stage_.settled(); }
 
 } // namespace thicket

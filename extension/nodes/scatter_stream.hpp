@@ -58,7 +58,7 @@ public:
 	/// What came and went since the last call, in order. A tile that was made anew comes without having gone.
 	std::vector<TileEvent> take_events();
 
-	/// True when all that is wanted is shown.
+	/// True when all that is wanted is shown, and drawn as it should be.
 	bool idle() const;
 
 	ScatterStage &stage() { return stage_; }

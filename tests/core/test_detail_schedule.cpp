@@ -33,7 +33,9 @@ TEST_CASE("detail schedule: a tile is looked at once viewers have moved as far a
 	schedule.add(key_of(2), 10.0);
 	schedule.add(key_of(3), 4.0);
 	schedule.add(key_of(4), std::numeric_limits<double>::infinity());
+	CHECK_FALSE(schedule.settled());
 	CHECK(due(schedule) == std::vector{1});
+	CHECK(schedule.settled());
 	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{3.0, 0.0}}}));
 	CHECK(due(schedule).empty());
 	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}}})); // Back: 6 m in all.

@@ -247,13 +247,14 @@ func colors_of(scatter: TerrainScatter3D) -> Array[Color]:
 	return result
 
 
-## A shader with the addon's include, on the meshes of a layer: it compiles, and sees what the node says.
-func test_the_shader_include() -> void:
+## A shader with the addon's includes, on the meshes of a layer: it compiles, and sees what the node says.
+func test_the_shader_includes() -> void:
 	root.size = Vector2i(160, 120)
 	var shader := Shader.new()
 	shader.code = """shader_type spatial;
 		render_mode unshaded;
 		#include "res://addons/thicket/shaders/scatter.gdshaderinc"
+		#include "res://addons/thicket/shaders/scatter_scale.gdshaderinc"
 		varying vec3 told;
 		void vertex() {
 			VERTEX = scatter_scaled(VERTEX) * max(scatter_fade(INSTANCE_CUSTOM, 1.0, 0.01), 0.9);

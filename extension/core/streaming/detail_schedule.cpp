@@ -38,7 +38,7 @@ double DetailSchedule::add(const TileKey &key, double margin) {
 }
 
 std::optional<DetailSchedule::Visit> DetailSchedule::next() {
-	if (visits_.empty() || visits_.front().at > travelled_) {
+	if (settled()) {
 		return std::nullopt;
 	}
 	std::ranges::pop_heap(visits_, later);

@@ -31,6 +31,9 @@ public:
 	/// A visit that is due, taken out; nothing if none is.
 	std::optional<Visit> next();
 
+	/// True if there is nothing to take out by `next`.
+	bool settled() const { return visits_.empty() || visits_.front().at > travelled_; }
+
 	/// Forgets all visits.
 	void clear() { visits_.clear(); }
 
