@@ -78,6 +78,11 @@ func _validate_property(property: Dictionary) -> void:
 		property.usage &= ~PROPERTY_USAGE_STORAGE
 
 
+func _enter_tree() -> void:
+	if _requested:
+		_build.call_deferred()
+
+
 func _request_build() -> void:
 	if not _requested:
 		_requested = true
@@ -96,6 +101,9 @@ func _on_path_rested(changes: int) -> void:
 
 
 func _build() -> void:
+	# The editor makes scenes before it shows them; a path outside of the tree is nowhere.
+	if not _requested or not is_inside_tree():
+		return
 	_requested = false
 	if terrain == null:
 		mesh = null
