@@ -162,7 +162,8 @@ std::vector<EditedArea> LayerPlans::update(
 		areas.push_back(replace_plan(index, linked[index].settings, ground));
 	}
 	search_ = {};
-	streamed_.swap(next_);
+	streamed_ = std::move(next_);
+	next_.clear(); // Holds on to no meshes and no ground.
 	return areas;
 }
 
