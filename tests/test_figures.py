@@ -265,7 +265,7 @@ class FakePrograms:
 
 
 def test_contenders_take_turns_and_slow_ones_end():
-    fast, slow = FakePrograms(1e-8), FakePrograms(1e-4)
+    fast, slow = FakePrograms(1e-8), FakePrograms(5e-4)
     contender = Contender("one", "double", "one", OURS)
     assert {row["asked"] for row in speed.measure(fast, [contender], QUICK)} == set(QUICK.sizes)
     assert {row["asked"] for row in speed.measure(slow, [contender], QUICK)} == {1000, 3200}
