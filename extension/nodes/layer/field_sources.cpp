@@ -1,0 +1,125 @@
+#include "nodes/layer/field_sources.hpp"
+
+#include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/core/object.hpp>
+#include <godot_cpp/variant/color.hpp>
+#include <godot_cpp/variant/packed_byte_array.hpp>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr std::size_t gradient_colors = 256;
+
+/// Noise, on any thread. Nobody else has the object, and asking it changes nothing about it.
+class NoiseField final : public DensityField {
+public:
+	NoiseField(Ref<Noise> p_noise, std::shared_ptr<const CurveTable> curve) :
+			noise_(std::move(p_noise)), curve_(std::move(curve)) {}
+
+	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override {
+		float *density = r_density.data();
+		for (const glm::dvec2 &position : positions) {
+			const double value = noise_->get_noise_2d(static_cast<float>(position.x), static_cast<float>(position.y));
+			*density++ = static_cast<float>(curve_ ? curve_->at(value) : 0.5 + 0.5 * value);
+		}
+		return {};
+	}
+
+private:
+	Ref<Noise> noise_;
+	std::shared_ptr<const CurveTable> curve_;
+};
+
+/// 0 to `max`; NAN is 0.
+float held(float value, float max) { return value > 0.0F ? std::min(value, max) : 0.0F; }
+
+bool has_red_alone(Image::Format p_format) {
+	constexpr std::array formats{Image::FORMAT_R8, Image::FORMAT_RF, Image::FORMAT_RH, Image::FORMAT_R16,
+			Image::FORMAT_R16I, Image::FORMAT_RGTC_R, Image::FORMAT_ETC2_R11, Image::FORMAT_ETC2_R11S};
+	return std::find(formats.begin(), formats.end(), p_format) != formats.end();
+}
+
+std::uint8_t luminance(const std::uint8_t *rgba) {
+	constexpr double red = 0.2126;
+	constexpr double green = 0.7152;
+	constexpr double blue = 0.0722;
+	return static_cast<std::uint8_t>(red * rgba[0] + green * rgba[1] + blue * rgba[2] + 0.5);
+}
+
+} // namespace
+
+std::shared_ptr<const CurveTable> curve_table(const Ref<Curve> &p_curve) {
+	if (p_curve.is_null() || p_curve->get_point_count() == 0) {
+		return nullptr;
+	}
+	const double min = p_curve->get_min_domain();
+	const double max = p_curve->get_max_domain();
+	std::array<float, curve_stretches + 1> samples{};
+	for (std::size_t i = 0; i < samples.size(); ++i) {
+		const double share = static_cast<double>(i) / static_cast<double>(curve_stretches);
+		// The last one at the very end, without a rounding.
+		const double offset = i == curve_stretches ? max : min + share * (max - min);
+		samples[i] = held(p_curve->sample(static_cast<float>(offset)), 1.0F);
+	}
+	const auto table = std::make_shared<CurveTable>();
+	return table->set(min, max, samples).ok() ? table : nullptr;
+}
+
+std::shared_ptr<const ColorTable> color_table(const Ref<Gradient> &p_gradient) {
+	if (p_gradient.is_null()) {
+		return nullptr;
+	}
+	const auto table = std::make_shared<ColorTable>();
+	for (std::size_t i = 0; i < gradient_colors; ++i) {
+		const double offset = (static_cast<double>(i) + 0.5) / static_cast<double>(gradient_colors);
+		const Color color = p_gradient->sample(static_cast<float>(offset));
+		table->emplace_back(
+				held(color.r, max_color), held(color.g, max_color), held(color.b, max_color), held(color.a, 1.0F));
+	}
+	return table;
+}
+
+std::shared_ptr<const DensityField> noise_field(const Ref<Noise> &p_noise, std::shared_ptr<const CurveTable> curve) {
+	if (p_noise.is_null()) {
+		return nullptr;
+	}
+	const Ref<Noise> own = p_noise->duplicate(true);
+	return own.is_null() ? nullptr : std::make_shared<NoiseField>(own, std::move(curve));
+}
+
+ChannelPixels channel_pixels(const Ref<Image> &p_image, ImageChannel channel) {
+	ChannelPixels result;
+	if (p_image.is_null() || p_image->get_width() <= 0 || p_image->get_height() <= 0) {
+		return result;
+	}
+	const bool red_alone = has_red_alone(p_image->get_format());
+	const Ref<Image> image = p_image->duplicate();
+	if (image->is_compressed() && image->decompress() != OK) {
+		return result;
+	}
+	image->clear_mipmaps();
+	image->convert(Image::FORMAT_RGBA8);
+	const PackedByteArray bytes = image->get_data();
+	result.size = {image->get_width(), image->get_height()};
+	result.values.resize(static_cast<std::size_t>(result.size.x) * static_cast<std::size_t>(result.size.y));
+	if (bytes.size() != 4 * static_cast<int64_t>(result.values.size())) {
+		return {};
+	}
+	const bool gray = channel == ImageChannel::luminance && !red_alone;
+	const std::size_t offset = channel == ImageChannel::luminance ? 0 : static_cast<std::size_t>(channel);
+	const std::uint8_t *pixel = bytes.ptr();
+	for (std::uint8_t &value : result.values) {
+		value = gray ? luminance(pixel) : pixel[offset];
+		pixel += 4;
+	}
+	return result;
+}
+
+} // namespace thicket

@@ -1,0 +1,115 @@
+// The masks of a layer: what is painted, and a texture.
+
+#include "nodes/layer/scatter_layer_properties.hpp"
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr ResourceProperty<Texture2D> mask_texture{
+		"mask_texture", "Texture2D", &LayerResources::mask_texture, LayerSource::mask_texture};
+
+} // namespace
+
+// What is painted comes with its place; what is set about the whole mask does not.
+void ScatterLayer::watch_mask(bool p_watch) {
+	watch(mask_.ptr(), "changed", this, "emit_changed", p_watch);
+	watch(mask_.ptr(), "area_changed", this, "_mask_area_changed", p_watch);
+}
+
+void ScatterLayer::set_mask(const Ref<ScatterMask> &p_mask) {
+	if (mask_ == p_mask) {
+		return;
+	}
+	watch_mask(false);
+	mask_ = p_mask;
+	watch_mask(true);
+	emit_changed();
+}
+
+Ref<ScatterMask> ScatterLayer::get_mask() const { return mask_; }
+
+void ScatterLayer::mask_area_changed(const Rect2 &p_rect) { emit_signal("area_changed", p_rect); }
+
+void ScatterLayer::set_mask_texture_rect(const Rect2 &p_rect) {
+	constexpr double limit = 1e9;
+	constexpr double min_side = 1e-3;
+	for (const real_t number : {p_rect.position.x, p_rect.position.y}) {
+		if (!accept_number(layer_class_name, "mask_texture_rect", number, -limit, limit)) {
+			return;
+		}
+	}
+	for (const real_t number : {p_rect.size.x, p_rect.size.y}) {
+		if (!accept_number(layer_class_name, "mask_texture_rect", number, min_side, limit)) {
+			return;
+		}
+	}
+	if (mask_texture_rect_ != p_rect) {
+		mask_texture_rect_ = p_rect;
+		emit_changed();
+	}
+}
+
+Rect2 ScatterLayer::get_mask_texture_rect() const { return mask_texture_rect_; }
+
+void ScatterLayer::set_mask_texture_channel(MaskChannel p_channel) {
+	if (accept_number(layer_class_name, "mask_texture_channel", static_cast<double>(p_channel), MASK_CHANNEL_RED,
+				MASK_CHANNEL_LUMINANCE) &&
+			integers_.mask_texture_channel != p_channel) {
+		integers_.mask_texture_channel = p_channel;
+		emit_changed();
+	}
+}
+
+ScatterLayer::MaskChannel ScatterLayer::get_mask_texture_channel() const {
+	return static_cast<MaskChannel>(integers_.mask_texture_channel);
+}
+
+void ScatterLayer::set_mask_texture_edge(MaskTextureEdge p_edge) {
+	if (accept_number(layer_class_name, "mask_texture_edge", static_cast<double>(p_edge), MASK_EDGE_NOTHING,
+				MASK_EDGE_REPEAT) &&
+			integers_.mask_texture_edge != p_edge) {
+		integers_.mask_texture_edge = p_edge;
+		emit_changed();
+	}
+}
+
+ScatterLayer::MaskTextureEdge ScatterLayer::get_mask_texture_edge() const {
+	return static_cast<MaskTextureEdge>(integers_.mask_texture_edge);
+}
+
+void ScatterLayer::bind_masks() {
+	ADD_SUBGROUP("Mask", "mask_");
+	ClassDB::bind_method(D_METHOD("set_mask", "mask"), &ScatterLayer::set_mask);
+	ClassDB::bind_method(D_METHOD("get_mask"), &ScatterLayer::get_mask);
+	ClassDB::bind_method(D_METHOD("_mask_area_changed", "rect"), &ScatterLayer::mask_area_changed);
+	ADD_PROPERTY(
+			PropertyInfo(Variant::OBJECT, "mask", PROPERTY_HINT_RESOURCE_TYPE, "ScatterMask"), "set_mask", "get_mask");
+	bind_resource<Texture2D, mask_texture>();
+	ClassDB::bind_method(D_METHOD("set_mask_texture_rect", "rect"), &ScatterLayer::set_mask_texture_rect);
+	ClassDB::bind_method(D_METHOD("get_mask_texture_rect"), &ScatterLayer::get_mask_texture_rect);
+	ClassDB::bind_method(D_METHOD("set_mask_texture_channel", "channel"), &ScatterLayer::set_mask_texture_channel);
+	ClassDB::bind_method(D_METHOD("get_mask_texture_channel"), &ScatterLayer::get_mask_texture_channel);
+	ClassDB::bind_method(D_METHOD("set_mask_texture_edge", "edge"), &ScatterLayer::set_mask_texture_edge);
+	ClassDB::bind_method(D_METHOD("get_mask_texture_edge"), &ScatterLayer::get_mask_texture_edge);
+	ADD_PROPERTY(PropertyInfo(Variant::RECT2, "mask_texture_rect", PROPERTY_HINT_NONE, "suffix:m"),
+			"set_mask_texture_rect", "get_mask_texture_rect");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::INT, "mask_texture_channel", PROPERTY_HINT_ENUM, "Red,Green,Blue,Alpha,Luminance"),
+			"set_mask_texture_channel", "get_mask_texture_channel");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "mask_texture_edge", PROPERTY_HINT_ENUM, "Nothing,Everything,Clamp,Repeat"),
+			"set_mask_texture_edge", "get_mask_texture_edge");
+	BIND_ENUM_CONSTANT(MASK_CHANNEL_RED);
+	BIND_ENUM_CONSTANT(MASK_CHANNEL_GREEN);
+	BIND_ENUM_CONSTANT(MASK_CHANNEL_BLUE);
+	BIND_ENUM_CONSTANT(MASK_CHANNEL_ALPHA);
+	BIND_ENUM_CONSTANT(MASK_CHANNEL_LUMINANCE);
+	BIND_ENUM_CONSTANT(MASK_EDGE_NOTHING);
+	BIND_ENUM_CONSTANT(MASK_EDGE_EVERYTHING);
+	BIND_ENUM_CONSTANT(MASK_EDGE_CLAMP);
+	BIND_ENUM_CONSTANT(MASK_EDGE_REPEAT);
+}
+
+} // namespace thicket

@@ -1,0 +1,131 @@
+// What is likely not meant in a layer, in sentences for the editor's warnings.
+
+#include "core/placement/edge_probes.hpp"
+#include "nodes/layer/scatter_layer_properties.hpp"
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// A designer who makes a curve finds it from 0 to 1, whatever its property is about.
+bool as_made(const Ref<Curve> &p_curve) {
+	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
+}
+
+/// Problems of a curve of densities and of the table made of it; `p_domain` says what it is over.
+void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std::shared_ptr<const CurveTable> &table,
+		const char *p_domain, PackedStringArray &r_problems) {
+	if (p_curve.is_null()) {
+		return;
+	}
+	const String name = "ScatterLayer." + String(p_name);
+	if (table == nullptr) {
+		r_problems.push_back(name + String(" has no points: it is not used."));
+		return;
+	}
+	if (table->largest() <= 0.0) {
+		r_problems.push_back(name + String(" is 0 everywhere: nothing stands."));
+	}
+	if (as_made(p_curve)) {
+		r_problems.push_back(name + String(" goes from 0 to 1, as curves are made; its domain is ") + p_domain +
+				String(": set Min Domain and Max Domain."));
+	}
+}
+
+} // namespace
+
+void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
+	if (numbers_.density <= 0.0) {
+		r_problems.push_back("ScatterLayer.density is 0: nothing stands.");
+	}
+	if (numbers_.clump_size > 0.0 && numbers_.clump_coverage <= 0.0) {
+		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing stands.");
+	}
+	PointSet set;
+	set.radius = numbers_.radius;
+	set.levels = static_cast<std::uint32_t>(integers_.levels);
+	const double points = point_density(set) * numbers_.tile_size * numbers_.tile_size;
+	if (numbers_.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
+		r_problems.push_back("ScatterLayer.edge_feather asks for the ground at " +
+				String::num_int64(static_cast<int64_t>(edge_probes)) +
+				" places around each point, which is slow in tiles of so many points: make tile_size smaller.");
+	}
+}
+
+void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
+	const LayerSnapshots &made = snapshots();
+	add_curve_problem(
+			"density_over_height", resources_.density_over_height, made.height_curve, "metres of height", r_problems);
+	add_curve_problem(
+			"density_over_slope", resources_.density_over_slope, made.slope_curve, "degrees of slope", r_problems);
+	add_curve_problem("noise_curve", resources_.noise_curve, made.noise_curve, "the noise, from -1 to 1", r_problems);
+	if (resources_.noise_curve.is_valid() && resources_.noise.is_null()) {
+		r_problems.push_back("ScatterLayer.noise_curve is not used without a noise.");
+	}
+	if (resources_.scale_curve.is_valid() && numbers_.min_scale == numbers_.max_scale) {
+		r_problems.push_back("ScatterLayer.scale_curve is not used while min_scale and max_scale are the same.");
+	}
+}
+
+void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
+	if (mask_.is_valid() && mask_->blank() && mask_->get_background() >= 1.0) {
+		r_problems.push_back("ScatterLayer.mask has no effect: nothing is painted on it, and its background is 1.");
+	}
+	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
+		r_problems.push_back("Nothing stands: nothing is painted on ScatterLayer.mask, and its background is 0.");
+	}
+	if (snapshots().image_missing) {
+		r_problems.push_back("Nothing stands: ScatterLayer.mask_texture has no image that can be read.");
+	}
+}
+
+void ScatterLayer::add_neighbour_problems(PackedStringArray &r_problems) const {
+	const std::string own = get_name().utf8().get_data();
+	if (!own.empty() && spacing_.count(own) > 0) {
+		r_problems.push_back("ScatterLayer.spacing names the layer itself; its own instances keep its radius.");
+	}
+	if (spacing_.count("") > 0) {
+		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
+	}
+	if (!proximity_layer_.is_empty()) {
+		add_curve_problem("proximity_curve", resources_.proximity_curve, snapshots().own_proximity_curve,
+				"metres of distance", r_problems);
+	} else if (resources_.proximity_curve.is_valid()) {
+		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer.");
+	}
+}
+
+void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
+	bool any_mesh = false;
+	for (const Ref<Mesh> &mesh : mesh_list()) {
+		any_mesh = any_mesh || mesh.is_valid();
+	}
+	if (!any_mesh) {
+		r_problems.push_back("ScatterLayer.meshes has no mesh: the layer draws nothing.");
+	}
+	if (mesh_weights_.size() > meshes_.size()) {
+		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is not used.");
+	}
+	if (resources_.color_gradient.is_valid() && !switches_.use_colors) {
+		r_problems.push_back("ScatterLayer.color_gradient is not used without use_colors.");
+	}
+}
+
+PackedStringArray ScatterLayer::problems() const {
+	PackedStringArray result;
+	const Status status = check();
+	if (!status.ok()) {
+		result.push_back(sentence(layer_class_name, status));
+	}
+	add_number_problems(result);
+	add_curve_problems(result);
+	add_mask_problems(result);
+	add_neighbour_problems(result);
+	add_mesh_problems(result);
+	add_lod_problems(result);
+	return result;
+}
+
+} // namespace thicket

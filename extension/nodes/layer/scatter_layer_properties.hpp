@@ -1,0 +1,132 @@
+#pragma once
+
+// The properties of a ScatterLayer that are described by a constant: their setters, getters and entries in ClassDB. Included
+// by the sources that have such constants, and by nothing else.
+
+#include "nodes/layer/scatter_layer.hpp"
+#include "nodes/common/watch.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+
+namespace thicket {
+
+inline constexpr const char *layer_class_name = "ScatterLayer";
+inline constexpr double farthest_view = 1e6; ///< Metres; farther than anything is seen.
+
+template <const NumberProperty<LayerNumbers, double> &property>
+void ScatterLayer::set_number(double p_value) {
+	const double min = property.least > 0.0 && p_value > 0.0 ? property.least : property.min;
+	if (accept_number(layer_class_name, property.name, p_value, min, property.max) &&
+			numbers_.*property.member != p_value) {
+		numbers_.*property.member = p_value;
+		emit_changed();
+	}
+}
+
+template <const NumberProperty<LayerNumbers, double> &property>
+double ScatterLayer::get_number() const {
+	return numbers_.*property.member;
+}
+
+template <const NumberProperty<LayerIntegers, int64_t> &property>
+void ScatterLayer::set_integer(int64_t p_value) {
+	if (accept_number(layer_class_name, property.name, static_cast<double>(p_value), static_cast<double>(property.min),
+				static_cast<double>(property.max)) &&
+			integers_.*property.member != p_value) {
+		integers_.*property.member = p_value;
+		emit_changed();
+	}
+}
+
+template <const NumberProperty<LayerIntegers, int64_t> &property>
+int64_t ScatterLayer::get_integer() const {
+	return integers_.*property.member;
+}
+
+template <const SwitchProperty &property>
+void ScatterLayer::set_switch(bool p_value) {
+	if (switches_.*property.member != p_value) {
+		switches_.*property.member = p_value;
+		emit_changed();
+	}
+}
+
+template <const SwitchProperty &property>
+bool ScatterLayer::get_switch() const {
+	return switches_.*property.member;
+}
+
+template <class T, const ResourceProperty<T> &property>
+void ScatterLayer::set_resource(const godot::Ref<T> &p_resource) {
+	godot::Ref<T> &own = resources_.*property.member;
+	if (own == p_resource) {
+		return;
+	}
+	// A method for each property: one resource may be the value of several.
+	const godot::StringName on_change = "_" + godot::String(property.name) + "_changed";
+	watch(own.ptr(), "changed", this, on_change, false);
+	own = p_resource;
+	watch(own.ptr(), "changed", this, on_change, true);
+	resource_changed<T, property>();
+}
+
+template <class T, const ResourceProperty<T> &property>
+godot::Ref<T> ScatterLayer::get_resource() const {
+	return resources_.*property.member;
+}
+
+template <class T, const ResourceProperty<T> &property>
+void ScatterLayer::resource_changed() {
+	snapshots_.mark(property.source);
+	emit_changed();
+}
+
+template <const NumberProperty<LayerNumbers, double> &property>
+void ScatterLayer::bind_number() {
+	const godot::String name = property.name;
+	const godot::String setter = "set_" + name;
+	const godot::String getter = "get_" + name;
+	godot::ClassDB::bind_method(
+			godot::D_METHOD(godot::StringName(setter), "value"), &ScatterLayer::set_number<property>);
+	godot::ClassDB::bind_method(godot::D_METHOD(godot::StringName(getter)), &ScatterLayer::get_number<property>);
+	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
+}
+
+template <const NumberProperty<LayerIntegers, int64_t> &property>
+void ScatterLayer::bind_integer() {
+	const godot::String name = property.name;
+	const godot::String setter = "set_" + name;
+	const godot::String getter = "get_" + name;
+	godot::ClassDB::bind_method(
+			godot::D_METHOD(godot::StringName(setter), "value"), &ScatterLayer::set_integer<property>);
+	godot::ClassDB::bind_method(godot::D_METHOD(godot::StringName(getter)), &ScatterLayer::get_integer<property>);
+	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::INT, name, property.hint, property.hint_string), setter, getter);
+}
+
+template <const SwitchProperty &property>
+void ScatterLayer::bind_switch() {
+	const godot::String name = property.name;
+	const godot::String setter = "set_" + name;
+	const godot::String getter = "get_" + name;
+	godot::ClassDB::bind_method(
+			godot::D_METHOD(godot::StringName(setter), "enabled"), &ScatterLayer::set_switch<property>);
+	godot::ClassDB::bind_method(godot::D_METHOD(godot::StringName(getter)), &ScatterLayer::get_switch<property>);
+	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::BOOL, name), setter, getter);
+}
+
+template <class T, const ResourceProperty<T> &property>
+void ScatterLayer::bind_resource() {
+	const godot::String name = property.name;
+	const godot::String setter = "set_" + name;
+	const godot::String getter = "get_" + name;
+	const godot::String on_change = "_" + name + godot::String("_changed");
+	godot::ClassDB::bind_method(
+			godot::D_METHOD(godot::StringName(setter), "resource"), &ScatterLayer::set_resource<T, property>);
+	godot::ClassDB::bind_method(godot::D_METHOD(godot::StringName(getter)), &ScatterLayer::get_resource<T, property>);
+	godot::ClassDB::bind_method(
+			godot::D_METHOD(godot::StringName(on_change)), &ScatterLayer::resource_changed<T, property>);
+	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::OBJECT, name, godot::PROPERTY_HINT_RESOURCE_TYPE, property.type),
+			setter, getter);
+}
+
+} // namespace thicket

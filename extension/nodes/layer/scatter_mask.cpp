@@ -1,0 +1,229 @@
+#include "nodes/layer/scatter_mask.hpp"
+
+#include "nodes/common/property_check.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "ScatterMask";
+
+float rounded_down(double value) {
+	const auto nearest = static_cast<float>(value);
+	return nearest > value ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;
+}
+
+float rounded_up(double value) { return -rounded_down(-value); }
+
+/// A rectangle in single precision that has all of `rect` in it.
+Rect2 around(const Rect &rect) {
+	if (rect.empty()) {
+		return {};
+	}
+	const Vector2 corner(rounded_down(rect.min.x), rounded_down(rect.min.y));
+	return Rect2(corner, Vector2(rounded_up(rect.max.x - corner.x), rounded_up(rect.max.y - corner.y)));
+}
+
+PixelRect pixel_rect(const Rect2i &p_rect) {
+	// In 64 bits first: a script may ask for a corner beyond the last pixel.
+	const auto end = [](int32_t position, int32_t size) {
+		using Limits = std::numeric_limits<int32_t>;
+		return static_cast<int32_t>(std::clamp<int64_t>(int64_t{position} + size, Limits::min(), Limits::max()));
+	};
+	const glm::ivec2 min{p_rect.position.x, p_rect.position.y};
+	return {min, {end(min.x, p_rect.size.x), end(min.y, p_rect.size.y)}};
+}
+
+/// By the names that scripts know.
+Status for_scripts(Status status) {
+	if (std::string_view(status.property) == "region") {
+		status.property = "rect";
+	} else if (std::string_view(status.property) == "version") {
+		status.property = "data: its version";
+	}
+	return status;
+}
+
+} // namespace
+
+bool ScatterMask::accept_while_blank(const char *p_property, double p_value) const {
+	if (!blank()) {
+		ERR_PRINT(vformat("ScatterMask.%s is fixed while something is painted, got %s: clear() the mask first.",
+				p_property, p_value));
+	}
+	return blank();
+}
+
+void ScatterMask::reset(double p_pixel_size, double p_background) {
+	const Status status = mask_.reset(p_pixel_size, p_background);
+	report(class_name, status);
+	if (status.ok()) {
+		background_ = p_background;
+		snapshot_ = nullptr;
+		emit_changed();
+	}
+}
+
+void ScatterMask::set_pixel_size(double p_size) {
+	if (p_size != get_pixel_size() &&
+			accept_number(class_name, "pixel_size", p_size, PaintedMask::min_pixel_size, PaintedMask::max_pixel_size) &&
+			accept_while_blank("pixel_size", p_size)) {
+		reset(p_size, background_);
+	}
+}
+
+double ScatterMask::get_pixel_size() const { return mask_.pixel_size(); }
+
+void ScatterMask::set_background(double p_background) {
+	if (p_background != background_ && accept_number(class_name, "background", p_background, 0.0, 1.0) &&
+			accept_while_blank("background", p_background)) {
+		reset(get_pixel_size(), p_background);
+	}
+}
+
+double ScatterMask::get_background() const { return background_; }
+
+void ScatterMask::set_data(const PackedByteArray &p_data) {
+	if (p_data.is_empty()) {
+		clear();
+		return;
+	}
+	const Status status = mask_.from_bytes({p_data.ptr(), static_cast<std::size_t>(p_data.size())});
+	report(class_name, for_scripts(status));
+	if (!status.ok()) {
+		return;
+	}
+	// The bytes know it to 1/255 only; what a scene says beside them is finer.
+	if (std::lround(255.0 * background_) != std::lround(255.0 * mask_.background())) {
+		background_ = mask_.background();
+	}
+	snapshot_ = nullptr;
+	emit_changed();
+}
+
+PackedByteArray ScatterMask::get_data() const {
+	PackedByteArray result;
+	if (!blank()) {
+		const std::vector<std::uint8_t> bytes = mask_.to_bytes();
+		result.resize(static_cast<int64_t>(bytes.size()));
+		std::memcpy(result.ptrw(), bytes.data(), bytes.size());
+	}
+	return result;
+}
+
+Rect2 ScatterMask::announce(const Status &status, const Rect &changed) {
+	report(class_name, for_scripts(status));
+	if (!status.ok() || changed.empty()) {
+		return {};
+	}
+	snapshot_ = nullptr;
+	const Rect2 area = around(changed);
+	emit_signal("area_changed", area);
+	return area;
+}
+
+Rect2 ScatterMask::paint(const Vector2 &p_center, double p_radius, double p_strength, double p_hardness, Mode p_mode) {
+	if (!accept_number(class_name, "mode", static_cast<double>(p_mode), MODE_PAINT, MODE_SMOOTH)) {
+		return {};
+	}
+	Brush brush;
+	brush.mode = static_cast<Brush::Mode>(p_mode);
+	brush.center = {p_center.x, p_center.y};
+	brush.radius = p_radius;
+	brush.strength = p_strength;
+	brush.hardness = p_hardness;
+	Rect changed;
+	const Status status = mask_.paint(brush, changed);
+	return announce(status, changed);
+}
+
+PackedByteArray ScatterMask::get_pixels(const Rect2i &p_rect) const {
+	std::vector<std::uint8_t> pixels;
+	const Status status = mask_.read(pixel_rect(p_rect), pixels);
+	report(class_name, for_scripts(status));
+	PackedByteArray result;
+	if (status.ok() && !pixels.empty()) {
+		result.resize(static_cast<int64_t>(pixels.size()));
+		std::memcpy(result.ptrw(), pixels.data(), pixels.size());
+	}
+	return result;
+}
+
+Rect2 ScatterMask::set_pixels(const Rect2i &p_rect, const PackedByteArray &p_pixels) {
+	Rect changed;
+	const Status status =
+			mask_.write(pixel_rect(p_rect), {p_pixels.ptr(), static_cast<std::size_t>(p_pixels.size())}, changed);
+	return announce(status, changed);
+}
+
+double ScatterMask::sample(const Vector2 &p_position) const {
+	const glm::dvec2 position{p_position.x, p_position.y};
+	float density = 0.0F;
+	report(class_name, mask_.sample({&position, 1}, {&density, 1}));
+	return density > 0.0F ? density : 0.0;
+}
+
+Rect2i ScatterMask::get_pixel_rect(const Rect2 &p_rect) const {
+	const glm::dvec2 corner{p_rect.position.x, p_rect.position.y};
+	const PixelRect pixels = mask_.pixels_of({corner, corner + glm::dvec2{p_rect.size.x, p_rect.size.y}});
+	if (pixels.empty()) {
+		return {};
+	}
+	const glm::ivec2 size = pixels.max - pixels.min;
+	return Rect2i(Vector2i(pixels.min.x, pixels.min.y), Vector2i(size.x, size.y));
+}
+
+void ScatterMask::clear() {
+	if (!blank()) {
+		reset(get_pixel_size(), background_);
+	}
+}
+
+std::shared_ptr<const PaintedMask> ScatterMask::snapshot() const {
+	if (snapshot_ == nullptr) {
+		snapshot_ = std::make_shared<PaintedMask>(mask_);
+	}
+	return snapshot_;
+}
+
+void ScatterMask::_bind_methods() {
+	using Self = ScatterMask;
+	ClassDB::bind_method(D_METHOD("set_pixel_size", "size"), &Self::set_pixel_size);
+	ClassDB::bind_method(D_METHOD("get_pixel_size"), &Self::get_pixel_size);
+	ClassDB::bind_method(D_METHOD("set_background", "background"), &Self::set_background);
+	ClassDB::bind_method(D_METHOD("get_background"), &Self::get_background);
+	ClassDB::bind_method(D_METHOD("set_data", "data"), &Self::set_data);
+	ClassDB::bind_method(D_METHOD("get_data"), &Self::get_data);
+	ClassDB::bind_method(D_METHOD("paint", "center", "radius", "strength", "hardness", "mode"), &Self::paint,
+			DEFVAL(1.0), DEFVAL(0.5), DEFVAL(MODE_PAINT));
+	ClassDB::bind_method(D_METHOD("get_pixels", "rect"), &Self::get_pixels);
+	ClassDB::bind_method(D_METHOD("set_pixels", "rect", "pixels"), &Self::set_pixels);
+	ClassDB::bind_method(D_METHOD("sample", "position"), &Self::sample);
+	ClassDB::bind_method(D_METHOD("get_pixel_rect", "rect"), &Self::get_pixel_rect);
+	ClassDB::bind_method(D_METHOD("clear"), &Self::clear);
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "pixel_size", PROPERTY_HINT_RANGE,
+						 "0.125,16,0.125,or_less,or_greater,suffix:m"),
+			"set_pixel_size", "get_pixel_size");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "background", PROPERTY_HINT_RANGE, "0,1,0.01"), "set_background",
+			"get_background");
+	ADD_PROPERTY(PropertyInfo(Variant::PACKED_BYTE_ARRAY, "data", PROPERTY_HINT_NONE, String(), PROPERTY_USAGE_STORAGE),
+			"set_data", "get_data");
+	ADD_SIGNAL(MethodInfo("area_changed", PropertyInfo(Variant::RECT2, "rect")));
+	BIND_ENUM_CONSTANT(MODE_PAINT);
+	BIND_ENUM_CONSTANT(MODE_ERASE);
+	BIND_ENUM_CONSTANT(MODE_SMOOTH);
+}
+
+} // namespace thicket

@@ -1,0 +1,52 @@
+#include "nodes/sampler/script_progress.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr std::chrono::milliseconds pause{15};
+
+} // namespace
+
+ScriptProgress::ScriptProgress(const char *p_owner, const Callable &p_callable) :
+		owner_(p_owner), callable_(p_callable), wanted_(!p_callable.is_null()), due_(Clock::now() + pause) {}
+
+void ScriptProgress::update(double p_fraction, std::uint64_t p_points) {
+	if (wanted_ && p_fraction < 1.0 && Clock::now() >= due_) {
+		fraction_ = std::max(fraction_, p_fraction);
+		call(fraction_, p_points);
+		due_ = Clock::now() + pause;
+	}
+}
+
+void ScriptProgress::finish(std::uint64_t p_points) {
+	if (wanted_) {
+		call(1.0, p_points);
+	}
+}
+
+// Through Variant, which says whether the callable could be called; Callable::call keeps that to itself.
+void ScriptProgress::call(double p_fraction, std::uint64_t p_points) {
+	const Variant fraction(p_fraction);
+	const Variant points(static_cast<int64_t>(p_points));
+	std::array<const Variant *, 2> arguments{&fraction, &points};
+	Variant result;
+	GDExtensionCallError error{};
+	callable_.callp("call", arguments.data(), static_cast<int>(arguments.size()), result, error);
+	if (error.error != GDEXTENSION_CALL_OK) {
+		wanted_ = false;
+		const std::string problem =
+				std::string(owner_) + ".progress cannot be called with (fraction: float, points: int), or no longer";
+		ERR_PRINT(String(problem.c_str()));
+	}
+}
+
+} // namespace thicket

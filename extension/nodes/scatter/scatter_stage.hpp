@@ -1,0 +1,169 @@
+#pragma once
+
+#include "core/placement/detail.hpp"
+#include "core/streaming/detail_schedule.hpp"
+#include "core/streaming/tile_streamer.hpp"
+#include "nodes/scatter/tile_visual.hpp"
+#include "nodes/scatter/tile_workers.hpp"
+
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <vector>
+
+namespace thicket {
+
+/// How a layer looks on stage.
+struct LayerLook {
+	DrawSettings draw;
+	std::vector<godot::Ref<godot::Mesh>> meshes; ///< Null entries are not drawn.
+
+	/// For each distance of `detail` in a row of its own an entry for each of the meshes; null for the finer one.
+	std::vector<godot::Ref<godot::Mesh>> lod_meshes;
+	Detail detail;
+};
+
+/// How much of what stands is drawn, whatever the distance.
+struct DrawLimits {
+	double quality = 1.0;                                                    ///< Share of every tile, 0 to 1.
+	std::uint64_t max_instances = std::numeric_limits<std::uint64_t>::max(); ///< Of all tiles together.
+
+	friend bool operator==(const DrawLimits &, const DrawLimits &) = default;
+};
+
+/// A tile on show.
+struct StagedTile {
+	/// The instances of one mesh. No visual where there are no instances or no mesh.
+	struct Part {
+		std::optional<TileVisual> visual;
+		std::vector<godot::Ref<godot::Mesh>> levels; ///< Of a visual: the mesh, then those for the distance.
+		std::vector<std::uint64_t> ids;
+		std::vector<std::uint32_t> ranks;
+		godot::PackedFloat32Array hidden_buffer; ///< Of a part without a visual.
+		std::uint64_t drawn = 0;                 ///< How many of them the visual draws,
+		std::uint64_t wanted = 0;                ///< and would draw without a limit for all tiles together.
+	};
+
+	glm::dvec3 origin{0.0};
+	TileCounts counts;
+	std::vector<Part> parts;
+
+	glm::vec3 min{std::numeric_limits<float>::max()};  ///< The box around all that is drawn, relative to the origin;
+	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inside out where nothing is.
+	std::size_t lod = 0;
+	std::uint64_t look_version = 0; ///< Of the layer's look that it was last drawn with.
+	double visit_at = 0.0;          ///< Of the next visit that DetailSchedule was asked for.
+};
+
+/// What stands on show, and the finished tiles that wait for their upload. Main thread only. Works in small steps, so
+/// that its caller can stop when the frame's time is spent.
+class ScatterStage {
+public:
+	/// Where new tiles go.
+	void set_place(const godot::RID &scenario, std::uint64_t node_id);
+
+	/// Shows or hides all that stands and all that comes.
+	void set_visible(bool visible);
+
+	/// The looks of all layers; tiles drawn with other settings follow, step by step, by `detail_step`. Meshes count for
+	/// tiles still to come.
+	void set_looks(std::vector<LayerLook> looks);
+
+	/// How much to draw; tiles follow as above.
+	void set_limits(const DrawLimits &limits) { next_limits_ = limits; }
+
+	/// Where the viewers are in this frame: what is drawn of a tile depends on its distance to the nearest.
+	void look_around(std::span<const Viewer> viewers);
+
+	/// Draws one tile as its distance, its layer's look and the limits say, without an upload. False if all tiles are.
+	bool detail_step();
+
+	/// True if `detail_step` would find nothing to do.
+	bool settled() const { return schedule_.settled(); }
+
+	/// Queues a finished job without error for upload.
+	void push(std::shared_ptr<TileJob> job);
+
+	/// Uploads one buffer. When that completes a tile, the tile waits, hidden, in `completed` and nothing else is
+	/// uploaded until `present` or `reject` was called. False when there was nothing to do.
+	bool upload_step();
+	const TileJob *completed() const { return complete_ ? uploads_.front().get() : nullptr; }
+
+	/// Shows the completed tile, in place of the one that stood there.
+	void present();
+
+	/// Throws the completed tile away.
+	void reject();
+
+	/// Takes a queued tile out, if it is there.
+	void forget(std::uint64_t ticket);
+
+	/// True if a tile stands under this key.
+	bool holds(const TileKey &key) const;
+
+	/// Takes a tile off the stage; what it held is freed step by step, by `free_step`. False if it does not stand
+	/// there.
+	bool drop(const TileKey &key);
+	bool free_step();
+
+	/// Frees everything now.
+	void clear();
+
+	/// The shown tile of a layer, null if there is none; the newest grid goes first.
+	const StagedTile *find(std::uint32_t layer, glm::ivec2 tile) const;
+	std::vector<glm::ivec2> tiles(std::uint32_t layer) const;
+
+	/// How many layers have or had a look.
+	std::size_t layer_count() const { return looks_.size(); }
+
+	std::size_t waiting() const { return uploads_.size(); }
+	std::size_t tile_count() const { return tiles_.size(); }
+	std::uint64_t instance_count() const { return instances_; }
+
+	/// Instances that are drawn when in sight, at most as many as the limits allow.
+	std::uint64_t drawn_count() const { return drawn_; }
+
+	/// Buffers handed to the renderer since the stage was new or cleared.
+	std::uint64_t upload_count() const { return upload_count_; }
+
+private:
+	/// layer, x, y, -grid: neighbours in a layer stay together, the newest grid comes first.
+	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
+	static Order order(const TileKey &key);
+	void leave(StagedTile &&tile);
+	void count(const StagedTile &tile);
+	void uncount(const StagedTile &tile);
+	void visit_all();
+	void apply_look(const TileKey &key, StagedTile &tile);
+	void refine(const TileKey &key, StagedTile &tile);
+	StagedTile::Part make_part(const TileJob &job, MeshUpload &upload, std::size_t mesh);
+
+	VisualPlace place_;
+	bool visible_ = true;
+	std::vector<LayerLook> looks_;
+	std::vector<std::uint64_t> look_versions_; ///< Of each look: another number whenever it draws otherwise.
+	std::uint64_t last_version_ = 0;
+	std::map<Order, StagedTile> tiles_;
+	std::vector<TileVisual> leaving_;
+	std::uint64_t instances_ = 0;
+	std::uint64_t upload_count_ = 0;
+
+	DetailSchedule schedule_;
+	DrawLimits limits_;
+	DrawLimits next_limits_;
+	double share_ = 1.0; ///< Of what is wanted, so that max_instances are not exceeded.
+	std::uint64_t drawn_ = 0;
+	std::uint64_t wanted_ = 0;
+	std::vector<TileKey> cut_; ///< Tiles that the limit cut short, to be visited once more.
+
+	std::deque<std::shared_ptr<TileJob>> uploads_;
+	StagedTile current_; ///< As much of uploads_.front() as is uploaded.
+	bool complete_ = false;
+};
+
+} // namespace thicket

@@ -1,0 +1,80 @@
+#include "nodes/scatter/shape_register.hpp"
+
+#include "nodes/scatter/scatter_shape_3d.hpp"
+
+#include <algorithm>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+bool ShapeRegister::Entry::counts_for(const String &name) const {
+	return shape.has_value() && (names.size() == 0 || names.has(name));
+}
+
+void ShapeRegister::add(ScatterShape3D *shape) { entries_.emplace_back().node = shape; }
+
+void ShapeRegister::remove(ScatterShape3D *shape) {
+	std::erase_if(entries_, [shape](const Entry &entry) { return entry.node == shape; });
+}
+
+void ShapeRegister::mark(const ScatterShape3D *shape) {
+	for (Entry &entry : entries_) {
+		entry.marked = entry.marked || entry.node == shape;
+	}
+}
+
+bool ShapeRegister::paths_changed() {
+	bool any = false;
+	for (Entry &entry : entries_) {
+		const bool changed = entry.node->path_changed();
+		entry.marked = entry.marked || changed;
+		any = any || changed;
+	}
+	return any;
+}
+
+void ShapeRegister::update() {
+	for (Entry &entry : entries_) {
+		if (std::exchange(entry.marked, false)) {
+			entry.shape = entry.node->world_shape();
+			entry.names = entry.node->get_layer_names();
+		}
+	}
+}
+
+std::shared_ptr<const ShapeSet> ShapeRegister::set_for(std::size_t place, const String &name) {
+	std::vector<Shape> shapes;
+	for (const Entry &entry : entries_) {
+		if (entry.counts_for(name)) {
+			shapes.push_back(*entry.shape);
+		}
+	}
+	sets_.resize(std::max(sets_.size(), place + 1));
+	std::shared_ptr<const ShapeSet> &last = sets_[place];
+	const auto is_same = [&shapes](const std::shared_ptr<const ShapeSet> &set) {
+		return set != nullptr && std::ranges::equal(set->shapes(), shapes);
+	};
+	if (shapes.empty()) {
+		last = nullptr;
+	} else if (!is_same(last)) {
+		// Most shapes count for all layers, which then share a set.
+		const auto shared = std::ranges::find_if(sets_, is_same);
+		auto next = std::make_shared<ShapeSet>();
+		if (shared != sets_.end()) {
+			last = *shared;
+		} else if (next->set(std::move(shapes)).ok()) { // Each was valid by itself.
+			last = std::move(next);
+		}
+	}
+	return last;
+}
+
+void ShapeRegister::update_warnings() const {
+	for (const Entry &entry : entries_) {
+		entry.node->update_configuration_warnings();
+	}
+}
+
+} // namespace thicket

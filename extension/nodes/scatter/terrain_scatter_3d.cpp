@@ -1,0 +1,306 @@
+#include "nodes/scatter/terrain_scatter_3d.hpp"
+
+#include "nodes/common/watch.hpp"
+
+#include <godot_cpp/classes/camera3d.hpp>
+#include <godot_cpp/classes/editor_interface.hpp>
+#include <godot_cpp/classes/engine.hpp>
+#include <godot_cpp/classes/sub_viewport.hpp>
+#include <godot_cpp/classes/viewport.hpp>
+#include <godot_cpp/classes/world3d.hpp>
+#include <godot_cpp/core/class_db.hpp>
+
+#include <glm/common.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "TerrainScatter3D";
+
+/// Metres around a change of the ground in which slopes may be others: heights are compared over less than that.
+constexpr double slope_margin = 1.0;
+
+/// A rectangle of the engine; all of the world for one without an area, or that is not finite.
+Rect world_rect(const Rect2 &p_rect) {
+	constexpr double infinity = std::numeric_limits<double>::infinity();
+	const glm::dvec2 corner{p_rect.position.x, p_rect.position.y};
+	const glm::dvec2 other = corner + glm::dvec2{p_rect.size.x, p_rect.size.y};
+	const Rect rect{glm::min(corner, other), glm::max(corner, other)};
+	return rect.empty() || !rect.finite() ? Rect{glm::dvec2(-infinity), glm::dvec2(infinity)} : rect;
+}
+
+} // namespace
+
+TerrainScatter3D::TerrainScatter3D() = default;
+
+TerrainScatter3D::~TerrainScatter3D() { stop(); }
+
+void TerrainScatter3D::_notification(int p_what) {
+	switch (p_what) {
+		case NOTIFICATION_ENTER_WORLD: start(); break;
+		case NOTIFICATION_EXIT_WORLD: stop(); break;
+		case NOTIFICATION_VISIBILITY_CHANGED: stream_.stage().set_visible(is_visible_in_tree()); break;
+		case NOTIFICATION_INTERNAL_PROCESS: process_frame(); break;
+		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: stream_.physics_frame(); break;
+		case NOTIFICATION_EXTENSION_RELOADED:
+			if (is_inside_tree()) {
+				start();
+			}
+			break;
+		default: break;
+	}
+}
+
+void TerrainScatter3D::start() {
+	stream_.stage().set_place(get_world_3d()->get_scenario(), get_instance_id());
+	stream_.stage().set_visible(is_visible_in_tree());
+	set_process_internal(true);
+	if (!std::exchange(running_, true) && terrain_.is_valid()) {
+		terrain_->enter(this);
+	}
+	mark_ground_dirty();
+}
+
+void TerrainScatter3D::stop() {
+	if (running_) {
+		running_ = false;
+		if (terrain_.is_valid()) {
+			terrain_->leave(this);
+		}
+		stream_.stop();
+		stream_.take_events();
+	}
+}
+
+void TerrainScatter3D::process_frame() {
+	const auto start = std::chrono::steady_clock::now();
+	if (shapes_.paths_changed()) {
+		mark_edited();
+	}
+	if (dirty_) {
+		refresh();
+	}
+	if (terrain_.is_valid() && !plans_.streamed().empty()) {
+		const std::vector<Viewer> viewers = find_viewers();
+		if (!viewers.empty()) {
+			stream_.stage().set_limits(draw_limits());
+			stream_.frame(viewers, static_cast<std::uint64_t>(upload_budget_usec_));
+		}
+	}
+	frame_time_ = std::chrono::steady_clock::now() - start;
+	emit_events();
+}
+
+DrawLimits TerrainScatter3D::draw_limits() const {
+	DrawLimits limits;
+	limits.quality = quality_;
+	if (Engine::get_singleton()->is_editor_hint()) {
+		limits.max_instances = static_cast<std::uint64_t>(preview_instances_);
+	}
+	return limits;
+}
+
+void TerrainScatter3D::emit_events() {
+	for (const TileEvent &event : stream_.take_events()) {
+		emit_signal(event.shown ? "tile_shown" : "tile_hidden", static_cast<int64_t>(event.layer),
+				Vector2i(event.tile.x, event.tile.y));
+	}
+	const bool idle = is_idle();
+	if (idle && !std::exchange(was_idle_, idle)) {
+		emit_signal("idle");
+	}
+	was_idle_ = idle;
+}
+
+void TerrainScatter3D::mark_edited() {
+	dirty_ = true;
+	was_idle_ = false;
+}
+
+void TerrainScatter3D::mark_dirty() {
+	mark_edited();
+	update_configuration_warnings();
+	PackedStringArray names;
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		const Ref<ScatterLayer> layer = layer_at(place);
+		names.push_back(layer.is_valid() ? layer->get_name() : String());
+	}
+	if (!(names == layer_names_)) {
+		layer_names_ = names;
+		shapes_.update_warnings(); // They may name layers.
+	}
+}
+
+void TerrainScatter3D::mark_ground_dirty() {
+	ground_change_.everywhere = true;
+	mark_dirty();
+}
+
+void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
+	const Rect rect = world_rect(p_rect);
+	ground_change_.everywhere = ground_change_.everywhere || !rect.finite();
+	ground_change_.add(rect, slope_margin);
+	mark_edited();
+}
+
+void TerrainScatter3D::mark_area_edited(const Rect2 &) { mark_edited(); }
+
+void TerrainScatter3D::add_shape(ScatterShape3D *p_shape) {
+	shapes_.add(p_shape);
+	mark_edited();
+}
+
+void TerrainScatter3D::remove_shape(ScatterShape3D *p_shape) {
+	shapes_.remove(p_shape);
+	mark_edited();
+}
+
+void TerrainScatter3D::shape_changed(const ScatterShape3D *p_shape) {
+	shapes_.mark(p_shape);
+	mark_edited();
+}
+
+bool TerrainScatter3D::has_layer_named(const String &p_name) const {
+	return !p_name.is_empty() && layer_names_.has(p_name);
+}
+
+void TerrainScatter3D::refresh() {
+	dirty_ = false;
+	set_physics_process_internal(terrain_.is_valid() && terrain_->needs_physics_frames());
+	ScatterGround ground{static_cast<std::uint64_t>(seed_), nullptr, std::exchange(ground_change_, {})};
+	if (!ground.changed.empty() && terrain_.is_valid()) {
+		ground_ = terrain_->snapshot();
+	}
+	ground.terrain = ground_;
+	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
+	shapes_.update();
+	if (!grounded || layers_.is_empty()) {
+		stream_.stop();
+		plans_.clear();
+		return;
+	}
+	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, shapes_);
+	stream_.set_layers(plans_.streamed(), outdated, terrain_);
+}
+
+Node3D *TerrainScatter3D::active_camera() const {
+	if (Engine::get_singleton()->is_editor_hint()) {
+		return EditorInterface::get_singleton()->get_editor_viewport_3d(0)->get_camera_3d();
+	}
+	return get_viewport()->get_camera_3d();
+}
+
+std::vector<Viewer> TerrainScatter3D::find_viewers() const {
+	std::vector<Viewer> result;
+	const auto add = [&result](const Node3D *node) {
+		if (node != nullptr && node->is_inside_tree()) {
+			const Vector3 at = node->get_global_position();
+			if (std::isfinite(at.x) && std::isfinite(at.z)) {
+				result.push_back({{at.x, at.z}, 1.0, std::isfinite(at.y) ? at.y : 0.0});
+			}
+		}
+	};
+	for (int64_t viewer = 0; viewer < viewers_.size(); ++viewer) {
+		add(Object::cast_to<Node3D>(get_node_or_null(viewers_[viewer])));
+	}
+	if (viewers_.is_empty()) {
+		add(active_camera());
+	}
+	return result;
+}
+
+Ref<ScatterLayer> TerrainScatter3D::layer_at(int64_t p_place) const { return layers_[p_place]; }
+
+void TerrainScatter3D::set_seed(int64_t p_seed) {
+	if (seed_ != p_seed) {
+		seed_ = p_seed;
+		mark_dirty();
+	}
+}
+
+int64_t TerrainScatter3D::get_seed() const { return seed_; }
+
+void TerrainScatter3D::watch_layers(bool p_watch) {
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		watch(layer_at(place).ptr(), "changed", this, "_mark_dirty", p_watch);
+		watch(layer_at(place).ptr(), "area_changed", this, "_mark_area_edited", p_watch);
+	}
+}
+
+void TerrainScatter3D::watch_terrain(bool p_watch) {
+	watch(terrain_.ptr(), "changed", this, "_mark_ground_dirty", p_watch);
+	watch(terrain_.ptr(), "terrain_changed", this, "_mark_ground_edited", p_watch);
+}
+
+void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
+	watch_layers(false);
+	layers_ = p_layers;
+	watch_layers(true);
+	mark_dirty();
+}
+
+TypedArray<ScatterLayer> TerrainScatter3D::get_layers() const { return layers_; }
+
+void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
+	if (terrain_ == p_terrain) {
+		return;
+	}
+	watch_terrain(false);
+	if (running_ && terrain_.is_valid()) {
+		terrain_->leave(this);
+	}
+	terrain_ = p_terrain;
+	ground_ = nullptr;
+	if (running_ && terrain_.is_valid()) {
+		terrain_->enter(this);
+	}
+	watch_terrain(true);
+	mark_ground_dirty();
+}
+
+Ref<ScatterTerrain> TerrainScatter3D::get_terrain() const { return terrain_; }
+
+void TerrainScatter3D::set_viewers(const TypedArray<NodePath> &p_viewers) {
+	viewers_ = p_viewers;
+	update_configuration_warnings();
+}
+
+TypedArray<NodePath> TerrainScatter3D::get_viewers() const { return viewers_; }
+
+void TerrainScatter3D::set_upload_budget_usec(int64_t p_budget) {
+	if (accept_number(class_name, "upload_budget_usec", static_cast<double>(p_budget), 1.0, 1e6)) {
+		upload_budget_usec_ = p_budget;
+	}
+}
+
+int64_t TerrainScatter3D::get_upload_budget_usec() const { return upload_budget_usec_; }
+
+void TerrainScatter3D::set_quality(double p_quality) {
+	if (accept_number(class_name, "quality", p_quality, 0.0, 1.0)) {
+		quality_ = p_quality;
+	}
+}
+
+double TerrainScatter3D::get_quality() const { return quality_; }
+
+void TerrainScatter3D::set_preview_instances(int64_t p_count) {
+	if (accept_number(class_name, "preview_instances", static_cast<double>(p_count), 0.0, 1e9)) {
+		preview_instances_ = p_count;
+	}
+}
+
+int64_t TerrainScatter3D::get_preview_instances() const { return preview_instances_; }
+
+void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
+
+bool TerrainScatter3D::is_idle() const { return !dirty_ && (plans_.streamed().empty() || stream_.idle()); }
+
+} // namespace thicket

@@ -1,0 +1,137 @@
+#pragma once
+
+#include "nodes/scatter/layer_plans.hpp"
+#include "nodes/layer/scatter_layer.hpp"
+#include "nodes/scatter/scatter_stream.hpp"
+#include "nodes/terrain/scatter_terrain.hpp"
+#include "nodes/scatter/shape_register.hpp"
+
+#include <godot_cpp/classes/node3d.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/node_path.hpp>
+#include <godot_cpp/variant/packed_int64_array.hpp>
+#include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/rect2.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
+#include <godot_cpp/variant/vector2i.hpp>
+
+#include <chrono>
+#include <memory>
+
+namespace thicket {
+
+/// Streams layers of instances onto a terrain, around viewers. Works in the editor as in the game. Instances stand in
+/// world space: the node's own transform does not move them. What it shows is never saved.
+class TerrainScatter3D : public godot::Node3D {
+	GDCLASS(TerrainScatter3D, godot::Node3D)
+
+public:
+	TerrainScatter3D();
+	~TerrainScatter3D() override;
+
+	/// Any 64-bit number; another seed places everything anew.
+	void set_seed(int64_t p_seed);
+	int64_t get_seed() const;
+
+	/// Null entries keep their place and show nothing.
+	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
+	godot::TypedArray<ScatterLayer> get_layers() const;
+
+	/// Null: nothing is shown.
+	void set_terrain(const godot::Ref<ScatterTerrain> &p_terrain);
+	godot::Ref<ScatterTerrain> get_terrain() const;
+
+	/// Node3Ds to stream around; none for the camera of the viewport, in the editor the editor's own.
+	void set_viewers(const godot::TypedArray<godot::NodePath> &p_viewers);
+	godot::TypedArray<godot::NodePath> get_viewers() const;
+
+	/// Microseconds of the main thread a frame, 1 to 1e6.
+	void set_upload_budget_usec(int64_t p_budget);
+	int64_t get_upload_budget_usec() const;
+
+	/// The share of every tile that is drawn, 0 to 1: those instances that would also stand at that density. No tile is made
+	/// or uploaded anew for it.
+	void set_quality(double p_quality);
+	double get_quality() const;
+
+	/// The most instances that are drawn in the editor, 0 to 1e9; all tiles are thinned alike to keep to it.
+	void set_preview_instances(int64_t p_count);
+	int64_t get_preview_instances() const;
+
+	/// Makes all tiles anew; what stands stays until its successor is ready.
+	void regenerate();
+
+	/// True when every wanted tile is shown.
+	bool is_idle() const;
+	godot::Dictionary get_stats() const;
+
+	/// What stands in a tile, read back from the RenderingServer. Empty or 0 for a tile that is not shown.
+	godot::Array get_shown_tiles(int64_t p_layer) const;
+	godot::Vector3 get_tile_origin(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	godot::Array get_tile_buffers(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	godot::Array get_tile_multimeshes(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	godot::Array get_tile_ids(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	int64_t get_tile_digest(int64_t p_layer, const godot::Vector2i &p_tile) const;
+
+	/// What stands in a half-open rectangle of world x and z, made at once on the calling thread, the main one: origin
+	/// (Vector3), and for each mesh of the layer its buffer (PackedFloat32Array, as get_tile_buffers), ids
+	/// (PackedInt64Array) and mesh (Mesh or null). A layer that does not exist and a rectangle that TileSampler refuses
+	/// print an error and give empty arrays.
+	godot::Dictionary build_rect(int64_t p_layer, const godot::Rect2 &p_rect);
+
+	/// A shape below this node enters the tree, leaves it, or is not what it was: what it touches is made anew.
+	void add_shape(ScatterShape3D *p_shape);
+	void remove_shape(ScatterShape3D *p_shape);
+	void shape_changed(const ScatterShape3D *p_shape);
+	bool has_layer_named(const godot::String &p_name) const;
+
+	/// What keeps the node from showing what it should, a sentence each; the editor shows them as warnings.
+	godot::PackedStringArray get_problems() const;
+	godot::PackedStringArray _get_configuration_warnings() const override { return get_problems(); }
+
+protected:
+	static void _bind_methods();
+	void _notification(int p_what);
+
+private:
+	void start();
+	void stop();
+	void process_frame();
+	void mark_edited();
+	void mark_dirty();
+	void mark_ground_dirty();
+	void mark_ground_edited(const godot::Rect2 &p_rect);
+	void mark_area_edited(const godot::Rect2 &p_rect);
+	void refresh();
+	void add_layer_problems(godot::PackedStringArray &r_problems) const;
+	Status find_streamed(int64_t p_layer, StreamedLayer &r_streamed);
+	void emit_events();
+	DrawLimits draw_limits() const;
+	std::vector<Viewer> find_viewers() const;
+	godot::Node3D *active_camera() const;
+	godot::Ref<ScatterLayer> layer_at(int64_t p_place) const;
+	const StagedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	void watch_layers(bool p_watch);
+	void watch_terrain(bool p_watch);
+
+	int64_t seed_ = 0;
+	godot::TypedArray<ScatterLayer> layers_;
+	godot::Ref<ScatterTerrain> terrain_;
+	godot::TypedArray<godot::NodePath> viewers_;
+	int64_t upload_budget_usec_ = 500;
+	double quality_ = 1.0;
+	int64_t preview_instances_ = 250000;
+
+	ScatterStream stream_;
+	LayerPlans plans_;
+	ShapeRegister shapes_;
+	godot::PackedStringArray layer_names_; ///< By place, as shapes were told of them last.
+	std::shared_ptr<const Terrain> ground_;
+	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
+	std::chrono::steady_clock::duration frame_time_{0};         ///< Of the main thread, in the last frame.
+	bool running_ = false;
+	bool dirty_ = true;
+	bool was_idle_ = true;
+};
+
+} // namespace thicket

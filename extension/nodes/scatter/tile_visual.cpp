@@ -1,0 +1,138 @@
+#include "nodes/scatter/tile_visual.hpp"
+
+#include "core/placement/tile_instances.hpp"
+
+#include <godot_cpp/classes/rendering_server.hpp>
+#include <godot_cpp/variant/basis.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// GeometryInstance3D.GIMode.
+constexpr int64_t gi_static = 1;
+constexpr int64_t gi_dynamic = 2;
+
+} // namespace
+
+bool DrawSettings::draws_as(const DrawSettings &other) const {
+	const auto same = [this, &other](auto... members) {
+		return ((numbers.*members == other.numbers.*members) && ...);
+	};
+	const auto same_integers = [this, &other](auto... members) {
+		return ((integers.*members == other.integers.*members) && ...);
+	};
+	return material == other.material &&
+			same(&LayerNumbers::lod_bias, &LayerNumbers::extra_cull_margin, &LayerNumbers::visibility_range_begin,
+					&LayerNumbers::visibility_range_begin_margin, &LayerNumbers::visibility_range_end,
+					&LayerNumbers::visibility_range_end_margin) &&
+			same_integers(&LayerIntegers::cast_shadow, &LayerIntegers::gi_mode, &LayerIntegers::layers,
+					&LayerIntegers::visibility_range_fade_mode);
+}
+
+TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mesh> &mesh,
+		const PackedFloat32Array &buffer, const AABB &aabb) :
+		mesh_(mesh) {
+	RenderingServer *server = RenderingServer::get_singleton();
+	const auto count = static_cast<int32_t>(buffer.size() / static_cast<int64_t>(floats_per_instance(look)));
+	multimesh_ = server->multimesh_create();
+	server->multimesh_allocate_data(
+			multimesh_, count, RenderingServer::MULTIMESH_TRANSFORM_3D, look.use_colors, look.use_custom_data);
+	server->multimesh_set_mesh(multimesh_, mesh->get_rid());
+	// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
+	server->multimesh_set_custom_aabb(multimesh_, aabb);
+	server->multimesh_set_buffer(multimesh_, buffer);
+
+	drawn_ = static_cast<std::size_t>(count);
+	instance_ = server->instance_create2(multimesh_, place.scenario);
+	server->instance_set_visible(instance_, false);
+	server->instance_set_transform(instance_, Transform3D(Basis(), place.origin));
+	server->instance_attach_object_instance_id(instance_, place.node_id);
+}
+
+TileVisual::~TileVisual() { free(); }
+
+TileVisual::TileVisual(TileVisual &&other) noexcept :
+		multimesh_(std::exchange(other.multimesh_, RID())), instance_(std::exchange(other.instance_, RID())),
+		mesh_(std::move(other.mesh_)), material_(std::move(other.material_)), drawn_(other.drawn_),
+		scale_(other.scale_) {}
+
+TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
+	if (this != &other) {
+		free();
+		multimesh_ = std::exchange(other.multimesh_, RID());
+		instance_ = std::exchange(other.instance_, RID());
+		mesh_ = std::move(other.mesh_);
+		material_ = std::move(other.material_);
+		drawn_ = other.drawn_;
+		scale_ = other.scale_;
+	}
+	return *this;
+}
+
+void TileVisual::free() {
+	for (RID *rid : {&instance_, &multimesh_}) {
+		if (rid->is_valid()) {
+			RenderingServer::get_singleton()->free_rid(*rid);
+			*rid = RID();
+		}
+	}
+}
+
+void TileVisual::apply(const DrawSettings &settings) {
+	RenderingServer *server = RenderingServer::get_singleton();
+	const LayerNumbers &numbers = settings.numbers;
+	const LayerIntegers &integers = settings.integers;
+	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(integers.layers));
+	server->instance_geometry_set_cast_shadows_setting(
+			instance_, static_cast<RenderingServer::ShadowCastingSetting>(integers.cast_shadow));
+	server->instance_geometry_set_flag(
+			instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, integers.gi_mode == gi_static);
+	server->instance_geometry_set_flag(
+			instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, integers.gi_mode == gi_dynamic);
+	server->instance_geometry_set_lod_bias(instance_, static_cast<float>(numbers.lod_bias));
+	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(numbers.extra_cull_margin));
+	server->instance_geometry_set_material_override(
+			instance_, settings.material.is_valid() ? settings.material->get_rid() : RID());
+	material_ = settings.material; // Only now: what it held before must not go while the instance names it.
+	server->instance_geometry_set_visibility_range(instance_, static_cast<float>(numbers.visibility_range_begin),
+			static_cast<float>(numbers.visibility_range_end), static_cast<float>(numbers.visibility_range_begin_margin),
+			static_cast<float>(numbers.visibility_range_end_margin),
+			static_cast<RenderingServer::VisibilityRangeFadeMode>(integers.visibility_range_fade_mode));
+}
+
+void TileVisual::set_visible(bool visible) {
+	RenderingServer::get_singleton()->instance_set_visible(instance_, visible);
+}
+
+void TileVisual::set_mesh(const Ref<Mesh> &mesh) {
+	if (mesh_ != mesh) {
+		RenderingServer::get_singleton()->multimesh_set_mesh(multimesh_, mesh->get_rid());
+		mesh_ = mesh; // Only now: see above.
+	}
+}
+
+void TileVisual::set_drawn(std::size_t count) {
+	if (drawn_ != count) {
+		RenderingServer::get_singleton()->multimesh_set_visible_instances(multimesh_, static_cast<int32_t>(count));
+		drawn_ = count;
+	}
+}
+
+void TileVisual::set_scale(float scale) {
+	if (scale_ != scale) {
+		RenderingServer::get_singleton()->instance_geometry_set_shader_parameter(instance_, "scatter_scale", scale);
+		scale_ = scale;
+	}
+}
+
+PackedFloat32Array TileVisual::read_back() const {
+	return RenderingServer::get_singleton()->multimesh_get_buffer(multimesh_);
+}
+
+} // namespace thicket

@@ -1,0 +1,74 @@
+#pragma once
+
+#include "nodes/layer/scatter_layer.hpp"
+
+#include <godot_cpp/variant/aabb.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/rid.hpp>
+#include <godot_cpp/variant/vector3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace thicket {
+
+/// How the instances of a layer are drawn.
+struct DrawSettings {
+	LayerNumbers numbers;
+	LayerIntegers integers;
+	godot::Ref<godot::Material> material; ///< Null for the meshes' own.
+
+	/// True if both draw the same: what places instances does not count.
+	bool draws_as(const DrawSettings &other) const;
+};
+
+/// Where a TileVisual stands.
+struct VisualPlace {
+	godot::RID scenario;
+	godot::Vector3 origin;     ///< The tile's origin in the world, metres.
+	std::uint64_t node_id = 0; ///< Of the node it belongs to: a click in the editor selects that.
+};
+
+/// One mesh's instances in one tile on show: a MultiMesh and an instance of the RenderingServer, freed with the object.
+///
+/// Holds its mesh and its material: an outdated tile is drawn as it was until its successor is there, whatever the
+/// layer has let go of. The instance stands at the tile's centre, from where the engine measures visibility ranges.
+/// Physics interpolation is off, as it is for every multimesh that no MultiMesh resource owns: nothing here ever moves.
+class TileVisual {
+public:
+	/// Hidden at first. `buffer` has as many floats an instance as `look` says; `aabb` is relative to the origin.
+	TileVisual(const VisualPlace &place, const Look &look, const godot::Ref<godot::Mesh> &mesh,
+			const godot::PackedFloat32Array &buffer, const godot::AABB &aabb);
+	~TileVisual();
+	TileVisual(TileVisual &&other) noexcept;
+	TileVisual &operator=(TileVisual &&other) noexcept;
+
+	void apply(const DrawSettings &settings);
+	void set_visible(bool visible);
+
+	// What depends on the distance, without another upload. Each does nothing where that is so already.
+	void set_mesh(const godot::Ref<godot::Mesh> &mesh);
+
+	/// Draws the first so many instances.
+	void set_drawn(std::size_t count);
+
+	/// The instance uniform `scatter_scale` for the shaders.
+	void set_scale(float scale);
+
+	/// What the RenderingServer holds. Slow: it waits for the renderer.
+	godot::PackedFloat32Array read_back() const;
+
+	godot::RID multimesh() const { return multimesh_; }
+
+private:
+	void free();
+
+	godot::RID multimesh_;
+	godot::RID instance_;
+	godot::Ref<godot::Mesh> mesh_;
+	godot::Ref<godot::Material> material_;
+	std::size_t drawn_ = 0;
+	float scale_ = 1.0F;
+};
+
+} // namespace thicket

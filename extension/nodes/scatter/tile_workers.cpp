@@ -1,0 +1,176 @@
+#include "nodes/scatter/tile_workers.hpp"
+
+#include <godot_cpp/classes/worker_thread_pool.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+AABB grown_box(const MeshInstances &mesh, float reach) {
+	const float margin = reach * mesh.max_scale;
+	const glm::vec3 min = mesh.min - margin;
+	const glm::vec3 size = mesh.max - mesh.min + 2.0F * margin;
+	return AABB(Vector3(min.x, min.y, min.z), Vector3(size.x, size.y, size.z));
+}
+
+MeshUpload to_upload(const MeshInstances &mesh, float reach) {
+	MeshUpload upload;
+	upload.buffer.resize(static_cast<int64_t>(mesh.buffer.size()));
+	if (!mesh.buffer.empty()) {
+		std::memcpy(upload.buffer.ptrw(), mesh.buffer.data(), mesh.buffer.size() * sizeof(float));
+	}
+	upload.ids = mesh.ids;
+	upload.ranks = mesh.ranks;
+	upload.aabb = grown_box(mesh, reach);
+	return upload;
+}
+
+} // namespace
+
+TileWorkers::TileWorkers(std::size_t threads) {
+	for (std::size_t index = 0; index < std::max<std::size_t>(threads, 1); ++index) {
+		workers_.push_back(std::make_unique<Worker>());
+		workers_.back()->owner = this;
+	}
+}
+
+TileWorkers::~TileWorkers() { stop(); }
+
+void TileWorkers::push(std::shared_ptr<TileJob> job) {
+	{
+		const std::lock_guard lock(mutex_);
+		queue_.push_back(std::move(job));
+	}
+	wake();
+}
+
+std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
+	wake();
+	std::vector<std::shared_ptr<TileJob>> taken;
+	const std::lock_guard lock(mutex_);
+	taken.swap(finished_);
+	return taken;
+}
+
+void TileWorkers::wake() {
+	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
+	std::size_t waiting = 0;
+	{
+		const std::lock_guard lock(mutex_);
+		waiting = queue_.size();
+	}
+	for (const std::unique_ptr<Worker> &worker : workers_) {
+		if (waiting == 0) {
+			return;
+		}
+		// A worker that has run dry may still be on its way back to the pool: to wait for it here could cost the frame
+		// milliseconds. Another one takes the job, or this one in the next frame.
+		if (worker->task >= 0 && !pool->is_task_completed(worker->task)) {
+			continue;
+		}
+		if (worker->task >= 0) {
+			pool->wait_for_task_completion(worker->task); // It is; this makes the pool forget the task.
+		}
+		worker->task = pool->add_native_task(&TileWorkers::run, worker.get(), false, "Thicket tiles");
+		--waiting;
+	}
+}
+
+void TileWorkers::stop() {
+	{
+		const std::lock_guard lock(mutex_);
+		queue_.clear();
+		for (const std::unique_ptr<Worker> &worker : workers_) {
+			if (worker->job != nullptr) {
+				worker->job->cancelled = true;
+			}
+		}
+	}
+	for (const std::unique_ptr<Worker> &worker : workers_) {
+		if (worker->task >= 0) {
+			WorkerThreadPool::get_singleton()->wait_for_task_completion(worker->task);
+			worker->task = -1;
+		}
+	}
+	finished_.clear();
+}
+
+std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
+	const std::lock_guard lock(mutex_);
+	if (worker.job != nullptr) {
+		finished_.push_back(std::move(worker.job));
+		worker.job = nullptr;
+	}
+	if (queue_.empty()) {
+		return nullptr;
+	}
+	worker.job = std::move(queue_.front());
+	queue_.pop_front();
+	return worker.job;
+}
+
+void TileWorkers::run(void *p_worker) {
+	Worker &worker = *static_cast<Worker *>(p_worker);
+	while (const std::shared_ptr<TileJob> job = worker.owner->next(worker)) {
+		if (job->cancelled) {
+			job->status.code = ErrorCode::cancelled;
+			job->step = TileJob::Step::done;
+			continue;
+		}
+		const auto start = std::chrono::steady_clock::now();
+		advance(worker, *job);
+		const auto time = std::chrono::steady_clock::now() - start;
+		job->microseconds +=
+				static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+	}
+}
+
+void TileWorkers::advance(Worker &worker, TileJob &job) {
+	const LayerPlan &plan = *job.plan;
+	TileBuilder &builder = worker.builder;
+	if (plan.terrain != nullptr) {
+		job.status = builder.build(*plan.settings, *plan.terrain, job.request.rect, worker.tile, &job.cancelled);
+		finish(worker, job);
+		return;
+	}
+	// The points are found a second time once the ground is known: a script costs more than that, and no job has to
+	// hold a workspace while it waits for the main thread.
+	job.status = builder.find_points(*plan.settings, job.request.rect, &job.cancelled);
+	if (job.status.ok() && job.step == TileJob::Step::start) {
+		job.positions.assign(builder.positions().begin(), builder.positions().end());
+		for (const GroundQuery &query : builder.queries()) {
+			job.parts.push_back({query.first + query.count, {query.textures.begin(), query.textures.end()}});
+		}
+		job.ground.resize(job.positions.size());
+		job.step = TileJob::Step::needs_ground;
+		return;
+	}
+	if (job.status.ok()) {
+		job.status = builder.place(job.ground, worker.tile, &job.cancelled);
+	}
+	finish(worker, job);
+}
+
+void TileWorkers::finish(Worker &worker, TileJob &job) {
+	job.step = TileJob::Step::done;
+	job.positions = {};
+	job.parts = {};
+	job.ground = {};
+	if (!job.status.ok()) {
+		return;
+	}
+	const std::vector<float> &reach = job.plan->mesh_reach;
+	job.origin = worker.tile.origin;
+	job.counts = worker.tile.counts;
+	for (std::size_t mesh = 0; mesh < worker.tile.meshes.size(); ++mesh) {
+		job.meshes.push_back(to_upload(worker.tile.meshes[mesh], mesh < reach.size() ? reach[mesh] : 0.0F));
+	}
+}
+
+} // namespace thicket

@@ -1,0 +1,225 @@
+#include "nodes/terrain/object_ground.hpp"
+
+#include "core/terrain/slope_stencil.hpp"
+
+#include <godot_cpp/classes/object.hpp>
+#include <godot_cpp/variant/vector3.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Places for which the object is held at a time.
+constexpr std::size_t slice = 64;
+
+constexpr const char *gone = "ScatterTerrainObject.node";
+
+/// True on a thread that is calling methods.
+thread_local bool calling = false;
+
+/// While one stands, the object stays.
+class Calling {
+public:
+	explicit Calling(std::shared_mutex &gate) : lock_(gate) { calling = true; }
+	~Calling() { calling = false; }
+	Calling(const Calling &) = delete;
+	Calling &operator=(const Calling &) = delete;
+
+private:
+	std::shared_lock<std::shared_mutex> lock_;
+};
+
+/// How much of textures that a place consists of is among those asked for.
+float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_t> textures) {
+	const auto among = [textures](real_t texture) {
+		return std::ranges::any_of(textures, [texture](std::int32_t wanted) { return texture == real_t(wanted); });
+	};
+	const float blend = std::clamp(static_cast<float>(p_base_overlay_blend.z), 0.0F, 1.0F); // NAN stays.
+	const float weight =
+			(among(p_base_overlay_blend.x) ? 1.0F - blend : 0.0F) + (among(p_base_overlay_blend.y) ? blend : 0.0F);
+	return std::isfinite(weight) ? weight : 0.0F;
+}
+
+} // namespace
+
+std::shared_ptr<ObjectGround> ObjectGround::of(Object *p_object) {
+	auto ground = std::make_shared<ObjectGround>();
+	return ground->take_methods(p_object) || ground->take_methods(p_object->get("data").get_validated_object()) ||
+					ground->take_map(p_object)
+			? ground
+			: nullptr;
+}
+
+bool ObjectGround::take_methods(Object *p_object) {
+	if (p_object == nullptr || !p_object->has_method(height_method_)) {
+		return false;
+	}
+	source_ = Variant(p_object);
+	has_normal_ = p_object->has_method(normal_method_);
+	has_textures_ = p_object->has_method(texture_method_);
+	return true;
+}
+
+bool ObjectGround::take_map(Object *p_object) {
+	if (!p_object->has_method("get_data") || !p_object->has_method("get_internal_transform")) {
+		return false;
+	}
+	Object *data = result_of(p_object, "get_data").get_validated_object();
+	if (data == nullptr || !data->has_method("get_interpolated_height_at") || !data->has_method("get_resolution")) {
+		return false;
+	}
+	map_ = read_map(p_object, data);
+	source_ = Variant(data);
+	height_method_ = "get_interpolated_height_at";
+	return map_.has_value();
+}
+
+void ObjectGround::close() {
+	open_ = false;
+	if (!calling) {
+		const std::unique_lock wait(gate_);
+	}
+}
+
+Status ObjectGround::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+	if (positions.size() != r_ground.size()) {
+		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+	}
+	for (std::size_t first = 0; first < positions.size(); first += slice) {
+		const std::size_t count = std::min(slice, positions.size() - first);
+		const Calling hold(gate_);
+		const Status status = sample_slice(positions.subspan(first, count), r_ground.subspan(first, count));
+		if (!status.ok()) {
+			return status;
+		}
+	}
+	return {};
+}
+
+Status ObjectGround::sample_slice(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		if (const Status status = ground_at(positions[i], r_ground[i]); !status.ok()) {
+			return status;
+		}
+	}
+	return {};
+}
+
+Status ObjectGround::ground_at(glm::dvec2 position, Ground &r_ground) const {
+	r_ground = {};
+	Status status = height_at(position, r_ground.height);
+	if (status.ok() && std::isfinite(r_ground.height)) {
+		status = has_normal_ ? normal_at(position, r_ground) : slope_by_heights(position, r_ground);
+	}
+	return status;
+}
+
+Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
+	r_height = std::numeric_limits<float>::quiet_NaN();
+	const glm::dvec2 place = map_ ? map_->to_map(position) : position;
+	if (!std::isfinite(place.x) || !std::isfinite(place.y) || (map_ && !map_->has_ground(place))) {
+		return {};
+	}
+	Variant result;
+	if (const Status status = call(height_method_, "height method of ScatterTerrainObject.node", place, result);
+			!status.ok()) {
+		return status;
+	}
+	if (!is_number(result)) {
+		return {ErrorCode::missing, "number from the height method of ScatterTerrainObject.node", 0.0};
+	}
+	const auto height = static_cast<double>(result);
+	r_height = map_ ? map_->height_in_world(height) : static_cast<float>(height);
+	return {};
+}
+
+Status ObjectGround::slope_by_heights(glm::dvec2 position, Ground &r_ground) const {
+	const SlopeStencil stencil(position);
+	std::array<float, 4> around{};
+	for (std::size_t i = 0; i < around.size(); ++i) {
+		if (const Status status = height_at(stencil.places()[i], around[i]); !status.ok()) {
+			return status;
+		}
+	}
+	r_ground.normal = stencil.normal(r_ground.height, around);
+	return {};
+}
+
+Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
+	Variant result;
+	if (const Status status = call(normal_method_, "get_normal() of ScatterTerrainObject.node", position, result);
+			!status.ok()) {
+		return status;
+	}
+	if (result.get_type() != Variant::VECTOR3) {
+		return {ErrorCode::missing, "Vector3 from get_normal() of ScatterTerrainObject.node", 0.0};
+	}
+	const auto given = static_cast<Vector3>(result);
+	const glm::vec3 normal{given.x, given.y, given.z};
+	const float length = std::sqrt(glm::dot(normal, normal));
+	if (std::isfinite(length) && length > 0.0F) {
+		r_ground.normal = normal / length;
+	} else {
+		r_ground.height = std::numeric_limits<float>::quiet_NaN();
+	}
+	return {};
+}
+
+Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+		std::span<Ground> r_ground) const {
+	if (positions.size() != r_ground.size()) {
+		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+	}
+	const std::vector<unsigned> channels = map_ ? map_->channels_of(textures) : std::vector<unsigned>();
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		if (map_) {
+			r_ground[i].weight = map_->weight(map_->to_map(positions[i]), channels);
+		} else if (has_textures_) {
+			const Calling hold(gate_);
+			if (const Status status = weigh_by_textures(positions[i], textures, r_ground[i]); !status.ok()) {
+				return status;
+			}
+		}
+	}
+	return {};
+}
+
+Status ObjectGround::weigh_by_textures(
+		glm::dvec2 position, std::span<const std::int32_t> textures, Ground &r_ground) const {
+	Variant result;
+	if (const Status status = call(texture_method_, "get_texture_id() of ScatterTerrainObject.node", position, result);
+			!status.ok()) {
+		return status;
+	}
+	if (result.get_type() != Variant::VECTOR3) {
+		return {ErrorCode::missing, "Vector3 from get_texture_id() of ScatterTerrainObject.node", 0.0};
+	}
+	r_ground.weight = weight_of(static_cast<Vector3>(result), textures);
+	return {};
+}
+
+Status ObjectGround::call(
+		const StringName &p_method, const char *p_refusal, glm::dvec2 position, Variant &r_result) const {
+	if (!open_ || source() == nullptr) {
+		return {ErrorCode::missing, gone, 0.0};
+	}
+	const Variant where(Vector3(static_cast<real_t>(position.x), 0, static_cast<real_t>(position.y)));
+	const Variant *argument = &where;
+	GDExtensionCallError error{};
+	Variant source(source_);
+	source.callp(p_method, &argument, 1, r_result, error);
+	return error.error == GDEXTENSION_CALL_OK ? Status{} : Status{ErrorCode::missing, p_refusal, 0.0};
+}
+
+} // namespace thicket

@@ -1,0 +1,69 @@
+#pragma once
+
+#include "core/terrain/terrain.hpp"
+#include "nodes/terrain/terrain_map.hpp"
+
+#include <godot_cpp/variant/string_name.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <glm/vec2.hpp>
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <shared_mutex>
+
+namespace thicket {
+
+/// Ground from the methods of an object of the engine, whatever its class:
+/// - `get_height(Vector3)` and maybe `get_normal(Vector3)`, of the object itself or of its property `data`, in world
+///   space, NAN where there is no ground (Terrain3D: `data.get_height`);
+/// - `get_data().get_interpolated_height_at(Vector3)` in the map's own space, with `get_data().get_resolution()` and
+///   `get_internal_transform()` beside it (HTerrain; see TerrainMap for its holes and textures).
+/// An object that has `get_texture_id(Vector3)`, which gives a base texture, an overlay and the part of the overlay
+/// from 0 to 1, has weights too.
+class ObjectGround : public Terrain {
+public:
+	/// Null if the object has none of these.
+	static std::shared_ptr<ObjectGround> of(godot::Object *p_object);
+
+	/// As Terrain::sample, on any thread if the object's methods may be called there. A method that is gone or gives no
+	/// number is refused by its name.
+	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
+	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+			std::span<Ground> r_ground) const override;
+
+	/// The object is going: waits for calls from worker threads that are under way, a few dozen places at most. All
+	/// later ones are refused. Does not wait on a thread that is within such a call itself.
+	void close();
+	bool is_open() const { return open_; }
+
+	/// What the methods belong to: the object itself or its data. Null if it is gone.
+	godot::Object *source() const { return source_.get_validated_object(); }
+	const std::optional<TerrainMap> &map() const { return map_; }
+
+private:
+	bool take_methods(godot::Object *p_object);
+	bool take_map(godot::Object *p_object);
+	Status sample_slice(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const;
+	Status ground_at(glm::dvec2 position, Ground &r_ground) const;
+	Status height_at(glm::dvec2 position, float &r_height) const;
+	Status slope_by_heights(glm::dvec2 position, Ground &r_ground) const;
+	Status normal_at(glm::dvec2 position, Ground &r_ground) const;
+	Status weigh_by_textures(glm::dvec2 position, std::span<const std::int32_t> textures, Ground &r_ground) const;
+	Status call(const godot::StringName &p_method, const char *p_refusal, glm::dvec2 position,
+			godot::Variant &r_result) const;
+
+	godot::Variant source_;
+	godot::StringName height_method_ = "get_height";
+	godot::StringName normal_method_ = "get_normal";
+	godot::StringName texture_method_ = "get_texture_id";
+	bool has_normal_ = false;
+	bool has_textures_ = false;
+	std::optional<TerrainMap> map_;
+
+	mutable std::shared_mutex gate_; ///< Shared while methods are called, so that the object stays for so long.
+	std::atomic<bool> open_ = true;
+};
+
+} // namespace thicket

@@ -1,0 +1,157 @@
+#include "nodes/terrain/scatter_terrain_colliders.hpp"
+
+#include "nodes/common/property_check.hpp"
+
+#include <godot_cpp/classes/physics_direct_space_state3d.hpp>
+#include <godot_cpp/classes/physics_ray_query_parameters3d.hpp>
+#include <godot_cpp/classes/world3d.hpp>
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <limits>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "ScatterTerrainColliders";
+constexpr double height_limit = 1e6;
+
+/// Casts one ray after another straight down.
+class Plumb {
+public:
+	Plumb(PhysicsDirectSpaceState3D *p_space, double p_top, double p_bottom, int64_t p_mask) :
+			space_(p_space), top_(static_cast<real_t>(p_top)), bottom_(static_cast<real_t>(p_bottom)),
+			ray_(PhysicsRayQueryParameters3D::create(Vector3(), Vector3(), static_cast<std::uint32_t>(p_mask))) {}
+
+	/// No ground where nothing is hit.
+	Ground ground_at(glm::dvec2 position) {
+		const auto x = static_cast<real_t>(position.x);
+		const auto z = static_cast<real_t>(position.y);
+		if (!std::isfinite(x) || !std::isfinite(z)) {
+			return {};
+		}
+		ray_->set_from(Vector3(x, top_, z));
+		ray_->set_to(Vector3(x, bottom_, z));
+		const Dictionary hit = space_->intersect_ray(ray_);
+		if (hit.is_empty()) {
+			return {};
+		}
+		const auto point = static_cast<Vector3>(hit[position_key_]);
+		const auto given = static_cast<Vector3>(hit[normal_key_]);
+		const glm::vec3 normal{given.x, given.y, given.z};
+		const float length = std::sqrt(glm::dot(normal, normal));
+		if (!std::isfinite(length) || length == 0.0F) {
+			return {};
+		}
+		// The back of a face is ground as well, and faces up.
+		return {static_cast<float>(point.y), normal / (normal.y < 0.0F ? -length : length)};
+	}
+
+private:
+	PhysicsDirectSpaceState3D *space_;
+	real_t top_;
+	real_t bottom_;
+	Ref<PhysicsRayQueryParameters3D> ray_;
+	Variant position_key_ = "position";
+	Variant normal_key_ = "normal";
+};
+
+} // namespace
+
+std::shared_ptr<const Terrain> ScatterTerrainColliders::snapshot() {
+	report(class_name, check());
+	return nullptr;
+}
+
+String ScatterTerrainColliders::problem() {
+	if (const Status status = check(); !status.ok()) {
+		return sentence(class_name, status);
+	}
+	return collision_mask_ != 0 ? String() : "ScatterTerrainColliders.collision_mask is empty: no body is ground.";
+}
+
+Status ScatterTerrainColliders::check() const {
+	return ray_top_ > ray_bottom_ ? Status{} : Status{ErrorCode::inverted, "ray_bottom", ray_bottom_};
+}
+
+bool ScatterTerrainColliders::ready() const { return host() != nullptr && host()->is_inside_tree() && check().ok(); }
+
+Status ScatterTerrainColliders::ask(
+		std::span<const glm::dvec2> positions, std::span<const std::int32_t>, std::span<Ground> r_ground) const {
+	const Ref<World3D> world = ready() ? host()->get_world_3d() : Ref<World3D>();
+	PhysicsDirectSpaceState3D *space = world.is_valid() ? world->get_direct_space_state() : nullptr;
+	if (space == nullptr) {
+		return {ErrorCode::missing, "physics space of ScatterTerrainColliders", 0.0};
+	}
+	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_);
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		r_ground[i] = plumb.ground_at(positions[i]);
+	}
+	return {};
+}
+
+void ScatterTerrainColliders::set_collision_mask(int64_t p_mask) {
+	if (accept_number(class_name, "collision_mask", static_cast<double>(p_mask), 0.0,
+				std::numeric_limits<std::uint32_t>::max())) {
+		collision_mask_ = p_mask;
+		emit_changed();
+	}
+}
+
+int64_t ScatterTerrainColliders::get_collision_mask() const { return collision_mask_; }
+
+void ScatterTerrainColliders::set_ray_top(double p_height) {
+	if (accept_number(class_name, "ray_top", p_height, -height_limit, height_limit)) {
+		ray_top_ = p_height;
+		emit_changed();
+	}
+}
+
+double ScatterTerrainColliders::get_ray_top() const { return ray_top_; }
+
+void ScatterTerrainColliders::set_ray_bottom(double p_height) {
+	if (accept_number(class_name, "ray_bottom", p_height, -height_limit, height_limit)) {
+		ray_bottom_ = p_height;
+		emit_changed();
+	}
+}
+
+double ScatterTerrainColliders::get_ray_bottom() const { return ray_bottom_; }
+
+void ScatterTerrainColliders::set_rays_per_frame(int64_t p_rays) {
+	if (accept_number(class_name, "rays_per_frame", static_cast<double>(p_rays), 1.0, 1e6)) {
+		rays_per_frame_ = p_rays;
+	}
+}
+
+int64_t ScatterTerrainColliders::get_rays_per_frame() const { return rays_per_frame_; }
+
+void ScatterTerrainColliders::_bind_methods() {
+	using Self = ScatterTerrainColliders;
+	ClassDB::bind_method(D_METHOD("set_collision_mask", "mask"), &Self::set_collision_mask);
+	ClassDB::bind_method(D_METHOD("get_collision_mask"), &Self::get_collision_mask);
+	ClassDB::bind_method(D_METHOD("set_ray_top", "height"), &Self::set_ray_top);
+	ClassDB::bind_method(D_METHOD("get_ray_top"), &Self::get_ray_top);
+	ClassDB::bind_method(D_METHOD("set_ray_bottom", "height"), &Self::set_ray_bottom);
+	ClassDB::bind_method(D_METHOD("get_ray_bottom"), &Self::get_ray_bottom);
+	ClassDB::bind_method(D_METHOD("set_rays_per_frame", "rays"), &Self::set_rays_per_frame);
+	ClassDB::bind_method(D_METHOD("get_rays_per_frame"), &Self::get_rays_per_frame);
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "collision_mask", PROPERTY_HINT_LAYERS_3D_PHYSICS), "set_collision_mask",
+			"get_collision_mask");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::FLOAT, "ray_top", PROPERTY_HINT_RANGE, "-1000,9000,0.1,or_less,or_greater,suffix:m"),
+			"set_ray_top", "get_ray_top");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "ray_bottom", PROPERTY_HINT_RANGE,
+						 "-1000,9000,0.1,or_less,or_greater,suffix:m"),
+			"set_ray_bottom", "get_ray_bottom");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "rays_per_frame", PROPERTY_HINT_RANGE, "1,5000,1,or_greater"),
+			"set_rays_per_frame", "get_rays_per_frame");
+}
+
+} // namespace thicket

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "nodes/terrain/scatter_terrain.hpp"
+
+namespace thicket {
+
+/// Level ground without an edge.
+class ScatterTerrainFlat : public ScatterTerrain {
+	GDCLASS(ScatterTerrainFlat, ScatterTerrain)
+
+public:
+	std::shared_ptr<const Terrain> snapshot() override;
+	godot::String problem() override;
+
+	/// World height in metres, finite, +-1e6. Anything else prints an error and is ignored.
+	void set_height(double p_height);
+	double get_level() const;
+
+protected:
+	static void _bind_methods();
+
+private:
+	double height_ = 0.0;
+};
+
+} // namespace thicket

@@ -1,0 +1,262 @@
+#include "nodes/terrain/scatter_terrain_heightmap.hpp"
+
+#include "nodes/common/property_check.hpp"
+#include "nodes/common/watch.hpp"
+
+#include <godot_cpp/classes/file_access.hpp>
+#include <godot_cpp/classes/texture2d.hpp>
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/variant/packed_byte_array.hpp>
+
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "ScatterTerrainHeightmap";
+constexpr double height_limit = 1e6;
+
+/// An Image knows at once that it is empty; a Texture2D may get its image later.
+bool accept_image(const char *property, const Ref<Resource> &p_image) {
+	const Ref<Image> image = p_image;
+	const Ref<Texture2D> texture = p_image;
+	if (p_image.is_null() || texture.is_valid() || has_content(image)) {
+		return true;
+	}
+	report(class_name, {image.is_valid() ? ErrorCode::wrong_size : ErrorCode::missing, property, 0.0});
+	return false;
+}
+
+} // namespace
+
+std::shared_ptr<const Terrain> ScatterTerrainHeightmap::snapshot() {
+	refresh();
+	return field_;
+}
+
+String ScatterTerrainHeightmap::problem() {
+	refresh();
+	return status_.ok() ? String() : sentence(class_name, status_);
+}
+
+void ScatterTerrainHeightmap::change() {
+	field_stale_ = true;
+	emit_changed();
+}
+
+void ScatterTerrainHeightmap::image_changed() {
+	posts_stale_ = true;
+	change();
+}
+
+void ScatterTerrainHeightmap::refresh() {
+	if (!field_stale_) {
+		return;
+	}
+	field_stale_ = false;
+	status_ = build();
+	report(class_name, status_);
+}
+
+Status ScatterTerrainHeightmap::build() {
+	if (posts_stale_) {
+		const Status status = read_all();
+		posts_stale_ = !status.ok();
+		if (!status.ok()) {
+			return status;
+		}
+	}
+	HeightfieldFrame frame;
+	frame.posts = posts_.count;
+	frame.min_height = min_height_;
+	frame.max_height = max_height_;
+	frame.area.min = {rect_.position.x, rect_.position.y};
+	frame.area.max = frame.area.min + glm::dvec2{rect_.size.x, rect_.size.y};
+	const auto field = std::make_shared<Heightfield>();
+	const Status status = set_posts(*field, frame);
+	if (status.ok()) {
+		field->set_weights(weights_);
+		field_ = field;
+	}
+	return status;
+}
+
+// Heights between 0 and 1 become metres only here: they follow the heights that stand for 0 and 1.
+Status ScatterTerrainHeightmap::set_posts(Heightfield &r_field, const HeightfieldFrame &frame) const {
+	if (posts_.floats.empty()) {
+		return r_field.set(frame, posts_.steps);
+	}
+	if (heights_in_metres_) {
+		HeightfieldFrame in_metres = frame;
+		in_metres.min_height = 0.0;
+		in_metres.max_height = 0.0;
+		return r_field.set_metres(in_metres, posts_.floats);
+	}
+	if (const Status status = validate(frame); !status.ok()) {
+		return status;
+	}
+	std::vector<float> metres;
+	metres.reserve(posts_.floats.size());
+	for (const float unit : posts_.floats) {
+		if (unit < 0.0F || unit > 1.0F) {
+			return {ErrorCode::out_of_range, image_.is_valid() ? "image" : "heightmap_path", unit};
+		}
+		metres.push_back(static_cast<float>(min_height_ + (max_height_ - min_height_) * unit));
+	}
+	return r_field.set_metres(frame, metres);
+}
+
+Status ScatterTerrainHeightmap::read_all() {
+	const Status status = image_.is_valid() ? read_posts(image_of(image_), "image", posts_) : read_file();
+	if (!status.ok() || weight_image_.is_null()) {
+		weights_ = {};
+		return status;
+	}
+	return read_weights(image_of(weight_image_), "weight_image", weights_);
+}
+
+Status ScatterTerrainHeightmap::read_file() {
+	if (heightmap_path_.is_empty()) {
+		return {ErrorCode::missing, "heightmap_path", 0.0};
+	}
+	for (const int count : {post_count_.x, post_count_.y}) {
+		if (count < 2) {
+			return {ErrorCode::out_of_range, "post_count", static_cast<double>(count)};
+		}
+	}
+	const PackedByteArray bytes = FileAccess::get_file_as_bytes(heightmap_path_);
+	if (bytes.is_empty()) {
+		return {ErrorCode::missing, "heightmap_path", 0.0};
+	}
+	return read_posts(bytes, {post_count_.x, post_count_.y}, "heightmap_path", posts_);
+}
+
+void ScatterTerrainHeightmap::set_heightmap_path(const String &p_path) {
+	heightmap_path_ = p_path;
+	image_changed();
+}
+
+String ScatterTerrainHeightmap::get_heightmap_path() const { return heightmap_path_; }
+
+void ScatterTerrainHeightmap::set_post_count(const Vector2i &p_count) {
+	const auto accepted = [](int count) {
+		return accept_number(class_name, "post_count", count, 2.0, max_heightfield_posts);
+	};
+	const bool none = p_count.x == 0 && p_count.y == 0;
+	if (none || (accepted(p_count.x) && accepted(p_count.y))) {
+		post_count_ = p_count;
+		image_changed();
+	}
+}
+
+Vector2i ScatterTerrainHeightmap::get_post_count() const { return post_count_; }
+
+// One image may serve both properties: it is watched for as long as either has it.
+void ScatterTerrainHeightmap::exchange_image(
+		Ref<Resource> &r_image, const Ref<Resource> &p_next, const Ref<Resource> &p_other) {
+	if (r_image != p_other) {
+		watch(r_image.ptr(), "changed", this, "_image_changed", false);
+	}
+	r_image = p_next;
+	watch(r_image.ptr(), "changed", this, "_image_changed", true);
+	image_changed();
+}
+
+void ScatterTerrainHeightmap::set_image(const Ref<Resource> &p_image) {
+	if (accept_image("image", p_image)) {
+		exchange_image(image_, p_image, weight_image_);
+	}
+}
+
+Ref<Resource> ScatterTerrainHeightmap::get_image() const { return image_; }
+
+void ScatterTerrainHeightmap::set_weight_image(const Ref<Resource> &p_image) {
+	if (accept_image("weight_image", p_image)) {
+		exchange_image(weight_image_, p_image, image_);
+	}
+}
+
+Ref<Resource> ScatterTerrainHeightmap::get_weight_image() const { return weight_image_; }
+
+void ScatterTerrainHeightmap::set_heights_in_metres(bool p_metres) {
+	heights_in_metres_ = p_metres;
+	change();
+}
+
+bool ScatterTerrainHeightmap::is_heights_in_metres() const { return heights_in_metres_; }
+
+void ScatterTerrainHeightmap::set_rect(const Rect2 &p_rect) {
+	for (const real_t number : {p_rect.position.x, p_rect.position.y}) {
+		if (!accept_number(class_name, "rect", number, -1e9, 1e9)) {
+			return;
+		}
+	}
+	for (const real_t number : {p_rect.size.x, p_rect.size.y}) {
+		if (!accept_number(class_name, "rect", number, 1e-3, 1e9)) {
+			return;
+		}
+	}
+	rect_ = p_rect;
+	change();
+}
+
+Rect2 ScatterTerrainHeightmap::get_rect() const { return rect_; }
+
+void ScatterTerrainHeightmap::set_min_height(double p_height) {
+	if (accept_number(class_name, "min_height", p_height, -height_limit, height_limit)) {
+		min_height_ = p_height;
+		change();
+	}
+}
+
+double ScatterTerrainHeightmap::get_min_height() const { return min_height_; }
+
+void ScatterTerrainHeightmap::set_max_height(double p_height) {
+	if (accept_number(class_name, "max_height", p_height, -height_limit, height_limit)) {
+		max_height_ = p_height;
+		change();
+	}
+}
+
+double ScatterTerrainHeightmap::get_max_height() const { return max_height_; }
+
+void ScatterTerrainHeightmap::_bind_methods() {
+	using Self = ScatterTerrainHeightmap;
+	ClassDB::bind_method(D_METHOD("set_heightmap_path", "path"), &Self::set_heightmap_path);
+	ClassDB::bind_method(D_METHOD("get_heightmap_path"), &Self::get_heightmap_path);
+	ClassDB::bind_method(D_METHOD("set_post_count", "count"), &Self::set_post_count);
+	ClassDB::bind_method(D_METHOD("get_post_count"), &Self::get_post_count);
+	ClassDB::bind_method(D_METHOD("set_image", "image"), &Self::set_image);
+	ClassDB::bind_method(D_METHOD("get_image"), &Self::get_image);
+	ClassDB::bind_method(D_METHOD("set_heights_in_metres", "metres"), &Self::set_heights_in_metres);
+	ClassDB::bind_method(D_METHOD("is_heights_in_metres"), &Self::is_heights_in_metres);
+	ClassDB::bind_method(D_METHOD("set_weight_image", "image"), &Self::set_weight_image);
+	ClassDB::bind_method(D_METHOD("get_weight_image"), &Self::get_weight_image);
+	ClassDB::bind_method(D_METHOD("_image_changed"), &Self::image_changed);
+	ClassDB::bind_method(D_METHOD("set_rect", "rect"), &Self::set_rect);
+	ClassDB::bind_method(D_METHOD("get_rect"), &Self::get_rect);
+	ClassDB::bind_method(D_METHOD("set_min_height", "height"), &Self::set_min_height);
+	ClassDB::bind_method(D_METHOD("get_min_height"), &Self::get_min_height);
+	ClassDB::bind_method(D_METHOD("set_max_height", "height"), &Self::set_max_height);
+	ClassDB::bind_method(D_METHOD("get_max_height"), &Self::get_max_height);
+	ADD_PROPERTY(PropertyInfo(Variant::STRING, "heightmap_path", PROPERTY_HINT_FILE, "*.r8,*.r16,*.r32,*.raw"),
+			"set_heightmap_path", "get_heightmap_path");
+	ADD_PROPERTY(PropertyInfo(Variant::VECTOR2I, "post_count"), "set_post_count", "get_post_count");
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "image", PROPERTY_HINT_RESOURCE_TYPE, "Image,Texture2D"), "set_image",
+			"get_image");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "heights_in_metres"), "set_heights_in_metres", "is_heights_in_metres");
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "weight_image", PROPERTY_HINT_RESOURCE_TYPE, "Image,Texture2D"),
+			"set_weight_image", "get_weight_image");
+	ADD_PROPERTY(PropertyInfo(Variant::RECT2, "rect", PROPERTY_HINT_NONE, "suffix:m"), "set_rect", "get_rect");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "min_height", PROPERTY_HINT_RANGE,
+						 "-1000,9000,0.01,or_less,or_greater,suffix:m"),
+			"set_min_height", "get_min_height");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "max_height", PROPERTY_HINT_RANGE,
+						 "-1000,9000,0.01,or_less,or_greater,suffix:m"),
+			"set_max_height", "get_max_height");
+}
+
+} // namespace thicket

@@ -1,0 +1,191 @@
+#include "nodes/terrain/scatter_terrain_object.hpp"
+
+#include "nodes/common/watch.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+std::shared_ptr<const Terrain> ScatterTerrainObject::snapshot() {
+	find();
+	if (!problem_.is_empty() && !(problem_ == reported_)) {
+		ERR_PRINT(problem_);
+	}
+	reported_ = problem_;
+	return thread_safe_ ? ground_ : nullptr;
+}
+
+String ScatterTerrainObject::problem() {
+	find();
+	return problem_;
+}
+
+bool ScatterTerrainObject::ready() const {
+	return ground_ != nullptr && ground_->is_open() && ground_->source() != nullptr;
+}
+
+Status ScatterTerrainObject::ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+		std::span<Ground> r_ground) const {
+	const std::shared_ptr<const ObjectGround> ground = ground_; // Whoever is asked may change the property.
+	if (ground == nullptr) {
+		return {ErrorCode::missing, "ScatterTerrainObject.node", 0.0};
+	}
+	const Status status = ground->sample(positions, r_ground);
+	return status.ok() && !textures.empty() ? ground->weigh(positions, textures, r_ground) : status;
+}
+
+void ScatterTerrainObject::find() {
+	const Node3D *from = host();
+	if (from == nullptr || !from->is_inside_tree() || (!stale_ && ready())) {
+		return;
+	}
+	stale_ = false;
+	Node *target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
+	std::shared_ptr<ObjectGround> found = target != nullptr ? ObjectGround::of(target) : nullptr;
+	problem_ = problem_of(target, found != nullptr);
+	if (found == nullptr || followed_node_.get_validated_object() != target) {
+		close();
+	}
+	if (found != nullptr) {
+		ground_ = std::move(found);
+		std::erase_if(given_, [](const std::weak_ptr<ObjectGround> &given) { return given.expired(); });
+		given_.push_back(ground_);
+	}
+	if (target != nullptr) {
+		follow(target); // Else the old one may come back.
+	}
+}
+
+String ScatterTerrainObject::problem_of(Node *p_target, bool p_usable) const {
+	if (p_usable) {
+		return {};
+	}
+	if (String(node_).is_empty()) {
+		return "ScatterTerrainObject.node is missing: choose a node that has get_height(), like Terrain3D or HTerrain.";
+	}
+	if (p_target == nullptr) {
+		return vformat("ScatterTerrainObject.node: there is no node at \"%s\" from the TerrainScatter3D.", node_);
+	}
+	return vformat("ScatterTerrainObject.node: \"%s\" (%s) has no get_height(), nor data with get_height(), nor "
+				   "get_data() with get_interpolated_height_at(). A script must be a @tool script to be asked in the "
+				   "editor.",
+			node_, p_target->get_class());
+}
+
+void ScatterTerrainObject::follow(Node *p_target) {
+	unfollow();
+	followed_node_ = Variant(p_target);
+	followed_source_ = ready() ? Variant(ground_->source()) : Variant();
+	connect_signals(true);
+}
+
+void ScatterTerrainObject::unfollow() {
+	connect_signals(false);
+	followed_node_ = Variant();
+	followed_source_ = Variant();
+}
+
+// Of edits only Terrain3D (maps_edited) and HTerrain (the other two) tell, each in its own way.
+void ScatterTerrainObject::connect_signals(bool p_connect) {
+	const auto set = [this, p_connect](Object *object, const StringName &signal, const StringName &method) {
+		if (object != nullptr && object->has_signal(signal)) {
+			watch(object, signal, this, method, p_connect);
+		}
+	};
+	Object *node = followed_node_.get_validated_object();
+	Object *source = followed_source_.get_validated_object();
+	set(node, "tree_exiting", "_node_gone");
+	set(node, "tree_entered", "_change");
+	const bool map = ground_ != nullptr && ground_->map();
+	if (map || !p_connect) {
+		set(node, "transform_changed", "_node_moved");
+		set(source, "region_changed", "_map_edited");
+	}
+	if (!map || !p_connect) {
+		set(source, "maps_edited", "_area_edited");
+	}
+}
+
+// Tiles under way may hold one that has been replaced.
+void ScatterTerrainObject::close() {
+	for (const std::weak_ptr<ObjectGround> &given : given_) {
+		if (const std::shared_ptr<ObjectGround> ground = given.lock()) {
+			ground->close();
+		}
+	}
+	given_.clear();
+}
+
+void ScatterTerrainObject::host_changed() {
+	stale_ = true;
+	if (host() == nullptr) {
+		unfollow();
+		close(); // Nobody tells any more when the node goes.
+	}
+}
+
+void ScatterTerrainObject::change() {
+	stale_ = true;
+	emit_changed();
+}
+
+void ScatterTerrainObject::node_gone() {
+	close();
+	change();
+}
+
+void ScatterTerrainObject::node_moved(const Transform3D &) { change(); }
+
+void ScatterTerrainObject::area_edited(const AABB &p_area) {
+	emit_terrain_changed(Rect2(p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z));
+}
+
+void ScatterTerrainObject::map_edited(int64_t p_x, int64_t p_z, int64_t p_width, int64_t p_depth, int64_t p_channel) {
+	if (ground_ != nullptr && ground_->map()) {
+		// Heights between posts and slopes depend on the posts around them.
+		constexpr real_t margin = 2;
+		const Rect2 part(static_cast<real_t>(p_x) - margin, static_cast<real_t>(p_z) - margin,
+				static_cast<real_t>(p_width) + 2 * margin, static_cast<real_t>(p_depth) + 2 * margin);
+		stale_ = stale_ || TerrainMap::copies(p_channel);
+		emit_terrain_changed(ground_->map()->world_rect(part));
+	}
+}
+
+void ScatterTerrainObject::set_node(const NodePath &p_node) {
+	node_ = p_node;
+	change();
+}
+
+NodePath ScatterTerrainObject::get_node() const { return node_; }
+
+void ScatterTerrainObject::set_thread_safe(bool p_thread_safe) {
+	if (thread_safe_ != p_thread_safe) {
+		thread_safe_ = p_thread_safe;
+		change();
+	}
+}
+
+bool ScatterTerrainObject::is_thread_safe() const { return thread_safe_; }
+
+void ScatterTerrainObject::_bind_methods() {
+	using Self = ScatterTerrainObject;
+	ClassDB::bind_method(D_METHOD("set_node", "node"), &Self::set_node);
+	ClassDB::bind_method(D_METHOD("get_node"), &Self::get_node);
+	ClassDB::bind_method(D_METHOD("set_thread_safe", "thread_safe"), &Self::set_thread_safe);
+	ClassDB::bind_method(D_METHOD("is_thread_safe"), &Self::is_thread_safe);
+	ClassDB::bind_method(D_METHOD("_change"), &Self::change);
+	ClassDB::bind_method(D_METHOD("_node_gone"), &Self::node_gone);
+	ClassDB::bind_method(D_METHOD("_node_moved", "transform"), &Self::node_moved);
+	ClassDB::bind_method(D_METHOD("_area_edited", "area"), &Self::area_edited);
+	ClassDB::bind_method(D_METHOD("_map_edited", "x", "z", "width", "depth", "channel"), &Self::map_edited);
+	ADD_PROPERTY(PropertyInfo(Variant::NODE_PATH, "node", PROPERTY_HINT_NODE_PATH_VALID_TYPES, "Node"), "set_node",
+			"get_node");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "thread_safe"), "set_thread_safe", "is_thread_safe");
+}
+
+} // namespace thicket

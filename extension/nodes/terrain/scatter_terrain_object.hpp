@@ -1,0 +1,62 @@
+#pragma once
+
+#include "nodes/terrain/object_ground.hpp"
+#include "nodes/terrain/scatter_terrain.hpp"
+
+#include <godot_cpp/classes/node.hpp>
+#include <godot_cpp/variant/aabb.hpp>
+#include <godot_cpp/variant/node_path.hpp>
+
+namespace thicket {
+
+/// Ground that another node of the scene gives: Terrain3D, HTerrain, or anything that has get_height(Vector3). See
+/// ObjectGround for the methods. While the node is away or gives no ground, one error says so, and what stands stays.
+class ScatterTerrainObject : public ScatterTerrain {
+	GDCLASS(ScatterTerrainObject, ScatterTerrain)
+
+public:
+	std::shared_ptr<const Terrain> snapshot() override;
+	godot::String problem() override;
+	bool main_thread_only() const override { return !thread_safe_ && ground_ != nullptr; }
+	bool ready() const override;
+	Status ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+			std::span<Ground> r_ground) const override;
+
+	/// From the TerrainScatter3D that uses this ground; of several, from the first.
+	void set_node(const godot::NodePath &p_node);
+	godot::NodePath get_node() const;
+
+	/// True if the node's methods may be called on any thread, several at once.
+	void set_thread_safe(bool p_thread_safe);
+	bool is_thread_safe() const;
+
+protected:
+	static void _bind_methods();
+	void host_changed() override;
+
+private:
+	void find();
+	godot::String problem_of(godot::Node *p_target, bool p_usable) const;
+	void follow(godot::Node *p_target);
+	void unfollow();
+	void connect_signals(bool p_connect);
+	void close();
+	void change();
+	void node_gone();
+	void node_moved(const godot::Transform3D &p_transform);
+	void area_edited(const godot::AABB &p_area);
+	void map_edited(int64_t p_x, int64_t p_z, int64_t p_width, int64_t p_depth, int64_t p_channel);
+
+	godot::NodePath node_;
+	bool thread_safe_ = false;
+
+	std::shared_ptr<ObjectGround> ground_;           ///< The last that could be used; closed when its node is gone.
+	std::vector<std::weak_ptr<ObjectGround>> given_; ///< All of that node, for tiles that are still under way.
+	bool stale_ = true;                              ///< The node has to be looked for.
+	godot::String problem_;
+	godot::String reported_; ///< The problem that was printed last.
+	godot::Variant followed_node_;
+	godot::Variant followed_source_;
+};
+
+} // namespace thicket
