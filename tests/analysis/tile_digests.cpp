@@ -10,7 +10,7 @@
 // sense.
 
 #include "core/placement/tile_builder.hpp"
-#include "core/streaming/tile_grid.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/terrain/flat_terrain.hpp"
 #include "core/terrain/heightfield.hpp"
 

@@ -2,7 +2,7 @@
 
 // What the tests of the streamer share.
 
-#include "core/streaming/tile_grid.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/streaming/tile_streamer.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-#include "core/streaming/tile_grid.hpp"
+#include "core/base/tile_grid.hpp"
 
 #include <doctest/doctest.h>
 

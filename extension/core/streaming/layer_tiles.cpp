@@ -1,6 +1,6 @@
 #include "core/streaming/layer_tiles.hpp"
 
-#include "core/streaming/tile_grid.hpp"
+#include "core/base/tile_grid.hpp"
 
 #include <algorithm>
 #include <iterator>

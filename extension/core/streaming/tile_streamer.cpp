@@ -2,7 +2,7 @@
 
 #include "core/base/check.hpp"
 #include "core/streaming/layer_tiles.hpp"
-#include "core/streaming/tile_grid.hpp"
+#include "core/base/tile_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,149 @@
+#pragma once
+
+#include "core/base/rect.hpp"
+#include "core/base/status.hpp"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// True for the id of a hand-placed instance, which has the highest bit set: negative, in a script. The 15 bits of layer after it
+/// lie where they lie in a packed InstanceId, so layers of instances that can be changed go to max_state_layer.
+constexpr bool is_added(std::uint64_t id) { return id >> 63 != 0; }
+
+/// The layer that an id names, hand-placed or not.
+constexpr std::uint16_t layer_of(std::uint64_t id) { return static_cast<std::uint16_t>(id >> 48 & 0x7fff); }
+
+inline constexpr std::uint16_t max_state_layer = 0x7fff;
+inline constexpr std::size_t max_instance_data = 65536; ///< Bytes an instance.
+inline constexpr double max_state_time = 1e12;          ///< Seconds.
+
+/// An instance that was placed by hand.
+struct AddedInstance {
+	std::uint16_t layer = 0;  ///< 0 to max_state_layer.
+	std::uint8_t mesh = 0;    ///< Of the layer's meshes; beyond the last one, the first is drawn.
+	glm::dvec3 position{0.0}; ///< World metres, finite, |x|, |y| and |z| at most max_added_coordinate.
+	glm::mat3 basis{1.0f};    ///< Rotation and scale, columns as in GLM; finite.
+
+	friend bool operator==(const AddedInstance &, const AddedInstance &) = default;
+};
+
+inline constexpr double max_added_coordinate = 1e9;
+
+/// What has happened to an instance.
+enum class InstanceChangeKind : std::uint8_t {
+	removed,  ///< A point of the set, or a hand-placed one: then `added` holds what it was.
+	restored, ///< A point of the set stands again, as far as its layer's rules let it.
+	added,    ///< Placed by hand.
+	data,     ///< Its data have changed.
+};
+
+struct InstanceChange {
+	std::uint64_t id = 0;
+	InstanceChangeKind kind = InstanceChangeKind::removed;
+	AddedInstance added; ///< Of a hand-placed one.
+};
+
+/// What differs from the world as it was generated: removed ids, hand-placed instances, and data of either; and a clock, by which
+/// what is removed may grow again. Nothing else is kept, so a world of a million felled trees is a few megabytes.
+///
+/// Every change has a number, its revision, so that peers can be sent what is new to them. What an id was before the state was
+/// loaded or cleared is not remembered: a peer that asks for older changes gets all of it. Not thread safe.
+///
+/// Layers are stamped with what names their point set (see `claim`), because ids mean nothing in another set.
+class InstanceState {
+public:
+	InstanceState();
+	~InstanceState();
+	InstanceState(InstanceState &&) noexcept;
+	InstanceState &operator=(InstanceState &&) noexcept;
+
+	/// Whether a point of the set is removed. O(1), about 50 ns; false at once for a layer without any.
+	bool removed(std::uint64_t id) const;
+
+	/// The hand-placed instance of that id; null for none.
+	const AddedInstance *added(std::uint64_t id) const;
+
+	/// The data of an instance, removed or not; empty for none.
+	std::span<const std::uint8_t> data(std::uint64_t id) const;
+
+	/// Adds the ids of all hand-placed instances of a layer that stand in the half-open `rect` (world metres), ascending. Costs what
+	/// stands near by, not what stands in the world.
+	void added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const;
+
+	/// Ascending, of one layer or of all.
+	std::vector<std::uint64_t> removed_ids(int layer = -1) const;
+	std::vector<std::uint64_t> added_ids(int layer = -1) const;
+	std::vector<std::uint64_t> data_ids(int layer = -1) const;
+
+	std::size_t removed_count() const;
+	std::size_t added_count() const;
+	std::size_t data_count() const;
+	bool any_removed(std::uint16_t layer) const;
+
+	/// The number of the last change; rises by at least 1 with each. 0 for a new state.
+	std::uint64_t revision() const;
+
+	/// Seconds on the state's own clock.
+	double time() const;
+
+	/// Stamps a layer with a number that names its point set (see stamp_of). Refuses, as `layer`, a layer that has another stamp.
+	Status claim(std::uint16_t layer, std::uint64_t stamp);
+
+	/// The stamp of a layer; 0 for none.
+	std::uint64_t stamp(std::uint16_t layer) const;
+
+	/// Removes an instance, for ever or (`until` above 0) until the clock passes that time. A hand-placed one is gone with its data, and
+	/// `until` does not count. False if it was removed before (a new `until` is taken over and is no change) or was never placed.
+	bool remove(std::uint64_t id, double until = 0.0);
+
+	/// Undoes the removal of a point of the set. False if it was not removed.
+	bool restore(std::uint64_t id);
+
+	/// Places an instance by hand. Its id is a function of the instance, so that peers who place the same get the same id; one that
+	/// is taken gives the next free id. Refuses what AddedInstance refuses, naming it, and leaves everything as it was.
+	Status add(const AddedInstance &instance, std::uint64_t &r_id);
+
+	/// Replaces the data of an instance; no bytes for none. Refuses more than max_instance_data bytes as `data`.
+	Status set_data(std::uint64_t id, std::span<const std::uint8_t> bytes);
+
+	/// Moves the clock on by `seconds`, 0 or more, and restores what is due. Adds the changes.
+	void advance(double seconds, std::vector<InstanceChange> &r_changes);
+
+	/// Forgets everything but the revision, which rises. Adds the changes.
+	void clear(std::vector<InstanceChange> &r_changes);
+
+	/// Replaces `r_bytes` by the whole state: versioned, checksummed, the same bytes for the same content on every machine. At most
+	/// 30 bits for a removed id however they are spread, and far less where they stand close.
+	void save(std::vector<std::uint8_t> &r_bytes) const;
+
+	/// Replaces the content of this state by what `save` wrote. Refuses what is truncated, damaged, of another kind or version with
+	/// ErrorCode::corrupt, and stamps that contradict those of this state's layers as `layer`; then nothing has changed. Adds the changes.
+	Status load(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes);
+
+	/// Replaces `r_bytes` by what has changed since a revision of this state, restored ids included, for `apply`.
+	void diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes) const;
+
+	/// Takes over what `diff_since` of another state gave: those ids become what they are there, all others stay. Refuses as `load` does.
+	Status apply(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes);
+
+	/// Adds what another state holds: removed by either is removed (for the longer time), placed by either is placed, and of data of both
+	/// the other's stay. Refuses as `load` does.
+	Status merge(const InstanceState &other, std::vector<InstanceChange> &r_changes);
+
+	/// FNV-1a of what `save` writes, without clock and revision: equal for equal content.
+	std::uint64_t digest() const;
+
+private:
+	struct Content;
+	std::unique_ptr<Content> content_;
+};
+
+} // namespace thicket

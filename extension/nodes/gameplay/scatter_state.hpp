@@ -1,0 +1,87 @@
+#pragma once
+
+#include "core/query/instance_state.hpp"
+
+#include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/variant/packed_byte_array.hpp>
+#include <godot_cpp/variant/packed_int64_array.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// Hears of every change of a ScatterState, at once.
+class StateListener {
+public:
+	virtual ~StateListener() = default;
+	virtual void state_changed(std::span<const InstanceChange> changes) = 0;
+
+protected:
+	StateListener() = default;
+	StateListener(const StateListener &) = default;
+	StateListener &operator=(const StateListener &) = default;
+};
+
+/// What a game has changed about a scattered world: removed and hand-placed instances, and data. A resource to save, and bytes to send.
+class ScatterState : public godot::Resource {
+	GDCLASS(ScatterState, godot::Resource)
+
+public:
+	/// See InstanceState::remove. `until` is in seconds of `time`; 0 for ever.
+	bool remove(int64_t p_id, double p_until = 0.0);
+	bool restore(int64_t p_id);
+	bool is_removed(int64_t p_id) const;
+
+	/// Any Variant without objects, at most 64 KiB as var_to_bytes; null to forget.
+	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
+	godot::Variant get_instance_data(int64_t p_id) const;
+
+	/// Ascending; of one layer_id or, for -1, of all.
+	godot::PackedInt64Array get_removed(int64_t p_layer_id = -1) const;
+	godot::PackedInt64Array get_added(int64_t p_layer_id = -1) const;
+	int64_t get_removed_count() const;
+	int64_t get_added_count() const;
+
+	/// What to_bytes wrote, in place of all that is here. After an error nothing has changed.
+	godot::Error from_bytes(const godot::PackedByteArray &p_bytes);
+	godot::PackedByteArray to_bytes() const;
+
+	/// For a peer that knows this state as it was at `revision`.
+	godot::PackedByteArray diff_since(int64_t p_revision) const;
+	godot::Error apply_diff(const godot::PackedByteArray &p_diff);
+	godot::Error merge(const godot::Ref<ScatterState> &p_other);
+	void clear();
+
+	int64_t get_revision() const;
+	int64_t get_digest() const;
+
+	/// Seconds of play, by which what is removed grows again. A TerrainScatter3D moves it on.
+	double get_time() const;
+	void advance(double p_seconds);
+
+	/// The stored form: a property that only the resource's file has.
+	void set_data(const godot::PackedByteArray &p_bytes);
+	godot::PackedByteArray get_data() const;
+
+	// For nodes.
+	const InstanceState &state() const { return state_; }
+	Status add(const AddedInstance &instance, std::uint64_t &r_id);
+	Status claim(std::uint16_t layer, std::uint64_t stamp) { return state_.claim(layer, stamp); }
+	void add_listener(StateListener *p_listener);
+	void remove_listener(StateListener *p_listener);
+
+protected:
+	static void _bind_methods();
+
+private:
+	/// Tells the listeners, then emits `instances_changed(ids)`.
+	void tell(std::span<const InstanceChange> changes);
+
+	InstanceState state_;
+	std::vector<StateListener *> listeners_;
+};
+
+} // namespace thicket
