@@ -14,14 +14,17 @@ namespace thicket {
 
 /// How near is near.
 struct NearRange {
-	double enter = 0.0; ///< Metres from the nearest centre to the instance's origin; 0 for never.
+	double enter = 0.0; ///< Metres from the nearest centre to the instance's origin, in space; 0 for never.
 	double leave = 0.0; ///< At least `enter`: in between, what is held stays held, so nothing comes and goes twice.
 };
 
-/// What has to be done about it.
+/// What has to be done about it. What is held and stands within `leave`, but otherwise than it did, is in both:
+/// it leaves, then enters.
 struct NearChanges {
 	std::vector<PlacedInstance> enter; ///< Nearest first.
-	std::vector<std::uint64_t> leave;  ///< Farthest first.
+
+	/// What stands no longer, or not as it did, then the others; of each the farthest first.
+	std::vector<std::uint64_t> leave;
 };
 
 /// Which instances of a layer are near enough to some centres to be worth a body or a scene. It says what should come and go; its owner
@@ -29,19 +32,44 @@ struct NearChanges {
 class NearSet {
 public:
 	/// Replaces `r_changes` by the difference between what is held and what is near. `standing` holds everything that stands
-	/// within range.leave of a centre, in any order, and possibly more. What is held and stands no longer leaves first of all.
+	/// within range.leave of a centre, in any order, and possibly more; an instance may be in it several times. What is equally far
+	/// is in the order of the ids.
 	void look(std::span<const glm::dvec3> centers, const NearRange &range, std::span<const PlacedInstance> standing,
-			NearChanges &r_changes) const;
+			NearChanges &r_changes);
 
 	bool holds(std::uint64_t id) const { return held_.contains(id); }
-	void hold(const PlacedInstance &instance) { held_.insert_or_assign(instance.id, instance.position); }
+	void hold(const PlacedInstance &instance);
 	void release(std::uint64_t id) { held_.erase(id); }
 	std::size_t size() const { return held_.size(); }
 	void clear() { held_.clear(); }
 
+	/// How far an instance may stand from where it stood, in metres, and how much an entry of its basis may differ, before it counts
+	/// as another one: a tile that is made anew with another origin rounds its places by less.
+	static constexpr double same_place = 1e-3;
+	static constexpr float same_basis = 1e-4f;
+
 private:
-	std::unordered_map<std::uint64_t, glm::dvec3>
-			held_; ///< Looked up only, or sorted before anything depends on the order.
+	struct Held {
+		glm::dvec3 position{0.0};
+		glm::mat3 basis{1.0f};
+		std::uint32_t layer = 0;
+		std::uint32_t mesh = 0;
+		std::uint64_t seen = 0; ///< The last look that found it standing as it did.
+
+		bool stands_as(const PlacedInstance &instance) const;
+	};
+
+	struct Distant {
+		double distance_squared = 0.0;
+		std::uint64_t id = 0;
+		std::size_t index = 0; ///< In `standing`, of what enters.
+	};
+
+	std::unordered_map<std::uint64_t, Held> held_; ///< Whatever comes out of it is sorted.
+	std::uint64_t looks_ = 0;
+	std::vector<Distant> entering_;
+	std::vector<Distant> gone_;
+	std::vector<Distant> leaving_;
 };
 
 } // namespace thicket

@@ -1,0 +1,290 @@
+#include "core/query/near_set.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <set>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+PlacedInstance instance_at(std::uint64_t id, glm::dvec3 position) {
+	PlacedInstance instance;
+	instance.id = id;
+	instance.position = position;
+	return instance;
+}
+
+/// Instances 1 to `count`, so many metres apart along x: instance i stands at x = i * apart.
+std::vector<PlacedInstance> row(std::uint64_t count, double apart = 1.0) {
+	std::vector<PlacedInstance> result;
+	for (std::uint64_t id = 1; id <= count; ++id) {
+		result.push_back(instance_at(id, {static_cast<double>(id) * apart, 0.0, 0.0}));
+	}
+	return result;
+}
+
+std::vector<std::uint64_t> ids_of(const std::vector<PlacedInstance> &instances) {
+	std::vector<std::uint64_t> result;
+	for (const PlacedInstance &instance : instances) {
+		result.push_back(instance.id);
+	}
+	return result;
+}
+
+/// Does at once all that a look asks for.
+void follow(NearSet &set, const NearChanges &changes) {
+	for (const std::uint64_t id : changes.leave) {
+		CHECK(set.holds(id));
+		set.release(id);
+	}
+	for (const PlacedInstance &instance : changes.enter) {
+		CHECK_FALSE(set.holds(instance.id));
+		set.hold(instance);
+	}
+}
+
+using Ids = std::vector<std::uint64_t>;
+
+} // namespace
+
+TEST_CASE("near set: the nearest enter first, the farthest leave first") {
+	NearSet set;
+	NearChanges changes;
+	std::vector<PlacedInstance> standing = row(10);
+	std::reverse(standing.begin(), standing.end());
+	std::vector<glm::dvec3> centers{{4.2, 0.0, 0.0}};
+	set.look(centers, {2.5, 4.0}, standing, changes);
+	CHECK(ids_of(changes.enter) == Ids{4, 5, 3, 6, 2});
+	CHECK(changes.leave.empty());
+	follow(set, changes);
+	CHECK(set.size() == 5);
+
+	centers[0].x = 8.1; // 5 is within 4, 2 to 4 are not.
+	set.look(centers, {2.5, 4.0}, standing, changes);
+	CHECK(ids_of(changes.enter) == Ids{8, 9, 7, 10});
+	CHECK(changes.leave == Ids{2, 3, 4});
+}
+
+TEST_CASE("near set: both ends of the range count as near, in space") {
+	NearSet set;
+	NearChanges changes;
+	const std::vector<glm::dvec3> centers{{0.0, 3.0, 0.0}};
+	std::vector<PlacedInstance> standing{instance_at(1, {4.0, 0.0, 0.0})}; // 5 m away.
+	set.look(centers, {4.999, 6.0}, standing, changes);
+	CHECK(changes.enter.empty());
+	set.look(centers, {5.0, 6.0}, standing, changes);
+	CHECK(ids_of(changes.enter) == Ids{1});
+	follow(set, changes);
+	set.look(centers, {1.0, 5.0}, standing, changes);
+	CHECK(changes.leave.empty());
+	set.look(centers, {1.0, 4.999}, standing, changes);
+	CHECK(changes.leave == Ids{1});
+}
+
+TEST_CASE("near set: a range of 0 holds nothing, and one that is inside out leaves where it enters") {
+	NearSet set;
+	NearChanges changes;
+	const std::vector<glm::dvec3> centers{{1.0, 0.0, 0.0}};
+	const std::vector<PlacedInstance> standing = row(5);
+	set.look(centers, {2.0, 0.0}, standing, changes);
+	CHECK(ids_of(changes.enter) == Ids{1, 2, 3});
+	follow(set, changes);
+	set.look(centers, {2.0, 0.0}, standing, changes);
+	CHECK(changes.enter.empty());
+	CHECK(changes.leave.empty());
+	set.look(centers, {0.0, 10.0}, standing, changes);
+	CHECK(changes.enter.empty());
+	CHECK(changes.leave == Ids{3, 2, 1});
+	set.look({}, {2.0, 3.0}, standing, changes); // No centre: nothing is near.
+	CHECK(changes.enter.empty());
+	CHECK(changes.leave == Ids{1, 2, 3});
+}
+
+TEST_CASE("near set: what stands no longer leaves first of all") {
+	NearSet set;
+	NearChanges changes;
+	std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
+	std::vector<PlacedInstance> standing = row(6);
+	set.look(centers, {6.0, 8.0}, standing, changes);
+	follow(set, changes);
+	std::erase_if(standing, [](const PlacedInstance &instance) { return instance.id == 2 || instance.id == 3; });
+	centers[0].x = -3.5; // 5 and 6 are beyond 8 now.
+	set.look(centers, {6.0, 8.0}, standing, changes);
+	CHECK(changes.enter.empty());
+	CHECK(changes.leave == Ids{3, 2, 6, 5});
+}
+
+TEST_CASE("near set: what stands otherwise leaves and enters again") {
+	NearSet set;
+	NearChanges changes;
+	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
+	const std::vector<PlacedInstance> before = row(5);
+	set.look(centers, {5.0, 7.0}, before, changes);
+	follow(set, changes);
+
+	std::vector<PlacedInstance> standing = before;
+	standing[0].position.y += 0.5 * NearSet::same_place; // Rounded otherwise.
+	standing[0].basis[1][1] += 0.5f * NearSet::same_basis;
+	standing[1].position.y += 0.25;
+	standing[2].basis[1][1] = 1.1f;
+	standing[3].mesh = 1;
+	standing[4].position.x = 6.0; // Between enter and leave: it was held, so it comes back.
+	set.look(centers, {5.0, 7.0}, standing, changes);
+	CHECK(changes.leave == Ids{5, 4, 3, 2});
+	CHECK(ids_of(changes.enter) == Ids{2, 3, 4, 5});
+	follow(set, changes);
+	set.look(centers, {5.0, 7.0}, standing, changes);
+	CHECK(changes.leave.empty());
+	CHECK(changes.enter.empty());
+
+	for (PlacedInstance &instance : standing) {
+		instance.layer = 3;
+	}
+	set.look(centers, {5.0, 7.0}, standing, changes);
+	CHECK(changes.leave.size() == 5);
+	CHECK(changes.enter.size() == 5);
+}
+
+TEST_CASE("near set: a walk to and fro inside of the hysteresis changes nothing") {
+	NearSet set;
+	NearChanges changes;
+	const std::vector<PlacedInstance> standing = row(400, 0.05);
+	std::vector<glm::dvec3> centers{{10.0, 0.0, 0.0}};
+	const NearRange range{4.0, 5.0};
+	std::map<std::uint64_t, int> entered;
+	std::map<std::uint64_t, int> left;
+	std::mt19937_64 random(5);
+	std::uniform_real_distribution<double> along(-0.499, 0.499); // Less than leave - enter from end to end.
+	for (int frame = 0; frame < 300; ++frame) {
+		centers[0].x = 10.0 + along(random);
+		set.look(centers, range, standing, changes);
+		for (const PlacedInstance &instance : changes.enter) {
+			++entered[instance.id];
+		}
+		for (const std::uint64_t id : changes.leave) {
+			++left[id];
+		}
+		follow(set, changes);
+	}
+	CHECK(entered.size() > 150);
+	CHECK(std::all_of(entered.begin(), entered.end(), [](const auto &entry) { return entry.second == 1; }));
+	CHECK(left.empty());
+}
+
+TEST_CASE("near set: several centres, and an instance that is handed in several times") {
+	NearSet set;
+	NearChanges changes;
+	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}, {100.0, 0.0, 0.0}, {100.5, 0.0, 0.0}};
+	std::vector<PlacedInstance> standing = row(101);
+	const std::vector<PlacedInstance> once = standing;
+	standing.insert(standing.end(), once.begin(), once.end());
+	set.look(centers, {2.0, 3.0}, standing, changes);
+	CHECK(ids_of(changes.enter) == Ids{100, 101, 1, 99, 2, 98});
+	follow(set, changes);
+	set.look(centers, {2.0, 3.0}, standing, changes);
+	CHECK(changes.enter.empty());
+	set.look(std::span(centers).first(1), {2.0, 3.0}, standing, changes);
+	CHECK(changes.leave == Ids{101, 100, 99, 98});
+}
+
+TEST_CASE("near set: forgets what it is told to forget") {
+	NearSet set;
+	NearChanges changes;
+	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
+	const std::vector<PlacedInstance> standing = row(4);
+	set.look(centers, {3.0, 4.0}, standing, changes);
+	set.hold(changes.enter[0]); // There was time for two of three.
+	set.hold(changes.enter[1]);
+	set.release(1);
+	set.release(77);
+	set.look(centers, {3.0, 4.0}, standing, changes);
+	CHECK(ids_of(changes.enter) == Ids{1, 3});
+	set.clear();
+	CHECK(set.size() == 0);
+	set.look(centers, {3.0, 4.0}, standing, changes);
+	CHECK(ids_of(changes.enter) == Ids{1, 2, 3});
+	CHECK(changes.leave.empty());
+}
+
+TEST_CASE("near set: random walks, removals and moves against brute force") {
+	std::mt19937_64 random(77);
+	std::uniform_real_distribution<double> anywhere(-50.0, 50.0);
+	std::uniform_real_distribution<double> step(-4.0, 4.0);
+	std::uniform_int_distribution<int> percent(0, 99);
+	NearSet set;
+	NearChanges changes;
+	std::vector<PlacedInstance> standing;
+	for (std::uint64_t id = 1; id <= 600; ++id) {
+		standing.push_back(
+				instance_at(id * 0x9e3779b97f4a7c15ULL, {anywhere(random), 0.1 * step(random), anywhere(random)}));
+	}
+	std::vector<glm::dvec3> centers(3);
+	std::map<std::uint64_t, glm::dvec3> held; // Where they stood.
+	const NearRange range{12.0, 15.0};
+	for (int frame = 0; frame < 400; ++frame) {
+		for (glm::dvec3 &center : centers) {
+			center += percent(random) == 0 ? glm::dvec3(anywhere(random), 0.0, anywhere(random))
+										   : glm::dvec3(step(random), 0.2 * step(random), step(random));
+			center = glm::clamp(center, glm::dvec3(-50.0), glm::dvec3(50.0));
+		}
+		for (PlacedInstance &instance : standing) {
+			if (percent(random) == 0) {
+				instance.position.x = anywhere(random);
+			}
+		}
+		std::vector<PlacedInstance> here = standing;
+		std::erase_if(here, [&](const PlacedInstance &) { return percent(random) < 2; });
+		std::shuffle(here.begin(), here.end(), random);
+		const auto away = [&centers](glm::dvec3 position) {
+			double nearest = 1e9;
+			for (const glm::dvec3 &center : centers) {
+				nearest = std::min(nearest, glm::distance(center, position));
+			}
+			return nearest;
+		};
+
+		std::set<std::uint64_t> enter;
+		std::set<std::uint64_t> leave;
+		for (const auto &[id, position] : held) {
+			leave.insert(id);
+		}
+		for (const PlacedInstance &instance : here) {
+			const auto was = held.find(instance.id);
+			if (was == held.end() || was->second != instance.position) {
+				if (away(instance.position) <= (was == held.end() ? range.enter : range.leave)) {
+					enter.insert(instance.id);
+				}
+			} else if (away(instance.position) <= range.leave) {
+				leave.erase(instance.id);
+			}
+		}
+		set.look(centers, range, here, changes);
+		const Ids entering = ids_of(changes.enter);
+		CHECK(std::set<std::uint64_t>(entering.begin(), entering.end()) == enter);
+		CHECK(entering.size() == enter.size());
+		CHECK(std::set<std::uint64_t>(changes.leave.begin(), changes.leave.end()) == leave);
+		CHECK(changes.leave.size() == leave.size());
+		CHECK(std::is_sorted(changes.enter.begin(), changes.enter.end(),
+				[&away](const auto &a, const auto &b) { return away(a.position) < away(b.position); }));
+
+		// There is not always time for all of it.
+		for (const std::uint64_t id : changes.leave) {
+			set.release(id);
+			held.erase(id);
+		}
+		const std::size_t done =
+				changes.enter.size() - changes.enter.size() * static_cast<std::size_t>(percent(random)) / 200;
+		for (std::size_t i = 0; i < done; ++i) {
+			set.hold(changes.enter[i]);
+			held[changes.enter[i].id] = changes.enter[i].position;
+		}
+		CHECK(set.size() == held.size());
+	}
+}
