@@ -78,6 +78,10 @@ public:
 	/// stands near by, not what stands in the world.
 	void added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const;
 
+	/// No column of the basis of a hand-placed instance of the layer is longer: how far off one must look for those that reach a
+	/// place. 0 for none; may stay larger than it has to be after some are removed. O(1).
+	double max_added_scale(std::uint16_t layer) const;
+
 	/// Ascending, of one layer or of all.
 	std::vector<std::uint64_t> removed_ids(int layer = -1) const;
 	std::vector<std::uint64_t> added_ids(int layer = -1) const;
