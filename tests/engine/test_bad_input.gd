@@ -61,7 +61,7 @@ func test_layer_numbers() -> void:
 			refuse(layer, property["name"], value, "must be finite")
 		refuse(layer, property["name"], 1e300, "is out of range")
 		refuse(layer, property["name"], -1e300)
-	check_equal(numbers, 33, "numbers of a layer")
+	check_equal(numbers, 38, "numbers of a layer")
 	for property in ["radius", "tile_size", "proximity_distance", "min_scale", "max_scale", "lod_bias"]:
 		refuse(layer, property, 0.0, "must be positive")
 		refuse(layer, property, -3.0, "must be positive")
@@ -80,7 +80,8 @@ func test_layer_integers_and_arrays() -> void:
 	refuse(layer, "levels", 0, "must be positive")
 	refuse(layer, "levels", 9, "is out of range")
 	refuse(layer, "levels", 1 << 40, "is out of range")
-	refuse(layer, "layer_id", 65536, "is out of range")
+	for number: int in [-2, 32768, 65535]:
+		refuse(layer, "layer_id", number, "is out of range")
 	refuse(layer, "cast_shadow", 4, "is out of range")
 	layer.mesh_weights = PackedFloat32Array([1.0, -2.0])
 	check_error(["ScatterLayer.mesh_weights", "-2"], "negative weight")

@@ -10,7 +10,9 @@ var defaults := {
 	"clump_size": 0.0, "clump_coverage": 0.5, "clump_softness": 0.25, "edge_feather": 0.0, "proximity_layer": "",
 	"proximity_distance": 5.0, "proximity_curve": null, "scale_curve": null, "min_tilt_degrees": 0.0,
 	"max_tilt_degrees": 0.0, "offset_along_normal": 0.0, "use_colors": false, "color_gradient": null,
-	"use_custom_data": false,
+	"use_custom_data": false, "layer_id": -1, "instance_radius": 0.5, "instance_height": 2.0, "regrowth_time": 0.0,
+	"collision_shape": ScatterLayer.COLLISION_NONE, "collision_distance": 40.0, "collision_layer": 1, "collision_mask": 1,
+	"physics_material": null, "scene": null, "scene_distance": 20.0,
 }
 
 ## The resources that a layer's rules are made of, by their properties, and something to change in each.
@@ -20,6 +22,7 @@ var sources := {
 	"mask": ["ScatterMask", "background", 0.5], "mask_texture": ["GradientTexture2D", "width", 16],
 	"proximity_curve": ["Curve", "max_domain", 9.0], "scale_curve": ["Curve", "max_domain", 2.0],
 	"color_gradient": ["Gradient", "colors", PackedColorArray([Color.RED, Color.BLUE])],
+	"physics_material": ["PhysicsMaterial", "friction", 0.25],
 }
 
 
@@ -66,7 +69,26 @@ func full_layer() -> ScatterLayer:
 	layer.use_colors = true
 	layer.color_gradient = Gradient.new()
 	layer.use_custom_data = true
+	layer.layer_id = 32767
+	layer.instance_radius = 0.4
+	layer.instance_height = 12.0
+	layer.regrowth_time = 3600.0
+	layer.collision_shape = ScatterLayer.COLLISION_CONVEX
+	layer.collision_distance = 60.0
+	layer.collision_layer = 0xffffffff
+	layer.collision_mask = 6
+	layer.physics_material = PhysicsMaterial.new()
+	layer.scene = scene_of_a_node()
+	layer.scene_distance = 15.0
 	return layer
+
+
+func scene_of_a_node() -> PackedScene:
+	var node := Node3D.new()
+	var scene := PackedScene.new()
+	scene.pack(node)
+	node.free()
+	return scene
 
 
 func check_full(layer: ScatterLayer, from: String) -> void:
@@ -109,14 +131,18 @@ func test_inspector() -> void:
 			var hint: String = property["hint_string"]
 			if name.ends_with("_degrees") or name == "slope_falloff":
 				check("degrees" in hint, "%s has a unit: %s" % [name, hint])
-			elif name in ["radius", "clump_size", "edge_feather", "mask_texture_rect", "spacing"] or name.ends_with("_distance") \
+			elif name in ["radius", "clump_size", "edge_feather", "mask_texture_rect", "spacing", "instance_radius"] or name.ends_with("_distance") \
 					or "offset" in name or "_height" in name and property["type"] == TYPE_FLOAT:
 				check("suffix:m" in hint, "%s has a unit: %s" % [name, hint])
+			elif name.ends_with("_time"):
+				check("suffix:s" in hint, "%s has a unit: %s" % [name, hint])
 	for expected: Array in [["radius", "/"], ["density", "Rules/"], ["density_over_height", "Rules/Height"],
 			["slope_falloff", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
 			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
 			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
-			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"]]:
+			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"],
+			["instance_radius", "Gameplay/"], ["regrowth_time", "Gameplay/"], ["collision_shape", "Gameplay/Collision"],
+			["physics_material", "Gameplay/Collision"], ["scene", "Gameplay/Scene"], ["scene_distance", "Gameplay/Scene"]]:
 		check_equal(places[expected[0]], expected[1], "place of %s" % expected[0])
 
 
@@ -172,6 +198,18 @@ func test_refused() -> void:
 		refuse(layer, "mask_texture_edge", number if number != 5 else 4, ["range"])
 	for rect: Rect2 in [Rect2(0, 0, 0, 5), Rect2(0, 0, 5, -1), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5), Rect2(2e9, 0, 5, 5)]:
 		refuse(layer, "mask_texture_rect", rect)
+	for property: String in ["instance_radius", "instance_height"]:
+		refuse(layer, property, 0.0, ["positive"])
+		refuse(layer, property, 10001.0, ["range"])
+	for property: String in ["collision_distance", "scene_distance"]:
+		refuse(layer, property, -1.0, ["range"])
+		refuse(layer, property, 10001.0, ["range"])
+	refuse(layer, "regrowth_time", -1.0, ["range"])
+	for property: String in ["collision_layer", "collision_mask"]:
+		refuse(layer, property, -1, ["range"])
+		refuse(layer, property, 1 << 32, ["range"])
+	for number: int in [-1, 5, 1 << 40]:
+		refuse(layer, "collision_shape", number, ["range"])
 	refuse(layer, "ground_textures", PackedInt32Array([1, -1]), ["-1"])
 	refuse(layer, "ground_textures", PackedInt32Array([256]), ["256"])
 	var many := PackedInt32Array()
@@ -259,6 +297,31 @@ func warns(edit: Callable, words: String) -> void:
 		check_equal(problems, PackedStringArray(), "no warning")
 
 
+func warns_of_gameplay() -> void:
+	warns(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_CONVEX, "")
+	warns(func(layer: ScatterLayer) -> void: layer.instance_height = 0.5, "")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.collision_shape = ScatterLayer.COLLISION_CAPSULE
+		layer.instance_height = 0.5, "two times instance_radius")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.collision_shape = ScatterLayer.COLLISION_BOX
+		layer.collision_distance = 0.0, "collision_distance is 0")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.collision_shape = ScatterLayer.COLLISION_BOX
+		layer.collision_layer = 0
+		layer.collision_mask = 0, "meets nothing")
+	warns(func(layer: ScatterLayer) -> void: layer.physics_material = PhysicsMaterial.new(), "physics_material is not used")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.scene = scene_of_a_node()
+		layer.scene_distance = 0.0, "scene_distance is 0")
+	var bare := ScatterLayer.new()
+	bare.collision_shape = ScatterLayer.COLLISION_CONVEX
+	var scatter := TerrainScatter3D.new()
+	scatter.layers = [bare]
+	check("no mesh to make it of" in "\n".join(scatter.get_problems()), "a hull of no mesh")
+	scatter.free()
+
+
 func test_warnings() -> void:
 	var zero := line(Vector2(0, 0), Vector2(90, 0))
 	warns(func(_layer: ScatterLayer) -> void: pass, "")
@@ -298,4 +361,5 @@ func test_warnings() -> void:
 	warns(func(layer: ScatterLayer) -> void: layer.scale_curve = line(Vector2(0, 0), Vector2(1, 1)), "scale_curve is not used")
 	warns(func(layer: ScatterLayer) -> void: layer.color_gradient = Gradient.new(), "without use_colors")
 	warns(func(layer: ScatterLayer) -> void: layer.max_tilt_degrees = 20.0, "")
+	warns_of_gameplay()
 	warns(func(layer: ScatterLayer) -> void: layer.min_tilt_degrees = 20.0, "max_tilt_degrees ends before it starts")

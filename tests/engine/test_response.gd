@@ -64,6 +64,20 @@ func test_a_dragged_slider_is_followed_and_queues_nothing_up() -> void:
 	check_equal(digests(scatter, 0), digests(fresh, 0), "the last value counts")
 
 
+## Every property of the group Gameplay.
+func edit_gameplay(layer: ScatterLayer, step: int) -> void:
+	layer.instance_radius = 0.1 + step
+	layer.instance_height = 0.1 + step
+	layer.regrowth_time = step
+	layer.collision_shape = (step % 5) as ScatterLayer.CollisionShape
+	layer.collision_distance = 10.0 + step
+	layer.collision_layer = step
+	layer.collision_mask = step
+	layer.physics_material = PhysicsMaterial.new()
+	layer.scene = null if step % 2 else PackedScene.new()
+	layer.scene_distance = 1.0 + step
+
+
 func test_what_changes_only_how_it_is_drawn_makes_nothing_anew() -> void:
 	var layer := make_layer(1.0)
 	var scatter := make_wide_scatter(layer)
@@ -72,6 +86,7 @@ func test_what_changes_only_how_it_is_drawn_makes_nothing_anew() -> void:
 	await drag(scatter, func(step: int) -> void: layer.visibility_range_end = 100.0 + step, 20)
 	await drag(scatter, func(step: int) -> void: layer.thin_end = 100.0 + step, 20)
 	await drag(scatter, func(step: int) -> void: layer.lod_distances = PackedFloat32Array([10.0 + step]), 20)
+	await drag(scatter, func(step: int) -> void: edit_gameplay(layer, step), 20)
 	await drag(scatter, func(step: int) -> void: scatter.quality = 0.02 * step, 20)
 	await settle(scatter)
 	for figure: String in ["tiles_made", "uploads", "instances"]:

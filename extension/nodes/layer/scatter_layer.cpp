@@ -1,5 +1,6 @@
 // What a layer is made of, as the core takes it, and the properties of its set and tiles.
 
+#include "core/query/instance_state.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 using namespace godot;
@@ -17,7 +18,8 @@ constexpr Number tile_size{
 		"tile_size", &LayerNumbers::tile_size, 0.1, 1e5, PROPERTY_HINT_RANGE, "8,512,0.1,or_less,or_greater,suffix:m"};
 constexpr Number view_distance{"view_distance", &LayerNumbers::view_distance, 0.0, farthest_view, PROPERTY_HINT_RANGE,
 		"0,4096,0.1,or_greater,suffix:m"};
-constexpr Integer layer_id{"layer_id", &LayerIntegers::layer_id, -1, 65535, PROPERTY_HINT_RANGE, "-1,65535,1"};
+constexpr Integer layer_id{
+		"layer_id", &LayerIntegers::layer_id, -1, max_state_layer, PROPERTY_HINT_RANGE, "-1,32767,1"};
 constexpr Integer levels{"levels", &LayerIntegers::levels, 1, max_levels, PROPERTY_HINT_RANGE, "1,8,1"};
 
 } // namespace
@@ -89,6 +91,7 @@ void ScatterLayer::_bind_methods() {
 	bind_placement();
 	bind_drawing();
 	bind_lod();
+	bind_gameplay();
 	ADD_SIGNAL(MethodInfo("area_changed", PropertyInfo(Variant::RECT2, "rect")));
 }
 

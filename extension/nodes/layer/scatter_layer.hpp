@@ -10,6 +10,8 @@
 
 #include <godot_cpp/classes/material.hpp>
 #include <godot_cpp/classes/mesh.hpp>
+#include <godot_cpp/classes/packed_scene.hpp>
+#include <godot_cpp/classes/physics_material.hpp>
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_int32_array.hpp>
@@ -59,6 +61,11 @@ struct LayerNumbers {
 	double thin_begin = 0.0;
 	double thin_end = 0.0;
 	double thin_density = 1.0;
+	double instance_radius = 0.5;
+	double instance_height = 2.0;
+	double regrowth_time = 0.0; ///< Seconds.
+	double collision_distance = 40.0;
+	double scene_distance = 20.0;
 };
 
 /// The whole numbers of a layer. Enumerations hold the engine's values, or ours.
@@ -71,6 +78,9 @@ struct LayerIntegers {
 	int64_t gi_mode = 1;                    ///< GeometryInstance3D.GIMode.
 	int64_t layers = 1;                     ///< Render layers, a mask of 20 bits.
 	int64_t visibility_range_fade_mode = 0; ///< GeometryInstance3D.VisibilityRangeFadeMode.
+	int64_t collision_shape = 0;            ///< ScatterLayer::CollisionShape.
+	int64_t collision_layer = 1;            ///< Physics layers, a mask of 32 bits.
+	int64_t collision_mask = 1;             ///< Likewise.
 };
 
 /// What a layer has or has not.
@@ -122,6 +132,15 @@ public:
 		MASK_EDGE_EVERYTHING,
 		MASK_EDGE_CLAMP,
 		MASK_EDGE_REPEAT,
+	};
+
+	/// What bodies meet of an instance that is near. Of instance_radius and instance_height, but for the last.
+	enum CollisionShape : std::int64_t {
+		COLLISION_NONE,
+		COLLISION_CAPSULE,
+		COLLISION_CYLINDER,
+		COLLISION_BOX,
+		COLLISION_CONVEX, ///< The convex hull of the instance's mesh.
 	};
 
 	// The properties that scatter_layer_properties.hpp makes of one line each.
@@ -190,6 +209,17 @@ public:
 	void set_lod_distances(const godot::PackedFloat32Array &p_distances);
 	godot::PackedFloat32Array get_lod_distances() const;
 
+	void set_collision_shape(CollisionShape p_shape);
+	CollisionShape get_collision_shape() const;
+
+	/// Friction and bounce of the bodies; null for the engine's own.
+	void set_physics_material(const godot::Ref<godot::PhysicsMaterial> &p_material);
+	godot::Ref<godot::PhysicsMaterial> get_physics_material() const;
+
+	/// What stands in place of the mesh near viewers; null for the mesh everywhere.
+	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
+	godot::Ref<godot::PackedScene> get_scene() const;
+
 	/// The settings that the core works with, all but the neighbours and the shapes, which are the node's. `place` is the
 	/// layer's index among its node's layers: its id, unless `layer_id` says otherwise. A table, a field or a mask in it is
 	/// the same object as in the settings before until what it says has changed.
@@ -244,6 +274,7 @@ private:
 	void add_neighbour_problems(godot::PackedStringArray &r_problems) const;
 	void add_lod_problems(godot::PackedStringArray &r_problems) const;
 	void add_mesh_problems(godot::PackedStringArray &r_problems) const;
+	void add_gameplay_problems(godot::PackedStringArray &r_problems) const;
 
 	template <const Number &property>
 	static void bind_number();
@@ -260,6 +291,7 @@ private:
 	static void bind_placement();
 	static void bind_drawing();
 	static void bind_lod();
+	static void bind_gameplay();
 
 	LayerNumbers numbers_;
 	LayerIntegers integers_;
@@ -279,9 +311,13 @@ private:
 	godot::TypedArray<godot::Mesh> lod_meshes_;
 	godot::PackedFloat32Array lod_distances_;
 	godot::Ref<godot::Material> material_override_;
+
+	godot::Ref<godot::PhysicsMaterial> physics_material_;
+	godot::Ref<godot::PackedScene> scene_;
 };
 
 } // namespace thicket
 
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskChannel)
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskTextureEdge)
+VARIANT_ENUM_CAST(thicket::ScatterLayer::CollisionShape)

@@ -125,6 +125,7 @@ PackedStringArray ScatterLayer::problems() const {
 	add_neighbour_problems(result);
 	add_mesh_problems(result);
 	add_lod_problems(result);
+	add_gameplay_problems(result);
 	return result;
 }
 

@@ -1,0 +1,134 @@
+// What an instance is to a game: the properties of the group Gameplay. None of them has a say in what stands where.
+
+#include "nodes/layer/scatter_layer_properties.hpp"
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+using Number = NumberProperty<LayerNumbers, double>;
+using Integer = NumberProperty<LayerIntegers, int64_t>;
+
+constexpr double min_side = 1e-3; ///< Metres.
+constexpr double max_side = 1e4;
+constexpr double farthest_body = 1e4;
+constexpr double longest_regrowth = 1e9; ///< Seconds.
+constexpr int64_t all_physics_layers = 0xffffffff;
+
+constexpr Number instance_radius{"instance_radius", &LayerNumbers::instance_radius, min_side, max_side,
+		PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,suffix:m"};
+constexpr Number instance_height{"instance_height", &LayerNumbers::instance_height, min_side, max_side,
+		PROPERTY_HINT_RANGE, "0.01,50,0.001,or_less,or_greater,suffix:m"};
+constexpr Number regrowth_time{"regrowth_time", &LayerNumbers::regrowth_time, 0.0, longest_regrowth,
+		PROPERTY_HINT_RANGE, "0,86400,0.1,or_greater,suffix:s"};
+constexpr Number collision_distance{"collision_distance", &LayerNumbers::collision_distance, 0.0, farthest_body,
+		PROPERTY_HINT_RANGE, "0,200,0.1,or_greater,suffix:m"};
+constexpr Number scene_distance{"scene_distance", &LayerNumbers::scene_distance, 0.0, farthest_body,
+		PROPERTY_HINT_RANGE, "0,100,0.1,or_greater,suffix:m"};
+
+constexpr Integer collision_layer{
+		"collision_layer", &LayerIntegers::collision_layer, 0, all_physics_layers, PROPERTY_HINT_LAYERS_3D_PHYSICS};
+constexpr Integer collision_mask{
+		"collision_mask", &LayerIntegers::collision_mask, 0, all_physics_layers, PROPERTY_HINT_LAYERS_3D_PHYSICS};
+
+} // namespace
+
+void ScatterLayer::set_collision_shape(CollisionShape p_shape) {
+	if (accept_number(
+				layer_class_name, "collision_shape", static_cast<double>(p_shape), COLLISION_NONE, COLLISION_CONVEX) &&
+			integers_.collision_shape != p_shape) {
+		integers_.collision_shape = p_shape;
+		emit_changed();
+	}
+}
+
+ScatterLayer::CollisionShape ScatterLayer::get_collision_shape() const {
+	return static_cast<CollisionShape>(integers_.collision_shape);
+}
+
+// Watched, unlike a material to draw with: the bodies have copies of what is in it.
+void ScatterLayer::set_physics_material(const Ref<PhysicsMaterial> &p_material) {
+	if (physics_material_ == p_material) {
+		return;
+	}
+	watch(physics_material_.ptr(), "changed", this, "emit_changed", false);
+	physics_material_ = p_material;
+	watch(physics_material_.ptr(), "changed", this, "emit_changed", true);
+	emit_changed();
+}
+
+Ref<PhysicsMaterial> ScatterLayer::get_physics_material() const { return physics_material_; }
+
+void ScatterLayer::set_scene(const Ref<PackedScene> &p_scene) {
+	if (scene_ != p_scene) {
+		scene_ = p_scene;
+		emit_changed();
+	}
+}
+
+Ref<PackedScene> ScatterLayer::get_scene() const { return scene_; }
+
+void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
+	if (scene_.is_valid() && numbers_.scene_distance <= 0.0) {
+		r_problems.push_back("ScatterLayer.scene is not used: scene_distance is 0.");
+	}
+	if (integers_.collision_shape == COLLISION_NONE) {
+		if (physics_material_.is_valid()) {
+			r_problems.push_back("ScatterLayer.physics_material is not used: collision_shape is None.");
+		}
+		return;
+	}
+	if (numbers_.collision_distance <= 0.0) {
+		r_problems.push_back("ScatterLayer.collision_shape is not used: collision_distance is 0.");
+	}
+	if (integers_.collision_layer == 0 && integers_.collision_mask == 0) {
+		r_problems.push_back("ScatterLayer.collision_shape meets nothing: collision_layer and collision_mask are 0.");
+	}
+	if (integers_.collision_shape == COLLISION_CAPSULE && numbers_.instance_height < 2.0 * numbers_.instance_radius) {
+		r_problems.push_back("ScatterLayer.instance_height is below two times instance_radius, the least height of a "
+							 "capsule.");
+	}
+	if (integers_.collision_shape == COLLISION_CONVEX) {
+		bool any_mesh = false;
+		for (const Ref<Mesh> &mesh : mesh_list()) {
+			any_mesh = any_mesh || mesh.is_valid();
+		}
+		if (!any_mesh) {
+			r_problems.push_back("ScatterLayer.collision_shape is Convex, but there is no mesh to make it of.");
+		}
+	}
+}
+
+void ScatterLayer::bind_gameplay() {
+	ADD_GROUP("Gameplay", "");
+	bind_number<instance_radius>();
+	bind_number<instance_height>();
+	bind_number<regrowth_time>();
+	ADD_SUBGROUP("Collision", "");
+	ClassDB::bind_method(D_METHOD("set_collision_shape", "shape"), &ScatterLayer::set_collision_shape);
+	ClassDB::bind_method(D_METHOD("get_collision_shape"), &ScatterLayer::get_collision_shape);
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "collision_shape", PROPERTY_HINT_ENUM, "None,Capsule,Cylinder,Box,Convex"),
+			"set_collision_shape", "get_collision_shape");
+	bind_number<collision_distance>();
+	bind_integer<collision_layer>();
+	bind_integer<collision_mask>();
+	ClassDB::bind_method(D_METHOD("set_physics_material", "material"), &ScatterLayer::set_physics_material);
+	ClassDB::bind_method(D_METHOD("get_physics_material"), &ScatterLayer::get_physics_material);
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "physics_material", PROPERTY_HINT_RESOURCE_TYPE, "PhysicsMaterial"),
+			"set_physics_material", "get_physics_material");
+	ADD_SUBGROUP("Scene", "");
+	ClassDB::bind_method(D_METHOD("set_scene", "scene"), &ScatterLayer::set_scene);
+	ClassDB::bind_method(D_METHOD("get_scene"), &ScatterLayer::get_scene);
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_RESOURCE_TYPE, "PackedScene"), "set_scene",
+			"get_scene");
+	bind_number<scene_distance>();
+	BIND_ENUM_CONSTANT(COLLISION_NONE);
+	BIND_ENUM_CONSTANT(COLLISION_CAPSULE);
+	BIND_ENUM_CONSTANT(COLLISION_CYLINDER);
+	BIND_ENUM_CONSTANT(COLLISION_BOX);
+	BIND_ENUM_CONSTANT(COLLISION_CONVEX);
+}
+
+} // namespace thicket
