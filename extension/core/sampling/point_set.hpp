@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 
 #include <glm/vec2.hpp>
@@ -51,6 +52,10 @@ glm::i64vec2 lattice_position(const PointSet &set, const SamplePoint &point);
 /// The rank at which a level ends: points with `rank < level_rank_end(levels, level)` are a maximal Poisson-disk set
 /// of radius r * 2^level, on the lattice of that level, whose unit is 2^level of the finest. 2^32 for level 0.
 std::uint64_t level_rank_end(std::uint32_t levels, std::uint32_t level);
+
+/// World metres around the base square that the id of a point of the set names, a lattice unit more on all sides: the point lies in it,
+/// wherever that is.
+Rect cell_rect(const PointSet &set, std::uint64_t id);
 
 /// Points per square metre of the whole set.
 double point_density(const PointSet &set);
