@@ -70,6 +70,7 @@ TEST_CASE("near set: the nearest enter first, the farthest leave first") {
 	set.look(centers, {2.5, 4.0}, standing, changes);
 	CHECK(ids_of(changes.enter) == Ids{8, 9, 7, 10});
 	CHECK(changes.leave == Ids{2, 3, 4});
+	CHECK(changes.gone == 0);
 }
 
 TEST_CASE("near set: both ends of the range count as near, in space") {
@@ -119,6 +120,7 @@ TEST_CASE("near set: what stands no longer leaves first of all") {
 	set.look(centers, {6.0, 8.0}, standing, changes);
 	CHECK(changes.enter.empty());
 	CHECK(changes.leave == Ids{3, 2, 6, 5});
+	CHECK(changes.gone == 2);
 }
 
 TEST_CASE("near set: what stands otherwise leaves and enters again") {
@@ -138,6 +140,7 @@ TEST_CASE("near set: what stands otherwise leaves and enters again") {
 	standing[4].position.x = 6.0; // Between enter and leave: it was held, so it comes back.
 	set.look(centers, {5.0, 7.0}, standing, changes);
 	CHECK(changes.leave == Ids{5, 4, 3, 2});
+	CHECK(changes.gone == 4);
 	CHECK(ids_of(changes.enter) == Ids{2, 3, 4, 5});
 	follow(set, changes);
 	set.look(centers, {5.0, 7.0}, standing, changes);

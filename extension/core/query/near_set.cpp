@@ -79,6 +79,7 @@ void NearSet::look(std::span<const glm::dvec3> centers, const NearRange &range,
 		}
 	}
 	r_changes.leave.clear();
+	r_changes.gone = gone_.size();
 	for (std::vector<Distant> *part : {&gone_, &leaving_}) {
 		std::sort(part->begin(), part->end(), [](const Distant &a, const Distant &b) {
 			return a.distance_squared != b.distance_squared ? a.distance_squared > b.distance_squared : a.id < b.id;

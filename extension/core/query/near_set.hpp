@@ -25,6 +25,7 @@ struct NearChanges {
 
 	/// What stands no longer, or not as it did, then the others; of each the farthest first.
 	std::vector<std::uint64_t> leave;
+	std::size_t gone = 0; ///< How many of `leave` stand no longer, or not as they did.
 };
 
 /// Which instances of a layer are near enough to some centres to be worth a body or a scene. It says what should come and go; its owner
