@@ -38,11 +38,10 @@ struct InstanceShape {
 struct QueryLayer {
 	bool wanted = true;      ///< False for a layer of which nothing stands.
 	PointSet set;            ///< set.layer is at most max_state_layer.
-	double tile_size = 64.0; ///< Metres, of the tiles that the source has.
+	double tile_size = 64.0; ///< Metres, of the tiles that the source has; 0.01 to 1e15.
 	InstanceShape shape;
-	double max_scale = 1.0; ///< The largest that an instance of the set can have,
-	double max_offset =
-			0.0; ///< and the farthest that it can stand from its point in the plane, metres (offset_along_normal).
+	double max_scale = 1.0;  ///< The largest that an instance of the set can have; 0 to 1e4.
+	double max_offset = 0.0; ///< Metres from its point at most, in the plane (offset_along_normal); 0 to 1e4.
 };
 
 /// Where queries get tiles from.
@@ -83,8 +82,14 @@ struct NearestInstance {
 /// Asks what stands where: the points of the sets that pass their layer's rules, without those that a state has removed and with
 /// those that were placed by hand. The answers depend on the settings and the state alone, not on which tiles were there before.
 /// Works without an engine. All fields stay the caller's.
+///
+/// Coordinates and distances go to 1e15 metres; what is not finite or beyond is refused by its name, as is a wanted
+/// layer with a number that cannot be. After an error, which may be one of the tiles' source, the result is empty.
+/// Nothing of a set stands in a tile that is not wholly within the set's cells.
 struct InstanceQuery {
-	/// The most points, by the density of the sets, in the tiles that one query may look at; more are refused as `too_many_points`.
+	/// The most points, by the density of the sets, in the tiles that one query may look at (a tile counts as 16 at
+	/// least); more are refused as `too_many_points`, by the name of what makes the query large: rect, radius, to or
+	/// max_distance.
 	static constexpr double max_points = 4e6;
 
 	std::span<const QueryLayer> layers;
@@ -108,7 +113,8 @@ struct InstanceQuery {
 	Status nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 			std::vector<NearestInstance> &r_found) const;
 
-	/// The instance of that id, if it stands. Replaces `r_found` by one or none. Looks at four tiles at most.
+	/// The instance of that id, if it stands. Replaces `r_found` by one or none. Looks at four tiles at
+	/// most; where a layer's tiles are smaller than the squares of its set, it has the set itself say which one.
 	Status by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
 	/// The same, removed or not: where a point of the set would stand by its layer's rules.

@@ -1,0 +1,182 @@
+#include "core/query/instance_query.hpp"
+
+#include "core/base/check.hpp"
+#include "core/query/tile_content.hpp"
+#include "core/query/tile_window.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+Status check_rect(const Rect &rect) {
+	for (const double bound : {rect.min.x, rect.min.y, rect.max.x, rect.max.y}) {
+		if (const Status status = check_range("rect", bound, -max_query_coordinate, max_query_coordinate);
+				!status.ok()) {
+			return status;
+		}
+	}
+	const glm::dvec2 size = rect.size();
+	if (size.x < 0.0 || size.y < 0.0) {
+		return {ErrorCode::inverted, "rect", std::min(size.x, size.y)};
+	}
+	return {};
+}
+
+Status check_sphere(glm::dvec3 center, double radius) {
+	return first_failure(check_place("center", center), check_range("radius", radius, 0.0, max_query_coordinate));
+}
+
+/// All of one layer that stand in tiles that are looked at and, by `inside` of their position, in the area; by id.
+template <class Inside>
+class Gathering {
+public:
+	Gathering(const InstanceQuery &query, const QueryFilter &filter, const Inside &inside) :
+			query_(query), filter_(filter), inside_(inside) {}
+
+	/// Adds what stands in tiles of one layer.
+	Status add(std::span<const InstanceQuery::Tile> tiles, std::vector<PlacedInstance> &r_found) {
+		refs_.clear();
+		tiles_.clear();
+		for (const InstanceQuery::Tile &each : tiles) {
+			std::shared_ptr<const TileInstances> content;
+			if (const Status status = query_.tiles.find_tile(each.layer, each.tile, content); !status.ok()) {
+				return status;
+			}
+			if (content != nullptr) {
+				look_at(*content, RemovedPoints(query_.state, query_.layers[each.layer].set.layer));
+				tiles_.push_back(std::move(content));
+			}
+		}
+		sort_by_id(refs_);
+		for (const InstanceRef &ref : refs_) {
+			keep(placed_instance(ref.id, tiles.front().layer, ref.mesh, tiles_[ref.tile]->origin, ref.transform),
+					r_found);
+		}
+		return {};
+	}
+
+	/// Adds what was placed by hand: their ids come after all others of their layer.
+	void add_hand_placed(std::uint32_t place, const Rect &rect, std::vector<PlacedInstance> &r_found) {
+		for_hand_placed(query_, place, rect, [&](std::uint64_t id, const AddedInstance &added) {
+			if (inside_(added.position)) {
+				keep(placed_instance(id, place, added), r_found);
+			}
+		});
+	}
+
+private:
+	void look_at(const TileInstances &content, const RemovedPoints &removed) {
+		const auto tile = static_cast<std::uint32_t>(tiles_.size());
+		for (std::size_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
+			const MeshInstances &instances = content.meshes[mesh];
+			const float *transform = instances.buffer.data();
+			for (const std::uint64_t id : instances.ids) {
+				if (inside_(position_of(content.origin, transform)) && !removed.holds(id)) {
+					refs_.push_back({id, transform, tile, static_cast<std::uint32_t>(mesh)});
+				}
+				transform += instances.stride;
+			}
+		}
+	}
+
+	void keep(const PlacedInstance &placed, std::vector<PlacedInstance> &r_found) const {
+		if (!filter_.accepts || filter_.accepts(placed)) {
+			r_found.push_back(placed);
+		}
+	}
+
+	const InstanceQuery &query_;
+	const QueryFilter &filter_;
+	const Inside &inside_;
+	std::vector<InstanceRef> refs_;
+	std::vector<std::shared_ptr<const TileInstances>> tiles_;
+};
+
+template <class Inside>
+Status gather(const InstanceQuery &query, const QueryFilter &filter, const QueryArea &area, const Inside &inside,
+		std::vector<PlacedInstance> &r_found) {
+	std::vector<std::uint32_t> places;
+	std::vector<InstanceQuery::Tile> tiles;
+	r_found.clear();
+	if (const Status status = find_places(query.layers, filter, places); !status.ok()) {
+		return status;
+	}
+	if (const Status status = find_tiles(query.layers, places, area, tiles); !status.ok()) {
+		return status;
+	}
+	Gathering gathering(query, filter, inside);
+	auto next = tiles.begin();
+	for (const std::uint32_t place : places) {
+		const auto first = next;
+		next = std::find_if(first, tiles.end(), [&](const InstanceQuery::Tile &tile) { return tile.layer != place; });
+		if (const Status status = gathering.add({first, next}, r_found); !status.ok()) {
+			r_found.clear();
+			return status;
+		}
+		gathering.add_hand_placed(place, area.rect, r_found);
+	}
+	return {};
+}
+
+QueryArea area_of(const Rect &rect) { return {.property = "rect", .rect = rect, .center = rect.center()}; }
+
+QueryArea area_of(glm::dvec3 center, double radius) {
+	const glm::dvec2 middle(center.x, center.z);
+	return {.property = "radius", .rect = rect_around(middle, radius), .center = middle, .radius = radius};
+}
+
+Status tiles_in(std::span<const QueryLayer> layers, const QueryFilter &filter, const QueryArea &area,
+		std::vector<InstanceQuery::Tile> &r_tiles) {
+	std::vector<std::uint32_t> places;
+	r_tiles.clear();
+	const Status status = find_places(layers, filter, places);
+	return status.ok() ? find_tiles(layers, places, area, r_tiles) : status;
+}
+
+} // namespace
+
+Status InstanceQuery::in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
+	if (const Status status = check_rect(rect); !status.ok()) {
+		r_found.clear();
+		return status;
+	}
+	const auto inside = [rect](glm::dvec3 position) {
+		return rect.contains({position.x, position.z});
+	};
+	return gather(*this, filter, area_of(rect), inside, r_found);
+}
+
+Status InstanceQuery::in_sphere(
+		glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
+	if (const Status status = check_sphere(center, radius); !status.ok()) {
+		r_found.clear();
+		return status;
+	}
+	const auto inside = [center, squared = radius * radius](glm::dvec3 position) {
+		return squared_length(position - center) <= squared;
+	};
+	return gather(*this, filter, area_of(center, radius), inside, r_found);
+}
+
+Status InstanceQuery::tiles_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const {
+	if (const Status status = check_rect(rect); !status.ok()) {
+		r_tiles.clear();
+		return status;
+	}
+	return tiles_in(layers, filter, area_of(rect), r_tiles);
+}
+
+Status InstanceQuery::tiles_in_sphere(
+		glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<Tile> &r_tiles) const {
+	if (const Status status = check_sphere(center, radius); !status.ok()) {
+		r_tiles.clear();
+		return status;
+	}
+	return tiles_in(layers, filter, area_of(center, radius), r_tiles);
+}
+
+} // namespace thicket

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "core/query/instance_query.hpp"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+namespace thicket {
+
+/// A straight way from one place to another; world metres.
+struct Ray {
+	glm::dvec3 from{0.0};
+	glm::dvec3 along{0.0}; ///< To the other end.
+
+	glm::dvec3 at(double share) const { return from + share * along; }
+};
+
+/// A part of a ray, as shares of its length. Empty where the end lies before the start.
+struct RayPart {
+	double start = 0.0;
+	double end = 1.0;
+
+	bool empty() const { return !(start <= end); }
+};
+
+/// The part of `part` that lies between two values on one axis.
+RayPart clipped(RayPart part, double from, double along, double low, double high);
+
+/// Metres that a place on a ray may be off by.
+double rounding_of(const Ray &ray);
+
+/// Metres from an instance's origin at which the cylinder of an instance of that scale ends at the farthest, with what rounds off.
+double cylinder_reach(const InstanceShape &shape, double scale);
+
+/// Which places a ray passes within some metres of; never misses one.
+class ReachTest {
+public:
+	ReachTest(const Ray &ray, double reach);
+
+	bool place(glm::dvec3 place) const;
+
+	/// The same of all places in a box; may say yes to more.
+	bool box(glm::dvec3 min, glm::dvec3 max) const;
+
+private:
+	Ray ray_;
+	double reach_;
+	double per_squared_length_; ///< 0 for a ray of no length.
+};
+
+/// The part of a ray inside a closed cylinder that stands for an instance: its radius and height in the instance's own space, from its
+/// origin along its y axis. Empty where they do not meet, and for a basis that has no inverse.
+RayPart inside_cylinder(const Ray &ray, const InstanceShape &shape, glm::dvec3 position, const glm::mat3 &basis);
+
+} // namespace thicket

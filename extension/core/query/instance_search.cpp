@@ -1,0 +1,207 @@
+#include "core/query/instance_query.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/tile_grid.hpp"
+#include "core/query/candidates.hpp"
+#include "core/query/instance_ray.hpp"
+#include "core/query/search_tiles.hpp"
+#include "core/query/tile_content.hpp"
+#include "core/query/tile_window.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace thicket {
+
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// The order of a heap with the first on top.
+bool later(const SearchTile &a, const SearchTile &b) { return a.from > b.from; }
+
+/// Looks for the first of all that stand in some tiles. `look(layer, content, candidates)` adds what a tile holds.
+template <class Look>
+Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candidates &candidates, const Look &look,
+		bool &r_found) {
+	std::make_heap(tiles.begin(), tiles.end(), later);
+	r_found = false;
+	while (!tiles.empty() && !r_found) {
+		const SearchTile next = tiles.front();
+		r_found = candidates.settle(next.from);
+		if (r_found) {
+			return {};
+		}
+		std::pop_heap(tiles.begin(), tiles.end(), later);
+		tiles.pop_back();
+		std::shared_ptr<const TileInstances> content;
+		if (const Status status = query.tiles.find_tile(next.layer, next.tile, content); !status.ok()) {
+			return status;
+		}
+		if (content != nullptr) {
+			look(next.layer, *content, candidates);
+		}
+	}
+	r_found = candidates.settle(never);
+	return {};
+}
+
+// The nearest.
+
+/// Looks at instances by their distance from a place; `at` is its square.
+struct NearestLook {
+	const InstanceQuery &query;
+	glm::dvec3 position;
+	double max_squared;
+
+	void operator()(std::uint32_t layer, const TileInstances &content, Candidates &r_candidates) const {
+		const RemovedPoints removed(query.state, query.layers[layer].set.layer);
+		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
+			const MeshInstances &instances = content.meshes[mesh];
+			const float *transform = instances.buffer.data();
+			for (const std::uint64_t id : instances.ids) {
+				const double squared = squared_length(position_of(content.origin, transform) - position);
+				if (squared <= std::min(max_squared, r_candidates.limit()) && !removed.holds(id)) {
+					r_candidates.add({squared, placed_instance(id, layer, mesh, content.origin, transform)});
+				}
+				transform += instances.stride;
+			}
+		}
+	}
+
+	void hand_placed(std::uint32_t layer, const Rect &rect, Candidates &r_candidates) const {
+		for_hand_placed(query, layer, rect, [&](std::uint64_t id, const AddedInstance &added) {
+			const double squared = squared_length(added.position - position);
+			if (squared <= std::min(max_squared, r_candidates.limit())) {
+				r_candidates.add({squared, placed_instance(id, layer, added)});
+			}
+		});
+	}
+};
+
+// Along a ray.
+
+Rect rect_along(const Ray &ray, double distance) {
+	const glm::dvec3 to = ray.at(1.0);
+	const Rect from = rect_around({ray.from.x, ray.from.z}, distance);
+	const Rect until = rect_around({to.x, to.z}, distance);
+	return {glm::min(from.min, until.min), glm::max(from.max, until.max)};
+}
+
+/// What a ray meets of one layer; `at` is a share of its length.
+struct RayLook {
+	const InstanceQuery &query;
+	Ray ray;
+
+	void operator()(std::uint32_t layer, const TileInstances &content, Candidates &r_candidates) const {
+		const QueryLayer &settings = query.layers[layer];
+		const RemovedPoints removed(query.state, settings.set.layer);
+		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
+			const MeshInstances &instances = content.meshes[mesh];
+			const ReachTest reached(ray, cylinder_reach(settings.shape, double{instances.max_scale}));
+			if (!reached.box(content.origin + glm::dvec3(instances.min), content.origin + glm::dvec3(instances.max))) {
+				continue;
+			}
+			const float *transform = instances.buffer.data();
+			for (const std::uint64_t id : instances.ids) {
+				if (reached.place(position_of(content.origin, transform)) && !removed.holds(id)) {
+					meet(placed_instance(id, layer, mesh, content.origin, transform), r_candidates);
+				}
+				transform += instances.stride;
+			}
+		}
+	}
+
+	void hand_placed(std::uint32_t layer, Candidates &r_candidates) const {
+		if (query.state == nullptr) {
+			return;
+		}
+		const QueryLayer &settings = query.layers[layer];
+		// Their axes may have any lengths and angles.
+		const double reach = (std::numbers::sqrt2 * settings.shape.radius + settings.shape.height) *
+				query.state->max_added_scale(settings.set.layer);
+		for_hand_placed(query, layer, rect_along(ray, reach), [&](std::uint64_t id, const AddedInstance &added) {
+			meet(placed_instance(id, layer, added), r_candidates);
+		});
+	}
+
+private:
+	void meet(const PlacedInstance &placed, Candidates &r_candidates) const {
+		const RayPart part = inside_cylinder(ray, query.layers[placed.layer].shape, placed.position, placed.basis);
+		if (!part.empty() && part.start <= r_candidates.limit()) {
+			r_candidates.add({part.start, placed});
+		}
+	}
+};
+
+} // namespace
+
+Status InstanceQuery::nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
+		std::vector<NearestInstance> &r_found) const {
+	r_found.clear();
+	std::vector<std::uint32_t> places;
+	Status status = first_failure(check_place("position", position),
+			check_range("max_distance", max_distance, 0.0, max_query_coordinate), find_places(layers, filter, places));
+	if (!status.ok()) {
+		return status;
+	}
+	const glm::dvec2 center(position.x, position.z);
+	const Rect around = rect_around(center, max_distance);
+	std::vector<Tile> wanted;
+	status = find_tiles(layers, places,
+			{.property = "max_distance", .rect = around, .center = center, .radius = max_distance}, wanted);
+	if (!status.ok()) {
+		return status;
+	}
+	std::vector<SearchTile> searched;
+	for (const Tile &each : wanted) {
+		const Rect area = TileWindow(layers[each.layer]).standing_area(each.tile);
+		searched.push_back({distance_squared(area, center), each.layer, each.tile});
+	}
+	Candidates candidates(filter);
+	const NearestLook look{*this, position, max_distance * max_distance};
+	for (const std::uint32_t place : places) {
+		look.hand_placed(place, around, candidates);
+	}
+	bool found = false;
+	status = search(*this, searched, candidates, look, found);
+	if (found) {
+		r_found.push_back({candidates.answer().instance, std::sqrt(candidates.answer().at)});
+	}
+	return status;
+}
+
+Status InstanceQuery::on_ray(
+		glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const {
+	r_hit.clear();
+	std::vector<std::uint32_t> places;
+	Status status =
+			first_failure(check_place("from", from), check_place("to", to), find_places(layers, filter, places));
+	if (!status.ok()) {
+		return status;
+	}
+	const Ray ray{from, to - from};
+	std::vector<SearchTile> tiles_on_way;
+	status = find_ray_tiles(layers, places, ray, tiles_on_way);
+	if (!status.ok()) {
+		return status;
+	}
+	Candidates candidates(filter);
+	const RayLook look{*this, ray};
+	for (const std::uint32_t place : places) {
+		look.hand_placed(place, candidates);
+	}
+	bool found = false;
+	status = search(*this, tiles_on_way, candidates, look, found);
+	if (found) {
+		const double length = std::sqrt(squared_length(ray.along));
+		r_hit.push_back({candidates.answer().instance, candidates.answer().at * length});
+	}
+	return status;
+}
+
+} // namespace thicket

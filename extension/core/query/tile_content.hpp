@@ -1,0 +1,60 @@
+#pragma once
+
+#include "core/query/instance_query.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace thicket {
+
+/// An instance that lies in a tile's buffers.
+struct InstanceRef {
+	std::uint64_t id = 0;
+	const float *transform = nullptr; ///< transform_floats of them.
+	std::uint32_t tile = 0;           ///< Of those that a query has looked at.
+	std::uint32_t mesh = 0;
+};
+
+/// Where an instance stands; world metres.
+inline glm::dvec3 position_of(glm::dvec3 origin, const float *transform) {
+	return origin + glm::dvec3(transform[3], transform[7], transform[11]);
+}
+
+/// An instance of a tile, read out of its buffer.
+PlacedInstance placed_instance(
+		std::uint64_t id, std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const float *transform);
+
+/// A hand-placed one.
+PlacedInstance placed_instance(std::uint64_t id, std::uint32_t layer, const AddedInstance &added);
+
+/// Whether the state has removed a point of the set. Asks once whether there is anything to ask, not for every point.
+class RemovedPoints {
+public:
+	RemovedPoints(const InstanceState *state, std::uint16_t layer) :
+			state_(state != nullptr && state->any_removed(layer) ? state : nullptr) {}
+
+	bool holds(std::uint64_t id) const { return state_ != nullptr && state_->removed(id); }
+
+private:
+	const InstanceState *state_;
+};
+
+/// Calls `visit(id, added)` for every hand-placed instance of a layer in a half-open rectangle, by id. What `visit` removes is left out.
+template <class Visit>
+void for_hand_placed(const InstanceQuery &query, std::uint32_t layer, const Rect &rect, const Visit &visit) {
+	if (query.state == nullptr) {
+		return;
+	}
+	std::vector<std::uint64_t> ids;
+	query.state->added_in(query.layers[layer].set.layer, rect, ids);
+	for (const std::uint64_t id : ids) {
+		if (const AddedInstance *added = query.state->added(id); added != nullptr) {
+			visit(id, *added);
+		}
+	}
+}
+
+/// Sorts by id.
+void sort_by_id(std::vector<InstanceRef> &r_refs);
+
+} // namespace thicket

@@ -1,0 +1,146 @@
+#include "core/query/tile_window.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/instance_id.hpp"
+#include "core/base/tile_grid.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+constexpr double longest_shape = 1e4;
+
+struct Near {
+	double distance_squared;
+	glm::ivec2 tile;
+};
+
+/// Adds the tiles of one layer, and their points to `r_points`.
+Status add_tiles(std::uint32_t place, const QueryLayer &layer, const QueryArea &area,
+		std::vector<InstanceQuery::Tile> &r_tiles, double &r_points) {
+	const TileWindow window(layer);
+	const TileRange range = window.touching({area.rect.min - window.stray(), area.rect.max + window.stray()});
+	// A circle touches more than half of the tiles around it, so this refuses none that the count below would let pass.
+	const double most = r_points + range.count() * window.tile_points();
+	if (most > 2.0 * InstanceQuery::max_points) {
+		return {ErrorCode::too_many_points, area.property, most};
+	}
+	std::vector<Near> near;
+	for (std::int32_t y = range.first.y; y <= range.last.y; ++y) {
+		for (std::int32_t x = range.first.x; x <= range.last.x; ++x) {
+			const double distance = distance_squared(window.standing_area({x, y}), area.center);
+			if (distance <= area.radius * area.radius) {
+				near.push_back({distance, {x, y}});
+			}
+		}
+	}
+	r_points += static_cast<double>(near.size()) * window.tile_points();
+	if (r_points > InstanceQuery::max_points) {
+		return {ErrorCode::too_many_points, area.property, r_points};
+	}
+	std::sort(near.begin(), near.end(), [](const Near &a, const Near &b) {
+		return std::tie(a.distance_squared, a.tile.y, a.tile.x) < std::tie(b.distance_squared, b.tile.y, b.tile.x);
+	});
+	for (const Near &each : near) {
+		r_tiles.push_back({place, each.tile});
+	}
+	return {};
+}
+
+} // namespace
+
+double set_extent(const PointSet &set) { return lattice_unit(set) * (1 << lattice_bits) * cell_limit; }
+
+TileWindow::TileWindow(const QueryLayer &layer) :
+		size_(layer.tile_size), stray_(layer.max_offset + float_rounding * (layer.tile_size + layer.max_offset) +
+										double_rounding * set_extent(layer.set)),
+		tile_points_(std::max(fewest_points, point_density(layer.set) * layer.tile_size * layer.tile_size)) {
+	const double edge = set_extent(layer.set);
+	const double outermost = std::min(std::floor(edge / size_), double{max_tile_coordinate});
+	last_ = static_cast<std::int32_t>(outermost) - 1;
+	// The division rounds.
+	if ((last_ + 1.0) * size_ > edge) {
+		--last_;
+	}
+	first_ = -last_ - 1;
+}
+
+TileRange TileWindow::touching(const Rect &rect) const {
+	return {glm::max(tile_at(size_, rect.min), first_), glm::min(tile_at(size_, rect.max), last_)};
+}
+
+Rect TileWindow::standing_area(glm::ivec2 tile) const {
+	const Rect square = tile_rect(size_, tile);
+	return {square.min - stray_, square.max + stray_};
+}
+
+Status validate(const QueryLayer &layer) {
+	return first_failure(validate(layer.set), check_range("layer", layer.set.layer, 0, max_state_layer),
+			check_positive("tile_size", layer.tile_size),
+			check_range("tile_size", layer.tile_size, min_query_tile_size, max_query_coordinate),
+			check_range("instance_radius", layer.shape.radius, 0.0, longest_shape),
+			check_range("instance_height", layer.shape.height, 0.0, longest_shape),
+			check_range("max_scale", layer.max_scale, 0.0, max_placement_scale),
+			check_range("max_offset", layer.max_offset, 0.0, max_height_offset));
+}
+
+Status find_places(
+		std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_places) {
+	r_places = filter.layers;
+	if (r_places.empty()) {
+		r_places.resize(layers.size());
+		std::iota(r_places.begin(), r_places.end(), 0u);
+	}
+	std::sort(r_places.begin(), r_places.end());
+	r_places.erase(std::unique(r_places.begin(), r_places.end()), r_places.end());
+	if (!r_places.empty() && r_places.back() >= layers.size()) {
+		return {ErrorCode::out_of_range, "layer", static_cast<double>(r_places.back())};
+	}
+	std::erase_if(r_places, [&](std::uint32_t place) { return !layers[place].wanted; });
+	for (const std::uint32_t place : r_places) {
+		if (const Status status = validate(layers[place]); !status.ok()) {
+			return status;
+		}
+	}
+	return {};
+}
+
+Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> places, const QueryArea &area,
+		std::vector<InstanceQuery::Tile> &r_tiles) {
+	double points = 0.0;
+	r_tiles.clear();
+	if (area.rect.empty()) {
+		return {};
+	}
+	for (const std::uint32_t place : places) {
+		if (const Status status = add_tiles(place, layers[place], area, r_tiles, points); !status.ok()) {
+			r_tiles.clear();
+			return status;
+		}
+	}
+	return {};
+}
+
+Status check_place(const char *property, glm::dvec3 place) {
+	const auto check = [property](double value) {
+		return check_range(property, value, -max_query_coordinate, max_query_coordinate);
+	};
+	return first_failure(check(place.x), check(place.y), check(place.z));
+}
+
+Rect rect_around(glm::dvec2 center, double distance) {
+	const double size = std::max(std::abs(center.x), std::abs(center.y)) + distance;
+	const double far = distance + double_rounding * size + std::numeric_limits<double>::min();
+	return {center - far, center + far};
+}
+
+} // namespace thicket
