@@ -13,8 +13,8 @@ struct Candidate {
 	PlacedInstance instance;
 };
 
-/// What such a search has found so far. Asks the filter's `accepts` in the order of `at`, layer and id, and only for those that come
-/// before all that is still to be looked at.
+/// What such a search has found so far. Asks the filter's `accepts` in the order of `at`, layer and id, and only for
+/// those that come before all that is still to be looked at.
 class Candidates {
 public:
 	explicit Candidates(const QueryFilter &filter) : filter_(filter) {}
@@ -24,7 +24,8 @@ public:
 
 	void add(const Candidate &candidate);
 
-	/// Looks for the answer among those before `until`, where everything that was not added yet comes later. True if there is one.
+	/// Looks for the answer among those before `until`, where everything that was not added yet comes later. True if
+	/// there is one.
 	bool settle(double until);
 
 	/// After `settle` was true.

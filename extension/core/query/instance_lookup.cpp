@@ -19,15 +19,10 @@ namespace {
 /// Tiles that a cell of a point set may touch before it is cheaper to ask the set where its point lies.
 constexpr double most_tiles = 4.0;
 
-/// The base square that an id names, and a little more: the edges of cells and tiles are rounded.
-Rect square_of(const PointSet &set, std::uint64_t id) {
-	const double side = lattice_unit(set) * (1 << lattice_bits);
-	return rect_around((glm::dvec2(unpack(id).cell) + 0.5) * side, 0.5 * side);
-}
-
-/// The tile in which the point of a cell lies, of a layer whose tiles are smaller than its cells; none if the cell holds none.
+/// The tile in which the point of a cell lies, of a layer whose tiles are smaller than its cells; none if the cell
+/// holds none.
 Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, TileRange &r_tiles) {
-	const Rect square = square_of(layer.set, id);
+	const Rect square = cell_rect(layer.set, id);
 	const double edge = set_extent(layer.set);
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -46,7 +41,7 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, TileRange &
 
 /// The tiles that may hold a point of the set.
 Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, TileRange &r_tiles) {
-	r_tiles = TileWindow(layer).touching(square_of(layer.set, id));
+	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
 	return r_tiles.count() > most_tiles ? find_tile_of_point(layer, id, r_tiles) : Status{};
 }
 

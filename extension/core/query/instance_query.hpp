@@ -28,7 +28,8 @@ struct PlacedInstance {
 	glm::mat3 basis{1.0f};    ///< Rotation and scale.
 };
 
-/// The cylinder that stands for an instance where only its place is known: from its origin along its own up axis, metres at scale 1.
+/// The cylinder that stands for an instance where only its place is known: from its origin along its own up axis,
+/// metres at scale 1.
 struct InstanceShape {
 	double radius = 0.5; ///< 0 to 1e4.
 	double height = 2.0; ///< 0 to 1e4.
@@ -49,8 +50,8 @@ class TileSource {
 public:
 	virtual ~TileSource() = default;
 
-	/// What stands in a tile of a layer by its rules, removed ones included, hand-placed ones not. May make it. Null, without an error,
-	/// where there is nothing to be had for now: such a tile counts as empty.
+	/// What stands in a tile of a layer by its rules, removed ones included, hand-placed ones not. May make it. Null,
+	/// without an error, where there is nothing to be had for now: such a tile counts as empty.
 	virtual Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) = 0;
 
 protected:
@@ -63,7 +64,8 @@ protected:
 struct QueryFilter {
 	std::vector<std::uint32_t> layers; ///< Places in the list of layers; none for all.
 
-	/// Asked last, in the order of the ids or of the distance, and only for what would be an answer otherwise. None: all pass.
+	/// Asked last, in the order of the ids or of the distance, and only for what would be an answer otherwise. None:
+	/// all pass.
 	std::function<bool(const PlacedInstance &)> accepts;
 };
 
@@ -79,9 +81,9 @@ struct NearestInstance {
 	double distance = 0.0; ///< Metres from the place to the instance's origin, in space.
 };
 
-/// Asks what stands where: the points of the sets that pass their layer's rules, without those that a state has removed and with
-/// those that were placed by hand. The answers depend on the settings and the state alone, not on which tiles were there before.
-/// Works without an engine. All fields stay the caller's.
+/// Asks what stands where: the points of the sets that pass their layer's rules, without those that a state has removed
+/// and with those that were placed by hand. The answers depend on the settings and the state alone, not on which tiles
+/// were there before. Works without an engine. All fields stay the caller's.
 ///
 /// Coordinates and distances go to 1e15 metres; what is not finite or beyond is refused by its name, as is a wanted
 /// layer with a number that cannot be. After an error, which may be one of the tiles' source, the result is empty.
@@ -96,20 +98,22 @@ struct InstanceQuery {
 	TileSource &tiles;
 	const InstanceState *state = nullptr; ///< Null: nothing was changed.
 
-	/// Instances whose origin lies in the half-open `rect` (world metres of x and z), by layer, then id. Replaces `r_found`. A
-	/// rectangle that is inverted or not finite is refused as `rect`, a layer that is not there as `layer`.
+	/// Instances whose origin lies in the half-open `rect` (world metres of x and z), by layer, then id. Replaces
+	/// `r_found`. A rectangle that is inverted or not finite is refused as `rect`, a layer that is not there as
+	/// `layer`.
 	Status in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
 	/// Instances whose origin lies within `radius` metres (0 or more) of `center`, in space, by layer, then id.
 	Status in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
-	/// The first instance whose cylinder (InstanceShape, scaled, turned and tilted with the instance) the ray from `from` to `to` meets; of
-	/// several at the same distance the smallest (layer, id). A ray that starts inside meets it at 0. Replaces `r_hit` by one or none.
+	/// The first instance whose cylinder (InstanceShape, scaled, turned and tilted with the instance) the ray from
+	/// `from` to `to` meets; of several at the same distance the smallest (layer, id). A ray that starts inside meets
+	/// it at 0. Replaces `r_hit` by one or none.
 	Status on_ray(glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const;
 
-	/// The instance nearest to `position` in space, at most `max_distance` metres (0 or more) away; ties as above. Replaces `r_found`
-	/// by one or none.
+	/// The instance nearest to `position` in space, at most `max_distance` metres (0 or more) away; ties as above.
+	/// Replaces `r_found` by one or none.
 	Status nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 			std::vector<NearestInstance> &r_found) const;
 

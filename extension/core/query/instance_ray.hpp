@@ -29,7 +29,8 @@ RayPart clipped(RayPart part, double from, double along, double low, double high
 /// Metres that a place on a ray may be off by.
 double rounding_of(const Ray &ray);
 
-/// Metres from an instance's origin at which the cylinder of an instance of that scale ends at the farthest, with what rounds off.
+/// Metres from an instance's origin at which the cylinder of an instance of that scale ends at the farthest, with what
+/// rounds off.
 double cylinder_reach(const InstanceShape &shape, double scale);
 
 /// Which places a ray passes within some metres of; never misses one.
@@ -48,8 +49,8 @@ private:
 	double per_squared_length_; ///< 0 for a ray of no length.
 };
 
-/// The part of a ray inside a closed cylinder that stands for an instance: its radius and height in the instance's own space, from its
-/// origin along its y axis. Empty where they do not meet, and for a basis that has no inverse.
+/// The part of a ray inside a closed cylinder that stands for an instance: its radius and height in the instance's own
+/// space, from its origin along its y axis. Empty where they do not meet, and for a basis that has no inverse.
 RayPart inside_cylinder(const Ray &ray, const InstanceShape &shape, glm::dvec3 position, const glm::mat3 &basis);
 
 } // namespace thicket

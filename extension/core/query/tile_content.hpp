@@ -39,7 +39,8 @@ private:
 	const InstanceState *state_;
 };
 
-/// Calls `visit(id, added)` for every hand-placed instance of a layer in a half-open rectangle, by id. What `visit` removes is left out.
+/// Calls `visit(id, added)` for every hand-placed instance of a layer in a half-open rectangle, by id. What `visit`
+/// removes is left out.
 template <class Visit>
 void for_hand_placed(const InstanceQuery &query, std::uint32_t layer, const Rect &rect, const Visit &visit) {
 	if (query.state == nullptr) {

@@ -29,7 +29,8 @@ struct TileRange {
 	double count() const { return empty() ? 0.0 : (1.0 + last.x - first.x) * (1.0 + last.y - first.y); }
 };
 
-/// The cells of a set lie within so many metres of the origin: the same product as where the sampler refuses what lies beyond.
+/// The cells of a set lie within so many metres of the origin: the same product as where the sampler refuses what lies
+/// beyond.
 double set_extent(const PointSet &set);
 
 /// Which tiles of a layer there are, and how far off its tile an instance may stand.
@@ -38,13 +39,15 @@ public:
 	/// `layer` is valid.
 	explicit TileWindow(const QueryLayer &layer);
 
-	/// The tiles that touch a rectangle, which may be as large as it likes; those alone that lie within the cells of the set.
+	/// The tiles that touch a rectangle, which may be as large as it likes; those alone that lie within the cells of
+	/// the set.
 	TileRange touching(const Rect &rect) const;
 
 	/// The square of a tile, grown to where its instances may stand.
 	Rect standing_area(glm::ivec2 tile) const;
 
-	/// Metres from its tile, in the plane, at which an instance may stand: offset_along_normal, and what floats round off.
+	/// Metres from its tile, in the plane, at which an instance may stand: offset_along_normal, and what floats round
+	/// off.
 	double stray() const { return stray_; }
 
 	/// Points in a tile, by the density of the set; fewest_points at least.
@@ -64,7 +67,8 @@ private:
 /// Refuses a layer with a number outside the range that its docstring gives, and a point set that is refused.
 Status validate(const QueryLayer &layer);
 
-/// The wanted layers that a filter names, ascending, once each. Refuses one that is not there, and a wanted one that is not valid.
+/// The wanted layers that a filter names, ascending, once each. Refuses one that is not there, and a wanted one that is
+/// not valid.
 Status find_places(std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_places);
 
 /// Metres; nothing is asked beyond.
@@ -79,8 +83,8 @@ struct QueryArea {
 	double radius = std::numeric_limits<double>::infinity(); ///< Only within so many metres of the centre.
 };
 
-/// The tiles of some layers that have to be looked at for all whose origin lies in an area, by layer and nearest to its centre first.
-/// Replaces `r_tiles`; refuses more than InstanceQuery::max_points in all of them, and then leaves none.
+/// The tiles of some layers that have to be looked at for all whose origin lies in an area, by layer and nearest to its
+/// centre first. Replaces `r_tiles`; refuses more than InstanceQuery::max_points in all of them, and then leaves none.
 Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> places, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles);
 
