@@ -16,6 +16,7 @@ const SETTINGS := {
 	&"flower": {"sway": 0.07, "translucency": 0.5, "tint_range": 0.12, "fade_end": 75.0},
 	&"reed": {"sway": 0.14, "translucency": 0.5, "tint_range": 0.25, "fade_end": 150.0},
 	&"stone": {"fade_end": 480.0},
+	&"stump": {"tint_range": 0.2, "fade_end": 200.0},
 }
 
 static var _made := {}

@@ -16,10 +16,11 @@ const SPECIES := {
 	&"flower": preload("res://meshes/flower.gd"),
 	&"reed": preload("res://meshes/reed.gd"),
 	&"stone": preload("res://meshes/stone.gd"),
+	&"stump": preload("res://meshes/stump.gd"),
 }
 
 ## The builder to use, one of the keys of [constant SPECIES].
-@export_enum("oak", "spruce", "shrub", "fern", "grass", "flower", "reed", "stone") var species := "oak":
+@export_enum("oak", "spruce", "shrub", "fern", "grass", "flower", "reed", "stone", "stump") var species := "oak":
 	set(value):
 		if not SPECIES.has(StringName(value)):
 			push_error("species must be one of %s, got '%s'" % [", ".join(SPECIES.keys()), value])

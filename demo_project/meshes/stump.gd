@@ -1,0 +1,42 @@
+extends RefCounted
+## What is left of a tree: half a metre of trunk with its roots, and pale wood on top. Variant 0 has the oak's trunk, 1 the
+## spruce's.
+
+const Builder := preload("res://meshes/mesh_builder.gd")
+## Metres from the ground to the cut.
+const HEIGHT := 0.5
+const BARKS: Array[Color] = [Color(0.21, 0.175, 0.14), Color(0.22, 0.16, 0.12)]
+## Radii of the trunks at the cut, in metres.
+const RADII: Array[float] = [0.46, 0.34]
+const WOOD := Color(0.56, 0.4, 0.22)
+const RING := Color(0.38, 0.25, 0.13)
+
+
+## Fills [param mesh] with the stump that [param variant] names.
+static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+	var kind := variant % RADII.size()
+	var builder := Builder.new()
+	for sides: int in [12, 7, 4]:
+		builder.begin_level()
+		builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 0.12, 0.0), RADII[kind] * 1.9, RADII[kind] * 1.15, sides,
+				BARKS[kind] * 0.8, 0.0, 0.0)
+		builder.tube(Vector3(0.0, 0.12, 0.0), Vector3(0.0, HEIGHT, 0.0), RADII[kind] * 1.15, RADII[kind], sides,
+				BARKS[kind], 0.0, 0.0)
+		_top(builder, RADII[kind], sides)
+	builder.commit(mesh, PackedFloat32Array([18.0, 60.0]), material)
+
+
+## The cut, with a few rings of the tree's years.
+static func _top(builder: Builder, radius: float, sides: int) -> void:
+	var rings := 5 if sides > 8 else 1
+	var inner: Array[int] = []
+	for ring in rings + 1:
+		var color := WOOD if ring % 2 == 0 else RING
+		var outer: Array[int] = []
+		for i in sides + 1:
+			var angle := TAU * i / sides
+			var out := Vector3(cos(angle), 0.0, sin(angle)) * radius * (ring + 0.001) / rings
+			outer.append(builder.vertex(out + Vector3.UP * HEIGHT, Vector3.UP, color, Builder.OPAQUE_UV, Vector2.ZERO))
+		for i in (sides if ring > 0 else 0):
+			builder.quad(inner[i], outer[i], outer[i + 1], inner[i + 1])
+		inner = outer
