@@ -2,40 +2,20 @@
 // layer in the order in which a tile has them. Prints rows of a Markdown table.
 //   bench_fields [rounds = 9] [seconds a measurement = 0.25]
 
+#include "tests/bench/common/command_line.hpp"
 #include "tests/bench/common/contest.hpp"
 
 #include "core/rules/clump_noise.hpp"
 #include "core/rules/curve_table.hpp"
 #include "core/rules/image_mask.hpp"
 #include "core/rules/painted_mask.hpp"
-#include "core/sampling/tile_sampler.hpp"
 
-#include <cstdio>
-#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
 
 namespace thicket::bench {
 namespace {
-
-void require(const Status &status) {
-	if (!status.ok()) {
-		std::fprintf(stderr, "bench_fields: %s\n", describe(status).c_str());
-		std::exit(EXIT_FAILURE);
-	}
-}
-
-/// The points of a tile of 200 m, about 7,500 of them.
-std::vector<glm::dvec2> places() {
-	std::vector<SamplePoint> points;
-	require(TileSampler().sample({.seed = 1, .radius = 2.0}, {{100.0, -300.0}, {300.0, -100.0}}, points));
-	std::vector<glm::dvec2> result;
-	for (const SamplePoint &point : points) {
-		result.push_back(point.position);
-	}
-	return result;
-}
 
 /// Strokes all over the tile, in pixels of a metre.
 PaintedMask painted() {
@@ -59,8 +39,8 @@ ImageMask image() {
 	return mask;
 }
 
-void run(int rounds, double seconds) {
-	const std::vector<glm::dvec2> at = places();
+void run(const Effort &effort) {
+	const std::vector<glm::dvec2> at = points_of({{100.0, -300.0}, {300.0, -100.0}});
 	std::vector<float> densities(at.size());
 	const PaintedMask mask = painted();
 	const PaintedMask empty;
@@ -70,16 +50,16 @@ void run(int rounds, double seconds) {
 	CurveTable curve;
 	require(curve.set(-300.0, -100.0, std::vector<float>(256, 0.5f)));
 	Contest contest(at.size());
-	for (int round = 0; round < rounds; ++round) {
-		contest.measure(0, "painted mask", seconds, [&] { require(mask.sample(at, densities)); });
-		contest.measure(1, "painted mask without paint", seconds, [&] { require(empty.sample(at, densities)); });
-		contest.measure(2, "image mask", seconds, [&] { require(picture.sample(at, densities)); });
-		contest.measure(3, "clumps", seconds, [&] {
+	for (int round = 0; round < effort.rounds; ++round) {
+		contest.measure(0, "painted mask", effort.seconds, [&] { require(mask.sample(at, densities)); });
+		contest.measure(1, "painted mask without paint", effort.seconds, [&] { require(empty.sample(at, densities)); });
+		contest.measure(2, "image mask", effort.seconds, [&] { require(picture.sample(at, densities)); });
+		contest.measure(3, "clumps", effort.seconds, [&] {
 			for (std::size_t i = 0; i < at.size(); ++i) {
 				densities[i] = static_cast<float>(clumps.at(at[i]));
 			}
 		});
-		contest.measure(4, "curve", seconds, [&] {
+		contest.measure(4, "curve", effort.seconds, [&] {
 			for (std::size_t i = 0; i < at.size(); ++i) {
 				densities[i] = static_cast<float>(curve.at(at[i].y));
 			}
@@ -92,11 +72,5 @@ void run(int rounds, double seconds) {
 } // namespace thicket::bench
 
 int main(int argument_count, char **arguments) {
-	const int rounds = argument_count > 1 ? std::atoi(arguments[1]) : 9;
-	const double seconds = argument_count > 2 ? std::atof(arguments[2]) : 0.25;
-	if (rounds < 1 || !(seconds > 0.0)) {
-		std::fprintf(stderr, "usage: bench_fields [rounds >= 1] [seconds > 0]\n");
-		return EXIT_FAILURE;
-	}
-	thicket::bench::run(rounds, seconds);
+	thicket::bench::run(thicket::bench::effort_of(argument_count, arguments));
 }

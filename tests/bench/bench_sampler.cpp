@@ -3,6 +3,7 @@
 //   bench_sampler [rounds = 9] [seconds a measurement = 0.25]
 
 #include "tests/bench/common/bridson.hpp"
+#include "tests/bench/common/command_line.hpp"
 #include "tests/bench/common/plain_bridson.hpp"
 #include "tests/bench/common/simd_targets.hpp"
 #include "tests/bench/common/timing.hpp"
@@ -10,17 +11,11 @@
 #include "core/sampling/tile_sampler.hpp"
 
 #include <array>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 namespace thicket::bench {
 namespace {
-
-struct Options {
-	int rounds = 9;
-	double seconds = 0.25;
-};
 
 constexpr std::array<int, 4> tile_sizes = {16, 32, 64, 128};
 
@@ -32,11 +27,7 @@ public:
 	std::size_t next() {
 		const glm::dvec2 corner = size_ * glm::dvec2(index_ % columns, index_ / columns);
 		++index_;
-		const Status status = sampler_.sample(set_, {corner, corner + size_}, points_);
-		if (!status.ok()) {
-			std::fprintf(stderr, "bench_sampler: %s\n", describe(status).c_str());
-			std::exit(EXIT_FAILURE);
-		}
+		require(sampler_.sample(set_, {corner, corner + size_}, points_));
 		const SampleStats &stats = sampler_.stats();
 		computed_ += static_cast<double>(stats.computed);
 		kept_ += static_cast<double>(stats.kept);
@@ -73,18 +64,18 @@ double bridson_rate(Method &method, int tile_size, std::uint64_t &seed, double s
 }
 
 /// One tile size: all methods in turn within each round, so that a disturbance hits all of them alike.
-void compare(int tile_size, const Options &options) {
+void compare(int tile_size, const Effort &effort) {
 	TileWalk plain_order(tile_size, 1);
 	TileWalk four_levels(tile_size, 4);
 	PlainBridson plain;
 	Bridson tuned;
 	std::uint64_t seed = 1;
 	Series sampler_rates, level_rates, plain_rates, tuned_rates;
-	for (int round = 0; round < options.rounds; ++round) {
-		sampler_rates.add(rate(options.seconds, [&] { return plain_order.next(); }));
-		plain_rates.add(bridson_rate(plain, tile_size, seed, options.seconds));
-		level_rates.add(rate(options.seconds, [&] { return four_levels.next(); }));
-		tuned_rates.add(bridson_rate(tuned, tile_size, seed, options.seconds));
+	for (int round = 0; round < effort.rounds; ++round) {
+		sampler_rates.add(rate(effort.seconds, [&] { return plain_order.next(); }));
+		plain_rates.add(bridson_rate(plain, tile_size, seed, effort.seconds));
+		level_rates.add(rate(effort.seconds, [&] { return four_levels.next(); }));
+		tuned_rates.add(bridson_rate(tuned, tile_size, seed, effort.seconds));
 	}
 	const std::string tile = "tiles of " + std::to_string(tile_size) + " r: ";
 	print_row(tile + "sampler, L = 1", sampler_rates, 1e-6, " M points/s");
@@ -103,14 +94,14 @@ void compare(int tile_size, const Options &options) {
 }
 
 /// Every instruction set in turn within each round, tiles of 64 r, L = 1.
-void compare_targets(const Options &options) {
+void compare_targets(const Effort &effort) {
 	const std::vector<SimdTarget> targets = simd_targets();
 	std::vector<Series> rates(targets.size());
 	TileWalk walk(64, 1);
-	for (int round = 0; round < options.rounds; ++round) {
+	for (int round = 0; round < effort.rounds; ++round) {
 		for (std::size_t i = 0; i < targets.size(); ++i) {
 			const ForcedTarget forced(targets[i]);
-			rates[i].add(rate(options.seconds, [&] { return walk.next(); }));
+			rates[i].add(rate(effort.seconds, [&] { return walk.next(); }));
 		}
 	}
 	for (std::size_t i = 0; i < targets.size(); ++i) {
@@ -123,19 +114,9 @@ void compare_targets(const Options &options) {
 
 int main(int argument_count, char **arguments) {
 	using namespace thicket::bench;
-	Options options;
-	if (argument_count > 1) {
-		options.rounds = std::atoi(arguments[1]);
-	}
-	if (argument_count > 2) {
-		options.seconds = std::atof(arguments[2]);
-	}
-	if (options.rounds < 1 || !(options.seconds > 0.0)) {
-		std::fprintf(stderr, "usage: bench_sampler [rounds >= 1] [seconds > 0]\n");
-		return EXIT_FAILURE;
-	}
+	const Effort effort = effort_of(argument_count, arguments);
 	for (const int tile_size : tile_sizes) {
-		compare(tile_size, options);
+		compare(tile_size, effort);
 	}
-	compare_targets(options);
+	compare_targets(effort);
 }

@@ -2,17 +2,15 @@
 // a tile has them; and to build what they are asked through. Prints rows of a Markdown table.
 //   bench_shapes [rounds = 9] [seconds a measurement = 0.25]
 
+#include "tests/bench/common/command_line.hpp"
 #include "tests/bench/common/contest.hpp"
 
 #include "core/rules/shapes.hpp"
-#include "core/sampling/tile_sampler.hpp"
 #include "core/terrain/triangle_terrain.hpp"
 
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -20,25 +18,7 @@
 namespace thicket::bench {
 namespace {
 
-void require(const Status &status) {
-	if (!status.ok()) {
-		std::fprintf(stderr, "bench_shapes: %s\n", describe(status).c_str());
-		std::exit(EXIT_FAILURE);
-	}
-}
-
 constexpr Rect tile{{-100.0, -100.0}, {100.0, 100.0}};
-
-/// The points of a tile of 200 m, about 7,500 of them.
-std::vector<glm::dvec2> places() {
-	std::vector<SamplePoint> points;
-	require(TileSampler().sample({.seed = 1, .radius = 2.0}, tile, points));
-	std::vector<glm::dvec2> result;
-	for (const SamplePoint &point : points) {
-		result.push_back(point.position);
-	}
-	return result;
-}
 
 /// A coast with bays of all sizes, which crosses the tile.
 std::vector<glm::dvec2> coast() {
@@ -102,18 +82,18 @@ std::vector<glm::dvec3> hills() {
 	return corners;
 }
 
-void run_shapes(int rounds, double seconds) {
-	const std::vector<glm::dvec2> at = places();
+void run_shapes(const Effort &effort) {
+	const std::vector<glm::dvec2> at = points_of(tile);
 	const std::vector<Contender> all = contenders();
 	std::vector<ShapeSet> sets(all.size());
 	std::vector<std::uint32_t> near;
 	volatile double sum = 0.0;
 	Contest contest(at.size());
 	Series set;
-	for (int round = 0; round < rounds; ++round) {
+	for (int round = 0; round < effort.rounds; ++round) {
 		for (std::size_t i = 0; i < all.size(); ++i) {
 			require(sets[i].set({all[i].shape}));
-			contest.measure(i, all[i].name, seconds, [&] {
+			contest.measure(i, all[i].name, effort.seconds, [&] {
 				sets[i].near(tile, near);
 				double tile_sum = 0.0;
 				for (const glm::dvec2 place : at) {
@@ -122,21 +102,21 @@ void run_shapes(int rounds, double seconds) {
 				sum = tile_sum;
 			});
 		}
-		set.add(1e3 / rate(seconds, [&] { return require(sets[6].set({all[6].shape})), 1; }));
+		set.add(1e3 / rate(effort.seconds, [&] { return require(sets[6].set({all[6].shape})), 1; }));
 	}
 	contest.print();
 	print_row("polygon of 65,536 corners: taken over after an edit", set, 1.0, " ms");
 }
 
-void run_triangles(int rounds, double seconds) {
-	const std::vector<glm::dvec2> at = places();
+void run_triangles(const Effort &effort) {
+	const std::vector<glm::dvec2> at = points_of(tile);
 	const std::vector<glm::dvec3> corners = hills();
 	TriangleTerrain terrain;
 	std::vector<Ground> ground(at.size());
 	Series set, ask;
-	for (int round = 0; round < rounds; ++round) {
-		set.add(1e3 / rate(seconds, [&] { return require(terrain.set(corners)), 1; }));
-		ask.add(1e9 / rate(seconds, [&] { return require(terrain.sample(at, ground)), at.size(); }));
+	for (int round = 0; round < effort.rounds; ++round) {
+		set.add(1e3 / rate(effort.seconds, [&] { return require(terrain.set(corners)), 1; }));
+		ask.add(1e9 / rate(effort.seconds, [&] { return require(terrain.sample(at, ground)), at.size(); }));
 	}
 	print_row("100,352 triangles: built", set, 1.0, " ms");
 	print_row("100,352 triangles: ground at a point", ask, 1.0, " ns", 1);
@@ -146,12 +126,7 @@ void run_triangles(int rounds, double seconds) {
 } // namespace thicket::bench
 
 int main(int argument_count, char **arguments) {
-	const int rounds = argument_count > 1 ? std::atoi(arguments[1]) : 9;
-	const double seconds = argument_count > 2 ? std::atof(arguments[2]) : 0.25;
-	if (rounds < 1 || !(seconds > 0.0)) {
-		std::fprintf(stderr, "usage: bench_shapes [rounds >= 1] [seconds > 0]\n");
-		return EXIT_FAILURE;
-	}
-	thicket::bench::run_shapes(rounds, seconds);
-	thicket::bench::run_triangles(rounds, seconds);
+	const thicket::bench::Effort effort = thicket::bench::effort_of(argument_count, arguments);
+	thicket::bench::run_shapes(effort);
+	thicket::bench::run_triangles(effort);
 }

@@ -2,13 +2,12 @@
 // the sampler on the same rectangles, in one run. Prints rows of a Markdown table.
 //   bench_tile [rounds = 9] [seconds a measurement = 0.25]
 
+#include "tests/bench/common/command_line.hpp"
 #include "tests/bench/common/hills.hpp"
 #include "tests/bench/common/timing.hpp"
 
 #include "core/placement/tile_builder.hpp"
 
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -56,11 +55,6 @@ LayerSettings feathered() {
 	return layer;
 }
 
-[[noreturn]] void fail(const Status &status) {
-	std::fprintf(stderr, "bench_tile: %s\n", describe(status).c_str());
-	std::exit(EXIT_FAILURE);
-}
-
 /// The same walk over tiles of 64 radii for both contenders.
 struct Walk {
 	int index = 0;
@@ -74,8 +68,7 @@ struct Walk {
 	}
 };
 
-void compare(
-		const std::string &name, const LayerSettings &layer, const Heightfield &hills, int rounds, double seconds) {
+void compare(const std::string &name, const LayerSettings &layer, const Heightfield &hills, const Effort &effort) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	TileBuilder builder;
@@ -84,16 +77,13 @@ void compare(
 	double points_seen = 0.0;
 	double instances = 0.0;
 	Series alone, whole;
-	for (int round = 0; round < rounds; ++round) {
-		alone.add(rate(seconds, [&] {
-			const Status status = sampler.sample(layer.set, sampled.next(layer.set.radius), points);
-			return status.ok() ? points.size() : (fail(status), 0);
+	for (int round = 0; round < effort.rounds; ++round) {
+		alone.add(rate(effort.seconds, [&] {
+			require(sampler.sample(layer.set, sampled.next(layer.set.radius), points));
+			return points.size();
 		}));
-		whole.add(rate(seconds, [&] {
-			const Status status = builder.build(layer, hills, built.next(layer.set.radius), tile);
-			if (!status.ok()) {
-				fail(status);
-			}
+		whole.add(rate(effort.seconds, [&] {
+			require(builder.build(layer, hills, built.next(layer.set.radius), tile));
 			instances += static_cast<double>(tile.counts.placed);
 			points_seen += static_cast<double>(tile.counts.sampled);
 			return tile.counts.sampled;
@@ -111,18 +101,13 @@ void compare(
 int main(int argument_count, char **arguments) {
 	using namespace thicket;
 	using namespace thicket::bench;
-	const int rounds = argument_count > 1 ? std::atoi(arguments[1]) : 9;
-	const double seconds = argument_count > 2 ? std::atof(arguments[2]) : 0.25;
-	if (rounds < 1 || !(seconds > 0.0)) {
-		std::fprintf(stderr, "usage: bench_tile [rounds >= 1] [seconds > 0]\n");
-		return EXIT_FAILURE;
-	}
+	const Effort effort = effort_of(argument_count, arguments);
 	const Heightfield hills = Hills::at(glm::dvec2(0.0));
 	for (const std::uint32_t levels : {1u, 4u}) {
 		const std::string suffix = ", L = " + std::to_string(levels);
-		compare("forest" + suffix, forest(levels), hills, rounds, seconds);
-		compare("meadow" + suffix, meadow(levels), hills, rounds, seconds);
+		compare("forest" + suffix, forest(levels), hills, effort);
+		compare("meadow" + suffix, meadow(levels), hills, effort);
 	}
-	compare("spaced from a forest, a third of its radius", spaced(), hills, rounds, seconds);
-	compare("meadow with edge_feather", feathered(), hills, rounds, seconds);
+	compare("spaced from a forest, a third of its radius", spaced(), hills, effort);
+	compare("meadow with edge_feather", feathered(), hills, effort);
 }

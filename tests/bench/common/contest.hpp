@@ -1,12 +1,27 @@
 #pragma once
 
+#include "tests/bench/common/command_line.hpp"
 #include "tests/bench/common/timing.hpp"
+
+#include "core/base/rect.hpp"
+#include "core/sampling/tile_sampler.hpp"
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
 namespace thicket::bench {
+
+/// The points of a layer of 2 m in a tile, in the order in which it has them: about 7,500 in one of 200 m.
+inline std::vector<glm::dvec2> points_of(const Rect &tile) {
+	std::vector<SamplePoint> points;
+	require(TileSampler().sample({.seed = 1, .radius = 2.0}, tile, points));
+	std::vector<glm::dvec2> result;
+	for (const SamplePoint &point : points) {
+		result.push_back(point.position);
+	}
+	return result;
+}
 
 /// Rules that are asked for their densities at the same points, in turns.
 class Contest {
