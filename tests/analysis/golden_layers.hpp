@@ -2,13 +2,14 @@
 
 // The layers whose tiles have golden digests.
 
+#include "tests/analysis/curve_table.hpp"
+
 #include "core/placement/layer.hpp"
 #include "core/rules/image_mask.hpp"
 
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <stdexcept>
 #include <vector>
 
 namespace thicket::analysis {
@@ -33,18 +34,6 @@ inline LayerSettings forest() {
 	return layer;
 }
 
-inline void expect(const Status &status) {
-	if (!status.ok()) {
-		throw std::logic_error(describe(status));
-	}
-}
-
-inline std::shared_ptr<const CurveTable> golden_curve(double min, double max, const std::vector<float> &samples) {
-	auto table = std::make_shared<CurveTable>();
-	expect(table->set(min, max, samples));
-	return table;
-}
-
 /// A layer with every rule and look there is, for a tile of 200 m at `corner`.
 inline LayerSettings undergrowth(glm::dvec2 corner) {
 	auto shrubs = std::make_shared<LayerSettings>();
@@ -55,11 +44,11 @@ inline LayerSettings undergrowth(glm::dvec2 corner) {
 	LayerSettings layer = forest();
 	layer.set = {.seed = 8, .radius = 1.0, .levels = 2, .layer = 6};
 	layer.rules.density = 1.0;
-	layer.rules.height_curve = golden_curve(100.0, 800.0, {0.5f, 1.0f, 0.25f});
-	layer.rules.slope_curve = golden_curve(0.0, 45.0, {1.0f, 0.75f, 0.5f});
+	layer.rules.height_curve = curve_table(100.0, 800.0, {0.5f, 1.0f, 0.25f});
+	layer.rules.slope_curve = curve_table(0.0, 45.0, {1.0f, 0.75f, 0.5f});
 	layer.rules.clumping = {15.0, 0.6, 0.3};
 	layer.rules.edge_feather = 4.0;
-	layer.neighbours = {{shrubs, 5.0, golden_curve(0.0, 5.0, {1.0f, 0.4f})}, {shrubs, 0.75, nullptr}};
+	layer.neighbours = {{shrubs, 5.0, curve_table(0.0, 5.0, {1.0f, 0.4f})}, {shrubs, 0.75, nullptr}};
 
 	auto mask = std::make_shared<PaintedMask>();
 	Rect changed;
@@ -83,7 +72,7 @@ inline LayerSettings undergrowth(glm::dvec2 corner) {
 
 	layer.placement.max_tilt_degrees = 12.0;
 	layer.placement.offset_along_normal = 0.1;
-	layer.placement.scale_curve = golden_curve(0.0, 1.0, {0.0f, 0.2f, 1.0f});
+	layer.placement.scale_curve = curve_table(0.0, 1.0, {0.0f, 0.2f, 1.0f});
 	layer.look.use_colors = true;
 	layer.look.colors = std::make_shared<ColorTable>(ColorTable{{0.1f, 0.6f, 0.2f, 1.0f}, {0.7f, 0.6f, 0.1f, 1.0f}});
 	layer.look.use_custom_data = true;

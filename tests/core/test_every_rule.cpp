@@ -3,6 +3,7 @@
 #include "core/placement/tile_builder.hpp"
 #include "core/rules/image_mask.hpp"
 #include "core/terrain/heightfield.hpp"
+#include "tests/analysis/curve_table.hpp"
 #include "tile_fixture.hpp"
 
 #include <doctest/doctest.h>
@@ -10,13 +11,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <functional>
 #include <map>
 #include <memory>
 #include <span>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -44,12 +43,6 @@ public:
 private:
 	Heightfield hills_ = hills();
 };
-
-std::shared_ptr<const CurveTable> curve(double min, double max, std::vector<float> samples) {
-	auto table = std::make_shared<CurveTable>();
-	REQUIRE(table->set(min, max, samples).ok());
-	return table;
-}
 
 std::shared_ptr<const ShapeSet> shape_set(ShapeKind kind, bool exclude) {
 	Shape shape;
@@ -101,11 +94,11 @@ const std::vector<NamedRule> every_rule{
 				}},
 		{"density over height",
 				[](LayerSettings &layer) {
-					layer.rules.height_curve = curve(0.0, 90.0, {0.1f, 1.0f, 0.3f});
+					layer.rules.height_curve = analysis::curve_table(0.0, 90.0, {0.1f, 1.0f, 0.3f});
 				}},
 		{"density over slope",
 				[](LayerSettings &layer) {
-					layer.rules.slope_curve = curve(0.0, 90.0, {1.0f, 0.2f});
+					layer.rules.slope_curve = analysis::curve_table(0.0, 90.0, {1.0f, 0.2f});
 				}},
 		{"field",
 				[](LayerSettings &layer) {
@@ -161,7 +154,7 @@ const std::vector<NamedRule> every_rule{
 				}},
 		{"proximity",
 				[](LayerSettings &layer) {
-					layer.neighbours = {{trees(), 6.0, curve(0.0, 6.0, {1.0f, 0.0f})}};
+					layer.neighbours = {{trees(), 6.0, analysis::curve_table(0.0, 6.0, {1.0f, 0.0f})}};
 				}},
 };
 
@@ -203,13 +196,7 @@ TEST_CASE("every rule: takes points away, and what stays keeps every bit") {
 		LayerSettings ruled = open;
 		rule.add(ruled);
 		const Transforms some = transforms_of(built(ruled, terrain, tile_of_hills));
-		CHECK(some.size() > 50);
-		CHECK(some.size() < all.size());
-		for (const auto &[id, transform] : some) {
-			const auto found = all.find(id);
-			REQUIRE(found != all.end());
-			CHECK(std::memcmp(found->second.data(), transform.data(), sizeof(float) * transform_floats) == 0);
-		}
+		check_filtered(all, some);
 	}
 }
 
@@ -252,21 +239,5 @@ TEST_CASE("every rule: all of them at once, on several threads, give one digest"
 	}
 	const TileInstances tile = built(layer, terrain, tile_of_hills);
 	CHECK(size_of(tile) > 20);
-	std::array<std::uint64_t, 3> digests{};
-	std::vector<std::thread> threads;
-	for (std::uint64_t &each : digests) {
-		threads.emplace_back([&each, &terrain, &layer] {
-			TileBuilder builder;
-			TileInstances mine;
-			for (const Rect &other : {Rect{{-200.0, -90.0}, {-150.0, -10.0}}, tile_of_hills}) {
-				each = builder.build(layer, terrain, other, mine).ok() ? digest(mine) : 0;
-			}
-		});
-	}
-	for (std::thread &thread : threads) {
-		thread.join();
-	}
-	for (const std::uint64_t each : digests) {
-		CHECK(each == digest(tile));
-	}
+	check_on_threads(layer, terrain, digest(tile));
 }

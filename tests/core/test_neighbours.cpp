@@ -1,8 +1,10 @@
 // Spacing and proximity to other layers, on tiles of any kind.
 
+#include "core/placement/layer_edits.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/terrain/flat_terrain.hpp"
 #include "refusal.hpp"
+#include "tests/analysis/curve_table.hpp"
 #include "tile_fixture.hpp"
 
 #include <doctest/doctest.h>
@@ -30,12 +32,6 @@ std::shared_ptr<LayerSettings> layer_of(std::uint16_t number, double radius) {
 	return layer;
 }
 
-std::shared_ptr<const CurveTable> table(double min, double max, std::vector<float> samples) {
-	auto result = std::make_shared<CurveTable>();
-	REQUIRE(result->set(min, max, samples).ok());
-	return result;
-}
-
 /// Where the instances of a layer stand, by id, as exactly as the set says.
 std::map<std::uint64_t, glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const TileInstances tile = built(layer, terrain, rect);
@@ -61,8 +57,6 @@ double nearest(glm::dvec2 position, const std::map<std::uint64_t, glm::dvec2> &o
 	}
 	return nearest;
 }
-
-Rect grown(const Rect &rect, double by) { return {rect.min - by, rect.max + by}; }
 
 const std::vector<Rect> windows{{{-20.0, -35.0}, {30.0, 5.0}}, {{1000.25, -7.5}, {1013.5, 60.0}},
 		{{3.0, 4.0}, {9.0, 6.5}}, {{-5e6, 5e6}, {-5e6 + 40.0, 5e6 + 25.0}}};
@@ -113,7 +107,7 @@ TEST_CASE("neighbours: proximity is a density over the distance to the nearest")
 	const auto oaks = layer_of(0, 12.0);
 	LayerSettings ferns = *layer_of(1, 0.5);
 	const auto all = places(ferns, terrain, tile_of_hills);
-	ferns.neighbours = {{oaks, 6.0, table(0.0, 6.0, {1.0f, 0.5f, 0.0f})}};
+	ferns.neighbours = {{oaks, 6.0, analysis::curve_table(0.0, 6.0, {1.0f, 0.5f, 0.0f})}};
 	const auto some = places(ferns, terrain, tile_of_hills);
 	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 20.0));
 	std::vector<double> total(8, 0.0);
@@ -138,7 +132,7 @@ TEST_CASE("neighbours: beyond the distance the curve's density there counts") {
 	const auto oaks = layer_of(0, 12.0);
 	LayerSettings grass = *layer_of(1, 1.0);
 	const auto all = places(grass, terrain, tile_of_hills);
-	grass.neighbours = {{oaks, 3.0, table(0.0, 3.0, {0.0f, 1.0f})}};
+	grass.neighbours = {{oaks, 3.0, analysis::curve_table(0.0, 3.0, {0.0f, 1.0f})}};
 	const auto some = places(grass, terrain, tile_of_hills);
 	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 20.0));
 	for (const auto &[id, position] : all) {
@@ -162,7 +156,8 @@ TEST_CASE("neighbours: chains hold across tiles of any size, in any order") {
 	stones->neighbours = {{oaks, 3.0, nullptr}, {shrubs, 2.0, nullptr}};
 	LayerSettings ferns = *layer_of(3, 1.25);
 	ferns.rules.min_height = 10.0;
-	ferns.neighbours = {{shrubs, 5.0, table(0.0, 5.0, {1.0f, 0.25f})}, {stones, 1.5, nullptr}, {oaks, 1.0, nullptr}};
+	ferns.neighbours = {{shrubs, 5.0, analysis::curve_table(0.0, 5.0, {1.0f, 0.25f})}, {stones, 1.5, nullptr},
+			{oaks, 1.0, nullptr}};
 	CHECK(reach(ferns) == 5.0 + 4.0);
 	const auto whole = places(ferns, terrain, tile_of_hills);
 	CHECK(whole.size() > 200);

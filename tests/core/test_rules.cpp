@@ -2,6 +2,7 @@
 #include "core/rules/rules.hpp"
 #include "core/rules/slope.hpp"
 #include "refusal.hpp"
+#include "tests/analysis/curve_table.hpp"
 
 #include <doctest/doctest.h>
 
@@ -68,12 +69,6 @@ private:
 
 std::shared_ptr<const DensityField> constant_field(float value) {
 	return std::make_shared<FunctionField>([value](glm::dvec2) { return value; });
-}
-
-std::shared_ptr<const CurveTable> table(double min, double max, std::vector<float> samples) {
-	auto result = std::make_shared<CurveTable>();
-	REQUIRE(result->set(min, max, samples).ok());
-	return result;
 }
 
 } // namespace
@@ -300,11 +295,11 @@ TEST_CASE("rules: a painted mask and clumps count like any density of the place"
 
 TEST_CASE("rules: curves over height and slope, and the weight of the ground's textures") {
 	Rules rules;
-	rules.height_curve = table(0.0, 100.0, {0.0f, 1.0f});
+	rules.height_curve = analysis::curve_table(0.0, 100.0, {0.0f, 1.0f});
 	CHECK(density_on(rules, inclined(0.0, 25.0f)) == 0.25);
 	CHECK(density_on(rules, inclined(0.0, -5.0f)) == 0.0);
 	CHECK(density_on(rules, inclined(0.0, 1000.0f)) == 1.0);
-	rules.slope_curve = table(0.0, 90.0, {1.0f, 0.0f});
+	rules.slope_curve = analysis::curve_table(0.0, 90.0, {1.0f, 0.0f});
 	CHECK(density_on(rules, Ground{25.0f, {1.0f, 1.0f, 0.0f}}) == 0.125); // 45 degrees
 	Ground half = inclined(0.0, 25.0f);
 	half.weight = 0.5f;

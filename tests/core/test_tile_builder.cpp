@@ -7,11 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -95,14 +92,7 @@ TEST_CASE("tile: rules are pure filters, no instance that stays changes a bit") 
 	for (const Rules &rules : tries) {
 		LayerSettings filtered = open;
 		filtered.rules = rules;
-		const Transforms some = transforms_of(built(filtered, terrain, tile_of_hills));
-		CHECK(some.size() > 50);
-		CHECK(some.size() < all.size());
-		for (const auto &[id, transform] : some) {
-			const auto found = all.find(id);
-			REQUIRE(found != all.end());
-			CHECK(std::memcmp(found->second.data(), transform.data(), sizeof(float) * transform_floats) == 0);
-		}
+		check_filtered(all, transforms_of(built(filtered, terrain, tile_of_hills)));
 	}
 }
 
@@ -160,22 +150,7 @@ TEST_CASE("tile: the same tile twice, in pieces, after other work or on another 
 		CHECK(digest(tile) == digest(first));
 	}
 
-	std::array<std::uint64_t, 2> digests{};
-	std::vector<std::thread> threads;
-	for (std::uint64_t &each : digests) {
-		threads.emplace_back([&each, &terrain, &layer] {
-			TileBuilder builder;
-			TileInstances mine;
-			if (builder.build(layer, terrain, tile_of_hills, mine).ok()) {
-				each = digest(mine);
-			}
-		});
-	}
-	for (std::thread &thread : threads) {
-		thread.join();
-	}
-	CHECK(digests[0] == digest(first));
-	CHECK(digests[1] == digest(first));
+	check_on_threads(layer, terrain, digest(first));
 
 	LayerSettings reseeded = layer;
 	++reseeded.set.seed;

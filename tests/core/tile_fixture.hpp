@@ -7,8 +7,11 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstdint>
+#include <cstring>
 #include <map>
+#include <thread>
 #include <vector>
 
 namespace thicket::test {
@@ -75,6 +78,43 @@ inline Transforms transforms_of(const TileInstances &tile) {
 		}
 	}
 	return result;
+}
+
+/// Checks that `some` is what a filter left of `all`: some 50 at the least, not all of them, and not a bit is another.
+inline void check_filtered(const Transforms &all, const Transforms &some) {
+	CHECK(some.size() > 50);
+	CHECK(some.size() < all.size());
+	for (const auto &[id, transform] : some) {
+		const auto found = all.find(id);
+		REQUIRE(found != all.end());
+		CHECK(std::memcmp(found->second.data(), transform.data(), sizeof(float) * transform_floats) == 0);
+	}
+}
+
+/// Checks that tile_of_hills has this digest on several threads at once, built first and after another tile.
+inline void check_on_threads(const LayerSettings &layer, const Terrain &terrain, std::uint64_t expected) {
+	std::array<std::array<std::uint64_t, 2>, 3> digests{};
+	std::vector<std::thread> threads;
+	for (std::array<std::uint64_t, 2> &each : digests) {
+		threads.emplace_back([&each, &terrain, &layer] {
+			const Rect other{{-200.0, -90.0}, {-150.0, -10.0}};
+			TileBuilder builder;
+			TileInstances mine;
+			for (std::uint64_t &one : each) {
+				one = builder.build(layer, terrain, tile_of_hills, mine).ok() ? digest(mine) : 0;
+				if (!builder.build(layer, terrain, other, mine).ok()) {
+					return;
+				}
+			}
+		});
+	}
+	for (std::thread &thread : threads) {
+		thread.join();
+	}
+	for (const std::array<std::uint64_t, 2> &each : digests) {
+		CHECK(each[0] == expected);
+		CHECK(each[1] == expected);
+	}
 }
 
 } // namespace thicket::test
