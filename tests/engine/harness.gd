@@ -136,6 +136,16 @@ func make_layer(radius := 2.0) -> ScatterLayer:
 	return layer
 
 
+## A curve that is one straight line between two points, whose x are its domain.
+func make_line(from: Vector2, to: Vector2) -> Curve:
+	var curve := Curve.new()
+	curve.min_domain = from.x
+	curve.max_domain = to.x
+	curve.add_point(from, 0.0, (to.y - from.y) / (to.x - from.x))
+	curve.add_point(to, (to.y - from.y) / (to.x - from.x), 0.0)
+	return curve
+
+
 ## A scatter in the tree, not settled yet.
 func make_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain, viewer: Node3D) -> TerrainScatter3D:
 	var scatter := TerrainScatter3D.new()

@@ -23,15 +23,6 @@ func scatter_on_hillside(layer: ScatterLayer) -> TerrainScatter3D:
 	return make_scatter([layer], hillside(), make_viewer(Vector3(0, 0, 20)))
 
 
-func line(from: Vector2, to: Vector2) -> Curve:
-	var curve := Curve.new()
-	curve.min_domain = from.x
-	curve.max_domain = to.x
-	curve.add_point(from, 0.0, (to.y - from.y) / (to.x - from.x))
-	curve.add_point(to, (to.y - from.y) / (to.x - from.x), 0.0)
-	return curve
-
-
 ## {id: [world transform, the floats that follow it in the buffer]} of all that a layer shows.
 func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}

@@ -1,30 +1,15 @@
-extends "harness.gd"
+extends "demo_scene_harness.gd"
 ## What the demo's rules scene promises: ferns under oaks alone, trees that keep apart, a bare path, a lake with reeds at its
 ## shore and nothing in it, stones on steep ground, and a clearing that changes nothing but what it passes over.
 
+const SCENE := "res://rules.tscn"
 ## World x and z of the viewer: the western wood's edge, the lake's eastern shore by the path, the scree.
 const PLACES: Array[Vector2] = [Vector2(-125.0, 30.0), Vector2(62.0, 5.0), Vector2(140.0, 60.0)]
 ## By how much, in metres, a place may be off that was rounded on its way into a buffer.
 const ROUNDING := 0.002
 
-var scene: Node3D
-var scatter: TerrainScatter3D
-var terrain: ScatterTerrain
-var viewer: Node3D
 ## Layer's name to instance's id to its place, a Vector3.
 var standing := {}
-
-
-func load_scene() -> void:
-	scene = (load("res://rules.tscn") as PackedScene).instantiate()
-	# Its own script would move the camera.
-	scene.set_script(null)
-	scatter = scene.get_node("Scatter")
-	terrain = scatter.terrain
-	root.add_child(scene)
-	viewer = make_viewer()
-	standing = {}
-	scatter.viewers = [scatter.get_path_to(viewer)]
 
 
 ## Adds to `standing` what stands around a place, world x and z.
@@ -65,7 +50,8 @@ func nearest(of: String, to: String, reach: float) -> PackedFloat64Array:
 
 
 func test_what_stands_where() -> void:
-	load_scene()
+	load_scene(SCENE)
+	standing = {}
 	check_equal(scatter.get_problems(), PackedStringArray(), "warnings of the scene")
 	for place in PLACES:
 		await look_from(place)
@@ -122,7 +108,8 @@ func check_heights_and_slopes() -> void:
 
 
 func test_the_clearing_moves_and_nothing_else() -> void:
-	load_scene()
+	load_scene(SCENE)
+	standing = {}
 	var clearing := scene.get_node("Scatter/Clearing") as Node3D
 	var place := flat(clearing.global_position)
 	await look_from(place + Vector2(0.0, 30.0))
@@ -160,7 +147,7 @@ func press(key: Key) -> void:
 
 
 func test_a_key_lets_the_clearing_walk_and_stop() -> void:
-	scene = (load("res://rules.tscn") as PackedScene).instantiate()
+	scene = (load(SCENE) as PackedScene).instantiate()
 	root.add_child(scene)
 	var clearing := scene.get_node("Scatter/Clearing") as Node3D
 	await frames(3)
@@ -176,7 +163,7 @@ func test_a_key_lets_the_clearing_walk_and_stop() -> void:
 
 
 func test_the_drawn_path_follows_the_curve() -> void:
-	load_scene()
+	load_scene(SCENE)
 	await frames(3)
 	var drawn := scene.get_node("Ground") as MeshInstance3D
 	var before := drawn.mesh

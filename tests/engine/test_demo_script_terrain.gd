@@ -1,28 +1,14 @@
-extends "harness.gd"
+extends "demo_scene_harness.gd"
 ## The demo's script terrain: plants stand on the formula, up to its edge and not beyond, and on the ground that is drawn.
 ## Every fourth plant is asked.
 
+const SCENE := "res://script_terrain.tscn"
 ## World x and z: the rim of the sinkhole, a cape, the open sea.
 const PLACES: Array[Vector2] = [Vector2(44.0, 20.0), Vector2(-60.0, 110.0), Vector2(1600.0, 0.0)]
 
-var scene: Node3D
-var scatter: TerrainScatter3D
-var terrain: ScatterTerrain
-
-
-## The scene without its own script, which would move the camera.
-func load_scene() -> void:
-	scene = (load("res://script_terrain.tscn") as PackedScene).instantiate()
-	scene.set_script(null)
-	scatter = scene.get_node("Scatter")
-	terrain = scatter.terrain
-	root.add_child(scene)
-
 
 func test_plants_stand_on_the_formula() -> void:
-	load_scene()
-	var viewer := make_viewer()
-	scatter.viewers = [scatter.get_path_to(viewer)]
+	load_scene(SCENE)
 	var count := 0
 	var worst := 0.0
 	var hollow := 0
@@ -52,7 +38,7 @@ func test_plants_stand_on_the_formula() -> void:
 
 
 func test_the_drawn_ground_is_the_same() -> void:
-	load_scene()
+	load_scene(SCENE)
 	await frames(3)
 	var drawn := scene.get_node("Ground") as MeshInstance3D
 	check_equal(drawn.mesh.get_surface_count(), 2, "surfaces: ground and walls")
@@ -81,7 +67,7 @@ func test_the_drawn_ground_is_the_same() -> void:
 
 
 func test_a_changed_setting_changes_the_ground() -> void:
-	load_scene()
+	load_scene(SCENE)
 	await frames(3)
 	var before := (scene.get_node("Ground") as MeshInstance3D).mesh
 	check(is_nan(terrain.get_height(Vector3(200.0, 0.0, 0.0))), "sea at first")

@@ -30,24 +30,15 @@ func made(type: String) -> Resource:
 	return ClassDB.instantiate(type)
 
 
-func line(from: Vector2, to: Vector2) -> Curve:
-	var curve := Curve.new()
-	curve.min_domain = from.x
-	curve.max_domain = to.x
-	curve.add_point(from, 0.0, (to.y - from.y) / (to.x - from.x))
-	curve.add_point(to, (to.y - from.y) / (to.x - from.x), 0.0)
-	return curve
-
-
 ## A layer of which no property is at its default.
 func full_layer() -> ScatterLayer:
 	var layer := make_layer()
 	layer.resource_name = "Ferns"
-	layer.density_over_height = line(Vector2(100, 0), Vector2(900, 1))
-	layer.density_over_slope = line(Vector2(0, 1), Vector2(90, 0))
+	layer.density_over_height = make_line(Vector2(100, 0), Vector2(900, 1))
+	layer.density_over_slope = make_line(Vector2(0, 1), Vector2(90, 0))
 	layer.ground_textures = [3, 0, 255]
 	layer.noise = FastNoiseLite.new()
-	layer.noise_curve = line(Vector2(-1, 0), Vector2(1, 1))
+	layer.noise_curve = make_line(Vector2(-1, 0), Vector2(1, 1))
 	layer.mask = ScatterMask.new()
 	layer.mask.paint(Vector2(30, 40), 9.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
 	layer.mask_texture = GradientTexture2D.new()
@@ -61,8 +52,8 @@ func full_layer() -> ScatterLayer:
 	layer.spacing = {"Oaks": 4.0, "Stones": 1.5}
 	layer.proximity_layer = "Oaks"
 	layer.proximity_distance = 12.0
-	layer.proximity_curve = line(Vector2(0, 1), Vector2(12, 0))
-	layer.scale_curve = line(Vector2(0, 0), Vector2(1, 1))
+	layer.proximity_curve = make_line(Vector2(0, 1), Vector2(12, 0))
+	layer.scale_curve = make_line(Vector2(0, 0), Vector2(1, 1))
 	layer.min_tilt_degrees = 5.0
 	layer.max_tilt_degrees = 15.0
 	layer.offset_along_normal = -0.25
@@ -323,14 +314,14 @@ func warns_of_gameplay() -> void:
 
 
 func test_warnings() -> void:
-	var zero := line(Vector2(0, 0), Vector2(90, 0))
+	var zero := make_line(Vector2(0, 0), Vector2(90, 0))
 	warns(func(_layer: ScatterLayer) -> void: pass, "")
 	warns(func(layer: ScatterLayer) -> void: layer.density = 0.0, "density is 0")
 	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = zero, "density_over_height is 0 everywhere")
 	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = zero, "density_over_slope is 0 everywhere")
 	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = Curve.new(), "density_over_slope has no points")
-	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = line(Vector2(0, 0), Vector2(1, 1)), "metres of height")
-	warns(func(layer: ScatterLayer) -> void: layer.noise_curve = line(Vector2(-1, 0), Vector2(1, 1)), "without a noise")
+	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = make_line(Vector2(0, 0), Vector2(1, 1)), "metres of height")
+	warns(func(layer: ScatterLayer) -> void: layer.noise_curve = make_line(Vector2(-1, 0), Vector2(1, 1)), "without a noise")
 	warns(func(layer: ScatterLayer) -> void: layer.noise = FastNoiseLite.new(), "")
 	warns(func(layer: ScatterLayer) -> void: layer.mask = ScatterMask.new(), "mask has no effect")
 	warns(func(layer: ScatterLayer) -> void:
@@ -357,8 +348,8 @@ func test_warnings() -> void:
 	warns(func(layer: ScatterLayer) -> void:
 		layer.resource_name = "Oaks"
 		layer.spacing = {"Oaks": 2.0}, "the layer itself")
-	warns(func(layer: ScatterLayer) -> void: layer.proximity_curve = line(Vector2(0, 1), Vector2(9, 0)), "names no layer")
-	warns(func(layer: ScatterLayer) -> void: layer.scale_curve = line(Vector2(0, 0), Vector2(1, 1)), "scale_curve is not used")
+	warns(func(layer: ScatterLayer) -> void: layer.proximity_curve = make_line(Vector2(0, 1), Vector2(9, 0)), "names no layer")
+	warns(func(layer: ScatterLayer) -> void: layer.scale_curve = make_line(Vector2(0, 0), Vector2(1, 1)), "scale_curve is not used")
 	warns(func(layer: ScatterLayer) -> void: layer.color_gradient = Gradient.new(), "without use_colors")
 	warns(func(layer: ScatterLayer) -> void: layer.max_tilt_degrees = 20.0, "")
 	warns_of_gameplay()

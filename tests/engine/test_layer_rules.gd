@@ -25,10 +25,10 @@ func test_densities() -> void:
 	var terrain := scatter.terrain
 	await check_rule(scatter, "density", 0.5, func(_at: Vector3) -> float: return 0.5)
 	await check_rule(scatter, "min_height", 100.0, func(at: Vector3) -> float: return float(at.y >= 100.0))
-	var over_height := line(Vector2(60, 0), Vector2(150, 1))
+	var over_height := make_line(Vector2(60, 0), Vector2(150, 1))
 	await check_rule(scatter, "density_over_height", over_height, func(at: Vector3) -> float:
 		return clampf((at.y - 60.0) / 90.0, 0.0, 1.0))
-	var over_slope := line(Vector2(40, 1), Vector2(50, 0))
+	var over_slope := make_line(Vector2(40, 1), Vector2(50, 0))
 	await check_rule(scatter, "density_over_slope", over_slope, func(at: Vector3) -> float:
 		var slope := rad_to_deg(acos(terrain.get_normal(at).y))
 		return 0.5 if absf(slope - 40.0) < 0.1 or absf(slope - 50.0) < 0.1 else clampf((50.0 - slope) / 10.0, 0.0, 1.0))
@@ -43,7 +43,7 @@ func test_noise() -> void:
 	await check_rule(scatter, "noise", noise, func(at: Vector3) -> float: return 0.5 + 0.5 * noise.get_noise_2d(at.x, at.z))
 	layer.noise = noise
 	layer.density = 1.0
-	var steep := line(Vector2(-0.1, 0), Vector2(0.1, 1))
+	var steep := make_line(Vector2(-0.1, 0), Vector2(0.1, 1))
 	layer.noise_curve = steep
 	await settle(scatter)
 	var cut := instances(scatter)
@@ -285,7 +285,7 @@ func test_rules_multiply() -> void:
 	layer.density = 0.9
 	layer.noise = noise
 	layer.mask = mask
-	layer.density_over_height = line(Vector2(0, 0.5), Vector2(400, 1))
+	layer.density_over_height = make_line(Vector2(0, 0.5), Vector2(400, 1))
 	await settle(scatter)
 	check_filtered(whole, instances(scatter), func(at: Vector3) -> float:
 		return 0.9 * (0.5 + 0.5 * noise.get_noise_2d(at.x, at.z)) * mask.sample(Vector2(at.x, at.z)) * (0.5 + at.y / 800.0), "all")
@@ -294,7 +294,7 @@ func test_rules_multiply() -> void:
 ## A curve's point that is dragged: what stands is replaced tile by tile, once a frame at most, and only if it matters.
 func test_edits_in_place_refresh_once() -> void:
 	var layer := make_layer()
-	var curve := line(Vector2(0, 1), Vector2(400, 0))
+	var curve := make_line(Vector2(0, 1), Vector2(400, 0))
 	layer.density_over_height = curve
 	layer.mask = ScatterMask.new()
 	var scatter := scatter_on_hillside(layer)

@@ -1,4 +1,4 @@
-extends "harness.gd"
+extends "picture_harness.gd"
 ## What is drawn of a tile, and how: meshes and prefixes by distance, quality, colours, custom data. All of it is read back
 ## from a renderer that keeps it, so not --headless.
 
@@ -249,7 +249,6 @@ func colors_of(scatter: TerrainScatter3D) -> Array[Color]:
 
 ## A shader with the addon's includes, on the meshes of a layer: it compiles, and sees what the node says.
 func test_the_shader_includes() -> void:
-	root.size = Vector2i(160, 120)
 	var shader := Shader.new()
 	shader.code = """shader_type spatial;
 		render_mode unshaded;
@@ -267,17 +266,12 @@ func test_the_shader_includes() -> void:
 		}"""
 	var material := ShaderMaterial.new()
 	material.shader = shader
-	var camera := Camera3D.new()
-	root.add_child(camera)
-	camera.position = Vector3(10.0, 40.0, 10.0)
-	camera.rotation_degrees.x = -90.0
-	camera.make_current()
 	var layer := make_layer(2.0)
 	layer.material_override = material
 	layer.use_custom_data = true
 	layer.min_scale = 2.0
 	layer.max_scale = 2.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), look_down())
 	await settle(scatter)
 	var whole: float = await share_of_blue()
 	check(whole > 0.4, "blue instances cover %f" % whole)
@@ -294,11 +288,4 @@ func test_the_shader_includes() -> void:
 
 
 func share_of_blue() -> float:
-	await frames(3)
-	await RenderingServer.frame_post_draw
-	var image := root.get_texture().get_image()
-	var count := 0
-	for x in image.get_width():
-		for y in image.get_height():
-			count += int(image.get_pixel(x, y).b > 0.9 and image.get_pixel(x, y).g < 0.1)
-	return count / float(image.get_width() * image.get_height())
+	return await share_of_pixels(func(pixel: Color) -> bool: return pixel.b > 0.9 and pixel.g < 0.1)

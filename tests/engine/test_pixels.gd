@@ -1,5 +1,5 @@
-extends "harness.gd"
-## What a camera sees: the one thing that buffers do not tell. Needs a renderer, so not --headless.
+extends "picture_harness.gd"
+## What a camera sees: the one thing that buffers do not tell.
 
 const RED := Color(1.0, 0.0, 0.0)
 const GREEN := Color(0.0, 1.0, 0.0)
@@ -14,16 +14,11 @@ func plain(color: Color) -> StandardMaterial3D:
 
 ## Cubes that stand close together on flat ground, seen from 40 m above, on black.
 func make_view() -> TerrainScatter3D:
-	root.size = Vector2i(160, 120)
 	var environment := Environment.new()
 	environment.background_mode = Environment.BG_COLOR
 	environment.background_color = Color.BLACK
-	var camera := Camera3D.new()
+	var camera := look_down()
 	camera.environment = environment
-	root.add_child(camera)
-	camera.position = Vector3(10.0, 40.0, 10.0)
-	camera.rotation_degrees.x = -90.0
-	camera.make_current()
 	var mesh := BoxMesh.new()
 	mesh.material = plain(RED)
 	var layer := make_layer(2.0)
@@ -34,15 +29,8 @@ func make_view() -> TerrainScatter3D:
 
 ## The share of the picture that is of a colour.
 func share(color: Color) -> float:
-	await frames(3)
-	await RenderingServer.frame_post_draw
-	var image := root.get_texture().get_image()
-	var count := 0
-	for x in image.get_width():
-		for y in image.get_height():
-			var pixel := image.get_pixel(x, y)
-			count += int(absf(pixel.r - color.r) + absf(pixel.g - color.g) + absf(pixel.b - color.b) < 0.1)
-	return count / float(image.get_width() * image.get_height())
+	return await share_of_pixels(func(pixel: Color) -> bool:
+		return absf(pixel.r - color.r) + absf(pixel.g - color.g) + absf(pixel.b - color.b) < 0.1)
 
 
 func test_what_a_camera_sees() -> void:

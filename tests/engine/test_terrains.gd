@@ -123,15 +123,19 @@ func test_weights_of_scripts() -> void:
 	check_equal(found[0], found[1], "asked on the main thread and on workers")
 
 
-func make_collider(shape: Shape3D, at: Transform3D, layers := 1) -> StaticBody3D:
+## Puts a node into the tree, at its place in the world.
+func put(node: Node3D, at: Transform3D) -> void:
+	root.add_child(node)
+	node.global_transform = at
+
+
+func make_collider(shape: Shape3D, at: Transform3D, layers := 1) -> void:
 	var body := StaticBody3D.new()
 	body.collision_layer = layers
 	var collision := CollisionShape3D.new()
 	collision.shape = shape
 	body.add_child(collision)
-	root.add_child(body)
-	body.global_transform = at
-	return body
+	put(body, at)
 
 
 ## A floor of 80 m with its top at 2, with a gap in x from 10 to 20, and a ramp of 30 degrees above it in -x.
@@ -234,8 +238,7 @@ func make_mesh(mesh: Mesh, at: Transform3D, group := &"ground") -> MeshInstance3
 	var instance := MeshInstance3D.new()
 	instance.mesh = mesh
 	instance.add_to_group(group)
-	root.add_child(instance)
-	instance.global_transform = at
+	put(instance, at)
 	return instance
 
 

@@ -1,0 +1,25 @@
+extends "harness.gd"
+## Base of the tests that look at what is drawn. They need a renderer, so not --headless.
+
+
+## A small picture, of the ground around (10, 0, 10) as seen from 40 m above.
+func look_down() -> Camera3D:
+	root.size = Vector2i(160, 120)
+	var camera := Camera3D.new()
+	root.add_child(camera)
+	camera.position = Vector3(10.0, 40.0, 10.0)
+	camera.rotation_degrees.x = -90.0
+	camera.make_current()
+	return camera
+
+
+## The share of the next picture, 0 to 1, whose pixels are `wanted`: a function of a Color that returns a bool.
+func share_of_pixels(wanted: Callable) -> float:
+	await frames(3)
+	await RenderingServer.frame_post_draw
+	var image := root.get_texture().get_image()
+	var count := 0
+	for x in image.get_width():
+		for y in image.get_height():
+			count += int(wanted.call(image.get_pixel(x, y)))
+	return count / float(image.get_width() * image.get_height())
