@@ -43,7 +43,7 @@ struct Rules {
 	std::vector<std::int32_t> ground_textures{}; ///< Terrain::weigh's weight of these is a density. Empty: any ground.
 
 	/// Metres over which the layer thins towards the edge of what the other rules allow it, 0 to max_edge_feather. Looks at
-	/// edge_probes places around each point, which costs as much ground; see EdgeProbes.
+	/// edge_probes places around each point, which costs as much ground; see placement/edge_probes.hpp.
 	double edge_feather = 0.0;
 
 	// What a designer edits in place. Another one under a pointer here is an edit whose reach can be known.

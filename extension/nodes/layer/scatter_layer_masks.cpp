@@ -10,6 +10,10 @@ namespace {
 
 constexpr ResourceProperty<Texture2D> mask_texture{
 		"mask_texture", "Texture2D", &LayerResources::mask_texture, LayerSource::mask_texture};
+constexpr NumberProperty<LayerIntegers, int64_t> mask_texture_channel{"mask_texture_channel",
+		&LayerIntegers::mask_texture_channel, ScatterLayer::MASK_CHANNEL_RED, ScatterLayer::MASK_CHANNEL_LUMINANCE};
+constexpr NumberProperty<LayerIntegers, int64_t> mask_texture_edge{"mask_texture_edge",
+		&LayerIntegers::mask_texture_edge, ScatterLayer::MASK_EDGE_NOTHING, ScatterLayer::MASK_EDGE_REPEAT};
 
 } // namespace
 
@@ -54,27 +58,13 @@ void ScatterLayer::set_mask_texture_rect(const Rect2 &p_rect) {
 
 Rect2 ScatterLayer::get_mask_texture_rect() const { return mask_texture_rect_; }
 
-void ScatterLayer::set_mask_texture_channel(MaskChannel p_channel) {
-	if (accept_number(layer_class_name, "mask_texture_channel", static_cast<double>(p_channel), MASK_CHANNEL_RED,
-				MASK_CHANNEL_LUMINANCE) &&
-			integers_.mask_texture_channel != p_channel) {
-		integers_.mask_texture_channel = p_channel;
-		emit_changed();
-	}
-}
+void ScatterLayer::set_mask_texture_channel(MaskChannel p_channel) { set_integer<mask_texture_channel>(p_channel); }
 
 ScatterLayer::MaskChannel ScatterLayer::get_mask_texture_channel() const {
 	return static_cast<MaskChannel>(integers_.mask_texture_channel);
 }
 
-void ScatterLayer::set_mask_texture_edge(MaskTextureEdge p_edge) {
-	if (accept_number(layer_class_name, "mask_texture_edge", static_cast<double>(p_edge), MASK_EDGE_NOTHING,
-				MASK_EDGE_REPEAT) &&
-			integers_.mask_texture_edge != p_edge) {
-		integers_.mask_texture_edge = p_edge;
-		emit_changed();
-	}
-}
+void ScatterLayer::set_mask_texture_edge(MaskTextureEdge p_edge) { set_integer<mask_texture_edge>(p_edge); }
 
 ScatterLayer::MaskTextureEdge ScatterLayer::get_mask_texture_edge() const {
 	return static_cast<MaskTextureEdge>(integers_.mask_texture_edge);

@@ -1,11 +1,10 @@
 #include "nodes/terrain/object_ground.hpp"
 
 #include "core/terrain/slope_stencil.hpp"
+#include "nodes/terrain/given_normal.hpp"
 
 #include <godot_cpp/classes/object.hpp>
 #include <godot_cpp/variant/vector3.hpp>
-
-#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <array>
@@ -165,14 +164,7 @@ Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
 	if (result.get_type() != Variant::VECTOR3) {
 		return {ErrorCode::missing, "Vector3 from get_normal() of ScatterTerrainObject.node", 0.0};
 	}
-	const auto given = static_cast<Vector3>(result);
-	const glm::vec3 normal{given.x, given.y, given.z};
-	const float length = std::sqrt(glm::dot(normal, normal));
-	if (std::isfinite(length) && length > 0.0F) {
-		r_ground.normal = normal / length;
-	} else {
-		r_ground.height = std::numeric_limits<float>::quiet_NaN();
-	}
+	take_normal(static_cast<Vector3>(result), r_ground);
 	return {};
 }
 

@@ -1,12 +1,11 @@
 #include "nodes/terrain/scatter_terrain.hpp"
 
 #include "core/terrain/slope_stencil.hpp"
+#include "nodes/terrain/given_normal.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
-
-#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -129,14 +128,7 @@ Status ScatterTerrain::ask_normals(const PackedVector2Array &p_positions, std::s
 	}
 	const Vector3 *given = normals.ptr();
 	for (Ground &ground : r_ground) {
-		const glm::vec3 normal{given->x, given->y, given->z};
-		++given;
-		const float length = std::sqrt(glm::dot(normal, normal));
-		if (std::isfinite(length) && length > 0.0F) {
-			ground.normal = normal / length;
-		} else {
-			ground.height = std::numeric_limits<float>::quiet_NaN();
-		}
+		take_normal(*given++, ground);
 	}
 	return {};
 }

@@ -19,6 +19,8 @@
 
 namespace thicket {
 
+inline constexpr double height_limit = 1e6; ///< World metres up and down: as far as the settings of a terrain go.
+
 /// The ground that layers stand on. Extend it in a script by `_get_heights`, or use one of the shipped kinds.
 class ScatterTerrain : public godot::Resource {
 	GDCLASS(ScatterTerrain, godot::Resource)

@@ -20,7 +20,6 @@ namespace thicket {
 namespace {
 
 constexpr const char *class_name = "ScatterTerrainColliders";
-constexpr double height_limit = 1e6;
 
 /// Casts one ray after another straight down.
 class Plumb {

@@ -16,7 +16,7 @@ std::shared_ptr<const Terrain> ScatterTerrainFlat::snapshot() {
 String ScatterTerrainFlat::problem() { return {}; }
 
 void ScatterTerrainFlat::set_height(double p_height) {
-	if (accept_number("ScatterTerrainFlat", "height", p_height, -1e6, 1e6)) {
+	if (accept_number("ScatterTerrainFlat", "height", p_height, -height_limit, height_limit)) {
 		height_ = p_height;
 		emit_changed();
 	}

@@ -17,7 +17,6 @@ namespace thicket {
 namespace {
 
 constexpr const char *class_name = "ScatterTerrainHeightmap";
-constexpr double height_limit = 1e6;
 
 /// An Image knows at once that it is empty; a Texture2D may get its image later.
 bool accept_image(const char *property, const Ref<Resource> &p_image) {

@@ -16,7 +16,6 @@ namespace thicket {
 namespace {
 
 constexpr const char *class_name = "ScatterTerrainNoise";
-constexpr double height_limit = 1e6;
 
 /// The noise is a copy that nobody else has: reading it changes nothing, so any thread may.
 class NoiseGround : public Terrain {
