@@ -17,6 +17,7 @@ enum class ErrorCode : std::uint8_t {
 	wrong_size,      ///< A buffer or an image of the wrong size.
 	out_of_memory,   ///< The machine has not enough memory for the request.
 	corrupt,         ///< Stored bytes that are truncated, damaged or of another kind.
+	foreign,         ///< Ids of another point set than those that are there.
 	cancelled,       ///< The caller's cancel flag was raised; outputs are unspecified but valid.
 };
 

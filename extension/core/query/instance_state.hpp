@@ -2,6 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/sampling/point_set.hpp"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -14,8 +15,12 @@
 
 namespace thicket {
 
+/// Names a point set but for its layer, by a hash of seed, radius and levels: the same for equal sets, another for others as far as
+/// 64 bits go. Never 0.
+std::uint64_t stamp_of(const PointSet &set);
+
 /// True for the id of a hand-placed instance, which has the highest bit set: negative, in a script. The 15 bits of layer after it
-/// lie where they lie in a packed InstanceId, so layers of instances that can be changed go to max_state_layer.
+/// lie where they lie in a packed InstanceId, so layers of instances that can be changed go to max_state_layer. No instance has the id of all ones.
 constexpr bool is_added(std::uint64_t id) { return id >> 63 != 0; }
 
 /// The layer that an id names, hand-placed or not.
@@ -25,7 +30,7 @@ inline constexpr std::uint16_t max_state_layer = 0x7fff;
 inline constexpr std::size_t max_instance_data = 65536; ///< Bytes an instance.
 inline constexpr double max_state_time = 1e12;          ///< Seconds.
 
-/// An instance that was placed by hand.
+/// An instance that was placed by hand. A zero has no sign.
 struct AddedInstance {
 	std::uint16_t layer = 0;  ///< 0 to max_state_layer.
 	std::uint8_t mesh = 0;    ///< Of the layer's meshes; beyond the last one, the first is drawn.
@@ -54,10 +59,14 @@ struct InstanceChange {
 /// What differs from the world as it was generated: removed ids, hand-placed instances, and data of either; and a clock, by which
 /// what is removed may grow again. Nothing else is kept, so a world of a million felled trees is a few megabytes.
 ///
-/// Every change has a number, its revision, so that peers can be sent what is new to them. What an id was before the state was
-/// loaded or cleared is not remembered: a peer that asks for older changes gets all of it. Not thread safe.
+/// Every change has a number, its revision, so that peers can be sent what is new to them. It is a number of this object: it is not
+/// saved. What an id was before the state was loaded or cleared is not remembered, nor more than the last changes where ids come and go
+/// for ever (as many as the state holds, and 65536): a peer that asks for older ones gets all there is. Not thread safe.
 ///
-/// Layers are stamped with what names their point set (see `claim`), because ids mean nothing in another set.
+/// Layers are stamped with what names their point set (see `claim`), because ids mean nothing in another set. Clocks are those of one
+/// world: what comes from another state turns this one's forward, never back.
+///
+/// A million removed points take about 35 MB of memory, 20 MB if they were loaded, and 17 MB more where they grow again.
 class InstanceState {
 public:
 	InstanceState();
@@ -98,14 +107,18 @@ public:
 	/// Seconds on the state's own clock.
 	double time() const;
 
-	/// Stamps a layer with a number that names its point set (see stamp_of). Refuses, as `layer`, a layer that has another stamp.
+	/// Stamps a layer with a number that names its point set (see stamp_of). Refuses, as `layer`, a layer above max_state_layer, and one
+	/// of which something is held under another stamp. From then on nothing of another stamp is taken in for it.
 	Status claim(std::uint16_t layer, std::uint64_t stamp);
+
+	/// Keeps stamps only of layers of which something is held, so that a state without a world takes in any other.
+	void release_claims();
 
 	/// The stamp of a layer; 0 for none.
 	std::uint64_t stamp(std::uint16_t layer) const;
 
-	/// Removes an instance, for ever or (`until` above 0) until the clock passes that time. A hand-placed one is gone with its data, and
-	/// `until` does not count. False if it was removed before (a new `until` is taken over and is no change) or was never placed.
+	/// Removes an instance, for ever or (`until` above 0, at most max_state_time) until the clock reaches that time. A hand-placed one is
+	/// gone with its data, and `until` does not count. False if it was removed before (a new `until` is taken over) or was never placed.
 	bool remove(std::uint64_t id, double until = 0.0);
 
 	/// Undoes the removal of a point of the set. False if it was not removed.
@@ -115,17 +128,19 @@ public:
 	/// is taken gives the next free id. Refuses what AddedInstance refuses, naming it, and leaves everything as it was.
 	Status add(const AddedInstance &instance, std::uint64_t &r_id);
 
-	/// Replaces the data of an instance; no bytes for none. Refuses more than max_instance_data bytes as `data`.
+	/// Replaces the data of an instance; no bytes for none. Refuses more than max_instance_data bytes as `data`, and a hand-placed
+	/// instance that there is not as `id`.
 	Status set_data(std::uint64_t id, std::span<const std::uint8_t> bytes);
 
-	/// Moves the clock on by `seconds`, 0 or more, and restores what is due. Adds the changes.
+	/// Moves the clock on by `seconds`, to max_state_time at most, and restores what is due. Nothing for what is not above 0. Adds the
+	/// changes.
 	void advance(double seconds, std::vector<InstanceChange> &r_changes);
 
-	/// Forgets everything but the revision, which rises. Adds the changes.
+	/// Forgets everything but the revision, which rises, and the claims. Adds the changes.
 	void clear(std::vector<InstanceChange> &r_changes);
 
-	/// Replaces `r_bytes` by the whole state: versioned, checksummed, the same bytes for the same content on every machine. At most
-	/// 30 bits for a removed id however they are spread, and far less where they stand close.
+	/// Replaces `r_bytes` by the whole state: versioned, checksummed, the same bytes for the same content on every machine. A million
+	/// removed points of a layer take less than 4 MB however they are spread, and far less where they stand close.
 	void save(std::vector<std::uint8_t> &r_bytes) const;
 
 	/// Replaces the content of this state by what `save` wrote. Refuses what is truncated, damaged, of another kind or version with
@@ -135,14 +150,15 @@ public:
 	/// Replaces `r_bytes` by what has changed since a revision of this state, restored ids included, for `apply`.
 	void diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes) const;
 
-	/// Takes over what `diff_since` of another state gave: those ids become what they are there, all others stay. Refuses as `load` does.
+	/// Takes over what `diff_since` of another state gave: those ids become what they are there, all others stay. A diff that had to give
+	/// all there is, and what `save` gave, replaces everything. Refuses as `load` does.
 	Status apply(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes);
 
 	/// Adds what another state holds: removed by either is removed (for the longer time), placed by either is placed, and of data of both
-	/// the other's stay. Refuses as `load` does.
+	/// the other's stay. Refuses stamps that contradict this state's as `layer`.
 	Status merge(const InstanceState &other, std::vector<InstanceChange> &r_changes);
 
-	/// FNV-1a of what `save` writes, without clock and revision: equal for equal content.
+	/// FNV-1a of what `save` writes, with a clock and stamps of 0: equal for equal content.
 	std::uint64_t digest() const;
 
 private:

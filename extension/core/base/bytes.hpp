@@ -1,0 +1,68 @@
+#pragma once
+
+#include "core/base/word_hash.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+// Stored forms are bytes; all their numbers are little-endian.
+
+/// FNV-1a of some bytes. Bytes that differ in one place never have the same.
+inline std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
+	WordHash hash;
+	for (const std::uint8_t byte : bytes) {
+		hash.add(std::uint32_t{byte});
+	}
+	return hash.value();
+}
+
+/// Adds an unsigned number.
+template <typename Number>
+void append(std::vector<std::uint8_t> &r_bytes, Number number) {
+	for (std::size_t byte = 0; byte < sizeof number; ++byte) {
+		r_bytes.push_back(static_cast<std::uint8_t>(number >> 8 * byte));
+	}
+}
+
+/// Takes numbers off the front of some bytes. Past the end it gives zeros, and is no longer good.
+class ByteReader {
+public:
+	explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
+
+	template <typename Number>
+	Number take() {
+		Number number = 0;
+		const std::span<const std::uint8_t> bytes = take_bytes(sizeof number);
+		for (std::size_t byte = 0; byte < bytes.size(); ++byte) {
+			number = static_cast<Number>(number | Number{bytes[byte]} << 8 * byte);
+		}
+		return number;
+	}
+
+	/// None if there are not as many.
+	std::span<const std::uint8_t> take_bytes(std::size_t count) {
+		good_ = good_ && count <= rest_.size();
+		if (!good_) {
+			return {};
+		}
+		const std::span<const std::uint8_t> bytes = rest_.first(count);
+		rest_ = rest_.subspan(count);
+		return bytes;
+	}
+
+	bool good() const { return good_; }
+	bool at_end() const { return rest_.empty(); }
+
+	/// What has not been taken yet.
+	std::span<const std::uint8_t> rest() const { return rest_; }
+
+private:
+	std::span<const std::uint8_t> rest_;
+	bool good_ = true;
+};
+
+} // namespace thicket

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace thicket {
+
+/// A set of ids, each with a time or none: open addressing with linear probing, 8 bytes a place, and 8 more once any id has a time. At
+/// most three of four places are taken. The order of ids differs from run to run, so that nobody can choose ids that collide.
+class IdTable {
+public:
+	/// What no id is.
+	static constexpr std::uint64_t none = ~std::uint64_t{0};
+
+	IdTable();
+
+	bool contains(std::uint64_t id) const { return !ids_.empty() && ids_[place_of(id)] == id; }
+
+	/// The time of an id; 0 for none, and for an id that is not in.
+	double time(std::uint64_t id) const;
+
+	/// Adds an id, or gives one that is in another time. False if it was in. `id` is not `none`.
+	bool insert(std::uint64_t id, double time = 0.0);
+
+	/// False if it was not in.
+	bool erase(std::uint64_t id);
+
+	std::size_t size() const { return size_; }
+
+	/// How many ids have a time.
+	std::size_t timed() const { return timed_; }
+
+	/// Calls `use(id, time)` for each, in any order.
+	template <typename Use>
+	void for_each(Use &&use) const {
+		for (std::size_t place = 0; place < ids_.size(); ++place) {
+			if (ids_[place] != none) {
+				use(ids_[place], times_.empty() ? 0.0 : times_[place]);
+			}
+		}
+	}
+
+private:
+	/// Where an id lies or, if it is not in, the free place where it would.
+	std::size_t place_of(std::uint64_t id) const;
+	std::size_t home_of(std::uint64_t id) const;
+	void set_time(std::size_t place, double time);
+	void resize(std::size_t places);
+
+	std::vector<std::uint64_t> ids_; ///< As many as a power of two; `none` where a place is free.
+	std::vector<double> times_;      ///< Empty while no id has had one.
+	std::size_t size_ = 0;
+	std::size_t timed_ = 0;
+	std::uint64_t salt_;
+};
+
+} // namespace thicket
