@@ -1,6 +1,7 @@
 #include "nodes/register_types.hpp"
 
 #include "nodes/sampler/poisson_sampler.hpp"
+#include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 #include "nodes/scatter/scatter_shape_3d.hpp"
@@ -33,6 +34,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterTerrainMeshes);
 	GDREGISTER_CLASS(ScatterTerrainColliders);
 	GDREGISTER_CLASS(ScatterMask);
+	GDREGISTER_CLASS(ScatterState);
 	GDREGISTER_CLASS(ScatterLayer);
 	GDREGISTER_CLASS(ScatterShape3D);
 	GDREGISTER_CLASS(TerrainScatter3D);

@@ -19,7 +19,7 @@ const char *demand(ErrorCode code) {
 		case ErrorCode::wrong_size: return "has the wrong size";
 		case ErrorCode::out_of_memory: return "needs more memory than there is";
 		case ErrorCode::corrupt: return "is truncated, damaged or of another kind";
-		case ErrorCode::foreign: return "is of another point set";
+		case ErrorCode::foreign: return "was made for another seed, radius or number of levels";
 		case ErrorCode::cancelled: return "was cancelled";
 	}
 	return "is invalid";

@@ -63,6 +63,10 @@ Rect grown(const Rect &area, double distance) {
 	return {area.min - margin, area.max + margin};
 }
 
+bool EditedArea::touches(const Rect &rect) const {
+	return everywhere || std::ranges::any_of(areas, [&rect](const Rect &area) { return meet(area, rect); });
+}
+
 void EditedArea::add(const Rect &area, double distance) {
 	const Rect more = grown(area, distance);
 	if (more.empty() || std::ranges::any_of(areas, [&more](const Rect &other) { return holds(other, more); })) {

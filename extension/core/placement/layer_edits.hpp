@@ -16,6 +16,9 @@ struct EditedArea {
 
 	bool empty() const { return !everywhere && areas.empty(); }
 
+	/// Whether any of it lies in the half-open `rect`, its edges included.
+	bool touches(const Rect &rect) const;
+
 	/// Adds an area, grown by `distance` metres on all sides.
 	void add(const Rect &area, double distance = 0.0);
 	void add(const EditedArea &other, double distance = 0.0);

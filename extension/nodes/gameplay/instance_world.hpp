@@ -12,6 +12,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <tuple>
 #include <vector>
@@ -22,6 +23,12 @@ namespace thicket {
 using TileMaker =
 		std::function<Status(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile)>;
 
+/// A tile of a layer, of the size that the layer has at the time.
+struct WorldTile {
+	std::uint32_t layer = 0;
+	glm::ivec2 tile{0};
+};
+
 /// What stands in the world of a node, for all who ask: the tiles that are known (shared with those on show, and some that were made for
 /// queries) and the node's state. Main thread only.
 class InstanceWorld {
@@ -29,7 +36,8 @@ public:
 	/// The layers as they are from now on. Tiles of a layer whose set or tile size is another are forgotten.
 	void set_layers(std::vector<QueryLayer> layers);
 
-	/// Forgets the tiles that an edit touches.
+	/// The tiles that an edit touches are known no longer. For `known_near` they stand until their successors are there, or all that is
+	/// near would vanish for some frames.
 	void invalidate(std::uint32_t layer, const EditedArea &area);
 	void set_maker(TileMaker maker) { maker_ = std::move(maker); }
 	void set_state(const InstanceState *state) { state_ = state; }
@@ -38,7 +46,9 @@ public:
 	/// Takes a finished tile in. Those that nobody else holds are forgotten, the oldest first, once they are more than
 	/// `max_idle_instances` together.
 	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> instances);
-	bool knows(std::uint32_t layer, glm::ivec2 tile) const;
+
+	/// A known tile; null for one that is not.
+	std::shared_ptr<const TileInstances> find(const WorldTile &tile) const;
 
 	/// Rises with everything that may change an answer: tiles that came or went, layers, the state.
 	std::uint64_t version() const { return version_; }
@@ -47,18 +57,27 @@ public:
 	std::span<const QueryLayer> layers() const { return layers_; }
 	const InstanceState *state() const { return state_; }
 
-	/// What stands within `distance` metres of a place in the plane, in tiles that are known: makes none. Adds to `r_found`.
+	/// What stands within the square of `distance` metres around a place, in tiles that are known. Those that are not are missed.
+	/// Adds to `r_found`.
 	void known_near(
 			std::uint32_t layer, glm::dvec2 center, double distance, std::vector<PlacedInstance> &r_found) const;
 
-	/// Runs a query that may make the tiles it misses, on this thread.
+	/// Wants a tile that is not known.
+	void miss(const WorldTile &tile) const;
+
+	/// The tiles that somebody wanted since the last call, once each; who still wants them has to say so again.
+	std::vector<WorldTile> take_missing();
+
+	/// Runs a query that may make the tiles it misses, on this thread. Whoever calls it holds the world: a script that is asked for the
+	/// ground may do anything.
 	template <class Query>
 	Status ask(Query &&query) {
+		const std::vector<QueryLayer> layers = layers_;
 		MakingSource source(*this);
-		return query(InstanceQuery{layers_, source, state_});
+		return query(InstanceQuery{layers, source, state_});
 	}
 
-	/// The same on what is known alone.
+	/// The same on what is known alone; what is not counts as empty.
 	template <class Query>
 	Status ask_known(Query &&query) const {
 		KnownSource source(*this);
@@ -71,11 +90,22 @@ private:
 	struct Entry {
 		std::shared_ptr<const TileInstances> tile;
 		mutable std::uint64_t used = 0; ///< When it was last asked for.
+		bool outdated = false;          ///< An edit has touched it: good enough for who is near, wrong for who asks.
 	};
 
 	class KnownSource : public TileSource {
 	public:
 		explicit KnownSource(const InstanceWorld &world) : world_(world) {}
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override;
+
+	private:
+		const InstanceWorld &world_;
+	};
+
+	/// For `known_near`.
+	class NearSource : public TileSource {
+	public:
+		explicit NearSource(const InstanceWorld &world) : world_(world) {}
 		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override;
 
 	private:
@@ -102,6 +132,7 @@ private:
 	std::uint64_t version_ = 1;
 	mutable std::uint64_t uses_ = 0;
 	std::size_t kept_since_forgetting_ = 0;
+	mutable std::set<Key> missing_;
 };
 
 } // namespace thicket

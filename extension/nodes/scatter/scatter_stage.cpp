@@ -29,16 +29,21 @@ std::vector<Ref<Mesh>> mesh_levels(const LayerLook &look, std::size_t mesh) {
 	return levels;
 }
 
-void grow_box(const AABB &box, StagedTile &r_tile) {
-	const Vector3 end = box.position + box.size;
-	r_tile.min = glm::min(r_tile.min, glm::vec3(box.position.x, box.position.y, box.position.z));
-	r_tile.max = glm::max(r_tile.max, glm::vec3(end.x, end.y, end.z));
-}
-
 } // namespace
 
 ScatterStage::Order ScatterStage::order(const TileKey &key) {
 	return {key.layer, key.tile.x, key.tile.y, -std::int64_t{key.grid}};
+}
+
+void StagedTile::grow(const AABB &box) {
+	const Vector3 end = box.position + box.size;
+	min = glm::min(min, glm::vec3(box.position.x, box.position.y, box.position.z));
+	max = glm::max(max, glm::vec3(end.x, end.y, end.z));
+}
+
+TileKey ScatterStage::key_of(const Order &order) {
+	const auto &[layer, x, y, grid] = order;
+	return {layer, static_cast<std::uint32_t>(-grid), {x, y}};
 }
 
 void ScatterStage::set_place(const RID &scenario, std::uint64_t node_id) {
@@ -74,24 +79,28 @@ void ScatterStage::set_looks(std::vector<LayerLook> looks) {
 
 void ScatterStage::push(std::shared_ptr<TileJob> job) { uploads_.push_back(std::move(job)); }
 
-StagedTile::Part ScatterStage::make_part(const TileJob &job, MeshUpload &upload, std::size_t mesh) {
+void ScatterStage::draw_part(const StagedTile &tile, std::size_t mesh, const LayerLook &look, const MeshUpload &upload,
+		StagedTile::Part &r_part) {
+	const glm::dvec3 origin = tile.tile->origin;
+	VisualPlace place = place_;
+	place.origin = Vector3(static_cast<real_t>(origin.x), static_cast<real_t>(origin.y), static_cast<real_t>(origin.z));
+	r_part.levels = mesh_levels(look, mesh);
+	r_part.visual.emplace(place, tile.plan->settings->look, look.meshes[mesh], upload);
+	r_part.visual->apply(look.draw);
+	++upload_count_;
+}
+
+StagedTile::Part ScatterStage::make_part(const TileJob &job, std::size_t mesh) {
 	StagedTile::Part part;
-	part.ids = std::move(upload.ids);
-	part.ranks = std::move(upload.ranks);
+	part.shown = current_shown_[mesh];
 	const std::uint32_t layer = job.request.key.layer;
 	const bool drawn =
 			layer < looks_.size() && mesh < looks_[layer].meshes.size() && looks_[layer].meshes[mesh].is_valid();
-	if (drawn && !part.ids.empty()) {
-		part.levels = mesh_levels(looks_[layer], mesh);
-		VisualPlace place = place_;
-		place.origin = Vector3(static_cast<real_t>(job.origin.x), static_cast<real_t>(job.origin.y),
-				static_cast<real_t>(job.origin.z));
-		part.visual.emplace(place, job.plan->settings->look, looks_[layer].meshes[mesh], upload.buffer, upload.aabb);
-		part.visual->apply(looks_[layer].draw);
-		grow_box(upload.aabb, current_);
-		++upload_count_;
-	} else {
-		part.hidden_buffer = upload.buffer;
+	if (drawn && part.shown->size() > 0) {
+		const bool own = part.shown.get() == &job.tile->meshes[mesh];
+		const MeshUpload upload = own ? job.uploads[mesh] : to_upload(*part.shown, job.plan->reach_of(mesh));
+		draw_part(current_, mesh, looks_[layer], upload, part);
+		current_.grow(upload.aabb);
 	}
 	return part;
 }
@@ -101,16 +110,20 @@ bool ScatterStage::upload_step() {
 		return false;
 	}
 	TileJob &job = *uploads_.front();
-	current_.origin = job.origin;
-	current_.counts = job.counts;
-	if (const std::uint32_t layer = job.request.key.layer; current_.parts.empty() && layer < looks_.size()) {
-		current_.look_version = look_versions_[layer];
+	if (current_.tile == nullptr) {
+		static const auto nothing = std::make_shared<const TileInstances>();
+		current_.tile = job.tile != nullptr ? job.tile : nothing; // One that could not be made is empty.
+		current_.plan = job.plan;
+		current_.rect = job.request.rect;
+		current_shown_ = overlay(current_);
+		current_outdated_ = false;
+		const std::uint32_t layer = job.request.key.layer;
+		current_.look_version = layer < looks_.size() ? look_versions_[layer] : 0;
 	}
-	const std::size_t next = current_.parts.size();
-	if (next < job.meshes.size()) {
-		current_.parts.push_back(make_part(job, job.meshes[next], next));
+	if (const std::size_t next = current_.parts.size(); next < current_shown_.size()) {
+		current_.parts.push_back(make_part(job, next));
 	}
-	complete_ = current_.parts.size() >= job.meshes.size();
+	complete_ = current_.parts.size() >= current_shown_.size();
 	return true;
 }
 
@@ -121,6 +134,9 @@ void ScatterStage::present() {
 	current_.lod = slot.lod;
 	// The old visuals go now: for as long as both stood, each would be drawn twice.
 	slot = std::exchange(current_, StagedTile());
+	if (current_outdated_) {
+		patch(key, slot);
+	}
 	count(slot);
 	refine(key, slot);
 	set_tile_visible(slot, visible_);
@@ -186,6 +202,9 @@ void ScatterStage::clear() {
 	schedule_.clear();
 	cut_.clear();
 	share_ = 1.0;
+	hidden_.clear();
+	marks_.clear();
+	marked_all_ = false;
 }
 
 const StagedTile *ScatterStage::find(std::uint32_t layer, glm::ivec2 tile) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/placement/detail.hpp"
+#include "core/query/tile_overlay.hpp"
 #include "core/streaming/detail_schedule.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/scatter/tile_visual.hpp"
@@ -14,6 +15,7 @@
 #include <optional>
 #include <span>
 #include <tuple>
+#include <unordered_set>
 #include <vector>
 
 namespace thicket {
@@ -42,15 +44,14 @@ struct StagedTile {
 	struct Part {
 		std::optional<TileVisual> visual;
 		std::vector<godot::Ref<godot::Mesh>> levels; ///< Of a visual: the mesh, then those for the distance.
-		std::vector<std::uint64_t> ids;
-		std::vector<std::uint32_t> ranks;
-		godot::PackedFloat32Array hidden_buffer; ///< Of a part without a visual.
-		std::uint64_t drawn = 0;                 ///< How many of them the visual draws,
-		std::uint64_t wanted = 0;                ///< and would draw without a limit for all tiles together.
+		std::shared_ptr<const MeshInstances> shown;  ///< The tile's own, or what is left and added by the overlay.
+		std::uint64_t drawn = 0;                     ///< How many of them the visual draws,
+		std::uint64_t wanted = 0;                    ///< and would draw without a limit for all tiles together.
 	};
 
-	glm::dvec3 origin{0.0};
-	TileCounts counts;
+	std::shared_ptr<const TileInstances> tile; ///< What the layer's rules give.
+	std::shared_ptr<const LayerPlan> plan;     ///< That it was made by.
+	Rect rect;
 	std::vector<Part> parts;
 
 	glm::vec3 min{std::numeric_limits<float>::max()};  ///< The box around all that is drawn, relative to the origin;
@@ -58,12 +59,28 @@ struct StagedTile {
 	std::size_t lod = 0;
 	std::uint64_t look_version = 0; ///< Of the layer's look that it was last drawn with.
 	double visit_at = 0.0;          ///< Of the next visit that DetailSchedule was asked for.
+
+	void grow(const godot::AABB &box);
 };
 
 /// What stands on show, and the finished tiles that wait for their upload. Main thread only. Works in small steps, so
 /// that its caller can stop when the frame's time is spent.
 class ScatterStage {
 public:
+	/// What lies over all tiles to come; what stands follows where it is marked. It has to stay.
+	void set_state(const InstanceState *state) { state_ = state; }
+
+	/// An instance of a layer, whose point lies in `area`, is shown by other means from now on, or no longer.
+	void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden);
+
+	/// The overlay may have changed in an area (world metres, edges included) of a layer, or all over.
+	void mark(std::uint32_t layer, const Rect &area) { marks_.push_back({layer, area}); }
+	void mark_all() { marked_all_ = true; }
+
+	/// Draws the tiles anew, one upload each, whose overlay has changed where it was marked. Call it before the frame is drawn.
+	void patch();
+	bool has_marks() const { return marked_all_ || !marks_.empty(); }
+
 	/// Where new tiles go.
 	void set_place(const godot::RID &scenario, std::uint64_t node_id);
 
@@ -134,14 +151,23 @@ public:
 private:
 	/// layer, x, y, -grid: neighbours in a layer stay together, the newest grid comes first.
 	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
+	struct Mark {
+		std::uint32_t layer = 0;
+		Rect area;
+	};
 	static Order order(const TileKey &key);
+	static TileKey key_of(const Order &order);
 	void leave(StagedTile &&tile);
 	void count(const StagedTile &tile);
 	void uncount(const StagedTile &tile);
 	void visit_all();
 	void apply_look(const TileKey &key, StagedTile &tile);
 	void refine(const TileKey &key, StagedTile &tile);
-	StagedTile::Part make_part(const TileJob &job, MeshUpload &upload, std::size_t mesh);
+	StagedTile::Part make_part(const TileJob &job, std::size_t mesh);
+	void draw_part(const StagedTile &tile, std::size_t mesh, const LayerLook &look, const MeshUpload &upload,
+			StagedTile::Part &r_part);
+	void patch(const TileKey &key, StagedTile &r_tile);
+	std::vector<std::shared_ptr<const MeshInstances>> overlay(const StagedTile &tile) const;
 
 	VisualPlace place_;
 	bool visible_ = true;
@@ -162,8 +188,15 @@ private:
 	std::vector<TileKey> cut_; ///< Tiles that the limit cut short, to be visited once more.
 
 	std::deque<std::shared_ptr<TileJob>> uploads_;
-	StagedTile current_; ///< As much of uploads_.front() as is uploaded.
+	StagedTile current_;                                              ///< As much of uploads_.front() as is uploaded.
+	std::vector<std::shared_ptr<const MeshInstances>> current_shown_; ///< What is to be uploaded of it.
 	bool complete_ = false;
+
+	const InstanceState *state_ = nullptr;
+	std::unordered_set<std::uint64_t> hidden_;
+	std::vector<Mark> marks_;
+	bool marked_all_ = false;
+	bool current_outdated_ = false; ///< Something was marked since current_ was begun.
 };
 
 } // namespace thicket

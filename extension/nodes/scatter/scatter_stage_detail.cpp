@@ -12,7 +12,7 @@ namespace thicket {
 
 void ScatterStage::count(const StagedTile &tile) {
 	for (const StagedTile::Part &part : tile.parts) {
-		instances_ += part.ids.size();
+		instances_ += part.shown->size();
 		drawn_ += part.drawn;
 		wanted_ += part.wanted;
 	}
@@ -20,7 +20,7 @@ void ScatterStage::count(const StagedTile &tile) {
 
 void ScatterStage::uncount(const StagedTile &tile) {
 	for (const StagedTile::Part &part : tile.parts) {
-		instances_ -= part.ids.size();
+		instances_ -= part.shown->size();
 		drawn_ -= part.drawn;
 		wanted_ -= part.wanted;
 	}
@@ -45,8 +45,7 @@ void ScatterStage::visit_all() {
 	schedule_.clear();
 	cut_.clear();
 	for (auto &[at, tile] : tiles_) {
-		const auto &[layer, x, y, grid] = at;
-		tile.visit_at = schedule_.add({layer, static_cast<std::uint32_t>(-grid), {x, y}}, 0.0);
+		tile.visit_at = schedule_.add(key_of(at), 0.0);
 	}
 }
 
@@ -81,8 +80,8 @@ void ScatterStage::refine(const TileKey &key, StagedTile &tile) {
 	}
 	apply_look(key, tile);
 	const Detail &detail = looks_[key.layer].detail;
-	const double distance =
-			schedule_.distance_to(tile.origin + glm::dvec3(tile.min), tile.origin + glm::dvec3(tile.max));
+	const glm::dvec3 origin = tile.tile->origin;
+	const double distance = schedule_.distance_to(origin + glm::dvec3(tile.min), origin + glm::dvec3(tile.max));
 	const double density = thinned_density(detail, distance);
 	const auto scale = static_cast<float>(compensating_scale(detail, density));
 	tile.lod = lod_at(detail, distance, tile.lod);
@@ -91,10 +90,10 @@ void ScatterStage::refine(const TileKey &key, StagedTile &tile) {
 		if (!part.visual) {
 			continue;
 		}
-		wanted_ -= std::exchange(part.wanted, visible_prefix(part.ranks, density * limits_.quality));
+		wanted_ -= std::exchange(part.wanted, visible_prefix(part.shown->ranks, density * limits_.quality));
 		wanted_ += part.wanted;
 		drawn_ -= part.drawn;
-		const std::uint64_t due = visible_prefix(part.ranks, density * limits_.quality * share_);
+		const std::uint64_t due = visible_prefix(part.shown->ranks, density * limits_.quality * share_);
 		const std::uint64_t room = limits_.max_instances - std::min(limits_.max_instances, drawn_);
 		part.drawn = std::min(due, room);
 		drawn_ += part.drawn;

@@ -1,5 +1,6 @@
 #include "nodes/scatter/scatter_stream.hpp"
 
+#include "core/base/tile_grid.hpp"
 #include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/core/error_macros.hpp>
@@ -40,6 +41,8 @@ bool interchangeable(const StreamedLayer &a, const StreamedLayer &b) {
 			a.look.meshes == b.look.meshes && a.look.lod_meshes == b.look.lod_meshes;
 }
 
+bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
+
 void report_tile(const TileKey &key, const Status &status) {
 	const std::string tile = std::to_string(key.tile.x) + ", " + std::to_string(key.tile.y);
 	const std::string text =
@@ -49,7 +52,15 @@ void report_tile(const TileKey &key, const Status &status) {
 
 } // namespace
 
-ScatterStream::ScatterStream() : workers_(worker_count()) {}
+ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(worker_count()) {}
+
+/// What is under way and shows something that has changed since is of no use to those who ask.
+void ScatterStream::mark_stale(std::span<const EditedArea> outdated) {
+	for (const std::shared_ptr<TileJob> &job : jobs_) {
+		const std::uint32_t layer = job->request.key.layer;
+		job->stale = job->stale || layer >= outdated.size() || outdated[layer].touches(job->request.rect);
+	}
+}
 
 void ScatterStream::set_layers(
 		std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated, const Ref<ScatterTerrain> &script) {
@@ -69,6 +80,7 @@ void ScatterStream::set_layers(
 			streamer_.cancel(layer);
 		}
 	}
+	mark_stale(outdated);
 	layers_ = std::move(layers);
 	script_ = script;
 	stage_.set_looks(std::move(looks));
@@ -86,8 +98,11 @@ void ScatterStream::set_layers(
 void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	take_finished();
-	request_tiles(viewers);
-	stage_.look_around(viewers);
+	if (!viewers.empty()) {
+		request_tiles(viewers);
+		stage_.look_around(viewers);
+	}
+	start_missing();
 	Clock::time_point before = Clock::now();
 	while (step()) {
 		const Clock::time_point now = Clock::now();
@@ -143,6 +158,31 @@ void ScatterStream::start(const TileRequest &request) {
 	workers_.push(job);
 }
 
+/// Has tiles made that somebody has asked for, for nobody to see. What there is no room for is missed again in the next frame.
+void ScatterStream::start_missing() {
+	const std::size_t room = min_jobs_per_worker * workers_.threads();
+	auto under_way = static_cast<std::size_t>(std::ranges::count_if(jobs_, is_unseen));
+	for (const WorldTile &tile : world_.take_missing()) {
+		const auto makes = [&tile](const std::shared_ptr<TileJob> &job) {
+			return job->request.key.layer == tile.layer && job->request.key.tile == tile.tile && !job->stale;
+		};
+		if (under_way == room || script_.is_null() || !script_->ready()) {
+			return;
+		}
+		if (tile.layer >= layers_.size() || std::ranges::any_of(jobs_, makes)) {
+			continue;
+		}
+		const auto job = std::make_shared<TileJob>();
+		job->request.key = {tile.layer, 0, tile.tile};
+		job->request.rect = tile_rect(layers_[tile.layer].range.tile_size, tile.tile);
+		job->plan = layers_[tile.layer].plan;
+		job->unseen = true;
+		jobs_.push_back(job);
+		workers_.push(job);
+		++under_way;
+	}
+}
+
 void ScatterStream::cancel(std::uint64_t ticket) {
 	const auto has_ticket = [ticket](const std::shared_ptr<TileJob> &job) {
 		return job->request.ticket == ticket;
@@ -174,16 +214,31 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 			!std::exchange(layers_[index].error_reported, true)) {
 		report_tile(job->request.key, job->status);
 	}
+	if (job->status.ok() && !job->stale) {
+		world_.keep(index, job->request.key.tile, job->tile);
+	}
+	if (job->unseen) {
+		settle_unseen(job);
+		return;
+	}
 	if (!job->status.ok() && stage_.holds(job->request.key)) {
 		std::erase(jobs_, job);
 		streamer_.finish(job->request);
 		return;
 	}
 	++figures_.tiles_made;
-	figures_.points_sampled += job->counts.sampled;
+	figures_.points_sampled += job->tile != nullptr ? job->tile->counts.sampled : 0;
 	figures_.worker_microseconds += job->microseconds;
 	usual_job_microseconds_ = (7 * usual_job_microseconds_ + job->microseconds) / 8;
 	stage_.push(job);
+}
+
+void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
+	std::erase(jobs_, job);
+	if (!job->status.ok() && !job->stale && script_->ready()) {
+		// Nothing stands where a tile cannot be made; an edit makes it missing again.
+		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const TileInstances>());
+	}
 }
 
 std::size_t ScatterStream::ground_step(std::size_t most) {
@@ -246,6 +301,14 @@ bool ScatterStream::show_step() {
 	return true;
 }
 
+bool ScatterStream::ring_step() {
+	bool moved = false;
+	for (NearRing *ring : rings_) {
+		moved = ring->step() || moved;
+	}
+	return moved;
+}
+
 bool ScatterStream::step() {
 	ground_turn_ = !ground_turn_;
 	if (ground_turn_ && ground_step_in_frame()) {
@@ -254,7 +317,8 @@ bool ScatterStream::step() {
 	const bool shown = show_step();
 	const bool freed = stage_.free_step();
 	const bool refined = stage_.detail_step();
-	return shown || freed || refined || (!ground_turn_ && ground_step_in_frame());
+	const bool moved = ring_step();
+	return shown || freed || refined || moved || (!ground_turn_ && ground_step_in_frame());
 }
 
 void ScatterStream::stop() {
@@ -269,13 +333,20 @@ void ScatterStream::stop() {
 			events_.push_back({false, layer, tile});
 		}
 	}
+	for (NearRing *ring : rings_) {
+		ring->clear();
+	}
 	stage_.clear();
 	streamer_.clear();
+	world_.clear();
 	figures_ = {};
 }
 
 std::vector<TileEvent> ScatterStream::take_events() { return std::exchange(events_, {}); }
 
-bool ScatterStream::idle() const { return streamer_.idle() && stage_.settled(); }
+bool ScatterStream::idle() const {
+	return streamer_.idle() && stage_.settled() && std::ranges::none_of(jobs_, is_unseen) &&
+			std::ranges::all_of(rings_, [](const NearRing *ring) { return ring->settled(); });
+}
 
 } // namespace thicket

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "core/placement/layer_edits.hpp"
+#include "nodes/gameplay/instance_world.hpp"
+#include "nodes/gameplay/near_ring.hpp"
 #include "nodes/scatter/scatter_stage.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
@@ -37,7 +39,11 @@ struct StreamFigures {
 /// Brings the streamer, the workers and the stage together: one call a frame, under a budget. Main thread only.
 class ScatterStream {
 public:
-	ScatterStream();
+	/// `world` is told of every tile that is made, and asked which it misses.
+	explicit ScatterStream(InstanceWorld &world);
+
+	/// What else works under the budget of a frame.
+	void set_rings(std::vector<NearRing *> rings) { rings_ = std::move(rings); }
 
 	/// Replaces the layers and the ground. `outdated[i]` says where layer i has to be made anew; what stands stays until
 	/// then. `script` is asked for the ground of plans that have no terrain of their own.
@@ -45,7 +51,8 @@ public:
 			const godot::Ref<ScatterTerrain> &script);
 
 	/// One frame's work: what came from the workers is uploaded and what is wanted is requested, until `budget`
-	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still.
+	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still. Without viewers
+	/// what stands stays, and what was asked for is made all the same.
 	void frame(std::span<const Viewer> viewers, std::uint64_t budget);
 
 	/// The part of the work that belongs into a physics frame: asks for ground that may only be asked then, as much of it
@@ -58,7 +65,7 @@ public:
 	/// What came and went since the last call, in order. A tile that was made anew comes without having gone.
 	std::vector<TileEvent> take_events();
 
-	/// True when all that is wanted is shown, and drawn as it should be.
+	/// True when all that is wanted is shown, and drawn as it should be, and the rings have nothing to do.
 	bool idle() const;
 
 	ScatterStage &stage() { return stage_; }
@@ -72,6 +79,10 @@ private:
 	std::size_t jobs_per_worker() const;
 	void request_tiles(std::span<const Viewer> viewers);
 	void start(const TileRequest &request);
+	void start_missing();
+	void mark_stale(std::span<const EditedArea> outdated);
+	void settle_unseen(const std::shared_ptr<TileJob> &job);
+	bool ring_step();
 	void cancel(std::uint64_t ticket);
 	void take_finished();
 	void settle(const std::shared_ptr<TileJob> &job);
@@ -80,6 +91,8 @@ private:
 	bool show_step();
 	bool step();
 
+	InstanceWorld &world_;
+	std::vector<NearRing *> rings_;
 	TileStreamer streamer_;
 	TileWorkers workers_;
 	ScatterStage stage_;

@@ -1,10 +1,12 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "nodes/common/watch.hpp"
+#include "nodes/gameplay/instance_answers.hpp"
 
 #include <godot_cpp/classes/camera3d.hpp>
 #include <godot_cpp/classes/editor_interface.hpp>
 #include <godot_cpp/classes/engine.hpp>
+#include <godot_cpp/classes/scene_tree.hpp>
 #include <godot_cpp/classes/sub_viewport.hpp>
 #include <godot_cpp/classes/viewport.hpp>
 #include <godot_cpp/classes/world3d.hpp>
@@ -41,7 +43,10 @@ Rect world_rect(const Rect2 &p_rect) {
 
 TerrainScatter3D::TerrainScatter3D() = default;
 
-TerrainScatter3D::~TerrainScatter3D() { stop(); }
+TerrainScatter3D::~TerrainScatter3D() {
+	stop();
+	set_state(nullptr);
+}
 
 void TerrainScatter3D::_notification(int p_what) {
 	switch (p_what) {
@@ -66,6 +71,9 @@ void TerrainScatter3D::start() {
 	if (!std::exchange(running_, true) && terrain_.is_valid()) {
 		terrain_->enter(this);
 	}
+	if (state_.is_valid()) {
+		state_->add_listener(&state_watch_);
+	}
 	mark_ground_dirty();
 }
 
@@ -89,11 +97,14 @@ void TerrainScatter3D::process_frame() {
 		refresh();
 	}
 	if (terrain_.is_valid() && !plans_.streamed().empty()) {
-		const std::vector<Viewer> viewers = find_viewers();
-		if (!viewers.empty()) {
-			stream_.stage().set_limits(draw_limits());
-			stream_.frame(viewers, static_cast<std::uint64_t>(upload_budget_usec_));
+		if (state_.is_valid() && !Engine::get_singleton()->is_editor_hint()) {
+			state_->advance(get_process_delta_time());
 		}
+		look_around_near();
+		stream_.stage().set_limits(draw_limits());
+		stream_.frame(find_viewers(), static_cast<std::uint64_t>(upload_budget_usec_));
+		answer_requests();
+		stream_.stage().patch();
 	}
 	frame_time_ = std::chrono::steady_clock::now() - start;
 	emit_events();
@@ -112,6 +123,9 @@ void TerrainScatter3D::emit_events() {
 	for (const TileEvent &event : stream_.take_events()) {
 		emit_signal(event.shown ? "tile_shown" : "tile_hidden", static_cast<int64_t>(event.layer),
 				Vector2i(event.tile.x, event.tile.y));
+	}
+	for (const auto &[request, answer] : std::exchange(answers_, {})) {
+		emit_signal("query_finished", request, answer);
 	}
 	const bool idle = is_idle();
 	if (idle && !std::exchange(was_idle_, idle)) {
@@ -188,7 +202,32 @@ void TerrainScatter3D::refresh() {
 		return;
 	}
 	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, shapes_);
+	update_world(outdated);
 	stream_.set_layers(plans_.streamed(), outdated, terrain_);
+}
+
+/// Tells the rings where bodies and scenes are wanted: around viewers, and around the nodes of a group.
+void TerrainScatter3D::look_around_near() {
+	if (rings_.empty() || Engine::get_singleton()->is_editor_hint()) {
+		return;
+	}
+	std::vector<glm::dvec3> centers;
+	for (const Viewer &viewer : find_viewers()) {
+		centers.emplace_back(viewer.position.x, viewer.height, viewer.position.y);
+	}
+	if (!(body_group_ == StringName())) {
+		const TypedArray<Node> bodies = get_tree()->get_nodes_in_group(body_group_);
+		for (int64_t i = 0; i < bodies.size(); ++i) {
+			const Node3D *body = Object::cast_to<Node3D>(bodies[i]);
+			const Vector3 at = body != nullptr ? body->get_global_position() : Vector3();
+			if (body != nullptr && std::isfinite(at.x) && std::isfinite(at.y) && std::isfinite(at.z)) {
+				centers.push_back(to_world(at, world_offset_));
+			}
+		}
+	}
+	for (NearRing *ring : rings_) {
+		ring->look_around(centers, *world_);
+	}
 }
 
 Node3D *TerrainScatter3D::active_camera() const {

@@ -1,22 +1,32 @@
 #pragma once
 
 #include "nodes/scatter/layer_plans.hpp"
+#include "nodes/gameplay/instance_world.hpp"
+#include "nodes/gameplay/query_requests.hpp"
+#include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/scatter/scatter_stream.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 #include "nodes/scatter/shape_register.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
+#include <godot_cpp/variant/callable.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/node_path.hpp>
+#include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/rect2.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
 #include <godot_cpp/variant/vector2i.hpp>
 
 #include <chrono>
 #include <memory>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace thicket {
 
@@ -65,19 +75,56 @@ public:
 	bool is_idle() const;
 	godot::Dictionary get_stats() const;
 
-	/// What stands in a tile, read back from the RenderingServer. Empty or 0 for a tile that is not shown.
+	/// What is drawn of a tile, read back from the RenderingServer. Empty or 0 for a tile that is not shown.
 	godot::Array get_shown_tiles(int64_t p_layer) const;
-	godot::Vector3 get_tile_origin(int64_t p_layer, const godot::Vector2i &p_tile) const;
-	godot::Array get_tile_buffers(int64_t p_layer, const godot::Vector2i &p_tile) const;
-	godot::Array get_tile_multimeshes(int64_t p_layer, const godot::Vector2i &p_tile) const;
-	godot::Array get_tile_ids(int64_t p_layer, const godot::Vector2i &p_tile) const;
-	int64_t get_tile_digest(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	godot::Vector3 get_tile_origin(int64_t p_layer, const godot::Vector2i &p_tile);
+	godot::Array get_tile_buffers(int64_t p_layer, const godot::Vector2i &p_tile);
+	godot::Array get_tile_multimeshes(int64_t p_layer, const godot::Vector2i &p_tile);
+	godot::Array get_tile_ids(int64_t p_layer, const godot::Vector2i &p_tile);
+	int64_t get_tile_digest(int64_t p_layer, const godot::Vector2i &p_tile);
 
 	/// What stands in a half-open rectangle of world x and z, made at once on the calling thread, the main one: origin
 	/// (Vector3), and for each mesh of the layer its buffer (PackedFloat32Array, as get_tile_buffers), ids
 	/// (PackedInt64Array) and mesh (Mesh or null). A layer that does not exist and a rectangle that TileSampler refuses
 	/// print an error and give empty arrays.
 	godot::Dictionary build_rect(int64_t p_layer, const godot::Rect2 &p_rect);
+
+	/// What a game has changed: removed and hand-placed instances, and data. Null until the first change. One that was made for another
+	/// seed, radius or number of levels is refused.
+	void set_state(const godot::Ref<ScatterState> &p_state);
+	godot::Ref<ScatterState> get_state() const { return state_; }
+
+	/// Node3Ds of this group are near: bodies and scenes stand around them as around viewers.
+	void set_body_group(const godot::StringName &p_group) { body_group_ = p_group; }
+	godot::StringName get_body_group() const { return body_group_; }
+
+	/// What stands, on places that are loaded and on all others: see InstanceQuery. `p_layers` are places in the list of layers, none for
+	/// all; a predicate takes (id, layer, transform) and says whether that instance counts. What is refused prints an error, and the
+	/// answer is empty.
+	godot::Dictionary query_rect(
+			const godot::Rect2 &p_rect, const godot::PackedInt32Array &p_layers, const godot::Callable &p_predicate);
+	godot::Dictionary query_sphere(const godot::Vector3 &p_center, double p_radius,
+			const godot::PackedInt32Array &p_layers, const godot::Callable &p_predicate);
+	godot::Dictionary query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
+			const godot::PackedInt32Array &p_layers, const godot::Callable &p_predicate);
+	godot::Dictionary query_nearest(const godot::Vector3 &p_position, double p_max_distance,
+			const godot::PackedInt32Array &p_layers, const godot::Callable &p_predicate);
+	godot::Dictionary get_instance(int64_t p_id);
+	bool has_instance(int64_t p_id);
+
+	/// The same on workers: a number for `query_finished`, which comes in a later frame; 0 for what is refused.
+	int64_t request_rect(const godot::Rect2 &p_rect, const godot::PackedInt32Array &p_layers);
+	int64_t request_sphere(const godot::Vector3 &p_center, double p_radius, const godot::PackedInt32Array &p_layers);
+	bool cancel_request(int64_t p_request);
+
+	/// Changes. False, or 0, for what does not stand, stands already, or is refused.
+	bool remove_instance(int64_t p_id);
+	bool restore_instance(int64_t p_id);
+	godot::PackedInt64Array remove_in_sphere(const godot::Vector3 &p_center, double p_radius,
+			const godot::PackedInt32Array &p_layers, const godot::Callable &p_predicate);
+	int64_t add_instance(int64_t p_layer, const godot::Transform3D &p_transform, int64_t p_mesh);
+	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
+	godot::Variant get_instance_data(int64_t p_id) const;
 
 	/// A shape below this node enters the tree, leaves it, or is not what it was: what it touches is made anew.
 	void add_shape(ScatterShape3D *p_shape);
@@ -94,6 +141,37 @@ protected:
 	void _notification(int p_what);
 
 private:
+	static void bind_queries();
+	static void bind_changes();
+
+	/// Hears of the state's changes for the node.
+	class StateWatch final : public StateListener {
+	public:
+		explicit StateWatch(TerrainScatter3D &node) : node_(node) {}
+		void state_changed(std::span<const InstanceChange> changes) override { node_.state_changed(changes); }
+
+	private:
+		TerrainScatter3D &node_;
+	};
+
+	void state_changed(std::span<const InstanceChange> changes);
+	void emit_change(const InstanceChange &change, std::uint32_t place);
+	void update_world(const std::vector<EditedArea> &outdated);
+	void look_around_near();
+	void answer_requests();
+	void schedule_patch();
+	void patch_now();
+	bool prepare_query(const char *p_method);
+	TileMaker tile_maker() const;
+	std::vector<PlacedInstance> find_in_sphere(const char *p_method, const godot::Vector3 &p_center, double p_radius,
+			const godot::PackedInt32Array &p_layers, const godot::Callable &p_predicate);
+	std::vector<PlacedInstance> find_by_id(const char *p_method, int64_t p_id, bool even_removed);
+	bool remove_found(const PlacedInstance &instance);
+	Status check_state(const ScatterState &state) const;
+	Status claim(std::uint32_t place);
+	int64_t request(const char *p_method, const std::variant<Rect, QueryRequests::Sphere> &place,
+			const godot::PackedInt32Array &p_layers);
+	std::int64_t place_of(std::uint64_t id) const;
 	void start();
 	void stop();
 	void process_frame();
@@ -110,7 +188,7 @@ private:
 	std::vector<Viewer> find_viewers() const;
 	godot::Node3D *active_camera() const;
 	godot::Ref<ScatterLayer> layer_at(int64_t p_place) const;
-	const StagedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile) const;
+	const StagedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile);
 	void watch_layers(bool p_watch);
 	void watch_terrain(bool p_watch);
 
@@ -122,7 +200,18 @@ private:
 	double quality_ = 1.0;
 	int64_t preview_instances_ = 250000;
 
-	ScatterStream stream_;
+	godot::Ref<ScatterState> state_;
+	godot::StringName body_group_ = "scatter_bodies";
+	StateWatch state_watch_{*this};
+	glm::dvec3 world_offset_{0.0}; ///< Of the engine's origin in the world, metres.
+
+	std::shared_ptr<InstanceWorld> world_ = std::make_shared<InstanceWorld>();
+	QueryRequests requests_;
+	std::vector<std::pair<std::int64_t, godot::Dictionary>> answers_; ///< To be told at the end of the frame.
+	std::vector<NearRing *> rings_;
+	bool patch_scheduled_ = false;
+
+	ScatterStream stream_{*world_};
 	LayerPlans plans_;
 	ShapeRegister shapes_;
 	godot::PackedStringArray layer_names_; ///< By place, as shapes were told of them last.

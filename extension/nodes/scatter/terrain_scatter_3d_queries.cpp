@@ -1,14 +1,18 @@
-// What a TerrainScatter3D tells: its tiles, figures and warnings, and its entry in ClassDB.
+// What a TerrainScatter3D answers: what stands where, on loaded places and on all others.
 
+#include "core/base/tile_grid.hpp"
+#include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/scatter/build_at_once.hpp"
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 
-#include <algorithm>
-#include <limits>
-#include <optional>
-#include <set>
+#include <glm/geometric.hpp>
+
+#include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 using namespace godot;
 
@@ -16,218 +20,214 @@ namespace thicket {
 
 namespace {
 
-PackedFloat32Array buffer_of(const StagedTile::Part &part) {
-	return part.visual ? part.visual->read_back() : part.hidden_buffer;
-}
-
-PackedInt64Array ids_of(const StagedTile::Part &part) {
-	PackedInt64Array ids;
-	ids.resize(static_cast<int64_t>(part.ids.size()));
-	std::transform(
-			part.ids.begin(), part.ids.end(), ids.ptrw(), [](std::uint64_t id) { return static_cast<int64_t>(id); });
-	return ids;
+void report_query(const char *p_method, const Status &status) {
+	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
 }
 
 } // namespace
 
-const StagedTile *TerrainScatter3D::tile_at(int64_t p_layer, const Vector2i &p_tile) const {
-	if (p_layer < 0 || p_layer > std::numeric_limits<std::uint16_t>::max()) {
-		return nullptr;
+/// Settings that were changed in this frame count. False, with an error, where there is nothing to ask.
+bool TerrainScatter3D::prepare_query(const char *p_method) {
+	if (dirty_) {
+		refresh();
 	}
-	return stream_.stage().find(static_cast<std::uint32_t>(p_layer), {p_tile.x, p_tile.y});
+	if (plans_.streamed().empty()) {
+		report_query(p_method, {ErrorCode::missing, terrain_.is_null() ? "terrain" : "layers", 0.0});
+		return false;
+	}
+	return true;
 }
 
-Array TerrainScatter3D::get_shown_tiles(int64_t p_layer) const {
-	Array result;
-	if (p_layer >= 0 && p_layer < layers_.size()) {
-		for (const glm::ivec2 &tile : stream_.stage().tiles(static_cast<std::uint32_t>(p_layer))) {
-			result.push_back(Vector2i(tile.x, tile.y));
+/// A tile for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
+TileMaker TerrainScatter3D::tile_maker() const {
+	return [layers = plans_.streamed(), terrain = terrain_](
+				   std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) -> Status {
+		if (layer >= layers.size() || !layers[layer].plan->wanted || !terrain->ready()) {
+			return {};
 		}
-	}
-	return result;
-}
-
-Vector3 TerrainScatter3D::get_tile_origin(int64_t p_layer, const Vector2i &p_tile) const {
-	const StagedTile *tile = tile_at(p_layer, p_tile);
-	if (tile == nullptr) {
-		return {};
-	}
-	return Vector3(static_cast<real_t>(tile->origin.x), static_cast<real_t>(tile->origin.y),
-			static_cast<real_t>(tile->origin.z));
-}
-
-Array TerrainScatter3D::get_tile_buffers(int64_t p_layer, const Vector2i &p_tile) const {
-	Array result;
-	if (const StagedTile *tile = tile_at(p_layer, p_tile)) {
-		for (const StagedTile::Part &part : tile->parts) {
-			result.push_back(buffer_of(part));
+		TileInstances made;
+		const Rect rect = tile_rect(layers[layer].range.tile_size, tile);
+		const Status status = build_at_once(*layers[layer].plan, *terrain.ptr(), rect, made);
+		if (status.ok()) {
+			r_tile = std::make_shared<const TileInstances>(std::move(made));
 		}
-	}
-	return result;
-}
-
-Array TerrainScatter3D::get_tile_multimeshes(int64_t p_layer, const Vector2i &p_tile) const {
-	Array result;
-	if (const StagedTile *tile = tile_at(p_layer, p_tile)) {
-		for (const StagedTile::Part &part : tile->parts) {
-			result.push_back(part.visual ? part.visual->multimesh() : RID());
-		}
-	}
-	return result;
-}
-
-Array TerrainScatter3D::get_tile_ids(int64_t p_layer, const Vector2i &p_tile) const {
-	Array result;
-	if (const StagedTile *tile = tile_at(p_layer, p_tile)) {
-		for (const StagedTile::Part &part : tile->parts) {
-			result.push_back(ids_of(part));
-		}
-	}
-	return result;
-}
-
-int64_t TerrainScatter3D::get_tile_digest(int64_t p_layer, const Vector2i &p_tile) const {
-	const StagedTile *tile = tile_at(p_layer, p_tile);
-	if (tile == nullptr) {
-		return 0;
-	}
-	TileInstances instances;
-	instances.origin = tile->origin;
-	instances.counts = tile->counts;
-	for (const StagedTile::Part &part : tile->parts) {
-		const PackedFloat32Array buffer = buffer_of(part);
-		MeshInstances mesh;
-		mesh.buffer.assign(buffer.ptr(), buffer.ptr() + buffer.size());
-		mesh.ids = part.ids;
-		mesh.ranks = part.ranks;
-		instances.meshes.push_back(std::move(mesh));
-	}
-	return static_cast<int64_t>(digest(instances));
-}
-
-Dictionary TerrainScatter3D::get_stats() const {
-	const StreamCounts counts = stream_.counts();
-	const StreamFigures &figures = stream_.figures();
-	const auto number = [](std::uint64_t value) {
-		return static_cast<int64_t>(value);
+		return status;
 	};
-	Dictionary stats;
-	stats["tiles"] = number(stream_.stage().tile_count());
-	stats["instances"] = number(stream_.stage().instance_count());
-	stats["drawn"] = number(stream_.stage().drawn_count());
-	stats["uploads"] = number(stream_.stage().upload_count());
-	stats["waiting"] = number(counts.waiting);
-	stats["pending"] = number(counts.pending);
-	stats["uploading"] = number(stream_.stage().waiting());
-	stats["frame_usec"] =
-			static_cast<int64_t>(std::chrono::duration_cast<std::chrono::microseconds>(frame_time_).count());
-	stats["tiles_made"] = number(figures.tiles_made);
-	stats["points_sampled"] = number(figures.points_sampled);
-	stats["worker_usec"] = number(figures.worker_microseconds);
-	return stats;
 }
 
-void TerrainScatter3D::add_layer_problems(PackedStringArray &r_problems) const {
-	std::vector<std::optional<NamedLayer>> named;
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		const Ref<ScatterLayer> layer = layer_at(place);
-		named.push_back(layer.is_valid() ? std::optional(names_of(*layer.ptr())) : std::nullopt);
+void TerrainScatter3D::update_world(const std::vector<EditedArea> &outdated) {
+	std::vector<QueryLayer> layers;
+	for (const StreamedLayer &layer : plans_.streamed()) {
+		const LayerSettings &settings = *layer.plan->settings;
+		const LayerNumbers &numbers = layer.look.draw.numbers;
+		layers.push_back({.wanted = layer.plan->wanted,
+				.set = settings.set,
+				.tile_size = layer.range.tile_size,
+				.shape = {numbers.instance_radius, numbers.instance_height},
+				.max_scale = settings.placement.max_scale,
+				.max_offset = std::abs(settings.placement.offset_along_normal)});
 	}
-	std::vector<const NamedLayer *> names;
-	for (const std::optional<NamedLayer> &layer : named) {
-		names.push_back(layer ? &*layer : nullptr);
+	world_->set_layers(std::move(layers));
+	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
+		world_->invalidate(layer, outdated[layer]);
 	}
-	std::set<int64_t> ids;
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		const String where = "Layer " + String::num_int64(place) + ": ";
-		const Ref<ScatterLayer> layer = layer_at(place);
-		if (layer.is_null()) {
-			r_problems.push_back(where + String("empty, shows nothing."));
-			continue;
-		}
-		for (const String &problem : layer->problems()) {
-			r_problems.push_back(where + problem);
-		}
-		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(place))) {
-			r_problems.push_back(where + String::utf8(problem.c_str()));
-		}
-		const int64_t id = layer->integers().layer_id;
-		if (!ids.insert(id >= 0 ? id : place).second) {
-			r_problems.push_back(
-					where + String("has the same layer_id as another: both use the same random numbers and ids."));
-		}
+	world_->set_maker(tile_maker());
+}
+
+Dictionary TerrainScatter3D::query_rect(
+		const Rect2 &p_rect, const PackedInt32Array &p_layers, const Callable &p_predicate) {
+	std::vector<PlacedInstance> found;
+	const glm::dvec3 offset = world_offset_;
+	if (prepare_query("query_rect")) {
+		const std::shared_ptr<InstanceWorld> world = world_;
+		const Ref<ScatterState> state = state_;
+		const QueryFilter filter = to_filter("query_rect", p_layers, p_predicate, offset);
+		const Rect rect = to_world(p_rect, offset);
+		report_query("query_rect",
+				world->ask([&](const InstanceQuery &query) { return query.in_rect(rect, filter, found); }));
+	}
+	return to_arrays(found, offset);
+}
+
+Dictionary TerrainScatter3D::query_sphere(
+		const Vector3 &p_center, double p_radius, const PackedInt32Array &p_layers, const Callable &p_predicate) {
+	const glm::dvec3 offset = world_offset_;
+	return to_arrays(find_in_sphere("query_sphere", p_center, p_radius, p_layers, p_predicate), offset);
+}
+
+std::vector<PlacedInstance> TerrainScatter3D::find_in_sphere(const char *p_method, const Vector3 &p_center,
+		double p_radius, const PackedInt32Array &p_layers, const Callable &p_predicate) {
+	std::vector<PlacedInstance> found;
+	if (prepare_query(p_method)) {
+		const std::shared_ptr<InstanceWorld> world = world_;
+		const Ref<ScatterState> state = state_;
+		const QueryFilter filter = to_filter(p_method, p_layers, p_predicate, world_offset_);
+		const glm::dvec3 center = to_world(p_center, world_offset_);
+		report_query(p_method, world->ask([&](const InstanceQuery &query) {
+			return query.in_sphere(center, p_radius, filter, found);
+		}));
+	}
+	return found;
+}
+
+Dictionary TerrainScatter3D::query_ray(
+		const Vector3 &p_from, const Vector3 &p_to, const PackedInt32Array &p_layers, const Callable &p_predicate) {
+	Dictionary result;
+	if (!prepare_query("query_ray")) {
+		return result;
+	}
+	const std::shared_ptr<InstanceWorld> world = world_;
+	const Ref<ScatterState> state = state_;
+	const glm::dvec3 offset = world_offset_;
+	const QueryFilter filter = to_filter("query_ray", p_layers, p_predicate, offset);
+	const glm::dvec3 from = to_world(p_from, offset);
+	const glm::dvec3 to = to_world(p_to, offset);
+	std::vector<RayHit> hits;
+	report_query(
+			"query_ray", world->ask([&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); }));
+	if (!hits.empty()) {
+		const double length = glm::length(to - from);
+		result = to_dictionary(hits.front().instance, offset);
+		result["distance"] = hits.front().distance;
+		const double share = length > 0.0 ? hits.front().distance / length : 0.0;
+		result["position"] = to_engine(from + share * (to - from), offset);
+	}
+	return result;
+}
+
+Dictionary TerrainScatter3D::query_nearest(const Vector3 &p_position, double p_max_distance,
+		const PackedInt32Array &p_layers, const Callable &p_predicate) {
+	Dictionary result;
+	if (!prepare_query("query_nearest")) {
+		return result;
+	}
+	const std::shared_ptr<InstanceWorld> world = world_;
+	const Ref<ScatterState> state = state_;
+	const glm::dvec3 offset = world_offset_;
+	const QueryFilter filter = to_filter("query_nearest", p_layers, p_predicate, offset);
+	const glm::dvec3 position = to_world(p_position, offset);
+	std::vector<NearestInstance> found;
+	report_query("query_nearest", world->ask([&](const InstanceQuery &query) {
+		return query.nearest(position, p_max_distance, filter, found);
+	}));
+	if (!found.empty()) {
+		result = to_dictionary(found.front().instance, offset);
+		result["distance"] = found.front().distance;
+	}
+	return result;
+}
+
+/// The instance of an id, or, if `even_removed`, where it would stand. Empty for none.
+std::vector<PlacedInstance> TerrainScatter3D::find_by_id(const char *p_method, int64_t p_id, bool even_removed) {
+	std::vector<PlacedInstance> found;
+	if (prepare_query(p_method)) {
+		const std::shared_ptr<InstanceWorld> world = world_;
+		const Ref<ScatterState> state = state_;
+		report_query(p_method, world->ask([&](const InstanceQuery &query) {
+			return even_removed ? query.by_id_even_removed(core_id(p_id), found) : query.by_id(core_id(p_id), found);
+		}));
+	}
+	return found;
+}
+
+Dictionary TerrainScatter3D::get_instance(int64_t p_id) {
+	const glm::dvec3 offset = world_offset_;
+	const std::vector<PlacedInstance> found = find_by_id("get_instance", p_id, false);
+	Dictionary result;
+	if (!found.empty()) {
+		result = to_dictionary(found.front(), offset);
+		result["data"] = get_instance_data(p_id);
+		result["added"] = is_added(core_id(p_id));
+	}
+	return result;
+}
+
+bool TerrainScatter3D::has_instance(int64_t p_id) { return !find_by_id("has_instance", p_id, false).empty(); }
+
+int64_t TerrainScatter3D::request(const char *p_method, const std::variant<Rect, QueryRequests::Sphere> &place,
+		const PackedInt32Array &p_layers) {
+	std::int64_t number = 0;
+	if (prepare_query(p_method)) {
+		const QueryFilter filter = to_filter(p_method, p_layers, {}, world_offset_);
+		report_query(p_method, requests_.add(*world_, place, filter, number));
+	}
+	return number;
+}
+
+int64_t TerrainScatter3D::request_rect(const Rect2 &p_rect, const PackedInt32Array &p_layers) {
+	return request("request_rect", to_world(p_rect, world_offset_), p_layers);
+}
+
+int64_t TerrainScatter3D::request_sphere(const Vector3 &p_center, double p_radius, const PackedInt32Array &p_layers) {
+	return request("request_sphere", QueryRequests::Sphere{to_world(p_center, world_offset_), p_radius}, p_layers);
+}
+
+bool TerrainScatter3D::cancel_request(int64_t p_request) { return requests_.cancel(p_request); }
+
+void TerrainScatter3D::answer_requests() {
+	for (const QueryRequests::Answer &answer : requests_.frame(*world_)) {
+		answers_.emplace_back(answer.request, to_arrays(answer.found, world_offset_));
 	}
 }
 
-PackedStringArray TerrainScatter3D::get_problems() const {
-	PackedStringArray warnings;
-	if (terrain_.is_null()) {
-		warnings.push_back("No terrain: set TerrainScatter3D.terrain to a ScatterTerrain to show anything.");
-	} else if (const String problem = terrain_->problem(); !problem.is_empty()) {
-		warnings.push_back(problem);
-	}
-	if (layers_.is_empty()) {
-		warnings.push_back("No layers: add a ScatterLayer to TerrainScatter3D.layers.");
-	}
-	add_layer_problems(warnings);
-	for (int64_t viewer = 0; is_inside_tree() && viewer < viewers_.size(); ++viewer) {
-		if (Object::cast_to<Node3D>(get_node_or_null(viewers_[viewer])) == nullptr) {
-			warnings.push_back("Viewer " + String::num_int64(viewer) + " is no Node3D in this scene.");
-		}
-	}
-	return warnings;
-}
-
-void TerrainScatter3D::_bind_methods() {
+void TerrainScatter3D::bind_queries() {
 	using Self = TerrainScatter3D;
-	ClassDB::bind_method(D_METHOD("set_seed", "seed"), &Self::set_seed);
-	ClassDB::bind_method(D_METHOD("get_seed"), &Self::get_seed);
-	ClassDB::bind_method(D_METHOD("set_terrain", "terrain"), &Self::set_terrain);
-	ClassDB::bind_method(D_METHOD("get_terrain"), &Self::get_terrain);
-	ClassDB::bind_method(D_METHOD("set_layers", "layers"), &Self::set_layers);
-	ClassDB::bind_method(D_METHOD("get_layers"), &Self::get_layers);
-	ClassDB::bind_method(D_METHOD("set_viewers", "viewers"), &Self::set_viewers);
-	ClassDB::bind_method(D_METHOD("get_viewers"), &Self::get_viewers);
-	ClassDB::bind_method(D_METHOD("set_upload_budget_usec", "microseconds"), &Self::set_upload_budget_usec);
-	ClassDB::bind_method(D_METHOD("get_upload_budget_usec"), &Self::get_upload_budget_usec);
-	ClassDB::bind_method(D_METHOD("set_quality", "quality"), &Self::set_quality);
-	ClassDB::bind_method(D_METHOD("get_quality"), &Self::get_quality);
-	ClassDB::bind_method(D_METHOD("set_preview_instances", "count"), &Self::set_preview_instances);
-	ClassDB::bind_method(D_METHOD("get_preview_instances"), &Self::get_preview_instances);
-	ClassDB::bind_method(D_METHOD("_mark_dirty"), &Self::mark_dirty);
-	ClassDB::bind_method(D_METHOD("_mark_ground_dirty"), &Self::mark_ground_dirty);
-	ClassDB::bind_method(D_METHOD("_mark_ground_edited", "rect"), &Self::mark_ground_edited);
-	ClassDB::bind_method(D_METHOD("_mark_area_edited", "rect"), &Self::mark_area_edited);
-	ClassDB::bind_method(D_METHOD("regenerate"), &Self::regenerate);
-	ClassDB::bind_method(D_METHOD("is_idle"), &Self::is_idle);
-	ClassDB::bind_method(D_METHOD("get_stats"), &Self::get_stats);
-	ClassDB::bind_method(D_METHOD("get_problems"), &Self::get_problems);
-	ClassDB::bind_method(D_METHOD("get_shown_tiles", "layer"), &Self::get_shown_tiles);
-	ClassDB::bind_method(D_METHOD("get_tile_origin", "layer", "tile"), &Self::get_tile_origin);
-	ClassDB::bind_method(D_METHOD("get_tile_buffers", "layer", "tile"), &Self::get_tile_buffers);
-	ClassDB::bind_method(D_METHOD("get_tile_multimeshes", "layer", "tile"), &Self::get_tile_multimeshes);
-	ClassDB::bind_method(D_METHOD("get_tile_ids", "layer", "tile"), &Self::get_tile_ids);
-	ClassDB::bind_method(D_METHOD("get_tile_digest", "layer", "tile"), &Self::get_tile_digest);
-	ClassDB::bind_method(D_METHOD("build_rect", "layer", "rect"), &Self::build_rect);
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
-	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "terrain", PROPERTY_HINT_RESOURCE_TYPE, "ScatterTerrain"), "set_terrain",
-			"get_terrain");
-	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers", PROPERTY_HINT_ARRAY_TYPE,
-						 vformat("%d/%d:ScatterLayer", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
-			"set_layers", "get_layers");
-	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "viewers", PROPERTY_HINT_ARRAY_TYPE,
-						 vformat("%d/%d:Node3D", Variant::NODE_PATH, PROPERTY_HINT_NODE_PATH_VALID_TYPES)),
-			"set_viewers", "get_viewers");
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "upload_budget_usec", PROPERTY_HINT_RANGE,
-						 "50,5000,10,or_less,or_greater,suffix:µs"),
-			"set_upload_budget_usec", "get_upload_budget_usec");
-	ADD_PROPERTY(
-			PropertyInfo(Variant::FLOAT, "quality", PROPERTY_HINT_RANGE, "0,1,0.01"), "set_quality", "get_quality");
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "preview_instances", PROPERTY_HINT_RANGE, "0,2000000,1000,or_greater"),
-			"set_preview_instances", "get_preview_instances");
-	ADD_SIGNAL(MethodInfo("tile_shown", PropertyInfo(Variant::INT, "layer"), PropertyInfo(Variant::VECTOR2I, "tile")));
-	ADD_SIGNAL(MethodInfo("tile_hidden", PropertyInfo(Variant::INT, "layer"), PropertyInfo(Variant::VECTOR2I, "tile")));
-	ADD_SIGNAL(MethodInfo("idle"));
+	ClassDB::bind_method(D_METHOD("query_rect", "rect", "layers", "predicate"), &Self::query_rect,
+			DEFVAL(PackedInt32Array()), DEFVAL(Callable()));
+	ClassDB::bind_method(D_METHOD("query_sphere", "center", "radius", "layers", "predicate"), &Self::query_sphere,
+			DEFVAL(PackedInt32Array()), DEFVAL(Callable()));
+	ClassDB::bind_method(D_METHOD("query_ray", "from", "to", "layers", "predicate"), &Self::query_ray,
+			DEFVAL(PackedInt32Array()), DEFVAL(Callable()));
+	ClassDB::bind_method(D_METHOD("query_nearest", "position", "max_distance", "layers", "predicate"),
+			&Self::query_nearest, DEFVAL(PackedInt32Array()), DEFVAL(Callable()));
+	ClassDB::bind_method(D_METHOD("get_instance", "id"), &Self::get_instance);
+	ClassDB::bind_method(D_METHOD("has_instance", "id"), &Self::has_instance);
+	ClassDB::bind_method(D_METHOD("request_rect", "rect", "layers"), &Self::request_rect, DEFVAL(PackedInt32Array()));
+	ClassDB::bind_method(D_METHOD("request_sphere", "center", "radius", "layers"), &Self::request_sphere,
+			DEFVAL(PackedInt32Array()));
+	ClassDB::bind_method(D_METHOD("cancel_request", "request"), &Self::cancel_request);
+	ADD_SIGNAL(MethodInfo(
+			"query_finished", PropertyInfo(Variant::INT, "request"), PropertyInfo(Variant::DICTIONARY, "result")));
 }
 
 } // namespace thicket

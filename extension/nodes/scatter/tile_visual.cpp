@@ -6,6 +6,8 @@
 #include <godot_cpp/variant/basis.hpp>
 #include <godot_cpp/variant/transform3d.hpp>
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 using namespace godot;
@@ -17,6 +19,9 @@ namespace {
 /// GeometryInstance3D.GIMode.
 constexpr int64_t gi_static = 1;
 constexpr int64_t gi_dynamic = 2;
+
+/// No number of instances: what a new buffer draws, until it is told.
+constexpr auto everything = std::numeric_limits<std::size_t>::max();
 
 } // namespace
 
@@ -35,20 +40,11 @@ bool DrawSettings::draws_as(const DrawSettings &other) const {
 					&LayerIntegers::visibility_range_fade_mode);
 }
 
-TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mesh> &mesh,
-		const PackedFloat32Array &buffer, const AABB &aabb) :
-		mesh_(mesh) {
+TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mesh> &mesh, const MeshUpload &upload) :
+		look_(look), mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const auto count = static_cast<int32_t>(buffer.size() / static_cast<int64_t>(floats_per_instance(look)));
 	multimesh_ = server->multimesh_create();
-	server->multimesh_allocate_data(
-			multimesh_, count, RenderingServer::MULTIMESH_TRANSFORM_3D, look.use_colors, look.use_custom_data);
-	server->multimesh_set_mesh(multimesh_, mesh->get_rid());
-	// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
-	server->multimesh_set_custom_aabb(multimesh_, aabb);
-	server->multimesh_set_buffer(multimesh_, buffer);
-
-	drawn_ = static_cast<std::size_t>(count);
+	set_instances(upload);
 	instance_ = server->instance_create2(multimesh_, place.scenario);
 	server->instance_set_visible(instance_, false);
 	server->instance_set_transform(instance_, Transform3D(Basis(), place.origin));
@@ -57,14 +53,14 @@ TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mes
 
 TileVisual::~TileVisual() { free(); }
 
-TileVisual::TileVisual(TileVisual &&other) noexcept :
-		multimesh_(std::exchange(other.multimesh_, RID())), instance_(std::exchange(other.instance_, RID())),
-		mesh_(std::move(other.mesh_)), material_(std::move(other.material_)), drawn_(other.drawn_),
-		scale_(other.scale_) {}
+TileVisual::TileVisual(TileVisual &&other) noexcept { *this = std::move(other); }
 
 TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 	if (this != &other) {
 		free();
+		look_ = other.look_;
+		instances_ = other.instances_;
+		room_ = other.room_;
 		multimesh_ = std::exchange(other.multimesh_, RID());
 		instance_ = std::exchange(other.instance_, RID());
 		mesh_ = std::move(other.mesh_);
@@ -73,6 +69,34 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 		scale_ = other.scale_;
 	}
 	return *this;
+}
+
+void TileVisual::allocate(int64_t instances) {
+	RenderingServer *server = RenderingServer::get_singleton();
+	room_ = instances;
+	server->multimesh_allocate_data(multimesh_, static_cast<int32_t>(room_), RenderingServer::MULTIMESH_TRANSFORM_3D,
+			look_.use_colors, look_.use_custom_data);
+	server->multimesh_set_mesh(multimesh_, mesh_->get_rid());
+}
+
+void TileVisual::set_instances(const MeshUpload &upload) {
+	RenderingServer *server = RenderingServer::get_singleton();
+	const auto stride = static_cast<int64_t>(floats_per_instance(look_));
+	instances_ = upload.buffer.size() / stride;
+	if (instances_ > room_) {
+		allocate(instances_);
+	}
+	// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
+	server->multimesh_set_custom_aabb(multimesh_, upload.aabb);
+	PackedFloat32Array buffer = upload.buffer;
+	if (instances_ < room_) {
+		// The renderer wants all that it has room for. What is left over is never drawn.
+		buffer.resize(room_ * stride);
+		std::fill(buffer.ptrw() + instances_ * stride, buffer.ptrw() + room_ * stride, 0.0F);
+	}
+	server->multimesh_set_buffer(multimesh_, buffer);
+	drawn_ = everything;
+	set_drawn(static_cast<std::size_t>(instances_));
 }
 
 void TileVisual::free() {
@@ -132,7 +156,12 @@ void TileVisual::set_scale(float scale) {
 }
 
 PackedFloat32Array TileVisual::read_back() const {
-	return RenderingServer::get_singleton()->multimesh_get_buffer(multimesh_);
+	PackedFloat32Array buffer = RenderingServer::get_singleton()->multimesh_get_buffer(multimesh_);
+	const int64_t floats = instances_ * static_cast<int64_t>(floats_per_instance(look_));
+	if (buffer.size() > floats) {
+		buffer.resize(floats);
+	}
+	return buffer;
 }
 
 } // namespace thicket

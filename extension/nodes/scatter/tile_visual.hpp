@@ -1,9 +1,8 @@
 #pragma once
 
 #include "nodes/layer/scatter_layer.hpp"
+#include "nodes/scatter/mesh_upload.hpp"
 
-#include <godot_cpp/variant/aabb.hpp>
-#include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/rid.hpp>
 #include <godot_cpp/variant/vector3.hpp>
 
@@ -36,15 +35,18 @@ struct VisualPlace {
 /// Physics interpolation is off, as it is for every multimesh that no MultiMesh resource owns: nothing here ever moves.
 class TileVisual {
 public:
-	/// Hidden at first. `buffer` has as many floats an instance as `look` says; `aabb` is relative to the origin.
-	TileVisual(const VisualPlace &place, const Look &look, const godot::Ref<godot::Mesh> &mesh,
-			const godot::PackedFloat32Array &buffer, const godot::AABB &aabb);
+	/// Hidden at first. The buffer has as many floats an instance as `look` says.
+	TileVisual(
+			const VisualPlace &place, const Look &look, const godot::Ref<godot::Mesh> &mesh, const MeshUpload &upload);
 	~TileVisual();
 	TileVisual(TileVisual &&other) noexcept;
 	TileVisual &operator=(TileVisual &&other) noexcept;
 
 	void apply(const DrawSettings &settings);
 	void set_visible(bool visible);
+
+	/// Other instances in place of those there; all are drawn until `set_drawn`.
+	void set_instances(const MeshUpload &upload);
 
 	// What depends on the distance, without another upload. Each does nothing where that is so already.
 	void set_mesh(const godot::Ref<godot::Mesh> &mesh);
@@ -55,14 +57,18 @@ public:
 	/// The instance uniform `scatter_scale` for the shaders.
 	void set_scale(float scale);
 
-	/// What the RenderingServer holds. Slow: it waits for the renderer.
+	/// What the RenderingServer holds for the instances. Slow: it waits for the renderer.
 	godot::PackedFloat32Array read_back() const;
 
 	godot::RID multimesh() const { return multimesh_; }
 
 private:
 	void free();
+	void allocate(int64_t instances);
 
+	Look look_;
+	int64_t instances_ = 0;
+	int64_t room_ = 0; ///< Instances that the multimesh has memory for.
 	godot::RID multimesh_;
 	godot::RID instance_;
 	godot::Ref<godot::Mesh> mesh_;

@@ -4,34 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
+#include <utility>
 
 using namespace godot;
 
 namespace thicket {
-
-namespace {
-
-AABB grown_box(const MeshInstances &mesh, float reach) {
-	const float margin = reach * mesh.max_scale;
-	const glm::vec3 min = mesh.min - margin;
-	const glm::vec3 size = mesh.max - mesh.min + 2.0F * margin;
-	return AABB(Vector3(min.x, min.y, min.z), Vector3(size.x, size.y, size.z));
-}
-
-MeshUpload to_upload(const MeshInstances &mesh, float reach) {
-	MeshUpload upload;
-	upload.buffer.resize(static_cast<int64_t>(mesh.buffer.size()));
-	if (!mesh.buffer.empty()) {
-		std::memcpy(upload.buffer.ptrw(), mesh.buffer.data(), mesh.buffer.size() * sizeof(float));
-	}
-	upload.ids = mesh.ids;
-	upload.ranks = mesh.ranks;
-	upload.aabb = grown_box(mesh, reach);
-	return upload;
-}
-
-} // namespace
 
 TileWorkers::TileWorkers(std::size_t threads) {
 	for (std::size_t index = 0; index < std::max<std::size_t>(threads, 1); ++index) {
@@ -165,12 +142,10 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 	if (!job.status.ok()) {
 		return;
 	}
-	const std::vector<float> &reach = job.plan->mesh_reach;
-	job.origin = worker.tile.origin;
-	job.counts = worker.tile.counts;
-	for (std::size_t mesh = 0; mesh < worker.tile.meshes.size(); ++mesh) {
-		job.meshes.push_back(to_upload(worker.tile.meshes[mesh], mesh < reach.size() ? reach[mesh] : 0.0F));
+	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
+		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.plan->reach_of(mesh)));
 	}
+	job.tile = std::make_shared<const TileInstances>(worker.tile); // A copy has no spare room; the workspace keeps it.
 }
 
 } // namespace thicket

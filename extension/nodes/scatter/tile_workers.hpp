@@ -2,9 +2,7 @@
 
 #include "core/placement/tile_builder.hpp"
 #include "core/streaming/tile_streamer.hpp"
-
-#include <godot_cpp/variant/aabb.hpp>
-#include <godot_cpp/variant/packed_float32_array.hpp>
+#include "nodes/scatter/mesh_upload.hpp"
 
 #include <atomic>
 #include <cstdint>
@@ -22,14 +20,8 @@ struct LayerPlan {
 	std::shared_ptr<const Terrain> terrain;        ///< Null where the main thread has to ask a script for the ground.
 	std::vector<float> mesh_reach; ///< Metres from each mesh's origin to its farthest corner, at scale 1.
 	bool wanted = true;            ///< False for a layer that shows nothing: its tiles are empty.
-};
 
-/// The instances of one mesh in a finished tile, ready to upload.
-struct MeshUpload {
-	godot::PackedFloat32Array buffer;
-	std::vector<std::uint64_t> ids;
-	std::vector<std::uint32_t> ranks;
-	godot::AABB aabb; ///< Around the meshes as they stand, relative to the tile's origin.
+	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 };
 
 /// One tile on its way: from a request to what is uploaded. Owned by one thread at a time.
@@ -39,7 +31,7 @@ struct TileJob {
 		start,        ///< Nothing done yet.
 		needs_ground, ///< `positions` wait for the main thread to fill `ground`.
 		has_ground,   ///< `ground` is full.
-		done,         ///< `meshes` or an error.
+		done,         ///< `tile` and `uploads`, or an error.
 	};
 
 	TileRequest request;
@@ -58,10 +50,12 @@ struct TileJob {
 	std::size_t answered = 0; ///< How much of `ground` is filled.
 
 	Status status;
-	glm::dvec3 origin{0.0};
-	std::vector<MeshUpload> meshes;
-	TileCounts counts;
-	std::uint64_t microseconds = 0; ///< Spent on it by workers.
+	std::shared_ptr<const TileInstances> tile; ///< What the rules give, whatever a game has changed.
+	std::vector<MeshUpload> uploads;           ///< The same for the renderer, a part for each mesh; none if `unseen`.
+	std::uint64_t microseconds = 0;            ///< Spent on it by workers.
+
+	bool unseen = false; ///< Made to be asked, not to be shown. Main thread only, as is the next.
+	bool stale = false;  ///< Something that it shows was edited after it was begun.
 
 	std::atomic<bool> cancelled = false; ///< Raised by the main thread, at any time.
 };

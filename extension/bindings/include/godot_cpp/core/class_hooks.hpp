@@ -43,12 +43,19 @@ public:
 
 	/// For `GDExtensionClassCreationInfo4`.
 	static GDExtensionObjectPtr create_instance(void *, GDExtensionBool p_notify) {
+		if (p_notify) {
+			return make()->_owner;
+		}
+		prepare(nullptr);
+		return (new T)->_owner;
+	}
+
+	/// For `memnew`.
+	static T *make() {
 		prepare(nullptr);
 		T *object = new T;
-		if (p_notify) {
-			Access::post_initialize(object);
-		}
-		return object->_owner;
+		Access::post_initialize(object);
+		return object;
 	}
 
 	/// The library was loaded anew: `p_owner` lost the instance that the old one gave it.

@@ -1,0 +1,245 @@
+#include "nodes/gameplay/scatter_state.hpp"
+
+#include "nodes/common/property_check.hpp"
+#include "nodes/gameplay/instance_answers.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "ScatterState";
+
+std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {
+	return {p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())};
+}
+
+PackedByteArray packed(std::span<const std::uint8_t> bytes) {
+	PackedByteArray result;
+	result.resize(static_cast<int64_t>(bytes.size()));
+	std::copy(bytes.begin(), bytes.end(), result.ptrw());
+	return result;
+}
+
+/// A value without objects as bytes; none for null. False for more than the largest size.
+bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
+	r_bytes = PackedByteArray();
+	if (p_value.get_type() == Variant::NIL) {
+		return true;
+	}
+	for (int64_t room = 256; room <= static_cast<int64_t>(max_instance_data); room *= 16) {
+		r_bytes.resize(room);
+		const int64_t size = r_bytes.encode_var(0, p_value, false);
+		if (size >= 0) {
+			r_bytes.resize(size);
+			return true;
+		}
+	}
+	return false;
+}
+
+/// Says which method was refused, and why.
+Error told(const char *p_method, const Status &status) {
+	if (status.ok()) {
+		return OK;
+	}
+	report((std::string(class_name) + "." + p_method).c_str(), status);
+	return status.code == ErrorCode::corrupt ? ERR_FILE_CORRUPT : ERR_INVALID_DATA;
+}
+
+} // namespace
+
+void ScatterState::tell(std::span<const InstanceChange> changes) {
+	if (changes.empty()) {
+		return;
+	}
+	const std::vector<StateListener *> listeners = listeners_; // One may leave while it hears.
+	for (StateListener *listener : listeners) {
+		if (std::ranges::find(listeners_, listener) != listeners_.end()) {
+			listener->state_changed(changes);
+		}
+	}
+	std::vector<std::uint64_t> ids;
+	for (const InstanceChange &change : changes) {
+		ids.push_back(change.id);
+	}
+	emit_signal("instances_changed", packed_ids(ids));
+	emit_changed();
+}
+
+void ScatterState::add_listener(StateListener *p_listener) {
+	if (std::ranges::find(listeners_, p_listener) == listeners_.end()) {
+		listeners_.push_back(p_listener);
+	}
+}
+
+void ScatterState::remove_listener(StateListener *p_listener) { std::erase(listeners_, p_listener); }
+
+bool ScatterState::remove(int64_t p_id, double p_until) {
+	const std::uint64_t id = core_id(p_id);
+	InstanceChange change{id, InstanceChangeKind::removed, {}};
+	if (const AddedInstance *added = state_.added(id)) {
+		change.added = *added;
+	}
+	const bool removed = state_.remove(id, p_until);
+	if (removed) {
+		tell({&change, 1});
+	}
+	return removed;
+}
+
+bool ScatterState::restore(int64_t p_id) {
+	const InstanceChange change{core_id(p_id), InstanceChangeKind::restored, {}};
+	const bool restored = state_.restore(change.id);
+	if (restored) {
+		tell({&change, 1});
+	}
+	return restored;
+}
+
+bool ScatterState::is_removed(int64_t p_id) const { return state_.removed(core_id(p_id)); }
+
+Status ScatterState::add(const AddedInstance &instance, std::uint64_t &r_id) {
+	const Status status = state_.add(instance, r_id);
+	if (status.ok()) {
+		const InstanceChange change{r_id, InstanceChangeKind::added, *state_.added(r_id)};
+		tell({&change, 1});
+	}
+	return status;
+}
+
+bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
+	PackedByteArray bytes;
+	Status status{ErrorCode::out_of_range, "data", static_cast<double>(max_instance_data)};
+	if (encode(p_data, bytes)) {
+		status = state_.set_data(core_id(p_id), span_of(bytes));
+	}
+	if (told("set_instance_data", status) != OK) {
+		return false;
+	}
+	InstanceChange change{core_id(p_id), InstanceChangeKind::data, {}};
+	if (const AddedInstance *added = state_.added(change.id)) {
+		change.added = *added;
+	}
+	tell({&change, 1});
+	return true;
+}
+
+Variant ScatterState::get_instance_data(int64_t p_id) const {
+	const std::span<const std::uint8_t> bytes = state_.data(core_id(p_id));
+	return bytes.empty() ? Variant() : packed(bytes).decode_var(0, false);
+}
+
+PackedInt64Array ScatterState::get_removed(int64_t p_layer_id) const {
+	return packed_ids(state_.removed_ids(static_cast<int>(std::clamp<int64_t>(p_layer_id, -1, max_state_layer + 1))));
+}
+
+PackedInt64Array ScatterState::get_added(int64_t p_layer_id) const {
+	return packed_ids(state_.added_ids(static_cast<int>(std::clamp<int64_t>(p_layer_id, -1, max_state_layer + 1))));
+}
+
+int64_t ScatterState::get_removed_count() const { return static_cast<int64_t>(state_.removed_count()); }
+
+int64_t ScatterState::get_added_count() const { return static_cast<int64_t>(state_.added_count()); }
+
+PackedByteArray ScatterState::to_bytes() const {
+	std::vector<std::uint8_t> bytes;
+	state_.save(bytes);
+	return packed(bytes);
+}
+
+Error ScatterState::from_bytes(const PackedByteArray &p_bytes) {
+	std::vector<InstanceChange> changes;
+	const Error error = told("from_bytes", state_.load(span_of(p_bytes), changes));
+	tell(changes);
+	return error;
+}
+
+PackedByteArray ScatterState::diff_since(int64_t p_revision) const {
+	std::vector<std::uint8_t> bytes;
+	state_.diff_since(static_cast<std::uint64_t>(std::max<int64_t>(p_revision, 0)), bytes);
+	return packed(bytes);
+}
+
+Error ScatterState::apply_diff(const PackedByteArray &p_diff) {
+	std::vector<InstanceChange> changes;
+	const Error error = told("apply_diff", state_.apply(span_of(p_diff), changes));
+	tell(changes);
+	return error;
+}
+
+Error ScatterState::merge(const Ref<ScatterState> &p_other) {
+	if (p_other.is_null()) {
+		return told("merge", {ErrorCode::missing, "other", 0.0});
+	}
+	std::vector<InstanceChange> changes;
+	const Error error = told("merge", state_.merge(p_other->state_, changes));
+	tell(changes);
+	return error;
+}
+
+void ScatterState::clear() {
+	std::vector<InstanceChange> changes;
+	state_.clear(changes);
+	tell(changes);
+}
+
+int64_t ScatterState::get_revision() const { return static_cast<int64_t>(state_.revision()); }
+
+int64_t ScatterState::get_digest() const { return static_cast<int64_t>(state_.digest()); }
+
+double ScatterState::get_time() const { return state_.time(); }
+
+void ScatterState::advance(double p_seconds) {
+	std::vector<InstanceChange> changes;
+	state_.advance(p_seconds, changes);
+	tell(changes);
+}
+
+void ScatterState::set_data(const PackedByteArray &p_bytes) {
+	if (p_bytes.is_empty()) {
+		clear();
+	} else {
+		from_bytes(p_bytes);
+	}
+}
+
+PackedByteArray ScatterState::get_data() const { return to_bytes(); }
+
+void ScatterState::_bind_methods() {
+	using Self = ScatterState;
+	ClassDB::bind_method(D_METHOD("remove", "id", "until"), &Self::remove, DEFVAL(0.0));
+	ClassDB::bind_method(D_METHOD("restore", "id"), &Self::restore);
+	ClassDB::bind_method(D_METHOD("is_removed", "id"), &Self::is_removed);
+	ClassDB::bind_method(D_METHOD("set_instance_data", "id", "data"), &Self::set_instance_data);
+	ClassDB::bind_method(D_METHOD("get_instance_data", "id"), &Self::get_instance_data);
+	ClassDB::bind_method(D_METHOD("get_removed", "layer_id"), &Self::get_removed, DEFVAL(-1));
+	ClassDB::bind_method(D_METHOD("get_added", "layer_id"), &Self::get_added, DEFVAL(-1));
+	ClassDB::bind_method(D_METHOD("get_removed_count"), &Self::get_removed_count);
+	ClassDB::bind_method(D_METHOD("get_added_count"), &Self::get_added_count);
+	ClassDB::bind_method(D_METHOD("from_bytes", "bytes"), &Self::from_bytes);
+	ClassDB::bind_method(D_METHOD("to_bytes"), &Self::to_bytes);
+	ClassDB::bind_method(D_METHOD("diff_since", "revision"), &Self::diff_since);
+	ClassDB::bind_method(D_METHOD("apply_diff", "diff"), &Self::apply_diff);
+	ClassDB::bind_method(D_METHOD("merge", "other"), &Self::merge);
+	ClassDB::bind_method(D_METHOD("clear"), &Self::clear);
+	ClassDB::bind_method(D_METHOD("get_revision"), &Self::get_revision);
+	ClassDB::bind_method(D_METHOD("get_digest"), &Self::get_digest);
+	ClassDB::bind_method(D_METHOD("get_time"), &Self::get_time);
+	ClassDB::bind_method(D_METHOD("advance", "seconds"), &Self::advance);
+	ClassDB::bind_method(D_METHOD("set_data", "bytes"), &Self::set_data);
+	ClassDB::bind_method(D_METHOD("get_data"), &Self::get_data);
+	ADD_PROPERTY(PropertyInfo(Variant::PACKED_BYTE_ARRAY, "data", PROPERTY_HINT_NONE, "", PROPERTY_USAGE_STORAGE),
+			"set_data", "get_data");
+	ADD_SIGNAL(MethodInfo("instances_changed", PropertyInfo(Variant::PACKED_INT64_ARRAY, "ids")));
+}
+
+} // namespace thicket

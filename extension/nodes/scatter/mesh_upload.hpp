@@ -1,0 +1,19 @@
+#pragma once
+
+#include "core/placement/tile_instances.hpp"
+
+#include <godot_cpp/variant/aabb.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+
+namespace thicket {
+
+/// The instances of one mesh in a tile as the renderer takes them.
+struct MeshUpload {
+	godot::PackedFloat32Array buffer;
+	godot::AABB aabb; ///< Around the meshes as they stand, relative to the tile's origin.
+};
+
+/// `reach`: metres from the mesh's origin to its farthest corner, at scale 1.
+MeshUpload to_upload(const MeshInstances &mesh, float reach);
+
+} // namespace thicket
