@@ -1,19 +1,85 @@
-"""Fixtures for all tests. They run what the build made; `bash tests/run.sh` builds first, then calls pytest."""
+"""Fixtures for all tests. They run what the build made; `bash tests/run.sh` builds first, then calls pytest, with several
+workers: what they take from each other, and in which order, is here too."""
 
 from __future__ import annotations
 
 import os
 import platform
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from analysis.point_sets import PointsTool
 
+try:
+    import fcntl
+except ImportError:  # Not on Windows.
+    fcntl = None
+
 REPO = Path(__file__).resolve().parent.parent
 ARCH = {"amd64": "x86_64", "aarch64": "arm64"}.get(platform.machine().lower(), platform.machine().lower())
 BUILD_DIR = REPO / "build" / f"{platform.system().lower()}.template_debug.{ARCH}"
+
+# Any worker takes any test of these; else a worker takes a whole file, for what its fixtures make.
+SPREAD = ["test_core", "test_engine"]
+# The files that take longest come first and those whose tests are spread come last, so that all workers end together.
+LONG = ["test_sanitizers", "test_fuzz", "test_build", "test_figures", "test_demo", "test_analysis", "test_domain_statistics"]
+# Files that go to one worker: only one build may run in this tree, and one test would wait for another's until it fails;
+# and the second looks at what the first has set up.
+TOGETHER = {name: "builds" for name in ("test_sanitizers", "test_fuzz", "test_build")} | {"test_peers": "test_figures"}
+
+
+def group(item: pytest.Item) -> str | None:
+    """The name that the tests of one worker share; None for a test that any worker may take."""
+    if "imported_demo" in getattr(item, "fixturenames", ()):
+        return "demo"  # Its import writes into the project.
+    return None if item.path.stem in SPREAD else TOGETHER.get(item.path.stem, item.path.stem)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]):
+    """With several workers: first the tests that want to be alone, then whole files, then what is spread."""
+
+    def rank(item: pytest.Item) -> int:
+        if alone(item):
+            return -1
+        stem = item.path.stem
+        return LONG.index(stem) if stem in LONG else len(LONG) + int(stem in SPREAD)
+
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return
+    items.sort(key=rank)
+    for item in items:
+        if name := group(item):
+            item.add_marker(pytest.mark.xdist_group(name))
+
+
+def alone(item: pytest.Item) -> bool:
+    return item.get_closest_marker("alone") is not None
+
+
+@contextmanager
+def turn(wants_to_be_alone: bool) -> Iterator[None]:
+    """Waits until a test may run beside those of other workers, or until none of those runs any more."""
+    if fcntl is None or "PYTEST_XDIST_WORKER" not in os.environ:
+        yield
+        return
+    folder = REPO / "build"
+    folder.mkdir(exist_ok=True)
+    with (folder / ".tests_door").open("w") as door, (folder / ".tests_room").open("w") as room:
+        # Who waits for an empty room keeps the door shut, or there would always be somebody inside.
+        fcntl.flock(door, fcntl.LOCK_EX)
+        fcntl.flock(room, fcntl.LOCK_EX if wants_to_be_alone else fcntl.LOCK_SH)
+        fcntl.flock(door, fcntl.LOCK_UN)
+        yield
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item):
+    with turn(alone(item)):
+        return (yield)
 
 
 def run(command: list[str | Path], timeout: float, **options) -> subprocess.CompletedProcess[str]:

@@ -1,5 +1,7 @@
 #!/usr/bin/env bash
-# Sets up, builds, and runs every test. Arguments go to pytest: bash tests/run.sh -k sampler
+# Sets up, builds, and runs every test, with a worker for each core up to four. Arguments go to pytest:
+#   bash tests/run.sh -k sampler
+#   bash tests/run.sh -n 0        one test after the other, in the order of their files
 set -euo pipefail
 from=$PWD
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
@@ -19,4 +21,6 @@ for argument in "$@"; do
 	[[ $argument != /* && $argument != -* && -e $from/${argument%%::*} ]] && argument=$from/$argument
 	arguments+=("$argument")
 done
-exec "$(python_venv)/bin/python" -m pytest "${arguments[@]}" </dev/null
+workers=$(nproc)
+((workers <= 4)) || workers=4
+exec "$(python_venv)/bin/python" -m pytest -n "$workers" --dist loadgroup "${arguments[@]}" </dev/null

@@ -26,7 +26,7 @@ def test_scene_holds_settings_only(scene):
 @pytest.mark.parametrize("scene", SCENES)
 def test_scene_runs_without_a_renderer(godot, imported_demo, scene):
     """Every stop, headless: no warning, nothing leaked, something to see at each."""
-    done = godot(["--verbose", "--path", imported_demo, f"res://{scene}.tscn", "--", "--screenshots"], timeout=60)
+    done = godot(["--verbose", "--path", imported_demo, f"res://{scene}.tscn", "--", "--screenshots"], timeout=300)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
     assert not complaints(printed), complaints(printed)
@@ -37,7 +37,7 @@ def test_scene_runs_without_a_renderer(godot, imported_demo, scene):
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_what_stands_in_the_scene(godot, imported_demo, scene):
-    done = godot(["--verbose", "--path", imported_demo, "--script", ENGINE / f"test_demo_{scene}.gd"], timeout=60)
+    done = godot(["--verbose", "--path", imported_demo, "--script", ENGINE / f"test_demo_{scene}.gd"], timeout=300)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and PASSED.search(done.stdout), printed[-4000:]
     assert "leaked" not in printed, printed[-4000:]

@@ -101,7 +101,7 @@ def assert_passed(done):
         "test_lifetime",
         "test_domain",
         "test_domain_calls",
-        "test_domain_cancel",
+        pytest.param("test_domain_cancel", marks=pytest.mark.alone),
         "test_layer_properties",
         "test_mask",
         "test_terrains",
@@ -113,7 +113,7 @@ def assert_passed(done):
         "test_edits",
         "test_neighbours",
         "test_build_rect",
-        "test_response",
+        pytest.param("test_response", marks=pytest.mark.alone),
     ],
 )
 def test_script(godot, project, script):

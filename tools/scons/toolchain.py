@@ -114,6 +114,13 @@ def configure(env):
     return name
 
 
+def program_flags(env):
+    """What tests and benches have besides."""
+    if sanitizers(env):
+        # To compile so many checks would take longer than to run them. What they check, the core, keeps its level.
+        env.Append(CCFLAGS=["-O1"])
+
+
 def shared_flags(env):
     """What turns our objects into a library that a running Godot can load, unload and load again."""
     if env["platform"] == "linux":
