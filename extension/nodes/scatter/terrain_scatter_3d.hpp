@@ -169,6 +169,7 @@ private:
 	bool remove_found(const PlacedInstance &instance);
 	Status check_state(const ScatterState &state) const;
 	Status claim(std::uint32_t place);
+	void claim_layers();
 	int64_t request(const char *p_method, const std::variant<Rect, QueryRequests::Sphere> &place,
 			const godot::PackedInt32Array &p_layers);
 	std::int64_t place_of(std::uint64_t id) const;

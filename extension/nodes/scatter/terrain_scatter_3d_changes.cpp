@@ -75,11 +75,21 @@ void TerrainScatter3D::set_state(const Ref<ScatterState> &p_state) {
 	if (state_.is_valid()) {
 		state_->add_listener(&state_watch_);
 	}
+	claim_layers();
 	const InstanceState *state = state_.is_valid() ? &state_->state() : nullptr;
 	world_->set_state(state);
 	stream_.stage().set_state(state);
 	stream_.stage().mark_all();
 	schedule_patch();
+}
+
+/// From now on the state takes in nothing that was made for other points.
+void TerrainScatter3D::claim_layers() {
+	for (std::uint32_t place = 0; state_.is_valid() && place < world_->layers().size(); ++place) {
+		if (world_->layers()[place].wanted) {
+			static_cast<void>(claim(place)); // What is refused is a problem of the node, and shown as such.
+		}
+	}
 }
 
 Status TerrainScatter3D::claim(std::uint32_t place) {

@@ -72,6 +72,7 @@ void TerrainScatter3D::update_world(const std::vector<EditedArea> &outdated) {
 		world_->invalidate(layer, outdated[layer]);
 	}
 	world_->set_maker(tile_maker());
+	claim_layers();
 }
 
 Dictionary TerrainScatter3D::query_rect(

@@ -164,6 +164,12 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 		warnings.push_back("No layers: add a ScatterLayer to TerrainScatter3D.layers.");
 	}
 	add_layer_problems(warnings);
+	if (state_.is_valid()) {
+		if (const Status status = check_state(*state_.ptr()); !status.ok()) {
+			warnings.push_back(
+					sentence("TerrainScatter3D", status) + String(": what it has removed are other instances."));
+		}
+	}
 	for (int64_t viewer = 0; is_inside_tree() && viewer < viewers_.size(); ++viewer) {
 		if (Object::cast_to<Node3D>(get_node_or_null(viewers_[viewer])) == nullptr) {
 			warnings.push_back("Viewer " + String::num_int64(viewer) + " is no Node3D in this scene.");
