@@ -1,0 +1,140 @@
+// What a game changes, laid over a tile: nothing but what was changed differs, to the bit.
+
+#include "core/base/instance_id.hpp"
+#include "core/query/tile_overlay.hpp"
+#include "tile_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <random>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+std::shared_ptr<const TileInstances> shared_tile(const LayerSettings &layer) {
+	return std::make_shared<const TileInstances>(built(layer, hills(), tile_of_hills));
+}
+
+std::size_t count_of(const std::vector<std::shared_ptr<const MeshInstances>> &shown) {
+	std::size_t count = 0;
+	for (const auto &mesh : shown) {
+		count += mesh->size();
+	}
+	return count;
+}
+
+/// The place of an id in a mesh; its size for none.
+std::size_t find(const MeshInstances &mesh, std::uint64_t id) {
+	return static_cast<std::size_t>(std::find(mesh.ids.begin(), mesh.ids.end(), id) - mesh.ids.begin());
+}
+
+AddedInstance placed(const LayerSettings &layer, glm::dvec3 position, std::uint8_t mesh) {
+	AddedInstance added;
+	added.layer = layer.set.layer;
+	added.mesh = mesh;
+	added.position = position;
+	added.basis = glm::mat3(0.0f, 0.0f, -2.0f, 0.0f, 2.0f, 0.0f, 2.0f, 0.0f, 0.0f);
+	return added;
+}
+
+} // namespace
+
+TEST_CASE("overlay: without changes, and with changes elsewhere, no tile is copied") {
+	const LayerSettings layer = rich_layer();
+	const auto tile = shared_tile(layer);
+	InstanceState state;
+	std::uint64_t id = 0;
+	REQUIRE(state.add(placed(layer, {500.0, 0.0, 500.0}, 0), id).ok());
+	REQUIRE(state.remove(pack({layer.set.layer, {100000, 100000}})));
+	for (const Overlay &overlay : {Overlay{}, Overlay{&state, nullptr}}) {
+		const auto shown = overlaid(tile, layer, tile_of_hills, overlay);
+		REQUIRE(shown.size() == tile->meshes.size());
+		for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
+			CHECK(shown[mesh].get() == &tile->meshes[mesh]);
+		}
+	}
+}
+
+TEST_CASE("overlay: what is removed or hidden is gone, and the rest keeps its order and every bit") {
+	const LayerSettings layer = rich_layer();
+	const auto tile = shared_tile(layer);
+	InstanceState state;
+	std::unordered_set<std::uint64_t> hidden;
+	std::mt19937 random(5);
+	std::size_t gone = 0;
+	for (const MeshInstances &mesh : tile->meshes) {
+		for (const std::uint64_t id : mesh.ids) {
+			const auto draw = random() % 10;
+			if (draw < 2) {
+				REQUIRE(state.remove(id));
+			} else if (draw == 2) {
+				hidden.insert(id);
+			}
+			gone += draw <= 2 ? 1 : 0;
+		}
+	}
+	const auto shown = overlaid(tile, layer, tile_of_hills, {&state, &hidden});
+	CHECK(count_of(shown) == size_of(*tile) - gone);
+	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
+		const MeshInstances &whole = tile->meshes[mesh];
+		const MeshInstances &rest = *shown[mesh];
+		std::size_t at = 0;
+		for (std::size_t i = 0; i < whole.size(); ++i) {
+			if (state.removed(whole.ids[i]) || hidden.contains(whole.ids[i])) {
+				continue;
+			}
+			REQUIRE(at < rest.size());
+			CHECK(rest.ids[at] == whole.ids[i]);
+			CHECK(rest.ranks[at] == whole.ranks[i]);
+			const auto from = whole.buffer.begin() + static_cast<std::ptrdiff_t>(i * whole.stride);
+			const auto to = rest.buffer.begin() + static_cast<std::ptrdiff_t>(at * rest.stride);
+			CHECK(std::equal(from, from + static_cast<std::ptrdiff_t>(whole.stride), to));
+			++at;
+		}
+		CHECK(at == rest.size());
+	}
+}
+
+TEST_CASE("overlay: hand-placed instances stand first, in the tile of their place alone, as they were placed") {
+	LayerSettings layer = rich_layer();
+	layer.look.use_custom_data = true;
+	const auto tile = shared_tile(layer);
+	InstanceState state;
+	std::uint64_t inside = 0;
+	std::uint64_t on_edge = 0;
+	std::uint64_t odd_mesh = 0;
+	REQUIRE(state.add(placed(layer, {10.5, 20.0, 30.25}, 1), inside).ok());
+	REQUIRE(state.add(placed(layer, {64.0, 0.0, 64.0}, 1), on_edge).ok());
+	REQUIRE(state.add(placed(layer, {-64.0, 0.0, 0.0}, 200), odd_mesh).ok());
+	const auto shown = overlaid(tile, layer, tile_of_hills, {&state, nullptr});
+	CHECK(count_of(shown) == size_of(*tile) + 2);
+	CHECK(find(*shown[1], inside) == 0);
+	CHECK(find(*shown[0], odd_mesh) == 0);
+	CHECK(shown[2].get() == &tile->meshes[2]);
+	CHECK(find(*shown[1], on_edge) == shown[1]->size());
+	CHECK(shown[1]->ranks[0] == 0);
+	CHECK(world_position(*tile, *shown[1], 0) == glm::dvec3(10.5, 20.0, 30.25));
+	CHECK(std::vector<float>(shown[1]->buffer.begin(), shown[1]->buffer.begin() + 3) ==
+			std::vector<float>{0.0f, 0.0f, 2.0f});
+	CHECK(shown[1]->buffer[transform_floats + 3] == 2.0f);
+	CHECK(shown[1]->max_scale >= 2.0f);
+	CHECK(visible_prefix(shown[1]->ranks, 1e-9) >= 1);
+
+	const Rect next{{64.0, 0.0}, {192.0, 128.0}};
+	const auto neighbour = std::make_shared<const TileInstances>(built(layer, hills(), next));
+	CHECK(find(*overlaid(neighbour, layer, next, {&state, nullptr})[1], on_edge) == 0);
+}
+
+TEST_CASE("overlay: the box holds what stands") {
+	const LayerSettings layer = rich_layer();
+	const auto tile = shared_tile(layer);
+	InstanceState state;
+	std::uint64_t id = 0;
+	REQUIRE(state.add(placed(layer, {0.0, 900.0, 64.0}, 0), id).ok());
+	const MeshInstances &mesh = *overlaid(tile, layer, tile_of_hills, {&state, nullptr})[0];
+	CHECK(mesh.max.y == static_cast<float>(900.0 - tile->origin.y));
+	CHECK(mesh.min == tile->meshes[0].min);
+}
