@@ -6,8 +6,8 @@ extends SceneTree
 ##
 ## Times are on the clock, at 60 frames a second, from the frame in which the property is set. A frame's work is what the
 ## scatter spends on the main thread in it, the comparison of all settings included. A busy machine lengthens it by what the
-## thread waits for a core, so the processor time of the whole frame, engine included, is told as well where the system
-## knows it.
+## thread waits for a core, and a virtual one by the pages of memory that its host has to find, so the processor time of the
+## whole frame, engine included, and what the longest frame waited for are told as well where the system knows it.
 
 const FRAMES_PER_SECOND := 60
 const NEAR := 64.0 ## Metres; what the viewer looks at while dragging.
@@ -15,6 +15,7 @@ const INSTANCES := 100000
 const DRAG_SECONDS := 2.0
 const DEFAULT_ROUNDS := 15
 const PATIENCE_SECONDS := 120.0
+const TOUCHED_BYTES := 512 << 20 ## Given back before anything is measured: the first touch of memory may wait for a host.
 
 var _scatter: TerrainScatter3D
 var _layer: ScatterLayer
@@ -25,6 +26,8 @@ var _seen := {}    ## How often each tile came.
 var _frames: PackedFloat64Array ## Microseconds of the main thread.
 var _processor_frames: PackedFloat64Array ## Microseconds of the main thread's processor time, all of the engine's work.
 var _processor_usec := 0
+var _waits: PackedFloat64Array ## Microseconds in each frame that the main thread was ready to run and had no core.
+var _wait_usec := 0
 var _most_pending := 0
 
 
@@ -37,6 +40,10 @@ func _run() -> void:
 	var arguments := OS.get_cmdline_user_args()
 	if arguments.size() > 0:
 		rounds = maxi(1, arguments[0].to_int())
+	var touched := PackedByteArray()
+	touched.resize(TOUCHED_BYTES)
+	touched.fill(1)
+	touched.clear()
 	_make_scene()
 	if not await _idle():
 		return _end("not idle after %.0f s" % PATIENCE_SECONDS)
@@ -90,15 +97,19 @@ func _frame() -> void:
 	var stats := _scatter.get_stats()
 	_frames.push_back(float(stats.frame_usec))
 	_most_pending = maxi(_most_pending, int(stats.pending))
-	var now := _processor_time()
-	_processor_frames.push_back(float(now - _processor_usec))
-	_processor_usec = now
+	var now := _thread_times()
+	_processor_frames.push_back(float(now.x - _processor_usec))
+	_waits.push_back(float(now.y - _wait_usec))
+	_processor_usec = now.x
+	_wait_usec = now.y
 
 
-## Microseconds of processor time that the main thread has had, 0 where the system does not say. Linux only.
-func _processor_time() -> int:
+## Microseconds of processor time that the main thread has had, and that it has waited for a core; 0 where the system does
+## not say. Linux only.
+func _thread_times() -> Vector2i:
 	var file := FileAccess.open("/proc/self/schedstat", FileAccess.READ)
-	return 0 if file == null else file.get_line().get_slice(" ", 0).to_int() / 1000
+	var words := PackedStringArray(["0", "0"]) if file == null else file.get_line().split(" ")
+	return Vector2i(words[0].to_int() / 1000, words[1].to_int() / 1000)
 
 
 func _find_near() -> void:
@@ -150,13 +161,16 @@ func _measure_changes(rounds: int) -> Dictionary:
 
 
 func _no_figures() -> Dictionary:
-	return {"near": [], "all": [], "longest": [], "p99": [], "processor": [], "pending": [], "renewed": []}
+	return {"near": [], "all": [], "longest": [], "p99": [], "processor": [], "waited": [], "pending": [], "renewed": []}
 
 
 func _begin_round() -> void:
 	_frames.clear()
 	_processor_frames.clear()
-	_processor_usec = _processor_time()
+	_waits.clear()
+	var now := _thread_times()
+	_processor_usec = now.x
+	_wait_usec = now.y
 	_most_pending = 0
 
 
@@ -165,6 +179,7 @@ func _add_frames(figures: Dictionary) -> void:
 	sorted.sort()
 	figures.longest.push_back(sorted[-1])
 	figures.p99.push_back(sorted[ceili(0.99 * sorted.size()) - 1])
+	figures.waited.push_back(_waits[_frames.find(sorted[-1])])
 	_processor_frames.sort()
 	figures.processor.push_back(_processor_frames[-1])
 	figures.pending.push_back(float(_most_pending))
@@ -211,6 +226,7 @@ func _row_frames(what: String, figures: Dictionary) -> void:
 	_row(what + ": main thread a frame, longest", figures.longest, "µs")
 	_row(what + ": main thread a frame, p99", figures.p99, "µs")
 	if _processor_usec > 0:
+		_row(what + ": what the thread waited for a core in that longest frame", figures.waited, "µs")
 		_row(what + ": processor time of the engine's main thread a frame, longest", figures.processor, "µs")
 
 

@@ -183,7 +183,7 @@ void TerrainScatter3D::state_changed(std::span<const InstanceChange> changes) {
 			continue;
 		}
 		const auto layer = static_cast<std::uint32_t>(place);
-		if (change.kind != InstanceChangeKind::data) {
+		if (running_ && change.kind != InstanceChangeKind::data) {
 			stream_.stage().mark(layer, area_of(change, world_->layers()[layer].set));
 			for (NearRing *ring : rings_) {
 				ring->drop(change.id);
