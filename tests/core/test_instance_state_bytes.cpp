@@ -1,0 +1,241 @@
+// The stored form of a state: what comes back, what is refused, how many bytes it takes.
+
+#include "core/query/id_codec.hpp"
+#include "core/query/id_table.hpp"
+#include "state_fixture.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <set>
+#include <string>
+
+using namespace thicket;
+
+namespace {
+
+/// A state with something of every kind, in few bytes.
+InstanceState small_state() {
+	InstanceState state;
+	REQUIRE(state.claim(1, 0x1234567890abcdef).ok());
+	std::vector<InstanceChange> changes;
+	state.advance(2.5, changes);
+	for (int x = -2; x < 3; ++x) {
+		state.remove(point_id(1, x, 4));
+	}
+	state.remove(point_id(2, 8000000, -8000000), 100.0);
+	REQUIRE(state.set_data(point_id(1, 0, 4), StateBytes{1, 2}).ok());
+	REQUIRE(state.set_data(point_id(3, 0, 0), StateBytes{3}).ok());
+	std::uint64_t id = 0;
+	REQUIRE(state.add(instance_at(1.5, -2.5, 4), id).ok());
+	REQUIRE(state.set_data(id, StateBytes{4, 5, 6}).ok());
+	return state;
+}
+
+Status load_into_copy(const InstanceState &state, const StateBytes &bytes, StateBytes &r_after) {
+	InstanceState copy = copy_of(state);
+	std::vector<InstanceChange> changes;
+	const Status status = copy.load(bytes, changes);
+	r_after = bytes_of(copy);
+	return status;
+}
+
+/// Refused as corrupt, or of another version, and what was there stays.
+void check_refused_bytes(const StateBytes &bytes) {
+	static const InstanceState before = small_state();
+	StateBytes after;
+	const Status status = load_into_copy(before, bytes, after);
+	REQUIRE((status.code == ErrorCode::corrupt || std::string(status.property) == "version"));
+	REQUIRE(after == bytes_of(before));
+}
+
+/// Taken, and then written to the byte, or refused without a change.
+void check_any_bytes(const StateBytes &bytes) {
+	static const InstanceState before = small_state();
+	StateBytes after;
+	const bool taken = load_into_copy(before, bytes, after).ok();
+	REQUIRE(after == (taken ? bytes : bytes_of(before)));
+}
+
+std::size_t bytes_of_removals(const std::vector<std::uint64_t> &ids) {
+	InstanceState state;
+	for (const std::uint64_t id : ids) {
+		state.remove(id);
+	}
+	const StateBytes bytes = bytes_of(state);
+	CHECK(copy_of(state).removed_ids() == state.removed_ids());
+	return bytes.size();
+}
+
+} // namespace
+
+TEST_CASE("state bytes: a state comes back as it was, and its bytes as well") {
+	StateRandom random(11);
+	for (int round = 0; round < 300; ++round) {
+		InstanceState state;
+		REQUIRE(state.claim(0, 5).ok());
+		disturb(state, random, static_cast<int>(random() % 200));
+		InstanceState other;
+		disturb(other, random, 20);
+		other.release_claims();
+		std::vector<InstanceChange> changes;
+		const StateBytes bytes = bytes_of(state);
+		const std::uint64_t revision = other.revision();
+		REQUIRE(other.load(bytes, changes).ok());
+		REQUIRE(bytes_of(other) == bytes);
+		REQUIRE(other.digest() == state.digest());
+		REQUIRE(other.time() == state.time());
+		REQUIRE(other.revision() > revision);
+		REQUIRE(other.removed_ids() == state.removed_ids());
+		REQUIRE(other.added_ids() == state.added_ids());
+		REQUIRE(other.data_ids() == state.data_ids());
+		for (const std::uint64_t id : state.data_ids()) {
+			REQUIRE(std::ranges::equal(other.data(id), state.data(id)));
+		}
+		for (const std::uint64_t id : state.added_ids()) {
+			REQUIRE(*other.added(id) == *state.added(id));
+		}
+	}
+}
+
+TEST_CASE("state bytes: the same content has the same bytes, however it came to be") {
+	InstanceState forth;
+	InstanceState back;
+	for (int i = 0; i < 1000; ++i) {
+		forth.remove(point_id(2, i, i * i));
+		back.remove(point_id(2, 999 - i, (999 - i) * (999 - i)));
+		back.remove(point_id(3, i, 0));
+	}
+	CHECK(forth.digest() != back.digest());
+	for (int i = 0; i < 1000; ++i) {
+		back.restore(point_id(3, i, 0));
+	}
+	CHECK(bytes_of(forth) == bytes_of(back));
+	CHECK(forth.digest() == back.digest());
+}
+
+TEST_CASE("state bytes: the format is as it was") {
+	InstanceState state;
+	REQUIRE(state.claim(1, 0x0807060504030201).ok());
+	CHECK(bytes_of(state).size() == 4 + 4 + 1 + 8 + 2 + 6 * 4 + 8);
+	state.remove(point_id(1, -cell_limit, -cell_limit + 1));                             // Code 1 of layer 1.
+	state.remove(point_id(1, -cell_limit + 1, -cell_limit));                             // Code 2.
+	const StateBytes expected{'T', 'S', 'T', 'A', 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // Header.
+			0, 0, 1, 0, 1, 2, 3, 4, 5, 6, 7, 8,                                          // One layer.
+			2, 0, 0, 0, 46, 8, 0, 0, 0, 0, 128, 0, // Parameter, four ones and a zero, a gap in full.
+			0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+	const StateBytes bytes = bytes_of(state);
+	CHECK(StateBytes(bytes.begin(), bytes.begin() + 33) == StateBytes(expected.begin(), expected.begin() + 33));
+	CHECK(bytes == sealed(bytes));
+	CHECK(checksum(bytes) != 0);
+	CHECK(bytes_of(small_state()).size() < 260);
+}
+
+TEST_CASE("state bytes: every damaged byte, every truncation and every byte too many is refused") {
+	const StateBytes whole = bytes_of(small_state());
+	for (std::size_t at = 0; at < whole.size(); ++at) {
+		for (int value = 0; value < 256; ++value) {
+			if (value != whole[at]) {
+				StateBytes bytes = whole;
+				bytes[at] = static_cast<std::uint8_t>(value);
+				check_refused_bytes(bytes);
+			}
+		}
+		check_refused_bytes(StateBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(at)));
+	}
+	StateBytes longer = whole;
+	longer.push_back(0);
+	check_refused_bytes(longer);
+	InstanceState state = small_state();
+	check_refused_bytes(diff_of(state, 3));
+	InstanceState version_2;
+	std::vector<InstanceChange> changes;
+	StateBytes bytes = whole;
+	bytes[4] = 2;
+	CHECK(describe(version_2.load(bytes, changes)) == "version is out of range, got 2");
+}
+
+TEST_CASE("state bytes: what is damaged and sealed again is refused or taken as it stands") {
+	const StateBytes whole = bytes_of(small_state());
+	for (std::size_t at = 0; at < whole.size() - 8; ++at) {
+		for (int value = 0; value < 256; ++value) {
+			StateBytes bytes = whole;
+			bytes[at] = static_cast<std::uint8_t>(value);
+			check_any_bytes(sealed(bytes));
+		}
+		check_any_bytes(sealed(StateBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(at) + 8)));
+	}
+	StateRandom random(12);
+	InstanceState large;
+	disturb(large, random, 4000);
+	const StateBytes many = bytes_of(large);
+	for (int round = 0; round < 300; ++round) {
+		StateBytes bytes = many;
+		for (int i = 0; i < 1 + round % 5; ++i) {
+			bytes[random() % (bytes.size() - 8)] = static_cast<std::uint8_t>(random());
+		}
+		StateBytes after;
+		if (load_into_copy(InstanceState(), sealed(bytes), after).ok()) {
+			REQUIRE(after == sealed(bytes));
+		}
+		bytes.resize(random() % bytes.size());
+		check_refused_bytes(bytes);
+	}
+}
+
+TEST_CASE("state bytes: a million removals take less than 4 MB wherever they are") {
+	StateRandom random(13);
+	std::vector<std::uint64_t> ids(1000000);
+	std::ranges::generate(ids, [&random] { return any_point(random, 300); });
+	CHECK(bytes_of_removals(ids) < 3760000);
+	// The hardest: as far from each other as they can be, and just not so.
+	for (std::size_t at = 0; at < ids.size(); ++at) {
+		ids[at] = id_of(std::uint64_t{300} << 48 | (at * 281474976 + at % 20));
+	}
+	CHECK(bytes_of_removals(ids) < 3860000);
+}
+
+TEST_CASE("state bytes: removals that stand close take far less") {
+	StateRandom random(14);
+	std::vector<std::uint64_t> wood;
+	for (int i = 0; i < 200000; ++i) { // 200,000 of the 2 million cells of a wood.
+		wood.push_back(point_id(1, static_cast<int>(random() % 1414) - 700, static_cast<int>(random() % 1414) + 90000));
+	}
+	const std::set<std::uint64_t> distinct(wood.begin(), wood.end());
+	CHECK(8.0 * static_cast<double>(bytes_of_removals(wood)) < 5.2 * static_cast<double>(distinct.size()));
+	std::vector<std::uint64_t> clearing;
+	for (int x = -150; x < 150; ++x) {
+		for (int y = -150; y < 150; ++y) {
+			if (x * x + y * y < 150 * 150 && random() % 100 < 35) {
+				clearing.push_back(point_id(1, x, y));
+			}
+		}
+	}
+	CHECK(8.0 * static_cast<double>(bytes_of_removals(clearing)) < 3.0 * static_cast<double>(clearing.size()));
+}
+
+TEST_CASE("id codec: any ascending list comes back") {
+	StateRandom random(15);
+	for (int round = 0; round < 400; ++round) {
+		std::set<std::uint64_t> numbers;
+		const std::size_t count = random() % 700;
+		const int width = static_cast<int>(random() % 64);
+		for (std::size_t i = 0; i < count; ++i) {
+			numbers.insert(std::min(random() >> (random() % 10 == 0 ? 0 : width), IdTable::none - 1));
+		}
+		const std::vector<std::uint64_t> list(numbers.begin(), numbers.end());
+		StateBytes bytes{9};
+		append_ascending(list, bytes);
+		bytes.push_back(7);
+		ByteReader reader(bytes);
+		CHECK(reader.take<std::uint8_t>() == 9);
+		std::vector<std::uint64_t> read;
+		REQUIRE(take_ascending(reader, read));
+		REQUIRE(read == list);
+		CHECK(reader.take<std::uint8_t>() == 7);
+		CHECK(reader.at_end());
+	}
+	for (const std::uint64_t id : {std::uint64_t{0}, ~std::uint64_t{0}, std::uint64_t{0x8001a05597e0f7bb}}) {
+		CHECK(id_of(code_of(id)) == id);
+	}
+	CHECK(code_of(pack({0x1234, {3 - cell_limit, 5 - cell_limit}})) == 0x1234000000000000 + 0b011011);
+}

@@ -1,0 +1,245 @@
+// What states tell each other: diffs and merges.
+
+#include "state_fixture.hpp"
+
+#include <algorithm>
+#include <map>
+
+using namespace thicket;
+
+namespace {
+
+using Changes = std::vector<InstanceChange>;
+
+/// What stands of a state, as its changes tell it.
+struct Told {
+	std::map<std::uint64_t, bool> removed;
+	std::map<std::uint64_t, AddedInstance> added;
+
+	/// Follows changes, and checks that each is one.
+	void follow(const Changes &changes) {
+		for (const InstanceChange &change : changes) {
+			const bool placed = is_added(change.id);
+			switch (change.kind) {
+				case InstanceChangeKind::removed:
+					if (placed) {
+						REQUIRE(added.at(change.id) == change.added);
+						added.erase(change.id);
+					} else {
+						REQUIRE(removed.emplace(change.id, true).second);
+					}
+					break;
+				case InstanceChangeKind::restored: REQUIRE(removed.erase(change.id) == 1); break;
+				case InstanceChangeKind::added:
+					REQUIRE(placed);
+					REQUIRE(added.emplace(change.id, change.added).second);
+					break;
+				case InstanceChangeKind::data: break;
+			}
+		}
+	}
+
+	void check(const InstanceState &state) const {
+		REQUIRE(state.removed_count() == removed.size());
+		for (const auto &[id, is_removed] : removed) {
+			REQUIRE(state.removed(id));
+		}
+		REQUIRE(state.added_count() == added.size());
+		for (const auto &[id, instance] : added) {
+			REQUIRE(*state.added(id) == instance);
+		}
+	}
+};
+
+InstanceState state_of(StateRandom &random, int changes) {
+	InstanceState state;
+	disturb(state, random, changes);
+	return state;
+}
+
+InstanceState merged(const InstanceState &left, const InstanceState &right) {
+	InstanceState result = copy_of(left);
+	Changes changes;
+	REQUIRE(result.merge(right, changes).ok());
+	return result;
+}
+
+} // namespace
+
+TEST_CASE("state exchange: a peer that gets the diffs holds the same") {
+	StateRandom random(21);
+	for (int round = 0; round < 100; ++round) {
+		InstanceState server;
+		std::vector<std::pair<std::uint64_t, InstanceState>> peers;
+		InstanceState follower;
+		Told told;
+		std::uint64_t known = 0;
+		for (int step = 0; step < 12; ++step) {
+			peers.emplace_back(server.revision(), copy_of(server));
+			disturb(server, random, static_cast<int>(random() % 20));
+			Changes changes;
+			REQUIRE(follower.apply(diff_of(server, known), changes).ok());
+			known = server.revision();
+			told.follow(changes);
+			told.check(follower);
+			REQUIRE(follower.digest() == server.digest());
+			REQUIRE(follower.time() == server.time());
+		}
+		for (auto &[revision, peer] : peers) {
+			Changes changes;
+			const StateBytes diff = diff_of(server, revision);
+			REQUIRE(peer.apply(diff, changes).ok());
+			REQUIRE(bytes_of(peer) == bytes_of(server));
+			const std::uint64_t after = peer.revision();
+			changes.clear();
+			REQUIRE(peer.apply(diff, changes).ok());
+			REQUIRE(changes.empty());
+			REQUIRE(peer.revision() == after);
+		}
+	}
+}
+
+TEST_CASE("state exchange: a diff says nothing of other ids") {
+	InstanceState server;
+	server.remove(point_id(1, 0, 0));
+	const std::uint64_t known = server.revision();
+	server.remove(point_id(1, 1, 0));
+	server.restore(point_id(1, 0, 0));
+	InstanceState peer;
+	peer.remove(point_id(1, 0, 0));
+	peer.remove(point_id(1, 9, 9));
+	Changes changes;
+	REQUIRE(peer.apply(diff_of(server, known), changes).ok());
+	CHECK(peer.removed_ids() == std::vector<std::uint64_t>{point_id(1, 1, 0), point_id(1, 9, 9)});
+	CHECK(changes.size() == 2);
+	const StateBytes nothing = diff_of(server, server.revision());
+	CHECK(nothing.size() < 64);
+	CHECK(peer.apply(nothing, changes).ok());
+	CHECK(changes.size() == 2);
+}
+
+TEST_CASE("state exchange: who asks for what is not remembered gets everything") {
+	StateRandom random(22);
+	InstanceState server = state_of(random, 100);
+	const std::uint64_t old = server.revision();
+	Changes changes;
+	REQUIRE(server.load(bytes_of(state_of(random, 100)), changes).ok());
+	disturb(server, random, 20);
+	for (const std::uint64_t revision : {std::uint64_t{0}, old, server.revision() + 1}) {
+		InstanceState peer = state_of(random, 100);
+		Told told;
+		InstanceState empty;
+		Changes from_nothing;
+		REQUIRE(empty.apply(bytes_of(peer), from_nothing).ok());
+		told.follow(from_nothing);
+		Changes told_now;
+		REQUIRE(peer.apply(diff_of(server, revision), told_now).ok());
+		told.follow(told_now);
+		told.check(peer);
+		CHECK(peer.digest() == server.digest());
+	}
+}
+
+TEST_CASE("state exchange: what comes and goes for ever is forgotten in the end") {
+	InstanceState server;
+	for (int i = 0; i < 300000; ++i) {
+		server.remove(point_id(1, i, 0));
+		server.restore(point_id(1, i, 0));
+	}
+	server.remove(point_id(1, 5, 5));
+	InstanceState peer;
+	peer.remove(point_id(1, 0, 0));
+	const StateBytes all = diff_of(server, 1);
+	CHECK(all == bytes_of(server));
+	const StateBytes some = diff_of(server, server.revision() - 60000);
+	CHECK(some != all);
+	Changes changes;
+	REQUIRE(peer.apply(all, changes).ok());
+	CHECK(peer.digest() == server.digest());
+}
+
+TEST_CASE("state exchange: a damaged diff is refused, and nothing has changed") {
+	StateRandom random(23);
+	InstanceState server = state_of(random, 60);
+	const StateBytes diff = diff_of(server, 10);
+	const InstanceState peer = state_of(random, 60);
+	const StateBytes before = bytes_of(peer);
+	InstanceState victim = copy_of(peer);
+	Changes changes;
+	for (std::size_t at = 0; at < diff.size(); ++at) {
+		StateBytes bytes = diff;
+		bytes[at] ^= static_cast<std::uint8_t>(1 + random() % 255);
+		REQUIRE_FALSE(victim.apply(bytes, changes).ok());
+		bytes.resize(at);
+		REQUIRE_FALSE(victim.apply(bytes, changes).ok());
+	}
+	CHECK(changes.empty());
+	CHECK(bytes_of(victim) == before);
+}
+
+TEST_CASE("state exchange: merging holds what either holds") {
+	StateRandom random(24);
+	for (int round = 0; round < 60; ++round) {
+		const InstanceState a = state_of(random, 60);
+		const InstanceState b = state_of(random, 60);
+		InstanceState both = copy_of(a);
+		Told told;
+		Changes changes;
+		InstanceState empty;
+		REQUIRE(empty.apply(bytes_of(a), changes).ok());
+		REQUIRE(both.merge(b, changes).ok());
+		told.follow(changes);
+		told.check(both);
+		for (const std::uint64_t id : both.removed_ids()) {
+			REQUIRE((a.removed(id) || b.removed(id)));
+		}
+		for (const InstanceState *one : {&a, &b}) {
+			REQUIRE(std::ranges::all_of(one->removed_ids(), [&](std::uint64_t id) { return both.removed(id); }));
+			REQUIRE(std::ranges::all_of(
+					one->added_ids(), [&](std::uint64_t id) { return *both.added(id) == *one->added(id); }));
+		}
+		for (const std::uint64_t id : both.data_ids()) {
+			REQUIRE(std::ranges::equal(both.data(id), b.data(id).empty() ? a.data(id) : b.data(id)));
+		}
+		CHECK(both.time() == std::max(a.time(), b.time()));
+	}
+}
+
+TEST_CASE("state exchange: merging knows neither order nor repetition") {
+	StateRandom random(25);
+	for (int round = 0; round < 40; ++round) {
+		const InstanceState a = state_of(random, 50);
+		const InstanceState b = state_of(random, 50);
+		const InstanceState c = state_of(random, 50);
+		InstanceState again = merged(a, b);
+		Changes changes;
+		REQUIRE(again.merge(b, changes).ok());
+		REQUIRE(again.merge(again, changes).ok());
+		CHECK(changes.empty());
+		CHECK(bytes_of(again) == bytes_of(merged(a, b)));
+		CHECK(bytes_of(merged(merged(a, b), c)) == bytes_of(merged(a, merged(b, c))));
+		// Of data of both, those of the other stay; all else is the same either way.
+		InstanceState forth = merged(a, b);
+		InstanceState back = merged(b, a);
+		for (InstanceState *one : {&forth, &back}) {
+			for (const std::uint64_t id : one->data_ids()) {
+				REQUIRE(one->set_data(id, {}).ok());
+			}
+		}
+		CHECK(bytes_of(forth) == bytes_of(back));
+	}
+}
+
+TEST_CASE("state exchange: of two removals the longer counts") {
+	const std::uint64_t id = point_id(1, 2, 3);
+	const auto removed_until = [id](double until) {
+		InstanceState state;
+		state.remove(id, until);
+		return state;
+	};
+	const InstanceState both = merged(removed_until(10.0), removed_until(20.0));
+	CHECK(both.digest() == removed_until(20.0).digest());
+	CHECK(merged(removed_until(20.0), removed_until(10.0)).digest() == both.digest());
+	CHECK(merged(both, removed_until(0.0)).digest() == removed_until(0.0).digest());
+	CHECK(merged(removed_until(0.0), both).digest() == removed_until(0.0).digest());
+}
