@@ -84,7 +84,7 @@ Rect TileWindow::standing_area(glm::ivec2 tile) const {
 }
 
 Status validate(const QueryLayer &layer) {
-	return first_failure(validate(layer.set), check_range("layer", layer.set.layer, 0, max_state_layer),
+	return first_failure(validate(layer.set), check_range("layer_id", layer.set.layer, 0, max_state_layer),
 			check_positive("tile_size", layer.tile_size),
 			check_range("tile_size", layer.tile_size, min_query_tile_size, max_query_coordinate),
 			check_range("instance_radius", layer.shape.radius, 0.0, longest_shape),

@@ -1,0 +1,223 @@
+#pragma once
+
+// What the tests of queries share: a world of several layers, a source of its tiles, and everything in it by brute
+// force.
+
+#include "core/base/tile_grid.hpp"
+#include "core/placement/tile_builder.hpp"
+#include "core/query/instance_query.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <random>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace thicket::test {
+
+/// Hills without end, up to 30 degrees steep, with a pond here and there.
+class EndlessHills final : public Terrain {
+public:
+	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
+		for (std::size_t i = 0; i < positions.size(); ++i) {
+			const glm::dvec2 p = positions[i];
+			const double height = 8.0 * std::sin(p.x / 16.0) + 6.0 * std::cos(p.y / 23.0);
+			const double along_x = 0.5 * std::cos(p.x / 16.0);
+			const double along_y = -6.0 / 23.0 * std::sin(p.y / 23.0);
+			const double length = std::sqrt(1.0 + along_x * along_x + along_y * along_y);
+			r_ground[i].height = height < -12.0 ? std::nanf("") : static_cast<float>(height);
+			r_ground[i].normal = glm::vec3(glm::dvec3(-along_x, 1.0, -along_y) / length);
+		}
+		return {};
+	}
+};
+
+/// A layer to make and to ask.
+struct WorldLayer {
+	LayerSettings settings;
+	QueryLayer asked;
+};
+
+inline WorldLayer world_layer(const LayerSettings &settings, double tile_size, const InstanceShape &shape) {
+	return {settings,
+			{.set = settings.set,
+					.tile_size = tile_size,
+					.shape = shape,
+					.max_scale = settings.placement.max_scale,
+					.max_offset = std::abs(settings.placement.offset_along_normal)}};
+}
+
+/// Leaning trees; ferns that stand off their points, with colours; stones whose tiles are smaller than the squares of
+/// their set; and a layer of which nothing stands. No tile size is a multiple of another.
+inline std::vector<WorldLayer> world_layers() {
+	LayerSettings trees;
+	trees.set = {.seed = 12, .radius = 5.0, .levels = 2, .layer = 3};
+	trees.rules.max_slope_degrees = 25.0;
+	trees.placement.min_scale = 0.7;
+	trees.placement.max_scale = 1.6;
+	trees.placement.max_tilt_degrees = 25.0;
+	trees.mesh_weights = {1.0f, 2.0f};
+	LayerSettings ferns;
+	ferns.set = {.seed = 12, .radius = 1.7, .levels = 1, .layer = 7};
+	ferns.placement.align_to_normal = 1.0;
+	ferns.placement.offset_along_normal = -1.5;
+	ferns.neighbours = {{std::make_shared<LayerSettings>(trees), 2.0, nullptr}};
+	ferns.look.use_colors = true;
+	ferns.look.use_custom_data = true;
+	ferns.mesh_weights = {1.0f, 0.5f, 1.0f};
+	LayerSettings stones;
+	stones.set = {.seed = 13, .radius = 9.0, .levels = 1, .layer = max_state_layer};
+	stones.rules.density = 0.7;
+	stones.placement.min_scale = 0.25;
+	stones.placement.max_scale = 4.0;
+	std::vector<WorldLayer> layers{world_layer(trees, 64.0, {0.6, 12.0}), world_layer(ferns, 23.5, {0.8, 1.0}),
+			world_layer(stones, 5.0, {0.5, 0.4}), world_layer(trees, 64.0, {0.6, 12.0})};
+	layers.back().asked.wanted = false;
+	return layers;
+}
+
+/// Makes tiles when they are asked for and keeps them.
+class World final : public TileSource {
+public:
+	std::vector<WorldLayer> layers = world_layers();
+	std::vector<std::tuple<std::uint32_t, int, int>> asked_for; ///< Layer, x and y of every tile, in order.
+	bool makes = true;                                          ///< False: what is not there stays away.
+	Status failure;                                             ///< What the next call gives, if it is one.
+
+	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override {
+		asked_for.emplace_back(layer, tile.x, tile.y);
+		r_tile = nullptr;
+		if (!failure.ok()) {
+			return failure;
+		}
+		std::shared_ptr<const TileInstances> &kept = tiles_[{layer, tile.x, tile.y}];
+		if (kept == nullptr && makes) {
+			auto made = std::make_shared<TileInstances>();
+			const WorldLayer &settings = layers[layer];
+			const Rect square = tile_rect(settings.asked.tile_size, tile);
+			if (const Status status = builder_.build(settings.settings, terrain_, square, *made); !status.ok()) {
+				return status;
+			}
+			kept = made;
+		}
+		r_tile = kept;
+		return {};
+	}
+
+	void forget() { tiles_.clear(); }
+
+	std::vector<QueryLayer> asked() const {
+		std::vector<QueryLayer> result;
+		std::transform(layers.begin(), layers.end(), std::back_inserter(result),
+				[](const WorldLayer &layer) { return layer.asked; });
+		return result;
+	}
+
+private:
+	EndlessHills terrain_;
+	TileBuilder builder_;
+	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const TileInstances>> tiles_;
+};
+
+/// All that stands in the tiles that touch `area` by the rules of the wanted layers, and what was placed by hand there,
+/// without what was removed: by layer and id. Reads the buffers on its own.
+inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area, const InstanceState *state = nullptr) {
+	std::vector<PlacedInstance> all;
+	for (std::uint32_t layer = 0; layer < world.layers.size(); ++layer) {
+		const QueryLayer &asked = world.layers[layer].asked;
+		if (!asked.wanted) {
+			continue;
+		}
+		const glm::ivec2 first = tile_at(asked.tile_size, area.min);
+		const glm::ivec2 last = tile_at(asked.tile_size, area.max);
+		for (int i = 0; i < (last.x - first.x + 1) * (last.y - first.y + 1); ++i) {
+			std::shared_ptr<const TileInstances> tile;
+			const int width = last.x - first.x + 1;
+			REQUIRE(world.find_tile(layer, first + glm::ivec2(i % width, i / width), tile).ok());
+			for (std::uint32_t mesh = 0; mesh < tile->meshes.size(); ++mesh) {
+				const MeshInstances &instances = tile->meshes[mesh];
+				for (std::size_t at = 0; at < instances.size(); ++at) {
+					const float *t = &instances.buffer[at * instances.stride];
+					PlacedInstance each{instances.ids[at], layer, mesh,
+							tile->origin + glm::dvec3(glm::vec3(t[3], t[7], t[11])),
+							glm::mat3(glm::vec3(t[0], t[4], t[8]), glm::vec3(t[1], t[5], t[9]),
+									glm::vec3(t[2], t[6], t[10]))};
+					if (state == nullptr || !state->removed(each.id)) {
+						all.push_back(each);
+					}
+				}
+			}
+		}
+		for (const std::uint64_t id :
+				state != nullptr ? state->added_ids(asked.set.layer) : std::vector<std::uint64_t>{}) {
+			const AddedInstance &added = *state->added(id);
+			all.push_back({id, layer, added.mesh, added.position, added.basis});
+		}
+	}
+	std::sort(all.begin(), all.end(), [](const PlacedInstance &a, const PlacedInstance &b) {
+		return std::tie(a.layer, a.id) < std::tie(b.layer, b.id);
+	});
+	return all;
+}
+
+template <class Pass>
+std::vector<PlacedInstance> those(const std::vector<PlacedInstance> &all, const Pass &pass) {
+	std::vector<PlacedInstance> some;
+	std::copy_if(all.begin(), all.end(), std::back_inserter(some), pass);
+	return some;
+}
+
+/// The same to the bit.
+inline bool same(const PlacedInstance &a, const PlacedInstance &b) {
+	return std::tie(a.id, a.layer, a.mesh, a.position.x, a.position.y, a.position.z) ==
+			std::tie(b.id, b.layer, b.mesh, b.position.x, b.position.y, b.position.z) &&
+			a.basis == b.basis;
+}
+
+inline bool same(const std::vector<PlacedInstance> &a, const std::vector<PlacedInstance> &b) {
+	return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+			[](const PlacedInstance &x, const PlacedInstance &y) { return same(x, y); });
+}
+
+inline double between(std::mt19937 &random, double low, double high) {
+	return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+/// Corners of places to ask in: around the origin, on its other side, and 1,000 km out.
+inline constexpr glm::dvec2 world_places[] = {{0.0, 0.0}, {-431.7, -905.2}, {1.0e6 + 0.37, -1.0e6 + 0.81}};
+
+/// A state in which a fifth of `all` is removed and some are placed by hand: tilted, flat, mirrored, very tall, and far
+/// away.
+inline InstanceState changed_state(const std::vector<PlacedInstance> &all, glm::dvec2 place, std::mt19937 &random) {
+	InstanceState state;
+	for (const PlacedInstance &each : all) {
+		if (random() % 5 == 0) {
+			state.remove(each.id);
+		}
+	}
+	for (int i = 0; i < 40; ++i) {
+		AddedInstance added;
+		added.layer = i % 2 == 0 ? std::uint16_t{3} : max_state_layer;
+		added.mesh = static_cast<std::uint8_t>(i % 3);
+		added.position = {place.x + between(random, -80.0, 80.0), between(random, -15.0, 15.0),
+				place.y + between(random, -80.0, 80.0)};
+		for (int column = 0; column < 3; ++column) {
+			for (int row = 0; row < 3; ++row) {
+				added.basis[column][row] += static_cast<float>(between(random, -0.6, 0.6));
+			}
+		}
+		added.basis[1] *= i % 10 == 0 ? 9.0f : 1.0f;
+		added.basis[2] *= i == 7 ? 0.0f : i == 8 ? -1.0f : 1.0f;
+		std::uint64_t id = 0;
+		REQUIRE(state.add(added, id).ok());
+	}
+	return state;
+}
+
+} // namespace thicket::test

@@ -1,0 +1,249 @@
+#include "core/query/instance_query.hpp"
+
+#include "query_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+/// Two sources of the same world: one that has all tiles around a place, and one that has none until they are asked
+/// for.
+struct Worlds {
+	World warm;
+	World cold;
+	std::vector<PlacedInstance> all;
+	InstanceState state;
+
+	Worlds(glm::dvec2 place, std::mt19937 &random) {
+		const Rect around{place - 220.0, place + 220.0};
+		state = changed_state(everything_in(warm, around), place, random);
+		all = everything_in(warm, around, &state);
+		REQUIRE(all.size() > 5000);
+	}
+
+	/// Calls `ask(query)` with both, and lets the cold one forget what it has learned.
+	template <class Ask>
+	void each(const Ask &ask) {
+		const std::vector<QueryLayer> layers = warm.asked();
+		ask(InstanceQuery{layers, warm, &state});
+		ask(InstanceQuery{layers, cold, &state});
+		cold.forget();
+	}
+};
+
+/// Some of the layers, or none for all of them.
+QueryFilter random_filter(std::mt19937 &random) {
+	QueryFilter filter;
+	const auto choice = random() % 6;
+	if (choice == 1) {
+		filter.layers = {1};
+	} else if (choice == 2) {
+		filter.layers = {2, 0, 2};
+	} else if (choice == 3) {
+		filter.layers = {3, 1};
+	}
+	return filter;
+}
+
+bool names(const QueryFilter &filter, std::uint32_t layer) {
+	return filter.layers.empty() || std::find(filter.layers.begin(), filter.layers.end(), layer) != filter.layers.end();
+}
+
+} // namespace
+
+TEST_CASE("queries: a rectangle holds what a scan of all tiles finds in it, whatever the source has") {
+	std::mt19937 random(1);
+	for (const glm::dvec2 place : world_places) {
+		Worlds worlds(place, random);
+		for (int repeat = 0; repeat < 30; ++repeat) {
+			const glm::dvec2 corner = place + glm::dvec2(between(random, -90.0, 60.0), between(random, -90.0, 60.0));
+			Rect rect{corner, corner + glm::dvec2(between(random, 0.0, 40.0), between(random, 0.0, 40.0))};
+			if (repeat % 3 == 0) {
+				// On the borders of the trees' tiles.
+				rect = tile_rect(64.0, tile_at(64.0, corner));
+			}
+			const QueryFilter filter = random_filter(random);
+			const auto expected = those(worlds.all, [&](const PlacedInstance &each) {
+				return names(filter, each.layer) && rect.contains({each.position.x, each.position.z});
+			});
+			worlds.each([&](const InstanceQuery &query) {
+				std::vector<PlacedInstance> found(3);
+				REQUIRE(query.in_rect(rect, filter, found).ok());
+				CHECK(same(found, expected));
+			});
+		}
+	}
+}
+
+TEST_CASE("queries: a sphere holds what a scan finds in it, in space") {
+	std::mt19937 random(2);
+	for (const glm::dvec2 place : world_places) {
+		Worlds worlds(place, random);
+		std::size_t total = 0;
+		for (int repeat = 0; repeat < 30; ++repeat) {
+			const glm::dvec3 center(place.x + between(random, -80.0, 80.0), between(random, -20.0, 20.0),
+					place.y + between(random, -80.0, 80.0));
+			const double radius = repeat == 0 ? 0.0 : between(random, 0.1, 45.0);
+			const QueryFilter filter = random_filter(random);
+			const auto expected = those(worlds.all, [&](const PlacedInstance &each) {
+				const glm::dvec3 off = each.position - center;
+				return names(filter, each.layer) && glm::dot(off, off) <= radius * radius;
+			});
+			total += expected.size();
+			worlds.each([&](const InstanceQuery &query) {
+				std::vector<PlacedInstance> found;
+				REQUIRE(query.in_sphere(center, radius, filter, found).ok());
+				CHECK(same(found, expected));
+			});
+		}
+		CHECK(total > 5000);
+		// An instance's own place, and nothing around it.
+		worlds.each([&](const InstanceQuery &query) {
+			std::vector<PlacedInstance> found;
+			REQUIRE(query.in_sphere(worlds.all[2000].position, 0.0, {}, found).ok());
+			REQUIRE(found.size() == 1);
+			CHECK(same(found[0], worlds.all[2000]));
+		});
+	}
+}
+
+TEST_CASE("queries: the nearest is the nearest of a scan") {
+	std::mt19937 random(3);
+	for (const glm::dvec2 place : world_places) {
+		Worlds worlds(place, random);
+		int none = 0;
+		for (int repeat = 0; repeat < 60; ++repeat) {
+			const glm::dvec3 from(place.x + between(random, -60.0, 60.0), between(random, -20.0, 30.0),
+					place.y + between(random, -60.0, 60.0));
+			const double max_distance = std::exp(between(random, 0.0, 5.0));
+			QueryFilter filter = random_filter(random);
+			const bool picky = repeat % 2 == 0;
+			if (picky) {
+				filter.accepts = [](const PlacedInstance &each) {
+					return each.id % 7 == 3;
+				};
+			}
+			const PlacedInstance *nearest = nullptr;
+			double distance = max_distance;
+			for (const PlacedInstance &each : worlds.all) {
+				const double to = glm::length(each.position - from);
+				if (names(filter, each.layer) && (!picky || each.id % 7 == 3) &&
+						(nearest == nullptr ? to <= distance : to < distance)) {
+					nearest = &each;
+					distance = to;
+				}
+			}
+			none += nearest == nullptr;
+			worlds.each([&](const InstanceQuery &query) {
+				std::vector<NearestInstance> found(2);
+				REQUIRE(query.nearest(from, max_distance, filter, found).ok());
+				REQUIRE(found.size() == (nearest != nullptr ? 1 : 0));
+				if (nearest != nullptr) {
+					CHECK(same(found[0].instance, *nearest));
+					CHECK(found[0].distance == doctest::Approx(distance).epsilon(1e-12));
+				}
+			});
+		}
+		CHECK(none > 2);
+		CHECK(none < 40);
+	}
+}
+
+TEST_CASE("queries: an id leads to its instance, and to nothing where nothing stands") {
+	std::mt19937 random(4);
+	for (const glm::dvec2 place : world_places) {
+		Worlds worlds(place, random);
+		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 60) {
+			worlds.each([&](const InstanceQuery &query) {
+				std::vector<PlacedInstance> found(2);
+				REQUIRE(query.by_id(worlds.all[i].id, found).ok());
+				REQUIRE(found.size() == 1);
+				CHECK(same(found[0], worlds.all[i]));
+			});
+			CHECK(worlds.cold.asked_for.size() <= 4);
+			worlds.cold.asked_for.clear();
+		}
+		for (const std::uint64_t id : worlds.state.added_ids()) {
+			worlds.each([&](const InstanceQuery &query) {
+				std::vector<PlacedInstance> found;
+				REQUIRE(query.by_id(id, found).ok());
+				REQUIRE(found.size() == 1);
+				CHECK(found[0].position == worlds.state.added(id)->position);
+			});
+		}
+		std::set<std::uint64_t> standing;
+		for (const PlacedInstance &each : worlds.all) {
+			standing.insert(each.id);
+		}
+		// The cell beside, of the same layer: mostly empty.
+		int empty = 0;
+		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 80) {
+			const glm::dvec2 off = glm::dvec2(worlds.all[i].position.x, worlds.all[i].position.z) - place;
+			if (glm::length(off) > 150.0) {
+				continue; // Its neighbour may stand where nothing was scanned.
+			}
+			const std::uint64_t id = worlds.all[i].id + 1;
+			std::vector<PlacedInstance> found;
+			worlds.each([&](const InstanceQuery &query) {
+				REQUIRE(query.by_id(id, found).ok());
+				CHECK(found.size() == standing.count(id));
+			});
+			empty += found.empty();
+		}
+		CHECK(empty > 5);
+	}
+}
+
+TEST_CASE("queries: what is removed has still a place by its layer's rules, and comes back to it") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	const auto all = everything_in(world, {{0.0, 0.0}, {50.0, 50.0}});
+	InstanceState state;
+	const InstanceQuery query{layers, world, &state};
+	for (std::size_t i = 0; i < all.size(); i += 37) {
+		std::vector<PlacedInstance> found;
+		const std::uint64_t id = all[i].id;
+		CHECK(state.remove(id));
+		REQUIRE(query.by_id(id, found).ok());
+		CHECK(found.empty());
+		REQUIRE(query.by_id_even_removed(id, found).ok());
+		REQUIRE(found.size() == 1);
+		CHECK(same(found[0], all[i]));
+		CHECK(state.restore(id));
+		REQUIRE(query.by_id(id, found).ok());
+		CHECK(found.size() == 1);
+	}
+	std::uint64_t id = 0;
+	REQUIRE(state.add({.layer = 7, .position = {1.0, 2.0, 3.0}}, id).ok());
+	CHECK(state.remove(id));
+	std::vector<PlacedInstance> found(1);
+	REQUIRE(query.by_id_even_removed(id, found).ok());
+	CHECK(found.empty());
+}
+
+TEST_CASE("queries: ids of other layers, of none, and of one of which nothing stands lead nowhere") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	const InstanceQuery query{layers, world, nullptr};
+	for (const std::uint64_t id : {std::uint64_t{0}, std::uint64_t{1} << 48, ~std::uint64_t{0}, std::uint64_t{1} << 63,
+				 std::uint64_t{7} << 48, (std::uint64_t{8} << 48) - 1}) {
+		std::vector<PlacedInstance> found(1);
+		REQUIRE(query.by_id(id, found).ok());
+		CHECK(found.empty());
+	}
+	world.layers[0].asked.wanted = false;
+	const std::vector<QueryLayer> unwanted = world.asked();
+	const auto tree = everything_in(world, {{0.0, 0.0}, {9.0, 9.0}});
+	std::vector<PlacedInstance> found;
+	REQUIRE(InstanceQuery{unwanted, world, nullptr}.in_rect({{0.0, 0.0}, {9.0, 9.0}}, {{0, 3}, {}}, found).ok());
+	CHECK(found.empty());
+}

@@ -1,0 +1,252 @@
+// What queries refuse, where they end, and what they allocate.
+
+#include "core/query/instance_query.hpp"
+
+#include "allocation_count.hpp"
+#include "core/base/instance_id.hpp"
+#include "query_fixture.hpp"
+#include "refusal.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+constexpr Rect glade{{0.0, 0.0}, {70.0, 70.0}};
+
+std::vector<PlacedInstance> found_in(const InstanceQuery &query, const Rect &rect) {
+	std::vector<PlacedInstance> found;
+	REQUIRE(query.in_rect(rect, {}, found).ok());
+	return found;
+}
+
+/// A query of one layer with open rules.
+struct OneLayer {
+	World world;
+	std::vector<QueryLayer> layers;
+
+	explicit OneLayer(double radius, double tile_size) {
+		LayerSettings settings;
+		settings.set = {.seed = 4, .radius = radius, .levels = 1, .layer = 0};
+		world.layers = {world_layer(settings, tile_size, {})};
+		layers = world.asked();
+	}
+
+	InstanceQuery query() { return {layers, world, nullptr}; }
+};
+
+} // namespace
+
+TEST_CASE("queries: bad input is refused by its name, and leaves no result") {
+	World world;
+	std::vector<QueryLayer> layers = world.asked();
+	const InstanceQuery query{layers, world, nullptr};
+	const std::vector<PlacedInstance> old(3);
+	const auto refused = [&](const std::function<Status(std::vector<PlacedInstance> &)> &ask, ErrorCode code,
+								 const std::string &property, double value) {
+		std::vector<PlacedInstance> found = old;
+		check_refused(ask(found), code, property, value);
+		CHECK(found.empty());
+	};
+	const auto rect = [&](double a, double b, double c, double d) {
+		return [&query, a, b, c, d](std::vector<PlacedInstance> &found) {
+			return query.in_rect({{a, b}, {c, d}}, {}, found);
+		};
+	};
+	refused(rect(nan_value, 0.0, 1.0, 1.0), ErrorCode::not_finite, "rect", nan_value);
+	refused(rect(0.0, 0.0, 1.0, infinite_value), ErrorCode::not_finite, "rect", infinite_value);
+	refused(rect(0.0, 0.0, -1.0, 1.0), ErrorCode::inverted, "rect", -1.0);
+	refused(rect(0.0, 5.0, 1.0, 3.0), ErrorCode::inverted, "rect", -2.0);
+	refused(rect(0.0, 0.0, 1.0, 1e300), ErrorCode::out_of_range, "rect", 1e300);
+	const auto sphere = [&](double y, double radius) {
+		return [&query, y, radius](std::vector<PlacedInstance> &found) {
+			return query.in_sphere({0.0, y, 0.0}, radius, {}, found);
+		};
+	};
+	refused(sphere(nan_value, 1.0), ErrorCode::not_finite, "center", nan_value);
+	refused(sphere(-infinite_value, 1.0), ErrorCode::not_finite, "center", -infinite_value);
+	refused(sphere(0.0, nan_value), ErrorCode::not_finite, "radius", nan_value);
+	refused(sphere(0.0, -1e-9), ErrorCode::out_of_range, "radius", -1e-9);
+	refused(sphere(2e15, 1.0), ErrorCode::out_of_range, "center", 2e15);
+	const auto layer = [&](std::uint32_t place) {
+		return [&query, place](std::vector<PlacedInstance> &found) {
+			return query.in_rect(glade, {{0, place}, {}}, found);
+		};
+	};
+	refused(layer(4), ErrorCode::out_of_range, "layer", 4.0);
+	refused(layer(0xffffffff), ErrorCode::out_of_range, "layer", 4294967295.0);
+
+	std::vector<RayHit> hit(1);
+	check_refused(query.on_ray({0.0, 0.0, nan_value}, {}, {}, hit), ErrorCode::not_finite, "from", nan_value);
+	CHECK(hit.empty());
+	check_refused(query.on_ray({}, {infinite_value, 0.0, 0.0}, {}, hit), ErrorCode::not_finite, "to", infinite_value);
+	check_refused(query.on_ray({}, {}, {{9}, {}}, hit), ErrorCode::out_of_range, "layer", 9.0);
+	std::vector<NearestInstance> nearest(1);
+	check_refused(query.nearest({nan_value, 0.0, 0.0}, 1.0, {}, nearest), ErrorCode::not_finite, "position", nan_value);
+	CHECK(nearest.empty());
+	check_refused(
+			query.nearest({}, infinite_value, {}, nearest), ErrorCode::not_finite, "max_distance", infinite_value);
+	check_refused(query.nearest({}, -1.0, {}, nearest), ErrorCode::out_of_range, "max_distance", -1.0);
+	std::vector<InstanceQuery::Tile> tiles(1);
+	check_refused(query.tiles_in_rect({{1.0, 0.0}, {0.0, 0.0}}, {}, tiles), ErrorCode::inverted, "rect", -1.0);
+	CHECK(tiles.empty());
+	check_refused(query.tiles_in_sphere({}, -1.0, {}, tiles), ErrorCode::out_of_range, "radius", -1.0);
+	CHECK(world.asked_for.empty());
+}
+
+TEST_CASE("queries: a layer that cannot be is refused by the name of what is wrong, unless it is not asked") {
+	World world;
+	const auto refused = [&](const std::function<void(QueryLayer &)> &spoil, ErrorCode code,
+								 const std::string &property, double value) {
+		std::vector<QueryLayer> layers = world.asked();
+		spoil(layers[1]);
+		const InstanceQuery query{layers, world, nullptr};
+		std::vector<PlacedInstance> found;
+		check_refused(query.in_rect(glade, {}, found), code, property, value);
+		CHECK(query.in_rect(glade, {{0, 2}, {}}, found).ok());
+		layers[1].wanted = false;
+		CHECK(query.in_rect(glade, {}, found).ok());
+	};
+	refused([](QueryLayer &layer) { layer.set.radius = 0.0; }, ErrorCode::not_positive, "radius", 0.0);
+	refused([](QueryLayer &layer) { layer.set.layer = 0x8000; }, ErrorCode::out_of_range, "layer_id", 32768.0);
+	refused([](QueryLayer &layer) { layer.tile_size = nan_value; }, ErrorCode::not_finite, "tile_size", nan_value);
+	refused([](QueryLayer &layer) { layer.tile_size = 0.0; }, ErrorCode::not_positive, "tile_size", 0.0);
+	refused([](QueryLayer &layer) { layer.shape.radius = -1.0; }, ErrorCode::out_of_range, "instance_radius", -1.0);
+	refused([](QueryLayer &layer) { layer.shape.height = infinite_value; }, ErrorCode::not_finite, "instance_height",
+			infinite_value);
+	refused([](QueryLayer &layer) { layer.max_scale = 1e5; }, ErrorCode::out_of_range, "max_scale", 1e5);
+	refused([](QueryLayer &layer) { layer.max_offset = -0.5; }, ErrorCode::out_of_range, "max_offset", -0.5);
+}
+
+TEST_CASE("queries: more points than one query may look at are refused before any tile is made") {
+	OneLayer dense(1.0, 50.0);
+	const InstanceQuery query = dense.query();
+	const double limit = InstanceQuery::max_points;
+	const double tile_points = point_density(dense.layers[0].set) * 2500.0;
+	const double side = std::floor(std::sqrt(limit / tile_points)) * 50.0;
+	std::vector<InstanceQuery::Tile> tiles;
+	std::vector<PlacedInstance> found;
+	const auto code_of = [](const Status &status, const char *property) {
+		CHECK((status.ok() || std::string(status.property) == property));
+		return status.code;
+	};
+	// Inside of the outermost tiles, so that no others are touched.
+	const auto code_in_square = [&](double width) {
+		return code_of(query.tiles_in_rect({{1.0, 1.0}, {width - 1.0, width - 1.0}}, {}, tiles), "rect");
+	};
+	CHECK(code_in_square(side) == ErrorCode::none);
+	CHECK(code_in_square(side + 50.0) == ErrorCode::too_many_points);
+	CHECK(code_in_square(1e15) == ErrorCode::too_many_points);
+	CHECK(code_of(query.tiles_in_sphere({}, 0.54 * side, {}, tiles), "radius") == ErrorCode::none);
+	CHECK(code_of(query.tiles_in_sphere({}, 0.59 * side, {}, tiles), "radius") == ErrorCode::too_many_points);
+	CHECK(code_of(query.in_sphere({}, 1e15, {}, found), "radius") == ErrorCode::too_many_points);
+	std::vector<NearestInstance> nearest;
+	CHECK(code_of(query.nearest({}, 1e9, {}, nearest), "max_distance") == ErrorCode::too_many_points);
+	std::vector<RayHit> hit;
+	CHECK(code_of(query.on_ray({}, {1e7, 0.0, 1.0}, {}, hit), "to") == ErrorCode::too_many_points);
+	CHECK(code_of(query.on_ray({}, {1.0, 0.0, 1e7}, {}, hit), "to") == ErrorCode::too_many_points);
+	CHECK(code_of(query.on_ray({}, {1e15, 1.0, -1e15}, {}, hit), "to") == ErrorCode::too_many_points);
+	// Empty tiles have their price, too.
+	OneLayer sparse(1000.0, 0.1);
+	CHECK(code_of(sparse.query().tiles_in_rect({{0.0, 0.0}, {100.0, 100.0}}, {}, tiles), "rect") ==
+			ErrorCode::too_many_points);
+	CHECK(dense.world.asked_for.empty());
+}
+
+TEST_CASE("queries: at the end of the cells, and far beyond, nothing overflows") {
+	OneLayer layer(1.0, 64.0);
+	const InstanceQuery query = layer.query();
+	const double edge = 8388608.0 / std::sqrt(2.0);
+	std::vector<PlacedInstance> found;
+	// The last whole tile, the piece of one after it, and places that no tile's number can name.
+	const double last = std::floor(edge / 64.0) * 64.0;
+	REQUIRE(query.in_rect({{last - 30.0, -edge - 99.0}, {edge + 99.0, -last + 30.0}}, {}, found).ok());
+	CHECK(found.size() > 400);
+	for (const PlacedInstance &each : found) {
+		CHECK(each.position.x < last + 1e-5);
+		std::vector<PlacedInstance> again;
+		REQUIRE(query.by_id(each.id, again).ok());
+		REQUIRE(again.size() == 1);
+		CHECK(same(again[0], each));
+	}
+	for (const double far : {edge + 64.0, 1e9, 1e12, 9e14}) {
+		for (const double sign : {-1.0, 1.0}) {
+			const glm::dvec3 place(sign * far, 0.0, far);
+			REQUIRE(query.in_sphere(place, 60.0, {}, found).ok());
+			CHECK(found.empty());
+			REQUIRE(query.in_rect({{place.x, place.z}, {place.x + 99.0, place.z + 99.0}}, {}, found).ok());
+			CHECK(found.empty());
+			std::vector<NearestInstance> nearest;
+			REQUIRE(query.nearest(place, 60.0, {}, nearest).ok());
+			CHECK(nearest.empty());
+			std::vector<RayHit> hit;
+			REQUIRE(query.on_ray(place, place - glm::dvec3(sign * 60.0, 9.0, 60.0), {}, hit).ok());
+			CHECK(hit.empty());
+		}
+	}
+	for (const glm::ivec2 cell :
+			{glm::ivec2(-cell_limit), glm::ivec2(cell_limit - 1), glm::ivec2(-cell_limit, cell_limit - 1)}) {
+		REQUIRE(query.by_id(pack({0, cell}), found).ok());
+		CHECK(found.empty());
+	}
+	// A set whose cells reach farther than tiles of this size have numbers.
+	OneLayer wide(1e6, 0.1);
+	REQUIRE(wide.query().in_rect({{1e9, 1e9}, {1e9 + 5.0, 1e9 + 5.0}}, {}, found).ok());
+	CHECK(found.empty());
+	REQUIRE(wide.query().by_id(pack({0, {77, -7000000}}), found).ok());
+	CHECK(found.empty());
+}
+
+TEST_CASE("queries: an error of the source is handed on, and a tile that cannot be had is empty") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	const InstanceQuery query{layers, world, nullptr};
+	const auto all = found_in(query, glade);
+	world.failure = {ErrorCode::out_of_memory, "tile", 7.0};
+	std::vector<PlacedInstance> found(1);
+	check_refused(query.in_rect(glade, {}, found), ErrorCode::out_of_memory, "tile", 7.0);
+	CHECK(found.empty());
+	check_refused(query.by_id(all[0].id, found), ErrorCode::out_of_memory, "tile", 7.0);
+	std::vector<NearestInstance> nearest(1);
+	check_refused(query.nearest({}, 9.0, {}, nearest), ErrorCode::out_of_memory, "tile", 7.0);
+	CHECK(nearest.empty());
+	std::vector<RayHit> hit(1);
+	check_refused(query.on_ray({}, {9.0, 0.0, 0.0}, {}, hit), ErrorCode::out_of_memory, "tile", 7.0);
+	CHECK(hit.empty());
+
+	world.failure = {};
+	world.forget();
+	world.makes = false;
+	CHECK(found_in(query, glade).empty());
+	REQUIRE(query.by_id(all[0].id, found).ok());
+	CHECK(found.empty());
+	REQUIRE(query.nearest({}, 9.0, {}, nearest).ok());
+	CHECK(nearest.empty());
+	REQUIRE(query.on_ray({}, {9.0, 0.0, 0.0}, {}, hit).ok());
+	CHECK(hit.empty());
+}
+
+TEST_CASE("queries: nothing is allocated for each instance") {
+	OneLayer layer(0.5, 40.0);
+	const InstanceQuery query = layer.query();
+	std::vector<PlacedInstance> found;
+	std::vector<NearestInstance> nearest;
+	std::vector<RayHit> hit;
+	REQUIRE(query.in_rect(glade, {}, found).ok());
+	REQUIRE(found.size() > 10000);
+	const auto allocated_by = [](const auto &ask) {
+		const std::size_t before = allocation_count();
+		REQUIRE(ask().ok());
+		return allocation_count() - before;
+	};
+	CHECK(allocated_by([&] { return query.in_rect(glade, {}, found); }) < 80);
+	CHECK(allocated_by([&] { return query.nearest({33.0, 5.0, 33.0}, 30.0, {}, nearest); }) < 80);
+	CHECK(allocated_by([&] { return query.on_ray({1.0, 1.0, 1.0}, {60.0, 0.5, 50.0}, {}, hit); }) < 80);
+}

@@ -1,0 +1,184 @@
+// What lies on a border, whom a query asks and in which order, and what it looks at.
+
+#include "core/query/instance_query.hpp"
+
+#include "query_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+constexpr Rect glade{{0.0, 0.0}, {70.0, 70.0}};
+
+std::vector<PlacedInstance> found_in(const InstanceQuery &query, const Rect &rect) {
+	std::vector<PlacedInstance> found;
+	REQUIRE(query.in_rect(rect, {}, found).ok());
+	return found;
+}
+
+} // namespace
+
+TEST_CASE("queries: rectangles are half-open, so pieces that touch hold what the whole holds, once") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	const InstanceQuery query{layers, world, nullptr};
+	const auto whole = found_in(query, glade);
+	REQUIRE(whole.size() > 500);
+	for (std::size_t i = 0; i < whole.size(); i += 41) {
+		// Cut where an instance stands.
+		const glm::dvec2 cut(whole[i].position.x, whole[i].position.z);
+		std::vector<PlacedInstance> pieces;
+		for (const Rect &piece :
+				{Rect{glade.min, cut}, Rect{cut, glade.max}, Rect{{cut.x, glade.min.y}, {glade.max.x, cut.y}},
+						Rect{{glade.min.x, cut.y}, {cut.x, glade.max.y}}}) {
+			const auto part = found_in(query, piece);
+			pieces.insert(pieces.end(), part.begin(), part.end());
+		}
+		std::sort(pieces.begin(), pieces.end(), [](const PlacedInstance &a, const PlacedInstance &b) {
+			return std::tie(a.layer, a.id) < std::tie(b.layer, b.id);
+		});
+		CHECK(same(pieces, whole));
+		const auto alone = found_in(query, {cut, {std::nextafter(cut.x, 1e9), std::nextafter(cut.y, 1e9)}});
+		REQUIRE(alone.size() == 1);
+		CHECK(same(alone[0], whole[i]));
+	}
+	CHECK(found_in(query, {{5.0, 5.0}, {5.0, 60.0}}).empty());
+}
+
+TEST_CASE("queries: a sphere is closed, and so is the distance to the nearest") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	InstanceState state;
+	std::uint64_t id = 0;
+	REQUIRE(state.add({.layer = 3, .position = {1000.0, 500.0, -2000.0}}, id).ok());
+	const InstanceQuery query{layers, world, &state};
+	for (const glm::dvec3 off : {glm::dvec3(8.0, 0.0, 0.0), glm::dvec3(0.0, 0.0, -8.0), glm::dvec3(0.0, 8.0, 0.0)}) {
+		std::vector<PlacedInstance> found;
+		std::vector<NearestInstance> nearest;
+		const glm::dvec3 center = glm::dvec3(1000.0, 500.0, -2000.0) + off;
+		REQUIRE(query.in_sphere(center, 8.0, {}, found).ok());
+		CHECK(found.size() == 1);
+		REQUIRE(query.nearest(center, 8.0, {}, nearest).ok());
+		CHECK(nearest.size() == 1);
+		REQUIRE(query.in_sphere(center, 7.999999, {}, found).ok());
+		CHECK(found.empty());
+		REQUIRE(query.nearest(center, 7.999999, {}, nearest).ok());
+		CHECK(nearest.empty());
+	}
+}
+
+TEST_CASE("queries: the filter is asked last, in order, and for no more than it takes") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	const auto all = everything_in(world, {{-64.0, -64.0}, {128.0, 128.0}});
+	InstanceState state;
+	for (std::size_t i = 0; i < all.size(); i += 3) {
+		state.remove(all[i].id);
+	}
+	std::uint64_t id = 0;
+	REQUIRE(state.add({.layer = 3, .position = {30.0, 0.0, 30.0}}, id).ok());
+	const InstanceQuery query{layers, world, &state};
+	std::vector<PlacedInstance> asked;
+	QueryFilter filter;
+	filter.accepts = [&](const PlacedInstance &each) {
+		asked.push_back(each);
+		return asked.size() % 2 == 0;
+	};
+	const auto standing = found_in(query, glade);
+	std::vector<PlacedInstance> found;
+	REQUIRE(query.in_rect(glade, filter, found).ok());
+	CHECK(same(asked, standing));
+	CHECK(found.size() == standing.size() / 2);
+
+	asked.clear();
+	const glm::dvec3 place(31.0, 3.0, 33.0);
+	filter.accepts = [&](const PlacedInstance &each) {
+		asked.push_back(each);
+		return asked.size() == 25;
+	};
+	std::vector<NearestInstance> nearest;
+	REQUIRE(query.nearest(place, 60.0, filter, nearest).ok());
+	auto by_distance = standing;
+	const auto distance = [place](const PlacedInstance &each) {
+		return glm::length(each.position - place);
+	};
+	std::sort(by_distance.begin(), by_distance.end(),
+			[&](const PlacedInstance &a, const PlacedInstance &b) { return distance(a) < distance(b); });
+	by_distance.resize(25);
+	CHECK(same(asked, by_distance));
+	REQUIRE(nearest.size() == 1);
+	CHECK(same(nearest[0].instance, by_distance.back()));
+
+	// What the filter removes on its way is gone for the next query, and no harm to this one.
+	filter.accepts = [&](const PlacedInstance &each) {
+		return state.remove(each.id);
+	};
+	REQUIRE(query.in_rect(glade, filter, found).ok());
+	CHECK(same(found, standing));
+	CHECK(found_in(query, glade).empty());
+}
+
+TEST_CASE("queries: what two have the same distance, the smaller layer and id have") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	InstanceState state;
+	std::vector<std::uint64_t> ids(4);
+	for (std::size_t i = 0; i < ids.size(); ++i) {
+		const std::uint16_t layer = i == 0 ? max_state_layer : std::uint16_t{3};
+		const double x = i % 2 == 0 ? -5.0 : 5.0;
+		REQUIRE(state.add({.layer = layer, .mesh = static_cast<std::uint8_t>(i), .position = {x, 900.0, 0.0}}, ids[i])
+						.ok());
+	}
+	const InstanceQuery query{layers, world, &state};
+	const std::uint64_t smallest = *std::min_element(ids.begin() + 1, ids.end());
+	std::vector<NearestInstance> nearest;
+	REQUIRE(query.nearest({0.0, 900.0, 0.0}, 10.0, {}, nearest).ok());
+	REQUIRE(nearest.size() == 1);
+	CHECK(nearest[0].instance.id == smallest);
+	CHECK(nearest[0].distance == 5.0);
+	std::vector<RayHit> hit;
+	// Straight down the middle of a tree and of a stone that stands in it.
+	REQUIRE(query.on_ray({-5.0, 901.0, 0.0}, {-5.0, 800.0, 0.0}, {}, hit).ok());
+	REQUIRE(hit.size() == 1);
+	CHECK(hit[0].instance.id == ids[2]);
+	CHECK(hit[0].distance == 0.0);
+}
+
+TEST_CASE("queries: the tiles that a query names are those that it looks at, the nearest first") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	const InstanceQuery query{layers, world, nullptr};
+	for (const bool is_sphere : {false, true}) {
+		const glm::dvec3 center(glade.center().x, 0.0, glade.center().y);
+		std::vector<InstanceQuery::Tile> tiles;
+		std::vector<PlacedInstance> found;
+		world.asked_for.clear();
+		REQUIRE((is_sphere ? query.tiles_in_sphere(center, 35.0, {}, tiles) : query.tiles_in_rect(glade, {}, tiles))
+						.ok());
+		CHECK(world.asked_for.empty());
+		REQUIRE((is_sphere ? query.in_sphere(center, 35.0, {}, found) : query.in_rect(glade, {}, found)).ok());
+		REQUIRE(tiles.size() == world.asked_for.size());
+		for (std::size_t i = 0; i < tiles.size(); ++i) {
+			CHECK(std::tuple(tiles[i].layer, tiles[i].tile.x, tiles[i].tile.y) == world.asked_for[i]);
+			const auto far = [&](const InstanceQuery::Tile &tile) {
+				return distance_squared(tile_rect(layers[tile.layer].tile_size, tile.tile), glade.center());
+			};
+			if (i > 0 && tiles[i - 1].layer == tiles[i].layer) {
+				// Grown tiles are nearer, by the same.
+				CHECK(std::sqrt(far(tiles[i - 1])) <= std::sqrt(far(tiles[i])) + 4.0);
+			}
+		}
+		CHECK(std::set(world.asked_for.begin(), world.asked_for.end()).size() == tiles.size());
+	}
+}

@@ -1,0 +1,192 @@
+#include "core/query/instance_query.hpp"
+
+#include "core/query/instance_ray.hpp"
+#include "query_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <random>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+/// The share of the way at which a ray first touches a cylinder: of all places where it crosses the caps and the
+/// mantle, and its start, the first one that is inside to within rounding.
+double first_touch(const PlacedInstance &instance, const InstanceShape &shape, glm::dvec3 from, glm::dvec3 to) {
+	const glm::dmat3 basis(instance.basis);
+	if (std::abs(glm::determinant(basis)) < 1e-12) {
+		return 2.0;
+	}
+	const glm::dmat3 inverse = glm::inverse(basis);
+	const glm::dvec3 a = inverse * (from - instance.position);
+	const glm::dvec3 d = inverse * (to - from);
+	std::vector<double> shares{0.0, -a.y / d.y, (shape.height - a.y) / d.y};
+	const double p = d.x * d.x + d.z * d.z;
+	const double q = a.x * d.x + a.z * d.z;
+	const double root = std::sqrt(q * q - p * (a.x * a.x + a.z * a.z - shape.radius * shape.radius));
+	shares.push_back((-q - root) / p);
+	double first = 2.0;
+	for (const double share : shares) {
+		const glm::dvec3 at = a + share * d;
+		const bool inside =
+				at.y >= -1e-9 && at.y <= shape.height + 1e-9 && std::hypot(at.x, at.z) <= shape.radius + 1e-9;
+		if (share >= 0.0 && share <= 1.0 && inside) {
+			first = std::min(first, share);
+		}
+	}
+	return first;
+}
+
+} // namespace
+
+TEST_CASE("queries: a ray meets the first of all cylinders") {
+	std::mt19937 random(5);
+	for (const glm::dvec2 place : world_places) {
+		World warm;
+		World cold;
+		const std::vector<QueryLayer> layers = warm.asked();
+		const Rect around{place - 160.0, place + 160.0};
+		const InstanceState state = changed_state(everything_in(warm, around), place, random);
+		const auto all = everything_in(warm, around, &state);
+		const auto near = those(all, [&](const PlacedInstance &each) {
+			return glm::length(glm::dvec2(each.position.x, each.position.z) - place) < 60.0;
+		});
+		int hits = 0;
+		for (int repeat = 0; repeat < 90; ++repeat) {
+			// Half of them past something that stands there; some along an axis.
+			const glm::dvec3 mark = repeat % 2 == 0
+					? near[random() % near.size()].position + glm::dvec3(0.0, between(random, -0.5, 2.0), 0.0)
+					: glm::dvec3(place.x + between(random, -60.0, 60.0), between(random, -15.0, 20.0),
+							  place.y + between(random, -60.0, 60.0));
+			const double reach = std::exp(between(random, -3.0, 4.0));
+			glm::dvec3 away(between(random, -1.0, 1.0), between(random, -0.1, 0.6), between(random, -1.0, 1.0));
+			if (repeat % 5 == 0) {
+				away = {};
+				away[repeat / 5 % 3] = 1.0;
+			}
+			const glm::dvec3 from = mark + reach * away;
+			const glm::dvec3 to = mark - between(random, -0.1, 1.0) * reach * away;
+			QueryFilter filter;
+			if (repeat % 4 == 1) {
+				filter.layers = {0};
+			} else if (repeat % 4 == 2) {
+				filter.layers = {2};
+			}
+			const bool picky = repeat % 3 == 0;
+			if (picky) {
+				filter.accepts = [](const PlacedInstance &each) {
+					return each.id % 3 != 1;
+				};
+			}
+			double first = 2.0;
+			std::vector<std::uint64_t> first_ids;
+			for (const PlacedInstance &each : all) {
+				if ((filter.layers.empty() || each.layer == filter.layers[0]) && (!picky || each.id % 3 != 1)) {
+					const double touch = first_touch(each, layers[each.layer].shape, from, to);
+					if (touch < first - 1e-9) {
+						first_ids.clear();
+					}
+					if (touch <= 1.0 && touch < first + 1e-9) {
+						first_ids.push_back(each.id);
+					}
+					first = std::min(first, touch);
+				}
+			}
+			hits += first <= 1.0;
+			for (World *world : {&warm, &cold}) {
+				std::vector<RayHit> hit(2);
+				REQUIRE(InstanceQuery{layers, *world, &state}.on_ray(from, to, filter, hit).ok());
+				REQUIRE(hit.size() == (first <= 1.0 ? 1 : 0));
+				if (!hit.empty()) {
+					CHECK(std::find(first_ids.begin(), first_ids.end(), hit[0].instance.id) != first_ids.end());
+					CHECK(std::abs(hit[0].distance - first * glm::length(to - from)) < 1e-6);
+				}
+			}
+			cold.forget();
+		}
+		CHECK(hits > 12);
+		CHECK(hits < 85);
+	}
+}
+
+TEST_CASE("queries: a ray looks only at tiles that it comes to before it meets something") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	std::vector<RayHit> hit;
+	const InstanceQuery query{layers, world, nullptr};
+	const glm::dvec3 eye(3.0, 1.0, 5.0);
+	REQUIRE(query.on_ray(eye, eye + glm::dvec3(3000.0, 0.0, 500.0), {{0, 1}, {}}, hit).ok());
+	REQUIRE(hit.size() == 1);
+	CHECK(hit[0].distance < 300.0);
+	const std::size_t looked_at = world.asked_for.size();
+	CHECK(looked_at < 150);
+	// No farther than the tiles' own size and what may reach out of them.
+	for (const auto &[layer, x, y] : world.asked_for) {
+		const Rect square = tile_rect(layers[layer].tile_size, {x, y});
+		CHECK(std::sqrt(distance_squared(square, {eye.x, eye.z})) < hit[0].distance + 30.0);
+	}
+	world.asked_for.clear();
+	// Beside the way nothing is looked at.
+	REQUIRE(query.on_ray({0.0, 500.0, 0.0}, {0.0, 400.0, 0.0}, {{0}, {}}, hit).ok());
+	CHECK(hit.empty());
+	CHECK(world.asked_for.size() == 4);
+}
+
+TEST_CASE("queries: a ray of no length meets what it is in, at no distance, and one that starts inside too") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	const InstanceQuery query{layers, world, nullptr};
+	const auto all = everything_in(world, {{0.0, 0.0}, {60.0, 60.0}});
+	const auto tree = std::find_if(all.begin(), all.end(), [](const PlacedInstance &each) { return each.layer == 0; });
+	REQUIRE(tree != all.end());
+	const glm::dvec3 inside = tree->position + glm::dmat3(tree->basis) * glm::dvec3(0.3, 11.0, -0.2);
+	const glm::dvec3 above = tree->position + glm::dmat3(tree->basis) * glm::dvec3(0.3, 12.001, -0.2);
+	for (const glm::dvec3 to : {inside, inside + glm::dvec3(0.0, 30.0, 1.0)}) {
+		std::vector<RayHit> hit;
+		REQUIRE(query.on_ray(inside, to, {{0}, {}}, hit).ok());
+		REQUIRE(hit.size() == 1);
+		CHECK(hit[0].instance.id == tree->id);
+		CHECK(hit[0].distance == 0.0);
+	}
+	std::vector<RayHit> hit;
+	REQUIRE(query.on_ray(above, above, {{0}, {}}, hit).ok());
+	CHECK(hit.empty());
+}
+
+TEST_CASE("queries: a cylinder is closed, and its part of a ray is exact") {
+	const InstanceShape shape{0.5, 2.0};
+	const glm::dvec3 origin(10.0, 20.0, 30.0);
+	const auto part = [&](glm::dvec3 from, glm::dvec3 to, const glm::mat3 &basis = glm::mat3(1.0f)) {
+		return inside_cylinder({origin + from, to - from}, shape, origin, basis);
+	};
+	const RayPart across = part({-2.0, 1.0, 0.0}, {2.0, 1.0, 0.0});
+	CHECK(across.start == 0.375);
+	CHECK(across.end == 0.625);
+	const RayPart down = part({0.0, 4.0, 0.0}, {0.0, -4.0, 0.0});
+	CHECK(down.start == 0.25);
+	CHECK(down.end == 0.5);
+	// The mantle, the edges of the caps, and just beside.
+	CHECK(!part({-2.0, 1.0, 0.5}, {2.0, 1.0, 0.5}).empty());
+	CHECK(!part({-2.0, 2.0, 0.0}, {2.0, 2.0, 0.0}).empty());
+	CHECK(!part({0.5, 3.0, 0.0}, {0.5, -3.0, 0.0}).empty());
+	CHECK(part({-2.0, 1.0, 0.500001}, {2.0, 1.0, 0.500001}).empty());
+	CHECK(part({-2.0, 2.000001, 0.0}, {2.0, 2.000001, 0.0}).empty());
+	CHECK(part({0.500001, 3.0, 0.0}, {0.500001, -3.0, 0.0}).empty());
+	CHECK(part({-2.0, 1.0, 0.0}, {-0.500001, 1.0, 0.0}).empty());
+	// Turned on its side, as large as a house, and flat.
+	const glm::mat3 lying(glm::vec3(0.0f, -1.0f, 0.0f), glm::vec3(1.0f, 0.0f, 0.0f), glm::vec3(0.0f, 0.0f, 1.0f));
+	CHECK(part({1.0, 4.0, 0.0}, {1.0, -4.0, 0.0}, lying).start == 0.4375);
+	CHECK(part({-20.0, 15.0, 0.0}, {20.0, 15.0, 0.0}, glm::mat3(10.0f)).start == 0.375);
+	CHECK(part({-2.0, 1.0, 0.0}, {2.0, 1.0, 0.0}, glm::mat3(0.0f)).empty());
+	// From 1,000 km away it is no less exact than its place is.
+	CHECK(part({-1e6, 1.0, 0.4999}, {1e6, 1.0, 0.4999}).start < 0.5);
+	CHECK(part({-1e6, 1.0, 0.5001}, {1e6, 1.0, 0.5001}).empty());
+}
