@@ -55,7 +55,7 @@ void for_hand_placed(const InstanceQuery &query, std::uint32_t layer, const Rect
 	}
 }
 
-/// Sorts by id.
+/// Sorts the refs of one layer by id. O(n) where they stand close together, as what a query finds mostly does.
 void sort_by_id(std::vector<InstanceRef> &r_refs);
 
 } // namespace thicket
