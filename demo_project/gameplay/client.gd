@@ -1,0 +1,57 @@
+extends Node
+## A player without a picture, as an example: joins a server, asks what stands around a place, fells the nearest trees,
+## waits until the world says so, and leaves.
+##   godot --headless --path demo_project res://gameplay/client.tscn -- --port=4433 --at=-20,150 --fell=5
+##
+## Arguments after [code]--[/code]: [code]--port=NUMBER[/code], [code]--address=ADDRESS[/code] (this machine unless told
+## otherwise), [code]--at=X,Z[/code] in metres, [code]--fell=COUNT[/code].
+
+const DEFAULT_PORT := 4433
+const REACH := 60.0
+## Seconds for everything.
+const PATIENCE := 30.0
+
+@onready var world: TerrainScatter3D = $World
+@onready var session: Node = $Session
+
+
+func _ready() -> void:
+	var arguments := {"port": str(DEFAULT_PORT), "address": "127.0.0.1", "at": "-20,150", "fell": "3"}
+	for argument in OS.get_cmdline_user_args():
+		var parts := argument.trim_prefix("--").split("=", true, 1)
+		arguments[parts[0]] = parts[-1]
+	get_tree().create_timer(PATIENCE).timeout.connect(_end.bind("no answer within %.0f s" % PATIENCE))
+	multiplayer.server_disconnected.connect(_end.bind("the server has gone"))
+	var error: Error = session.call(&"join", arguments.address, int(arguments.port))
+	if error != OK:
+		return _end("cannot join: " + error_string(error))
+	await session.synced
+	var at: PackedStringArray = arguments.at.split(",")
+	await _fell_around(Vector3(at[0].to_float(), 0.0, at[-1].to_float()), int(arguments.fell))
+	_end("")
+
+
+func _fell_around(place: Vector3, count: int) -> void:
+	place.y = world.terrain.get_height(place)
+	session.call(&"ask", place, REACH, world.get(&"trees"))
+	var answer: Array = await session.answered
+	var ids: PackedInt64Array = answer[1]
+	print("client: %d trees within %.0f m" % [ids.size(), REACH])
+	var felled := Array(ids)
+	felled.sort_custom(func(a: int, b: int) -> bool: return _distance(a, place) < _distance(b, place))
+	felled.resize(mini(count, felled.size()))
+	for id: int in felled:
+		session.call(&"fell", id)
+	while felled.any(world.has_instance):
+		await session.synced
+	print("client: felled %s" % str(felled))
+
+
+func _distance(id: int, place: Vector3) -> float:
+	return ((world.get_instance(id).transform as Transform3D).origin).distance_to(place)
+
+
+func _end(why: String) -> void:
+	if why != "":
+		printerr("client: " + why)
+	get_tree().quit(0 if why == "" else 1)

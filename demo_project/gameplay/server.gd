@@ -1,0 +1,46 @@
+extends Node
+## A server of the gameplay scene's world: no player, no camera, no renderer. It makes only the tiles that are asked about.
+##   godot --headless --path demo_project res://gameplay/server.tscn -- --port=4433
+##
+## Arguments after [code]--[/code]: [code]--port=NUMBER[/code] (4433 unless told otherwise, 0 for a free one),
+## [code]--state=FILE[/code] loads what was changed before, and saves it whenever a client leaves.
+
+const DEFAULT_PORT := 4433
+
+var _file := ""
+
+@onready var world: TerrainScatter3D = $World
+@onready var session: Node = $Session
+
+
+func _ready() -> void:
+	var port := DEFAULT_PORT
+	for argument in OS.get_cmdline_user_args():
+		if argument.begins_with("--port="):
+			port = argument.trim_prefix("--port=").to_int()
+		elif argument.begins_with("--state="):
+			_file = argument.trim_prefix("--state=")
+	if _file != "" and FileAccess.file_exists(_file):
+		var error := world.state.from_bytes(FileAccess.get_file_as_bytes(_file))
+		if error != OK:
+			return _end("cannot load %s: %s" % [_file, error_string(error)])
+	var error: Error = session.call(&"host", port)
+	if error != OK:
+		return _end("cannot listen on port %d: %s" % [port, error_string(error)])
+	multiplayer.peer_connected.connect(func(client: int) -> void: print("server: %d has come" % client))
+	multiplayer.peer_disconnected.connect(_on_client_left)
+	print("server: listening on port %d, %d felled" % [session.call(&"port"), world.state.get_removed_count()])
+
+
+func _on_client_left(client: int) -> void:
+	print("server: %d has left, %d felled" % [client, world.state.get_removed_count()])
+	if _file == "":
+		return
+	var file := FileAccess.open(_file, FileAccess.WRITE)
+	if file == null or not file.store_buffer(world.state.to_bytes()):
+		push_error("server: cannot write %s" % _file)
+
+
+func _end(why: String) -> void:
+	printerr("server: " + why)
+	get_tree().quit(1)
