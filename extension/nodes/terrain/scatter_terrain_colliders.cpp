@@ -10,6 +10,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -21,7 +22,14 @@ namespace {
 
 constexpr const char *class_name = "ScatterTerrainColliders";
 
-/// Casts one ray after another straight down.
+/// How far the next ray starts inside of a body that is no ground: metres, and as a share of its height.
+constexpr real_t into_body = 1e-3F;
+constexpr real_t into_high_body = 1e-6F;
+
+/// More bodies over a place than this hide the ground.
+constexpr int max_bodies = 64;
+
+/// Casts one ray after another straight down. Instances of a scatter stand on the ground and are none.
 class Plumb {
 public:
 	Plumb(PhysicsDirectSpaceState3D *p_space, double p_top, double p_bottom, int64_t p_mask) :
@@ -35,9 +43,7 @@ public:
 		if (!std::isfinite(x) || !std::isfinite(z)) {
 			return {};
 		}
-		ray_->set_from(Vector3(x, top_, z));
-		ray_->set_to(Vector3(x, bottom_, z));
-		const Dictionary hit = space_->intersect_ray(ray_);
+		const Dictionary hit = first_ground(x, z);
 		if (hit.is_empty()) {
 			return {};
 		}
@@ -53,12 +59,42 @@ public:
 	}
 
 private:
+	/// A ray does not meet the body that it starts in.
+	Dictionary first_ground(real_t x, real_t z) {
+		ray_->set_to(Vector3(x, bottom_, z));
+		real_t top = top_;
+		for (int bodies = 0; bodies < max_bodies; ++bodies) {
+			ray_->set_from(Vector3(x, top, z));
+			const Dictionary hit = space_->intersect_ray(ray_);
+			if (hit.is_empty() || !is_instance(hit)) {
+				return hit;
+			}
+			top = static_cast<Vector3>(hit[position_key_]).y;
+			top -= std::max(into_body, into_high_body * std::abs(top));
+		}
+		return {};
+	}
+
+	bool is_instance(const Dictionary &hit) {
+		const auto id = static_cast<std::uint64_t>(hit[id_key_]);
+		if (id != collider_id_) {
+			const Object *collider = hit[collider_key_];
+			collider_id_ = id;
+			collider_is_scatter_ = collider != nullptr && collider->get_class() == String("TerrainScatter3D");
+		}
+		return collider_is_scatter_;
+	}
+
 	PhysicsDirectSpaceState3D *space_;
 	real_t top_;
 	real_t bottom_;
 	Ref<PhysicsRayQueryParameters3D> ray_;
 	Variant position_key_ = "position";
 	Variant normal_key_ = "normal";
+	Variant id_key_ = "collider_id";
+	Variant collider_key_ = "collider";
+	std::uint64_t collider_id_ = 0; ///< Of the last hit.
+	bool collider_is_scatter_ = false;
 };
 
 } // namespace
