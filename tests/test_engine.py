@@ -75,16 +75,25 @@ func _initialize() -> void:
 """
 
 
-@pytest.fixture(scope="module")
-def project(tmp_path_factory) -> Path:
-    """A new project with the addon and nothing else."""
-    folder = tmp_path_factory.mktemp("engine")
-    (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Thicket tests"\n')
+def make_project(folder: Path, settings: str = "") -> Path:
+    (folder / "project.godot").write_text(f'config_version=5\n[application]\nconfig/name="Thicket tests"\n{settings}')
     (folder / "addons").mkdir()
     (folder / "addons/thicket").symlink_to(REPO / "demo_project/addons/thicket")
     (folder / ".godot").mkdir()
     (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
     return folder
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory) -> Path:
+    """A new project with the addon and nothing else."""
+    return make_project(tmp_path_factory.mktemp("engine"))
+
+
+@pytest.fixture(scope="module")
+def jolt_project(tmp_path_factory) -> Path:
+    """The same with the engine's other physics server."""
+    return make_project(tmp_path_factory.mktemp("jolt"), '[physics]\n3d/physics_engine="Jolt Physics"\n')
 
 
 def assert_passed(done):
@@ -119,6 +128,13 @@ def assert_passed(done):
 )
 def test_script(godot, project, script):
     assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / f"{script}.gd"], timeout=600))
+
+
+@pytest.mark.parametrize("script", ["test_collision", "test_collision_contacts"])
+@pytest.mark.parametrize("physics", ["project", "jolt_project"])
+def test_bodies(godot, request, physics, script):
+    folder = request.getfixturevalue(physics)
+    assert_passed(godot(["--verbose", "--path", folder, "--script", ENGINE / f"{script}.gd"], timeout=600))
 
 
 def test_examples_of_the_class_reference_run(godot, project):

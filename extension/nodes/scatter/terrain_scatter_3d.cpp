@@ -41,7 +41,7 @@ Rect world_rect(const Rect2 &p_rect) {
 
 } // namespace
 
-TerrainScatter3D::TerrainScatter3D() = default;
+TerrainScatter3D::TerrainScatter3D() { stream_.set_rings({&collision_}); }
 
 TerrainScatter3D::~TerrainScatter3D() {
 	stop();
@@ -67,6 +67,9 @@ void TerrainScatter3D::_notification(int p_what) {
 void TerrainScatter3D::start() {
 	stream_.stage().set_place(get_world_3d()->get_scenario(), get_instance_id());
 	stream_.stage().set_visible(is_visible_in_tree());
+	if (!Engine::get_singleton()->is_editor_hint()) {
+		collision_.set_place(get_world_3d()->get_space(), get_instance_id());
+	}
 	set_process_internal(true);
 	if (!std::exchange(running_, true) && terrain_.is_valid()) {
 		terrain_->enter(this);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nodes/scatter/layer_plans.hpp"
+#include "nodes/gameplay/collision_ring.hpp"
 #include "nodes/gameplay/instance_world.hpp"
 #include "nodes/gameplay/query_requests.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
@@ -112,6 +113,9 @@ public:
 	godot::Dictionary get_instance(int64_t p_id);
 	bool has_instance(int64_t p_id);
 
+	/// The instance that a body of the PhysicsServer3D stands for, or stood for until some frames ago; 0 for none.
+	int64_t get_body_instance(const godot::RID &p_body) const;
+
 	/// The same on workers: a number for `query_finished`, which comes in a later frame; 0 for what is refused.
 	int64_t request_rect(const godot::Rect2 &p_rect, const godot::PackedInt32Array &p_layers);
 	int64_t request_sphere(const godot::Vector3 &p_center, double p_radius, const godot::PackedInt32Array &p_layers);
@@ -209,7 +213,8 @@ private:
 	std::shared_ptr<InstanceWorld> world_ = std::make_shared<InstanceWorld>();
 	QueryRequests requests_;
 	std::vector<std::pair<std::int64_t, godot::Dictionary>> answers_; ///< To be told at the end of the frame.
-	std::vector<NearRing *> rings_;
+	CollisionRing collision_;
+	std::vector<NearRing *> rings_{&collision_};
 	bool patch_scheduled_ = false;
 
 	ScatterStream stream_{*world_};

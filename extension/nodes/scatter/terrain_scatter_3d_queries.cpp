@@ -68,6 +68,11 @@ void TerrainScatter3D::update_world(const std::vector<EditedArea> &outdated) {
 				.max_offset = std::abs(settings.placement.offset_along_normal)});
 	}
 	world_->set_layers(std::move(layers));
+	std::vector<CollisionLayer> colliding;
+	for (int64_t place = 0; place < layers_.size(); ++place) {
+		colliding.push_back(collision_of(layer_at(place)));
+	}
+	collision_.set_layers(std::move(colliding));
 	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
 		world_->invalidate(layer, outdated[layer]);
 	}
@@ -195,6 +200,10 @@ int64_t TerrainScatter3D::request(const char *p_method, const std::variant<Rect,
 	return number;
 }
 
+int64_t TerrainScatter3D::get_body_instance(const RID &p_body) const {
+	return script_id(collision_.instance_of(p_body));
+}
+
 int64_t TerrainScatter3D::request_rect(const Rect2 &p_rect, const PackedInt32Array &p_layers) {
 	return request("request_rect", to_world(p_rect, world_offset_), p_layers);
 }
@@ -223,6 +232,7 @@ void TerrainScatter3D::bind_queries() {
 			&Self::query_nearest, DEFVAL(PackedInt32Array()), DEFVAL(Callable()));
 	ClassDB::bind_method(D_METHOD("get_instance", "id"), &Self::get_instance);
 	ClassDB::bind_method(D_METHOD("has_instance", "id"), &Self::has_instance);
+	ClassDB::bind_method(D_METHOD("get_body_instance", "body"), &Self::get_body_instance);
 	ClassDB::bind_method(D_METHOD("request_rect", "rect", "layers"), &Self::request_rect, DEFVAL(PackedInt32Array()));
 	ClassDB::bind_method(D_METHOD("request_sphere", "center", "radius", "layers"), &Self::request_sphere,
 			DEFVAL(PackedInt32Array()));

@@ -115,6 +115,8 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["uploading"] = number(stream_.stage().waiting());
 	stats["frame_usec"] =
 			static_cast<int64_t>(std::chrono::duration_cast<std::chrono::microseconds>(frame_time_).count());
+	stats["bodies"] = number(collision_.body_count());
+	stats["bodies_pooled"] = number(collision_.pooled_count());
 	stats["tiles_made"] = number(figures.tiles_made);
 	stats["points_sampled"] = number(figures.points_sampled);
 	stats["worker_usec"] = number(figures.worker_microseconds);

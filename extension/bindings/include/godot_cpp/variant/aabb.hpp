@@ -11,6 +11,8 @@ struct AABB {
 
 	constexpr AABB() = default;
 	constexpr AABB(const Vector3 &p_position, const Vector3 &p_size) : position(p_position), size(p_size) {}
+
+	constexpr bool operator==(const AABB &) const = default;
 };
 
 } // namespace godot

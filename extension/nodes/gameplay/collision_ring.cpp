@@ -1,0 +1,241 @@
+#include "nodes/gameplay/collision_ring.hpp"
+
+#include <godot_cpp/classes/physics_server3d.hpp>
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+Vector3 to_engine(glm::dvec3 v) {
+	return Vector3(static_cast<real_t>(v.x), static_cast<real_t>(v.y), static_cast<real_t>(v.z));
+}
+
+Vector3 to_engine(const glm::vec3 &v) { return Vector3(v.x, v.y, v.z); }
+
+} // namespace
+
+CollisionLayer collision_of(const Ref<ScatterLayer> &layer) {
+	CollisionLayer result;
+	if (layer.is_null() || layer->get_collision_shape() == ScatterLayer::COLLISION_NONE) {
+		return result;
+	}
+	result.shape.kind = layer->get_collision_shape();
+	result.shape.cylinder = {layer->numbers().instance_radius, layer->numbers().instance_height};
+	if (result.shape.kind == ScatterLayer::COLLISION_CONVEX) {
+		result.shape.meshes = layer->mesh_list();
+		for (const Ref<Mesh> &mesh : result.shape.meshes) {
+			result.shape.boxes.push_back(mesh.is_valid() ? mesh->get_aabb() : AABB());
+		}
+	}
+	result.distance = layer->numbers().collision_distance;
+	result.settings.layer = layer->integers().collision_layer;
+	result.settings.mask = layer->integers().collision_mask;
+	if (const Ref<PhysicsMaterial> material = layer->get_physics_material(); material.is_valid()) {
+		const double friction = material->get_friction();
+		const double bounce = material->get_bounce();
+		result.settings.friction = material->is_rough() ? -friction : friction;
+		result.settings.bounce = material->is_absorbent() ? -bounce : bounce;
+	}
+	return result;
+}
+
+void CollisionRing::set_place(const RID &space, std::uint64_t node_id) {
+	if (!(space_ == space) || node_id_ != node_id) {
+		clear();
+		space_ = space;
+		node_id_ = node_id;
+	}
+}
+
+void CollisionRing::set_layers(std::vector<CollisionLayer> layers) {
+	for (std::uint32_t layer = static_cast<std::uint32_t>(layers.size()); layer < layers_.size(); ++layer) {
+		fall_all(layer);
+	}
+	layers_.resize(layers.size());
+	std::vector<double> distances;
+	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
+		CollisionLayer &is = layers_[layer].is;
+		CollisionLayer &next = layers[layer];
+		distances.push_back(next.shape.kind == ScatterLayer::COLLISION_NONE ? 0.0 : next.distance);
+		is.distance = next.distance;
+		if (!(is.settings == next.settings)) {
+			is.settings = next.settings;
+			for (const auto &[id, body] : layers_[layer].bodies) {
+				if (body.rid.is_valid()) {
+					apply(is.settings, body.rid);
+				}
+			}
+		}
+		if (!(is.shape == next.shape)) {
+			reshape(layer, std::move(next.shape));
+		}
+	}
+	queue_.set_distances(distances);
+}
+
+void CollisionRing::reshape(std::uint32_t layer, ShapeSource source) {
+	Layer &of = layers_[layer];
+	of.is.shape = std::move(source);
+	std::vector<PlacedInstance> standing;
+	for (const auto &[id, body] : of.bodies) {
+		standing.push_back(body.instance);
+	}
+	for (const PlacedInstance &instance : standing) {
+		fall(layer, instance.id);
+		stand(instance);
+	}
+}
+
+void CollisionRing::look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
+	if (space_.is_valid()) {
+		++frame_;
+		tidy_pool();
+		queue_.look_around(centers, world);
+		for (NearQueue::Leaving gone; queue_.next_gone(gone);) {
+			fall(gone.layer, gone.id);
+		}
+	}
+}
+
+bool CollisionRing::step() {
+	NearQueue::Leaving leaving;
+	const bool left = queue_.next_leaving(leaving);
+	if (left) {
+		fall(leaving.layer, leaving.id);
+	}
+	PlacedInstance instance;
+	const bool entered = queue_.next_entering(instance);
+	if (entered) {
+		stand(instance);
+	}
+	return left || entered;
+}
+
+void CollisionRing::stand(const PlacedInstance &instance) {
+	Layer &layer = layers_[instance.layer];
+	Body &body = layer.bodies[instance.id];
+	body.instance = instance;
+	if (BodyFit fit; fit_body(instance.basis, fit)) {
+		body.rotation = fit.rotation;
+		body.shape = shapes_.take(layer.is.shape, instance.mesh, fit);
+	}
+	if (body.shape == nullptr) {
+		return;
+	}
+	body.rid = take_body();
+	apply(layer.is.settings, body.rid);
+	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
+	server->body_add_shape(body.rid, body.shape->rid);
+	server->body_set_state(body.rid, PhysicsServer3D::BODY_STATE_TRANSFORM, transform_of(body));
+	server->body_set_space(body.rid, space_);
+	owners_[body.rid.get_id()] = instance.id;
+}
+
+void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
+	auto &bodies = layers_[layer].bodies;
+	const auto found = bodies.find(id);
+	if (found == bodies.end()) {
+		return;
+	}
+	const Body body = found->second;
+	bodies.erase(found);
+	if (body.rid.is_valid()) {
+		PhysicsServer3D::get_singleton()->body_clear_shapes(body.rid);
+		pool_.push_back({body.rid, frame_ + rest_frames});
+		++still_in_space_;
+		shapes_.give_back(body.shape);
+	}
+}
+
+void CollisionRing::fall_all(std::uint32_t layer) {
+	while (!layers_[layer].bodies.empty()) {
+		fall(layer, layers_[layer].bodies.begin()->first);
+	}
+	queue_.release_layer(layer);
+}
+
+void CollisionRing::drop(std::uint64_t id) {
+	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
+		fall(layer, id);
+	}
+	queue_.release(id);
+}
+
+void CollisionRing::apply(const CollisionLayer::Settings &settings, const RID &body) {
+	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
+	server->body_set_collision_layer(body, static_cast<std::uint32_t>(settings.layer));
+	server->body_set_collision_mask(body, static_cast<std::uint32_t>(settings.mask));
+	server->body_set_param(body, PhysicsServer3D::BODY_PARAM_FRICTION, settings.friction);
+	server->body_set_param(body, PhysicsServer3D::BODY_PARAM_BOUNCE, settings.bounce);
+}
+
+Transform3D CollisionRing::transform_of(const Body &body) const {
+	const glm::mat3 &axes = body.rotation;
+	return Transform3D(Basis(to_engine(axes[0]), to_engine(axes[1]), to_engine(axes[2])),
+			to_engine(body.instance.position + body.shape->center * glm::dvec3(axes[1]) - offset_));
+}
+
+void CollisionRing::set_world_offset(glm::dvec3 offset) {
+	if (offset_ == offset) {
+		return;
+	}
+	offset_ = offset;
+	for (const Layer &layer : layers_) {
+		for (const auto &[id, body] : layer.bodies) {
+			if (body.rid.is_valid()) {
+				PhysicsServer3D::get_singleton()->body_set_state(
+						body.rid, PhysicsServer3D::BODY_STATE_TRANSFORM, transform_of(body));
+			}
+		}
+	}
+}
+
+RID CollisionRing::take_body() {
+	if (!pool_.empty() && pool_.front().usable_at <= frame_) {
+		const RID body = pool_.front().rid;
+		pool_.pop_front();
+		return body;
+	}
+	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
+	const RID body = server->body_create();
+	server->body_set_mode(body, PhysicsServer3D::BODY_MODE_STATIC);
+	server->body_attach_object_instance_id(body, node_id_);
+	return body;
+}
+
+void CollisionRing::tidy_pool() {
+	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
+	for (; still_in_space_ > 0; --still_in_space_) {
+		server->body_set_space(pool_[pool_.size() - still_in_space_].rid, RID());
+	}
+	while (pool_.size() > max_pooled && pool_.front().usable_at <= frame_) {
+		owners_.erase(pool_.front().rid.get_id());
+		server->free_rid(pool_.front().rid);
+		pool_.pop_front();
+	}
+}
+
+std::uint64_t CollisionRing::instance_of(const RID &body) const {
+	const auto found = owners_.find(body.get_id());
+	return found != owners_.end() ? found->second : 0;
+}
+
+void CollisionRing::clear() {
+	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
+		fall_all(layer);
+	}
+	for (const Pooled &body : pool_) {
+		PhysicsServer3D::get_singleton()->free_rid(body.rid);
+	}
+	queue_.forget_world();
+	pool_.clear();
+	still_in_space_ = 0;
+	owners_.clear();
+	shapes_.clear();
+}
+
+} // namespace thicket

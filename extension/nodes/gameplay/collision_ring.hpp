@@ -1,0 +1,115 @@
+#pragma once
+
+#include "nodes/gameplay/collision_shapes.hpp"
+#include "nodes/gameplay/near_queue.hpp"
+#include "nodes/gameplay/near_ring.hpp"
+
+#include <godot_cpp/variant/transform3d.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <unordered_map>
+#include <vector>
+
+namespace thicket {
+
+/// How the instances of a layer collide.
+struct CollisionLayer {
+	ShapeSource shape;
+	double distance = 0.0; ///< Metres; 0 for no bodies.
+
+	/// As the bodies take them.
+	struct Settings {
+		std::int64_t layer = 1;
+		std::int64_t mask = 1;
+		double friction = 1.0; ///< Negative for a rough one, as StaticBody3D hands it over,
+		double bounce = 0.0;   ///< and for one that absorbs.
+
+		friend bool operator==(const Settings &, const Settings &) = default;
+	} settings;
+};
+
+/// The properties of a layer; no bodies for null.
+CollisionLayer collision_of(const godot::Ref<ScatterLayer> &layer);
+
+/// A static body of the PhysicsServer3D for each instance near a viewer or another body. The bodies belong to the node: it is the
+/// `collider` of what hits them, and the body's RID names the instance.
+///
+/// What goes loses its shape at once, and is met by nothing from then on. Its body leaves the physics space in the next frame only, so
+/// that areas and bodies hear of it even where it went in the middle of the physics server's signals, and rests for some frames
+/// before it stands for another instance: until then its RID names the one that has gone.
+class CollisionRing : public NearRing {
+public:
+	CollisionRing() = default;
+	CollisionRing(const CollisionRing &) = delete;
+	CollisionRing &operator=(const CollisionRing &) = delete;
+	~CollisionRing() override { clear(); }
+
+	/// The physics space to stand in, and the object that bodies lead to. Frees what stands in another one.
+	void set_place(const godot::RID &space, std::uint64_t node_id);
+
+	/// What stands follows at once.
+	void set_layers(std::vector<CollisionLayer> layers);
+
+	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
+	bool step() override;
+	bool settled() const override { return !space_.is_valid() || queue_.settled(); }
+	void drop(std::uint64_t id) override;
+	void set_world_offset(glm::dvec3 offset) override;
+	void clear() override;
+
+	/// The instance that a body stands for, or stood for until some frames ago; 0 for none.
+	std::uint64_t instance_of(const godot::RID &body) const;
+
+	/// Bodies that stand.
+	std::size_t body_count() const { return owners_.size() - pool_.size(); }
+	std::size_t shape_count() const { return shapes_.count(); }
+	std::size_t pooled_count() const { return pool_.size(); }
+
+	/// The most bodies that wait for their next use, apart from those that rest,
+	static constexpr std::size_t max_pooled = 256;
+	/// and the frames that they rest.
+	static constexpr std::uint64_t rest_frames = 128;
+
+private:
+	/// Without RID and shape where there is nothing to bump into: a mesh without a volume, an instance that is flat.
+	struct Body {
+		PlacedInstance instance;
+		godot::RID rid;
+		CollisionShapes::Shape *shape = nullptr;
+		glm::mat3 rotation{1.0f};
+	};
+
+	struct Pooled {
+		godot::RID rid;
+		std::uint64_t usable_at = 0; ///< Frame.
+	};
+
+	struct Layer {
+		CollisionLayer is;
+		std::unordered_map<std::uint64_t, Body> bodies; ///< By the instance's id.
+	};
+
+	void stand(const PlacedInstance &instance);
+	void fall(std::uint32_t layer, std::uint64_t id);
+	void fall_all(std::uint32_t layer);
+	void apply(const CollisionLayer::Settings &settings, const godot::RID &body);
+	void reshape(std::uint32_t layer, ShapeSource source);
+	godot::Transform3D transform_of(const Body &body) const;
+	godot::RID take_body();
+	void tidy_pool();
+
+	godot::RID space_;
+	std::uint64_t node_id_ = 0;
+	glm::dvec3 offset_{0.0};
+	std::vector<Layer> layers_;
+	NearQueue queue_;
+	CollisionShapes shapes_;
+	std::deque<Pooled> pool_;        ///< Without a shape, the longest there first.
+	std::size_t still_in_space_ = 0; ///< The last so many of them.
+	std::uint64_t frame_ = 0;
+	std::unordered_map<std::int64_t, std::uint64_t> owners_; ///< Ids of instances by those of all bodies' RIDs.
+};
+
+} // namespace thicket

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "core/query/body_fit.hpp"
+#include "core/query/instance_query.hpp"
+#include "nodes/layer/scatter_layer.hpp"
+
+#include <godot_cpp/variant/aabb.hpp>
+#include <godot_cpp/variant/rid.hpp>
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <tuple>
+#include <vector>
+
+namespace thicket {
+
+/// What the shapes of a layer are made of.
+struct ShapeSource {
+	ScatterLayer::CollisionShape kind = ScatterLayer::COLLISION_NONE;
+	InstanceShape cylinder;
+	std::vector<godot::Ref<godot::Mesh>> meshes; ///< Of convex shapes only; null entries have none.
+	std::vector<godot::AABB> boxes;              ///< Of the meshes: another box means another mesh.
+
+	friend bool operator==(const ShapeSource &a, const ShapeSource &b) {
+		return a.kind == b.kind && a.cylinder.radius == b.cylinder.radius && a.cylinder.height == b.cylinder.height &&
+				a.meshes == b.meshes && a.boxes == b.boxes;
+	}
+};
+
+/// Shapes of the PhysicsServer3D, shared by all instances of nearly the same size (see BodyFit). Those that nobody uses are kept for a
+/// while. Main thread only.
+class CollisionShapes {
+public:
+	/// Stays where it is as long as somebody uses it.
+	struct Shape {
+		godot::RID rid;
+		double center = 0.0; ///< Metres along the instance's up axis from its origin to the shape's own.
+		std::size_t users = 0;
+	};
+
+	CollisionShapes() = default;
+	CollisionShapes(const CollisionShapes &) = delete;
+	CollisionShapes &operator=(const CollisionShapes &) = delete;
+	~CollisionShapes() { clear(); }
+
+	/// The shape of an instance, which counts as used from now on. Null where there is nothing to bump into.
+	Shape *take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit);
+	void give_back(Shape *shape);
+
+	/// Frees all: nobody may use one of them any more.
+	void clear();
+
+	std::size_t count() const { return shapes_.size(); }
+
+	/// The most shapes that are kept without being used,
+	static constexpr std::size_t max_idle = 256;
+	/// and the most corners of a convex one: those farthest out.
+	static constexpr std::size_t max_corners = 64;
+
+private:
+	/// Kind, corners' number (0 for none), and three sizes: in metres, or the scale of the corners.
+	using Key = std::tuple<std::int64_t, std::uint64_t, float, float, float>;
+
+	/// The corners of a mesh's convex hull at scale 1.
+	struct Corners {
+		godot::AABB box; ///< Of the mesh they were taken from.
+		std::uint64_t number = 0;
+		std::vector<glm::vec3> points;
+	};
+
+	static Key key_of(const ShapeSource &source, const BodyFit &fit, std::uint64_t corners);
+	static Shape make(const Key &key, const std::vector<glm::vec3> &corners);
+	const Corners *corners_of(const ShapeSource &source, std::uint32_t mesh);
+	void free_idle();
+
+	std::map<Key, Shape> shapes_;
+	std::map<std::uint64_t, Corners> corners_; ///< By the mesh's object id.
+	std::uint64_t last_number_ = 0;
+	std::size_t idle_ = 0;
+};
+
+} // namespace thicket

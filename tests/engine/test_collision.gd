@@ -1,0 +1,378 @@
+extends "collision_harness.gd"
+## Bodies of instances: where they stand, what they lead to, how they come and go.
+
+const ROUND_SHAPES := [ScatterLayer.COLLISION_CAPSULE, ScatterLayer.COLLISION_CYLINDER, ScatterLayer.COLLISION_BOX]
+
+
+func test_rays_hit_what_query_ray_hits() -> void:
+	for shape: ScatterLayer.CollisionShape in ROUND_SHAPES:
+		var layer := make_solid_layer(shape)
+		layer.min_scale = 0.6
+		layer.max_scale = 1.7
+		layer.min_tilt_degrees = 0.0
+		layer.max_tilt_degrees = 25.0
+		var scatter := make_solid([layer])
+		await settle(scatter)
+		var standing := instances(scatter, 0)
+		var seen := 0
+		for id in standing:
+			var at := standing[id]
+			if at.origin.length() > DISTANCE:
+				continue
+			# Along the body's own axes, where all three shapes are as wide as the cylinder.
+			var size := at.basis.get_scale().x
+			for axis: Vector3 in [at.basis.x, -at.basis.x, at.basis.z, -at.basis.z]:
+				var target := at * Vector3(0, 1.5, 0)
+				var from := target + axis.normalized() * 1.6 * size
+				var asked := scatter.query_ray(from, target)
+				var hit := cast(from, target)
+				if asked and asked["distance"] == 0.0:
+					continue # It starts inside a neighbour, which a ray of the physics server does not meet.
+				if not check(not hit.is_empty() and not asked.is_empty(), "shape %d: both hit" % shape):
+					continue
+				check(hit["collider"] == scatter, "the collider is the scatter")
+				check_equal(scatter.get_body_instance(hit["rid"]), asked["id"], "the body leads to what query_ray says")
+				if asked["id"] == id:
+					seen += 1
+					var apart := (hit["position"] as Vector3).distance_to(asked["position"])
+					check(apart < SIZE_ERROR * 0.6 * size + 2e-3, "shape %d: %.4f m apart" % [shape, apart])
+			# From above, onto the middle of the top.
+			var top := at * Vector3(0, 3.0, 0)
+			var above := cast(top + at.basis.y.normalized() * 0.5, at.origin)
+			if check(not above.is_empty(), "hit from above"):
+				var apart := (above["position"] as Vector3).distance_to(top)
+				check(apart < SIZE_ERROR * 3.0 * size + 2e-3, "shape %d: top %.4f m apart" % [shape, apart])
+		check(seen > 100, "%d rays met their instance" % seen)
+		scatter.free()
+		await frames(2)
+
+
+func test_misses_what_query_ray_misses() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	await settle(scatter)
+	var random := RandomNumberGenerator.new()
+	random.seed = 3
+	var hits := 0
+	var differ := 0
+	for round in 2000:
+		var from := Vector3(random.randf_range(-10, 10), random.randf_range(0.1, 4.0), random.randf_range(-10, 10))
+		var to := from + Vector3(random.randf_range(-6, 6), random.randf_range(-2, 2), random.randf_range(-6, 6))
+		var asked := scatter.query_ray(from, to)
+		var hit := cast(from, to)
+		if asked and asked["distance"] == 0.0:
+			continue # A ray of the physics server that starts inside meets nothing.
+		hits += int(not asked.is_empty())
+		if hit.is_empty() != asked.is_empty():
+			differ += 1 # It grazes.
+		elif hit:
+			check_equal(scatter.get_body_instance(hit["rid"]), asked["id"], "hit")
+			check((hit["position"] as Vector3).distance_to(asked["position"]) < 0.05, "place")
+	check(hits > 200, "%d hits" % hits)
+	check(differ < 10, "%d of 2000 rays differ" % differ)
+
+
+func test_convex_bodies_are_their_meshes() -> void:
+	var layer := make_solid_layer(ScatterLayer.COLLISION_CONVEX)
+	var wedge := PrismMesh.new()
+	wedge.size = Vector3(2.0, 1.0, 3.0)
+	var ball := SphereMesh.new()
+	layer.meshes = [wedge, null, ball]
+	layer.min_scale = 0.7
+	layer.max_scale = 1.4
+	var scatter := make_solid([layer])
+	await settle(scatter)
+	var counts := {0: 0, 1: 0, 2: 0}
+	for id in instances(scatter, 0):
+		var instance := scatter.get_instance(id)
+		var at: Transform3D = instance["transform"]
+		if at.origin.length() > DISTANCE:
+			continue
+		counts[instance["mesh"]] += 1
+		var hit := cast(at * Vector3(0.0, 3.0, 0.4), at * Vector3(0.0, -0.3, 0.4))
+		match instance["mesh"]:
+			0: # The ridge of the prism, 0.5 m up.
+				check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 0.5, 0.4)) < 0.03, "ridge")
+			1:
+				check(hit.is_empty(), "no mesh, no body")
+			2: # A point 0.3 m up on a ball of 0.5 m; 64 corners of it.
+				check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 0.3, 0.4)) < 0.08, "ball")
+	check(counts[0] > 5 and counts[1] > 5 and counts[2] > 5, "meshes: %s" % counts)
+
+	wedge.size.y = 2.0
+	await settle(scatter)
+	for id in instances(scatter, 0):
+		var instance := scatter.get_instance(id)
+		var at: Transform3D = instance["transform"]
+		if at.origin.length() < DISTANCE and instance["mesh"] == 0:
+			var hit := cast(at * Vector3(0.0, 3.0, 0.4), at * Vector3(0.0, -0.3, 0.4))
+			check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 1.0, 0.4)) < 0.04, "a taller mesh")
+
+
+func test_only_what_is_near_has_a_body() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	await settle(scatter)
+	check_bodies(scatter, instances(scatter, 0), [viewer.position], "at first")
+	for round in 12:
+		viewer.position += Vector3(3.0, 0.0, -2.0)
+		await settle(scatter)
+		check_bodies(scatter, instances(scatter, 0), [viewer.position], "walk %d" % round)
+		check_equal(scatter.get_stats()["bodies"], bodies(scatter).size(), "bodies in the stats")
+	viewer.position.y = DISTANCE + 5.0 # High above, nothing is near.
+	await settle(scatter)
+	check_equal(bodies(scatter).size(), 0, "bodies below a flight")
+	viewer.position = Vector3(9000, 0, 9000)
+	await settle(scatter)
+	viewer.position = Vector3.ZERO
+	await settle(scatter)
+	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "after a leap and back")
+	scatter.layers[0].collision_shape = ScatterLayer.COLLISION_NONE
+	await settle(scatter)
+	check_equal(scatter.get_stats()["bodies"], 0, "bodies without a shape")
+
+
+func test_nothing_comes_and_goes_twice() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	await settle(scatter)
+	var before := bodies(scatter)
+	for round in 60:
+		viewer.position.x = 0.45 * sin(round * 1.7)
+		await frames(1)
+	await settle(scatter)
+	var after := bodies(scatter)
+	for id in before:
+		check(after.get(id, RID()) == before[id], "the same body")
+
+
+func test_around_bodies_far_from_viewers() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	check_equal(scatter.body_group, &"scatter_bodies", "group")
+	var walkers: Array[Node3D] = []
+	for place: Vector3 in [Vector3(700, 0, 0), Vector3(-400, 0, 900), Vector3(704, 0, 3)]:
+		var walker := make_viewer(place)
+		walker.add_to_group("scatter_bodies")
+		walkers.push_back(walker)
+	await settle(scatter)
+	check_bodies(scatter, instances(scatter, 0), [viewer.position], "around the viewer")
+	for walker in walkers:
+		var there := bodies(scatter, walker.position, 1.5 * DISTANCE)
+		var asked := scatter.query_sphere(walker.position, DISTANCE)
+		var ids: PackedInt64Array = asked["ids"]
+		check(ids.size() > 20, "%d instances around a walker" % ids.size())
+		for id in ids:
+			check(there.has(id), "a body around a walker")
+	walkers[1].free()
+	await settle(scatter)
+	check_equal(bodies(scatter, Vector3(-400, 0, 900), 30.0).size(), 0, "bodies around one who has gone")
+	check(bodies(scatter, Vector3(700, 0, 0), 30.0).size() > 20, "and around those who have not")
+	scatter.body_group = &"others"
+	await settle(scatter)
+	check_equal(bodies(scatter, Vector3(700, 0, 0), 30.0).size(), 0, "bodies around nodes of no group that counts")
+
+
+func test_the_budget_is_kept() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	scatter.upload_budget_usec = 1
+	var largest := 0
+	var count := 0
+	var steps := 0
+	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
+	while not scatter.is_idle() or count == 0:
+		await process_frame
+		var now: int = scatter.get_stats()["bodies"]
+		largest = maxi(largest, now - count)
+		steps += int(now > count)
+		count = now
+		if Time.get_ticks_msec() > deadline:
+			check(false, "no end to it")
+			return
+	check(count > 50, "%d bodies" % count)
+	check(largest <= 2, "%d bodies in one frame" % largest)
+	check(steps >= count / 2.0, "over %d frames" % steps)
+
+
+func test_nearest_first() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	await settle(scatter)
+	var standing := instances(scatter, 0)
+	viewer.position = Vector3(20, 0, 0)
+	scatter.upload_budget_usec = 1
+	var had := bodies(scatter)
+	var farthest := 0.0
+	for frame in 30:
+		await process_frame
+		var has := bodies(scatter)
+		for id in has:
+			if not had.has(id):
+				var away := viewer.position.distance_to(standing[id].origin)
+				check(away > farthest - 1e-3, "%f m after %f m" % [away, farthest])
+				farthest = maxf(farthest, away)
+		had = has
+	check(farthest > 0.0, "some came")
+
+
+func test_removed_at_once_and_back() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	await settle(scatter)
+	var instance := nearest(scatter)
+	var id: int = instance["id"]
+	var at: Transform3D = instance["transform"]
+	check_equal(hit_id(scatter, at), id, "stands")
+	var rid: RID = bodies(scatter)[id]
+	check(scatter.remove_instance(id), "removed")
+	check_equal(hit_id(scatter, at), 0, "felled: nothing to hit, in the same frame")
+	check(not bodies(scatter).has(id), "no body")
+	check_equal(scatter.get_body_instance(rid), id, "who has just lost its body is still known by it")
+	await settle(scatter)
+	check_equal(hit_id(scatter, at), 0, "nor later")
+
+	viewer.position = Vector3(2000, 0, 0) # Its tile goes.
+	await settle(scatter)
+	viewer.position = Vector3.ZERO
+	await settle(scatter)
+	check_equal(hit_id(scatter, at), 0, "nor when its tile was made anew")
+	check(bodies(scatter).size() > 50, "others stand")
+	scatter.regenerate()
+	await settle(scatter)
+	check_equal(hit_id(scatter, at), 0, "nor when all was made anew")
+
+	check(scatter.restore_instance(id), "restored")
+	await settle(scatter)
+	check_equal(hit_id(scatter, at), id, "stands again")
+
+
+func test_removed_before_its_body_came() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	await settle(scatter)
+	var ids: PackedInt64Array = scatter.query_sphere(Vector3(40, 0, 0), 10.0)["ids"]
+	check(ids.size() > 5, "some")
+	scatter.upload_budget_usec = 1
+	viewer.position = Vector3(40, 0, 0)
+	await frames(2)
+	for id in ids:
+		scatter.remove_instance(id)
+	await settle(scatter)
+	var found := bodies(scatter)
+	for id in ids:
+		check(not found.has(id), "no body for what was felled while it waited for one")
+	scatter.state.clear()
+	await settle(scatter)
+	found = bodies(scatter)
+	for id in ids:
+		check(found.has(id), "all back")
+
+
+func test_hand_placed_instances_have_bodies() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	await settle(scatter)
+	var at := Transform3D(Basis().scaled(Vector3(0.5, 2.0, 0.5)), Vector3(1.25, 30.0, 2.5))
+	viewer.position.y = 25.0
+	var id := scatter.add_instance(0, at)
+	check(id != 0, "placed")
+	await settle(scatter)
+	check_equal(bodies(scatter).keys(), [id], "only that is near")
+	var hit := cast(Vector3(5, 35.5, 2.5), Vector3(1.25, 35.5, 2.5))
+	check(hit and (hit["position"] as Vector3).distance_to(Vector3(1.55, 35.5, 2.5)) < 0.01, "its scale: %s" % hit)
+	check(cast(Vector3(5, 36.2, 2.5), Vector3(1.25, 36.2, 2.5)).is_empty(), "and its height")
+	scatter.remove_instance(id)
+	check_equal(bodies(scatter).size(), 0, "gone at once")
+
+
+func test_flat_instances_have_none() -> void:
+	var scatter := make_solid([make_solid_layer()], Vector3(0, 500, 0))
+	await settle(scatter)
+	for basis: Basis in [Basis.from_scale(Vector3(1, 0, 1)), Basis(Vector3.ZERO, Vector3.ZERO, Vector3.ZERO)]:
+		check(scatter.add_instance(0, Transform3D(basis, Vector3(0, 500, 0))) != 0, "placed")
+	var mirrored := scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3(-1, 1, 1)), Vector3(5, 500, 0)))
+	await settle(scatter)
+	check_equal(bodies(scatter, Vector3(0, 500, 0)).keys(), [mirrored], "only what has a volume")
+
+
+func test_properties_are_followed() -> void:
+	var layer := make_solid_layer()
+	var scatter := make_solid([layer])
+	await settle(scatter)
+	var instance := nearest(scatter)
+	var id: int = instance["id"]
+	var at: Transform3D = instance["transform"]
+	var body: RID = bodies(scatter)[id]
+	check_equal(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_FRICTION), 1.0, "friction by default")
+	check_equal(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_BOUNCE), 0.0, "bounce by default")
+	check_equal(PhysicsServer3D.body_get_mode(body), PhysicsServer3D.BODY_MODE_STATIC, "mode")
+
+	layer.collision_layer = 1 << 31 | 1 << 3
+	layer.collision_mask = 0
+	var material := PhysicsMaterial.new()
+	material.friction = 0.25
+	material.rough = true
+	material.bounce = 0.5
+	layer.physics_material = material
+	await frames(2)
+	check(bodies(scatter)[id] == body, "the same body")
+	check_equal(PhysicsServer3D.body_get_collision_layer(body), 1 << 31 | 1 << 3, "layer")
+	check_equal(PhysicsServer3D.body_get_collision_mask(body), 0, "mask")
+	check(is_equal_approx(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_FRICTION), -0.25), "rough")
+	check(is_equal_approx(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_BOUNCE), 0.5), "bounce")
+	material.absorbent = true
+	material.rough = false
+	await frames(2)
+	check(is_equal_approx(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_FRICTION), 0.25), "smooth")
+	check(is_equal_approx(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_BOUNCE), -0.5), "absorbent")
+	var from := at * Vector3(3, 1.5, 0)
+	check(cast(from, at.origin + Vector3(0, 1.5, 0), 1).is_empty(), "a ray with another mask")
+	check(not cast(from, at.origin + Vector3(0, 1.5, 0), 1 << 3).is_empty(), "a ray with that mask")
+
+	layer.instance_radius = 0.3
+	layer.instance_height = 1.0
+	await settle(scatter)
+	check(cast(from, at.origin + Vector3(0, 1.5, 0)).is_empty(), "lower")
+	var hit := cast(at * Vector3(3, 0.5, 0), at * Vector3(0, 0.5, 0))
+	check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0.3, 0.5, 0)) < 0.01, "thinner")
+	layer.collision_distance = 8.0
+	await settle(scatter)
+	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "a shorter distance", 8.0)
+	layer.collision_distance = 0.0
+	await settle(scatter)
+	check_equal(bodies(scatter).size(), 0, "no distance, no bodies")
+
+
+func test_other_layers_and_another_order() -> void:
+	var a := make_solid_layer()
+	var b := make_solid_layer(ScatterLayer.COLLISION_BOX)
+	a.layer_id = 10
+	b.layer_id = 20
+	a.instance_height = 1.0
+	var scatter := make_solid([a, b])
+	await settle(scatter)
+	var before := bodies(scatter).keys()
+	before.sort()
+	check(before.size() > 100, "two layers")
+	scatter.layers = [b, null, a]
+	await settle(scatter)
+	var after := bodies(scatter).keys()
+	after.sort()
+	check_equal(after, before, "ids that have bodies")
+	scatter.layers = [a]
+	await settle(scatter)
+	for id in bodies(scatter):
+		check_equal(scatter.get_instance(id)["layer"], 0, "only those of the layer that is left")
+	scatter.seed += 1
+	await settle(scatter)
+	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "another seed")
+	scatter.layers = []
+	await settle(scatter)
+	check_equal(scatter.get_stats()["bodies"], 0, "bodies of no layers")
+
+
+func test_ground_that_moves() -> void:
+	var ground := ScatterTerrainFlat.new()
+	var scatter := make_solid([make_solid_layer()])
+	scatter.terrain = ground
+	await settle(scatter)
+	var before := bodies(scatter).size()
+	ground.height = 2.5
+	await settle(scatter)
+	check(absi(bodies(scatter).size() - before) < 20, "as many as before")
+	for id in bodies(scatter):
+		var hit := cast(scatter.get_instance(id)["transform"] * Vector3(1.0, 2.9, 0.0),
+				scatter.get_instance(id)["transform"] * Vector3(0.0, 2.9, 0.0))
+		check(hit and scatter.get_body_instance(hit["rid"]) == id, "as high as the ground")
