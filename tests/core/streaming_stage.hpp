@@ -29,6 +29,7 @@ public:
 	StreamChanges changes;
 	std::map<Name, TileRequest> pending;
 	std::map<Name, TileKey> shown;
+	std::set<std::uint64_t> ready; ///< Tickets of pending tiles that lie ready.
 	std::size_t requested = 0;
 	std::size_t dropped = 0;
 
@@ -42,6 +43,7 @@ public:
 			REQUIRE(found != pending.end());
 			CHECK(found->second.ticket == request.ticket);
 			pending.erase(found);
+			ready.erase(request.ticket);
 			CHECK_FALSE(streamer.finish(request));
 		}
 		for (const TileKey &key : changes.drop) {
@@ -52,8 +54,8 @@ public:
 			CHECK(pending.emplace(name_of(request.key), request).second);
 			++requested;
 		}
-		// What was pending may have been more, under an older limit.
-		CHECK((changes.request.empty() || pending.size() <= max_pending));
+		// What was pending may have been more, under an older limit. What waits for its turn does not count.
+		CHECK((changes.request.empty() || pending.size() - ready.size() <= max_pending));
 		CHECK(streamer.counts().pending == pending.size());
 		CHECK(streamer.counts().shown == shown.size());
 	}
@@ -64,6 +66,12 @@ public:
 		CHECK_FALSE(streamer.finish(request));
 		shown[name_of(request.key)] = request.key;
 		pending.erase(name_of(request.key));
+		ready.erase(request.ticket);
+	}
+
+	void make(const TileRequest &request) {
+		CHECK(streamer.ready(request));
+		ready.insert(request.ticket);
 	}
 
 	void finish_all() {

@@ -5,6 +5,7 @@
 
 #include "core/streaming/tile_streamer.hpp"
 
+#include <algorithm>
 #include <set>
 #include <tuple>
 #include <vector>
@@ -77,8 +78,18 @@ void answer(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
 	if (r_books.pending.empty()) {
 		return;
 	}
+	if (const auto next = streamer.next_ready()) {
+		promise(streamer.may_show(*next), "what comes next may be shown");
+		promise(std::ranges::any_of(
+						r_books.pending, [&](const TileRequest &one) { return one.ticket == next->ticket; }),
+				"what comes next is pending");
+	}
 	const std::size_t which = r_bytes.below(static_cast<std::uint32_t>(r_books.pending.size()));
 	const TileRequest request = r_books.pending[which];
+	if (r_bytes.chance(3)) {
+		(void)streamer.ready(request);
+		return;
+	}
 	r_books.pending.erase(r_books.pending.begin() + static_cast<std::ptrdiff_t>(which));
 	if (streamer.finish(request)) {
 		r_books.shown.insert(key_of(request.key));

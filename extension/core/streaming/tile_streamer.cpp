@@ -1,8 +1,8 @@
 #include "core/streaming/tile_streamer.hpp"
 
 #include "core/base/check.hpp"
-#include "core/streaming/layer_tiles.hpp"
 #include "core/base/tile_grid.hpp"
+#include "core/streaming/layer_tiles.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,29 +38,24 @@ Status validate(const Viewer &viewer, std::span<const LayerTiles> layers) {
 			check_range("viewer.radius_scale", viewer.radius_scale, 0.0, scale));
 }
 
-/// A heap's order: the nearest tile on top, and no two tiles equal.
-bool later(const LayerTiles::Waiting &a, const LayerTiles::Waiting &b) {
-	if (a.distance_squared != b.distance_squared) {
-		return a.distance_squared > b.distance_squared;
-	}
-	if (a.layer != b.layer) {
-		return a.layer > b.layer;
-	}
-	return a.tile.y != b.tile.y ? a.tile.y > b.tile.y : a.tile.x > b.tile.x;
-}
-
 } // namespace
 
 struct TileStreamer::State {
 	std::vector<LayerTiles> layers;
-	std::vector<LayerTiles::Waiting> waiting; ///< A heap under `later`; of no use while `waiting_outdated`.
-	bool waiting_outdated = true;
+	std::vector<TrackedViewer> viewers;
+	bool outdated = true;  ///< There are layers that have not been looked at for all viewers.
 	bool answered = false; ///< Something was finished since retired tiles were last looked at.
 	StreamChanges backlog; ///< What came up between updates.
 	std::uint32_t last_grid = 0;
 	std::uint64_t last_ticket = 0;
+	std::size_t first_layer = 0;  ///< To be looked at in the next update.
+	std::size_t request_turn = 0; ///< The viewer that is next to have a tile requested,
+	std::size_t show_turn = 0;    ///< and shown.
 
-	std::size_t pending() const;
+	void track(std::span<const Viewer> now);
+	void look(StreamChanges &r_changes);
+	std::size_t held();
+	bool request_one(std::size_t viewer, StreamChanges &r_changes);
 	void request(std::size_t max_pending, StreamChanges &r_changes);
 };
 
@@ -70,28 +65,93 @@ void StreamChanges::clear() {
 	request.clear();
 }
 
-std::size_t TileStreamer::State::pending() const {
+/// Takes the viewers' places. Viewers are matched by index, and where there are more or fewer than before all have jumped.
+void TileStreamer::State::track(std::span<const Viewer> now) {
+	double farthest = 0.0;
+	for (const TrackedViewer &viewer : viewers) {
+		farthest = std::max(farthest, viewer.flown);
+	}
+	const bool others = now.size() != viewers.size();
+	viewers.resize(now.size());
+	for (std::size_t i = 0; i < now.size(); ++i) {
+		TrackedViewer &viewer = viewers[i];
+		const glm::dvec2 step = now[i].position - viewer.now.position;
+		const double length = std::hypot(step.x, step.y);
+		viewer.now = now[i];
+		if (others) {
+			viewer.flown = viewer.jumped_at = farthest + 1.0;
+		} else if (length > max_flight_step) {
+			viewer.jumped_at = ++viewer.flown;
+		} else {
+			viewer.flown += length;
+		}
+	}
+}
+
+/// Layers that were left for later in the last update come first.
+void TileStreamer::State::look(StreamChanges &r_changes) {
+	std::size_t found = 0;
+	outdated = false;
+	const std::size_t first = first_layer;
+	for (std::size_t turn = 0; turn < layers.size(); ++turn) {
+		const std::size_t index = (first + turn) % layers.size();
+		LayerTiles &layer = layers[index];
+		const bool looked = layer.look(viewers, found, r_changes);
+		if (layer.behind()) {
+			first_layer = outdated ? first_layer : index;
+			outdated = true;
+		}
+		if (layer.has_retired() && (looked || answered) && !layer.behind()) {
+			layer.drop_covered(r_changes);
+		}
+	}
+	answered = false;
+}
+
+/// How many tiles lie ready and have to wait for nearer ones.
+std::size_t TileStreamer::State::held() {
 	std::size_t sum = 0;
-	for (const LayerTiles &layer : layers) {
-		sum += layer.pending();
+	for (LayerTiles &layer : layers) {
+		sum += layer.count_held(viewers);
 	}
 	return sum;
 }
 
-void TileStreamer::State::request(std::size_t max_pending, StreamChanges &r_changes) {
-	if (waiting_outdated) {
-		waiting.clear();
-		for (const LayerTiles &layer : layers) {
-			layer.add_waiting(waiting);
+/// Requests the nearest tile, of all layers, that waits for a viewer. False if there is none.
+bool TileStreamer::State::request_one(std::size_t viewer, StreamChanges &r_changes) {
+	LayerTiles *nearest_layer = nullptr;
+	LayerTiles::Candidate nearest;
+	for (LayerTiles &layer : layers) {
+		const auto next = layer.next_waiting(viewer);
+		if (next && (nearest_layer == nullptr || next->distance_squared < nearest.distance_squared)) {
+			nearest_layer = &layer;
+			nearest = *next;
 		}
-		std::ranges::make_heap(waiting, later);
-		waiting_outdated = false;
 	}
-	for (std::size_t count = pending(); count < max_pending && !waiting.empty(); ++count) {
-		std::ranges::pop_heap(waiting, later);
-		const LayerTiles::Waiting next = waiting.back();
-		waiting.pop_back();
-		r_changes.request.push_back(layers[next.layer].request(next.tile, ++last_ticket));
+	if (nearest_layer == nullptr) {
+		return false;
+	}
+	r_changes.request.push_back(nearest_layer->request(
+			nearest.slot, ++last_ticket, static_cast<std::uint32_t>(viewer), viewers[viewer].flown));
+	return true;
+}
+
+void TileStreamer::State::request(std::size_t max_pending, StreamChanges &r_changes) {
+	std::size_t waiting = 0;
+	std::size_t pending = 0;
+	for (const LayerTiles &layer : layers) {
+		waiting += layer.counts().waiting;
+		pending += layer.counts().pending;
+	}
+	if (waiting > 0 && pending >= max_pending) {
+		pending -= held(); // What they wait for must not wait for them.
+	}
+	std::size_t in_vain = 0; // So many viewers in a row had nothing to request.
+	while (pending < max_pending && in_vain < viewers.size()) {
+		request_turn = (request_turn + 1) % viewers.size();
+		const bool requested = request_one(request_turn, r_changes);
+		pending += requested ? 1 : 0;
+		in_vain = requested ? 0 : in_vain + 1;
 	}
 }
 
@@ -119,7 +179,7 @@ Status TileStreamer::set_layers(std::span<const StreamLayer> settings) {
 			layers.emplace_back(static_cast<std::uint32_t>(i), settings[i], new_grid);
 		}
 	}
-	state_->waiting_outdated = true;
+	state_->outdated = true;
 	return {};
 }
 
@@ -128,14 +188,12 @@ void TileStreamer::invalidate(std::uint32_t layer) { invalidate(layer, everywher
 void TileStreamer::invalidate(std::uint32_t layer, const Rect &area) {
 	if (layer < state_->layers.size()) {
 		state_->layers[layer].invalidate(area);
-		state_->waiting_outdated = true;
 	}
 }
 
 void TileStreamer::cancel(std::uint32_t layer) {
 	if (layer < state_->layers.size()) {
 		state_->layers[layer].cancel_all(state_->backlog);
-		state_->waiting_outdated = true;
 	}
 }
 
@@ -151,26 +209,52 @@ Status TileStreamer::update(std::span<const Viewer> viewers, std::size_t max_pen
 	}
 	r_changes.clear();
 	std::swap(r_changes, state.backlog);
-	for (LayerTiles &layer : state.layers) {
-		const bool looked = layer.look(viewers, r_changes);
-		state.waiting_outdated = state.waiting_outdated || looked;
-		if (layer.has_retired() && (looked || state.answered)) {
-			layer.drop_covered(r_changes);
-		}
-	}
-	state.answered = false;
+	state.track(viewers);
+	state.look(r_changes);
 	state.request(max_pending, r_changes);
 	return {};
+}
+
+bool TileStreamer::ready(const TileRequest &request) {
+	return request.key.layer < state_->layers.size() && state_->layers[request.key.layer].ready(request);
+}
+
+std::optional<TileRequest> TileStreamer::next_ready() {
+	std::vector<LayerTiles> &layers = state_->layers;
+	if (std::ranges::none_of(layers, [](const LayerTiles &layer) { return layer.made_count() > 0; })) {
+		return std::nullopt;
+	}
+	const std::size_t count = state_->viewers.size();
+	for (std::size_t turn = 1; turn <= count; ++turn) {
+		const std::size_t viewer = (state_->show_turn + turn) % count;
+		LayerTiles *nearest_layer = nullptr;
+		LayerTiles::Candidate nearest;
+		for (LayerTiles &layer : layers) {
+			const auto next = layer.next_ready(viewer, state_->viewers[viewer]);
+			if (next && (nearest_layer == nullptr || next->distance_squared < nearest.distance_squared)) {
+				nearest_layer = &layer;
+				nearest = *next;
+			}
+		}
+		if (nearest_layer != nullptr) {
+			state_->show_turn = viewer;
+			return nearest_layer->request_of(nearest.slot);
+		}
+	}
+	return std::nullopt;
+}
+
+bool TileStreamer::may_show(const TileRequest &request) {
+	return request.key.layer < state_->layers.size() &&
+			state_->layers[request.key.layer].may_show(request, state_->viewers);
 }
 
 bool TileStreamer::finish(const TileRequest &request) {
 	if (request.key.layer >= state_->layers.size()) {
 		return false;
 	}
-	bool again = false;
-	const bool accepted = state_->layers[request.key.layer].finish(request, again);
+	const bool accepted = state_->layers[request.key.layer].finish(request);
 	state_->answered = state_->answered || accepted;
-	state_->waiting_outdated = state_->waiting_outdated || again;
 	return accepted;
 }
 
@@ -180,21 +264,26 @@ void TileStreamer::clear() {
 		layer.clear(forgotten);
 	}
 	state_->backlog.clear();
-	state_->waiting_outdated = true;
+	state_->outdated = true;
 }
 
 StreamCounts TileStreamer::counts() const {
-	StreamCounts counts;
+	StreamCounts sum;
 	for (const LayerTiles &layer : state_->layers) {
-		layer.count(counts);
+		const StreamCounts counts = layer.counts();
+		sum.waiting += counts.waiting;
+		sum.pending += counts.pending;
+		sum.shown += counts.shown;
 	}
-	return counts;
+	return sum;
 }
 
 bool TileStreamer::idle() const {
-	const bool retired = std::ranges::any_of(state_->layers, &LayerTiles::has_retired);
-	return !state_->waiting_outdated && state_->waiting.empty() && state_->backlog.empty() && state_->pending() == 0 &&
-			!retired;
+	const bool settled = std::ranges::all_of(state_->layers, [](const LayerTiles &layer) {
+		const StreamCounts counts = layer.counts();
+		return counts.waiting == 0 && counts.pending == 0 && !layer.has_retired();
+	});
+	return settled && !state_->outdated && state_->backlog.empty();
 }
 
 } // namespace thicket

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,10 @@ inline constexpr double max_tile_size = 1e9;
 
 /// The farthest that a viewer may see, in tiles, after its radius scale: about 13,000 tiles for a viewer and layer.
 inline constexpr double max_view_tiles = 64.0;
+
+/// A viewer that moves farther than this between two updates, in metres, has jumped; else it has flown: 1,000 m/s at 20
+/// frames a second.
+inline constexpr double max_flight_step = 50.0;
 
 /// The most viewers.
 inline constexpr std::size_t max_viewers = 64;
@@ -58,7 +63,7 @@ struct TileRequest {
 struct StreamChanges {
 	std::vector<TileRequest> cancel;  ///< Work under way that nobody wants any more. Answers to it will be refused.
 	std::vector<TileKey> drop;        ///< Tiles on show to be taken away.
-	std::vector<TileRequest> request; ///< Tiles to make, nearest first.
+	std::vector<TileRequest> request; ///< Tiles to make, in this order.
 
 	void clear();
 	bool empty() const { return cancel.empty() && drop.empty() && request.empty(); }
@@ -74,11 +79,18 @@ struct StreamCounts {
 /// Says which tiles to make, to show and to drop around which viewers. Pure logic: no clock, no threads, no engine, and
 /// the same calls give the same answers in the same order.
 ///
-/// Promises: (1) after an update every tile that touches the view of a viewer is waiting, pending or shown;
+/// Promises: (1) after an update every tile that touches the view of a viewer is waiting, pending or shown. Where more than
+/// a thousand tiles come up at once (a teleport, new viewers) this may take some updates; `idle` is false until then;
 /// (2) what is requested is never requested again before it is answered, cancelled or dropped;
-/// (3) requests come nearest first, over all layers and viewers, and what still waits is sorted anew when viewers move;
+/// (3) viewers take turns in requests, and each gets what is nearest to it by then, over all layers;
 /// (4) a tile is dropped only beyond `1.1 * view distance + one tile`, so turning back and forth loads nothing twice;
-/// (5) an outdated tile stays on show until its successor is there, also where that is outdated itself by then.
+/// (5) an outdated tile stays on show until its successor is there, also where that is outdated itself by then;
+/// (6) no far tile comes on show before a near one: what `next_ready` and `may_show` let through is, for one of the viewers
+/// that see or keep it, no farther away than the nearest tile of the same layer that this viewer sees and that is missing,
+/// one tile, and as far as this viewer has flown since the tile was requested. That last part counts for the viewer that
+/// it was requested for, and until that jumps. A tile that takes the place of one on show need not wait;
+/// (7) what waits for its turn holds up nothing: it does not count as pending when more is requested, and a tile that
+/// cannot be made is out of the way once that is said by `finish`.
 class TileStreamer {
 public:
 	TileStreamer();
@@ -106,7 +118,17 @@ public:
 	/// A refused viewer changes nothing. Costs little while viewers stay within an eighth of a tile.
 	Status update(std::span<const Viewer> viewers, std::size_t max_pending, StreamChanges &r_changes);
 
-	/// The answer to a request: the tile is made (or cannot be made: then nothing stands there, until it is
+	/// The tile of a request is made and waits for its turn. False when it comes too late and must be thrown away.
+	bool ready(const TileRequest &request);
+
+	/// The tile that comes on show next, of those that are ready; none if all of them have to wait for nearer ones. Viewers
+	/// take turns, and each gets what is nearest to it now. The same one may come again until it is finished or cancelled.
+	std::optional<TileRequest> next_ready();
+
+	/// Whether a pending tile may come on show now. What takes its time to get there from `next_ready` has to ask again.
+	bool may_show(const TileRequest &request);
+
+	/// The last answer to a request: the tile comes on show (or cannot be made: then nothing stands there, until it is
 	/// invalidated). True when it is to be put on show, in place of what stands under this key; false when it comes too
 	/// late and must be thrown away.
 	bool finish(const TileRequest &request);

@@ -105,8 +105,34 @@ StagedTile::Part ScatterStage::make_part(const TileJob &job, std::size_t mesh) {
 	return part;
 }
 
+bool ScatterStage::choose(std::uint64_t ticket) {
+	const auto set =
+			std::ranges::find_if(aside_, [ticket](const Aside &aside) { return aside.job->request.ticket == ticket; });
+	if (set != aside_.end()) {
+		uploads_.push_front(std::move(set->job));
+		current_ = std::move(set->tile);
+		current_outdated_ = true; // Perhaps: nobody has looked.
+		aside_.erase(set);
+		chosen_ = complete_ = true;
+		return true;
+	}
+	const auto found = std::ranges::find_if(
+			uploads_, [ticket](const std::shared_ptr<TileJob> &job) { return job->request.ticket == ticket; });
+	if (found != uploads_.end()) {
+		std::rotate(uploads_.begin(), found, found + 1);
+		chosen_ = true;
+	}
+	return chosen_;
+}
+
+void ScatterStage::set_aside() {
+	aside_.push_back({std::move(uploads_.front()), std::exchange(current_, StagedTile())});
+	uploads_.pop_front();
+	chosen_ = complete_ = false;
+}
+
 bool ScatterStage::upload_step() {
-	if (uploads_.empty() || complete_) {
+	if (!chosen_ || complete_) {
 		return false;
 	}
 	TileJob &job = *uploads_.front();
@@ -141,25 +167,26 @@ void ScatterStage::present() {
 	refine(key, slot);
 	set_tile_visible(slot, visible_);
 	uploads_.pop_front();
-	complete_ = false;
+	chosen_ = complete_ = false;
 }
 
 void ScatterStage::reject() {
 	leave(std::exchange(current_, StagedTile()));
 	uploads_.pop_front();
-	complete_ = false;
+	chosen_ = complete_ = false;
 }
 
 void ScatterStage::forget(std::uint64_t ticket) {
-	const auto found = std::find_if(uploads_.begin(), uploads_.end(),
-			[ticket](const std::shared_ptr<TileJob> &job) { return job->request.ticket == ticket; });
-	if (found == uploads_.end()) {
+	if (chosen_ && uploads_.front()->request.ticket == ticket) {
+		reject();
 		return;
 	}
-	if (found == uploads_.begin()) {
-		reject();
-	} else {
-		uploads_.erase(found);
+	std::erase_if(uploads_, [ticket](const std::shared_ptr<TileJob> &job) { return job->request.ticket == ticket; });
+	const auto set =
+			std::ranges::find_if(aside_, [ticket](const Aside &aside) { return aside.job->request.ticket == ticket; });
+	if (set != aside_.end()) {
+		leave(std::move(set->tile));
+		aside_.erase(set);
 	}
 }
 
@@ -194,8 +221,9 @@ bool ScatterStage::free_step() {
 
 void ScatterStage::clear() {
 	uploads_.clear();
+	aside_.clear();
 	current_ = StagedTile();
-	complete_ = false;
+	chosen_ = complete_ = false;
 	leaving_.clear();
 	tiles_.clear();
 	instances_ = drawn_ = wanted_ = upload_count_ = 0;

@@ -106,8 +106,14 @@ public:
 	/// Queues a finished job without error for upload.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Uploads one buffer. When that completes a tile, the tile waits, hidden, in `completed` and nothing else is
-	/// uploaded until `present` or `reject` was called. False when there was nothing to do.
+	/// True from `choose` to `present`, `reject` or `set_aside`.
+	bool is_uploading() const { return chosen_; }
+
+	/// Chooses the queued job that is uploaded next. False if it is not there.
+	bool choose(std::uint64_t ticket);
+
+	/// Uploads one buffer of the chosen job. When that completes a tile, the tile waits, hidden, in `completed` and nothing
+	/// else is uploaded until `present`, `reject` or `set_aside` was called. False when there was nothing to do.
 	bool upload_step();
 	const TileJob *completed() const { return complete_ ? uploads_.front().get() : nullptr; }
 
@@ -116,6 +122,9 @@ public:
 
 	/// Throws the completed tile away.
 	void reject();
+
+	/// Queues the completed tile again, as it is: once it is chosen it is complete at once.
+	void set_aside();
 
 	/// Takes a queued tile out, if it is there.
 	void forget(std::uint64_t ticket);
@@ -138,7 +147,7 @@ public:
 	/// How many layers have or had a look.
 	std::size_t layer_count() const { return looks_.size(); }
 
-	std::size_t waiting() const { return uploads_.size(); }
+	std::size_t waiting() const { return uploads_.size() + aside_.size(); }
 	std::size_t tile_count() const { return tiles_.size(); }
 	std::uint64_t instance_count() const { return instances_; }
 
@@ -187,7 +196,15 @@ private:
 	std::uint64_t wanted_ = 0;
 	std::vector<TileKey> cut_; ///< Tiles that the limit cut short, to be visited once more.
 
+	/// Uploaded, and not yet its turn.
+	struct Aside {
+		std::shared_ptr<TileJob> job;
+		StagedTile tile;
+	};
+
 	std::deque<std::shared_ptr<TileJob>> uploads_;
+	std::vector<Aside> aside_;
+	bool chosen_ = false;                                             ///< uploads_.front() is.
 	StagedTile current_;                                              ///< As much of uploads_.front() as is uploaded.
 	std::vector<std::shared_ptr<const MeshInstances>> current_shown_; ///< What is to be uploaded of it.
 	bool complete_ = false;

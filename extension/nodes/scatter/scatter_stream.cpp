@@ -6,6 +6,7 @@
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -21,6 +22,9 @@ namespace {
 constexpr std::uint64_t worker_lead_microseconds = 30'000;
 constexpr std::size_t min_jobs_per_worker = 8;
 constexpr std::size_t max_jobs_per_worker = 64;
+
+/// Metres that a viewer may move before the work that waits is sorted anew.
+constexpr double sort_distance = 4.0;
 
 std::size_t worker_count() {
 	const std::size_t cores = std::thread::hardware_concurrency();
@@ -143,6 +147,21 @@ void ScatterStream::request_tiles(std::span<const Viewer> viewers) {
 	for (const TileRequest &request : changes_.request) {
 		start(request);
 	}
+	sort_work(viewers);
+}
+
+/// Once viewers have moved on, what waits is worked on in another order.
+void ScatterStream::sort_work(std::span<const Viewer> viewers) {
+	const bool same = std::ranges::equal(viewers, sorted_for_, [](const Viewer &now, const Viewer &then) {
+		const glm::dvec2 way = now.position - then.position;
+		return way.x * way.x + way.y * way.y < sort_distance * sort_distance;
+	});
+	if (same) {
+		return;
+	}
+	sorted_for_.assign(viewers.begin(), viewers.end());
+	workers_.sort(viewers);
+	sort_jobs(ask_ground_, viewers);
 }
 
 void ScatterStream::start(const TileRequest &request) {
@@ -226,6 +245,10 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 		streamer_.finish(job->request);
 		return;
 	}
+	if (!streamer_.ready(job->request)) {
+		std::erase(jobs_, job);
+		return;
+	}
 	++figures_.tiles_made;
 	figures_.points_sampled += job->tile != nullptr ? job->tile->counts.sampled : 0;
 	figures_.worker_microseconds += job->microseconds;
@@ -284,12 +307,21 @@ void ScatterStream::physics_frame() {
 	}
 }
 
+/// Uploads a part of the tile whose turn it is, and shows the tile with its last part: no far tile before a near one.
 bool ScatterStream::show_step() {
-	if (!stage_.upload_step()) {
-		return false;
+	if (!stage_.is_uploading()) {
+		const std::optional<TileRequest> next = streamer_.next_ready();
+		if (!next || !stage_.choose(next->ticket)) {
+			return false;
+		}
 	}
+	(void)stage_.upload_step();
 	if (const TileJob *job = stage_.completed()) {
 		const TileRequest request = job->request;
+		if (!streamer_.may_show(request)) {
+			stage_.set_aside(); // The viewer has moved since it was chosen.
+			return true;
+		}
 		std::erase_if(jobs_, [job](const std::shared_ptr<TileJob> &other) { return other.get() == job; });
 		if (streamer_.finish(request)) {
 			stage_.present();

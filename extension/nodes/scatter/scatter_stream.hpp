@@ -78,6 +78,7 @@ private:
 
 	std::size_t jobs_per_worker() const;
 	void request_tiles(std::span<const Viewer> viewers);
+	void sort_work(std::span<const Viewer> viewers);
 	void start(const TileRequest &request);
 	void start_missing();
 	void mark_stale(std::span<const EditedArea> outdated);
@@ -101,6 +102,7 @@ private:
 
 	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All under way, from request to upload.
 	std::deque<std::shared_ptr<TileJob>> ask_ground_; ///< Those that wait for a script on the main thread.
+	std::vector<Viewer> sorted_for_;                  ///< Where viewers were when these were sorted last.
 	StreamChanges changes_;
 	std::vector<TileEvent> events_;
 	Status viewer_status_;

@@ -1,5 +1,7 @@
 #include "nodes/scatter/tile_workers.hpp"
 
+#include "core/streaming/work_order.hpp"
+
 #include <godot_cpp/classes/worker_thread_pool.hpp>
 
 #include <algorithm>
@@ -9,6 +11,25 @@
 using namespace godot;
 
 namespace thicket {
+
+void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Viewer> viewers) {
+	std::vector<std::size_t> places;
+	std::vector<std::shared_ptr<TileJob>> jobs;
+	std::vector<Rect> areas;
+	for (std::size_t place = 0; place < r_jobs.size(); ++place) {
+		const std::shared_ptr<TileJob> &job = r_jobs[place];
+		if (!job->unseen && (job->step != TileJob::Step::needs_ground || job->answered == 0)) {
+			places.push_back(place);
+			jobs.push_back(job);
+			areas.push_back(job->request.rect);
+		}
+	}
+	std::vector<std::size_t> order;
+	work_order(areas, viewers, order);
+	for (std::size_t i = 0; i < places.size(); ++i) {
+		r_jobs[places[i]] = jobs[order[i]];
+	}
+}
 
 TileWorkers::TileWorkers(std::size_t threads) {
 	for (std::size_t index = 0; index < std::max<std::size_t>(threads, 1); ++index) {
@@ -25,6 +46,11 @@ void TileWorkers::push(std::shared_ptr<TileJob> job) {
 		queue_.push_back(std::move(job));
 	}
 	wake();
+}
+
+void TileWorkers::sort(std::span<const Viewer> viewers) {
+	const std::lock_guard lock(mutex_);
+	sort_jobs(queue_, viewers);
 }
 
 std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {

@@ -9,6 +9,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 namespace thicket {
@@ -60,6 +61,9 @@ struct TileJob {
 	std::atomic<bool> cancelled = false; ///< Raised by the main thread, at any time.
 };
 
+/// Sorts jobs as work_order does. One whose ground is half known stays where it is, and so does one that is made to be asked.
+void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Viewer> viewers);
+
 /// Makes tiles on the engine's WorkerThreadPool. Called on the main thread only, apart from the work itself.
 class TileWorkers {
 public:
@@ -69,8 +73,11 @@ public:
 	TileWorkers(const TileWorkers &) = delete;
 	TileWorkers &operator=(const TileWorkers &) = delete;
 
-	/// Hands a job in; it is worked on in the order of coming.
+	/// Hands a job in; it is worked on in the order of coming, or as sorted since.
 	void push(std::shared_ptr<TileJob> job);
+
+	/// Sorts what waits; see sort_jobs.
+	void sort(std::span<const Viewer> viewers);
 
 	/// Takes out the jobs that are done or need ground, in the order in which they got there. Cancelled ones come too.
 	/// To be called in every frame: it also starts workers for jobs that wait.

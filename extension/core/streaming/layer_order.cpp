@@ -1,0 +1,172 @@
+// In which order the tiles of a layer are requested and come on show.
+
+#include "core/base/tile_grid.hpp"
+#include "core/streaming/layer_tiles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+/// A tile may come on show before tiles that are so many tiles nearer. Those were measured from where the viewer was at
+/// the last look: with how far it may have moved since, it is one tile.
+constexpr double tolerance_tiles = 1.0 - slack_tiles;
+
+} // namespace
+
+/// A tile waits to be requested anew: in the queues of all for whom it may be.
+void LayerTiles::queue_up(std::uint32_t slot) {
+	const glm::ivec2 at = tiles_[slot].at;
+	for (Sight &sight : sights_) {
+		if (sight.keep.contains(at)) {
+			sight.queue.add(slot, at);
+		}
+	}
+}
+
+/// Measures an entry of a queue; false for one that is of no use any more.
+bool LayerTiles::measure(const Sight &sight, TileQueue::Entry &entry) const {
+	const StreamedTile &tile = tiles_[entry.slot];
+	if (!tile.exists || tile.at != entry.at || tile.current) {
+		return false;
+	}
+	entry.distance_squared = distance_squared(rect(entry.at), sight.position);
+	return sight.view.contains(entry.at) || (tile.begun() && sight.keep.contains(entry.at));
+}
+
+void LayerTiles::sort(Sight &sight) {
+	sight.queue.sort([&](TileQueue::Entry &entry) { return measure(sight, entry); });
+}
+
+/// The first of a viewer's tiles that fits; null for none.
+template <class Fits>
+const TileQueue::Entry *LayerTiles::first(Sight &sight, std::size_t cursor, Fits &&fits) {
+	return sight.queue.first(
+			cursor, [&](TileQueue::Entry &entry) { return measure(sight, entry); },
+			[&](const TileQueue::Entry &entry) {
+				const StreamedTile &tile = tiles_[entry.slot];
+				return tile.exists && tile.at == entry.at && fits(tile);
+			});
+}
+
+std::optional<LayerTiles::Candidate> LayerTiles::next_waiting(std::size_t viewer) {
+	const TileQueue::Entry *entry = first(sights_[viewer], 0, [](const StreamedTile &tile) { return tile.waiting(); });
+	return entry != nullptr ? std::optional(Candidate{entry->distance_squared, entry->slot}) : std::nullopt;
+}
+
+TileRequest LayerTiles::request(std::uint32_t slot, std::uint64_t ticket, std::uint32_t viewer, double flown) {
+	change(slot, [&](StreamedTile &tile) {
+		tile.ticket = ticket;
+		tile.viewer = viewer;
+		tile.flown = flown;
+	});
+	return request_of(slot);
+}
+
+TileRequest LayerTiles::request_of(std::uint32_t slot) const {
+	const StreamedTile &tile = tiles_[slot];
+	return {key(tile.at), rect(tile.at), tile.ticket};
+}
+
+/// The slot of a tile that this request is under way for.
+std::uint32_t LayerTiles::find_pending(const TileRequest &request) const {
+	// A ticket is never given twice, so it also tells a tile of this grid from one of another.
+	const std::uint32_t slot = tiles_.find(request.key.tile);
+	const bool same = slot != TileTable::none && request.ticket != 0 && tiles_[slot].ticket == request.ticket;
+	return same ? slot : TileTable::none;
+}
+
+bool LayerTiles::ready(const TileRequest &request) {
+	const std::uint32_t slot = find_pending(request);
+	if (slot != TileTable::none && !std::exchange(tiles_[slot].made, true)) {
+		made_.push_back(slot);
+	}
+	return slot != TileTable::none;
+}
+
+void LayerTiles::forget_made(std::uint32_t slot) {
+	if (std::exchange(tiles_[slot].made, false)) {
+		std::erase(made_, slot);
+	}
+}
+
+/// How far the nearest tile is that a viewer sees and that is not on show, in metres; infinite for none.
+double LayerTiles::first_missing(Sight &sight) {
+	const TileQueue::Entry *entry =
+			first(sight, 1, [&](const StreamedTile &tile) { return !tile.shown && sight.view.contains(tile.at); });
+	return entry != nullptr ? std::sqrt(entry->distance_squared) : std::numeric_limits<double>::infinity();
+}
+
+/// Whether a tile that lies ready may come on show as far as a viewer is concerned. What replaces a tile may at once.
+bool LayerTiles::is_turn(
+		std::size_t viewer, const TrackedViewer &tracked, const StreamedTile &tile, double distance_squared) {
+	if (tile.shown) {
+		return true;
+	}
+	const double flown = tile.viewer == viewer ? tracked.flown_since(tile.flown) : 0.0;
+	const double limit = first_missing(sights_[viewer]) + tolerance_tiles * settings_.tile_size + flown;
+	return distance_squared <= limit * limit;
+}
+
+std::optional<LayerTiles::Candidate> LayerTiles::next_ready(std::size_t viewer, const TrackedViewer &tracked) {
+	std::optional<Candidate> nearest;
+	if (behind_ || viewer >= sights_.size()) {
+		return nearest; // What is near is not known.
+	}
+	for (const std::uint32_t slot : made_) {
+		const StreamedTile &tile = tiles_[slot];
+		if (!sights_[viewer].keep.contains(tile.at)) {
+			continue;
+		}
+		const double squared = distance_squared(rect(tile.at), tracked.now.position);
+		const bool nearer = !nearest || squared < nearest->distance_squared;
+		if (nearer && is_turn(viewer, tracked, tile, squared)) {
+			nearest = Candidate{squared, slot};
+		}
+	}
+	return nearest;
+}
+
+bool LayerTiles::is_anyones_turn(const StreamedTile &tile, std::span<const TrackedViewer> viewers) {
+	for (std::size_t i = 0; i < std::min(viewers.size(), sights_.size()) && !behind_; ++i) {
+		const double squared = distance_squared(rect(tile.at), viewers[i].now.position);
+		if (sights_[i].keep.contains(tile.at) && is_turn(i, viewers[i], tile, squared)) {
+			return true;
+		}
+	}
+	return false;
+}
+
+std::size_t LayerTiles::count_held(std::span<const TrackedViewer> viewers) {
+	return static_cast<std::size_t>(
+			std::ranges::count_if(made_, [&](std::uint32_t slot) { return !is_anyones_turn(tiles_[slot], viewers); }));
+}
+
+bool LayerTiles::may_show(const TileRequest &request, std::span<const TrackedViewer> viewers) {
+	const std::uint32_t slot = find_pending(request);
+	return slot != TileTable::none && is_anyones_turn(tiles_[slot], viewers);
+}
+
+bool LayerTiles::finish(const TileRequest &request) {
+	const std::uint32_t slot = find_pending(request);
+	if (slot == TileTable::none) {
+		return false;
+	}
+	forget_made(slot);
+	change(slot, [](StreamedTile &tile) {
+		tile.ticket = 0;
+		tile.shown = true;
+		tile.current = !tile.late;
+		tile.late = false;
+	});
+	if (!tiles_[slot].current) {
+		queue_up(slot);
+	}
+	return true;
+}
+
+} // namespace thicket

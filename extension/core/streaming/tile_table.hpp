@@ -1,0 +1,61 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace thicket {
+
+/// What TileStreamer knows of a tile.
+struct StreamedTile {
+	glm::ivec2 at{0};
+	std::uint64_t ticket = 0; ///< Of the pending request; 0 for none.
+	std::uint32_t viewer = 0; ///< For whom it was requested,
+	double flown = 0.0;       ///< and how far that viewer had flown by then, in metres.
+	bool exists = false;
+	bool shown = false;
+	bool current = false; ///< Shown, and not outdated.
+	bool late = false;    ///< Pending, and outdated since it was requested.
+	bool made = false;    ///< Pending, and its answer lies ready to be put on show.
+
+	bool waiting() const { return !current && ticket == 0; }
+	bool begun() const { return shown || ticket != 0; }
+};
+
+/// Tiles by their place. Each keeps its slot, a number, for as long as it is in the table.
+class TileTable {
+public:
+	static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+	/// The slot of a tile; `none` if it is not there.
+	std::uint32_t find(glm::ivec2 at) const;
+
+	/// The slot of a tile, which is added as new if it is not there.
+	std::uint32_t find_or_add(glm::ivec2 at);
+	void erase(std::uint32_t slot);
+	void clear();
+
+	StreamedTile &operator[](std::uint32_t slot) { return tiles_[slot]; }
+	const StreamedTile &operator[](std::uint32_t slot) const { return tiles_[slot]; }
+
+	std::size_t size() const { return tiles_.size() - free_.size(); }
+
+	/// All slots; those in which nothing `exists` are to be passed over.
+	std::vector<StreamedTile> &slots() { return tiles_; }
+	const std::vector<StreamedTile> &slots() const { return tiles_; }
+
+private:
+	std::size_t home(glm::ivec2 at) const;
+	std::size_t place_of(glm::ivec2 at) const;
+	void grow();
+
+	std::vector<StreamedTile> tiles_;
+	std::vector<std::uint32_t> free_;
+	std::vector<std::uint32_t>
+			places_; ///< Open addressing, linear: slots by hash, `none` where nothing is. A power of 2.
+};
+
+} // namespace thicket

@@ -1,0 +1,125 @@
+#include "core/base/tile_grid.hpp"
+#include "core/streaming/tile_disc.hpp"
+#include "core/streaming/tile_queue.hpp"
+#include "core/streaming/tile_table.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+std::set<std::pair<int, int>> tiles_without(const TileDisc &disc, const TileDisc &other) {
+	std::set<std::pair<int, int>> tiles;
+	disc.visit_without(other, [&](glm::ivec2 at) { CHECK(tiles.emplace(at.x, at.y).second); });
+	return tiles;
+}
+
+} // namespace
+
+TEST_CASE("tile disc: holds what touches it, and tells what another one lacks") {
+	std::mt19937_64 random(3);
+	std::uniform_real_distribution<double> unit(-1.0, 1.0);
+	for (int round = 0; round < 60; ++round) {
+		const double size = 4.0 + 3.0 * unit(random);
+		const double far_away = round % 2 == 0 ? 1e6 : 10.0;
+		const glm::dvec2 center = glm::dvec2(unit(random), unit(random)) * far_away;
+		const double reach = 40.0 * std::abs(unit(random));
+		TileDisc disc;
+		disc.set(size, center, reach);
+		TileDisc other;
+		other.set(size, center + glm::dvec2(unit(random), unit(random)) * 60.0, 30.0);
+		const auto all = tiles_without(disc, TileDisc());
+		const auto rest = tiles_without(disc, other);
+		const glm::ivec2 middle = tile_at(size, center);
+		for (int y = middle.y - 25; y <= middle.y + 25; ++y) {
+			for (int x = middle.x - 25; x <= middle.x + 25; ++x) {
+				const double distance = std::sqrt(distance_squared(tile_rect(size, {x, y}), center));
+				const bool in = all.contains({x, y});
+				// To within rounding.
+				CHECK((std::abs(distance - reach) < 1e-6 || in == (distance <= reach)));
+				CHECK(disc.contains({x, y}) == in);
+				CHECK(rest.contains({x, y}) == (in && !other.contains({x, y})));
+			}
+		}
+	}
+}
+
+TEST_CASE("tile table: does as a map does, and slots stay") {
+	std::mt19937_64 random(4);
+	TileTable table;
+	std::map<std::pair<int, int>, std::uint32_t> expected;
+	CHECK(table.find({0, 0}) == TileTable::none);
+	for (int step = 0; step < 20000; ++step) {
+		const glm::ivec2 at(static_cast<int>(random() % 40) - 20, static_cast<int>(random() % 40) - 20);
+		const auto found = expected.find({at.x, at.y});
+		CHECK(table.find(at) == (found != expected.end() ? found->second : TileTable::none));
+		if (random() % 2 == 0) {
+			const std::uint32_t slot = table.find_or_add(at);
+			CHECK((found == expected.end() || found->second == slot));
+			CHECK(table[slot].at == at);
+			expected[{at.x, at.y}] = slot;
+		} else if (found != expected.end()) {
+			table.erase(found->second);
+			CHECK_FALSE(table[found->second].exists);
+			expected.erase(found);
+		}
+		CHECK(table.size() == expected.size());
+	}
+	table.clear();
+	CHECK(table.size() == 0);
+	CHECK(table.find({1, 1}) == TileTable::none);
+}
+
+TEST_CASE("tile queue: the nearest that fits, wherever the viewer goes") {
+	std::mt19937_64 random(9);
+	std::uniform_real_distribution<double> unit(-1.0, 1.0);
+	TileQueue queue;
+	std::vector<glm::ivec2> tiles; // By slot; some are taken out.
+	std::vector<bool> in;
+	glm::dvec2 place{0.0};
+	const auto squared = [&](std::uint32_t slot) {
+		const glm::dvec2 way = glm::dvec2(tiles[slot]) - place;
+		return way.x * way.x + way.y * way.y;
+	};
+	const auto measure = [&](TileQueue::Entry &entry) {
+		entry.distance_squared = squared(entry.slot);
+		return bool{in[entry.slot]};
+	};
+	for (int step = 0; step < 2000; ++step) {
+		for (std::uint64_t more = random() % 8 + (step == 500 ? 3000 : 0); more > 0; --more) {
+			tiles.emplace_back(static_cast<int>(200.0 * unit(random)), static_cast<int>(200.0 * unit(random)));
+			in.push_back(true);
+			queue.add(static_cast<std::uint32_t>(tiles.size() - 1), tiles.back());
+			queue.add(
+					static_cast<std::uint32_t>(random() % tiles.size()), tiles.back()); // Twice, or under a wrong name.
+		}
+		if (random() % 3 == 0) {
+			const glm::dvec2 way = glm::dvec2(unit(random), unit(random)) * 4.0;
+			place += way;
+			queue.move(std::sqrt(way.x * way.x + way.y * way.y));
+		}
+		for (int taken = 0; taken < 5; ++taken) {
+			const TileQueue::Entry *entry = queue.first(
+					0, [&](TileQueue::Entry &one) { return one.at == tiles[one.slot] && measure(one); },
+					[&](const TileQueue::Entry &one) { return bool{in[one.slot]}; });
+			double nearest = 1e300;
+			for (std::uint32_t slot = 0; slot < tiles.size(); ++slot) {
+				nearest = in[slot] ? std::min(nearest, squared(slot)) : nearest;
+			}
+			REQUIRE((entry != nullptr) == (nearest < 1e300));
+			if (entry != nullptr) {
+				CHECK(entry->distance_squared == nearest);
+				in[entry->slot] = false;
+			}
+		}
+	}
+}
