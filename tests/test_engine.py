@@ -108,6 +108,7 @@ def assert_passed(done):
         "test_streaming",
         "test_bad_input",
         "test_changes",
+        "test_queries",
         "test_lifetime",
         "test_domain",
         "test_domain_calls",
