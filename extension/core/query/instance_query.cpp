@@ -39,22 +39,23 @@ public:
 
 	/// Adds what stands in tiles of one layer.
 	Status add(std::span<const InstanceQuery::Tile> tiles, std::vector<PlacedInstance> &r_found) {
-		refs_.clear();
-		tiles_.clear();
-		for (const InstanceQuery::Tile &each : tiles) {
-			std::shared_ptr<const TileInstances> content;
-			if (const Status status = query_.tiles.find_tile(each.layer, each.tile, content); !status.ok()) {
-				return status;
-			}
-			if (content != nullptr) {
-				look_at(*content, RemovedPoints(query_.state, query_.layers[each.layer].set.layer));
-				tiles_.push_back(std::move(content));
-			}
+		if (tiles.empty()) {
+			return {};
+		}
+		if (const Status status = find(tiles); !status.ok()) {
+			return status;
+		}
+		const std::uint32_t layer = tiles.front().layer;
+		const RemovedPoints removed(query_.state, query_.layers[layer].set.layer);
+		for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+			look_at(tile, removed);
 		}
 		sort_by_id(refs_);
+		if (!filter_.accepts) {
+			r_found.reserve(r_found.size() + refs_.size());
+		}
 		for (const InstanceRef &ref : refs_) {
-			keep(placed_instance(ref.id, tiles.front().layer, ref.mesh, tiles_[ref.tile]->origin, ref.transform),
-					r_found);
+			keep(placed_instance(ref.id, layer, ref.mesh, tiles_[ref.tile]->origin, ref.transform), r_found);
 		}
 		return {};
 	}
@@ -69,14 +70,35 @@ public:
 	}
 
 private:
-	void look_at(const TileInstances &content, const RemovedPoints &removed) {
-		const auto tile = static_cast<std::uint32_t>(tiles_.size());
-		for (std::size_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
+	/// Gets hold of the tiles, and makes room for all that they hold.
+	Status find(std::span<const InstanceQuery::Tile> tiles) {
+		std::size_t instances = 0;
+		tiles_.clear();
+		for (const InstanceQuery::Tile &each : tiles) {
+			std::shared_ptr<const TileInstances> content;
+			if (const Status status = query_.tiles.find_tile(each.layer, each.tile, content); !status.ok()) {
+				return status;
+			}
+			if (content != nullptr) {
+				for (const MeshInstances &mesh : content->meshes) {
+					instances += mesh.size();
+				}
+				tiles_.push_back(std::move(content));
+			}
+		}
+		refs_.clear();
+		refs_.reserve(instances);
+		return {};
+	}
+
+	void look_at(std::uint32_t tile, const RemovedPoints &removed) {
+		const TileInstances &content = *tiles_[tile];
+		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
 			const MeshInstances &instances = content.meshes[mesh];
 			const float *transform = instances.buffer.data();
 			for (const std::uint64_t id : instances.ids) {
 				if (inside_(position_of(content.origin, transform)) && !removed.holds(id)) {
-					refs_.push_back({id, transform, tile, static_cast<std::uint32_t>(mesh)});
+					refs_.push_back({id, transform, tile, mesh});
 				}
 				transform += instances.stride;
 			}
