@@ -191,6 +191,12 @@ TEST_CASE("state: data belong to an instance, removed or not, and go with a hand
 	REQUIRE(state.set_data(placed, apples).ok());
 	CHECK(data_of(state, point) == apples);
 	CHECK(state.data_ids() == std::vector<std::uint64_t>{point, placed});
+	Changes changes;
+	REQUIRE(InstanceState().load(bytes_of(state), changes).ok());
+	REQUIRE(changes.size() == 3);
+	for (const InstanceChange &change : changes) { // Where it stands is told of a hand-placed one.
+		CHECK(change.added == (change.id == placed ? *state.added(placed) : AddedInstance()));
+	}
 	const std::uint64_t revision = state.revision();
 	REQUIRE(state.set_data(point, apples).ok());
 	CHECK(state.revision() == revision);
@@ -310,7 +316,7 @@ TEST_CASE("state: layers keep to their point sets") {
 	CHECK(state.claim(1, 20).ok());
 	const Status status = state.claim(1, 30);
 	CHECK(status.code == ErrorCode::foreign);
-	CHECK(describe(status) == "layer is of another point set, got 1");
+	CHECK(describe(status).starts_with("layer was made for another"));
 	CHECK(state.claim(32768, 1).code == ErrorCode::out_of_range);
 	CHECK(state.stamp(1) == 20);
 	CHECK(copy_of(state).stamp(1) == 20);

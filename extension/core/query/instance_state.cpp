@@ -214,10 +214,6 @@ void InstanceState::advance(double seconds, std::vector<InstanceChange> &r_chang
 	}
 }
 
-void InstanceState::clear(std::vector<InstanceChange> &r_changes) {
-	content_->forget_all(r_changes);
-	content_->time = 0.0;
-	content_->forget_changes();
-}
+void InstanceState::clear(std::vector<InstanceChange> &r_changes) { content_->start_from({}, r_changes); }
 
 } // namespace thicket

@@ -112,7 +112,15 @@ void InstanceState::Content::change_data(
 		layer.with_data += was ? 0 : 1;
 	}
 	note(id);
-	r_changes.push_back({id, InstanceChangeKind::data, {}});
+	const auto placed = added.find(id);
+	r_changes.push_back({id, InstanceChangeKind::data, placed != added.end() ? placed->second : AddedInstance()});
+}
+
+void InstanceState::Content::note(std::uint64_t id) {
+	++revision;
+	if (logging) {
+		log.note(revision, id, size());
+	}
 }
 
 void InstanceState::Content::plan_return(std::uint64_t id, double until) {
@@ -213,16 +221,6 @@ StateRecord InstanceState::Content::record_of(std::vector<std::uint64_t> ids, bo
 	return record;
 }
 
-void InstanceState::Content::forget_all(std::vector<InstanceChange> &r_changes) {
-	for (const std::uint64_t id : all_ids()) {
-		change(id, {}, r_changes);
-	}
-	due.clear();
-	std::erase_if(layers, [](const auto &layer) { return !layer.second.claimed; });
-}
-
-void InstanceState::Content::forget_changes() { log.start_at(++revision); }
-
 void InstanceState::Content::follow(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
 	if (record.whole) {
 		for (const std::uint64_t id : all_ids()) {
@@ -233,6 +231,15 @@ void InstanceState::Content::follow(const StateRecord &record, std::vector<Insta
 	}
 	record.for_each([this, &r_changes](std::uint64_t id, const Fate &fate) { change(id, fate, r_changes); });
 	take_stamps(record);
+}
+
+void InstanceState::Content::start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
+	logging = false;
+	follow(record, r_changes);
+	logging = true;
+	time = record.time;
+	log.start_at(++revision);
+	std::erase_if(layers, [](const auto &layer) { return !layer.second.claimed && !layer.second.holds_any(); });
 }
 
 } // namespace thicket

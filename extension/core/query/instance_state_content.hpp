@@ -50,6 +50,7 @@ struct InstanceState::Content {
 	std::vector<Due> due; ///< A heap, the first on top. Some are out of date: what counts is the time in `removed`.
 	ChangeLog log;
 	std::uint64_t revision = 0;
+	bool logging = true; ///< Off where what is changed is forgotten anyway.
 	double time = 0.0;
 
 	std::size_t size() const { return removed.size() + added.size() + data.size(); }
@@ -73,11 +74,8 @@ struct InstanceState::Content {
 	/// Takes over what a record says, and its stamps. A whole one replaces everything but the clock.
 	void follow(const StateRecord &record, std::vector<InstanceChange> &r_changes);
 
-	/// Forgets everything but revision, clock and claims.
-	void forget_all(std::vector<InstanceChange> &r_changes);
-
-	/// Forgets which changes led here. Counts as a change.
-	void forget_changes();
+	/// The same, and forgets which changes led here. Counts as a change, even where nothing is another.
+	void start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes);
 
 	void take_stamps(const StateRecord &record);
 
@@ -88,7 +86,7 @@ private:
 	void place(std::uint64_t id, const AddedInstance &instance);
 	AddedInstance take_away(std::uint64_t id);
 	void plan_return(std::uint64_t id, double until);
-	void note(std::uint64_t id) { log.note(++revision, id, size()); }
+	void note(std::uint64_t id);
 	void add_to(StateRecord &r_record, std::uint64_t code) const;
 };
 

@@ -21,9 +21,7 @@ Status InstanceState::load(std::span<const std::uint8_t> bytes, std::vector<Inst
 	if (const Status status = content_->check_stamps(record, true); !status.ok()) {
 		return status;
 	}
-	content_->follow(record, r_changes);
-	content_->time = record.time;
-	content_->forget_changes();
+	content_->start_from(record, r_changes);
 	return {};
 }
 

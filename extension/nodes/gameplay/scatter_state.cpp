@@ -1,6 +1,6 @@
 #include "nodes/gameplay/scatter_state.hpp"
 
-#include "nodes/common/property_check.hpp"
+#include "core/base/check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
@@ -16,8 +16,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterState";
-
 std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {
 	return {p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())};
 }
@@ -29,13 +27,17 @@ PackedByteArray packed(std::span<const std::uint8_t> bytes) {
 	return result;
 }
 
-/// A value without objects as bytes; none for null. False for more than the largest size.
+/// A value as bytes; none for null. False for an object, and for what is far too large.
 bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
+	constexpr int64_t far_too_large = 1 << 24;
 	r_bytes = PackedByteArray();
 	if (p_value.get_type() == Variant::NIL) {
 		return true;
 	}
-	for (int64_t room = 256; room <= static_cast<int64_t>(max_instance_data); room *= 16) {
+	if (p_value.get_type() == Variant::OBJECT) {
+		return false;
+	}
+	for (int64_t room = 256; room <= far_too_large; room *= 16) {
 		r_bytes.resize(room);
 		const int64_t size = r_bytes.encode_var(0, p_value, false);
 		if (size >= 0) {
@@ -51,8 +53,13 @@ Error told(const char *p_method, const Status &status) {
 	if (status.ok()) {
 		return OK;
 	}
-	report((std::string(class_name) + "." + p_method).c_str(), status);
+	ERR_PRINT(String((std::string("ScatterState.") + p_method + ": " + describe(status)).c_str()));
 	return status.code == ErrorCode::corrupt ? ERR_FILE_CORRUPT : ERR_INVALID_DATA;
+}
+
+int core_layer(int64_t p_layer_id) {
+	constexpr int64_t no_layer = max_state_layer + 1;
+	return static_cast<int>(p_layer_id < -1 ? no_layer : std::min(p_layer_id, no_layer));
 }
 
 } // namespace
@@ -81,9 +88,17 @@ void ScatterState::add_listener(StateListener *p_listener) {
 	}
 }
 
-void ScatterState::remove_listener(StateListener *p_listener) { std::erase(listeners_, p_listener); }
+void ScatterState::remove_listener(StateListener *p_listener) {
+	std::erase(listeners_, p_listener);
+	if (listeners_.empty()) {
+		state_.release_claims();
+	}
+}
 
 bool ScatterState::remove(int64_t p_id, double p_until) {
+	if (told("remove", check_range("until", p_until, 0.0, max_state_time)) != OK || p_id == 0) {
+		return false;
+	}
 	const std::uint64_t id = core_id(p_id);
 	InstanceChange change{id, InstanceChangeKind::removed, {}};
 	if (const AddedInstance *added = state_.added(id)) {
@@ -118,12 +133,18 @@ Status ScatterState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 
 bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 	PackedByteArray bytes;
-	Status status{ErrorCode::out_of_range, "data", static_cast<double>(max_instance_data)};
-	if (encode(p_data, bytes)) {
+	const std::uint64_t revision = state_.revision();
+	Status status{ErrorCode::corrupt, "data"};
+	if (p_id == 0) {
+		status = {ErrorCode::missing, "id"};
+	} else if (encode(p_data, bytes)) {
 		status = state_.set_data(core_id(p_id), span_of(bytes));
 	}
 	if (told("set_instance_data", status) != OK) {
 		return false;
+	}
+	if (state_.revision() == revision) {
+		return true;
 	}
 	InstanceChange change{core_id(p_id), InstanceChangeKind::data, {}};
 	if (const AddedInstance *added = state_.added(change.id)) {
@@ -135,15 +156,17 @@ bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 
 Variant ScatterState::get_instance_data(int64_t p_id) const {
 	const std::span<const std::uint8_t> bytes = state_.data(core_id(p_id));
-	return bytes.empty() ? Variant() : packed(bytes).decode_var(0, false);
+	const PackedByteArray value = packed(bytes);
+	return value.has_encoded_var(0, false) ? value.decode_var(0, false)
+										   : Variant(); // Another peer may have sent anything.
 }
 
 PackedInt64Array ScatterState::get_removed(int64_t p_layer_id) const {
-	return packed_ids(state_.removed_ids(static_cast<int>(std::clamp<int64_t>(p_layer_id, -1, max_state_layer + 1))));
+	return packed_ids(state_.removed_ids(core_layer(p_layer_id)));
 }
 
 PackedInt64Array ScatterState::get_added(int64_t p_layer_id) const {
-	return packed_ids(state_.added_ids(static_cast<int>(std::clamp<int64_t>(p_layer_id, -1, max_state_layer + 1))));
+	return packed_ids(state_.added_ids(core_layer(p_layer_id)));
 }
 
 int64_t ScatterState::get_removed_count() const { return static_cast<int64_t>(state_.removed_count()); }
@@ -212,7 +235,10 @@ void ScatterState::set_data(const PackedByteArray &p_bytes) {
 	}
 }
 
-PackedByteArray ScatterState::get_data() const { return to_bytes(); }
+PackedByteArray ScatterState::get_data() const {
+	const bool blank = state_.removed_count() + state_.added_count() + state_.data_count() == 0 && state_.time() == 0.0;
+	return blank ? PackedByteArray() : to_bytes();
+}
 
 void ScatterState::_bind_methods() {
 	using Self = ScatterState;

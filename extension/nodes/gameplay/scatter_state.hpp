@@ -30,12 +30,13 @@ class ScatterState : public godot::Resource {
 	GDCLASS(ScatterState, godot::Resource)
 
 public:
-	/// See InstanceState::remove. `until` is in seconds of `time`; 0 for ever.
+	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 for ever. False for an id of 0.
 	bool remove(int64_t p_id, double p_until = 0.0);
 	bool restore(int64_t p_id);
 	bool is_removed(int64_t p_id) const;
 
-	/// Any Variant without objects, at most 64 KiB as var_to_bytes; null to forget.
+	/// Any Variant but an object, at most max_instance_data as bytes; null to forget. An object within it becomes a number. False, with
+	/// an error, for anything else.
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
 	godot::Variant get_instance_data(int64_t p_id) const;
 
@@ -62,7 +63,7 @@ public:
 	double get_time() const;
 	void advance(double p_seconds);
 
-	/// The stored form: a property that only the resource's file has.
+	/// The stored form, empty where there is nothing: a property that only the resource's file has.
 	void set_data(const godot::PackedByteArray &p_bytes);
 	godot::PackedByteArray get_data() const;
 
@@ -75,6 +76,7 @@ public:
 
 protected:
 	static void _bind_methods();
+	void _reset_state() override { clear(); }
 
 private:
 	/// Tells the listeners, then emits `instances_changed(ids)`.
