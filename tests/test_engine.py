@@ -121,6 +121,7 @@ def assert_passed(done):
         "test_layer_rules",
         "test_layer_placement",
         "test_shapes_node",
+        "test_state",
         "test_edits",
         "test_neighbours",
         "test_build_rect",
@@ -136,6 +137,12 @@ def test_script(godot, project, script):
 def test_bodies(godot, request, physics, script):
     folder = request.getfixturevalue(physics)
     assert_passed(godot(["--verbose", "--path", folder, "--script", ENGINE / f"{script}.gd"], timeout=600))
+
+
+def test_what_is_felled_stays_felled_in_the_next_engine(godot, project, tmp_path):
+    script = ENGINE / "state_across_starts.gd"
+    for part in ("test_save", "test_load"):
+        assert_passed(godot(["--verbose", "--path", project, "--script", script, "--", part, tmp_path]))
 
 
 def test_examples_of_the_class_reference_run(godot, project):

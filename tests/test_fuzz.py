@@ -11,7 +11,7 @@ import pytest
 from conftest import BUILD_DIR, REPO, run
 
 SECONDS = 7
-TARGETS = ["fuzz_sampler", "fuzz_domain", "fuzz_tile", "fuzz_streamer", "fuzz_mask", "fuzz_shapes"]
+TARGETS = ["fuzz_sampler", "fuzz_domain", "fuzz_tile", "fuzz_streamer", "fuzz_mask", "fuzz_shapes", "fuzz_state"]
 
 
 @pytest.fixture(scope="session")

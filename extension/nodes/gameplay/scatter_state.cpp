@@ -156,9 +156,7 @@ bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 
 Variant ScatterState::get_instance_data(int64_t p_id) const {
 	const std::span<const std::uint8_t> bytes = state_.data(core_id(p_id));
-	const PackedByteArray value = packed(bytes);
-	return value.has_encoded_var(0, false) ? value.decode_var(0, false)
-										   : Variant(); // Another peer may have sent anything.
+	return bytes.empty() ? Variant() : packed(bytes).decode_var(0, false);
 }
 
 PackedInt64Array ScatterState::get_removed(int64_t p_layer_id) const {

@@ -67,6 +67,8 @@ public:
 	void set_data(const godot::PackedByteArray &p_bytes);
 	godot::PackedByteArray get_data() const;
 
+	void _reset_state() override { clear(); }
+
 	// For nodes.
 	const InstanceState &state() const { return state_; }
 	Status add(const AddedInstance &instance, std::uint64_t &r_id);
@@ -76,7 +78,6 @@ public:
 
 protected:
 	static void _bind_methods();
-	void _reset_state() override { clear(); }
 
 private:
 	/// Tells the listeners, then emits `instances_changed(ids)`.

@@ -1,0 +1,237 @@
+extends "harness.gd"
+## ScatterState: what it keeps, tells, gives to peers and to files, and refuses.
+
+const SPOT := "user://thicket_state"
+const LAYER := 3
+
+## What a state has emitted, in order.
+class Heard:
+	var events: Array = []
+
+	func _init(state: ScatterState) -> void:
+		state.instances_changed.connect(func(ids: PackedInt64Array) -> void: events.push_back(ids))
+		state.changed.connect(func() -> void: events.push_back("changed"))
+
+	func take() -> Array:
+		var taken := events
+		events = []
+		return taken
+
+
+## The id of a cell.
+func point(x: int, y := 0) -> int:
+	return LAYER << 48 | (x + (1 << 23)) << 24 | (y + (1 << 23))
+
+
+func make_state(count := 20) -> ScatterState:
+	var state := ScatterState.new()
+	for x in count:
+		state.remove(point(x, x * x), 0.0 if x % 2 else 100.0)
+	state.set_instance_data(point(1, 1), {"name": "Old oak", "age": 312})
+	state.set_instance_data(point(-1), [Vector3.UP, "standing"])
+	state.advance(1.5)
+	return state
+
+
+func check_same(got: ScatterState, expected: ScatterState, what: String) -> void:
+	check_equal(got.get_digest(), expected.get_digest(), what + ": digest")
+	check_equal(got.to_bytes(), expected.to_bytes(), what + ": bytes")
+	check_equal(got.get_removed(), expected.get_removed(), what + ": removed")
+	check_equal(got.get_time(), expected.get_time(), what + ": time")
+	check_equal(got.get_instance_data(point(1, 1)), expected.get_instance_data(point(1, 1)), what + ": data")
+
+
+func test_what_is_changed_is_told() -> void:
+	var state := ScatterState.new()
+	var heard := Heard.new(state)
+	check(state.remove(point(5)), "removed")
+	check_equal(heard.take(), [PackedInt64Array([point(5)]), "changed"], "the ids, then the resource")
+	check(state.is_removed(point(5)) and not state.is_removed(point(6)), "it alone")
+	check(not state.remove(point(5)), "only once")
+	check(not state.restore(point(6)), "nothing to restore")
+	check(state.set_instance_data(point(6), "x"), "data")
+	check_equal(heard.take(), [PackedInt64Array([point(6)]), "changed"], "data are told")
+	check(state.set_instance_data(point(6), "x"), "the same data")
+	check_equal(heard.take(), [], "nothing has changed")
+	check(state.restore(point(5)), "restored")
+	heard.take()
+	state.clear()
+	check_equal(heard.take(), [PackedInt64Array([point(6)]), "changed"], "clearing")
+	check_equal([state.get_removed_count(), state.get_added_count()], [0, 0], "counts")
+
+
+func test_ids_by_layer() -> void:
+	var state := make_state()
+	check_equal(state.get_removed_count(), 20, "removed")
+	check_equal(state.get_removed(LAYER), state.get_removed(), "all are of one layer")
+	for other: int in [0, 4, 32768, -2, 1 << 40, LAYER + (1 << 32)]:
+		check(state.get_removed(other).is_empty() and state.get_added(other).is_empty(), "none of layer %d" % other)
+	var sorted := state.get_removed()
+	sorted.sort()
+	check_equal(state.get_removed(), sorted, "ascending")
+
+
+func test_data_are_any_value() -> void:
+	var state := ScatterState.new()
+	for value: Variant in [true, 7, 2.5, "text", Vector3(1, 2, 3), [1, [2, 3]], {"a": {"b": PackedByteArray([1, 2])}}, &"name"]:
+		check(state.set_instance_data(point(0), value), "%s can be kept" % [value])
+		check_equal(state.get_instance_data(point(0)), value, "comes back")
+	check(state.set_instance_data(point(0), null) and state.get_instance_data(point(0)) == null, "nothing is kept of null")
+	check_equal(state.get_digest(), ScatterState.new().get_digest(), "nothing at all")
+	var large := PackedByteArray()
+	large.resize(65536 - 8)
+	check(state.set_instance_data(point(0), large), "as large as can be")
+	large.resize(65536)
+	check(not state.set_instance_data(point(0), large), "too large")
+	check_error(["ScatterState.set_instance_data: data", "wrong size", "65544"], "too large")
+	check_equal((state.get_instance_data(point(0)) as PackedByteArray).size(), 65536 - 8, "data before that")
+	check(not state.set_instance_data(point(0), RefCounted.new()), "an object")
+	check_error(["ScatterState.set_instance_data: data"], "an object")
+	for id: int in [0, -5]:
+		check(not state.set_instance_data(id, 1), "no instance has the id %d" % id)
+		check_error(["ScatterState.set_instance_data: id is missing"], "id %d" % id)
+
+
+func test_times() -> void:
+	var state := ScatterState.new()
+	state.remove(point(0), 10.0)
+	state.remove(point(1))
+	var heard := Heard.new(state)
+	state.advance(9.0)
+	check_equal(heard.take(), [], "too early")
+	state.advance(1.0)
+	check_equal(heard.take(), [PackedInt64Array([point(0)]), "changed"], "it has grown again")
+	check_equal(state.get_removed(), PackedInt64Array([point(1)]), "the other has not")
+	for wrong: float in [NAN, -1.0, 2e12]:
+		check(not state.remove(point(2), wrong), "removed until %f" % wrong)
+		check_error(["ScatterState.remove: until"], "until %f" % wrong)
+	for wrong: float in [NAN, -1.0, 0.0]:
+		state.advance(wrong)
+	check_equal(state.get_time(), 10.0, "time")
+	check(not state.remove(0) and not state.remove(-77), "no instances")
+
+
+func test_peers_follow() -> void:
+	var server := make_state()
+	var client := ScatterState.new()
+	check_equal(client.apply_diff(server.diff_since(0)), OK, "all")
+	check_same(client, server, "a new peer")
+	var known := server.get_revision()
+	server.restore(point(1, 1))
+	server.remove(point(1000))
+	var diff := server.diff_since(known)
+	check(diff.size() < 160, "a small diff: %d bytes" % diff.size())
+	var heard := Heard.new(client)
+	check_equal(client.apply_diff(diff), OK, "what is new")
+	var told := heard.take()
+	check_equal(told.size(), 2, "told once")
+	check_equal(Array(told[0] as PackedInt64Array).size(), 2, "two ids")
+	check_same(client, server, "the peer")
+	client.apply_diff(diff)
+	check_equal(heard.take(), [], "the same again is no change")
+	var other := ScatterState.new()
+	other.remove(point(-50))
+	check_equal(client.merge(other), OK, "merged")
+	check_equal(heard.take(), [PackedInt64Array([point(-50)]), "changed"], "what came")
+	check_equal(client.merge(null), ERR_INVALID_DATA, "none")
+	check_error(["ScatterState.merge: other is missing"], "none")
+	# A server that has loaded a state does not know what was before: it sends all, and that replaces all.
+	server.from_bytes(make_state(3).to_bytes())
+	client.apply_diff(server.diff_since(known))
+	check_same(client, server, "after the server has loaded")
+
+
+func test_files() -> void:
+	for count: int in [0, 20]:
+		var state := make_state(count)
+		for ending: String in [".tres", ".res"]:
+			check_equal(ResourceSaver.save(state, SPOT + ending), OK, "saved")
+			var loaded: ScatterState = ResourceLoader.load(SPOT + ending, "", ResourceLoader.CACHE_MODE_IGNORE)
+			check_same(loaded, state, ending)
+			DirAccess.remove_absolute(SPOT + ending)
+		check_same(state.duplicate(), state, "a copy")
+		check_same(state.duplicate(true), state, "a deep copy")
+	var blank := ScatterState.new()
+	check_equal(blank.data, PackedByteArray(), "nothing is stored of a blank state")
+	blank.data = make_state().data
+	check_same(blank, make_state(), "by its property")
+	blank.data = PackedByteArray()
+	check_equal(blank.get_removed_count(), 0, "no bytes are no changes")
+
+
+func test_a_million_removals_take_less_than_4_mb() -> void:
+	var random := RandomNumberGenerator.new()
+	random.seed = 4
+	var state := ScatterState.new()
+	var start := Time.get_ticks_msec()
+	for index in 1_000_000:
+		state.remove(LAYER << 48 | random.randi() << 16 | random.randi() & 0xffff)
+	print("a million removals: %d ms" % (Time.get_ticks_msec() - start))
+	check_equal(ResourceSaver.save(state, SPOT + ".res"), OK, "saved")
+	var size := FileAccess.open(SPOT + ".res", FileAccess.READ).get_length()
+	check(size < 4_000_000 and size > 3_600_000, "%d bytes in a file" % size)
+	var loaded: ScatterState = ResourceLoader.load(SPOT + ".res", "", ResourceLoader.CACHE_MODE_IGNORE)
+	check_equal(loaded.get_digest(), state.get_digest(), "the file")
+	DirAccess.remove_absolute(SPOT + ".res")
+
+
+func refuse(state: ScatterState, bytes: PackedByteArray, what: String) -> void:
+	var before := state.to_bytes()
+	var revision := state.get_revision()
+	var heard := Heard.new(state)
+	check(state.from_bytes(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], what + " is refused")
+	check_error(["ScatterState.from_bytes: "], what)
+	check(state.apply_diff(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], what + " is refused as a diff")
+	check_error(["ScatterState.apply_diff: "], what)
+	check(state.to_bytes() == before and state.get_revision() == revision and heard.take().is_empty(), what + " has changed nothing")
+
+
+func test_what_is_damaged_is_refused() -> void:
+	var state := make_state(5)
+	var bytes := make_state(8).to_bytes()
+	for at in bytes.size():
+		var damaged := bytes.duplicate()
+		damaged[at] ^= 1 << at % 8
+		refuse(state, damaged, "byte %d" % at)
+		refuse(state, bytes.slice(0, at), "the first %d bytes" % at)
+	refuse(state, (var_to_bytes([1, 2, 3])), "something else")
+	check_equal(state.from_bytes(state.diff_since(2)), ERR_FILE_CORRUPT, "a diff is no state")
+	check_error(["ScatterState.from_bytes: data", "damaged"], "a diff")
+	state.data = bytes.slice(0, 30)
+	check_error(["ScatterState.from_bytes: data"], "the property")
+
+
+func test_a_damaged_file_leaves_the_running_state() -> void:
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var id: int = scatter.query_nearest(Vector3.ZERO, 50.0)["id"]
+	scatter.remove_instance(id)
+	var state := scatter.state
+	var shown := digests(scatter, 0)
+	check_equal(ResourceSaver.save(state, SPOT + ".res"), OK, "saved")
+	var whole := FileAccess.get_file_as_bytes(SPOT + ".res")
+	whole[whole.size() - 40] ^= 16
+	var file := FileAccess.open(SPOT + ".res", FileAccess.WRITE)
+	file.store_buffer(whole)
+	file.close()
+	var loaded := ResourceLoader.load(SPOT + ".res", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
+	check_error(["ScatterState.from_bytes: data"], "a damaged file")
+	check_equal(loaded.get_removed_count(), 0, "nothing came of it")
+	check(scatter.state == state and state.is_removed(id) and not scatter.has_instance(id), "the running state is as it was")
+	# What another world has changed is refused as well, and taken in again where it belongs.
+	var bytes := state.to_bytes()
+	var elsewhere := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	elsewhere.seed = 8
+	await settle(elsewhere)
+	elsewhere.remove_instance(elsewhere.query_nearest(Vector3.ZERO, 50.0)["id"])
+	check_equal(state.from_bytes(elsewhere.state.to_bytes()), ERR_INVALID_DATA, "a foreign state")
+	check_error(["ScatterState.from_bytes: layer", "another seed"], "a foreign state")
+	check_equal(state.merge(elsewhere.state), ERR_INVALID_DATA, "a foreign state")
+	check_error(["ScatterState.merge: layer", "another seed"], "a foreign state")
+	check_equal(digests(scatter, 0), shown, "the picture")
+	state.clear()
+	check(scatter.has_instance(id), "it stands again")
+	check_equal(state.from_bytes(bytes), OK, "its own")
+	check(not scatter.has_instance(id), "and is gone again")
+	check_equal(digests(scatter, 0), shown, "the picture")
+	DirAccess.remove_absolute(SPOT + ".res")

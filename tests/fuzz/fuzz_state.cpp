@@ -1,0 +1,189 @@
+// Any bytes as a state or a diff, and any changes to one: they are refused, or leave a state that is whole.
+
+#include "tests/fuzz/bytes.hpp"
+#include "tests/fuzz/fuzz_main.hpp"
+
+#include "core/base/bytes.hpp"
+#include "core/base/instance_id.hpp"
+#include "core/query/instance_state.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace thicket;
+using fuzz::Bytes;
+using fuzz::promise;
+
+using Stored = std::vector<std::uint8_t>;
+using Changes = std::vector<InstanceChange>;
+
+Stored saved(const InstanceState &state) {
+	Stored bytes;
+	state.save(bytes);
+	return bytes;
+}
+
+Stored diff(const InstanceState &state, std::uint64_t revision) {
+	Stored bytes;
+	state.diff_since(revision, bytes);
+	return bytes;
+}
+
+InstanceState copy_of(const InstanceState &state) {
+	InstanceState copy;
+	Changes changes;
+	promise(copy.load(saved(state), changes).ok() && saved(copy) == saved(state), "a state is loaded as it was");
+	promise(changes.size() >= state.removed_count() + state.added_count(), "what comes is told");
+	return copy;
+}
+
+/// Mostly one of few ids, so that they meet again.
+std::uint64_t read_id(Bytes &r_bytes, const InstanceState &state) {
+	if (r_bytes.chance(8)) {
+		return r_bytes.raw<std::uint64_t>();
+	}
+	const std::vector<std::uint64_t> added = state.added_ids();
+	if (!added.empty() && r_bytes.chance(3)) {
+		return added[r_bytes.below(static_cast<std::uint32_t>(added.size()))];
+	}
+	const auto near = [&r_bytes] {
+		return static_cast<int>(r_bytes.below(8)) - 4;
+	};
+	InstanceId id{static_cast<std::uint16_t>(r_bytes.chance(4) ? max_state_layer : 1), {near(), 0}};
+	id.cell.y = near();
+	return pack(id);
+}
+
+AddedInstance read_instance(Bytes &r_bytes) {
+	AddedInstance instance;
+	instance.layer = static_cast<std::uint16_t>(r_bytes.chance(24) ? r_bytes.raw<std::uint16_t>() : r_bytes.below(3));
+	instance.mesh = r_bytes.raw<std::uint8_t>();
+	for (int axis = 0; axis < 3; ++axis) {
+		instance.position[axis] = r_bytes.number(-200.0, 200.0);
+	}
+	instance.basis[1][2] = static_cast<float>(r_bytes.number(-2.0, 2.0));
+	return instance;
+}
+
+void check_place(const InstanceState &state, std::uint64_t id) {
+	const AddedInstance *added = state.added(id);
+	promise(added != nullptr && is_added(id) && layer_of(id) == added->layer, "what was placed is there");
+	const glm::dvec2 place(added->position.x, added->position.z);
+	std::vector<std::uint64_t> found;
+	state.added_in(added->layer, {place - 1.0, place + 1.0}, found);
+	promise(std::ranges::is_sorted(found) && std::ranges::binary_search(found, id), "it is found where it stands");
+}
+
+void change(InstanceState &r_state, Bytes &r_bytes) {
+	const std::uint64_t revision = r_state.revision();
+	const std::uint64_t id = read_id(r_bytes, r_state);
+	switch (r_bytes.below(6)) {
+		case 0: {
+			const bool was = is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id);
+			promise(r_state.remove(id, r_bytes.number(0.0, 50.0)) != was, "a removal removes");
+			promise(is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id), "what is removed is removed");
+			break;
+		}
+		case 1: {
+			const bool was = r_state.removed(id);
+			promise(r_state.restore(id) == was && !r_state.removed(id), "what is restored stands");
+			break;
+		}
+		case 2: {
+			std::uint64_t placed = 0;
+			const Status status = r_state.add(read_instance(r_bytes), placed);
+			if (status.ok()) {
+				check_place(r_state, placed);
+			} else {
+				promise(r_state.revision() == revision, "a refused instance changes nothing");
+				promise(describe(status).find(status.property) == 0, "a refusal names the property");
+			}
+			break;
+		}
+		case 3: {
+			const Stored data(r_bytes.chance(16) ? max_instance_data + r_bytes.below(2) : r_bytes.below(4), 7);
+			if (r_state.set_data(id, data).ok()) {
+				promise(std::ranges::equal(r_state.data(id), data), "data are what was set");
+			}
+			break;
+		}
+		case 4: static_cast<void>(r_state.claim(layer_of(id), r_bytes.below(3))); break;
+		default: {
+			Changes changes;
+			const double time = r_state.time();
+			r_state.advance(r_bytes.number(0.0, 20.0), changes);
+			promise(r_state.time() >= time && r_state.time() <= max_state_time, "the clock goes on");
+		}
+	}
+	promise(r_state.revision() >= revision, "revisions rise");
+}
+
+/// Stored bytes that were damaged in a few places, with a right checksum or not.
+void damage(Stored &r_stored, Bytes &r_bytes) {
+	for (std::uint32_t changes = r_bytes.below(4); changes > 0 && !r_stored.empty(); --changes) {
+		const auto size = static_cast<std::uint32_t>(r_stored.size());
+		const std::uint32_t place = r_bytes.below(r_bytes.chance(2) ? size : std::min(size, 60U));
+		switch (r_bytes.below(4)) {
+			case 0: r_stored.resize(place); break;
+			case 1:
+				r_stored.insert(r_stored.begin() + place, 1 + r_bytes.below(20), r_bytes.raw<std::uint8_t>());
+				break;
+			case 2: r_stored.erase(r_stored.begin() + place, r_stored.begin() + std::min(size, place + 10)); break;
+			default: r_stored[place] = r_bytes.raw<std::uint8_t>(); break;
+		}
+	}
+	if (r_stored.size() >= 8 && !r_bytes.chance(3)) {
+		r_stored.resize(r_stored.size() - 8);
+		append(r_stored, checksum(r_stored));
+	}
+}
+
+/// Gives bytes to a state; refused, they change nothing, and taken as a whole state, they are what it would write.
+void feed(const InstanceState &state, const Stored &stored) {
+	InstanceState fed = copy_of(state);
+	Changes changes;
+	if (fed.load(stored, changes).ok()) {
+		promise(saved(fed) == stored, "what is taken is what would be written");
+	} else {
+		promise(saved(fed) == saved(state) && changes.empty(), "a refused state changes nothing");
+	}
+	fed = copy_of(state);
+	changes.clear();
+	if (fed.apply(stored, changes).ok()) {
+		const Stored after = saved(copy_of(fed));
+		changes.clear();
+		promise(fed.apply(stored, changes).ok() && changes.empty() && saved(fed) == after, "a diff counts once");
+	} else {
+		promise(saved(fed) == saved(state) && changes.empty(), "a refused diff changes nothing");
+	}
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
+	feed(InstanceState(), Stored(data, data + size));
+	Bytes bytes(data, size);
+	InstanceState state;
+	const std::uint32_t steps = bytes.below(40);
+	for (std::uint32_t step = 0; step < steps; ++step) {
+		change(state, bytes);
+	}
+	InstanceState peer = copy_of(state);
+	const std::uint64_t known = state.revision();
+	for (std::uint32_t step = bytes.below(20); step > 0; --step) {
+		change(state, bytes);
+	}
+	Stored some = diff(state, known);
+	Changes changes;
+	if (peer.apply(some, changes).ok()) {
+		promise(peer.digest() == state.digest(), "a peer that gets the diff holds the same");
+	}
+	Stored all = saved(state);
+	damage(bytes.chance(2) ? some : all, bytes);
+	feed(state, some);
+	feed(state, all);
+	return 0;
+}
