@@ -36,8 +36,21 @@ bool NearSet::Held::stands_as(const PlacedInstance &instance) const {
 	return true;
 }
 
+/// Most often near the centre that it was near before: of many centres only that one is asked.
+bool NearSet::Held::is_near(std::span<const glm::dvec3> centers, double reach_squared) {
+	const auto reaches = [&](const glm::dvec3 &from) {
+		return glm::dot(position - from, position - from) <= reach_squared;
+	};
+	if (center < centers.size() && reaches(centers[center])) {
+		return true;
+	}
+	center = static_cast<std::size_t>(std::find_if(centers.begin(), centers.end(), reaches) - centers.begin());
+	return center < centers.size();
+}
+
 void NearSet::hold(const PlacedInstance &instance) {
-	held_.insert_or_assign(instance.id, Held{instance.position, instance.basis, instance.layer, instance.mesh, looks_});
+	held_.insert_or_assign(
+			instance.id, Held{instance.position, instance.basis, instance.layer, instance.mesh, looks_, 0});
 }
 
 void NearSet::look(std::span<const glm::dvec3> centers, const NearRange &range,
@@ -61,12 +74,10 @@ void NearSet::look(std::span<const glm::dvec3> centers, const NearRange &range,
 			entering_.push_back({away, instance.id, i});
 		}
 	}
-	for (const auto &[id, held] : held_) {
-		const double away = distance_squared(centers, held.position);
-		if (!ever || !(away <= leave * leave)) {
-			leaving_.push_back({away, id, 0});
-		} else if (held.seen != looks_) {
-			gone_.push_back({away, id, 0});
+	for (auto &[id, held] : held_) {
+		const bool near = ever && held.is_near(centers, leave * leave);
+		if (!near || held.seen != looks_) {
+			(near ? gone_ : leaving_).push_back({distance_squared(centers, held.position), id, 0});
 		}
 	}
 	std::sort(entering_.begin(), entering_.end(), [](const Distant &a, const Distant &b) {

@@ -56,7 +56,9 @@ private:
 		std::uint32_t layer = 0;
 		std::uint32_t mesh = 0;
 		std::uint64_t seen = 0; ///< The last look that found it standing as it did.
+		std::size_t center = 0; ///< A centre that it was near.
 
+		bool is_near(std::span<const glm::dvec3> centers, double reach_squared);
 		bool stands_as(const PlacedInstance &instance) const;
 	};
 

@@ -10,6 +10,9 @@ namespace thicket {
 
 namespace {
 
+/// Bodies in a frame: a microsecond or two each.
+constexpr int most_freed = 16;
+
 Vector3 to_engine(glm::dvec3 v) {
 	return Vector3(static_cast<real_t>(v.x), static_cast<real_t>(v.y), static_cast<real_t>(v.z));
 }
@@ -212,7 +215,7 @@ void CollisionRing::tidy_pool() {
 	for (; still_in_space_ > 0; --still_in_space_) {
 		server->body_set_space(pool_[pool_.size() - still_in_space_].rid, RID());
 	}
-	while (pool_.size() > max_pooled && pool_.front().usable_at <= frame_) {
+	for (int i = 0; i < most_freed && pool_.size() > max_pooled && pool_.front().usable_at <= frame_; ++i) {
 		owners_.erase(pool_.front().rid.get_id());
 		server->free_rid(pool_.front().rid);
 		pool_.pop_front();
