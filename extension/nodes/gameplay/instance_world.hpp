@@ -40,7 +40,10 @@ public:
 	/// near would vanish for some frames.
 	void invalidate(std::uint32_t layer, const EditedArea &area);
 	void set_maker(TileMaker maker) { maker_ = std::move(maker); }
-	void set_state(const InstanceState *state) { state_ = state; }
+	void set_state(const InstanceState *state) {
+		state_ = state;
+		touch();
+	}
 	void clear();
 
 	/// Takes a finished tile in. Those that nobody else holds are forgotten, the oldest first, once they are more than

@@ -14,6 +14,7 @@
 
 #include <glm/common.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -103,9 +104,10 @@ void TerrainScatter3D::process_frame() {
 		if (state_.is_valid() && !Engine::get_singleton()->is_editor_hint()) {
 			state_->advance(get_process_delta_time());
 		}
-		look_around_near();
+		const std::uint64_t spent = look_around_near();
+		const auto budget = static_cast<std::uint64_t>(upload_budget_usec_);
 		stream_.stage().set_limits(draw_limits());
-		stream_.frame(find_viewers(), static_cast<std::uint64_t>(upload_budget_usec_));
+		stream_.frame(find_viewers(), budget - std::min(spent, budget));
 		answer_requests();
 		stream_.stage().patch();
 	}
@@ -209,11 +211,13 @@ void TerrainScatter3D::refresh() {
 	stream_.set_layers(plans_.streamed(), outdated, terrain_);
 }
 
-/// Tells the rings where bodies and scenes are wanted: around viewers, and around the nodes of a group.
-void TerrainScatter3D::look_around_near() {
+/// Tells the rings where bodies and scenes are wanted: around viewers, and around the nodes of a group. Returns the microseconds that
+/// it took, which are a part of the frame's budget.
+std::uint64_t TerrainScatter3D::look_around_near() {
 	if (rings_.empty() || Engine::get_singleton()->is_editor_hint()) {
-		return;
+		return 0;
 	}
+	const auto start = std::chrono::steady_clock::now();
 	std::vector<glm::dvec3> centers;
 	for (const Viewer &viewer : find_viewers()) {
 		centers.emplace_back(viewer.position.x, viewer.height, viewer.position.y);
@@ -231,6 +235,8 @@ void TerrainScatter3D::look_around_near() {
 	for (NearRing *ring : rings_) {
 		ring->look_around(centers, *world_);
 	}
+	const auto spent = std::chrono::steady_clock::now() - start;
+	return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(spent).count());
 }
 
 Node3D *TerrainScatter3D::active_camera() const {

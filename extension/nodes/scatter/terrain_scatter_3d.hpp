@@ -161,7 +161,7 @@ private:
 	void state_changed(std::span<const InstanceChange> changes);
 	void emit_change(const InstanceChange &change, std::uint32_t place);
 	void update_world(const std::vector<EditedArea> &outdated);
-	void look_around_near();
+	std::uint64_t look_around_near();
 	void answer_requests();
 	void schedule_patch();
 	void patch_now();
