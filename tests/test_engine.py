@@ -109,6 +109,7 @@ def assert_passed(done):
         "test_bad_input",
         "test_changes",
         "test_queries",
+        "test_scenes",
         "test_lifetime",
         "test_domain",
         "test_domain_calls",

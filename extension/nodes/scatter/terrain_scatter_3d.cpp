@@ -54,6 +54,7 @@ void TerrainScatter3D::_notification(int p_what) {
 		case NOTIFICATION_ENTER_WORLD: start(); break;
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
 		case NOTIFICATION_VISIBILITY_CHANGED: stream_.stage().set_visible(is_visible_in_tree()); break;
+		case NOTIFICATION_CHILD_ORDER_CHANGED: scenes_.children_changed(); break;
 		case NOTIFICATION_INTERNAL_PROCESS: process_frame(); break;
 		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: stream_.physics_frame(); break;
 		case NOTIFICATION_EXTENSION_RELOADED:
@@ -87,6 +88,7 @@ void TerrainScatter3D::stop() {
 		if (terrain_.is_valid()) {
 			terrain_->leave(this);
 		}
+		scenes_.clear();
 		stream_.stop();
 		stream_.take_events();
 	}
@@ -109,6 +111,9 @@ void TerrainScatter3D::process_frame() {
 		stream_.stage().set_limits(draw_limits());
 		stream_.frame(find_viewers(), budget - std::min(spent, budget));
 		answer_requests();
+		if (!step_scenes(start + std::chrono::microseconds(upload_budget_usec_))) {
+			return; // This node is no more.
+		}
 		stream_.stage().patch();
 	}
 	frame_time_ = std::chrono::steady_clock::now() - start;
@@ -202,6 +207,7 @@ void TerrainScatter3D::refresh() {
 	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
 	shapes_.update();
 	if (!grounded || layers_.is_empty()) {
+		scenes_.clear();
 		stream_.stop();
 		plans_.clear();
 		return;
@@ -209,6 +215,7 @@ void TerrainScatter3D::refresh() {
 	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, shapes_);
 	update_world(outdated);
 	stream_.set_layers(plans_.streamed(), outdated, terrain_);
+	update_scenes();
 }
 
 /// Tells the rings where bodies and scenes are wanted: around viewers, and around the nodes of a group. Returns the microseconds that
@@ -349,6 +356,8 @@ int64_t TerrainScatter3D::get_preview_instances() const { return preview_instanc
 
 void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
 
-bool TerrainScatter3D::is_idle() const { return !dirty_ && (plans_.streamed().empty() || stream_.idle()); }
+bool TerrainScatter3D::is_idle() const {
+	return !dirty_ && (plans_.streamed().empty() || (stream_.idle() && scenes_.settled()));
+}
 
 } // namespace thicket

@@ -4,6 +4,7 @@
 #include "nodes/gameplay/collision_ring.hpp"
 #include "nodes/gameplay/instance_world.hpp"
 #include "nodes/gameplay/query_requests.hpp"
+#include "nodes/gameplay/scene_ring.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/scatter/scatter_stream.hpp"
@@ -130,6 +131,12 @@ public:
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
 	godot::Variant get_instance_data(int64_t p_id) const;
 
+	/// The scene that stands in place of an instance; null for none.
+	godot::Node3D *get_scene(int64_t p_id) const;
+
+	/// The same, the caller's from now on. The mesh is back, unless the instance is removed.
+	godot::Node3D *take_scene(int64_t p_id);
+
 	/// A shape below this node enters the tree, leaves it, or is not what it was: what it touches is made anew.
 	void add_shape(ScatterShape3D *p_shape);
 	void remove_shape(ScatterShape3D *p_shape);
@@ -147,6 +154,7 @@ protected:
 private:
 	static void bind_queries();
 	static void bind_changes();
+	static void bind_scenes();
 
 	/// Hears of the state's changes for the node.
 	class StateWatch final : public StateListener {
@@ -163,6 +171,10 @@ private:
 	void update_world(const std::vector<EditedArea> &outdated);
 	std::uint64_t look_around_near();
 	void answer_requests();
+	SceneHost scene_host();
+	void update_scenes();
+	bool step_scenes(std::chrono::steady_clock::time_point deadline);
+	void recycle_scenes();
 	void schedule_patch();
 	void patch_now();
 	bool prepare_query(const char *p_method);
@@ -214,10 +226,11 @@ private:
 	QueryRequests requests_;
 	std::vector<std::pair<std::int64_t, godot::Dictionary>> answers_; ///< To be told at the end of the frame.
 	CollisionRing collision_;
-	std::vector<NearRing *> rings_{&collision_};
+	std::vector<NearRing *> rings_{&collision_, &scenes_};
 	bool patch_scheduled_ = false;
 
 	ScatterStream stream_{*world_};
+	SceneRing scenes_{scene_host()};
 	LayerPlans plans_;
 	ShapeRegister shapes_;
 	godot::PackedStringArray layer_names_; ///< By place, as shapes were told of them last.

@@ -113,6 +113,8 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["waiting"] = number(counts.waiting);
 	stats["pending"] = number(counts.pending);
 	stats["uploading"] = number(stream_.stage().waiting());
+	stats["scenes"] = number(scenes_.shown_count());
+	stats["scenes_pooled"] = number(scenes_.idle_count());
 	stats["frame_usec"] =
 			static_cast<int64_t>(std::chrono::duration_cast<std::chrono::microseconds>(frame_time_).count());
 	stats["bodies"] = number(collision_.body_count());
@@ -231,6 +233,7 @@ void TerrainScatter3D::_bind_methods() {
 	ADD_SIGNAL(MethodInfo("tile_hidden", PropertyInfo(Variant::INT, "layer"), PropertyInfo(Variant::VECTOR2I, "tile")));
 	ADD_SIGNAL(MethodInfo("idle"));
 	bind_changes();
+	bind_scenes();
 	bind_queries();
 }
 

@@ -1,0 +1,80 @@
+#include "nodes/gameplay/scene_pool.hpp"
+
+#include <algorithm>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// False for a node that a script has freed, or put somewhere else, while it waited.
+bool waits(const Node3D *node) {
+	return node != nullptr && node->get_parent() == nullptr && !node->is_queued_for_deletion();
+}
+
+} // namespace
+
+void ScenePool::dispose(const NodeHandle &handle) {
+	Node3D *node = handle.get();
+	if (node != nullptr && !node->is_queued_for_deletion()) {
+		node->queue_free();
+	}
+}
+
+Node3D *ScenePool::take(const Ref<PackedScene> &scene) {
+	const auto found =
+			std::find_if(idle_.begin(), idle_.end(), [&scene](const Idle &idle) { return idle.scene == scene; });
+	while (found != idle_.end() && !found->nodes.empty()) {
+		Node3D *node = found->nodes.back().get();
+		found->nodes.pop_back();
+		if (waits(node)) {
+			return node;
+		}
+	}
+	Node *root = scene->can_instantiate() ? scene->instantiate() : nullptr;
+	Node3D *node = Object::cast_to<Node3D>(root);
+	if (root != nullptr && node == nullptr) {
+		root->queue_free();
+	}
+	return node;
+}
+
+void ScenePool::give(const Ref<PackedScene> &scene, Node3D *node) {
+	if (!waits(node)) {
+		return;
+	}
+	auto found = std::find_if(idle_.begin(), idle_.end(), [&scene](const Idle &idle) { return idle.scene == scene; });
+	if (found == idle_.end()) {
+		found = idle_.insert(idle_.end(), Idle{scene, {}});
+	}
+	if (found->nodes.size() < max_idle) {
+		found->nodes.emplace_back(node);
+	} else {
+		dispose(NodeHandle(node));
+	}
+}
+
+void ScenePool::keep_only(std::span<const Ref<PackedScene>> scenes) {
+	std::erase_if(idle_, [scenes](const Idle &idle) {
+		if (std::find(scenes.begin(), scenes.end(), idle.scene) != scenes.end()) {
+			return false;
+		}
+		for (const NodeHandle &node : idle.nodes) {
+			if (waits(node.get())) {
+				dispose(node);
+			}
+		}
+		return true;
+	});
+}
+
+std::size_t ScenePool::idle_count() const {
+	std::size_t count = 0;
+	for (const Idle &idle : idle_) {
+		count += idle.nodes.size();
+	}
+	return count;
+}
+
+} // namespace thicket

@@ -1,0 +1,257 @@
+// What happens to the nodes of a SceneRing. After every call that may run a script it is asked what that has left of the ring.
+
+#include "nodes/gameplay/scene_ring.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <algorithm>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+bool SceneRing::ours(const Shown &shown) const {
+	const Node3D *node = shown.node.get();
+	return node != nullptr && node->get_parent() == host_.parent;
+}
+
+Transform3D SceneRing::transform_of(const PlacedInstance &instance) const {
+	const auto column = [&instance](int axis) {
+		const glm::vec3 &from = instance.basis[axis];
+		return Vector3(from.x, from.y, from.z);
+	};
+	const glm::dvec3 at = instance.position - offset_;
+	return Transform3D(Basis(column(0), column(1), column(2)),
+			Vector3(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z)));
+}
+
+void SceneRing::place_node(const Shown &shown) const {
+	if (Node3D *node = shown.node.get(); node != nullptr && node->is_inside_tree()) {
+		node->set_global_transform(transform_of(shown.instance));
+		node->reset_physics_interpolation();
+	}
+}
+
+void SceneRing::refuse(Place &place) {
+	place.refused = true;
+	const String path = place.layer.scene->get_path();
+	ERR_PRINT(vformat(
+			"TerrainScatter3D: the scene %s of layer \"%s\" has no Node3D as its root. Its meshes are shown instead.",
+			path.is_empty() ? String("(built in)") : path, place.layer.name));
+}
+
+void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &scene, Node3D *node) {
+	const Shown shown{instance, scene, NodeHandle(node), node->is_set_as_top_level()};
+	places_[instance.layer].near.hold(instance);
+	shown_.insert_or_assign({instance.id, instance.layer}, shown);
+	host_.hide_mesh(instance, true);
+	node->set_as_top_level(true); // Instances stand in the world, wherever their TerrainScatter3D is.
+	node->set_transform(transform_of(instance));
+	const std::weak_ptr<const void> alive = life_;
+	moving_child_ = true;
+	child_changes_ = 0;
+	host_.parent->add_child(node, false, Node::INTERNAL_MODE_BACK);
+	if (alive.expired()) {
+		return;
+	}
+	moving_child_ = false;
+	if (child_changes_ != 1 || !ours(shown)) {
+		children_changed(); // A script has done more.
+	}
+	const auto found = shown_.find({instance.id, instance.layer});
+	if (found != shown_.end() && ours(shown)) {
+		place_node(shown); // Where the node's own transform is another than the world's, the tree has moved it.
+	}
+	if (ours(shown)) {
+		tell(SceneEvent::shown, shown);
+	}
+}
+
+void SceneRing::move(Shown &shown, const PlacedInstance &instance) {
+	host_.hide_mesh(shown.instance, false);
+	shown.instance = instance;
+	host_.hide_mesh(shown.instance, true);
+	place_node(shown);
+}
+
+void SceneRing::tell(SceneEvent event, const Shown &shown) {
+	const std::weak_ptr<const void> alive = life_;
+	const auto listener = host_.tell; // It may free the ring that holds it.
+	const auto id = static_cast<int64_t>(shown.instance.id);
+	Node3D *node = shown.node.get();
+	if (event == SceneEvent::hidden && node != nullptr && node->has_method("_scatter_hidden")) {
+		node->call("_scatter_hidden");
+	} else if (event == SceneEvent::shown && node != nullptr && node->has_method("_scatter_shown")) {
+		const Variant data = host_.data_of(shown.instance.id);
+		node->call("_scatter_shown", id, static_cast<int64_t>(shown.instance.layer), data);
+	}
+	if (alive.expired()) {
+		return;
+	}
+	if (node = shown.node.get(); node != nullptr) {
+		listener(event, shown.instance.id, node);
+	}
+}
+
+/// Takes a child out of the tree, if it is one.
+void SceneRing::take_out(Node3D *node) {
+	if (node->get_parent() != host_.parent) {
+		return;
+	}
+	const std::weak_ptr<const void> alive = life_;
+	moving_child_ = true;
+	child_changes_ = 0;
+	host_.parent->remove_child(node);
+	if (alive.expired()) {
+		return;
+	}
+	moving_child_ = false;
+	if (child_changes_ != 1) {
+		children_changed();
+	}
+}
+
+/// Tells the last scene of leaving_ that it leaves, then gives it to the pool, unless somebody has taken it.
+void SceneRing::put_last_back() {
+	const std::weak_ptr<const void> alive = life_;
+	const Shown shown = leaving_.back();
+	if (ours(shown)) {
+		tell(SceneEvent::hidden, shown);
+	}
+	if (alive.expired()) {
+		return;
+	}
+	const Node3D *node = shown.node.get();
+	const auto found = std::find_if(leaving_.begin(), leaving_.end(),
+			[node](const Shown &other) { return node != nullptr && other.node.get() == node; });
+	if (found == leaving_.end()) {
+		std::erase_if(leaving_, [](const Shown &other) { return other.node.get() == nullptr; });
+		return;
+	}
+	leaving_.erase(found);
+	if (!ours(shown)) {
+		return;
+	}
+	take_out(shown.node.get());
+	Node3D *left = shown.node.get();
+	if (alive.expired() || left == nullptr) {
+		return;
+	}
+	left->set_as_top_level(shown.top_level);
+	const bool wanted =
+			std::ranges::any_of(places_, [&shown](const Place &place) { return place.layer.scene == shown.scene; });
+	if (!wanted || left->get_parent() == host_.parent) {
+		ScenePool::dispose(
+				shown.node); // The last: the tree was busy, and what cannot be taken out cannot be used again.
+	} else {
+		pool_->give(shown.scene, left);
+	}
+}
+
+void SceneRing::recycle() {
+	recycle_due_ = false;
+	const std::weak_ptr<const void> alive = life_;
+	while (!alive.expired() && !leaving_.empty()) {
+		put_last_back();
+	}
+}
+
+void SceneRing::drop(std::uint64_t id) {
+	if (!settled()) {
+		dropped_ids_.insert(id);
+	}
+	for (Place &place : places_) {
+		place.near.release(id);
+	}
+	auto found = shown_.lower_bound({id, 0});
+	while (found != shown_.end() && found->first.id == id) {
+		host_.hide_mesh(found->second.instance, false);
+		leaving_.push_back(std::move(found->second));
+		found = shown_.erase(found);
+		if (!std::exchange(recycle_due_, true)) {
+			host_.recycle_later();
+		}
+	}
+}
+
+void SceneRing::children_changed() {
+	if (moving_child_) {
+		++child_changes_;
+		return;
+	}
+	std::erase_if(shown_, [this](const auto &entry) {
+		const Shown &shown = entry.second;
+		if (ours(shown)) {
+			return false;
+		}
+		if (Node3D *node = shown.node.get()) {
+			node->set_as_top_level(shown.top_level);
+		}
+		host_.hide_mesh(shown.instance, false);
+		return true;
+	});
+	std::erase_if(leaving_, [this](const Shown &shown) { return !ours(shown); });
+}
+
+Node3D *SceneRing::find(std::uint64_t id) const {
+	const auto found = shown_.lower_bound({id, 0});
+	return found != shown_.end() && found->first.id == id ? found->second.node.get() : nullptr;
+}
+
+Node3D *SceneRing::take(std::uint64_t id) {
+	Shown taken;
+	const auto found = shown_.lower_bound({id, 0});
+	const auto left = std::find_if(
+			leaving_.begin(), leaving_.end(), [id](const Shown &shown) { return shown.instance.id == id; });
+	if (found != shown_.end() && found->first.id == id) {
+		taken = std::move(found->second);
+		shown_.erase(found);
+		host_.hide_mesh(taken.instance, false);
+	} else if (left != leaving_.end()) {
+		taken = std::move(*left);
+		leaving_.erase(left);
+	}
+	Node3D *node = taken.node.get();
+	if (node != nullptr) {
+		node->set_as_top_level(taken.top_level);
+	}
+	return node;
+}
+
+void SceneRing::set_world_offset(glm::dvec3 offset) {
+	offset_ = offset;
+	for (const auto &[key, shown] : shown_) {
+		place_node(shown);
+	}
+	for (const Shown &shown : leaving_) {
+		place_node(shown);
+	}
+}
+
+void SceneRing::clear() {
+	++epoch_;
+	world_ = nullptr;
+	version_ = 0;
+	dropped_ids_.clear();
+	for (Place &place : places_) {
+		place.near.clear();
+		place.changes = {};
+		place.left = place.entered = 0;
+	}
+	std::vector<Shown> all = std::exchange(leaving_, {});
+	for (auto &[key, shown] : std::exchange(shown_, {})) {
+		host_.hide_mesh(shown.instance, false);
+		all.push_back(std::move(shown));
+	}
+	pool_->clear();
+	const std::weak_ptr<const void> alive = life_;
+	for (const Shown &shown : all) {
+		if (!alive.expired() && ours(shown)) {
+			take_out(shown.node.get());
+			ScenePool::dispose(shown.node);
+		}
+	}
+}
+
+} // namespace thicket
