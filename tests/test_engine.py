@@ -116,6 +116,8 @@ def assert_passed(done):
         pytest.param("test_domain_cancel", marks=pytest.mark.alone),
         "test_layer_properties",
         "test_mask",
+        pytest.param("test_viewers", marks=pytest.mark.alone),
+        "test_world_offset",
         "test_terrains",
         "test_terrain_objects",
         "test_heightmaps",

@@ -130,6 +130,9 @@ TEST_CASE("streaming: the farthest view that is allowed is served") {
 	Stage stage({{1.0, 64.0}});
 	stage.settle({{{0.5, 0.5}}});
 	CHECK(stage.shown.size() > 12000);
+	const std::size_t most = stage.requested;
+	stage.settle({{{0.5, 0.5}, 1e300}});
+	CHECK(stage.requested == most);
 	CHECK(stage.shown.size() < 14000);
 }
 

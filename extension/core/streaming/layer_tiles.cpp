@@ -121,6 +121,11 @@ bool LayerTiles::look(std::span<const TrackedViewer> viewers, std::size_t &r_new
 	return looked;
 }
 
+/// How far a viewer sees, in metres.
+double LayerTiles::view_of(const TrackedViewer &viewer) const {
+	return std::min(settings_.view_distance * viewer.now.radius_scale, max_view_tiles * settings_.tile_size);
+}
+
 /// Whether a viewer, none for one that has gone, is where it was seen last and sees as far.
 bool LayerTiles::is_where(const Sight &sight, const TrackedViewer *viewer) const {
 	if (viewer == nullptr) {
@@ -128,8 +133,7 @@ bool LayerTiles::is_where(const Sight &sight, const TrackedViewer *viewer) const
 	}
 	const double slack = slack_tiles * settings_.tile_size;
 	const glm::dvec2 step = viewer->now.position - sight.position;
-	return sight.seen == settings_.view_distance * viewer->now.radius_scale + slack &&
-			step.x * step.x + step.y * step.y <= slack * slack;
+	return sight.seen == view_of(*viewer) + slack && step.x * step.x + step.y * step.y <= slack * slack;
 }
 
 /// Takes a viewer's place and reach.
@@ -145,7 +149,7 @@ void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
 		return;
 	}
 	const double size = settings_.tile_size;
-	const double view = settings_.view_distance * viewer->now.radius_scale;
+	const double view = view_of(*viewer);
 	const glm::dvec2 step = viewer->now.position - sight.position;
 	sight.queue.move(std::hypot(step.x, step.y));
 	sight.position = viewer->now.position;

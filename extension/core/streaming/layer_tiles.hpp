@@ -117,6 +117,7 @@ private:
 		Rect rect;
 	};
 
+	double view_of(const TrackedViewer &viewer) const;
 	bool is_where(const Sight &sight, const TrackedViewer *viewer) const;
 	void move(Sight &sight, const TrackedViewer *viewer);
 	void enter(Sight &sight);

@@ -27,15 +27,12 @@ Status validate(const StreamLayer &layer) {
 
 Status validate(const Viewer &viewer, std::span<const LayerTiles> layers) {
 	double reach = max_viewer_tiles * max_tile_size;
-	double scale = std::numeric_limits<double>::max();
 	for (const LayerTiles &layer : layers) {
-		const StreamLayer &settings = layer.settings();
-		reach = std::min(reach, max_viewer_tiles * settings.tile_size);
-		scale = std::min(scale, max_view_tiles * settings.tile_size / settings.view_distance);
+		reach = std::min(reach, max_viewer_tiles * layer.settings().tile_size);
 	}
 	return first_failure(check_range("viewer.x", viewer.position.x, -reach, reach),
 			check_range("viewer.y", viewer.position.y, -reach, reach),
-			check_range("viewer.radius_scale", viewer.radius_scale, 0.0, scale));
+			check_range("viewer.radius_scale", viewer.radius_scale, 0.0, std::numeric_limits<double>::max()));
 }
 
 } // namespace

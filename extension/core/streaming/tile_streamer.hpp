@@ -25,7 +25,7 @@ struct StreamLayer {
 inline constexpr double min_tile_size = 1e-3;
 inline constexpr double max_tile_size = 1e9;
 
-/// The farthest that a viewer may see, in tiles, after its radius scale: about 13,000 tiles for a viewer and layer.
+/// The farthest that a viewer sees, in tiles, whatever its radius scale: about 13,000 tiles for a viewer and layer.
 inline constexpr double max_view_tiles = 64.0;
 
 /// A viewer that moves farther than this between two updates, in metres, has jumped; else it has flown: 1,000 m/s at 20
@@ -37,8 +37,9 @@ inline constexpr std::size_t max_viewers = 64;
 
 /// Someone to stream for.
 struct Viewer {
-	glm::dvec2 position{0.0};  ///< World metres, finite, within max_tile_coordinate tiles of every layer.
-	double radius_scale = 1.0; ///< Times the view distance of each layer; finite, 0 or more.
+	glm::dvec2 position{0.0}; ///< World metres, finite, within max_tile_coordinate tiles of every layer.
+	double radius_scale =
+			1.0;         ///< Times the view distance of each layer; finite, 0 or more. At most max_view_tiles count.
 	double height = 0.0; ///< World y in metres, finite. Tiles are streamed in the plane: it counts for detail only.
 };
 

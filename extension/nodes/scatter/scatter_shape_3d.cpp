@@ -189,6 +189,13 @@ Status ScatterShape3D::build(Shape &r_shape) const {
 	} else if (const Status status = build_solid(r_shape); !status.ok()) {
 		return status;
 	}
+	if (scatter_ != nullptr) {
+		const glm::dvec3 offset = scatter_->world_offset();
+		r_shape.center += is_flat() ? glm::dvec3(0.0) : offset;
+		for (glm::dvec2 &point : r_shape.outline) {
+			point += glm::dvec2(offset.x, offset.z);
+		}
+	}
 	const bool unfinished =
 			(kind_ == KIND_POLYGON && r_shape.outline.size() < 3) || (kind_ == KIND_PATH && r_shape.outline.size() < 2);
 	return unfinished ? Status{ErrorCode::missing, "outline", 0.0} : validate(r_shape);
@@ -238,7 +245,7 @@ PackedStringArray ScatterShape3D::get_problems() const {
 			}
 		}
 	}
-	if (kind_ == KIND_POLYGON || kind_ == KIND_PATH) {
+	if (is_flat()) {
 		return problems;
 	}
 	ShapeFrame frame;

@@ -92,6 +92,7 @@ private:
 	void changed();
 	bool shown() const;
 	/// ErrorCode::missing for an outline with too few points.
+	bool is_flat() const { return kind_ == KIND_POLYGON || kind_ == KIND_PATH; }
 	Status build(Shape &r_shape) const;
 	Status build_solid(Shape &r_shape) const;
 	std::vector<glm::dvec2> polygon_outline() const;

@@ -51,6 +51,27 @@ void ScatterStage::set_place(const RID &scenario, std::uint64_t node_id) {
 	place_.node_id = node_id;
 }
 
+void ScatterStage::set_world_offset(glm::dvec3 offset) {
+	place_.offset = offset;
+	const auto move = [&offset](StagedTile &tile) {
+		for (StagedTile::Part &part : tile.parts) {
+			if (part.visual) {
+				part.visual->set_offset(offset);
+			}
+		}
+	};
+	for (auto &[key, tile] : tiles_) {
+		move(tile);
+	}
+	for (Aside &aside : aside_) {
+		move(aside.tile);
+	}
+	move(current_);
+	for (TileVisual &visual : leaving_) {
+		visual.set_offset(offset);
+	}
+}
+
 void ScatterStage::set_visible(bool visible) {
 	if (visible_ == visible) {
 		return;
@@ -81,9 +102,8 @@ void ScatterStage::push(std::shared_ptr<TileJob> job) { uploads_.push_back(std::
 
 void ScatterStage::draw_part(const StagedTile &tile, std::size_t mesh, const LayerLook &look, const MeshUpload &upload,
 		StagedTile::Part &r_part) {
-	const glm::dvec3 origin = tile.tile->origin;
 	VisualPlace place = place_;
-	place.origin = Vector3(static_cast<real_t>(origin.x), static_cast<real_t>(origin.y), static_cast<real_t>(origin.z));
+	place.origin = tile.tile->origin;
 	r_part.levels = mesh_levels(look, mesh);
 	r_part.visual.emplace(place, tile.plan->settings->look, look.meshes[mesh], upload);
 	r_part.visual->apply(look.draw);

@@ -84,6 +84,9 @@ public:
 	/// Where new tiles go.
 	void set_place(const godot::RID &scenario, std::uint64_t node_id);
 
+	/// The engine's origin in the world, metres: all that stands is moved along at once.
+	void set_world_offset(glm::dvec3 offset);
+
 	/// Shows or hides all that stands and all that comes.
 	void set_visible(bool visible);
 

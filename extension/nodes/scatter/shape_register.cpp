@@ -2,12 +2,36 @@
 
 #include "nodes/scatter/scatter_shape_3d.hpp"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <utility>
 
 using namespace godot;
 
 namespace thicket {
+
+namespace {
+
+/// Metres by which a shape may seem to have moved after its scene was recentred.
+constexpr double rounding = 0.01;
+
+/// Whether a shape is the other one, but for rounding.
+bool stands_still(const Shape &before, const Shape &now) {
+	const auto near = [](const auto &a, const auto &b) {
+		return glm::distance(a, b) <= rounding;
+	};
+	Shape moved = before;
+	if (near(moved.center, now.center)) {
+		moved.center = now.center;
+	}
+	if (std::ranges::equal(moved.outline, now.outline, near)) {
+		moved.outline = now.outline;
+	}
+	return moved == now;
+}
+
+} // namespace
 
 bool ShapeRegister::Entry::counts_for(const String &name) const {
 	return shape.has_value() && (names.size() == 0 || names.has(name));
@@ -35,10 +59,22 @@ bool ShapeRegister::paths_changed() {
 	return any;
 }
 
-void ShapeRegister::update() {
+bool ShapeRegister::mark_all() {
+	for (Entry &entry : entries_) {
+		entry.marked = true;
+	}
+	return !entries_.empty();
+}
+
+void ShapeRegister::update(bool recentred) {
 	for (Entry &entry : entries_) {
 		if (std::exchange(entry.marked, false)) {
-			entry.shape = entry.node->world_shape();
+			const std::optional<Shape> before = std::exchange(entry.read, entry.node->world_shape());
+			const bool same =
+					recentred && before && entry.read ? stands_still(*before, *entry.read) : before == entry.read;
+			if (!same || !entry.shape) {
+				entry.shape = entry.read;
+			}
 			entry.names = entry.node->get_layer_names();
 		}
 	}

@@ -27,8 +27,12 @@ public:
 	/// True if the path that a shape follows has changed. To be asked in every frame: paths do not tell.
 	bool paths_changed();
 
-	/// Looks at the shapes that were marked.
-	void update();
+	/// All shapes have to be looked at again. False if there are none.
+	bool mark_all();
+
+	/// Looks at the shapes that were marked. After the scene was `recentred`, one that stands in the world where it stood is
+	/// the same shape: to within what single precision makes of that.
+	void update(bool recentred);
 
 	/// The shapes that count for the layer of this name at a place in the node's list; null for none. The same pointer
 	/// as last time while nothing has changed.
@@ -42,6 +46,7 @@ private:
 		ScatterShape3D *node = nullptr;
 		bool marked = true;
 		std::optional<Shape> shape; ///< None while it has no effect.
+		std::optional<Shape> read;  ///< As its node said last: the same, but for rounding.
 		godot::PackedStringArray names;
 
 		bool counts_for(const godot::String &name) const;

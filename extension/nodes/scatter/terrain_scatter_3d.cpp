@@ -205,7 +205,7 @@ void TerrainScatter3D::refresh() {
 	}
 	ground.terrain = ground_;
 	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
-	shapes_.update();
+	shapes_.update(std::exchange(recentred_, false));
 	if (!grounded || layers_.is_empty()) {
 		scenes_.clear();
 		stream_.stop();
@@ -255,19 +255,21 @@ Node3D *TerrainScatter3D::active_camera() const {
 
 std::vector<Viewer> TerrainScatter3D::find_viewers() const {
 	std::vector<Viewer> result;
-	const auto add = [&result](const Node3D *node) {
+	const auto add = [this, &result](const Node3D *node, int64_t place) {
 		if (node != nullptr && node->is_inside_tree()) {
 			const Vector3 at = node->get_global_position();
 			if (std::isfinite(at.x) && std::isfinite(at.z)) {
-				result.push_back({{at.x, at.z}, 1.0, std::isfinite(at.y) ? at.y : 0.0});
+				const glm::dvec3 world = world_offset_ + glm::dvec3(at.x, std::isfinite(at.y) ? at.y : 0.0, at.z);
+				const double scale = place < viewer_radius_scales_.size() ? viewer_radius_scales_.ptr()[place] : 1.0;
+				result.push_back({{world.x, world.z}, scale, world.y});
 			}
 		}
 	};
 	for (int64_t viewer = 0; viewer < viewers_.size(); ++viewer) {
-		add(Object::cast_to<Node3D>(get_node_or_null(viewers_[viewer])));
+		add(Object::cast_to<Node3D>(get_node_or_null(viewers_[viewer])), viewer);
 	}
 	if (viewers_.is_empty()) {
-		add(active_camera());
+		add(active_camera(), 0);
 	}
 	return result;
 }
@@ -314,6 +316,9 @@ void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
 	}
 	terrain_ = p_terrain;
 	ground_ = nullptr;
+	if (terrain_.is_valid()) {
+		terrain_->set_world_offset(world_offset_);
+	}
 	if (running_ && terrain_.is_valid()) {
 		terrain_->enter(this);
 	}
@@ -329,6 +334,39 @@ void TerrainScatter3D::set_viewers(const TypedArray<NodePath> &p_viewers) {
 }
 
 TypedArray<NodePath> TerrainScatter3D::get_viewers() const { return viewers_; }
+
+void TerrainScatter3D::set_viewer_radius_scales(const PackedFloat32Array &p_scales) {
+	for (int64_t viewer = 0; viewer < p_scales.size(); ++viewer) {
+		const String name = "viewer_radius_scales[" + String::num_int64(viewer) + "]";
+		if (!accept_number(class_name, name.utf8().get_data(), p_scales.ptr()[viewer], 0.0, 1e6)) {
+			return;
+		}
+	}
+	viewer_radius_scales_ = p_scales;
+}
+
+void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
+	for (const real_t metres : {p_offset.x, p_offset.y, p_offset.z}) {
+		if (!accept_number(class_name, "world_offset", metres, -1e12, 1e12)) {
+			return;
+		}
+	}
+	const glm::dvec3 offset{p_offset.x, p_offset.y, p_offset.z};
+	if (offset == world_offset_) {
+		return;
+	}
+	world_offset_ = offset;
+	recentred_ = true;
+	stream_.set_world_offset(offset);
+	if (terrain_.is_valid()) {
+		terrain_->set_world_offset(offset);
+	}
+	if (shapes_.mark_all()) {
+		mark_edited(); // Those that have not moved with the scene are somewhere else in the world.
+	}
+}
+
+Vector3 TerrainScatter3D::get_world_offset() const { return to_engine(world_offset_, glm::dvec3(0.0)); }
 
 void TerrainScatter3D::set_upload_budget_usec(int64_t p_budget) {
 	if (accept_number(class_name, "upload_budget_usec", static_cast<double>(p_budget), 1.0, 1e6)) {

@@ -15,6 +15,7 @@
 #include <godot_cpp/variant/callable.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/node_path.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
@@ -56,6 +57,17 @@ public:
 	/// Node3Ds to stream around; none for the camera of the viewport, in the editor the editor's own.
 	void set_viewers(const godot::TypedArray<godot::NodePath> &p_viewers);
 	godot::TypedArray<godot::NodePath> get_viewers() const;
+
+	/// By place in the list of viewers, how far each sees: times the view distance of each layer, 0 or more and finite.
+	/// What is missing is 1. A list with anything else in it is refused.
+	void set_viewer_radius_scales(const godot::PackedFloat32Array &p_scales);
+	godot::PackedFloat32Array get_viewer_radius_scales() const { return viewer_radius_scales_; }
+
+	/// The world's metres at the engine's origin, each at most 1e12 from 0: world = engine + world_offset. Nothing is made or
+	/// uploaded anew for another one; all positions that the node takes and gives are the engine's.
+	void set_world_offset(const godot::Vector3 &p_offset);
+	godot::Vector3 get_world_offset() const;
+	glm::dvec3 world_offset() const { return world_offset_; }
 
 	/// Microseconds of the main thread a frame, 1 to 1e6.
 	void set_upload_budget_usec(int64_t p_budget);
@@ -213,6 +225,7 @@ private:
 	godot::TypedArray<ScatterLayer> layers_;
 	godot::Ref<ScatterTerrain> terrain_;
 	godot::TypedArray<godot::NodePath> viewers_;
+	godot::PackedFloat32Array viewer_radius_scales_;
 	int64_t upload_budget_usec_ = 500;
 	double quality_ = 1.0;
 	int64_t preview_instances_ = 250000;
@@ -237,6 +250,7 @@ private:
 	std::shared_ptr<const Terrain> ground_;
 	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
 	std::chrono::steady_clock::duration frame_time_{0};         ///< Of the main thread, in the last frame.
+	bool recentred_ = false; ///< `world_offset_` was changed since shapes were looked at.
 	bool running_ = false;
 	bool dirty_ = true;
 	bool was_idle_ = true;

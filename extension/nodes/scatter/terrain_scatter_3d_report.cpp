@@ -192,6 +192,10 @@ void TerrainScatter3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_layers"), &Self::get_layers);
 	ClassDB::bind_method(D_METHOD("set_viewers", "viewers"), &Self::set_viewers);
 	ClassDB::bind_method(D_METHOD("get_viewers"), &Self::get_viewers);
+	ClassDB::bind_method(D_METHOD("set_viewer_radius_scales", "scales"), &Self::set_viewer_radius_scales);
+	ClassDB::bind_method(D_METHOD("get_viewer_radius_scales"), &Self::get_viewer_radius_scales);
+	ClassDB::bind_method(D_METHOD("set_world_offset", "metres"), &Self::set_world_offset);
+	ClassDB::bind_method(D_METHOD("get_world_offset"), &Self::get_world_offset);
 	ClassDB::bind_method(D_METHOD("set_upload_budget_usec", "microseconds"), &Self::set_upload_budget_usec);
 	ClassDB::bind_method(D_METHOD("get_upload_budget_usec"), &Self::get_upload_budget_usec);
 	ClassDB::bind_method(D_METHOD("set_quality", "quality"), &Self::set_quality);
@@ -222,6 +226,10 @@ void TerrainScatter3D::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "viewers", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:Node3D", Variant::NODE_PATH, PROPERTY_HINT_NODE_PATH_VALID_TYPES)),
 			"set_viewers", "get_viewers");
+	ADD_PROPERTY(PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "viewer_radius_scales"), "set_viewer_radius_scales",
+			"get_viewer_radius_scales");
+	ADD_PROPERTY(PropertyInfo(Variant::VECTOR3, "world_offset", PROPERTY_HINT_NONE, "suffix:m"), "set_world_offset",
+			"get_world_offset");
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "upload_budget_usec", PROPERTY_HINT_RANGE,
 						 "50,5000,10,or_less,or_greater,suffix:µs"),
 			"set_upload_budget_usec", "get_upload_budget_usec");

@@ -47,7 +47,8 @@ TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mes
 	set_instances(upload);
 	instance_ = server->instance_create2(multimesh_, place.scenario);
 	server->instance_set_visible(instance_, false);
-	server->instance_set_transform(instance_, Transform3D(Basis(), place.origin));
+	origin_ = place.origin;
+	set_offset(place.offset);
 	server->instance_attach_object_instance_id(instance_, place.node_id);
 }
 
@@ -67,6 +68,7 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 		material_ = std::move(other.material_);
 		drawn_ = other.drawn_;
 		scale_ = other.scale_;
+		origin_ = other.origin_;
 	}
 	return *this;
 }
@@ -132,6 +134,12 @@ void TileVisual::apply(const DrawSettings &settings) {
 
 void TileVisual::set_visible(bool visible) {
 	RenderingServer::get_singleton()->instance_set_visible(instance_, visible);
+}
+
+void TileVisual::set_offset(glm::dvec3 offset) {
+	const glm::dvec3 at = origin_ - offset;
+	const Vector3 place(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z));
+	RenderingServer::get_singleton()->instance_set_transform(instance_, Transform3D(Basis(), place));
 }
 
 void TileVisual::set_mesh(const Ref<Mesh> &mesh) {

@@ -4,7 +4,8 @@
 #include "nodes/scatter/mesh_upload.hpp"
 
 #include <godot_cpp/variant/rid.hpp>
-#include <godot_cpp/variant/vector3.hpp>
+
+#include <glm/vec3.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +25,8 @@ struct DrawSettings {
 /// Where a TileVisual stands.
 struct VisualPlace {
 	godot::RID scenario;
-	godot::Vector3 origin;     ///< The tile's origin in the world, metres.
+	glm::dvec3 origin{0.0};    ///< The tile's origin in the world, metres.
+	glm::dvec3 offset{0.0};    ///< The engine's origin in the world, metres.
 	std::uint64_t node_id = 0; ///< Of the node it belongs to: a click in the editor selects that.
 };
 
@@ -32,7 +34,8 @@ struct VisualPlace {
 ///
 /// Holds its mesh and its material: an outdated tile is drawn as it was until its successor is there, whatever the
 /// layer has let go of. The instance stands at the tile's centre, from where the engine measures visibility ranges.
-/// Physics interpolation is off, as it is for every multimesh that no MultiMesh resource owns: nothing here ever moves.
+/// Physics interpolation is off, as it is for every multimesh that no MultiMesh resource owns: nothing here ever moves in
+/// the world.
 class TileVisual {
 public:
 	/// Hidden at first. The buffer has as many floats an instance as `look` says.
@@ -44,6 +47,9 @@ public:
 
 	void apply(const DrawSettings &settings);
 	void set_visible(bool visible);
+
+	/// The engine's origin has moved in the world: the visual stays where it is in the world.
+	void set_offset(glm::dvec3 offset);
 
 	/// Other instances in place of those there; all are drawn until `set_drawn`.
 	void set_instances(const MeshUpload &upload);
@@ -75,6 +81,7 @@ private:
 	godot::Ref<godot::Material> material_;
 	std::size_t drawn_ = 0;
 	float scale_ = 1.0F;
+	glm::dvec3 origin_{0.0}; ///< In the world.
 };
 
 } // namespace thicket

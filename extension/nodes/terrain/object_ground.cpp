@@ -52,8 +52,9 @@ float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_
 
 } // namespace
 
-std::shared_ptr<ObjectGround> ObjectGround::of(Object *p_object) {
+std::shared_ptr<ObjectGround> ObjectGround::of(Object *p_object, glm::dvec3 offset) {
 	auto ground = std::make_shared<ObjectGround>();
+	ground->offset_ = offset;
 	return ground->take_methods(p_object) || ground->take_methods(p_object->get("data").get_validated_object()) ||
 					ground->take_map(p_object)
 			? ground
@@ -82,6 +83,18 @@ bool ObjectGround::take_map(Object *p_object) {
 	source_ = Variant(data);
 	height_method_ = "get_interpolated_height_at";
 	return map_.has_value();
+}
+
+void ObjectGround::set_offset(glm::dvec3 offset) {
+	if (map_) {
+		return;
+	}
+	if (calling) {
+		offset_ = offset; // Within a call on this thread, which is the main one.
+		return;
+	}
+	const std::unique_lock wait(gate_);
+	offset_ = offset;
 }
 
 void ObjectGround::close() {
@@ -126,7 +139,7 @@ Status ObjectGround::ground_at(glm::dvec2 position, Ground &r_ground) const {
 
 Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 	r_height = std::numeric_limits<float>::quiet_NaN();
-	const glm::dvec2 place = map_ ? map_->to_map(position) : position;
+	const glm::dvec2 place = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
 	if (!std::isfinite(place.x) || !std::isfinite(place.y) || (map_ && !map_->has_ground(place))) {
 		return {};
 	}
@@ -139,7 +152,7 @@ Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 		return {ErrorCode::missing, "number from the height method of ScatterTerrainObject.node", 0.0};
 	}
 	const auto height = static_cast<double>(result);
-	r_height = map_ ? map_->height_in_world(height) : static_cast<float>(height);
+	r_height = static_cast<float>((map_ ? map_->height_in_world(height) : height) + offset_.y);
 	return {};
 }
 
@@ -157,7 +170,8 @@ Status ObjectGround::slope_by_heights(glm::dvec2 position, Ground &r_ground) con
 
 Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
 	Variant result;
-	if (const Status status = call(normal_method_, "get_normal() of ScatterTerrainObject.node", position, result);
+	if (const Status status =
+					call(normal_method_, "get_normal() of ScatterTerrainObject.node", in_engine(position), result);
 			!status.ok()) {
 		return status;
 	}
@@ -176,7 +190,7 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 	const std::vector<unsigned> channels = map_ ? map_->channels_of(textures) : std::vector<unsigned>();
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		if (map_) {
-			r_ground[i].weight = map_->weight(map_->to_map(positions[i]), channels);
+			r_ground[i].weight = map_->weight(map_->to_map(in_engine(positions[i])), channels);
 		} else if (has_textures_) {
 			const Calling hold(gate_);
 			if (const Status status = weigh_by_textures(positions[i], textures, r_ground[i]); !status.ok()) {
@@ -190,7 +204,8 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 Status ObjectGround::weigh_by_textures(
 		glm::dvec2 position, std::span<const std::int32_t> textures, Ground &r_ground) const {
 	Variant result;
-	if (const Status status = call(texture_method_, "get_texture_id() of ScatterTerrainObject.node", position, result);
+	if (const Status status =
+					call(texture_method_, "get_texture_id() of ScatterTerrainObject.node", in_engine(position), result);
 			!status.ok()) {
 		return status;
 	}

@@ -7,6 +7,7 @@
 #include <godot_cpp/variant/variant.hpp>
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <atomic>
 #include <memory>
@@ -24,8 +25,12 @@ namespace thicket {
 /// from 0 to 1, has weights too.
 class ObjectGround : public Terrain {
 public:
-	/// Null if the object has none of these.
-	static std::shared_ptr<ObjectGround> of(godot::Object *p_object);
+	/// Null if the object has none of these. `offset` is the engine's origin in the world, metres: the object stands in the
+	/// engine's space.
+	static std::shared_ptr<ObjectGround> of(godot::Object *p_object, glm::dvec3 offset);
+
+	/// The scene was recentred. Waits as `close` does. A map goes on as it stood when it was found.
+	void set_offset(glm::dvec3 offset);
 
 	/// As Terrain::sample, on any thread if the object's methods may be called there. A method that is gone or gives no
 	/// number is refused by its name.
@@ -47,6 +52,7 @@ private:
 	bool take_map(godot::Object *p_object);
 	Status sample_slice(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const;
 	Status ground_at(glm::dvec2 position, Ground &r_ground) const;
+	glm::dvec2 in_engine(glm::dvec2 position) const { return position - glm::dvec2(offset_.x, offset_.z); }
 	Status height_at(glm::dvec2 position, float &r_height) const;
 	Status slope_by_heights(glm::dvec2 position, Ground &r_ground) const;
 	Status normal_at(glm::dvec2 position, Ground &r_ground) const;
@@ -61,6 +67,7 @@ private:
 	bool has_normal_ = false;
 	bool has_textures_ = false;
 	std::optional<TerrainMap> map_;
+	glm::dvec3 offset_{0.0}; ///< Guarded by gate_; that of a map never changes.
 
 	mutable std::shared_mutex gate_; ///< Shared while methods are called, so that the object stays for so long.
 	std::atomic<bool> open_ = true;

@@ -171,6 +171,13 @@ Ground ScatterTerrain::ground_at(const Vector3 &p_global_position) {
 	return ground;
 }
 
+void ScatterTerrain::set_world_offset(glm::dvec3 offset) {
+	if (world_offset_ != offset) {
+		world_offset_ = offset;
+		offset_changed();
+	}
+}
+
 void ScatterTerrain::enter(Node3D *p_host) {
 	hosts_.push_back(p_host);
 	if (hosts_.size() == 1) {

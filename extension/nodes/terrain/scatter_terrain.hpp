@@ -12,6 +12,8 @@
 #include <godot_cpp/variant/rect2.hpp>
 #include <godot_cpp/variant/vector3.hpp>
 
+#include <glm/vec3.hpp>
+
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -60,6 +62,10 @@ public:
 	void enter(godot::Node3D *p_host);
 	void leave(godot::Node3D *p_host);
 
+	/// Where the engine's origin is in the world, metres: world = engine + offset. Counts for ground that is found in the scene,
+	/// which moves along when a game recentres; all other ground is the world's. Main thread only.
+	void set_world_offset(glm::dvec3 offset);
+
 	/// Height in metres of the ground above or below a world position; NAN where there is none.
 	double get_height(const godot::Vector3 &p_global_position);
 
@@ -77,6 +83,10 @@ protected:
 	/// Called after the first of the hosts has become another one.
 	virtual void host_changed() {}
 
+	/// Called after `world_offset` has become another one.
+	virtual void offset_changed() {}
+	glm::dvec3 world_offset() const { return world_offset_; }
+
 	/// The node from which what this ground needs of the scene is looked for: the first of those that use it; null for
 	/// none.
 	godot::Node3D *host() const { return hosts_.empty() ? nullptr : hosts_.front(); }
@@ -90,6 +100,7 @@ private:
 	Ground ground_at(const godot::Vector3 &p_global_position);
 
 	std::vector<godot::Node3D *> hosts_;
+	glm::dvec3 world_offset_{0.0};
 };
 
 } // namespace thicket

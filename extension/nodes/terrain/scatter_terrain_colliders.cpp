@@ -32,14 +32,16 @@ constexpr int max_bodies = 64;
 /// Casts one ray after another straight down. Instances of a scatter stand on the ground and are none.
 class Plumb {
 public:
-	Plumb(PhysicsDirectSpaceState3D *p_space, double p_top, double p_bottom, int64_t p_mask) :
-			space_(p_space), top_(static_cast<real_t>(p_top)), bottom_(static_cast<real_t>(p_bottom)),
+	/// Heights in the world; bodies stand in the engine's space, whose origin `offset` is in the world.
+	Plumb(PhysicsDirectSpaceState3D *p_space, double p_top, double p_bottom, int64_t p_mask, glm::dvec3 offset) :
+			space_(p_space), offset_(offset), top_(static_cast<real_t>(p_top - offset.y)),
+			bottom_(static_cast<real_t>(p_bottom - offset.y)),
 			ray_(PhysicsRayQueryParameters3D::create(Vector3(), Vector3(), static_cast<std::uint32_t>(p_mask))) {}
 
 	/// No ground where nothing is hit.
 	Ground ground_at(glm::dvec2 position) {
-		const auto x = static_cast<real_t>(position.x);
-		const auto z = static_cast<real_t>(position.y);
+		const auto x = static_cast<real_t>(position.x - offset_.x);
+		const auto z = static_cast<real_t>(position.y - offset_.z);
 		if (!std::isfinite(x) || !std::isfinite(z)) {
 			return {};
 		}
@@ -55,7 +57,7 @@ public:
 			return {};
 		}
 		// The back of a face is ground as well, and faces up.
-		return {static_cast<float>(point.y), normal / (normal.y < 0.0F ? -length : length)};
+		return {static_cast<float>(point.y + offset_.y), normal / (normal.y < 0.0F ? -length : length)};
 	}
 
 private:
@@ -86,6 +88,7 @@ private:
 	}
 
 	PhysicsDirectSpaceState3D *space_;
+	glm::dvec3 offset_;
 	real_t top_;
 	real_t bottom_;
 	Ref<PhysicsRayQueryParameters3D> ray_;
@@ -124,7 +127,7 @@ Status ScatterTerrainColliders::ask(
 	if (space == nullptr) {
 		return {ErrorCode::missing, "physics space of ScatterTerrainColliders", 0.0};
 	}
-	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_);
+	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_, world_offset());
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		r_ground[i] = plumb.ground_at(positions[i]);
 	}

@@ -23,10 +23,10 @@ namespace {
 
 constexpr const char *class_name = "ScatterTerrainMeshes";
 
-/// Adds a mesh's triangles as they stand in the world.
-void add_triangles(const MeshInstance3D &instance, std::vector<glm::dvec3> &r_corners) {
+/// Adds a mesh's triangles as they stand in the world, in which the engine's origin is at `offset`.
+void add_triangles(const MeshInstance3D &instance, glm::dvec3 offset, std::vector<glm::dvec3> &r_corners) {
 	const Transform3D place = instance.get_global_transform();
-	const glm::dvec3 origin{place.origin.x, place.origin.y, place.origin.z};
+	const glm::dvec3 origin = offset + glm::dvec3{place.origin.x, place.origin.y, place.origin.z};
 	const auto along = [&place](int row, const Vector3 &corner) {
 		const Vector3 &axis = place.basis.rows[row];
 		return double{axis.x} * corner.x + double{axis.y} * corner.y + double{axis.z} * corner.z;
@@ -106,7 +106,7 @@ void ScatterTerrainMeshes::read() {
 	std::vector<glm::dvec3> corners;
 	for (const MeshInstance3D *instance : instances()) {
 		const std::size_t first = corners.size();
-		add_triangles(*instance, corners);
+		add_triangles(*instance, world_offset(), corners);
 		const auto added = std::span<const glm::dvec3>(corners).subspan(first);
 		if (!added.empty()) {
 			parts[instance->get_instance_id()] = {digest_of(added), area_of(added)};

@@ -46,7 +46,7 @@ void ScatterTerrainObject::find() {
 	}
 	stale_ = false;
 	Node *target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
-	std::shared_ptr<ObjectGround> found = target != nullptr ? ObjectGround::of(target) : nullptr;
+	std::shared_ptr<ObjectGround> found = target != nullptr ? ObjectGround::of(target, world_offset()) : nullptr;
 	problem_ = problem_of(target, found != nullptr);
 	if (found == nullptr || followed_node_.get_validated_object() != target) {
 		close();
@@ -121,6 +121,14 @@ void ScatterTerrainObject::close() {
 	given_.clear();
 }
 
+void ScatterTerrainObject::offset_changed() {
+	for (const std::weak_ptr<ObjectGround> &given : given_) {
+		if (const std::shared_ptr<ObjectGround> ground = given.lock()) {
+			ground->set_offset(world_offset());
+		}
+	}
+}
+
 void ScatterTerrainObject::host_changed() {
 	stale_ = true;
 	if (host() == nullptr) {
@@ -141,8 +149,15 @@ void ScatterTerrainObject::node_gone() {
 
 void ScatterTerrainObject::node_moved(const Transform3D &) { change(); }
 
+/// An area of the engine's space was edited.
+void ScatterTerrainObject::emit_area(const Rect2 &p_rect) {
+	const Vector2 corner(static_cast<real_t>(p_rect.position.x + world_offset().x),
+			static_cast<real_t>(p_rect.position.y + world_offset().z));
+	emit_terrain_changed(Rect2(corner, p_rect.size));
+}
+
 void ScatterTerrainObject::area_edited(const AABB &p_area) {
-	emit_terrain_changed(Rect2(p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z));
+	emit_area(Rect2(p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z));
 }
 
 void ScatterTerrainObject::map_edited(int64_t p_x, int64_t p_z, int64_t p_width, int64_t p_depth, int64_t p_channel) {
@@ -152,7 +167,7 @@ void ScatterTerrainObject::map_edited(int64_t p_x, int64_t p_z, int64_t p_width,
 		const Rect2 part(static_cast<real_t>(p_x) - margin, static_cast<real_t>(p_z) - margin,
 				static_cast<real_t>(p_width) + 2 * margin, static_cast<real_t>(p_depth) + 2 * margin);
 		stale_ = stale_ || TerrainMap::copies(p_channel);
-		emit_terrain_changed(ground_->map()->world_rect(part));
+		emit_area(ground_->map()->world_rect(part));
 	}
 }
 

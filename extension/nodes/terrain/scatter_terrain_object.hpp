@@ -33,6 +33,7 @@ public:
 protected:
 	static void _bind_methods();
 	void host_changed() override;
+	void offset_changed() override;
 
 private:
 	void find();
@@ -44,6 +45,7 @@ private:
 	void change();
 	void node_gone();
 	void node_moved(const godot::Transform3D &p_transform);
+	void emit_area(const godot::Rect2 &p_rect);
 	void area_edited(const godot::AABB &p_area);
 	void map_edited(int64_t p_x, int64_t p_z, int64_t p_width, int64_t p_depth, int64_t p_channel);
 

@@ -1,0 +1,190 @@
+extends "harness.gd"
+## Several viewers, each with its own radius; teleports, and flight at 1000 m/s: never a far tile before a near one.
+
+## Metres from a viewer to the nearest point of a tile.
+func distance(tile: Vector2i, size: float, from: Vector3) -> float:
+	var rect := Rect2(Vector2(tile) * size, Vector2(size, size))
+	var at := Vector2(from.x, from.z)
+	return at.distance_to(at.clamp(rect.position, rect.end))
+
+
+## Follows what a layer of a scatter shows and measures by how much a tile came before a nearer one of the same layer.
+class OrderWatch:
+	var size: float
+	var view: float
+	var viewer: Node3D
+	var shown := {}
+	var worst := -INF
+	var count := 0
+
+	func _init(scatter: TerrainScatter3D, layer: int, of: Node3D) -> void:
+		size = scatter.layers[layer].tile_size
+		view = scatter.layers[layer].view_distance
+		viewer = of
+		scatter.tile_shown.connect(func(which: int, tile: Vector2i) -> void:
+			if which == layer:
+				_came(tile))
+		scatter.tile_hidden.connect(func(which: int, tile: Vector2i) -> void:
+			if which == layer:
+				shown.erase(tile))
+
+	func away(tile: Vector2i) -> float:
+		var from := Vector2(viewer.global_position.x, viewer.global_position.z)
+		return from.distance_to(from.clamp(Vector2(tile) * size, Vector2(tile + Vector2i.ONE) * size))
+
+	func nearest_missing() -> float:
+		var middle := Vector2i((Vector2(viewer.global_position.x, viewer.global_position.z) / size).floor())
+		var reach := ceili(view / size) + 1
+		var nearest := INF
+		for x in range(middle.x - reach, middle.x + reach + 1):
+			for y in range(middle.y - reach, middle.y + reach + 1):
+				if not Vector2i(x, y) in shown:
+					var off := away(Vector2i(x, y))
+					nearest = minf(nearest, off if off <= view else INF)
+		return nearest
+
+	func _came(tile: Vector2i) -> void:
+		if not tile in shown:
+			count += 1
+			worst = maxf(worst, away(tile) - nearest_missing())
+			shown[tile] = true
+
+
+func test_each_viewer_has_its_own_radius() -> void:
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var others := [make_viewer(Vector3(2000.0, 0.0, 0.0)), make_viewer(Vector3(-2000.0, 0.0, 0.0))]
+	for other: Node3D in others:
+		scatter.viewers = scatter.viewers + [scatter.get_path_to(other)]
+	scatter.viewer_radius_scales = PackedFloat32Array([0.5, 2.0])
+	await settle(scatter)
+	var farthest := [0.0, 0.0, 0.0]
+	var places := [Vector3.ZERO, others[0].global_position, others[1].global_position]
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		for index in 3:
+			var off := distance(tile, 32.0, places[index])
+			if off < 500.0:
+				farthest[index] = maxf(farthest[index], off)
+	check(farthest[0] <= 36.1 and farthest[0] > 20.0, "half as far: %f" % farthest[0])
+	check(farthest[1] <= 132.1 and farthest[1] > 100.0, "twice as far: %f" % farthest[1])
+	check(farthest[2] <= 68.1 and farthest[2] > 40.0, "as the layer says: %f" % farthest[2])
+	scatter.viewer_radius_scales = PackedFloat32Array([1.0, 0.0, 1.0])
+	await settle(scatter)
+	await frames(10)
+	var around := 0
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		around += 1 if distance(tile, 32.0, places[1]) < 500.0 else 0
+	check(around <= 9, "a viewer that sees nothing keeps %d tiles" % around)
+	scatter.viewer_radius_scales = PackedFloat32Array([1e6])
+	await frames(2)
+	check_no_error("the farthest view")
+
+
+func test_bad_radius_scales() -> void:
+	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+	scatter.viewer_radius_scales = PackedFloat32Array([0.0, 2.0])
+	for bad: float in [NAN, INF, -1.0, 2e6]:
+		scatter.viewer_radius_scales = PackedFloat32Array([1.0, bad])
+		check_error(["TerrainScatter3D", "viewer_radius_scales[1]"], "a scale of %f" % bad)
+		check_equal(scatter.viewer_radius_scales, PackedFloat32Array([0.0, 2.0]), "scales after a refusal")
+
+
+func test_split_screen_is_both_pictures() -> void:
+	var ends := [Vector3(10.0, 0.0, 5.0), Vector3(90.0, 0.0, -30.0)]
+	var both := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer(ends[0]))
+	both.viewers = both.viewers + [both.get_path_to(make_viewer(ends[1]))]
+	await settle(both)
+	var got := digests(both, 0)
+	for at: Vector3 in ends:
+		var one := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer(at))
+		await settle(one)
+		var expected := digests(one, 0)
+		for tile: Vector2i in expected:
+			check_equal(got.get(tile), expected[tile], "tile %s" % tile)
+
+
+func test_a_server_with_16_players() -> void:
+	var layer := make_layer(4.0)
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var paths := scatter.viewers
+	var players: Array[Node3D] = [scatter.get_node(paths[0])]
+	for player in range(1, 16):
+		players.push_back(make_viewer(Vector3(700.0 * player, 0.0, -300.0 * player)))
+		paths.push_back(scatter.get_path_to(players[player]))
+	scatter.viewers = paths
+	for step in 40:
+		for player in 16:
+			players[player].global_position += Vector3(3.0, 0.0, 0.0).rotated(Vector3.UP, player)
+		await process_frame
+	await settle(scatter)
+	var shown := scatter.get_shown_tiles(0)
+	for player in players:
+		var middle := Vector2i((on_map(player.global_transform) / 32.0).floor())
+		for x in range(-2, 3):
+			for y in range(-2, 3):
+				var tile := middle + Vector2i(x, y)
+				if distance(tile, 32.0, player.global_position) < 64.0 and not tile in shown:
+					check(false, "tile %s around %s is missing" % [tile, player.global_position])
+	check(shown.size() > 16 * 20, "%d tiles" % shown.size())
+	# One of them leaves: nothing is made anew for the others.
+	var made: int = scatter.get_stats()["tiles_made"]
+	paths.remove_at(4)
+	scatter.viewers = paths
+	await settle(scatter)
+	# The look at a viewer that takes another's place is a new one: a tile at the border of its view may be new to it.
+	check(scatter.get_stats()["tiles_made"] - made <= 16, "tiles made when a player left")
+
+
+func test_a_teleport_shows_near_tiles_first() -> void:
+	var viewer := make_viewer()
+	var layer := make_layer(1.5)
+	layer.view_distance = 300.0
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	scatter.upload_budget_usec = 500
+	var watch := OrderWatch.new(scatter, 0, viewer)
+	await settle(scatter)
+	for jump: Vector3 in [Vector3(5e4, 0.0, -3e4), Vector3(200.0, 0.0, 0.0), Vector3(-90.0, 0.0, 110.0)]:
+		viewer.global_position += jump
+		await frames(4) # Jumps again before all is there.
+		viewer.global_position += 0.7 * jump
+		await settle(scatter)
+	check(watch.count > 500, "%d tiles came" % watch.count)
+	check(watch.worst <= 32.01, "a tile came on show %f m before a nearer one" % watch.worst)
+	check_equal(watch.nearest_missing(), INF, "nothing is missing in the end")
+
+
+func test_flight_at_1000_metres_a_second() -> void:
+	var viewer := make_viewer()
+	var near := make_layer(3.0)
+	near.view_distance = 128.0
+	var far := make_layer(8.0)
+	far.tile_size = 128.0
+	far.view_distance = 700.0
+	var scatter := make_scatter([near, far], ScatterTerrainFlat.new(), viewer)
+	scatter.upload_budget_usec = 500
+	await settle(scatter)
+	var watches := [OrderWatch.new(scatter, 0, viewer), OrderWatch.new(scatter, 1, viewer)]
+	for layer in 2:
+		for tile: Vector2i in scatter.get_shown_tiles(layer):
+			watches[layer].shown[tile] = true
+	var spent: Array[int] = []
+	var empty := 0
+	var step := 1000.0 / 60.0
+	for frame in 240:
+		viewer.global_position += Vector3(0.6, 0.0, 0.8) * step
+		await process_frame
+		spent.push_back(scatter.get_stats()["frame_usec"])
+		var around := 0
+		for tile: Vector2i in scatter.get_shown_tiles(1):
+			around += 1 if distance(tile, 128.0, viewer.global_position) < 300.0 else 0
+		empty += 1 if around == 0 else 0
+	spent.sort()
+	print("flight at 1000 m/s: main thread a frame, median %d us, p99 %d us, most %d us; %d and %d tiles came" % [
+			spent[120], spent[237], spent[239], watches[0].count, watches[1].count])
+	check(spent[120] <= 500, "the median frame took %d us" % spent[120])
+	check_equal(empty, 0, "frames without a tile near by")
+	check(watches[0].count > 30 and watches[1].count > 50, "%d and %d tiles came" % [watches[0].count, watches[1].count])
+	# A tile, and what the viewer flew while it was made: at most a quarter of a second here.
+	check(watches[0].worst <= 32.0 + 250.0, "a near layer's tile came %f m before a nearer one" % watches[0].worst)
+	check(watches[1].worst <= 128.0 + 250.0, "a far layer's tile came %f m before a nearer one" % watches[1].worst)
+	await settle(scatter)
+	check_equal(watches[1].nearest_missing(), INF, "nothing is missing in the end")

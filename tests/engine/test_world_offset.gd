@@ -1,0 +1,289 @@
+extends "harness.gd"
+## Games that recentre: the engine's origin moves in the world, and nothing else does.
+
+const FAR := Vector3(1048576.0, 0.0, -1048576.0) # 2^20 m: a thousand kilometres, and exact.
+
+
+func make_rock(radius := 2.0) -> ScatterLayer:
+	var layer := make_layer(radius)
+	layer.min_scale = 0.7
+	layer.max_scale = 1.4
+	layer.align_to_normal = 1.0
+	return layer
+
+
+func make_noise() -> ScatterTerrainNoise:
+	var terrain := ScatterTerrainNoise.new()
+	var noise := FastNoiseLite.new()
+	noise.frequency = 0.01
+	terrain.noise = noise
+	return terrain
+
+
+func test_a_recentre_moves_what_stands_and_makes_nothing() -> void:
+	var viewer := make_viewer(Vector3(300.0, 0.0, 100.0))
+	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	var before := instances(scatter, 0)
+	var digest := digests(scatter, 0)
+	var stats := scatter.get_stats()
+	var events := []
+	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: events.push_back(tile))
+	scatter.tile_hidden.connect(func(_layer: int, tile: Vector2i) -> void: events.push_back(tile))
+	var shift := Vector3(256.0, 16.0, -1024.0)
+	viewer.global_position -= shift
+	scatter.world_offset = shift
+	check_equal(scatter.world_offset, shift, "the property")
+	var at_once := instances(scatter, 0)
+	await frames(20)
+	check(scatter.is_idle(), "nothing to do")
+	check_equal(scatter.get_stats()["tiles_made"], stats["tiles_made"], "tiles made for a recentre")
+	check_equal(scatter.get_stats()["uploads"], stats["uploads"], "uploads for a recentre")
+	check_equal(events.size(), 0, "tiles that came or went")
+	check_equal(digests(scatter, 0), digest, "digests")
+	for state: Dictionary[int, Transform3D] in [at_once, instances(scatter, 0)]:
+		var worst := 0.0
+		check_equal(state.size(), before.size(), "instances")
+		for id in before:
+			worst = maxf(worst, state[id].origin.distance_to(before[id].origin - shift))
+			if state[id].basis != before[id].basis:
+				check(false, "instance %d has another basis" % id)
+		check(worst < 1e-3, "an instance is off by %f m" % worst)
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		check_equal(scatter.get_tile_origin(0, tile).x, (tile.x + 0.5) * 32.0 - shift.x, "origin of tile %s" % tile)
+
+
+func test_a_recentre_in_flight() -> void:
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_rock()], make_noise(), viewer)
+	var made := {}
+	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: made[tile] = made.get(tile, 0) + 1)
+	var at := Vector3.ZERO # In the world.
+	for step in 60:
+		at.x += 9.0
+		if step % 7 == 3:
+			scatter.world_offset = Vector3(snappedf(at.x, 64.0), 0.0, 0.0)
+		viewer.global_position = at - scatter.world_offset
+		await process_frame
+	await settle(scatter)
+	for tile: Vector2i in made:
+		if made[tile] != 1:
+			check(false, "tile %s came %d times" % [tile, made[tile]])
+	check(made.size() > 60, "%d tiles" % made.size())
+	var still := make_scatter([make_rock()], make_noise(), make_viewer(at))
+	await settle(still)
+	var expected := instances(still, 0)
+	var got := instances(scatter, 0)
+	var found := 0
+	for id in expected:
+		if got.has(id):
+			found += 1
+			var off := got[id].origin.distance_to(expected[id].origin - scatter.world_offset)
+			if off > 1e-3:
+				check(false, "instance %d is off by %f m" % [id, off])
+	check_equal(found, expected.size(), "instances that both have")
+
+
+func test_a_thousand_kilometres_out_all_is_as_exact_as_here() -> void:
+	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), make_viewer())
+	scatter.world_offset = FAR
+	await settle(scatter)
+	var standing := instances(scatter, 0)
+	check(standing.size() > 2000, "%d instances" % standing.size())
+	# Nobody closer than the radius, across tiles, and everywhere as many: no seams.
+	var closest := INF
+	var grid := {}
+	for id in standing:
+		var place := on_map(standing[id])
+		var cell := Vector2i((place / 2.0).floor())
+		for x in range(cell.x - 1, cell.x + 2):
+			for y in range(cell.y - 1, cell.y + 2):
+				for other: Vector2 in grid.get(Vector2i(x, y), []):
+					closest = minf(closest, place.distance_to(other))
+		grid.get_or_add(cell, []).push_back(place)
+	check(closest > 1.9999, "the closest two are %f apart" % closest)
+	check(closest < 2.02, "the closest two are %f apart" % closest)
+	var gap := 0.0
+	for x in range(-20, 20):
+		for y in range(-20, 20):
+			var nearest := INF
+			for cx in range(x - 3, x + 4):
+				for cy in range(y - 3, y + 4):
+					for other: Vector2 in grid.get(Vector2i(cx, cy), []):
+						nearest = minf(nearest, other.distance_to(Vector2(x, y) * 2.0))
+			gap = maxf(gap, nearest)
+	check(gap < 2.0, "nothing stands within %f m of a place" % gap)
+	# Near the viewer the engine's floats tell a tenth of a millimetre apart, as at the origin.
+	var fine := 0
+	for id in standing:
+		fine += 1 if absf(fmod(standing[id].origin.x, 0.0625)) > 1e-4 else 0
+	check(fine > standing.size() * 9 / 10, "positions are not multiples of 6 cm: %d" % fine)
+
+
+func test_the_same_bits_whatever_the_offset() -> void:
+	var here := make_scatter([make_rock()], make_noise(), make_viewer(FAR))
+	var there := make_scatter([make_rock()], make_noise(), make_viewer())
+	there.world_offset = FAR
+	await settle(here)
+	await settle(there)
+	var got := digests(there, 0)
+	var expected := digests(here, 0)
+	for tile: Vector2i in expected:
+		check_equal(got.get(tile), expected[tile], "tile %s" % tile)
+	check(expected.size() > 10, "there are tiles to compare")
+
+
+func test_queries_and_changes_are_in_the_engine_space() -> void:
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
+	scatter.world_offset = FAR
+	await settle(scatter)
+	var found := scatter.query_sphere(Vector3(5.0, 0.0, 5.0), 20.0)
+	var standing := instances(scatter, 0)
+	var inside := 0
+	for id in standing:
+		inside += 1 if standing[id].origin.distance_to(Vector3(5.0, 0.0, 5.0)) < 20.0 else 0
+	check_equal((found["ids"] as PackedInt64Array).size(), inside, "instances within 20 m")
+	check(inside > 50, "%d instances" % inside)
+	for index in (found["ids"] as PackedInt64Array).size():
+		var id: int = found["ids"][index]
+		var off := standing[id].origin.distance_to((found["positions"] as PackedVector3Array)[index])
+		if off > 1e-3:
+			check(false, "a query's place is off by %f m" % off)
+	var built := scatter.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
+	var ids: PackedInt64Array = built["ids"][0]
+	check(ids.size() > 20, "build_rect")
+	for index in ids.size():
+		var buffer: PackedFloat32Array = built["buffers"][0]
+		var local := Vector3(buffer[12 * index + 3], buffer[12 * index + 7], buffer[12 * index + 11])
+		check(standing[ids[index]].origin.distance_to(local + (built["origin"] as Vector3)) < 1e-3, "build_rect's place")
+	# A felled one stays felled when the game recentres, and a planted one stays where it is in the world.
+	var nearest := scatter.query_nearest(Vector3.ZERO, 10.0)
+	check(scatter.remove_instance(nearest["id"]), "felled")
+	var planted := scatter.add_instance(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)))
+	var shift := Vector3(128.0, 0.0, 64.0)
+	viewer.global_position -= shift
+	scatter.world_offset = FAR + shift
+	await frames(3)
+	check(not scatter.has_instance(nearest["id"]), "still felled")
+	var seen: Transform3D = scatter.get_instance(planted)["transform"]
+	check(seen.origin.distance_to(Vector3(1.0, 0.0, 2.0) - shift) < 1e-3, "planted at %s" % seen.origin)
+	check(instances(scatter, 0)[planted].origin.distance_to(seen.origin) < 1e-3, "drawn there")
+
+
+func test_shapes_move_along_and_are_no_edit() -> void:
+	var world := Node3D.new()
+	root.add_child(world)
+	var layer := make_rock()
+	var viewer := make_viewer(Vector3(3.3, 0.0, 1.1))
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	scatter.reparent(world)
+	scatter.viewers = [scatter.get_path_to(viewer)]
+	var box := ScatterShape3D.new()
+	box.exclude = true
+	box.size = Vector3(20.0, 10.0, 30.0)
+	scatter.add_child(box)
+	box.global_position = Vector3(10.37, 0.0, 3.21)
+	var path := Path3D.new()
+	path.curve = Curve3D.new()
+	path.curve.add_point(Vector3(-30.0, 0.0, -20.0))
+	path.curve.add_point(Vector3(30.0, 0.0, -25.0))
+	scatter.add_child(path)
+	path.global_position = Vector3(0.7, 0.0, 0.3)
+	var road := ScatterShape3D.new()
+	road.kind = ScatterShape3D.KIND_PATH
+	road.exclude = true
+	path.add_child(road)
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	var made: int = scatter.get_stats()["tiles_made"]
+	for shift: Vector3 in [Vector3(1024.0, 0.0, -512.0), Vector3(1234.567, 0.0, 77.7)]:
+		viewer.global_position -= shift - scatter.world_offset
+		world.global_position -= shift - scatter.world_offset
+		scatter.world_offset = shift
+		await settle(scatter)
+		await frames(5)
+		check_equal(scatter.get_stats()["tiles_made"], made, "tiles made after a recentre to %s" % shift)
+		check_equal(digests(scatter, 0), before, "digests after a recentre to %s" % shift)
+	box.global_position.x += 4.0
+	await settle(scatter)
+	check(scatter.get_stats()["tiles_made"] > made, "a shape that moves in the world is an edit")
+	made = scatter.get_stats()["tiles_made"]
+	scatter.world_offset += Vector3(64.0, 0.0, 0.0) # Without the scene.
+	await settle(scatter)
+	check(scatter.get_stats()["tiles_made"] > made, "and so is one that stays behind")
+
+
+func test_ground_in_the_scene_moves_along() -> void:
+	var ground := StaticBody3D.new()
+	var shape := CollisionShape3D.new()
+	shape.shape = BoxShape3D.new()
+	(shape.shape as BoxShape3D).size = Vector3(400.0, 2.0, 400.0)
+	ground.add_child(shape)
+	root.add_child(ground)
+	ground.global_position.y = 6.0 # Its top is at 7 m.
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_rock()], ScatterTerrainColliders.new(), viewer)
+	await settle(scatter)
+	var before := instances(scatter, 0)
+	check(before.size() > 1000, "%d instances" % before.size())
+	var shift := Vector3(512.0, 256.0, -128.0)
+	ground.global_position -= shift
+	viewer.global_position -= shift
+	scatter.world_offset = shift
+	await frames(5)
+	scatter.regenerate()
+	await settle(scatter)
+	var after := instances(scatter, 0)
+	check_equal(after.size(), before.size(), "instances on ground that moved along")
+	for id in before:
+		if not after.has(id) or after[id].origin.distance_to(before[id].origin - shift) > 2e-3:
+			check(false, "an instance stands somewhere else: %s" % before[id].origin)
+			break
+
+
+func test_bodies_move_along() -> void:
+	var viewer := make_viewer()
+	var layer := make_rock(4.0)
+	layer.collision_shape = ScatterLayer.COLLISION_CAPSULE
+	layer.collision_distance = 30.0
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	scatter.world_offset = FAR
+	await settle(scatter)
+	var shift := Vector3(-64.0, 0.0, 32.0)
+	viewer.global_position -= shift
+	scatter.world_offset = FAR + shift
+	await frames(5)
+	for frame in 3:
+		await physics_frame
+	var near := scatter.query_nearest(viewer.global_position, 20.0)
+	var at: Vector3 = (near["transform"] as Transform3D).origin
+	var ray := PhysicsRayQueryParameters3D.create(at + Vector3(0.0, 8.0, 0.0), at - Vector3(0.0, 8.0, 0.0))
+	var hit := scatter.get_world_3d().direct_space_state.intersect_ray(ray)
+	if check(not hit.is_empty(), "a ray hits the nearest instance after a recentre"):
+		check_equal(scatter.get_body_instance(hit["rid"]), near["id"], "the instance that was hit")
+
+
+func test_how_far_out_a_radius_reaches() -> void:
+	# Base squares of side r / sqrt 2 are counted from -2^23: a radius of 2 m ends at some 11,863 km.
+	var edge := 8388608.0 * 2.0 / sqrt(2.0)
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
+	scatter.world_offset = Vector3(11.0e6, 0.0, 0.0)
+	await settle(scatter)
+	check(instances(scatter, 0).size() > 2000, "instances 11,000 km out")
+	check_no_error("11,000 km out")
+	scatter.world_offset = Vector3(edge + 1000.0, 0.0, 0.0)
+	await frames(30)
+	await settle(scatter)
+	check_equal(instances(scatter, 0).size(), 0, "instances beyond the last cell")
+	check_error(["TerrainScatter3D, layer 0", "range"], "beyond the last cell")
+
+
+func test_bad_values() -> void:
+	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+	scatter.world_offset = Vector3(NAN, 0.0, 0.0)
+	check_error(["TerrainScatter3D", "world_offset"], "not a number")
+	scatter.world_offset = Vector3(0.0, 2e12, 0.0)
+	check_error(["TerrainScatter3D", "world_offset"], "too far")
+	check_equal(scatter.world_offset, Vector3.ZERO, "refused values change nothing")
