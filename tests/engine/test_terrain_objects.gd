@@ -144,6 +144,17 @@ func test_textures_of_terrain3d_like() -> void:
 	check(absf(counts[0] - (0.25 * 0.5 + 0.5) * counts[2]) < 0.06 * counts[2], "a quarter on the left: %s" % [counts])
 
 
+func test_textures_that_a_node_has_not() -> void:
+	for node: Node3D in [Terrain3DLike.new(), HTerrainLike.new(), Slope.new()]:
+		var layer := make_layer()
+		layer.ground_textures = PackedInt32Array([0])
+		var scatter := make_on(node, false, layer)
+		await settle(scatter)
+		var warned := "ground_textures has no effect" in "\n".join(scatter.get_problems())
+		check_equal(warned, not node is Terrain3DLike, "a warning of %s" % node)
+		scatter.free()
+
+
 func test_hterrain_like() -> void:
 	var node := HTerrainLike.new()
 	node.position = Vector3(10.0, -4.0, 6.0)

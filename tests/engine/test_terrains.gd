@@ -129,6 +129,25 @@ func put(node: Node3D, at: Transform3D) -> void:
 	node.global_transform = at
 
 
+func test_textures_that_a_ground_has_not() -> void:
+	var layer := make_layer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var image := Image.create_empty(4, 4, false, Image.FORMAT_RF)
+	var plain_map := ScatterTerrainHeightmap.new()
+	plain_map.image = image
+	var weighed_map := plain_map.duplicate() as ScatterTerrainHeightmap
+	weighed_map.weight_image = image
+	var warns := func(terrain: ScatterTerrain) -> bool:
+		scatter.terrain = terrain
+		return "ScatterLayer.ground_textures has no effect" in "\n".join(scatter.get_problems())
+	for terrain: ScatterTerrain in [ScatterTerrainFlat.new(), make_hills(), plain_map, Textured.new(), weighed_map]:
+		layer.ground_textures = PackedInt32Array()
+		check(not warns.call(terrain), "no textures are asked of %s" % terrain)
+		layer.ground_textures = PackedInt32Array([0])
+		check_equal(warns.call(terrain), not (terrain is Textured or terrain == weighed_map), "a warning of %s" % terrain)
+	check(not warns.call(null), "without a ground there is another warning")
+
+
 func make_collider(shape: Shape3D, at: Transform3D, layers := 1) -> void:
 	var body := StaticBody3D.new()
 	body.collision_layer = layers

@@ -146,6 +146,11 @@ void TerrainScatter3D::add_layer_problems(PackedStringArray &r_problems) const {
 		for (const String &problem : layer->problems()) {
 			r_problems.push_back(where + problem);
 		}
+		if (layer->get_ground_textures().size() > 0 && terrain_.is_valid() && terrain_->problem().is_empty() &&
+				!terrain_->has_textures()) {
+			r_problems.push_back(
+					where + String("ScatterLayer.ground_textures has no effect: the terrain has no textures."));
+		}
 		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(place))) {
 			r_problems.push_back(where + String::utf8(problem.c_str()));
 		}

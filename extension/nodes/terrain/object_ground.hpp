@@ -43,6 +43,9 @@ public:
 	void close();
 	bool is_open() const { return open_; }
 
+	/// False if `weigh` leaves all weights as they are, or 1.
+	bool has_textures() const { return map_ ? !map_->splats.empty() : has_textures_; }
+
 	/// What the methods belong to: the object itself or its data. Null if it is gone.
 	godot::Object *source() const { return source_.get_validated_object(); }
 	const std::optional<TerrainMap> &map() const { return map_; }

@@ -73,6 +73,10 @@ String ScatterTerrain::problem() {
 		   "with a script (a @tool script to see it in the editor) that has _get_heights().";
 }
 
+bool ScatterTerrain::has_textures() const {
+	return GDVIRTUAL_IS_OVERRIDDEN(_get_heights) && GDVIRTUAL_IS_OVERRIDDEN(_get_weights);
+}
+
 bool ScatterTerrain::main_thread_only() const {
 	bool thread_safe = false;
 	GDVIRTUAL_CALL(_is_thread_safe, thread_safe);

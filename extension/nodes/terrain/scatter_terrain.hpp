@@ -35,6 +35,9 @@ public:
 	/// What keeps this ground from being used, in one sentence; empty when nothing does.
 	virtual godot::String problem();
 
+	/// False when this ground tells no textures apart, so that layers which ask for some stand everywhere.
+	virtual bool has_textures() const;
+
 	/// True when the ground may only be asked on the main thread, by `ask`.
 	virtual bool main_thread_only() const;
 

@@ -18,6 +18,7 @@ class ScatterTerrainHeightmap : public ScatterTerrain {
 public:
 	std::shared_ptr<const Terrain> snapshot() override;
 	godot::String problem() override;
+	bool has_textures() const override { return weight_image_.is_valid(); }
 
 	/// A file of little-endian posts without a header, row by row, x fastest: of 8 bits, 16 bits or floats, which its
 	/// size tells. Used where there is no image.

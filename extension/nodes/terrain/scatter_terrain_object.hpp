@@ -17,6 +17,7 @@ class ScatterTerrainObject : public ScatterTerrain {
 public:
 	std::shared_ptr<const Terrain> snapshot() override;
 	godot::String problem() override;
+	bool has_textures() const override { return ground_ != nullptr && ground_->has_textures(); }
 	bool main_thread_only() const override { return !thread_safe_ && ground_ != nullptr; }
 	bool ready() const override;
 	Status ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
