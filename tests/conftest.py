@@ -126,6 +126,16 @@ def tool(build_dir: Path) -> PointsTool:
     return PointsTool(build_dir / "analysis" / "points")
 
 
+def new_project(folder: Path, settings: str = "") -> Path:
+    """Makes a project with the addon and nothing else in an empty folder; settings are more lines of project.godot."""
+    (folder / "project.godot").write_text(f'config_version=5\n[application]\nconfig/name="Thicket tests"\n{settings}')
+    (folder / "addons").mkdir()
+    (folder / "addons/thicket").symlink_to(REPO / "demo_project/addons/thicket")
+    (folder / ".godot").mkdir()
+    (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
+    return folder
+
+
 @pytest.fixture(scope="session")
 def imported_demo(repo: Path) -> Path:
     """The demo project, with its resources imported and its extension known to the engine."""

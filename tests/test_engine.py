@@ -8,7 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from conftest import REPO
+from conftest import REPO, new_project
 
 ENGINE = REPO / "tests/engine"
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
@@ -75,25 +75,16 @@ func _initialize() -> void:
 """
 
 
-def make_project(folder: Path, settings: str = "") -> Path:
-    (folder / "project.godot").write_text(f'config_version=5\n[application]\nconfig/name="Thicket tests"\n{settings}')
-    (folder / "addons").mkdir()
-    (folder / "addons/thicket").symlink_to(REPO / "demo_project/addons/thicket")
-    (folder / ".godot").mkdir()
-    (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
-    return folder
-
-
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
     """A new project with the addon and nothing else."""
-    return make_project(tmp_path_factory.mktemp("engine"))
+    return new_project(tmp_path_factory.mktemp("engine"))
 
 
 @pytest.fixture(scope="module")
 def jolt_project(tmp_path_factory) -> Path:
     """The same with the engine's other physics server."""
-    return make_project(tmp_path_factory.mktemp("jolt"), '[physics]\n3d/physics_engine="Jolt Physics"\n')
+    return new_project(tmp_path_factory.mktemp("jolt"), '[physics]\n3d/physics_engine="Jolt Physics"\n')
 
 
 def assert_passed(done):

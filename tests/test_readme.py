@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from conftest import REPO
+from conftest import REPO, new_project
 
 TEXT = (REPO / "README.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^```gdscript\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
@@ -41,13 +41,8 @@ func _initialize() -> void:
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
-    """A new project with the addon and nothing else."""
-    folder = tmp_path_factory.mktemp("readme")
-    (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="README"\n')
-    (folder / "addons").mkdir()
-    (folder / "addons/thicket").symlink_to(REPO / "demo_project/addons/thicket")
-    (folder / ".godot").mkdir()
-    (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
+    """A new project with the addon and the examples."""
+    folder = new_project(tmp_path_factory.mktemp("readme"))
     for number, example in enumerate(EXAMPLES):
         (folder / f"example_{number}.gd").write_text(example)
     (folder / "runner.gd").write_text(RUNNER % (len(EXAMPLES), len(EXAMPLES)))
