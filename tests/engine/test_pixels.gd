@@ -119,3 +119,37 @@ func test_boxes_around_tiles_hold_their_meshes() -> void:
 	check(seen_at.call(19.0), "boxes reach the top of what is scaled by 2")
 	check(seen_at.call(-19.0), "and the bottom")
 	check(not seen_at.call(60.0), "boxes end somewhere")
+
+
+func picture() -> Image:
+	await frames(3)
+	await RenderingServer.frame_post_draw
+	return root.get_texture().get_image()
+
+
+## The share of pixels that differ.
+func difference(a: Image, b: Image) -> float:
+	var count := 0
+	for x in a.get_width():
+		for y in a.get_height():
+			count += int(a.get_pixel(x, y) != b.get_pixel(x, y))
+	return count / float(a.get_width() * a.get_height())
+
+
+func test_a_recentre_a_thousand_kilometres_out_is_not_seen() -> void:
+	var scatter := make_view()
+	var camera := root.get_camera_3d()
+	scatter.world_offset = Vector3(1048576.0, 0.0, -1048576.0)
+	await settle(scatter)
+	var before: Image = await picture()
+	var red: float = await share(RED)
+	check(red > 0.15 and red < 0.5, "share of red a thousand kilometres out: %f" % red)
+	for step in 4:
+		camera.position -= Vector3(128.0, 0.0, 64.0)
+		scatter.world_offset += Vector3(128.0, 0.0, 64.0)
+		await process_frame
+		# Single precision 700 m from the engine's origin may change which side of a pixel's middle an edge lies on.
+		check(difference(await picture(), before) < 0.005, "the picture after recentre %d" % step)
+	check(difference(before, await picture()) < 0.005, "and in the end")
+	camera.position.x += 8.0
+	check(difference(before, await picture()) > 0.05, "a camera that moves sees something else")

@@ -99,13 +99,6 @@ void ScatterStream::set_layers(
 	}
 }
 
-void ScatterStream::set_world_offset(glm::dvec3 offset) {
-	stage_.set_world_offset(offset);
-	for (NearRing *ring : rings_) {
-		ring->set_world_offset(offset);
-	}
-}
-
 void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	take_finished();

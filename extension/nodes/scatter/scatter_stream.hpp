@@ -50,9 +50,6 @@ public:
 	void set_layers(std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated,
 			const godot::Ref<ScatterTerrain> &script);
 
-	/// The engine's origin in the world, metres. Nothing is made anew.
-	void set_world_offset(glm::dvec3 offset);
-
 	/// One frame's work: what came from the workers is uploaded and what is wanted is requested, until `budget`
 	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still. Without viewers
 	/// what stands stays, and what was asked for is made all the same.

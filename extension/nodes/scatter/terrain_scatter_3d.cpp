@@ -357,7 +357,10 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	world_offset_ = offset;
 	recentred_ = true;
-	stream_.set_world_offset(offset);
+	stream_.stage().set_world_offset(offset);
+	for (NearRing *ring : rings_) {
+		ring->set_world_offset(offset);
+	}
 	if (terrain_.is_valid()) {
 		terrain_->set_world_offset(offset);
 	}
