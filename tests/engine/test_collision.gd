@@ -376,3 +376,22 @@ func test_ground_that_moves() -> void:
 		var hit := cast(scatter.get_instance(id)["transform"] * Vector3(1.0, 2.9, 0.0),
 				scatter.get_instance(id)["transform"] * Vector3(0.0, 2.9, 0.0))
 		check(hit and scatter.get_body_instance(hit["rid"]) == id, "as high as the ground")
+
+
+func test_world_offset_moves_bodies_at_once() -> void:
+	var scatter := make_solid([make_solid_layer()])
+	await settle(scatter)
+	var standing := instances(scatter, 0)
+	var before := bodies(scatter)
+	scatter.world_offset = Vector3(1000, 50, -300)
+	viewer.position -= scatter.world_offset
+	for id in before:
+		check_equal(hit_id(scatter, standing[id].translated(-scatter.world_offset)), id, "moved along")
+	await settle(scatter)
+	var after := bodies(scatter, viewer.position)
+	for id in before:
+		check(after.get(id, RID()) == before[id], "the same body")
+	scatter.world_offset = Vector3.ZERO
+	viewer.position = Vector3.ZERO
+	await settle(scatter)
+	check_bodies(scatter, standing, [Vector3.ZERO], "and back")
