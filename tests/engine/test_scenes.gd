@@ -437,6 +437,46 @@ func test_tile_made_anew() -> void:
 	check_once(scatter, {}, "half of it")
 
 
+func test_recentred() -> void:
+	var scatter := make_garden([make_plants()], Vector3(40, 0, 0))
+	await settle(scatter)
+	var before := scenes_of(scatter)
+	var came := shown.size()
+	var places: Dictionary[int, Vector3] = {}
+	for id in before:
+		places[id] = before[id].global_position
+	var shift := Vector3(256, 16, -1024)
+	viewer.global_position -= shift
+	scatter.world_offset = shift
+	for id in before:
+		check(before[id].global_position.distance_to(places[id] - shift) < 1e-3, "moved at once")
+	await settle(scatter)
+	check_equal(scenes_of(scatter), before, "the same scenes")
+	check(hidden.is_empty() and shown.size() == came, "none came, none went")
+	viewer.global_position.x += 30.0
+	await settle(scatter)
+	check(shown.size() > came, "others came")
+	for id in standing_scenes:
+		check(standing_scenes[id].global_transform.is_equal_approx(scatter.get_instance(id)["transform"]), "in its place")
+	check_once(scatter, everything_of(scatter), "elsewhere")
+
+
+func test_around_bodies() -> void:
+	var scatter := make_garden([make_plants()])
+	await settle(scatter)
+	var body := make_viewer(Vector3(50, 0, 0))
+	body.add_to_group(scatter.body_group)
+	await frames(2)
+	await settle(scatter)
+	for at: Vector3 in [Vector3.ZERO, body.position]:
+		var near: Dictionary = scatter.query_nearest(at, 10.0)
+		check(scatter.get_scene(near["id"]) != null, "a scene at %s" % at)
+	body.free()
+	await frames(2)
+	await settle(scatter)
+	check(scatter.get_scene(scatter.query_nearest(Vector3(50, 0, 0), 10.0)["id"]) == null, "nobody is there any more")
+
+
 func test_bad_scenes() -> void:
 	var layer := make_plants()
 	layer.scene = pack(Node.new())

@@ -75,7 +75,7 @@ void TerrainScatter3D::bind_scenes() {
 	ClassDB::bind_method(D_METHOD("_recycle_scenes"), &Self::recycle_scenes);
 	for (const char *name : {"scene_shown", "scene_hidden"}) {
 		ADD_SIGNAL(MethodInfo(name, PropertyInfo(Variant::INT, "id"),
-				PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_NODE_TYPE, "Node3D")));
+				PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_NONE, "", PROPERTY_USAGE_DEFAULT, "Node3D")));
 	}
 }
 
