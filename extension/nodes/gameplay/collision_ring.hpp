@@ -64,7 +64,6 @@ public:
 
 	/// Bodies that stand.
 	std::size_t body_count() const { return owners_.size() - pool_.size(); }
-	std::size_t shape_count() const { return shapes_.count(); }
 	std::size_t pooled_count() const { return pool_.size(); }
 
 	/// The most bodies that wait for their next use, apart from those that rest,

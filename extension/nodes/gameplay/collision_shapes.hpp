@@ -53,8 +53,6 @@ public:
 	/// Frees all: nobody may use one of them any more.
 	void clear();
 
-	std::size_t count() const { return shapes_.size(); }
-
 	/// The most shapes that are kept without being used,
 	static constexpr std::size_t max_idle = 256;
 	/// and the most corners of a convex one: those farthest out.
