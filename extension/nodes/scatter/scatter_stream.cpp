@@ -107,15 +107,7 @@ void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget)
 		stage_.look_around(viewers);
 	}
 	start_missing();
-	Clock::time_point before = Clock::now();
-	while (step()) {
-		const Clock::time_point now = Clock::now();
-		usual_step_ = smoothed(usual_step_, now - before);
-		before = now;
-		if (now + usual_step_ > deadline) {
-			break;
-		}
-	}
+	work_until(deadline);
 }
 
 std::size_t ScatterStream::jobs_per_worker() const {
@@ -341,16 +333,36 @@ bool ScatterStream::ring_step() {
 	return moved;
 }
 
-bool ScatterStream::step() {
-	ground_turn_ = !ground_turn_;
-	if (ground_turn_ && ground_step_in_frame()) {
-		return true;
+bool ScatterStream::step(std::size_t kind) {
+	switch (kind) {
+		case 0: return ground_step_in_frame();
+		case 1: return show_step();
+		case 2: return stage_.free_step();
+		case 3: return stage_.detail_step();
+		default: return ring_step();
 	}
-	const bool shown = show_step();
-	const bool freed = stage_.free_step();
-	const bool refined = stage_.detail_step();
-	const bool moved = ring_step();
-	return shown || freed || refined || moved || (!ground_turn_ && ground_step_in_frame());
+}
+
+/// Steps of all kinds in turn. One for which too little time is left comes first in the next frame.
+void ScatterStream::work_until(Clock::time_point deadline) {
+	bool first = true;
+	std::size_t in_vain = 0; // So many kinds in a row had nothing to do.
+	Clock::time_point before = Clock::now();
+	while (in_vain < usual_step_.size()) {
+		Clock::duration &usual = usual_step_[step_turn_];
+		if (!first && before + usual > deadline) {
+			return;
+		}
+		const bool done = step(step_turn_);
+		step_turn_ = (step_turn_ + 1) % usual_step_.size();
+		in_vain = done ? 0 : in_vain + 1;
+		if (done) {
+			const Clock::time_point now = Clock::now();
+			usual = smoothed(usual, now - before);
+			before = now;
+			first = false;
+		}
+	}
 }
 
 void ScatterStream::stop() {

@@ -6,6 +6,7 @@
 #include "nodes/scatter/scatter_stage.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
+#include <array>
 #include <chrono>
 #include <deque>
 #include <memory>
@@ -90,7 +91,8 @@ private:
 	std::size_t ground_step(std::size_t most);
 	bool ground_step_in_frame();
 	bool show_step();
-	bool step();
+	bool step(std::size_t kind);
+	void work_until(Clock::time_point deadline);
 
 	InstanceWorld &world_;
 	std::vector<NearRing *> rings_;
@@ -107,9 +109,9 @@ private:
 	std::vector<TileEvent> events_;
 	Status viewer_status_;
 	StreamFigures figures_;
-	Clock::duration usual_step_{0};
+	std::array<Clock::duration, 5> usual_step_{}; ///< Of each kind: ground, show, free, detail, rings.
+	std::size_t step_turn_ = 0;
 	std::uint64_t usual_job_microseconds_ = 10'000; ///< Of one tile, smoothed; a guess until there were some.
-	bool ground_turn_ = false;
 };
 
 } // namespace thicket
