@@ -316,7 +316,6 @@ func warns_of_gameplay() -> void:
 func test_warnings() -> void:
 	var zero := make_line(Vector2(0, 0), Vector2(90, 0))
 	warns(func(_layer: ScatterLayer) -> void: pass, "")
-	warns(func(layer: ScatterLayer) -> void: layer.density = 0.0, "density is 0")
 	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = zero, "density_over_height is 0 everywhere")
 	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = zero, "density_over_slope is 0 everywhere")
 	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = Curve.new(), "density_over_slope has no points")

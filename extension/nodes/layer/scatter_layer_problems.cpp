@@ -37,9 +37,6 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 } // namespace
 
 void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
-	if (numbers_.density <= 0.0) {
-		r_problems.push_back("ScatterLayer.density is 0: nothing stands.");
-	}
 	if (numbers_.clump_size > 0.0 && numbers_.clump_coverage <= 0.0) {
 		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing stands.");
 	}

@@ -6,8 +6,10 @@
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/memory.hpp>
 
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 using namespace godot;
 
@@ -31,6 +33,25 @@ Rect area_of(const InstanceChange &change, const PointSet &set) {
 	}
 	const glm::dvec2 place{change.added.position.x, change.added.position.z};
 	return {place, place};
+}
+
+/// What stands in one state and not in the one that takes its place loses its body at once. Null for no state.
+void drop_changed(std::span<NearRing *const> rings, const InstanceState *before, const InstanceState *after) {
+	const auto drop = [rings](std::uint64_t id) {
+		for (NearRing *ring : rings) {
+			ring->drop(id);
+		}
+	};
+	for (const std::uint64_t id : after != nullptr ? after->removed_ids() : std::vector<std::uint64_t>()) {
+		if (before == nullptr || !before->removed(id)) {
+			drop(id);
+		}
+	}
+	for (const std::uint64_t id : before != nullptr ? before->added_ids() : std::vector<std::uint64_t>()) {
+		if (after == nullptr || after->added(id) == nullptr) {
+			drop(id);
+		}
+	}
 }
 
 } // namespace
@@ -68,6 +89,7 @@ void TerrainScatter3D::set_state(const Ref<ScatterState> &p_state) {
 			return;
 		}
 	}
+	const Ref<ScatterState> before = state_;
 	if (state_.is_valid()) {
 		state_->remove_listener(&state_watch_);
 	}
@@ -80,6 +102,7 @@ void TerrainScatter3D::set_state(const Ref<ScatterState> &p_state) {
 	world_->set_state(state);
 	stream_.stage().set_state(state);
 	stream_.stage().mark_all();
+	drop_changed(rings_, before.is_valid() ? &before->state() : nullptr, state);
 	schedule_patch();
 }
 
