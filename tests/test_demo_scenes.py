@@ -11,7 +11,7 @@ from PIL import Image
 from test_demo import DEMO, TERRAIN, complaints, is_a_picture, load_script
 
 ENGINE = REPO / "tests/engine"
-SCENES = ["rules", "script_terrain"]
+SCENES = ["rules", "script_terrain", "gameplay"]
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 
 
@@ -35,7 +35,7 @@ def test_scene_runs_without_a_renderer(godot, imported_demo, scene):
     assert len(instances) >= 3 and min(map(int, instances)) > 5_000, done.stdout
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", ["rules", "script_terrain"])
 def test_what_stands_in_the_scene(godot, imported_demo, scene):
     done = godot(["--verbose", "--path", imported_demo, "--script", ENGINE / f"test_demo_{scene}.gd"], timeout=300)
     printed = done.stdout + done.stderr
@@ -53,6 +53,34 @@ def test_scene_is_a_picture(godot_xvfb, imported_demo, tmp_path, scene, stop):
     image = np.asarray(Image.open(tmp_path / f"{stop}.png").convert("RGB"), np.float64)
     assert image.shape == (360, 640, 3)
     assert not is_a_picture(image, least_green=0.2), is_a_picture(image, least_green=0.2)
+
+
+def test_what_is_felled_stays_felled(godot, imported_demo, tmp_path):
+    """In the gameplay scene, one process fells a tree and saves, another one loads: gone for picture, queries, bodies."""
+    for test in ("test_felled_and_saved", "test_felled_after_a_restart"):
+        script = ["--script", ENGINE / "test_demo_gameplay.gd", "--", test, f"file={tmp_path}/felled"]
+        done = godot(["--verbose", "--path", imported_demo, *script], timeout=120)
+        printed = done.stdout + done.stderr
+        assert done.returncode == 0 and PASSED.search(done.stdout), printed[-4000:]
+        assert "leaked" not in printed, printed[-4000:]
+
+
+def test_the_game_leaves_pictures(godot_xvfb, imported_demo, tmp_path):
+    """Played by its script of keys: every step is seen, and looks unlike the one before."""
+    arguments = ["--path", imported_demo, "--resolution", "640x360", "res://gameplay.tscn", "--"]
+    done = godot_xvfb([*arguments, f"--screenshots={tmp_path}"], timeout=400)
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    assert not complaints(printed), complaints(printed)
+    names = re.findall(r"^demo: (\w+): \d+ tiles", done.stdout, re.MULTILINE)
+    assert names == ["arrive", "look", "falling", "stump", "map", "loaded"]
+    before = None
+    for name in names:
+        image = np.asarray(Image.open(tmp_path / f"{name}.png").convert("RGB"), np.float64)
+        assert image.shape == (360, 640, 3)
+        assert not is_a_picture(image, least_green=0.2), f"{name}: {is_a_picture(image, least_green=0.2)}"
+        assert before is None or np.abs(image - before).mean() > 3.0, name
+        before = image
 
 
 def test_the_script_terrain_is_short():

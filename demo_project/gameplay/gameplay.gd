@@ -1,0 +1,138 @@
+extends Node3D
+## A game in small: walk, look at a tree, fell it, save, load. What is felled stays felled, for what is saved is what the
+## game has changed about the world.
+##
+## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] plays a fixed script
+## of keys and mouse moves, writes pictures as the demo's other scenes do, and quits.
+
+const Tour := preload("res://gameplay/tour.gd")
+const TREE := preload("res://gameplay/tree.tscn")
+const SAVED := "user://gameplay_state.res"
+const HIGHLIGHT := preload("res://shaders/highlight.gdshader")
+## Radians from straight away from the player, to his left, that trees fall.
+const ASIDE := 0.8
+## Metres from the middle to the sides of the small map, and of the large one.
+const MAP_REACHES: Array[float] = [50.0, 120.0]
+const MAP_SIZES: Array[float] = [260.0, 640.0]
+
+## Trees that fall or lie just now.
+var falling: Array[Node3D] = []
+
+@onready var world: TerrainScatter3D = $World
+@onready var player: CharacterBody3D = $Player
+@onready var minimap: Control = $Hud/Minimap
+@onready var _highlight: MeshInstance3D = $Highlight
+@onready var _looking: Label = $Hud/Looking
+@onready var _said: Label = $Hud/Panel/Rows/Said
+@onready var _help: Label = $Hud/Panel/Rows/Help
+
+
+func _ready() -> void:
+	world.scene_shown.connect(_on_scene_shown)
+	_enlarge_map(false)
+	for argument in OS.get_cmdline_user_args():
+		# A game that is started again by the script of a tour goes on with it.
+		if argument.begins_with("--screenshots") and not get_tree().root.has_node(^"Tour"):
+			Tour.begin(get_tree(), argument.trim_prefix("--screenshots").trim_prefix("="))
+
+
+func _process(_delta: float) -> void:
+	var tree: Dictionary = player.looked_at
+	_highlight.visible = not tree.is_empty()
+	_looking.visible = not tree.is_empty()
+	if tree.is_empty():
+		return
+	var mesh := world.layers[tree.layer].meshes[tree.mesh]
+	if _highlight.mesh != mesh:
+		_highlight.mesh = mesh
+		_highlight.material_override = _glow_of(mesh)
+	_highlight.global_transform = tree.transform
+	var height := mesh.get_aabb().end.y * (tree.transform as Transform3D).basis.get_scale().y
+	_looking.text = "%s, %.1f m tall, %.1f m away\nid %d\nF   fell" % [
+		world.layers[tree.layer].resource_name, height, tree.distance, tree.id]
+
+
+func _unhandled_key_input(event: InputEvent) -> void:
+	var key := event as InputEventKey
+	if key == null or not key.pressed or key.echo:
+		return
+	match key.keycode:
+		KEY_F:
+			fell()
+		KEY_F5:
+			save()
+		KEY_F9:
+			load_saved()
+		KEY_M:
+			_enlarge_map(minimap.reach == MAP_REACHES[0])
+		KEY_H:
+			_help.visible = not _help.visible
+		KEY_ESCAPE:
+			player.capture(false)
+
+
+## Fells the tree that the player looks at. The scene that stood for it falls; a tree too far off to have one gets one.
+func fell() -> void:
+	var tree: Dictionary = player.looked_at
+	if tree.is_empty():
+		return
+	var scene := world.take_scene(tree.id)
+	if not world.fell(tree.id):
+		return
+	if scene == null:
+		scene = TREE.instantiate()
+		add_child(scene)
+	else:
+		scene.reparent(self)
+	scene.global_transform = tree.transform
+	scene.show_as(world.layers[tree.layer].meshes[tree.mesh])
+	var away := (scene.global_position - player.global_position) * Vector3(1.0, 0.0, 1.0)
+	scene.fall(away.normalized().rotated(Vector3.UP, ASIDE), world.terrain)
+	falling.append(scene)
+	scene.tree_exited.connect(func() -> void: falling.erase(scene))
+	player.looked_at = {}
+	_say("felled %d" % tree.id)
+
+
+## Writes what the game has changed, and nothing else.
+func save() -> void:
+	var error := ResourceSaver.save(world.state, SAVED)
+	_say("saved" if error == OK else "not saved: " + error_string(error))
+
+
+## Puts the world back to what was saved last.
+func load_saved() -> void:
+	var saved: ScatterState
+	if ResourceLoader.exists(SAVED):
+		saved = ResourceLoader.load(SAVED, "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
+	if saved == null:
+		_say("nothing to load")
+		return
+	world.state = saved
+	_say("loaded")
+
+
+func _say(what: String) -> void:
+	_said.text = "%s\n%d felled, %d stumps" % [what, world.state.get_removed_count(), world.state.get_added_count()]
+
+
+func _on_scene_shown(id: int, scene: Node3D) -> void:
+	var tree := world.get_instance(id)
+	scene.call(&"show_as", world.layers[tree.layer].meshes[tree.mesh])
+
+
+func _enlarge_map(large: bool) -> void:
+	minimap.reach = MAP_REACHES[int(large)]
+	var side := MAP_SIZES[int(large)]
+	minimap.set_deferred(&"size", Vector2(side, side))
+	minimap.set_deferred(&"position", Vector2(get_viewport().get_visible_rect().size.x - side - 16.0, 16.0))
+
+
+## The glow with the leaves and the wind of a tree's own material.
+static func _glow_of(mesh: Mesh) -> ShaderMaterial:
+	var own := mesh.surface_get_material(0) as ShaderMaterial
+	var glow := ShaderMaterial.new()
+	glow.shader = HIGHLIGHT
+	for parameter: StringName in [&"atlas", &"sway"]:
+		glow.set_shader_parameter(parameter, own.get_shader_parameter(parameter))
+	return glow

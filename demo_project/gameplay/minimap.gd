@@ -1,0 +1,81 @@
+extends Control
+## A map of what stands around the player, drawn from a query: north is up, a dot for each instance.
+
+## Colour of the dots by the layer's name; other layers are not on the map.
+const COLORS := {
+	"Oak": Color(0.62, 0.8, 0.27),
+	"Spruce": Color(0.2, 0.55, 0.33),
+	"Boulders": Color(0.72, 0.71, 0.68),
+	"Stump": Color(0.98, 0.6, 0.2),
+}
+const BACKGROUND := Color(0.08, 0.11, 0.07, 0.85)
+const FRAME := Color(0.9, 0.93, 0.85, 0.7)
+const PLAYER := Color(1.0, 1.0, 1.0)
+## Metres that the player walks before the map asks again.
+const STEP := 2.0
+## Share of a layer's radius that its dots have.
+const DOT := 0.42
+## Pixels that a dot's radius has at least.
+const SMALLEST_DOT := 3.5
+
+## The world to draw.
+@export var world: TerrainScatter3D
+## Who is in the middle.
+@export var player: Node3D
+## Metres from the middle to the map's sides.
+@export_range(10.0, 500.0, 1.0, "suffix:m") var reach := 60.0:
+	set(value):
+		reach = clampf(value, 10.0, 500.0)
+		_stale = true
+
+## How many dots the map shows.
+var dots := 0
+
+var _stale := true
+var _center := Vector2.INF
+var _shown := {}
+var _seen := []
+
+
+func _process(_delta: float) -> void:
+	if not is_visible_in_tree():
+		return
+	# Also right after another state was loaded.
+	var seen := [world.state, world.state.get_revision()]
+	_stale = _stale or seen != _seen
+	_seen = seen
+	var here := Vector2(player.global_position.x, player.global_position.z)
+	if _stale or here.distance_to(_center) > STEP:
+		_ask(here)
+	queue_redraw()
+
+
+func _ask(here: Vector2) -> void:
+	var shown := PackedInt32Array()
+	for place in world.layers.size():
+		if world.layers[place] != null and COLORS.has(world.layers[place].resource_name):
+			shown.append(place)
+	var around := Vector2(reach + STEP, reach + STEP)
+	_shown = world.query_rect(Rect2(here - around, around * 2.0), shown)
+	_center = here
+	_stale = false
+
+
+func _draw() -> void:
+	draw_rect(Rect2(Vector2.ZERO, size), BACKGROUND)
+	var here := Vector2(player.global_position.x, player.global_position.z)
+	var scale_here := size.x * 0.5 / reach
+	var inside := Rect2(Vector2.ZERO, size).grow(-2.0)
+	var places: PackedVector3Array = _shown.get("positions", PackedVector3Array())
+	dots = 0
+	for i in places.size():
+		var layer := world.layers[_shown.layers[i]]
+		var at := size * 0.5 + (Vector2(places[i].x, places[i].z) - here) * scale_here
+		if inside.has_point(at):
+			dots += 1
+			draw_circle(at, maxf(layer.radius * DOT * scale_here, SMALLEST_DOT), COLORS[layer.resource_name])
+	var ahead := Vector2.UP.rotated(-player.global_rotation.y)
+	var side := ahead.orthogonal() * 5.0
+	draw_colored_polygon([size * 0.5 + ahead * 11.0, size * 0.5 + side - ahead * 6.0, size * 0.5 - side - ahead * 6.0],
+			PLAYER)
+	draw_rect(Rect2(Vector2.ZERO, size), FRAME, false, 2.0)

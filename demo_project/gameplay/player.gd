@@ -1,0 +1,62 @@
+extends CharacterBody3D
+## Walks on the ground of a world, is stopped by its trunks and stones, and knows the tree it looks at.
+
+## Metres a second; Shift makes it faster.
+const WALK_SPEED := 3.0
+const FAST := 2.5
+const RADIANS_PER_PIXEL := 0.0025
+## Metres within which it sees what it looks at.
+const REACH := 30.0
+
+## The world to walk in.
+@export var world: TerrainScatter3D
+
+## What [method TerrainScatter3D.query_ray] says of the tree in the middle of the view; empty for none.
+var looked_at := {}
+## Whether the mouse turns the head.
+var captured := false
+
+@onready var eyes: Camera3D = $Eyes
+
+
+func _ready() -> void:
+	_stand_on_ground()
+
+
+func _unhandled_input(event: InputEvent) -> void:
+	var motion := event as InputEventMouseMotion
+	if motion != null and captured:
+		rotation.y -= motion.relative.x * RADIANS_PER_PIXEL
+		eyes.rotation.x = clampf(eyes.rotation.x - motion.relative.y * RADIANS_PER_PIXEL, -1.5, 1.5)
+	var button := event as InputEventMouseButton
+	if button != null and button.pressed and button.button_index == MOUSE_BUTTON_LEFT:
+		capture(true)
+
+
+## Lets the mouse turn the head, or gives it free.
+func capture(wanted: bool) -> void:
+	captured = wanted
+	Input.mouse_mode = Input.MOUSE_MODE_CAPTURED if wanted else Input.MOUSE_MODE_VISIBLE
+
+
+func _physics_process(_delta: float) -> void:
+	var wish := Vector3(_axis(KEY_A, KEY_D) + _axis(KEY_LEFT, KEY_RIGHT), 0.0,
+			_axis(KEY_W, KEY_S) + _axis(KEY_UP, KEY_DOWN))
+	var fast := FAST if Input.is_physical_key_pressed(KEY_SHIFT) else 1.0
+	velocity = Basis(Vector3.UP, rotation.y) * wish.limit_length(1.0) * WALK_SPEED * fast
+	if velocity != Vector3.ZERO:
+		move_and_slide()
+		_stand_on_ground()
+	var from := eyes.global_position
+	looked_at = world.query_ray(from, from - eyes.global_basis.z * REACH, world.get(&"trees"))
+
+
+## What is in the way may push it up or down; it stays on the ground.
+func _stand_on_ground() -> void:
+	var ground := world.terrain.get_height(position)
+	if is_finite(ground):
+		position.y = ground
+
+
+static func _axis(negative: Key, positive: Key) -> float:
+	return float(Input.is_physical_key_pressed(positive)) - float(Input.is_physical_key_pressed(negative))

@@ -1,0 +1,216 @@
+extends Node
+## Plays the game when nobody watches: presses keys and moves the mouse by a fixed script, leaves a picture of each step,
+## checks that each did what it should, and quits. It stands beside the game, which it starts anew in the middle.
+
+## Seconds after which a step that has not come to its end counts as failed.
+const PATIENCE := 60.0
+## How much faster than for a player time goes between pictures.
+const HURRY := 4.0
+## Frames to draw before a picture is kept: shadows settle.
+const SETTLING_FRAMES := 2
+## How far from a tree to stop, and from a stump, in metres.
+const STAND_BACK := 7.0
+const STAND_NEAR := 3.2
+
+## The folder for the pictures; empty for none.
+var folder := ""
+
+var _failed := false
+var _game: Node3D
+
+
+## Begins a tour of the game that is the current scene.
+static func begin(tree: SceneTree, where: String) -> void:
+	var tour := new()
+	tour.name = "Tour"
+	tour.process_mode = Node.PROCESS_MODE_ALWAYS
+	if DisplayServer.get_name() != "headless":
+		var beside := ProjectSettings.globalize_path("res://").path_join("../build/demo/gameplay").simplify_path()
+		tour.folder = where if where != "" else beside
+	tree.root.add_child.call_deferred(tour)
+
+
+func _ready() -> void:
+	get_viewport().msaa_3d = Viewport.MSAA_DISABLED
+	get_viewport().scaling_3d_scale = 2.0
+	RenderingServer.render_loop_enabled = false
+	Engine.time_scale = HURRY
+	if folder != "" and DirAccess.make_dir_recursive_absolute(folder) != OK:
+		_check(false, "cannot make the folder %s" % folder)
+	_play.call_deferred()
+
+
+func _play() -> void:
+	_game = get_tree().current_scene
+	var steps: Array[Callable] = [_arrive, _walk, _look, _fell, _wait_for_the_stump, _fell_more, _map, _save_and_reload]
+	for step in steps:
+		if not _failed:
+			await step.call()
+	print("demo: %s" % ("FAILED" if _failed else "done"))
+	# The default is restored, lest a failing run hang in a loop that draws nothing.
+	RenderingServer.render_loop_enabled = true
+	get_tree().quit(1 if _failed else 0)
+
+
+func _arrive() -> void:
+	_key(KEY_H)
+	await _picture("arrive")
+
+
+## To the nearest oak, until it is close.
+func _walk() -> void:
+	var oak: Dictionary = _game.world.query_nearest(_game.player.global_position, 60.0, [_game.world.place_of("Oak")])
+	if not _check(not oak.is_empty(), "no oak near"):
+		return
+	await _walk_to(oak, STAND_BACK)
+
+
+func _look() -> void:
+	_check(not _game.player.looked_at.is_empty(), "looks at no tree")
+	await _picture("look")
+
+
+func _fell() -> void:
+	var id: int = _game.player.looked_at.id
+	_key(KEY_F)
+	await _until(func() -> bool: return not _game.falling.is_empty() and _game.falling[0].angle > 0.75, "it falls")
+	_check(not _game.world.has_instance(id), "%d still stands" % id)
+	await _picture("falling")
+
+
+func _wait_for_the_stump() -> void:
+	await _until(func() -> bool: return _game.falling.is_empty(), "it has dissolved")
+	var stumps: PackedInt32Array = [_game.world.place_of("Stump")]
+	var stump: Dictionary = _game.world.query_nearest(_game.player.global_position, 60.0, stumps)
+	if _check(not stump.is_empty(), "no stump"):
+		await _walk_towards(stump.transform.origin, STAND_NEAR)
+		await _look_at(stump.transform.origin + Vector3.UP * 0.6)
+		await _picture("stump")
+
+
+## Three more, each the nearest one that still stands.
+func _fell_more() -> void:
+	for count in 3:
+		var tree: Dictionary = _game.world.query_nearest(_game.player.global_position, 60.0, _game.world.trees)
+		if not _check(not tree.is_empty(), "no more trees"):
+			return
+		await _walk_to(tree, STAND_BACK)
+		_key(KEY_F)
+		await _until(func() -> bool: return not _game.world.has_instance(tree.id), "felled")
+	await _until(func() -> bool: return _game.falling.is_empty(), "all are gone")
+
+
+func _map() -> void:
+	_key(KEY_M)
+	await _picture("map")
+	_key(KEY_M)
+
+
+## The world is loaded anew and knows nothing, until the saved state is loaded.
+func _save_and_reload() -> void:
+	var here: Transform3D = _game.player.global_transform
+	var felled: PackedInt64Array = _game.world.state.get_removed()
+	var digest: int = _game.world.state.get_digest()
+	_check(felled.size() == 4, "%d felled" % felled.size())
+	_key(KEY_F5)
+	await _frames(2)
+	get_tree().reload_current_scene()
+	await _frames(3)
+	_game = get_tree().current_scene
+	_game.player.global_transform = here
+	_key(KEY_H)
+	_check(_game.world.has_instance(felled[0]), "anew, every tree stands")
+	_key(KEY_F9)
+	await _frames(2)
+	for id in felled:
+		_check(not _game.world.has_instance(id), "%d is felled after loading" % id)
+	_check(_game.world.state.get_digest() == digest, "the same state after loading")
+	await _picture("loaded")
+
+
+## Walks to a tree and looks at it.
+func _walk_to(tree: Dictionary, distance: float) -> void:
+	var root: Vector3 = tree.transform.origin
+	await _walk_towards(root, distance)
+	await _look_at(root + Vector3.UP * 2.4)
+	await _until(func() -> bool: return _game.player.looked_at.get("id", 0) == tree.id, "sees the tree")
+
+
+## Turns to a place and walks until it is near.
+func _walk_towards(place: Vector3, distance: float) -> void:
+	await _look_at(place + Vector3.UP * 1.6)
+	_hold(KEY_W, true)
+	await _until(func() -> bool: return _flat_distance(place) < distance, "walks there")
+	_hold(KEY_W, false)
+
+
+func _flat_distance(place: Vector3) -> float:
+	return ((place - _game.player.global_position) * Vector3(1.0, 0.0, 1.0)).length()
+
+
+## Moves the mouse until a place is in the middle of the view.
+func _look_at(place: Vector3) -> void:
+	_game.player.captured = true
+	var eyes: Camera3D = _game.player.eyes
+	var wanted := (place - eyes.global_position).normalized()
+	var turn := Vector2(angle_difference(atan2(-wanted.x, -wanted.z), eyes.global_rotation.y),
+			eyes.global_rotation.x - asin(wanted.y))
+	var motion := InputEventMouseMotion.new()
+	motion.relative = turn / _game.player.RADIANS_PER_PIXEL
+	Input.parse_input_event(motion)
+	await get_tree().physics_frame
+	await get_tree().physics_frame
+
+
+## Presses a key and lets it go.
+func _key(key: Key) -> void:
+	_hold(key, true)
+	_hold(key, false)
+
+
+func _hold(key: Key, pressed: bool) -> void:
+	var event := InputEventKey.new()
+	event.keycode = key
+	event.physical_keycode = key
+	event.pressed = pressed
+	Input.parse_input_event(event)
+
+
+## Waits until all is on show, then draws: in the meantime nothing moves.
+func _picture(what: String) -> void:
+	await _frames(3)
+	await _until(func() -> bool: return _game.world.is_idle(), "all is on show")
+	if _failed:
+		return
+	var stats: Dictionary = _game.world.get_stats()
+	print("demo: %s: %d tiles, %d instances" % [what, stats.tiles, stats.instances])
+	if folder == "":
+		return
+	get_tree().paused = true
+	RenderingServer.render_loop_enabled = true
+	for frame in SETTLING_FRAMES:
+		await RenderingServer.frame_post_draw
+	RenderingServer.render_loop_enabled = false
+	get_tree().paused = false
+	var image := get_viewport().get_texture().get_image()
+	var path := folder.path_join("%s.png" % what)
+	_check(image != null and not image.is_empty() and image.save_png(path) == OK, "cannot write %s" % path)
+
+
+func _frames(count: int) -> void:
+	for frame in count:
+		await get_tree().process_frame
+
+
+func _until(holds: Callable, what: String) -> void:
+	var limit := Time.get_ticks_msec() + int(PATIENCE * 1000.0)
+	while not _failed and not holds.call():
+		_check(Time.get_ticks_msec() < limit, "not within %.0f s: %s" % [PATIENCE, what])
+		await get_tree().process_frame
+
+
+func _check(holds: bool, what: String) -> bool:
+	if not holds:
+		_failed = true
+		printerr("demo: " + what)
+	return holds

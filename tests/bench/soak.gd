@@ -1,0 +1,312 @@
+extends SceneTree
+## Hours of play in minutes: flies at full speed, teleports, moves the origin, fells, plants, asks, saves and loads, with
+## bodies and scenes that come and go, and watches that nothing grows. Prints a line a minute and a verdict; the exit code
+## is 1 if anything grew or an answer was wrong.
+##   tools/godot --headless --path demo_project --script "$PWD/tests/bench/soak.gd" [-- SECONDS [SECONDS A LINE]]
+##
+## Play comes in rounds. At the end of each the state is cleared, the viewer stands at home and everything that was asked
+## for is done: there, figures can be compared. The first quarter of the time warms up. The resident set may then be 5 %
+## off its median; nodes, orphans, objects and bodies have to be as many as they were, and after all is freed as many as at
+## first.
+
+const DEFAULT_SECONDS := 1200.0
+const SECONDS_A_LINE := 60.0
+const WARM_UP := 0.25
+const FLAT := 0.05
+## Rounds that fill what is kept for later, at least.
+const WARM_UP_ROUNDS := 3
+const LEAST_SAMPLES := 3
+const PATIENCE_SECONDS := 60.0
+## Frames of play in a round; as fast as they go, each a sixtieth of a second of the flight.
+const FRAMES := 200
+const METRES_A_FRAME := 1000.0 / 60.0
+## Metres of the world in which teleports end.
+const FARTHEST := 1.0e6
+## Metres from the engine's origin beyond which it is moved.
+const RECENTRE := 2048.0
+const SAVED := "user://soak.res"
+
+var _scatter: TerrainScatter3D
+var _viewer: Node3D
+var _walker: Node3D
+var _rng := RandomNumberGenerator.new()
+var _heading := Vector3.FORWARD
+var _planted: Array[int] = []
+var _taken: Array[Node3D] = []
+var _asked := {} ## Requests under way.
+var _done := {"rounds": 0, "frames": 0, "felled": 0, "planted": 0, "answers": 0, "loads": 0, "teleports": 0}
+var _samples: Array[Dictionary] = []
+var _lines := 0
+var _failure := ""
+
+
+func _initialize() -> void:
+	_run.call_deferred()
+
+
+func _run() -> void:
+	var arguments := OS.get_cmdline_user_args()
+	var seconds := maxf(5.0, arguments[0].to_float()) if arguments.size() > 0 else DEFAULT_SECONDS
+	var line := maxf(1.0, arguments[1].to_float()) if arguments.size() > 1 else SECONDS_A_LINE
+	await process_frame
+	var at_first := _count()
+	_make_world()
+	var start := Time.get_ticks_msec()
+	var elapsed := 0.0
+	while _failure == "" and (elapsed < seconds or _samples.size() < LEAST_SAMPLES):
+		await _play_round()
+		await _go_home()
+		elapsed = (Time.get_ticks_msec() - start) / 1000.0
+		if elapsed >= WARM_UP * seconds and _done.rounds > WARM_UP_ROUNDS:
+			_samples.append(_count())
+		if elapsed >= line * (_lines + 1):
+			_lines = int(elapsed / line)
+			print(_line(elapsed))
+	if _failure == "":
+		_judge()
+	await _free_world()
+	_compare("after all was freed", _count(), at_first, ["nodes", "orphans", "bodies"])
+	print("soak: %s" % ("passed" if _failure == "" else "FAILED: " + _failure))
+	quit(0 if _failure == "" else 1)
+
+
+## Trees with bodies and scenes, stones with bodies of their meshes, grass, and stumps that only hands plant.
+func _make_world() -> void:
+	_scatter = TerrainScatter3D.new()
+	_scatter.seed = 11
+	_scatter.terrain = ScatterTerrainNoise.new()
+	_scatter.terrain.noise = FastNoiseLite.new()
+	_scatter.layers = [_layer("Tree", 6.0, 128.0), _layer("Stone", 4.0, 64.0), _layer("Grass", 1.2, 32.0),
+		_layer("Stump", 2.0, 64.0)]
+	_scatter.layers[0].collision_shape = ScatterLayer.COLLISION_CAPSULE
+	_scatter.layers[0].scene = _scene()
+	_scatter.layers[0].regrowth_time = 3.0
+	_scatter.layers[1].collision_shape = ScatterLayer.COLLISION_CONVEX
+	_scatter.layers[3].density = 0.0
+	_scatter.layers[3].collision_shape = ScatterLayer.COLLISION_CYLINDER
+	_scatter.state = ScatterState.new()
+	_viewer = Node3D.new()
+	_walker = Node3D.new()
+	root.add_child(_viewer)
+	root.add_child(_walker)
+	_walker.add_to_group(&"scatter_bodies")
+	root.add_child(_scatter)
+	_scatter.viewers = [_scatter.get_path_to(_viewer)]
+	_scatter.query_finished.connect(_on_query_finished)
+
+
+static func _layer(layer_name: String, radius: float, tile_size: float) -> ScatterLayer:
+	var layer := ScatterLayer.new()
+	layer.resource_name = layer_name
+	layer.radius = radius
+	layer.tile_size = tile_size
+	layer.view_distance = tile_size * 2.5
+	layer.meshes = [BoxMesh.new()]
+	return layer
+
+
+static func _scene() -> PackedScene:
+	var tree := MeshInstance3D.new()
+	tree.mesh = BoxMesh.new()
+	var scene := PackedScene.new()
+	scene.pack(tree)
+	tree.free()
+	return scene
+
+
+func _play_round() -> void:
+	_done.rounds += 1
+	_teleport(Vector3(_rng.randf_range(-FARTHEST, FARTHEST), 0.0, _rng.randf_range(-FARTHEST, FARTHEST)))
+	_heading = Vector3.FORWARD.rotated(Vector3.UP, _rng.randf() * TAU)
+	for frame in FRAMES:
+		_fly()
+		_change(frame)
+		_ask(frame)
+		_come_and_go(frame)
+		await process_frame
+		_done.frames += 1
+		if _failure != "":
+			return
+
+
+## Puts the origin and the viewer at a place of the world.
+func _teleport(place: Vector3) -> void:
+	_done.teleports += 1
+	_scatter.world_offset = place.snapped(Vector3(1024.0, 1.0e9, 1024.0))
+	_viewer.position = place - _scatter.world_offset
+	_walker.position = _viewer.position + Vector3(3.0, 0.0, 2.0)
+
+
+func _fly() -> void:
+	_viewer.position += _heading * METRES_A_FRAME
+	_walker.position = _viewer.position + Vector3(3.0, 0.0, 2.0)
+	if _viewer.position.length() > RECENTRE:
+		_teleport(_viewer.position + _scatter.world_offset)
+
+
+func _change(frame: int) -> void:
+	if frame % 7 == 0:
+		_done.felled += _scatter.remove_in_sphere(_viewer.position, 25.0, [0, 1, 2]).size()
+	if frame % 5 == 0:
+		var id := _scatter.add_instance(3, Transform3D(Basis.IDENTITY, _viewer.position))
+		_expect(id != 0 and _scatter.has_instance(id), "a planted stump stands")
+		_scatter.set_instance_data(id, {"frame": frame, "by": "soak"})
+		_planted.append(id)
+		_done.planted += 1
+	if frame % 31 == 0 and not _planted.is_empty():
+		var id: int = _planted.pop_front()
+		_expect(_scatter.get_instance_data(id) != null, "a stump has its data")
+		_expect(_scatter.remove_instance(id), "a planted stump can be removed")
+		_expect(not _scatter.has_instance(id), "a removed stump is gone")
+	if frame % 90 == 89:
+		_save_and_load(_done.loads % 2 == 0)
+
+
+## By a file or by bytes: a new state takes the old one's place, and nothing changes.
+func _save_and_load(by_file: bool) -> void:
+	var digest := _scatter.state.get_digest()
+	var loaded := ScatterState.new()
+	if by_file:
+		_expect(ResourceSaver.save(_scatter.state, SAVED) == OK, "the state is saved")
+		loaded = ResourceLoader.load(SAVED, "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
+	else:
+		_expect(loaded.from_bytes(_scatter.state.to_bytes()) == OK, "the state's bytes are read")
+	_expect(loaded != null and loaded.get_digest() == digest, "a loaded state is the saved one")
+	_scatter.state = loaded
+	_done.loads += 1
+
+
+func _ask(frame: int) -> void:
+	var here := _viewer.position
+	if frame % 11 == 0:
+		var near := _scatter.query_sphere(here, 40.0)
+		_expect(near.ids.size() == near.positions.size() and near.transforms.size() == 12 * near.ids.size(),
+				"an answer's arrays are equally long")
+		_done.answers += 1
+	if frame % 13 == 0:
+		var nearest := _scatter.query_nearest(here, 100.0, [0], func(_id: int, _layer: int, at: Transform3D) -> bool:
+			return at.origin.x > here.x)
+		_expect(nearest.is_empty() or _scatter.has_instance(nearest.id), "what is nearest stands")
+		_scatter.query_ray(here + Vector3(0.0, 5.0, 0.0), here + _heading * 80.0)
+		_done.answers += 2
+	if frame % 37 == 0:
+		_asked[_scatter.request_sphere(here + _heading * 3000.0, 100.0, [0, 1])] = true
+	if frame % 111 == 0:
+		var given_up := _scatter.request_rect(Rect2(here.x, here.z, 500.0, 500.0))
+		_scatter.cancel_request(given_up)
+
+
+func _on_query_finished(request: int, result: Dictionary) -> void:
+	_expect(_asked.erase(request), "only what was asked is answered")
+	_expect(result.has("ids"), "an answer has ids")
+	_done.answers += 1
+
+
+## A body every second, for half a second; a scene taken from the scatter now and then, as a felled tree is.
+func _come_and_go(frame: int) -> void:
+	if frame % 60 == 0:
+		var body := Node3D.new()
+		root.add_child(body)
+		body.add_to_group(&"scatter_bodies")
+		body.position = _viewer.position + _heading * METRES_A_FRAME * 20.0
+		create_timer(0.05).timeout.connect(body.queue_free)
+	if frame % 45 == 0:
+		var nearest := _scatter.query_nearest(_viewer.position, 30.0, [0])
+		var scene := _scatter.take_scene(nearest.id) if not nearest.is_empty() else null
+		if scene != null:
+			scene.reparent(root)
+			_scatter.remove_instance(nearest.id)
+			_taken.append(scene)
+	if _taken.size() > 3:
+		_taken.pop_front().queue_free()
+
+
+## Where the figures are taken.
+func _go_home() -> void:
+	for scene in _taken:
+		scene.queue_free()
+	_taken.clear()
+	_planted.clear()
+	_scatter.state.clear()
+	_teleport(Vector3.ZERO)
+	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
+	await create_timer(0.1).timeout
+	while _failure == "" and not (_scatter.is_idle() and _asked.is_empty()):
+		_expect(Time.get_ticks_msec() < limit, "idle and answered within %.0f s" % PATIENCE_SECONDS)
+		await process_frame
+	# Bodies and scenes come a few in a frame.
+	for frame in 60:
+		await process_frame
+
+
+func _free_world() -> void:
+	for node: Node in [_scatter, _viewer, _walker]:
+		node.queue_free()
+	_scatter = null
+	await create_timer(0.2).timeout
+	DirAccess.remove_absolute(SAVED)
+
+
+## Scenes that wait in the pool are no leak: as many as were needed at once, and no more than it holds.
+func _count() -> Dictionary:
+	var stats := _scatter.get_stats() if _scatter != null else {}
+	var pooled: int = stats.get("scenes_pooled", 0)
+	return {
+		"resident": _resident_bytes(),
+		"nodes": int(Performance.get_monitor(Performance.OBJECT_NODE_COUNT)),
+		"orphans": int(Performance.get_monitor(Performance.OBJECT_ORPHAN_NODE_COUNT)) - pooled,
+		"objects": int(Performance.get_monitor(Performance.OBJECT_COUNT)) - pooled,
+		"bodies": stats.get("bodies", 0),
+	}
+
+
+## Bytes of the process that lie in memory; what the engine has allocated where the system does not say.
+static func _resident_bytes() -> int:
+	var status := FileAccess.open("/proc/self/status", FileAccess.READ)
+	while status != null and not status.eof_reached():
+		var line := status.get_line()
+		if line.begins_with("VmRSS:"):
+			return line.to_int() * 1024
+	return OS.get_static_memory_usage()
+
+
+func _judge() -> void:
+	var resident := PackedInt64Array()
+	for sample in _samples:
+		resident.append(sample.resident)
+		_compare("in round %d" % _samples.find(sample), sample, _samples[0], ["nodes", "orphans", "objects", "bodies"])
+	var range_of := "%.1f to %.1f MB" % [_least(resident) / 1e6, _most(resident) / 1e6]
+	var sorted := resident.duplicate()
+	sorted.sort()
+	var median := float(sorted[sorted.size() / 2])
+	_expect(_most(resident) < median * (1.0 + FLAT) and _least(resident) > median * (1.0 - FLAT),
+			"a flat resident set, not one from " + range_of)
+	print("| soak: resident set at rest, after the warm-up | %.1f MB | %s | %d |" % [
+		median / 1e6, range_of, _samples.size()])
+
+
+static func _least(values: PackedInt64Array) -> float:
+	return Array(values).min()
+
+
+static func _most(values: PackedInt64Array) -> float:
+	return Array(values).max()
+
+
+func _compare(when: String, got: Dictionary, expected: Dictionary, keys: Array[String]) -> void:
+	for key in keys:
+		_expect(got[key] == expected[key], "as many %s %s: %d, not %d" % [key, when, got[key], expected[key]])
+
+
+func _line(elapsed: float) -> String:
+	var count := _count()
+	var flown: float = _done.frames * METRES_A_FRAME / 1000.0
+	return "soak: %4.0f s, %d rounds, %.0f km, %d felled, %d planted, %d answers, %d loads, %d teleports; %s" % [
+		elapsed, _done.rounds, flown, _done.felled, _done.planted, _done.answers, _done.loads, _done.teleports,
+		"%.1f MB, %d nodes, %d objects, %d bodies" % [
+			count.resident / 1e6, count.nodes, count.objects, count.bodies]]
+
+
+func _expect(holds: bool, what: String) -> void:
+	if not holds and _failure == "":
+		_failure = what
