@@ -130,14 +130,18 @@ Dictionary to_arrays(std::span<const PlacedInstance> found, glm::dvec3 offset) {
 	meshes.resize(count);
 	positions.resize(count);
 	transforms.resize(count * static_cast<int64_t>(transform_floats));
+	// Asked for once: each time is a call into the engine.
+	int64_t *next_id = ids.ptrw();
+	int32_t *next_layer = layers.ptrw();
+	int32_t *next_mesh = meshes.ptrw();
+	Vector3 *next_position = positions.ptrw();
 	float *floats = transforms.ptrw();
-	for (int64_t i = 0; i < count; ++i) {
-		const PlacedInstance &instance = found[static_cast<std::size_t>(i)];
-		ids.ptrw()[i] = script_id(instance.id);
-		layers.ptrw()[i] = static_cast<int32_t>(instance.layer);
-		meshes.ptrw()[i] = static_cast<int32_t>(instance.mesh);
+	for (const PlacedInstance &instance : found) {
+		*next_id++ = script_id(instance.id);
+		*next_layer++ = static_cast<int32_t>(instance.layer);
+		*next_mesh++ = static_cast<int32_t>(instance.mesh);
+		*next_position++ = to_engine(instance.position, offset);
 		const glm::vec3 position(instance.position - offset);
-		positions.ptrw()[i] = to_engine(instance.position, offset);
 		for (int row = 0; row < 3; ++row) {
 			for (int column = 0; column < 3; ++column) {
 				*floats++ = instance.basis[column][row];
