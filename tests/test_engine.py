@@ -101,6 +101,7 @@ def assert_passed(done):
         "test_changes",
         "test_queries",
         "test_scenes",
+        "test_scenes_meddled",
         "test_lifetime",
         "test_domain",
         "test_domain_calls",

@@ -1,0 +1,133 @@
+extends "harness.gd"
+## For tests of scenes in place of meshes: a garden, who came and went, and what stands twice or not at all.
+
+const DISTANCE := 20.0
+const LEAVE := 1.1 * DISTANCE + 1.0
+
+## The root of the scenes.
+class Plant extends Node3D:
+	static var made := 0
+	static var hooks: Dictionary[StringName, Callable] = {}  # What to do in _init, _ready, _scatter_shown, _scatter_hidden.
+
+	var id := 0
+	var layer := -1
+	var data: Variant
+	var times_shown := 0
+	var times_hidden := 0
+	var ready_at: Transform3D
+
+	func _init() -> void:
+		made += 1
+		_meddle(&"_init")
+
+	func _ready() -> void:
+		ready_at = global_transform
+		_meddle(&"_ready")
+
+	func _scatter_shown(p_id: int, p_layer: int, p_data: Variant) -> void:
+		id = p_id
+		layer = p_layer
+		data = p_data
+		times_shown += 1
+		_meddle(&"_scatter_shown")
+
+	func _scatter_hidden() -> void:
+		times_hidden += 1
+		_meddle(&"_scatter_hidden")
+
+	func _meddle(place: StringName) -> void:
+		if hooks.has(place):
+			hooks[place].call(self)
+
+
+var shown: Dictionary[int, int] = {}  # How often a scene came for an id,
+var hidden: Dictionary[int, int] = {}  # and went.
+var standing_scenes: Dictionary[int, Node3D] = {}
+var viewer: Node3D
+
+
+func clean() -> void:
+	Plant.hooks.clear()
+	await super()
+
+
+func pack(node: Node) -> PackedScene:
+	var scene := PackedScene.new()
+	scene.pack(node)
+	node.free()
+	return scene
+
+
+func make_plants(radius := 2.0) -> ScatterLayer:
+	var layer := make_layer(radius)
+	layer.resource_name = "Plants"
+	layer.min_scale = 0.5
+	layer.max_scale = 2.0
+	layer.scene = pack(Plant.new())
+	layer.scene_distance = DISTANCE
+	return layer
+
+
+func make_garden(layers: Array[ScatterLayer], at := Vector3.ZERO) -> TerrainScatter3D:
+	Plant.made = 0
+	shown.clear()
+	hidden.clear()
+	standing_scenes.clear()
+	viewer = make_viewer(at)
+	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), viewer)
+	scatter.scene_shown.connect(func(id: int, scene: Node3D) -> void:
+		shown[id] = shown.get(id, 0) + 1
+		check(not standing_scenes.has(id), "no second scene of %d" % id)
+		standing_scenes[id] = scene)
+	scatter.scene_hidden.connect(func(id: int, scene: Node3D) -> void:
+		hidden[id] = hidden.get(id, 0) + 1
+		check(standing_scenes.get(id) == scene, "the scene that came goes")
+		standing_scenes.erase(id))
+	return scatter
+
+
+## The instances that the picture has in the tiles on show, by id.
+func drawn(scatter: TerrainScatter3D, layer := 0) -> Dictionary[int, bool]:
+	var ids: Dictionary[int, bool] = {}
+	for tile: Vector2i in scatter.get_shown_tiles(layer):
+		var buffers: Array = scatter.get_tile_buffers(layer, tile)
+		var parts: Array = scatter.get_tile_ids(layer, tile)
+		for part in parts.size():
+			check_equal((buffers[part] as PackedFloat32Array).size(), 12 * (parts[part] as PackedInt64Array).size(),
+					"floats of the picture")
+			for id in parts[part] as PackedInt64Array:
+				check(not ids.has(id), "%d is drawn once" % id)
+				ids[id] = true
+	return ids
+
+
+## The scenes in the tree, by id.
+func scenes_of(scatter: TerrainScatter3D) -> Dictionary[int, Node3D]:
+	var found: Dictionary[int, Node3D] = {}
+	for child in scatter.get_children(true):
+		if child is Plant and not child.is_queued_for_deletion():
+			found[child.id] = child
+	return found
+
+
+## What the picture or a scene shows.
+func everything_of(scatter: TerrainScatter3D) -> Dictionary[int, bool]:
+	var ids := drawn(scatter)
+	for id in scenes_of(scatter):
+		ids[id] = true
+	return ids
+
+
+## Every instance is in the picture or has a scene, and none is both; of those that are given or, without any, of all that one of both has.
+func check_once(scatter: TerrainScatter3D, ids: Dictionary, what: String) -> void:
+	var picture := drawn(scatter)
+	var scenes := scenes_of(scatter)
+	for id in ids:
+		if picture.has(id) == scenes.has(id):
+			check(false, "%s: %d is %s" % [what, id, "there twice" if scenes.has(id) else "not there"])
+			return
+	for id in scenes:
+		if picture.has(id) or scatter.get_scene(id) != scenes[id]:
+			check(false, "%s: %d is drawn beside its scene" % [what, id])
+			return
+	check(true, what)
