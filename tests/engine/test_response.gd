@@ -64,6 +64,14 @@ func test_a_dragged_slider_is_followed_and_queues_nothing_up() -> void:
 	check_equal(digests(scatter, 0), digests(fresh, 0), "the last value counts")
 
 
+func make_scene() -> PackedScene:
+	var root_of_it := Node3D.new()
+	var scene := PackedScene.new()
+	scene.pack(root_of_it)
+	root_of_it.free()
+	return scene
+
+
 ## Every property of the group Gameplay.
 func edit_gameplay(layer: ScatterLayer, step: int) -> void:
 	layer.instance_radius = 0.1 + step
@@ -74,8 +82,8 @@ func edit_gameplay(layer: ScatterLayer, step: int) -> void:
 	layer.collision_layer = step
 	layer.collision_mask = step
 	layer.physics_material = PhysicsMaterial.new()
-	layer.scene = null if step % 2 else PackedScene.new()
-	layer.scene_distance = 1.0 + step
+	layer.scene = null if step % 2 else make_scene()
+	layer.scene_distance = 0.01 * step # Nobody is that near: what has a scene is drawn no longer, which takes an upload.
 
 
 func test_what_changes_only_how_it_is_drawn_makes_nothing_anew() -> void:
