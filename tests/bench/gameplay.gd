@@ -170,6 +170,10 @@ func _measure_states() -> void:
 	while spread.get_removed_count() < MILLION:
 		spread.remove(_random.randi() << 16 | _random.randi() & 0xffff) # The 48 bits of a cell.
 	_row_bytes("state, %d removals spread over all cells of a layer" % MILLION, spread)
+	var bytes := spread.to_bytes()
+	var loaded := ScatterState.new()
+	_row("state, %d removals: to_bytes" % MILLION, [_time(spread.to_bytes) / 1e3], "ms", 0)
+	_row("state, %d removals: from_bytes" % MILLION, [_time(loaded.from_bytes.bind(bytes)) / 1e3], "ms", 0)
 	var wood := ScatterState.new()
 	var ids: PackedInt64Array = _scatter.query_sphere(_center, 2.0 * RADIUS, [1])["ids"]
 	for id in ids:

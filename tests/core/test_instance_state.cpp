@@ -337,4 +337,9 @@ TEST_CASE("state: layers keep to their point sets") {
 	CHECK(state.load(bytes_of(foreign), changes).ok());
 	CHECK(state.stamp(1) == 30);
 	CHECK(state.removed_ids() == foreign.removed_ids());
+	// One that knows of no points leaves none.
+	InstanceState unknown;
+	unknown.remove(point_id(1, 0, 0));
+	CHECK(state.load(bytes_of(unknown), changes).ok());
+	CHECK(bytes_of(state) == bytes_of(unknown));
 }

@@ -228,6 +228,9 @@ void InstanceState::Content::follow(const StateRecord &record, std::vector<Insta
 				change(id, {}, r_changes);
 			}
 		}
+		for (auto &[number, layer] : layers) {
+			layer.stamp = layer.claimed ? layer.stamp : 0;
+		}
 	}
 	record.for_each([this, &r_changes](std::uint64_t id, const Fate &fate) { change(id, fate, r_changes); });
 	take_stamps(record);
