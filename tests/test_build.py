@@ -20,7 +20,8 @@ ROOMS = {
     "core/terrain": ["core/base", "core/sampling"],
     "core/rules": ["core/base", "core/sampling", "core/terrain"],
     "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
-    "core/streaming": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
+    "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
+    "core/streaming": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/query"],
     "bindings": [],
     "nodes": ["core", "bindings"],
 }
