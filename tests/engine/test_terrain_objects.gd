@@ -146,13 +146,11 @@ func test_textures_of_terrain3d_like() -> void:
 
 func test_textures_that_a_node_has_not() -> void:
 	for node: Node3D in [Terrain3DLike.new(), HTerrainLike.new(), Slope.new()]:
-		var layer := make_layer()
-		layer.ground_textures = PackedInt32Array([0])
-		var scatter := make_on(node, false, layer)
+		var scatter := make_on(node)
+		scatter.layers[0].ground_textures = PackedInt32Array([0])
 		await settle(scatter)
-		var warned := "ground_textures has no effect" in "\n".join(scatter.get_problems())
-		check_equal(warned, not node is Terrain3DLike, "a warning of %s" % node)
-		scatter.free()
+		var problems := "\n".join(scatter.get_problems())
+		check_equal("ground_textures has no effect" in problems, not node is Terrain3DLike, "a warning of %s" % node)
 
 
 func test_hterrain_like() -> void:
