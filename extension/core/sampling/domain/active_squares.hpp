@@ -65,6 +65,7 @@ public:
 		Square<Real> &place = at(list, choice.index);
 		const Square<Real> square = place;
 		place = at(list, --list.count);
+		__builtin_prefetch(&at(list, list.count - std::min(list.count, soon_last)));
 		if ((list.count & ((1u << chunk_shift_) - 1)) == 0) {
 			spare_.push_back(list.chunks.back());
 			list.chunks.pop_back();
@@ -89,13 +90,11 @@ public:
 		return choice;
 	}
 
-	/// What `choose` would say now, fetched towards the cache. A later `choose` mostly says the same: bits stand for the same
-	/// place in a list until that place is beyond its end or taken.
+	/// What `choose` would say now. A later `choose` mostly says the same: bits stand for the same place in a list until that
+	/// place is beyond its end or taken.
 	Choice foresee(const Draw &draw) const {
 		std::uint32_t checks = 0;
-		const Choice choice = look_up(draw, checks);
-		__builtin_prefetch(&at(lists_[choice.level], choice.index));
-		return choice;
+		return look_up(draw, checks);
 	}
 
 	/// The square at a place foreseen earlier, if there still is one.
@@ -111,6 +110,7 @@ private:
 	};
 
 	static constexpr std::uint32_t fresh_choices = 4096;
+	static constexpr std::uint64_t soon_last = 64; ///< How long before it may take a place, a list's end is fetched.
 
 	std::array<List, most_levels> lists_;
 	std::array<double, most_levels> areas_{}; ///< Of all squares in each list, in base squares.

@@ -12,7 +12,7 @@
 #include "core/sampling/domain/domain_sampler.hpp"
 #include "core/sampling/domain/frame.hpp"
 #include "core/sampling/domain/group_map.hpp"
-#include "core/sampling/domain/point_cells-inl.hpp"
+#include "core/sampling/domain/near-inl.hpp"
 #include "core/sampling/domain/thrower.hpp"
 
 #include <hwy/highway.h>
@@ -31,8 +31,11 @@ namespace thicket::HWY_NAMESPACE {
 ///
 /// Squares are chosen at random all over the domain, so in a large one each choice would wait for memory. Therefore the random
 /// bits of later choices are looked at ahead of time, and what they are likely to need is fetched: first the place in the
-/// list, then the cells around the square. That changes no outcome, for each choice is made anew when its turn comes.
-template <typename Real, bool accumulate>
+/// list, then the cells around the square. That changes no outcome, for each choice is made anew when its turn comes. A fetch
+/// waits for the address of its page before anything later can end, so many are begun at once, which wait side by side.
+///
+/// `Cells` is the acceleration grid: PointCells or LineCells.
+template <typename Real, class Cells>
 class DartThrower final : public Thrower<Real> {
 public:
 	using Points = std::vector<glm::vec<2, Real>>;
@@ -83,10 +86,9 @@ public:
 	void visit(const PointVisitor<Real> &visitor) const override { cells_.visit(visitor); }
 
 private:
-	/// How many choices ahead the place in the list is fetched; its square's cells half as many.
-	static constexpr std::uint64_t ahead = 24;
-	static constexpr std::uint64_t cells_ahead = ahead / 2;
-	static constexpr std::size_t ring = 32;
+	/// Choices that are looked at together: their places in the list two batches ahead, their cells one.
+	static constexpr std::uint64_t batch = 8;
+	static constexpr std::size_t ring = 4 * batch;
 	static constexpr std::uint64_t choices_between_looks = 4096;
 	static constexpr std::uint64_t pushes_between_looks = 1u << 17;
 
@@ -98,7 +100,7 @@ private:
 	bool wavefront_;
 	std::uint64_t key_;
 	ActiveSquares<Real> active_;
-	PointCells<Real, accumulate> cells_;
+	Cells cells_;
 	std::optional<GroupMap> groups_;
 	DomainStats counts_;
 	std::array<Real, ActiveSquares<Real>::most_levels> half_x_{}; ///< Half the width of a square of each level.
@@ -120,7 +122,7 @@ private:
 	}
 
 	bool begin(const Progress &progress, double expected_points) {
-		for (std::uint64_t choice = 0; choice < ahead; ++choice) {
+		for (std::uint64_t choice = 0; choice < 2 * batch; ++choice) {
 			draws_[choice] = draw(choice);
 		}
 		if (wavefront_) {
@@ -151,24 +153,34 @@ private:
 				static_cast<std::uint32_t>(square.y >> frame_.finest)};
 	}
 
+	/// Before the first choice of a batch.
 	void foresee() {
-		const std::uint64_t choice = counts_.selections;
-		if (const Square<Real> *square = active_.peek(foreseen_[(choice + cells_ahead) % ring])) {
-			cells_.prefetch(base_of(*square));
+		const std::uint64_t next = counts_.selections + batch;
+		const std::uint64_t later = next + batch;
+		for (std::uint64_t choice = next; choice < later; ++choice) {
+			if (const Square<Real> *square = active_.peek(foreseen_[choice % ring])) {
+				cells_.prefetch(base_of(*square));
+			}
 		}
-		const std::uint64_t later = choice + ahead;
-		draws_[later % ring] = draw(later);
-		foreseen_[later % ring] = active_.foresee(draws_[later % ring]);
+		for (std::uint64_t choice = later; choice < later + batch; ++choice) {
+			draws_[choice % ring] = draw(choice);
+			foreseen_[choice % ring] = active_.foresee(draws_[choice % ring]);
+		}
+		for (std::uint64_t choice = later; choice < later + batch; ++choice) {
+			__builtin_prefetch(active_.peek(foreseen_[choice % ring]));
+		}
 	}
 
 	void step(Points *r_points) {
-		foresee();
+		if (counts_.selections % batch == 0) {
+			foresee();
+		}
 		const std::uint64_t number = counts_.selections++;
 		const Choice choice = active_.choose(draws_[number % ring]);
 		const Square<Real> square = active_.take(choice);
 		const CenteredSquare<Real> centered = centered_square(square, choice.level);
 		const glm::uvec2 base = base_of(square);
-		const Near<Real> near = cells_.near(base, centered);
+		const auto near = cells_.near(base, centered);
 		if (any_covers(near, centered, frame_.limit)) {
 			return;
 		}
@@ -208,8 +220,9 @@ private:
 		}
 	}
 
+	template <class Surroundings>
 	void split(const Square<Real> &square, std::uint32_t level, const CenteredSquare<Real> &centered,
-			const Near<Real> &near) {
+			const Surroundings &near) {
 		const std::uint32_t child_level = level + 1;
 		const Real quarter_x = half_x_[child_level];
 		const Real quarter_y = half_y_[child_level];

@@ -6,6 +6,7 @@
 #define THICKET_POINT_CELLS_INL
 #endif
 
+#include "core/sampling/domain/cell_reach.hpp"
 #include "core/sampling/domain/cell_store-inl.hpp"
 #include "core/sampling/domain/frame.hpp"
 #include "core/sampling/domain/near-inl.hpp"
@@ -42,10 +43,10 @@ public:
 	/// Adds a point at a biased position, whose dart was thrown in a base square.
 	void add(Real x, Real y, glm::uvec2 square) {
 		if constexpr (accumulate) {
-			for_each_image(x, y, square,
+			for_each_image(frame_, x, y, square,
 					[this](Real image_x, Real image_y, glm::ivec2 image) { spread(image_x, image_y, image); });
 		} else {
-			for_each_image(x, y, square, [this](Real image_x, Real image_y, glm::ivec2 image) {
+			for_each_image(frame_, x, y, square, [this](Real image_x, Real image_y, glm::ivec2 image) {
 				const glm::uvec2 cell = glm::uvec2(image + static_cast<int>(pad_)) / width_;
 				add_to(cell, image_x, image_y);
 			});
@@ -70,6 +71,12 @@ public:
 				store_.fetch_part(index_of({x, y}), low_height, high_height);
 			}
 		}
+	}
+
+	/// Fetches what `add` will read.
+	HWY_INLINE void prefetch_add(glm::uvec2 square) const {
+		const glm::uvec2 cell = (square + pad_) / width_;
+		store_.fetch(index_of(cell), index_of(cell));
 	}
 
 	/// The points that can lie within a radius of a part of a base square. Valid until the next call.
@@ -106,10 +113,8 @@ public:
 	}
 
 private:
-	/// Base squares farther apart hold no points within a radius of each other.
-	static constexpr std::uint32_t reach = 2;
+	static constexpr std::uint32_t reach = squares_reached;
 	static constexpr std::size_t block = Near<Real>::block;
-	static constexpr std::size_t most_neighbours = 2 * reach + 1;
 
 	Frame<Real> frame_;
 	std::uint32_t width_;
@@ -141,26 +146,6 @@ private:
 		return accumulate ? likely : std::min(likely, static_cast<double>(width) * width - 1.0);
 	}
 
-	/// The columns (or rows) of cells that the disk around a place can reach, and their squared distances on that axis.
-	struct Neighbours {
-		int first;
-		int count;
-		std::array<double, most_neighbours> squared;
-
-		Neighbours(const Frame<Real> &frame, std::uint32_t width, int axis, double place, int square) {
-			const int wide = static_cast<int>(width);
-			const int last_square = static_cast<int>(frame.squares[axis]) - 1;
-			first = std::max(square - static_cast<int>(reach), 0) / wide;
-			count = std::min(square + static_cast<int>(reach), last_square) / wide - first + 1;
-			for (int i = 0; i < count; ++i) {
-				const double low = (first + i) * wide * frame.base[axis];
-				const double high = low + wide * frame.base[axis];
-				const double distance = std::max({low - place, place - high, 0.0});
-				squared[static_cast<std::size_t>(i)] = distance * distance;
-			}
-		}
-	};
-
 	std::size_t index_of(glm::uvec2 cell) const { return std::size_t{cell.y} * cells_.x + cell.x; }
 
 	/// The cells that `near` looks into.
@@ -182,50 +167,14 @@ private:
 		return std::clamp((rows - first) * heights_per_row_, 0.0, 1.0);
 	}
 
-	/// Calls with the point itself, and on a torus with its images across the seams that are near.
-	template <class Action>
-	void for_each_image(Real x, Real y, glm::uvec2 square, Action &&action) const {
-		const glm::ivec2 count(frame_.squares);
-		const glm::ivec2 own(square);
-		const auto shifts = [&](int axis) -> std::pair<int, int> {
-			if (!frame_.toroidal) {
-				return {0, 0};
-			}
-			return {own[axis] >= count[axis] - static_cast<int>(reach) ? -1 : 0,
-					own[axis] < static_cast<int>(reach) ? 1 : 0};
-		};
-		const auto [first_x, last_x] = shifts(0);
-		const auto [first_y, last_y] = shifts(1);
-		for (int shift_y = first_y; shift_y <= last_y; ++shift_y) {
-			for (int shift_x = first_x; shift_x <= last_x; ++shift_x) {
-				action(x + static_cast<Real>(shift_x * frame_.period.x),
-						y + static_cast<Real>(shift_y * frame_.period.y), own + glm::ivec2(shift_x, shift_y) * count);
-			}
-		}
-	}
-
 	/// Stores an image in every cell of the domain within a radius of it. All of them are fetched before the first is read.
 	void spread(Real x, Real y, glm::ivec2 square) {
-		const Neighbours columns(frame_, width_, 0, static_cast<double>(x) - frame_.bias, square.x);
-		const Neighbours rows(frame_, width_, 1, static_cast<double>(y) - frame_.bias, square.y);
-		const double limit = (radius_ + margin_) * (radius_ + margin_);
-		std::array<glm::uvec2, most_neighbours * most_neighbours> near_cells;
-		std::size_t count = 0;
-		for (int row = 0; row < rows.count; ++row) {
-			for (int column = 0; column < columns.count; ++column) {
-				const glm::uvec2 cell(columns.first + column, rows.first + row);
-				near_cells[count] = cell;
-				const bool within = columns.squared[static_cast<std::size_t>(column)] +
-								rows.squared[static_cast<std::size_t>(row)] <
-						limit;
-				if (within) {
-					fetch_for_adding(cell, y);
-					++count;
-				}
-			}
+		const NearCells cells(frame_, width_, x, y, square);
+		for (std::size_t i = 0; i < cells.count; ++i) {
+			fetch_for_adding(cells.cell[i], y);
 		}
-		for (std::size_t i = 0; i < count; ++i) {
-			add_to(near_cells[i], x, y);
+		for (std::size_t i = 0; i < cells.count; ++i) {
+			add_to(cells.cell[i], x, y);
 		}
 	}
 

@@ -9,7 +9,9 @@
 #include <hwy/highway.h>
 
 #include "core/sampling/domain/dart_thrower-inl.hpp"
+#include "core/sampling/domain/line_cells-inl.hpp"
 #include "core/sampling/domain/naive_darts-inl.hpp"
+#include "core/sampling/domain/point_cells-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
@@ -18,8 +20,15 @@ template <typename Real>
 std::unique_ptr<Thrower<Real>> make(const DomainRequest &request, std::uint32_t cell_width) {
 	switch (request.method) {
 		case DomainMethod::naive: return std::make_unique<NaiveDarts<Real>>(request, cell_width);
-		case DomainMethod::accumulator: return std::make_unique<DartThrower<Real, true>>(request, cell_width);
-		default: return std::make_unique<DartThrower<Real, false>>(request, cell_width);
+		case DomainMethod::accumulator:
+			// In single precision a cell takes few lines as it is.
+			if constexpr (std::is_same_v<Real, double>) {
+				if (cell_width <= LineCells::widest) {
+					return std::make_unique<DartThrower<Real, LineCells>>(request, cell_width);
+				}
+			}
+			return std::make_unique<DartThrower<Real, PointCells<Real, true>>>(request, cell_width);
+		default: return std::make_unique<DartThrower<Real, PointCells<Real, false>>>(request, cell_width);
 	}
 }
 

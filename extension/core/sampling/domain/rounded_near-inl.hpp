@@ -1,0 +1,155 @@
+// The tests of near-inl.hpp against rounded points. Compiled once for each instruction set, by thrower.cpp.
+#if defined(THICKET_ROUNDED_NEAR_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_ROUNDED_NEAR_INL
+#undef THICKET_ROUNDED_NEAR_INL
+#else
+#define THICKET_ROUNDED_NEAR_INL
+#endif
+
+#include "core/sampling/domain/near-inl.hpp"
+
+#include <glm/vec2.hpp>
+#include <hwy/highway.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace thicket::HWY_NAMESPACE {
+
+/// A cache line of points, rounded to whole steps from a corner; see RoundedScale. Lanes without a point are 0, which is
+/// farther than a radius from everything that is looked up.
+struct alignas(64) RoundedPoints {
+	static constexpr std::size_t lanes = 16;
+
+	std::array<std::uint16_t, lanes> x;
+	std::array<std::uint16_t, lanes> y;
+
+	/// Lanes fill from the first on; beyond the last one, points may be missing.
+	bool full() const { return x[lanes - 1] != 0; }
+};
+
+/// How points are rounded, and what that leaves certain: a squared distance between rounded points, in steps, decides about
+/// the true one unless it falls between two bounds.
+struct RoundedScale {
+	double steps_per_metre;
+	float surely_below;  ///< Below it, the true squared distance is below the limit.
+	float perhaps_below; ///< From it on, it is not.
+
+	/// For points up to `width` metres from the corner on each axis, and distances around the root of `limit`.
+	RoundedScale(double width, double limit) : steps_per_metre(65535.0 / width) {
+		// Both coordinates are wrong by up to half a step, and by what the roundings of floats up to 2^16 add.
+		constexpr double wrong = 0.75;
+		const double steps = std::sqrt(limit) * steps_per_metre;
+		surely_below = static_cast<float>((steps - wrong) * (steps - wrong));
+		perhaps_below = static_cast<float>((steps + wrong) * (steps + wrong));
+	}
+};
+
+/// What Near is, by rounded points. `Cells` has the points themselves: `exactly_near` a part of a base square.
+template <class Cells>
+struct RoundedNear {
+	const RoundedPoints *points;
+	RoundedScale scale;
+	glm::dvec2 corner;
+	Cells *cells;
+	glm::uvec2 square;
+	CenteredSquare<double> part;
+
+	float x(double place) const { return steps(place - corner.x); }
+	float y(double place) const { return steps(place - corner.y); }
+	float steps(double metres) const { return static_cast<float>(metres * scale.steps_per_metre); }
+	Near<double> exact() const { return cells->exactly_near(square, part); }
+};
+
+using Steps = hn::CappedTag<float, RoundedPoints::lanes>;
+
+HWY_INLINE hn::Vec<Steps> load_steps(const std::uint16_t *places) {
+	const hn::Rebind<std::uint16_t, Steps> narrow;
+	const hn::Rebind<std::int32_t, Steps> whole;
+	return hn::ConvertTo(Steps(), hn::PromoteTo(whole, hn::LoadU(narrow, places)));
+}
+
+/// True when squared(x, y), in squared steps, stands for less than the limit for any point; exactly() where that is not sure.
+template <class Cells, class Squared, class Exactly>
+HWY_INLINE bool any_below(const RoundedNear<Cells> &near, Squared &&squared, Exactly &&exactly) {
+	const Steps d;
+	bool unsure = near.points->full();
+	for (std::size_t i = 0; i < RoundedPoints::lanes; i += hn::Lanes(d)) {
+		const auto distance = squared(load_steps(near.points->x.data() + i), load_steps(near.points->y.data() + i));
+		if (!hn::AllFalse(d, hn::Lt(distance, hn::Set(d, near.scale.perhaps_below)))) {
+			if (!hn::AllFalse(d, hn::Lt(distance, hn::Set(d, near.scale.surely_below)))) {
+				return true;
+			}
+			unsure = true;
+		}
+	}
+	return unsure && exactly();
+}
+
+template <class Cells>
+HWY_INLINE bool any_within(const RoundedNear<Cells> &near, double x, double y, double limit) {
+	const Steps d;
+	const auto at_x = hn::Set(d, near.x(x));
+	const auto at_y = hn::Set(d, near.y(y));
+	const auto squared = [&](auto xs, auto ys) HWY_ATTR {
+		const auto dx = hn::Sub(xs, at_x);
+		const auto dy = hn::Sub(ys, at_y);
+		return hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+	};
+	return any_below(near, squared, [&] { return any_within(near.exact(), x, y, limit); });
+}
+
+template <class Cells>
+HWY_INLINE bool any_covers(const RoundedNear<Cells> &near, const CenteredSquare<double> &square, double limit) {
+	const Steps d;
+	const auto at_x = hn::Set(d, near.x(square.x));
+	const auto at_y = hn::Set(d, near.y(square.y));
+	const auto half_x = hn::Set(d, near.steps(square.half_x));
+	const auto half_y = hn::Set(d, near.steps(square.half_y));
+	const auto squared = [&](auto xs, auto ys) HWY_ATTR {
+		const auto dx = hn::Add(hn::Abs(hn::Sub(xs, at_x)), half_x);
+		const auto dy = hn::Add(hn::Abs(hn::Sub(ys, at_y)), half_y);
+		return hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+	};
+	return any_below(near, squared, [&] { return any_covers(near.exact(), square, limit); });
+}
+
+template <class Cells>
+HWY_INLINE std::uint32_t covered_quarters(const RoundedNear<Cells> &near, const CenteredSquare<double> &quarter,
+		double far_x, double far_y, double limit) {
+	const Steps d;
+	const auto half_x = hn::Set(d, near.steps(quarter.half_x));
+	const auto half_y = hn::Set(d, near.steps(quarter.half_y));
+	const auto left_x = hn::Set(d, near.x(quarter.x));
+	const auto right_x = hn::Set(d, near.x(far_x));
+	const auto low_y = hn::Set(d, near.y(quarter.y));
+	const auto high_y = hn::Set(d, near.y(far_y));
+	std::uint32_t surely = 0;
+	std::uint32_t perhaps = near.points->full() ? 15 : 0;
+	for (std::size_t i = 0; i < RoundedPoints::lanes; i += hn::Lanes(d)) {
+		const auto xs = load_steps(near.points->x.data() + i);
+		const auto ys = load_steps(near.points->y.data() + i);
+		const auto left = hn::Add(hn::Abs(hn::Sub(xs, left_x)), half_x);
+		const auto right = hn::Add(hn::Abs(hn::Sub(xs, right_x)), half_x);
+		const auto low = hn::Add(hn::Abs(hn::Sub(ys, low_y)), half_y);
+		const auto high = hn::Add(hn::Abs(hn::Sub(ys, high_y)), half_y);
+		const auto check = [&](auto across, auto along, std::uint32_t bit) HWY_ATTR {
+			const auto squared = hn::Add(hn::Mul(across, across), hn::Mul(along, along));
+			surely |= hn::AllFalse(d, hn::Lt(squared, hn::Set(d, near.scale.surely_below))) ? 0u : bit;
+			perhaps |= hn::AllFalse(d, hn::Lt(squared, hn::Set(d, near.scale.perhaps_below))) ? 0u : bit;
+		};
+		check(left, low, 1);
+		check(right, low, 2);
+		check(left, high, 4);
+		check(right, high, 8);
+	}
+	return (perhaps & ~surely) == 0 ? surely : covered_quarters(near.exact(), quarter, far_x, far_y, limit);
+}
+
+} // namespace thicket::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
