@@ -123,9 +123,10 @@ func _on_scene_shown(id: int, scene: Node3D) -> void:
 
 func _enlarge_map(large: bool) -> void:
 	minimap.reach = MAP_REACHES[int(large)]
-	var side := MAP_SIZES[int(large)]
+	var view := get_viewport().get_visible_rect().size
+	var side := minf(MAP_SIZES[int(large)], view.y - 32.0)
 	minimap.set_deferred(&"size", Vector2(side, side))
-	minimap.set_deferred(&"position", Vector2(get_viewport().get_visible_rect().size.x - side - 16.0, 16.0))
+	minimap.set_deferred(&"position", Vector2(view.x - side - 16.0, 16.0))
 
 
 ## The glow with the leaves and the wind of a tree's own material.
