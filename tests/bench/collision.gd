@@ -1,4 +1,4 @@
-extends SceneTree
+extends "bench.gd"
 ## What bodies cost: gives some thousand instances around a viewer a body each, for every shape, all at once; then lets the
 ## viewer move among some hundred under the usual budget of a frame. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/collision.gd [-- ROUNDS]
@@ -21,38 +21,30 @@ const WALK := 5.0            ## Metres a second,
 const DRIVE := 50.0          ## of a car,
 const FLIGHT := 1000.0       ## and of what no game has yet.
 const SECONDS := 4.0
-const PATIENCE_SECONDS := 120.0
 
-var _scatter: TerrainScatter3D
 var _layer: ScatterLayer
 var _viewer := Node3D.new()
 
 
-func _initialize() -> void:
-	_run.call_deferred()
-
-
-func _run() -> void:
-	var rounds := DEFAULT_ROUNDS
-	var arguments := OS.get_cmdline_user_args()
-	if arguments.size() > 0:
-		rounds = maxi(1, arguments[0].to_int())
+func run() -> String:
+	var rounds := rounds_or(DEFAULT_ROUNDS)
 	_make_scene()
-	if not await _idle():
-		return _end("not idle after %.0f s" % PATIENCE_SECONDS)
+	var failure := await idle()
+	if failure != "":
+		return failure
 	var physics := _physics_name()
 	for title: String in SHAPES:
 		var rates := await _measure_shape(SHAPES[title], rounds)
 		if rates.is_empty():
-			return _end("bodies did not come")
-		_report("collision %s created a millisecond, %s, 3 700 at once" % [title, physics], rates[0], "")
-		_report("collision %s removed a millisecond, %s" % [title, physics], rates[1], "")
+			return "bodies did not come"
+		row("collision %s created a millisecond, %s, 3 700 at once" % [title, physics], rates[0])
+		row("collision %s removed a millisecond, %s" % [title, physics], rates[1])
 	_layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
 	_layer.collision_distance = 40.0
 	for speed: float in [0.0, WALK, DRIVE, FLIGHT]:
 		var frames := await _measure_moving(speed)
-		_report("a frame among 920 bodies at %.0f m/s, tiles included, %s" % [speed, physics], frames, " µs")
-	_end("")
+		row("a frame among 920 bodies at %.0f m/s, tiles included, %s" % [speed, physics], frames, "µs")
+	return ""
 
 
 func _make_scene() -> void:
@@ -64,25 +56,9 @@ func _make_scene() -> void:
 	_layer.max_scale = 1.6
 	_layer.collision_distance = DISTANCE
 	_layer.meshes = [PrismMesh.new(), BoxMesh.new()]
-	root.add_child(_viewer)
-	_scatter = TerrainScatter3D.new()
-	_scatter.terrain = ScatterTerrainFlat.new()
-	_scatter.layers = [_layer]
-	_scatter.upload_budget_usec = WHOLE_BUDGET
-	root.add_child(_scatter)
-	_scatter.viewers = [_scatter.get_path_to(_viewer)]
+	make_scatter(ScatterTerrainFlat.new(), [_layer], _viewer)
+	scatter.upload_budget_usec = WHOLE_BUDGET
 	Engine.max_fps = 60
-
-
-func _idle() -> bool:
-	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
-	await process_frame
-	await process_frame
-	while not _scatter.is_idle():
-		if Time.get_ticks_msec() > limit:
-			return false
-		await process_frame
-	return true
 
 
 func _physics_name() -> String:
@@ -96,15 +72,15 @@ func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[Pa
 	var removed: PackedFloat64Array = []
 	for round in rounds:
 		for kind: ScatterLayer.CollisionShape in [shape, ScatterLayer.COLLISION_NONE]:
-			var before: int = _scatter.get_stats()["bodies"]
+			var before: int = scatter.get_stats()["bodies"]
 			_layer.collision_shape = kind
 			var usec := 0.0
 			var changed := 0
 			var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
-			while changed == 0 or not _scatter.is_idle():
+			while changed == 0 or not scatter.is_idle():
 				await process_frame
-				usec += _scatter.get_stats()["frame_usec"]
-				changed = absi(_scatter.get_stats()["bodies"] - before)
+				usec += scatter.get_stats()["frame_usec"]
+				changed = absi(scatter.get_stats()["bodies"] - before)
 				if Time.get_ticks_msec() > limit:
 					return []
 			(created if kind == shape else removed).push_back(changed * 1000.0 / usec)
@@ -114,28 +90,14 @@ func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[Pa
 ## Microseconds of each frame of a viewer that moves.
 func _measure_moving(speed: float) -> PackedFloat64Array:
 	_viewer.position = Vector3.ZERO
-	_scatter.upload_budget_usec = WHOLE_BUDGET
-	await _idle()
-	_scatter.upload_budget_usec = USUAL_BUDGET
+	scatter.upload_budget_usec = WHOLE_BUDGET
+	await idle()
+	scatter.upload_budget_usec = USUAL_BUDGET
 	for frame in 3:
 		await process_frame # What is told is the frame before.
 	var times: PackedFloat64Array = []
 	for frame in int(SECONDS * 60.0):
 		_viewer.position.x += speed / 60.0
 		await process_frame
-		times.push_back(_scatter.get_stats()["frame_usec"])
+		times.push_back(scatter.get_stats()["frame_usec"])
 	return times
-
-
-func _report(what: String, samples: PackedFloat64Array, end: String) -> void:
-	var sorted := samples.duplicate()
-	sorted.sort()
-	@warning_ignore("integer_division")
-	var median := sorted[sorted.size() / 2]
-	print("| %s | %.0f%s | %.0f to %.0f%s | %d |" % [what, median, end, sorted[0], sorted[-1], end, sorted.size()])
-
-
-func _end(problem: String) -> void:
-	if problem:
-		printerr("collision: " + problem)
-	quit(1 if problem else 0)

@@ -1,4 +1,4 @@
-extends SceneTree
+extends "bench.gd"
 ## What a game's questions and changes cost: queries on tiles that are known and on tiles that are not, removals, and
 ## the size of a state. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/gameplay.gd [-- ROUNDS]
@@ -9,50 +9,32 @@ extends SceneTree
 const DEFAULT_ROUNDS := 9
 const RADIUS := 100.0 ## Metres, of the circle that is asked.
 const CALLS := 500    ## Rays and the like in a round.
-const PATIENCE_SECONDS := 120.0
 const MILLION := 1000000
 
-var _scatter: TerrainScatter3D
 var _random := RandomNumberGenerator.new()
 var _center := Vector3(310.0, 0.0, -270.0) ## On the ground.
 
 
-func _initialize() -> void:
+func run() -> String:
 	_random.seed = 1
-	_run.call_deferred()
-
-
-func _run() -> void:
-	var rounds := DEFAULT_ROUNDS
-	var arguments := OS.get_cmdline_user_args()
-	if arguments.size() > 0:
-		rounds = maxi(1, arguments[0].to_int())
+	var rounds := rounds_or(DEFAULT_ROUNDS)
 	_make_scene()
-	if not await _idle():
-		return _end("not idle after %.0f s" % PATIENCE_SECONDS)
-	_measure_circles(rounds)
-	_measure_single(rounds)
-	_measure_removals(rounds)
-	_measure_states()
-	_end("")
+	var failure := await idle()
+	if failure == "":
+		_measure_circles(rounds)
+		_measure_single(rounds)
+		_measure_removals(rounds)
+		_measure_states()
+	return failure
 
 
 ## Trees, ferns and grass on the demo's ground, around one viewer.
 func _make_scene() -> void:
-	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
-	var terrain: ScatterTerrain
-	for node in demo.find_children("*", "TerrainScatter3D", true, false):
-		terrain = node.get(&"terrain")
-	demo.free()
+	var terrain := demo_terrain()
 	var viewer := Node3D.new()
-	root.add_child(viewer)
 	_center.y = terrain.get_height(_center)
-	viewer.global_position = _center
-	_scatter = TerrainScatter3D.new()
-	_scatter.terrain = terrain
-	_scatter.layers = [_make_layer(4.0, 64.0), _make_layer(1.35, 32.0), _make_layer(0.4, 16.0)]
-	root.add_child(_scatter)
-	_scatter.viewers = [_scatter.get_path_to(viewer)]
+	viewer.position = _center
+	make_scatter(terrain, [_make_layer(4.0, 64.0), _make_layer(1.35, 32.0), _make_layer(0.4, 16.0)], viewer)
 
 
 func _make_layer(radius: float, tile_size: float) -> ScatterLayer:
@@ -66,54 +48,36 @@ func _make_layer(radius: float, tile_size: float) -> ScatterLayer:
 	return layer
 
 
-func _idle() -> bool:
-	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
-	await process_frame
-	await process_frame
-	while not _scatter.is_idle():
-		if Time.get_ticks_msec() > limit:
-			return false
-		await process_frame
-	return true
-
-
-## Microseconds that a call takes.
-func _time(call: Callable) -> float:
-	var start := Time.get_ticks_usec()
-	call.call()
-	return float(Time.get_ticks_usec() - start)
-
-
 func _measure_circles(rounds: int) -> void:
 	var asked := {"trees": [0], "trees and ferns": [0, 1], "grass": [2]}
 	for what: String in asked:
 		var layers := PackedInt32Array(asked[what])
 		var warm := []
 		var cold := []
-		var found: PackedInt64Array = _scatter.query_sphere(_center, RADIUS, layers)["ids"]
+		var found: PackedInt64Array = scatter.query_sphere(_center, RADIUS, layers)["ids"]
 		for round in rounds:
 			var far := _on_ground(_center + Vector3(400.0, 0.0, 300.0 * (round + 1)))
-			cold.push_back(_time(_scatter.query_sphere.bind(far, RADIUS, layers)) / 1e3)
-			warm.push_back(_time(_scatter.query_sphere.bind(_center, RADIUS, layers)) / 1e3)
-		_row("query_sphere of %.0f m, %d instances of %s, tiles known" % [RADIUS, found.size(), what], warm, "ms", 2)
-		_row("the same elsewhere, tiles made on the spot", cold, "ms", 1)
+			cold.push_back(time_of(scatter.query_sphere.bind(far, RADIUS, layers)) / 1e3)
+			warm.push_back(time_of(scatter.query_sphere.bind(_center, RADIUS, layers)) / 1e3)
+		row("query_sphere of %.0f m, %d instances of %s, tiles known" % [RADIUS, found.size(), what], warm, "ms", 2)
+		row("the same elsewhere, tiles made on the spot", cold, "ms", 1)
 
 
 ## Rays, nearest and single instances among trees and ferns.
 func _measure_single(rounds: int) -> void:
-	var ids: PackedInt64Array = _scatter.query_sphere(_center, RADIUS, [0, 1])["ids"]
+	var ids: PackedInt64Array = scatter.query_sphere(_center, RADIUS, [0, 1])["ids"]
 	var rays := []
 	var nearest := []
 	var by_id := []
 	for round in rounds:
 		rays.push_back(_each(func() -> void:
 			var from := _somewhere()
-			_scatter.query_ray(from, from + 50.0 * Vector3.FORWARD.rotated(Vector3.UP, _random.randf() * TAU), [0, 1])))
-		nearest.push_back(_each(func() -> void: _scatter.query_nearest(_somewhere(), 30.0, [0, 1])))
-		by_id.push_back(_each(func() -> void: _scatter.get_instance(ids[_random.randi() % ids.size()])))
-	_row("query_ray over 50 m through trees and ferns, tiles known", rays, "µs", 1)
-	_row("query_nearest within 30 m, trees and ferns, tiles known", nearest, "µs", 1)
-	_row("get_instance by id, tiles known", by_id, "µs", 1)
+			scatter.query_ray(from, from + 50.0 * Vector3.FORWARD.rotated(Vector3.UP, _random.randf() * TAU), [0, 1])))
+		nearest.push_back(_each(func() -> void: scatter.query_nearest(_somewhere(), 30.0, [0, 1])))
+		by_id.push_back(_each(func() -> void: scatter.get_instance(ids[_random.randi() % ids.size()])))
+	row("query_ray over 50 m through trees and ferns, tiles known", rays, "µs", 1)
+	row("query_nearest within 30 m, trees and ferns, tiles known", nearest, "µs", 1)
+	row("get_instance by id, tiles known", by_id, "µs", 1)
 
 
 ## A place a metre above the ground, near enough for rays to stay where tiles are known.
@@ -123,11 +87,11 @@ func _somewhere() -> Vector3:
 
 
 func _on_ground(at: Vector3) -> Vector3:
-	return Vector3(at.x, _scatter.terrain.get_height(at), at.z)
+	return Vector3(at.x, scatter.terrain.get_height(at), at.z)
 
 
 func _each(call: Callable) -> float:
-	return _time(func() -> void:
+	return time_of(func() -> void:
 		for index in CALLS:
 			call.call()) / CALLS
 
@@ -138,30 +102,30 @@ func _measure_removals(rounds: int) -> void:
 	var many := []
 	var count := 0
 	for round in rounds:
-		var ids: PackedInt64Array = _scatter.query_sphere(_center, 30.0, [1])["ids"]
-		single.push_back(ids.size() * 1e6 / _time(func() -> void:
+		var ids: PackedInt64Array = scatter.query_sphere(_center, 30.0, [1])["ids"]
+		single.push_back(ids.size() * 1e6 / time_of(func() -> void:
 			for id in ids:
-				_scatter.remove_instance(id)
+				scatter.remove_instance(id)
 			_draw()))
 		_restore(ids)
 		count = ids.size()
-		many.push_back(count * 1e6 / _time(func() -> void:
-			_scatter.remove_in_sphere(_center, 30.0, [1])
+		many.push_back(count * 1e6 / time_of(func() -> void:
+			scatter.remove_in_sphere(_center, 30.0, [1])
 			_draw()))
 		_restore(ids)
-	_row("remove_instance, %d one by one in a frame, picture included" % count, single, "a second", 0)
-	_row("remove_in_sphere, %d at once, picture included" % count, many, "a second", 0)
+	row("remove_instance, %d one by one in a frame, picture included" % count, single, "a second", 0)
+	row("remove_in_sphere, %d at once, picture included" % count, many, "a second", 0)
 
 
 ## Whoever looks at a tile sees what was changed.
 func _draw() -> void:
-	for tile: Vector2i in _scatter.get_shown_tiles(1):
-		_scatter.get_tile_ids(1, tile)
+	for tile: Vector2i in scatter.get_shown_tiles(1):
+		scatter.get_tile_ids(1, tile)
 
 
 func _restore(ids: PackedInt64Array) -> void:
 	for id in ids:
-		_scatter.restore_instance(id)
+		scatter.restore_instance(id)
 	_draw()
 
 
@@ -172,10 +136,10 @@ func _measure_states() -> void:
 	_row_bytes("state, %d removals spread over all cells of a layer" % MILLION, spread)
 	var bytes := spread.to_bytes()
 	var loaded := ScatterState.new()
-	_row("state, %d removals: to_bytes" % MILLION, [_time(spread.to_bytes) / 1e3], "ms", 0)
-	_row("state, %d removals: from_bytes" % MILLION, [_time(loaded.from_bytes.bind(bytes)) / 1e3], "ms", 0)
+	row("state, %d removals: to_bytes" % MILLION, [time_of(spread.to_bytes) / 1e3], "ms", 0)
+	row("state, %d removals: from_bytes" % MILLION, [time_of(loaded.from_bytes.bind(bytes)) / 1e3], "ms", 0)
 	var wood := ScatterState.new()
-	var ids: PackedInt64Array = _scatter.query_sphere(_center, 2.0 * RADIUS, [1])["ids"]
+	var ids: PackedInt64Array = scatter.query_sphere(_center, 2.0 * RADIUS, [1])["ids"]
 	for id in ids:
 		if _random.randi() % 3 == 0:
 			wood.remove(id)
@@ -183,23 +147,4 @@ func _measure_states() -> void:
 
 
 func _row_bytes(what: String, state: ScatterState) -> void:
-	_row(what + ": bytes a removal", [float(state.to_bytes().size()) / state.get_removed_count()], "", 2)
-
-
-## What, the median, the lowest and the highest round, and how many.
-func _row(what: String, rounds: Array, unit: String, digits: int) -> void:
-	var sorted := rounds.duplicate()
-	sorted.sort()
-	var end := "" if unit == "" else " " + unit
-	var number := "%." + str(digits) + "f"
-	var median: String = number % sorted[sorted.size() / 2]
-	var ends := [number % sorted[0], number % sorted[-1], end]
-	print("| %s | %s%s | %s to %s%s | %d |" % ([what, median, end] + ends + [sorted.size()]))
-
-
-func _end(failure: String) -> void:
-	if failure != "":
-		printerr("gameplay: " + failure)
-	if _scatter != null:
-		_scatter.queue_free()
-	quit(0 if failure == "" else 1)
+	row(what + ": bytes a removal", [float(state.to_bytes().size()) / state.get_removed_count()], "", 2)

@@ -1,4 +1,4 @@
-extends SceneTree
+extends "bench.gd"
 ## How soon a change is seen: moves the density of one layer with 10^5 instances on show, as a slider would, and takes the time
 ## until the tiles nearest the viewer are made anew, until all are, and what the main thread spends in each frame. Then
 ## drags the slider for two seconds, a change in every frame. Prints rows of a Markdown table.
@@ -14,10 +14,8 @@ const NEAR := 64.0 ## Metres; what the viewer looks at while dragging.
 const INSTANCES := 100000
 const DRAG_SECONDS := 2.0
 const DEFAULT_ROUNDS := 15
-const PATIENCE_SECONDS := 120.0
 const TOUCHED_BYTES := 512 << 20 ## Given back before anything is measured: the first touch of memory may wait for a host.
 
-var _scatter: TerrainScatter3D
 var _layer: ScatterLayer
 var _viewer := Node3D.new()
 var _near: Array[Vector2i] = []
@@ -31,39 +29,28 @@ var _wait_usec := 0
 var _most_pending := 0
 
 
-func _initialize() -> void:
-	_run.call_deferred()
-
-
-func _run() -> void:
-	var rounds := DEFAULT_ROUNDS
-	var arguments := OS.get_cmdline_user_args()
-	if arguments.size() > 0:
-		rounds = maxi(1, arguments[0].to_int())
+func run() -> String:
+	var rounds := rounds_or(DEFAULT_ROUNDS)
 	var touched := PackedByteArray()
 	touched.resize(TOUCHED_BYTES)
 	touched.fill(1)
 	touched.clear()
 	_make_scene()
-	if not await _idle():
-		return _end("not idle after %.0f s" % PATIENCE_SECONDS)
+	var failure := await idle()
+	if failure != "":
+		return failure
 	_find_near()
 	Engine.max_fps = FRAMES_PER_SECOND
 	var changes := await _measure_changes(rounds)
 	var drags := await _measure_drags(maxi(1, rounds / 5))
 	if changes.is_empty() or drags.is_empty():
-		return _end("a change did not settle")
+		return "a change did not settle"
 	_report(changes, drags)
-	_end("")
+	return ""
 
 
 ## One layer on the demo's ground.
 func _make_scene() -> void:
-	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
-	var terrain: ScatterTerrain
-	for node in demo.find_children("*", "TerrainScatter3D", true, false):
-		terrain = node.get(&"terrain")
-	demo.free()
 	_layer = ScatterLayer.new()
 	_layer.radius = 1.2
 	_layer.tile_size = 32.0
@@ -71,30 +58,14 @@ func _make_scene() -> void:
 	_layer.min_scale = 0.5
 	_layer.align_to_normal = 0.5
 	_layer.meshes = [BoxMesh.new(), SphereMesh.new()]
-	root.add_child(_viewer)
-	_viewer.global_position = Vector3(310.0, 100.0, -270.0)
-	_scatter = TerrainScatter3D.new()
-	_scatter.terrain = terrain
-	_scatter.layers = [_layer]
-	root.add_child(_scatter)
-	_scatter.viewers = [_scatter.get_path_to(_viewer)]
-	_scatter.tile_shown.connect(_on_tile_shown)
-
-
-func _idle() -> bool:
-	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
-	await process_frame
-	await process_frame
-	while not _scatter.is_idle():
-		if Time.get_ticks_msec() > limit:
-			return false
-		await _frame()
-	return true
+	_viewer.position = Vector3(310.0, 100.0, -270.0)
+	make_scatter(demo_terrain(), [_layer], _viewer)
+	scatter.tile_shown.connect(_on_tile_shown)
 
 
 func _frame() -> void:
 	await process_frame
-	var stats := _scatter.get_stats()
+	var stats := scatter.get_stats()
 	_frames.push_back(float(stats.frame_usec))
 	_most_pending = maxi(_most_pending, int(stats.pending))
 	var now := _thread_times()
@@ -114,7 +85,7 @@ func _thread_times() -> Vector2i:
 
 func _find_near() -> void:
 	var at := Vector2(_viewer.global_position.x, _viewer.global_position.z)
-	for tile: Vector2i in _scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(0):
 		var rect := Rect2(Vector2(tile) * _layer.tile_size, Vector2.ONE * _layer.tile_size)
 		if at.distance_to(at.clamp(rect.position, rect.end)) <= NEAR:
 			_near.push_back(tile)
@@ -130,11 +101,11 @@ func _on_tile_shown(_index: int, tile: Vector2i) -> void:
 func _change(density: float) -> PackedFloat64Array:
 	var result := PackedFloat64Array([-1.0, -1.0])
 	_missing.clear()
-	for tile: Vector2i in _scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(0):
 		_missing[tile] = true
 	var start := Time.get_ticks_usec()
 	_layer.density = density
-	while _missing.size() > 0 or not _scatter.is_idle():
+	while _missing.size() > 0 or not scatter.is_idle():
 		await _frame()
 		var elapsed := (Time.get_ticks_usec() - start) / 1e3
 		if result[0] < 0.0 and not _near.any(func(tile: Vector2i) -> bool: return _missing.has(tile)):
@@ -206,42 +177,25 @@ func _measure_drags(rounds: int) -> Dictionary:
 
 
 func _report(changes: Dictionary, drags: Dictionary) -> void:
-	var stats := _scatter.get_stats()
+	var stats := scatter.get_stats()
 	var what := "slider, %d instances in %d tiles" % [stats.instances, stats.tiles]
-	_row(what + ": %d tiles within %.0f m made anew" % [_near.size(), NEAR], changes.near, "ms")
-	_row(what + ": all tiles made anew", changes.all, "ms")
+	row(what + ": %d tiles within %.0f m made anew" % [_near.size(), NEAR], changes.near, "ms")
+	row(what + ": all tiles made anew", changes.all, "ms")
 	_row_frames(what, changes)
-	_row(what + ": tiles under way, at most", changes.pending, "")
+	row(what + ": tiles under way, at most", changes.pending, "")
 	var drag := what + ", dragged for %.0f s" % DRAG_SECONDS
-	_row(drag + ": the last value within %.0f m" % NEAR, drags.near, "ms")
-	_row(drag + ": the last value everywhere", drags.all, "ms")
-	_row(drag + ": each tile within %.0f m made anew meanwhile, at least" % NEAR, drags.renewed, "times a second")
+	row(drag + ": the last value within %.0f m" % NEAR, drags.near, "ms")
+	row(drag + ": the last value everywhere", drags.all, "ms")
+	row(drag + ": each tile within %.0f m made anew meanwhile, at least" % NEAR, drags.renewed, "times a second")
 	_row_frames(drag, drags)
-	_row(drag + ": tiles under way, at most", drags.pending, "")
+	row(drag + ": tiles under way, at most", drags.pending, "")
 	if stats.instances < 0.9 * INSTANCES or stats.instances > 1.2 * INSTANCES:
 		printerr("response: %d instances are on show, not about %d" % [stats.instances, INSTANCES])
 
 
 func _row_frames(what: String, figures: Dictionary) -> void:
-	_row(what + ": main thread a frame, longest", figures.longest, "µs")
-	_row(what + ": main thread a frame, p99", figures.p99, "µs")
+	row(what + ": main thread a frame, longest", figures.longest, "µs")
+	row(what + ": main thread a frame, p99", figures.p99, "µs")
 	if _processor_usec > 0:
-		_row(what + ": what the thread waited for a core in that longest frame", figures.waited, "µs")
-		_row(what + ": processor time of the engine's main thread a frame, longest", figures.processor, "µs")
-
-
-## What, the median, the lowest and the highest round, and how many.
-func _row(what: String, rounds: Array, unit: String) -> void:
-	var sorted := rounds.duplicate()
-	sorted.sort()
-	var end := "" if unit == "" else " " + unit
-	var median: float = sorted[sorted.size() / 2]
-	print("| %s | %.0f%s | %.0f to %.0f%s | %d |" % [what, median, end, sorted[0], sorted[-1], end, sorted.size()])
-
-
-func _end(failure: String) -> void:
-	if failure != "":
-		printerr("response: " + failure)
-	if _scatter != null:
-		_scatter.queue_free()
-	quit(0 if failure == "" else 1)
+		row(what + ": what the thread waited for a core in that longest frame", figures.waited, "µs")
+		row(what + ": processor time of the engine's main thread a frame, longest", figures.processor, "µs")

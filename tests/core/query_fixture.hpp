@@ -220,4 +220,12 @@ inline InstanceState changed_state(const std::vector<PlacedInstance> &all, glm::
 	return state;
 }
 
+inline constexpr Rect glade{{0.0, 0.0}, {70.0, 70.0}};
+
+inline std::vector<PlacedInstance> found_in(const InstanceQuery &query, const Rect &rect) {
+	std::vector<PlacedInstance> found;
+	REQUIRE(query.in_rect(rect, {}, found).ok());
+	return found;
+}
+
 } // namespace thicket::test

@@ -19,14 +19,6 @@ using namespace thicket::test;
 
 namespace {
 
-constexpr Rect glade{{0.0, 0.0}, {70.0, 70.0}};
-
-std::vector<PlacedInstance> found_in(const InstanceQuery &query, const Rect &rect) {
-	std::vector<PlacedInstance> found;
-	REQUIRE(query.in_rect(rect, {}, found).ok());
-	return found;
-}
-
 /// A query of one layer with open rules.
 struct OneLayer {
 	World world;

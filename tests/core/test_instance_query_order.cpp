@@ -17,18 +17,6 @@
 using namespace thicket;
 using namespace thicket::test;
 
-namespace {
-
-constexpr Rect glade{{0.0, 0.0}, {70.0, 70.0}};
-
-std::vector<PlacedInstance> found_in(const InstanceQuery &query, const Rect &rect) {
-	std::vector<PlacedInstance> found;
-	REQUIRE(query.in_rect(rect, {}, found).ok());
-	return found;
-}
-
-} // namespace
-
 TEST_CASE("queries: rectangles are half-open, so pieces that touch hold what the whole holds, once") {
 	World world;
 	const std::vector<QueryLayer> layers = world.asked();

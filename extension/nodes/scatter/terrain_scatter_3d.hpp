@@ -190,6 +190,8 @@ private:
 	void schedule_patch();
 	void patch_now();
 	bool prepare_query(const char *p_method);
+	template <class Query>
+	void ask(const char *p_method, Query &&query);
 	TileMaker tile_maker() const;
 	std::vector<PlacedInstance> find_in_sphere(const char *p_method, const godot::Vector3 &p_center, double p_radius,
 			const godot::PackedInt32Array &p_layers, const godot::Callable &p_predicate);

@@ -80,18 +80,24 @@ void TerrainScatter3D::update_world(const std::vector<EditedArea> &outdated) {
 	claim_layers();
 }
 
-Dictionary TerrainScatter3D::query_rect(
-		const Rect2 &p_rect, const PackedInt32Array &p_layers, const Callable &p_predicate) {
-	std::vector<PlacedInstance> found;
-	const glm::dvec3 offset = world_offset_;
-	if (prepare_query("query_rect")) {
+/// Asks what is known and what has to be made for it. Holds what the query needs meanwhile: a script that is asked for the ground
+/// may do anything.
+template <class Query>
+void TerrainScatter3D::ask(const char *p_method, Query &&query) {
+	if (prepare_query(p_method)) {
 		const std::shared_ptr<InstanceWorld> world = world_;
 		const Ref<ScatterState> state = state_;
-		const QueryFilter filter = to_filter("query_rect", p_layers, p_predicate, offset);
-		const Rect rect = to_world(p_rect, offset);
-		report_query("query_rect",
-				world->ask([&](const InstanceQuery &query) { return query.in_rect(rect, filter, found); }));
+		report_query(p_method, world->ask(query));
 	}
+}
+
+Dictionary TerrainScatter3D::query_rect(
+		const Rect2 &p_rect, const PackedInt32Array &p_layers, const Callable &p_predicate) {
+	const glm::dvec3 offset = world_offset_;
+	const QueryFilter filter = to_filter("query_rect", p_layers, p_predicate, offset);
+	std::vector<PlacedInstance> found;
+	ask("query_rect",
+			[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, offset), filter, found); });
 	return to_arrays(found, offset);
 }
 
@@ -103,34 +109,22 @@ Dictionary TerrainScatter3D::query_sphere(
 
 std::vector<PlacedInstance> TerrainScatter3D::find_in_sphere(const char *p_method, const Vector3 &p_center,
 		double p_radius, const PackedInt32Array &p_layers, const Callable &p_predicate) {
+	const glm::dvec3 center = to_world(p_center, world_offset_);
+	const QueryFilter filter = to_filter(p_method, p_layers, p_predicate, world_offset_);
 	std::vector<PlacedInstance> found;
-	if (prepare_query(p_method)) {
-		const std::shared_ptr<InstanceWorld> world = world_;
-		const Ref<ScatterState> state = state_;
-		const QueryFilter filter = to_filter(p_method, p_layers, p_predicate, world_offset_);
-		const glm::dvec3 center = to_world(p_center, world_offset_);
-		report_query(p_method, world->ask([&](const InstanceQuery &query) {
-			return query.in_sphere(center, p_radius, filter, found);
-		}));
-	}
+	ask(p_method, [&](const InstanceQuery &query) { return query.in_sphere(center, p_radius, filter, found); });
 	return found;
 }
 
 Dictionary TerrainScatter3D::query_ray(
 		const Vector3 &p_from, const Vector3 &p_to, const PackedInt32Array &p_layers, const Callable &p_predicate) {
-	Dictionary result;
-	if (!prepare_query("query_ray")) {
-		return result;
-	}
-	const std::shared_ptr<InstanceWorld> world = world_;
-	const Ref<ScatterState> state = state_;
 	const glm::dvec3 offset = world_offset_;
 	const QueryFilter filter = to_filter("query_ray", p_layers, p_predicate, offset);
 	const glm::dvec3 from = to_world(p_from, offset);
 	const glm::dvec3 to = to_world(p_to, offset);
 	std::vector<RayHit> hits;
-	report_query(
-			"query_ray", world->ask([&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); }));
+	ask("query_ray", [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
+	Dictionary result;
 	if (!hits.empty()) {
 		const double length = glm::length(to - from);
 		result = to_dictionary(hits.front().instance, offset);
@@ -143,19 +137,13 @@ Dictionary TerrainScatter3D::query_ray(
 
 Dictionary TerrainScatter3D::query_nearest(const Vector3 &p_position, double p_max_distance,
 		const PackedInt32Array &p_layers, const Callable &p_predicate) {
-	Dictionary result;
-	if (!prepare_query("query_nearest")) {
-		return result;
-	}
-	const std::shared_ptr<InstanceWorld> world = world_;
-	const Ref<ScatterState> state = state_;
 	const glm::dvec3 offset = world_offset_;
 	const QueryFilter filter = to_filter("query_nearest", p_layers, p_predicate, offset);
 	const glm::dvec3 position = to_world(p_position, offset);
 	std::vector<NearestInstance> found;
-	report_query("query_nearest", world->ask([&](const InstanceQuery &query) {
-		return query.nearest(position, p_max_distance, filter, found);
-	}));
+	ask("query_nearest",
+			[&](const InstanceQuery &query) { return query.nearest(position, p_max_distance, filter, found); });
+	Dictionary result;
 	if (!found.empty()) {
 		result = to_dictionary(found.front().instance, offset);
 		result["distance"] = found.front().distance;
@@ -166,13 +154,9 @@ Dictionary TerrainScatter3D::query_nearest(const Vector3 &p_position, double p_m
 /// The instance of an id, or, if `even_removed`, where it would stand. Empty for none.
 std::vector<PlacedInstance> TerrainScatter3D::find_by_id(const char *p_method, int64_t p_id, bool even_removed) {
 	std::vector<PlacedInstance> found;
-	if (prepare_query(p_method)) {
-		const std::shared_ptr<InstanceWorld> world = world_;
-		const Ref<ScatterState> state = state_;
-		report_query(p_method, world->ask([&](const InstanceQuery &query) {
-			return even_removed ? query.by_id_even_removed(core_id(p_id), found) : query.by_id(core_id(p_id), found);
-		}));
-	}
+	ask(p_method, [&](const InstanceQuery &query) {
+		return even_removed ? query.by_id_even_removed(core_id(p_id), found) : query.by_id(core_id(p_id), found);
+	});
 	return found;
 }
 

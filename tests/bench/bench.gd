@@ -1,0 +1,80 @@
+extends SceneTree
+## Base of the benches that run in the engine: one scatter, rows of a Markdown table, and an end that frees what there was.
+
+const PATIENCE_SECONDS := 120.0
+
+var scatter: TerrainScatter3D
+
+
+func _initialize() -> void:
+	_begin.call_deferred()
+
+
+func _begin() -> void:
+	var failure := await run()
+	if failure != "":
+		printerr("%s: %s" % [(get_script() as Script).resource_path.get_file().get_basename(), failure])
+	if scatter != null:
+		scatter.queue_free()
+	quit(0 if failure == "" else 1)
+
+
+## What a bench does. Says what failed; empty if nothing did.
+func run() -> String:
+	return "measures nothing"
+
+
+## The first argument, or what is usual.
+func rounds_or(usual: int) -> int:
+	var arguments := OS.get_cmdline_user_args()
+	return maxi(1, arguments[0].to_int()) if arguments.size() > 0 else usual
+
+
+## The ground of the demo's first scene.
+func demo_terrain() -> ScatterTerrain:
+	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
+	var terrain: ScatterTerrain
+	for node in demo.find_children("*", "TerrainScatter3D", true, false):
+		terrain = node.get(&"terrain")
+	demo.free()
+	return terrain
+
+
+func make_scatter(terrain: ScatterTerrain, layers: Array[ScatterLayer], viewer: Node3D) -> void:
+	scatter = TerrainScatter3D.new()
+	scatter.terrain = terrain
+	scatter.layers = layers
+	root.add_child(viewer)
+	root.add_child(scatter)
+	scatter.viewers = [scatter.get_path_to(viewer)]
+
+
+## Waits until all that is wanted is shown; says so if that takes too long.
+func idle() -> String:
+	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
+	await process_frame
+	await process_frame
+	while not scatter.is_idle():
+		if Time.get_ticks_msec() > limit:
+			return "not idle after %.0f s" % PATIENCE_SECONDS
+		await process_frame
+	return ""
+
+
+## Microseconds that a call takes.
+func time_of(call: Callable) -> float:
+	var start := Time.get_ticks_usec()
+	call.call()
+	return float(Time.get_ticks_usec() - start)
+
+
+## What, the median, the lowest and the highest round, and how many.
+func row(what: String, rounds: Array, unit := "", digits := 0) -> void:
+	var sorted := rounds.duplicate()
+	sorted.sort()
+	var number := "%." + str(digits) + "f"
+	var end := "" if unit == "" else " " + unit
+	@warning_ignore("integer_division")
+	var median: String = number % sorted[sorted.size() / 2]
+	var ends := [number % sorted[0], number % sorted[-1], end]
+	print("| %s | %s%s | %s to %s%s | %d |" % ([what, median, end] + ends + [sorted.size()]))
