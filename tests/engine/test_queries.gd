@@ -314,6 +314,27 @@ func test_requests_are_answered_by_workers() -> void:
 	check(not (answers[fourth]["ids"] as PackedInt64Array).has(id), "what was removed in between is left out")
 
 
+func test_tiles_of_another_size_are_not_taken_for_those_asked_for() -> void:
+	var scatter := make_wood(make_viewer())
+	scatter.viewers = []
+	var answers := {}
+	scatter.query_finished.connect(func(request: int, result: Dictionary) -> void: answers[request] = result)
+	await frames(2)
+	for turn in 12:
+		var rect := Rect2(-100, -100, 200, 200) # Where tiles of both sizes have the same numbers.
+		var request := scatter.request_rect(rect, [0])
+		await frames(1 + turn % 4) # Workers are at it.
+		scatter.layers[0].tile_size = 24.0 if turn % 2 == 0 else 40.0
+		await until(func() -> bool: return answers.has(request), "an answer")
+		var expected := PackedInt64Array()
+		for ids: PackedInt64Array in scatter.build_rect(0, rect)["ids"]:
+			expected.append_array(ids)
+		var got: PackedInt64Array = answers[request]["ids"]
+		got.sort()
+		expected.sort()
+		check(got == expected, "turn %d: %d instances, %d stand there" % [turn, got.size(), expected.size()])
+
+
 func test_bad_questions_are_refused() -> void:
 	var scatter := make_wood(make_viewer())
 	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, NAN, 5, 5), Rect2(0, 0, INF, 5), Rect2(-1e6, -1e6, 2e6, 2e6)]:

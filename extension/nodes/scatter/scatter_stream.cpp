@@ -58,11 +58,13 @@ void report_tile(const TileKey &key, const Status &status) {
 
 ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(worker_count()) {}
 
-/// What is under way and shows something that has changed since is of no use to those who ask.
-void ScatterStream::mark_stale(std::span<const EditedArea> outdated) {
+/// What is under way and shows something that has changed since, or a tile of another size, is of no use to those who ask.
+void ScatterStream::mark_stale(std::span<const StreamedLayer> next, std::span<const EditedArea> outdated) {
 	for (const std::shared_ptr<TileJob> &job : jobs_) {
 		const std::uint32_t layer = job->request.key.layer;
-		job->stale = job->stale || layer >= outdated.size() || outdated[layer].touches(job->request.rect);
+		job->stale = job->stale || layer >= next.size() || layer >= outdated.size() ||
+				next[layer].range.tile_size != layers_[layer].range.tile_size ||
+				outdated[layer].touches(job->request.rect);
 	}
 }
 
@@ -84,7 +86,7 @@ void ScatterStream::set_layers(
 			streamer_.cancel(layer);
 		}
 	}
-	mark_stale(outdated);
+	mark_stale(layers, outdated);
 	layers_ = std::move(layers);
 	script_ = script;
 	stage_.set_looks(std::move(looks));

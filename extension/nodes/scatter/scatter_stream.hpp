@@ -82,7 +82,7 @@ private:
 	void sort_work(std::span<const Viewer> viewers);
 	void start(const TileRequest &request);
 	void start_missing();
-	void mark_stale(std::span<const EditedArea> outdated);
+	void mark_stale(std::span<const StreamedLayer> next, std::span<const EditedArea> outdated);
 	void settle_unseen(const std::shared_ptr<TileJob> &job);
 	bool ring_step();
 	void cancel(std::uint64_t ticket);
