@@ -134,7 +134,8 @@ TEST_CASE("overlay: the box holds what stands") {
 	InstanceState state;
 	std::uint64_t id = 0;
 	REQUIRE(state.add(placed(layer, {0.0, 900.0, 64.0}, 0), id).ok());
-	const MeshInstances &mesh = *overlaid(tile, layer, tile_of_hills, {&state, nullptr})[0];
+	const auto shown = overlaid(tile, layer, tile_of_hills, {&state, nullptr});
+	const MeshInstances &mesh = *shown[0];
 	CHECK(mesh.max.y == static_cast<float>(900.0 - tile->origin.y));
 	CHECK(mesh.min == tile->meshes[0].min);
 }
