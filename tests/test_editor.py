@@ -74,7 +74,7 @@ def designer(godot, godot_xvfb, project) -> str:
     assert not complaints(imported.stdout + imported.stderr)
     for old in PICTURES.glob("*.png"):
         old.unlink()
-    done = godot_xvfb(["--editor", "--path", project, "--", "demo_scene"], timeout=300)
+    done = godot_xvfb(["--editor", "--path", project, "--", "demo_scene"], timeout=900)
     return done.stdout + done.stderr
 
 
