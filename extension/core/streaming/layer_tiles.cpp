@@ -50,11 +50,15 @@ void LayerTiles::configure(const StreamLayer &settings, std::uint32_t new_grid, 
 void LayerTiles::invalidate(const Rect &area) {
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 		if (tiles_[slot].exists && touch(rect(tiles_[slot].at), area)) {
+			// Else a slider that is dragged would fill the queues in every frame.
+			const bool queued = !tiles_[slot].current;
 			change(slot, [](StreamedTile &tile) {
 				tile.current = false;
 				tile.late = tile.ticket != 0;
 			});
-			queue_up(slot);
+			if (!queued) {
+				queue_up(slot);
+			}
 		}
 	}
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 #include <utility>
 
 using namespace godot;
@@ -121,6 +122,7 @@ std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
 void TileWorkers::run(void *p_worker) {
 	Worker &worker = *static_cast<Worker *>(p_worker);
 	while (const std::shared_ptr<TileJob> job = worker.owner->next(worker)) {
+		std::this_thread::yield(); // The main thread may be waiting for this core.
 		if (job->cancelled) {
 			job->status.code = ErrorCode::cancelled;
 			job->step = TileJob::Step::done;
