@@ -1,7 +1,7 @@
 """The statistics of the sampler's sets, held against naive dart throwing run to its end and against what must be flat.
 
 All seeds are fixed, so every run computes the same figures. A hypothesis is refused where its p-value is below ALPHA;
-the wrong sets (Bridson's method, tiles coloured by phase) must fall far below. Nothing else is tuned: spreads are
+the wrong sets (Bridson's method, tiles colored by phase) must fall far below. Nothing else is tuned: spreads are
 estimated from independent seeds."""
 
 from __future__ import annotations
@@ -60,18 +60,18 @@ def test_naive_darts_agree_with_themselves(tool, darts, feature):
 @pytest.fixture(scope="session")
 def wrong_sets(tool) -> dict[str, Measured]:
     return {
-        "coloured": of_reference(tool.coloured(SIDE, 8, 1, SETS)),
+        "colored": of_reference(tool.colored(SIDE, 8, 1, SETS)),
         "bridson": of_reference(tool.bridson(SIDE, 1, SETS // 2)),
     }
 
 
 @pytest.mark.parametrize(
     ("kind", "feature"),
-    [("coloured", "density"), ("coloured", "pairs"), ("coloured", "rings")]
+    [("colored", "density"), ("colored", "pairs"), ("colored", "rings")]
     + [("bridson", feature) for feature in FEATURES],
 )
 def test_wrong_sets_are_noticed(darts, wrong_sets, kind, feature):
-    """Seams of coloured tiles (8 radii wide) add about 1 % of density, Bridson's sets are another family."""
+    """Seams of colored tiles (8 radii wide) add about 1 % of density, Bridson's sets are another family."""
     p = means_differ(darts.rows(feature), wrong_sets[kind].rows(feature))
     assert p < WRONG, f"{kind} passes for darts by its {feature}: p = {p:.2g}"
 

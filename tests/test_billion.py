@@ -103,7 +103,7 @@ def test_the_source_names_every_key():
 @pytest.mark.parametrize(
     "argument",
     ["points=nan", "points=1e12", "points=999", "points=1e6x", "seed=-1", "seed=", "tile=15", "tile=64.5"]
-    + ["order=random", "threads=0", "threads=257", "verify=maybe", "gaps=-1", "colour=green", "points", ""],
+    + ["order=random", "threads=0", "threads=257", "verify=maybe", "gaps=-1", "color=green", "points", ""],
 )
 def test_wrong_arguments_are_refused(build_dir, argument):
     done = run([build_dir / "bench/billion", argument], timeout=60)

@@ -119,7 +119,7 @@ def test_core_needs_no_godot(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "option", ["target=fastest", "sanitize=memory", "godot_cpp=/nowhere", "colour=green", "werror=perhaps"]
+    "option", ["target=fastest", "sanitize=memory", "godot_cpp=/nowhere", "color=green", "werror=perhaps"]
 )
 def test_wrong_option_is_refused(option):
     done = run(["scons", "-Q", "-n", option, "core"], timeout=120, cwd=REPO)

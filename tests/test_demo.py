@@ -59,11 +59,11 @@ def test_heightmap_has_the_true_scale():
     latitude = np.radians((36.73291666666667 + 36.44625) / 2.0)
     degree_z = 111132.92 - 559.82 * np.cos(2 * latitude) + 1.175 * np.cos(4 * latitude)
     degree_x = 111412.84 * np.cos(latitude) - 93.5 * np.cos(3 * latitude)
-    assert description["post_metres_x"] == pytest.approx(degree_x / 1200.0, rel=1e-4)
-    assert description["post_metres_z"] == pytest.approx(degree_z / 1200.0, rel=1e-4)
+    assert description["post_meters_x"] == pytest.approx(degree_x / 1200.0, rel=1e-4)
+    assert description["post_meters_z"] == pytest.approx(degree_z / 1200.0, rel=1e-4)
     for axis, posts in (("x", 403), ("z", 344)):
         size = description[f"size_{axis}"]
-        assert size == description[f"post_metres_{axis}"] * (posts - 1)
+        assert size == description[f"post_meters_{axis}"] * (posts - 1)
         # Exact in the engine's single precision, as is its half.
         assert struct.unpack("f", struct.pack("f", size / 2.0))[0] == size / 2.0
 
@@ -276,7 +276,7 @@ def test_ground_has_no_holes(godot_xvfb, imported_demo, tmp_path):
         assert not (behind & below_ground).any()
         assert behind.mean() < 0.8
         skies += behind.any()
-    assert skies >= 6, "the views must look over the horizon, or the colour behind is wrong"
+    assert skies >= 6, "the views must look over the horizon, or the color behind is wrong"
 
 
 HOLES = """extends SceneTree
@@ -333,20 +333,20 @@ def pictures(godot_xvfb, imported_demo) -> dict[str, np.ndarray]:
 
 def is_a_picture(image: np.ndarray, least_green: float = 0.25) -> str:
     """Why an image is not a picture of a landscape, of which this share at least is green; empty if it is one."""
-    grey = image.mean(axis=2)
-    share, _ = np.histogram(grey, bins=64, range=(0, 256))
-    share = share[share > 0] / grey.size
+    gray = image.mean(axis=2)
+    share, _ = np.histogram(gray, bins=64, range=(0, 256))
+    share = share[share > 0] / gray.size
     entropy = -(share * np.log2(share)).sum()
-    detail = np.abs(np.diff(grey, axis=1)).mean()
+    detail = np.abs(np.diff(gray, axis=1)).mean()
     red, green, blue = image[..., 0], image[..., 1], image[..., 2]
     greens = ((green > red) & (green > blue * 1.05)).mean()
     checks = {
         f"entropy {entropy:.2f} bits": entropy > 3.5,
-        f"standard deviation {grey.std():.1f}": grey.std() > 20.0,
-        f"neighbours differ by {detail:.2f}": 1.5 < detail < 25.0,
+        f"standard deviation {gray.std():.1f}": gray.std() > 20.0,
+        f"neighbors differ by {detail:.2f}": 1.5 < detail < 25.0,
         f"{greens:.0%} green": greens > least_green,
-        f"mean {grey.mean():.0f}": 40.0 < grey.mean() < 210.0,
-        f"{(grey < 4).mean():.0%} black": (grey < 4).mean() < 0.1,
+        f"mean {gray.mean():.0f}": 40.0 < gray.mean() < 210.0,
+        f"{(gray < 4).mean():.0%} black": (gray < 4).mean() < 0.1,
     }
     return ", ".join(what for what, good in checks.items() if not good)
 

@@ -78,15 +78,15 @@ def test_parts_of_sets_agree_with_naive_darts(dart_sets, domain_sets, kind, part
 
 @pytest.fixture(scope="module")
 def wrong_sets(tool) -> dict[str, Measured]:
-    """Naive dart throwing that ends too early, and seams of coloured tiles."""
+    """Naive dart throwing that ends too early, and seams of colored tiles."""
     return {
         "early": measured(tool.domain("naive", (SIDE, SIDE), 3001, SETS, darts_each=40)),
-        "coloured": measured(tool.coloured(SIDE, 8, 1, SETS)),
+        "colored": measured(tool.colored(SIDE, 8, 1, SETS)),
     }
 
 
 @pytest.mark.parametrize("feature", ["density", "pairs"])
-@pytest.mark.parametrize("kind", ["early", "coloured"])
+@pytest.mark.parametrize("kind", ["early", "colored"])
 def test_what_differs_is_noticed(darts, wrong_sets, kind, feature):
     p = means_differ(darts.rows(feature), wrong_sets[kind].rows(feature))
     assert p < WRONG, f"{kind} passes for darts by its {feature}: p = {p:.2g}"

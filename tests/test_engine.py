@@ -118,7 +118,7 @@ def assert_passed(done):
         "test_shapes_node",
         "test_state",
         "test_edits",
-        "test_neighbours",
+        "test_neighbors",
         "test_build_rect",
         pytest.param("test_response", marks=pytest.mark.alone),
     ],

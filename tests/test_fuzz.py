@@ -1,4 +1,4 @@
-"""Random input for a few seconds each, under the address and undefined-behaviour sanitizers: a smoke test of the targets
+"""Random input for a few seconds each, under the address and undefined-behavior sanitizers: a smoke test of the targets
 in tests/fuzz, which can run for hours (see tests/fuzz/fuzz_main.hpp). Inputs come from fixed seeds, so what fails once
 fails again; how many are tried depends on the machine."""
 

@@ -1,4 +1,4 @@
-"""The same bits on every instruction set, optimisation level and compiler: the program `analysis/golden` computes its
+"""The same bits on every instruction set, optimization level and compiler: the program `analysis/golden` computes its
 digests on all instruction sets of this processor, and is built here once more with other compilers and levels.
 
 tests/golden/core.json changes only when the law of the sets or the placement is changed on purpose. Then:

@@ -1,14 +1,14 @@
 extends Camera3D
 ## A camera that flies freely or walks on the ground; F changes between both.
 
-## Metres a second of walking; Shift makes walking and flying faster.
+## Meters a second of walking; Shift makes walking and flying faster.
 const WALK_SPEED := 2.5
 const FAST := 4.0
-## Metres of the eye above the ground.
+## Meters of the eye above the ground.
 const EYE_HEIGHT := 1.75
 const RADIANS_PER_PIXEL := 0.0025
 
-## Metres a second of flying.
+## Meters a second of flying.
 @export_range(1.0, 1000.0, 1.0, "suffix:m/s") var fly_speed := 100.0
 
 ## The ground to walk on; has [code]height(x, z)[/code].

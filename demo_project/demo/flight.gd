@@ -1,12 +1,12 @@
 extends RefCounted
 ## The fixed path of the first scene: where it looks from when nobody steers.
 ##
-## All positions are world metres in x and z and metres above the ground in y, so the path follows the terrain.
+## All positions are world meters in x and z and meters above the ground in y, so the path follows the terrain.
 
-## Metres a second between the first two places.
+## Meters a second between the first two places.
 const SPEED := 100.0
 
-## Every stop: its name, the eye (x, metres above the ground, z), the direction in degrees clockwise from north, and how
+## Every stop: its name, the eye (x, meters above the ground, z), the direction in degrees clockwise from north, and how
 ## far it looks up (positive) or down, in degrees.
 const STOPS: Array[Dictionary] = [
 	{"name": "overview", "eye": Vector3(2350.0, 280.0, 150.0), "heading": 301.0, "pitch": -11.0},

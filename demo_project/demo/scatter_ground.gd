@@ -8,6 +8,6 @@ func _init(terrain: ScatterTerrain) -> void:
 	_terrain = terrain
 
 
-## Height of the ground in metres at world x and z; NAN where there is none.
+## Height of the ground in meters at world x and z; NAN where there is none.
 func height(x: float, z: float) -> float:
 	return _terrain.get_height(Vector3(x, 0.0, z))

@@ -1,10 +1,10 @@
 extends MeshInstance3D
-## Draws the borders of the tiles that a scatter shows as bright bands on the ground, a colour for each size of tile.
+## Draws the borders of the tiles that a scatter shows as bright bands on the ground, a color for each size of tile.
 
 const COLORS: Array[Color] = [
 	Color(1.0, 0.72, 0.2), Color(0.35, 0.85, 1.0), Color(1.0, 0.45, 0.75), Color(0.75, 1.0, 0.4), Color(0.95, 0.95,
 			0.95)]
-## Metres: how far a band floats above the ground, and pieces that follow it.
+## Meters: how far a band floats above the ground, and pieces that follow it.
 const LIFT := 0.6
 const PIECE := 16.0
 

@@ -4,7 +4,7 @@ extends Node
 ##   godot --headless --path demo_project res://gameplay/client.tscn -- --port=4433 --at=-20,150 --fell=5
 ##
 ## Arguments after [code]--[/code]: [code]--port=NUMBER[/code], [code]--address=ADDRESS[/code] (this machine unless told
-## otherwise), [code]--at=X,Z[/code] in metres, [code]--fell=COUNT[/code].
+## otherwise), [code]--at=X,Z[/code] in meters, [code]--fell=COUNT[/code].
 
 const DEFAULT_PORT := 4433
 const REACH := 60.0

@@ -11,7 +11,7 @@ const SAVED := "user://gameplay_state.res"
 const HIGHLIGHT := preload("res://shaders/highlight.gdshader")
 ## Radians from straight away from the player, to his left, that trees fall.
 const ASIDE := 0.8
-## Metres from the middle to the sides of the small map, and of the large one.
+## Meters from the middle to the sides of the small map, and of the large one.
 const MAP_REACHES: Array[float] = [50.0, 120.0]
 const MAP_SIZES: Array[float] = [260.0, 640.0]
 

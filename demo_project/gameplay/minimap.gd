@@ -1,7 +1,7 @@
 extends Control
 ## A map of what stands around the player, drawn from a query: north is up, a dot for each instance.
 
-## Colour of the dots by the layer's name; other layers are not on the map.
+## Color of the dots by the layer's name; other layers are not on the map.
 const COLORS := {
 	"Oak": Color(0.62, 0.8, 0.27),
 	"Spruce": Color(0.2, 0.55, 0.33),
@@ -11,7 +11,7 @@ const COLORS := {
 const BACKGROUND := Color(0.08, 0.11, 0.07, 0.85)
 const FRAME := Color(0.9, 0.93, 0.85, 0.7)
 const PLAYER := Color(1.0, 1.0, 1.0)
-## Metres that the player walks before the map asks again.
+## Meters that the player walks before the map asks again.
 const STEP := 2.0
 ## Share of a layer's radius that its dots have.
 const DOT := 0.42
@@ -22,7 +22,7 @@ const SMALLEST_DOT := 3.5
 @export var world: TerrainScatter3D
 ## Who is in the middle.
 @export var player: Node3D
-## Metres from the middle to the map's sides.
+## Meters from the middle to the map's sides.
 @export_range(10.0, 500.0, 1.0, "suffix:m") var reach := 60.0:
 	set(value):
 		reach = clampf(value, 10.0, 500.0)

@@ -1,11 +1,11 @@
 extends CharacterBody3D
 ## Walks on the ground of a world, is stopped by its trunks and stones, and knows the tree it looks at.
 
-## Metres a second; Shift makes it faster.
+## Meters a second; Shift makes it faster.
 const WALK_SPEED := 3.0
 const FAST := 2.5
 const RADIANS_PER_PIXEL := 0.0025
-## Metres within which it sees what it looks at.
+## Meters within which it sees what it looks at.
 const REACH := 30.0
 
 ## The world to walk in.

@@ -10,7 +10,7 @@ signal answered(question: int, ids: PackedInt64Array)
 ## The world is as the server has it, for the first time or again after a change.
 signal synced
 
-## Metres that a question may reach.
+## Meters that a question may reach.
 const FARTHEST := 200.0
 ## Clients that a server takes.
 const MOST_CLIENTS := 32

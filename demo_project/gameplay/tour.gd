@@ -8,7 +8,7 @@ const PATIENCE := 60.0
 const HURRY := 4.0
 ## Frames to draw before a picture is kept: shadows settle.
 const SETTLING_FRAMES := 2
-## How far from a tree to stop, and from a stump, in metres.
+## How far from a tree to stop, and from a stump, in meters.
 const STAND_BACK := 7.0
 const STAND_NEAR := 3.2
 

@@ -2,7 +2,7 @@ extends RefCounted
 ## Draws the leaves of all plants into one small texture, once a run: our own work, made of ellipses and strokes.
 ##
 ## Five regions: broad leaves, a conifer's twig (stem on the left, tip on the right), a fern's frond (the same way),
-## bark (up is up), and opaque white. The colour is a brightness that the vertex colour tints; alpha is for scissoring.
+## bark (up is up), and opaque white. The color is a brightness that the vertex color tints; alpha is for scissoring.
 
 const SIZE := 512
 const BROADLEAF := Rect2(0.0, 0.0, 0.5, 0.5)

@@ -9,10 +9,10 @@ extends RefCounted
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 
-## The edge length that the engine lets go below one pixel from one metre away on, in a view 1280 pixels wide and 65
+## The edge length that the engine lets go below one pixel from one meter away on, in a view 1280 pixels wide and 65
 ## degrees high: twice the tangent of half the horizontal angle over the width. It turns a distance into the key of a
 ## level.
-const EDGE_PER_METRE := 0.00177
+const EDGE_PER_METER := 0.00177
 
 ## For what has no texture: stones, blades and petals, the dark inside of a crown.
 const OPAQUE_UV := Atlas.OPAQUE_UV
@@ -60,7 +60,7 @@ func triangle_count(level: int) -> int:
 	return _levels[level].size() / 3
 
 
-## Adds a flat leaf card with its own normal direction at the centre; [param bulge] bends the corner normals outwards
+## Adds a flat leaf card with its own normal direction at the center; [param bulge] bends the corner normals outwards
 ## from it (0 flat, 1 strongly), so that a crown of cards is lit as a round body.
 func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color, sway: Vector2,
 		bulge := 0.45) -> void:
@@ -91,7 +91,7 @@ func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, side
 
 
 ## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, flatter below than above, its
-## radii varied by up to [param roughness] (0..1). Vertex colours run from [param low] at the bottom to [param high] at
+## radii varied by up to [param roughness] (0..1). Vertex colors run from [param low] at the bottom to [param high] at
 ## the top.
 func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color, sway: Vector2,
 		rng: RandomNumberGenerator) -> void:
@@ -124,7 +124,7 @@ func cone(base: Vector3, radius: float, height: float, sides: int, notch: float,
 		triangle(apex, first + i, first + (i + 1) % sides)
 
 
-## Writes the collected levels as one surface. [param distances] are the metres (at 1280 pixels of width and an instance
+## Writes the collected levels as one surface. [param distances] are the meters (at 1280 pixels of width and an instance
 ## scale of 1) beyond which level 1, 2, ... are drawn; one fewer than the levels. Levels finer than the mesh's
 ## [code]finest_level[/code] are left out, but never the last.
 func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) -> void:
@@ -140,7 +140,7 @@ func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) 
 	arrays[Mesh.ARRAY_INDEX] = _levels[finest]
 	var lods := {}
 	for i in range(finest, distances.size()):
-		lods[distances[i] * EDGE_PER_METRE] = _levels[i + 1]
+		lods[distances[i] * EDGE_PER_METER] = _levels[i + 1]
 	mesh.clear_surfaces()
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], lods)
 	mesh.surface_set_material(0, material)

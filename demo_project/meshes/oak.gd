@@ -38,7 +38,7 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	builder.commit(mesh, PackedFloat32Array([55.0, 140.0, 360.0, 850.0]), material)
 
 
-## Centre and radius of the crown's clumps, as Vector4(x, y, z, radius).
+## Center and radius of the crown's clumps, as Vector4(x, y, z, radius).
 static func _clumps(rng: RandomNumberGenerator, variant: int) -> Array[Vector4]:
 	var result: Array[Vector4] = []
 	var count := 11

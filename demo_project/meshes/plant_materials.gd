@@ -5,7 +5,7 @@ const Atlas := preload("res://meshes/leaf_atlas.gd")
 const PLANT := preload("res://shaders/plant.gdshader")
 const STONE := preload("res://shaders/stone.gdshader")
 
-## What differs from the shader's defaults: sway in metres, range in metres where instances shrink away (0: never), and
+## What differs from the shader's defaults: sway in meters, range in meters where instances shrink away (0: never), and
 ## how much light leaves let through.
 const SETTINGS := {
 	&"oak": {"sway": 0.16, "translucency": 0.5, "tint_range": 0.42, "fade_end": 1500.0},

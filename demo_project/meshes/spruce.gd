@@ -35,7 +35,7 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	builder.commit(mesh, PackedFloat32Array([55.0, 140.0, 360.0, 850.0]), material)
 
 
-## The crown's radius in metres at a height 0..1 of the tree.
+## The crown's radius in meters at a height 0..1 of the tree.
 static func _radius(height: float) -> float:
 	return 4.1 * pow(1.0 - height, 0.82) + 0.15
 

@@ -1,12 +1,12 @@
 extends RefCounted
-## What is left of a tree: half a metre of trunk with its roots, and pale wood on top. Variant 0 has the oak's trunk, 1 the
+## What is left of a tree: half a meter of trunk with its roots, and pale wood on top. Variant 0 has the oak's trunk, 1 the
 ## spruce's.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
-## Metres from the ground to the cut.
+## Meters from the ground to the cut.
 const HEIGHT := 0.5
 const BARKS: Array[Color] = [Color(0.21, 0.175, 0.14), Color(0.22, 0.16, 0.12)]
-## Radii of the trunks at the cut, in metres.
+## Radii of the trunks at the cut, in meters.
 const RADII: Array[float] = [0.46, 0.34]
 const WOOD := Color(0.56, 0.4, 0.22)
 const RING := Color(0.38, 0.25, 0.13)

@@ -3,14 +3,14 @@
 
 Source: `mpl-data/sample_data/jacksboro_fault_dem.npz` of the PyPI package matplotlib, elevations of the Shuttle Radar
 Topography Mission (SRTM, public domain; so says the change that brought the file there, matplotlib pull request 3291):
-344 x 403 posts of 3 arc-seconds in the Cumberland Mountains of Tennessee around the Jacksboro fault, in whole metres,
+344 x 403 posts of 3 arc-seconds in the Cumberland Mountains of Tennessee around the Jacksboro fault, in whole meters,
 236 to 1076 m above the sea.
 
 Writes beside this script, bit for bit the same on every machine:
 - jacksboro.r16   unsigned 16-bit little-endian samples, row by row, rows from north to south, posts from west to east.
-- jacksboro.json  size, metres between posts, extent and the heights that samples 0 and 65535 stand for.
+- jacksboro.json  size, meters between posts, extent and the heights that samples 0 and 65535 stand for.
 
-In the world +x is east, +z is south, y is up, and the map's centre is the origin. One sample step is 1/64 m, which
+In the world +x is east, +z is south, y is up, and the map's center is the origin. One sample step is 1/64 m, which
 holds every elevation of the source exactly: height = min_height + sample / 65535 * (max_height - min_height), and
 max_height - min_height is 65535/64.
 
@@ -26,8 +26,8 @@ import pathlib
 import numpy as np
 
 SOURCE = "mpl-data/sample_data/jacksboro_fault_dem.npz"
-STEPS_PER_METRE = 64
-# WGS 84 ellipsoid: semi-major axis in metres and first eccentricity squared.
+STEPS_PER_METER = 64
+# WGS 84 ellipsoid: semi-major axis in meters and first eccentricity squared.
 SEMI_MAJOR = 6378137.0
 ECCENTRICITY_2 = 6.69437999014e-3
 
@@ -43,8 +43,8 @@ def find_source() -> pathlib.Path:
     return path
 
 
-def metres_per_degree(latitude_degrees: float) -> tuple[float, float]:
-    """Metres of one degree of longitude and of one degree of latitude on the ellipsoid at a latitude."""
+def meters_per_degree(latitude_degrees: float) -> tuple[float, float]:
+    """Meters of one degree of longitude and of one degree of latitude on the ellipsoid at a latitude."""
     latitude = math.radians(latitude_degrees)
     w2 = 1.0 - ECCENTRICITY_2 * math.sin(latitude) ** 2
     prime_vertical = SEMI_MAJOR / math.sqrt(w2)
@@ -57,17 +57,17 @@ def convert(source: pathlib.Path) -> tuple[bytes, dict]:
     """The raw samples and the description of the heightmap made from the npz file."""
     with np.load(source) as dem:
         elevation = dem["elevation"].astype(np.int64)
-        # The file's ymin is the northern border and its first row; posts are the centres of cells of dx by dy degrees.
+        # The file's ymin is the northern border and its first row; posts are the centers of cells of dx by dy degrees.
         north, south = float(dem["ymin"]), float(dem["ymax"])
         dx, dy = float(dem["dx"]), float(dem["dy"])
     if north < south:
         raise ValueError("expected the first row to be the northern one")
     rows, columns = elevation.shape
     low, high = int(elevation.min()), int(elevation.max())
-    samples = (elevation - low) * STEPS_PER_METRE
+    samples = (elevation - low) * STEPS_PER_METER
     if samples.max() > 0xFFFF:
-        raise ValueError(f"{high - low} m of relief do not fit 16 bits at {STEPS_PER_METRE} steps a metre")
-    per_lon, per_lat = metres_per_degree((north + south) / 2.0)
+        raise ValueError(f"{high - low} m of relief do not fit 16 bits at {STEPS_PER_METER} steps a meter")
+    per_lon, per_lat = meters_per_degree((north + south) / 2.0)
     # Whole 1/256 m, so that the extent and its half are exact in single precision, which the engine's Rect2 has.
     post_x, post_z = round(per_lon * dx * 256) / 256, round(per_lat * dy * 256) / 256
     description = {
@@ -75,12 +75,12 @@ def convert(source: pathlib.Path) -> tuple[bytes, dict]:
         "samples": "jacksboro.r16",
         "columns": columns,
         "rows": rows,
-        "post_metres_x": post_x,
-        "post_metres_z": post_z,
+        "post_meters_x": post_x,
+        "post_meters_z": post_z,
         "size_x": post_x * (columns - 1),
         "size_z": post_z * (rows - 1),
         "min_height": float(low),
-        "max_height": low + 0xFFFF / STEPS_PER_METRE,
+        "max_height": low + 0xFFFF / STEPS_PER_METER,
         "lowest": float(low),
         "highest": float(high),
     }

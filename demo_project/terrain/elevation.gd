@@ -10,9 +10,9 @@ const BLOCK := 8
 
 ## Columns (west to east) and rows (north to south) of posts.
 var posts := Vector2i.ZERO
-## World metres from the first post to the last: x, and z as y.
+## World meters from the first post to the last: x, and z as y.
 var rect := Rect2()
-## Metres between posts along x and z.
+## Meters between posts along x and z.
 var spacing := Vector2.ONE
 
 var _heights := PackedFloat32Array()
@@ -30,7 +30,7 @@ func load_description(path: String) -> bool:
 		return false
 	var description: Dictionary = parsed
 	posts = Vector2i(int(description.columns), int(description.rows))
-	spacing = Vector2(description.post_metres_x, description.post_metres_z)
+	spacing = Vector2(description.post_meters_x, description.post_meters_z)
 	var size := Vector2(description.size_x, description.size_z)
 	rect = Rect2(size * -0.5, size)
 	var bytes := FileAccess.get_file_as_bytes(path.get_base_dir().path_join(description.samples))
@@ -42,7 +42,7 @@ func load_description(path: String) -> bool:
 	return true
 
 
-## Height of the ground in metres at world x and z; NAN outside of the map.
+## Height of the ground in meters at world x and z; NAN outside of the map.
 func height(x: float, z: float) -> float:
 	var place := (Vector2(x, z) - rect.position) / spacing
 	if place.x < 0.0 or place.y < 0.0 or place.x > posts.x - 1 or place.y > posts.y - 1:
@@ -67,14 +67,14 @@ func bounds(from: Vector2i, to: Vector2i) -> Vector2:
 	return Vector2(low, high)
 
 
-## Heights of the posts in metres as a texture of 32-bit floats, to be fetched without filtering.
+## Heights of the posts in meters as a texture of 32-bit floats, to be fetched without filtering.
 func height_texture() -> ImageTexture:
 	var image := Image.create_from_data(posts.x, posts.y, false, Image.FORMAT_RF, _heights.to_byte_array())
 	return ImageTexture.create_from_image(image)
 
 
 ## What a shader needs to light the ground, at each post, to be filtered linearly: the gradient along x and along z in
-## red and green, and in blue how far the post lies above (ridge) or below (hollow) the land around it, in metres.
+## red and green, and in blue how far the post lies above (ridge) or below (hollow) the land around it, in meters.
 func relief_texture() -> ImageTexture:
 	var values := PackedFloat32Array()
 	values.resize(posts.x * posts.y * 3)

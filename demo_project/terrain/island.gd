@@ -3,17 +3,17 @@ extends ScatterTerrain
 ## A hilly island with a sinkhole, by a formula: a ground of your own needs no more than this. Past the coast and in the
 ## sinkhole there is no ground, so nothing stands there.
 
-## Metres from the world's origin to the coast, on average.
+## Meters from the world's origin to the coast, on average.
 @export_range(20.0, 500.0, 1.0, "suffix:m") var coast := 150.0:
 	set(value):
 		coast = value
 		emit_changed()  # The scatter makes its tiles anew, and so does whatever else shows this ground.
-## The middle of the sinkhole, world x and z in metres.
+## The middle of the sinkhole, world x and z in meters.
 @export var sinkhole := Vector2(44.0, 20.0):
 	set(value):
 		sinkhole = value
 		emit_changed()
-## Metres from there to its edge, on average.
+## Meters from there to its edge, on average.
 @export_range(0.0, 100.0, 1.0, "suffix:m") var sinkhole_radius := 17.0:
 	set(value):
 		sinkhole_radius = value
@@ -33,7 +33,7 @@ func _is_thread_safe() -> bool:
 	return true
 
 
-## Metres, for a place given as world x and z.
+## Meters, for a place given as world x and z.
 func _height(at: Vector2) -> float:
 	var angle := at.angle()
 	var bays := 0.17 * sin(2.0 * angle + 0.4) + 0.09 * sin(3.0 * angle + 2.2) + 0.04 * sin(8.0 * angle)

@@ -3,11 +3,11 @@
 
 Writes beside this script:
 - valley.r16       385 x 385 unsigned 16-bit little-endian posts, 2 m apart, row by row, rows from north to south, posts
-                   from west to east: height = LOW + post / 65535 * (HIGH - LOW) metres. The lake's surface is at 0.
+                   from west to east: height = LOW + post / 65535 * (HIGH - LOW) meters. The lake's surface is at 0.
 - valley_soil.png  193 x 193 pixels, 4 m apart: how much of the ground is meadow (red), forest floor (green), rock (blue)
                    and sand (alpha), 0 to 255, together 255.
 
-In the world +x is east, +z is south, y is up, and the map's centre is the origin.
+In the world +x is east, +z is south, y is up, and the map's center is the origin.
 
 Usage: make_valley.py [--out DIRECTORY]; needs numpy and pillow.
 """
@@ -35,7 +35,7 @@ def smooth(start: float, end: float, value: np.ndarray) -> np.ndarray:
 
 
 def noise(x: np.ndarray, z: np.ndarray, size: float, seed: int) -> np.ndarray:
-    """Smooth noise, about -1 to 1, that changes over size metres."""
+    """Smooth noise, about -1 to 1, that changes over size meters."""
     lattice = np.random.default_rng(seed).uniform(-1.0, 1.0, (256, 256))
     px, pz = x / size + 128.0, z / size + 128.0
     i, j = np.floor(px).astype(int), np.floor(pz).astype(int)
@@ -46,12 +46,12 @@ def noise(x: np.ndarray, z: np.ndarray, size: float, seed: int) -> np.ndarray:
 
 
 def rough(x: np.ndarray, z: np.ndarray, size: float, seed: int) -> np.ndarray:
-    """Three octaves of noise, the largest over size metres."""
+    """Three octaves of noise, the largest over size meters."""
     return sum(noise(x, z, size / 2**octave, seed + octave) / 2**octave for octave in range(3)) / 1.75
 
 
 def from_shore(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Metres from the lake's shore, roughly; below 0 in the lake."""
+    """Meters from the lake's shore, roughly; below 0 in the lake."""
     across, along = (x + 45.0) / 82.0, (z + 25.0) / 48.0
     angle = np.arctan2(along, across)
     bays = 1.0 + 0.14 * np.sin(2.0 * angle + 0.8) + 0.09 * np.sin(3.0 * angle - 0.5) + 0.04 * np.sin(7.0 * angle)
@@ -59,7 +59,7 @@ def from_shore(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def from_path(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Metres from the middle of the path, drawn with straight lines."""
+    """Meters from the middle of the path, drawn with straight lines."""
     nearest = np.full(x.shape, np.inf)
     for (ax, az), (bx, bz) in zip(PATH, PATH[1:], strict=False):
         along = ((x - ax) * (bx - ax) + (z - az) * (bz - az)) / ((bx - ax) ** 2 + (bz - az) ** 2)
@@ -69,12 +69,12 @@ def from_path(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def scarp(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Metres up the eastern slope from its foot, in the plane."""
+    """Meters up the eastern slope from its foot, in the plane."""
     return x - 122.0 - 24.0 * np.sin(z / 75.0 + 0.6) - 14.0 * rough(x, z, 60.0, 50)
 
 
 def heights(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """World metres."""
+    """World meters."""
     shore = from_shore(x, z)
     inland = smooth(4.0, 60.0, shore)
     ground = np.where(shore < 0.0, np.maximum(0.12 * shore, -5.0), 0.055 * shore)

@@ -3,10 +3,10 @@ extends MeshInstance3D
 ## Draws any [ScatterTerrain] of moderate size as one mesh: a grid of its heights, cut along the edge of its holes, with
 ## walls below that edge.
 ##
-## UV.x of every vertex is its distance in metres to [member path], up to [constant FAR]; UV.y is 1 on walls, 0 elsewhere.
+## UV.x of every vertex is its distance in meters to [member path], up to [constant FAR]; UV.y is 1 on walls, 0 elsewhere.
 
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
-## What stands for "not near the path", in metres.
+## What stands for "not near the path", in meters.
 const FAR := 16.0
 ## Halvings of a quad's side that find where the ground ends.
 const HALVINGS := 8
@@ -24,17 +24,17 @@ const WALL_ROWS := 9
 		if terrain != null:
 			terrain.changed.connect(_request_build)
 		_request_build()
-## The part of the world to draw, x and z in metres.
+## The part of the world to draw, x and z in meters.
 @export var rect := Rect2(-200.0, -200.0, 400.0, 400.0):
 	set(value):
 		rect = value
 		_request_build()
-## Metres between two vertices.
+## Meters between two vertices.
 @export_range(0.25, 16.0, 0.25, "suffix:m") var spacing := 2.0:
 	set(value):
 		spacing = maxf(value, 0.25)
 		_request_build()
-## World height to which walls reach down, in metres.
+## World height to which walls reach down, in meters.
 @export_range(-100.0, 100.0, 0.5, "suffix:m") var wall_foot := -4.0:
 	set(value):
 		wall_foot = value

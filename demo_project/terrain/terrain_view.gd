@@ -13,11 +13,11 @@ const NoiseTexture := preload("res://terrain/noise_texture.gd")
 
 ## Quads along a patch's side.
 const QUADS := 16
-## Metres up to which the finest patches are drawn; each coarser level reaches twice as far.
+## Meters up to which the finest patches are drawn; each coarser level reaches twice as far.
 const FINEST_RANGE := 300.0
 ## The coarsest level: patches of 2^9 posts, wider than the map.
 const TOP_LEVEL := 9
-## The patches are chosen anew when the camera has moved this many metres.
+## The patches are chosen anew when the camera has moved this many meters.
 const STEP := 6.0
 
 ## The description that [code]convert_dem.py[/code] writes.

@@ -16,10 +16,10 @@ namespace thicket::analysis {
 
 /// What `DomainCheck` is told of a domain.
 struct DomainShape {
-	glm::dvec2 size;        ///< Of [0, size), metres.
-	double radius;          ///< Metres.
+	glm::dvec2 size;        ///< Of [0, size), meters.
+	double radius;          ///< Meters.
 	bool toroidal;          ///< Opposite edges meet; the period is `size`.
-	double tolerance = 0.0; ///< Metres beyond the radius at which a place still counts as covered; at most radius / 8.
+	double tolerance = 0.0; ///< Meters beyond the radius at which a place still counts as covered; at most radius / 8.
 };
 
 /// How far a place may lie beyond the radius from all points of a set in this precision: four steps of `Real` at the wider side

@@ -51,7 +51,7 @@ public:
 	}
 
 private:
-	/// Of a cell and its eight neighbours: a set that keeps its distance has no more there.
+	/// Of a cell and its eight neighbors: a set that keeps its distance has no more there.
 	static constexpr std::size_t most_nearby = 64;
 
 	/// Points near a rectangle, relative to the middle of its cell.
@@ -107,7 +107,7 @@ private:
 
 	static double squared(glm::dvec2 v) { return v.x * v.x + v.y * v.y; }
 
-	/// Calls `visit` with the index of each point in the cell and its neighbours.
+	/// Calls `visit` with the index of each point in the cell and its neighbors.
 	template <typename Visit>
 	void visit_nearby(glm::ivec2 cell, const Visit &visit) const {
 		for (int y = cell.y - 1; y <= cell.y + 1; ++y) {

@@ -14,7 +14,7 @@ def inside(positions: np.ndarray, side: float) -> np.ndarray:
 
 def close_pairs(positions: np.ndarray, side: float, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(distance, angle, weight) of all pairs not further apart than `reach`: the weight is how many of the two lie in
-    the window, so that each point of the window counts all its neighbours once. Needs a border of `reach`."""
+    the window, so that each point of the window counts all its neighbors once. Needs a border of `reach`."""
     pairs = cKDTree(positions).query_pairs(reach, output_type="ndarray")
     offset = positions[pairs[:, 1]] - positions[pairs[:, 0]]
     within = inside(positions, side).astype(np.int64)

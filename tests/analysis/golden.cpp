@@ -1,6 +1,6 @@
 // Digests of what the core makes, one for each of a fixed list of point sets, domains and tiles, computed on every instruction set
 // that this processor has. Prints them as JSON; fails where two instruction sets differ. tests/golden/core.json is this
-// program's output, and tests/test_golden.py holds every compiler and optimisation level against it.
+// program's output, and tests/test_golden.py holds every compiler and optimization level against it.
 
 #include "tests/analysis/golden_fields.hpp"
 #include "tests/analysis/golden_layers.hpp"
@@ -40,7 +40,7 @@ const std::vector<Case> cases = {
 		{"plain, 5 000 km out", {.seed = 2, .radius = 1.5, .layer = 7},
 				{{5.0e6, -4.9e6}, {5.0e6 + 100.0, -4.9e6 + 130.0}}},
 		{"plain, the last cells of the world", {.seed = 3, .radius = 1e-3}, {{5931.60, 5931.60}, {5931.64, 5931.64}}},
-		{"plain, a strip of kilometres", {.seed = 4, .radius = 50.0}, {{-9.0e4, 100.0}, {9.0e4, 400.0}}},
+		{"plain, a strip of kilometers", {.seed = 4, .radius = 50.0}, {{-9.0e4, 100.0}, {9.0e4, 400.0}}},
 		{"two levels", {.seed = 5, .radius = 1.0, .levels = 2}, {{-80.0, 10.0}, {20.0, 90.0}}},
 		{"four levels", {.seed = 6, .radius = 2.0, .levels = 4, .layer = 1}, {{-300.0, -300.0}, {-100.0, -100.0}}},
 		{"eight levels, 5 000 km out", {.seed = 7, .radius = 1.0, .levels = 8, .layer = 2},
@@ -57,7 +57,7 @@ const std::vector<DomainCase> domain_cases = {
 		{"naive, bounded", {.size = {9.0, 31.0}, .radius = 0.3, .seed = 10, .method = DomainMethod::naive}},
 		{"hierarchical, torus", {.size = {90.0, 70.0}, .seed = 11, .toroidal = true}},
 		{"hierarchical, bounded", {.size = {17.0, 51.5}, .radius = 0.37, .seed = 0xfedcba9876543210}},
-		{"hierarchical, strip of kilometres", {.size = {3.0, 9000.0}, .radius = 2.5, .seed = 12}},
+		{"hierarchical, strip of kilometers", {.size = {3.0, 9000.0}, .radius = 2.5, .seed = 12}},
 		{"accumulator, torus",
 				{.size = {33.3, 155.0}, .seed = 13, .method = DomainMethod::accumulator, .toroidal = true}},
 		{"accumulator, bounded", {.size = {2.0, 0.5}, .radius = 0.01, .seed = 14, .method = DomainMethod::accumulator}},

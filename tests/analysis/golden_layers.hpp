@@ -39,7 +39,7 @@ inline LayerSettings undergrowth(glm::dvec2 corner) {
 	auto shrubs = std::make_shared<LayerSettings>();
 	shrubs->set = {.seed = 8, .radius = 4.0, .levels = 1, .layer = 5};
 	shrubs->rules.density = 0.7;
-	shrubs->neighbours = {{std::make_shared<LayerSettings>(forest()), 3.0, nullptr}};
+	shrubs->neighbors = {{std::make_shared<LayerSettings>(forest()), 3.0, nullptr}};
 
 	LayerSettings layer = forest();
 	layer.set = {.seed = 8, .radius = 1.0, .levels = 2, .layer = 6};
@@ -48,7 +48,7 @@ inline LayerSettings undergrowth(glm::dvec2 corner) {
 	layer.rules.slope_curve = curve_table(0.0, 45.0, {1.0f, 0.75f, 0.5f});
 	layer.rules.clumping = {15.0, 0.6, 0.3};
 	layer.rules.edge_feather = 4.0;
-	layer.neighbours = {{shrubs, 5.0, curve_table(0.0, 5.0, {1.0f, 0.4f})}, {shrubs, 0.75, nullptr}};
+	layer.neighbors = {{shrubs, 5.0, curve_table(0.0, 5.0, {1.0f, 0.4f})}, {shrubs, 0.75, nullptr}};
 
 	auto mask = std::make_shared<PaintedMask>();
 	Rect changed;

@@ -54,10 +54,10 @@ public:
 private:
 	static constexpr std::int64_t border = 3;
 	static constexpr std::int64_t reach = 2; ///< Cells further apart on an axis hold no conflicting points.
-	static constexpr int most_neighbours = 25;
+	static constexpr int most_neighbors = 25;
 
 	struct Disks {
-		std::array<glm::i64vec2, most_neighbours> centers;
+		std::array<glm::i64vec2, most_neighbors> centers;
 		int count = 0;
 	};
 

@@ -49,7 +49,7 @@ public:
 		return run();
 	}
 
-	/// Not dart throwing, but what tiles coloured by phase do: a wrong set that a good test has to notice.
+	/// Not dart throwing, but what tiles colored by phase do: a wrong set that a good test has to notice.
 	std::vector<glm::dvec2> run_in_phases(int phases, PhaseOf phase_of) {
 		for (int phase = 0; phase < phases; ++phase) {
 			std::vector<glm::dvec2> squares = all_cells();

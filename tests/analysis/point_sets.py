@@ -33,7 +33,7 @@ class PointsTool:
         return sets
 
     def sampler(self, rect, first_seed, seeds=1, *, radius=1.0, levels=1, layer=0, tile=0.0) -> list[np.ndarray]:
-        """Sets of the tile sampler in rect = (min_x, min_y, max_x, max_y) metres, asked for at once or by tiles."""
+        """Sets of the tile sampler in rect = (min_x, min_y, max_x, max_y) meters, asked for at once or by tiles."""
         return self._sets(RECORD, "sampler", radius, levels, layer, *rect, tile, first_seed, seeds)
 
     def domain(
@@ -50,9 +50,9 @@ class PointsTool:
         """Naive dart throwing with radius 2^(levels - 1), then half of that, down to 1, on a torus of this side."""
         return self._sets(PLANE_POINT, "progressive", side, levels, first_seed, seeds)
 
-    def coloured(self, side, tile, first_seed, seeds=1) -> list[np.ndarray]:
+    def colored(self, side, tile, first_seed, seeds=1) -> list[np.ndarray]:
         """Tiles filled in four phases on a torus, radius 1: a wrong set."""
-        return self._sets(PLANE_POINT, "coloured", side, tile, first_seed, seeds)
+        return self._sets(PLANE_POINT, "colored", side, tile, first_seed, seeds)
 
     def bridson(self, side, first_seed, seeds=1) -> list[np.ndarray]:
         """Bridson's method on a square, radius 1: a wrong set."""

@@ -1,10 +1,10 @@
 // Writes point sets as raw little-endian bytes for the Python analysis, each as its count (uint64) and its records.
 //   points sampler RADIUS LEVELS LAYER MIN_X MIN_Y MAX_X MAX_Y TILE FIRST_SEED SEEDS
-//       the tile sampler, in metres; TILE 0 asks for the rectangle at once, otherwise it is put together from tiles.
+//       the tile sampler, in meters; TILE 0 asks for the rectangle at once, otherwise it is put together from tiles.
 //       Record: lattice x, lattice y (int64), id (uint64), rank, level (uint32).
 //   points darts SIDE FIRST_SEED SEEDS            naive dart throwing run to its end on a torus, in radii
 //   points progressive SIDE LEVELS FIRST_SEED SEEDS   the same for a progressive set
-//   points coloured SIDE TILE FIRST_SEED SEEDS    four phases of coloured tiles: packs too densely along its seams
+//   points colored SIDE TILE FIRST_SEED SEEDS    four phases of colored tiles: packs too densely along its seams
 //   points bridson SIDE FIRST_SEED SEEDS          Bridson's method on a square: not dart throwing
 //   points domain METHOD PRECISION WIDTH HEIGHT TORUS DARTS_EACH FIRST_SEED SEEDS
 //       the single-domain sampler, radius 1: METHOD as in DomainMethod, PRECISION single or double, TORUS 0 or 1.
@@ -158,7 +158,7 @@ int phase_of(glm::dvec2 middle) {
 
 void write_reference(const std::string &kind, Arguments &arguments) {
 	const double side = arguments.number();
-	phase_tile = kind == "coloured" ? arguments.number() : phase_tile;
+	phase_tile = kind == "colored" ? arguments.number() : phase_tile;
 	const auto levels = kind == "progressive" ? static_cast<std::uint32_t>(arguments.whole()) : 1u;
 	const std::uint64_t first = arguments.whole();
 	const std::uint64_t count = arguments.whole();
@@ -168,7 +168,7 @@ void write_reference(const std::string &kind, Arguments &arguments) {
 			points = NaiveDarts(side, seed).run();
 		} else if (kind == "progressive") {
 			points = naive_progressive(side, levels, seed);
-		} else if (kind == "coloured") {
+		} else if (kind == "colored") {
 			points = NaiveDarts(side, seed).run_in_phases(4, phase_of);
 		} else {
 			std::vector<glm::vec2> floats;
@@ -190,7 +190,7 @@ int main(int argument_count, char **arguments) {
 		write_sampler(words);
 	} else if (kind == "domain") {
 		write_domain(words);
-	} else if (kind == "darts" || kind == "progressive" || kind == "coloured" || kind == "bridson") {
+	} else if (kind == "darts" || kind == "progressive" || kind == "colored" || kind == "bridson") {
 		write_reference(kind, words);
 	} else {
 		std::fprintf(stderr, "points: no such kind of set: %s\n", kind.c_str());

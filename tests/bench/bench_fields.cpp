@@ -17,7 +17,7 @@
 namespace thicket::bench {
 namespace {
 
-/// Strokes all over the tile, in pixels of a metre.
+/// Strokes all over the tile, in pixels of a meter.
 PaintedMask painted() {
 	PaintedMask mask;
 	Rect changed;

@@ -63,7 +63,7 @@ std::vector<Contender> contenders() {
 	};
 }
 
-/// Two triangles a square metre over 224 m: 100,352 of them.
+/// Two triangles a square meter over 224 m: 100,352 of them.
 std::vector<glm::dvec3> hills() {
 	constexpr int side = 224;
 	const auto post = [](int column, int row) {

@@ -43,7 +43,7 @@ LayerSettings meadow(std::uint32_t levels) {
 LayerSettings spaced() {
 	LayerSettings layer = meadow(1);
 	layer.set.radius = 1.0;
-	layer.neighbours = {{std::make_shared<LayerSettings>(forest(1)), 2.0, nullptr}};
+	layer.neighbors = {{std::make_shared<LayerSettings>(forest(1)), 2.0, nullptr}};
 	return layer;
 }
 

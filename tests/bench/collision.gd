@@ -13,11 +13,11 @@ const SHAPES := {
 	"boxes": ScatterLayer.COLLISION_BOX,
 	"convex": ScatterLayer.COLLISION_CONVEX,
 }
-const DISTANCE := 80.0 ## Metres.
+const DISTANCE := 80.0 ## Meters.
 const DEFAULT_ROUNDS := 9
 const USUAL_BUDGET := 500    ## Microseconds a frame.
 const WHOLE_BUDGET := 100000 ## Enough for all at once.
-const WALK := 5.0            ## Metres a second,
+const WALK := 5.0            ## Meters a second,
 const DRIVE := 50.0          ## of a car,
 const FLIGHT := 1000.0       ## and of what no game has yet.
 const SECONDS := 4.0

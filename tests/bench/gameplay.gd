@@ -7,7 +7,7 @@ extends "bench.gd"
 ## disturbed least.
 
 const DEFAULT_ROUNDS := 9
-const RADIUS := 100.0 ## Metres, of the circle that is asked.
+const RADIUS := 100.0 ## Meters, of the circle that is asked.
 const CALLS := 500    ## Rays and the like in a round.
 const MILLION := 1000000
 
@@ -80,7 +80,7 @@ func _measure_single(rounds: int) -> void:
 	row("get_instance by id, tiles known", by_id, "µs", 1)
 
 
-## A place a metre above the ground, near enough for rays to stay where tiles are known.
+## A place a meter above the ground, near enough for rays to stay where tiles are known.
 func _somewhere() -> Vector3:
 	var off := 40.0 * Vector3(_random.randf_range(-1, 1), 0, _random.randf_range(-1, 1))
 	return _on_ground(_center + off) + Vector3.UP

@@ -10,7 +10,7 @@ extends "bench.gd"
 ## whole frame, engine included, and what the longest frame waited for are told as well where the system knows it.
 
 const FRAMES_PER_SECOND := 60
-const NEAR := 64.0 ## Metres; what the viewer looks at while dragging.
+const NEAR := 64.0 ## Meters; what the viewer looks at while dragging.
 const INSTANCES := 100000
 const DRAG_SECONDS := 2.0
 const DEFAULT_ROUNDS := 15

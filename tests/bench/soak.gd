@@ -19,11 +19,11 @@ const LEAST_SAMPLES := 3
 const PATIENCE_SECONDS := 60.0
 ## Frames of play in a round; as fast as they go, each a sixtieth of a second of the flight.
 const FRAMES := 200
-const METRES_A_FRAME := 1000.0 / 60.0
-## Metres of the world in which teleports end.
+const METERS_A_FRAME := 1000.0 / 60.0
+## Meters of the world in which teleports end.
 const FARTHEST := 1.0e6
-## Metres from the engine's origin beyond which it is moved.
-const RECENTRE := 2048.0
+## Meters from the engine's origin beyond which it is moved.
+const RECENTER := 2048.0
 const SAVED := "user://soak.res"
 
 var _scatter: TerrainScatter3D
@@ -138,9 +138,9 @@ func _teleport(place: Vector3) -> void:
 
 
 func _fly() -> void:
-	_viewer.position += _heading * METRES_A_FRAME
+	_viewer.position += _heading * METERS_A_FRAME
 	_walker.position = _viewer.position + Vector3(3.0, 0.0, 2.0)
-	if _viewer.position.length() > RECENTRE:
+	if _viewer.position.length() > RECENTER:
 		_teleport(_viewer.position + _scatter.world_offset)
 
 
@@ -208,7 +208,7 @@ func _come_and_go(frame: int) -> void:
 		var body := Node3D.new()
 		root.add_child(body)
 		body.add_to_group(&"scatter_bodies")
-		body.position = _viewer.position + _heading * METRES_A_FRAME * 20.0
+		body.position = _viewer.position + _heading * METERS_A_FRAME * 20.0
 		create_timer(0.05).timeout.connect(body.queue_free)
 	if frame % 45 == 0:
 		var nearest := _scatter.query_nearest(_viewer.position, 30.0, [0])
@@ -300,7 +300,7 @@ func _compare(when: String, got: Dictionary, expected: Dictionary, keys: Array[S
 
 func _line(elapsed: float) -> String:
 	var count := _count()
-	var flown: float = _done.frames * METRES_A_FRAME / 1000.0
+	var flown: float = _done.frames * METERS_A_FRAME / 1000.0
 	return "soak: %4.0f s, %d rounds, %.0f km, %d felled, %d planted, %d answers, %d loads, %d teleports; %s" % [
 		elapsed, _done.rounds, flown, _done.felled, _done.planted, _done.answers, _done.loads, _done.teleports,
 		"%.1f MB, %d nodes, %d objects, %d bodies" % [

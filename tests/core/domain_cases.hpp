@@ -32,7 +32,7 @@ inline const std::array<Method, 3> maximal_methods = {{methods[1], methods[2], m
 struct Shape {
 	std::string name;
 	glm::dvec2 radii; ///< Size in radii.
-	double radius;    ///< Metres.
+	double radius;    ///< Meters.
 	bool toroidal;
 };
 

@@ -25,7 +25,7 @@ struct Point {
 /// The points of a level, by cell.
 using Points = std::map<std::pair<std::int32_t, std::int32_t>, Point>;
 
-/// Cells at the edge of a finite domain feel that their neighbours are missing; no chain was ever seen to be this long.
+/// Cells at the edge of a finite domain feel that their neighbors are missing; no chain was ever seen to be this long.
 inline constexpr std::int32_t margin = 34;
 
 /// Dart throwing by the book on a finite domain: all darts in one heap, the earliest first. Shares nothing with the sampler but

@@ -53,7 +53,7 @@ inline WorldLayer world_layer(const LayerSettings &settings, double tile_size, c
 					.max_offset = std::abs(settings.placement.offset_along_normal)}};
 }
 
-/// Leaning trees; ferns that stand off their points, with colours; stones whose tiles are smaller than the squares of
+/// Leaning trees; ferns that stand off their points, with colors; stones whose tiles are smaller than the squares of
 /// their set; and a layer of which nothing stands. No tile size is a multiple of another.
 inline std::vector<WorldLayer> world_layers() {
 	LayerSettings trees;
@@ -67,7 +67,7 @@ inline std::vector<WorldLayer> world_layers() {
 	ferns.set = {.seed = 12, .radius = 1.7, .levels = 1, .layer = 7};
 	ferns.placement.align_to_normal = 1.0;
 	ferns.placement.offset_along_normal = -1.5;
-	ferns.neighbours = {{std::make_shared<LayerSettings>(trees), 2.0, nullptr}};
+	ferns.neighbors = {{std::make_shared<LayerSettings>(trees), 2.0, nullptr}};
 	ferns.look.use_colors = true;
 	ferns.look.use_custom_data = true;
 	ferns.mesh_weights = {1.0f, 0.5f, 1.0f};

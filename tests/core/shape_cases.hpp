@@ -95,7 +95,7 @@ inline std::vector<Shape> random_shapes(std::size_t count, std::mt19937 &random)
 	return shapes;
 }
 
-/// Metres to the border of a box, sphere or cylinder from within, by their textbook definitions.
+/// Meters to the border of a box, sphere or cylinder from within, by their textbook definitions.
 inline double plain_depth(const Shape &shape, glm::dvec3 place) {
 	const glm::dvec3 local = glm::transpose(shape.axes) * (place - shape.center);
 	if (shape.kind == ShapeKind::box) {
@@ -120,7 +120,7 @@ inline double support(const Shape &shape, glm::dvec3 direction) {
 	return shape.half_size.x * std::hypot(local.x, local.z) + shape.half_size.y * std::abs(local.y);
 }
 
-/// Metres to the nearest tangent of the shadow: every dip of a coarse round of them is searched in thirds.
+/// Meters to the nearest tangent of the shadow: every dip of a coarse round of them is searched in thirds.
 inline double searched_shadow_depth(const Shape &shape, glm::dvec3 place) {
 	constexpr int tangents = 720;
 	constexpr double step = 2.0 * std::numbers::pi / tangents;

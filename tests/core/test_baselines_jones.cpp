@@ -26,23 +26,23 @@ namespace {
 const std::vector<glm::dvec2> all_kinds = {{2.0, 0.0}, {0.9, 1.6}, {-0.5, 1.1}, {-2.4, 0.2}, {-0.4, -1.2}, {1.3, -1.9}};
 
 /// The cell's reach in a direction, by what a Voronoi cell is.
-double reach(const std::vector<glm::dvec2> &neighbours, double angle) {
+double reach(const std::vector<glm::dvec2> &neighbors, double angle) {
 	const glm::dvec2 direction(std::cos(angle), std::sin(angle));
 	double least = 1e9;
-	for (const glm::dvec2 neighbour : neighbours) {
-		const double towards = glm::dot(direction, neighbour);
-		least = towards > 0.0 ? std::min(least, 0.5 * glm::dot(neighbour, neighbour) / towards) : least;
+	for (const glm::dvec2 neighbor : neighbors) {
+		const double towards = glm::dot(direction, neighbor);
+		least = towards > 0.0 ? std::min(least, 0.5 * glm::dot(neighbor, neighbor) / towards) : least;
 	}
 	return least;
 }
 
 /// Free area between two directions, by summing up thin sectors.
-double free_area(const std::vector<glm::dvec2> &neighbours, double from, double to) {
+double free_area(const std::vector<glm::dvec2> &neighbors, double from, double to) {
 	constexpr int sectors = 100000;
 	const double step = (to - from) / sectors;
 	double area = 0.0;
 	for (int i = 0; i < sectors; ++i) {
-		const double r = reach(neighbours, from + (i + 0.5) * step);
+		const double r = reach(neighbors, from + (i + 0.5) * step);
 		area += 0.5 * std::max(r * r - 1.0, 0.0) * step;
 	}
 	return area;

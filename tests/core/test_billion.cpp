@@ -294,7 +294,7 @@ TEST_CASE("billion: tiles that are dropped, repeated or exchanged are noticed") 
 	CHECK(seams.finished() == 3);
 }
 
-TEST_CASE("billion: rims are kept no longer than a neighbour is missing") {
+TEST_CASE("billion: rims are kept no longer than a neighbor is missing") {
 	const Region region{1600, 16};
 	for (const TileOrder order : all_orders) {
 		Seams seams(region);

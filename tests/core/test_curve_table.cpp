@@ -65,7 +65,7 @@ TEST_CASE("curve: only one that is 0 everywhere has nothing") {
 	CHECK(table_of(0.0, 1.0, {0.125f, 0.5f, 0.75f}).largest() == 0.75);
 }
 
-TEST_CASE("curve: a value never leaves those of its neighbours, and is right to the last digits") {
+TEST_CASE("curve: a value never leaves those of its neighbors, and is right to the last digits") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<float> unit(0.0f, 1.0f);
 	for (int round = 0; round < 200; ++round) {

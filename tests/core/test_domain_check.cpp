@@ -53,7 +53,7 @@ TEST_CASE("domain check: exact sums have the right sign") {
 }
 
 TEST_CASE("domain check: distances are compared to the last bit") {
-	// 3, 4, 5 at a place where the coordinates have few bits left, and the neighbours of each number.
+	// 3, 4, 5 at a place where the coordinates have few bits left, and the neighbors of each number.
 	const double far_away = 0x1p50;
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, 4.0}, no_torus, 5.0) == 0);
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, std::nextafter(4.0, 0.0)}, no_torus, 5.0) == -1);

@@ -79,7 +79,7 @@ TEST_CASE("domain: as wide as single precision allows") {
 }
 
 TEST_CASE("domain: the distance is exact where single precision cannot tell it from the radius") {
-	// So wide, coordinates are whole multiples of 2^-7 metres, and 36 steps between them have a length of exactly 65 / 64. The
+	// So wide, coordinates are whole multiples of 2^-7 meters, and 36 steps between them have a length of exactly 65 / 64. The
 	// radius is a little more, by less than its square can say in single precision.
 	constexpr double radius = 65.0 / 64.0 * (1.0 + 1e-9);
 	for (const Method &method : methods) {

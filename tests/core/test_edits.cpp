@@ -95,7 +95,7 @@ struct World {
 		REQUIRE(set->set(shapes).ok());
 		result.rules.shapes = set;
 		result.rules.edge_feather = 3.0;
-		result.neighbours = {{oaks, 4.0, nullptr}};
+		result.neighbors = {{oaks, 4.0, nullptr}};
 		return result;
 	}
 };
@@ -215,12 +215,12 @@ TEST_CASE("edge feather: a layer thins towards the edge of what it may stand on,
 	std::vector<double> total(32, 0.0);
 	std::vector<double> left(32, 0.0);
 	for (const auto &[id, standing] : hard) {
-		const auto metre = static_cast<std::size_t>(10.0 - standing.position.x);
-		total[metre] += 1.0;
-		left[metre] += soft.contains(id) ? 1.0 : 0.0;
+		const auto meter = static_cast<std::size_t>(10.0 - standing.position.x);
+		total[meter] += 1.0;
+		left[meter] += soft.contains(id) ? 1.0 : 0.0;
 	}
-	for (std::size_t metre = 8; metre < 30; ++metre) {
-		CHECK(left[metre] == total[metre]);
+	for (std::size_t meter = 8; meter < 30; ++meter) {
+		CHECK(left[meter] == total[meter]);
 	}
 	CHECK(left[0] / total[0] < 0.15);
 	CHECK(left[3] / total[3] > 0.2);

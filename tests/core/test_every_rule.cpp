@@ -150,11 +150,11 @@ const std::vector<NamedRule> every_rule{
 				}},
 		{"spacing",
 				[](LayerSettings &layer) {
-					layer.neighbours = {{trees(), 3.0, nullptr}};
+					layer.neighbors = {{trees(), 3.0, nullptr}};
 				}},
 		{"proximity",
 				[](LayerSettings &layer) {
-					layer.neighbours = {{trees(), 6.0, analysis::curve_table(0.0, 6.0, {1.0f, 0.0f})}};
+					layer.neighbors = {{trees(), 6.0, analysis::curve_table(0.0, 6.0, {1.0f, 0.0f})}};
 				}},
 };
 

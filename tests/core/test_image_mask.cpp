@@ -56,7 +56,7 @@ double expected_at(glm::dvec2 position, bool repeat) {
 
 } // namespace
 
-TEST_CASE("image mask: a pixel's centre has exactly its value") {
+TEST_CASE("image mask: a pixel's center has exactly its value") {
 	for (const MaskEdge edge : edges) {
 		const ImageMask mask = mask_of(size, pixels, area, edge);
 		for (int row = 0; row < size.y; ++row) {
@@ -68,7 +68,7 @@ TEST_CASE("image mask: a pixel's centre has exactly its value") {
 	}
 }
 
-TEST_CASE("image mask: bilinear between the centres, held at the border or wrapped") {
+TEST_CASE("image mask: bilinear between the centers, held at the border or wrapped") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (int i = 0; i < 2000; ++i) {
@@ -94,7 +94,7 @@ TEST_CASE("image mask: what lies outside follows the edge, at all four borders")
 		int nearest; ///< Value of the nearest place of the image.
 	};
 	const double hair = 1e-9;
-	// The centre line of a column or row on each side: on the border, before it, behind it.
+	// The center line of a column or row on each side: on the border, before it, behind it.
 	const std::array places{Place{{-24.0, -2.0}, true, 50}, Place{{-24.0 - hair, -2.0}, false, 50},
 			Place{{-1000.0, -2.0}, false, 50}, Place{{16.0 - hair, -2.0}, true, 90}, Place{{16.0, -2.0}, false, 90},
 			Place{{1000.0, -2.0}, false, 90}, Place{{-4.0, -8.0}, true, 20}, Place{{-4.0, -8.0 - hair}, false, 20},
@@ -116,7 +116,7 @@ TEST_CASE("image mask: a repeated image is the same a whole number of images awa
 	const ImageMask mask = mask_of(size, pixels, area, MaskEdge::repeat);
 	std::mt19937 random(2);
 	for (int i = 0; i < 500; ++i) {
-		// Places in eighths of a metre are exact in all copies.
+		// Places in eighths of a meter are exact in all copies.
 		const glm::dvec2 place(
 				static_cast<int>(random() % 320) / 8.0 - 24.0, static_cast<int>(random() % 96) / 8.0 - 8.0);
 		const double copies_x = static_cast<int>(random() % 2001) - 1000;

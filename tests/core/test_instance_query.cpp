@@ -189,7 +189,7 @@ TEST_CASE("queries: an id leads to its instance, and to nothing where nothing st
 		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 80) {
 			const glm::dvec2 off = glm::dvec2(worlds.all[i].position.x, worlds.all[i].position.z) - place;
 			if (glm::length(off) > 150.0) {
-				continue; // Its neighbour may stand where nothing was scanned.
+				continue; // Its neighbor may stand where nothing was scanned.
 			}
 			const std::uint64_t id = worlds.all[i].id + 1;
 			std::vector<PlacedInstance> found;

@@ -113,7 +113,7 @@ TEST_CASE("lattice: the check itself finds a missing point and a point too many"
 TEST_CASE("lattice: the check decides by single lattice points") {
 	constexpr int bits = 4;
 	const std::int64_t side = 1 << bits;
-	// A point in every cell's corner: distance of neighbours is a side, far too close, but all is covered.
+	// A point in every cell's corner: distance of neighbors is a side, far too close, but all is covered.
 	std::vector<glm::i64vec2> points;
 	for (std::int64_t y = -3; y < 6; ++y) {
 		for (std::int64_t x = -3; x < 6; ++x) {

@@ -1,4 +1,4 @@
-// Which rectangles an edit touches: of shapes, masks and paths, through neighbours and edges.
+// Which rectangles an edit touches: of shapes, masks and paths, through neighbors and edges.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/rules/shape_edits.hpp"
@@ -130,16 +130,16 @@ TEST_CASE("edits of a mask: the pixels that differ, and as far as they are blend
 	CHECK_FALSE(area.finite());
 }
 
-TEST_CASE("edits of a layer: its own by its edge, its neighbours' by their distances, chained") {
+TEST_CASE("edits of a layer: its own by its edge, its neighbors' by their distances, chained") {
 	const auto oak_before = layer_with({ball({0.0, 0.0}, 2.0)});
 	const auto oak_after = layer_with({});
 	const auto between = [](const std::shared_ptr<LayerSettings> &oak) {
 		auto birch = std::make_shared<LayerSettings>();
 		birch->set.layer = 1;
-		birch->neighbours = {{oak, 3.0, nullptr}};
+		birch->neighbors = {{oak, 3.0, nullptr}};
 		auto fern = std::make_shared<LayerSettings>();
 		fern->set.layer = 2;
-		fern->neighbours = {{birch, 4.0, nullptr}, {oak, 1.0, nullptr}};
+		fern->neighbors = {{birch, 4.0, nullptr}, {oak, 1.0, nullptr}};
 		return fern;
 	};
 	oak_before->rules.edge_feather = oak_after->rules.edge_feather = 5.0;
@@ -158,17 +158,17 @@ TEST_CASE("edits of a layer: its own by its edge, its neighbours' by their dista
 	CHECK(search.find(*before, *before).empty());
 }
 
-TEST_CASE("edits of a layer: a setting is no edit, and a neighbour's look does not matter") {
+TEST_CASE("edits of a layer: a setting is no edit, and a neighbor's look does not matter") {
 	const auto oak = layer_with({});
 	LayerSettings before;
 	before.set.layer = 1;
-	before.neighbours = {{oak, 3.0, nullptr}};
+	before.neighbors = {{oak, 3.0, nullptr}};
 	EditSearch search;
 	const auto everywhere_after = [&](const auto &change) {
 		auto changed = std::make_shared<LayerSettings>(*oak);
 		LayerSettings after = before;
 		change(after, *changed);
-		after.neighbours[0].layer = changed;
+		after.neighbors[0].layer = changed;
 		const EditedArea area = EditSearch().find(before, after);
 		CHECK(area.areas.empty());
 		return area.everywhere;
@@ -177,7 +177,7 @@ TEST_CASE("edits of a layer: a setting is no edit, and a neighbour's look does n
 	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.rules.density = 0.5; }));
 	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.placement.max_scale = 2.0; }));
 	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.mesh_weights = {1.0f, 2.0f}; }));
-	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.neighbours[0].distance = 4.0; }));
+	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.neighbors[0].distance = 4.0; }));
 	CHECK(everywhere_after([](LayerSettings &, LayerSettings &other) { other.rules.density = 0.5; }));
 	CHECK(everywhere_after([](LayerSettings &, LayerSettings &other) { other.set.seed = 5; }));
 	CHECK_FALSE(everywhere_after([](LayerSettings &, LayerSettings &other) { other.placement.max_scale = 2.0; }));

@@ -1,4 +1,4 @@
-// Names of layers become neighbours: by the order of the list, the same pointers while nothing changes.
+// Names of layers become neighbors: by the order of the list, the same pointers while nothing changes.
 
 #include "core/placement/layer_links.hpp"
 
@@ -50,19 +50,19 @@ TEST_CASE("links: of a pair the later layer gives way, whichever names the other
 	layers[1].spacing = {{"oak", 3.0}};
 	layers[2].spacing = {{"oak", 2.0}};
 	const std::vector<SharedLayer> result = linked(layers);
-	CHECK(result[0]->neighbours.empty());
-	REQUIRE(result[1]->neighbours.size() == 1);
-	CHECK(result[1]->neighbours[0] == Neighbour{result[0], 5.0, nullptr});
-	REQUIRE(result[2]->neighbours.size() == 1);
-	CHECK(result[2]->neighbours[0] == Neighbour{result[0], 2.0, nullptr});
+	CHECK(result[0]->neighbors.empty());
+	REQUIRE(result[1]->neighbors.size() == 1);
+	CHECK(result[1]->neighbors[0] == Neighbor{result[0], 5.0, nullptr});
+	REQUIRE(result[2]->neighbors.size() == 1);
+	CHECK(result[2]->neighbors[0] == Neighbor{result[0], 2.0, nullptr});
 
 	std::swap(layers[0], layers[2]);
 	const std::vector<SharedLayer> turned = linked(layers);
-	CHECK(turned[0]->neighbours.empty());
-	CHECK(turned[1]->neighbours.empty());
-	REQUIRE(turned[2]->neighbours.size() == 2);
-	CHECK(turned[2]->neighbours[0] == Neighbour{turned[0], 2.0, nullptr});
-	CHECK(turned[2]->neighbours[1] == Neighbour{turned[1], 5.0, nullptr});
+	CHECK(turned[0]->neighbors.empty());
+	CHECK(turned[1]->neighbors.empty());
+	REQUIRE(turned[2]->neighbors.size() == 2);
+	CHECK(turned[2]->neighbors[0] == Neighbor{turned[0], 2.0, nullptr});
+	CHECK(turned[2]->neighbors[1] == Neighbor{turned[1], 5.0, nullptr});
 }
 
 TEST_CASE("links: proximity counts for earlier layers only") {
@@ -75,15 +75,15 @@ TEST_CASE("links: proximity counts for earlier layers only") {
 	}
 	layers[1].spacing = {{"oak", 1.5}};
 	const std::vector<SharedLayer> result = linked(layers);
-	CHECK(result[0]->neighbours.empty());
-	REQUIRE(result[1]->neighbours.size() == 2);
-	CHECK(result[1]->neighbours[0] == Neighbour{result[0], 1.5, nullptr});
-	CHECK(result[1]->neighbours[1] == Neighbour{result[0], 6.0, curve});
+	CHECK(result[0]->neighbors.empty());
+	REQUIRE(result[1]->neighbors.size() == 2);
+	CHECK(result[1]->neighbors[0] == Neighbor{result[0], 1.5, nullptr});
+	CHECK(result[1]->neighbors[1] == Neighbor{result[0], 6.0, curve});
 	CHECK(problems(layers, 0, "before") == 1);
 	CHECK(problems(layers, 1, "") == 0);
 }
 
-TEST_CASE("links: what is unchanged is the same pointer, for its neighbours too") {
+TEST_CASE("links: what is unchanged is the same pointer, for its neighbors too") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("birch"), layer_named("fern")};
 	layers[1].spacing = {{"oak", 3.0}};
 	layers[2].spacing = {{"birch", 1.0}};
@@ -94,11 +94,11 @@ TEST_CASE("links: what is unchanged is the same pointer, for its neighbours too"
 	const std::vector<SharedLayer> second = linked(layers, first);
 	CHECK(second[0] == first[0]);
 	CHECK(second[1] != first[1]);
-	CHECK(second[1]->neighbours[0].layer == first[0]);
+	CHECK(second[1]->neighbors[0].layer == first[0]);
 	CHECK(second[2] != first[2]);
-	CHECK(second[2]->neighbours[0].layer == second[1]);
+	CHECK(second[2]->neighbors[0].layer == second[1]);
 	layers[2].spacing.clear();
-	CHECK(linked(layers, second)[2]->neighbours.empty());
+	CHECK(linked(layers, second)[2]->neighbors.empty());
 }
 
 TEST_CASE("links: names of nobody, of two layers, of the layer itself") {
@@ -108,27 +108,27 @@ TEST_CASE("links: names of nobody, of two layers, of the layer itself") {
 	layers[2].proximity_layer = "elm";
 	layers[3].spacing = {{"fern", 1.0}};
 	const std::vector<SharedLayer> result = linked(layers);
-	REQUIRE(result[2]->neighbours.size() == 2);
-	CHECK(result[2]->neighbours[0] == Neighbour{result[0], 1.0, nullptr});
-	CHECK(result[2]->neighbours[1] == Neighbour{result[1], 2.0, nullptr}); // It was the other oak that asked.
-	CHECK(result[3]->neighbours.size() == 1);
+	REQUIRE(result[2]->neighbors.size() == 2);
+	CHECK(result[2]->neighbors[0] == Neighbor{result[0], 1.0, nullptr});
+	CHECK(result[2]->neighbors[1] == Neighbor{result[1], 2.0, nullptr}); // It was the other oak that asked.
+	CHECK(result[3]->neighbors.size() == 1);
 	CHECK(problems(layers, 1, "\"oak\" means the first") == 1);
 	CHECK(problems(layers, 2, "\"elm\", and no layer") == 2);
 	CHECK(problems(layers, 0, "") == 0);
 	CHECK(problems(layers, 3, "") == 0);
 }
 
-TEST_CASE("links: a layer that is not there is nobody's neighbour, and a refused one keeps what it had") {
+TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused one keeps what it had") {
 	const NamedLayer oak = layer_named("oak");
 	NamedLayer fern = layer_named("fern");
 	fern.spacing = {{"oak", 2.0}};
 	const std::vector<LinkedLayer> alone = link_layers(std::vector<const NamedLayer *>{nullptr, &fern}, {});
 	CHECK(alone[0].settings == nullptr);
-	CHECK(alone[1].settings->neighbours.empty());
+	CHECK(alone[1].settings->neighbors.empty());
 
 	const std::vector<LinkedLayer> good = link_layers(std::vector<const NamedLayer *>{&oak, &fern}, {});
 	const std::vector<SharedLayer> before{good[0].settings, good[1].settings};
-	fern.spacing = {{"oak", 2.0 * max_neighbour_distance}};
+	fern.spacing = {{"oak", 2.0 * max_neighbor_distance}};
 	const std::vector<LinkedLayer> bad = link_layers(std::vector<const NamedLayer *>{&oak, &fern}, before);
 	CHECK(bad[1].status.code == ErrorCode::out_of_range);
 	CHECK(bad[1].settings == good[1].settings);
@@ -136,7 +136,7 @@ TEST_CASE("links: a layer that is not there is nobody's neighbour, and a refused
 
 	fern.spacing = {{"oak", 3.0}};
 	const LayerCheck none_at_1 = [](const LayerSettings &layer, std::size_t place) {
-		CHECK(layer.neighbours.size() == place);
+		CHECK(layer.neighbors.size() == place);
 		return place == 1 ? Status{ErrorCode::too_many_points, "spacing", 3.0} : Status{};
 	};
 	const std::vector<LinkedLayer> checked =

@@ -23,7 +23,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Colours that can be told apart, all of them halves.
+/// Colors that can be told apart, all of them halves.
 std::shared_ptr<const ColorTable> palette(std::size_t count) {
 	ColorTable colors;
 	for (std::size_t i = 0; i < count; ++i) {
@@ -188,7 +188,7 @@ TEST_CASE("look: floats an instance follow from what is used") {
 	CHECK(floats_per_instance({.use_colors = true, .use_custom_data = true}) == 20);
 }
 
-TEST_CASE("look: transform, colour and custom data stand in the engine's order") {
+TEST_CASE("look: transform, color and custom data stand in the engine's order") {
 	const std::shared_ptr<const ColorTable> colors = palette(3);
 	std::array<float, 8> floats{};
 	write_look({true, colors, true}, seed, 77, 0x40000000, 1.5f, floats);
@@ -204,7 +204,7 @@ TEST_CASE("look: transform, colour and custom data stand in the engine's order")
 	write_look({}, seed, 77, 0, 1.0f, {});
 }
 
-TEST_CASE("look: variation, wind phase and colour are uniform and have nothing to do with each other or the mesh") {
+TEST_CASE("look: variation, wind phase and color are uniform and have nothing to do with each other or the mesh") {
 	constexpr std::size_t tries = 20000;
 	const Look look{true, palette(1000), true};
 	MeshChoice meshes;
@@ -247,7 +247,7 @@ TEST_CASE("look: bad tables are refused by name and value") {
 	CHECK(validate(Look{true, palette(max_colors), true}).ok());
 }
 
-TEST_CASE("look: colours and custom data change no transform of a tile, and follow its order") {
+TEST_CASE("look: colors and custom data change no transform of a tile, and follow its order") {
 	const Heightfield terrain = hills();
 	const TileInstances plain = built(rich_layer(), terrain, tile_of_hills);
 	const TileInstances rich = built(colored_layer(), terrain, tile_of_hills);
@@ -273,7 +273,7 @@ TEST_CASE("look: colours and custom data change no transform of a tile, and foll
 	}
 }
 
-TEST_CASE("look: leaning, coloured instances are the same bits on every machine") {
+TEST_CASE("look: leaning, colored instances are the same bits on every machine") {
 	Placement placement;
 	placement.min_scale = 0.6;
 	placement.align_to_normal = 0.4;

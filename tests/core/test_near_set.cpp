@@ -21,7 +21,7 @@ PlacedInstance instance_at(std::uint64_t id, glm::dvec3 position) {
 	return instance;
 }
 
-/// Instances 1 to `count`, so many metres apart along x: instance i stands at x = i * apart.
+/// Instances 1 to `count`, so many meters apart along x: instance i stands at x = i * apart.
 std::vector<PlacedInstance> row(std::uint64_t count, double apart = 1.0) {
 	std::vector<PlacedInstance> result;
 	for (std::uint64_t id = 1; id <= count; ++id) {
@@ -103,7 +103,7 @@ TEST_CASE("near set: a range of 0 holds nothing, and one that is inside out leav
 	set.look(centers, {0.0, 10.0}, standing, changes);
 	CHECK(changes.enter.empty());
 	CHECK(changes.leave == Ids{3, 2, 1});
-	set.look({}, {2.0, 3.0}, standing, changes); // No centre: nothing is near.
+	set.look({}, {2.0, 3.0}, standing, changes); // No center: nothing is near.
 	CHECK(changes.enter.empty());
 	CHECK(changes.leave == Ids{1, 2, 3});
 }
@@ -181,7 +181,7 @@ TEST_CASE("near set: a walk to and fro inside of the hysteresis changes nothing"
 	CHECK(left.empty());
 }
 
-TEST_CASE("near set: several centres, and an instance that is handed in several times") {
+TEST_CASE("near set: several centers, and an instance that is handed in several times") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}, {100.0, 0.0, 0.0}, {100.5, 0.0, 0.0}};

@@ -40,7 +40,7 @@ TEST_CASE("painted mask: nothing painted is background everywhere") {
 	CHECK(PaintedMask().pixel_size() == 1.0);
 }
 
-TEST_CASE("painted mask: a pixel covers its square and has its value at the centre, on either side of the origin") {
+TEST_CASE("painted mask: a pixel covers its square and has its value at the center, on either side of the origin") {
 	constexpr double size = 0.75;
 	PaintedMask mask = mask_of(size, 0.0);
 	const PixelRect region{{-66, -3}, {3, 67}}; // Of nine blocks.
@@ -60,7 +60,7 @@ TEST_CASE("painted mask: a pixel covers its square and has its value at the cent
 	CHECK(mask.block_count() == 9);
 }
 
-TEST_CASE("painted mask: bilinear between centres, across the borders of blocks too") {
+TEST_CASE("painted mask: bilinear between centers, across the borders of blocks too") {
 	for (const double size : {1.0, 0.3}) {
 		const PaintedMask mask = noisy_mask(size, 2);
 		std::mt19937 random(3);
@@ -163,7 +163,7 @@ TEST_CASE("painted mask: writing says what has changed, and the same again chang
 	Pixels pixels(7 * 4, 0);
 	CHECK(write(mask, region, pixels).empty());
 	CHECK(mask.block_count() == 0);
-	pixels[2 * 7 + 5] = 9; // Pixel (2, 7), seen from the centre of (1, 6) to that of (3, 8).
+	pixels[2 * 7 + 5] = 9; // Pixel (2, 7), seen from the center of (1, 6) to that of (3, 8).
 	pixels[1 * 7 + 4] = 9; // Pixel (1, 6).
 	const Rect changed = write(mask, region, pixels);
 	CHECK(changed.min == glm::dvec2(1.0, 11.0));

@@ -106,7 +106,7 @@ TEST_CASE("brush: the rectangle that a dab returns is no larger than it must be"
 	}
 }
 
-TEST_CASE("brush: a hard dab fills the pixels whose centres lie in its circle, and no others") {
+TEST_CASE("brush: a hard dab fills the pixels whose centers lie in its circle, and no others") {
 	for (const glm::dvec2 center : {glm::dvec2(0.0), glm::dvec2(-63.7, 64.2), glm::dvec2(1234.5, -4321.0)}) {
 		for (const double radius : {0.4, 1.0, 5.3, 40.0}) {
 			PaintedMask mask = mask_of(0.5, 0.0);

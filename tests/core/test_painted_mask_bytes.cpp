@@ -172,8 +172,8 @@ TEST_CASE("mask bytes: what the checksum covers but no mask writes is refused") 
 		bad[place] = value;
 		return sealed(bad);
 	};
-	check_corrupt(changed(15, 0x41));         // Pixels of 2 ^ 17 metres.
-	check_corrupt(changed(15, 0xbf));         // Of -0.5 metres.
+	check_corrupt(changed(15, 0x41));         // Pixels of 2 ^ 17 meters.
+	check_corrupt(changed(15, 0xbf));         // Of -0.5 meters.
 	check_corrupt(changed(header + 3, 0x7f)); // A row far out.
 	check_corrupt(changed(header + 7, 0x7f)); // A column far out.
 	check_corrupt(changed(header + 8, 2));    // Neither kind.

@@ -87,7 +87,7 @@ TEST_CASE("golden: shapes of all kinds have the same bits with every compiler an
 	CHECK(digest.value() == 14724566284880518624u);
 }
 
-TEST_CASE("golden: ground from triangles and from posts in metres has the same bits everywhere") {
+TEST_CASE("golden: ground from triangles and from posts in meters has the same bits everywhere") {
 	std::mt19937 random(2);
 	std::vector<glm::dvec3> corners;
 	for (int i = 0; i < 900; ++i) {
@@ -101,7 +101,7 @@ TEST_CASE("golden: ground from triangles and from posts in metres has the same b
 		posts.push_back(i % 23 == 5 ? std::numeric_limits<float>::quiet_NaN() : height);
 	}
 	Heightfield field;
-	REQUIRE(field.set_metres({{20, 10}, {{-50.0, -30.0}, {50.0, 30.0}}, 0.0, 1.0}, posts).ok());
+	REQUIRE(field.set_meters({{20, 10}, {{-50.0, -30.0}, {50.0, 30.0}}, 0.0, 1.0}, posts).ok());
 	WeightMap weights;
 	REQUIRE(weights.set({3, 2}, 2, std::vector<std::uint8_t>{3, 200, 17, 99, 255, 0, 41, 5, 0, 64, 128, 77}).ok());
 	field.set_weights(weights);

@@ -120,7 +120,7 @@ TEST_CASE("terrain weights: right on the borders, 0 outside; a single pixel or r
 
 TEST_CASE("terrain weights: they change neither height nor normal, and stay when posts are set anew") {
 	Heightfield field = field_with(map_of({2, 2}, 1, {51, 51, 51, 51}));
-	REQUIRE(field.set_metres(frame, std::vector<float>(15, 42.0f)).ok());
+	REQUIRE(field.set_meters(frame, std::vector<float>(15, 42.0f)).ok());
 	Ground ground = field.at({0.0, 40.0});
 	const glm::dvec2 place(0.0, 40.0);
 	REQUIRE(field.weigh({&place, 1}, Textures{0}, {&ground, 1}).ok());

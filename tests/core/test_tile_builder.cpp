@@ -69,7 +69,7 @@ TEST_CASE("tile: instances are sorted by rank and id, and the box holds them") {
 		CHECK(mesh.max_scale <= 1.0f);
 		CHECK(mesh.max_scale > 0.95f);
 	}
-	// Near its ground, in whole metres.
+	// Near its ground, in whole meters.
 	CHECK(tile.origin.y == std::floor(tile.origin.y));
 	CHECK(tile.origin.y > 0.0);
 	CHECK(tile.origin.y < 90.0);

@@ -58,7 +58,7 @@ private:
 
 } // namespace
 
-TEST_CASE("tile: nothing stands where there is no ground, and its neighbours do not care") {
+TEST_CASE("tile: nothing stands where there is no ground, and its neighbors do not care") {
 	const FunctionTerrain whole([](glm::dvec2) { return Ground{4.0f, {0.0f, 1.0f, 0.0f}}; });
 	// Every way of being no ground, by quarter.
 	const FunctionTerrain pierced([](glm::dvec2 position) {

@@ -124,8 +124,8 @@ TEST_CASE("overlay: hand-placed instances stand first, in the tile of their plac
 	CHECK(visible_prefix(shown[1]->ranks, 1e-9) >= 1);
 
 	const Rect next{{64.0, 0.0}, {192.0, 128.0}};
-	const auto neighbour = std::make_shared<const TileInstances>(built(layer, hills(), next));
-	CHECK(find(*overlaid(neighbour, layer, next, {&state, nullptr})[1], on_edge) == 0);
+	const auto neighbor = std::make_shared<const TileInstances>(built(layer, hills(), next));
+	CHECK(find(*overlaid(neighbor, layer, next, {&state, nullptr})[1], on_edge) == 0);
 }
 
 TEST_CASE("overlay: the box holds what stands") {

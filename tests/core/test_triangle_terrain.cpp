@@ -98,7 +98,7 @@ std::span<const glm::dvec3, 3> triangle_at(const Corners &corners, std::size_t i
 } // namespace
 
 TEST_CASE("triangles: one triangle, its edges and corners have ground, all else has none") {
-	// Rises by 1 m a metre of x: 45 degrees.
+	// Rises by 1 m a meter of x: 45 degrees.
 	const Corners one{{0.0, 10.0, 0.0}, {4.0, 14.0, 0.0}, {0.0, 10.0, 4.0}};
 	const double half = std::sqrt(0.5);
 	for (const std::array<std::size_t, 3> order : {std::array<std::size_t, 3>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}}) {

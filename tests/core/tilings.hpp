@@ -18,15 +18,15 @@ namespace thicket::tilings {
 /// A way to cut the plane into rectangles, and to walk over them.
 struct Tiling {
 	const char *name;
-	glm::dvec2 size;           ///< Metres.
-	glm::dvec2 offset{0.0};    ///< A corner of some tile, metres.
+	glm::dvec2 size;           ///< Meters.
+	glm::dvec2 offset{0.0};    ///< A corner of some tile, meters.
 	unsigned threads = 1;      ///< Each with a sampler of its own, taking tiles as they come.
 	std::uint64_t shuffle = 0; ///< Seed of the order of the tiles; 0 goes row by row.
 };
 
 /// All tiles of the tiling that meet `region`, whole.
 inline std::vector<Rect> tiles_of(const Tiling &tiling, const Rect &region) {
-	// One expression for every edge, so that neighbours share it to the bit.
+	// One expression for every edge, so that neighbors share it to the bit.
 	const auto edge_x = [&](std::int64_t i) {
 		return tiling.offset.x + static_cast<double>(i) * tiling.size.x;
 	};

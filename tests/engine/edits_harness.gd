@@ -2,7 +2,7 @@ extends "harness.gd"
 ## What the tests of edits and of layers that know each other share: ferns that keep away from oaks, on a mound that
 ## changes.
 
-const FLOATS := 0.001 # Metres; how far a float may be off at these distances.
+const FLOATS := 0.001 # Meters; how far a float may be off at these distances.
 const OAK := 0
 const FERN := 1
 const SPACING := 3.0

@@ -4,7 +4,7 @@ extends "harness.gd"
 const SIDE := 65
 
 
-## Heights 0 to 400 metres and slopes 0 to 63 degrees, rising with x.
+## Heights 0 to 400 meters and slopes 0 to 63 degrees, rising with x.
 func hillside() -> ScatterTerrainHeightmap:
 	var image := Image.create_empty(SIDE, SIDE, false, Image.FORMAT_RF)
 	for x in SIDE:

@@ -8,8 +8,8 @@ func all_transforms(scatter: TerrainScatter3D, layer := 0) -> Array[Transform3D]
 	return result
 
 
-## All instances of a layer by their ids, for comparing scatters of other tile sizes. Positions to the millimetre: a
-## tile's own floats count from its centre.
+## All instances of a layer by their ids, for comparing scatters of other tile sizes. Positions to the millimeter: a
+## tile's own floats count from its center.
 func by_id(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):

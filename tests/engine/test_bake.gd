@@ -19,7 +19,7 @@ class Hills extends ScatterTerrain:
 		return true
 
 
-## Two layers, of two meshes and of one, the first with colours and a mesh that has a file.
+## Two layers, of two meshes and of one, the first with colors and a mesh that has a file.
 func wood() -> TerrainScatter3D:
 	var trees := make_layer(3.0)
 	trees.resource_name = "Trees"
@@ -71,7 +71,7 @@ func test_whole_tiles() -> void:
 		var mesh := 1 if node.multimesh.mesh is CylinderMesh else 0
 		check_equal(node.position, scatter.get_tile_origin(0, tile), "where the tile's transforms start from")
 		check(node.multimesh.buffer == scatter.get_tile_buffers(0, tile)[mesh], "what stands in tile %s" % tile)
-		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "with colours")
+		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "with colors")
 		check_equal(node.visibility_range_end, 77.0, "the layer's range")
 		check_equal(node.cast_shadow, GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, "the layer's shadows")
 		seen[node.multimesh.mesh] = mesh

@@ -27,7 +27,7 @@ func test_rays_hit_what_query_ray_hits() -> void:
 				var asked := scatter.query_ray(from, target)
 				var hit := cast(from, target)
 				if asked and asked["distance"] == 0.0:
-					continue # It starts inside a neighbour, which a ray of the physics server does not meet.
+					continue # It starts inside a neighbor, which a ray of the physics server does not meet.
 				if not check(not hit.is_empty() and not asked.is_empty(), "shape %d: both hit" % shape):
 					continue
 				check(hit["collider"] == scatter, "the collider is the scatter")

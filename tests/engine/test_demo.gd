@@ -1,6 +1,6 @@
 extends "harness.gd"
 ## The demo's forest, streamed along a fixed path: every instance that the MultiMeshes hold is checked against the
-## ground, the rules and its neighbours in all tiles. `-- out=FILE` writes the tiles down for analysis/tile_digests.
+## ground, the rules and its neighbors in all tiles. `-- out=FILE` writes the tiles down for analysis/tile_digests.
 
 const TileLog := preload("tile_log.gd")
 const GroundModel := preload("ground_model.gd")
@@ -15,7 +15,7 @@ var ground: GroundModel
 var tile_log := TileLog.new()
 
 ## By layer: cell, one radius wide, to the x and z of what stands in it; floats, as a Vector2 would round them.
-var neighbours: Array[Dictionary] = []
+var neighbors: Array[Dictionary] = []
 var known: Dictionary = {}
 var count := 0
 var worst_height := 0.0
@@ -46,7 +46,7 @@ func load_demo() -> void:
 	tile_log.add_terrain(scatter.terrain)
 	for index in scatter.layers.size():
 		var layer := scatter.layers[index] as ScatterLayer
-		neighbours.push_back({})
+		neighbors.push_back({})
 		closest.push_back(INF)
 		tile_log.add_layer(index, scatter.seed, layer)
 
@@ -71,7 +71,7 @@ func test_forest_along_a_path() -> void:
 	for layer in scatter.layers.size():
 		var radius: float = scatter.layers[layer].radius
 		check(closest[layer] >= radius - 1e-4, "layer %d: two instances are %f m apart" % [layer, closest[layer]])
-		check(closest[layer] < 1.2 * radius, "layer %d: some instances are neighbours" % layer)
+		check(closest[layer] < 1.2 * radius, "layer %d: some instances are neighbors" % layer)
 	print("%d instances in %d tiles, worst height %f m" % [count, known.size(), worst_height])
 	scatter.free()
 	for argument in arguments:
@@ -101,7 +101,7 @@ func look_at_buffer(index: int, origin: Vector3, buffer: PackedFloat32Array) -> 
 	var radius := layer.radius
 	var smallest := layer.min_scale - 1e-4
 	var largest := layer.max_scale + 1e-4
-	var cells := neighbours[index]
+	var cells := neighbors[index]
 	for at in range(0, buffer.size(), 12):
 		count += 1
 		# In double precision: a Vector3 would round the sum.

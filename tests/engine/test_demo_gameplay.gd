@@ -4,7 +4,7 @@ extends "harness.gd"
 ## `-- test_felled_and_saved file=PATH`, then `-- test_felled_after_a_restart file=PATH`.
 
 const EYES := 1.72
-## Metres from the trunk's middle.
+## Meters from the trunk's middle.
 const AWAY := 6.0
 
 var game: Node3D

@@ -5,7 +5,7 @@ extends "demo_scene_harness.gd"
 const SCENE := "res://rules.tscn"
 ## World x and z of the viewer: the western wood's edge, the lake's eastern shore by the path, the scree.
 const PLACES: Array[Vector2] = [Vector2(-125.0, 30.0), Vector2(62.0, 5.0), Vector2(140.0, 60.0)]
-## By how much, in metres, a place may be off that was rounded on its way into a buffer.
+## By how much, in meters, a place may be off that was rounded on its way into a buffer.
 const ROUNDING := 0.002
 
 ## Layer's name to instance's id to its place, a Vector3.
@@ -57,12 +57,12 @@ func test_what_stands_where() -> void:
 		await look_from(place)
 	for layer: String in standing:
 		check(standing[layer].size() > 200, "%d instances of %s" % [standing[layer].size(), layer])
-	check_neighbours()
+	check_neighbors()
 	check_path()
 	check_heights_and_slopes()
 
 
-func check_neighbours() -> void:
+func check_neighbors() -> void:
 	var to_oaks := nearest("Fern", "Oak", 8.0)
 	check(not to_oaks.has(INF), "ferns in the open: %d of %d" % [to_oaks.count(INF), to_oaks.size()])
 	var spruces := nearest("Spruce", "Oak", 5.5 - ROUNDING)

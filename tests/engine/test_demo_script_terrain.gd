@@ -34,7 +34,7 @@ func test_plants_stand_on_the_formula() -> void:
 	check(hollow == 0, "%d plants where there is no ground" % hollow)
 	# A place is rounded to a float between the formula and the buffer; slopes make that a height.
 	check(worst < 0.01, "a plant stands %f m off the ground" % worst)
-	check(at_the_edge > 30, "only %d of those seen are within a metre of the edge" % at_the_edge)
+	check(at_the_edge > 30, "only %d of those seen are within a meter of the edge" % at_the_edge)
 
 
 func test_the_drawn_ground_is_the_same() -> void:

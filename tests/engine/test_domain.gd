@@ -76,7 +76,7 @@ func test_every_method_fills_the_rectangle() -> void:
 			var sampler := make(method)
 			sampler.double_precision = precise
 			var points := sampler.sample_domain(RECT)
-			# Points along an edge have no neighbours beyond it, so that there are more of them; tiles know no edge.
+			# Points along an edge have no neighbors beyond it, so that there are more of them; tiles know no edge.
 			check_count(points.size(), RECT.get_area(), 0.07, what)
 			# An edge of the window of an infinite set has points beyond it that cover it.
 			var maximal := method != PoissonSampler.METHOD_NAIVE and method != PoissonSampler.METHOD_TILES
@@ -137,7 +137,7 @@ func test_tiles_are_the_infinite_set() -> void:
 		var exact := sampler.sample_domain_exact(-7.5, 3.25, 52.5, 40.25)
 		var window := sampler.sample_exact(-7.5, 3.25, 52.5, 40.25)
 		check(exact["x"] == window["x"] and exact["y"] == window["y"], "sample_domain_exact is sample_exact")
-	# A strip of a thousand kilometres, where corners of blocks no longer fit 32 bits while they are computed.
+	# A strip of a thousand kilometers, where corners of blocks no longer fit 32 bits while they are computed.
 	sampler.levels = 1
 	check_count(sampler.sample_domain(Rect2(-5e5, 0, 1e6, 0.5)).size(), 5e5, 0.02, "a long strip")
 

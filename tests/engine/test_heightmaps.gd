@@ -31,14 +31,14 @@ func test_heightmap_formats() -> void:
 		check_no_error("format %d" % format)
 
 
-func test_heightmap_in_metres_with_holes() -> void:
+func test_heightmap_in_meters_with_holes() -> void:
 	var image := Image.create_empty(33, 33, false, Image.FORMAT_RF)
 	for x in 33:
 		for y in 33:
 			image.set_pixel(x, y, Color(NAN if x > 20 and x < 24 else -250.0 + 1.25 * x, 0.0, 0.0))
 	var terrain := ScatterTerrainHeightmap.new()
 	terrain.rect = Rect2(-64.0, -64.0, 128.0, 128.0)
-	terrain.heights_in_metres = true
+	terrain.heights_in_meters = true
 	terrain.image = image
 	check_equal(terrain.get_height(Vector3(-64.0, 0.0, 3.0)), -250.0, "height")
 	check(is_nan(terrain.get_height(Vector3(24.0, 0.0, 0.0))), "a hole")
@@ -59,9 +59,9 @@ func test_heightmap_in_metres_with_holes() -> void:
 	terrain.image = ImageTexture.create_from_image(image)
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "the same by a texture")
-	terrain.heights_in_metres = false
+	terrain.heights_in_meters = false
 	await settle(scatter)
-	check_error(["ScatterTerrainHeightmap.image", "-250"], "metres taken as 0 to 1")
+	check_error(["ScatterTerrainHeightmap.image", "-250"], "meters taken as 0 to 1")
 
 
 func test_heightmap_exr() -> void:
@@ -70,7 +70,7 @@ func test_heightmap_exr() -> void:
 	check_equal(image.save_exr(path, true), OK, "saved")
 	var terrain := ScatterTerrainHeightmap.new()
 	terrain.rect = Rect2(0.0, 0.0, 8.0, 6.0)
-	terrain.heights_in_metres = true
+	terrain.heights_in_meters = true
 	terrain.image = Image.load_from_file(path)
 	for x in 9:
 		for y in 7:
@@ -143,5 +143,5 @@ func test_heightmaps_do_not_know_tiles() -> void:
 	var terrain := ScatterTerrainHeightmap.new()
 	terrain.rect = Rect2(-64.0, -64.0, 128.0, 128.0)
 	terrain.image = make_heights(Image.FORMAT_RF, Vector2i(40, 30))
-	terrain.heights_in_metres = true
+	terrain.heights_in_meters = true
 	await check_tiling(terrain, "a heightmap")

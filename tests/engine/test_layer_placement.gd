@@ -95,7 +95,7 @@ func test_colors_and_custom_data() -> void:
 	layer.use_colors = true
 	await settle(scatter)
 	var white := instances(scatter)
-	check_same_places(plain, white, "colours")
+	check_same_places(plain, white, "colors")
 	check_equal(white.values()[0][1], PackedFloat32Array([1, 1, 1, 1]), "white without a gradient")
 	var gradient := Gradient.new()
 	gradient.set_color(0, Color(1, 0, 0, 1))
@@ -104,7 +104,7 @@ func test_colors_and_custom_data() -> void:
 	layer.use_custom_data = true
 	await settle(scatter)
 	var looks := instances(scatter)
-	check_same_places(plain, looks, "colours and data")
+	check_same_places(plain, looks, "colors and data")
 	var sums := [0.0, 0.0, 0.0, 0.0]
 	var wrong := 0
 	for id: int in looks:

@@ -211,8 +211,8 @@ func test_refused() -> void:
 
 func test_refused_spacing() -> void:
 	var layer := full_layer()
-	for metres: float in [NAN, INF, 0.0, -1.0, 1000.5]:
-		refuse(layer, "spacing", {"Oaks": 2.0, "Firs": metres} as Dictionary[String, float])
+	for meters: float in [NAN, INF, 0.0, -1.0, 1000.5]:
+		refuse(layer, "spacing", {"Oaks": 2.0, "Firs": meters} as Dictionary[String, float])
 	var many: Dictionary[String, float] = {}
 	for index in 17:
 		many[str(index)] = 1.0
@@ -319,7 +319,7 @@ func test_warnings() -> void:
 	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = zero, "density_over_height is 0 everywhere")
 	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = zero, "density_over_slope is 0 everywhere")
 	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = Curve.new(), "density_over_slope has no points")
-	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = make_line(Vector2(0, 0), Vector2(1, 1)), "metres of height")
+	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = make_line(Vector2(0, 0), Vector2(1, 1)), "meters of height")
 	warns(func(layer: ScatterLayer) -> void: layer.noise_curve = make_line(Vector2(-1, 0), Vector2(1, 1)), "without a noise")
 	warns(func(layer: ScatterLayer) -> void: layer.noise = FastNoiseLite.new(), "")
 	warns(func(layer: ScatterLayer) -> void: layer.mask = ScatterMask.new(), "mask has no effect")

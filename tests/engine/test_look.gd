@@ -1,5 +1,5 @@
 extends "picture_harness.gd"
-## What is drawn of a tile, and how: meshes and prefixes by distance, quality, colours, custom data. All of it is read back
+## What is drawn of a tile, and how: meshes and prefixes by distance, quality, colors, custom data. All of it is read back
 ## from a renderer that keeps it, so not --headless.
 
 const REACH := 0.8660254 ## Of a cube of 1 m, from its middle to a corner.
@@ -213,22 +213,22 @@ func test_colors_and_custom_data() -> void:
 			last_rank = buffer[at + 18]
 			total += 1
 		check(last_rank > 0.9 and last_rank <= 1.0, "the last rank of tile %s is %f" % [tile, last_rank])
-	check_equal(counts.size(), 2, "colours")
+	check_equal(counts.size(), 2, "colors")
 	check(absf(counts.get(Color(1.0, 0.0, 0.0), 0) / float(total) - 0.25) < 0.03, "a quarter is red: %s" % counts)
-	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "the other colour, its alpha included")
+	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "the other color, its alpha included")
 	check((sums / total).distance_to(Vector2(0.5, 0.5)) < 0.03, "mean of variation and phase: %s" % (sums / total))
-	# This renderer keeps colours and data as halves; what was never handed to it is the same to the bit.
+	# This renderer keeps colors and data as halves; what was never handed to it is the same to the bit.
 	var built := scatter.build_rect(0, Rect2(0.0, 0.0, 32.0, 32.0))
 	check_equal(scatter.get_tile_buffers(0, Vector2i.ZERO), built["buffers"] as Array, "what the renderer holds, exactly")
-	# Other colours are other tiles, but not other places.
+	# Other colors are other tiles, but not other places.
 	var before := transforms_of(scatter, 20)
 	gradient.set_color(0, Color(0.0, 1.0, 0.0))
 	await settle(scatter)
-	check(Color(0.0, 1.0, 0.0) in colors_of(scatter), "the gradient's new colour")
+	check(Color(0.0, 1.0, 0.0) in colors_of(scatter), "the gradient's new color")
 	layer.use_colors = false
 	layer.use_custom_data = false
 	await settle(scatter)
-	check_equal(transforms_of(scatter, 12), before, "transforms without colours and custom data")
+	check_equal(transforms_of(scatter, 12), before, "transforms without colors and custom data")
 
 
 func transforms_of(scatter: TerrainScatter3D, stride: int) -> PackedFloat32Array:

@@ -27,7 +27,7 @@ func make_view() -> TerrainScatter3D:
 	return make_scatter([layer], ScatterTerrainFlat.new(), camera)
 
 
-## The share of the picture that is of a colour.
+## The share of the picture that is of a color.
 func share(color: Color) -> float:
 	return await share_of_pixels(func(pixel: Color) -> bool:
 		return absf(pixel.r - color.r) + absf(pixel.g - color.g) + absf(pixel.b - color.b) < 0.1)
@@ -37,7 +37,7 @@ func test_what_a_camera_sees() -> void:
 	var scatter := make_view()
 	await settle(scatter)
 	var layer := scatter.layers[0] as ScatterLayer
-	# 0.1741 instances a square metre, each with a top of 1 m² that perspective makes a little larger, and a side in
+	# 0.1741 instances a square meter, each with a top of 1 m² that perspective makes a little larger, and a side in
 	# view.
 	var red: float = await share(RED)
 	check(red > 0.15 and red < 0.35, "the picture is red to %f" % red)
@@ -136,20 +136,20 @@ func difference(a: Image, b: Image) -> float:
 	return count / float(a.get_width() * a.get_height())
 
 
-func test_a_recentre_a_thousand_kilometres_out_is_not_seen() -> void:
+func test_a_recenter_a_thousand_kilometers_out_is_not_seen() -> void:
 	var scatter := make_view()
 	var camera := root.get_camera_3d()
 	scatter.world_offset = Vector3(1048576.0, 0.0, -1048576.0)
 	await settle(scatter)
 	var before: Image = await picture()
 	var red: float = await share(RED)
-	check(red > 0.15 and red < 0.5, "share of red a thousand kilometres out: %f" % red)
+	check(red > 0.15 and red < 0.5, "share of red a thousand kilometers out: %f" % red)
 	for step in 4:
 		camera.position -= Vector3(128.0, 0.0, 64.0)
 		scatter.world_offset += Vector3(128.0, 0.0, 64.0)
 		await process_frame
 		# Single precision 700 m from the engine's origin may change which side of a pixel's middle an edge lies on.
-		check(difference(await picture(), before) < 0.005, "the picture after recentre %d" % step)
+		check(difference(await picture(), before) < 0.005, "the picture after recenter %d" % step)
 	check(difference(before, await picture()) < 0.005, "and in the end")
 	camera.position.x += 8.0
 	check(difference(before, await picture()) > 0.05, "a camera that moves sees something else")

@@ -1,7 +1,7 @@
 extends "harness.gd"
 ## What a scatter answers equals what a scan of the generated tiles finds, whatever is loaded.
 
-const FLOATS := 2e-3 ## Metres by which a float may be off at these places.
+const FLOATS := 2e-3 ## Meters by which a float may be off at these places.
 const AREA := Rect2(-96, -96, 192, 192) ## Whole tiles of all layers.
 
 ## All that stands by a scan, an entry of each array for each instance.
@@ -50,7 +50,7 @@ class TilePlace:
 				origin + Vector3(floats[at + 3], floats[at + 7], floats[at + 11]))
 
 
-## Leaning trees, and ferns that stand off their points and keep away from trees. Tiles of 32 and 24 metres.
+## Leaning trees, and ferns that stand off their points and keep away from trees. Tiles of 32 and 24 meters.
 func make_wood(viewer: Node3D) -> TerrainScatter3D:
 	var trees := make_layer(4.0)
 	trees.resource_name = "trees"
@@ -85,7 +85,7 @@ func scan(scatter: TerrainScatter3D) -> Scan:
 	return result
 
 
-## Compares an answer with all of a scan for which `depth` (metres inside, negative outside) is above 0, to within
+## Compares an answer with all of a scan for which `depth` (meters inside, negative outside) is above 0, to within
 ## floats. Returns how many there are.
 func check_answer(answer: Dictionary, all: Scan, layers: PackedInt32Array, depth: Callable, what: String) -> int:
 	var ids: PackedInt64Array = answer["ids"]
@@ -346,7 +346,7 @@ func test_bad_questions_are_refused() -> void:
 		check((scatter.query_rect(Rect2(0, 0, 5, 5), layers)["ids"] as PackedInt64Array).is_empty(), "no such layer")
 		check_error(["TerrainScatter3D.query_rect", "layer"], "no such layer")
 	scatter.query_sphere(Vector3(0, NAN, 0), 5.0)
-	check_error(["TerrainScatter3D.query_sphere", "center", "finite"], "a centre nowhere")
+	check_error(["TerrainScatter3D.query_sphere", "center", "finite"], "a center nowhere")
 	scatter.query_sphere(Vector3.ZERO, -5.0)
 	check_error(["TerrainScatter3D.query_sphere", "radius", "-5"], "a negative radius")
 	check(scatter.query_ray(Vector3(INF, 0, 0), Vector3.ZERO).is_empty(), "no ray from nowhere")

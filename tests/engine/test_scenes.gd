@@ -189,7 +189,7 @@ func test_tile_made_anew() -> void:
 	check_once(scatter, {}, "half of it")
 
 
-func test_recentred() -> void:
+func test_recentered() -> void:
 	var scatter := make_garden([make_plants()], Vector3(40, 0, 0))
 	await settle(scatter)
 	var before := scenes_of(scatter)

@@ -1,7 +1,7 @@
 extends "harness.gd"
 ## ScatterShape3D: what it includes and excludes, what it follows, what it refuses and warns of, how long it counts.
 
-const BEYOND := 0.001 # Metres; how far a float may be off at these distances.
+const BEYOND := 0.001 # Meters; how far a float may be off at these distances.
 
 
 func make_shape(kind: ScatterShape3D.Kind, exclude := true) -> ScatterShape3D:
@@ -112,7 +112,7 @@ func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D],
 	for id in before:
 		var distance := distance_to_line(on_map(before[id]), line)
 		gone += int(not after.has(id))
-		# The outline may lie a centimetre beside the curve.
+		# The outline may lie a centimeter beside the curve.
 		wrong += int(not after.has(id) and distance > 2.5 + 0.011) + int(after.has(id) and distance < 2.5 - 0.011)
 	check_equal(wrong, 0, what + ": wrong instances")
 	check(gone > 20, "%s: %d are gone" % [what, gone])

@@ -150,7 +150,7 @@ func test_spacing_across_tile_borders() -> void:
 		count += 1
 	check(count > 2000, "there are instances to compare: %d" % count)
 	check(closest >= 1.9999, "the closest two are %f apart" % closest)
-	check(closest < 2.1, "the closest two are %f apart, so the check sees neighbours" % closest)
+	check(closest < 2.1, "the closest two are %f apart, so the check sees neighbors" % closest)
 
 
 func test_script_ground_on_the_main_thread() -> void:

@@ -1,7 +1,7 @@
 extends "harness.gd"
 ## Several viewers, each with its own radius; teleports, and flight at 1000 m/s: never a far tile before a near one.
 
-## Metres from a viewer to the nearest point of a tile.
+## Meters from a viewer to the nearest point of a tile.
 func distance(tile: Vector2i, size: float, from: Vector3) -> float:
 	var rect := Rect2(Vector2(tile) * size, Vector2(size, size))
 	var at := Vector2(from.x, from.z)
@@ -152,7 +152,7 @@ func test_a_teleport_shows_near_tiles_first() -> void:
 	check_equal(watch.nearest_missing(), INF, "nothing is missing in the end")
 
 
-func test_flight_at_1000_metres_a_second() -> void:
+func test_flight_at_1000_meters_a_second() -> void:
 	var viewer := make_viewer()
 	var near := make_layer(3.0)
 	near.view_distance = 128.0

@@ -1,7 +1,7 @@
 extends "harness.gd"
-## Games that recentre: the engine's origin moves in the world, and nothing else does.
+## Games that recenter: the engine's origin moves in the world, and nothing else does.
 
-const FAR := Vector3(1048576.0, 0.0, -1048576.0) # 2^20 m: a thousand kilometres, and exact.
+const FAR := Vector3(1048576.0, 0.0, -1048576.0) # 2^20 m: a thousand kilometers, and exact.
 
 
 func make_rock(radius := 2.0) -> ScatterLayer:
@@ -20,7 +20,7 @@ func make_noise() -> ScatterTerrainNoise:
 	return terrain
 
 
-func test_a_recentre_moves_what_stands_and_makes_nothing() -> void:
+func test_a_recenter_moves_what_stands_and_makes_nothing() -> void:
 	var viewer := make_viewer(Vector3(300.0, 0.0, 100.0))
 	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
 	await settle(scatter)
@@ -37,8 +37,8 @@ func test_a_recentre_moves_what_stands_and_makes_nothing() -> void:
 	var at_once := instances(scatter, 0)
 	await frames(20)
 	check(scatter.is_idle(), "nothing to do")
-	check_equal(scatter.get_stats()["tiles_made"], stats["tiles_made"], "tiles made for a recentre")
-	check_equal(scatter.get_stats()["uploads"], stats["uploads"], "uploads for a recentre")
+	check_equal(scatter.get_stats()["tiles_made"], stats["tiles_made"], "tiles made for a recenter")
+	check_equal(scatter.get_stats()["uploads"], stats["uploads"], "uploads for a recenter")
 	check_equal(events.size(), 0, "tiles that came or went")
 	check_equal(digests(scatter, 0), digest, "digests")
 	for state: Dictionary[int, Transform3D] in [at_once, instances(scatter, 0)]:
@@ -53,7 +53,7 @@ func test_a_recentre_moves_what_stands_and_makes_nothing() -> void:
 		check_equal(scatter.get_tile_origin(0, tile).x, (tile.x + 0.5) * 32.0 - shift.x, "origin of tile %s" % tile)
 
 
-func test_a_recentre_in_flight() -> void:
+func test_a_recenter_in_flight() -> void:
 	var viewer := make_viewer()
 	var scatter := make_scatter([make_rock()], make_noise(), viewer)
 	var made := {}
@@ -84,7 +84,7 @@ func test_a_recentre_in_flight() -> void:
 	check_equal(found, expected.size(), "instances that both have")
 
 
-func test_a_thousand_kilometres_out_all_is_as_exact_as_here() -> void:
+func test_a_thousand_kilometers_out_all_is_as_exact_as_here() -> void:
 	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), make_viewer())
 	scatter.world_offset = FAR
 	await settle(scatter)
@@ -113,7 +113,7 @@ func test_a_thousand_kilometres_out_all_is_as_exact_as_here() -> void:
 						nearest = minf(nearest, other.distance_to(Vector2(x, y) * 2.0))
 			gap = maxf(gap, nearest)
 	check(gap < 2.0, "nothing stands within %f m of a place" % gap)
-	# Near the viewer the engine's floats tell a tenth of a millimetre apart, as at the origin.
+	# Near the viewer the engine's floats tell a tenth of a millimeter apart, as at the origin.
 	var fine := 0
 	for id in standing:
 		fine += 1 if absf(fmod(standing[id].origin.x, 0.0625)) > 1e-4 else 0
@@ -157,7 +157,7 @@ func test_queries_and_changes_are_in_the_engine_space() -> void:
 		var buffer: PackedFloat32Array = built["buffers"][0]
 		var local := Vector3(buffer[12 * index + 3], buffer[12 * index + 7], buffer[12 * index + 11])
 		check(standing[ids[index]].origin.distance_to(local + (built["origin"] as Vector3)) < 1e-3, "build_rect's place")
-	# A felled one stays felled when the game recentres, and a planted one stays where it is in the world.
+	# A felled one stays felled when the game recenters, and a planted one stays where it is in the world.
 	var nearest := scatter.query_nearest(Vector3.ZERO, 10.0)
 	check(scatter.remove_instance(nearest["id"]), "felled")
 	var planted := scatter.add_instance(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)))
@@ -203,8 +203,8 @@ func test_shapes_move_along_and_are_no_edit() -> void:
 		scatter.world_offset = shift
 		await settle(scatter)
 		await frames(5)
-		check_equal(scatter.get_stats()["tiles_made"], made, "tiles made after a recentre to %s" % shift)
-		check_equal(digests(scatter, 0), before, "digests after a recentre to %s" % shift)
+		check_equal(scatter.get_stats()["tiles_made"], made, "tiles made after a recenter to %s" % shift)
+		check_equal(digests(scatter, 0), before, "digests after a recenter to %s" % shift)
 	box.global_position.x += 4.0
 	await settle(scatter)
 	check(scatter.get_stats()["tiles_made"] > made, "a shape that moves in the world is an edit")
@@ -260,7 +260,7 @@ func test_bodies_move_along() -> void:
 	var at: Vector3 = (near["transform"] as Transform3D).origin
 	var ray := PhysicsRayQueryParameters3D.create(at + Vector3(0.0, 8.0, 0.0), at - Vector3(0.0, 8.0, 0.0))
 	var hit := scatter.get_world_3d().direct_space_state.intersect_ray(ray)
-	if check(not hit.is_empty(), "a ray hits the nearest instance after a recentre"):
+	if check(not hit.is_empty(), "a ray hits the nearest instance after a recenter"):
 		check_equal(scatter.get_body_instance(hit["rid"]), near["id"], "the instance that was hit")
 
 

@@ -78,7 +78,7 @@ void read_surroundings(LayerSettings &r_layer, Bytes &r_bytes) {
 		auto other = std::make_shared<LayerSettings>();
 		other->set = {r_layer.set.seed, r_bytes.number(1.0, 5.0), 1, static_cast<std::uint16_t>(count)};
 		other->rules.density = r_bytes.number(0.0, 1.0);
-		r_layer.neighbours.push_back({other, r_bytes.number(0.1, 10.0), nullptr});
+		r_layer.neighbors.push_back({other, r_bytes.number(0.1, 10.0), nullptr});
 	}
 }
 

@@ -1,6 +1,6 @@
 extends RefCounted
 ## Writes what stands in a rectangle as resources of the engine: a [MultiMesh] for each layer, mesh and tile, the meshes
-## that have no file of their own, and a scene of [MultiMeshInstance3D]s, each at the centre of its tile.
+## that have no file of their own, and a scene of [MultiMeshInstance3D]s, each at the center of its tile.
 ##
 ## For scatter that never changes, and for tools that read scenes. Needs no editor:
 ## [codeblock]
@@ -36,7 +36,7 @@ var _written: PackedStringArray = []
 var _mesh_files: Dictionary[Mesh, Mesh] = {}
 
 
-## Begins to bake [param rect] (world x, z in metres) into [param folder], which is made if need be, with a scene of the
+## Begins to bake [param rect] (world x, z in meters) into [param folder], which is made if need be, with a scene of the
 ## name [param name]. [param layers] are places in the scatter's list; empty for all. Returns an error, and says why in
 ## [member problem], where that cannot be.
 func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers := PackedInt32Array()) -> Error:

@@ -6,7 +6,7 @@
 
 namespace thicket {
 
-/// A half-open axis-aligned rectangle of the world, in metres: a point p lies in it exactly when
+/// A half-open axis-aligned rectangle of the world, in meters: a point p lies in it exactly when
 /// min <= p < max on both axes, so rectangles that share an edge never share a point. World x is `x`;
 /// the engine's world z is `y` here.
 struct Rect {

@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-/// A binary tree over things that stand in a row: its leaves are runs of `leaf_size` of them, and every two neighbouring runs
+/// A binary tree over things that stand in a row: its leaves are runs of `leaf_size` of them, and every two neighboring runs
 /// make one of the level above. It knows counts alone; who owns the things keeps what each run is asked for in a vector, at
 /// `slot`: level by level, the leaves first.
 class RunTree {

@@ -9,16 +9,16 @@
 namespace thicket {
 
 inline constexpr std::size_t max_lods = 15;           ///< Meshes for the distance, the one for near by not counted.
-inline constexpr double max_detail_distance = 1e6;    ///< Metres.
+inline constexpr double max_detail_distance = 1e6;    ///< Meters.
 inline constexpr double max_scale_compensation = 4.0; ///< What is left makes up for 15 in 16 that are gone, at most.
 
-/// How a layer's tiles are drawn with distance. Distances are metres from a viewer to the tile's box, 0 inside it.
+/// How a layer's tiles are drawn with distance. Distances are meters from a viewer to the tile's box, 0 inside it.
 struct Detail {
 	/// Where the next coarser mesh begins, ascending, 0 to max_detail_distance; at most max_lods.
 	std::vector<double> lod_distances;
 
 	/// All instances stand up to `thin_begin`, the share `thin_density` from `thin_end` on, in between the share falls
-	/// evenly. Metres, begin <= end; a density of 1 thins nothing.
+	/// evenly. Meters, begin <= end; a density of 1 thins nothing.
 	double thin_begin = 0.0;
 	double thin_end = 0.0;
 	double thin_density = 1.0;
@@ -50,7 +50,7 @@ double compensating_scale(const Detail &detail, double share);
 /// would be drawn, or far less than may be, and then leaves room for a tenth more. 0 to 1.
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most);
 
-/// How much the distance may change, either way, before anything above may answer otherwise. Metres, 0 or more, infinite
+/// How much the distance may change, either way, before anything above may answer otherwise. Meters, 0 or more, infinite
 /// where nothing depends on the distance.
 double distance_margin(const Detail &detail, double distance);
 

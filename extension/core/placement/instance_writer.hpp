@@ -20,7 +20,7 @@ namespace thicket {
 /// The points of a tile, and which of them stand. All spans but the last two have an entry for each point; `standing` holds
 /// indices into them, and `thinning_ranks` an entry for each of those.
 struct StandingPoints {
-	std::span<const glm::dvec2> positions; ///< World metres.
+	std::span<const glm::dvec2> positions; ///< World meters.
 	std::span<const Ground> ground;
 	std::span<const std::uint64_t> ids;
 	std::span<const std::uint32_t> standing;

@@ -2,7 +2,7 @@
 
 #include "core/base/check.hpp"
 #include "core/placement/mesh_choice.hpp"
-#include "core/placement/neighbour_chain.hpp"
+#include "core/placement/neighbor_chain.hpp"
 
 #include <algorithm>
 
@@ -18,7 +18,7 @@ Status validate_alone(const LayerSettings &layer) {
 } // namespace
 
 Status validate(const LayerSettings &layer) {
-	const NeighbourChain chain(layer);
+	const NeighborChain chain(layer);
 	Status status = chain.status();
 	for (std::size_t i = chain.links().size(); status.ok() && i-- > 0;) {
 		status = validate_alone(*chain.links()[i].layer);
@@ -28,8 +28,8 @@ Status validate(const LayerSettings &layer) {
 
 double reach(const LayerSettings &layer) {
 	double farthest = 0.0;
-	const NeighbourChain chain(layer);
-	for (const NeighbourChain::Link &link : chain.links()) {
+	const NeighborChain chain(layer);
+	for (const NeighborChain::Link &link : chain.links()) {
 		farthest = std::max(farthest, link.margin + link.layer->rules.edge_feather);
 	}
 	return farthest;
@@ -37,8 +37,8 @@ double reach(const LayerSettings &layer) {
 
 double points_to_sample(const LayerSettings &layer, double tile_size) {
 	double points = 0.0;
-	const NeighbourChain chain(layer);
-	for (const NeighbourChain::Link &link : chain.links()) {
+	const NeighborChain chain(layer);
+	for (const NeighborChain::Link &link : chain.links()) {
 		const double side = tile_size + 2.0 * link.margin;
 		points += point_density(link.layer->set) * side * side;
 	}

@@ -14,7 +14,7 @@ bool holds(const Rect &outer, const Rect &inner) {
 			inner.max.y <= outer.max.y;
 }
 
-/// What decides where a layer's instances stand, without its neighbours and without what is edited in place.
+/// What decides where a layer's instances stand, without its neighbors and without what is edited in place.
 bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 	const auto without_edits = [](const Rules &rules) {
 		Rules result = rules;
@@ -98,14 +98,14 @@ const EditedArea &EditSearch::find_standing(const LayerSettings &before, const L
 		return at->second;
 	}
 	EditedArea &area = at->second;
-	area.everywhere = !same_rules(before, after) || before.neighbours.size() != after.neighbours.size();
+	area.everywhere = !same_rules(before, after) || before.neighbors.size() != after.neighbors.size();
 	if (area.everywhere) {
 		return area;
 	}
 	area.add(own_edits(before.rules, after.rules));
-	for (std::size_t i = 0; i < after.neighbours.size(); ++i) {
-		const Neighbour &was = before.neighbours[i];
-		const Neighbour &is = after.neighbours[i];
+	for (std::size_t i = 0; i < after.neighbors.size(); ++i) {
+		const Neighbor &was = before.neighbors[i];
+		const Neighbor &is = after.neighbors[i];
 		area.everywhere = area.everywhere || was.distance != is.distance || was.curve != is.curve;
 		area.add(find_standing(*was.layer, *is.layer), is.distance);
 	}

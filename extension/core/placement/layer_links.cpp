@@ -34,11 +34,11 @@ LayerSettings linked(Layers layers, std::size_t place, std::span<const LinkedLay
 		const double asked = first_of_name ? asked_spacing(layer, *layers[i]) : 0.0;
 		const double given = find(layers, layer.name) == place ? asked_spacing(*layers[i], layer) : 0.0;
 		if (std::max(asked, given) > 0.0) {
-			result.neighbours.push_back({earlier[i].settings, std::max(asked, given), nullptr});
+			result.neighbors.push_back({earlier[i].settings, std::max(asked, given), nullptr});
 		}
 		if (first_of_name && layer.proximity_layer == layers[i]->name && layer.proximity_distance > 0.0 &&
 				layer.proximity_curve != nullptr) {
-			result.neighbours.push_back({earlier[i].settings, layer.proximity_distance, layer.proximity_curve});
+			result.neighbors.push_back({earlier[i].settings, layer.proximity_distance, layer.proximity_curve});
 		}
 	}
 	return result;

@@ -17,10 +17,10 @@ constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets
 
 } // namespace
 
-void LayerStage::set(const LayerSettings &layer, std::span<const LayerStage *const> neighbours) {
+void LayerStage::set(const LayerSettings &layer, std::span<const LayerStage *const> neighbors) {
 	static_cast<void>(rules_.set(layer.rules, layer.set.seed)); // Valid, so it is not refused.
 	layer_ = &layer;
-	neighbours_.assign(neighbours.begin(), neighbours.end());
+	neighbors_.assign(neighbors.begin(), neighbors.end());
 }
 
 Status LayerStage::sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel) {
@@ -101,9 +101,9 @@ double LayerStage::edge_factor(std::size_t point, std::span<const Ground> probe_
 	return edge_density(allowed);
 }
 
-double LayerStage::neighbour_density(std::size_t neighbour, glm::dvec2 position) const {
-	const Neighbour &rule = layer_->neighbours[neighbour];
-	const double squared = neighbours_[neighbour]->grid_.nearest_squared(position, rule.distance);
+double LayerStage::neighbor_density(std::size_t neighbor, glm::dvec2 position) const {
+	const Neighbor &rule = layer_->neighbors[neighbor];
+	const double squared = neighbors_[neighbor]->grid_.nearest_squared(position, rule.distance);
 	if (rule.curve == nullptr) {
 		return squared < rule.distance * rule.distance ? 0.0 : 1.0;
 	}
@@ -117,8 +117,8 @@ double LayerStage::density_at(std::size_t point, std::span<const Ground> ground)
 	if (stands(ranks_[point], density)) {
 		density *= rules_.shape_density(near_shapes_, positions_[point], here);
 	}
-	for (std::size_t i = 0; i < neighbours_.size() && stands(ranks_[point], density); ++i) {
-		density *= neighbour_density(i, positions_[point]);
+	for (std::size_t i = 0; i < neighbors_.size() && stands(ranks_[point], density); ++i) {
+		density *= neighbor_density(i, positions_[point]);
 	}
 	if (!probe_open_.empty() && stands(ranks_[point], density)) {
 		density *= edge_factor(point, ground.subspan(positions_.size()));

@@ -20,9 +20,9 @@ namespace thicket {
 /// known. A tile has one for its own layer and one for each layer that its rules look at. Keeps its memory.
 class LayerStage {
 public:
-	/// Prepares for a layer of valid settings, which has to stay until the points are filtered. `neighbours` are the stages of
-	/// layer.neighbours, in their order.
-	void set(const LayerSettings &layer, std::span<const LayerStage *const> neighbours);
+	/// Prepares for a layer of valid settings, which has to stay until the points are filtered. `neighbors` are the stages of
+	/// layer.neighbors, in their order.
+	void set(const LayerSettings &layer, std::span<const LayerStage *const> neighbors);
 
 	/// The points of the half-open `window` that the rules of the place let pass. Ends with ErrorCode::cancelled when
 	/// `cancel` is raised.
@@ -32,10 +32,10 @@ public:
 	void add_places(std::vector<glm::dvec2> &r_places) const;
 	std::size_t place_count() const { return positions_.size() + probe_open_.size(); }
 
-	/// Finds out who stands; `ground` has one entry for each place. The neighbours' stages have been filtered before.
+	/// Finds out who stands; `ground` has one entry for each place. The neighbors' stages have been filtered before.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
 
-	/// Makes those who stand ready to be asked by other stages, from at most `distance` metres.
+	/// Makes those who stand ready to be asked by other stages, from at most `distance` meters.
 	void index_standing(double distance);
 
 	const LayerSettings &layer() const { return *layer_; }
@@ -53,12 +53,12 @@ private:
 	Status open_probes();
 	bool probe_allows(std::size_t probe, const Ground &ground) const;
 	double edge_factor(std::size_t point, std::span<const Ground> probe_ground) const;
-	double neighbour_density(std::size_t neighbour, glm::dvec2 position) const;
+	double neighbor_density(std::size_t neighbor, glm::dvec2 position) const;
 	double density_at(std::size_t point, std::span<const Ground> ground) const;
 
 	const LayerSettings *layer_ = nullptr;
 	PreparedRules rules_;
-	std::vector<const LayerStage *> neighbours_;
+	std::vector<const LayerStage *> neighbors_;
 	Rect window_;
 	std::size_t sampled_ = 0;
 

@@ -13,7 +13,7 @@
 
 namespace thicket {
 
-/// Colours to choose from, red, green, blue and alpha, each as likely as any other: a gradient of n entries is sampled at
+/// Colors to choose from, red, green, blue and alpha, each as likely as any other: a gradient of n entries is sampled at
 /// (i + 0.5) / n. 1 to max_colors entries of finite numbers, 0 to max_color.
 using ColorTable = std::vector<glm::vec4>;
 
@@ -23,7 +23,7 @@ inline constexpr float max_color = 65504.0f; ///< The largest half float.
 /// What an instance's shader gets to know beside the transform. Every number is rounded to a half float, as which the
 /// Compatibility renderer keeps it, so that all renderers, and who reads back, get the same bits.
 struct Look {
-	/// Adds a colour, COLOR in a shader, chosen by the instance's hash.
+	/// Adds a color, COLOR in a shader, chosen by the instance's hash.
 	bool use_colors = false;
 
 	/// What to choose from. Null: white. Two looks are equal only if they share the table itself.
@@ -39,7 +39,7 @@ struct Look {
 /// Refuses a table that is empty, too large, or has a number outside the range.
 Status validate(const Look &look);
 
-/// Floats an instance in a buffer, in the engine's order: transform, then colour, then custom data.
+/// Floats an instance in a buffer, in the engine's order: transform, then color, then custom data.
 constexpr std::size_t floats_per_instance(const Look &look) {
 	return transform_floats + (look.use_colors ? 4 : 0) + (look.use_custom_data ? 4 : 0);
 }

@@ -24,15 +24,15 @@ struct Placement {
 	double min_scale =
 			1.0; ///< Uniform in [min, max], the same on all axes; min_placement_scale to max_placement_scale.
 	double max_scale = 1.0;
-	double align_to_normal = 0.0; ///< 0 stands upright, 1 along the normal, in between by the normalised mean; 0 to 1.
-	double height_offset = 0.0;   ///< Metres along world y, negative sinks into the ground; |offset| <= 1e4.
+	double align_to_normal = 0.0; ///< 0 stands upright, 1 along the normal, in between by the normalized mean; 0 to 1.
+	double height_offset = 0.0;   ///< Meters along world y, negative sinks into the ground; |offset| <= 1e4.
 
 	/// Degrees by which the instance leans away from its own up axis (see align_to_normal), uniform in [min, max], in a
 	/// direction of its own; 0 to 90.
 	double min_tilt_degrees = 0.0;
 	double max_tilt_degrees = 0.0;
 
-	/// Metres along the normal of the ground, whatever align_to_normal and the tilt make of the instance itself; negative
+	/// Meters along the normal of the ground, whatever align_to_normal and the tilt make of the instance itself; negative
 	/// sinks into the ground; |offset| <= 1e4. On a slope this moves the instance sideways too, off its point.
 	double offset_along_normal = 0.0;
 

@@ -16,15 +16,15 @@ constexpr double max_cells_on_side = 2048.0;
 } // namespace
 
 glm::ivec2 PointGrid::cell_of(glm::dvec2 position) const {
-	const glm::dvec2 cell = glm::floor((position - area_.min) * cells_per_metre_);
+	const glm::dvec2 cell = glm::floor((position - area_.min) * cells_per_meter_);
 	return glm::ivec2(glm::clamp(cell, glm::dvec2(0.0), glm::dvec2(cells_ - 1)));
 }
 
 void PointGrid::set(std::span<const glm::dvec2> points, const Rect &area, double cell_size) {
 	area_ = area;
 	const glm::dvec2 size = area.size();
-	cells_per_metre_ = std::min(1.0 / cell_size, max_cells_on_side / std::max(size.x, size.y));
-	cells_ = glm::ivec2(glm::ceil(size * cells_per_metre_)) + 1;
+	cells_per_meter_ = std::min(1.0 / cell_size, max_cells_on_side / std::max(size.x, size.y));
+	cells_ = glm::ivec2(glm::ceil(size * cells_per_meter_)) + 1;
 	const auto count = static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y);
 	begin_.assign(count + 1, 0);
 	const auto index = [this](glm::dvec2 position) {

@@ -14,10 +14,10 @@ namespace thicket {
 /// Points in buckets, to find the nearest. Keeps its memory for the next set of points.
 class PointGrid {
 public:
-	/// Takes points that lie in `area`; `cell_size` (metres, above 0) is about the distance that will be asked for.
+	/// Takes points that lie in `area`; `cell_size` (meters, above 0) is about the distance that will be asked for.
 	void set(std::span<const glm::dvec2> points, const Rect &area, double cell_size);
 
-	/// The square of the distance to the nearest point that is closer than `distance` metres; the square of `distance` if
+	/// The square of the distance to the nearest point that is closer than `distance` meters; the square of `distance` if
 	/// there is none. Independent of the order of the points, and of the area, to the bit.
 	double nearest_squared(glm::dvec2 position, double distance) const;
 
@@ -25,7 +25,7 @@ private:
 	glm::ivec2 cell_of(glm::dvec2 position) const;
 
 	Rect area_;
-	double cells_per_metre_ = 1.0;
+	double cells_per_meter_ = 1.0;
 	glm::ivec2 cells_{0};
 	std::vector<std::uint32_t> begin_; ///< One more than cells; into points_.
 	std::vector<glm::dvec2> points_;   ///< By cell.

@@ -12,16 +12,16 @@ void StageChain::set(const LayerSettings &layer) {
 	find_margins();
 }
 
-/// Adds the neighbours first, so that the order of the links is one in which they can be worked off.
+/// Adds the neighbors first, so that the order of the links is one in which they can be worked off.
 const LayerStage *StageChain::add(const LayerSettings &layer) {
 	const auto end = links_.begin() + static_cast<std::ptrdiff_t>(size_);
 	const auto known = std::find_if(links_.begin(), end, [&layer](const Link &link) { return link.layer == &layer; });
 	if (known != end) {
 		return known->stage.get();
 	}
-	std::array<const LayerStage *, max_neighbours> neighbours{};
-	for (std::size_t i = 0; i < layer.neighbours.size(); ++i) {
-		neighbours[i] = add(*layer.neighbours[i].layer);
+	std::array<const LayerStage *, max_neighbors> neighbors{};
+	for (std::size_t i = 0; i < layer.neighbors.size(); ++i) {
+		neighbors[i] = add(*layer.neighbors[i].layer);
 	}
 	if (size_ == links_.size()) {
 		links_.emplace_back().stage = std::make_unique<LayerStage>();
@@ -29,18 +29,18 @@ const LayerStage *StageChain::add(const LayerSettings &layer) {
 	Link &link = links_[size_++];
 	link.layer = &layer;
 	link.margin = link.asked_to = 0.0;
-	link.stage->set(layer, std::span(neighbours).first(layer.neighbours.size()));
+	link.stage->set(layer, std::span(neighbors).first(layer.neighbors.size()));
 	return link.stage.get();
 }
 
 /// From the layer itself back to those that depend on nothing: all that ask a stage come behind it.
 void StageChain::find_margins() {
 	for (std::size_t at = size_; at-- > 0;) {
-		for (const Neighbour &neighbour : links_[at].layer->neighbours) {
+		for (const Neighbor &neighbor : links_[at].layer->neighbors) {
 			for (std::size_t other = 0; other < at; ++other) {
-				if (links_[other].layer == neighbour.layer.get()) {
-					links_[other].margin = std::max(links_[other].margin, links_[at].margin + neighbour.distance);
-					links_[other].asked_to = std::max(links_[other].asked_to, neighbour.distance);
+				if (links_[other].layer == neighbor.layer.get()) {
+					links_[other].margin = std::max(links_[other].margin, links_[at].margin + neighbor.distance);
+					links_[other].asked_to = std::max(links_[other].asked_to, neighbor.distance);
 				}
 			}
 		}

@@ -34,7 +34,7 @@ private:
 	struct Link {
 		const LayerSettings *layer = nullptr;
 		std::unique_ptr<LayerStage> stage;
-		double margin = 0.0;   ///< Metres around the rectangle of the layer itself in which it has to be known.
+		double margin = 0.0;   ///< Meters around the rectangle of the layer itself in which it has to be known.
 		double asked_to = 0.0; ///< The largest distance from which it is asked.
 	};
 

@@ -14,7 +14,7 @@ namespace {
 /// Places in one call of the terrain: the ground of a batch is far below a millisecond of work.
 constexpr std::size_t batch = 2048;
 
-/// Where the height of a tile's origin is taken from, in tile sizes from its centre. Several places, because one may be
+/// Where the height of a tile's origin is taken from, in tile sizes from its center. Several places, because one may be
 /// a hole.
 constexpr std::array<glm::dvec2, 5> origin_probes{
 		{{0.0, 0.0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
@@ -23,7 +23,7 @@ bool raised(const std::atomic<bool> *cancel) { return cancel != nullptr && cance
 
 constexpr Status cancelled{ErrorCode::cancelled, "tile", 0.0};
 
-/// The mean of the heights that there are, in whole metres; 0 for none.
+/// The mean of the heights that there are, in whole meters; 0 for none.
 double origin_height(std::span<const Ground> ground) {
 	double sum = 0.0;
 	double count = 0.0;

@@ -38,7 +38,7 @@ public:
 	TileBuilder(TileBuilder &&) noexcept;
 	TileBuilder &operator=(TileBuilder &&) noexcept;
 
-	/// Replaces `r_tile` by what stands in the half-open `rect` (world metres; see TileSampler::sample for what is
+	/// Replaces `r_tile` by what stands in the half-open `rect` (world meters; see TileSampler::sample for what is
 	/// refused). The result is a function of the arguments, to the bit. After an error `r_tile` is as it was; after
 	/// ErrorCode::cancelled, which follows within about a millisecond of raising `cancel`, it is valid but unspecified.
 	Status build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
@@ -47,7 +47,7 @@ public:
 	/// The first step: the points that the rules of the place let pass.
 	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr);
 
-	/// Where the ground has to be known after `find_points`: the layer's points and those of its neighbours, the surroundings
+	/// Where the ground has to be known after `find_points`: the layer's points and those of its neighbors, the surroundings
 	/// of each if a layer looks at its edge, and a few places for the tile's origin. Valid until the next call.
 	std::span<const glm::dvec2> positions() const;
 

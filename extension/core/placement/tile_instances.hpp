@@ -14,7 +14,7 @@ namespace thicket {
 /// The instances of one mesh in one tile, sorted by (thinning rank, id): every prefix is a well spaced thinning of the whole,
 /// as if all densities were lower.
 struct MeshInstances {
-	/// `stride` floats an instance: the transform relative to the tile's origin, in metres, then what Look adds.
+	/// `stride` floats an instance: the transform relative to the tile's origin, in meters, then what Look adds.
 	std::vector<float> buffer;
 	std::vector<std::uint64_t> ids;   ///< Packed InstanceIds.
 	std::vector<std::uint32_t> ranks; ///< thinning_rank of each, ascending.
@@ -42,7 +42,7 @@ struct TileCounts {
 
 /// Everything that stands in one tile of one layer.
 struct TileInstances {
-	/// World metres: the centre of the tile, and in y a whole number of metres near its ground. A function of the
+	/// World meters: the center of the tile, and in y a whole number of meters near its ground. A function of the
 	/// rectangle and the terrain alone, so that no rule changes a bit of what it leaves standing.
 	glm::dvec3 origin{0.0};
 	std::vector<MeshInstances> meshes; ///< One for each mesh of the layer, empty ones included.

@@ -7,7 +7,7 @@
 namespace thicket {
 
 AddedGrid::Square AddedGrid::square_of(glm::dvec2 position) {
-	constexpr double side = 64.0; // Metres.
+	constexpr double side = 64.0; // Meters.
 	const glm::ivec2 square = tile_at(side, position);
 	return {square.x, square.y};
 }

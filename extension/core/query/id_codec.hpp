@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-/// An id by which neighbours of the plane are mostly neighbours in the order of numbers: the bits of its cell are interleaved (Morton's
+/// An id by which neighbors of the plane are mostly neighbors in the order of numbers: the bits of its cell are interleaved (Morton's
 /// order), those above stay.
 std::uint64_t code_of(std::uint64_t id);
 
@@ -17,7 +17,7 @@ std::uint64_t id_of(std::uint64_t code);
 
 /// Adds a list of numbers, each larger than the one before: how many, then the gaps between them in blocks of 128, each with the
 /// parameter that suits it, as Golomb and Rice have it (R. F. Rice, "Some practical universal noiseless coding techniques", 1979). A
-/// random number of 2^48 costs 30 bits in a list of a million, neighbours cost a few. The same list gives the same bytes.
+/// random number of 2^48 costs 30 bits in a list of a million, neighbors cost a few. The same list gives the same bytes.
 void append_ascending(std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes);
 
 /// Takes such a list off the front. False if there is none; never uses more memory than 64 times what the bytes do.

@@ -24,12 +24,12 @@ struct PlacedInstance {
 	std::uint64_t id = 0;
 	std::uint32_t layer = 0; ///< Its place in the list of layers that was asked, not the layer of the id.
 	std::uint32_t mesh = 0;
-	glm::dvec3 position{0.0}; ///< World metres.
+	glm::dvec3 position{0.0}; ///< World meters.
 	glm::mat3 basis{1.0f};    ///< Rotation and scale.
 };
 
 /// The cylinder that stands for an instance where only its place is known: from its origin along its own up axis,
-/// metres at scale 1.
+/// meters at scale 1.
 struct InstanceShape {
 	double radius = 0.5; ///< 0 to 1e4.
 	double height = 2.0; ///< 0 to 1e4.
@@ -39,10 +39,10 @@ struct InstanceShape {
 struct QueryLayer {
 	bool wanted = true;      ///< False for a layer of which nothing stands.
 	PointSet set;            ///< set.layer is at most max_state_layer.
-	double tile_size = 64.0; ///< Metres, of the tiles that the source has; 0.01 to 1e15.
+	double tile_size = 64.0; ///< Meters, of the tiles that the source has; 0.01 to 1e15.
 	InstanceShape shape;
 	double max_scale = 1.0;  ///< The largest that an instance of the set can have; 0 to 1e4.
-	double max_offset = 0.0; ///< Metres from its point at most, in the plane (offset_along_normal); 0 to 1e4.
+	double max_offset = 0.0; ///< Meters from its point at most, in the plane (offset_along_normal); 0 to 1e4.
 };
 
 /// Where queries get tiles from.
@@ -72,20 +72,20 @@ struct QueryFilter {
 /// Where a ray meets an instance.
 struct RayHit {
 	PlacedInstance instance;
-	double distance = 0.0; ///< Metres from the start of the ray.
+	double distance = 0.0; ///< Meters from the start of the ray.
 };
 
 /// The nearest to a place.
 struct NearestInstance {
 	PlacedInstance instance;
-	double distance = 0.0; ///< Metres from the place to the instance's origin, in space.
+	double distance = 0.0; ///< Meters from the place to the instance's origin, in space.
 };
 
 /// Asks what stands where: the points of the sets that pass their layer's rules, without those that a state has removed
 /// and with those that were placed by hand. The answers depend on the settings and the state alone, not on which tiles
 /// were there before. Works without an engine. All fields stay the caller's.
 ///
-/// Coordinates and distances go to 1e15 metres; what is not finite or beyond is refused by its name, as is a wanted
+/// Coordinates and distances go to 1e15 meters; what is not finite or beyond is refused by its name, as is a wanted
 /// layer with a number that cannot be. After an error, which may be one of the tiles' source, the result is empty.
 /// Nothing of a set stands in a tile that is not wholly within the set's cells.
 struct InstanceQuery {
@@ -98,12 +98,12 @@ struct InstanceQuery {
 	TileSource &tiles;
 	const InstanceState *state = nullptr; ///< Null: nothing was changed.
 
-	/// Instances whose origin lies in the half-open `rect` (world metres of x and z), by layer, then id. Replaces
+	/// Instances whose origin lies in the half-open `rect` (world meters of x and z), by layer, then id. Replaces
 	/// `r_found`. A rectangle that is inverted or not finite is refused as `rect`, a layer that is not there as
 	/// `layer`.
 	Status in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
-	/// Instances whose origin lies within `radius` metres (0 or more) of `center`, in space, by layer, then id.
+	/// Instances whose origin lies within `radius` meters (0 or more) of `center`, in space, by layer, then id.
 	Status in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
@@ -112,7 +112,7 @@ struct InstanceQuery {
 	/// it at 0. Replaces `r_hit` by one or none.
 	Status on_ray(glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const;
 
-	/// The instance nearest to `position` in space, at most `max_distance` metres (0 or more) away; ties as above.
+	/// The instance nearest to `position` in space, at most `max_distance` meters (0 or more) away; ties as above.
 	/// Replaces `r_found` by one or none.
 	Status nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 			std::vector<NearestInstance> &r_found) const;

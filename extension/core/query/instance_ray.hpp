@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-/// A straight way from one place to another; world metres.
+/// A straight way from one place to another; world meters.
 struct Ray {
 	glm::dvec3 from{0.0};
 	glm::dvec3 along{0.0}; ///< To the other end.
@@ -26,14 +26,14 @@ struct RayPart {
 /// The part of `part` that lies between two values on one axis.
 RayPart clipped(RayPart part, double from, double along, double low, double high);
 
-/// Metres that a place on a ray may be off by.
+/// Meters that a place on a ray may be off by.
 double rounding_of(const Ray &ray);
 
-/// Metres from an instance's origin at which the cylinder of an instance of that scale ends at the farthest, with what
+/// Meters from an instance's origin at which the cylinder of an instance of that scale ends at the farthest, with what
 /// rounds off.
 double cylinder_reach(const InstanceShape &shape, double scale);
 
-/// Which places a ray passes within some metres of; never misses one.
+/// Which places a ray passes within some meters of; never misses one.
 class ReachTest {
 public:
 	ReachTest(const Ray &ray, double reach);

@@ -34,7 +34,7 @@ inline constexpr double max_state_time = 1e12;          ///< Seconds.
 struct AddedInstance {
 	std::uint16_t layer = 0;  ///< 0 to max_state_layer.
 	std::uint8_t mesh = 0;    ///< Of the layer's meshes; beyond the last one, the first is drawn.
-	glm::dvec3 position{0.0}; ///< World metres, finite, |x|, |y| and |z| at most max_added_coordinate.
+	glm::dvec3 position{0.0}; ///< World meters, finite, |x|, |y| and |z| at most max_added_coordinate.
 	glm::mat3 basis{1.0f};    ///< Rotation and scale, columns as in GLM; finite.
 
 	friend bool operator==(const AddedInstance &, const AddedInstance &) = default;
@@ -83,7 +83,7 @@ public:
 	/// The data of an instance, removed or not; empty for none.
 	std::span<const std::uint8_t> data(std::uint64_t id) const;
 
-	/// Adds the ids of all hand-placed instances of a layer that stand in the half-open `rect` (world metres), ascending. Costs what
+	/// Adds the ids of all hand-placed instances of a layer that stand in the half-open `rect` (world meters), ascending. Costs what
 	/// stands near by, not what stands in the world.
 	void added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const;
 

@@ -36,7 +36,7 @@ bool NearSet::Held::stands_as(const PlacedInstance &instance) const {
 	return true;
 }
 
-/// Most often near the centre that it was near before: of many centres only that one is asked.
+/// Most often near the center that it was near before: of many centers only that one is asked.
 bool NearSet::Held::is_near(std::span<const glm::dvec3> centers, double reach_squared) {
 	const auto reaches = [&](const glm::dvec3 &from) {
 		return glm::dot(position - from, position - from) <= reach_squared;

@@ -14,7 +14,7 @@ namespace thicket {
 
 /// How near is near.
 struct NearRange {
-	double enter = 0.0; ///< Metres from the nearest centre to the instance's origin, in space; 0 for never.
+	double enter = 0.0; ///< Meters from the nearest center to the instance's origin, in space; 0 for never.
 	double leave = 0.0; ///< At least `enter`: in between, what is held stays held, so nothing comes and goes twice.
 };
 
@@ -28,12 +28,12 @@ struct NearChanges {
 	std::size_t gone = 0; ///< How many of `leave` stand no longer, or not as they did.
 };
 
-/// Which instances of a layer are near enough to some centres to be worth a body or a scene. It says what should come and go; its owner
+/// Which instances of a layer are near enough to some centers to be worth a body or a scene. It says what should come and go; its owner
 /// says what has come and gone, when there was time for it.
 class NearSet {
 public:
 	/// Replaces `r_changes` by the difference between what is held and what is near. `standing` holds everything that stands
-	/// within range.leave of a centre, in any order, and possibly more; an instance may be in it several times. What is equally far
+	/// within range.leave of a center, in any order, and possibly more; an instance may be in it several times. What is equally far
 	/// is in the order of the ids.
 	void look(std::span<const glm::dvec3> centers, const NearRange &range, std::span<const PlacedInstance> standing,
 			NearChanges &r_changes);
@@ -44,7 +44,7 @@ public:
 	std::size_t size() const { return held_.size(); }
 	void clear() { held_.clear(); }
 
-	/// How far an instance may stand from where it stood, in metres, and how much an entry of its basis may differ, before it counts
+	/// How far an instance may stand from where it stood, in meters, and how much an entry of its basis may differ, before it counts
 	/// as another one: a tile that is made anew with another origin rounds its places by less.
 	static constexpr double same_place = 1e-3;
 	static constexpr float same_basis = 1e-4f;
@@ -56,7 +56,7 @@ private:
 		std::uint32_t layer = 0;
 		std::uint32_t mesh = 0;
 		std::uint64_t seen = 0; ///< The last look that found it standing as it did.
-		std::size_t center = 0; ///< A centre that it was near.
+		std::size_t center = 0; ///< A center that it was near.
 
 		bool is_near(std::span<const glm::dvec3> centers, double reach_squared);
 		bool stands_as(const PlacedInstance &instance) const;

@@ -15,7 +15,7 @@ struct InstanceRef {
 	std::uint32_t mesh = 0;
 };
 
-/// Where an instance stands; world metres.
+/// Where an instance stands; world meters.
 inline glm::dvec3 position_of(glm::dvec3 origin, const float *transform) {
 	return origin + glm::dvec3(transform[3], transform[7], transform[11]);
 }

@@ -29,7 +29,7 @@ struct TileRange {
 	double count() const { return empty() ? 0.0 : (1.0 + last.x - first.x) * (1.0 + last.y - first.y); }
 };
 
-/// The cells of a set lie within so many metres of the origin: the same product as where the sampler refuses what lies
+/// The cells of a set lie within so many meters of the origin: the same product as where the sampler refuses what lies
 /// beyond.
 double set_extent(const PointSet &set);
 
@@ -46,7 +46,7 @@ public:
 	/// The square of a tile, grown to where its instances may stand.
 	Rect standing_area(glm::ivec2 tile) const;
 
-	/// Metres from its tile, in the plane, at which an instance may stand: offset_along_normal, and what floats round
+	/// Meters from its tile, in the plane, at which an instance may stand: offset_along_normal, and what floats round
 	/// off.
 	double stray() const { return stray_; }
 
@@ -71,20 +71,20 @@ Status validate(const QueryLayer &layer);
 /// not valid.
 Status find_places(std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_places);
 
-/// Metres; nothing is asked beyond.
+/// Meters; nothing is asked beyond.
 inline constexpr double max_query_coordinate = 1e15;
-inline constexpr double min_query_tile_size = 1e-2; ///< Metres.
+inline constexpr double min_query_tile_size = 1e-2; ///< Meters.
 
 /// Where something is looked for in the plane.
 struct QueryArea {
 	const char *property = "rect"; ///< What is refused if it is too large.
 	Rect rect;
 	glm::dvec2 center{0.0};
-	double radius = std::numeric_limits<double>::infinity(); ///< Only within so many metres of the centre.
+	double radius = std::numeric_limits<double>::infinity(); ///< Only within so many meters of the center.
 };
 
 /// The tiles of some layers that have to be looked at for all whose origin lies in an area, by layer and nearest to its
-/// centre first. Replaces `r_tiles`; refuses more than InstanceQuery::max_points in all of them, and then leaves none.
+/// center first. Replaces `r_tiles`; refuses more than InstanceQuery::max_points in all of them, and then leaves none.
 Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> places, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles);
 

@@ -10,7 +10,7 @@ namespace thicket {
 
 /// How a layer gathers in clumps.
 struct Clumping {
-	/// Metres from the middle of one clump to that of the next, on average, where neighbours that grow together count as two; 0
+	/// Meters from the middle of one clump to that of the next, on average, where neighbors that grow together count as two; 0
 	/// for no clumping, else min_clump_size to max_clump_size.
 	double size = 0.0;
 	double coverage = 0.5;  ///< The part of the plane that clumps cover, 0 to 1, over long distances.

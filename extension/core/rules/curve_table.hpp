@@ -10,7 +10,7 @@ namespace thicket {
 
 inline constexpr std::size_t max_curve_samples = 4096;
 
-/// A density as a function of one number, height in metres say: evenly spaced samples with straight lines between.
+/// A density as a function of one number, height in meters say: evenly spaced samples with straight lines between.
 /// Immutable after `set`, so threads may share one.
 class CurveTable {
 public:

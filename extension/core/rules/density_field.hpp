@@ -14,7 +14,7 @@ class DensityField {
 public:
 	virtual ~DensityField() = default;
 
-	/// Writes the density at `positions[i]` (world metres, x and z of the engine) to `r_density[i]`; the spans are of equal
+	/// Writes the density at `positions[i]` (world meters, x and z of the engine) to `r_density[i]`; the spans are of equal
 	/// length. The caller holds values to [0, 1] and takes NAN for 0. Called from several threads at once.
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const = 0;
 

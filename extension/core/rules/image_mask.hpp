@@ -20,11 +20,11 @@ enum class MaskEdge : std::uint8_t {
 
 inline constexpr int max_mask_pixels = 1 << 14; ///< On a side.
 
-/// Densities from an image of 8-bit values that is laid over a rectangle of the world. Bilinear between the centres of the
+/// Densities from an image of 8-bit values that is laid over a rectangle of the world. Bilinear between the centers of the
 /// pixels. Immutable after `set`.
 class ImageMask final : public DensityField {
 public:
-	/// `pixels` row by row, x fastest, 0 to 255 for densities 0 to 1; `area` in world metres, finite and not empty; `size`
+	/// `pixels` row by row, x fastest, 0 to 255 for densities 0 to 1; `area` in world meters, finite and not empty; `size`
 	/// 1 to max_mask_pixels on both axes. Anything else is refused and changes nothing.
 	Status set(glm::ivec2 size, std::span<const std::uint8_t> pixels, const Rect &area, MaskEdge edge);
 

@@ -11,7 +11,7 @@ namespace thicket {
 /// leaves all others as they were.
 enum class Draw : std::uint32_t {
 	placement = 1, ///< Words: yaw, scale, tilt, direction of the tilt.
-	mesh = 2,      ///< Words: mesh, variation, wind phase, colour.
+	mesh = 2,      ///< Words: mesh, variation, wind phase, color.
 };
 
 /// Four words of 32 random bits that belong to an instance for ever: a function of the set's seed, the packed id and

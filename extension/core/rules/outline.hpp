@@ -13,7 +13,7 @@ namespace thicket {
 
 /// A line through many points, ready for questions about places: a tree of boxes over runs of consecutive edges, two runs a
 /// box. O(n) memory and time to build; a question looks at about log n boxes where points follow each other as they do on a
-/// drawn line, and at all edges where they jump at random. Metres.
+/// drawn line, and at all edges where they jump at random. Meters.
 class Outline {
 public:
 	/// Through `points`, at least one, finite; `closed` adds the edge from the last to the first.
@@ -22,7 +22,7 @@ public:
 	/// True strictly within a closed outline by the even-odd rule; edges and corners are not within.
 	bool contains(glm::dvec2 place) const;
 
-	/// Metres from `place` to the nearest edge, or `limit` if that is less.
+	/// Meters from `place` to the nearest edge, or `limit` if that is less.
 	double distance(glm::dvec2 place, double limit) const;
 
 private:

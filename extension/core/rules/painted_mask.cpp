@@ -13,12 +13,12 @@ namespace thicket {
 
 namespace {
 
-/// A place along one axis in pixels from the centre of pixel 0. Never falls where `metres` rises.
-double pixel_place(double metres, double pixel_size) { return metres / pixel_size - 0.5; }
+/// A place along one axis in pixels from the center of pixel 0. Never falls where `meters` rises.
+double pixel_place(double meters, double pixel_size) { return meters / pixel_size - 0.5; }
 
 /// The first of the two pixels that a place lies between, held within the limit.
-int first_pixel(double metres, double pixel_size) {
-	const double pixel = std::floor(pixel_place(metres, pixel_size));
+int first_pixel(double meters, double pixel_size) {
+	const double pixel = std::floor(pixel_place(meters, pixel_size));
 	return static_cast<int>(std::clamp<double>(pixel, -PaintedMask::pixel_limit, PaintedMask::pixel_limit - 2));
 }
 

@@ -25,9 +25,9 @@ struct Brush {
 	};
 
 	Mode mode = Mode::paint;
-	glm::dvec2 center{0.0}; ///< World metres, finite.
+	glm::dvec2 center{0.0}; ///< World meters, finite.
 	double radius =
-			4.0; ///< Metres, above 0, at most max_brush_pixels pixels of the mask. Pixels count by their centres.
+			4.0; ///< Meters, above 0, at most max_brush_pixels pixels of the mask. Pixels count by their centers.
 	double strength = 1.0; ///< How far towards the aim a single dab goes in its middle, 0 to 1.
 	double hardness =
 			0.5; ///< The part of the radius, 0 to 1, within which the strength is full; smooth to 0 at the rim.
@@ -45,12 +45,12 @@ struct PixelRect {
 };
 
 /// Densities that are painted, without an edge: the plane in square pixels of 8 bits, of which only those blocks are kept
-/// that a brush has touched. Pixel (x, y) covers [x, x + 1) times [y, y + 1) pixel sizes of the world; bilinear between centres.
+/// that a brush has touched. Pixel (x, y) covers [x, x + 1) times [y, y + 1) pixel sizes of the world; bilinear between centers.
 ///
 /// A copy is cheap and shares the blocks, so a worker reads the state that was handed to it while the brush goes on.
 class PaintedMask final : public DensityField {
 public:
-	/// `pixel_size` in metres, min_pixel_size to max_pixel_size; `background` is the density where nothing was painted, 0
+	/// `pixel_size` in meters, min_pixel_size to max_pixel_size; `background` is the density where nothing was painted, 0
 	/// to 1. What is out of range is refused and changes nothing. Forgets what was painted.
 	Status reset(double pixel_size, double background);
 

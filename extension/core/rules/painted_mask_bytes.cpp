@@ -8,7 +8,7 @@
 #include <new>
 
 // Format 1, all numbers little-endian:
-//   "TMSK", u32 version, f64 pixel size in metres, u8 background;
+//   "TMSK", u32 version, f64 pixel size in meters, u8 background;
 //   for each block that is not all background, ascending by (row, column):
 //     i32 row, i32 column, u8 kind, then 1 byte for a block of one value (kind 0) or all its pixels row by row (kind 1);
 //   u64 FNV-1a of all bytes before it.

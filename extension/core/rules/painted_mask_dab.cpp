@@ -129,14 +129,14 @@ Rect PaintedMask::Edit::changed_area() const {
 	if (changed_.empty()) {
 		return {};
 	}
-	// A pixel reaches the centres of its neighbours, but not the places that far away: there its weight is 0. Whatever lies
+	// A pixel reaches the centers of its neighbors, but not the places that far away: there its weight is 0. Whatever lies
 	// before the rounded start does so in truth too; the end may have to go a bit further, until the place that is
 	// looked up there, which is rounded as well, is out of reach.
 	const double size = mask_.pixel_size_;
 	const auto end = [size](int pixel) {
 		const double edge = pixel + 0.5;
-		const double metres = edge * size;
-		return metres / size >= edge ? metres : std::nextafter(metres, std::numeric_limits<double>::infinity());
+		const double meters = edge * size;
+		return meters / size >= edge ? meters : std::nextafter(meters, std::numeric_limits<double>::infinity());
 	};
 	return {(glm::dvec2(changed_.min) - 0.5) * size, {end(changed_.max.x), end(changed_.max.y)}};
 }

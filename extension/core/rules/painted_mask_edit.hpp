@@ -36,7 +36,7 @@ inline bool is_uniform(std::span<const std::uint8_t> pixels) {
 	return std::ranges::all_of(pixels, [&](std::uint8_t pixel) { return pixel == pixels.front(); });
 }
 
-/// Reads pixels of a mask that stays as it is. Remembers the last block, which neighbours mostly share.
+/// Reads pixels of a mask that stays as it is. Remembers the last block, which neighbors mostly share.
 class PaintedMask::Reader {
 public:
 	explicit Reader(const PaintedMask &mask) : mask_(mask), block_(mask.find({0, 0})) {}

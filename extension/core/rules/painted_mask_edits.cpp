@@ -53,7 +53,7 @@ bool PaintedMask::differs(const PaintedMask &other, Rect &r_area) const {
 	if (region.empty()) {
 		return false;
 	}
-	// Between the centres of two pixels the density depends on both.
+	// Between the centers of two pixels the density depends on both.
 	r_area = {pixel_size_ * (glm::dvec2(region.min) - 0.5), pixel_size_ * (glm::dvec2(region.max) + 0.5)};
 	return true;
 }

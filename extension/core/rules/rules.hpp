@@ -15,7 +15,7 @@
 
 namespace thicket {
 
-/// A height limit at or beyond this (metres, either sign) is no limit.
+/// A height limit at or beyond this (meters, either sign) is no limit.
 inline constexpr double unlimited_height = 1e6;
 
 /// Which points of a set become instances. Each rule is a pure function of one point and the ground under it: a
@@ -32,17 +32,17 @@ struct Rules {
 	double min_slope_degrees = 0.0; ///< Angle between the normal and straight up, 0 to 90 true degrees.
 	double max_slope_degrees = 90.0;
 	double slope_falloff = 0.0;            ///< Degrees, 0 to 90; 0 is a sharp limit.
-	double min_height = -unlimited_height; ///< World metres, the limit included.
+	double min_height = -unlimited_height; ///< World meters, the limit included.
 	double max_height = unlimited_height;
-	double height_falloff = 0.0; ///< Metres, 0 or more; 0 is a sharp limit.
+	double height_falloff = 0.0; ///< Meters, 0 or more; 0 is a sharp limit.
 
-	std::shared_ptr<const CurveTable> height_curve{}; ///< Density over the height in world metres; null for none.
+	std::shared_ptr<const CurveTable> height_curve{}; ///< Density over the height in world meters; null for none.
 	std::shared_ptr<const CurveTable> slope_curve{};  ///< Density over the slope in degrees; null for none.
 	std::vector<std::shared_ptr<const DensityField>> fields{}; ///< Densities over the plane, none of them null.
 	Clumping clumping{};
 	std::vector<std::int32_t> ground_textures{}; ///< Terrain::weigh's weight of these is a density. Empty: any ground.
 
-	/// Metres over which the layer thins towards the edge of what the other rules allow it, 0 to max_edge_feather. Looks at
+	/// Meters over which the layer thins towards the edge of what the other rules allow it, 0 to max_edge_feather. Looks at
 	/// edge_probes places around each point, which costs as much ground; see placement/edge_probes.hpp.
 	double edge_feather = 0.0;
 

@@ -21,14 +21,14 @@ enum class ShapeKind : std::uint8_t {
 	path,     ///< Within half_size.x of the polyline `outline`, its ends round, likewise.
 };
 
-/// A part of space in which a layer is included, or from which it is excluded. World metres.
+/// A part of space in which a layer is included, or from which it is excluded. World meters.
 struct Shape {
 	ShapeKind kind = ShapeKind::box;
 	bool exclude = false;
 	/// Box, sphere, cylinder: what counts is the shape's shadow when the light falls straight down, from end to end of the
 	/// world's vertical, and depth is the distance to the shadow's border: a flat box reaches as deep as it is wide.
 	bool ignore_height = false;
-	double falloff = 0.0; ///< Metres within the border over which the shape gains its full effect; 0 is a sharp border.
+	double falloff = 0.0; ///< Meters within the border over which the shape gains its full effect; 0 is a sharp border.
 	glm::dvec3 center{0.0};    ///< Box, sphere, cylinder.
 	glm::dmat3 axes{1.0};      ///< Box, cylinder: its orthonormal axes as columns; mirrored ones are the same shape.
 	glm::dvec3 half_size{0.0}; ///< Above 0 where the kind uses it.
@@ -40,7 +40,7 @@ struct Shape {
 };
 
 inline constexpr std::size_t max_outline_points = 1 << 16;
-inline constexpr double max_shape_coordinate = 1e9; ///< Metres, any coordinate, either sign; sizes and falloff too.
+inline constexpr double max_shape_coordinate = 1e9; ///< Meters, any coordinate, either sign; sizes and falloff too.
 
 /// Refuses what is not finite, outside the ranges above, or not orthonormal to 1e-6. Looks only at what the kind uses. Names
 /// half_size as "half_size" (box), "radius", "half_height" or "half_width" (path).

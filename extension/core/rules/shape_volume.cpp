@@ -16,7 +16,7 @@ double length(glm::dvec2 a) { return std::sqrt(dot(a, a)); }
 glm::dvec3 unit(glm::dvec3 a) { return a / std::sqrt(dot(a, a)); }
 
 /// An engine's axes are floats: what is orthonormal to 1e-6 becomes so to a double's rounding (Gram and Schmidt), or the
-/// border of a large shape would lie metres off.
+/// border of a large shape would lie meters off.
 glm::dmat3 orthonormal(const glm::dmat3 &axes) {
 	const glm::dvec3 y = unit(axes[1]); // First, as a cylinder has no other.
 	const glm::dvec3 x = unit(axes[0] - y * dot(axes[0], y));

@@ -18,11 +18,11 @@ public:
 	/// Of a valid shape of one of the three kinds.
 	explicit ShapeVolume(const Shape &shape);
 
-	/// Metres from `position` (world metres, within the shape) to the border, or to that of the shadow; 0 or less outside, and
+	/// Meters from `position` (world meters, within the shape) to the border, or to that of the shadow; 0 or less outside, and
 	/// then not a distance. Exact to rounding; for the shadow of a leaning cylinder to 1e-12 of its size.
 	double depth(glm::dvec3 position) const;
 
-	/// Metres from the center to the shadow's last points, along x and along z.
+	/// Meters from the center to the shadow's last points, along x and along z.
 	glm::dvec2 reach() const;
 
 private:

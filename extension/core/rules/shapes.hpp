@@ -16,7 +16,7 @@ namespace thicket {
 
 /// The shapes that count for one layer. Immutable after `set`, so threads may share one.
 ///
-/// A shape's influence is 0 outside and on its border, grows linearly over `falloff` metres of depth, and is 1 from there on
+/// A shape's influence is 0 outside and on its border, grows linearly over `falloff` meters of depth, and is 1 from there on
 /// (a sharp one: everywhere within). The layer's density is multiplied by the largest influence of all including shapes (1 if
 /// there are none) and by 1 minus the largest influence of all excluding ones.
 class ShapeSet {
@@ -34,7 +34,7 @@ public:
 	/// shape elsewhere still counts: `chance` is 0 where the layer has including shapes and none is near.
 	void near(const Rect &area, std::vector<std::uint32_t> &r_near) const;
 
-	/// The factor 0 to 1 at a place on the ground (world metres, y up), among the shapes that `near` gave for an area that
+	/// The factor 0 to 1 at a place on the ground (world meters, y up), among the shapes that `near` gave for an area that
 	/// holds it; 0 at a place that is not finite. The same bits whatever the area, and everywhere: no libm but square roots.
 	double chance(std::span<const std::uint32_t> near, glm::dvec3 position) const;
 

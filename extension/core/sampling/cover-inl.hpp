@@ -6,7 +6,7 @@
 #define THICKET_COVER_INL
 #endif
 
-#include "core/sampling/neighbourhood-inl.hpp"
+#include "core/sampling/neighborhood-inl.hpp"
 
 #include <hwy/highway.h>
 
@@ -61,12 +61,12 @@ HWY_INLINE void rows_to_cells(const std::uint32_t *HWY_RESTRICT rows, std::uint6
 	hn::Store(hn::BitCast(d64, hn::InterleaveUpper(d32, low, high)), d64, r_cells + 2);
 }
 
-/// The sub-squares that a point's disk covers in the 16 cells of its neighbourhood.
+/// The sub-squares that a point's disk covers in the 16 cells of its neighborhood.
 struct Cover {
 	alignas(64) std::uint64_t cells[16];
 };
 
-HWY_INLINE void cover_of(const Neighbourhood &around, Cover &r_cover) {
+HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 	const hn::CappedTag<std::int32_t, 16> di;
 	const hn::RebindToUnsigned<decltype(di)> du;
 	alignas(64) std::uint32_t rows[32];
@@ -88,8 +88,8 @@ HWY_INLINE std::uint32_t covered_children(
 	const hn::RebindToUnsigned<decltype(di)> du;
 	const std::uint32_t half = cell_size >> level;
 	const int part_bits = std::max(lattice_bits - static_cast<int>(level) - 2, 0);
-	const Neighbourhood around(grid, cell, origin + half * (1 + cell_size));
-	// A disk that reaches the square comes within its half diagonal of the centre.
+	const Neighborhood around(grid, cell, origin + half * (1 + cell_size));
+	// A disk that reaches the square comes within its half diagonal of the center.
 	const std::uint32_t reach = far + half + half / 2;
 	alignas(32) std::uint32_t rows[8] = {};
 	for (std::uint32_t near = points_near(grid, around, reach * reach); near != 0; near &= near - 1) {

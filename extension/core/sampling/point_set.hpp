@@ -13,7 +13,7 @@ namespace thicket {
 /// layer gives an unrelated set; another number of levels alone does not: its finest darts are the same, and some of its points.
 struct PointSet {
 	std::uint64_t seed = 0;
-	double radius = 1.0;      ///< Metres between any two points, at least; finite, in [min_radius, max_radius].
+	double radius = 1.0;      ///< Meters between any two points, at least; finite, in [min_radius, max_radius].
 	std::uint32_t levels = 1; ///< Levels of the progressive order, 1 to max_levels; 1 is plain dart throwing.
 	std::uint16_t layer = 0;  ///< Goes into the ids and, with the seed, into every random number.
 
@@ -29,7 +29,7 @@ inline constexpr double max_points_per_call = 1e8;
 
 /// A point of a set.
 struct SamplePoint {
-	glm::dvec2 position; ///< World metres; a whole multiple of `lattice_unit`, rounded once.
+	glm::dvec2 position; ///< World meters; a whole multiple of `lattice_unit`, rounded once.
 	std::uint64_t id;    ///< A packed InstanceId.
 	std::uint32_t rank;  ///< Place in the progressive order: rank / 2^32 is the fraction of the set that comes before.
 	std::uint32_t level; ///< 0 for the finest; the point also belongs to the maximal set of radius r * 2^level.
@@ -43,7 +43,7 @@ Status validate(const PointSet &set);
 /// Base squares are 2^lattice_bits units wide and radius^2 = 2 * 4^lattice_bits units^2, exactly.
 inline constexpr int lattice_bits = 14;
 
-/// Metres a lattice unit: radius / (sqrt(2) * 2^lattice_bits). All positions are whole multiples of it.
+/// Meters a lattice unit: radius / (sqrt(2) * 2^lattice_bits). All positions are whole multiples of it.
 double lattice_unit(const PointSet &set);
 
 /// The exact lattice coordinates of a point, for checks without rounding. |result| < 2^38.
@@ -53,11 +53,11 @@ glm::i64vec2 lattice_position(const PointSet &set, const SamplePoint &point);
 /// of radius r * 2^level, on the lattice of that level, whose unit is 2^level of the finest. 2^32 for level 0.
 std::uint64_t level_rank_end(std::uint32_t levels, std::uint32_t level);
 
-/// World metres around the base square that the id of a point of the set names, a lattice unit more on all sides: the point lies in it,
+/// World meters around the base square that the id of a point of the set names, a lattice unit more on all sides: the point lies in it,
 /// wherever that is.
 Rect cell_rect(const PointSet &set, std::uint64_t id);
 
-/// Points per square metre of the whole set.
+/// Points per square meter of the whole set.
 double point_density(const PointSet &set);
 
 } // namespace thicket

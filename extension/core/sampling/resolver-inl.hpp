@@ -30,8 +30,8 @@ constexpr std::uint64_t square_bits(std::uint32_t level) {
 	return level == 1 ? 0x0f0f0f0full : level == 2 ? 0x0303ull : 1ull;
 }
 
-/// The neighbour that carries the tag of `key`, as an offset in cells.
-HWY_INLINE std::uint32_t tagged_neighbour(const LevelGrid &grid, std::uint32_t cell, TimeKey own, TimeKey key) {
+/// The neighbor that carries the tag of `key`, as an offset in cells.
+HWY_INLINE std::uint32_t tagged_neighbor(const LevelGrid &grid, std::uint32_t cell, TimeKey own, TimeKey key) {
 	static constexpr std::int8_t offset[9] = {1, 2, -2, -1, 0, 1, 2, -2, -1}; // of (difference mod 5), from -4
 	static constexpr std::uint8_t tag_x[32] = {
 			0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4};
@@ -52,7 +52,7 @@ HWY_INLINE void close_cell(LevelGrid &grid, std::uint32_t cell) {
 
 /// Marks what a new point's disk covers, and closes the cells that are left without an open sub-square.
 HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position) {
-	const Neighbourhood around(grid, cell, position);
+	const Neighborhood around(grid, cell, position);
 	Cover cover;
 	cover_of(around, cover);
 	const hn::CappedTag<std::uint64_t, 4> d;
@@ -178,7 +178,7 @@ HWY_INLINE Settled settle(LevelGrid &grid, std::uint32_t cell, TimeKey wanted) {
 		} else if (verdict.earliest == time_unknown) {
 			return stop(Settled::beyond, cell);
 		} else {
-			return stop(Settled::blocked, tagged_neighbour(grid, cell, dart_time(dart), verdict.earliest));
+			return stop(Settled::blocked, tagged_neighbor(grid, cell, dart_time(dart), verdict.earliest));
 		}
 	}
 	if (dart == dart_never) {

@@ -18,7 +18,7 @@ struct SampleStats {
 	std::uint64_t computed = 0;      ///< Points accepted anywhere, margin and coarser levels included.
 	std::uint64_t darts = 0;         ///< Darts evaluated.
 	std::uint64_t squares = 0;       ///< Active squares made, base squares included.
-	std::uint64_t cells = 0;         ///< Cells initialised, margin included.
+	std::uint64_t cells = 0;         ///< Cells initialized, margin included.
 	std::uint32_t retries = 0;       ///< Blocks that ran again with a wider margin.
 	std::size_t workspace_bytes = 0; ///< Workspace held, all levels.
 };
@@ -41,9 +41,9 @@ public:
 	TileSampler(TileSampler &&) noexcept;
 	TileSampler &operator=(TileSampler &&) noexcept;
 
-	/// Replaces the contents of `r_points` by the points of `set` in `rect` (metres), in an order that is a function
+	/// Replaces the contents of `r_points` by the points of `set` in `rect` (meters), in an order that is a function
 	/// of the arguments alone. `rect` must lie within cell_limit cells of the origin (+-2^23 * radius / sqrt(2)
-	/// metres) and ask for at most max_points_per_call points; an empty rectangle gives no points and no error, an
+	/// meters) and ask for at most max_points_per_call points; an empty rectangle gives no points and no error, an
 	/// inverted or non-finite one is refused, with `r_points` untouched. Raising `cancel` from another thread ends the call within
 	/// about a millisecond with ErrorCode::cancelled. `report` is called on the calling thread, every few milliseconds, with
 	/// the finished fraction (0 to 1, rising) and the points so far; it may raise `cancel`, and must not throw. O(points)

@@ -23,13 +23,13 @@ bool DetailSchedule::move(std::span<const Viewer> viewers) {
 	for (std::size_t i = 0; !others && i < viewers.size(); ++i) {
 		farthest = std::max(farthest, length(place_of(viewers[i]) - place_of(viewers_[i])));
 	}
-	travelled_ += farthest;
+	traveled_ += farthest;
 	viewers_.assign(viewers.begin(), viewers.end());
 	return others;
 }
 
 double DetailSchedule::add(const TileKey &key, double margin) {
-	const double at = travelled_ + margin;
+	const double at = traveled_ + margin;
 	if (std::isfinite(at)) {
 		visits_.push_back({at, key});
 		std::ranges::push_heap(visits_, later);

@@ -16,7 +16,7 @@ class DetailSchedule {
 public:
 	/// A visit to a tile that is to come, when viewers have moved so far in all.
 	struct Visit {
-		double at = 0.0; ///< Metres, as `travelled` counts them.
+		double at = 0.0; ///< Meters, as `traveled` counts them.
 		TileKey key;
 	};
 
@@ -24,7 +24,7 @@ public:
 	/// whatever was scheduled.
 	bool move(std::span<const Viewer> viewers);
 
-	/// Schedules the next visit to a tile: after `margin` metres, 0 or more; none for an infinite margin. Returns the `at` of
+	/// Schedules the next visit to a tile: after `margin` meters, 0 or more; none for an infinite margin. Returns the `at` of
 	/// that look: only the look that a tile was scheduled for last is of any use, others are to be ignored.
 	double add(const TileKey &key, double margin);
 
@@ -32,18 +32,18 @@ public:
 	std::optional<Visit> next();
 
 	/// True if there is nothing to take out by `next`.
-	bool settled() const { return visits_.empty() || visits_.front().at > travelled_; }
+	bool settled() const { return visits_.empty() || visits_.front().at > traveled_; }
 
 	/// Forgets all visits.
 	void clear() { visits_.clear(); }
 
-	/// From the nearest viewer to a box. Metres, infinite without viewers.
+	/// From the nearest viewer to a box. Meters, infinite without viewers.
 	double distance_to(glm::dvec3 min, glm::dvec3 max) const;
 
 private:
 	std::vector<Viewer> viewers_;
 	std::vector<Visit> visits_; ///< A heap, the next on top.
-	double travelled_ = 0.0; ///< By the farthest-moving viewer of each frame, summed up: no viewer has moved farther.
+	double traveled_ = 0.0; ///< By the farthest-moving viewer of each frame, summed up: no viewer has moved farther.
 };
 
 } // namespace thicket

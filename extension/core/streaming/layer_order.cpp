@@ -94,7 +94,7 @@ void LayerTiles::forget_made(std::uint32_t slot) {
 	}
 }
 
-/// How far the nearest tile is that a viewer sees and that is not on show, in metres; infinite for none.
+/// How far the nearest tile is that a viewer sees and that is not on show, in meters; infinite for none.
 double LayerTiles::first_missing(Sight &sight) {
 	const TileQueue::Entry *entry =
 			first(sight, 1, [&](const StreamedTile &tile) { return !tile.shown && sight.view.contains(tile.at); });

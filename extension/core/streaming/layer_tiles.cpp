@@ -125,7 +125,7 @@ bool LayerTiles::look(std::span<const TrackedViewer> viewers, std::size_t &r_new
 	return looked;
 }
 
-/// How far a viewer sees, in metres.
+/// How far a viewer sees, in meters.
 double LayerTiles::view_of(const TrackedViewer &viewer) const {
 	return std::min(settings_.view_distance * viewer.now.radius_scale, max_view_tiles * settings_.tile_size);
 }

@@ -29,7 +29,7 @@ inline constexpr std::size_t max_new = 1500;
 /// A viewer as the streamer follows it.
 struct TrackedViewer {
 	Viewer now;
-	double flown = 0.0;     ///< Metres, by all steps so far that were no jumps.
+	double flown = 0.0;     ///< Meters, by all steps so far that were no jumps.
 	double jumped_at = 0.0; ///< `flown` after the last jump.
 
 	/// How far it has flown since `then`, a value that `flown` had; 0 if it has jumped since.
@@ -102,7 +102,7 @@ private:
 	/// What a viewer sees, as it was when looked at last.
 	struct Sight {
 		glm::dvec2 position{0.0};
-		double seen = -1.0; ///< Metres, with the slack; below 0 for a viewer that is new or has gone.
+		double seen = -1.0; ///< Meters, with the slack; below 0 for a viewer that is new or has gone.
 		bool moved = false; ///< The next three are older than the first.
 		TileDisc view;
 		TileDisc keep;

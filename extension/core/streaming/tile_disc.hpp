@@ -11,7 +11,7 @@ namespace thicket {
 /// The tiles that touch a disc, as a span of columns in each row of tiles: small, and quick to compare with another.
 class TileDisc {
 public:
-	/// Becomes the tiles of side `tile_size` that are at most `reach` metres, 0 or more, from `center`.
+	/// Becomes the tiles of side `tile_size` that are at most `reach` meters, 0 or more, from `center`.
 	void set(double tile_size, glm::dvec2 center, double reach);
 	void clear() { rows_.clear(); }
 

@@ -27,9 +27,9 @@ public:
 	/// Adds a tile, at any distance. It may be in the queue already.
 	void add(std::uint32_t slot, glm::ivec2 at) { fresh_.push_back({0.0, slot, at}); }
 
-	/// The viewer has moved so many metres, or at least not farther.
-	void move(double metres) {
-		moved_ += metres;
+	/// The viewer has moved so many meters, or at least not farther.
+	void move(double meters) {
+		moved_ += meters;
 		outdated_ = true;
 	}
 
@@ -126,7 +126,7 @@ private:
 	std::vector<Entry> fresh_; ///< Not measured yet.
 	std::array<std::size_t, 2> cursors_{};
 	std::size_t far_sorted_ = 0; ///< How many were far when all were sorted last,
-	double far_from_ = 0.0;      ///< the distance of the nearest of them, in metres,
+	double far_from_ = 0.0;      ///< the distance of the nearest of them, in meters,
 	double moved_ = 0.0;         ///< and how far the viewer has moved since.
 	bool outdated_ = false;
 };

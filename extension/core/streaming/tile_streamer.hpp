@@ -16,8 +16,8 @@ namespace thicket {
 
 /// How a layer is streamed.
 struct StreamLayer {
-	double tile_size = 64.0;      ///< Metres, min_tile_size to max_tile_size.
-	double view_distance = 256.0; ///< Metres from a viewer to the nearest point of a tile, 0 to max_view_tiles tiles.
+	double tile_size = 64.0;      ///< Meters, min_tile_size to max_tile_size.
+	double view_distance = 256.0; ///< Meters from a viewer to the nearest point of a tile, 0 to max_view_tiles tiles.
 
 	friend bool operator==(const StreamLayer &, const StreamLayer &) = default;
 };
@@ -28,7 +28,7 @@ inline constexpr double max_tile_size = 1e9;
 /// The farthest that a viewer sees, in tiles, whatever its radius scale: about 13,000 tiles for a viewer and layer.
 inline constexpr double max_view_tiles = 64.0;
 
-/// A viewer that moves farther than this between two updates, in metres, has jumped; else it has flown: 1,000 m/s at 20
+/// A viewer that moves farther than this between two updates, in meters, has jumped; else it has flown: 1,000 m/s at 20
 /// frames a second.
 inline constexpr double max_flight_step = 50.0;
 
@@ -37,10 +37,10 @@ inline constexpr std::size_t max_viewers = 64;
 
 /// Someone to stream for.
 struct Viewer {
-	glm::dvec2 position{0.0}; ///< World metres, finite, within max_tile_coordinate tiles of every layer.
+	glm::dvec2 position{0.0}; ///< World meters, finite, within max_tile_coordinate tiles of every layer.
 	double radius_scale =
 			1.0;         ///< Times the view distance of each layer; finite, 0 or more. At most max_view_tiles count.
-	double height = 0.0; ///< World y in metres, finite. Tiles are streamed in the plane: it counts for detail only.
+	double height = 0.0; ///< World y in meters, finite. Tiles are streamed in the plane: it counts for detail only.
 };
 
 /// Names a tile of a layer. Every tile size that a layer is given starts a new `grid`, a number not used before, so
@@ -56,7 +56,7 @@ struct TileKey {
 /// A tile to make. `ticket` is unique: it tells the answer to this request from a late one to an earlier request.
 struct TileRequest {
 	TileKey key;
-	Rect rect; ///< World metres, half-open.
+	Rect rect; ///< World meters, half-open.
 	std::uint64_t ticket = 0;
 };
 
@@ -108,7 +108,7 @@ public:
 	/// changes come, as while a slider is dragged, tiles follow them. A layer that does not exist is ignored.
 	void invalidate(std::uint32_t layer);
 
-	/// The same for the tiles that touch `area` (metres) only: an edit under which nothing else changes.
+	/// The same for the tiles that touch `area` (meters) only: an edit under which nothing else changes.
 	void invalidate(std::uint32_t layer, const Rect &area);
 
 	/// What is under way for a layer is cancelled and will be requested again: the answers would be of no use.

@@ -14,7 +14,7 @@ struct StreamedTile {
 	glm::ivec2 at{0};
 	std::uint64_t ticket = 0; ///< Of the pending request; 0 for none.
 	std::uint32_t viewer = 0; ///< For whom it was requested,
-	double flown = 0.0;       ///< and how far that viewer had flown by then, in metres.
+	double flown = 0.0;       ///< and how far that viewer had flown by then, in meters.
 	bool exists = false;
 	bool shown = false;
 	bool current = false; ///< Shown, and not outdated.

@@ -9,7 +9,7 @@ class FlatTerrain final : public Terrain {
 public:
 	FlatTerrain() = default;
 
-	/// `height` in world metres; NAN makes a world without ground.
+	/// `height` in world meters; NAN makes a world without ground.
 	explicit FlatTerrain(float height) : height_(height) {}
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;

@@ -22,7 +22,7 @@ double bilinear(const Patch &patch, double x, double y) {
 }
 
 /// The indices of four posts in a line about a patch: before it, its two and behind it, held inside the field; and what
-/// turns the difference of the neighbours of its first and of its second post into a gradient per post.
+/// turns the difference of the neighbors of its first and of its second post into a gradient per post.
 struct Line {
 	std::array<std::size_t, 4> index;
 	double first_weight;
@@ -40,7 +40,7 @@ Line line_about(int patch, int posts) {
 	};
 }
 
-/// The gradient per post at `post`, between its neighbours. Posts of metres may be holes: one that is missing is left out, as
+/// The gradient per post at `post`, between its neighbors. Posts of meters may be holes: one that is missing is left out, as
 /// on the border.
 template <typename Post>
 double difference(double behind, double before, double post, double weight) {
@@ -92,12 +92,12 @@ Status Heightfield::set(const HeightfieldFrame &frame, std::span<const std::uint
 		return status;
 	}
 	posts_.assign(posts.begin(), posts.end());
-	metres_ = {};
+	meters_ = {};
 	take(frame, frame.min_height, (frame.max_height - frame.min_height) / 65535.0);
 	return {};
 }
 
-Status Heightfield::set_metres(const HeightfieldFrame &frame, std::span<const float> posts) {
+Status Heightfield::set_meters(const HeightfieldFrame &frame, std::span<const float> posts) {
 	if (const Status status = check(frame, posts.size()); !status.ok()) {
 		return status;
 	}
@@ -110,17 +110,17 @@ Status Heightfield::set_metres(const HeightfieldFrame &frame, std::span<const fl
 			return status;
 		}
 	}
-	metres_.assign(posts.begin(), posts.end());
+	meters_.assign(posts.begin(), posts.end());
 	posts_ = {};
 	take(frame, 0.0, 1.0);
 	return {};
 }
 
-void Heightfield::take(const HeightfieldFrame &frame, double base, double metres_per_step) {
+void Heightfield::take(const HeightfieldFrame &frame, double base, double meters_per_step) {
 	frame_ = frame;
-	posts_per_metre_ = glm::dvec2(frame.posts - 1) / frame.area.size();
+	posts_per_meter_ = glm::dvec2(frame.posts - 1) / frame.area.size();
 	base_ = base;
-	metres_per_step_ = metres_per_step;
+	meters_per_step_ = meters_per_step;
 }
 
 Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
@@ -132,10 +132,10 @@ Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Grou
 			r_ground[i] = in_area(positions[i]) && !posts.empty() ? ground_in_area(posts, positions[i]) : Ground{};
 		}
 	};
-	if (metres_.empty()) {
+	if (meters_.empty()) {
 		fill(posts_);
 	} else {
-		fill(metres_);
+		fill(meters_);
 	}
 	return {};
 }
@@ -166,7 +166,7 @@ bool Heightfield::in_area(glm::dvec2 position) const {
 template <typename Post>
 Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 position) const {
 	// In posts from the first one. The last patch takes its far border too.
-	const glm::dvec2 place = (position - frame_.area.min) * posts_per_metre_;
+	const glm::dvec2 place = (position - frame_.area.min) * posts_per_meter_;
 	const int column = std::min(static_cast<int>(place.x), frame_.posts.x - 2);
 	const int row = std::min(static_cast<int>(place.y), frame_.posts.y - 2);
 	const double x = place.x - column;
@@ -181,7 +181,7 @@ Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 po
 	};
 
 	const Patch steps{post(1, 1), post(2, 1), post(1, 2), post(2, 2)};
-	const double height = base_ + bilinear(steps, x, y) * metres_per_step_;
+	const double height = base_ + bilinear(steps, x, y) * meters_per_step_;
 	if constexpr (std::is_floating_point_v<Post>) {
 		if (std::isnan(height)) {
 			return {};
@@ -199,8 +199,8 @@ Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 po
 			difference<Post>(post(1, 3), steps[0], steps[2], along.second_weight),
 			difference<Post>(post(2, 3), steps[1], steps[3], along.second_weight),
 	};
-	const double gradient_x = bilinear(slope_x, x, y) * metres_per_step_ * posts_per_metre_.x;
-	const double gradient_y = bilinear(slope_y, x, y) * metres_per_step_ * posts_per_metre_.y;
+	const double gradient_x = bilinear(slope_x, x, y) * meters_per_step_ * posts_per_meter_.x;
+	const double gradient_y = bilinear(slope_y, x, y) * meters_per_step_ * posts_per_meter_.y;
 	const double to_unit = 1.0 / std::sqrt(gradient_x * gradient_x + gradient_y * gradient_y + 1.0);
 	return {
 			static_cast<float>(height),

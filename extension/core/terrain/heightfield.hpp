@@ -17,19 +17,19 @@ namespace thicket {
 /// Where the posts of a heightfield stand and what 16 bits mean.
 struct HeightfieldFrame {
 	glm::ivec2 posts{0};     ///< Columns along x and rows along z (Rect.y), 2 to max_heightfield_posts each.
-	Rect area;               ///< World metres from the first post to the last; finite, min_post_spacing between posts.
-	double min_height = 0.0; ///< World metres of a post of 0; at most max_heightfield_height either side of 0.
-	double max_height = 1.0; ///< World metres of a post of 65535; at least min_height, same limits.
+	Rect area;               ///< World meters from the first post to the last; finite, min_post_spacing between posts.
+	double min_height = 0.0; ///< World meters of a post of 0; at most max_heightfield_height either side of 0.
+	double max_height = 1.0; ///< World meters of a post of 65535; at least min_height, same limits.
 };
 
 inline constexpr int max_heightfield_posts = 1 << 15;
 inline constexpr double max_heightfield_height = 1e6;
-inline constexpr double min_post_spacing = 1e-3; ///< Metres, on both axes.
+inline constexpr double min_post_spacing = 1e-3; ///< Meters, on both axes.
 
 /// Refuses a frame outside the ranges above.
 Status validate(const HeightfieldFrame &frame);
 
-/// Terrain from a grid of posts, of 16 bits or of metres. Between four posts the height is bilinear, the very surface
+/// Terrain from a grid of posts, of 16 bits or of meters. Between four posts the height is bilinear, the very surface
 /// that `sample` gives at any finer spacing; a mesh that is drawn from it has to ask here, not at the posts alone.
 ///
 /// Normals are smooth: the gradients of the four posts, by central differences (one-sided on the border), weighted
@@ -44,9 +44,9 @@ public:
 	/// length is not posts.x * posts.y, and then keeps the field as it was.
 	Status set(const HeightfieldFrame &frame, std::span<const std::uint16_t> posts);
 
-	/// As above, of posts in world metres, at most max_heightfield_height either side of 0, or NAN. The frame's heights say
+	/// As above, of posts in world meters, at most max_heightfield_height either side of 0, or NAN. The frame's heights say
 	/// nothing then.
-	Status set_metres(const HeightfieldFrame &frame, std::span<const float> posts);
+	Status set_meters(const HeightfieldFrame &frame, std::span<const float> posts);
 
 	/// Weights of the ground's textures over the field's area, first to last post; without any, `weigh` allows all ground. They
 	/// stay when posts are set.
@@ -64,17 +64,17 @@ public:
 	const HeightfieldFrame &frame() const { return frame_; }
 
 private:
-	void take(const HeightfieldFrame &frame, double base, double metres_per_step);
+	void take(const HeightfieldFrame &frame, double base, double meters_per_step);
 	bool in_area(glm::dvec2 position) const;
 	template <typename Post>
 	Ground ground_in_area(const std::vector<Post> &posts, glm::dvec2 position) const;
 
 	HeightfieldFrame frame_;
 	std::vector<std::uint16_t> posts_; ///< Or:
-	std::vector<float> metres_;
-	glm::dvec2 posts_per_metre_{0.0};
-	double base_ = 0.0;            ///< World metres of a post of 0.
-	double metres_per_step_ = 0.0; ///< A step is the difference of 1 between two posts.
+	std::vector<float> meters_;
+	glm::dvec2 posts_per_meter_{0.0};
+	double base_ = 0.0;            ///< World meters of a post of 0.
+	double meters_per_step_ = 0.0; ///< A step is the difference of 1 between two posts.
 	WeightMap weights_;
 };
 

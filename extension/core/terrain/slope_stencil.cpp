@@ -12,7 +12,7 @@ namespace thicket {
 
 namespace {
 
-/// Half the distance in metres over which a slope is measured.
+/// Half the distance in meters over which a slope is measured.
 constexpr double usual_step = 0.5;
 
 double as_float(double value) { return static_cast<double>(static_cast<float>(value)); }
@@ -35,20 +35,20 @@ double rise(double before, double here, double behind, double run_before, double
 
 } // namespace
 
-SlopeStencil::SlopeStencil(glm::dvec2 position) : centre_(as_float(position.x), as_float(position.y)) {
-	const double step_x = step_at(centre_.x);
-	const double step_z = step_at(centre_.y);
+SlopeStencil::SlopeStencil(glm::dvec2 position) : center_(as_float(position.x), as_float(position.y)) {
+	const double step_x = step_at(center_.x);
+	const double step_z = step_at(center_.y);
 	places_ = {
-			glm::dvec2{as_float(centre_.x - step_x), centre_.y},
-			glm::dvec2{as_float(centre_.x + step_x), centre_.y},
-			glm::dvec2{centre_.x, as_float(centre_.y - step_z)},
-			glm::dvec2{centre_.x, as_float(centre_.y + step_z)},
+			glm::dvec2{as_float(center_.x - step_x), center_.y},
+			glm::dvec2{as_float(center_.x + step_x), center_.y},
+			glm::dvec2{center_.x, as_float(center_.y - step_z)},
+			glm::dvec2{center_.x, as_float(center_.y + step_z)},
 	};
 }
 
 glm::vec3 SlopeStencil::normal(float here, std::span<const float, 4> around) const {
-	const double x = rise(around[0], here, around[1], centre_.x - places_[0].x, places_[1].x - centre_.x);
-	const double z = rise(around[2], here, around[3], centre_.y - places_[2].y, places_[3].y - centre_.y);
+	const double x = rise(around[0], here, around[1], center_.x - places_[0].x, places_[1].x - center_.x);
+	const double z = rise(around[2], here, around[3], center_.y - places_[2].y, places_[3].y - center_.y);
 	return glm::vec3(glm::normalize(glm::dvec3{-x, 1.0, -z}));
 }
 

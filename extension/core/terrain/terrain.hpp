@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// What lies under a place: the height of the ground in world metres, and its unit normal, y up. A height of NAN
+/// What lies under a place: the height of the ground in world meters, and its unit normal, y up. A height of NAN
 /// means that there is no ground (off the terrain, a hole, water that a source leaves out).
 struct Ground {
 	float height = std::numeric_limits<float>::quiet_NaN();
@@ -25,7 +25,7 @@ class Terrain {
 public:
 	virtual ~Terrain() = default;
 
-	/// Writes the ground at `positions[i]` (world metres, x and z of the engine) to `r_ground[i]`. The spans are of
+	/// Writes the ground at `positions[i]` (world meters, x and z of the engine) to `r_ground[i]`. The spans are of
 	/// equal length; a position without ground, NAN and infinite ones included, gets a height of NAN and is no error.
 	/// Called from several threads at once, so an implementation keeps no state of the call.
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const = 0;

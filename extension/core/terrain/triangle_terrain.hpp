@@ -18,7 +18,7 @@ namespace thicket {
 /// tops too if nothing lies above them, with their normal turned up; those on edge are left out. Immutable after `set`.
 class TriangleTerrain final : public Terrain {
 public:
-	/// `corners` holds three world positions a triangle, in metres, in any winding; all finite and within max_extent of the
+	/// `corners` holds three world positions a triangle, in meters, in any winding; all finite and within max_extent of the
 	/// origin on each axis, at most max_triangles. Refused ones change nothing. Builds a tree of boxes over the triangles: O(n
 	/// log n) time, O(n) memory, whatever their sizes.
 	Status set(std::span<const glm::dvec3> corners);

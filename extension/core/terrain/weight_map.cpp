@@ -9,7 +9,7 @@ namespace thicket {
 
 namespace {
 
-/// Two neighbours on an axis, and how far a place lies from the first to the second.
+/// Two neighbors on an axis, and how far a place lies from the first to the second.
 struct Between {
 	int first;
 	int second;

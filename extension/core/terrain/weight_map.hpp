@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// How much of the ground belongs to each of a few textures: an image of up to four channels of 8 bits. It knows no metres: its
+/// How much of the ground belongs to each of a few textures: an image of up to four channels of 8 bits. It knows no meters: its
 /// first column and row lie at 0, its last at 1, whatever its resolution.
 class WeightMap {
 public:

@@ -17,7 +17,7 @@ namespace thicket {
 /// How the instances of a layer collide.
 struct CollisionLayer {
 	ShapeSource shape;
-	double distance = 0.0; ///< Metres; 0 for no bodies.
+	double distance = 0.0; ///< Meters; 0 for no bodies.
 
 	/// As the bodies take them.
 	struct Settings {

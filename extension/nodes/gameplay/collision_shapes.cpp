@@ -16,11 +16,11 @@ namespace {
 /// Fewer points than this span no body.
 constexpr std::size_t min_corners = 4;
 
-/// Sides of a shape in metres: what engines of physics can work with.
+/// Sides of a shape in meters: what engines of physics can work with.
 constexpr float min_side = 1e-3F;
 constexpr float max_side = 1e5F;
 
-float side(double metres) { return std::clamp(static_cast<float>(metres), min_side, max_side); }
+float side(double meters) { return std::clamp(static_cast<float>(meters), min_side, max_side); }
 
 Dictionary round_shape(float radius, float height) {
 	Dictionary data;

@@ -37,7 +37,7 @@ public:
 	/// Stays where it is as long as somebody uses it.
 	struct Shape {
 		godot::RID rid;
-		double center = 0.0; ///< Metres along the instance's up axis from its origin to the shape's own.
+		double center = 0.0; ///< Meters along the instance's up axis from its origin to the shape's own.
 		std::size_t users = 0;
 	};
 
@@ -59,7 +59,7 @@ public:
 	static constexpr std::size_t max_corners = 64;
 
 private:
-	/// Kind, corners' number (0 for none), and three sizes: in metres, or the scale of the corners.
+	/// Kind, corners' number (0 for none), and three sizes: in meters, or the scale of the corners.
 	using Key = std::tuple<std::int64_t, std::uint64_t, float, float, float>;
 
 	/// The corners of a mesh's convex hull at scale 1.

@@ -26,7 +26,7 @@ constexpr std::uint64_t core_id(std::int64_t id) { return static_cast<std::uint6
 godot::PackedInt64Array packed_ids(std::span<const std::uint64_t> ids);
 godot::PackedFloat32Array packed_floats(std::span<const float> numbers);
 
-/// Between places of the world and the engine's, of which `offset` is the engine's origin, in world metres.
+/// Between places of the world and the engine's, of which `offset` is the engine's origin, in world meters.
 Rect to_world(const godot::Rect2 &p_rect, glm::dvec3 offset);
 glm::dvec3 to_world(const godot::Vector3 &p_position, glm::dvec3 offset);
 godot::Vector3 to_engine(glm::dvec3 position, glm::dvec3 offset);

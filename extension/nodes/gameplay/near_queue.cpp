@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// Centres nearer to each other than this share of the distance are asked for together.
+/// Centers nearer to each other than this share of the distance are asked for together.
 constexpr double crowd_share = 0.5;
 
 double squared(glm::dvec3 a, glm::dvec3 b) { return glm::dot(a - b, a - b); }

@@ -12,12 +12,12 @@
 
 namespace thicket {
 
-/// What has to come and go around some centres, of all layers, one after the other. Whoever takes an instance out of it makes or frees
+/// What has to come and go around some centers, of all layers, one after the other. Whoever takes an instance out of it makes or frees
 /// what stands for it; the queue counts it as held, or not, from then on. Main thread only.
 class NearQueue {
 public:
-	/// Everything up to a layer's distance (metres, 0 for nothing) is near; what is held leaves beyond `leave_share` of it. In between lies
-	/// what a centre may move before anybody looks again, and the hysteresis.
+	/// Everything up to a layer's distance (meters, 0 for nothing) is near; what is held leaves beyond `leave_share` of it. In between lies
+	/// what a center may move before anybody looks again, and the hysteresis.
 	static constexpr double look_share = 0.025;
 	static constexpr double enter_share = 1.0 + look_share;
 	static constexpr double leave_share = 1.125;
@@ -28,7 +28,7 @@ public:
 	/// The distance of each layer. What is held of layers that are no more has to be dropped before.
 	void set_distances(std::span<const double> distances);
 
-	/// Finds out anew what has to come and go in layers for which a centre has moved far enough, or the world has changed. The world is
+	/// Finds out anew what has to come and go in layers for which a center has moved far enough, or the world has changed. The world is
 	/// remembered until `forget_world`.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
 

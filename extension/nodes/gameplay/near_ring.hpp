@@ -17,7 +17,7 @@ class NearRing {
 public:
 	virtual ~NearRing() = default;
 
-	/// Once a frame: where those are for whom it matters (world metres), and what the world is now. Cheap while nobody has moved and
+	/// Once a frame: where those are for whom it matters (world meters), and what the world is now. Cheap while nobody has moved and
 	/// world.version() is the same.
 	virtual void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) = 0;
 
@@ -30,7 +30,7 @@ public:
 	/// The instance stands no longer, or not as it did: what was made for it goes at once, whatever the budget.
 	virtual void drop(std::uint64_t id) = 0;
 
-	/// Where the engine's origin is in the world, metres: what stands is moved along at once.
+	/// Where the engine's origin is in the world, meters: what stands is moved along at once.
 	virtual void set_world_offset(glm::dvec3 offset) = 0;
 
 	/// Frees everything now.

@@ -11,7 +11,7 @@ namespace {
 
 /// An instance keeps its scene a little farther out than where it gets one, so that nobody who walks to and fro there makes it flicker.
 constexpr double leave_factor = 1.1;
-constexpr double leave_margin = 1.0; ///< Metres.
+constexpr double leave_margin = 1.0; ///< Meters.
 
 /// Frames after which what is near is looked for again though nothing has moved: a tile that is missed has to be missed again.
 constexpr int look_frames = 32;

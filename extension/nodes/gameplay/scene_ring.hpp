@@ -20,7 +20,7 @@ namespace thicket {
 /// The scenes of a layer.
 struct SceneLayer {
 	godot::Ref<godot::PackedScene> scene; ///< Null for none.
-	double distance = 0.0; ///< Metres to the nearest viewer or body within which they stand; 0 for never.
+	double distance = 0.0; ///< Meters to the nearest viewer or body within which they stand; 0 for never.
 	godot::String name;    ///< Of the layer, for errors.
 
 	bool operator==(const SceneLayer &other) const {

@@ -25,7 +25,7 @@ inline constexpr std::size_t curve_stretches = 512;
 /// A curve over its own domain, held to 0 to 1. Null for none, for one without points, and for an empty domain.
 std::shared_ptr<const CurveTable> curve_table(const godot::Ref<godot::Curve> &p_curve);
 
-/// The colours of a gradient from its start to its end, for equal shares of the instances. Null for none.
+/// The colors of a gradient from its start to its end, for equal shares of the instances. Null for none.
 std::shared_ptr<const ColorTable> color_table(const godot::Ref<godot::Gradient> &p_gradient);
 
 /// The noise at a place as a density: `curve` at its value, or 0.5 + 0.5 times its value where that is null. Asks a copy of
@@ -42,7 +42,7 @@ struct ChannelPixels {
 	std::vector<std::uint8_t> values;
 };
 
-/// Reads any format that the engine can convert, values held to 0 to 1. Luminance is that of linear Rec. 709 colours; of an
+/// Reads any format that the engine can convert, values held to 0 to 1. Luminance is that of linear Rec. 709 colors; of an
 /// image that has red alone, red.
 ChannelPixels channel_pixels(const godot::Ref<godot::Image> &p_image, ImageChannel channel);
 

@@ -40,7 +40,7 @@ enum class LayerSource : std::uint8_t {
 
 /// How a mask texture is laid over the world.
 struct MaskFrame {
-	Rect area{{0.0, 0.0}, {1000.0, 1000.0}}; ///< Metres.
+	Rect area{{0.0, 0.0}, {1000.0, 1000.0}}; ///< Meters.
 	ImageChannel channel = ImageChannel::red;
 	MaskEdge edge = MaskEdge::nothing;
 };

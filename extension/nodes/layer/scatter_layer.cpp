@@ -87,7 +87,7 @@ void ScatterLayer::bind_set() {
 void ScatterLayer::_bind_methods() {
 	bind_set();
 	bind_rules();
-	bind_neighbours();
+	bind_neighbors();
 	bind_placement();
 	bind_drawing();
 	bind_lod();

@@ -26,7 +26,7 @@
 
 namespace thicket {
 
-/// The numbers of a layer, as the inspector shows them. Angles in degrees, lengths in metres.
+/// The numbers of a layer, as the inspector shows them. Angles in degrees, lengths in meters.
 struct LayerNumbers {
 	double radius = 2.0;
 	double tile_size = 64.0;
@@ -168,7 +168,7 @@ public:
 	godot::Ref<ScatterMask> get_mask() const;
 	void mask_area_changed(const godot::Rect2 &p_rect);
 
-	/// World metres that the mask texture covers: x, and z as y. Its sides are at least 0.001.
+	/// World meters that the mask texture covers: x, and z as y. Its sides are at least 0.001.
 	void set_mask_texture_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_mask_texture_rect() const;
 	void set_mask_texture_channel(MaskChannel p_channel);
@@ -180,8 +180,8 @@ public:
 	void set_ground_textures(const godot::PackedInt32Array &p_textures);
 	godot::PackedInt32Array get_ground_textures() const;
 
-	/// Names of other layers, and the metres that are kept free around their instances: above 0, at most
-	/// max_neighbour_distance; at most max_neighbours names. What is read back is read-only.
+	/// Names of other layers, and the meters that are kept free around their instances: above 0, at most
+	/// max_neighbor_distance; at most max_neighbors names. What is read back is read-only.
 	void set_spacing(const godot::TypedDictionary<godot::String, double> &p_spacing);
 	godot::TypedDictionary<godot::String, double> get_spacing() const;
 
@@ -205,7 +205,7 @@ public:
 	void set_lod_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
 	godot::TypedArray<godot::Mesh> get_lod_meshes() const;
 
-	/// Metres from a viewer to a tile's box, ascending, 0 to 1e6 each; at most max_lods.
+	/// Meters from a viewer to a tile's box, ascending, 0 to 1e6 each; at most max_lods.
 	void set_lod_distances(const godot::PackedFloat32Array &p_distances);
 	godot::PackedFloat32Array get_lod_distances() const;
 
@@ -220,7 +220,7 @@ public:
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 
-	/// The settings that the core works with, all but the neighbours and the shapes, which are the node's. `place` is the
+	/// The settings that the core works with, all but the neighbors and the shapes, which are the node's. `place` is the
 	/// layer's index among its node's layers: its id, unless `layer_id` says otherwise. A table, a field or a mask in it is
 	/// the same object as in the settings before until what it says has changed.
 	LayerSettings settings(std::uint64_t seed, std::size_t place) const;
@@ -228,10 +228,10 @@ public:
 	const LayerNumbers &numbers() const { return numbers_; }
 	const LayerIntegers &integers() const { return integers_; }
 
-	/// Other layers by their names, and the metres kept free around their instances.
+	/// Other layers by their names, and the meters kept free around their instances.
 	const std::map<std::string, double> &spacing() const { return spacing_; }
 
-	/// The layer whose instances decide about this one's density; empty for none. They count up to the distance, in metres,
+	/// The layer whose instances decide about this one's density; empty for none. They count up to the distance, in meters,
 	/// and the table, which is never null, is the density over the distance to the nearest.
 	std::string proximity_layer() const { return proximity_layer_.utf8().get_data(); }
 	double proximity_distance() const { return numbers_.proximity_distance; }
@@ -271,7 +271,7 @@ private:
 	void add_number_problems(godot::PackedStringArray &r_problems) const;
 	void add_curve_problems(godot::PackedStringArray &r_problems) const;
 	void add_mask_problems(godot::PackedStringArray &r_problems) const;
-	void add_neighbour_problems(godot::PackedStringArray &r_problems) const;
+	void add_neighbor_problems(godot::PackedStringArray &r_problems) const;
 	void add_lod_problems(godot::PackedStringArray &r_problems) const;
 	void add_mesh_problems(godot::PackedStringArray &r_problems) const;
 	void add_gameplay_problems(godot::PackedStringArray &r_problems) const;
@@ -287,7 +287,7 @@ private:
 	static void bind_set();
 	static void bind_rules();
 	static void bind_masks();
-	static void bind_neighbours();
+	static void bind_neighbors();
 	static void bind_placement();
 	static void bind_drawing();
 	static void bind_lod();

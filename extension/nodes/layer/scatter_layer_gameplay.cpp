@@ -11,7 +11,7 @@ namespace {
 using Number = NumberProperty<LayerNumbers, double>;
 using Integer = NumberProperty<LayerIntegers, int64_t>;
 
-constexpr double min_side = 1e-3; ///< Metres.
+constexpr double min_side = 1e-3; ///< Meters.
 constexpr double max_side = 1e4;
 constexpr double farthest_body = 1e4;
 constexpr double longest_regrowth = 1e9; ///< Seconds.

@@ -54,7 +54,7 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 	const LayerSnapshots &made = snapshots();
 	add_curve_problem(
-			"density_over_height", resources_.density_over_height, made.height_curve, "metres of height", r_problems);
+			"density_over_height", resources_.density_over_height, made.height_curve, "meters of height", r_problems);
 	add_curve_problem(
 			"density_over_slope", resources_.density_over_slope, made.slope_curve, "degrees of slope", r_problems);
 	add_curve_problem("noise_curve", resources_.noise_curve, made.noise_curve, "the noise, from -1 to 1", r_problems);
@@ -78,7 +78,7 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	}
 }
 
-void ScatterLayer::add_neighbour_problems(PackedStringArray &r_problems) const {
+void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 	const std::string own = get_name().utf8().get_data();
 	if (!own.empty() && spacing_.count(own) > 0) {
 		r_problems.push_back("ScatterLayer.spacing names the layer itself; its own instances keep its radius.");
@@ -88,7 +88,7 @@ void ScatterLayer::add_neighbour_problems(PackedStringArray &r_problems) const {
 	}
 	if (!proximity_layer_.is_empty()) {
 		add_curve_problem("proximity_curve", resources_.proximity_curve, snapshots().own_proximity_curve,
-				"metres of distance", r_problems);
+				"meters of distance", r_problems);
 	} else if (resources_.proximity_curve.is_valid()) {
 		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer.");
 	}
@@ -119,7 +119,7 @@ PackedStringArray ScatterLayer::problems() const {
 	add_number_problems(result);
 	add_curve_problems(result);
 	add_mask_problems(result);
-	add_neighbour_problems(result);
+	add_neighbor_problems(result);
 	add_mesh_problems(result);
 	add_lod_problems(result);
 	add_gameplay_problems(result);

@@ -11,7 +11,7 @@
 namespace thicket {
 
 inline constexpr const char *layer_class_name = "ScatterLayer";
-inline constexpr double farthest_view = 1e6; ///< Metres; farther than anything is seen.
+inline constexpr double farthest_view = 1e6; ///< Meters; farther than anything is seen.
 
 template <const NumberProperty<LayerNumbers, double> &property>
 void ScatterLayer::set_number(double p_value) {

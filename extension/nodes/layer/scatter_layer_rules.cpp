@@ -13,7 +13,7 @@ namespace {
 
 using Number = NumberProperty<LayerNumbers, double>;
 
-constexpr double min_distance = 1e-3; ///< Metres, between layers.
+constexpr double min_distance = 1e-3; ///< Meters, between layers.
 
 constexpr Number density{"density", &LayerNumbers::density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
 constexpr Number min_slope_degrees{
@@ -37,7 +37,7 @@ constexpr Number clump_softness{
 constexpr Number edge_feather{"edge_feather", &LayerNumbers::edge_feather, 0.0, max_edge_feather, PROPERTY_HINT_RANGE,
 		"0,50,0.1,or_greater,suffix:m"};
 constexpr Number distance_counted{"proximity_distance", &LayerNumbers::proximity_distance, min_distance,
-		max_neighbour_distance, PROPERTY_HINT_RANGE, "0.1,100,0.1,or_less,or_greater,suffix:m"};
+		max_neighbor_distance, PROPERTY_HINT_RANGE, "0.1,100,0.1,or_less,or_greater,suffix:m"};
 
 constexpr ResourceProperty<Curve> density_over_height{
 		"density_over_height", "Curve", &LayerResources::density_over_height, LayerSource::density_over_height};
@@ -95,13 +95,13 @@ void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 PackedInt32Array ScatterLayer::get_ground_textures() const { return ground_textures_; }
 
 bool ScatterLayer::accept_spacing(const TypedDictionary<String, double> &p_spacing) const {
-	if (p_spacing.size() > static_cast<int64_t>(max_neighbours)) {
+	if (p_spacing.size() > static_cast<int64_t>(max_neighbors)) {
 		report(layer_class_name, {ErrorCode::wrong_size, "spacing", static_cast<double>(p_spacing.size())});
 		return false;
 	}
 	const Array names = p_spacing.keys();
 	for (int64_t i = 0; i < names.size(); ++i) {
-		if (!accept_number(layer_class_name, "spacing", p_spacing[names[i]], min_distance, max_neighbour_distance)) {
+		if (!accept_number(layer_class_name, "spacing", p_spacing[names[i]], min_distance, max_neighbor_distance)) {
 			return false;
 		}
 	}
@@ -165,7 +165,7 @@ void ScatterLayer::bind_rules() {
 	bind_number<edge_feather>();
 }
 
-void ScatterLayer::bind_neighbours() {
+void ScatterLayer::bind_neighbors() {
 	ADD_GROUP("Other Layers", "");
 	ClassDB::bind_method(D_METHOD("set_spacing", "spacing"), &ScatterLayer::set_spacing);
 	ClassDB::bind_method(D_METHOD("get_spacing"), &ScatterLayer::get_spacing);

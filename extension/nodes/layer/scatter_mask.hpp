@@ -27,7 +27,7 @@ public:
 		MODE_SMOOTH,
 	};
 
-	/// Metres, PaintedMask::min_pixel_size to max_pixel_size. Refused, as the background is, while something is painted: it
+	/// Meters, PaintedMask::min_pixel_size to max_pixel_size. Refused, as the background is, while something is painted: it
 	/// would have to be made anew from other pixels, and could not be put back.
 	void set_pixel_size(double p_size);
 	double get_pixel_size() const;

@@ -38,7 +38,7 @@ public:
 	void set_seed(int64_t p_seed);
 	int64_t get_seed() const;
 
-	/// Metres between any two points, at least; [min_radius, max_radius]. Anything else prints an error and is ignored.
+	/// Meters between any two points, at least; [min_radius, max_radius]. Anything else prints an error and is ignored.
 	void set_radius(double p_radius);
 	double get_radius() const;
 
@@ -62,7 +62,7 @@ public:
 	void set_cell_size(double p_cell_size);
 	double get_cell_size() const;
 
-	/// The points of the set in a half-open rectangle in metres: positions (PackedVector2Array, single precision),
+	/// The points of the set in a half-open rectangle in meters: positions (PackedVector2Array, single precision),
 	/// ranks (PackedFloat32Array, 0 to 1), ids (PackedInt64Array). A refused rectangle prints an error and gives
 	/// empty arrays.
 	godot::Dictionary sample(const godot::Rect2 &p_rect);
@@ -71,7 +71,7 @@ public:
 	/// distance from the origin.
 	godot::Dictionary sample_exact(double p_min_x, double p_min_y, double p_max_x, double p_max_y);
 
-	/// Fills a rectangle in metres with one set by `method`. Positions are the rectangle's corner plus those of the core,
+	/// Fills a rectangle in meters with one set by `method`. Positions are the rectangle's corner plus those of the core,
 	/// rounded to single precision once, downwards where the far edge would be next. `p_progress` is told by ScriptProgress.
 	/// A request that DomainRequest or PointSet excludes prints an error and gives nothing, a cancelled one gives nothing.
 	godot::PackedVector2Array sample_domain(const godot::Rect2 &p_rect, const godot::Callable &p_progress);

@@ -14,7 +14,7 @@ namespace thicket {
 
 namespace {
 
-/// Metres from a mesh's origin to the farthest corner of its box.
+/// Meters from a mesh's origin to the farthest corner of its box.
 float reach_of(const Ref<Mesh> &mesh) {
 	if (mesh.is_null()) {
 		return 0.0F;

@@ -29,7 +29,7 @@ struct ScatterGround {
 class LayerPlans {
 public:
 	/// Reads the layers as they are now. Returns for each where its tiles are outdated. A layer whose settings are
-	/// refused keeps its last good ones, for its neighbours too, and one error is printed.
+	/// refused keeps its last good ones, for its neighbors too, and one error is printed.
 	std::vector<EditedArea> update(
 			const godot::TypedArray<ScatterLayer> &p_layers, const ScatterGround &ground, ShapeRegister &shapes);
 

@@ -13,7 +13,7 @@ struct MeshUpload {
 	godot::AABB aabb; ///< Around the meshes as they stand, relative to the tile's origin.
 };
 
-/// `reach`: metres from the mesh's origin to its farthest corner, at scale 1.
+/// `reach`: meters from the mesh's origin to its farthest corner, at scale 1.
 MeshUpload to_upload(const MeshInstances &mesh, float reach);
 
 } // namespace thicket

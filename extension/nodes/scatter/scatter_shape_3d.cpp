@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char *class_name = "ScatterShape3D";
 
-/// How far, in metres, the outline of a path may lie beside the points that its curve was baked to.
+/// How far, in meters, the outline of a path may lie beside the points that its curve was baked to.
 constexpr double path_tolerance = 0.01;
 
 constexpr double min_side = 1e-3;

@@ -18,7 +18,7 @@ namespace thicket {
 
 class TerrainScatter3D;
 
-/// The sizes of a shape, as the inspector shows them, in metres.
+/// The sizes of a shape, as the inspector shows them, in meters.
 struct ShapeNumbers {
 	double falloff = 0.0;
 	double radius = 5.0;
@@ -54,7 +54,7 @@ public:
 	void set_ignore_height(bool p_ignore);
 	bool is_ignoring_height() const { return ignore_height_; }
 
-	/// Sides of the box in metres, each 0.001 to 1e6, before the node's scale.
+	/// Sides of the box in meters, each 0.001 to 1e6, before the node's scale.
 	void set_size(const godot::Vector3 &p_size);
 	godot::Vector3 get_size() const { return size_; }
 

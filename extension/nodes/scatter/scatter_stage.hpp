@@ -73,7 +73,7 @@ public:
 	/// An instance of a layer, whose point lies in `area`, is shown by other means from now on, or no longer.
 	void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden);
 
-	/// The overlay may have changed in an area (world metres, edges included) of a layer, or all over.
+	/// The overlay may have changed in an area (world meters, edges included) of a layer, or all over.
 	void mark(std::uint32_t layer, const Rect &area) { marks_.push_back({layer, area}); }
 	void mark_all() { marked_all_ = true; }
 
@@ -84,7 +84,7 @@ public:
 	/// Where new tiles go.
 	void set_place(const godot::RID &scenario, std::uint64_t node_id);
 
-	/// The engine's origin in the world, metres: all that stands is moved along at once.
+	/// The engine's origin in the world, meters: all that stands is moved along at once.
 	void set_world_offset(glm::dvec3 offset);
 
 	/// Shows or hides all that stands and all that comes.
@@ -161,7 +161,7 @@ public:
 	std::uint64_t upload_count() const { return upload_count_; }
 
 private:
-	/// layer, x, y, -grid: neighbours in a layer stay together, the newest grid comes first.
+	/// layer, x, y, -grid: neighbors in a layer stay together, the newest grid comes first.
 	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
 	struct Mark {
 		std::uint32_t layer = 0;

@@ -23,7 +23,7 @@ constexpr std::uint64_t worker_lead_microseconds = 30'000;
 constexpr std::size_t min_jobs_per_worker = 8;
 constexpr std::size_t max_jobs_per_worker = 64;
 
-/// Metres that a viewer may move before the work that waits is sorted anew.
+/// Meters that a viewer may move before the work that waits is sorted anew.
 constexpr double sort_distance = 4.0;
 
 std::size_t worker_count() {

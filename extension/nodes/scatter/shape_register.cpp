@@ -13,7 +13,7 @@ namespace thicket {
 
 namespace {
 
-/// Metres by which a shape may seem to have moved after its scene was recentred.
+/// Meters by which a shape may seem to have moved after its scene was recentered.
 constexpr double rounding = 0.01;
 
 /// Whether a shape is the other one, but for rounding.
@@ -66,12 +66,12 @@ bool ShapeRegister::mark_all() {
 	return !entries_.empty();
 }
 
-void ShapeRegister::update(bool recentred) {
+void ShapeRegister::update(bool recentered) {
 	for (Entry &entry : entries_) {
 		if (std::exchange(entry.marked, false)) {
 			const std::optional<Shape> before = std::exchange(entry.read, entry.node->world_shape());
 			const bool same =
-					recentred && before && entry.read ? stands_still(*before, *entry.read) : before == entry.read;
+					recentered && before && entry.read ? stands_still(*before, *entry.read) : before == entry.read;
 			if (!same || !entry.shape) {
 				entry.shape = entry.read;
 			}

@@ -30,9 +30,9 @@ public:
 	/// All shapes have to be looked at again. False if there are none.
 	bool mark_all();
 
-	/// Looks at the shapes that were marked. After the scene was `recentred`, one that stands in the world where it stood is
+	/// Looks at the shapes that were marked. After the scene was `recentered`, one that stands in the world where it stood is
 	/// the same shape: to within what single precision makes of that.
-	void update(bool recentred);
+	void update(bool recentered);
 
 	/// The shapes that count for the layer of this name at a place in the node's list; null for none. The same pointer
 	/// as last time while nothing has changed.

@@ -24,7 +24,7 @@ namespace {
 
 constexpr const char *class_name = "TerrainScatter3D";
 
-/// Metres around a change of the ground in which slopes may be others: heights are compared over less than that.
+/// Meters around a change of the ground in which slopes may be others: heights are compared over less than that.
 constexpr double slope_margin = 1.0;
 
 /// A rectangle of the engine; all of the world for one without an area, or that is not finite.
@@ -201,7 +201,7 @@ void TerrainScatter3D::refresh() {
 	}
 	ground.terrain = ground_;
 	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
-	shapes_.update(std::exchange(recentred_, false));
+	shapes_.update(std::exchange(recentered_, false));
 	if (!grounded || layers_.is_empty()) {
 		scenes_.clear();
 		stream_.stop();

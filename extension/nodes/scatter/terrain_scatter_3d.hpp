@@ -63,7 +63,7 @@ public:
 	void set_viewer_radius_scales(const godot::PackedFloat32Array &p_scales);
 	godot::PackedFloat32Array get_viewer_radius_scales() const { return viewer_radius_scales_; }
 
-	/// The world's metres at the engine's origin, each at most 1e12 from 0: world = engine + world_offset. Nothing is made or
+	/// The world's meters at the engine's origin, each at most 1e12 from 0: world = engine + world_offset. Nothing is made or
 	/// uploaded anew for another one; all positions that the node takes and gives are the engine's.
 	void set_world_offset(const godot::Vector3 &p_offset);
 	godot::Vector3 get_world_offset() const;
@@ -235,7 +235,7 @@ private:
 	godot::Ref<ScatterState> state_;
 	godot::StringName body_group_ = "scatter_bodies";
 	StateWatch state_watch_{*this};
-	glm::dvec3 world_offset_{0.0}; ///< Of the engine's origin in the world, metres.
+	glm::dvec3 world_offset_{0.0}; ///< Of the engine's origin in the world, meters.
 
 	std::shared_ptr<InstanceWorld> world_ = std::make_shared<InstanceWorld>();
 	QueryRequests requests_;
@@ -252,7 +252,7 @@ private:
 	std::shared_ptr<const Terrain> ground_;
 	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
 	std::chrono::steady_clock::duration frame_time_{0};         ///< Of the main thread, in the last frame.
-	bool recentred_ = false; ///< `world_offset_` was changed since shapes were looked at.
+	bool recentered_ = false; ///< `world_offset_` was changed since shapes were looked at.
 	bool running_ = false;
 	bool dirty_ = true;
 	bool was_idle_ = true;

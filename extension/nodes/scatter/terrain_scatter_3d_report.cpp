@@ -199,7 +199,7 @@ void TerrainScatter3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_viewers"), &Self::get_viewers);
 	ClassDB::bind_method(D_METHOD("set_viewer_radius_scales", "scales"), &Self::set_viewer_radius_scales);
 	ClassDB::bind_method(D_METHOD("get_viewer_radius_scales"), &Self::get_viewer_radius_scales);
-	ClassDB::bind_method(D_METHOD("set_world_offset", "metres"), &Self::set_world_offset);
+	ClassDB::bind_method(D_METHOD("set_world_offset", "meters"), &Self::set_world_offset);
 	ClassDB::bind_method(D_METHOD("get_world_offset"), &Self::get_world_offset);
 	ClassDB::bind_method(D_METHOD("set_upload_budget_usec", "microseconds"), &Self::set_upload_budget_usec);
 	ClassDB::bind_method(D_METHOD("get_upload_budget_usec"), &Self::get_upload_budget_usec);

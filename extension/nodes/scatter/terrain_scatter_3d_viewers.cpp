@@ -61,8 +61,8 @@ void TerrainScatter3D::set_viewer_radius_scales(const PackedFloat32Array &p_scal
 }
 
 void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
-	for (const real_t metres : {p_offset.x, p_offset.y, p_offset.z}) {
-		if (!accept_number(class_name, "world_offset", metres, -1e12, 1e12)) {
+	for (const real_t meters : {p_offset.x, p_offset.y, p_offset.z}) {
+		if (!accept_number(class_name, "world_offset", meters, -1e12, 1e12)) {
 			return;
 		}
 	}
@@ -71,7 +71,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 		return;
 	}
 	world_offset_ = offset;
-	recentred_ = true;
+	recentered_ = true;
 	stream_.stage().set_world_offset(offset);
 	for (NearRing *ring : rings_) {
 		ring->set_world_offset(offset);

@@ -25,15 +25,15 @@ struct DrawSettings {
 /// Where a TileVisual stands.
 struct VisualPlace {
 	godot::RID scenario;
-	glm::dvec3 origin{0.0};    ///< The tile's origin in the world, metres.
-	glm::dvec3 offset{0.0};    ///< The engine's origin in the world, metres.
+	glm::dvec3 origin{0.0};    ///< The tile's origin in the world, meters.
+	glm::dvec3 offset{0.0};    ///< The engine's origin in the world, meters.
 	std::uint64_t node_id = 0; ///< Of the node it belongs to: a click in the editor selects that.
 };
 
 /// One mesh's instances in one tile on show: a MultiMesh and an instance of the RenderingServer, freed with the object.
 ///
 /// Holds its mesh and its material: an outdated tile is drawn as it was until its successor is there, whatever the
-/// layer has let go of. The instance stands at the tile's centre, from where the engine measures visibility ranges.
+/// layer has let go of. The instance stands at the tile's center, from where the engine measures visibility ranges.
 /// Physics interpolation is off, as it is for every multimesh that no MultiMesh resource owns: nothing here ever moves in
 /// the world.
 class TileVisual {

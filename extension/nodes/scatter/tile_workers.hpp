@@ -19,7 +19,7 @@ namespace thicket {
 struct LayerPlan {
 	std::shared_ptr<const LayerSettings> settings; ///< Never null.
 	std::shared_ptr<const Terrain> terrain;        ///< Null where the main thread has to ask a script for the ground.
-	std::vector<float> mesh_reach; ///< Metres from each mesh's origin to its farthest corner, at scale 1.
+	std::vector<float> mesh_reach; ///< Meters from each mesh's origin to its farthest corner, at scale 1.
 	bool wanted = true;            ///< False for a layer that shows nothing: its tiles are empty.
 
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }

@@ -25,11 +25,11 @@ namespace thicket {
 /// from 0 to 1, has weights too.
 class ObjectGround : public Terrain {
 public:
-	/// Null if the object has none of these. `offset` is the engine's origin in the world, metres: the object stands in the
+	/// Null if the object has none of these. `offset` is the engine's origin in the world, meters: the object stands in the
 	/// engine's space.
 	static std::shared_ptr<ObjectGround> of(godot::Object *p_object, glm::dvec3 offset);
 
-	/// The scene was recentred. Waits as `close` does. A map goes on as it stood when it was found.
+	/// The scene was recentered. Waits as `close` does. A map goes on as it stood when it was found.
 	void set_offset(glm::dvec3 offset);
 
 	/// As Terrain::sample, on any thread if the object's methods may be called there. A method that is gone or gives no

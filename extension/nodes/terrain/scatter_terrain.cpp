@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char *class_name = "ScatterTerrain";
 
-/// Places that a script on the main thread is asked for at a time: some 0.1 ms of GDScript, neighbours for slopes
+/// Places that a script on the main thread is asked for at a time: some 0.1 ms of GDScript, neighbors for slopes
 /// included.
 constexpr std::size_t script_slice = 32;
 

@@ -21,7 +21,7 @@
 
 namespace thicket {
 
-inline constexpr double height_limit = 1e6; ///< World metres up and down: as far as the settings of a terrain go.
+inline constexpr double height_limit = 1e6; ///< World meters up and down: as far as the settings of a terrain go.
 
 /// The ground that layers stand on. Extend it in a script by `_get_heights`, or use one of the shipped kinds.
 class ScatterTerrain : public godot::Resource {
@@ -65,11 +65,11 @@ public:
 	void enter(godot::Node3D *p_host);
 	void leave(godot::Node3D *p_host);
 
-	/// Where the engine's origin is in the world, metres: world = engine + offset. Counts for ground that is found in the scene,
-	/// which moves along when a game recentres; all other ground is the world's. Main thread only.
+	/// Where the engine's origin is in the world, meters: world = engine + offset. Counts for ground that is found in the scene,
+	/// which moves along when a game recenters; all other ground is the world's. Main thread only.
 	void set_world_offset(glm::dvec3 offset);
 
-	/// Height in metres of the ground above or below a world position; NAN where there is none.
+	/// Height in meters of the ground above or below a world position; NAN where there is none.
 	double get_height(const godot::Vector3 &p_global_position);
 
 	/// Unit normal of the ground there; zero where there is none.
@@ -94,7 +94,7 @@ protected:
 	/// none.
 	godot::Node3D *host() const { return hosts_.empty() ? nullptr : hosts_.front(); }
 
-	/// Tells that the ground has changed within a world rect, in metres of x and z.
+	/// Tells that the ground has changed within a world rect, in meters of x and z.
 	void emit_terrain_changed(const godot::Rect2 &p_rect);
 
 private:

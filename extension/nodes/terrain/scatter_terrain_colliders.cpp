@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char *class_name = "ScatterTerrainColliders";
 
-/// How far the next ray starts inside of a body that is no ground: metres, and as a share of its height.
+/// How far the next ray starts inside of a body that is no ground: meters, and as a share of its height.
 constexpr real_t into_body = 1e-3F;
 constexpr real_t into_high_body = 1e-6F;
 

@@ -22,7 +22,7 @@ public:
 	void set_collision_mask(int64_t p_mask);
 	int64_t get_collision_mask() const;
 
-	/// World metres from where, and down to where, each ray goes; +-1e6, the top above the bottom. May be set in any
+	/// World meters from where, and down to where, each ray goes; +-1e6, the top above the bottom. May be set in any
 	/// order: while they are inverted, one error says so, and what stands stays.
 	void set_ray_top(double p_height);
 	double get_ray_top() const;

@@ -12,7 +12,7 @@ public:
 	std::shared_ptr<const Terrain> snapshot() override;
 	godot::String problem() override;
 
-	/// World height in metres, finite, +-1e6. Anything else prints an error and is ignored.
+	/// World height in meters, finite, +-1e6. Anything else prints an error and is ignored.
 	void set_height(double p_height);
 	double get_level() const;
 

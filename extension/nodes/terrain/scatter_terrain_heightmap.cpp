@@ -83,29 +83,29 @@ Status ScatterTerrainHeightmap::build() {
 	return status;
 }
 
-// Heights between 0 and 1 become metres only here: they follow the heights that stand for 0 and 1.
+// Heights between 0 and 1 become meters only here: they follow the heights that stand for 0 and 1.
 Status ScatterTerrainHeightmap::set_posts(Heightfield &r_field, const HeightfieldFrame &frame) const {
 	if (posts_.floats.empty()) {
 		return r_field.set(frame, posts_.steps);
 	}
-	if (heights_in_metres_) {
-		HeightfieldFrame in_metres = frame;
-		in_metres.min_height = 0.0;
-		in_metres.max_height = 0.0;
-		return r_field.set_metres(in_metres, posts_.floats);
+	if (heights_in_meters_) {
+		HeightfieldFrame in_meters = frame;
+		in_meters.min_height = 0.0;
+		in_meters.max_height = 0.0;
+		return r_field.set_meters(in_meters, posts_.floats);
 	}
 	if (const Status status = validate(frame); !status.ok()) {
 		return status;
 	}
-	std::vector<float> metres;
-	metres.reserve(posts_.floats.size());
+	std::vector<float> meters;
+	meters.reserve(posts_.floats.size());
 	for (const float unit : posts_.floats) {
 		if (unit < 0.0F || unit > 1.0F) {
 			return {ErrorCode::out_of_range, image_.is_valid() ? "image" : "heightmap_path", unit};
 		}
-		metres.push_back(static_cast<float>(min_height_ + (max_height_ - min_height_) * unit));
+		meters.push_back(static_cast<float>(min_height_ + (max_height_ - min_height_) * unit));
 	}
-	return r_field.set_metres(frame, metres);
+	return r_field.set_meters(frame, meters);
 }
 
 Status ScatterTerrainHeightmap::read_all() {
@@ -180,12 +180,12 @@ void ScatterTerrainHeightmap::set_weight_image(const Ref<Resource> &p_image) {
 
 Ref<Resource> ScatterTerrainHeightmap::get_weight_image() const { return weight_image_; }
 
-void ScatterTerrainHeightmap::set_heights_in_metres(bool p_metres) {
-	heights_in_metres_ = p_metres;
+void ScatterTerrainHeightmap::set_heights_in_meters(bool p_meters) {
+	heights_in_meters_ = p_meters;
 	change();
 }
 
-bool ScatterTerrainHeightmap::is_heights_in_metres() const { return heights_in_metres_; }
+bool ScatterTerrainHeightmap::is_heights_in_meters() const { return heights_in_meters_; }
 
 void ScatterTerrainHeightmap::set_rect(const Rect2 &p_rect) {
 	for (const real_t number : {p_rect.position.x, p_rect.position.y}) {
@@ -230,8 +230,8 @@ void ScatterTerrainHeightmap::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_post_count"), &Self::get_post_count);
 	ClassDB::bind_method(D_METHOD("set_image", "image"), &Self::set_image);
 	ClassDB::bind_method(D_METHOD("get_image"), &Self::get_image);
-	ClassDB::bind_method(D_METHOD("set_heights_in_metres", "metres"), &Self::set_heights_in_metres);
-	ClassDB::bind_method(D_METHOD("is_heights_in_metres"), &Self::is_heights_in_metres);
+	ClassDB::bind_method(D_METHOD("set_heights_in_meters", "meters"), &Self::set_heights_in_meters);
+	ClassDB::bind_method(D_METHOD("is_heights_in_meters"), &Self::is_heights_in_meters);
 	ClassDB::bind_method(D_METHOD("set_weight_image", "image"), &Self::set_weight_image);
 	ClassDB::bind_method(D_METHOD("get_weight_image"), &Self::get_weight_image);
 	ClassDB::bind_method(D_METHOD("_image_changed"), &Self::image_changed);
@@ -246,7 +246,7 @@ void ScatterTerrainHeightmap::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::VECTOR2I, "post_count"), "set_post_count", "get_post_count");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "image", PROPERTY_HINT_RESOURCE_TYPE, "Image,Texture2D"), "set_image",
 			"get_image");
-	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "heights_in_metres"), "set_heights_in_metres", "is_heights_in_metres");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "heights_in_meters"), "set_heights_in_meters", "is_heights_in_meters");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "weight_image", PROPERTY_HINT_RESOURCE_TYPE, "Image,Texture2D"),
 			"set_weight_image", "get_weight_image");
 	ADD_PROPERTY(PropertyInfo(Variant::RECT2, "rect", PROPERTY_HINT_NONE, "suffix:m"), "set_rect", "get_rect");

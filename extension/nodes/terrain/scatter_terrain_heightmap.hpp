@@ -33,20 +33,20 @@ public:
 	void set_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_image() const;
 
-	/// What posts that are floats mean: metres, or 0 to 1 between the lowest and the highest height as all others do.
+	/// What posts that are floats mean: meters, or 0 to 1 between the lowest and the highest height as all others do.
 	/// NAN is a hole in both.
-	void set_heights_in_metres(bool p_metres);
-	bool is_heights_in_metres() const;
+	void set_heights_in_meters(bool p_meters);
+	bool is_heights_in_meters() const;
 
 	/// An Image or a Texture2D over the same rect, whose channels say how much of the ground is texture 0 to 3.
 	void set_weight_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_weight_image() const;
 
-	/// World metres from the first post to the last: x, and z as y.
+	/// World meters from the first post to the last: x, and z as y.
 	void set_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_rect() const;
 
-	/// World metres of the lowest and of the highest value that a post can have; +-1e6.
+	/// World meters of the lowest and of the highest value that a post can have; +-1e6.
 	void set_min_height(double p_height);
 	double get_min_height() const;
 	void set_max_height(double p_height);
@@ -70,7 +70,7 @@ private:
 	godot::Vector2i post_count_{0, 0};
 	godot::Ref<godot::Resource> image_;
 	godot::Ref<godot::Resource> weight_image_;
-	bool heights_in_metres_ = false;
+	bool heights_in_meters_ = false;
 	godot::Rect2 rect_{0.0F, 0.0F, 1000.0F, 1000.0F};
 	double min_height_ = 0.0;
 	double max_height_ = 100.0;

@@ -34,21 +34,21 @@ public:
 	}
 
 private:
-	/// Metres above the base.
+	/// Meters above the base.
 	double rise_at(glm::dvec2 position) const {
 		return amplitude_ * noise_->get_noise_2d(static_cast<float>(position.x), static_cast<float>(position.y));
 	}
 
 	Ground ground_at(glm::dvec2 position) const {
 		const SlopeStencil stencil(position);
-		if (!std::isfinite(stencil.centre().x) || !std::isfinite(stencil.centre().y)) {
+		if (!std::isfinite(stencil.center().x) || !std::isfinite(stencil.center().y)) {
 			return {};
 		}
 		std::array<float, 4> around{};
 		for (std::size_t i = 0; i < around.size(); ++i) {
 			around[i] = static_cast<float>(rise_at(stencil.places()[i]));
 		}
-		const double rise = rise_at(stencil.centre());
+		const double rise = rise_at(stencil.center());
 		return {static_cast<float>(base_ + rise), stencil.normal(static_cast<float>(rise), around)};
 	}
 

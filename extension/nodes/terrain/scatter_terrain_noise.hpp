@@ -19,11 +19,11 @@ public:
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const;
 
-	/// Metres that a noise of 1 rises above `base_height`, 0 to 1e6. Anything else prints an error and is ignored.
+	/// Meters that a noise of 1 rises above `base_height`, 0 to 1e6. Anything else prints an error and is ignored.
 	void set_amplitude(double p_amplitude);
 	double get_amplitude() const;
 
-	/// World metres where the noise is 0, +-1e6. Anything else prints an error and is ignored.
+	/// World meters where the noise is 0, +-1e6. Anything else prints an error and is ignored.
 	void set_base_height(double p_height);
 	double get_base_height() const;
 

@@ -29,7 +29,7 @@ struct TerrainMap {
 
 	/// The place in map space.
 	glm::dvec2 to_map(glm::dvec2 world) const;
-	/// World metres of a height that the map has.
+	/// World meters of a height that the map has.
 	float height_in_world(double height) const;
 	/// True on the map and outside its holes.
 	bool has_ground(glm::dvec2 place) const;

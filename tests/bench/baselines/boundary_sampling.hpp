@@ -48,7 +48,7 @@ private:
 	static constexpr double turn = 2.0 * std::numbers::pi;
 	static constexpr int reach = 1; ///< Cells; disks that cover part of a circle are at most 2 `distance` apart.
 
-	/// Half the part of a circle that a neighbour on it covers.
+	/// Half the part of a circle that a neighbor on it covers.
 	static constexpr double sixth = std::numbers::pi / 3.0;
 
 	/// Open angles in [0, turn], as ranges that do not touch. A disk opens at most one more of them, and at most 20

@@ -24,18 +24,18 @@ public:
 	/// A corner no more than this beyond the disk counts as inside.
 	static constexpr double tolerance = 1e-9;
 
-	/// Replaces the cell. `neighbours` are the sites around it, in counterclockwise order; a neighbour's edge lies
-	/// halfway to it, and its corner with the next is the centre of the circle through both and the site.
-	void assign(const std::vector<glm::dvec2> &neighbours) {
+	/// Replaces the cell. `neighbors` are the sites around it, in counterclockwise order; a neighbor's edge lies
+	/// halfway to it, and its corner with the next is the center of the circle through both and the site.
+	void assign(const std::vector<glm::dvec2> &neighbors) {
 		pieces_.clear();
 		area_ = 0.0;
-		if (neighbours.empty()) {
+		if (neighbors.empty()) {
 			return;
 		}
-		glm::dvec2 corner = circumcentre(neighbours.back(), neighbours.front());
-		for (std::size_t i = 0; i < neighbours.size(); ++i) {
-			const glm::dvec2 next = circumcentre(neighbours[i], neighbours[i + 1 < neighbours.size() ? i + 1 : 0]);
-			add_edge(neighbours[i], corner, next);
+		glm::dvec2 corner = circumcenter(neighbors.back(), neighbors.front());
+		for (std::size_t i = 0; i < neighbors.size(); ++i) {
+			const glm::dvec2 next = circumcenter(neighbors[i], neighbors[i + 1 < neighbors.size() ? i + 1 : 0]);
+			add_edge(neighbors[i], corner, next);
 			corner = next;
 		}
 	}
@@ -96,7 +96,7 @@ private:
 
 	static double dot(glm::dvec2 a, glm::dvec2 b) { return a.x * b.x + a.y * b.y; }
 
-	static glm::dvec2 circumcentre(glm::dvec2 a, glm::dvec2 b) {
+	static glm::dvec2 circumcenter(glm::dvec2 a, glm::dvec2 b) {
 		const double twice_area = a.x * b.y - a.y * b.x;
 		return (glm::dvec2(b.y, -b.x) * dot(a, a) + glm::dvec2(-a.y, a.x) * dot(b, b)) / (2.0 * twice_area);
 	}
@@ -110,11 +110,11 @@ private:
 		return x * q * (1.0 / 3 - q * (1.0 / 5 - q * (1.0 / 7 - q * (1.0 / 9 - q * (1.0 / 11 - q / 13)))));
 	}
 
-	void add_edge(glm::dvec2 neighbour, glm::dvec2 from, glm::dvec2 to) {
-		const double distance = std::sqrt(dot(neighbour, neighbour));
-		const glm::dvec2 along = glm::dvec2(-neighbour.y, neighbour.x) / distance;
-		add_piece(0.5 * neighbour, along, 0.5 * distance, dot(from, along), dot(to, along));
-		add_piece(0.5 * neighbour, -along, 0.5 * distance, -dot(to, along), -dot(from, along));
+	void add_edge(glm::dvec2 neighbor, glm::dvec2 from, glm::dvec2 to) {
+		const double distance = std::sqrt(dot(neighbor, neighbor));
+		const glm::dvec2 along = glm::dvec2(-neighbor.y, neighbor.x) / distance;
+		add_piece(0.5 * neighbor, along, 0.5 * distance, dot(from, along), dot(to, along));
+		add_piece(0.5 * neighbor, -along, 0.5 * distance, -dot(to, along), -dot(from, along));
 	}
 
 	/// The piece of an edge from `from` to `to`, measured from the foot on.

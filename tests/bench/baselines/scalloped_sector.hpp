@@ -33,7 +33,7 @@ struct Arc {
 	/// Area between the arc from `a` to `b` and its chord, above 0 where the arc lies beyond the chord. Less than half
 	/// of the circle.
 	double bulge(glm::dvec2 a, glm::dvec2 b) const {
-		const double sine = 0.5 * std::sqrt(dot(b - a, b - a)) / disk.radius; // of half the angle at the centre
+		const double sine = 0.5 * std::sqrt(dot(b - a, b - a)) / disk.radius; // of half the angle at the center
 		const double square = sine * sine;
 		if (sine < 0.15) {
 			// The angle less its sine, as a series: the difference itself would lose its digits.

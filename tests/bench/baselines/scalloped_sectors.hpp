@@ -41,7 +41,7 @@ public:
 		first_.clear();
 		pool_.clear();
 		free_ = none;
-		neighbour_count_ = 0;
+		neighbor_count_ = 0;
 		r_points.clear();
 
 		Xoroshiro random(seed);
@@ -59,9 +59,9 @@ private:
 	static constexpr std::size_t annulus_parts = 6; ///< So that no arc in it is half of its circle.
 	static constexpr int most_throws = 16;
 	static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-	static constexpr std::size_t most_neighbours = 128; ///< Oler's bound for a disk of radius 4 is 71.
+	static constexpr std::size_t most_neighbors = 128; ///< Oler's bound for a disk of radius 4 is 71.
 
-	struct Neighbour {
+	struct Neighbor {
 		std::uint32_t index;
 		glm::dvec2 offset;
 		double squared;
@@ -80,8 +80,8 @@ private:
 	std::vector<Node> pool_;
 	std::uint32_t free_ = none;
 	SectorCut cut_;
-	std::array<Neighbour, most_neighbours> neighbours_; ///< Of the last dart, closer than 4.
-	std::size_t neighbour_count_ = 0;
+	std::array<Neighbor, most_neighbors> neighbors_; ///< Of the last dart, closer than 4.
+	std::size_t neighbor_count_ = 0;
 
 	static double unit(Xoroshiro &random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
@@ -110,48 +110,48 @@ private:
 		return i;
 	}
 
-	/// Finds the neighbours of a dart; false if one is closer than 1.
+	/// Finds the neighbors of a dart; false if one is closer than 1.
 	bool look_around(glm::dvec2 dart) {
-		neighbour_count_ = 0;
+		neighbor_count_ = 0;
 		bool free = true;
 		grid_.visit(dart, reach, [&](std::uint32_t index, glm::dvec2 offset) {
 			const double squared = dot(offset, offset);
 			free &= squared >= 1.0;
 			if (squared < 16.0) {
-				neighbours_[neighbour_count_++] = {index, offset, squared};
+				neighbors_[neighbor_count_++] = {index, offset, squared};
 			}
 		});
 		return free;
 	}
 
-	/// Adds a point whose neighbours are known.
+	/// Adds a point whose neighbors are known.
 	void insert(glm::dvec2 point, std::vector<glm::dvec2> &r_points) {
 		const std::size_t index = r_points.size();
 		grid_.insert(static_cast<std::uint32_t>(index), point);
 		r_points.push_back(point);
 		first_.push_back(none);
-		for (std::size_t i = 0; i < neighbour_count_; ++i) {
-			const Neighbour &neighbour = neighbours_[i];
-			if (neighbour.squared < 9.0 && first_[neighbour.index] != none) {
-				cut(neighbour.index, {-neighbour.offset, 1.0});
-				weigh(neighbour.index);
+		for (std::size_t i = 0; i < neighbor_count_; ++i) {
+			const Neighbor &neighbor = neighbors_[i];
+			if (neighbor.squared < 9.0 && first_[neighbor.index] != none) {
+				cut(neighbor.index, {-neighbor.offset, 1.0});
+				weigh(neighbor.index);
 			}
 		}
 		for (const ScallopedSector &part : annulus_) {
 			add_sector(index, part);
 		}
 		// What is near covers most: the others then find few sectors, or none.
-		cut_neighbours(index, 0.0, 4.0);
-		cut_neighbours(index, 4.0, 16.0);
+		cut_neighbors(index, 0.0, 4.0);
+		cut_neighbors(index, 4.0, 16.0);
 		weigh(index);
 	}
 
 	/// Leaves to earlier points, those at squared distances from `least` to `limit`, all that is less than 2 from them.
-	void cut_neighbours(std::size_t owner, double least, double limit) {
-		for (std::size_t i = 0; i < neighbour_count_ && first_[owner] != none; ++i) {
-			const Neighbour &neighbour = neighbours_[i];
-			if (neighbour.squared >= least && neighbour.squared < limit) {
-				cut(owner, {neighbour.offset, 2.0});
+	void cut_neighbors(std::size_t owner, double least, double limit) {
+		for (std::size_t i = 0; i < neighbor_count_ && first_[owner] != none; ++i) {
+			const Neighbor &neighbor = neighbors_[i];
+			if (neighbor.squared >= least && neighbor.squared < limit) {
+				cut(owner, {neighbor.offset, 2.0});
 			}
 		}
 	}

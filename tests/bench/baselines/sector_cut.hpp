@@ -15,7 +15,7 @@ namespace thicket::bench {
 ///
 /// The rays on which the order of the sector's arcs and the disk's circle can change (tangents to the disk, and those
 /// through the places where it crosses an arc) cut the sector into slices. In each slice one ray, in its middle, tells
-/// which parts remain. Neighbouring slices with the same part are joined, so that no cut is left without need.
+/// which parts remain. Neighboring slices with the same part are joined, so that no cut is left without need.
 class SectorCut {
 public:
 	/// Two tangents and two crossings with either arc make seven slices, each with at most two parts.

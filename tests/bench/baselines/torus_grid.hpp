@@ -10,14 +10,14 @@
 
 namespace thicket::bench {
 
-/// Finds the neighbours of a place on the torus [0, side)^2 among points that keep distance 1: square cells a hair more
+/// Finds the neighbors of a place on the torus [0, side)^2 among points that keep distance 1: square cells a hair more
 /// than two units wide, which hold the points themselves, so that a look at a cell reads one or two cache lines.
 class TorusGrid {
 public:
 	/// More than twice the distance at which boundary sampling places points.
 	static constexpr double least_cell = 2.0 + 1e-8;
 
-	/// The least side of a torus on which a neighbourhood of two cells does not meet itself.
+	/// The least side of a torus on which a neighborhood of two cells does not meet itself.
 	static constexpr double least_side = 11.0;
 
 	/// Empties the grid. `side` from `least_side`.

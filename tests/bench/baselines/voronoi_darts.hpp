@@ -79,8 +79,8 @@ private:
 	// Of the cell that was looked at last.
 	FreeCell cell_;
 	std::vector<glm::dvec2> around_;
-	std::vector<Vertex> neighbours_;
-	std::vector<Vertex> changed_; ///< The neighbours of the point that was added last.
+	std::vector<Vertex> neighbors_;
+	std::vector<Vertex> changed_; ///< The neighbors of the point that was added last.
 
 	/// The place of the torus that a coordinate at most a side outside of it stands for.
 	double wrap(double coordinate) const {
@@ -89,11 +89,11 @@ private:
 		return inside < side_ ? inside : 0.0;
 	}
 
-	/// Finds a point's neighbours and its cell. While points are few, the triangulation is of nine copies of the torus:
-	/// a neighbour may then be a copy, even of the point itself, and stands for the one in `vertices_`.
+	/// Finds a point's neighbors and its cell. While points are few, the triangulation is of nine copies of the torus:
+	/// a neighbor may then be a copy, even of the point itself, and stands for the one in `vertices_`.
 	void look_at(Vertex vertex) {
 		around_.clear();
-		neighbours_.clear();
+		neighbors_.clear();
 		const auto first = triangulation_->incident_faces(vertex);
 		auto face = first;
 		do {
@@ -103,25 +103,25 @@ private:
 			const auto [to, to_copy] = triangulation_->periodic_point(face, there);
 			around_.emplace_back(to.x() - from.x() + (to_copy.x() - from_copy.x()) * side_,
 					to.y() - from.y() + (to_copy.y() - from_copy.y()) * side_);
-			neighbours_.push_back(triangulation_->get_original_vertex(face->vertex(there)));
+			neighbors_.push_back(triangulation_->get_original_vertex(face->vertex(there)));
 		} while (++face != first);
 		cell_.assign(around_);
 	}
 
 	/// Rounding can bring a dart that falls on the rim of a free part into a disk: of its cell's point, or, in a corner,
-	/// of a neighbour. Such a dart is thrown again.
+	/// of a neighbor. Such a dart is thrown again.
 	bool keeps_distance(glm::dvec2 dart, glm::dvec2 site, const std::vector<glm::dvec2> &points) const {
 		const auto far_enough = [&](glm::dvec2 point) {
 			const glm::dvec2 straight = point - dart;
 			const glm::dvec2 shortest = straight - side_ * glm::round(straight / side_);
 			return shortest.x * shortest.x + shortest.y * shortest.y >= 1.0;
 		};
-		return far_enough(site) && std::all_of(neighbours_.begin(), neighbours_.end(), [&](Vertex neighbour) {
-			return far_enough(points[neighbour->info()]);
+		return far_enough(site) && std::all_of(neighbors_.begin(), neighbors_.end(), [&](Vertex neighbor) {
+			return far_enough(points[neighbor->info()]);
 		});
 	}
 
-	/// Adds a point that lies at or near `near`, and brings its cell and the neighbours' up to date: no others change.
+	/// Adds a point that lies at or near `near`, and brings its cell and the neighbors' up to date: no others change.
 	void add(glm::dvec2 point, Triangulation::Face_handle near, std::vector<glm::dvec2> &r_points) {
 		const Vertex vertex = triangulation_->insert({point.x, point.y}, near);
 		vertex->info() = static_cast<std::uint32_t>(r_points.size());
@@ -129,10 +129,10 @@ private:
 		r_points.push_back(point);
 		look_at(vertex);
 		weights_.set(vertex->info(), cell_.area());
-		changed_ = neighbours_;
-		for (const Vertex neighbour : changed_) {
-			look_at(neighbour);
-			weights_.set(neighbour->info(), cell_.area());
+		changed_ = neighbors_;
+		for (const Vertex neighbor : changed_) {
+			look_at(neighbor);
+			weights_.set(neighbor->info(), cell_.area());
 		}
 	}
 };

@@ -30,7 +30,7 @@ inline constexpr double points_per_cell = jammed_coverage * 4.0 / std::numbers::
 
 /// With this radius a cell is 1 m wide and the lattice unit 2^-lattice_bits m, so that world coordinates are exact. The
 /// set is the same with any radius, but for its scale.
-inline constexpr double cell_metre_radius = std::numbers::sqrt2;
+inline constexpr double cell_meter_radius = std::numbers::sqrt2;
 
 /// A square of whole cells around the origin, cut into square tiles (narrower in the last row and column) and, on its
 /// own grid, into blocks of equal area for the statistics.
@@ -76,13 +76,13 @@ struct Region {
 	static double coverage(double points, double cells) { return points / cells * (std::numbers::pi / 2.0); }
 };
 
-/// In metres, for a set of cell_metre_radius.
+/// In meters, for a set of cell_meter_radius.
 inline Rect world_rect(const CellRect &cells) { return {glm::dvec2(cells.min), glm::dvec2(cells.max)}; }
 
 /// The order in which a region's tiles are made.
 enum class TileOrder {
 	rows,     ///< Row by row.
-	shuffled, ///< Bands of four rows, in each a keyed permutation: neighbours are made at unrelated times.
+	shuffled, ///< Bands of four rows, in each a keyed permutation: neighbors are made at unrelated times.
 	hilbert,  ///< Along Hilbert's curve.
 };
 

@@ -33,7 +33,7 @@ struct RunOptions {
 	bool verify = true;      ///< False: make the points and count them, no more.
 	std::uint64_t gaps = 64; ///< The gap check takes one tile in so many; 0 for none.
 
-	PointSet set() const { return {.seed = seed, .radius = cell_metre_radius}; }
+	PointSet set() const { return {.seed = seed, .radius = cell_meter_radius}; }
 	Region region() const { return Region::holding(points, tile); }
 };
 

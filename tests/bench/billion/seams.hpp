@@ -18,14 +18,14 @@ namespace thicket::bench::billion {
 /// The points of a tile that another tile's can be too close to, in lattice units of the whole set.
 using Rim = std::vector<glm::ivec2>;
 
-/// Keeps the rims of finished tiles for as long as a neighbour is missing, so that of two neighbours the later one sees
+/// Keeps the rims of finished tiles for as long as a neighbor is missing, so that of two neighbors the later one sees
 /// the earlier one's rim, whatever the order and the threads. Thread safe.
 class Seams {
 public:
 	explicit Seams(const Region &region) : region_(region), done_(region.tiles()) {}
 
-	/// Takes a finished tile's rim and gives those of the neighbours that were finished before: every pair of
-	/// neighbours is given out once. Counts a tile that was finished before and gives nothing for it.
+	/// Takes a finished tile's rim and gives those of the neighbors that were finished before: every pair of
+	/// neighbors is given out once. Counts a tile that was finished before and gives nothing for it.
 	std::vector<std::shared_ptr<const Rim>> finish(glm::ivec2 place, Rim &&rim) {
 		auto shared = std::make_shared<const Rim>(std::move(rim));
 		std::vector<std::shared_ptr<const Rim>> earlier;
@@ -36,14 +36,14 @@ public:
 		}
 		done_[region_.index_of(place)] = true;
 		++finished_;
-		std::uint32_t neighbours = 0;
+		std::uint32_t neighbors = 0;
 		for (std::int32_t step = 0; step < 9; ++step) {
-			const glm::ivec2 neighbour = place + glm::ivec2(step % 3 - 1, step / 3 - 1);
-			if (step == 4 || !region_.has_tile(neighbour)) {
+			const glm::ivec2 neighbor = place + glm::ivec2(step % 3 - 1, step / 3 - 1);
+			if (step == 4 || !region_.has_tile(neighbor)) {
 				continue;
 			}
-			++neighbours;
-			const auto found = kept_.find(region_.index_of(neighbour));
+			++neighbors;
+			const auto found = kept_.find(region_.index_of(neighbor));
 			if (found != kept_.end()) {
 				earlier.push_back(found->second.rim);
 				if (--found->second.missing == 0) {
@@ -51,7 +51,7 @@ public:
 				}
 			}
 		}
-		keep(place, std::move(shared), neighbours - static_cast<std::uint32_t>(earlier.size()));
+		keep(place, std::move(shared), neighbors - static_cast<std::uint32_t>(earlier.size()));
 		return earlier;
 	}
 
@@ -74,7 +74,7 @@ public:
 private:
 	struct Kept {
 		std::shared_ptr<const Rim> rim;
-		std::uint32_t missing; ///< Neighbours that are not finished.
+		std::uint32_t missing; ///< Neighbors that are not finished.
 	};
 	using Map = std::unordered_map<std::uint64_t, Kept>;
 

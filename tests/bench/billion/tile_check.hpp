@@ -64,7 +64,7 @@ struct Findings {
 	}
 };
 
-/// The lattice position of a point of a set of cell_metre_radius, if it lies on the lattice within 2^30 units.
+/// The lattice position of a point of a set of cell_meter_radius, if it lies on the lattice within 2^30 units.
 inline bool lattice_of(const SamplePoint &point, glm::ivec2 &r_lattice) {
 	const glm::dvec2 lattice = point.position * static_cast<double>(cell_size);
 	if (!(std::abs(lattice.x) <= 0x1p30 && std::abs(lattice.y) <= 0x1p30)) {

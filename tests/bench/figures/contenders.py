@@ -1,4 +1,4 @@
-"""Who is timed in figure 4. The order is that of the turns within a round, of the tables and of the colours."""
+"""Who is timed in figure 4. The order is that of the turns within a round, of the tables and of the colors."""
 
 from __future__ import annotations
 

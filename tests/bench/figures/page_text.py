@@ -53,7 +53,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[object]], right: bool = T
 
 
 def picture(folder: str, file: str, describes: str) -> str:
-    """A picture in two versions, of which a page shows the one that suits its colours."""
+    """A picture in two versions, of which a page shows the one that suits its colors."""
     stem, _, kind = file.rpartition(".")
     return (
         f'<picture><source media="(prefers-color-scheme: dark)" srcset="{folder}/{stem}-dark.{kind}">'

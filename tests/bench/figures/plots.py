@@ -80,8 +80,8 @@ def figure4(rates: list[Row], contenders: list[Contender], family: str, theme: T
     if family == PAPER:
         _paper_marks(axes, theme)
     label_ends(axes, labels)
-    grey = "what the paper compares with" if family == PAPER else "what people use today"
-    axes.set_title(f"colours: ours, dashed in single precision; grey: {grey}", color=theme.muted, fontsize=9)
+    gray = "what the paper compares with" if family == PAPER else "what people use today"
+    axes.set_title(f"colors: ours, dashed in single precision; gray: {gray}", color=theme.muted, fontsize=9)
     return figure
 
 
@@ -139,11 +139,11 @@ def section42(memory: list[Row], theme: Theme) -> Figure:
     figure, axes = plt.subplots(figsize=(9.2, 3.3), layout="constrained")
     names = [f"{row['method']}, {row['precision']}" for row in memory]
     places = np.arange(len(memory))[::-1]
-    colours = [theme.methods[row["method"]] for row in memory]
+    colors = [theme.methods[row["method"]] for row in memory]
     grid = np.array([row["grid"] for row in memory])
     squares = np.array([row["squares"] for row in memory])
-    axes.barh(places, grid, color=colours, height=0.62)
-    axes.barh(places, squares, left=grid, color=colours, alpha=0.45, height=0.62)
+    axes.barh(places, grid, color=colors, height=0.62)
+    axes.barh(places, squares, left=grid, color=colors, alpha=0.45, height=0.62)
     widest = max(max(grid + squares), *(reported.value for reported in paper.BYTES.values()))
     for place, row, total in zip(places, memory, grid + squares, strict=True):
         reported = paper.BYTES.get((row["method"], row["precision"]))
@@ -157,7 +157,7 @@ def section42(memory: list[Row], theme: Theme) -> Figure:
         axes.text(end + 0.012 * widest, place, f"{total:.0f}", va="center", fontweight="bold")
     axes.set_yticks(places, names)
     axes.set_xlim(0, widest * 1.17)
-    axes.set_xlabel("bytes a point besides the points themselves (full colour: accelerator grid; pale: active squares)")
+    axes.set_xlabel("bytes a point besides the points themselves (full color: accelerator grid; pale: active squares)")
     axes.grid(True, axis="x")
     axes.tick_params(axis="y", length=0)
     return figure
@@ -203,9 +203,9 @@ def section43(cells: list[Row], growth: list[Row], theme: Theme) -> Figure:
     for precision in ("single", "double"):
         rows = sorted(where(growth, precision=precision), key=lambda row: row["points"])
         sizes = [row["points"] for row in rows]
-        colour = theme.methods["wavefront"]
+        color = theme.methods["wavefront"]
         dashes = "-" if precision == "double" else SINGLE_DASHES
-        large.plot(sizes, [row["workspace"] for row in rows], marker="o", color=colour, linestyle=dashes)
+        large.plot(sizes, [row["workspace"] for row in rows], marker="o", color=color, linestyle=dashes)
         large.axhline(rows[-1]["bare"], color=theme.muted, linewidth=1.0, linestyle=":")
         large.text(sizes[0], rows[-1]["bare"], f"bare points, {precision}", va="bottom", fontsize=8, color=theme.muted)
     _log_sizes(large, [row["points"] for row in growth], 1.3)

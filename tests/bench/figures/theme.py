@@ -23,7 +23,7 @@ PALETTE = 48
 
 @dataclass(frozen=True)
 class Theme:
-    """Colours of one kind of page. `methods` are those of our own methods, by name."""
+    """Colors of one kind of page. `methods` are those of our own methods, by name."""
 
     suffix: str
     page: str
@@ -79,7 +79,7 @@ STYLE = {
 }
 
 
-def _colours(theme: Theme) -> dict[str, object]:
+def _colors(theme: Theme) -> dict[str, object]:
     return {
         "figure.facecolor": theme.page,
         "axes.facecolor": theme.page,
@@ -100,7 +100,7 @@ def _colours(theme: Theme) -> dict[str, object]:
 def save(draw: Callable[[Theme], Figure], folder: Path, name: str, kind: str = "svg") -> None:
     """Writes what `draw` makes as NAME.KIND and NAME-dark.KIND."""
     for theme in (LIGHT, DARK):
-        with matplotlib.rc_context(STYLE | _colours(theme)):
+        with matplotlib.rc_context(STYLE | _colors(theme)):
             figure = draw(theme)
             path = folder / f"{name}{theme.suffix}.{kind}"
             blank = {"Software": None} if kind == "png" else dict.fromkeys(("Creator", "Date", "Format", "Type"))
@@ -117,7 +117,7 @@ class Label:
     x: float
     y: float
     text: str
-    colour: str
+    color: str
     weight: str = "normal"
 
 
@@ -135,7 +135,7 @@ def label_ends(axes: Axes, labels: list[Label], gap: float = 7.0) -> None:
             xytext=(gap, 0),
             textcoords="offset points",
             va="center",
-            color=label.colour,
+            color=label.color,
             fontweight=label.weight,
             fontsize=9,
             annotation_clip=False,
@@ -166,6 +166,6 @@ def label_ends(axes: Axes, labels: list[Label], gap: float = 7.0) -> None:
                 (label.x, label.y),
                 xytext=(gap + 4, shift),
                 textcoords="offset points",
-                arrowprops={"arrowstyle": "-", "color": label.colour, "linewidth": 0.7, "shrinkA": 0, "shrinkB": 2},
+                arrowprops={"arrowstyle": "-", "color": label.color, "linewidth": 0.7, "shrinkA": 0, "shrinkB": 2},
                 annotation_clip=False,
             )

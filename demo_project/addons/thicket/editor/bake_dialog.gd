@@ -6,7 +6,7 @@ const Job := preload("res://addons/thicket/bake.gd")
 
 ## Milliseconds of a frame for baking.
 const SLICE_MSEC := 20.0
-## Metres: the side of the rectangle that is offered first.
+## Meters: the side of the rectangle that is offered first.
 const SIDE := 256.0
 
 ## It is over: the bake is written, or given up, or has failed.

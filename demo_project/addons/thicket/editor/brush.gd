@@ -15,7 +15,7 @@ const BLOCK := 64
 const SPACING := 0.25
 
 var mode := Mode.PAINT
-## Metres, above 0.
+## Meters, above 0.
 var radius := 8.0
 ## How far a single dab goes in its middle, 0 to 1.
 var strength := 0.5

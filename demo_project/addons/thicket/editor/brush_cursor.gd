@@ -8,7 +8,7 @@ const GroundRay := preload("res://addons/thicket/editor/ground_ray.gd")
 const COLORS: Array[Color] = [Color(0.5, 1.0, 0.45), Color(1.0, 0.45, 0.35), Color(0.45, 0.75, 1.0)]
 const SIDES := 64
 
-## Where the mouse points at the ground, in world metres; [constant Vector3.INF] where there is none.
+## Where the mouse points at the ground, in world meters; [constant Vector3.INF] where there is none.
 var place := Vector3.INF
 
 var _camera: Camera3D

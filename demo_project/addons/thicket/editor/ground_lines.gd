@@ -2,12 +2,12 @@
 extends RefCounted
 ## Lines for gizmos that follow the ground of a scatter.
 
-## Metres above the ground, so that lines are not lost in it.
+## Meters above the ground, so that lines are not lost in it.
 const LIFT := 0.1
 
 ## The ground to follow; null for lines at [member level].
 var terrain: Resource
-## World height in metres of lines where there is no ground.
+## World height in meters of lines where there is no ground.
 var level := 0.0
 ## How often the ground may still be asked; after that lines go straight from corner to corner.
 var budget := 4000
@@ -45,7 +45,7 @@ static func material(color: Color) -> StandardMaterial3D:
 	return made
 
 
-## Adds a line through world places (x, z), at most [param piece] metres from one asked height to the next.
+## Adds a line through world places (x, z), at most [param piece] meters from one asked height to the next.
 func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 	var count := points.size() if closed else points.size() - 1
 	for index in count:

@@ -2,7 +2,7 @@
 extends RefCounted
 ## Finds where a ray meets the ground of a [code]ScatterTerrain[/code].
 
-## Metres: the longest ray, and the shortest and longest step along it.
+## Meters: the longest ray, and the shortest and longest step along it.
 const REACH := 20000.0
 const SHORTEST := 0.05
 const LONGEST := 200.0
@@ -10,7 +10,7 @@ const MOST_STEPS := 600
 const HALVINGS := 24
 
 
-## The first place in world metres where the ray enters the ground from above, or [constant Vector3.INF] if there is
+## The first place in world meters where the ray enters the ground from above, or [constant Vector3.INF] if there is
 ## none. [param direction] has a length of 1. A step is half as long as the ray is high above the ground, so a ridge is
 ## missed only where the ground is steeper than 60 degrees and the ray grazes it. Asks the terrain some hundred times.
 static func hit(terrain: Resource, from: Vector3, direction: Vector3) -> Vector3:

@@ -8,7 +8,7 @@ const Outline := preload("res://addons/thicket/editor/shape_outline.gd")
 
 const INCLUDE := Color(0.45, 0.9, 0.4)
 const EXCLUDE := Color(1.0, 0.42, 0.3)
-## Metres from one height that is asked to the next, for small shapes; larger ones use some hundred pieces.
+## Meters from one height that is asked to the next, for small shapes; larger ones use some hundred pieces.
 const PIECE := 0.5
 const PIECES := 400.0
 const AXES: Array[Vector3] = [Vector3.RIGHT, Vector3.UP, Vector3.BACK]
@@ -171,6 +171,6 @@ static func _along(axis: Vector3, from: Vector3, to: Vector3) -> float:
 	return Geometry3D.get_closest_points_between_segments(Vector3.ZERO, axis * 1e5, from, to)[0].length()
 
 
-## A length that a shape takes, in steps of a centimetre.
+## A length that a shape takes, in steps of a centimeter.
 static func _length(length: float) -> float:
 	return clampf(snappedf(length, 0.01), 0.01, 1e6)

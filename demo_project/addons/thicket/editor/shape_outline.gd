@@ -36,7 +36,7 @@ static func body(shape: Node3D) -> PackedVector3Array:
 	return lines
 
 
-## The shape's borders seen from above, [param inwards] metres within it: closed lines of world x and z.
+## The shape's borders seen from above, [param inwards] meters within it: closed lines of world x and z.
 static func borders(shape: Node3D, inwards: float) -> Array[PackedVector2Array]:
 	var result: Array[PackedVector2Array] = []
 	var kind: int = shape.get(&"kind")

@@ -104,7 +104,7 @@ func choose_mode(mode: int) -> void:
 	_on_mode(mode)
 
 
-## Sets the brush: metres, and two parts from 0 to 1.
+## Sets the brush: meters, and two parts from 0 to 1.
 func set_brush(radius: float, strength: float, hardness: float) -> void:
 	_radius.value = radius
 	_strength.value = strength * 100.0

@@ -2,7 +2,7 @@
 extends ArrayMesh
 ## A simple plant or stone for the presets, built when it is loaded: a scene stores no more than its kind.
 ##
-## Metres, standing on y = 0, vertex colours and no textures. Equal kinds are equal meshes, on every machine.
+## Meters, standing on y = 0, vertex colors and no textures. Equal kinds are equal meshes, on every machine.
 
 const KINDS: PackedStringArray = [
 	"spruce", "birch", "bush", "fern", "grass", "flower", "boulder", "rock", "pebble",

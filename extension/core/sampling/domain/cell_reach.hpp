@@ -59,7 +59,7 @@ struct NearCells {
 	}
 
 private:
-	/// The columns (or rows) of cells that a disk can reach, and their squared distances from its centre on that axis.
+	/// The columns (or rows) of cells that a disk can reach, and their squared distances from its center on that axis.
 	struct Across {
 		std::size_t first;
 		std::size_t count;

@@ -21,8 +21,8 @@ enum class DomainMethod : std::uint8_t {
 
 /// What is asked of a DomainSampler: the rectangle [0, size.x) x [0, size.y).
 struct DomainRequest {
-	glm::dvec2 size{1.0}; ///< Metres, positive and finite; with `toroidal` at least min_torus_radii radii on each axis.
-	double radius = 1.0;  ///< Metres between any two points, at least; finite, in [min_radius, max_radius].
+	glm::dvec2 size{1.0}; ///< Meters, positive and finite; with `toroidal` at least min_torus_radii radii on each axis.
+	double radius = 1.0;  ///< Meters between any two points, at least; finite, in [min_radius, max_radius].
 	std::uint64_t seed = 0; ///< Names the outcome, together with all that stands here and the precision.
 	DomainMethod method = DomainMethod::hierarchical;
 	bool toroidal =

@@ -34,13 +34,13 @@ template <typename Real>
 struct Frame {
 	static constexpr int bits = std::numeric_limits<Real>::digits - 1;
 
-	glm::dvec2 period;  ///< Metres; `size` rounded down to a multiple of `quantum`.
+	glm::dvec2 period;  ///< Meters; `size` rounded down to a multiple of `quantum`.
 	double quantum;     ///< A power of two.
 	double bias;        ///< quantum * 2^bits; more than any coordinate, and than 8 radii.
 	glm::uvec2 squares; ///< Base squares on each axis.
 	glm::dvec2 base;    ///< Width of a base square; at most radius / sqrt(2).
 	int finest;         ///< The last level of squares that the precision allows.
-	glm::dvec2 unit;    ///< Metres a SquareUnit.
+	glm::dvec2 unit;    ///< Meters a SquareUnit.
 	glm::dvec2 reach;   ///< Radius in base squares.
 	Real limit;         ///< A computed squared distance of this much is surely one of the radius.
 	bool toroidal;
@@ -70,9 +70,9 @@ struct Frame {
 	}
 
 	/// The biased coordinate next to a place of the domain.
-	Real place(double metres, int axis) const {
+	Real place(double meters, int axis) const {
 		const double to_quanta = 1.5 * 0x1p52 * quantum; // Its last bit is worth a quantum.
-		const double rounded = (metres + to_quanta) - to_quanta;
+		const double rounded = (meters + to_quanta) - to_quanta;
 		return static_cast<Real>(std::min(rounded, period[axis] - quantum) + bias);
 	}
 

@@ -27,7 +27,7 @@ namespace thicket::HWY_NAMESPACE {
 /// it, rounded to 16 bits. The points themselves stand once, each in its own cell of another grid, which is asked where
 /// rounding leaves a doubt, about once in 250 lookups.
 ///
-/// In a large domain most of the waiting is for pages to be found. So cells that are neighbours share a page, and accepted
+/// In a large domain most of the waiting is for pages to be found. So cells that are neighbors share a page, and accepted
 /// points are stored many at once, which lets their pages be looked for side by side.
 class LineCells {
 public:
@@ -147,7 +147,7 @@ private:
 			store_rounded();
 		}
 		const std::size_t index = index_of(cell);
-		const glm::dvec2 steps = (glm::dvec2(x, y) - corner_of(cell)) * scale_.steps_per_metre + 0.5;
+		const glm::dvec2 steps = (glm::dvec2(x, y) - corner_of(cell)) * scale_.steps_per_meter + 0.5;
 		rounded_into_[rounded_count_] = static_cast<std::uint32_t>(index);
 		rounded_[rounded_count_++] = {
 				&lines_[index], static_cast<std::uint16_t>(steps.x), static_cast<std::uint16_t>(steps.y)};

@@ -124,7 +124,7 @@ private:
 	double margin_ = 4.0 * frame_.quantum; ///< More than roundings move a point or a square.
 	double skirt_ =
 			accumulate ? frame_.reach.y : 0.0; ///< Rows of base squares beyond its own that a cell keeps points of.
-	double rows_per_metre_ = 1.0 / frame_.base.y;
+	double rows_per_meter_ = 1.0 / frame_.base.y;
 	double heights_per_row_ = 1.0 / (width_ + 2.0 * skirt_);
 	CellStore<Real> store_;
 	std::vector<Real> gathered_x_;
@@ -162,7 +162,7 @@ private:
 
 	/// Where y lies between the lowest and the highest point that a row of sorted cells may hold, 0 to 1.
 	double height_in(std::uint32_t cell_row, Real y) const {
-		const double rows = (static_cast<double>(y) - frame_.bias) * rows_per_metre_ + skirt_;
+		const double rows = (static_cast<double>(y) - frame_.bias) * rows_per_meter_ + skirt_;
 		const double first = static_cast<double>(cell_row) * width_ - pad_;
 		return std::clamp((rows - first) * heights_per_row_, 0.0, 1.0);
 	}
@@ -277,7 +277,7 @@ private:
 		return {gathered_x_.data(), gathered_y_.data(), (count + block - 1) / block * block};
 	}
 
-	/// The cell is the one that holds the point for `visit`: not an image's, and with `accumulate` not a neighbour's.
+	/// The cell is the one that holds the point for `visit`: not an image's, and with `accumulate` not a neighbor's.
 	bool is_home(Real x, Real y, glm::uvec2 cell) const {
 		const glm::dvec2 at(static_cast<double>(x) - frame_.bias, static_cast<double>(y) - frame_.bias);
 		if (at.x < 0.0 || at.y < 0.0 || at.x >= frame_.period.x || at.y >= frame_.period.y) {

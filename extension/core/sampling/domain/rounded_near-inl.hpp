@@ -34,15 +34,15 @@ struct alignas(64) RoundedPoints {
 /// How points are rounded, and what that leaves certain: a squared distance between rounded points, in steps, decides about
 /// the true one unless it falls between two bounds.
 struct RoundedScale {
-	double steps_per_metre;
+	double steps_per_meter;
 	float surely_below;  ///< Below it, the true squared distance is below the limit.
 	float perhaps_below; ///< From it on, it is not.
 
-	/// For points up to `width` metres from the corner on each axis, and distances around the root of `limit`.
-	RoundedScale(double width, double limit) : steps_per_metre(65535.0 / width) {
+	/// For points up to `width` meters from the corner on each axis, and distances around the root of `limit`.
+	RoundedScale(double width, double limit) : steps_per_meter(65535.0 / width) {
 		// Both coordinates are wrong by up to half a step, and by what the roundings of floats up to 2^16 add.
 		constexpr double wrong = 0.75;
-		const double steps = std::sqrt(limit) * steps_per_metre;
+		const double steps = std::sqrt(limit) * steps_per_meter;
 		surely_below = static_cast<float>((steps - wrong) * (steps - wrong));
 		perhaps_below = static_cast<float>((steps + wrong) * (steps + wrong));
 	}
@@ -60,7 +60,7 @@ struct RoundedNear {
 
 	float x(double place) const { return steps(place - corner.x); }
 	float y(double place) const { return steps(place - corner.y); }
-	float steps(double metres) const { return static_cast<float>(metres * scale.steps_per_metre); }
+	float steps(double meters) const { return static_cast<float>(meters * scale.steps_per_meter); }
 	Near<double> exact() const { return cells->exactly_near(square, part); }
 };
 

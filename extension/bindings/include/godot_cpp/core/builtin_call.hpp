@@ -16,7 +16,7 @@ void with_pointers(const Call &p_call, const Args &...p_args) {
 	}(Marshal<Args>::wire(p_args)...);
 }
 
-/// Runs constructor number `Index` of a builtin type on uninitialised storage.
+/// Runs constructor number `Index` of a builtin type on uninitialized storage.
 template <typename Self, int Index, typename... Args>
 void construct(void *p_storage, const Args &...p_args) {
 	static const GDExtensionPtrConstructor constructor =

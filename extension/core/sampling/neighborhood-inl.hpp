@@ -1,9 +1,9 @@
 // The cells that a disk can reach, all at a glance. Compiled once for each instruction set, by resolver.cpp.
-#if defined(THICKET_NEIGHBOURHOOD_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef THICKET_NEIGHBOURHOOD_INL
-#undef THICKET_NEIGHBOURHOOD_INL
+#if defined(THICKET_NEIGHBORHOOD_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_NEIGHBORHOOD_INL
+#undef THICKET_NEIGHBORHOOD_INL
 #else
-#define THICKET_NEIGHBOURHOOD_INL
+#define THICKET_NEIGHBORHOOD_INL
 #endif
 
 #include "core/sampling/level_grid.hpp"
@@ -22,17 +22,17 @@ constexpr std::int32_t side = static_cast<std::int32_t>(cell_size);
 
 /// A disk's radius is less than one and a half cells, so it reaches two cells beyond its own on the near side and one on the
 /// far side of each axis: 4 x 4 cells, which fill one vector of 16 lanes or a few smaller ones, row by row.
-struct Neighbourhood {
+struct Neighborhood {
 	std::uint32_t first; ///< Index of the lowest cell.
-	std::int32_t x;      ///< The disk's centre, seen from the lowest cell's corner: 1.5 to 2.5 cells.
+	std::int32_t x;      ///< The disk's center, seen from the lowest cell's corner: 1.5 to 2.5 cells.
 	std::int32_t y;
 
-	Neighbourhood(const LevelGrid &grid, std::uint32_t cell, CellPosition centre) {
-		const std::uint32_t left = 2 - (position_x(centre) >> (lattice_bits - 1));
-		const std::uint32_t below = 2 - (position_y(centre) >> (lattice_bits - 1));
+	Neighborhood(const LevelGrid &grid, std::uint32_t cell, CellPosition center) {
+		const std::uint32_t left = 2 - (position_x(center) >> (lattice_bits - 1));
+		const std::uint32_t below = 2 - (position_y(center) >> (lattice_bits - 1));
 		first = cell - below * grid.stride - left;
-		x = static_cast<std::int32_t>(position_x(centre) + left * cell_size);
-		y = static_cast<std::int32_t>(position_y(centre) + below * cell_size);
+		x = static_cast<std::int32_t>(position_x(center) + left * cell_size);
+		y = static_cast<std::int32_t>(position_y(center) + below * cell_size);
 	}
 };
 
@@ -76,7 +76,7 @@ HWY_INLINE auto within_radius(D d, V x, V y) {
 	return hn::Eq(hn::ShiftRight<2 * lattice_bits + 1>(hn::Add(hn::Mul(x, x), hn::Mul(y, y))), hn::Zero(d));
 }
 
-/// The points of some cells, seen from a disk's centre.
+/// The points of some cells, seen from a disk's center.
 template <class V, class M>
 struct PointOffsets {
 	V x;
@@ -84,7 +84,7 @@ struct PointOffsets {
 	M stands; ///< False where the cell has no point, and the offset no meaning.
 };
 
-/// The points of the cells from `start` on, whose lower corners lie at (corner_x, corner_y) from the centre.
+/// The points of the cells from `start` on, whose lower corners lie at (corner_x, corner_y) from the center.
 template <class V>
 HWY_INLINE auto offsets_of_points(const LevelGrid &grid, std::size_t start, V corner_x, V corner_y) {
 	const BlockLanes d;
@@ -104,7 +104,7 @@ struct Verdict {
 HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPosition position) {
 	const BlockLanes d;
 	const hn::RebindToSigned<BlockLanes> di;
-	const Neighbourhood around(grid, cell, position);
+	const Neighborhood around(grid, cell, position);
 	const auto never = hn::Set(di, static_cast<std::int32_t>(time_never));
 	const auto zero = hn::Zero(di);
 	auto earliest = never;
@@ -128,8 +128,8 @@ HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPo
 	return {conflict, static_cast<TimeKey>(hn::GetLane(hn::MinOfLanes(di, earliest)))};
 }
 
-/// The points of the neighbourhood whose squared distance to its centre is below `limit`: a bit a cell.
-HWY_INLINE std::uint32_t points_near(const LevelGrid &grid, const Neighbourhood &around, std::uint32_t limit) {
+/// The points of the neighborhood whose squared distance to its center is below `limit`: a bit a cell.
+HWY_INLINE std::uint32_t points_near(const LevelGrid &grid, const Neighborhood &around, std::uint32_t limit) {
 	const BlockLanes d;
 	std::uint32_t near = 0;
 	for (std::size_t lane = 0; lane < 16; lane += block_lanes) {

@@ -154,7 +154,7 @@ func test_refused_layers_keep_their_last_good_state() -> void:
 	scatter.layers[FERN].spacing = {"oak": 1000.0}
 	scatter.layers[FERN].tile_size = 50.0
 	await settle(scatter)
-	check_error(["layers[1]", "spacing", "points"], "oaks in a thousand metres around each tile")
+	check_error(["layers[1]", "spacing", "points"], "oaks in a thousand meters around each tile")
 	check(digests(scatter, FERN) == before[FERN], "ferns stay")
 	scatter.layers[OAK].radius = 4.0
 	scatter.layers[FERN].spacing = {"oak": SPACING}

@@ -63,13 +63,13 @@ const std::vector<Rect> windows{{{-20.0, -35.0}, {30.0, 5.0}}, {{1000.25, -7.5},
 
 } // namespace
 
-TEST_CASE("neighbours: spacing takes away just those that stand too near, also across the window's border") {
+TEST_CASE("neighbors: spacing takes away just those that stand too near, also across the window's border") {
 	const FlatTerrain terrain(0.0f);
 	const auto oaks = layer_of(0, 6.0);
 	oaks->rules.density = 0.6;
 	const auto ferns = layer_of(1, 1.0);
 	LayerSettings spaced = *ferns;
-	spaced.neighbours = {{oaks, 2.5, nullptr}};
+	spaced.neighbors = {{oaks, 2.5, nullptr}};
 	for (const Rect &window : windows) {
 		const auto trees = places(*oaks, terrain, grown(window, 10.0));
 		const auto all = places(*ferns, terrain, window);
@@ -85,12 +85,12 @@ TEST_CASE("neighbours: spacing takes away just those that stand too near, also a
 	}
 }
 
-TEST_CASE("neighbours: only instances count, not points that their own rules took away") {
+TEST_CASE("neighbors: only instances count, not points that their own rules took away") {
 	const Heightfield terrain = hills();
 	const auto oaks = layer_of(0, 6.0);
 	oaks->rules.max_slope_degrees = 20.0;
 	LayerSettings ferns = *layer_of(1, 1.0);
-	ferns.neighbours = {{oaks, 4.0, nullptr}};
+	ferns.neighbors = {{oaks, 4.0, nullptr}};
 	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 10.0));
 	const auto points = places(*layer_of(0, 6.0), terrain, grown(tile_of_hills, 10.0));
 	CHECK(trees.size() < points.size());
@@ -102,12 +102,12 @@ TEST_CASE("neighbours: only instances count, not points that their own rules too
 	CHECK(near_absent > 100);
 }
 
-TEST_CASE("neighbours: proximity is a density over the distance to the nearest") {
+TEST_CASE("neighbors: proximity is a density over the distance to the nearest") {
 	const FlatTerrain terrain(0.0f);
 	const auto oaks = layer_of(0, 12.0);
 	LayerSettings ferns = *layer_of(1, 0.5);
 	const auto all = places(ferns, terrain, tile_of_hills);
-	ferns.neighbours = {{oaks, 6.0, analysis::curve_table(0.0, 6.0, {1.0f, 0.5f, 0.0f})}};
+	ferns.neighbors = {{oaks, 6.0, analysis::curve_table(0.0, 6.0, {1.0f, 0.5f, 0.0f})}};
 	const auto some = places(ferns, terrain, tile_of_hills);
 	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 20.0));
 	std::vector<double> total(8, 0.0);
@@ -127,12 +127,12 @@ TEST_CASE("neighbours: proximity is a density over the distance to the nearest")
 	CHECK(total[6] + total[7] > 100.0);
 }
 
-TEST_CASE("neighbours: beyond the distance the curve's density there counts") {
+TEST_CASE("neighbors: beyond the distance the curve's density there counts") {
 	const FlatTerrain terrain(0.0f);
 	const auto oaks = layer_of(0, 12.0);
 	LayerSettings grass = *layer_of(1, 1.0);
 	const auto all = places(grass, terrain, tile_of_hills);
-	grass.neighbours = {{oaks, 3.0, analysis::curve_table(0.0, 3.0, {0.0f, 1.0f})}};
+	grass.neighbors = {{oaks, 3.0, analysis::curve_table(0.0, 3.0, {0.0f, 1.0f})}};
 	const auto some = places(grass, terrain, tile_of_hills);
 	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 20.0));
 	for (const auto &[id, position] : all) {
@@ -146,17 +146,17 @@ TEST_CASE("neighbours: beyond the distance the curve's density there counts") {
 	CHECK(places(grass, terrain, tile_of_hills).size() == all.size());
 }
 
-TEST_CASE("neighbours: chains hold across tiles of any size, in any order") {
+TEST_CASE("neighbors: chains hold across tiles of any size, in any order") {
 	const Heightfield terrain = hills();
 	const auto oaks = layer_of(0, 7.0);
 	oaks->rules.max_slope_degrees = 35.0;
 	const auto shrubs = layer_of(1, 3.0);
-	shrubs->neighbours = {{oaks, 4.0, nullptr}};
+	shrubs->neighbors = {{oaks, 4.0, nullptr}};
 	const auto stones = layer_of(2, 5.0);
-	stones->neighbours = {{oaks, 3.0, nullptr}, {shrubs, 2.0, nullptr}};
+	stones->neighbors = {{oaks, 3.0, nullptr}, {shrubs, 2.0, nullptr}};
 	LayerSettings ferns = *layer_of(3, 1.25);
 	ferns.rules.min_height = 10.0;
-	ferns.neighbours = {{shrubs, 5.0, analysis::curve_table(0.0, 5.0, {1.0f, 0.25f})}, {stones, 1.5, nullptr},
+	ferns.neighbors = {{shrubs, 5.0, analysis::curve_table(0.0, 5.0, {1.0f, 0.25f})}, {stones, 1.5, nullptr},
 			{oaks, 1.0, nullptr}};
 	CHECK(reach(ferns) == 5.0 + 4.0);
 	const auto whole = places(ferns, terrain, tile_of_hills);
@@ -178,13 +178,13 @@ TEST_CASE("neighbours: chains hold across tiles of any size, in any order") {
 	}
 }
 
-TEST_CASE("neighbours: ground in two steps gives the tile that one step gives") {
+TEST_CASE("neighbors: ground in two steps gives the tile that one step gives") {
 	const Heightfield terrain = hills();
 	const auto oaks = layer_of(0, 7.0);
 	oaks->rules.max_slope_degrees = 30.0;
 	LayerSettings ferns = *layer_of(3, 1.5);
 	ferns.rules.edge_feather = 6.0;
-	ferns.neighbours = {{oaks, 5.0, nullptr}};
+	ferns.neighbors = {{oaks, 5.0, nullptr}};
 	TileBuilder builder;
 	REQUIRE(builder.find_points(ferns, tile_of_hills).ok());
 	std::vector<Ground> ground(builder.positions().size());
@@ -200,12 +200,12 @@ TEST_CASE("neighbours: ground in two steps gives the tile that one step gives") 
 	CHECK(digest(tile) == digest(built(ferns, terrain, tile_of_hills)));
 }
 
-TEST_CASE("neighbours: what a tile samples is known beforehand") {
+TEST_CASE("neighbors: what a tile samples is known beforehand") {
 	const auto oaks = layer_of(0, 4.0);
 	const auto shrubs = layer_of(1, 2.0);
-	shrubs->neighbours = {{oaks, 20.0, nullptr}};
+	shrubs->neighbors = {{oaks, 20.0, nullptr}};
 	LayerSettings ferns = *layer_of(2, 1.0);
-	ferns.neighbours = {{shrubs, 10.0, nullptr}};
+	ferns.neighbors = {{shrubs, 10.0, nullptr}};
 	const auto expected = [](const LayerSettings &layer, double side) {
 		return point_density(layer.set) * side * side;
 	};
@@ -214,14 +214,14 @@ TEST_CASE("neighbours: what a tile samples is known beforehand") {
 			doctest::Approx(expected(ferns, 64.0) + expected(*shrubs, 84.0) + expected(*oaks, 124.0)));
 }
 
-TEST_CASE("neighbours: layers that all look at all that stand before them count once each") {
+TEST_CASE("neighbors: layers that all look at all that stand before them count once each") {
 	std::vector<std::shared_ptr<const LayerSettings>> layers;
 	double points = 0.0;
-	for (std::size_t i = 0; i <= max_neighbour_depth; ++i) {
+	for (std::size_t i = 0; i <= max_neighbor_depth; ++i) {
 		const auto layer = layer_of(static_cast<std::uint16_t>(i), 2.0);
 		layer->rules.edge_feather = 0.25;
 		for (const auto &other : layers) {
-			layer->neighbours.push_back({other, 1.5, nullptr});
+			layer->neighbors.push_back({other, 1.5, nullptr});
 		}
 		layers.push_back(layer);
 		const double side = 64.0 + 3.0 * static_cast<double>(i);
@@ -231,42 +231,42 @@ TEST_CASE("neighbours: layers that all look at all that stand before them count 
 		CHECK(points_to_sample(*layer, 64.0) == doctest::Approx(points));
 	}
 	LayerSettings deeper = *layer_of(20, 2.0);
-	deeper.neighbours = {{layers[0], 1.0, nullptr}, {layers.back(), 1.0, nullptr}};
-	check_refused(validate(deeper), ErrorCode::out_of_range, "depth of neighbours", max_neighbour_depth + 1.0);
+	deeper.neighbors = {{layers[0], 1.0, nullptr}, {layers.back(), 1.0, nullptr}};
+	check_refused(validate(deeper), ErrorCode::out_of_range, "depth of neighbors", max_neighbor_depth + 1.0);
 }
 
-TEST_CASE("neighbours: bad ones are refused by name") {
+TEST_CASE("neighbors: bad ones are refused by name") {
 	LayerSettings layer = *layer_of(0, 1.0);
-	const auto refuse = [&layer](const Neighbour &neighbour, ErrorCode code, const char *property, double value) {
-		layer.neighbours = {neighbour};
+	const auto refuse = [&layer](const Neighbor &neighbor, ErrorCode code, const char *property, double value) {
+		layer.neighbors = {neighbor};
 		check_refused(validate(layer), code, property, value);
 		TileInstances tile;
 		CHECK_FALSE(TileBuilder().build(layer, FlatTerrain(0.0f), tile_of_hills, tile).ok());
 	};
 	const auto good = layer_of(1, 2.0);
-	refuse({nullptr, 1.0, nullptr}, ErrorCode::missing, "neighbours", 0.0);
-	refuse({good, 0.0, nullptr}, ErrorCode::not_positive, "neighbour distance", 0.0);
-	refuse({good, nan_value, nullptr}, ErrorCode::not_finite, "neighbour distance", nan_value);
-	refuse({good, 1001.0, nullptr}, ErrorCode::out_of_range, "neighbour distance", 1001.0);
+	refuse({nullptr, 1.0, nullptr}, ErrorCode::missing, "neighbors", 0.0);
+	refuse({good, 0.0, nullptr}, ErrorCode::not_positive, "neighbor distance", 0.0);
+	refuse({good, nan_value, nullptr}, ErrorCode::not_finite, "neighbor distance", nan_value);
+	refuse({good, 1001.0, nullptr}, ErrorCode::out_of_range, "neighbor distance", 1001.0);
 	const auto bad = layer_of(1, -2.0);
 	refuse({bad, 1.0, nullptr}, ErrorCode::not_positive, "radius", -2.0);
 	auto chain = layer_of(0, 1.0);
-	for (std::size_t depth = 0; depth <= max_neighbour_depth; ++depth) {
+	for (std::size_t depth = 0; depth <= max_neighbor_depth; ++depth) {
 		auto next = layer_of(0, 1.0);
-		next->neighbours = {{chain, 1.0, nullptr}};
+		next->neighbors = {{chain, 1.0, nullptr}};
 		chain = next;
 	}
-	check_refused(validate(*chain), ErrorCode::out_of_range, "depth of neighbours", max_neighbour_depth + 1.0);
+	check_refused(validate(*chain), ErrorCode::out_of_range, "depth of neighbors", max_neighbor_depth + 1.0);
 	// Many layers, none of them deep: 5 that look at 16 others each.
-	layer.neighbours.clear();
+	layer.neighbors.clear();
 	for (std::uint16_t i = 0; i < 5; ++i) {
 		const auto between = layer_of(i, 1.0);
-		for (std::uint16_t j = 0; j < max_neighbours; ++j) {
-			between->neighbours.push_back({layer_of(j, 1.0), 1.0, nullptr});
+		for (std::uint16_t j = 0; j < max_neighbors; ++j) {
+			between->neighbors.push_back({layer_of(j, 1.0), 1.0, nullptr});
 		}
-		layer.neighbours.push_back({between, 1.0, nullptr});
+		layer.neighbors.push_back({between, 1.0, nullptr});
 	}
-	check_refused(validate(layer), ErrorCode::out_of_range, "neighbours of neighbours", max_chain_layers + 1.0);
-	layer.neighbours.assign(max_neighbours + 1, {good, 1.0, nullptr});
-	check_refused(validate(layer), ErrorCode::out_of_range, "neighbours", max_neighbours + 1.0);
+	check_refused(validate(layer), ErrorCode::out_of_range, "neighbors of neighbors", max_chain_layers + 1.0);
+	layer.neighbors.assign(max_neighbors + 1, {good, 1.0, nullptr});
+	check_refused(validate(layer), ErrorCode::out_of_range, "neighbors", max_neighbors + 1.0);
 }

@@ -25,7 +25,7 @@ std::size_t index_of(int column, int row) { return static_cast<std::size_t>(row 
 
 glm::dvec2 place_of(double column, double row) { return {-30.0 + 10.0 * column, 10.0 + 20.0 * row}; }
 
-std::vector<float> random_metres(unsigned seed) {
+std::vector<float> random_meters(unsigned seed) {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<float> height(-500.0f, 3000.0f);
 	std::vector<float> posts(index_of(0, frame.posts.y));
@@ -35,7 +35,7 @@ std::vector<float> random_metres(unsigned seed) {
 
 Heightfield field_of(const std::vector<float> &posts) {
 	Heightfield field;
-	REQUIRE(field.set_metres(frame, posts).ok());
+	REQUIRE(field.set_meters(frame, posts).ok());
 	return field;
 }
 
@@ -43,12 +43,12 @@ bool same_bits(const Ground &a, const Ground &b) { return std::memcmp(&a, &b, si
 
 } // namespace
 
-TEST_CASE("terrain: posts in metres stand where they are, whatever the frame's heights") {
-	const auto posts = random_metres(1);
+TEST_CASE("terrain: posts in meters stand where they are, whatever the frame's heights") {
+	const auto posts = random_meters(1);
 	HeightfieldFrame other = frame;
 	other.min_height = other.max_height = 5.0;
 	Heightfield field;
-	REQUIRE(field.set_metres(other, posts).ok());
+	REQUIRE(field.set_meters(other, posts).ok());
 	for (int row = 0; row < frame.posts.y; ++row) {
 		for (int column = 0; column < frame.posts.x; ++column) {
 			CHECK(field.at(place_of(column, row)).height == posts[index_of(column, row)]);
@@ -59,8 +59,8 @@ TEST_CASE("terrain: posts in metres stand where they are, whatever the frame's h
 	CHECK(fine.at({0.0, 40.0}).height == 1000.0001f);
 }
 
-TEST_CASE("terrain: of the same heights, posts of 16 bits and of metres are the same ground") {
-	HeightfieldFrame whole = frame; // A metre a step, so that both are the same numbers.
+TEST_CASE("terrain: of the same heights, posts of 16 bits and of meters are the same ground") {
+	HeightfieldFrame whole = frame; // A meter a step, so that both are the same numbers.
 	whole.min_height = 0.0;
 	whole.max_height = 65535.0;
 	std::mt19937 random(2);
@@ -75,17 +75,17 @@ TEST_CASE("terrain: of the same heights, posts of 16 bits and of metres are the 
 		}
 	}
 	// Each takes the other's place.
-	Heightfield both = field_of(random_metres(4));
+	Heightfield both = field_of(random_meters(4));
 	REQUIRE(both.set(frame, steps).ok());
 	CHECK(both.at(place_of(2, 1)).height == doctest::Approx(-100.0 + steps[index_of(2, 1)] * 1310.7 / 65535.0));
-	REQUIRE(both.set_metres(frame, random_metres(3)).ok());
-	CHECK(both.at(place_of(2, 1)).height == random_metres(3)[index_of(2, 1)]);
+	REQUIRE(both.set_meters(frame, random_meters(3)).ok());
+	CHECK(both.at(place_of(2, 1)).height == random_meters(3)[index_of(2, 1)]);
 }
 
 TEST_CASE("terrain: there is no ground between four posts if one of them is missing, and all of it elsewhere") {
 	for (int row = 0; row < frame.posts.y; ++row) {
 		for (int column = 0; column < frame.posts.x; ++column) {
-			auto posts = random_metres(4);
+			auto posts = random_meters(4);
 			posts[index_of(column, row)] = missing;
 			const Heightfield field = field_of(posts);
 			for (double x = 0.05; x < 6.0; x += 0.1) {
@@ -103,7 +103,7 @@ TEST_CASE("terrain: there is no ground between four posts if one of them is miss
 }
 
 TEST_CASE("terrain: ground on the line between a patch and a hole belongs to the patch with the larger x and z") {
-	auto posts = random_metres(5);
+	auto posts = random_meters(5);
 	posts[index_of(3, 1)] = missing; // Takes patches 2 and 3 of rows 0 and 1.
 	const Heightfield field = field_of(posts);
 	CHECK(std::isnan(field.at(place_of(2.0, 0.5)).height));
@@ -137,7 +137,7 @@ TEST_CASE("terrain: an inclined plane with holes keeps its height and its normal
 }
 
 TEST_CASE("terrain: normals beside a hole have no seam between the patches that are left") {
-	auto posts = random_metres(6);
+	auto posts = random_meters(6);
 	posts[index_of(3, 1)] = missing;
 	const Heightfield field = field_of(posts);
 	constexpr double hair = 1e-9;
@@ -152,23 +152,23 @@ TEST_CASE("terrain: normals beside a hole have no seam between the patches that 
 	}
 }
 
-TEST_CASE("terrain: refused posts in metres name what is wrong and leave the field as it was") {
-	const auto posts = random_metres(7);
+TEST_CASE("terrain: refused posts in meters name what is wrong and leave the field as it was") {
+	const auto posts = random_meters(7);
 	Heightfield field = field_of(posts);
 	const Ground before = field.at({3.0, 33.0});
 	const auto refuse = [&](float post, ErrorCode code) {
 		auto bad = posts;
 		bad[13] = post;
-		check_refused(field.set_metres(frame, bad), code, "posts", post);
+		check_refused(field.set_meters(frame, bad), code, "posts", post);
 		CHECK(same_bits(field.at({3.0, 33.0}), before));
 	};
 	refuse(std::numeric_limits<float>::infinity(), ErrorCode::not_finite);
 	refuse(-std::numeric_limits<float>::infinity(), ErrorCode::not_finite);
 	refuse(1.1e6f, ErrorCode::out_of_range);
 	refuse(-1.1e6f, ErrorCode::out_of_range);
-	check_refused(field.set_metres(frame, std::vector<float>(27)), ErrorCode::wrong_size, "posts", 27.0);
+	check_refused(field.set_meters(frame, std::vector<float>(27)), ErrorCode::wrong_size, "posts", 27.0);
 	HeightfieldFrame bad = frame;
 	bad.area.max.x = nan_value;
-	check_refused(field.set_metres(bad, posts), ErrorCode::not_finite, "area", nan_value);
+	check_refused(field.set_meters(bad, posts), ErrorCode::not_finite, "area", nan_value);
 	CHECK(same_bits(field.at({3.0, 33.0}), before));
 }

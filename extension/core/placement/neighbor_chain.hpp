@@ -11,17 +11,17 @@ namespace thicket {
 
 /// A layer and all layers that it looks at, directly or through others, each of them once however many ways lead to it.
 /// Takes no memory; the layer must live as long.
-class NeighbourChain {
+class NeighborChain {
 public:
 	struct Link {
 		const LayerSettings *layer = nullptr;
-		double margin = 0.0;   ///< Metres: the longest way from the layer itself, as the sum of distances.
+		double margin = 0.0;   ///< Meters: the longest way from the layer itself, as the sum of distances.
 		std::size_t depth = 0; ///< The most steps on a way.
 	};
 
-	explicit NeighbourChain(const LayerSettings &layer);
+	explicit NeighborChain(const LayerSettings &layer);
 
-	/// Why there is no such chain: a neighbour or a distance that is refused, too many of them, too long a way.
+	/// Why there is no such chain: a neighbor or a distance that is refused, too many of them, too long a way.
 	const Status &status() const { return status_; }
 
 	/// Those that are looked at stand before those that look at them; the layer itself is the last. Empty unless ok.
