@@ -117,6 +117,8 @@ def assert_passed(done):
         "test_layer_placement",
         "test_shapes_node",
         "test_state",
+        "test_state_bulk",
+        "test_state_handlers",
         "test_edits",
         "test_neighbors",
         "test_build_rect",
