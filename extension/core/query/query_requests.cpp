@@ -1,4 +1,4 @@
-#include "nodes/gameplay/query_requests.hpp"
+#include "core/query/query_requests.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -2,7 +2,6 @@
 
 #include "core/placement/layer_edits.hpp"
 #include "core/query/instance_query.hpp"
-#include "nodes/gameplay/scatter_state.hpp"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -29,8 +28,8 @@ struct WorldTile {
 	glm::ivec2 tile{0};
 };
 
-/// What stands in the world of a node, for all who ask: the tiles that are known (shared with those on show, and some that were made for
-/// queries) and the node's state. Main thread only.
+/// What stands in a world, for all who ask: the tiles that are known (shared with those on show, and some that were made for
+/// queries) and what a game has changed. One thread at a time.
 class InstanceWorld {
 public:
 	/// The layers as they are from now on. Tiles of a layer whose set or tile size is another are forgotten.
@@ -133,6 +132,7 @@ private:
 	TileMaker maker_;
 	const InstanceState *state_ = nullptr;
 	std::uint64_t version_ = 1;
+	std::uint64_t edits_ = 0; ///< Rises with everything that makes tiles outdated.
 	mutable std::uint64_t uses_ = 0;
 	std::size_t kept_since_forgetting_ = 0;
 	mutable std::set<Key> missing_;

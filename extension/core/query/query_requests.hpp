@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/gameplay/instance_world.hpp"
+#include "core/query/instance_world.hpp"
 
 #include <glm/vec3.hpp>
 
@@ -12,7 +12,7 @@
 
 namespace thicket {
 
-/// Questions whose tiles are made by workers. Main thread only.
+/// Questions whose tiles somebody else makes, over some frames. One thread at a time.
 class QueryRequests {
 public:
 	struct Sphere {

@@ -1,4 +1,4 @@
-#include "nodes/gameplay/instance_world.hpp"
+#include "core/query/instance_world.hpp"
 
 #include "core/base/tile_grid.hpp"
 
@@ -27,6 +27,7 @@ void InstanceWorld::set_layers(std::vector<QueryLayer> layers) {
 	};
 	std::erase_if(tiles_, outdated);
 	layers_ = std::move(layers);
+	++edits_;
 	touch();
 }
 
@@ -34,6 +35,7 @@ void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
 	if (area.empty() || layer >= layers_.size()) {
 		return;
 	}
+	++edits_;
 	const double tile_size = layers_[layer].tile_size;
 	for (auto &[key, entry] : tiles_) {
 		const auto &[at, x, y] = key;
@@ -45,6 +47,7 @@ void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
 void InstanceWorld::clear() {
 	tiles_.clear();
 	missing_.clear();
+	++edits_;
 	touch();
 }
 
@@ -131,8 +134,9 @@ Status InstanceWorld::MakingSource::find_tile(
 		return {};
 	}
 	const TileMaker maker = world_.maker_; // A script that is asked for the ground may replace it.
+	const std::uint64_t edits = world_.edits_;
 	const Status status = maker(layer, tile, r_tile);
-	if (status.ok() && r_tile != nullptr) {
+	if (status.ok() && r_tile != nullptr && edits == world_.edits_) {
 		world_.keep(layer, tile, r_tile);
 	}
 	return status;
