@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/near/tile_overlay.hpp"
 #include "core/placement/detail.hpp"
-#include "core/query/tile_overlay.hpp"
 #include "core/streaming/detail_schedule.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/scatter/tile_visual.hpp"
