@@ -95,6 +95,7 @@ void TerrainScatter3D::process_frame() {
 	if (shapes_.paths_changed()) {
 		mark_edited();
 	}
+	notice_layers();
 	if (dirty_) {
 		refresh();
 	}
@@ -146,6 +147,8 @@ void TerrainScatter3D::mark_edited() {
 }
 
 void TerrainScatter3D::mark_dirty() {
+	layer_watch_.look(layers_);
+	layer_watch_.follow_names();
 	mark_edited();
 	update_configuration_warnings();
 	PackedStringArray names;
@@ -242,7 +245,9 @@ std::uint64_t TerrainScatter3D::look_around_near() {
 	return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(spent).count());
 }
 
-Ref<ScatterLayer> TerrainScatter3D::layer_at(int64_t p_place) const { return layers_[p_place]; }
+Ref<ScatterLayer> TerrainScatter3D::layer_at(int64_t p_place) const {
+	return p_place < layers_.size() ? Ref<ScatterLayer>(layers_[p_place]) : Ref<ScatterLayer>();
+}
 
 void TerrainScatter3D::set_seed(int64_t p_seed) {
 	if (seed_ != p_seed) {
@@ -253,10 +258,10 @@ void TerrainScatter3D::set_seed(int64_t p_seed) {
 
 int64_t TerrainScatter3D::get_seed() const { return seed_; }
 
-void TerrainScatter3D::watch_layers(bool p_watch) {
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		watch(layer_at(place).ptr(), "changed", this, "_mark_dirty", p_watch);
-		watch(layer_at(place).ptr(), "area_changed", this, "_mark_area_edited", p_watch);
+/// Scripts share the list, and may change it without its setter.
+void TerrainScatter3D::notice_layers() {
+	if (layer_watch_.differs(layers_)) {
+		mark_dirty();
 	}
 }
 
@@ -266,9 +271,7 @@ void TerrainScatter3D::watch_terrain(bool p_watch) {
 }
 
 void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
-	watch_layers(false);
 	layers_ = p_layers;
-	watch_layers(true);
 	mark_dirty();
 }
 
@@ -330,7 +333,7 @@ int64_t TerrainScatter3D::get_preview_instances() const { return preview_instanc
 void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
 
 bool TerrainScatter3D::is_idle() const {
-	return !dirty_ && (plans_.streamed().empty() || (stream_.idle() && scenes_.settled()));
+	return !dirty_ && !layer_watch_.differs(layers_) && (plans_.streamed().empty() || (stream_.idle() && scenes_.settled()));
 }
 
 } // namespace thicket

@@ -6,6 +6,7 @@
 #include "nodes/gameplay/query_requests.hpp"
 #include "nodes/gameplay/scene_ring.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
+#include "nodes/layer/layer_watch.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/scatter/scatter_stream.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
@@ -46,7 +47,7 @@ public:
 	void set_seed(int64_t p_seed);
 	int64_t get_seed() const;
 
-	/// Null entries keep their place and show nothing.
+	/// Null entries keep their place and show nothing. The array is shared with scripts, and what they do to it counts.
 	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 	godot::TypedArray<ScatterLayer> get_layers() const;
 
@@ -220,11 +221,12 @@ private:
 	godot::Node3D *active_camera() const;
 	godot::Ref<ScatterLayer> layer_at(int64_t p_place) const;
 	const StagedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile);
-	void watch_layers(bool p_watch);
+	void notice_layers();
 	void watch_terrain(bool p_watch);
 
 	int64_t seed_ = 0;
 	godot::TypedArray<ScatterLayer> layers_;
+	LayerWatch layer_watch_{this};
 	godot::Ref<ScatterTerrain> terrain_;
 	godot::TypedArray<godot::NodePath> viewers_;
 	godot::PackedFloat32Array viewer_radius_scales_;
