@@ -10,7 +10,6 @@ namespace godot {
 
 class ClassDB;
 class Wrapped;
-struct PropertyInfo;
 
 namespace internal {
 
@@ -45,7 +44,6 @@ protected:
 	/// Hooks that a class of ours may have, in the form that godot-cpp expects. These do nothing.
 	static void _bind_methods() {}
 	void _notification(int) {}
-	void _validate_property(PropertyInfo &) const {}
 
 	template <typename T, typename B>
 	static void register_virtuals() {}

@@ -21,13 +21,8 @@ struct PropertyInfo {
 			const String &p_hint_string = String(), uint32_t p_usage = PROPERTY_USAGE_DEFAULT,
 			const StringName &p_class_name = StringName());
 
-	explicit PropertyInfo(const GDExtensionPropertyInfo &p_native);
-
 	/// A view for interface functions, which lives no longer than this.
 	GDExtensionPropertyInfo _native() const;
-
-	/// Writes what `_validate_property` may have changed into the engine's own.
-	void _update(GDExtensionPropertyInfo &r_native) const;
 };
 
 /// A signal or a method that scripts may override.
