@@ -92,7 +92,7 @@ void TerrainScatter3D::stop() {
 
 void TerrainScatter3D::process_frame() {
 	const auto start = std::chrono::steady_clock::now();
-	if (shapes_.paths_changed()) {
+	if (regions_.paths_changed()) {
 		mark_edited();
 	}
 	notice_layers();
@@ -158,7 +158,7 @@ void TerrainScatter3D::mark_dirty() {
 	}
 	if (!(names == layer_names_)) {
 		layer_names_ = names;
-		shapes_.update_warnings(); // They may name layers.
+		regions_.update_warnings(); // They may name layers.
 	}
 }
 
@@ -176,18 +176,18 @@ void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
 
 void TerrainScatter3D::mark_area_edited(const Rect2 &) { mark_edited(); }
 
-void TerrainScatter3D::add_shape(ScatterShape3D *p_shape) {
-	shapes_.add(p_shape);
+void TerrainScatter3D::add_region(ScatterRegion3D *p_region) {
+	regions_.add(p_region);
 	mark_edited();
 }
 
-void TerrainScatter3D::remove_shape(ScatterShape3D *p_shape) {
-	shapes_.remove(p_shape);
+void TerrainScatter3D::remove_region(ScatterRegion3D *p_region) {
+	regions_.remove(p_region);
 	mark_edited();
 }
 
-void TerrainScatter3D::shape_changed(const ScatterShape3D *p_shape) {
-	shapes_.mark(p_shape);
+void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
+	regions_.mark(p_region);
 	mark_edited();
 }
 
@@ -204,14 +204,14 @@ void TerrainScatter3D::refresh() {
 	}
 	ground.terrain = ground_;
 	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
-	shapes_.update(std::exchange(recentered_, false));
+	regions_.update(std::exchange(recentered_, false));
 	if (!grounded || layers_.is_empty()) {
 		scenes_.clear();
 		stream_.stop();
 		plans_.clear();
 		return;
 	}
-	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, shapes_);
+	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, regions_);
 	update_world(outdated);
 	stream_.set_layers(plans_.streamed(), outdated, terrain_);
 	update_scenes();
