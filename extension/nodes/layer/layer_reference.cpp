@@ -1,5 +1,7 @@
 #include "nodes/layer/layer_reference.hpp"
 
+#include <godot_cpp/core/object.hpp>
+
 #include <algorithm>
 #include <utility>
 

@@ -75,6 +75,11 @@ Status ScatterLayer::check() const {
 	return {};
 }
 
+void ScatterLayer::take_id(std::int64_t p_id) {
+	integers_.layer_id = p_id;
+	emit_changed();
+}
+
 void ScatterLayer::bind_set() {
 	bind_number<radius>();
 	bind_integer<levels>();

@@ -220,6 +220,12 @@ public:
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 
+	/// Has the layer keep an id that a node gave it.
+	void take_id(std::int64_t p_id);
+
+	/// A layer that was named `p_from` is now named `p_to`: what this one says of it follows.
+	void rename_references(const godot::String &p_from, const godot::String &p_to);
+
 	/// The settings that the core works with, all but the neighbors and the shapes, which are the node's. `place` is the
 	/// layer's index among its node's layers: its id, unless `layer_id` says otherwise. A table, a field or a mask in it is
 	/// the same object as in the settings before until what it says has changed.

@@ -135,6 +135,23 @@ void ScatterLayer::set_proximity_layer(const String &p_name) {
 
 String ScatterLayer::get_proximity_layer() const { return proximity_layer_; }
 
+void ScatterLayer::rename_references(const String &p_from, const String &p_to) {
+	if (proximity_layer_ == p_from) {
+		set_proximity_layer(p_to);
+	}
+	if (spacing_.count(p_from.utf8().get_data()) == 0) {
+		return;
+	}
+	// Anew, so that the order in the inspector stays.
+	TypedDictionary<String, double> renamed;
+	const Array names = spacing_property_.keys();
+	for (int64_t i = 0; i < names.size(); ++i) {
+		const String name = names[i];
+		renamed[name == p_from ? p_to : name] = std::as_const(spacing_property_)[names[i]];
+	}
+	set_spacing(renamed);
+}
+
 void ScatterLayer::bind_rules() {
 	ADD_GROUP("Rules", "");
 	bind_number<density>();

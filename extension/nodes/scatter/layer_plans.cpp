@@ -139,7 +139,7 @@ EditedArea LayerPlans::replace_plan(std::size_t index, const SharedLayer &settin
 }
 
 std::vector<EditedArea> LayerPlans::update(
-		const TypedArray<ScatterLayer> &p_layers, const ScatterGround &ground, ShapeRegister &shapes) {
+		const TypedArray<ScatterLayer> &p_layers, const ScatterGround &ground, RegionRegister &regions) {
 	const auto count = static_cast<std::size_t>(p_layers.size());
 	places_.resize(count);
 	next_.resize(count);
@@ -148,7 +148,7 @@ std::vector<EditedArea> LayerPlans::update(
 		const Ref<ScatterLayer> layer = p_layers[static_cast<int64_t>(index)];
 		statuses.push_back(read(index, layer, ground.seed));
 		if (std::optional<NamedLayer> &source = places_[index].source) {
-			source->settings.rules.shapes = shapes.set_for(index, layer->get_name());
+			source->settings.rules.shapes = regions.set_for(index, layer->get_name());
 		}
 	}
 	std::vector<EditedArea> areas;

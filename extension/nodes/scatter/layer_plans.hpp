@@ -4,7 +4,7 @@
 #include "core/placement/layer_links.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/scatter/scatter_stream.hpp"
-#include "nodes/scatter/shape_register.hpp"
+#include "nodes/region/region_register.hpp"
 
 #include <godot_cpp/variant/string.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
@@ -31,7 +31,7 @@ public:
 	/// Reads the layers as they are now. Returns for each where its tiles are outdated. A layer whose settings are
 	/// refused keeps its last good ones, for its neighbors too, and one error is printed.
 	std::vector<EditedArea> update(
-			const godot::TypedArray<ScatterLayer> &p_layers, const ScatterGround &ground, ShapeRegister &shapes);
+			const godot::TypedArray<ScatterLayer> &p_layers, const ScatterGround &ground, RegionRegister &regions);
 
 	/// By place, null entries of the node's list included, which are not wanted.
 	const std::vector<StreamedLayer> &streamed() const { return streamed_; }

@@ -18,7 +18,10 @@ static func layers(name: String, taken: PackedStringArray) -> Array:
 	var result := found.duplicate()
 	result.clear()
 	for layer: Resource in found:
-		result.append(_copy(layer, copies))
+		var copy := _copy(layer, copies)
+		if copy != layer:
+			copy.set(&"layer_id", -1) # The scatter that it joins gives it one.
+		result.append(copy)
 	source.free()
 	_rename(result, taken)
 	return result

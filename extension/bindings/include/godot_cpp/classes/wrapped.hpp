@@ -9,8 +9,8 @@
 namespace godot {
 
 class ClassDB;
-class Wrapped;
 struct PropertyInfo;
+class Wrapped;
 
 namespace internal {
 

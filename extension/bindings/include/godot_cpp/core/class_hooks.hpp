@@ -2,6 +2,7 @@
 
 #include <godot_cpp/classes/wrapped.hpp>
 #include <godot_cpp/core/marshal.hpp>
+#include <godot_cpp/core/property_info.hpp>
 #include <godot_cpp/core/signature.hpp>
 
 #include <concepts>
@@ -73,11 +74,12 @@ public:
 		notify(self(p_instance), p_what, p_reversed != 0);
 	}
 
-	/// Lets the class change how one of its properties is shown, or hide it. Base classes first.
-	static GDExtensionBool validate_property(GDExtensionClassInstancePtr p_instance, GDExtensionPropertyInfo *p_property) {
-		PropertyInfo info(*p_property);
+	/// Lets `_validate_property` change what the inspector is told of a property. Base classes first.
+	static GDExtensionBool validate_property(
+			GDExtensionClassInstancePtr p_instance, GDExtensionPropertyInfo *p_property) {
+		PropertyInfo info(p_property);
 		validate(self(p_instance), info);
-		info._update(*p_property);
+		info._update(p_property);
 		return true;
 	}
 

@@ -1,6 +1,6 @@
-#include "nodes/scatter/shape_register.hpp"
+#include "nodes/region/region_register.hpp"
 
-#include "nodes/scatter/scatter_shape_3d.hpp"
+#include "nodes/region/scatter_region_3d.hpp"
 
 #include <glm/geometric.hpp>
 
@@ -33,23 +33,23 @@ bool stands_still(const Shape &before, const Shape &now) {
 
 } // namespace
 
-bool ShapeRegister::Entry::counts_for(const String &name) const {
+bool RegionRegister::Entry::counts_for(const String &name) const {
 	return shape.has_value() && (names.size() == 0 || names.has(name));
 }
 
-void ShapeRegister::add(ScatterShape3D *shape) { entries_.emplace_back().node = shape; }
+void RegionRegister::add(ScatterRegion3D *region) { entries_.emplace_back().node = region; }
 
-void ShapeRegister::remove(ScatterShape3D *shape) {
-	std::erase_if(entries_, [shape](const Entry &entry) { return entry.node == shape; });
+void RegionRegister::remove(ScatterRegion3D *region) {
+	std::erase_if(entries_, [region](const Entry &entry) { return entry.node == region; });
 }
 
-void ShapeRegister::mark(const ScatterShape3D *shape) {
+void RegionRegister::mark(const ScatterRegion3D *region) {
 	for (Entry &entry : entries_) {
-		entry.marked = entry.marked || entry.node == shape;
+		entry.marked = entry.marked || entry.node == region;
 	}
 }
 
-bool ShapeRegister::paths_changed() {
+bool RegionRegister::paths_changed() {
 	bool any = false;
 	for (Entry &entry : entries_) {
 		const bool changed = entry.node->path_changed();
@@ -59,14 +59,14 @@ bool ShapeRegister::paths_changed() {
 	return any;
 }
 
-bool ShapeRegister::mark_all() {
+bool RegionRegister::mark_all() {
 	for (Entry &entry : entries_) {
 		entry.marked = true;
 	}
 	return !entries_.empty();
 }
 
-void ShapeRegister::update(bool recentered) {
+void RegionRegister::update(bool recentered) {
 	for (Entry &entry : entries_) {
 		if (std::exchange(entry.marked, false)) {
 			const std::optional<Shape> before = std::exchange(entry.read, entry.node->world_shape());
@@ -80,22 +80,22 @@ void ShapeRegister::update(bool recentered) {
 	}
 }
 
-std::shared_ptr<const ShapeSet> ShapeRegister::set_for(std::size_t place, const String &name) {
+std::shared_ptr<const ShapeSet> RegionRegister::set_for(std::size_t index, const String &name) {
 	std::vector<Shape> shapes;
 	for (const Entry &entry : entries_) {
 		if (entry.counts_for(name)) {
 			shapes.push_back(*entry.shape);
 		}
 	}
-	sets_.resize(std::max(sets_.size(), place + 1));
-	std::shared_ptr<const ShapeSet> &last = sets_[place];
+	sets_.resize(std::max(sets_.size(), index + 1));
+	std::shared_ptr<const ShapeSet> &last = sets_[index];
 	const auto is_same = [&shapes](const std::shared_ptr<const ShapeSet> &set) {
 		return set != nullptr && std::ranges::equal(set->shapes(), shapes);
 	};
 	if (shapes.empty()) {
 		last = nullptr;
 	} else if (!is_same(last)) {
-		// Most shapes count for all layers, which then share a set.
+		// Most regions count for all layers, which then share a set.
 		const auto shared = std::ranges::find_if(sets_, is_same);
 		auto next = std::make_shared<ShapeSet>();
 		if (shared != sets_.end()) {
@@ -107,7 +107,7 @@ std::shared_ptr<const ShapeSet> ShapeRegister::set_for(std::size_t place, const 
 	return last;
 }
 
-void ShapeRegister::update_warnings() const {
+void RegionRegister::update_warnings() const {
 	for (const Entry &entry : entries_) {
 		entry.node->update_configuration_warnings();
 	}

@@ -10,45 +10,63 @@
 #include <godot_cpp/variant/packed_vector2_array.hpp>
 #include <godot_cpp/variant/packed_vector3_array.hpp>
 
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace thicket {
 
-class TerrainScatter3D;
+class ScatterRegion3D;
 
-/// The sizes of a shape, as the inspector shows them, in meters.
-struct ShapeNumbers {
+/// A node that regions below it belong to: a TerrainScatter3D.
+class RegionHost {
+public:
+	virtual ~RegionHost() = default;
+
+	/// A region below the node enters the tree, leaves it, or is not what it was: what it touches is made anew.
+	virtual void add_region(ScatterRegion3D *p_region) = 0;
+	virtual void remove_region(ScatterRegion3D *p_region) = 0;
+	virtual void region_changed(const ScatterRegion3D *p_region) = 0;
+
+	/// The world's meters at the engine's origin.
+	virtual glm::dvec3 world_offset() const = 0;
+	virtual bool has_layer_named(const godot::String &p_name) const = 0;
+};
+
+/// The sizes of a region, as the inspector shows them, in meters.
+struct RegionSizes {
 	double falloff = 0.0;
 	double radius = 5.0;
 	double height = 10.0;
 	double width = 4.0;
 };
 
-/// A part of the world in which layers of the TerrainScatter3D above it are included, or from which they are excluded.
-/// Counts while it is in the tree and not hidden. What it changes is made anew, and nothing else.
-class ScatterShape3D : public godot::Node3D {
-	GDCLASS(ScatterShape3D, godot::Node3D)
+/// A part of the world that includes layers of the TerrainScatter3D above it, or excludes them.
+/// It counts while it is in the tree and not hidden. Only the tiles that it touches are made anew when it changes.
+class ScatterRegion3D : public godot::Node3D {
+	GDCLASS(ScatterRegion3D, godot::Node3D)
 
 public:
-	enum Kind {
-		KIND_BOX,      ///< `size`, around the node.
-		KIND_SPHERE,   ///< `radius`.
-		KIND_CYLINDER, ///< `radius`, and `height` along the node's y axis.
-		KIND_POLYGON,  ///< Within `polygon`, at any height.
-		KIND_PATH,     ///< Within half of `width` of a Path3D, at any height.
+	enum Shape {
+		SHAPE_BOX,      ///< `size`, around the node.
+		SHAPE_SPHERE,   ///< `radius`.
+		SHAPE_CYLINDER, ///< `radius`, and `height` along the node's y axis.
+		SHAPE_POLYGON,  ///< Within `polygon`, at any height.
+		SHAPE_PATH,     ///< Within half of `width` of a Path3D, at any height.
 	};
 
-	ScatterShape3D();
+	ScatterRegion3D();
 
 	/// A setter refuses what is not finite or out of range: one error that names the property, and the value stays.
-	void set_kind(Kind p_kind);
-	Kind get_kind() const { return kind_; }
+	void set_shape(Shape p_shape);
+	Shape get_shape() const { return shape_; }
 	void set_exclude(bool p_exclude);
 	bool is_excluding() const { return exclude_; }
 
-	/// Names of the layers that the shape counts for; none for all of them.
+	/// Names of the layers that the region counts for; none for all of them.
 	void set_layer_names(const godot::PackedStringArray &p_names);
 	godot::PackedStringArray get_layer_names() const { return layer_names_; }
 	void set_ignore_height(bool p_ignore);
@@ -66,52 +84,53 @@ public:
 	void set_path_node(const godot::NodePath &p_path);
 	godot::NodePath get_path_node() const { return path_; }
 
-	template <const NumberProperty<ShapeNumbers, double> &property>
+	template <const NumberProperty<RegionSizes, double> &property>
 	void set_number(double p_value);
-	template <const NumberProperty<ShapeNumbers, double> &property>
+	template <const NumberProperty<RegionSizes, double> &property>
 	double get_number() const;
 
-	/// The shape as it stands in the world. None where it has no effect: hidden, not in the tree, unfinished, or such
+	/// The region as it stands in the world. None where it has no effect: hidden, not in the tree, unfinished, or such
 	/// that the core refuses it, for which one error is printed.
-	std::optional<Shape> world_shape();
+	std::optional<thicket::Shape> world_shape();
 
-	/// True if the path that a shape of KIND_PATH follows is another one, has moved or has changed since the last call.
+	/// True if the path that a region of SHAPE_PATH follows is another one, has moved or has changed since the last call.
 	bool path_changed();
 
-	/// What keeps the shape from having the effect that is likely meant, a sentence each, for the editor's warnings.
+	/// What keeps the region from having the effect that is likely meant, a sentence each, for the editor's warnings.
 	godot::PackedStringArray get_problems() const;
 	godot::PackedStringArray _get_configuration_warnings() const override { return get_problems(); }
 
 protected:
 	static void _bind_methods();
 	void _notification(int p_what);
+	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
 	void enter();
 	void leave();
 	void changed();
 	bool shown() const;
+	bool is_flat() const { return shape_ == SHAPE_POLYGON || shape_ == SHAPE_PATH; }
 	/// ErrorCode::missing for an outline with too few points.
-	bool is_flat() const { return kind_ == KIND_POLYGON || kind_ == KIND_PATH; }
-	Status build(Shape &r_shape) const;
-	Status build_solid(Shape &r_shape) const;
+	Status build(thicket::Shape &r_shape) const;
+	Status build_solid(thicket::Shape &r_shape) const;
 	std::vector<glm::dvec2> polygon_outline() const;
 	std::vector<glm::dvec2> path_outline() const;
 	godot::Path3D *followed_path() const;
 	void add_outline_problems(godot::PackedStringArray &r_problems) const;
-	template <const NumberProperty<ShapeNumbers, double> &property>
+	template <const NumberProperty<RegionSizes, double> &property>
 	static void bind_number();
 
-	Kind kind_ = KIND_BOX;
+	Shape shape_ = SHAPE_BOX;
 	bool exclude_ = false;
 	bool ignore_height_ = false;
 	godot::PackedStringArray layer_names_;
 	godot::Vector3 size_{10.0F, 10.0F, 10.0F};
-	ShapeNumbers numbers_;
+	RegionSizes numbers_;
 	godot::PackedVector2Array polygon_;
 	godot::NodePath path_;
 
-	TerrainScatter3D *scatter_ = nullptr; ///< Between entering and leaving the tree; it leaves after what is below it.
+	RegionHost *host_ = nullptr; ///< Set while in the tree. The host leaves the tree after what is below it.
 	ErrorCode reported_ = ErrorCode::none;
 
 	/// Of the path, as path_changed() saw it last.
@@ -126,4 +145,4 @@ private:
 
 } // namespace thicket
 
-VARIANT_ENUM_CAST(thicket::ScatterShape3D::Kind)
+VARIANT_ENUM_CAST(thicket::ScatterRegion3D::Shape)

@@ -1,8 +1,7 @@
-#include "nodes/scatter/scatter_shape_3d.hpp"
+#include "nodes/region/scatter_region_3d.hpp"
 
 #include "core/rules/polyline.hpp"
 #include "core/rules/shape_frame.hpp"
-#include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include <godot_cpp/classes/curve3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
@@ -17,7 +16,7 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterShape3D";
+constexpr const char *class_name = "ScatterRegion3D";
 
 /// How far, in meters, the outline of a path may lie beside the points that its curve was baked to.
 constexpr double path_tolerance = 0.01;
@@ -25,15 +24,15 @@ constexpr double path_tolerance = 0.01;
 constexpr double min_side = 1e-3;
 constexpr double max_side = 1e6;
 
-using Number = NumberProperty<ShapeNumbers, double>;
+using Number = NumberProperty<RegionSizes, double>;
 
 constexpr Number falloff{
-		"falloff", &ShapeNumbers::falloff, 0.0, max_side, PROPERTY_HINT_RANGE, "0,100,0.01,or_greater,suffix:m"};
-constexpr Number radius{"radius", &ShapeNumbers::radius, min_side, max_side, PROPERTY_HINT_RANGE,
+		"falloff", &RegionSizes::falloff, 0.0, max_side, PROPERTY_HINT_RANGE, "0,100,0.01,or_greater,suffix:m"};
+constexpr Number radius{"radius", &RegionSizes::radius, min_side, max_side, PROPERTY_HINT_RANGE,
 		"0.01,1000,0.01,or_less,or_greater,suffix:m"};
-constexpr Number height{"height", &ShapeNumbers::height, min_side, max_side, PROPERTY_HINT_RANGE,
+constexpr Number height{"height", &RegionSizes::height, min_side, max_side, PROPERTY_HINT_RANGE,
 		"0.01,1000,0.01,or_less,or_greater,suffix:m"};
-constexpr Number width{"width", &ShapeNumbers::width, min_side, max_side, PROPERTY_HINT_RANGE,
+constexpr Number width{"width", &RegionSizes::width, min_side, max_side, PROPERTY_HINT_RANGE,
 		"0.01,200,0.01,or_less,or_greater,suffix:m"};
 
 glm::dvec3 column(const Basis &basis, int axis) {
@@ -42,9 +41,9 @@ glm::dvec3 column(const Basis &basis, int axis) {
 
 glm::dmat3 columns(const Basis &basis) { return {column(basis, 0), column(basis, 1), column(basis, 2)}; }
 
-/// Where a place of a node's own space lies on the world's plane.
-glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 place) {
-	const glm::dvec3 world = columns(frame.basis) * place;
+/// Where a position in a node's own space lies on the world's plane.
+glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
+	const glm::dvec3 world = columns(frame.basis) * position;
 	return {world.x + double{frame.origin.x}, world.z + double{frame.origin.z}};
 }
 
@@ -52,9 +51,9 @@ constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std:
 
 } // namespace
 
-ScatterShape3D::ScatterShape3D() { set_notify_transform(true); }
+ScatterRegion3D::ScatterRegion3D() { set_notify_transform(true); }
 
-void ScatterShape3D::_notification(int p_what) {
+void ScatterRegion3D::_notification(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_TREE: enter(); break;
 		case NOTIFICATION_EXIT_TREE: leave(); break;
@@ -69,34 +68,35 @@ void ScatterShape3D::_notification(int p_what) {
 	}
 }
 
-void ScatterShape3D::enter() {
-	for (Node *node = get_parent(); node != nullptr && scatter_ == nullptr; node = node->get_parent()) {
-		scatter_ = cast_to<TerrainScatter3D>(node);
+void ScatterRegion3D::enter() {
+	for (Node *node = get_parent(); node != nullptr && host_ == nullptr; node = node->get_parent()) {
+		host_ = dynamic_cast<RegionHost *>(node);
 	}
-	if (scatter_ != nullptr) {
-		scatter_->add_shape(this);
+	if (host_ != nullptr) {
+		host_->add_region(this);
 	}
 	update_configuration_warnings();
 }
 
-void ScatterShape3D::leave() {
-	if (scatter_ != nullptr) {
-		std::exchange(scatter_, nullptr)->remove_shape(this);
+void ScatterRegion3D::leave() {
+	if (host_ != nullptr) {
+		std::exchange(host_, nullptr)->remove_region(this);
 	}
 	seen_ = {};
 }
 
-void ScatterShape3D::changed() {
-	if (scatter_ != nullptr) {
-		scatter_->shape_changed(this);
+void ScatterRegion3D::changed() {
+	if (host_ != nullptr) {
+		host_->region_changed(this);
 	}
 	update_gizmos();
 	update_configuration_warnings();
 }
 
-/// Whether nothing between the node and its scatter is hidden. A hidden scatter goes on as it is, out of sight.
-bool ScatterShape3D::shown() const {
-	for (const Node3D *node = this; node != nullptr && node != scatter_; node = cast_to<Node3D>(node->get_parent())) {
+/// Whether neither the node nor any node between it and its host is hidden. A hidden host still counts its regions.
+bool ScatterRegion3D::shown() const {
+	for (const Node3D *node = this; node != nullptr && dynamic_cast<const RegionHost *>(node) != host_;
+			node = cast_to<Node3D>(node->get_parent())) {
 		if (!node->is_visible()) {
 			return false;
 		}
@@ -104,17 +104,17 @@ bool ScatterShape3D::shown() const {
 	return true;
 }
 
-Path3D *ScatterShape3D::followed_path() const {
+Path3D *ScatterRegion3D::followed_path() const {
 	Path3D *path = cast_to<Path3D>(path_.is_empty() ? get_parent() : get_node_or_null(path_));
 	return path != nullptr && path->is_inside_tree() ? path : nullptr;
 }
 
-bool ScatterShape3D::path_changed() {
-	if (kind_ != KIND_PATH && seen_.id == 0) {
+bool ScatterRegion3D::path_changed() {
+	if (shape_ != SHAPE_PATH && seen_.id == 0) {
 		return false;
 	}
 	SeenPath now;
-	if (const Path3D *path = kind_ == KIND_PATH ? followed_path() : nullptr) {
+	if (const Path3D *path = shape_ == SHAPE_PATH ? followed_path() : nullptr) {
 		now.id = path->get_instance_id();
 		now.transform = path->get_global_transform();
 		if (const Ref<Curve3D> curve = path->get_curve(); curve.is_valid()) {
@@ -130,7 +130,7 @@ bool ScatterShape3D::path_changed() {
 	return !same;
 }
 
-std::vector<glm::dvec2> ScatterShape3D::polygon_outline() const {
+std::vector<glm::dvec2> ScatterRegion3D::polygon_outline() const {
 	std::vector<glm::dvec2> outline;
 	const Transform3D frame = get_global_transform();
 	for (const Vector2 &corner : polygon_) {
@@ -139,7 +139,7 @@ std::vector<glm::dvec2> ScatterShape3D::polygon_outline() const {
 	return outline;
 }
 
-std::vector<glm::dvec2> ScatterShape3D::path_outline() const {
+std::vector<glm::dvec2> ScatterRegion3D::path_outline() const {
 	std::vector<glm::dvec2> outline;
 	const Path3D *path = followed_path();
 	const Ref<Curve3D> curve = path != nullptr ? path->get_curve() : Ref<Curve3D>();
@@ -153,7 +153,7 @@ std::vector<glm::dvec2> ScatterShape3D::path_outline() const {
 	return simplified(outline, path_tolerance);
 }
 
-Status ScatterShape3D::build_solid(Shape &r_shape) const {
+Status ScatterRegion3D::build_solid(thicket::Shape &r_shape) const {
 	const Transform3D transform = get_global_transform();
 	ShapeFrame frame;
 	if (const Status status = take_apart(columns(transform.basis), frame); !status.ok()) {
@@ -162,10 +162,10 @@ Status ScatterShape3D::build_solid(Shape &r_shape) const {
 	r_shape.center = {transform.origin.x, transform.origin.y, transform.origin.z};
 	r_shape.axes = frame.axes;
 	const glm::dvec3 scale = frame.scale;
-	if (kind_ == KIND_BOX) {
+	if (shape_ == SHAPE_BOX) {
 		r_shape.kind = ShapeKind::box;
 		r_shape.half_size = 0.5 * glm::dvec3{size_.x, size_.y, size_.z} * scale;
-	} else if (kind_ == KIND_SPHERE) {
+	} else if (shape_ == SHAPE_SPHERE) {
 		r_shape.kind = ShapeKind::sphere;
 		r_shape.half_size = {numbers_.radius * std::max({scale.x, scale.y, scale.z}), 0.0, 0.0};
 	} else {
@@ -175,37 +175,37 @@ Status ScatterShape3D::build_solid(Shape &r_shape) const {
 	return {};
 }
 
-Status ScatterShape3D::build(Shape &r_shape) const {
+Status ScatterRegion3D::build(thicket::Shape &r_shape) const {
 	r_shape.exclude = exclude_;
 	r_shape.ignore_height = ignore_height_;
 	r_shape.falloff = numbers_.falloff;
-	if (kind_ == KIND_POLYGON) {
+	if (shape_ == SHAPE_POLYGON) {
 		r_shape.kind = ShapeKind::polygon;
 		r_shape.outline = polygon_outline();
-	} else if (kind_ == KIND_PATH) {
+	} else if (shape_ == SHAPE_PATH) {
 		r_shape.kind = ShapeKind::path;
 		r_shape.outline = path_outline();
 		r_shape.half_size.x = 0.5 * numbers_.width;
 	} else if (const Status status = build_solid(r_shape); !status.ok()) {
 		return status;
 	}
-	if (scatter_ != nullptr) {
-		const glm::dvec3 offset = scatter_->world_offset();
+	if (host_ != nullptr) {
+		const glm::dvec3 offset = host_->world_offset();
 		r_shape.center += is_flat() ? glm::dvec3(0.0) : offset;
 		for (glm::dvec2 &point : r_shape.outline) {
 			point += glm::dvec2(offset.x, offset.z);
 		}
 	}
 	const bool unfinished =
-			(kind_ == KIND_POLYGON && r_shape.outline.size() < 3) || (kind_ == KIND_PATH && r_shape.outline.size() < 2);
+			(shape_ == SHAPE_POLYGON && r_shape.outline.size() < 3) || (shape_ == SHAPE_PATH && r_shape.outline.size() < 2);
 	return unfinished ? Status{ErrorCode::missing, "outline", 0.0} : validate(r_shape);
 }
 
-std::optional<Shape> ScatterShape3D::world_shape() {
+std::optional<thicket::Shape> ScatterRegion3D::world_shape() {
 	if (!is_inside_tree() || !shown()) {
 		return std::nullopt;
 	}
-	Shape shape;
+	thicket::Shape shape;
 	const Status status = build(shape);
 	if (status.code == ErrorCode::missing) {
 		return std::nullopt; // Its warnings say so.
@@ -216,31 +216,31 @@ std::optional<Shape> ScatterShape3D::world_shape() {
 	return status.ok() ? std::optional(std::move(shape)) : std::nullopt;
 }
 
-void ScatterShape3D::add_outline_problems(PackedStringArray &r_problems) const {
-	if (kind_ == KIND_POLYGON && polygon_.size() < 3) {
-		r_problems.push_back("ScatterShape3D.polygon has fewer than 3 corners: the shape has no effect.");
+void ScatterRegion3D::add_outline_problems(PackedStringArray &r_problems) const {
+	if (shape_ == SHAPE_POLYGON && polygon_.size() < 3) {
+		r_problems.push_back("ScatterRegion3D.polygon has fewer than 3 corners: the region has no effect.");
 	}
-	if (kind_ != KIND_PATH) {
+	if (shape_ != SHAPE_PATH) {
 		return;
 	}
 	if (cast_to<Path3D>(path_.is_empty() ? get_parent() : get_node_or_null(path_)) == nullptr) {
-		r_problems.push_back("No path: set ScatterShape3D.path to a Path3D, or make the shape a child of one.");
+		r_problems.push_back("No path: set ScatterRegion3D.path to a Path3D, or make the region a child of one.");
 	} else if (is_inside_tree() && path_outline().size() < 2) {
-		r_problems.push_back("The Path3D's curve has fewer than 2 points: the shape has no effect.");
+		r_problems.push_back("The Path3D's curve has fewer than 2 points: the region has no effect.");
 	}
 }
 
-PackedStringArray ScatterShape3D::get_problems() const {
+PackedStringArray ScatterRegion3D::get_problems() const {
 	PackedStringArray problems;
 	add_outline_problems(problems);
 	if (!is_inside_tree()) {
 		return problems;
 	}
-	if (scatter_ == nullptr) {
-		problems.push_back("The shape has no effect: it belongs below a TerrainScatter3D, at any depth.");
+	if (host_ == nullptr) {
+		problems.push_back("The region has no effect: it belongs below a TerrainScatter3D, at any depth.");
 	} else {
 		for (const String &name : layer_names_) {
-			if (!scatter_->has_layer_named(name)) {
+			if (!host_->has_layer_named(name)) {
 				problems.push_back("The TerrainScatter3D has no layer named \"" + name + "\".");
 			}
 		}
@@ -252,36 +252,37 @@ PackedStringArray ScatterShape3D::get_problems() const {
 	const Status status = take_apart(columns(get_global_transform().basis), frame);
 	const glm::dvec3 scale = frame.scale;
 	if (!status.ok()) {
-		problems.push_back("The shape has no effect: " + sentence(class_name, status) + ".");
-	} else if ((kind_ != KIND_BOX && differ(scale.x, scale.z)) || (kind_ == KIND_SPHERE && differ(scale.x, scale.y))) {
+		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
+	} else if ((shape_ != SHAPE_BOX && differ(scale.x, scale.z)) || (shape_ == SHAPE_SPHERE && differ(scale.x, scale.y))) {
 		problems.push_back("The node's scale is not the same along all axes: the largest counts for the radius.");
 	}
 	return problems;
 }
 
-void ScatterShape3D::set_kind(Kind p_kind) {
-	if (accept_number(class_name, "kind", p_kind, KIND_BOX, KIND_PATH) && kind_ != p_kind) {
-		kind_ = p_kind;
+void ScatterRegion3D::set_shape(Shape p_shape) {
+	if (accept_number(class_name, "shape", p_shape, SHAPE_BOX, SHAPE_PATH) && shape_ != p_shape) {
+		shape_ = p_shape;
+		notify_property_list_changed();
 		changed();
 	}
 }
 
-void ScatterShape3D::set_exclude(bool p_exclude) {
+void ScatterRegion3D::set_exclude(bool p_exclude) {
 	exclude_ = p_exclude;
 	changed();
 }
 
-void ScatterShape3D::set_layer_names(const PackedStringArray &p_names) {
+void ScatterRegion3D::set_layer_names(const PackedStringArray &p_names) {
 	layer_names_ = p_names;
 	changed();
 }
 
-void ScatterShape3D::set_ignore_height(bool p_ignore) {
+void ScatterRegion3D::set_ignore_height(bool p_ignore) {
 	ignore_height_ = p_ignore;
 	changed();
 }
 
-void ScatterShape3D::set_size(const Vector3 &p_size) {
+void ScatterRegion3D::set_size(const Vector3 &p_size) {
 	for (const real_t side : {p_size.x, p_size.y, p_size.z}) {
 		if (!accept_number(class_name, "size", side, min_side, max_side)) {
 			return;
@@ -291,7 +292,7 @@ void ScatterShape3D::set_size(const Vector3 &p_size) {
 	changed();
 }
 
-void ScatterShape3D::set_polygon(const PackedVector2Array &p_polygon) {
+void ScatterRegion3D::set_polygon(const PackedVector2Array &p_polygon) {
 	if (p_polygon.size() > static_cast<int64_t>(max_outline_points)) {
 		report(class_name, {ErrorCode::out_of_range, "polygon", static_cast<double>(p_polygon.size())});
 		return;
@@ -307,13 +308,13 @@ void ScatterShape3D::set_polygon(const PackedVector2Array &p_polygon) {
 	changed();
 }
 
-void ScatterShape3D::set_path_node(const NodePath &p_path) {
+void ScatterRegion3D::set_path_node(const NodePath &p_path) {
 	path_ = p_path;
 	changed();
 }
 
 template <const Number &property>
-void ScatterShape3D::set_number(double p_value) {
+void ScatterRegion3D::set_number(double p_value) {
 	if (accept_number(class_name, property.name, p_value, property.min, property.max) &&
 			numbers_.*property.member != p_value) {
 		numbers_.*property.member = p_value;
@@ -322,24 +323,51 @@ void ScatterShape3D::set_number(double p_value) {
 }
 
 template <const Number &property>
-double ScatterShape3D::get_number() const {
+double ScatterRegion3D::get_number() const {
 	return numbers_.*property.member;
 }
 
 template <const Number &property>
-void ScatterShape3D::bind_number() {
+void ScatterRegion3D::bind_number() {
 	const String name = property.name;
 	const String setter = "set_" + name;
 	const String getter = "get_" + name;
-	ClassDB::bind_method(D_METHOD(StringName(setter), "value"), &ScatterShape3D::set_number<property>);
-	ClassDB::bind_method(D_METHOD(StringName(getter)), &ScatterShape3D::get_number<property>);
+	ClassDB::bind_method(D_METHOD(StringName(setter), "value"), &ScatterRegion3D::set_number<property>);
+	ClassDB::bind_method(D_METHOD(StringName(getter)), &ScatterRegion3D::get_number<property>);
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
 }
 
-void ScatterShape3D::_bind_methods() {
-	using Self = ScatterShape3D;
-	ClassDB::bind_method(D_METHOD("set_kind", "kind"), &Self::set_kind);
-	ClassDB::bind_method(D_METHOD("get_kind"), &Self::get_kind);
+/// Hides what does not count for the chosen shape. It is stored all the same, so that trying another shape loses nothing.
+void ScatterRegion3D::_validate_property(PropertyInfo &p_property) const {
+	struct Use {
+		const char *property;
+		unsigned shapes; ///< A bit for each shape that the property counts for.
+	};
+	constexpr unsigned box = 1U << SHAPE_BOX;
+	constexpr unsigned sphere = 1U << SHAPE_SPHERE;
+	constexpr unsigned cylinder = 1U << SHAPE_CYLINDER;
+	constexpr unsigned polygon = 1U << SHAPE_POLYGON;
+	constexpr unsigned path = 1U << SHAPE_PATH;
+	static constexpr Use uses[] = {
+			{"ignore_height", box | sphere | cylinder},
+			{"size", box},
+			{"radius", sphere | cylinder},
+			{"height", cylinder},
+			{"polygon", polygon},
+			{"path", path},
+			{"width", path},
+	};
+	for (const Use &use : uses) {
+		if (((use.shapes >> shape_) & 1U) == 0 && p_property.name == StringName(use.property)) {
+			p_property.usage &= ~static_cast<uint32_t>(PROPERTY_USAGE_EDITOR);
+		}
+	}
+}
+
+void ScatterRegion3D::_bind_methods() {
+	using Self = ScatterRegion3D;
+	ClassDB::bind_method(D_METHOD("set_shape", "shape"), &Self::set_shape);
+	ClassDB::bind_method(D_METHOD("get_shape"), &Self::get_shape);
 	ClassDB::bind_method(D_METHOD("set_exclude", "exclude"), &Self::set_exclude);
 	ClassDB::bind_method(D_METHOD("is_excluding"), &Self::is_excluding);
 	ClassDB::bind_method(D_METHOD("set_layer_names", "names"), &Self::set_layer_names);
@@ -353,8 +381,8 @@ void ScatterShape3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("set_path_node", "path"), &Self::set_path_node);
 	ClassDB::bind_method(D_METHOD("get_path_node"), &Self::get_path_node);
 	ClassDB::bind_method(D_METHOD("get_problems"), &Self::get_problems);
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "kind", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"), "set_kind",
-			"get_kind");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"), "set_shape",
+			"get_shape");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "exclude"), "set_exclude", "is_excluding");
 	ADD_PROPERTY(PropertyInfo(Variant::PACKED_STRING_ARRAY, "layer_names"), "set_layer_names", "get_layer_names");
 	bind_number<falloff>();
@@ -371,11 +399,11 @@ void ScatterShape3D::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::NODE_PATH, "path", PROPERTY_HINT_NODE_PATH_VALID_TYPES, "Path3D"),
 			"set_path_node", "get_path_node");
 	bind_number<width>();
-	BIND_ENUM_CONSTANT(KIND_BOX);
-	BIND_ENUM_CONSTANT(KIND_SPHERE);
-	BIND_ENUM_CONSTANT(KIND_CYLINDER);
-	BIND_ENUM_CONSTANT(KIND_POLYGON);
-	BIND_ENUM_CONSTANT(KIND_PATH);
+	BIND_ENUM_CONSTANT(SHAPE_BOX);
+	BIND_ENUM_CONSTANT(SHAPE_SPHERE);
+	BIND_ENUM_CONSTANT(SHAPE_CYLINDER);
+	BIND_ENUM_CONSTANT(SHAPE_POLYGON);
+	BIND_ENUM_CONSTANT(SHAPE_PATH);
 }
 
 } // namespace thicket
