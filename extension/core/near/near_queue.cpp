@@ -1,4 +1,4 @@
-#include "nodes/gameplay/near_queue.hpp"
+#include "core/near/near_queue.hpp"
 
 #include <glm/geometric.hpp>
 
@@ -21,7 +21,7 @@ bool NearQueue::Layer::outdated(std::span<const glm::dvec3> now, std::uint64_t w
 	if (!wanted()) {
 		return stale;
 	}
-	if (stale || ++frames >= look_frames || version != world_version || now.size() != centers.size()) {
+	if (stale || again || ++frames >= look_frames || version != world_version || now.size() != centers.size()) {
 		return true;
 	}
 	const double slack = look_share * distance;
@@ -63,7 +63,7 @@ void NearQueue::look(std::uint32_t layer, std::span<const glm::dvec3> centers, c
 	of.near.look(centers, {enter_share * of.distance, leave_share * of.distance}, standing_, of.changes);
 	of.left = 0;
 	of.entered = 0;
-	of.stale = false;
+	of.stale = of.again = false;
 	of.frames = 0;
 	of.version = world.version();
 	of.centers.assign(centers.begin(), centers.end());
@@ -114,6 +114,26 @@ bool NearQueue::next(bool (Layer::*any)() const, Leaving &r_leaving) {
 	return false;
 }
 
+bool NearQueue::next_changed(PlacedInstance &r_instance) {
+	for (Layer &layer : layers_) {
+		NearChanges &changes = layer.changes;
+		const auto held = std::ranges::find_if(
+				changes.enter, [&layer](const PlacedInstance &at) { return layer.near.holds(at.id); });
+		if (layer.stale || changes.leave.empty() || held == changes.enter.end()) {
+			continue;
+		}
+		r_instance = *held;
+		layer.near.hold(r_instance);
+		layer.away.erase(layer.away.begin() + (held - changes.enter.begin()));
+		changes.enter.erase(held);
+		const auto leaves = std::ranges::find(changes.leave, r_instance.id);
+		changes.gone -= leaves - changes.leave.begin() < static_cast<std::ptrdiff_t>(changes.gone) ? 1 : 0;
+		changes.leave.erase(leaves);
+		return true;
+	}
+	return false;
+}
+
 bool NearQueue::next_gone(Leaving &r_leaving) { return next(&Layer::any_gone, r_leaving); }
 
 bool NearQueue::next_leaving(Leaving &r_leaving) { return next(&Layer::any_leaving, r_leaving); }
@@ -136,9 +156,18 @@ bool NearQueue::next_entering(PlacedInstance &r_instance) {
 
 bool NearQueue::settled() const {
 	return std::none_of(layers_.begin(), layers_.end(), [this](const Layer &layer) {
-		const bool outdated = world_ != nullptr && layer.wanted() && layer.version != world_->version();
-		return layer.stale || outdated || layer.any_leaving() || layer.any_entering();
+		const bool outdated = world_ == nullptr || layer.version != world_->version();
+		return layer.wanted() && (layer.stale || layer.again || outdated || layer.any_leaving() || layer.any_entering());
 	});
+}
+
+bool NearQueue::holds(std::uint32_t layer, std::uint64_t id) const {
+	return layer < layers_.size() && layers_[layer].near.holds(id);
+}
+
+void NearQueue::release(std::uint32_t layer, std::uint64_t id) {
+	layers_[layer].near.release(id);
+	layers_[layer].again = true;
 }
 
 void NearQueue::release(std::uint64_t id) {

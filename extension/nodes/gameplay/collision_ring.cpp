@@ -46,7 +46,7 @@ CollisionLayer collision_of(const Ref<ScatterLayer> &layer) {
 	return result;
 }
 
-void CollisionRing::set_place(const RID &space, std::uint64_t node_id) {
+void CollisionRing::set_space(const RID &space, std::uint64_t node_id) {
 	if (!(space_ == space) || node_id_ != node_id) {
 		clear();
 		space_ = space;
@@ -166,6 +166,20 @@ void CollisionRing::drop(std::uint64_t id) {
 		fall(layer, id);
 	}
 	queue_.release(id);
+}
+
+void CollisionRing::drop_if(const std::function<bool(std::uint64_t id)> &gone) {
+	std::vector<std::uint64_t> dropped;
+	for (const Layer &layer : layers_) {
+		for (const auto &[id, body] : layer.bodies) {
+			if (gone(id)) {
+				dropped.push_back(id);
+			}
+		}
+	}
+	for (const std::uint64_t id : dropped) {
+		drop(id);
+	}
 }
 
 void CollisionRing::apply(const CollisionLayer::Settings &settings, const RID &body) {
