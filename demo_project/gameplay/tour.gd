@@ -179,7 +179,7 @@ func _hold(key: Key, pressed: bool) -> void:
 ## Waits until all is on show, then draws: in the meantime nothing moves.
 func _picture(what: String) -> void:
 	await _frames(3)
-	await _until(func() -> bool: return _game.world.is_idle(), "all is on show")
+	await _until(func() -> bool: return _game.world.is_settled(), "all is on show")
 	if _failed:
 		return
 	var stats: Dictionary = _game.world.get_stats()

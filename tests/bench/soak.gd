@@ -89,7 +89,7 @@ func _make_world() -> void:
 	_walker = Node3D.new()
 	root.add_child(_viewer)
 	root.add_child(_walker)
-	_walker.add_to_group(&"scatter_bodies")
+	_walker.add_to_group(&"scatter_interaction")
 	root.add_child(_scatter)
 	_scatter.viewers = [_scatter.get_path_to(_viewer)]
 	_scatter.query_finished.connect(_on_query_finished)
@@ -207,7 +207,7 @@ func _come_and_go(frame: int) -> void:
 	if frame % 60 == 0:
 		var body := Node3D.new()
 		root.add_child(body)
-		body.add_to_group(&"scatter_bodies")
+		body.add_to_group(&"scatter_interaction")
 		body.position = _viewer.position + _heading * METERS_A_FRAME * 20.0
 		create_timer(0.05).timeout.connect(body.queue_free)
 	if frame % 45 == 0:
@@ -231,7 +231,7 @@ func _go_home() -> void:
 	_teleport(Vector3.ZERO)
 	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
 	await create_timer(0.1).timeout
-	while _failure == "" and not (_scatter.is_idle() and _asked.is_empty()):
+	while _failure == "" and not (_scatter.is_settled() and _asked.is_empty()):
 		_expect(Time.get_ticks_msec() < limit, "idle and answered within %.0f s" % PATIENCE_SECONDS)
 		await process_frame
 	# Bodies and scenes come a few in a frame.

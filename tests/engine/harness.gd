@@ -112,7 +112,7 @@ func until(condition: Callable, message: String) -> bool:
 func settle(scatter: TerrainScatter3D) -> bool:
 	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
 	await frames(2)
-	while not scatter.is_idle():
+	while not scatter.is_settled():
 		if Time.get_ticks_msec() > deadline:
 			return check(false, "still not idle after %d ms: %s" % [IDLE_TIMEOUT_MSEC, scatter.get_stats()])
 		await process_frame
@@ -152,7 +152,7 @@ func make_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain, viewer: 
 	scatter.seed = 7
 	scatter.layers = layers
 	scatter.terrain = terrain
-	scatter.upload_budget_usec = 20000
+	scatter.frame_budget_usec = 20000
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	return scatter

@@ -159,9 +159,9 @@ func test_view_beyond_what_can_be_streamed() -> void:
 
 func test_node_properties() -> void:
 	var scatter := TerrainScatter3D.new()
-	refuse(scatter, "upload_budget_usec", 0, "must be positive")
-	refuse(scatter, "upload_budget_usec", -5, "must be positive")
-	refuse(scatter, "upload_budget_usec", 1 << 40, "is out of range")
+	refuse(scatter, "frame_budget_usec", 0, "must be positive")
+	refuse(scatter, "frame_budget_usec", -5, "must be positive")
+	refuse(scatter, "frame_budget_usec", 1 << 40, "is out of range")
 	for tile: Vector2i in [Vector2i.ZERO, Vector2i(1 << 30, -(1 << 31))]:
 		for layer: int in [0, -1, 1 << 40]:
 			check_equal(scatter.get_tile_digest(layer, tile), 0, "digest")

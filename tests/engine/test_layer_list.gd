@@ -110,7 +110,7 @@ func test_changes_of_the_array_count_at_once() -> void:
 	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
 	await frames(2)
 	scatter.layers.append(named("oak"))
-	check(not scatter.is_idle(), "there is something to do")
+	check(not scatter.is_settled(), "there is something to do")
 	check(standing(scatter, 0).size() > 100, "asked at once, %d stand" % standing(scatter, 0).size())
 	check_equal(scatter.layers[0].layer_id, 0, "its id")
 	await settle(scatter)
@@ -120,7 +120,7 @@ func test_changes_of_the_array_count_at_once() -> void:
 	check(scatter.get_shown_tiles(1).size() > 4, "noticed without a question, too")
 	var before := standing(scatter, 0)
 	scatter.layers[1].density = 0.5
-	check(not scatter.is_idle(), "changes of an appended layer are heard of")
+	check(not scatter.is_settled(), "changes of an appended layer are heard of")
 	await settle(scatter)
 	scatter.layers.reverse()
 	check(standing(scatter, 1) == before, "the same oaks, elsewhere in the list")
@@ -129,7 +129,7 @@ func test_changes_of_the_array_count_at_once() -> void:
 	check(standing(scatter, 0) == before, "the same oaks, alone")
 	await settle(scatter)
 	gone.density = 1.0
-	check(scatter.is_idle(), "a layer that has left is not listened to")
+	check(scatter.is_settled(), "a layer that has left is not listened to")
 	scatter.layers.clear()
 	check(standing(scatter, 0).is_empty(), "nothing stands without layers")
 	check_error(["layers"], "nothing to ask")

@@ -52,7 +52,7 @@ func test_freed_in_mid_generation() -> void:
 		var scatter := make_busy(grounds()[round % 3])
 		@warning_ignore("integer_division")
 		await frames(round / 3)
-		check(round < 3 or not scatter.is_idle(), "still at work after %d frames" % (round / 3.0))
+		check(round < 3 or not scatter.is_settled(), "still at work after %d frames" % (round / 3.0))
 		if round % 2:
 			scatter.free()
 		else:
@@ -167,7 +167,7 @@ func test_viewer_freed_and_teleported() -> void:
 		await process_frame
 	viewer.free()
 	await frames(10)
-	check(not scatter.is_idle(), "waits for a viewer")
+	check(not scatter.is_settled(), "waits for a viewer")
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	await until(has_tiles.bind(scatter), "goes on")
 
@@ -205,7 +205,7 @@ func test_meddling_signal_handlers() -> void:
 		if counts[0] == 15:
 			root.remove_child(scatter)
 			root.add_child(scatter))
-	scatter.idle.connect(func() -> void:
+	scatter.settled.connect(func() -> void:
 		counts[1] += 1
 		scatter.queue_free())
 	await frames(5)
@@ -230,7 +230,7 @@ func test_change_of_scene_in_mid_generation() -> void:
 		await frames(2 + round)
 		check(current_scene is TerrainScatter3D, "the scene runs")
 		check(current_scene.get_child_count() == 1, "what is shown is not in the scene")
-		check(not current_scene.is_idle(), "and is at work")
+		check(not current_scene.is_settled(), "and is at work")
 	unload_current_scene()
 	await frames(3)
 

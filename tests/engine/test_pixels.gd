@@ -78,7 +78,7 @@ func test_what_a_camera_sees() -> void:
 	await settle(scatter)
 
 	# One buffer a frame, so that there are many frames between the first new tile and the last.
-	scatter.upload_budget_usec = 1
+	scatter.frame_budget_usec = 1
 	var mesh := BoxMesh.new()
 	mesh.material = plain(GREEN)
 	layer.meshes = [mesh]
@@ -87,7 +87,7 @@ func test_what_a_camera_sees() -> void:
 		check(await share(RED) + await share(GREEN) > 0.8 * red, "old tiles stay until new ones are there")
 		mixed += 1
 	check(mixed > 2, "%d looks in between" % mixed)
-	scatter.upload_budget_usec = 20000
+	scatter.frame_budget_usec = 20000
 	mesh = BoxMesh.new()
 	mesh.material = plain(RED)
 	layer.meshes = [mesh]

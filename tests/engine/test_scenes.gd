@@ -3,7 +3,7 @@ extends "scenes_harness.gd"
 
 func test_swap_at_the_distance() -> void:
 	var scatter := make_garden([make_plants()], Vector3(-60, 0, 3))
-	scatter.upload_budget_usec = 1000000
+	scatter.frame_budget_usec = 1000000
 	await settle(scatter)
 	var forest := scatter.query_rect(Rect2(-90, -40, 160, 80))
 	var ids: PackedInt64Array = forest["ids"]
@@ -68,7 +68,7 @@ func test_everything_once_in_every_frame() -> void:
 	var layer := make_plants(3.0)
 	layer.view_distance = 48.0
 	var scatter := make_garden([layer])
-	scatter.upload_budget_usec = 1500
+	scatter.frame_budget_usec = 1500
 	await settle(scatter)
 	var random := RandomNumberGenerator.new()
 	random.seed = 3
@@ -109,7 +109,7 @@ func test_everything_once_in_every_frame() -> void:
 func test_budget_and_order() -> void:
 	var scatter := make_garden([make_plants()], Vector3(5000, 0, 0))
 	await settle(scatter)
-	scatter.upload_budget_usec = 1
+	scatter.frame_budget_usec = 1
 	var places: Dictionary[int, Vector3] = {}
 	var order: Array[int] = []
 	scatter.scene_shown.connect(func(id: int, scene: Node3D) -> void:
@@ -117,7 +117,7 @@ func test_budget_and_order() -> void:
 		places[id] = scene.global_position)
 	viewer.position.x += 15.0
 	var before_frame := -1
-	while before_frame < 0 or not scatter.is_idle():
+	while before_frame < 0 or not scatter.is_settled():
 		before_frame = shown.size() + hidden.size()
 		await process_frame
 		check(shown.size() + hidden.size() - before_frame <= 1, "one a frame")
@@ -217,7 +217,7 @@ func test_around_bodies() -> void:
 	var scatter := make_garden([make_plants()])
 	await settle(scatter)
 	var body := make_viewer(Vector3(50, 0, 0))
-	body.add_to_group(scatter.body_group)
+	body.add_to_group(scatter.interaction_group)
 	await frames(2)
 	await settle(scatter)
 	for at: Vector3 in [Vector3.ZERO, body.position]:

@@ -44,7 +44,7 @@ func test_very_many_changes() -> void:
 	check(scatter.restore_instance(standing[2]), "restored before it was told that it was removed")
 	var longest := 0
 	var waited := 0
-	while not (scatter.is_idle() and told.size() >= standing.size() / 2):
+	while not (scatter.is_settled() and told.size() >= standing.size() / 2):
 		await process_frame
 		longest = maxi(longest, scatter.get_stats()["frame_usec"])
 		waited += 1

@@ -265,7 +265,7 @@ func test_a_change_keeps_old_tiles_until_new_ones_stand() -> void:
 	while true:
 		await process_frame
 		check_equal(scatter.get_stats()["tiles"], count, "tiles on show while all are made anew")
-		if scatter.is_idle():
+		if scatter.is_settled():
 			break
 	for tile: Vector2i in before:
 		check(before[tile] != scatter.get_tile_digest(0, tile), "tile %s is another one" % tile)
@@ -357,7 +357,7 @@ func test_moving_the_node_moves_nothing() -> void:
 	var before := digests(scatter, 0)
 	scatter.global_transform = Transform3D(Basis().scaled(Vector3(2.0, 2.0, 2.0)), Vector3(500.0, 5.0, 5.0))
 	await frames(3)
-	check(scatter.is_idle(), "nothing is made anew")
+	check(scatter.is_settled(), "nothing is made anew")
 	check_equal(digests(scatter, 0), before, "instances after the node moved")
 
 

@@ -36,7 +36,7 @@ func test_a_recenter_moves_what_stands_and_makes_nothing() -> void:
 	check_equal(scatter.world_offset, shift, "the property")
 	var at_once := instances(scatter, 0)
 	await frames(20)
-	check(scatter.is_idle(), "nothing to do")
+	check(scatter.is_settled(), "nothing to do")
 	check_equal(scatter.get_stats()["tiles_made"], stats["tiles_made"], "tiles made for a recenter")
 	check_equal(scatter.get_stats()["uploads"], stats["uploads"], "uploads for a recenter")
 	check_equal(events.size(), 0, "tiles that came or went")

@@ -5,6 +5,8 @@
 #include "core/base/instance_id.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
+#include <godot_cpp/classes/engine.hpp>
+
 #include <utility>
 
 using namespace godot;
@@ -20,7 +22,6 @@ ScatterGameplay::~ScatterGameplay() {
 }
 
 void ScatterGameplay::detach() {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	stop();
 	scenes_.forget_host();
 	host_ = nullptr;
@@ -33,12 +34,17 @@ void ScatterGameplay::detach() {
 
 void ScatterGameplay::start(const RID &space, std::uint64_t node_id) {
 	running_ = true;
+	++run_;
 	collision_.set_space(space, node_id);
 }
 
 void ScatterGameplay::stop() {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	running_ = false;
+	++run_;
+	clear();
+}
+
+void ScatterGameplay::clear() {
 	backlog_.clear(); // What is told is what stands in known tiles, and none is known any more.
 	give_up_requests();
 	collision_.clear();
@@ -47,15 +53,17 @@ void ScatterGameplay::stop() {
 }
 
 void ScatterGameplay::set_layers(
-		std::vector<GameplayLayer> layers, std::span<const EditedArea> outdated, TileMaker maker) {
-	layers_ = std::move(layers);
+		const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker) {
+	// The editor shows meshes only: a scene there would be one to select, and its scripts would run.
+	const bool with_scenes = !Engine::get_singleton()->is_editor_hint();
+	layers_ = layers;
 	std::vector<QueryLayer> queried;
 	std::vector<CollisionLayer> colliding;
 	std::vector<SceneLayer> swapped;
-	for (const GameplayLayer &layer : layers_) {
-		queried.push_back(layer.query);
-		colliding.push_back(layer.collision);
-		swapped.push_back(layer.scene);
+	for (const SharedSnapshot &layer : layers_) {
+		queried.push_back(query_layer(layer.get()));
+		colliding.push_back(collision_of(layer.get()));
+		swapped.push_back(with_scenes ? scenes_of(layer.get()) : SceneLayer());
 	}
 	world_.set_layers(std::move(queried));
 	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
@@ -88,7 +96,6 @@ void ScatterGameplay::look_around(std::span<const glm::dvec3> centers) {
 }
 
 void ScatterGameplay::work_until(std::chrono::steady_clock::time_point deadline) {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	while (alive() && running_ && scenes_.step()) {
 		if (std::chrono::steady_clock::now() >= deadline) {
 			break;
@@ -98,7 +105,6 @@ void ScatterGameplay::work_until(std::chrono::steady_clock::time_point deadline)
 }
 
 void ScatterGameplay::recycle_scenes() {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	scenes_.recycle();
 }
 

@@ -7,6 +7,8 @@
 #include "nodes/gameplay/scatter_request.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/gameplay/scene_ring.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/layer/scatter_layer.hpp"
 
 #include <godot_cpp/variant/callable.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
@@ -56,19 +58,11 @@ protected:
 	GameplayHost &operator=(const GameplayHost &) = default;
 };
 
-/// A layer as games meet it.
-struct GameplayLayer {
-	QueryLayer query;
-	double regrowth_time = 0.0; ///< Seconds; 0 for never.
-	CollisionLayer collision;
-	SceneLayer scene;
-};
-
 /// What a game asks of a TerrainScatter3D and changes about it, and the bodies and scenes that stand near by. Main thread only.
 ///
-/// Scripts run in the middle of much of it: predicates, terrains, handlers of signals, scenes. They may do anything, so this
-/// object holds itself while they run, and asks after every such call what they have left: the node may be gone (`alive`), and
-/// layers, state and tiles others.
+/// Scripts run in the middle of much of it: predicates, terrains, handlers of signals, scenes. They may do anything. So whoever
+/// calls this object holds it by a shared pointer of its own, and after every call that runs scripts it is asked what they have
+/// left: the node may be gone (`alive`) or out of the tree (`run`), and layers, state and tiles may be others.
 class ScatterGameplay final : public StateListener, public std::enable_shared_from_this<ScatterGameplay> {
 public:
 	explicit ScatterGameplay(GameplayHost &host);
@@ -83,9 +77,16 @@ public:
 	/// The node is in a world, in which bodies stand in `space` (invalid for none).
 	void start(const godot::RID &space, std::uint64_t node_id);
 
-	/// Nothing stands any more: bodies and scenes go, tiles are forgotten, requests complete without an answer.
+	/// The node is out of it.
 	void stop();
-	void set_layers(std::vector<GameplayLayer> layers, std::span<const EditedArea> outdated, TileMaker maker);
+
+	/// Another number whenever the node has come or gone.
+	std::uint64_t run() const { return run_; }
+
+	/// Nothing stands any more: bodies and scenes go, tiles are forgotten, requests complete without an answer.
+	void clear();
+	void set_layers(
+			const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker);
 	void set_world_offset(glm::dvec3 offset);
 	glm::dvec3 world_offset() const { return offset_; }
 	InstanceWorld &world() { return world_; }
@@ -184,8 +185,9 @@ private:
 
 	GameplayHost *host_; ///< Null once the node is gone.
 	bool running_ = false;
+	std::uint64_t run_ = 0;
 	glm::dvec3 offset_{0.0}; ///< Of the engine's origin in the world, meters.
-	std::vector<GameplayLayer> layers_;
+	std::vector<SharedSnapshot> layers_;
 	InstanceWorld world_;
 	godot::Ref<ScatterState> state_;
 	std::deque<Untold> backlog_;

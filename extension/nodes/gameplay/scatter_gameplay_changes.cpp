@@ -113,13 +113,11 @@ Status ScatterGameplay::claim(std::uint32_t layer) {
 }
 
 bool ScatterGameplay::remove_instance(int64_t p_id) {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	return !remove_all(find_by_id("remove_instance", p_id, false)).empty();
 }
 
 PackedInt64Array ScatterGameplay::remove_in_sphere(
 		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	return packed_ids(remove_all(find_in_sphere("remove_in_sphere", p_center, p_radius, p_layers, p_predicate)));
 }
 
@@ -137,7 +135,7 @@ std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedIns
 			refused = index;
 			continue;
 		}
-		const double regrowth = layers_[static_cast<std::size_t>(index)].regrowth_time;
+		const double regrowth = layers_[static_cast<std::size_t>(index)]->gameplay.regrowth_time;
 		removals.push_back({instance.id, regrowth > 0.0 ? state_->get_time() + regrowth : 0.0});
 	}
 	const Ref<ScatterState> state = state_;
@@ -145,7 +143,6 @@ std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedIns
 }
 
 bool ScatterGameplay::restore_instance(int64_t p_id) {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	if (state_.is_null() || !state_->is_removed(p_id)) {
 		return false;
 	}
@@ -155,7 +152,6 @@ bool ScatterGameplay::restore_instance(int64_t p_id) {
 }
 
 int64_t ScatterGameplay::add_instance(const Variant &p_layer, const Transform3D &p_transform, int64_t p_mesh) {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	if (!prepare("add_instance")) {
 		return 0;
 	}
@@ -185,7 +181,6 @@ int64_t ScatterGameplay::add_instance(const Variant &p_layer, const Transform3D 
 }
 
 bool ScatterGameplay::set_instance_data(int64_t p_id, const Variant &p_data) {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	const std::int64_t layer =
 			find_by_id("set_instance_data", p_id, true).empty() || !alive() ? -1 : layer_index_of(core_id(p_id));
 	if (layer < 0) {
@@ -235,7 +230,6 @@ void ScatterGameplay::tell_changes(const SharedChanges &changes) {
 		backlog_.push_back({changes, 0});
 		return;
 	}
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	const Ref<ScatterState> state = state_;
 	for (const InstanceChange &change : *changes) {
 		if (!alive() || !(state_ == state)) {

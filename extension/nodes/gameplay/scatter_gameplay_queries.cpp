@@ -33,10 +33,9 @@ bool ScatterGameplay::prepare(const char *p_method) {
 	return status.ok() && alive();
 }
 
-/// Asks what is known, and has made for it what is not. Holds what the query needs meanwhile.
+/// Asks what is known, and has made for it what is not. Holds the state meanwhile.
 template <class Query>
 bool ScatterGameplay::ask(const char *p_method, const Query &query) {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	if (!prepare(p_method)) {
 		return false;
 	}
@@ -157,7 +156,6 @@ Ref<ScatterRequest> ScatterGameplay::request_sphere(const Vector3 &p_center, dou
 }
 
 Ref<ScatterRequest> ScatterGameplay::request(const char *p_method, const Area &area, const Variant &p_layers) {
-	const std::shared_ptr<ScatterGameplay> self = shared_from_this();
 	const Ref<ScatterRequest> request(memnew(ScatterRequest));
 	QueryFilter filter;
 	std::int64_t number = 0;

@@ -2,9 +2,11 @@
 
 #include "nodes/gameplay/scatter_instances.hpp"
 
+#include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
 
 #include <functional>
+#include <utility>
 
 namespace thicket {
 

@@ -26,7 +26,7 @@ void ScatterStage::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect 
 }
 
 std::vector<std::shared_ptr<const MeshInstances>> ScatterStage::overlay(const StagedTile &tile) const {
-	return overlaid(tile.tile, *tile.plan->settings, tile.rect, {state_, &hidden_});
+	return overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_});
 }
 
 void ScatterStage::patch() {
@@ -49,16 +49,41 @@ void ScatterStage::patch() {
 	current_outdated_ = true;
 	for (auto &[at, tile] : tiles_) {
 		if (all || is_marked(std::get<0>(at), tile.rect)) {
-			uncount(tile);
-			patch(key_of(at), tile);
-			count(tile);
-			refine(key_of(at), tile);
+			redraw(key_of(at), tile);
 		}
 	}
 }
 
+void ScatterStage::redraw(const TileKey &key, StagedTile &r_tile) {
+	uncount(r_tile);
+	patch(key, r_tile);
+	count(r_tile);
+	refine(key, r_tile);
+}
+
+void ScatterStage::mark_all_later() {
+	current_outdated_ = true;
+	marked_later_.clear();
+	for (const auto &[at, tile] : tiles_) {
+		marked_later_.push_back(key_of(at));
+	}
+}
+
+bool ScatterStage::patch_step() {
+	while (!marked_later_.empty()) {
+		const TileKey key = marked_later_.back();
+		marked_later_.pop_back();
+		if (const auto found = tiles_.find(order(key)); found != tiles_.end()) {
+			redraw(key, found->second);
+			return true;
+		}
+	}
+	return false;
+}
+
 /// Without the counts, and without the detail: both are the caller's.
 void ScatterStage::patch(const TileKey &key, StagedTile &r_tile) {
+	const LayerSnapshot *layer = layer_at(key.layer);
 	const std::vector<std::shared_ptr<const MeshInstances>> shown = overlay(r_tile);
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 		StagedTile::Part &part = r_tile.parts[mesh];
@@ -66,13 +91,12 @@ void ScatterStage::patch(const TileKey &key, StagedTile &r_tile) {
 		if (before == part.shown || same(*before, *part.shown)) {
 			continue;
 		}
-		const MeshUpload upload = to_upload(*part.shown, r_tile.plan->reach_of(mesh));
+		const MeshUpload upload = to_upload(*part.shown, r_tile.reach_of(mesh));
 		if (part.visual) {
 			part.visual->set_instances(upload);
 			++upload_count_;
-		} else if (key.layer < looks_.size() && mesh < looks_[key.layer].meshes.size() &&
-				looks_[key.layer].meshes[mesh].is_valid()) {
-			draw_part(r_tile, mesh, looks_[key.layer], upload, part);
+		} else if (layer != nullptr && layer->drawing.draws(mesh)) {
+			draw_part(r_tile, mesh, layer->drawing, upload, part);
 			part.visual->set_visible(visible_);
 		}
 		if (part.visual) {

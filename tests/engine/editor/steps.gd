@@ -39,7 +39,7 @@ func until(condition: Callable, message: String) -> bool:
 ## Waits until a scatter shows what it should.
 func settle(scatter: Node3D) -> void:
 	await frames(3)
-	await until(func() -> bool: return scatter.is_idle(), "idle")
+	await until(func() -> bool: return scatter.is_settled(), "idle")
 
 
 ## Opens a scene in a tab of the editor and returns its root.
