@@ -92,7 +92,6 @@ func _make_world() -> void:
 	_walker.add_to_group(&"scatter_interaction")
 	root.add_child(_scatter)
 	_scatter.viewers = [_scatter.get_path_to(_viewer)]
-	_scatter.query_finished.connect(_on_query_finished)
 
 
 static func _layer(layer_name: String, radius: float, tile_size: float) -> ScatterLayer:
@@ -186,19 +185,20 @@ func _ask(frame: int) -> void:
 	if frame % 13 == 0:
 		var nearest := _scatter.query_nearest(here, 100.0, [0], func(_id: int, _layer: int, at: Transform3D) -> bool:
 			return at.origin.x > here.x)
-		_expect(nearest.is_empty() or _scatter.has_instance(nearest.id), "what is nearest stands")
+		_expect(nearest == null or _scatter.has_instance(nearest.id), "what is nearest stands")
 		_scatter.query_ray(here + Vector3(0.0, 5.0, 0.0), here + _heading * 80.0)
 		_done.answers += 2
 	if frame % 37 == 0:
-		_asked[_scatter.request_sphere(here + _heading * 3000.0, 100.0, [0, 1])] = true
+		var request := _scatter.request_sphere(here + _heading * 3000.0, 100.0, [0, 1])
+		request.completed.connect(_on_completed.bind(request.get_instance_id()))
+		_asked[request.get_instance_id()] = true
 	if frame % 111 == 0:
-		var given_up := _scatter.request_rect(Rect2(here.x, here.z, 500.0, 500.0))
-		_scatter.cancel_request(given_up)
+		_scatter.request_rect(Rect2(here.x, here.z, 500.0, 500.0)).cancel()
 
 
-func _on_query_finished(request: int, result: Dictionary) -> void:
-	_expect(_asked.erase(request), "only what was asked is answered")
-	_expect(result.has("ids"), "an answer has ids")
+func _on_completed(result: ScatterInstances, request: int) -> void:
+	_expect(_asked.erase(request), "a request completes once")
+	_expect(result.size() == result.ids.size(), "an answer has ids")
 	_done.answers += 1
 
 
@@ -212,7 +212,7 @@ func _come_and_go(frame: int) -> void:
 		create_timer(0.05).timeout.connect(body.queue_free)
 	if frame % 45 == 0:
 		var nearest := _scatter.query_nearest(_viewer.position, 30.0, [0])
-		var scene := _scatter.take_scene(nearest.id) if not nearest.is_empty() else null
+		var scene := _scatter.take_scene(nearest.id) if nearest != null else null
 		if scene != null:
 			scene.reparent(root)
 			_scatter.remove_instance(nearest.id)

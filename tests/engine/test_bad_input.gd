@@ -164,10 +164,12 @@ func test_node_properties() -> void:
 	refuse(scatter, "frame_budget_usec", 1 << 40, "is out of range")
 	for tile: Vector2i in [Vector2i.ZERO, Vector2i(1 << 30, -(1 << 31))]:
 		for layer: int in [0, -1, 1 << 40]:
-			check_equal(scatter.get_tile_digest(layer, tile), 0, "digest")
-			check_equal(scatter.get_tile_buffers(layer, tile), [], "buffers")
-			check_equal(scatter.get_tile_ids(layer, tile), [], "ids")
-			check_equal(scatter.get_shown_tiles(layer), [], "tiles")
+			check_equal(scatter.get_tile(layer, tile).get_digest(), 0, "digest")
+			check_error(["TerrainScatter3D.get_tile", "layer %d" % layer], "no layer")
+			check_equal(scatter.get_tile(layer, tile).get_mesh_count(), 0, "meshes")
+			check_error(["TerrainScatter3D.get_tile", "layer %d" % layer], "no layer")
+			check(scatter.get_shown_tiles(layer).is_empty(), "tiles")
+			check_error(["TerrainScatter3D.get_shown_tiles", "layer %d" % layer], "no layer")
 	scatter.free()
 
 

@@ -243,7 +243,7 @@ func test_removed_at_once_and_back() -> void:
 func test_removed_before_its_body_came() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
-	var ids: PackedInt64Array = scatter.query_sphere(Vector3(40, 0, 0), 10.0)["ids"]
+	var ids: PackedInt64Array = scatter.query_sphere(Vector3(40, 0, 0), 10.0).ids
 	check(ids.size() > 5, "some")
 	scatter.frame_budget_usec = 1
 	viewer.position = Vector3(40, 0, 0)
@@ -354,7 +354,7 @@ func test_other_layers_and_another_order() -> void:
 	scatter.layers = [a]
 	await settle(scatter)
 	for id in bodies(scatter):
-		check_equal(scatter.get_instance(id)["layer"], 0, "only those of the layer that is left")
+		check_equal(scatter.get_instance(id).layer, 0, "only those of the layer that is left")
 	scatter.seed += 1
 	await settle(scatter)
 	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "another seed")
@@ -373,8 +373,8 @@ func test_ground_that_moves() -> void:
 	await settle(scatter)
 	check(absi(bodies(scatter).size() - before) < 20, "as many as before")
 	for id in bodies(scatter):
-		var hit := cast(scatter.get_instance(id)["transform"] * Vector3(1.0, 2.9, 0.0),
-				scatter.get_instance(id)["transform"] * Vector3(0.0, 2.9, 0.0))
+		var hit := cast(scatter.get_instance(id).transform * Vector3(1.0, 2.9, 0.0),
+				scatter.get_instance(id).transform * Vector3(0.0, 2.9, 0.0))
 		check(hit and scatter.get_body_instance(hit["rid"]) == id, "as high as the ground")
 
 

@@ -39,12 +39,12 @@ func test_stands_as_the_instance() -> void:
 	scatter.position = Vector3(5, 6, 7)  # Does not move instances.
 	scatter.scale = Vector3(2, 2, 2)
 	await settle(scatter)
-	var near: Dictionary = scatter.query_sphere(Vector3.ZERO, 10.0)
+	var near := scatter.query_sphere(Vector3.ZERO, 10.0)
 	for id: int in near["ids"]:
 		var scene: Plant = scatter.get_scene(id)
 		if not check(scene != null and scene.get_parent() == scatter, "a child for %d" % id):
 			continue
-		var expected: Transform3D = scatter.get_instance(id)["transform"]
+		var expected: Transform3D = scatter.get_instance(id).transform
 		check(scene.global_transform.is_equal_approx(expected), "%s is at %s" % [scene.global_transform, expected])
 		check_equal(scene.layer, 1, "layer")
 		check_equal(scene.data, null, "data")
@@ -53,7 +53,7 @@ func test_stands_as_the_instance() -> void:
 	scatter.position = Vector3(9, 9, 9)
 	await frames(2)
 	var id: int = near["ids"][0]
-	check(scatter.get_scene(id).global_transform.is_equal_approx(scatter.get_instance(id)["transform"]), "still there")
+	check(scatter.get_scene(id).global_transform.is_equal_approx(scatter.get_instance(id).transform), "still there")
 	scatter.set_instance_data(id, {"age": 70})
 	viewer.position.x = 1000.0
 	await settle(scatter)
@@ -179,7 +179,7 @@ func test_tile_made_anew() -> void:
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "still the same scenes")
 	for id in before:
-		check(before[id].global_transform.is_equal_approx(scatter.get_instance(id)["transform"]), "as the instance is")
+		check(before[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "as the instance is")
 		if before[id].global_transform != before[id].ready_at:
 			break
 	check(hidden.is_empty(), "none of them went")
@@ -209,7 +209,7 @@ func test_recentered() -> void:
 	await settle(scatter)
 	check(shown.size() > came, "others came")
 	for id in standing_scenes:
-		check(standing_scenes[id].global_transform.is_equal_approx(scatter.get_instance(id)["transform"]), "in its place")
+		check(standing_scenes[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "in its place")
 	check_once(scatter, everything_of(scatter), "elsewhere")
 
 
@@ -221,9 +221,9 @@ func test_around_bodies() -> void:
 	await frames(2)
 	await settle(scatter)
 	for at: Vector3 in [Vector3.ZERO, body.position]:
-		var near: Dictionary = scatter.query_nearest(at, 10.0)
+		var near := scatter.query_nearest(at, 10.0)
 		check(scatter.get_scene(near["id"]) != null, "a scene at %s" % at)
 	body.free()
 	await frames(2)
 	await settle(scatter)
-	check(scatter.get_scene(scatter.query_nearest(Vector3(50, 0, 0), 10.0)["id"]) == null, "nobody is there any more")
+	check(scatter.get_scene(scatter.query_nearest(Vector3(50, 0, 0), 10.0).id) == null, "nobody is there any more")

@@ -75,7 +75,7 @@ func test_everything_comes_back() -> void:
 	await settle(scatter)
 	check(digests(scatter, 0) != before, "another picture")
 	scatter.state.clear()
-	check_equal((scatter.query_rect(Rect2(-60, -60, 120, 120)).ids as PackedInt64Array), standing, "all stand at once")
+	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids, standing, "all stand at once")
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "the picture is what it was")
 	check_equal(scatter.get_stats()["bodies"], bodies, "bodies, too")
