@@ -148,7 +148,7 @@ std::vector<EditedArea> LayerPlans::update(
 		const Ref<ScatterLayer> layer = p_layers[static_cast<int64_t>(index)];
 		statuses.push_back(read(index, layer, ground.seed));
 		if (std::optional<NamedLayer> &source = places_[index].source) {
-			source->settings.rules.shapes = regions.set_for(index, layer->get_name());
+			source->settings.rules.shapes = regions.set_for(p_layers, index);
 		}
 	}
 	std::vector<EditedArea> areas;

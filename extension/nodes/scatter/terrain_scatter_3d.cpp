@@ -1,6 +1,7 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "nodes/common/watch.hpp"
+#include "nodes/layer/layer_reference.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
 #include <godot_cpp/classes/engine.hpp>
@@ -148,7 +149,9 @@ void TerrainScatter3D::mark_edited() {
 
 void TerrainScatter3D::mark_dirty() {
 	layer_watch_.look(layers_);
-	layer_watch_.follow_names();
+	for (const LayerRename &rename : layer_watch_.follow_names()) {
+		regions_.rename_layer(rename.from, rename.to);
+	}
 	mark_edited();
 	update_configuration_warnings();
 	PackedStringArray names;
@@ -191,8 +194,9 @@ void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 	mark_edited();
 }
 
-bool TerrainScatter3D::has_layer_named(const String &p_name) const {
-	return !p_name.is_empty() && layer_names_.has(p_name);
+String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
+	std::uint32_t index = 0;
+	return find_layer(layers_, p_reference, index);
 }
 
 void TerrainScatter3D::refresh() {

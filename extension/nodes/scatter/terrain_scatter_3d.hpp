@@ -155,7 +155,7 @@ public:
 	void add_region(ScatterRegion3D *p_region) override;
 	void remove_region(ScatterRegion3D *p_region) override;
 	void region_changed(const ScatterRegion3D *p_region) override;
-	bool has_layer_named(const godot::String &p_name) const override;
+	godot::String layer_problem(const godot::Variant &p_reference) const override;
 
 	/// What keeps the node from showing what it should, a sentence each; the editor shows them as warnings.
 	godot::PackedStringArray get_problems() const;
