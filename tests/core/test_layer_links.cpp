@@ -12,6 +12,10 @@ using namespace thicket;
 
 namespace {
 
+struct NamedLayer : LayerLinks {
+	LayerSettings settings;
+};
+
 NamedLayer layer_named(const std::string &name, double radius = 2.0) {
 	NamedLayer layer;
 	layer.name = name;
@@ -19,25 +23,29 @@ NamedLayer layer_named(const std::string &name, double radius = 2.0) {
 	return layer;
 }
 
-std::vector<const NamedLayer *> pointers(const std::vector<NamedLayer> &layers) {
-	std::vector<const NamedLayer *> result;
+std::vector<UnlinkedLayer> unlinked(const std::vector<NamedLayer> &layers) {
+	std::vector<UnlinkedLayer> result;
 	for (const NamedLayer &layer : layers) {
-		result.push_back(&layer);
+		result.push_back({&layer.settings, &layer});
 	}
 	return result;
 }
 
 std::vector<SharedLayer> linked(const std::vector<NamedLayer> &layers, const std::vector<SharedLayer> &before = {}) {
 	std::vector<SharedLayer> result;
-	for (const LinkedLayer &layer : link_layers(pointers(layers), before)) {
+	for (const LinkedLayer &layer : link_layers(unlinked(layers), before)) {
 		CHECK(layer.status.ok());
 		result.push_back(layer.settings);
 	}
 	return result;
 }
 
-std::size_t problems(const std::vector<NamedLayer> &layers, std::size_t place, const std::string &word) {
-	const std::vector<std::string> found = name_problems(pointers(layers), place);
+std::size_t problems(const std::vector<NamedLayer> &layers, std::size_t index, const std::string &word) {
+	std::vector<const LayerLinks *> links;
+	for (const NamedLayer &layer : layers) {
+		links.push_back(&layer);
+	}
+	const std::vector<std::string> found = name_problems(links, index);
 	CHECK(std::ranges::all_of(found, [&](const std::string &text) { return text.find(word) != std::string::npos; }));
 	return found.size();
 }
@@ -119,28 +127,28 @@ TEST_CASE("links: names of nobody, of two layers, of the layer itself") {
 }
 
 TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused one keeps what it had") {
-	const NamedLayer oak = layer_named("oak");
-	NamedLayer fern = layer_named("fern");
+	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern")};
+	NamedLayer &fern = layers[1];
 	fern.spacing = {{"oak", 2.0}};
-	const std::vector<LinkedLayer> alone = link_layers(std::vector<const NamedLayer *>{nullptr, &fern}, {});
+	const std::vector<LinkedLayer> alone = link_layers(std::vector<UnlinkedLayer>{{}, {&fern.settings, &fern}}, {});
 	CHECK(alone[0].settings == nullptr);
 	CHECK(alone[1].settings->neighbors.empty());
 
-	const std::vector<LinkedLayer> good = link_layers(std::vector<const NamedLayer *>{&oak, &fern}, {});
+	const std::vector<LinkedLayer> good = link_layers(unlinked(layers), {});
 	const std::vector<SharedLayer> before{good[0].settings, good[1].settings};
 	fern.spacing = {{"oak", 2.0 * max_neighbor_distance}};
-	const std::vector<LinkedLayer> bad = link_layers(std::vector<const NamedLayer *>{&oak, &fern}, before);
+	const std::vector<LinkedLayer> bad = link_layers(unlinked(layers), before);
 	CHECK(bad[1].status.code == ErrorCode::out_of_range);
 	CHECK(bad[1].settings == good[1].settings);
-	CHECK(link_layers(std::vector<const NamedLayer *>{&oak, &fern}, {})[1].settings == nullptr);
+	CHECK(link_layers(unlinked(layers), {})[1].settings == nullptr);
 
 	fern.spacing = {{"oak", 3.0}};
-	const LayerCheck none_at_1 = [](const LayerSettings &layer, std::size_t place) {
-		CHECK(layer.neighbors.size() == place);
-		return place == 1 ? Status{ErrorCode::too_many_points, "spacing", 3.0} : Status{};
+	const LayerCheck none_at_1 = [](const LayerSettings &layer, std::size_t index) {
+		CHECK(layer.neighbors.size() == index);
+		return index == 1 ? Status{ErrorCode::too_many_points, "spacing", 3.0} : Status{};
 	};
 	const std::vector<LinkedLayer> checked =
-			link_layers(std::vector<const NamedLayer *>{&oak, &fern}, before, none_at_1);
+			link_layers(unlinked(layers), before, none_at_1);
 	CHECK(checked[0].status.ok());
 	CHECK(checked[1].status.code == ErrorCode::too_many_points);
 	CHECK(checked[1].settings == good[1].settings);

@@ -11,10 +11,9 @@
 
 namespace thicket {
 
-/// A layer as it is described before others are known: it speaks of them by name.
-struct NamedLayer {
-	std::string name;       ///< Empty: nobody can speak of it.
-	LayerSettings settings; ///< Without neighbors.
+/// What a layer says of itself and of others, by name.
+struct LayerLinks {
+	std::string name; ///< Empty: nobody can speak of it.
 
 	/// Meters to keep to other layers, by their names; 0 for none. Of a pair, the larger of what both say counts, and
 	/// the later layer gives way.
@@ -24,6 +23,14 @@ struct NamedLayer {
 	std::string proximity_layer;
 	double proximity_distance = 0.0;                   ///< Meters; 0 for none.
 	std::shared_ptr<const CurveTable> proximity_curve; ///< See Neighbor::curve; without one, proximity does not count.
+
+	friend bool operator==(const LayerLinks &, const LayerLinks &) = default;
+};
+
+/// A layer as it is described before others are known. Both pointers are null for a layer that is not there.
+struct UnlinkedLayer {
+	const LayerSettings *settings = nullptr; ///< Without neighbors.
+	const LayerLinks *links = nullptr;
 };
 
 using SharedLayer = std::shared_ptr<const LayerSettings>;
@@ -34,18 +41,18 @@ struct LinkedLayer {
 	Status status;        ///< Why the layer kept the settings that it had before.
 };
 
-/// A further reason to refuse a layer, with its neighbors, at a place of the list.
-using LayerCheck = std::function<Status(const LayerSettings &layer, std::size_t place)>;
+/// A further reason to refuse a layer, with its neighbors, at an index of the list.
+using LayerCheck = std::function<Status(const LayerSettings &layer, std::size_t index)>;
 
-/// Turns names into pointers: every layer gets those before it as neighbors that it, or they, name. Null entries keep
-/// their place and are nobody's neighbors; of two layers of one name, the first is meant. What comes out equal to
-/// `before`, the layers of the last call by place, is the same pointer; what is refused (too many neighbors, too long
+/// Turns names into pointers: every layer gets those before it as neighbors that it, or they, name. Layers that are not
+/// there keep their index and are nobody's neighbors; of two layers of one name, the first is meant. What comes out equal
+/// to `before`, the layers of the last call by index, is the same pointer; what is refused (too many neighbors, too long
 /// a chain, a distance out of range, or by `check`) keeps its settings from there.
 std::vector<LinkedLayer> link_layers(
-		std::span<const NamedLayer *const> layers, std::span<const SharedLayer> before, const LayerCheck &check = {});
+		std::span<const UnlinkedLayer> layers, std::span<const SharedLayer> before, const LayerCheck &check = {});
 
 /// What is likely not meant by a layer's names, a sentence each: names of no layer, proximity to a layer that does not
-/// stand before it, a name that an earlier layer has. `layers[place]` must not be null.
-std::vector<std::string> name_problems(std::span<const NamedLayer *const> layers, std::size_t place);
+/// stand before it, a name that an earlier layer has. `layers[index]` must not be null, others may be.
+std::vector<std::string> name_problems(std::span<const LayerLinks *const> layers, std::size_t index);
 
 } // namespace thicket

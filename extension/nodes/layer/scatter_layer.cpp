@@ -1,4 +1,4 @@
-// What a layer is made of, as the core takes it, and the properties of its set and tiles.
+// When a layer may be used, and the properties of its set and tiles.
 
 #include "core/query/instance_state.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
@@ -24,44 +24,14 @@ constexpr Integer levels{"levels", &LayerIntegers::levels, 1, max_levels, PROPER
 
 } // namespace
 
-LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t place) const {
-	LayerSettings result;
-	const bool own_id = integers_.layer_id >= 0;
-	result.set.seed = seed;
-	result.set.radius = numbers_.radius;
-	result.set.levels = static_cast<std::uint32_t>(integers_.levels);
-	result.set.layer = static_cast<std::uint16_t>(own_id ? static_cast<std::size_t>(integers_.layer_id) : place);
-	result.rules = core_rules();
-	result.placement = core_placement();
-	result.look = core_look();
-	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
-		result.mesh_weights.push_back(mesh < mesh_weights_.size() ? mesh_weights_[mesh] : 1.0F);
-	}
-	return result;
-}
-
-StreamLayer ScatterLayer::streaming() const { return {numbers_.tile_size, numbers_.view_distance}; }
-
-const LayerSnapshots &ScatterLayer::snapshots() const {
-	MaskFrame frame;
-	frame.area.min = {mask_texture_rect_.position.x, mask_texture_rect_.position.y};
-	frame.area.max = frame.area.min + glm::dvec2{mask_texture_rect_.size.x, mask_texture_rect_.size.y};
-	frame.channel = static_cast<ImageChannel>(integers_.mask_texture_channel);
-	frame.edge = static_cast<MaskEdge>(integers_.mask_texture_edge);
-	snapshots_.refresh(resources_, frame, numbers_.proximity_distance);
-	return snapshots_;
-}
-
-std::shared_ptr<const CurveTable> ScatterLayer::proximity_table() const { return snapshots().proximity_curve; }
-
 Status ScatterLayer::check() const {
 	const LayerSettings whole = settings(0, 0);
 	Status status = validate(whole);
 	if (status.ok()) {
-		status = snapshots_.image_status;
+		status = tables_.image_status;
 	}
 	if (status.ok()) {
-		status = validate(detail());
+		status = validate(lod());
 	}
 	if (!status.ok()) {
 		return status;

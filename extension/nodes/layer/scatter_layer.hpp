@@ -1,11 +1,9 @@
 #pragma once
 
-#include "core/placement/detail.hpp"
-#include "core/placement/layer.hpp"
 #include "core/placement/mesh_choice.hpp"
-#include "core/streaming/tile_streamer.hpp"
-#include "nodes/layer/layer_snapshots.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/layer/layer_tables.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 
 #include <godot_cpp/classes/material.hpp>
@@ -134,7 +132,7 @@ public:
 		MASK_EDGE_REPEAT,
 	};
 
-	/// What bodies meet of an instance that is near. Of instance_radius and instance_height, but for the last.
+	/// BodyShape, for scripts: what bodies meet of an instance that is near. Of instance_radius and instance_height, but for the last.
 	enum CollisionShape : std::int64_t {
 		COLLISION_NONE,
 		COLLISION_CAPSULE,
@@ -226,29 +224,14 @@ public:
 	/// A layer that was named `p_from` is now named `p_to`: what this one says of it follows.
 	void rename_references(const godot::String &p_from, const godot::String &p_to);
 
-	/// The settings that the core works with, all but the neighbors and the shapes, which are the node's. `place` is the
-	/// layer's index among its node's layers: its id, unless `layer_id` says otherwise. A table, a field or a mask in it is
-	/// the same object as in the settings before until what it says has changed.
-	LayerSettings settings(std::uint64_t seed, std::size_t place) const;
-	StreamLayer streaming() const;
-	const LayerNumbers &numbers() const { return numbers_; }
-	const LayerIntegers &integers() const { return integers_; }
+	/// All that the layer says now. `index` is the layer's index among its node's layers: it is the id of the layer's points, unless
+	/// `layer_id` says otherwise. The settings have no neighbors and no shapes, which are the node's. A table, a field or a mask in
+	/// the snapshot is the same object as in the snapshot before until what it says has changed.
+	LayerSnapshot snapshot(std::uint64_t seed, std::size_t index) const;
 
-	/// Other layers by their names, and the meters kept free around their instances.
-	const std::map<std::string, double> &spacing() const { return spacing_; }
-
-	/// The layer whose instances decide about this one's density; empty for none. They count up to the distance, in meters,
-	/// and the table, which is never null, is the density over the distance to the nearest.
-	std::string proximity_layer() const { return proximity_layer_.utf8().get_data(); }
-	double proximity_distance() const { return numbers_.proximity_distance; }
-	std::shared_ptr<const CurveTable> proximity_table() const;
-
-	/// The meshes, null entries included; at least as many as `settings` has weights for.
-	std::vector<godot::Ref<godot::Mesh>> mesh_list() const;
-
-	/// The meshes for the distance, whole rows of them only, null entries included.
-	std::vector<godot::Ref<godot::Mesh>> lod_mesh_list() const;
-	Detail detail() const;
+	/// The part of the snapshot that is about other layers.
+	LayerLinks links() const;
+	std::int64_t own_id() const { return integers_.layer_id; } ///< The property `layer_id`; -1 for the index.
 
 	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
 	Status check() const;
@@ -266,12 +249,16 @@ private:
 	using Number = NumberProperty<LayerNumbers, double>;
 	using Integer = NumberProperty<LayerIntegers, int64_t>;
 
-	Rules core_rules() const;
-	Placement core_placement() const;
-	Look core_look() const;
-	const LayerSnapshots &snapshots() const;
+	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
+	Rules rules() const;
+	Placement placement() const;
+	LayerDrawing drawing() const;
+	Detail lod() const;
+	LayerGameplay gameplay() const;
+	const LayerTables &tables() const;
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);
+	bool has_mesh() const;
 	bool accept_spacing(const godot::TypedDictionary<godot::String, double> &p_spacing) const;
 
 	void add_number_problems(godot::PackedStringArray &r_problems) const;
@@ -303,7 +290,7 @@ private:
 	LayerIntegers integers_;
 	LayerSwitches switches_;
 	LayerResources resources_;
-	mutable LayerSnapshots snapshots_;
+	mutable LayerTables tables_;
 
 	godot::Ref<ScatterMask> mask_;
 	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F};

@@ -39,8 +39,6 @@ constexpr ResourceProperty<Gradient> color_gradient{
 
 } // namespace
 
-Look ScatterLayer::core_look() const { return {switches_.use_colors, snapshots().colors, switches_.use_custom_data}; }
-
 void ScatterLayer::set_meshes(const TypedArray<Mesh> &p_meshes) {
 	if (p_meshes.size() > static_cast<int64_t>(max_meshes)) {
 		report(layer_class_name, {ErrorCode::out_of_range, "meshes", static_cast<double>(p_meshes.size())});
@@ -82,14 +80,6 @@ void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
 }
 
 Ref<Material> ScatterLayer::get_material_override() const { return material_override_; }
-
-std::vector<Ref<Mesh>> ScatterLayer::mesh_list() const {
-	std::vector<Ref<Mesh>> result;
-	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
-		result.emplace_back(meshes_[mesh]);
-	}
-	return result;
-}
 
 void ScatterLayer::bind_drawing() {
 	ADD_GROUP("Drawing", "");

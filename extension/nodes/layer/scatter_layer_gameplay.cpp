@@ -91,11 +91,7 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 							 "capsule.");
 	}
 	if (integers_.collision_shape == COLLISION_CONVEX) {
-		bool any_mesh = false;
-		for (const Ref<Mesh> &mesh : mesh_list()) {
-			any_mesh = any_mesh || mesh.is_valid();
-		}
-		if (!any_mesh) {
+		if (!has_mesh()) {
 			r_problems.push_back("ScatterLayer.collision_shape is Convex, but there is no mesh to make it of.");
 		}
 	}

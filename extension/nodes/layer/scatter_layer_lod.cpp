@@ -49,25 +49,6 @@ void ScatterLayer::set_lod_distances(const PackedFloat32Array &p_distances) {
 
 PackedFloat32Array ScatterLayer::get_lod_distances() const { return lod_distances_; }
 
-std::vector<Ref<Mesh>> ScatterLayer::lod_mesh_list() const {
-	std::vector<Ref<Mesh>> result;
-	const int64_t rows = meshes_.is_empty() ? 0 : lod_meshes_.size() / meshes_.size();
-	for (int64_t at = 0; at < rows * meshes_.size(); ++at) {
-		result.emplace_back(lod_meshes_[at]);
-	}
-	return result;
-}
-
-Detail ScatterLayer::detail() const {
-	Detail detail;
-	detail.lod_distances.assign(lod_distances_.ptr(), lod_distances_.ptr() + lod_distances_.size());
-	detail.thin_begin = numbers_.thin_begin;
-	detail.thin_end = numbers_.thin_end;
-	detail.thin_density = numbers_.thin_density;
-	detail.scale_compensation = switches_.thin_scale_compensation;
-	return detail;
-}
-
 void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
 	const int64_t needed = lod_distances_.size() * meshes_.size();
 	if (lod_meshes_.size() != needed) {

@@ -34,21 +34,6 @@ constexpr ResourceProperty<Curve> scale_curve{
 
 } // namespace
 
-Placement ScatterLayer::core_placement() const {
-	Placement placement;
-	placement.min_yaw_degrees = numbers_.min_yaw_degrees;
-	placement.max_yaw_degrees = numbers_.max_yaw_degrees;
-	placement.min_tilt_degrees = numbers_.min_tilt_degrees;
-	placement.max_tilt_degrees = numbers_.max_tilt_degrees;
-	placement.min_scale = numbers_.min_scale;
-	placement.max_scale = numbers_.max_scale;
-	placement.scale_curve = snapshots().scale_curve;
-	placement.align_to_normal = numbers_.align_to_normal;
-	placement.height_offset = numbers_.height_offset;
-	placement.offset_along_normal = numbers_.offset_along_normal;
-	return placement;
-}
-
 void ScatterLayer::bind_placement() {
 	ADD_GROUP("Placement", "");
 	bind_number<min_scale>();

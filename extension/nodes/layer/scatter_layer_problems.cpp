@@ -52,7 +52,7 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 }
 
 void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
-	const LayerSnapshots &made = snapshots();
+	const LayerTables &made = tables();
 	add_curve_problem(
 			"density_over_height", resources_.density_over_height, made.height_curve, "meters of height", r_problems);
 	add_curve_problem(
@@ -73,7 +73,7 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
 		r_problems.push_back("Nothing stands: nothing is painted on ScatterLayer.mask, and its background is 0.");
 	}
-	if (snapshots().image_missing) {
+	if (tables().image_missing) {
 		r_problems.push_back("Nothing stands: ScatterLayer.mask_texture has no image that can be read.");
 	}
 }
@@ -87,19 +87,23 @@ void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
 	}
 	if (!proximity_layer_.is_empty()) {
-		add_curve_problem("proximity_curve", resources_.proximity_curve, snapshots().own_proximity_curve,
+		add_curve_problem("proximity_curve", resources_.proximity_curve, tables().own_proximity_curve,
 				"meters of distance", r_problems);
 	} else if (resources_.proximity_curve.is_valid()) {
 		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer.");
 	}
 }
 
-void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
-	bool any_mesh = false;
-	for (const Ref<Mesh> &mesh : mesh_list()) {
-		any_mesh = any_mesh || mesh.is_valid();
+bool ScatterLayer::has_mesh() const {
+	bool result = false;
+	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
+		result = result || Ref<Mesh>(meshes_[mesh]).is_valid();
 	}
-	if (!any_mesh) {
+	return result;
+}
+
+void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
+	if (!has_mesh()) {
 		r_problems.push_back("ScatterLayer.meshes has no mesh: the layer draws nothing.");
 	}
 	if (mesh_weights_.size() > meshes_.size()) {

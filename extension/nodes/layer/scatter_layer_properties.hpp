@@ -77,7 +77,7 @@ godot::Ref<T> ScatterLayer::get_resource() const {
 
 template <class T, const ResourceProperty<T> &property>
 void ScatterLayer::resource_changed() {
-	snapshots_.mark(property.source);
+	tables_.mark(property.source);
 	emit_changed();
 }
 

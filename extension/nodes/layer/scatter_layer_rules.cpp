@@ -51,33 +51,6 @@ constexpr ResourceProperty<Curve> proximity_curve{
 
 } // namespace
 
-Rules ScatterLayer::core_rules() const {
-	const LayerSnapshots &made = snapshots();
-	Rules rules;
-	rules.density = numbers_.density;
-	rules.min_slope_degrees = numbers_.min_slope_degrees;
-	rules.max_slope_degrees = numbers_.max_slope_degrees;
-	rules.slope_falloff = numbers_.slope_falloff;
-	rules.min_height = numbers_.min_height;
-	rules.max_height = numbers_.max_height;
-	rules.height_falloff = numbers_.height_falloff;
-	rules.height_curve = made.height_curve;
-	rules.slope_curve = made.slope_curve;
-	if (made.noise != nullptr) {
-		rules.fields.push_back(made.noise);
-	}
-	if (made.image != nullptr) {
-		rules.fields.push_back(made.image);
-	}
-	rules.clumping = {numbers_.clump_size, numbers_.clump_coverage, numbers_.clump_softness};
-	rules.ground_textures.assign(ground_textures_.ptr(), ground_textures_.ptr() + ground_textures_.size());
-	rules.edge_feather = numbers_.edge_feather;
-	if (mask_.is_valid()) {
-		rules.mask = mask_->snapshot();
-	}
-	return rules;
-}
-
 void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 	if (p_textures.size() > max_texture + 1) {
 		report(layer_class_name, {ErrorCode::wrong_size, "ground_textures", static_cast<double>(p_textures.size())});

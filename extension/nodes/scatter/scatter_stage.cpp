@@ -21,10 +21,10 @@ void set_tile_visible(StagedTile &tile, bool visible) {
 }
 
 /// The mesh near by, then those for the distance, none of them null.
-std::vector<Ref<Mesh>> mesh_levels(const LayerLook &look, std::size_t mesh) {
-	std::vector<Ref<Mesh>> levels{look.meshes[mesh]};
-	for (std::size_t at = mesh; at < look.lod_meshes.size(); at += look.meshes.size()) {
-		levels.push_back(look.lod_meshes[at].is_valid() ? look.lod_meshes[at] : levels.back());
+std::vector<Ref<Mesh>> mesh_levels(const LayerDrawing &drawing, std::size_t mesh) {
+	std::vector<Ref<Mesh>> levels{drawing.meshes[mesh]};
+	for (std::size_t at = mesh; at < drawing.lod_meshes.size(); at += drawing.meshes.size()) {
+		levels.push_back(drawing.lod_meshes[at].is_valid() ? drawing.lod_meshes[at] : levels.back());
 	}
 	return levels;
 }
@@ -82,44 +82,49 @@ void ScatterStage::set_visible(bool visible) {
 	}
 }
 
-void ScatterStage::set_looks(std::vector<LayerLook> looks) {
-	look_versions_.resize(looks.size());
+void ScatterStage::set_layers(const std::vector<SharedSnapshot> &layers) {
+	drawing_versions_.resize(layers.size());
 	bool changed = false;
-	for (std::size_t layer = 0; layer < looks.size(); ++layer) {
-		const LayerLook *old = layer < looks_.size() ? &looks_[layer] : nullptr;
-		if (old == nullptr || old->detail != looks[layer].detail || !old->draw.draws_as(looks[layer].draw)) {
-			look_versions_[layer] = ++last_version_;
+	for (std::size_t index = 0; index < layers.size(); ++index) {
+		const SharedSnapshot before = index < layers_.size() ? layers_[index] : nullptr;
+		const SharedSnapshot &now = layers[index];
+		const bool same = before != nullptr && now != nullptr && before->drawing == now->drawing && before->lod == now->lod;
+		if (before != now && !same) {
+			drawing_versions_[index] = ++last_version_;
 			changed = true;
 		}
 	}
-	looks_ = std::move(looks);
+	layers_ = layers;
 	if (changed) {
 		visit_all();
 	}
 }
 
+/// Null for a layer of which nothing is shown.
+const LayerSnapshot *ScatterStage::layer_at(std::uint32_t index) const {
+	return index < layers_.size() ? layers_[index].get() : nullptr;
+}
+
 void ScatterStage::push(std::shared_ptr<TileJob> job) { uploads_.push_back(std::move(job)); }
 
-void ScatterStage::draw_part(const StagedTile &tile, std::size_t mesh, const LayerLook &look, const MeshUpload &upload,
-		StagedTile::Part &r_part) {
+void ScatterStage::draw_part(const StagedTile &tile, std::size_t mesh, const LayerDrawing &drawing,
+		const MeshUpload &upload, StagedTile::Part &r_part) {
 	VisualPlace place = place_;
 	place.origin = tile.tile->origin;
-	r_part.levels = mesh_levels(look, mesh);
-	r_part.visual.emplace(place, tile.plan->settings->look, look.meshes[mesh], upload);
-	r_part.visual->apply(look.draw);
+	r_part.levels = mesh_levels(drawing, mesh);
+	r_part.visual.emplace(place, tile.settings->look, drawing.meshes[mesh], upload);
+	r_part.visual->apply(drawing);
 	++upload_count_;
 }
 
 StagedTile::Part ScatterStage::make_part(const TileJob &job, std::size_t mesh) {
 	StagedTile::Part part;
 	part.shown = current_shown_[mesh];
-	const std::uint32_t layer = job.request.key.layer;
-	const bool drawn =
-			layer < looks_.size() && mesh < looks_[layer].meshes.size() && looks_[layer].meshes[mesh].is_valid();
-	if (drawn && part.shown->size() > 0) {
+	const LayerSnapshot *layer = layer_at(job.request.key.layer);
+	if (layer != nullptr && layer->drawing.draws(mesh) && part.shown->size() > 0) {
 		const bool own = part.shown.get() == &job.tile->meshes[mesh];
-		const MeshUpload upload = own ? job.uploads[mesh] : to_upload(*part.shown, job.plan->reach_of(mesh));
-		draw_part(current_, mesh, looks_[layer], upload, part);
+		const MeshUpload upload = own ? job.uploads[mesh] : to_upload(*part.shown, current_.reach_of(mesh));
+		draw_part(current_, mesh, layer->drawing, upload, part);
 		current_.grow(upload.aabb);
 	}
 	return part;
@@ -159,12 +164,13 @@ bool ScatterStage::upload_step() {
 	if (current_.tile == nullptr) {
 		static const auto nothing = std::make_shared<const TileInstances>();
 		current_.tile = job.tile != nullptr ? job.tile : nothing; // One that could not be made is empty.
-		current_.plan = job.plan;
+		current_.settings = job.layer->settings;
+		current_.mesh_reach = job.layer->drawing.mesh_reach;
 		current_.rect = job.request.rect;
 		current_shown_ = overlay(current_);
 		current_outdated_ = false;
 		const std::uint32_t layer = job.request.key.layer;
-		current_.look_version = layer < looks_.size() ? look_versions_[layer] : 0;
+		current_.drawing_version = layer < layers_.size() ? drawing_versions_[layer] : 0;
 	}
 	if (const std::size_t next = current_.parts.size(); next < current_shown_.size()) {
 		current_.parts.push_back(make_part(job, next));

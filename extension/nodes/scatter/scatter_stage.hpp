@@ -20,16 +20,6 @@
 
 namespace thicket {
 
-/// How a layer looks on stage.
-struct LayerLook {
-	DrawSettings draw;
-	std::vector<godot::Ref<godot::Mesh>> meshes; ///< Null entries are not drawn.
-
-	/// For each distance of `detail` in a row of its own an entry for each of the meshes; null for the finer one.
-	std::vector<godot::Ref<godot::Mesh>> lod_meshes;
-	Detail detail;
-};
-
 /// How much of what stands is drawn, whatever the distance.
 struct DrawLimits {
 	double quality = 1.0;                                                    ///< Share of every tile, 0 to 1.
@@ -50,16 +40,18 @@ struct StagedTile {
 	};
 
 	std::shared_ptr<const TileInstances> tile; ///< What the layer's rules give.
-	std::shared_ptr<const LayerPlan> plan;     ///< That it was made by.
+	SharedLayer settings;                      ///< That it was made by.
+	std::vector<float> mesh_reach;             ///< Of the meshes that it was made for, as LayerDrawing has it.
 	Rect rect;
 	std::vector<Part> parts;
 
 	glm::vec3 min{std::numeric_limits<float>::max()};  ///< The box around all that is drawn, relative to the origin;
 	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inside out where nothing is.
 	std::size_t lod = 0;
-	std::uint64_t look_version = 0; ///< Of the layer's look that it was last drawn with.
+	std::uint64_t drawing_version = 0; ///< Of what the layer said when it was last drawn.
 	double visit_at = 0.0;          ///< Of the next visit that DetailSchedule was asked for.
 
+	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 	void grow(const godot::AABB &box);
 };
 
@@ -79,7 +71,6 @@ public:
 
 	/// Draws the tiles anew, one upload each, whose overlay has changed where it was marked. Call it before the frame is drawn.
 	void patch();
-	bool has_marks() const { return marked_all_ || !marks_.empty(); }
 
 	/// Where new tiles go.
 	void set_place(const godot::RID &scenario, std::uint64_t node_id);
@@ -90,9 +81,9 @@ public:
 	/// Shows or hides all that stands and all that comes.
 	void set_visible(bool visible);
 
-	/// The looks of all layers; tiles drawn with other settings follow, step by step, by `detail_step`. Meshes count for
-	/// tiles still to come.
-	void set_looks(std::vector<LayerLook> looks);
+	/// The layers by index. Tiles that are drawn otherwise than their layer says now follow, step by step, by `detail_step`. Its
+	/// meshes count for tiles still to come.
+	void set_layers(const std::vector<SharedSnapshot> &layers);
 
 	/// How much to draw; tiles follow as above.
 	void set_limits(const DrawLimits &limits) { next_limits_ = limits; }
@@ -147,9 +138,6 @@ public:
 	const StagedTile *find(std::uint32_t layer, glm::ivec2 tile) const;
 	std::vector<glm::ivec2> tiles(std::uint32_t layer) const;
 
-	/// How many layers have or had a look.
-	std::size_t layer_count() const { return looks_.size(); }
-
 	std::size_t waiting() const { return uploads_.size() + aside_.size(); }
 	std::size_t tile_count() const { return tiles_.size(); }
 	std::uint64_t instance_count() const { return instances_; }
@@ -173,18 +161,19 @@ private:
 	void count(const StagedTile &tile);
 	void uncount(const StagedTile &tile);
 	void visit_all();
-	void apply_look(const TileKey &key, StagedTile &tile);
+	void apply_drawing(const TileKey &key, StagedTile &tile);
 	void refine(const TileKey &key, StagedTile &tile);
 	StagedTile::Part make_part(const TileJob &job, std::size_t mesh);
-	void draw_part(const StagedTile &tile, std::size_t mesh, const LayerLook &look, const MeshUpload &upload,
+	void draw_part(const StagedTile &tile, std::size_t mesh, const LayerDrawing &drawing, const MeshUpload &upload,
 			StagedTile::Part &r_part);
+	const LayerSnapshot *layer_at(std::uint32_t index) const;
 	void patch(const TileKey &key, StagedTile &r_tile);
 	std::vector<std::shared_ptr<const MeshInstances>> overlay(const StagedTile &tile) const;
 
 	VisualPlace place_;
 	bool visible_ = true;
-	std::vector<LayerLook> looks_;
-	std::vector<std::uint64_t> look_versions_; ///< Of each look: another number whenever it draws otherwise.
+	std::vector<SharedSnapshot> layers_;
+	std::vector<std::uint64_t> drawing_versions_; ///< Of each layer: another number whenever it is drawn otherwise.
 	std::uint64_t last_version_ = 0;
 	std::map<Order, StagedTile> tiles_;
 	std::vector<TileVisual> leaving_;

@@ -60,14 +60,14 @@ bool ScatterStage::detail_step() {
 	return false;
 }
 
-void ScatterStage::apply_look(const TileKey &key, StagedTile &tile) {
-	if (tile.look_version == look_versions_[key.layer]) {
+void ScatterStage::apply_drawing(const TileKey &key, StagedTile &tile) {
+	if (tile.drawing_version == drawing_versions_[key.layer]) {
 		return;
 	}
-	tile.look_version = look_versions_[key.layer];
+	tile.drawing_version = drawing_versions_[key.layer];
 	for (StagedTile::Part &part : tile.parts) {
 		if (part.visual) {
-			part.visual->apply(looks_[key.layer].draw);
+			part.visual->apply(layers_[key.layer]->drawing);
 		}
 	}
 }
@@ -75,11 +75,12 @@ void ScatterStage::apply_look(const TileKey &key, StagedTile &tile) {
 void ScatterStage::refine(const TileKey &key, StagedTile &tile) {
 	const bool draws = tile.min.x <= tile.max.x;
 	tile.visit_at = std::numeric_limits<double>::infinity();
-	if (!draws || key.layer >= looks_.size()) {
+	const LayerSnapshot *layer = layer_at(key.layer);
+	if (!draws || layer == nullptr) {
 		return;
 	}
-	apply_look(key, tile);
-	const Detail &detail = looks_[key.layer].detail;
+	apply_drawing(key, tile);
+	const Detail &detail = layer->lod;
 	const glm::dvec3 origin = tile.tile->origin;
 	const double distance = schedule_.distance_to(origin + glm::dvec3(tile.min), origin + glm::dvec3(tile.max));
 	const double density = thinned_density(detail, distance);

@@ -26,7 +26,7 @@ void ScatterStage::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect 
 }
 
 std::vector<std::shared_ptr<const MeshInstances>> ScatterStage::overlay(const StagedTile &tile) const {
-	return overlaid(tile.tile, *tile.plan->settings, tile.rect, {state_, &hidden_});
+	return overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_});
 }
 
 void ScatterStage::patch() {
@@ -59,6 +59,7 @@ void ScatterStage::patch() {
 
 /// Without the counts, and without the detail: both are the caller's.
 void ScatterStage::patch(const TileKey &key, StagedTile &r_tile) {
+	const LayerSnapshot *layer = layer_at(key.layer);
 	const std::vector<std::shared_ptr<const MeshInstances>> shown = overlay(r_tile);
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 		StagedTile::Part &part = r_tile.parts[mesh];
@@ -66,13 +67,12 @@ void ScatterStage::patch(const TileKey &key, StagedTile &r_tile) {
 		if (before == part.shown || same(*before, *part.shown)) {
 			continue;
 		}
-		const MeshUpload upload = to_upload(*part.shown, r_tile.plan->reach_of(mesh));
+		const MeshUpload upload = to_upload(*part.shown, r_tile.reach_of(mesh));
 		if (part.visual) {
 			part.visual->set_instances(upload);
 			++upload_count_;
-		} else if (key.layer < looks_.size() && mesh < looks_[key.layer].meshes.size() &&
-				looks_[key.layer].meshes[mesh].is_valid()) {
-			draw_part(r_tile, mesh, looks_[key.layer], upload, part);
+		} else if (layer != nullptr && layer->drawing.draws(mesh)) {
+			draw_part(r_tile, mesh, layer->drawing, upload, part);
 			part.visual->set_visible(visible_);
 		}
 		if (part.visual) {

@@ -40,10 +40,13 @@ std::chrono::steady_clock::duration smoothed(
 }
 
 /// True if a tile made for one layer may be shown for the other until its own is there: the same points and meshes.
-bool interchangeable(const StreamedLayer &a, const StreamedLayer &b) {
-	return a.plan->wanted == b.plan->wanted && a.plan->settings->set == b.plan->settings->set &&
-			a.look.meshes == b.look.meshes && a.look.lod_meshes == b.look.lod_meshes;
+bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
+	return a == b ||
+			(a != nullptr && b != nullptr && a->settings->set == b->settings->set && a->drawing.same_meshes(b->drawing));
 }
+
+/// A layer of which nothing is shown asks for as few tiles as there can be.
+StreamLayer range_of(const SharedSnapshot &layer) { return layer != nullptr ? layer->range : StreamLayer{1e6, 0.0}; }
 
 bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
 
@@ -59,37 +62,41 @@ void report_tile(const TileKey &key, const Status &status) {
 ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(worker_count()) {}
 
 /// What is under way and shows something that has changed since, or a tile of another size, is of no use to those who ask.
-void ScatterStream::mark_stale(std::span<const StreamedLayer> next, std::span<const EditedArea> outdated) {
+void ScatterStream::mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated) {
 	for (const std::shared_ptr<TileJob> &job : jobs_) {
 		const std::uint32_t layer = job->request.key.layer;
 		job->stale = job->stale || layer >= next.size() || layer >= outdated.size() ||
-				next[layer].range.tile_size != layers_[layer].range.tile_size ||
+				range_of(next[layer]).tile_size != range_of(layers_[layer]).tile_size ||
 				outdated[layer].touches(job->request.rect);
 	}
 }
 
 void ScatterStream::set_layers(
-		std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated, const Ref<ScatterTerrain> &script) {
+		const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, const StreamGround &ground) {
 	std::vector<StreamLayer> ranges;
-	std::vector<LayerLook> looks;
-	for (const StreamedLayer &layer : layers) {
-		ranges.push_back(layer.range);
-		looks.push_back(layer.look);
+	for (const SharedSnapshot &layer : layers) {
+		ranges.push_back(range_of(layer));
 	}
 	const Status status = streamer_.set_layers(ranges);
 	report("TerrainScatter3D", status);
 	if (!status.ok()) {
 		return;
 	}
-	for (std::uint32_t layer = 0; layer < std::min(layers.size(), layers_.size()); ++layer) {
-		if (!interchangeable(layers_[layer], layers[layer])) {
+	error_reported_.resize(layers.size());
+	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
+		const SharedSnapshot before = layer < layers_.size() ? layers_[layer] : nullptr;
+		if (layer < layers_.size() && !interchangeable(before, layers[layer])) {
 			streamer_.cancel(layer);
+		}
+		if (before == nullptr || layers[layer] == nullptr || before->settings != layers[layer]->settings ||
+				!outdated[layer].empty()) {
+			error_reported_[layer] = false;
 		}
 	}
 	mark_stale(layers, outdated);
-	layers_ = std::move(layers);
-	script_ = script;
-	stage_.set_looks(std::move(looks));
+	layers_ = layers;
+	ground_ = ground;
+	stage_.set_layers(layers);
 	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
 		if (outdated[layer].everywhere) {
 			streamer_.invalidate(layer);
@@ -159,14 +166,15 @@ void ScatterStream::sort_work(std::span<const Viewer> viewers) {
 }
 
 void ScatterStream::start(const TileRequest &request) {
-	const std::shared_ptr<const LayerPlan> &plan = layers_[request.key.layer].plan;
-	if (!plan->wanted || !script_->ready()) {
+	const SharedSnapshot &layer = layers_[request.key.layer];
+	if (layer == nullptr || !ground_.source->ready()) {
 		streamer_.finish(request); // What stands there stays.
 		return;
 	}
 	const auto job = std::make_shared<TileJob>();
 	job->request = request;
-	job->plan = plan;
+	job->layer = layer;
+	job->terrain = ground_.terrain;
 	jobs_.push_back(job);
 	workers_.push(job);
 }
@@ -179,16 +187,17 @@ void ScatterStream::start_missing() {
 		const auto makes = [&tile](const std::shared_ptr<TileJob> &job) {
 			return job->request.key.layer == tile.layer && job->request.key.tile == tile.tile && !job->stale;
 		};
-		if (under_way == room || script_.is_null() || !script_->ready()) {
+		if (under_way == room || ground_.source.is_null() || !ground_.source->ready()) {
 			return;
 		}
-		if (tile.layer >= layers_.size() || std::ranges::any_of(jobs_, makes)) {
+		if (tile.layer >= layers_.size() || layers_[tile.layer] == nullptr || std::ranges::any_of(jobs_, makes)) {
 			continue;
 		}
 		const auto job = std::make_shared<TileJob>();
 		job->request.key = {tile.layer, 0, tile.tile};
-		job->request.rect = tile_rect(layers_[tile.layer].range.tile_size, tile.tile);
-		job->plan = layers_[tile.layer].plan;
+		job->request.rect = tile_rect(layers_[tile.layer]->range.tile_size, tile.tile);
+		job->layer = layers_[tile.layer];
+		job->terrain = ground_.terrain;
 		job->unseen = true;
 		jobs_.push_back(job);
 		workers_.push(job);
@@ -217,18 +226,27 @@ void ScatterStream::take_finished() {
 	}
 }
 
+/// An error of a tile that was made as its layer and the ground are now.
+void ScatterStream::report_once(const TileJob &job) {
+	const std::uint32_t index = job.request.key.layer;
+	const bool present = index < layers_.size() && layers_[index] != nullptr &&
+			layers_[index]->settings == job.layer->settings && ground_.terrain == job.terrain;
+	if (present && !job.stale && ground_.source->ready() && !error_reported_[index]) {
+		error_reported_[index] = true;
+		report_tile(job.request.key, job.status);
+	}
+}
+
 void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 	if (job->step == TileJob::Step::needs_ground) {
 		ask_ground_.push_back(job);
 		return;
 	}
-	const std::uint32_t index = job->request.key.layer;
-	if (!job->status.ok() && script_->ready() && index < layers_.size() && layers_[index].plan == job->plan &&
-			!std::exchange(layers_[index].error_reported, true)) {
-		report_tile(job->request.key, job->status);
+	if (!job->status.ok()) {
+		report_once(*job);
 	}
 	if (job->status.ok() && !job->stale) {
-		world_.keep(index, job->request.key.tile, job->tile);
+		world_.keep(job->request.key.layer, job->request.key.tile, job->tile);
 	}
 	if (job->unseen) {
 		settle_unseen(job);
@@ -252,7 +270,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 
 void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
-	if (!job->status.ok() && !job->stale && script_->ready()) {
+	if (!job->status.ok() && !job->stale && ground_.source->ready()) {
 		// Nothing stands where a tile cannot be made; an edit makes it missing again.
 		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const TileInstances>());
 	}
@@ -268,7 +286,7 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 	const std::size_t count = part != job->parts.end() ? std::min(most, part->end - job->answered) : 0;
 	Status status;
 	if (count > 0) {
-		const Ref<ScatterTerrain> terrain = script_;
+		const Ref<ScatterTerrain> terrain = ground_.source;
 		status = terrain->ask(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count), part->textures,
 				std::span(job->ground).subspan(job->answered, count));
 		if (ask_ground_.empty() || ask_ground_.front() != job) {
@@ -290,11 +308,11 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 }
 
 bool ScatterStream::ground_step_in_frame() {
-	return script_.is_valid() && !script_->needs_physics_frames() && ground_step(script_->places_at_once()) > 0;
+	return ground_.source.is_valid() && !ground_.source->needs_physics_frames() && ground_step(ground_.source->places_at_once()) > 0;
 }
 
 void ScatterStream::physics_frame() {
-	std::size_t left = script_.is_valid() && script_->needs_physics_frames() ? script_->places_at_once() : 0;
+	std::size_t left = ground_.source.is_valid() && ground_.source->needs_physics_frames() ? ground_.source->places_at_once() : 0;
 	while (left > 0) {
 		const std::size_t asked = ground_step(left);
 		left = asked > 0 ? left - asked : 0;

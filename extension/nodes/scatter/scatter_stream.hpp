@@ -15,12 +15,10 @@
 
 namespace thicket {
 
-/// A layer as the stream takes it.
-struct StreamedLayer {
-	std::shared_ptr<const LayerPlan> plan;
-	StreamLayer range;
-	LayerLook look;
-	bool error_reported = false; ///< One error for a plan, not one for each of its tiles.
+/// What instances stand on.
+struct StreamGround {
+	std::shared_ptr<const Terrain> terrain; ///< For workers; null where only the main thread may ask.
+	godot::Ref<ScatterTerrain> source;      ///< Asked on the main thread.
 };
 
 /// A tile came or went.
@@ -47,9 +45,9 @@ public:
 	void set_rings(std::vector<NearRing *> rings) { rings_ = std::move(rings); }
 
 	/// Replaces the layers and the ground. `outdated[i]` says where layer i has to be made anew; what stands stays until
-	/// then. `script` is asked for the ground of plans that have no terrain of their own.
-	void set_layers(std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated,
-			const godot::Ref<ScatterTerrain> &script);
+	/// then.
+	void set_layers(
+			const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, const StreamGround &ground);
 
 	/// One frame's work: what came from the workers is uploaded and what is wanted is requested, until `budget`
 	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still. Without viewers
@@ -82,7 +80,8 @@ private:
 	void sort_work(std::span<const Viewer> viewers);
 	void start(const TileRequest &request);
 	void start_missing();
-	void mark_stale(std::span<const StreamedLayer> next, std::span<const EditedArea> outdated);
+	void mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated);
+	void report_once(const TileJob &job);
 	void settle_unseen(const std::shared_ptr<TileJob> &job);
 	bool ring_step();
 	void cancel(std::uint64_t ticket);
@@ -99,8 +98,9 @@ private:
 	TileStreamer streamer_;
 	TileWorkers workers_;
 	ScatterStage stage_;
-	std::vector<StreamedLayer> layers_;
-	godot::Ref<ScatterTerrain> script_;
+	std::vector<SharedSnapshot> layers_;
+	std::vector<bool> error_reported_; ///< For each layer: one error until it or the ground changes, not one for each tile.
+	StreamGround ground_;
 
 	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All under way, from request to upload.
 	std::deque<std::shared_ptr<TileJob>> ask_ground_; ///< Those that wait for a script on the main thread.

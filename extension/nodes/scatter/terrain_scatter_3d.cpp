@@ -100,7 +100,7 @@ void TerrainScatter3D::process_frame() {
 	if (dirty_) {
 		refresh();
 	}
-	if (terrain_.is_valid() && !plans_.streamed().empty()) {
+	if (terrain_.is_valid() && !layer_list_.snapshots().empty()) {
 		if (state_.is_valid() && !Engine::get_singleton()->is_editor_hint()) {
 			state_->advance(get_process_delta_time());
 		}
@@ -202,22 +202,22 @@ String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 void TerrainScatter3D::refresh() {
 	dirty_ = false;
 	set_physics_process_internal(terrain_.is_valid() && terrain_->needs_physics_frames());
-	ScatterGround ground{static_cast<std::uint64_t>(seed_), nullptr, std::exchange(ground_change_, {})};
-	if (!ground.changed.empty() && terrain_.is_valid()) {
+	const EditedArea ground_change = std::exchange(ground_change_, {});
+	if (!ground_change.empty() && terrain_.is_valid()) {
 		ground_ = terrain_->snapshot();
 	}
-	ground.terrain = ground_;
 	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
 	regions_.update(std::exchange(recentered_, false));
 	if (!grounded || layers_.is_empty()) {
 		scenes_.clear();
 		stream_.stop();
-		plans_.clear();
+		layer_list_.clear();
 		return;
 	}
-	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, regions_);
+	const std::vector<EditedArea> outdated =
+			layer_list_.update(layers_, static_cast<std::uint64_t>(seed_), ground_change, regions_);
 	update_world(outdated);
-	stream_.set_layers(plans_.streamed(), outdated, terrain_);
+	stream_.set_layers(layer_list_.snapshots(), outdated, {ground_, terrain_});
 	update_scenes();
 }
 
@@ -337,7 +337,8 @@ int64_t TerrainScatter3D::get_preview_instances() const { return preview_instanc
 void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
 
 bool TerrainScatter3D::is_idle() const {
-	return !dirty_ && !layer_watch_.differs(layers_) && (plans_.streamed().empty() || (stream_.idle() && scenes_.settled()));
+	return !dirty_ && !layer_watch_.differs(layers_) &&
+			(layer_list_.snapshots().empty() || (stream_.idle() && scenes_.settled()));
 }
 
 } // namespace thicket

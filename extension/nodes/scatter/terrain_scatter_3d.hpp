@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/scatter/layer_plans.hpp"
+#include "nodes/scatter/layer_list.hpp"
 #include "nodes/gameplay/collision_ring.hpp"
 #include "nodes/gameplay/instance_world.hpp"
 #include "nodes/gameplay/query_requests.hpp"
@@ -215,7 +215,7 @@ private:
 	void mark_area_edited(const godot::Rect2 &p_rect);
 	void refresh();
 	void add_layer_problems(godot::PackedStringArray &r_problems) const;
-	Status find_streamed(int64_t p_layer, StreamedLayer &r_streamed);
+	Status find_snapshot(int64_t p_layer, SharedSnapshot &r_layer);
 	void emit_events();
 	DrawLimits draw_limits() const;
 	std::vector<Viewer> find_viewers() const;
@@ -249,9 +249,9 @@ private:
 
 	ScatterStream stream_{*world_};
 	SceneRing scenes_{scene_host()};
-	LayerPlans plans_;
+	LayerList layer_list_;
 	RegionRegister regions_;
-	godot::PackedStringArray layer_names_; ///< By place, as regions were told of them last.
+	godot::PackedStringArray layer_names_; ///< By index, as regions were told of them last.
 	std::shared_ptr<const Terrain> ground_;
 	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
 	std::chrono::steady_clock::duration frame_time_{0};         ///< Of the main thread, in the last frame.

@@ -134,7 +134,7 @@ bool TerrainScatter3D::remove_found(const PlacedInstance &instance) {
 		report("TerrainScatter3D", status);
 		return false;
 	}
-	const double regrowth = plans_.streamed()[instance.layer].look.draw.numbers.regrowth_time;
+	const double regrowth = layer_list_.snapshots()[instance.layer]->gameplay.regrowth_time;
 	return state_->remove(script_id(instance.id), regrowth > 0.0 ? state_->get_time() + regrowth : 0.0);
 }
 
@@ -144,7 +144,7 @@ PackedInt64Array TerrainScatter3D::remove_in_sphere(
 	for (const PlacedInstance &instance :
 			find_in_sphere("remove_in_sphere", p_center, p_radius, p_layers, p_predicate)) {
 		// Who hears of the one before may have changed the layers.
-		if (instance.layer < plans_.streamed().size() && remove_found(instance)) {
+		if (instance.layer < layer_list_.snapshots().size() && remove_found(instance)) {
 			removed.push_back(instance.id);
 		}
 	}

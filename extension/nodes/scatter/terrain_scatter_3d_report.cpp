@@ -126,13 +126,13 @@ Dictionary TerrainScatter3D::get_stats() const {
 }
 
 void TerrainScatter3D::add_layer_problems(PackedStringArray &r_problems) const {
-	std::vector<std::optional<NamedLayer>> named;
+	std::vector<std::optional<LayerLinks>> links;
 	for (int64_t place = 0; place < layers_.size(); ++place) {
 		const Ref<ScatterLayer> layer = layer_at(place);
-		named.push_back(layer.is_valid() ? std::optional(names_of(*layer.ptr())) : std::nullopt);
+		links.push_back(layer.is_valid() ? std::optional(layer->links()) : std::nullopt);
 	}
-	std::vector<const NamedLayer *> names;
-	for (const std::optional<NamedLayer> &layer : named) {
+	std::vector<const LayerLinks *> names;
+	for (const std::optional<LayerLinks> &layer : links) {
 		names.push_back(layer ? &*layer : nullptr);
 	}
 	std::set<int64_t> ids;
@@ -154,7 +154,7 @@ void TerrainScatter3D::add_layer_problems(PackedStringArray &r_problems) const {
 		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(place))) {
 			r_problems.push_back(where + String::utf8(problem.c_str()));
 		}
-		const int64_t id = layer->integers().layer_id;
+		const int64_t id = layer->own_id();
 		if (!ids.insert(id >= 0 ? id : place).second) {
 			r_problems.push_back(
 					where + String("has the same layer_id as another: both use the same random numbers and ids. Set one to -1 for an id of its own."));

@@ -25,21 +25,6 @@ constexpr auto everything = std::numeric_limits<std::size_t>::max();
 
 } // namespace
 
-bool DrawSettings::draws_as(const DrawSettings &other) const {
-	const auto same = [this, &other](auto... members) {
-		return ((numbers.*members == other.numbers.*members) && ...);
-	};
-	const auto same_integers = [this, &other](auto... members) {
-		return ((integers.*members == other.integers.*members) && ...);
-	};
-	return material == other.material &&
-			same(&LayerNumbers::lod_bias, &LayerNumbers::extra_cull_margin, &LayerNumbers::visibility_range_begin,
-					&LayerNumbers::visibility_range_begin_margin, &LayerNumbers::visibility_range_end,
-					&LayerNumbers::visibility_range_end_margin) &&
-			same_integers(&LayerIntegers::cast_shadow, &LayerIntegers::gi_mode, &LayerIntegers::layers,
-					&LayerIntegers::visibility_range_fade_mode);
-}
-
 TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mesh> &mesh, const MeshUpload &upload) :
 		look_(look), mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
@@ -110,26 +95,24 @@ void TileVisual::free() {
 	}
 }
 
-void TileVisual::apply(const DrawSettings &settings) {
+void TileVisual::apply(const LayerDrawing &drawing) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const LayerNumbers &numbers = settings.numbers;
-	const LayerIntegers &integers = settings.integers;
-	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(integers.layers));
+	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(drawing.render_layers));
 	server->instance_geometry_set_cast_shadows_setting(
-			instance_, static_cast<RenderingServer::ShadowCastingSetting>(integers.cast_shadow));
+			instance_, static_cast<RenderingServer::ShadowCastingSetting>(drawing.cast_shadow));
 	server->instance_geometry_set_flag(
-			instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, integers.gi_mode == gi_static);
+			instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, drawing.gi_mode == gi_static);
 	server->instance_geometry_set_flag(
-			instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, integers.gi_mode == gi_dynamic);
-	server->instance_geometry_set_lod_bias(instance_, static_cast<float>(numbers.lod_bias));
-	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(numbers.extra_cull_margin));
+			instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, drawing.gi_mode == gi_dynamic);
+	server->instance_geometry_set_lod_bias(instance_, static_cast<float>(drawing.lod_bias));
+	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(drawing.extra_cull_margin));
 	server->instance_geometry_set_material_override(
-			instance_, settings.material.is_valid() ? settings.material->get_rid() : RID());
-	material_ = settings.material; // Only now: what it held before must not go while the instance names it.
-	server->instance_geometry_set_visibility_range(instance_, static_cast<float>(numbers.visibility_range_begin),
-			static_cast<float>(numbers.visibility_range_end), static_cast<float>(numbers.visibility_range_begin_margin),
-			static_cast<float>(numbers.visibility_range_end_margin),
-			static_cast<RenderingServer::VisibilityRangeFadeMode>(integers.visibility_range_fade_mode));
+			instance_, drawing.material_override.is_valid() ? drawing.material_override->get_rid() : RID());
+	material_ = drawing.material_override; // Only now: what it held before must not go while the instance names it.
+	server->instance_geometry_set_visibility_range(instance_, static_cast<float>(drawing.visibility_range_begin),
+			static_cast<float>(drawing.visibility_range_end), static_cast<float>(drawing.visibility_range_begin_margin),
+			static_cast<float>(drawing.visibility_range_end_margin),
+			static_cast<RenderingServer::VisibilityRangeFadeMode>(drawing.visibility_range_fade_mode));
 }
 
 void TileVisual::set_visible(bool visible) {

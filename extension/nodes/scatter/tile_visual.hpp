@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/layer/scatter_layer.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/scatter/mesh_upload.hpp"
 
 #include <godot_cpp/variant/rid.hpp>
@@ -11,16 +11,6 @@
 #include <cstdint>
 
 namespace thicket {
-
-/// How the instances of a layer are drawn.
-struct DrawSettings {
-	LayerNumbers numbers;
-	LayerIntegers integers;
-	godot::Ref<godot::Material> material; ///< Null for the meshes' own.
-
-	/// True if both draw the same: what places instances does not count.
-	bool draws_as(const DrawSettings &other) const;
-};
 
 /// Where a TileVisual stands.
 struct VisualPlace {
@@ -45,7 +35,7 @@ public:
 	TileVisual(TileVisual &&other) noexcept;
 	TileVisual &operator=(TileVisual &&other) noexcept;
 
-	void apply(const DrawSettings &settings);
+	void apply(const LayerDrawing &drawing);
 	void set_visible(bool visible);
 
 	/// The engine's origin has moved in the world: the visual stays where it is in the world.
