@@ -56,13 +56,13 @@ void LayerWatch::give_ids() {
 	std::set<int64_t> taken;
 	for (const Seen &seen : seen_) {
 		if (seen.layer.is_valid()) {
-			taken.insert(seen.layer->integers().layer_id);
+			taken.insert(seen.layer->own_id());
 		}
 	}
 	const std::vector<Seen> layers = seen_; // Who hears of an id may change the list.
 	for (std::size_t index = 0; taken.count(-1) > 0 && index < layers.size(); ++index) {
 		const Ref<ScatterLayer> &layer = layers[index].layer;
-		if (layer.is_null() || layer->integers().layer_id >= 0) {
+		if (layer.is_null() || layer->own_id() >= 0) {
 			continue;
 		}
 		auto id = static_cast<int64_t>(index);
