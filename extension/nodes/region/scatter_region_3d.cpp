@@ -2,6 +2,7 @@
 
 #include "core/rules/polyline.hpp"
 #include "core/rules/shape_frame.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/layer/layer_reference.hpp"
 
 #include <godot_cpp/classes/curve3d.hpp>
@@ -37,16 +38,10 @@ constexpr Number height{"height", &RegionSizes::height, min_side, max_side, PROP
 constexpr Number width{"width", &RegionSizes::width, min_side, max_side, PROPERTY_HINT_RANGE,
 		"0.01,200,0.01,or_less,or_greater,suffix:m"};
 
-glm::dvec3 column(const Basis &basis, int axis) {
-	return {basis.rows[0][axis], basis.rows[1][axis], basis.rows[2][axis]};
-}
-
-glm::dmat3 columns(const Basis &basis) { return {column(basis, 0), column(basis, 1), column(basis, 2)}; }
-
 /// Where a position in a node's own space lies on the world's plane.
 glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
-	const glm::dvec3 world = columns(frame.basis) * position;
-	return {world.x + double{frame.origin.x}, world.z + double{frame.origin.z}};
+	const glm::dvec3 world = to_core(frame.basis) * position + to_core(frame.origin);
+	return {world.x, world.z};
 }
 
 constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
@@ -150,7 +145,7 @@ std::vector<glm::dvec2> ScatterRegion3D::path_outline() const {
 	}
 	const Transform3D frame = path->get_global_transform();
 	for (const Vector3 &point : curve->get_baked_points()) {
-		outline.push_back(on_plane(frame, {point.x, point.y, point.z}));
+		outline.push_back(on_plane(frame, to_core(point)));
 	}
 	return simplified(outline, path_tolerance);
 }
@@ -158,15 +153,15 @@ std::vector<glm::dvec2> ScatterRegion3D::path_outline() const {
 Status ScatterRegion3D::build_solid(thicket::Shape &r_shape) const {
 	const Transform3D transform = get_global_transform();
 	ShapeFrame frame;
-	if (const Status status = take_apart(columns(transform.basis), frame); !status.ok()) {
+	if (const Status status = take_apart(to_core(transform.basis), frame); !status.ok()) {
 		return status;
 	}
-	r_shape.center = {transform.origin.x, transform.origin.y, transform.origin.z};
+	r_shape.center = to_core(transform.origin);
 	r_shape.axes = frame.axes;
 	const glm::dvec3 scale = frame.scale;
 	if (shape_ == SHAPE_BOX) {
 		r_shape.kind = ShapeKind::box;
-		r_shape.half_size = 0.5 * glm::dvec3{size_.x, size_.y, size_.z} * scale;
+		r_shape.half_size = 0.5 * to_core(size_) * scale;
 	} else if (shape_ == SHAPE_SPHERE) {
 		r_shape.kind = ShapeKind::sphere;
 		r_shape.half_size = {numbers_.radius * std::max({scale.x, scale.y, scale.z}), 0.0, 0.0};
@@ -251,7 +246,7 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		return problems;
 	}
 	ShapeFrame frame;
-	const Status status = take_apart(columns(get_global_transform().basis), frame);
+	const Status status = take_apart(to_core(get_global_transform().basis), frame);
 	const glm::dvec3 scale = frame.scale;
 	if (!status.ok()) {
 		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
