@@ -58,7 +58,6 @@ struct StagedTile {
 	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inside out where nothing is.
 	std::size_t lod = 0;
 	std::uint64_t look_version = 0; ///< Of the layer's look that it was last drawn with.
-	double visit_at = 0.0;          ///< Of the next visit that DetailSchedule was asked for.
 
 	void grow(const godot::AABB &box);
 };
