@@ -17,11 +17,13 @@ from conftest import REPO, run
 ROOMS = {
     "core/base": [],
     "core/sampling": ["core/base"],
-    "core/terrain": ["core/base", "core/sampling"],
+    "core/terrain": ["core/base"],
     "core/rules": ["core/base", "core/sampling", "core/terrain"],
     "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
-    "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
-    "core/streaming": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/query"],
+    "core/state": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
+    "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state"],
+    "core/near": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state", "core/query"],
+    "core/streaming": ["core/base"],
     "bindings": [],
     "nodes": ["core", "bindings"],
 }
@@ -53,6 +55,25 @@ def test_room_order(source):
             continue
         allowed = [room, *ROOMS[room]]
         assert any(included.startswith(one + "/") for one in allowed), f"{source} includes {included}"
+
+
+def test_rooms_stand_in_order():
+    """The table of rooms has no circle: each room names only rooms that stand before it. Every folder of the core is a room."""
+    before: list[str] = []
+    for room, allowed in ROOMS.items():
+        assert all(one in before or any(known.startswith(one + "/") for known in before) for one in allowed), room
+        before.append(room)
+    folders = {path.relative_to(REPO / "extension").as_posix() for path in (REPO / "extension/core").iterdir()}
+    assert folders == {room for room in ROOMS if room.startswith("core/")}
+
+
+def test_no_circle_of_includes():
+    """No header includes itself by way of others: what is included by nothing that is left goes, until nothing is left."""
+    left = {source: {name for quoted, name in includes(source) if quoted and name in SOURCES} for source in SOURCES}
+    while leaves := [source for source, included in left.items() if not included & left.keys()]:
+        for source in leaves:
+            del left[source]
+    assert not left, f"these include each other: {sorted(left)}"
 
 
 @pytest.mark.parametrize("source", [source for source in SOURCES if source.startswith("core/")])

@@ -1,4 +1,4 @@
-#include "core/query/body_fit.hpp"
+#include "core/near/body_fit.hpp"
 
 #include <doctest/doctest.h>
 

@@ -3,8 +3,8 @@
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/placement/tile_instances.hpp"
-#include "core/query/instance_state.hpp"
 #include "core/sampling/point_set.hpp"
+#include "core/state/instance_state.hpp"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>

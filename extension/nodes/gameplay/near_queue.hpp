@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/query/near_set.hpp"
+#include "core/near/near_set.hpp"
 #include "nodes/gameplay/instance_world.hpp"
 
 #include <glm/vec3.hpp>

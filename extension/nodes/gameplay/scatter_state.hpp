@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/query/instance_state.hpp"
+#include "core/state/instance_state.hpp"
 
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/query/near_set.hpp"
+#include "core/near/near_set.hpp"
 #include "nodes/gameplay/near_ring.hpp"
 #include "nodes/gameplay/scene_pool.hpp"
 #include "nodes/layer/layer_snapshot.hpp"

@@ -1,6 +1,6 @@
 // When a layer may be used, and the properties of its set and tiles.
 
-#include "core/query/instance_state.hpp"
+#include "core/state/instance_state.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 using namespace godot;

@@ -1,6 +1,6 @@
-#include "core/query/change_log.hpp"
+#include "core/state/change_log.hpp"
 
-#include "core/query/id_table.hpp"
+#include "core/state/id_table.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,6 +1,6 @@
 // What an InstanceState gives to others and takes from them.
 
-#include "core/query/instance_state_content.hpp"
+#include "core/state/instance_state_content.hpp"
 
 #include "core/base/bytes.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/query/id_codec.hpp"
+#include "core/state/id_codec.hpp"
 
 #include <algorithm>
 #include <array>

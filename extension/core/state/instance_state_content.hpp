@@ -2,11 +2,11 @@
 
 // What an InstanceState holds. Included by its own sources, and by nothing else.
 
-#include "core/query/added_grid.hpp"
-#include "core/query/change_log.hpp"
-#include "core/query/id_table.hpp"
-#include "core/query/instance_state.hpp"
-#include "core/query/state_record.hpp"
+#include "core/state/added_grid.hpp"
+#include "core/state/change_log.hpp"
+#include "core/state/id_table.hpp"
+#include "core/state/instance_state.hpp"
+#include "core/state/state_record.hpp"
 
 #include <cstddef>
 #include <cstdint>

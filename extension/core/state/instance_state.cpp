@@ -1,8 +1,8 @@
-#include "core/query/instance_state.hpp"
+#include "core/state/instance_state.hpp"
 
 #include "core/base/split_mix.hpp"
 #include "core/base/word_hash.hpp"
-#include "core/query/instance_state_content.hpp"
+#include "core/state/instance_state_content.hpp"
 
 #include <algorithm>
 #include <functional>

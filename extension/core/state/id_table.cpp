@@ -1,4 +1,4 @@
-#include "core/query/id_table.hpp"
+#include "core/state/id_table.hpp"
 
 #include "core/base/split_mix.hpp"
 

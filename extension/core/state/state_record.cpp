@@ -1,4 +1,4 @@
-#include "core/query/state_record.hpp"
+#include "core/state/state_record.hpp"
 
 #include "core/base/bytes.hpp"
 #include "core/base/check.hpp"

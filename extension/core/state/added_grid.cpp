@@ -1,4 +1,4 @@
-#include "core/query/added_grid.hpp"
+#include "core/state/added_grid.hpp"
 
 #include "core/base/tile_grid.hpp"
 

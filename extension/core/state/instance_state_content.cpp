@@ -1,4 +1,4 @@
-#include "core/query/instance_state_content.hpp"
+#include "core/state/instance_state_content.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/query/tile_overlay.hpp"
+#include "core/near/tile_overlay.hpp"
 
 #include "core/placement/look.hpp"
 

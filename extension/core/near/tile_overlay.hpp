@@ -3,7 +3,7 @@
 #include "core/base/rect.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/tile_instances.hpp"
-#include "core/query/instance_state.hpp"
+#include "core/state/instance_state.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/base/status.hpp"
-#include "core/query/id_codec.hpp"
-#include "core/query/instance_state.hpp"
+#include "core/state/id_codec.hpp"
+#include "core/state/instance_state.hpp"
 
 #include <cstddef>
 #include <cstdint>
