@@ -184,7 +184,7 @@ func test_layers_by_name() -> void:
 	var before := [digests(scatter, 0), digests(scatter, 1), digests(scatter, 2)]
 	var region := make_region(ScatterRegion3D.SHAPE_SPHERE)
 	region.radius = 20.0
-	region.layer_names = PackedStringArray(["layer 1", "layer 2"])
+	region.layers = ["layer 1", "layer 2"]
 	scatter.add_child(region)
 	await settle(scatter)
 	for layer in 3:
@@ -194,7 +194,7 @@ func test_layers_by_name() -> void:
 	check(digests(scatter, 1) == before[1], "a layer of another name")
 	check_equal(region.get_problems().size(), 1, "problems with an unknown name")
 	check("\"layer 1\"" in region.get_problems()[0], "the name is said")
-	region.layer_names = PackedStringArray()
+	region.layers = []
 	await settle(scatter)
 	for layer in 3:
 		check(digests(scatter, layer) != before[layer], "no names: layer %d" % layer)
@@ -307,7 +307,7 @@ func test_what_does_not_count_is_hidden() -> void:
 		for name: String in ["ignore_height", "size", "radius", "height", "polygon", "path", "width"]:
 			check_equal(name in seen, name in counts[shape], "shape %d shows %s" % [shape, name])
 			check(name in stored, "shape %d stores %s" % [shape, name])
-		for name: String in ["shape", "exclude", "layer_names", "falloff"]:
+		for name: String in ["shape", "exclude", "layers", "falloff"]:
 			check(name in seen, "shape %d shows %s" % [shape, name])
 	check_equal(told[0], counts.size() - 1, "the inspector hears of each change")
 	region.free()
@@ -322,7 +322,7 @@ func test_saved_and_loaded() -> void:
 	for shape: ScatterRegion3D.Shape in shapes:
 		var region := make_region(shape)
 		region.polygon = PackedVector2Array([Vector2(20, 20), Vector2(40, 20), Vector2(20, 45)])
-		region.layer_names = PackedStringArray(["layer 0"])
+		region.layers = ["layer 0"]
 		path.add_child(region)
 		region.owner = scatter
 	await settle(scatter)

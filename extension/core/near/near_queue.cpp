@@ -117,18 +117,22 @@ bool NearQueue::next(bool (Layer::*any)() const, Leaving &r_leaving) {
 bool NearQueue::next_changed(PlacedInstance &r_instance) {
 	for (Layer &layer : layers_) {
 		NearChanges &changes = layer.changes;
-		const auto held = std::ranges::find_if(
-				changes.enter, [&layer](const PlacedInstance &at) { return layer.near.holds(at.id); });
-		if (layer.stale || changes.leave.empty() || held == changes.enter.end()) {
+		const auto first = changes.enter.begin() + static_cast<std::ptrdiff_t>(layer.entered);
+		const auto held = std::find_if(first, changes.enter.end(),
+				[&layer](const PlacedInstance &instance) { return layer.near.holds(instance.id); });
+		if (layer.stale || held == changes.enter.end()) {
 			continue;
 		}
 		r_instance = *held;
 		layer.near.hold(r_instance);
 		layer.away.erase(layer.away.begin() + (held - changes.enter.begin()));
 		changes.enter.erase(held);
-		const auto leaves = std::ranges::find(changes.leave, r_instance.id);
-		changes.gone -= leaves - changes.leave.begin() < static_cast<std::ptrdiff_t>(changes.gone) ? 1 : 0;
-		changes.leave.erase(leaves);
+		const auto leaves = std::find(changes.leave.begin() + static_cast<std::ptrdiff_t>(layer.left),
+				changes.leave.end(), r_instance.id);
+		if (leaves != changes.leave.end()) {
+			changes.gone -= leaves - changes.leave.begin() < static_cast<std::ptrdiff_t>(changes.gone) ? 1 : 0;
+			changes.leave.erase(leaves);
+		}
 		return true;
 	}
 	return false;

@@ -18,7 +18,7 @@ namespace {
 
 /// The values of all instances in a packed array, made on the first call.
 template <class Array, class Value>
-Array packed(std::optional<Array> &r_cache, const std::vector<PlacedInstance> &found, const Value &value_of) {
+Array cached(std::optional<Array> &r_cache, const std::vector<PlacedInstance> &found, const Value &value_of) {
 	if (!r_cache) {
 		Array values;
 		values.resize(static_cast<int64_t>(found.size()));
@@ -79,21 +79,21 @@ Transform3D ScatterInstances::get_transform(int64_t p_index) const {
 }
 
 PackedInt64Array ScatterInstances::get_ids() const {
-	return packed(ids_, found_, [](const PlacedInstance &instance) { return script_id(instance.id); });
+	return cached(ids_, found_, [](const PlacedInstance &instance) { return script_id(instance.id); });
 }
 
 PackedInt32Array ScatterInstances::get_layers() const {
-	return packed(layers_, found_,
+	return cached(layers_, found_,
 			[](const PlacedInstance &instance) { return static_cast<std::int32_t>(instance.layer); });
 }
 
 PackedInt32Array ScatterInstances::get_meshes() const {
-	return packed(
+	return cached(
 			meshes_, found_, [](const PlacedInstance &instance) { return static_cast<std::int32_t>(instance.mesh); });
 }
 
 PackedVector3Array ScatterInstances::get_positions() const {
-	return packed(positions_, found_,
+	return cached(positions_, found_,
 			[this](const PlacedInstance &instance) { return to_engine(instance.position, offset_); });
 }
 

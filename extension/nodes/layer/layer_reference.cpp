@@ -61,7 +61,7 @@ String find_layer(const Layers &p_layers, const Variant &p_reference, std::uint3
 			break;
 		default: break;
 	}
-	return vformat("A layer is meant by a ScatterLayer, its name or its index, not by %s.", p_reference);
+	return no_reference(p_reference);
 }
 
 String find_layers(const Layers &p_layers, const Variant &p_references, std::vector<std::uint32_t> &r_indices) {
@@ -83,6 +83,25 @@ String find_layers(const Layers &p_layers, const Variant &p_references, std::vec
 	}
 	r_indices = std::move(indices);
 	return {};
+}
+
+Variant stored_reference(const Variant &p_reference) {
+	switch (p_reference.get_type()) {
+		case Variant::INT: return p_reference;
+		case Variant::STRING:
+		case Variant::STRING_NAME: return static_cast<String>(p_reference);
+		case Variant::OBJECT:
+			if (const Ref<ScatterLayer> layer = p_reference; layer.is_valid()) {
+				const String name = layer->get_name();
+				return name.is_empty() ? Variant(layer) : Variant(name);
+			}
+			return {};
+		default: return {};
+	}
+}
+
+String no_reference(const Variant &p_value) {
+	return vformat("A layer is meant by a ScatterLayer, its name or its index, not by %s.", p_value);
 }
 
 } // namespace thicket

@@ -26,4 +26,11 @@ godot::String find_layer(
 godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_references,
 		std::vector<std::uint32_t> &r_indices);
 
+/// What a property that is saved keeps of a reference: the name, if it is one or the layer has one; the layer itself if it
+/// has no name, or its index. Scenes then hold no layer twice. Null for what cannot mean a layer.
+godot::Variant stored_reference(const godot::Variant &p_reference);
+
+/// The sentence about a value that cannot mean a layer, for the error of a property that refuses it.
+godot::String no_reference(const godot::Variant &p_value);
+
 } // namespace thicket

@@ -2,9 +2,12 @@
 
 #include "core/rules/polyline.hpp"
 #include "core/rules/shape_frame.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/layer/layer_reference.hpp"
 
 #include <godot_cpp/classes/curve3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -35,16 +38,10 @@ constexpr Number height{"height", &RegionSizes::height, min_side, max_side, PROP
 constexpr Number width{"width", &RegionSizes::width, min_side, max_side, PROPERTY_HINT_RANGE,
 		"0.01,200,0.01,or_less,or_greater,suffix:m"};
 
-glm::dvec3 column(const Basis &basis, int axis) {
-	return {basis.rows[0][axis], basis.rows[1][axis], basis.rows[2][axis]};
-}
-
-glm::dmat3 columns(const Basis &basis) { return {column(basis, 0), column(basis, 1), column(basis, 2)}; }
-
 /// Where a position in a node's own space lies on the world's plane.
 glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
-	const glm::dvec3 world = columns(frame.basis) * position;
-	return {world.x + double{frame.origin.x}, world.z + double{frame.origin.z}};
+	const glm::dvec3 world = to_core(frame.basis) * position + to_core(frame.origin);
+	return {world.x, world.z};
 }
 
 constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
@@ -148,7 +145,7 @@ std::vector<glm::dvec2> ScatterRegion3D::path_outline() const {
 	}
 	const Transform3D frame = path->get_global_transform();
 	for (const Vector3 &point : curve->get_baked_points()) {
-		outline.push_back(on_plane(frame, {point.x, point.y, point.z}));
+		outline.push_back(on_plane(frame, to_core(point)));
 	}
 	return simplified(outline, path_tolerance);
 }
@@ -156,15 +153,15 @@ std::vector<glm::dvec2> ScatterRegion3D::path_outline() const {
 Status ScatterRegion3D::build_solid(thicket::Shape &r_shape) const {
 	const Transform3D transform = get_global_transform();
 	ShapeFrame frame;
-	if (const Status status = take_apart(columns(transform.basis), frame); !status.ok()) {
+	if (const Status status = take_apart(to_core(transform.basis), frame); !status.ok()) {
 		return status;
 	}
-	r_shape.center = {transform.origin.x, transform.origin.y, transform.origin.z};
+	r_shape.center = to_core(transform.origin);
 	r_shape.axes = frame.axes;
 	const glm::dvec3 scale = frame.scale;
 	if (shape_ == SHAPE_BOX) {
 		r_shape.kind = ShapeKind::box;
-		r_shape.half_size = 0.5 * glm::dvec3{size_.x, size_.y, size_.z} * scale;
+		r_shape.half_size = 0.5 * to_core(size_) * scale;
 	} else if (shape_ == SHAPE_SPHERE) {
 		r_shape.kind = ShapeKind::sphere;
 		r_shape.half_size = {numbers_.radius * std::max({scale.x, scale.y, scale.z}), 0.0, 0.0};
@@ -239,9 +236,9 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 	if (host_ == nullptr) {
 		problems.push_back("The region has no effect: it belongs below a TerrainScatter3D, at any depth.");
 	} else {
-		for (const String &name : layer_names_) {
-			if (!host_->has_layer_named(name)) {
-				problems.push_back("The TerrainScatter3D has no layer named \"" + name + "\".");
+		for (int64_t i = 0; i < layers_.size(); ++i) {
+			if (const String problem = host_->layer_problem(layers_[i]); !problem.is_empty()) {
+				problems.push_back("ScatterRegion3D.layers: " + problem);
 			}
 		}
 	}
@@ -249,7 +246,7 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		return problems;
 	}
 	ShapeFrame frame;
-	const Status status = take_apart(columns(get_global_transform().basis), frame);
+	const Status status = take_apart(to_core(get_global_transform().basis), frame);
 	const glm::dvec3 scale = frame.scale;
 	if (!status.ok()) {
 		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
@@ -272,9 +269,39 @@ void ScatterRegion3D::set_exclude(bool p_exclude) {
 	changed();
 }
 
-void ScatterRegion3D::set_layer_names(const PackedStringArray &p_names) {
-	layer_names_ = p_names;
+void ScatterRegion3D::set_layers(const Array &p_layers) {
+	Array stored;
+	for (int64_t i = 0; i < p_layers.size(); ++i) {
+		stored.push_back(stored_reference(p_layers[i]));
+		if (stored[i].get_type() == Variant::NIL) {
+			ERR_PRINT("ScatterRegion3D.layers: " + no_reference(p_layers[i]));
+			return;
+		}
+	}
+	layers_ = stored;
 	changed();
+}
+
+Array ScatterRegion3D::get_layers() const {
+	Array result;
+	for (int64_t i = 0; i < layers_.size(); ++i) {
+		result.push_back(stored_reference(layers_[i])); // A layer may have got a name.
+	}
+	result.make_read_only();
+	return result;
+}
+
+void ScatterRegion3D::rename_layer(const String &p_from, const String &p_to) {
+	Array renamed;
+	bool any = false;
+	for (int64_t i = 0; i < layers_.size(); ++i) {
+		const bool meant = layers_[i].get_type() == Variant::STRING && static_cast<String>(layers_[i]) == p_from;
+		renamed.push_back(meant ? Variant(p_to) : layers_[i]);
+		any = any || meant;
+	}
+	if (any) {
+		set_layers(renamed);
+	}
 }
 
 void ScatterRegion3D::set_ignore_height(bool p_ignore) {
@@ -370,8 +397,8 @@ void ScatterRegion3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_shape"), &Self::get_shape);
 	ClassDB::bind_method(D_METHOD("set_exclude", "exclude"), &Self::set_exclude);
 	ClassDB::bind_method(D_METHOD("is_excluding"), &Self::is_excluding);
-	ClassDB::bind_method(D_METHOD("set_layer_names", "names"), &Self::set_layer_names);
-	ClassDB::bind_method(D_METHOD("get_layer_names"), &Self::get_layer_names);
+	ClassDB::bind_method(D_METHOD("set_layers", "layers"), &Self::set_layers);
+	ClassDB::bind_method(D_METHOD("get_layers"), &Self::get_layers);
 	ClassDB::bind_method(D_METHOD("set_ignore_height", "ignore"), &Self::set_ignore_height);
 	ClassDB::bind_method(D_METHOD("is_ignoring_height"), &Self::is_ignoring_height);
 	ClassDB::bind_method(D_METHOD("set_size", "size"), &Self::set_size);
@@ -384,7 +411,7 @@ void ScatterRegion3D::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"), "set_shape",
 			"get_shape");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "exclude"), "set_exclude", "is_excluding");
-	ADD_PROPERTY(PropertyInfo(Variant::PACKED_STRING_ARRAY, "layer_names"), "set_layer_names", "get_layer_names");
+	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers"), "set_layers", "get_layers");
 	bind_number<falloff>();
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "ignore_height"), "set_ignore_height", "is_ignoring_height");
 	ADD_GROUP("Box", "");

@@ -107,7 +107,7 @@ std::vector<EditedArea> LayerList::update(
 		const Ref<ScatterLayer> layer = p_layers[static_cast<int64_t>(index)];
 		statuses.push_back(read(entries_[index], layer, seed, index));
 		if (std::optional<LayerSnapshot> &unlinked = entries_[index].unlinked) {
-			set_shapes(*unlinked, regions.set_for(index, layer->get_name()));
+			set_shapes(*unlinked, regions.set_for(p_layers, index));
 		}
 	}
 	std::vector<EditedArea> areas;

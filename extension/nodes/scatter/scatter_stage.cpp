@@ -234,6 +234,7 @@ bool ScatterStage::drop(const TileKey &key) {
 	uncount(found->second);
 	leave(std::move(found->second));
 	tiles_.erase(found);
+	schedule_.remove(key);
 	return true;
 }
 

@@ -49,7 +49,6 @@ struct StagedTile {
 	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inside out where nothing is.
 	std::size_t lod = 0;
 	std::uint64_t drawing_version = 0; ///< Of what the layer said when it was last drawn.
-	double visit_at = 0.0;          ///< Of the next visit that DetailSchedule was asked for.
 
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 	void grow(const godot::AABB &box);

@@ -3,7 +3,7 @@
 #include "nodes/scatter/scatter_stage.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <optional>
 #include <utility>
 
 using namespace godot;
@@ -35,8 +35,8 @@ void ScatterStage::look_around(std::span<const Viewer> viewers) {
 		visit_all();
 	}
 	for (const TileKey &key : std::exchange(cut_, {})) {
-		if (const auto found = tiles_.find(order(key)); found != tiles_.end()) {
-			found->second.visit_at = schedule_.add(key, 0.0);
+		if (tiles_.contains(order(key))) {
+			schedule_.add(key, 0.0);
 		}
 	}
 }
@@ -45,15 +45,14 @@ void ScatterStage::visit_all() {
 	schedule_.clear();
 	cut_.clear();
 	for (auto &[at, tile] : tiles_) {
-		tile.visit_at = schedule_.add(key_of(at), 0.0);
+		schedule_.add(key_of(at), 0.0);
 	}
 }
 
 bool ScatterStage::detail_step() {
-	while (const auto visit = schedule_.next()) {
-		const auto found = tiles_.find(order(visit->key));
-		if (found != tiles_.end() && found->second.visit_at == visit->at) {
-			refine(visit->key, found->second);
+	while (const std::optional<TileKey> key = schedule_.next()) {
+		if (const auto found = tiles_.find(order(*key)); found != tiles_.end()) {
+			refine(*key, found->second);
 			return true;
 		}
 	}
@@ -74,9 +73,9 @@ void ScatterStage::apply_drawing(const TileKey &key, StagedTile &tile) {
 
 void ScatterStage::refine(const TileKey &key, StagedTile &tile) {
 	const bool draws = tile.min.x <= tile.max.x;
-	tile.visit_at = std::numeric_limits<double>::infinity();
 	const LayerSnapshot *layer = layer_at(key.layer);
 	if (!draws || layer == nullptr) {
+		schedule_.remove(key);
 		return;
 	}
 	apply_drawing(key, tile);
@@ -106,7 +105,7 @@ void ScatterStage::refine(const TileKey &key, StagedTile &tile) {
 	if (cut) {
 		cut_.push_back(key);
 	}
-	tile.visit_at = schedule_.add(key, distance_margin(detail, distance));
+	schedule_.add(key, distance_margin(detail, distance));
 }
 
 } // namespace thicket

@@ -3,7 +3,7 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
-#include "nodes/common/watch.hpp"
+#include "nodes/layer/layer_reference.hpp"
 #include "nodes/scatter/build_at_once.hpp"
 
 #include <godot_cpp/classes/engine.hpp>
@@ -205,11 +205,12 @@ void TerrainScatter3D::mark_dirty() {
 	const std::shared_ptr<LayerWatch> watch = layer_watch_;
 	const TypedArray<ScatterLayer> layers = layers_;
 	watch->look(layers); // Layers that get an id tell scripts, which may free this node.
-	if (gameplay->alive()) {
-		watch->follow_names();
-	}
+	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
 		return;
+	}
+	for (const LayerRename &rename : renames) {
+		regions_.rename_layer(rename.from, rename.to);
 	}
 	mark_edited();
 	update_configuration_warnings();
@@ -258,8 +259,9 @@ void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 	mark_edited();
 }
 
-bool TerrainScatter3D::has_layer_named(const String &p_name) const {
-	return !p_name.is_empty() && layer_names_.has(p_name);
+String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
+	std::uint32_t index = 0;
+	return find_layer(layers_, p_reference, index);
 }
 
 /// Settings that were changed in this frame count from now on. Refused where there is nothing to ask.

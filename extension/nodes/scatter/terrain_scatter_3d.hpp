@@ -160,7 +160,7 @@ public:
 	void add_region(ScatterRegion3D *p_region) override;
 	void remove_region(ScatterRegion3D *p_region) override;
 	void region_changed(const ScatterRegion3D *p_region) override;
-	bool has_layer_named(const godot::String &p_name) const override;
+	godot::String layer_problem(const godot::Variant &p_reference) const override;
 	glm::dvec3 world_offset() const override { return world_offset_; }
 
 protected:
