@@ -186,10 +186,15 @@ func content_of(found: ScatterInstances) -> Array:
 	return [found.ids, found.layers, found.meshes, found.positions, found.transforms]
 
 
+## The tiles of a layer on show; none for one that is not in the list.
+func shown_tiles(scatter: TerrainScatter3D, layer: int) -> Array[Vector2i]:
+	return scatter.get_shown_tiles(layer) if layer < scatter.layers.size() else ([] as Array[Vector2i])
+
+
 ## The digests of all shown tiles of a layer, by tile.
 func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
 	var result := {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
+	for tile in shown_tiles(scatter, layer):
 		result[tile] = scatter.get_tile(layer, tile).get_digest()
 	return result
 

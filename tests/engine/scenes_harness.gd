@@ -89,7 +89,7 @@ func make_garden(layers: Array[ScatterLayer], at := Vector3.ZERO) -> TerrainScat
 ## The instances that the picture has in the tiles on show, by id.
 func drawn(scatter: TerrainScatter3D, layer := 0) -> Dictionary[int, bool]:
 	var ids: Dictionary[int, bool] = {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
+	for tile in shown_tiles(scatter, layer):
 		var buffers: Array = tile_buffers(scatter, layer, tile)
 		var parts: Array = tile_ids(scatter, layer, tile)
 		for part in parts.size():

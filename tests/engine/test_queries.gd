@@ -298,7 +298,8 @@ func test_requests_are_answered_by_workers() -> void:
 	var third := scatter.request_rect(Rect2(3000, 3000, 60, 60))
 	var completed := {}
 	for request: ScatterRequest in [first, second, third]:
-		request.completed.connect(func(result: ScatterInstances) -> void: completed[request.get_instance_id()] = result)
+		var number := request.get_instance_id()
+		request.completed.connect(func(result: ScatterInstances) -> void: completed[number] = result)
 	check(not first.is_completed() and first.get_result().is_empty(), "not answered at once")
 	check(third.cancel(), "one is canceled")
 	check(not third.cancel() and third.is_canceled() and third.is_completed(), "once")
