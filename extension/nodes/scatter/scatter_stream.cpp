@@ -102,7 +102,7 @@ void ScatterStream::set_layers(const std::vector<SharedSnapshot> &layers, std::s
 	}
 }
 
-void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
+bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	take_finished();
 	if (!viewers.empty()) {
@@ -110,7 +110,7 @@ void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget)
 		display_.set_viewers(viewers);
 	}
 	start_missing();
-	work_until(deadline);
+	return work_until(deadline);
 }
 
 std::size_t ScatterStream::jobs_per_worker() const {

@@ -53,8 +53,9 @@ public:
 
 	/// One frame's work: what came from the workers is uploaded and what is wanted is requested, until `budget`
 	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still. Without viewers
-	/// what stands stays, and what was asked for is made all the same.
-	void frame(std::span<const Viewer> viewers, std::uint64_t budget);
+	/// what stands stays, and what was asked for is made all the same. False if a script that was asked for the ground has
+	/// freed this object.
+	[[nodiscard]] bool frame(std::span<const Viewer> viewers, std::uint64_t budget);
 
 	/// The part of the work that belongs into a physics frame: asks for ground that may only be asked then, as much of it
 	/// as its terrain allows.
@@ -107,8 +108,9 @@ private:
 	bool upload_step();
 	void finish_upload();
 	bool do_step(Step step);
-	void work_until(Clock::time_point deadline);
+	bool work_until(Clock::time_point deadline);
 
+	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0'); ///< Goes with this object.
 	InstanceWorld &world_;
 	std::vector<NearRing *> rings_;
 	TileStreamer streamer_;

@@ -33,11 +33,12 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 	const std::size_t count = part != job->parts.end() ? std::min(most, part->end - job->answered) : 0;
 	Status status;
 	if (count > 0) {
+		const std::weak_ptr<const void> alive = life_;
 		const Ref<ScatterTerrain> terrain = ground_.source;
 		status = terrain->ask(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count), part->textures,
 				std::span(job->ground).subspan(job->answered, count));
-		if (ask_ground_.empty() || ask_ground_.front() != job) {
-			return 0; // A script has changed the stream that asked it.
+		if (alive.expired() || ask_ground_.empty() || ask_ground_.front() != job) {
+			return 0; // A script has freed or changed the stream that asked it.
 		}
 	}
 	job->answered += count;
@@ -120,17 +121,22 @@ bool ScatterStream::do_step(Step step) {
 	return false;
 }
 
-/// Steps of all kinds in turn. One for which too little time is left comes first in the next frame.
-void ScatterStream::work_until(Clock::time_point deadline) {
+/// Steps of all kinds in turn. One for which too little time is left comes first in the next frame. False if a script has freed the
+/// stream meanwhile.
+bool ScatterStream::work_until(Clock::time_point deadline) {
+	const std::weak_ptr<const void> alive = life_;
 	bool first = true;
 	std::size_t in_vain = 0; // So many kinds in a row had nothing to do.
 	Clock::time_point before = Clock::now();
 	while (in_vain < step_kinds) {
 		Clock::duration &usual = usual_step_[static_cast<std::size_t>(next_step_)];
 		if (!first && before + usual > deadline) {
-			return;
+			return true;
 		}
 		const bool done = do_step(next_step_);
+		if (alive.expired()) {
+			return false;
+		}
 		next_step_ = static_cast<Step>((static_cast<std::size_t>(next_step_) + 1) % step_kinds);
 		in_vain = done ? 0 : in_vain + 1;
 		if (done) {
@@ -140,6 +146,7 @@ void ScatterStream::work_until(Clock::time_point deadline) {
 			first = false;
 		}
 	}
+	return true;
 }
 
 } // namespace thicket

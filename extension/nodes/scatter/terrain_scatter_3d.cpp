@@ -105,7 +105,9 @@ void TerrainScatter3D::process_frame() {
 		const std::uint64_t spent = look_around_near();
 		const auto budget = static_cast<std::uint64_t>(upload_budget_usec_);
 		stream_.display().set_limits(draw_limits());
-		stream_.frame(find_viewers(), budget - std::min(spent, budget));
+		if (!stream_.frame(find_viewers(), budget - std::min(spent, budget))) {
+			return; // This node is no more.
+		}
 		answer_requests();
 		if (!step_scenes(start + std::chrono::microseconds(upload_budget_usec_))) {
 			return; // This node is no more.
