@@ -27,15 +27,15 @@ Ref<ScatterTile> ScatterTile::built(TileInstances tile, const std::vector<Ref<Me
 }
 
 Ref<ScatterTile> ScatterTile::shown(
-		const std::shared_ptr<const ScatterStage> &display, std::uint32_t layer, glm::ivec2 tile, glm::dvec3 offset) {
+		const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer, glm::ivec2 tile, glm::dvec3 offset) {
 	const Ref<ScatterTile> result(memnew(ScatterTile));
-	const StagedTile *shown = display->find(layer, tile);
+	const DisplayedTile *shown = display->find(layer, tile);
 	if (shown == nullptr) {
 		return result;
 	}
 	result->tile_ = shown->tile;
 	result->origin_ = to_engine(shown->tile->origin, offset);
-	for (const StagedTile::Part &part : shown->parts) {
+	for (const DisplayedTile::Part &part : shown->parts) {
 		result->parts_.push_back({part.levels.empty() ? Ref<Mesh>() : part.levels.front(), part.shown,
 				part.visual ? part.visual->multimesh() : RID()});
 	}
@@ -68,8 +68,8 @@ PackedFloat32Array ScatterTile::get_buffer(int64_t p_index) const {
 	if (part == nullptr) {
 		return {};
 	}
-	const std::shared_ptr<const ScatterStage> display = display_.lock();
-	const StagedTile *now = display != nullptr ? display->find(layer_, number_) : nullptr;
+	const std::shared_ptr<const TileDisplay> display = display_.lock();
+	const DisplayedTile *now = display != nullptr ? display->find(layer_, number_) : nullptr;
 	const auto index = static_cast<std::size_t>(p_index);
 	const bool same = now != nullptr && index < now->parts.size() && now->parts[index].shown == part->instances;
 	return same && now->parts[index].visual ? now->parts[index].visual->read_back()

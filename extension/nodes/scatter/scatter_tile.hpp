@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/placement/tile_instances.hpp"
-#include "nodes/scatter/scatter_stage.hpp"
+#include "nodes/scatter/tile_display.hpp"
 
 #include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/ref.hpp>
@@ -32,7 +32,7 @@ public:
 
 	/// One that a display shows; null for a tile that it does not show.
 	static godot::Ref<ScatterTile> shown(
-			const std::shared_ptr<const ScatterStage> &display, std::uint32_t layer, glm::ivec2 tile, glm::dvec3 offset);
+			const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer, glm::ivec2 tile, glm::dvec3 offset);
 
 	/// True if there are no instances.
 	bool is_empty() const;
@@ -68,7 +68,7 @@ private:
 	godot::Vector3 origin_;
 	std::vector<Part> parts_;
 
-	std::weak_ptr<const ScatterStage> display_;
+	std::weak_ptr<const TileDisplay> display_;
 	std::uint32_t layer_ = 0;
 	glm::ivec2 number_{0};
 };

@@ -62,7 +62,7 @@ void TerrainScatter3D::_notification(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_WORLD: start(); break;
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
-		case NOTIFICATION_VISIBILITY_CHANGED: stage().set_visible(is_visible_in_tree()); break;
+		case NOTIFICATION_VISIBILITY_CHANGED: display().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_CHILD_ORDER_CHANGED: gameplay()->scenes().children_changed(); break;
 		case NOTIFICATION_INTERNAL_PROCESS: process_frame(); break;
 		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: {
@@ -81,8 +81,8 @@ void TerrainScatter3D::_notification(int p_what) {
 }
 
 void TerrainScatter3D::start() {
-	stage().set_place(get_world_3d()->get_scenario(), get_instance_id());
-	stage().set_visible(is_visible_in_tree());
+	display().set_scenario(get_world_3d()->get_scenario(), get_instance_id());
+	display().set_visible(is_visible_in_tree());
 	gameplay()->start(in_editor() ? RID() : get_world_3d()->get_space(), get_instance_id());
 	set_process_internal(true);
 	if (!std::exchange(running_, true) && terrain_.is_valid()) {
@@ -141,21 +141,20 @@ void TerrainScatter3D::work(Clock::time_point start) {
 		gameplay->look_around(find_near_centers(*this, viewers, interaction_group_, world_offset_));
 	}
 	const auto left = std::chrono::duration_cast<std::chrono::microseconds>(budget - (Clock::now() - look));
-	stream->stage().set_limits(draw_limits());
-	stream->frame(viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0)));
-	if (!here) {
+	stream->display().set_limits(draw_limits());
+	if (!stream->frame(viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0))) || !here) {
 		return;
 	}
 	gameplay->answer_requests();
 	gameplay->work_until(start + budget);
 	if (here) {
 		patch_in_steps(start + budget);
-		stream->stage().patch();
+		stream->display().patch();
 	}
 }
 
 void TerrainScatter3D::patch_in_steps(Clock::time_point deadline) {
-	while (stage().patch_step() && Clock::now() < deadline) {
+	while (display().patch_step() && Clock::now() < deadline) {
 	}
 }
 
@@ -192,7 +191,7 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 bool TerrainScatter3D::is_settled() const {
 	return !dirty_ && !layer_watch_->differs(layers_) &&
 			(layer_list_.snapshots().empty() ||
-					(stream_->idle() && !stage().has_patches() && gameplay_->settled()));
+					(stream_->idle() && !display().has_patches() && gameplay_->settled()));
 }
 
 void TerrainScatter3D::mark_edited() {
@@ -327,17 +326,17 @@ TileMaker TerrainScatter3D::tile_maker() const {
 }
 
 void TerrainScatter3D::Host::redraw(std::uint32_t layer, const Rect &area) {
-	node_.stage().mark(layer, area);
+	node_.display().mark(layer, area);
 	node_.schedule_patch();
 }
 
 void TerrainScatter3D::Host::redraw_all() {
-	node_.stage().mark_all();
+	node_.display().mark_all();
 	node_.schedule_patch();
 }
 
 void TerrainScatter3D::Host::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) {
-	node_.stage().set_hidden(layer, id, area, hidden);
+	node_.display().set_hidden(layer, id, area, hidden);
 	node_.schedule_patch();
 }
 
@@ -350,7 +349,7 @@ void TerrainScatter3D::schedule_patch() {
 
 void TerrainScatter3D::patch_now() {
 	patch_scheduled_ = false;
-	stage().patch();
+	display().patch();
 }
 
 } // namespace thicket

@@ -175,10 +175,10 @@ private:
 		godot::Node3D *node() override { return &node_; }
 		godot::TypedArray<ScatterLayer> layers() const override { return node_.layers_; }
 		Status prepare() override { return node_.prepare(); }
-		void set_overlay(const InstanceState *state) override { node_.stage().set_state(state); }
+		void set_overlay(const InstanceState *state) override { node_.display().set_state(state); }
 		void redraw(std::uint32_t layer, const Rect &area) override;
 		void redraw_all() override;
-		void redraw_all_later() override { node_.stage().mark_all_later(); }
+		void redraw_all_later() override { node_.display().mark_all_later(); }
 		void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) override;
 		void recycle_soon() override { node_.call_deferred("_recycle_scenes"); }
 
@@ -193,8 +193,8 @@ private:
 
 	/// By value: the caller holds it until the call returns, whatever becomes of the node.
 	std::shared_ptr<ScatterGameplay> gameplay() const { return gameplay_; }
-	ScatterStage &stage() { return stream_->stage(); }
-	const ScatterStage &stage() const { return stream_->stage(); }
+	TileDisplay &display() { return stream_->display(); }
+	const TileDisplay &display() const { return stream_->display(); }
 
 	void start();
 	void stop();

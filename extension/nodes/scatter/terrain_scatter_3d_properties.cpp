@@ -87,7 +87,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	world_offset_ = offset;
 	recentered_ = true;
-	stage().set_world_offset(offset);
+	display().set_world_offset(offset);
 	gameplay()->set_world_offset(offset);
 	if (terrain_.is_valid()) {
 		terrain_->set_world_offset(offset);
@@ -137,7 +137,7 @@ TypedArray<Vector2i> TerrainScatter3D::get_shown_tiles(const Variant &p_layer) c
 	TypedArray<Vector2i> result;
 	std::uint32_t layer = 0;
 	if (find_layer_index("get_shown_tiles", p_layer, layer)) {
-		for (const glm::ivec2 &tile : stage().tiles(layer)) {
+		for (const glm::ivec2 &tile : display().tiles(layer)) {
 			result.push_back(Vector2i(tile.x, tile.y));
 		}
 	}
@@ -149,10 +149,10 @@ Ref<ScatterTile> TerrainScatter3D::get_tile(const Variant &p_layer, const Vector
 	if (!find_layer_index("get_tile", p_layer, layer)) {
 		return memnew(ScatterTile);
 	}
-	while (stage().patch_step()) { // What is read back is what is drawn: what has changed has to be drawn first.
+	while (display().patch_step()) { // What is read back is what is drawn: what has changed has to be drawn first.
 	}
-	stage().patch();
-	const std::shared_ptr<const ScatterStage> display(stream_, &stream_->stage());
+	display().patch();
+	const std::shared_ptr<const TileDisplay> display(stream_, &stream_->display());
 	return ScatterTile::shown(display, layer, {p_tile.x, p_tile.y}, world_offset_);
 }
 
@@ -189,13 +189,13 @@ Dictionary TerrainScatter3D::get_stats() const {
 		return static_cast<int64_t>(value);
 	};
 	Dictionary stats;
-	stats["tiles"] = number(stage().tile_count());
-	stats["instances"] = number(stage().instance_count());
-	stats["drawn"] = number(stage().drawn_count());
-	stats["uploads"] = number(stage().upload_count());
+	stats["tiles"] = number(display().tile_count());
+	stats["instances"] = number(display().instance_count());
+	stats["drawn"] = number(display().drawn_count());
+	stats["uploads"] = number(display().upload_count());
 	stats["waiting"] = number(counts.waiting);
 	stats["pending"] = number(counts.pending);
-	stats["uploading"] = number(stage().waiting());
+	stats["uploading"] = number(stream_->upload_queue_size());
 	stats["scenes"] = number(gameplay_->scenes().shown_count());
 	stats["scenes_pooled"] = number(gameplay_->scenes().idle_count());
 	stats["frame_usec"] =
