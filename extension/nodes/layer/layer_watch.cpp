@@ -1,6 +1,6 @@
 #include "nodes/layer/layer_watch.hpp"
 
-#include "core/query/instance_state.hpp"
+#include "core/state/instance_state.hpp"
 #include "nodes/common/watch.hpp"
 
 #include <godot_cpp/core/object.hpp>
@@ -92,7 +92,7 @@ std::vector<LayerRename> LayerWatch::follow_names() {
 			continue;
 		}
 		const String before = std::exchange(seen.name, name);
-		if (!before.is_empty() && !is_taken(before, seen)) {
+		if (before.is_empty() || !is_taken(before, seen)) {
 			renames.push_back({before, name});
 		}
 	}
