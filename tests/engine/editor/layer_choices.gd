@@ -97,6 +97,7 @@ func choose() -> void:
 	history(scatter).undo()
 	check_equal([fern.proximity_layer, region.layers], ["Spruce", ["Spruce", "Birch"]], "and back")
 	await inspect(fern)
+	EditorInterface.get_inspector().scroll_vertical = 0
 	await picture("layer")
 	region.queue_free()
 	await frames(2)
