@@ -74,7 +74,7 @@ struct LayerCollision {
 /// The scenes that replace a layer's meshes near viewers.
 struct LayerScene {
 	godot::Ref<godot::PackedScene> scene; ///< Null for none.
-	double distance = 20.0;               ///< Meters to the nearest viewer or moving body within which scenes stand; 0 for never.
+	double distance = 20.0; ///< Meters to the nearest viewer or moving body within which scenes stand; 0 for never.
 
 	friend bool operator==(const LayerScene &, const LayerScene &) = default;
 };
@@ -96,7 +96,7 @@ struct LayerGameplay {
 /// Worker threads read `settings` and `drawing.mesh_reach`. Everything that is a resource of the engine belongs to the main thread, which
 /// also has to let go of a snapshot last.
 struct LayerSnapshot {
-	SharedLayer settings; ///< Never null. As ScatterLayer makes it, without neighbors and shapes: those are added by the node.
+	SharedLayer settings; ///< Never null. ScatterLayer makes it without neighbors and shapes: those are added by the node.
 	StreamLayer range;
 	LayerDrawing drawing;
 	Detail lod;

@@ -50,7 +50,7 @@ void TerrainScatter3D::_notification(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_WORLD: start(); break;
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
-		case NOTIFICATION_VISIBILITY_CHANGED: stream_.stage().set_visible(is_visible_in_tree()); break;
+		case NOTIFICATION_VISIBILITY_CHANGED: stream_.display().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_CHILD_ORDER_CHANGED: scenes_.children_changed(); break;
 		case NOTIFICATION_INTERNAL_PROCESS: process_frame(); break;
 		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: stream_.physics_frame(); break;
@@ -64,8 +64,8 @@ void TerrainScatter3D::_notification(int p_what) {
 }
 
 void TerrainScatter3D::start() {
-	stream_.stage().set_place(get_world_3d()->get_scenario(), get_instance_id());
-	stream_.stage().set_visible(is_visible_in_tree());
+	stream_.display().set_scenario(get_world_3d()->get_scenario(), get_instance_id());
+	stream_.display().set_visible(is_visible_in_tree());
 	if (!Engine::get_singleton()->is_editor_hint()) {
 		collision_.set_place(get_world_3d()->get_space(), get_instance_id());
 	}
@@ -106,13 +106,15 @@ void TerrainScatter3D::process_frame() {
 		}
 		const std::uint64_t spent = look_around_near();
 		const auto budget = static_cast<std::uint64_t>(upload_budget_usec_);
-		stream_.stage().set_limits(draw_limits());
-		stream_.frame(find_viewers(), budget - std::min(spent, budget));
+		stream_.display().set_limits(draw_limits());
+		if (!stream_.frame(find_viewers(), budget - std::min(spent, budget))) {
+			return; // This node is no more.
+		}
 		answer_requests();
 		if (!step_scenes(start + std::chrono::microseconds(upload_budget_usec_))) {
 			return; // This node is no more.
 		}
-		stream_.stage().patch();
+		stream_.display().patch();
 	}
 	frame_time_ = std::chrono::steady_clock::now() - start;
 	emit_events();

@@ -221,7 +221,7 @@ private:
 	std::vector<Viewer> find_viewers() const;
 	godot::Node3D *active_camera() const;
 	godot::Ref<ScatterLayer> layer_at(int64_t p_place) const;
-	const StagedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile);
+	const DisplayedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile);
 	void notice_layers();
 	void watch_terrain(bool p_watch);
 

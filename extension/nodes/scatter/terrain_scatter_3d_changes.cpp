@@ -100,8 +100,8 @@ void TerrainScatter3D::set_state(const Ref<ScatterState> &p_state) {
 	claim_layers();
 	const InstanceState *state = state_.is_valid() ? &state_->state() : nullptr;
 	world_->set_state(state);
-	stream_.stage().set_state(state);
-	stream_.stage().mark_all();
+	stream_.display().set_state(state);
+	stream_.display().mark_all();
 	drop_changed(rings_, before.is_valid() ? &before->state() : nullptr, state);
 	schedule_patch();
 }
@@ -207,7 +207,7 @@ void TerrainScatter3D::state_changed(std::span<const InstanceChange> changes) {
 		}
 		const auto layer = static_cast<std::uint32_t>(place);
 		if (running_ && change.kind != InstanceChangeKind::data) {
-			stream_.stage().mark(layer, area_of(change, world_->layers()[layer].set));
+			stream_.display().mark(layer, area_of(change, world_->layers()[layer].set));
 			for (NearRing *ring : rings_) {
 				ring->drop(change.id);
 			}
@@ -248,7 +248,7 @@ void TerrainScatter3D::schedule_patch() {
 
 void TerrainScatter3D::patch_now() {
 	patch_scheduled_ = false;
-	stream_.stage().patch();
+	stream_.display().patch();
 }
 
 void TerrainScatter3D::bind_changes() {

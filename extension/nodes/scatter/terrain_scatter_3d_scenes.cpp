@@ -21,7 +21,7 @@ SceneHost TerrainScatter3D::scene_host() {
 		const glm::dvec2 place{instance.position.x, instance.position.z};
 		const bool in_set = !is_added(instance.id) && instance.layer < world_->layers().size();
 		const Rect area = in_set ? cell_rect(world_->layers()[instance.layer].set, instance.id) : Rect{place, place};
-		stream_.stage().set_hidden(instance.layer, instance.id, area, hidden);
+		stream_.display().set_hidden(instance.layer, instance.id, area, hidden);
 		schedule_patch();
 	};
 	host.data_of = [this](std::uint64_t id) {

@@ -72,7 +72,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	world_offset_ = offset;
 	recentered_ = true;
-	stream_.stage().set_world_offset(offset);
+	stream_.display().set_world_offset(offset);
 	for (NearRing *ring : rings_) {
 		ring->set_world_offset(offset);
 	}
