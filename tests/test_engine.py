@@ -106,6 +106,7 @@ def assert_passed(done):
         "test_domain",
         "test_domain_calls",
         pytest.param("test_domain_cancel", marks=pytest.mark.alone),
+        "test_layer_inspector",
         "test_layer_list",
         "test_layer_properties",
         "test_mask",

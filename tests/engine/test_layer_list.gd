@@ -170,4 +170,84 @@ func test_uses_follow_a_renamed_layer() -> void:
 	moss.resource_name = "oak"
 	check_equal(fern.spacing.keys(), ["oak", "moss"], "a second oak")
 	oak.resource_name = "elm"
-	check_equal(fern.spacing.keys(), ["oak", "moss"], "another has the old name and is meant from now on")
+	check_equal(fern.spacing, {"oak": 3.0}, "another has the old name, and is meant from now on, by the larger distance")
+
+
+## Where a layer is named, the layer itself, its name and its index do the same.
+func test_spacing_and_proximity_by_any_reference() -> void:
+	for layer_name: String in ["oak", ""]:
+		var oak := named(layer_name)
+		var fern := named("fern", 2.0)
+		var scatter := make_scatter([oak, fern], ScatterTerrainFlat.new(), make_viewer())
+		var free := standing(scatter, 1)
+		var spaced := {}
+		var near := {}
+		for reference: Variant in [oak, 0, "oak", &"oak"]:
+			if layer_name.is_empty() and (reference is String or reference is StringName):
+				continue
+			fern.spacing = {reference: 3.0}
+			var key: Variant = fern.spacing.keys()[0]
+			check_equal(key, "oak" if layer_name and not reference is int else reference, "what is kept of %s" % [reference])
+			var stand := standing(scatter, 1)
+			check(stand.size() < free.size() and stand.size() > 10, "spacing by %s: %d of %d" % [reference, stand.size(), free.size()])
+			check(spaced.is_empty() or stand == spaced, "the same by %s" % [reference])
+			spaced = stand
+			fern.spacing = {}
+			fern.proximity_layer = reference
+			stand = standing(scatter, 1)
+			check(stand.size() < free.size() and stand.size() > 10, "proximity by %s: %d" % [reference, stand.size()])
+			check(near.is_empty() or stand == near, "the same by %s" % [reference])
+			near = stand
+			check_equal(scatter.get_problems(), PackedStringArray(), "problems of %s" % [reference])
+			fern.proximity_layer = null
+			check_equal(fern.proximity_layer, "", "none")
+			check(standing(scatter, 1) == free, "free again")
+		fern.spacing = {oak: 3.0}
+		oak.resource_name = "elm"
+		check_equal(fern.spacing, {"elm": 3.0}, "a layer that gets a name is kept by it")
+		scatter.free()
+
+
+func test_refused_references() -> void:
+	var a := make_layer()
+	var b := make_layer()
+	var c := make_layer()
+	for bad: Variant in [2.5, null, BoxMesh.new(), Vector2.ZERO]:
+		a.spacing = {bad: 1.0}
+		check_error(["ScatterLayer.spacing", "name or its index"], "spacing by %s" % [bad])
+		if bad != null:
+			a.proximity_layer = bad
+			check_error(["ScatterLayer.proximity_layer", "name or its index"], "proximity by %s" % [bad])
+	check_equal([a.spacing, a.proximity_layer], [{}, ""], "nothing was taken")
+	a.spacing = {b: 1.0}
+	b.proximity_layer = c
+	c.spacing = {a: 2.0}
+	check_error(["ScatterLayer.spacing", "circle"], "layers without names in a circle")
+	c.proximity_layer = c
+	check_error(["ScatterLayer.proximity_layer", "circle"], "a layer without a name that means itself")
+	b.resource_name = "b"
+	c.spacing = {a: 2.0}
+	check_error(["circle"], "the circle is not open before it is saved anew")
+	a.spacing = a.spacing
+	c.spacing = {a: 2.0}
+	check_no_error("names make no circle")
+
+
+func test_references_in_a_saved_scene() -> void:
+	var scatter := TerrainScatter3D.new()
+	var plain := make_layer()
+	var fern := named("fern")
+	fern.spacing = {plain: 2.0, named("oak"): 1.0, 0: 3.0}
+	fern.proximity_layer = plain
+	scatter.layers = [plain, fern]
+	var scene := PackedScene.new()
+	scene.pack(scatter)
+	var path := "user://layer_references.tscn"
+	check_equal(ResourceSaver.save(scene, path), OK, "saved")
+	scatter.free()
+	var again := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
+	var layers := again.layers
+	check_equal(layers[1].spacing, {layers[0]: 2.0, "oak": 1.0, 0: 3.0}, "spacing")
+	check_equal(layers[1].proximity_layer, layers[0], "proximity")
+	again.free()
+	DirAccess.remove_absolute(path)

@@ -189,11 +189,27 @@ func test_layers_by_name() -> void:
 	await settle(scatter)
 	for layer in 3:
 		check_equal(digests(scatter, layer) == before[layer], layer == 0, "layer %d is as before" % layer)
+	var excluded := [digests(scatter, 0), digests(scatter, 1), digests(scatter, 2)]
 	scatter.layers[1].resource_name = "other"
+	check_equal(region.layers, ["other", "layer 2"], "a renamed layer keeps its region")
+	for names: Array in [region.layers, [scatter.layers[1], scatter.layers[2]], [1, 2], [&"other", 2]]:
+		region.layers = names
+		await settle(scatter)
+		for layer in 3:
+			check(digests(scatter, layer) == excluded[layer], "layer %d, by %s" % [layer, names])
+	region.layers = [scatter.layers[1]]
+	check_equal(region.layers, ["other"], "a layer with a name is kept by it")
+	check_equal(region.get_problems(), PackedStringArray(), "no problem")
+	region.layers.push_back("layer 2")
+	check_error(["read-only"], "an edit that nobody would hear of")
+	region.layers = [null]
+	check_error(["ScatterRegion3D.layers", "null"], "what cannot mean a layer")
+	check_equal(region.layers, ["other"], "is ignored")
+	region.layers = ["layer 1", 5, "layer 2"]
 	await settle(scatter)
 	check(digests(scatter, 1) == before[1], "a layer of another name")
-	check_equal(region.get_problems().size(), 1, "problems with an unknown name")
-	check("\"layer 1\"" in region.get_problems()[0], "the name is said")
+	check_equal(region.get_problems().size(), 2, "problems with unknown layers")
+	check("\"layer 1\"" in region.get_problems()[0] and "5" in region.get_problems()[1], "they are said: %s" % region.get_problems())
 	region.layers = []
 	await settle(scatter)
 	for layer in 3:

@@ -100,6 +100,18 @@ Variant stored_reference(const Variant &p_reference) {
 	}
 }
 
+LayerReference core_reference(const Variant &p_stored) {
+	LayerReference result;
+	if (p_stored.get_type() == Variant::INT) {
+		result.index = p_stored;
+	} else if (const Ref<ScatterLayer> layer = p_stored; layer.is_valid()) {
+		result.identity = layer->get_instance_id();
+	} else {
+		result.name = static_cast<String>(p_stored).utf8().get_data();
+	}
+	return result;
+}
+
 String no_reference(const Variant &p_value) {
 	return vformat("A layer is meant by a ScatterLayer, its name or its index, not by %s.", p_value);
 }

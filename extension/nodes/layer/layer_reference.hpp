@@ -30,6 +30,9 @@ godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const
 /// has no name, or its index. Scenes then hold no layer twice. Null for what cannot mean a layer.
 godot::Variant stored_reference(const godot::Variant &p_reference);
 
+/// The same for the core; empty for an empty name.
+LayerReference core_reference(const godot::Variant &p_stored);
+
 /// The sentence about a value that cannot mean a layer, for the error of a property that refuses it.
 godot::String no_reference(const godot::Variant &p_value);
 

@@ -92,7 +92,7 @@ std::vector<LayerRename> LayerWatch::follow_names() {
 			continue;
 		}
 		const String before = std::exchange(seen.name, name);
-		if (!before.is_empty() && !is_taken(before, seen)) {
+		if (before.is_empty() || !is_taken(before, seen)) {
 			renames.push_back({before, name});
 		}
 	}

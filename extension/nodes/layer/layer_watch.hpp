@@ -12,7 +12,7 @@ namespace thicket {
 
 /// A layer has another name: what spoke of it by the old one means the new one.
 struct LayerRename {
-	godot::String from;
+	godot::String from; ///< Empty for a layer that had no name, of which others spoke by itself.
 	godot::String to;
 };
 

@@ -1,4 +1,4 @@
-// When a layer may be used, and the properties of its set and tiles.
+// When a layer may be used, the properties at the top of its inspector and those for experts at its end.
 
 #include "core/state/instance_state.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
@@ -13,14 +13,14 @@ using Number = NumberProperty<LayerNumbers, double>;
 using Integer = NumberProperty<LayerIntegers, int64_t>;
 
 constexpr Number radius{"radius", &LayerNumbers::radius, min_radius, max_radius, PROPERTY_HINT_RANGE,
-		"0.05,50,0.001,or_less,or_greater,suffix:m"};
-constexpr Number tile_size{
-		"tile_size", &LayerNumbers::tile_size, 0.1, 1e5, PROPERTY_HINT_RANGE, "8,512,0.1,or_less,or_greater,suffix:m"};
-constexpr Number view_distance{"view_distance", &LayerNumbers::view_distance, 0.0, farthest_view, PROPERTY_HINT_RANGE,
-		"0,4096,0.1,or_greater,suffix:m"};
+		"0.05,50,0.001,or_less,or_greater,exp,suffix:m"};
+constexpr Number density{"density", &LayerNumbers::density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+constexpr Number tile_size{"tile_size", &LayerNumbers::tile_size, 0.1, 1e5, PROPERTY_HINT_RANGE,
+		"8,512,0.1,or_less,or_greater,exp,suffix:m"};
+constexpr Integer progressive_levels{
+		"progressive_levels", &LayerIntegers::progressive_levels, 1, max_levels, PROPERTY_HINT_RANGE, "1,8,1"};
 constexpr Integer layer_id{
 		"layer_id", &LayerIntegers::layer_id, -1, max_state_layer, PROPERTY_HINT_RANGE, "-1,32767,1"};
-constexpr Integer levels{"levels", &LayerIntegers::levels, 1, max_levels, PROPERTY_HINT_RANGE, "1,8,1"};
 
 } // namespace
 
@@ -47,26 +47,32 @@ Status ScatterLayer::check() const {
 
 void ScatterLayer::take_id(std::int64_t p_id) {
 	integers_.layer_id = p_id;
-	emit_changed();
+	changed();
 }
 
-void ScatterLayer::bind_set() {
+void ScatterLayer::bind_basics() {
+	bind_meshes();
 	bind_number<radius>();
-	bind_integer<levels>();
-	bind_integer<layer_id>();
-	ADD_GROUP("Streaming", "");
-	bind_number<tile_size>();
-	bind_number<view_distance>();
+	bind_number<density>();
 }
 
+void ScatterLayer::bind_advanced() {
+	ADD_GROUP("Advanced", "");
+	bind_integer<progressive_levels>();
+	bind_number<tile_size>();
+	bind_integer<layer_id>();
+}
+
+// The order of the inspector: what stands there, where, how it is drawn, and what it is to a game.
 void ScatterLayer::_bind_methods() {
-	bind_set();
+	bind_basics();
+	bind_placement();
 	bind_rules();
 	bind_neighbors();
-	bind_placement();
 	bind_drawing();
 	bind_lod();
 	bind_gameplay();
+	bind_advanced();
 	ADD_SIGNAL(MethodInfo("area_changed", PropertyInfo(Variant::RECT2, "rect")));
 }
 

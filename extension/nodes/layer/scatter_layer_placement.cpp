@@ -19,9 +19,9 @@ constexpr Number min_tilt_degrees{
 constexpr Number max_tilt_degrees{
 		"max_tilt_degrees", &LayerNumbers::max_tilt_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
 constexpr Number min_scale{
-		"min_scale", &LayerNumbers::min_scale, 1e-4, 1e4, PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater"};
+		"min_scale", &LayerNumbers::min_scale, 1e-4, 1e4, PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,exp"};
 constexpr Number max_scale{
-		"max_scale", &LayerNumbers::max_scale, 1e-4, 1e4, PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater"};
+		"max_scale", &LayerNumbers::max_scale, 1e-4, 1e4, PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,exp"};
 constexpr Number align_to_normal{
 		"align_to_normal", &LayerNumbers::align_to_normal, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.01"};
 constexpr Number height_offset{"height_offset", &LayerNumbers::height_offset, -1e4, 1e4, PROPERTY_HINT_RANGE,

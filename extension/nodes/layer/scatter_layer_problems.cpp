@@ -1,6 +1,7 @@
 // What is likely not meant in a layer, in sentences for the editor's warnings.
 
 #include "core/placement/edge_probes.hpp"
+#include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 using namespace godot;
@@ -42,12 +43,12 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 	}
 	PointSet set;
 	set.radius = numbers_.radius;
-	set.levels = static_cast<std::uint32_t>(integers_.levels);
+	set.levels = static_cast<std::uint32_t>(integers_.progressive_levels);
 	const double points = point_density(set) * numbers_.tile_size * numbers_.tile_size;
 	if (numbers_.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
 		r_problems.push_back("ScatterLayer.edge_feather asks for the ground at " +
 				String::num_int64(static_cast<int64_t>(edge_probes)) +
-				" places around each point, which is slow in tiles of so many points: make tile_size smaller.");
+				" positions around each point, which is slow in tiles of so many points: make tile_size smaller.");
 	}
 }
 
@@ -79,14 +80,10 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 }
 
 void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
-	const std::string own = get_name().utf8().get_data();
-	if (!own.empty() && spacing_.count(own) > 0) {
-		r_problems.push_back("ScatterLayer.spacing names the layer itself; its own instances keep its radius.");
-	}
-	if (spacing_.count("") > 0) {
+	if (spacing_.count(LayerReference()) > 0) {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
 	}
-	if (!proximity_layer_.is_empty()) {
+	if (!core_reference(proximity_layer_).empty()) {
 		add_curve_problem("proximity_curve", resources_.proximity_curve, tables().own_proximity_curve,
 				"meters of distance", r_problems);
 	} else if (resources_.proximity_curve.is_valid()) {

@@ -1,7 +1,7 @@
 // What a layer is at this moment: everything that its properties say is copied here, and nowhere else. A new property is of no
 // effect until it is copied; tests/engine/test_layer_snapshot.gd changes each of them alone.
 
-#include "nodes/layer/scatter_layer.hpp"
+#include "nodes/layer/layer_reference.hpp"
 
 #include <godot_cpp/core/object.hpp>
 
@@ -64,7 +64,7 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) cons
 	const bool own_id = integers_.layer_id >= 0;
 	result.set.seed = seed;
 	result.set.radius = numbers_.radius;
-	result.set.levels = static_cast<std::uint32_t>(integers_.levels);
+	result.set.levels = static_cast<std::uint32_t>(integers_.progressive_levels);
 	result.set.layer = static_cast<std::uint16_t>(own_id ? static_cast<std::size_t>(integers_.layer_id) : index);
 	result.rules = rules();
 	result.placement = placement();
@@ -126,7 +126,7 @@ LayerDrawing ScatterLayer::drawing() const {
 	result.material_override = material_override_;
 	result.cast_shadow = integers_.cast_shadow;
 	result.gi_mode = integers_.gi_mode;
-	result.render_layers = integers_.layers;
+	result.render_layers = integers_.render_layers;
 	result.lod_bias = numbers_.lod_bias;
 	result.extra_cull_margin = numbers_.extra_cull_margin;
 	result.visibility_range_begin = numbers_.visibility_range_begin;
@@ -169,8 +169,9 @@ LayerGameplay ScatterLayer::gameplay() const {
 LayerLinks ScatterLayer::links() const {
 	LayerLinks result;
 	result.name = get_name().utf8().get_data();
+	result.identity = get_instance_id();
 	result.spacing = spacing_;
-	result.proximity_layer = proximity_layer_.utf8().get_data();
+	result.proximity_layer = core_reference(proximity_layer_);
 	result.proximity_distance = numbers_.proximity_distance;
 	result.proximity_curve = tables().proximity_curve;
 	return result;
@@ -181,7 +182,7 @@ const LayerTables &ScatterLayer::tables() const {
 	frame.area.min = {mask_texture_rect_.position.x, mask_texture_rect_.position.y};
 	frame.area.max = frame.area.min + glm::dvec2{mask_texture_rect_.size.x, mask_texture_rect_.size.y};
 	frame.channel = static_cast<ImageChannel>(integers_.mask_texture_channel);
-	frame.edge = static_cast<MaskEdge>(integers_.mask_texture_edge);
+	frame.edge = static_cast<thicket::MaskEdge>(integers_.mask_texture_edge);
 	tables_.refresh(resources_, frame, numbers_.proximity_distance);
 	return tables_;
 }
