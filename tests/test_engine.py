@@ -107,6 +107,7 @@ def assert_passed(done):
         "test_domain_calls",
         pytest.param("test_domain_cancel", marks=pytest.mark.alone),
         "test_layer_properties",
+        "test_layer_snapshot",
         "test_mask",
         pytest.param("test_viewers", marks=pytest.mark.alone),
         "test_world_offset",

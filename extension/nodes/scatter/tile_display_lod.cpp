@@ -66,6 +66,7 @@ void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
 		return;
 	}
 	r_tile.drawing_version = drawing_version(key.layer);
+	++redrawn_count_;
 	for (DisplayedTile::Part &part : r_tile.parts) {
 		if (part.visual) {
 			part.visual->apply(layers_[key.layer]->drawing);
