@@ -97,6 +97,7 @@ struct InstanceQuery {
 	std::span<const QueryLayer> layers;
 	TileSource &tiles;
 	const InstanceState *state = nullptr; ///< Null: nothing was changed.
+	SampleMargins margins{};              ///< Of what `by_id` samples itself.
 
 	/// Instances whose origin lies in the half-open `rect` (world meters of x and z), by layer, then id. Replaces
 	/// `r_found`. A rectangle that is inverted or not finite is refused as `rect`, a layer that is not there as

@@ -21,10 +21,11 @@ constexpr double most_tiles = 4.0;
 
 /// The tile in which the point of a cell lies, of a layer whose tiles are smaller than its cells; none if the cell
 /// holds none.
-Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, TileRange &r_tiles) {
+Status find_tile_of_point(
+		const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	const Rect square = cell_rect(layer.set, id);
 	const double edge = set_extent(layer.set);
-	TileSampler sampler;
+	TileSampler sampler(margins);
 	std::vector<SamplePoint> points;
 	const Rect within{glm::max(square.min, -edge), glm::min(square.max, edge)};
 	if (const Status status = sampler.sample(layer.set, within, points); !status.ok()) {
@@ -40,9 +41,9 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, TileRange &
 }
 
 /// The tiles that may hold a point of the set.
-Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, TileRange &r_tiles) {
+Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
-	return r_tiles.count() > most_tiles ? find_tile_of_point(layer, id, r_tiles) : Status{};
+	return r_tiles.count() > most_tiles ? find_tile_of_point(layer, id, margins, r_tiles) : Status{};
 }
 
 /// Adds the instance of that id, if it is in the tile.
@@ -87,7 +88,7 @@ Status InstanceQuery::by_id_even_removed(std::uint64_t id, std::vector<PlacedIns
 			continue;
 		}
 		TileRange range;
-		if (const Status status = find_tiles_of(layer, id, range); !status.ok()) {
+		if (const Status status = find_tiles_of(layer, id, margins, range); !status.ok()) {
 			return status;
 		}
 		for (std::int32_t y = range.first.y; y <= range.last.y && r_found.empty(); ++y) {
