@@ -22,6 +22,11 @@ REPO = Path(__file__).resolve().parent.parent
 ARCH = {"amd64": "x86_64", "aarch64": "arm64"}.get(platform.machine().lower(), platform.machine().lower())
 BUILD_DIR = REPO / "build" / f"{platform.system().lower()}.template_debug.{ARCH}"
 
+# Doctest patterns of the core's cases that take long.
+LONG_CASES = [
+    line for line in (REPO / "tests/core/long_cases.txt").read_text(encoding="utf-8").splitlines() if line[:1] not in ("", "#")
+]
+
 # Any worker takes any test of these; else a worker takes a whole file, for what its fixtures make.
 SPREAD = ["test_core", "test_engine"]
 # The files that take longest come first and those whose tests are spread come last, so that all workers end together.
@@ -38,9 +43,14 @@ def group(item: pytest.Item) -> str | None:
     return None if item.path.stem in SPREAD else TOGETHER.get(item.path.stem, item.path.stem)
 
 
+def pytest_addoption(parser: pytest.Parser):
+    parser.addoption("--full", action="store_true", help="also what takes long: see the marker full")
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]):
-    """With several workers: first the tests that want to be alone, then whole files, then what is spread."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]):
+    """Without --full, no test that is marked so. With several workers: first the tests that want to be alone, then whole
+    files, then what is spread."""
 
     def rank(item: pytest.Item) -> int:
         if alone(item):
@@ -48,6 +58,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]):
         stem = item.path.stem
         return LONG.index(stem) if stem in LONG else len(LONG) + int(stem in SPREAD)
 
+    if not config.getoption("--full"):
+        longer = [item for item in items if item.get_closest_marker("full")]
+        items[:] = [item for item in items if item not in longer]
+        config.hook.pytest_deselected(items=longer)
     if "PYTEST_XDIST_WORKER" not in os.environ:
         return
     items.sort(key=rank)

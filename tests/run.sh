@@ -2,6 +2,7 @@
 # Sets up, builds, and runs every test, with a worker for each core up to four. Arguments go to pytest:
 #   bash tests/run.sh -k sampler
 #   bash tests/run.sh -n 0        one test after the other, in the order of their files
+#   bash tests/run.sh --full      also what takes long: soaks, fuzzers and sanitizers for longer, whole matrices
 set -euo pipefail
 from=$PWD
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
@@ -10,6 +11,7 @@ source tools/setup.sh
 setup_compiler
 setup_baselines
 setup_clang
+setup_mono
 setup_python
 setup_godot
 say "building"

@@ -21,8 +21,8 @@ KEYS = set(
 SAME = ["points", "side_cells", "least_squared", "pairs", "coverage", "coverage_error", "digest"]
 
 
-def billion(core_tool, *arguments: str, expected: int = 0) -> dict:
-    done = core_tool("bench/billion", *arguments)
+def billion(core_tool, *arguments: str, expected: int = 0, timeout: float = 300) -> dict:
+    done = core_tool("bench/billion", *arguments, timeout=timeout)
     assert done.returncode == expected, done.stdout + done.stderr
     return json.loads(done.stdout)
 
@@ -111,3 +111,10 @@ def test_wrong_arguments_are_refused(build_dir, argument):
     assert done.stdout == ""
     assert "usage: billion" in done.stderr
     assert argument.split("=")[0] in done.stderr
+
+
+@pytest.mark.full
+def test_a_hundred_million_points_keep_every_promise(core_tool):
+    made = [billion(core_tool, "points=1e8", f"order={order}", timeout=3600) for order in ("rows", "shuffled")]
+    assert all(one["broken"] == [] and one["points"] > 100_000_000 for one in made), made
+    assert made[0]["digest"] == made[1]["digest"]

@@ -3,6 +3,7 @@ are errors, and the manifest names what was built."""
 
 from __future__ import annotations
 
+import fnmatch
 import json
 import re
 import shutil
@@ -11,22 +12,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import REPO, run
+from conftest import BUILD_DIR, LONG_CASES, REPO, run
 
-# Each room, and the rooms that it may include besides itself.
-ROOMS = {
-    "core/base": [],
-    "core/sampling": ["core/base"],
-    "core/terrain": ["core/base"],
-    "core/rules": ["core/base", "core/sampling", "core/terrain"],
-    "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
-    "core/state": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
-    "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state"],
-    "core/near": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state", "core/query"],
-    "core/streaming": ["core/base"],
-    "bindings": [],
-    "nodes": ["core", "bindings"],
-}
+sys.path.insert(0, str(REPO / "tools/scons"))
+import manifest  # noqa: E402 (only on the path above)
+import rooms  # noqa: E402
+from rooms import ROOMS  # noqa: E402
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 SOURCES = sorted(
     path.relative_to(REPO / "extension").as_posix()
@@ -122,11 +114,41 @@ def test_core_leaves_no_rounding_to_the_machine(build_dir):
     assert not wanted & inexact, f"the core calls {sorted(wanted & inexact)}"
 
 
+def test_every_test_of_the_core_belongs_to_one_room():
+    """`bash tests/room.sh ROOM` runs each of them for one room, but those that include no room: what they test is a bench."""
+    programs = {room: set(rooms.tests_of(REPO, rooms.PREFIX + room.removeprefix("core/"))[0]) for room in rooms.TESTED}
+    everywhere = set.intersection(*programs.values())
+    tests = [path.relative_to(REPO).as_posix() for path in sorted((REPO / "tests/core").glob("test_*.cpp"))]
+    belongs = {test: [room for room, files in programs.items() if test in files] for test in tests}
+    assert all(len(found) <= 1 for found in belongs.values()), belongs
+    assert all("baselines" in test for test, found in belongs.items() if not found), belongs
+    assert "tests/core/main.cpp" in everywhere and not everywhere & set(tests)
+    assert all(any(test in files for test in tests) for files in programs.values()), "a room has no test"
+    assert belongs["tests/core/test_rules.cpp"] == ["core/rules"]
+
+
+def test_a_room_is_tested_on_its_own():
+    """The program of one room runs all of its cases that are not listed as long, and takes doctest's arguments."""
+    done = run(["bash", "tests/room.sh", "base", "*", "--no-skipped-summary"], timeout=900, cwd=REPO)
+    assert done.returncode == 0 and re.search(r"test cases: +[1-9]\d* \|", done.stdout), done.stdout + done.stderr
+    wrong = run(["bash", "tests/room.sh", "cellar"], timeout=120, cwd=REPO)
+    assert wrong.returncode != 0 and "no such room; there are base, sampling" in wrong.stderr, wrong.stderr
+
+
+def test_long_cases_are_cases():
+    """Each pattern of tests/core/long_cases.txt still fits a case."""
+    listed = run([BUILD_DIR / "core_tests", "--list-test-cases"], timeout=60).stdout.splitlines()
+    for pattern in LONG_CASES:
+        assert any(fnmatch.fnmatchcase(case, pattern) for case in listed), pattern
+
+
 @pytest.fixture(scope="module")
 def commands() -> list[dict]:
     """What the build would run for each source, as compile_commands.json has it."""
     done = run(["scons", "-Q", "compiledb"], timeout=300, cwd=REPO)
     assert done.returncode == 0, done.stdout + done.stderr
+    again = run(["scons", "-Q", "-q", "compiledb"], timeout=300, cwd=REPO)
+    assert again.returncode == 0, "it would be written again, with nothing changed"
     return json.loads((REPO / "compile_commands.json").read_text(encoding="utf-8"))
 
 
@@ -138,6 +160,24 @@ def test_compile_flags(commands):
             assert flag in entry["command"].split(), f"{entry['file']} is compiled without {flag}"
         assert "-ffast-math" not in entry["command"]
         assert "-march=native" not in entry["command"]
+
+
+def test_every_source_has_its_command(commands):
+    """Editors and clang-tidy find each source of the tree in compile_commands.json, once."""
+    named = [entry["file"] for entry in commands if not entry["file"].startswith("build/")]
+    sources = [path for room in ("extension", "tests") for path in (REPO / room).rglob("*.cpp")]
+    assert sorted(named) == sorted(path.relative_to(REPO).as_posix() for path in sources)
+
+
+def test_a_build_for_a_debugger():
+    """dev_build=yes compiles with -Og -g3, into a folder of its own."""
+    done = run(["scons", "-Q", "-n", "dev_build=yes", "core"], timeout=300, cwd=REPO)
+    assert done.returncode == 0 and f"{BUILD_DIR.name}.dev/libthicket_core.a" in done.stdout, done.stdout + done.stderr
+    compiled = f"build/{BUILD_DIR.name}.dev/obj/extension/core/base/orientation.o"
+    built = run(["scons", "-Q", "dev_build=yes", compiled], timeout=300, cwd=REPO)
+    assert built.returncode == 0, built.stdout + built.stderr
+    flags = run(["readelf", "--debug-dump=info", "--dwarf-depth=1", compiled], timeout=60, cwd=REPO).stdout
+    assert " -Og" in flags and " -g3" in flags and " -O2" not in flags, flags
 
 
 def test_build_has_nothing_left_to_do():
@@ -156,7 +196,7 @@ def test_core_needs_no_godot(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "option", ["target=fastest", "sanitize=memory", "godot_cpp=/nowhere", "color=green", "werror=perhaps"]
+    "option", ["target=fastest", "sanitize=memory", "godot_cpp=/nowhere", "color=green", "werror=perhaps", "dev_build=7"]
 )
 def test_wrong_option_is_refused(option):
     done = run(["scons", "-Q", "-n", option, "core"], timeout=120, cwd=REPO)
@@ -198,9 +238,6 @@ def test_manifest_names_what_was_built():
 
 def test_manifest_falls_back_to_the_binary_that_is_there():
     """One binary serves all builds of the engine; a second one takes over its own."""
-    sys.path.insert(0, str(REPO / "tools/scons"))
-    import manifest
-
     debug, release = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_release.x86_64.so"
     alone = "\n".join(manifest.write({debug, "libhwy.so.1", "notes.txt"}, ["ScatterLayer.svg", "ScatterLayer.png"]))
     assert f'linux.release.x86_64 = "bin/{debug}"' in alone

@@ -11,6 +11,8 @@ import pytest
 from conftest import BUILD_DIR, REPO, run
 
 SECONDS = 7
+FULL_SECONDS = 180
+FULL_SEED = 1_000_003  # Other inputs than those of the short run.
 TARGETS = ["fuzz_sampler", "fuzz_domain", "fuzz_tile", "fuzz_streamer", "fuzz_mask", "fuzz_shapes", "fuzz_state"]
 
 
@@ -24,9 +26,19 @@ def sanitized() -> Path:
     return folder
 
 
-@pytest.mark.parametrize("target", TARGETS)
-def test_random_input(sanitized, target):
-    done = run([sanitized / "fuzz" / target, str(SECONDS)], timeout=120)
+def fuzz(program: Path, seconds: int, *seed: str):
+    done = run([program, str(seconds), *seed], timeout=seconds + 120)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
     inputs = re.search(r"(\d+) inputs", done.stdout)
     assert inputs and int(inputs[1]) >= 100, done.stdout
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_random_input(sanitized, target):
+    fuzz(sanitized / "fuzz" / target, SECONDS)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("target", TARGETS)
+def test_much_random_input(sanitized, target):
+    fuzz(sanitized / "fuzz" / target, FULL_SECONDS, str(FULL_SEED))

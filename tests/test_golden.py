@@ -23,6 +23,9 @@ FLAGS = ["-std=c++20", "-ffp-contract=off", "-pthread", "-Iextension", "-I."]
 # The build itself has -O2 and, for releases, -O3. Processors with fused multiply-add offer a temptation.
 FUSED = ["-march=x86-64-v3"] if ARCH == "x86_64" else []
 VARIANTS = [("g++", ["-O0"]), ("g++", ["-O3", *FUSED]), ("clang++", ["-O1"]), ("clang++", ["-O3", *FUSED])]
+# The rest of the matrix.
+MORE_VARIANTS = [(compiler, [level]) for compiler in ("g++", "clang++") for level in ("-O0", "-O1", "-O2", "-O3", "-Os")]
+MORE_VARIANTS = [variant for variant in MORE_VARIANTS if variant not in VARIANTS]
 
 
 def compare(printed: str):
@@ -68,13 +71,27 @@ def build(compiler: str, flags: list[str]) -> Path:
 
 @pytest.fixture(scope="module")
 def builds() -> Iterator[dict[str, Future[Path]]]:
-    """All variants, a compiler on each core: they take minutes."""
+    """All variants of a plain run, a compiler on each core: they take minutes."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         there = [variant for variant in VARIANTS if shutil.which(variant[0])]
         yield {str(variant): pool.submit(build, *variant) for variant in there}
 
 
-@pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: variant[0] + "".join(variant[1]))
+def name_of(variant: tuple[str, list[str]]) -> str:
+    return variant[0] + "".join(variant[1])
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("variant", MORE_VARIANTS, ids=name_of)
+def test_digests_of_the_whole_matrix(variant):
+    if not shutil.which(variant[0]):
+        pytest.skip(f"{variant[0]} is not installed")
+    done = run([build(*variant)], timeout=600)
+    assert done.returncode == 0, done.stderr
+    compare(done.stdout)
+
+
+@pytest.mark.parametrize("variant", VARIANTS, ids=name_of)
 def test_digests_of_every_compiler_and_level(builds, variant):
     if str(variant) not in builds:
         pytest.skip(f"{variant[0]} is not installed")

@@ -1,16 +1,20 @@
-"""Three quarters of a minute of everything at once; tests/bench/soak.gd runs longer by hand."""
+"""Three quarters of a minute of everything at once, and with --full twenty minutes; tests/bench/soak.gd runs longer by
+hand."""
 
 from __future__ import annotations
 
 import re
 
+import pytest
 from conftest import REPO
 from test_demo import complaints
 
 
-def test_nothing_grows(godot, imported_demo):
+@pytest.mark.parametrize("seconds", [45, pytest.param(1200, marks=pytest.mark.full)])
+def test_nothing_grows(godot, imported_demo, seconds):
     script = REPO / "tests/bench/soak.gd"
-    done = godot(["--verbose", "--path", imported_demo, "--script", script, "--", "45", "5"], timeout=400)
+    arguments = ["--verbose", "--path", imported_demo, "--script", script, "--", str(seconds), "5"]
+    done = godot(arguments, timeout=2 * seconds + 310)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "soak: passed" in done.stdout, printed[-4000:]
     assert not complaints(printed), complaints(printed)

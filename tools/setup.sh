@@ -4,6 +4,7 @@
 #   setup_compiler   a C++20 compiler, scons, GLM, Highway, doctest
 #   setup_baselines  CGAL, for one of the methods that tests and benches compare with
 #   setup_clang      a second compiler, for the tests that compare compilers; those are skipped where it cannot be had
+#   setup_mono       a C# compiler, for the test of the wrappers; it is skipped where none can be had
 #   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
@@ -36,6 +37,11 @@ setup_baselines() {
 setup_clang() {
 	command -v clang++ >/dev/null || install_packages "to compare compilers" clang ||
 		say "going on without clang; the tests that need it will be skipped"
+}
+
+setup_mono() {
+	command -v mcs >/dev/null || install_packages "to check C#" mono-mcs ||
+		say "going on without a C# compiler; the tests that need it will be skipped"
 }
 
 setup_python() {
@@ -158,6 +164,7 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	setup_compiler
 	setup_baselines
 	setup_clang
+	setup_mono
 	setup_python
 	setup_godot
 	version=$("$setup_repo/tools/godot" --version | tail -n 1)

@@ -36,8 +36,9 @@ def options():
         ),
         ("sanitize", "comma-separated sanitizers: address, undefined, thread", ""),
         ("CXX", "the C++ compiler", os.environ.get("CXX", "g++")),
+        BoolVariable("dev_build", "for a debugger: -Og -g3, in a build folder of its own", False),
         BoolVariable("werror", "treat warnings in our own code as errors", True),
-        BoolVariable("compiledb", "write compile_commands.json for editors and clang tools", False),
+        BoolVariable("compiledb", "write compile_commands.json for editors and clang tools", True),
     )
     return known
 
@@ -90,10 +91,14 @@ def configure(env):
     env["STATIC_AND_SHARED_OBJECTS_ARE_THE_SAME"] = 1
     env["SHOBJSUFFIX"] = env["OBJSUFFIX"]
     env["SHCCFLAGS"] = ["$CCFLAGS"]
-    if env["target"] == "template_release":
-        env.Append(CCFLAGS=["-O3"], CPPDEFINES=["NDEBUG"], LINKFLAGS=["-s"])
+    release = env["target"] == "template_release"
+    env.Append(CPPDEFINES=["NDEBUG" if release else "DEBUG_ENABLED"])
+    if env["dev_build"]:
+        env.Append(CCFLAGS=["-Og", "-g3"])
+    elif release:
+        env.Append(CCFLAGS=["-O3"], LINKFLAGS=["-s"])
     else:
-        env.Append(CCFLAGS=["-O2", "-g1"], CPPDEFINES=["DEBUG_ENABLED"])
+        env.Append(CCFLAGS=["-O2", "-g1"])
     if env["target"] == "editor":
         env.Append(CPPDEFINES=["TOOLS_ENABLED"])
 
@@ -105,9 +110,11 @@ def configure(env):
         flags = ["-fsanitize=" + sanitizer, "-fno-omit-frame-pointer", "-fno-sanitize-recover=all"]
         env.Append(CCFLAGS=flags, LINKFLAGS=flags)
         name += "." + sanitizer
+    if env["dev_build"]:
+        name += ".dev"
     if env["godot_cpp"]:
         name += ".godot-cpp"
-    # Short lines while building: a compiler's own messages stay, compiledb has the full commands.
+    # Short lines while building: a compiler's own messages stay, compile_commands.json has the full commands.
     env.Replace(CXXCOMSTR="compile $SOURCE", SHCXXCOMSTR="compile $SOURCE", ARCOMSTR="archive $TARGET")
     env.Replace(LINKCOMSTR="link    $TARGET", SHLINKCOMSTR="link    $TARGET")
     env.Replace(ARFLAGS="rcsD", RANLIBCOM="")

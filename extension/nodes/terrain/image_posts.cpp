@@ -16,7 +16,7 @@ namespace {
 
 /// A copy that may be converted; null if the engine cannot decompress the image.
 Ref<Image> plain_copy(const Ref<Image> &image) {
-	const Ref<Image> copy = image->duplicate();
+	Ref<Image> copy = image->duplicate();
 	if (copy->is_compressed() && copy->decompress() != OK) {
 		return {};
 	}

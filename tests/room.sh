@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Builds and runs the tests of one room of the core, in seconds: only that room and those below it are compiled.
+#   bash tests/room.sh rules              all cases of the room, but those in tests/core/long_cases.txt
+#   bash tests/room.sh rules 'clumps*'    those whose names fit the pattern
+#   bash tests/room.sh --all sampling     the long ones, too
+#   bash tests/room.sh --dev rules        built for a debugger: scons dev_build=yes
+# Rooms are the folders of extension/core, and domain for core/sampling/domain. More arguments go to doctest (--help lists them).
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
+
+options=()
+folder=build/$(uname -s | tr '[:upper:]' '[:lower:]').template_debug.$(uname -m | sed 's/aarch64/arm64/')
+mapfile -t patterns < <(grep -v '^#' tests/core/long_cases.txt)
+long=("--test-case-exclude=$(IFS=, && echo "${patterns[*]}")")
+while [[ ${1:-} == --all || ${1:-} == --dev ]]; do
+	case $1 in
+		--all) long=() ;;
+		--dev) options=(dev_build=yes) folder+=.dev ;;
+	esac
+	shift
+done
+room=${1:?a room of extension/core is needed, as in: bash tests/room.sh rules}
+shift
+[[ ! ${1:-} =~ ^[^-] ]] || { long=("--test-case=$1") && shift; }
+
+scons -Q -j"$(nproc)" "${options[@]}" "core_tests_$room"
+exec "$folder/core_tests_$room" --no-intro "${long[@]}" "$@"

@@ -1,0 +1,57 @@
+"""The C++ sources are formatted as .clang-format says, and clang-tidy has nothing against them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from conftest import REPO, run
+
+sys.path.insert(0, str(REPO / "tools"))
+import lint  # noqa: E402 (only on the path above)
+
+
+def test_sources_are_formatted():
+    said = lint.format_sources(check=True)
+    assert not said, f"{said[:4000]}\nto mend it: {sys.executable} tools/lint.py format"
+
+
+def test_what_is_not_formatted_is_noticed():
+    done = subprocess.run(
+        [lint.tool("clang-format"), "--assume-filename=x.cpp"], input="int  a ;\n", capture_output=True, text=True, cwd=REPO
+    )
+    assert done.stdout == "int a;\n", done.stderr
+
+
+@pytest.fixture(scope="module")
+def database():
+    done = run(["scons", "-Q", "compiledb"], timeout=300, cwd=REPO)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_clang_tidy_finds_nothing_in_the_extension(database):
+    """Only what changed since it was last found clean; the first time that takes some minutes."""
+    said = lint.tidy(everything=False)
+    assert not said, said[:8000]
+
+
+@pytest.mark.full
+def test_clang_tidy_finds_nothing_anywhere(database):
+    said = lint.tidy(everything=True)
+    assert not said, said[:8000]
+
+
+def test_clang_tidy_notices_a_fault(tmp_path):
+    """Its configuration is read, and finds are errors."""
+    source = tmp_path / "fault.cpp"
+    source.write_text("#include <string>\n#include <utility>\nstd::size_t f(std::string a) {\n\tstd::string b = std::move(a);\n\treturn a.size() + b.size();\n}\n")
+    done = run([lint.tool("clang-tidy"), "--quiet", f"--config-file={REPO / '.clang-tidy'}", source, "--", "-std=c++20"], timeout=120)
+    assert done.returncode != 0 and "bugprone-use-after-move" in done.stdout, done.stdout + done.stderr
+
+
+def test_a_header_counts_for_what_includes_it():
+    source = REPO / "extension/core/rules/rules.cpp"
+    files = lint.with_headers(source, set())
+    assert REPO / "extension/core/rules/rules.hpp" in files and len(files) > 5
+    assert lint.fingerprint(source) == lint.fingerprint(source)

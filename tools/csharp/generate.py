@@ -1,0 +1,264 @@
+"""Writes C# classes that wrap those of the extension, from its class reference (extension/doc_classes/*.xml).
+
+An engine with .NET knows an extension's classes by name alone: it hands out a Resource where a script sees a ScatterLayer.
+A wrapper holds such an object and reaches its properties, methods and signals by their names, with types, in PascalCase, and
+with the text of the class reference. The build calls this and puts the files into the add-on.
+
+    python3 tools/csharp/generate.py --out FOLDER PAGE.xml...     writes the files, and removes others that it wrote once
+    python3 tools/csharp/generate.py --list PAGE.xml...           prints their names only"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import textwrap
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.sax.saxutils import escape
+
+from types_of_godot import STRUCTS, VALUES, camel, members_of_enum, pascal, plain
+
+BASE = "ThicketObject"
+NOTE = "// Written by tools/csharp/generate.py from the class reference. What is changed here is lost at the next build.\n"
+Element = ElementTree.Element
+
+
+class Reference:
+    """All pages of the class reference."""
+
+    def __init__(self, pages: list[Path]):
+        roots = [ElementTree.parse(page).getroot() for page in pages]
+        self.classes = {root.get("name"): root for root in sorted(roots, key=lambda root: root.get("name"))}
+
+    def parent(self, name: str) -> str | None:
+        """The class that this one inherits from, if it is wrapped too."""
+        parent = self.classes[name].get("inherits")
+        return parent if parent in self.classes else None
+
+    def engine_base(self, name: str) -> str:
+        """The engine's class that the object shows itself as in C#."""
+        while name in self.classes:
+            name = self.classes[name].get("inherits")
+        return "GodotObject" if name == "Object" else name
+
+    def enum(self, name: str, owner: str) -> str:
+        """An enum's name as seen from anywhere. One that is called like a property has another name in C#."""
+        owner, _, short = name.rpartition(".") if "." in name else (owner, ".", name)
+        if owner in self.classes:
+            taken = {pascal(member.get("name")) for member in self.classes[owner].iter("member")}
+            short += "Enum" if short in taken else ""
+            return f"{owner}.{short}"
+        return short if not owner or name == "Error" else f"{owner}.{short}"
+
+    def type(self, element: Element, owner: str) -> str:
+        """The C# type of a property, a parameter or what a method returns."""
+        named = element.get("type")
+        if element.get("enum"):
+            enum = element.get("enum")
+            return "Error" if enum == "Error" else self.enum(enum, owner)
+        if named in VALUES:
+            return VALUES[named]
+        if named.endswith("[]"):
+            inner = VALUES.get(named[:-2], named[:-2])
+            return f"{inner}[]" if inner in self.classes else f"Godot.Collections.Array<{inner}>"
+        if named.startswith("Dictionary["):
+            return VALUES["Dictionary"]
+        return "GodotObject" if named == "Object" else named
+
+    def from_variant(self, value: str, type_: str) -> str:
+        """An expression for a Variant as this type."""
+        if type_ == "Variant":
+            return value
+        if type_ in self.classes:
+            return f"{type_}.Wrap({value}.As<GodotObject>())"
+        if type_.removesuffix("[]") in self.classes:
+            return f"Unwrapped({value}, {type_.removesuffix('[]')}.Wrap)"
+        return f"{value}.As<{type_}>()"
+
+    def to_variant(self, value: str, type_: str) -> str:
+        """An expression for a value of this type as a Variant, where C# does not convert it by itself."""
+        if type_.removesuffix("[]") in self.classes and type_.endswith("[]"):
+            return f"Wrapped({value})"
+        if "." in type_ and type_ not in VALUES.values() or type_ == "Error":
+            return f"Variant.From({value})"
+        return value
+
+
+def summary(text: str | None, indent: str = "\t") -> str:
+    text = plain(text or "")
+    if not text:
+        return ""
+    lines = textwrap.wrap(escape(text), 110, break_long_words=False, break_on_hyphens=False)
+    return "".join(f"{indent}/// {line}\n" for line in ["<summary>", *lines, "</summary>"])
+
+
+def parameter(reference: Reference, element: Element, owner: str) -> tuple[str, str]:
+    """(declaration, expression of its Variant) of a parameter."""
+    name, type_, given = camel(element.get("name")), reference.type(element, owner), element.get("default")
+    variant = reference.to_variant(name, type_)
+    if given is None:
+        return f"{type_} {name}", variant
+    if type_ in ("bool", "long", "double"):
+        return f"{type_} {name} = {given}", variant
+    if type_ == "string":
+        return f"string {name} = {given}", variant
+    if type_ in ("StringName", "NodePath"):
+        return f"{type_} {name} = null", f'{name} ?? ""'
+    if type_.endswith("[]") and given.endswith(("()", "[]")):
+        empty = type_.replace("[]", "[0]")
+        return f"{type_} {name} = null", reference.to_variant(f"{name} ?? new {empty}", type_)
+    if type_.startswith("Godot.Collections."):
+        return f"{type_} {name} = null", reference.to_variant(f"{name} ?? new {type_}()", type_)
+    if type_ in STRUCTS:
+        numbers = re.findall(r"-?\d+(?:\.\d+)?", given.partition("(")[2])
+        value = ", ".join(number + ("f" if "." in number else "") for number in numbers)
+        return f"{type_}? {name} = null", f"{name} ?? new {type_}({value})"
+    if reference.enum(element.get("enum") or "", owner) == type_:
+        return f"{type_} {name} = ({type_}){given}", variant
+    return f"{type_} {name} = default", variant  # Callable(), null, RID(): nothing.
+
+
+def joined(parts: list[str], glue: str) -> str:
+    return glue.join(part for part in parts if part)
+
+
+def names(kind: str, elements: list[Element], hides: bool) -> str:
+    """A class of StringNames, as the engine's own classes have them."""
+    if not elements:
+        return ""
+    head = f"\tpublic {'new ' if hides else ''}static class {kind}\n\t{{\n"
+    lines = [f'\t\tpublic static readonly StringName {pascal(one.get("name"))} = "{one.get("name")}";\n' for one in elements]
+    return head + "".join(lines) + "\t}\n"
+
+
+def enums(reference: Reference, root: Element, owner: str) -> str:
+    found: dict[str, list[Element]] = {}
+    for constant in root.iter("constant"):
+        found.setdefault(constant.get("enum"), []).append(constant)
+    parts = []
+    for enum, constants in found.items():
+        if enum is None:
+            parts += [f"\tpublic const long {pascal(one.get('name'))} = {one.get('value')};\n" for one in constants]
+            continue
+        members = members_of_enum([one.get("name") for one in constants])
+        lines = [
+            summary(one.text, "\t\t") + f"\t\t{members[one.get('name')]} = {one.get('value')},\n" for one in constants
+        ]
+        short = reference.enum(enum, owner).rpartition(".")[2]
+        parts.append(f"\tpublic enum {short} : long\n\t{{\n{''.join(lines)}\t}}\n")
+    return joined(parts, "\n")
+
+
+def property_(reference: Reference, element: Element, owner: str) -> str:
+    type_, name = reference.type(element, owner), pascal(element.get("name"))
+    get = reference.from_variant(f"Object.Get(PropertyName.{name})", type_)
+    lines = [f"\t\tget => {get};"]
+    if element.get("setter"):
+        lines.append(f"\t\tset => Object.Set(PropertyName.{name}, {reference.to_variant('value', type_)});")
+    body = "\n".join(lines)
+    return f"{summary(element.text)}\tpublic {type_} {name}\n\t{{\n{body}\n\t}}\n"
+
+
+def method(reference: Reference, element: Element, owner: str) -> str:
+    name = pascal(element.get("name"))
+    type_ = reference.type(element.find("return"), owner)
+    parameters = [parameter(reference, one, owner) for one in element.findall("param")]
+    call = f"Object.Call({', '.join([f'MethodName.{name}', *(value for _, value in parameters)])})"
+    body = call if type_ == "void" else reference.from_variant(call, type_)
+    declared = ", ".join(declaration for declaration, _ in parameters)
+    return f"{summary(element.findtext('description'))}\tpublic {type_} {name}({declared}) => {body};\n"
+
+
+def signal(reference: Reference, element: Element, owner: str) -> str:
+    """An event; connects the handler itself, or one in between that wraps what the signal hands over."""
+    name = pascal(element.get("name"))
+    types = [reference.type(one, owner) for one in element.findall("param")]
+    handler = f"Action<{', '.join(types)}>" if types else "Action"
+    shown = [reference.engine_base(one) if one in reference.classes else one for one in types]
+    callable_ = "Callable.From(value)"
+    if shown != types:
+        taken = ", ".join(f"{one} a{number}" for number, one in enumerate(shown))
+        passed = ", ".join(
+            f"{one}.Wrap(a{number})" if one in reference.classes else f"a{number}" for number, one in enumerate(types)
+        )
+        callable_ = f"Callable.From(({taken}) => value({passed}))"
+    return (
+        f"{summary(element.findtext('description'))}\tpublic event {handler} {name}\n\t{{\n"
+        f"\t\tadd => AddHandler(SignalName.{name}, value, {callable_});\n"
+        f"\t\tremove => RemoveHandler(SignalName.{name}, value);\n\t}}\n"
+    )
+
+
+def head(reference: Reference, name: str) -> str:
+    """The name, the constructors and the way in and out."""
+    parent, engine = reference.parent(name), reference.engine_base(name)
+    hides = "new " if parent else ""
+    parts = [
+        f'\tpublic {hides}static readonly StringName NativeName = "{name}";\n',
+        f"\t/// <summary>Makes a new {name}.</summary>\n\tpublic {name}() : base(Made(NativeName), NativeName) {{ }}\n",
+        f"\t/// <summary>Wraps an object that is a {name}; another one is refused by an exception.</summary>\n"
+        f"\tpublic {name}(GodotObject instance) : base(instance, NativeName) {{ }}\n",
+        f"\tprotected {name}(GodotObject instance, StringName nativeName) : base(instance, nativeName) {{ }}\n",
+        f"\t/// <summary>The same; null for null.</summary>\n"
+        f"\tpublic static {hides}{name} Wrap(GodotObject instance) => instance == null ? null : new {name}(instance);\n",
+    ]
+    if not parent:
+        parts += [
+            f"\t/// <summary>The object as the engine shows it.</summary>\n\tpublic {engine} Instance => ({engine})Object;\n",
+            f"\tpublic static implicit operator {engine}({name} wrapper) => wrapper?.Instance;\n" if engine != "GodotObject" else "",
+        ]
+    return joined(parts, "\n")
+
+
+def inherits_any(reference: Reference, name: str, tag: str) -> bool:
+    parent = reference.parent(name)
+    return parent is not None and (
+        reference.classes[parent].find(f".//{tag}") is not None or inherits_any(reference, parent, tag)
+    )
+
+
+def wrapper(reference: Reference, name: str) -> str:
+    """The file of one class."""
+    root = reference.classes[name]
+    members = [one for one in root.iter("member") if not one.get("overrides")]
+    methods = [one for one in root.iter("method") if "virtual" not in (one.get("qualifiers") or "")]
+    signals = list(root.iter("signal"))
+    parts = [
+        head(reference, name),
+        enums(reference, root, name),
+        joined([property_(reference, one, name) for one in members], "\n"),
+        joined([method(reference, one, name) for one in methods], "\n"),
+        joined([signal(reference, one, name) for one in signals], "\n"),
+        names("PropertyName", members, inherits_any(reference, name, "member")),
+        names("MethodName", methods, inherits_any(reference, name, "method")),
+        names("SignalName", signals, inherits_any(reference, name, "signal")),
+    ]
+    about = summary(root.findtext("brief_description"), "")
+    base = reference.parent(name) or BASE
+    return f"{NOTE}using System;\nusing Godot;\n\nnamespace Thicket\n{{\n" + textwrap.indent(
+        f"{about}public partial class {name} : {base}\n{{\n{joined(parts, chr(10))}}}\n", "\t"
+    ) + "}\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, help="the folder to write into")
+    parser.add_argument("--list", action="store_true", help="print the names of the files and write nothing")
+    parser.add_argument("pages", nargs="+", type=Path, help="pages of the class reference")
+    given = parser.parse_args()
+    reference = Reference(given.pages)
+    files = {f"{name}.cs": lambda name=name: wrapper(reference, name) for name in reference.classes}
+    files[f"{BASE}.cs"] = lambda: NOTE + (Path(__file__).parent / f"{BASE}.cs.in").read_text(encoding="utf-8")
+    if given.list:
+        print("\n".join(files))
+        return
+    given.out.mkdir(parents=True, exist_ok=True)
+    for old in given.out.glob("*.cs"):
+        if old.name not in files and old.read_text(encoding="utf-8").startswith(NOTE):
+            old.unlink()
+    for file, text in files.items():
+        (given.out / file).write_text(text(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,87 @@
+"""How Godot's types read in C#, and the words that the wrappers are written with."""
+
+from __future__ import annotations
+
+import re
+
+# Types of a Variant and their names in C#. Other names that the class reference holds are classes.
+VALUES = {
+    "void": "void",
+    "bool": "bool",
+    "int": "long",
+    "float": "double",
+    "String": "string",
+    "StringName": "StringName",
+    "NodePath": "NodePath",
+    "Variant": "Variant",
+    "Callable": "Callable",
+    "Signal": "Signal",
+    "RID": "Rid",
+    "Array": "Godot.Collections.Array",
+    "Dictionary": "Godot.Collections.Dictionary",
+    "Vector2": "Vector2",
+    "Vector2i": "Vector2I",
+    "Vector3": "Vector3",
+    "Vector3i": "Vector3I",
+    "Vector4": "Vector4",
+    "Vector4i": "Vector4I",
+    "Rect2": "Rect2",
+    "Rect2i": "Rect2I",
+    "Color": "Color",
+    "Plane": "Plane",
+    "Quaternion": "Quaternion",
+    "AABB": "Aabb",
+    "Basis": "Basis",
+    "Transform2D": "Transform2D",
+    "Transform3D": "Transform3D",
+    "Projection": "Projection",
+    "PackedByteArray": "byte[]",
+    "PackedInt32Array": "int[]",
+    "PackedInt64Array": "long[]",
+    "PackedFloat32Array": "float[]",
+    "PackedFloat64Array": "double[]",
+    "PackedStringArray": "string[]",
+    "PackedVector2Array": "Vector2[]",
+    "PackedVector3Array": "Vector3[]",
+    "PackedColorArray": "Color[]",
+}
+STRUCTS = {name for name in VALUES.values() if re.match("(Vector|Rect|Color$|Plane|Quaternion|Aabb|Basis|Transform|Proj)", name)}
+
+KEYWORDS = set(
+    "abstract as base bool break byte case catch char checked class const continue decimal default delegate do double else "
+    "enum event explicit extern false finally fixed float for foreach goto if implicit in int interface internal is lock "
+    "long namespace new null object operator out override params private protected public readonly ref return sbyte sealed "
+    "short sizeof stackalloc static string struct switch this throw true try typeof uint ulong unchecked unsafe ushort using "
+    "virtual void volatile while".split()
+)
+
+
+def pascal(name: str) -> str:
+    """max_slope_degrees and COLLISION_BOX as MaxSlopeDegrees and CollisionBox."""
+    return "".join(word[:1].upper() + word[1:].lower() for word in name.strip("_").split("_"))
+
+
+def camel(name: str) -> str:
+    word = pascal(name)
+    word = word[:1].lower() + word[1:]
+    return "@" + word if word in KEYWORDS else word
+
+
+def members_of_enum(names: list[str]) -> dict[str, str]:
+    """The names of an enum's values in C#: without the words that they all begin with."""
+    words = [name.split("_") for name in names]
+    same = 0
+    while len(words) > 1 and all(len(one) > same + 1 and one[same] == words[0][same] for one in words):
+        same += 1
+    while same > 0 and any(one[same][:1].isdigit() for one in words):  # No name begins with a digit.
+        same -= 1
+    return {name: pascal("_".join(one[same:])) for name, one in zip(names, words, strict=True)}
+
+
+def plain(text: str) -> str:
+    """A description without its markup and without its examples, which are in GDScript."""
+    text = re.sub(r"\[(codeblocks?|gdscript|csharp)[^]]*\].*?\[/\1\]", "", text, flags=re.DOTALL)
+    text = re.sub(r"\[(?:member|method|signal|constant|enum|param|theme_item|annotation) ([^]]+)\]", r"\1", text)
+    text = re.sub(r"\[([A-Z]\w*)\]", r"\1", text)
+    text = re.sub(r"\[/?(?:b|i|code|kbd|br|url[^]]*)\]", "", text)
+    return " ".join(text.split())

@@ -1,0 +1,109 @@
+"""Formats and checks the C++ sources, with the clang-format and clang-tidy of tests/requirements.txt.
+
+    ~/.cache/thicket/venv/bin/python tools/lint.py format     rewrites what is not formatted (.clang-format says how)
+    ~/.cache/thicket/venv/bin/python tools/lint.py tidy       checks what changed in extension/ since it was last found clean
+    ~/.cache/thicket/venv/bin/python tools/lint.py tidy --all the same with tests/
+
+What clang-tidy found clean is remembered in build/tidy by the contents of a source, of all headers of ours that it includes
+and of .clang-tidy. It needs compile_commands.json, which any build writes."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from pathlib import Path
+
+REPO = Path(__file__).resolve().parent.parent
+INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
+CLEAN = REPO / "build/tidy"
+# g++'s flags that clang does not know.
+UNKNOWN = {"-fno-gnu-unique"}
+
+
+def tool(name: str) -> str:
+    """The program beside this Python: the one of the pinned package."""
+    return str(Path(sys.executable).parent / name)
+
+
+def sources(*suffixes: str) -> list[Path]:
+    found = [path for room in ("extension", "tests") for path in (REPO / room).rglob("*") if path.suffix in suffixes]
+    return sorted(path for path in found if "node_modules" not in path.parts)
+
+
+def format_sources(check: bool) -> str:
+    """Rewrites what is not formatted, or, to check, only tells which lines."""
+    command = [tool("clang-format"), *(["--dry-run", "--Werror"] if check else ["-i"])]
+    done = subprocess.run([*command, *sources(".cpp", ".hpp")], capture_output=True, text=True, cwd=REPO, check=False)
+    return done.stderr
+
+
+@cache
+def text(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+def with_headers(path: Path, seen: set[Path]) -> set[Path]:
+    """A source and all files of the tree that it includes, by way of others too."""
+    seen.add(path)
+    for name in INCLUDE.findall(text(path)):
+        for folder in (path.parent, REPO / "extension", REPO / "extension/bindings/include", REPO):
+            other = Path(os.path.normpath(folder / name))
+            if other not in seen and other.is_file():
+                with_headers(other, seen)
+                break
+    return seen
+
+
+def fingerprint(path: Path) -> str:
+    """Changes with all that may change what clang-tidy says about a source."""
+    digest = hashlib.sha256((text(REPO / ".clang-tidy") + text(REPO / "tests/requirements.txt")).encode())
+    for one in sorted(with_headers(path, set())):
+        digest.update(one.relative_to(REPO).as_posix().encode() + b"\0" + text(one).encode())
+    return digest.hexdigest()[:32]
+
+
+def tidy(everything: bool) -> str:
+    """What clang-tidy says against the sources; nothing if all are clean."""
+    CLEAN.mkdir(parents=True, exist_ok=True)
+    database = json.loads((REPO / "compile_commands.json").read_text(encoding="utf-8"))
+    for entry in database:
+        entry["command"] = " ".join(word for word in entry["command"].split() if word not in UNKNOWN)
+    (CLEAN / "compile_commands.json").write_text(json.dumps(database), encoding="utf-8")
+    named = [REPO / entry["file"] for entry in database if entry["file"].startswith(("extension/", "tests/"))]
+    chosen = [path for path in named if everything or path.is_relative_to(REPO / "extension")]
+    stamps = {path: CLEAN / path.relative_to(REPO).as_posix().replace("/", "~") for path in chosen}
+    prints = {path: fingerprint(path) for path in chosen}
+    stale = [path for path in chosen if not stamps[path].is_file() or stamps[path].read_text() != prints[path]]
+
+    def check(path: Path) -> str:
+        # Compilers of another kind warn about other things: warnings are g++'s business.
+        command = [tool("clang-tidy"), "--quiet", f"-p={CLEAN}", "--extra-arg=-w", "--header-filter=/(extension|tests)/", path]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=REPO, check=False)
+        if done.returncode == 0:
+            stamps[path].write_text(prints[path])
+            return ""
+        return done.stdout or done.stderr
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return "".join(pool.map(check, stale))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["format", "tidy"])
+    parser.add_argument("--all", action="store_true", help="tidy: the tests, too")
+    given = parser.parse_args()
+    said = format_sources(check=False) if given.what == "format" else tidy(given.all)
+    print(said, end="")
+    return int(bool(said))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,42 @@
+"""compile_commands.json, which editors and clang's tools read. SCons has a tool of its own for it, but that writes the
+file again at every build, and a build with nothing to do should do nothing."""
+
+import json
+
+
+def database(env, targets):
+    """The node of the file: the command of each object that the targets are made of. It is written again when there are
+    other objects or other flags."""
+    objects = sorted(set(compiled(env.Flatten(targets), set())), key=str)
+    # Objects of one environment differ in their names alone.
+    flags = {id(each): each for each in (node.get_build_env() for node in objects)}.values()
+    summary = [env.Dir("#").abspath, *map(str, objects)]
+    summary += [each.subst("$CXX $CXXFLAGS $CCFLAGS $_CCCOMCOM") for each in flags]
+
+    def write(target, source, env):
+        entries = [entry(node, env.Dir("#").abspath) for node in objects]
+        with open(target[0].abspath, "w", encoding="utf-8") as file:
+            json.dump(entries, file, indent=1)
+            file.write("\n")
+
+    action = env.Action(write, "write   compile_commands.json")
+    return env.Command("#compile_commands.json", env.Value("\n".join(summary)), action)
+
+
+def compiled(nodes, seen):
+    """The objects among what nodes are made of, made from C++."""
+    for node in nodes:
+        if node in seen:
+            continue
+        seen.add(node)
+        sources = getattr(node, "sources", [])
+        if len(sources) == 1 and str(sources[0]).endswith(".cpp") and str(node).endswith((".o", ".obj")):
+            yield node
+        elif sources:
+            yield from compiled(sources, seen)
+
+
+def entry(node, root):
+    source = node.sources[0].srcnode() if not node.sources[0].has_builder() else node.sources[0]
+    command = node.get_build_env().subst("$CXXCOM", target=[node], source=[source])
+    return {"directory": root, "command": command, "file": str(source), "output": str(node)}

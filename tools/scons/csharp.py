@@ -1,0 +1,18 @@
+"""The C# wrappers in the add-on, written from the class reference by tools/csharp."""
+
+import subprocess
+import sys
+
+
+def wrappers(env, addon):
+    """The nodes of the wrappers. Which there are is asked when the build starts."""
+    pages = sorted(env.Glob("#extension/doc_classes/*.xml"), key=str)
+    command = [sys.executable, env.File("#tools/csharp/generate.py").abspath, *[page.srcnode().abspath for page in pages]]
+    listed = subprocess.run([*command, "--list"], capture_output=True, text=True, check=False)
+    if listed.returncode:
+        sys.exit("thicket: tools/csharp/generate.py --list failed:\n" + listed.stderr)
+    folder = addon + "/csharp"
+    action = env.Action([[*command, "--out", env.Dir(folder).abspath]], "write   %s" % folder.lstrip("#"))
+    written = env.Command([folder + "/" + name for name in listed.stdout.split()], pages, action)
+    env.Depends(written, env.Glob("#tools/csharp/*.py") + env.Glob("#tools/csharp/*.in"))
+    return written

@@ -1,0 +1,72 @@
+"""The rooms of the sources, which room may include which, and the tests that belong to a room of the core."""
+
+import os
+import re
+
+# Each room, and the rooms that it may include besides itself. A room stands behind all that it may include.
+ROOMS = {
+    "core/base": [],
+    "core/sampling": ["core/base"],
+    "core/terrain": ["core/base"],
+    "core/rules": ["core/base", "core/sampling", "core/terrain"],
+    "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
+    "core/state": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
+    "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state"],
+    "core/near": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state", "core/query"],
+    "core/streaming": ["core/base"],
+    "bindings": [],
+    "nodes": ["core", "bindings"],
+}
+CORE = [room for room in ROOMS if room.startswith("core/")]
+
+# A part of a room that has tests of its own.
+PARTS = {"core/domain": "core/sampling/domain"}
+TESTED = ["core/base", "core/sampling", *PARTS, *CORE[2:]]
+
+TESTS = "tests/core"
+PREFIX = "core_tests_"
+INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+
+
+def asked_for(targets):
+    """Which of the targets are programs with the tests of one room: core_tests_rules, core_tests_query, ..."""
+    return [name for name in targets if name.startswith(PREFIX)]
+
+
+def tests_of(root, name):
+    """Sources of the program core_tests_ROOM, and the rooms of the core that it is linked with. A test belongs to the last
+    room that it includes something of, by way of its fixtures too."""
+    wanted = "core/" + name[len(PREFIX) :]
+    if wanted not in TESTED:
+        raise SystemExit("thicket: %s: no such room; there are %s" % (name, ", ".join(room[5:] for room in TESTED)))
+    files, needed = [], set()
+    for file in sorted(os.listdir(os.path.join(root, TESTS))):
+        if not file.endswith(".cpp"):
+            continue
+        path = TESTS + "/" + file
+        included = rooms_included(root, path, set())
+        # What is no test, the main function above all, is part of every program.
+        if not file.startswith("test_") or max(included, key=TESTED.index, default="") == wanted:
+            files.append(path)
+            needed |= included
+    needed.update(os.path.dirname(PARTS[part]) for part in PARTS if part in needed)
+    needed.update(*(ROOMS.get(room, []) for room in needed))
+    return files, [room for room in CORE if room in needed]
+
+
+def rooms_included(root, path, seen):
+    """The rooms of the core that a file of the tests includes, also through other files of the tests."""
+    found = set()
+    seen.add(path)
+    with open(os.path.join(root, path), encoding="utf-8") as file:
+        names = INCLUDE.findall(file.read())
+    for name in names:
+        room = next((part for part, folder in PARTS.items() if name.startswith(folder)), "/".join(name.split("/")[:2]))
+        if room in TESTED:
+            found.add(room)
+            continue
+        for folder in (os.path.dirname(path), "."):
+            other = os.path.normpath(os.path.join(folder, name))
+            if other not in seen and os.path.isfile(os.path.join(root, other)):
+                found |= rooms_included(root, other, seen)
+    return found
