@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace thicket {
 
 void StageChain::set(const LayerSettings &layer) {
-	layer_ = layer;
 	size_ = 0;
+	layer_ = layer;
 	add(layer_);
 	find_margins();
 }
@@ -24,7 +25,8 @@ const LayerStage *StageChain::add(const LayerSettings &layer) {
 		neighbors[i] = add(*layer.neighbors[i].layer);
 	}
 	if (size_ == links_.size()) {
-		links_.emplace_back().stage = std::make_unique<LayerStage>();
+		auto stage = std::make_unique<LayerStage>(); // First, so that no link is left without one.
+		links_.emplace_back().stage = std::move(stage);
 	}
 	Link &link = links_[size_++];
 	link.layer = &layer;
