@@ -1,11 +1,17 @@
 #include "nodes/scatter/build_at_once.hpp"
 
+#include "core/base/guard.hpp"
+
+#include <algorithm>
 #include <span>
 #include <vector>
 
 namespace thicket {
 
-Status build_at_once(const LayerPlan &plan, const ScatterTerrain &terrain, const Rect &rect, TileInstances &r_tile) {
+namespace {
+
+/// Throws std::bad_alloc.
+Status build_in_steps(const LayerPlan &plan, const ScatterTerrain &terrain, const Rect &rect, TileInstances &r_tile) {
 	TileBuilder builder;
 	if (plan.terrain != nullptr) {
 		return builder.build(*plan.settings, *plan.terrain, rect, r_tile);
@@ -18,6 +24,13 @@ Status build_at_once(const LayerPlan &plan, const ScatterTerrain &terrain, const
 				std::span(ground).subspan(query.first, query.count));
 	}
 	return status.ok() ? builder.place(ground, r_tile) : status;
+}
+
+} // namespace
+
+Status build_at_once(const LayerPlan &plan, const ScatterTerrain &terrain, const Rect &rect, TileInstances &r_tile) {
+	return guarded("rect", std::max(rect.size().x, rect.size().y),
+			[&] { return build_in_steps(plan, terrain, rect, r_tile); });
 }
 
 } // namespace thicket

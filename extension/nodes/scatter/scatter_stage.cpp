@@ -162,6 +162,10 @@ bool ScatterStage::upload_step() {
 		current_.plan = job.plan;
 		current_.rect = job.request.rect;
 		current_shown_ = overlay(current_);
+		if (current_shown_.size() != current_.tile->meshes.size()) {
+			current_.tile = nullptr; // No memory for now: in a later frame.
+			return false;
+		}
 		current_outdated_ = false;
 		const std::uint32_t layer = job.request.key.layer;
 		current_.look_version = layer < looks_.size() ? look_versions_[layer] : 0;
