@@ -6,14 +6,28 @@
 
 namespace {
 
+constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
+
 thread_local std::size_t allocations = 0;
-thread_local std::size_t most_allocations = std::numeric_limits<std::size_t>::max();
+thread_local std::size_t most_allocations = unlimited;
+thread_local bool fails_once = false;
+thread_local bool failed = false;
+
+/// Counts a request; false for one that has to fail.
+bool granted() {
+	if (allocations < most_allocations) {
+		++allocations;
+		return true;
+	}
+	failed = true;
+	most_allocations = fails_once ? unlimited : most_allocations;
+	return false;
+}
 
 void *allocate(std::size_t size, std::size_t alignment) {
-	if (allocations >= most_allocations) {
+	if (!granted()) {
 		throw std::bad_alloc();
 	}
-	++allocations;
 	// aligned_alloc wants a multiple of the alignment.
 	const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
 	void *memory = alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ ? std::malloc(size == 0 ? 1 : size)
@@ -28,9 +42,15 @@ void *allocate(std::size_t size, std::size_t alignment) {
 
 std::size_t allocation_count() { return allocations; }
 
-AllocationLimit::AllocationLimit(std::size_t allowed) { most_allocations = allocations + allowed; }
+AllocationLimit::AllocationLimit(std::size_t allowed, Fails fails) {
+	most_allocations = allocations + allowed;
+	fails_once = fails == Fails::one;
+	failed = false;
+}
 
-AllocationLimit::~AllocationLimit() { most_allocations = std::numeric_limits<std::size_t>::max(); }
+AllocationLimit::~AllocationLimit() { most_allocations = unlimited; }
+
+bool AllocationLimit::reached() const { return failed; }
 
 // The array forms of the library come back to these. The nothrow ones do too, but a sanitizer has its own of them.
 void *operator new(std::size_t size) { return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__); }
@@ -40,7 +60,7 @@ void *operator new(std::size_t size, std::align_val_t alignment) {
 }
 
 void *operator new(std::size_t size, const std::nothrow_t &) noexcept {
-	return allocations++ < most_allocations ? std::malloc(size == 0 ? 1 : size) : nullptr;
+	return granted() ? std::malloc(size == 0 ? 1 : size) : nullptr;
 }
 
 void operator delete(void *memory) noexcept { std::free(memory); }

@@ -46,7 +46,7 @@ inline Rect rect_around(glm::dvec2 center, double half) { return {center - half,
 inline double chance(const ShapeSet &set, glm::dvec3 place) {
 	std::vector<std::uint32_t> near;
 	const glm::dvec2 flat(place.x, place.z);
-	set.near({flat, flat}, near);
+	static_cast<void>(set.near({flat, flat}, near));
 	return set.chance(near, place);
 }
 

@@ -32,7 +32,7 @@ inline AddedInstance instance_at(double x, double z, std::uint16_t layer = 1) {
 
 inline StateBytes bytes_of(const InstanceState &state) {
 	StateBytes bytes;
-	state.save(bytes);
+	REQUIRE(state.save(bytes).ok());
 	return bytes;
 }
 
@@ -45,7 +45,7 @@ inline InstanceState copy_of(const InstanceState &state) {
 
 inline StateBytes diff_of(const InstanceState &state, std::uint64_t revision) {
 	StateBytes bytes;
-	state.diff_since(revision, bytes);
+	REQUIRE(state.diff_since(revision, bytes).ok());
 	return bytes;
 }
 
@@ -86,7 +86,7 @@ inline void disturb(InstanceState &r_state, StateRandom &random) {
 			break;
 		default: {
 			std::vector<InstanceChange> changes;
-			r_state.advance(static_cast<double>(random() % 5), changes);
+			REQUIRE(r_state.advance(static_cast<double>(random() % 5), changes).ok());
 		}
 	}
 }

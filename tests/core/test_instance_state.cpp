@@ -25,7 +25,7 @@ std::uint64_t added_to(InstanceState &r_state, const AddedInstance &instance) {
 
 Changes advanced(InstanceState &r_state, double seconds) {
 	Changes changes;
-	r_state.advance(seconds, changes);
+	REQUIRE(r_state.advance(seconds, changes).ok());
 	return changes;
 }
 
@@ -156,7 +156,7 @@ TEST_CASE("state: hand-placed instances are found where they stand") {
 	for (const Rect &rect : rects) {
 		for (std::uint16_t layer = 0; layer < 3; ++layer) {
 			std::vector<std::uint64_t> ids{42};
-			state.added_in(layer, rect, ids);
+			REQUIRE(state.added_in(layer, rect, ids).ok());
 			std::vector<std::uint64_t> scan{42};
 			for (const auto &[id, instance] : expected) {
 				if (instance.layer == layer && rect.contains({instance.position.x, instance.position.z})) {
@@ -289,7 +289,7 @@ TEST_CASE("state: clearing tells of everything, and what it was is not remembere
 	REQUIRE(state.set_data(placed, StateBytes{2}).ok());
 	const std::uint64_t revision = state.revision();
 	Changes changes = advanced(state, 3.0);
-	state.clear(changes);
+	REQUIRE(state.clear(changes).ok());
 	REQUIRE(changes.size() == 3);
 	CHECK(changes[0].kind == InstanceChangeKind::restored);
 	CHECK(changes[1].kind == InstanceChangeKind::data);

@@ -19,7 +19,7 @@ InstanceState small_state() {
 	InstanceState state;
 	REQUIRE(state.claim(1, 0x1234567890abcdef).ok());
 	std::vector<InstanceChange> changes;
-	state.advance(2.5, changes);
+	REQUIRE(state.advance(2.5, changes).ok());
 	for (int x = -2; x < 3; ++x) {
 		state.remove(point_id(1, x, 4));
 	}

@@ -46,7 +46,7 @@ void follow(NearSet &set, const NearChanges &changes) {
 	}
 	for (const PlacedInstance &instance : changes.enter) {
 		CHECK_FALSE(set.holds(instance.id));
-		set.hold(instance);
+		REQUIRE(set.hold(instance));
 	}
 }
 
@@ -203,8 +203,8 @@ TEST_CASE("near set: forgets what it is told to forget") {
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
 	const std::vector<PlacedInstance> standing = row(4);
 	set.look(centers, {3.0, 4.0}, standing, changes);
-	set.hold(changes.enter[0]); // There was time for two of three.
-	set.hold(changes.enter[1]);
+	REQUIRE(set.hold(changes.enter[0])); // There was time for two of three.
+	REQUIRE(set.hold(changes.enter[1]));
 	set.release(1);
 	set.release(77);
 	set.look(centers, {3.0, 4.0}, standing, changes);
@@ -285,7 +285,7 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 		const std::size_t done =
 				changes.enter.size() - changes.enter.size() * static_cast<std::size_t>(percent(random)) / 200;
 		for (std::size_t i = 0; i < done; ++i) {
-			set.hold(changes.enter[i]);
+			REQUIRE(set.hold(changes.enter[i]));
 			held[changes.enter[i].id] = changes.enter[i].position;
 		}
 		CHECK(set.size() == held.size());

@@ -208,14 +208,14 @@ TEST_CASE("shapes: where only a far shape includes, nothing is included; where o
 	std::vector<std::uint32_t> near{7};
 	const ShapeSet including = set_of({far});
 	CHECK(including.includes());
-	including.near(here, near);
+	REQUIRE(including.near(here, near).ok());
 	CHECK(near.empty());
 	CHECK(including.chance(near, {0.0, 0.0, 0.0}) == 0.0);
 
 	far.exclude = true;
 	const ShapeSet excluding = set_of({far});
 	CHECK(!excluding.includes());
-	excluding.near(here, near);
+	REQUIRE(excluding.near(here, near).ok());
 	CHECK(near.empty());
 	CHECK(excluding.chance(near, {0.0, 0.0, 0.0}) == 1.0);
 	CHECK(set_of({}).empty());
@@ -229,7 +229,7 @@ TEST_CASE("shapes: near gives the shapes that touch an area, in order, and bound
 		const ShapeSet set = set_of(shapes);
 		const Rect area = rect_around({40.0 * unit(random), 40.0 * unit(random)}, 2.0 + 10.0 * std::abs(unit(random)));
 		std::vector<std::uint32_t> near;
-		set.near(area, near);
+		REQUIRE(set.near(area, near).ok());
 		CHECK(std::ranges::is_sorted(near));
 		for (std::uint32_t i = 0; i < shapes.size(); ++i) {
 			const Rect reach = bounds(shapes[i]);

@@ -14,6 +14,13 @@ using namespace thicket::test;
 
 namespace {
 
+OverlaidMeshes shown_of(const std::shared_ptr<const TileInstances> &tile, const LayerSettings &layer, const Rect &rect,
+		const Overlay &overlay) {
+	OverlaidMeshes meshes;
+	REQUIRE(overlaid(tile, layer, rect, overlay, meshes).ok());
+	return meshes;
+}
+
 std::shared_ptr<const TileInstances> shared_tile(const LayerSettings &layer) {
 	return std::make_shared<const TileInstances>(built(layer, hills(), tile_of_hills));
 }
@@ -50,7 +57,7 @@ TEST_CASE("overlay: without changes, and with changes elsewhere, no tile is copi
 	REQUIRE(state.add(placed(layer, {500.0, 0.0, 500.0}, 0), id).ok());
 	REQUIRE(state.remove(pack({layer.set.layer, {100000, 100000}})));
 	for (const Overlay &overlay : {Overlay{}, Overlay{&state, nullptr}}) {
-		const auto shown = overlaid(tile, layer, tile_of_hills, overlay);
+		const auto shown = shown_of(tile, layer, tile_of_hills, overlay);
 		REQUIRE(shown.size() == tile->meshes.size());
 		for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 			CHECK(shown[mesh].get() == &tile->meshes[mesh]);
@@ -76,7 +83,7 @@ TEST_CASE("overlay: what is removed or hidden is gone, and the rest keeps its or
 			gone += draw <= 2 ? 1 : 0;
 		}
 	}
-	const auto shown = overlaid(tile, layer, tile_of_hills, {&state, &hidden});
+	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, &hidden});
 	CHECK(count_of(shown) == size_of(*tile) - gone);
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 		const MeshInstances &whole = tile->meshes[mesh];
@@ -109,7 +116,7 @@ TEST_CASE("overlay: hand-placed instances stand first, in the tile of their plac
 	REQUIRE(state.add(placed(layer, {10.5, 20.0, 30.25}, 1), inside).ok());
 	REQUIRE(state.add(placed(layer, {64.0, 0.0, 64.0}, 1), on_edge).ok());
 	REQUIRE(state.add(placed(layer, {-64.0, 0.0, 0.0}, 200), odd_mesh).ok());
-	const auto shown = overlaid(tile, layer, tile_of_hills, {&state, nullptr});
+	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, nullptr});
 	CHECK(count_of(shown) == size_of(*tile) + 2);
 	CHECK(find(*shown[1], inside) == 0);
 	CHECK(find(*shown[0], odd_mesh) == 0);
@@ -125,7 +132,7 @@ TEST_CASE("overlay: hand-placed instances stand first, in the tile of their plac
 
 	const Rect next{{64.0, 0.0}, {192.0, 128.0}};
 	const auto neighbor = std::make_shared<const TileInstances>(built(layer, hills(), next));
-	CHECK(find(*overlaid(neighbor, layer, next, {&state, nullptr})[1], on_edge) == 0);
+	CHECK(find(*shown_of(neighbor, layer, next, {&state, nullptr})[1], on_edge) == 0);
 }
 
 TEST_CASE("overlay: the box holds what stands") {
@@ -134,7 +141,7 @@ TEST_CASE("overlay: the box holds what stands") {
 	InstanceState state;
 	std::uint64_t id = 0;
 	REQUIRE(state.add(placed(layer, {0.0, 900.0, 64.0}, 0), id).ok());
-	const auto shown = overlaid(tile, layer, tile_of_hills, {&state, nullptr});
+	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, nullptr});
 	const MeshInstances &mesh = *shown[0];
 	CHECK(mesh.max.y == static_cast<float>(900.0 - tile->origin.y));
 	CHECK(mesh.min == tile->meshes[0].min);

@@ -22,13 +22,13 @@ using Changes = std::vector<InstanceChange>;
 
 Stored saved(const InstanceState &state) {
 	Stored bytes;
-	state.save(bytes);
+	promise(state.save(bytes).ok(), "a state is saved");
 	return bytes;
 }
 
 Stored diff(const InstanceState &state, std::uint64_t revision) {
 	Stored bytes;
-	state.diff_since(revision, bytes);
+	promise(state.diff_since(revision, bytes).ok(), "a difference is told");
 	return bytes;
 }
 
@@ -73,7 +73,7 @@ void check_place(const InstanceState &state, std::uint64_t id) {
 	promise(added != nullptr && is_added(id) && layer_of(id) == added->layer, "what was placed is there");
 	const glm::dvec2 place(added->position.x, added->position.z);
 	std::vector<std::uint64_t> found;
-	state.added_in(added->layer, {place - 1.0, place + 1.0}, found);
+	promise(state.added_in(added->layer, {place - 1.0, place + 1.0}, found).ok(), "what stands there is told");
 	promise(std::ranges::is_sorted(found) && std::ranges::binary_search(found, id), "it is found where it stands");
 }
 
@@ -114,7 +114,7 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 		default: {
 			Changes changes;
 			const double time = r_state.time();
-			r_state.advance(r_bytes.number(0.0, 20.0), changes);
+			promise(r_state.advance(r_bytes.number(0.0, 20.0), changes).ok(), "the clock is moved");
 			promise(r_state.time() >= time && r_state.time() <= max_state_time, "the clock goes on");
 		}
 	}

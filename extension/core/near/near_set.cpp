@@ -1,5 +1,7 @@
 #include "core/near/near_set.hpp"
 
+#include "core/base/guard.hpp"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -48,12 +50,24 @@ bool NearSet::Held::is_near(std::span<const glm::dvec3> centers, double reach_sq
 	return center < centers.size();
 }
 
-void NearSet::hold(const PlacedInstance &instance) {
-	held_.insert_or_assign(
-			instance.id, Held{instance.position, instance.basis, instance.layer, instance.mesh, looks_, 0});
+bool NearSet::hold(const PlacedInstance &instance) {
+	const Held held{instance.position, instance.basis, instance.layer, instance.mesh, looks_, 0};
+	return guarded("instance", 1.0, [&] { held_.insert_or_assign(instance.id, held); }).ok();
 }
 
-void NearSet::look(std::span<const glm::dvec3> centers, const NearRange &range,
+void NearChanges::clear() {
+	enter.clear();
+	leave.clear();
+	gone = 0;
+}
+
+bool NearSet::look(std::span<const glm::dvec3> centers, const NearRange &range,
+		std::span<const PlacedInstance> standing, NearChanges &r_changes) {
+	return guarded_answer("standing", static_cast<double>(standing.size()), r_changes,
+			[&] { find_changes(centers, range, standing, r_changes); }).ok();
+}
+
+void NearSet::find_changes(std::span<const glm::dvec3> centers, const NearRange &range,
 		std::span<const PlacedInstance> standing, NearChanges &r_changes) {
 	++looks_;
 	entering_.clear();

@@ -26,6 +26,8 @@ struct NearChanges {
 	/// What stands no longer, or not as it did, then the others; of each the farthest first.
 	std::vector<std::uint64_t> leave;
 	std::size_t gone = 0; ///< How many of `leave` stand no longer, or not as they did.
+
+	void clear();
 };
 
 /// Which instances of a layer are near enough to some centers to be worth a body or a scene. It says what should come and go; its owner
@@ -34,12 +36,15 @@ class NearSet {
 public:
 	/// Replaces `r_changes` by the difference between what is held and what is near. `standing` holds everything that stands
 	/// within range.leave of a center, in any order, and possibly more; an instance may be in it several times. What is equally far
-	/// is in the order of the ids.
-	void look(std::span<const glm::dvec3> centers, const NearRange &range, std::span<const PlacedInstance> standing,
+	/// is in the order of the ids. False where memory does not suffice: nothing is to be done then.
+	bool look(std::span<const glm::dvec3> centers, const NearRange &range, std::span<const PlacedInstance> standing,
 			NearChanges &r_changes);
 
 	bool holds(std::uint64_t id) const { return held_.contains(id); }
-	void hold(const PlacedInstance &instance);
+
+	/// False where memory does not suffice: the instance is not held then.
+	bool hold(const PlacedInstance &instance);
+
 	void release(std::uint64_t id) { held_.erase(id); }
 	std::size_t size() const { return held_.size(); }
 	void clear() { held_.clear(); }
@@ -61,6 +66,9 @@ private:
 		bool is_near(std::span<const glm::dvec3> centers, double reach_squared);
 		bool stands_as(const PlacedInstance &instance) const;
 	};
+
+	void find_changes(std::span<const glm::dvec3> centers, const NearRange &range,
+			std::span<const PlacedInstance> standing, NearChanges &r_changes);
 
 	struct Distant {
 		double distance_squared = 0.0;

@@ -1,5 +1,6 @@
 #include "core/near/tile_overlay.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/placement/look.hpp"
 
 #include <glm/common.hpp>
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace thicket {
 
@@ -86,7 +88,7 @@ std::vector<Ids> added_by_mesh(
 		return result;
 	}
 	Ids ids;
-	overlay.state->added_in(layer.set.layer, rect, ids);
+	throw_if_out_of_memory(overlay.state->added_in(layer.set.layer, rect, ids));
 	for (const std::uint64_t id : ids) {
 		const std::size_t mesh = overlay.state->added(id)->mesh;
 		if (!covers(overlay, false, id)) {
@@ -96,14 +98,12 @@ std::vector<Ids> added_by_mesh(
 	return result;
 }
 
-} // namespace
-
-std::vector<std::shared_ptr<const MeshInstances>> overlaid(const std::shared_ptr<const TileInstances> &tile,
-		const LayerSettings &layer, const Rect &rect, const Overlay &overlay) {
+/// Throws std::bad_alloc.
+void add_overlaid(const std::shared_ptr<const TileInstances> &tile, const LayerSettings &layer, const Rect &rect,
+		const Overlay &overlay, OverlaidMeshes &r_meshes) {
 	const bool any_removed = overlay.state != nullptr && overlay.state->any_removed(layer.set.layer);
 	const bool any_hidden = overlay.hidden != nullptr && !overlay.hidden->empty();
 	const std::vector<Ids> added = added_by_mesh(tile->meshes.size(), layer, rect, overlay);
-	std::vector<std::shared_ptr<const MeshInstances>> result;
 	for (std::size_t at = 0; at < tile->meshes.size(); ++at) {
 		const MeshInstances &mesh = tile->meshes[at];
 		std::size_t standing = mesh.size();
@@ -112,12 +112,24 @@ std::vector<std::shared_ptr<const MeshInstances>> overlaid(const std::shared_ptr
 					[&](std::uint64_t id) { return !covers(overlay, any_removed, id); }));
 		}
 		if (standing == mesh.size() && added[at].empty()) {
-			result.emplace_back(tile, &mesh);
+			r_meshes.emplace_back(tile, &mesh);
 		} else {
-			result.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing, any_removed));
+			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing, any_removed));
 		}
 	}
-	return result;
+}
+
+} // namespace
+
+Status overlaid(const std::shared_ptr<const TileInstances> &tile, const LayerSettings &layer, const Rect &rect,
+		const Overlay &overlay, OverlaidMeshes &r_meshes) {
+	OverlaidMeshes meshes;
+	const Status status = guarded("tile", std::max(rect.size().x, rect.size().y),
+			[&] { add_overlaid(tile, layer, rect, overlay, meshes); });
+	if (status.ok()) {
+		r_meshes = std::move(meshes);
+	}
+	return status;
 }
 
 } // namespace thicket

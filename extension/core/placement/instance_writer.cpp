@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace thicket {
@@ -64,21 +65,33 @@ void InstanceWriter::choose_meshes(const LayerSettings &layer, const StandingPoi
 	}
 }
 
-Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &points, TileInstances &r_tile,
-		const std::atomic<bool> *cancel) {
+/// Gives each mesh the size that it will have. All memory is taken before anything changes.
+void InstanceWriter::make_room(std::size_t stride, std::vector<MeshInstances> &r_meshes) const {
+	const std::size_t known = std::min(mesh_choice_.size(), r_meshes.size());
+	std::vector<MeshInstances> more(mesh_choice_.size() - known);
+	r_meshes.reserve(mesh_choice_.size());
+	for (std::size_t mesh = 0; mesh < mesh_choice_.size(); ++mesh) {
+		(mesh < known ? r_meshes[mesh] : more[mesh - known]).reserve(mesh_sizes_[mesh], stride);
+	}
+	r_meshes.resize(known);
+	std::move(more.begin(), more.end(), std::back_inserter(r_meshes));
+	for (std::size_t mesh = 0; mesh < r_meshes.size(); ++mesh) {
+		r_meshes[mesh].resize(mesh_sizes_[mesh], stride);
+	}
+}
+
+Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin,
+		TileInstances &r_tile, const std::atomic<bool> *cancel) {
 	order_.resize(points.standing.size());
 	for (std::size_t i = 0; i < order_.size(); ++i) {
 		order_[i] = rank_key(points.thinning_ranks[i], points.standing[i]);
 	}
 	sort_by_rank(order_, points.ids, order_scratch_);
 	choose_meshes(layer, points);
-	r_tile.meshes.resize(mesh_choice_.size());
-	const std::size_t stride = floats_per_instance(layer.look);
+	make_room(floats_per_instance(layer.look), r_tile.meshes);
+	r_tile.origin = origin;
 	std::array<std::size_t, max_meshes> ends{};
-	for (std::size_t mesh = 0; mesh < r_tile.meshes.size(); ++mesh) {
-		r_tile.meshes[mesh].resize(mesh_sizes_[mesh], stride);
-		open_bounds(r_tile.meshes[mesh]);
-	}
+	std::for_each(r_tile.meshes.begin(), r_tile.meshes.end(), open_bounds);
 	for (std::size_t i = 0; i < order_.size(); ++i) {
 		if (i % batch == 0 && cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
 			r_tile.meshes.clear();

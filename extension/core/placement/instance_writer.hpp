@@ -31,13 +31,14 @@ struct StandingPoints {
 /// its memory.
 class InstanceWriter {
 public:
-	/// Replaces the meshes of `r_tile`, whose origin is set. Valid settings only. Empties them and ends with
-	/// ErrorCode::cancelled when `cancel` is raised.
-	Status write(const LayerSettings &layer, const StandingPoints &points, TileInstances &r_tile,
+	/// Replaces the origin and the meshes of `r_tile`. Valid settings only. Empties them and ends with
+	/// ErrorCode::cancelled when `cancel` is raised. Throws std::bad_alloc, and leaves the tile as it was then.
+	Status write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin, TileInstances &r_tile,
 			const std::atomic<bool> *cancel);
 
 private:
 	void choose_meshes(const LayerSettings &layer, const StandingPoints &points);
+	void make_room(std::size_t stride, std::vector<MeshInstances> &r_meshes) const;
 
 	MeshChoice mesh_choice_;
 	std::vector<std::uint64_t> order_; ///< For each instance its thinning rank and the index of its point, sorted.

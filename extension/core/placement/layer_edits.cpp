@@ -1,9 +1,11 @@
 #include "core/placement/layer_edits.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/rules/shape_edits.hpp"
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace thicket {
 
@@ -84,32 +86,41 @@ void EditedArea::add(const EditedArea &other, double distance) {
 }
 
 const EditedArea &EditSearch::find(const LayerSettings &before, const LayerSettings &after) {
-	const auto [at, is_new] = found_.try_emplace({&before, &after});
-	if (is_new) {
-		at->second = find_standing(before, after);
-		at->second.everywhere = at->second.everywhere || !same_look(before, after);
+	static const EditedArea anywhere{.everywhere = true, .areas = {}};
+	const EditedArea *found = &anywhere;
+	const Status status = guarded("edits", 1.0, [&] { found = &find_edits(before, after); });
+	return status.ok() ? *found : anywhere;
+}
+
+const EditedArea &EditSearch::find_edits(const LayerSettings &before, const LayerSettings &after) {
+	const Pair pair{&before, &after};
+	if (const auto known = found_.find(pair); known != found_.end()) {
+		return known->second;
 	}
-	return at->second;
+	EditedArea area = find_standing(before, after);
+	area.everywhere = area.everywhere || !same_look(before, after);
+	return found_.emplace(pair, std::move(area)).first->second;
 }
 
 const EditedArea &EditSearch::find_standing(const LayerSettings &before, const LayerSettings &after) {
-	const auto [at, is_new] = standing_.try_emplace({&before, &after});
-	if (!is_new || &before == &after) {
-		return at->second;
+	const Pair pair{&before, &after};
+	if (const auto known = standing_.find(pair); known != standing_.end()) {
+		return known->second;
 	}
-	EditedArea &area = at->second;
-	area.everywhere = !same_rules(before, after) || before.neighbors.size() != after.neighbors.size();
-	if (area.everywhere) {
-		return area;
+	EditedArea area;
+	if (&before != &after) {
+		area.everywhere = !same_rules(before, after) || before.neighbors.size() != after.neighbors.size();
 	}
-	area.add(own_edits(before.rules, after.rules));
-	for (std::size_t i = 0; i < after.neighbors.size(); ++i) {
-		const Neighbor &was = before.neighbors[i];
-		const Neighbor &is = after.neighbors[i];
-		area.everywhere = area.everywhere || was.distance != is.distance || was.curve != is.curve;
-		area.add(find_standing(*was.layer, *is.layer), is.distance);
+	if (&before != &after && !area.everywhere) {
+		area.add(own_edits(before.rules, after.rules));
+		for (std::size_t i = 0; i < after.neighbors.size(); ++i) {
+			const Neighbor &was = before.neighbors[i];
+			const Neighbor &is = after.neighbors[i];
+			area.everywhere = area.everywhere || was.distance != is.distance || was.curve != is.curve;
+			area.add(find_standing(*was.layer, *is.layer), is.distance);
+		}
 	}
-	return area;
+	return standing_.emplace(pair, std::move(area)).first->second; // Only when it is whole.
 }
 
 } // namespace thicket

@@ -34,12 +34,13 @@ Rect grown(const Rect &area, double distance);
 class EditSearch {
 public:
 	/// For the layer itself: its instances, how they stand and which mesh they have. All of it, if anything but masks
-	/// and shapes has changed, in the layer or in a rule of its neighbors.
+	/// and shapes has changed, in the layer or in a rule of its neighbors; or if memory does not suffice to tell.
 	const EditedArea &find(const LayerSettings &before, const LayerSettings &after);
 
 private:
 	using Pair = std::pair<const LayerSettings *, const LayerSettings *>;
 
+	const EditedArea &find_edits(const LayerSettings &before, const LayerSettings &after);
 	const EditedArea &find_standing(const LayerSettings &before, const LayerSettings &after);
 
 	std::map<Pair, EditedArea> found_;    ///< For the layer itself.

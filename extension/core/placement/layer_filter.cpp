@@ -1,5 +1,6 @@
 #include "core/placement/layer_filter.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/placement/edge_probes.hpp"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets
 } // namespace
 
 void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors) {
-	static_cast<void>(rules_.set(layer.rules, layer.set.seed)); // Valid, so it is not refused.
+	throw_if_out_of_memory(rules_.set(layer.rules, layer.set.seed)); // Valid, so there is no other reason.
 	layer_ = &layer;
 	neighbors_.assign(neighbors.begin(), neighbors.end());
 }
@@ -41,7 +42,7 @@ Status LayerFilter::sample(TileSampler &sampler, const Rect &window, const std::
 	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
 		// Probes lie outside the window, too.
 		const double around = rules_.rules().edge_feather;
-		shapes->near({window.min - around, window.max + around}, near_shapes_);
+		throw_if_out_of_memory(shapes->near({window.min - around, window.max + around}, near_shapes_));
 	}
 	return open_probes();
 }

@@ -1,5 +1,6 @@
 #include "core/placement/tile_builder.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/placement/instance_writer.hpp"
 #include "core/placement/tile_filter.hpp"
 
@@ -53,7 +54,10 @@ struct TileBuilder::Workspace {
 
 	std::vector<Ground> ground; ///< For `build`, which asks the terrain itself.
 
+	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel);
+	Status place(std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel);
 	void gather_positions();
+	Status ask_all(const Terrain &terrain, const std::atomic<bool> *cancel);
 	Status ask(const Terrain &terrain, const GroundQuery &query, const std::atomic<bool> *cancel);
 };
 
@@ -90,6 +94,47 @@ Status TileBuilder::Workspace::ask(const Terrain &terrain, const GroundQuery &qu
 	return {};
 }
 
+Status TileBuilder::Workspace::ask_all(const Terrain &terrain, const std::atomic<bool> *cancel) {
+	ground.assign(positions.size(), Ground{});
+	for (const GroundQuery &query : queries) {
+		if (const Status status = ask(terrain, query, cancel); !status.ok()) {
+			return status;
+		}
+	}
+	return {};
+}
+
+Status TileBuilder::Workspace::find_points(
+		const LayerSettings &layer, const Rect &p_rect, const std::atomic<bool> *cancel) {
+	found = false;
+	filter.set(layer);
+	if (const Status status = filter.sample(p_rect, cancel); !status.ok()) {
+		return status;
+	}
+	rect = p_rect;
+	gather_positions();
+	found = true;
+	return {};
+}
+
+Status TileBuilder::Workspace::place(
+		std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel) {
+	if (const Status status = filter.filter(known, cancel); !status.ok()) {
+		return status;
+	}
+	const LayerFilter &own = filter.own();
+	const glm::dvec2 center = rect.center();
+	const glm::dvec3 origin{center.x, origin_height(known.last(origin_probes.size())), center.y};
+	const std::size_t first = queries[filter.size() - 1].first;
+	const StandingPoints points{own.positions(), known.subspan(first, own.positions().size()), own.ids(),
+			own.standing(), own.thinning_ranks()};
+	const Status status = writer.write(own.settings(), points, origin, r_tile, cancel);
+	if (status.ok()) {
+		r_tile.counts = {own.sampled(), own.positions().size(), own.standing().size()};
+	}
+	return status;
+}
+
 TileBuilder::TileBuilder(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
 TileBuilder::~TileBuilder() = default;
 TileBuilder::TileBuilder(TileBuilder &&) noexcept = default;
@@ -100,30 +145,17 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 	if (const Status status = find_points(layer, rect, cancel); !status.ok()) {
 		return status;
 	}
-	Workspace &work = *workspace_;
-	work.ground.assign(work.positions.size(), Ground{});
-	for (const GroundQuery &query : work.queries) {
-		if (const Status status = work.ask(terrain, query, cancel); !status.ok()) {
-			return status;
-		}
-	}
-	return place(work.ground, r_tile, cancel);
+	const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()),
+			[&] { return workspace_->ask_all(terrain, cancel); });
+	return status.ok() ? place(workspace_->ground, r_tile, cancel) : status;
 }
 
 Status TileBuilder::find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel) {
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
-	Workspace &work = *workspace_;
-	work.found = false;
-	work.filter.set(layer);
-	if (const Status status = work.filter.sample(rect, cancel); !status.ok()) {
-		return status;
-	}
-	work.rect = rect;
-	work.gather_positions();
-	work.found = true;
-	return {};
+	return guarded("tile", std::max(rect.size().x, rect.size().y),
+			[&] { return workspace_->find_points(layer, rect, cancel); });
 }
 
 std::span<const glm::dvec2> TileBuilder::positions() const { return workspace_->positions; }
@@ -131,24 +163,14 @@ std::span<const glm::dvec2> TileBuilder::positions() const { return workspace_->
 std::span<const GroundQuery> TileBuilder::queries() const { return workspace_->queries; }
 
 Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel) {
-	Workspace &work = *workspace_;
-	if (!work.found) {
+	if (!workspace_->found) {
 		return {ErrorCode::missing, "points", 0.0};
 	}
-	if (ground.size() != work.positions.size()) {
+	if (ground.size() != workspace_->positions.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(ground.size())};
 	}
-	if (const Status status = work.filter.filter(ground, cancel); !status.ok()) {
-		return status;
-	}
-	const LayerFilter &own = work.filter.own();
-	const glm::dvec2 center = work.rect.center();
-	r_tile.origin = {center.x, origin_height(ground.last(origin_probes.size())), center.y};
-	r_tile.counts = {own.sampled(), own.positions().size(), own.standing().size()};
-	const std::size_t first = work.queries[work.filter.size() - 1].first;
-	const StandingPoints points{own.positions(), ground.subspan(first, own.positions().size()), own.ids(),
-			own.standing(), own.thinning_ranks()};
-	return work.writer.write(own.settings(), points, r_tile, cancel);
+	return guarded("tile", std::max(workspace_->rect.size().x, workspace_->rect.size().y),
+			[&] { return workspace_->place(ground, r_tile, cancel); });
 }
 
 const SampleStats &TileBuilder::sample_stats() const { return workspace_->filter.sample_stats(); }

@@ -44,7 +44,8 @@ public:
 	Status build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
 			const std::atomic<bool> *cancel = nullptr);
 
-	/// The first step: the points that the rules of the place let pass.
+	/// The first step: the points that the rules of the place let pass. There are none after ErrorCode::cancelled or
+	/// ErrorCode::out_of_memory.
 	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr);
 
 	/// Where the ground has to be known after `find_points`: the layer's points and those of its neighbors, the surroundings
@@ -55,7 +56,7 @@ public:
 	std::span<const GroundQuery> queries() const;
 
 	/// The second step: filters and places the points of `find_points`. `ground[i]` belongs to `positions()[i]`; any
-	/// other length is refused as `ground`, and so is a call without points found before. May be repeated.
+	/// other length is refused as `ground`, and so is a call without points found before. May be repeated. Errors as `build`.
 	Status place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel = nullptr);
 
 	/// What the sampler did last.

@@ -7,6 +7,12 @@
 
 namespace thicket {
 
+void MeshInstances::reserve(std::size_t count, std::size_t floats) {
+	buffer.reserve(count * floats);
+	ids.reserve(count);
+	ranks.reserve(count);
+}
+
 void MeshInstances::resize(std::size_t count, std::size_t floats) {
 	stride = floats;
 	buffer.resize(count * floats);

@@ -26,6 +26,9 @@ struct MeshInstances {
 
 	std::size_t size() const { return ids.size(); }
 
+	/// Takes the memory for `count` instances of `floats` each.
+	void reserve(std::size_t count, std::size_t floats);
+
 	/// Makes room for `count` instances of `floats` each. Keeps the memory it has.
 	void resize(std::size_t count, std::size_t floats = transform_floats);
 

@@ -133,6 +133,19 @@ struct InstanceQuery {
 	Status tiles_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 	Status tiles_in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
+
+private:
+	// What the above do within the core's border (see core/base/guard.hpp). They throw std::bad_alloc.
+	Status find_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
+	Status find_in_sphere(
+			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
+	Status find_on_ray(glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const;
+	Status find_nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
+			std::vector<NearestInstance> &r_found) const;
+	Status find_by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
+	Status find_tiles_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
+	Status find_tiles_in_sphere(
+			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 };
 
 } // namespace thicket

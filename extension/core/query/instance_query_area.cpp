@@ -161,7 +161,8 @@ Status tiles_in(std::span<const QueryLayer> layers, const QueryFilter &filter, c
 
 } // namespace
 
-Status InstanceQuery::in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
+Status InstanceQuery::find_in_rect(
+		const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
 	if (const Status status = check_rect(rect); !status.ok()) {
 		r_found.clear();
 		return status;
@@ -172,7 +173,7 @@ Status InstanceQuery::in_rect(const Rect &rect, const QueryFilter &filter, std::
 	return gather(*this, filter, area_of(rect), inside, r_found);
 }
 
-Status InstanceQuery::in_sphere(
+Status InstanceQuery::find_in_sphere(
 		glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
 	if (const Status status = check_sphere(center, radius); !status.ok()) {
 		r_found.clear();
@@ -184,7 +185,8 @@ Status InstanceQuery::in_sphere(
 	return gather(*this, filter, area_of(center, radius), inside, r_found);
 }
 
-Status InstanceQuery::tiles_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const {
+Status InstanceQuery::find_tiles_in_rect(
+		const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const {
 	if (const Status status = check_rect(rect); !status.ok()) {
 		r_tiles.clear();
 		return status;
@@ -192,7 +194,7 @@ Status InstanceQuery::tiles_in_rect(const Rect &rect, const QueryFilter &filter,
 	return tiles_in(layers, filter, area_of(rect), r_tiles);
 }
 
-Status InstanceQuery::tiles_in_sphere(
+Status InstanceQuery::find_tiles_in_sphere(
 		glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<Tile> &r_tiles) const {
 	if (const Status status = check_sphere(center, radius); !status.ok()) {
 		r_tiles.clear();

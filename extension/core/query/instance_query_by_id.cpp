@@ -62,15 +62,7 @@ void add_from(
 
 } // namespace
 
-Status InstanceQuery::by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const {
-	if (state != nullptr && !is_added(id) && state->removed(id)) {
-		r_found.clear();
-		return {};
-	}
-	return by_id_even_removed(id, r_found);
-}
-
-Status InstanceQuery::by_id_even_removed(std::uint64_t id, std::vector<PlacedInstance> &r_found) const {
+Status InstanceQuery::find_by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const {
 	r_found.clear();
 	for (std::uint32_t place = 0; place < layers.size() && r_found.empty(); ++place) {
 		const QueryLayer &layer = layers[place];

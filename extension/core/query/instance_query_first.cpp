@@ -140,7 +140,7 @@ private:
 
 } // namespace
 
-Status InstanceQuery::nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
+Status InstanceQuery::find_nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 		std::vector<NearestInstance> &r_found) const {
 	r_found.clear();
 	std::vector<std::uint32_t> places;
@@ -175,7 +175,7 @@ Status InstanceQuery::nearest(glm::dvec3 position, double max_distance, const Qu
 	return status;
 }
 
-Status InstanceQuery::on_ray(
+Status InstanceQuery::find_on_ray(
 		glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const {
 	r_hit.clear();
 	std::vector<std::uint32_t> places;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/guard.hpp"
 #include "core/query/instance_query.hpp"
 
 #include <cstdint>
@@ -47,7 +48,7 @@ void for_hand_placed(const InstanceQuery &query, std::uint32_t layer, const Rect
 		return;
 	}
 	std::vector<std::uint64_t> ids;
-	query.state->added_in(query.layers[layer].set.layer, rect, ids);
+	throw_if_out_of_memory(query.state->added_in(query.layers[layer].set.layer, rect, ids));
 	for (const std::uint64_t id : ids) {
 		if (const AddedInstance *added = query.state->added(id); added != nullptr) {
 			visit(id, *added);

@@ -2,6 +2,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,10 +29,11 @@ Status CurveTable::set(double min, double max, std::span<const float> samples) {
 			return status;
 		}
 	}
-	samples_.assign(samples.begin(), samples.end());
-	min_ = min;
-	max_ = max;
-	return {};
+	return guarded("samples", static_cast<double>(samples.size()), [&] {
+		samples_ = std::vector<float>(samples.begin(), samples.end());
+		min_ = min;
+		max_ = max;
+	});
 }
 
 double CurveTable::at(double x) const {

@@ -3,6 +3,7 @@
 #include "core/base/bilinear.hpp"
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
 
 #include <glm/common.hpp>
 
@@ -50,11 +51,12 @@ Status ImageMask::set(glm::ivec2 size, std::span<const std::uint8_t> pixels, con
 	if (pixels.size() != static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {
 		return {ErrorCode::wrong_size, "pixels", static_cast<double>(pixels.size())};
 	}
-	pixels_.assign(pixels.begin(), pixels.end());
-	size_ = size;
-	area_ = area;
-	edge_ = edge;
-	return {};
+	return guarded("pixels", static_cast<double>(pixels.size()), [&] {
+		pixels_ = std::vector<std::uint8_t>(pixels.begin(), pixels.end());
+		size_ = size;
+		area_ = area;
+		edge_ = edge;
+	});
 }
 
 Status ImageMask::sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const {

@@ -3,11 +3,11 @@
 #include "core/base/bilinear.hpp"
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
 #include "core/rules/painted_mask_edit.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 namespace thicket {
 
@@ -81,10 +81,9 @@ Status PaintedMask::read(const PixelRect &region, std::vector<std::uint8_t> &r_p
 	if (const Status status = check_region(region); !status.ok()) {
 		return status;
 	}
-	try {
-		r_pixels.resize(pixel_count(region));
-	} catch (const std::bad_alloc &) {
-		return {ErrorCode::out_of_memory, "region", static_cast<double>(pixel_count(region))};
+	const auto count = static_cast<double>(pixel_count(region));
+	if (const Status status = guarded("region", count, [&] { r_pixels.resize(pixel_count(region)); }); !status.ok()) {
+		return status;
 	}
 	Reader reader(*this);
 	auto pixel = r_pixels.begin();
@@ -104,17 +103,14 @@ Status PaintedMask::write(const PixelRect &region, std::span<const std::uint8_t>
 		return {ErrorCode::wrong_size, "pixels", static_cast<double>(pixels.size())};
 	}
 	const std::size_t columns = pixel_columns(region);
-	try {
+	return guarded("region", static_cast<double>(pixels.size()), [&] {
 		Edit edit(*this);
 		edit.apply(region, [&](int x, int y, std::uint8_t) {
 			return pixels[static_cast<std::size_t>(y - region.min.y) * columns +
 					static_cast<std::size_t>(x - region.min.x)];
 		});
 		r_changed = edit.changed_area();
-	} catch (const std::bad_alloc &) {
-		return {ErrorCode::out_of_memory, "region", static_cast<double>(pixels.size())};
-	}
-	return {};
+	});
 }
 
 PixelRect PaintedMask::pixels_of(const Rect &area) const {

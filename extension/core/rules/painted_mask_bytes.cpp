@@ -1,11 +1,11 @@
 #include "core/base/bytes.hpp"
 #include "core/base/check.hpp"
+#include "core/base/guard.hpp"
 #include "core/rules/painted_mask.hpp"
 #include "core/rules/painted_mask_edit.hpp"
 
 #include <algorithm>
 #include <bit>
-#include <new>
 
 // Format 1, all numbers little-endian:
 //   "TMSK", u32 version, f64 pixel size in meters, u8 background;
@@ -123,18 +123,16 @@ Status PaintedMask::from_bytes(std::span<const std::uint8_t> bytes) {
 	if (!check_range("pixel_size", pixel_size, min_pixel_size, max_pixel_size).ok()) {
 		return corrupt;
 	}
-	try {
+	return guarded("data", static_cast<double>(bytes.size()), [&]() -> Status {
 		Blocks blocks;
 		if (!BlockParser(background).parse(ByteReader(content.subspan(header_size)), blocks)) {
 			return corrupt;
 		}
 		blocks_ = std::move(blocks);
-	} catch (const std::bad_alloc &) {
-		return {ErrorCode::out_of_memory, "data", static_cast<double>(bytes.size())};
-	}
-	pixel_size_ = pixel_size;
-	background_ = background;
-	return {};
+		pixel_size_ = pixel_size;
+		background_ = background;
+		return {};
+	});
 }
 
 } // namespace thicket

@@ -1,12 +1,12 @@
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
 #include "core/rules/painted_mask.hpp"
 #include "core/rules/painted_mask_edit.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <new>
 
 namespace thicket {
 
@@ -107,7 +107,7 @@ Status PaintedMask::paint(const Brush &brush, Rect &r_changed) {
 	const auto weight = [&](int x, int y) {
 		return weight_at(brush, (glm::dvec2(x, y) + 0.5) * pixel_size_);
 	};
-	try {
+	return guarded("radius", brush.radius, [&] {
 		Edit edit(*this);
 		if (brush.mode == Brush::Mode::smooth) {
 			const int reach = std::max(1, static_cast<int>(0.25 * brush.radius / pixel_size_));
@@ -119,10 +119,7 @@ Status PaintedMask::paint(const Brush &brush, Rect &r_changed) {
 			edit.apply(region, [&](int x, int y, std::uint8_t value) { return moved(value, aim, weight(x, y)); });
 		}
 		r_changed = edit.changed_area();
-	} catch (const std::bad_alloc &) {
-		return {ErrorCode::out_of_memory, "radius", brush.radius};
-	}
-	return {};
+	});
 }
 
 Rect PaintedMask::Edit::changed_area() const {

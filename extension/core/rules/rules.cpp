@@ -2,6 +2,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
 #include "core/base/trigonometry.hpp"
 
 #include <algorithm>
@@ -72,7 +73,15 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 	if (const Status status = validate(rules); !status.ok()) {
 		return status;
 	}
-	rules_ = rules;
+	const Status status =
+			guarded("rules", static_cast<double>(rules.fields.size() + rules.ground_textures.size()), [&] {
+				rules_.fields.reserve(rules.fields.size());
+				rules_.ground_textures.reserve(rules.ground_textures.size());
+				rules_ = rules; // Takes no memory now, so it is not left half done.
+			});
+	if (!status.ok()) {
+		return status;
+	}
 	slope_ = PreparedRange(rules.min_slope_degrees, rules.min_slope_degrees <= 0.0, rules.max_slope_degrees,
 			rules.max_slope_degrees >= max_slope, rules.slope_falloff);
 	height_ = PreparedRange(rules.min_height, rules.min_height <= -unlimited_height, rules.max_height,
@@ -84,7 +93,10 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 Status PreparedRules::place_densities(
 		std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const {
 	std::fill(r_densities.begin(), r_densities.end(), rules_.density);
-	scratch.resize(positions.size());
+	const auto count = static_cast<double>(positions.size());
+	if (const Status status = guarded("positions", count, [&] { scratch.resize(positions.size()); }); !status.ok()) {
+		return status;
+	}
 	for (const std::shared_ptr<const DensityField> &field : rules_.fields) {
 		if (const Status status = multiply(*field, positions, r_densities, scratch); !status.ok()) {
 			return status;

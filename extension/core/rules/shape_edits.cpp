@@ -1,5 +1,7 @@
 #include "core/rules/shape_edits.hpp"
 
+#include "core/base/guard.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <span>
@@ -16,9 +18,8 @@ bool includes(std::span<const Shape> shapes) {
 	return std::ranges::any_of(shapes, [](const Shape &shape) { return !shape.exclude; });
 }
 
-} // namespace
-
-void add_touched(const Shape &shape, std::vector<Rect> &r_areas) {
+/// Throws std::bad_alloc.
+void add_areas(const Shape &shape, std::vector<Rect> &r_areas) {
 	const std::size_t lines = shape.outline.size() < 2 ? 0 : shape.outline.size() - 1;
 	if (shape.kind != ShapeKind::path || lines < 2) {
 		r_areas.push_back(bounds(shape));
@@ -33,16 +34,10 @@ void add_touched(const Shape &shape, std::vector<Rect> &r_areas) {
 	}
 }
 
-bool find_shape_edits(const ShapeSet *before, const ShapeSet *after, std::vector<Rect> &r_areas) {
-	const std::span<const Shape> old_shapes = shapes_of(before);
-	const std::span<const Shape> new_shapes = shapes_of(after);
-	if (before == after) {
-		return true;
-	}
-	if (includes(old_shapes) != includes(new_shapes)) {
-		return false;
-	}
-	// Of shapes that are equal, each stands for one in the other set. Most are at the place where they were.
+/// What is in one of two sets and not in the other. Throws std::bad_alloc.
+void add_differences(
+		std::span<const Shape> old_shapes, std::span<const Shape> new_shapes, std::vector<Rect> &r_areas) {
+	// Of shapes that are equal, each stands for one in the other set. Most have the index that they had.
 	std::vector<bool> kept(old_shapes.size(), false);
 	for (std::size_t i = 0; i < new_shapes.size(); ++i) {
 		std::size_t found = old_shapes.size();
@@ -53,15 +48,45 @@ bool find_shape_edits(const ShapeSet *before, const ShapeSet *after, std::vector
 		if (found < old_shapes.size()) {
 			kept[found] = true;
 		} else {
-			add_touched(new_shapes[i], r_areas);
+			add_areas(new_shapes[i], r_areas);
 		}
 	}
 	for (std::size_t i = 0; i < old_shapes.size(); ++i) {
 		if (!kept[i]) {
-			add_touched(old_shapes[i], r_areas);
+			add_areas(old_shapes[i], r_areas);
 		}
 	}
-	return true;
+}
+
+/// Adds areas by `add`, or none at all if memory ends.
+template <typename Add>
+Status add_all_or_none(std::vector<Rect> &r_areas, double value, const Add &add) {
+	const std::size_t before = r_areas.size();
+	const Status status = guarded("shapes", value, add);
+	if (!status.ok()) {
+		r_areas.resize(before);
+	}
+	return status;
+}
+
+} // namespace
+
+Status add_touched(const Shape &shape, std::vector<Rect> &r_areas) {
+	return add_all_or_none(r_areas, 1.0, [&] { add_areas(shape, r_areas); });
+}
+
+bool find_shape_edits(const ShapeSet *before, const ShapeSet *after, std::vector<Rect> &r_areas) {
+	const std::span<const Shape> old_shapes = shapes_of(before);
+	const std::span<const Shape> new_shapes = shapes_of(after);
+	if (before == after) {
+		return true;
+	}
+	if (includes(old_shapes) != includes(new_shapes)) {
+		return false;
+	}
+	return add_all_or_none(r_areas, static_cast<double>(old_shapes.size() + new_shapes.size()), [&] {
+		add_differences(old_shapes, new_shapes, r_areas);
+	}).ok();
 }
 
 } // namespace thicket

@@ -1,6 +1,7 @@
 #include "core/rules/shapes.hpp"
 
 #include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,30 +28,33 @@ Status ShapeSet::set(std::vector<Shape> shapes) {
 			return status;
 		}
 	}
-	std::vector<Prepared> prepared(shapes.size());
-	for (std::size_t i = 0; i < shapes.size(); ++i) {
-		prepared[i].bounds = bounds(shapes[i]);
-		if (flat(shapes[i])) {
-			prepared[i].outline.set(shapes[i].outline, shapes[i].kind == ShapeKind::polygon);
-		} else {
-			prepared[i].volume = ShapeVolume(shapes[i]);
+	return guarded("shapes", static_cast<double>(shapes.size()), [&] {
+		std::vector<Prepared> prepared(shapes.size());
+		for (std::size_t i = 0; i < shapes.size(); ++i) {
+			prepared[i].bounds = bounds(shapes[i]);
+			if (flat(shapes[i])) {
+				prepared[i].outline.set(shapes[i].outline, shapes[i].kind == ShapeKind::polygon);
+			} else {
+				prepared[i].volume = ShapeVolume(shapes[i]);
+			}
 		}
-	}
-	includes_ = std::ranges::any_of(shapes, [](const Shape &shape) { return !shape.exclude; });
-	shapes_ = std::move(shapes);
-	prepared_ = std::move(prepared);
-	return {};
+		includes_ = std::ranges::any_of(shapes, [](const Shape &shape) { return !shape.exclude; });
+		shapes_ = std::move(shapes);
+		prepared_ = std::move(prepared);
+	});
 }
 
-void ShapeSet::near(const Rect &area, std::vector<std::uint32_t> &r_near) const {
+Status ShapeSet::near(const Rect &area, std::vector<std::uint32_t> &r_near) const {
 	r_near.clear();
-	for (std::size_t i = 0; i < prepared_.size(); ++i) {
-		const Rect &reach = prepared_[i].bounds;
-		if (area.min.x <= reach.max.x && reach.min.x <= area.max.x && area.min.y <= reach.max.y &&
-				reach.min.y <= area.max.y) {
-			r_near.push_back(static_cast<std::uint32_t>(i));
+	return guarded_answer("shapes", static_cast<double>(prepared_.size()), r_near, [&] {
+		for (std::size_t i = 0; i < prepared_.size(); ++i) {
+			const Rect &reach = prepared_[i].bounds;
+			if (area.min.x <= reach.max.x && reach.min.x <= area.max.x && area.min.y <= reach.max.y &&
+					reach.min.y <= area.max.y) {
+				r_near.push_back(static_cast<std::uint32_t>(i));
+			}
 		}
-	}
+	});
 }
 
 double ShapeSet::chance(std::span<const std::uint32_t> near, glm::dvec3 position) const {

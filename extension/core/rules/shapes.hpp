@@ -32,7 +32,7 @@ public:
 
 	/// The shapes that may have an effect in `area`, borders and all, as ascending indices. Replaces `r_near`. An including
 	/// shape elsewhere still counts: `chance` is 0 where the layer has including shapes and none is near.
-	void near(const Rect &area, std::vector<std::uint32_t> &r_near) const;
+	Status near(const Rect &area, std::vector<std::uint32_t> &r_near) const;
 
 	/// The factor 0 to 1 at a place on the ground (world meters, y up), among the shapes that `near` gave for an area that
 	/// holds it; 0 at a place that is not finite. The same bits whatever the area, and everywhere: no libm but square roots.

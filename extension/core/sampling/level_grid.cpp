@@ -19,7 +19,8 @@ void LevelGrid::reset(const CellRect &p_cells) {
 	const glm::ivec2 size = cells.size() + 2 * border;
 	stride = static_cast<std::uint32_t>(size.x);
 	const std::size_t count = std::size_t{stride} * static_cast<std::size_t>(size.y) + overread;
-	if (time.size() < count) {
+	// The last of them tells: where memory ended halfway, the first ones are larger than the others.
+	if (open.size() < count) {
 		time.resize(count);
 		dart.resize(count);
 		point.resize(count);

@@ -1,6 +1,7 @@
 #include "core/sampling/tile_sampler.hpp"
 
 #include "core/base/check.hpp"
+#include "core/base/guard.hpp"
 #include "core/base/instance_id.hpp"
 #include "core/sampling/block_sampler.hpp"
 #include "core/sampling/rank.hpp"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 namespace thicket {
 
@@ -49,16 +49,10 @@ double expected_points(const PointSet &set, const Rect &rect) {
 	return rect.size().x * rect.size().y * point_density(set);
 }
 
-/// One piece of memory for all that will come: to grow in the middle of a large call would hold up a cancel.
-Status reserve(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points) {
+/// As many points as a rectangle nearly never has.
+double enough_points(const PointSet &set, const Rect &rect) {
 	const double expected = expected_points(set, rect);
-	const double enough = expected + 4.0 * std::sqrt(expected) + 16.0;
-	try {
-		r_points.reserve(static_cast<std::size_t>(enough));
-	} catch (const std::bad_alloc &) {
-		return {ErrorCode::out_of_memory, "rect", enough * sizeof(SamplePoint)};
-	}
-	return {};
+	return expected + 4.0 * std::sqrt(expected) + 16.0;
 }
 
 Status validate_rect(const PointSet &set, const Rect &rect) {
@@ -92,6 +86,8 @@ struct TileSampler::Workspace {
 	BlockSampler blocks;
 	SampleStats stats;
 
+	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
+			const std::atomic<bool> *cancel, const Report &report);
 	void collect(const PointSet &set, const Rect &rect, const CellRect &block, std::vector<SamplePoint> &r_points);
 	void count();
 	Status too_wide(const PointSet &set) const;
@@ -137,6 +133,43 @@ Status TileSampler::Workspace::too_wide(const PointSet &set) const {
 	return {ErrorCode::margin_too_wide, "rect", static_cast<double>(blocks.margin()), {set.seed, set.radius, position}};
 }
 
+/// Of valid arguments. Throws std::bad_alloc.
+Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
+		const std::atomic<bool> *cancel, const Report &report) {
+	// One piece of memory for all that will come: to grow in the middle of a large call would hold up a cancel.
+	r_points.reserve(static_cast<std::size_t>(enough_points(set, rect)));
+	r_points.clear();
+	stats = {};
+	if (rect.empty()) {
+		return {};
+	}
+	const CellRect cells = cells_of(rect, lattice_unit(set));
+	const glm::i64vec2 size(glm::max(cells.size(), glm::ivec2(0)));
+	const glm::i64vec2 count_of_blocks = (size + std::int64_t{widest_block - 1}) / std::int64_t{widest_block};
+	blocks.prepare(set, rank_of);
+	const auto corner = [&](const glm::i64vec2 &index) {
+		return cells.min + glm::ivec2(size * index / count_of_blocks);
+	};
+	for (std::int64_t row = 0; row < count_of_blocks.y; ++row) {
+		for (std::int64_t column = 0; column < count_of_blocks.x; ++column) {
+			const CellRect block{corner({column, row}), corner({column + 1, row + 1})};
+			switch (blocks.resolve(block, cancel)) {
+				case ResolveResult::done: break;
+				case ResolveResult::cancelled: return {ErrorCode::cancelled, "sample", 0.0};
+				case ResolveResult::margin_too_small: r_points.clear(); return too_wide(set);
+			}
+			collect(set, rect, block, r_points);
+			count();
+			if (report) {
+				const auto done = static_cast<double>(row * count_of_blocks.x + column + 1);
+				report(done / static_cast<double>(count_of_blocks.x * count_of_blocks.y), r_points.size());
+			}
+		}
+	}
+	stats.kept = r_points.size();
+	return {};
+}
+
 TileSampler::TileSampler(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
 TileSampler::~TileSampler() = default;
 TileSampler::TileSampler(TileSampler &&) noexcept = default;
@@ -145,47 +178,20 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
 Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const std::atomic<bool> *cancel, const std::function<void(double fraction, std::uint64_t points)> &report) {
+		const std::atomic<bool> *cancel, const Report &report) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);
 	}
-	if (status.ok()) {
-		status = reserve(set, rect, r_points);
-	}
 	if (!status.ok()) {
 		return status;
 	}
-	r_points.clear();
-	workspace_->stats = {};
-	if (rect.empty()) {
-		return {};
+	status = guarded("rect", enough_points(set, rect) * sizeof(SamplePoint),
+			[&] { return workspace_->sample(set, rect, r_points, cancel, report); });
+	if (status.code == ErrorCode::out_of_memory) {
+		r_points.clear();
 	}
-	const CellRect cells = cells_of(rect, lattice_unit(set));
-	const glm::i64vec2 size(glm::max(cells.size(), glm::ivec2(0)));
-	const glm::i64vec2 blocks = (size + std::int64_t{widest_block - 1}) / std::int64_t{widest_block};
-	workspace_->blocks.prepare(set, rank_of);
-	const auto corner = [&](const glm::i64vec2 &place) {
-		return cells.min + glm::ivec2(size * place / blocks);
-	};
-	for (std::int64_t row = 0; row < blocks.y; ++row) {
-		for (std::int64_t column = 0; column < blocks.x; ++column) {
-			const CellRect block{corner({column, row}), corner({column + 1, row + 1})};
-			switch (workspace_->blocks.resolve(block, cancel)) {
-				case ResolveResult::done: break;
-				case ResolveResult::cancelled: return {ErrorCode::cancelled, "sample", 0.0};
-				case ResolveResult::margin_too_small: r_points.clear(); return workspace_->too_wide(set);
-			}
-			workspace_->collect(set, rect, block, r_points);
-			workspace_->count();
-			if (report) {
-				const auto done = static_cast<double>(row * blocks.x + column + 1);
-				report(done / static_cast<double>(blocks.x * blocks.y), r_points.size());
-			}
-		}
-	}
-	workspace_->stats.kept = r_points.size();
-	return {};
+	return status;
 }
 
 } // namespace thicket

@@ -36,6 +36,9 @@ struct SampleStats {
 /// `r_points` must grow. Results do not depend on what it was used for before. Not thread safe; one per thread.
 class TileSampler {
 public:
+	/// How far a call has come: the finished fraction and the points so far.
+	using Report = std::function<void(double fraction, std::uint64_t points)>;
+
 	/// `margins` change how much is computed, never what comes out.
 	explicit TileSampler(const SampleMargins &margins = {});
 	~TileSampler();
@@ -46,13 +49,13 @@ public:
 	/// of the arguments alone. `rect` must lie within cell_limit cells of the origin (+-2^23 * radius / sqrt(2)
 	/// meters) and ask for at most max_points_per_call points; an empty rectangle gives no points and no error, an
 	/// inverted or non-finite one is refused, with `r_points` untouched. Raising `cancel` from another thread ends the call within
-	/// about a millisecond with ErrorCode::cancelled. A point that the widest margin does not decide ends it with
-	/// ErrorCode::margin_too_wide, which names seed, radius and position; `r_points` is empty then. `report` is called on the calling thread, every few milliseconds, with
+	/// about a millisecond with ErrorCode::cancelled. After ErrorCode::margin_too_wide (the widest margin does not decide a point,
+	/// and the status names seed, radius and position) and after ErrorCode::out_of_memory (it names the bytes that the points of
+	/// `rect` take) `r_points` is empty. `report` is called on the calling thread, every few milliseconds, with
 	/// the finished fraction (0 to 1, rising) and the points so far; it may raise `cancel`, and must not throw. O(points)
 	/// time; bounded memory, whatever the rectangle.
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-			const std::atomic<bool> *cancel = nullptr,
-			const std::function<void(double fraction, std::uint64_t points)> &report = {});
+			const std::atomic<bool> *cancel = nullptr, const Report &report = {});
 
 	const SampleStats &stats() const;
 

@@ -2,26 +2,20 @@
 
 #include "core/base/tile_grid.hpp"
 
-#include <algorithm>
-
 namespace thicket {
 
-AddedGrid::Square AddedGrid::square_of(glm::dvec2 position) {
+AddedGrid::Entry AddedGrid::entry_of(std::uint64_t id, glm::dvec2 position) {
 	constexpr double side = 64.0; // Meters.
 	const glm::ivec2 square = tile_at(side, position);
-	return {square.x, square.y};
+	return {square.x, square.y, id};
 }
 
-void AddedGrid::insert(std::uint64_t id, glm::dvec2 position) { squares_[square_of(position)].push_back(id); }
+void AddedGrid::insert(std::uint64_t id, glm::dvec2 position) { entries_.insert(entry_of(id, position)); }
 
-void AddedGrid::erase(std::uint64_t id, glm::dvec2 position) {
-	const auto square = squares_.find(square_of(position));
-	if (square != squares_.end()) {
-		std::erase(square->second, id);
-		if (square->second.empty()) {
-			squares_.erase(square);
-		}
-	}
+void AddedGrid::erase(std::uint64_t id, glm::dvec2 position) noexcept { entries_.erase(entry_of(id, position)); }
+
+void AddedGrid::take(AddedGrid &r_from, std::uint64_t id, glm::dvec2 position) noexcept {
+	entries_.insert(r_from.entries_.extract(entry_of(id, position)));
 }
 
 } // namespace thicket

@@ -4,10 +4,9 @@
 
 #include <glm/vec2.hpp>
 
+#include <compare>
 #include <cstdint>
-#include <map>
-#include <utility>
-#include <vector>
+#include <set>
 
 namespace thicket {
 
@@ -15,34 +14,40 @@ namespace thicket {
 class AddedGrid {
 public:
 	void insert(std::uint64_t id, glm::dvec2 position);
-	void erase(std::uint64_t id, glm::dvec2 position);
+	void erase(std::uint64_t id, glm::dvec2 position) noexcept;
+
+	/// Takes an id over that was inserted into another grid, and takes no memory for it.
+	void take(AddedGrid &r_from, std::uint64_t id, glm::dvec2 position) noexcept;
 
 	/// Calls `use(id)` for all in squares that meet the rectangle, in any order.
 	template <typename Use>
 	void for_each_near(const Rect &rect, Use &&use) const {
-		const Square first = square_of(rect.min);
-		const Square last = square_of(rect.max);
-		for (auto at = squares_.lower_bound(first); at != squares_.end() && at->first.first <= last.first;) {
-			const Square square = at->first;
-			if (square.second < first.second) {
-				at = squares_.lower_bound({square.first, first.second});
-			} else if (square.second > last.second) {
-				at = squares_.lower_bound({square.first + 1, first.second});
+		const Entry first = entry_of(0, rect.min);
+		const Entry last = entry_of(0, rect.max);
+		for (auto at = entries_.lower_bound(first); at != entries_.end() && at->column <= last.column;) {
+			if (at->row < first.row) {
+				at = entries_.lower_bound({at->column, first.row, 0});
+			} else if (at->row > last.row) {
+				at = entries_.lower_bound({at->column + 1, first.row, 0});
 			} else {
-				for (const std::uint64_t id : at->second) {
-					use(id);
-				}
+				use(at->id);
 				++at;
 			}
 		}
 	}
 
 private:
-	using Square = std::pair<std::int32_t, std::int32_t>; ///< Column, row.
+	struct Entry {
+		std::int32_t column;
+		std::int32_t row;
+		std::uint64_t id;
 
-	static Square square_of(glm::dvec2 position);
+		friend auto operator<=>(const Entry &, const Entry &) = default;
+	};
 
-	std::map<Square, std::vector<std::uint64_t>> squares_;
+	static Entry entry_of(std::uint64_t id, glm::dvec2 position);
+
+	std::set<Entry> entries_; ///< Each a piece of memory of its own, so that it can be had before it is needed.
 };
 
 } // namespace thicket

@@ -1,5 +1,6 @@
 #include "core/state/change_log.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/state/id_table.hpp"
 
 #include <algorithm>
@@ -13,10 +14,15 @@ constexpr std::size_t always_kept = 65536;
 
 } // namespace
 
-void ChangeLog::note(std::uint64_t revision, std::uint64_t id, std::size_t held) {
-	entries_.push_back({revision, id});
-	if (entries_.size() > 2 * compacted_ + always_kept) {
-		compact(held + always_kept);
+void ChangeLog::note(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept {
+	const Status status = guarded("changes", static_cast<double>(held), [&] {
+		entries_.push_back({revision, id});
+		if (entries_.size() > 2 * compacted_ + always_kept) {
+			compact(held + always_kept);
+		}
+	});
+	if (!status.ok()) {
+		start_at(revision);
 	}
 }
 
@@ -35,8 +41,8 @@ void ChangeLog::compact(std::size_t most) {
 	compacted_ = entries_.size();
 }
 
-void ChangeLog::start_at(std::uint64_t revision) {
-	entries_ = {};
+void ChangeLog::start_at(std::uint64_t revision) noexcept {
+	entries_.clear();
 	compacted_ = 0;
 	start_ = revision;
 }

@@ -10,11 +10,12 @@ namespace thicket {
 /// Which ids have changed since when. An id stands in it once or, for a while, some times; 16 bytes each.
 class ChangeLog {
 public:
-	/// An id has changed. Revisions rise. The log keeps at least the last `held` changes, and 65536.
-	void note(std::uint64_t revision, std::uint64_t id, std::size_t held);
+	/// An id has changed. Revisions rise. The log keeps at least the last `held` changes, and 65536; where memory does not
+	/// suffice for that, it forgets them all.
+	void note(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept;
 
 	/// Forgets all changes up to and with `revision`.
-	void start_at(std::uint64_t revision);
+	void start_at(std::uint64_t revision) noexcept;
 
 	/// Whether all changes after `revision` are here.
 	bool knows(std::uint64_t revision) const { return revision >= start_; }

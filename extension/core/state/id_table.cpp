@@ -1,7 +1,9 @@
 #include "core/state/id_table.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/base/split_mix.hpp"
 
+#include <algorithm>
 #include <random>
 #include <utility>
 
@@ -49,10 +51,20 @@ void IdTable::set_time(std::size_t place, double time) {
 	times_[place] = time;
 }
 
-bool IdTable::insert(std::uint64_t id, double time) {
-	if (4 * (size_ + 1) > 3 * ids_.size()) {
-		resize(ids_.empty() ? least_places : 2 * ids_.size());
+void IdTable::reserve(std::size_t count, bool timed) {
+	std::size_t places = std::max(ids_.size(), least_places);
+	while (4 * count > 3 * places) {
+		places *= 2;
 	}
+	if (places > ids_.size()) {
+		resize(places, timed || timed_ > 0);
+	} else if (timed && times_.empty()) {
+		times_.resize(places);
+	}
+}
+
+bool IdTable::insert(std::uint64_t id, double time) {
+	reserve(size_ + 1, time != 0.0);
 	const std::size_t place = place_of(id);
 	const bool is_new = ids_[place] == none;
 	ids_[place] = id;
@@ -61,7 +73,7 @@ bool IdTable::insert(std::uint64_t id, double time) {
 	return is_new;
 }
 
-bool IdTable::erase(std::uint64_t id) {
+bool IdTable::erase(std::uint64_t id) noexcept {
 	if (!contains(id)) {
 		return false;
 	}
@@ -82,15 +94,23 @@ bool IdTable::erase(std::uint64_t id) {
 		hole = next;
 	}
 	ids_[hole] = none;
-	if (ids_.size() > least_places && 8 * size_ < ids_.size()) {
-		resize(ids_.size() / 2);
-	}
 	return true;
 }
 
-void IdTable::resize(std::size_t places) {
+void IdTable::shrink() noexcept {
+	std::size_t places = ids_.size();
+	while (places > least_places && 8 * size_ < places) {
+		places /= 2;
+	}
+	if (places < ids_.size()) {
+		static_cast<void>(guarded("ids", static_cast<double>(places), [&] { resize(places, timed_ > 0); }));
+	}
+}
+
+/// All memory is taken before anything changes.
+void IdTable::resize(std::size_t places, bool timed) {
 	std::vector<std::uint64_t> ids(places, none);
-	std::vector<double> times(timed_ > 0 ? places : 0);
+	std::vector<double> times(timed ? places : 0);
 	ids.swap(ids_);
 	times.swap(times_);
 	for (std::size_t place = 0; place < ids.size(); ++place) {
@@ -99,7 +119,7 @@ void IdTable::resize(std::size_t places) {
 		}
 		const std::size_t to = place_of(ids[place]);
 		ids_[to] = ids[place];
-		if (timed_ > 0) {
+		if (timed && !times.empty()) {
 			times_[to] = times[place];
 		}
 	}

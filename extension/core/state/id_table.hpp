@@ -20,11 +20,17 @@ public:
 	/// The time of an id; 0 for none, and for an id that is not in.
 	double time(std::uint64_t id) const;
 
+	/// Takes the memory for `count` ids, and for times if any of them will have one: so long `insert` takes none.
+	void reserve(std::size_t count, bool timed);
+
 	/// Adds an id, or gives one that is in another time. False if it was in. `id` is not `none`.
 	bool insert(std::uint64_t id, double time = 0.0);
 
-	/// False if it was not in.
-	bool erase(std::uint64_t id);
+	/// False if it was not in. Takes no memory and gives none back; that is for `shrink`.
+	bool erase(std::uint64_t id) noexcept;
+
+	/// Gives memory back where there is far too much of it; keeps it where there is none to move to.
+	void shrink() noexcept;
 
 	std::size_t size() const { return size_; }
 
@@ -46,7 +52,7 @@ private:
 	std::size_t place_of(std::uint64_t id) const;
 	std::size_t home_of(std::uint64_t id) const;
 	void set_time(std::size_t place, double time);
-	void resize(std::size_t places);
+	void resize(std::size_t places, bool timed);
 
 	std::vector<std::uint64_t> ids_; ///< As many as a power of two; `none` where a place is free.
 	std::vector<double> times_;      ///< Empty while no id has had one.

@@ -1,11 +1,11 @@
 #include "core/state/instance_state.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/base/split_mix.hpp"
 #include "core/base/word_hash.hpp"
 #include "core/state/instance_state_content.hpp"
 
 #include <algorithm>
-#include <functional>
 
 namespace thicket {
 
@@ -74,21 +74,25 @@ std::span<const std::uint8_t> InstanceState::data(std::uint64_t id) const {
 										 : std::span<const std::uint8_t>();
 }
 
-void InstanceState::added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const {
+Status InstanceState::added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const {
 	const auto own = content_->layers.find(layer);
 	if (own == content_->layers.end() || rect.empty()) {
-		return;
+		return {};
 	}
 	constexpr double beyond_all = 2.0 * max_added_coordinate;
 	const Rect finite{glm::clamp(rect.min, -beyond_all, beyond_all), glm::clamp(rect.max, -beyond_all, beyond_all)};
-	const auto first = static_cast<std::ptrdiff_t>(r_ids.size());
-	own->second.grid.for_each_near(finite, [&](std::uint64_t id) {
-		const glm::dvec3 position = content_->added.at(id).position;
-		if (rect.contains({position.x, position.z})) {
-			r_ids.push_back(id);
-		}
+	const std::size_t first = r_ids.size();
+	const Status status = guarded("rect", std::max(rect.size().x, rect.size().y), [&] {
+		own->second.grid.for_each_near(finite, [&](std::uint64_t id) {
+			const glm::dvec3 position = content_->added.at(id).position;
+			if (rect.contains({position.x, position.z})) {
+				r_ids.push_back(id);
+			}
+		});
 	});
-	std::sort(r_ids.begin() + first, r_ids.end());
+	r_ids.resize(status.ok() ? r_ids.size() : first);
+	std::sort(r_ids.begin() + static_cast<std::ptrdiff_t>(first), r_ids.end());
+	return status;
 }
 
 double InstanceState::max_added_scale(std::uint16_t layer) const {
@@ -126,6 +130,9 @@ Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp) {
 	if (layer > max_state_layer) {
 		return {ErrorCode::out_of_range, "layer", static_cast<double>(layer)};
 	}
+	if (const Status status = guarded("layer", layer, [&] { content_->layers.try_emplace(layer); }); !status.ok()) {
+		return status;
+	}
 	Content::Layer &own = content_->layers[layer];
 	if (own.holds_any() && own.stamp != 0 && own.stamp != stamp) {
 		return {ErrorCode::foreign, "layer", static_cast<double>(layer)};
@@ -147,25 +154,21 @@ std::uint64_t InstanceState::stamp(std::uint16_t layer) const {
 	return own != content_->layers.end() ? own->second.stamp : 0;
 }
 
-bool InstanceState::remove(std::uint64_t id, double until) {
-	std::vector<InstanceChange> changes;
+StateChange InstanceState::remove(std::uint64_t id, double until) {
 	Content::Fate to;
 	if (!is_added(id)) {
 		to.data = data(id);
 		to.removed = true;
 		to.until = until > 0.0 && until <= max_state_time ? until : 0.0;
 	}
-	content_->change(id, to, changes);
-	return !changes.empty();
+	return content_->change_one(id, to, "id", static_cast<double>(id));
 }
 
-bool InstanceState::restore(std::uint64_t id) {
+StateChange InstanceState::restore(std::uint64_t id) {
 	if (!removed(id)) {
-		return false;
+		return {};
 	}
-	std::vector<InstanceChange> changes;
-	content_->change(id, {.data = data(id)}, changes);
-	return true;
+	return content_->change_one(id, {.data = data(id)}, "id", static_cast<double>(id));
 }
 
 Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
@@ -178,10 +181,9 @@ Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 	while (id == IdTable::none || content_->added.contains(id)) {
 		id = prefix | ((id + 1) & cell_mask);
 	}
-	std::vector<InstanceChange> changes;
-	content_->change(id, {.instance = &placed}, changes);
-	r_id = id;
-	return {};
+	const Status status = content_->change_one(id, {.instance = &placed}, "instance", 1.0).status;
+	r_id = status.ok() ? id : r_id;
+	return status;
 }
 
 Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> bytes) {
@@ -193,27 +195,19 @@ Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> b
 		return {ErrorCode::missing, "id"};
 	}
 	to.data = bytes;
-	std::vector<InstanceChange> changes;
-	content_->change(id, to, changes);
-	return {};
+	return content_->change_one(id, to, "data", static_cast<double>(bytes.size())).status;
 }
 
-void InstanceState::advance(double seconds, std::vector<InstanceChange> &r_changes) {
+Status InstanceState::advance(double seconds, std::vector<InstanceChange> &r_changes) {
 	if (!(seconds > 0.0)) {
-		return;
+		return {};
 	}
-	content_->time = std::min(content_->time + seconds, max_state_time);
-	std::vector<Content::Due> &due = content_->due;
-	while (!due.empty() && due.front().time <= content_->time) {
-		const Content::Due first = due.front();
-		std::ranges::pop_heap(due, std::greater<>());
-		due.pop_back();
-		if (content_->removed.time(first.id) == first.time) {
-			content_->change(first.id, {.data = data(first.id)}, r_changes);
-		}
-	}
+	const double to = std::min(content_->time + seconds, max_state_time);
+	return guarded("seconds", seconds, [&] { content_->move_clock(to, r_changes); });
 }
 
-void InstanceState::clear(std::vector<InstanceChange> &r_changes) { content_->start_from({}, r_changes); }
+Status InstanceState::clear(std::vector<InstanceChange> &r_changes) {
+	return guarded("changes", static_cast<double>(content_->size()), [&] { content_->start_from({}, r_changes); });
+}
 
 } // namespace thicket

@@ -56,6 +56,15 @@ struct InstanceChange {
 	AddedInstance added; ///< Of a hand-placed one.
 };
 
+/// What came of a change of one instance: whether anything is another now. False as well where memory did not suffice, and
+/// then `status` says so and nothing has changed.
+struct StateChange {
+	Status status;
+	bool changed = false;
+
+	operator bool() const { return changed; } // NOLINT: most callers want to know no more.
+};
+
 /// What differs from the world as it was generated: removed ids, hand-placed instances, and data of either; and a clock, by which
 /// what is removed may grow again. Nothing else is kept, so a world of a million felled trees is a few megabytes.
 ///
@@ -65,6 +74,9 @@ struct InstanceChange {
 ///
 /// Layers are stamped with what names their point set (see `claim`), because ids mean nothing in another set. Clocks are those of one
 /// world: what comes from another state turns this one's forward, never back.
+///
+/// Where memory does not suffice, a call says so by its status and leaves the state as it was, to the bit, and the lists that it
+/// would add to; bytes that it would write are none then. Only the log of changes may be given up, as if they were too many.
 ///
 /// A million removed points take about 35 MB of memory, 20 MB if they were loaded, and 17 MB more where they grow again.
 class InstanceState {
@@ -85,7 +97,7 @@ public:
 
 	/// Adds the ids of all hand-placed instances of a layer that stand in the half-open `rect` (world meters), ascending. Costs what
 	/// stands near by, not what stands in the world.
-	void added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const;
+	Status added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const;
 
 	/// No column of the basis of a hand-placed instance of the layer is longer: how far off one must look for those that reach a
 	/// place. 0 for none; may stay larger than it has to be after some are removed. O(1).
@@ -119,10 +131,10 @@ public:
 
 	/// Removes an instance, for ever or (`until` above 0, at most max_state_time) until the clock reaches that time. A hand-placed one is
 	/// gone with its data, and `until` does not count. False if it was removed before (a new `until` is taken over) or was never placed.
-	bool remove(std::uint64_t id, double until = 0.0);
+	StateChange remove(std::uint64_t id, double until = 0.0);
 
 	/// Undoes the removal of a point of the set. False if it was not removed.
-	bool restore(std::uint64_t id);
+	StateChange restore(std::uint64_t id);
 
 	/// Places an instance by hand. Its id is a function of the instance, so that peers who place the same get the same id; one that
 	/// is taken gives the next free id. Refuses what AddedInstance refuses, naming it, and leaves everything as it was.
@@ -134,21 +146,21 @@ public:
 
 	/// Moves the clock on by `seconds`, to max_state_time at most, and restores what is due. Nothing for what is not above 0. Adds the
 	/// changes.
-	void advance(double seconds, std::vector<InstanceChange> &r_changes);
+	Status advance(double seconds, std::vector<InstanceChange> &r_changes);
 
 	/// Forgets everything but the revision, which rises, and the claims. Adds the changes.
-	void clear(std::vector<InstanceChange> &r_changes);
+	Status clear(std::vector<InstanceChange> &r_changes);
 
 	/// Replaces `r_bytes` by the whole state: versioned, checksummed, the same bytes for the same content on every machine. A million
 	/// removed points of a layer take less than 4 MB however they are spread, and far less where they stand close.
-	void save(std::vector<std::uint8_t> &r_bytes) const;
+	Status save(std::vector<std::uint8_t> &r_bytes) const;
 
 	/// Replaces the content of this state by what `save` wrote. Refuses what is truncated, damaged, of another kind or version with
 	/// ErrorCode::corrupt, and stamps that contradict those of this state's layers as `layer`; then nothing has changed. Adds the changes.
 	Status load(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes);
 
 	/// Replaces `r_bytes` by what has changed since a revision of this state, restored ids included, for `apply`.
-	void diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes) const;
+	Status diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes) const;
 
 	/// Takes over what `diff_since` of another state gave: those ids become what they are there, all others stay. A diff that had to give
 	/// all there is, and what `save` gave, replaces everything. Refuses as `load` does.

@@ -1,5 +1,7 @@
 #include "core/state/instance_state_content.hpp"
 
+#include "core/base/guard.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -19,6 +21,16 @@ double scale_of(const AddedInstance &instance) {
 	return std::sqrt(squared);
 }
 
+glm::dvec2 square_position(const AddedInstance &instance) { return {instance.position.x, instance.position.z}; }
+
+/// Room for so many more, and for as many again, so that single changes do not move it each time.
+template <typename T>
+void reserve_more(std::vector<T> &r_list, std::size_t more) {
+	if (r_list.capacity() - r_list.size() < more) {
+		r_list.reserve(std::max(r_list.size() + more, 2 * r_list.capacity()));
+	}
+}
+
 } // namespace
 
 StateRecord::Fate InstanceState::Content::fate(std::uint64_t id) const {
@@ -34,13 +46,85 @@ StateRecord::Fate InstanceState::Content::fate(std::uint64_t id) const {
 	return fate;
 }
 
-void InstanceState::Content::change(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes) {
+StateChange InstanceState::Content::change_one(
+		std::uint64_t id, const Fate &to, const char *asked_for, double value) {
+	std::vector<InstanceChange> changes;
+	const Status status =
+			guarded(asked_for, value, [&] { change_all([&](const auto &use) { use(id, to); }, changes); });
+	return {status, !changes.empty()};
+}
+
+InstanceState::Content::Room InstanceState::Content::empty_room() const {
+	Room room;
+	room.removed = room.most_removed = removed.size();
+	return room;
+}
+
+/// Takes the memory for what `change` will do, except for what `make_room` takes for all together.
+void InstanceState::Content::plan(std::uint64_t id, const Fate &to, Room &r_room) {
+	bool data_stay = true;
 	if (is_added(id)) {
-		change_added(id, to.instance, r_changes);
+		data_stay = plan_added(id, to.instance, r_room);
+	} else {
+		plan_removed(id, to, r_room);
+	}
+	const auto own = data.find(id);
+	const bool was = data_stay && own != data.end();
+	if (was ? std::ranges::equal(own->second, to.data) : to.data.empty()) {
+		return;
+	}
+	++r_room.changes;
+	layers.try_emplace(layer_of(id));
+	if (!to.data.empty()) {
+		r_room.data.emplace(id, Bytes(to.data.begin(), to.data.end()));
+	}
+}
+
+void InstanceState::Content::plan_removed(std::uint64_t id, const Fate &to, Room &r_room) {
+	const bool was = removed.contains(id);
+	if (to.removed && to.until > 0.0) {
+		++r_room.due;
+		r_room.timed = true;
+	}
+	if (was != to.removed) {
+		++r_room.changes;
+		layers.try_emplace(layer_of(id));
+		r_room.removed += to.removed ? 1 : -std::size_t{1};
+		r_room.most_removed = std::max(r_room.most_removed, r_room.removed);
+	}
+}
+
+/// False if the instance that is there will go, with its data.
+bool InstanceState::Content::plan_added(std::uint64_t id, const AddedInstance *to, Room &r_room) {
+	const auto own = added.find(id);
+	const bool was = own != added.end();
+	if (was ? to != nullptr && *to == own->second : to == nullptr) {
+		return true;
+	}
+	r_room.changes += was ? 1 : 0;
+	if (to != nullptr) {
+		++r_room.changes;
+		layers.try_emplace(to->layer);
+		r_room.added.emplace(id, *to);
+		r_room.grid.insert(id, square_position(*to));
+	}
+	return !was;
+}
+
+void InstanceState::Content::make_room(const Room &room, std::vector<InstanceChange> &r_changes) {
+	removed.reserve(room.most_removed + 1, room.timed); // One more: a new time for one that is in asks for that.
+	reserve_more(due, room.due);
+	reserve_more(r_changes, room.changes);
+}
+
+void InstanceState::Content::change(
+		std::uint64_t id, const Fate &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept {
+	if (is_added(id)) {
+		change_added(id, to.instance, r_room, r_changes);
 	} else {
 		change_removed(id, to, r_changes);
 	}
-	change_data(id, to.data, r_changes);
+	change_data(id, to.data, r_room, r_changes);
 }
 
 void InstanceState::Content::change_removed(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes) {
@@ -62,7 +146,7 @@ void InstanceState::Content::change_removed(std::uint64_t id, const Fate &to, st
 }
 
 void InstanceState::Content::change_added(
-		std::uint64_t id, const AddedInstance *to, std::vector<InstanceChange> &r_changes) {
+		std::uint64_t id, const AddedInstance *to, Room &r_room, std::vector<InstanceChange> &r_changes) {
 	const auto own = added.find(id);
 	const bool was = own != added.end();
 	if (was ? to != nullptr && *to == own->second : to == nullptr) {
@@ -72,16 +156,16 @@ void InstanceState::Content::change_added(
 		r_changes.push_back({id, InstanceChangeKind::removed, take_away(id)});
 	}
 	if (to != nullptr) {
-		place(id, *to);
+		place(id, r_room);
 		r_changes.push_back({id, InstanceChangeKind::added, *to});
 	}
 	note(id);
 }
 
-void InstanceState::Content::place(std::uint64_t id, const AddedInstance &instance) {
+void InstanceState::Content::place(std::uint64_t id, Room &r_room) {
+	const AddedInstance &instance = added.insert(r_room.added.extract(id)).position->second;
 	Layer &layer = layers[instance.layer];
-	added.emplace(id, instance);
-	layer.grid.insert(id, {instance.position.x, instance.position.z});
+	layer.grid.take(r_room.grid, id, square_position(instance));
 	layer.max_scale = std::max(layer.max_scale, scale_of(instance));
 	++layer.added;
 }
@@ -89,15 +173,15 @@ void InstanceState::Content::place(std::uint64_t id, const AddedInstance &instan
 AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
 	const AddedInstance instance = added.extract(id).mapped();
 	Layer &layer = layers[instance.layer];
-	layer.grid.erase(id, {instance.position.x, instance.position.z});
+	layer.grid.erase(id, square_position(instance));
 	--layer.added;
 	layer.max_scale = layer.added > 0 ? layer.max_scale : 0.0;
 	layer.with_data -= data.erase(id);
 	return instance;
 }
 
-void InstanceState::Content::change_data(
-		std::uint64_t id, std::span<const std::uint8_t> to, std::vector<InstanceChange> &r_changes) {
+void InstanceState::Content::change_data(std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room,
+		std::vector<InstanceChange> &r_changes) {
 	const auto own = data.find(id);
 	const bool was = own != data.end();
 	if (was ? std::ranges::equal(own->second, to) : to.empty()) {
@@ -107,9 +191,11 @@ void InstanceState::Content::change_data(
 	if (to.empty()) {
 		data.erase(own);
 		--layer.with_data;
+	} else if (was) {
+		own->second = std::move(r_room.data.extract(id).mapped());
 	} else {
-		data[id] = Bytes(to.begin(), to.end());
-		layer.with_data += was ? 0 : 1;
+		data.insert(r_room.data.extract(id));
+		++layer.with_data;
 	}
 	note(id);
 	const auto placed = added.find(id);
@@ -133,7 +219,7 @@ void InstanceState::Content::plan_return(std::uint64_t id, double until) {
 		std::ranges::push_heap(due, std::greater<>());
 		return;
 	}
-	due.clear(); // Most of it is out of date.
+	due.clear(); // Most of it is out of date. What is left fits into the memory that it had.
 	removed.for_each([this](std::uint64_t timed, double time) {
 		if (time > 0.0) {
 			due.push_back({time, timed});
@@ -155,6 +241,13 @@ Status InstanceState::Content::check_stamps(const StateRecord &record, bool repl
 		}
 	}
 	return {};
+}
+
+/// So that `take_stamps` takes no memory.
+void InstanceState::Content::make_room_for_stamps(const StateRecord &record) {
+	for (const auto &[number, stamp] : record.stamps) {
+		layers.try_emplace(number);
+	}
 }
 
 void InstanceState::Content::take_stamps(const StateRecord &record) {
@@ -221,25 +314,56 @@ StateRecord InstanceState::Content::record_of(std::vector<std::uint64_t> ids, bo
 	return record;
 }
 
-void InstanceState::Content::follow(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
-	if (record.whole) {
-		for (const std::uint64_t id : all_ids()) {
-			if (!record.names(id)) {
-				change(id, {}, r_changes);
-			}
-		}
-		for (auto &[number, layer] : layers) {
-			layer.stamp = layer.claimed ? layer.stamp : 0;
+/// How many are due by a time, from one of the heap on: no child comes before its parent.
+std::size_t InstanceState::Content::count_due(double until, std::size_t at) const {
+	if (at >= due.size() || due[at].time > until) {
+		return 0;
+	}
+	return 1 + count_due(until, 2 * at + 1) + count_due(until, 2 * at + 2);
+}
+
+void InstanceState::Content::move_clock(double to, std::vector<InstanceChange> &r_changes) {
+	Room nothing;
+	reserve_more(r_changes, count_due(to));
+	time = to;
+	while (!due.empty() && due.front().time <= time) {
+		const Due first = due.front();
+		std::ranges::pop_heap(due, std::greater<>());
+		due.pop_back();
+		if (removed.time(first.id) == first.time) {
+			Fate fate = this->fate(first.id);
+			fate.removed = false;
+			change(first.id, fate, nothing, r_changes);
 		}
 	}
-	record.for_each([this, &r_changes](std::uint64_t id, const Fate &fate) { change(id, fate, r_changes); });
+	removed.shrink();
+}
+
+void InstanceState::Content::follow(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
+	std::vector<std::uint64_t> unnamed;
+	if (record.whole) {
+		unnamed = all_ids();
+		std::erase_if(unnamed, [&record](std::uint64_t id) { return record.names(id); });
+	}
+	make_room_for_stamps(record);
+	const auto each = [&](const auto &use) {
+		for (const std::uint64_t id : unnamed) {
+			use(id, Fate{});
+		}
+		record.for_each(use);
+	};
+	change_all(each, r_changes);
+	for (auto &[number, layer] : layers) {
+		layer.stamp = !record.whole || layer.claimed ? layer.stamp : 0;
+	}
 	take_stamps(record);
 }
 
 void InstanceState::Content::start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
 	logging = false;
-	follow(record, r_changes);
+	const Status status = guarded("changes", 0.0, [&] { follow(record, r_changes); });
 	logging = true;
+	throw_if_out_of_memory(status);
 	time = record.time;
 	log.start_at(++revision);
 	std::erase_if(layers, [](const auto &layer) { return !layer.second.claimed && !layer.second.holds_any(); });

@@ -57,8 +57,35 @@ struct InstanceState::Content {
 
 	Fate fate(std::uint64_t id) const;
 
-	/// Makes of an id what `to` says, and adds what that has changed.
-	void change(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes);
+	/// The memory that changes need. All of it is had before the first of them is made, so that none fails.
+	struct Room {
+		std::map<std::uint64_t, AddedInstance> added;
+		std::map<std::uint64_t, Bytes> data;
+		AddedGrid grid;
+		std::size_t changes = 0;      ///< To be told.
+		std::size_t due = 0;          ///< Points that will grow again.
+		std::size_t removed = 0;      ///< How many points are removed after the changes so far,
+		std::size_t most_removed = 0; ///< and at most on the way.
+		bool timed = false;
+	};
+
+	/// Makes of ids what is said of them, and adds what that has changed; or throws std::bad_alloc and changes nothing.
+	/// `each(use)` calls `use(id, fate)` for every id once. It is called twice: to find out how much memory that takes, and
+	/// then to do it. The second time it must take no memory.
+	template <typename Each>
+	void change_all(const Each &each, std::vector<InstanceChange> &r_changes) {
+		Room room = empty_room();
+		each([&](std::uint64_t id, const Fate &to) { plan(id, to, room); });
+		make_room(room, r_changes);
+		each([&](std::uint64_t id, const Fate &to) { change(id, to, room, r_changes); });
+		removed.shrink();
+	}
+
+	/// The same for a single id. `asked_for` names what is short of memory, of that size.
+	StateChange change_one(std::uint64_t id, const Fate &to, const char *asked_for, double value);
+
+	/// Moves the clock to a later time and restores what is due by then; or throws std::bad_alloc and changes nothing.
+	void move_clock(double to, std::vector<InstanceChange> &r_changes);
 
 	/// Refuses, as `layer`, stamps that are not those of this state's layers that are claimed or, unless everything is replaced, hold
 	/// something.
@@ -71,19 +98,35 @@ struct InstanceState::Content {
 	StateRecord record_of(std::vector<std::uint64_t> ids, bool whole) const;
 	StateRecord whole_record() const { return record_of(all_ids(), true); }
 
+	/// See InstanceState::merge. Throws std::bad_alloc and changes nothing.
+	Status take_in(const StateRecord &record, std::vector<InstanceChange> &r_changes);
+
 	/// Takes over what a record says, and its stamps. A whole one replaces everything but the clock.
+	/// Throws std::bad_alloc and changes nothing, as does the next.
 	void follow(const StateRecord &record, std::vector<InstanceChange> &r_changes);
 
 	/// The same, and forgets which changes led here. Counts as a change, even where nothing is another.
 	void start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes);
 
+	void make_room_for_stamps(const StateRecord &record);
 	void take_stamps(const StateRecord &record);
 
 private:
+	Room empty_room() const;
+	void plan(std::uint64_t id, const Fate &to, Room &r_room);
+	void plan_removed(std::uint64_t id, const Fate &to, Room &r_room);
+	bool plan_added(std::uint64_t id, const AddedInstance *to, Room &r_room);
+	void make_room(const Room &room, std::vector<InstanceChange> &r_changes);
+
+	// From here on all memory is there.
+	void change(std::uint64_t id, const Fate &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept;
 	void change_removed(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes);
-	void change_added(std::uint64_t id, const AddedInstance *to, std::vector<InstanceChange> &r_changes);
-	void change_data(std::uint64_t id, std::span<const std::uint8_t> to, std::vector<InstanceChange> &r_changes);
-	void place(std::uint64_t id, const AddedInstance &instance);
+	void change_added(
+			std::uint64_t id, const AddedInstance *to, Room &r_room, std::vector<InstanceChange> &r_changes);
+	void change_data(std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room,
+			std::vector<InstanceChange> &r_changes);
+	void place(std::uint64_t id, Room &r_room);
+	std::size_t count_due(double until, std::size_t at = 0) const;
 	AddedInstance take_away(std::uint64_t id);
 	void plan_return(std::uint64_t id, double until);
 	void note(std::uint64_t id);

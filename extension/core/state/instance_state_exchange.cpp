@@ -3,12 +3,16 @@
 #include "core/state/instance_state_content.hpp"
 
 #include "core/base/bytes.hpp"
+#include "core/base/guard.hpp"
 
 #include <algorithm>
 
 namespace thicket {
 
-void InstanceState::save(std::vector<std::uint8_t> &r_bytes) const { write(content_->whole_record(), r_bytes); }
+Status InstanceState::save(std::vector<std::uint8_t> &r_bytes) const {
+	return guarded_answer("state", static_cast<double>(content_->size()), r_bytes,
+			[&] { write(content_->whole_record(), r_bytes); });
+}
 
 Status InstanceState::load(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes) {
 	StateRecord record;
@@ -21,13 +25,14 @@ Status InstanceState::load(std::span<const std::uint8_t> bytes, std::vector<Inst
 	if (const Status status = content_->check_stamps(record, true); !status.ok()) {
 		return status;
 	}
-	content_->start_from(record, r_changes);
-	return {};
+	return guarded("data", static_cast<double>(bytes.size()), [&] { content_->start_from(record, r_changes); });
 }
 
-void InstanceState::diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes) const {
+Status InstanceState::diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes) const {
 	const bool known = revision <= content_->revision && content_->log.knows(revision);
-	write(known ? content_->record_of(content_->log.since(revision), false) : content_->whole_record(), r_bytes);
+	return guarded_answer("state", static_cast<double>(content_->size()), r_bytes, [&] {
+		write(known ? content_->record_of(content_->log.since(revision), false) : content_->whole_record(), r_bytes);
+	});
 }
 
 Status InstanceState::apply(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes) {
@@ -38,29 +43,38 @@ Status InstanceState::apply(std::span<const std::uint8_t> bytes, std::vector<Ins
 	if (const Status status = content_->check_stamps(record, record.whole); !status.ok()) {
 		return status;
 	}
-	content_->follow(record, r_changes);
-	content_->time = std::max(content_->time, record.time);
-	return {};
+	return guarded("data", static_cast<double>(bytes.size()), [&] {
+		content_->follow(record, r_changes);
+		content_->time = std::max(content_->time, record.time);
+	});
 }
 
 Status InstanceState::merge(const InstanceState &other, std::vector<InstanceChange> &r_changes) {
-	const StateRecord record = other.content_->whole_record();
-	if (const Status status = content_->check_stamps(record, false); !status.ok()) {
+	return guarded("other", static_cast<double>(other.content_->size()),
+			[&] { return content_->take_in(other.content_->whole_record(), r_changes); });
+}
+
+Status InstanceState::Content::take_in(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
+	if (const Status status = check_stamps(record, false); !status.ok()) {
 		return status;
 	}
-	record.for_each([this, &r_changes](std::uint64_t id, const Content::Fate &theirs) {
-		Content::Fate both = content_->fate(id);
-		if (theirs.removed) {
-			const bool for_ever = theirs.until == 0.0 || (both.removed && both.until == 0.0);
-			both.until = for_ever ? 0.0 : std::max(both.until, theirs.until);
-			both.removed = true;
-		}
-		both.instance = both.instance != nullptr ? both.instance : theirs.instance;
-		both.data = theirs.data.empty() ? both.data : theirs.data;
-		content_->change(id, both, r_changes);
-	});
-	content_->take_stamps(record);
-	content_->time = std::max(content_->time, record.time);
+	make_room_for_stamps(record);
+	const auto each = [&](const auto &use) {
+		record.for_each([&](std::uint64_t id, const Fate &theirs) {
+			Fate both = fate(id);
+			if (theirs.removed) {
+				const bool for_ever = theirs.until == 0.0 || (both.removed && both.until == 0.0);
+				both.until = for_ever ? 0.0 : std::max(both.until, theirs.until);
+				both.removed = true;
+			}
+			both.instance = both.instance != nullptr ? both.instance : theirs.instance;
+			both.data = theirs.data.empty() ? both.data : theirs.data;
+			use(id, both);
+		});
+	};
+	change_all(each, r_changes);
+	take_stamps(record);
+	time = std::max(time, record.time);
 	return {};
 }
 

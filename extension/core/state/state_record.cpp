@@ -2,13 +2,13 @@
 
 #include "core/base/bytes.hpp"
 #include "core/base/check.hpp"
+#include "core/base/guard.hpp"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <new>
 #include <ranges>
 
 // Format 1, all numbers little-endian; a list is written as id_codec.hpp says, ids in it are codes:
@@ -297,16 +297,14 @@ Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record) {
 			checksum(bytes.first(bytes.size() - checksum_size))) {
 		return corrupt;
 	}
-	try {
+	return guarded("data", static_cast<double>(bytes.size()), [&]() -> Status {
 		if (!take_record(ByteReader(reader.rest().first(reader.rest().size() - checksum_size)), r_record)) {
 			return corrupt;
 		}
 		std::vector<std::uint8_t> again;
 		write(r_record, again);
 		return std::ranges::equal(again, bytes) ? Status{} : corrupt;
-	} catch (const std::bad_alloc &) {
-		return {ErrorCode::out_of_memory, "data", static_cast<double>(bytes.size())};
-	}
+	});
 }
 
 } // namespace thicket

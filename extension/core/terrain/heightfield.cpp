@@ -3,6 +3,7 @@
 #include "core/base/bilinear.hpp"
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
 
 #include <algorithm>
 #include <array>
@@ -91,10 +92,11 @@ Status Heightfield::set(const HeightfieldFrame &frame, std::span<const std::uint
 	if (const Status status = check(frame, posts.size()); !status.ok()) {
 		return status;
 	}
-	posts_.assign(posts.begin(), posts.end());
-	meters_ = {};
-	take(frame, frame.min_height, (frame.max_height - frame.min_height) / 65535.0);
-	return {};
+	return guarded("posts", static_cast<double>(posts.size()), [&] {
+		posts_ = std::vector<std::uint16_t>(posts.begin(), posts.end());
+		meters_ = {};
+		take(frame, frame.min_height, (frame.max_height - frame.min_height) / 65535.0);
+	});
 }
 
 Status Heightfield::set_meters(const HeightfieldFrame &frame, std::span<const float> posts) {
@@ -110,10 +112,11 @@ Status Heightfield::set_meters(const HeightfieldFrame &frame, std::span<const fl
 			return status;
 		}
 	}
-	meters_.assign(posts.begin(), posts.end());
-	posts_ = {};
-	take(frame, 0.0, 1.0);
-	return {};
+	return guarded("posts", static_cast<double>(posts.size()), [&] {
+		meters_ = std::vector<float>(posts.begin(), posts.end());
+		posts_ = {};
+		take(frame, 0.0, 1.0);
+	});
 }
 
 void Heightfield::take(const HeightfieldFrame &frame, double base, double meters_per_step) {

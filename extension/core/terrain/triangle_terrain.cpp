@@ -2,12 +2,12 @@
 
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
 #include "core/base/orientation.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <new>
 #include <utility>
 
 namespace thicket {
@@ -77,15 +77,12 @@ Status TriangleTerrain::set(std::span<const glm::dvec3> corners) {
 	if (const Status status = check_corners(corners); !status.ok()) {
 		return status;
 	}
-	TriangleTerrain built;
-	try {
+	return guarded("corners", static_cast<double>(corners.size()), [&] {
+		TriangleTerrain built;
 		built.take(corners);
 		built.build_boxes();
-	} catch (const std::bad_alloc &) {
-		return {ErrorCode::out_of_memory, "corners", static_cast<double>(corners.size())};
-	}
-	*this = std::move(built);
-	return {};
+		*this = std::move(built);
+	});
 }
 
 void TriangleTerrain::take(std::span<const glm::dvec3> corners) {

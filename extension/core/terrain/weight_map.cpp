@@ -2,6 +2,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
 
 #include <algorithm>
 
@@ -36,10 +37,11 @@ Status WeightMap::set(glm::ivec2 size, int channels, std::span<const std::uint8_
 	if (weights.size() != bytes) {
 		return {ErrorCode::wrong_size, "weights", static_cast<double>(weights.size())};
 	}
-	weights_.assign(weights.begin(), weights.end());
-	size_ = size;
-	channels_ = channels;
-	return {};
+	return guarded("weights", static_cast<double>(bytes), [&] {
+		weights_ = std::vector<std::uint8_t>(weights.begin(), weights.end());
+		size_ = size;
+		channels_ = channels;
+	});
 }
 
 unsigned WeightMap::channels_of(std::span<const std::int32_t> textures) const {

@@ -138,11 +138,12 @@ bool ScatterState::remove(int64_t p_id, double p_until) {
 	if (const AddedInstance *added = state_.added(id)) {
 		change.added = *added;
 	}
-	const bool removed = state_.remove(id, p_until);
+	const StateChange removed = state_.remove(id, p_until);
+	told("remove", removed.status);
 	if (removed) {
 		tell({change});
 	}
-	return removed;
+	return removed.changed;
 }
 
 std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> removals) {
@@ -164,11 +165,12 @@ std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> rem
 
 bool ScatterState::restore(int64_t p_id) {
 	const InstanceChange change{core_id(p_id), InstanceChangeKind::restored, {}};
-	const bool restored = state_.restore(change.id);
+	const StateChange restored = state_.restore(change.id);
+	told("restore", restored.status);
 	if (restored) {
 		tell({change});
 	}
-	return restored;
+	return restored.changed;
 }
 
 bool ScatterState::is_removed(int64_t p_id) const { return state_.removed(core_id(p_id)); }
@@ -224,7 +226,7 @@ int64_t ScatterState::get_added_count() const { return static_cast<int64_t>(stat
 
 PackedByteArray ScatterState::to_bytes() const {
 	std::vector<std::uint8_t> bytes;
-	state_.save(bytes);
+	told("to_bytes", state_.save(bytes));
 	return packed(bytes);
 }
 
@@ -237,7 +239,8 @@ Error ScatterState::from_bytes(const PackedByteArray &p_bytes) {
 
 PackedByteArray ScatterState::diff_since(int64_t p_revision) const {
 	std::vector<std::uint8_t> bytes;
-	state_.diff_since(static_cast<std::uint64_t>(std::max<int64_t>(p_revision, 0)), bytes);
+	const auto revision = static_cast<std::uint64_t>(std::max<int64_t>(p_revision, 0));
+	told("diff_since", state_.diff_since(revision, bytes));
 	return packed(bytes);
 }
 
@@ -260,7 +263,7 @@ Error ScatterState::merge(const Ref<ScatterState> &p_other) {
 
 void ScatterState::clear() {
 	std::vector<InstanceChange> changes;
-	state_.clear(changes);
+	told("clear", state_.clear(changes));
 	tell(std::move(changes));
 }
 
@@ -272,7 +275,7 @@ double ScatterState::get_time() const { return state_.time(); }
 
 void ScatterState::advance(double p_seconds) {
 	std::vector<InstanceChange> changes;
-	state_.advance(p_seconds, changes);
+	told("advance", state_.advance(p_seconds, changes));
 	tell(std::move(changes));
 }
 

@@ -200,19 +200,19 @@ std::shared_ptr<const PaintedMask> ScatterMask::snapshot() const {
 
 void ScatterMask::_bind_methods() {
 	using Self = ScatterMask;
-	ClassDB::bind_method(D_METHOD("set_pixel_size", "size"), &Self::set_pixel_size);
-	ClassDB::bind_method(D_METHOD("get_pixel_size"), &Self::get_pixel_size);
-	ClassDB::bind_method(D_METHOD("set_background", "background"), &Self::set_background);
-	ClassDB::bind_method(D_METHOD("get_background"), &Self::get_background);
-	ClassDB::bind_method(D_METHOD("set_data", "data"), &Self::set_data);
-	ClassDB::bind_method(D_METHOD("get_data"), &Self::get_data);
-	ClassDB::bind_method(D_METHOD("paint", "center", "radius", "strength", "hardness", "mode"), &Self::paint,
-			DEFVAL(1.0), DEFVAL(0.5), DEFVAL(MODE_PAINT));
-	ClassDB::bind_method(D_METHOD("get_pixels", "rect"), &Self::get_pixels);
-	ClassDB::bind_method(D_METHOD("set_pixels", "rect", "pixels"), &Self::set_pixels);
-	ClassDB::bind_method(D_METHOD("sample", "position"), &Self::sample);
-	ClassDB::bind_method(D_METHOD("get_pixel_rect", "rect"), &Self::get_pixel_rect);
-	ClassDB::bind_method(D_METHOD("clear"), &Self::clear);
+	bind_guarded<&Self::set_pixel_size>(D_METHOD("set_pixel_size", "size"));
+	bind_guarded<&Self::get_pixel_size>(D_METHOD("get_pixel_size"));
+	bind_guarded<&Self::set_background>(D_METHOD("set_background", "background"));
+	bind_guarded<&Self::get_background>(D_METHOD("get_background"));
+	bind_guarded<&Self::set_data>(D_METHOD("set_data", "data"));
+	bind_guarded<&Self::get_data>(D_METHOD("get_data"));
+	bind_guarded<&Self::paint>(D_METHOD("paint", "center", "radius", "strength", "hardness", "mode"), DEFVAL(1.0),
+			DEFVAL(0.5), DEFVAL(MODE_PAINT));
+	bind_guarded<&Self::get_pixels>(D_METHOD("get_pixels", "rect"));
+	bind_guarded<&Self::set_pixels>(D_METHOD("set_pixels", "rect", "pixels"));
+	bind_guarded<&Self::sample>(D_METHOD("sample", "position"));
+	bind_guarded<&Self::get_pixel_rect>(D_METHOD("get_pixel_rect", "rect"));
+	bind_guarded<&Self::clear>(D_METHOD("clear"));
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "pixel_size", PROPERTY_HINT_RANGE,
 						 "0.125,16,0.125,or_less,or_greater,suffix:m"),
 			"set_pixel_size", "get_pixel_size");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/rules/painted_mask.hpp"
+#include "nodes/common/guard.hpp"
 
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
@@ -18,6 +19,7 @@ namespace thicket {
 /// A dab, and pixels put back, emit `area_changed` with the place that they changed; everything else emits `changed`.
 class ScatterMask : public godot::Resource {
 	GDCLASS(ScatterMask, godot::Resource)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// Brush::Mode.

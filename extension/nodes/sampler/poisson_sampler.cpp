@@ -163,28 +163,27 @@ Dictionary PoissonSampler::sample_exact(double p_min_x, double p_min_y, double p
 }
 
 void PoissonSampler::_bind_methods() {
-	ClassDB::bind_method(D_METHOD("set_seed", "seed"), &PoissonSampler::set_seed);
-	ClassDB::bind_method(D_METHOD("get_seed"), &PoissonSampler::get_seed);
-	ClassDB::bind_method(D_METHOD("set_radius", "radius"), &PoissonSampler::set_radius);
-	ClassDB::bind_method(D_METHOD("get_radius"), &PoissonSampler::get_radius);
-	ClassDB::bind_method(D_METHOD("set_levels", "levels"), &PoissonSampler::set_levels);
-	ClassDB::bind_method(D_METHOD("get_levels"), &PoissonSampler::get_levels);
-	ClassDB::bind_method(D_METHOD("sample", "rect"), &PoissonSampler::sample);
-	ClassDB::bind_method(D_METHOD("sample_exact", "min_x", "min_y", "max_x", "max_y"), &PoissonSampler::sample_exact);
-	ClassDB::bind_method(D_METHOD("set_method", "method"), &PoissonSampler::set_method);
-	ClassDB::bind_method(D_METHOD("get_method"), &PoissonSampler::get_method);
-	ClassDB::bind_method(D_METHOD("set_toroidal", "toroidal"), &PoissonSampler::set_toroidal);
-	ClassDB::bind_method(D_METHOD("is_toroidal"), &PoissonSampler::is_toroidal);
-	ClassDB::bind_method(D_METHOD("set_double_precision", "double_precision"), &PoissonSampler::set_double_precision);
-	ClassDB::bind_method(D_METHOD("is_double_precision"), &PoissonSampler::is_double_precision);
-	ClassDB::bind_method(D_METHOD("set_cell_size", "cell_size"), &PoissonSampler::set_cell_size);
-	ClassDB::bind_method(D_METHOD("get_cell_size"), &PoissonSampler::get_cell_size);
-	ClassDB::bind_method(
-			D_METHOD("sample_domain", "rect", "progress"), &PoissonSampler::sample_domain, DEFVAL(Callable()));
-	ClassDB::bind_method(D_METHOD("sample_domain_exact", "min_x", "min_y", "max_x", "max_y", "progress"),
-			&PoissonSampler::sample_domain_exact, DEFVAL(Callable()));
-	ClassDB::bind_method(D_METHOD("cancel"), &PoissonSampler::cancel);
-	ClassDB::bind_method(D_METHOD("get_stats"), &PoissonSampler::get_stats);
+	bind_guarded<&PoissonSampler::set_seed>(D_METHOD("set_seed", "seed"));
+	bind_guarded<&PoissonSampler::get_seed>(D_METHOD("get_seed"));
+	bind_guarded<&PoissonSampler::set_radius>(D_METHOD("set_radius", "radius"));
+	bind_guarded<&PoissonSampler::get_radius>(D_METHOD("get_radius"));
+	bind_guarded<&PoissonSampler::set_levels>(D_METHOD("set_levels", "levels"));
+	bind_guarded<&PoissonSampler::get_levels>(D_METHOD("get_levels"));
+	bind_guarded<&PoissonSampler::sample>(D_METHOD("sample", "rect"));
+	bind_guarded<&PoissonSampler::sample_exact>(D_METHOD("sample_exact", "min_x", "min_y", "max_x", "max_y"));
+	bind_guarded<&PoissonSampler::set_method>(D_METHOD("set_method", "method"));
+	bind_guarded<&PoissonSampler::get_method>(D_METHOD("get_method"));
+	bind_guarded<&PoissonSampler::set_toroidal>(D_METHOD("set_toroidal", "toroidal"));
+	bind_guarded<&PoissonSampler::is_toroidal>(D_METHOD("is_toroidal"));
+	bind_guarded<&PoissonSampler::set_double_precision>(D_METHOD("set_double_precision", "double_precision"));
+	bind_guarded<&PoissonSampler::is_double_precision>(D_METHOD("is_double_precision"));
+	bind_guarded<&PoissonSampler::set_cell_size>(D_METHOD("set_cell_size", "cell_size"));
+	bind_guarded<&PoissonSampler::get_cell_size>(D_METHOD("get_cell_size"));
+	bind_guarded<&PoissonSampler::sample_domain>(D_METHOD("sample_domain", "rect", "progress"), DEFVAL(Callable()));
+	bind_guarded<&PoissonSampler::sample_domain_exact>(
+			D_METHOD("sample_domain_exact", "min_x", "min_y", "max_x", "max_y", "progress"), DEFVAL(Callable()));
+	bind_guarded<&PoissonSampler::cancel>(D_METHOD("cancel"));
+	bind_guarded<&PoissonSampler::get_stats>(D_METHOD("get_stats"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "radius", PROPERTY_HINT_RANGE, "0.001,1000,0.001,or_greater,suffix:m"),
 			"set_radius", "get_radius");

@@ -3,6 +3,7 @@
 #include "core/sampling/domain/domain_sampler.hpp"
 #include "core/sampling/point_set.hpp"
 #include "core/sampling/tile_sampler.hpp"
+#include "nodes/common/guard.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
@@ -23,6 +24,7 @@ namespace thicket {
 /// prints an error and gives nothing. Objects are independent of each other and agree bit for bit.
 class PoissonSampler : public godot::RefCounted {
 	GDCLASS(PoissonSampler, godot::RefCounted)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// How `sample_domain` fills a rectangle; see DomainMethod for all but the first.

@@ -1,12 +1,18 @@
 #include "nodes/scatter/build_at_once.hpp"
 
+#include "core/base/guard.hpp"
+
+#include <algorithm>
 #include <span>
 #include <vector>
 
 namespace thicket {
 
-Status build_at_once(const LayerSettings &layer, const Terrain *ground, const ScatterTerrain &terrain, const Rect &rect,
-		TileInstances &r_tile) {
+namespace {
+
+/// Throws std::bad_alloc.
+Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const ScatterTerrain &terrain,
+		const Rect &rect, TileInstances &r_tile) {
 	TileBuilder builder;
 	if (ground != nullptr) {
 		return builder.build(layer, *ground, rect, r_tile);
@@ -19,6 +25,14 @@ Status build_at_once(const LayerSettings &layer, const Terrain *ground, const Sc
 				std::span(answers).subspan(query.first, query.count));
 	}
 	return status.ok() ? builder.place(answers, r_tile) : status;
+}
+
+} // namespace
+
+Status build_at_once(const LayerSettings &layer, const Terrain *ground, const ScatterTerrain &terrain, const Rect &rect,
+		TileInstances &r_tile) {
+	return guarded("rect", std::max(rect.size().x, rect.size().y),
+			[&] { return build_in_steps(layer, ground, terrain, rect, r_tile); });
 }
 
 } // namespace thicket

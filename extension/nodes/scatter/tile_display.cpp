@@ -103,13 +103,16 @@ void TileDisplay::begin(TileUpload &r_upload) const {
 	tile.drawing_version = drawing_version(job.request.key.layer);
 	r_upload.shown = overlay(tile);
 	r_upload.overlay_version = overlay_version_;
+	if (r_upload.shown.size() != tile.tile->meshes.size()) {
+		tile.tile = nullptr; // There is no memory for now, so it is begun again later.
+	}
 }
 
 void TileDisplay::upload_part(TileUpload &r_upload) {
 	if (!r_upload.is_begun()) {
 		begin(r_upload);
 	}
-	if (r_upload.is_complete()) {
+	if (!r_upload.is_begun() || r_upload.is_complete()) {
 		return;
 	}
 	const TileJob &job = *r_upload.job;

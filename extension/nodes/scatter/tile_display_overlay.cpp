@@ -1,5 +1,6 @@
 // What a game has changed, in the picture: instances that are removed, placed by hand, or shown by other means.
 
+#include "nodes/common/property_check.hpp"
 #include "nodes/scatter/tile_display.hpp"
 
 #include <glm/common.hpp>
@@ -26,7 +27,9 @@ void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &
 }
 
 std::vector<std::shared_ptr<const MeshInstances>> TileDisplay::overlay(const DisplayedTile &tile) const {
-	return overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_});
+	OverlaidMeshes meshes;
+	report("TerrainScatter3D", overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_}, meshes));
+	return meshes;
 }
 
 void TileDisplay::patch() {
@@ -85,6 +88,10 @@ bool TileDisplay::patch_step() {
 void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layer_at(key.layer);
 	const std::vector<std::shared_ptr<const MeshInstances>> shown = overlay(r_tile);
+	if (shown.size() != r_tile.parts.size()) {
+		mark(key.layer, r_tile.rect); // No memory for now: it stays on show as it is until there is.
+		return;
+	}
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		const std::shared_ptr<const MeshInstances> before = std::exchange(part.shown, shown[mesh]);

@@ -1,5 +1,6 @@
 #include "nodes/scatter/tile_workers.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/streaming/work_order.hpp"
 
 #include <godot_cpp/classes/worker_thread_pool.hpp>
@@ -44,6 +45,8 @@ TileWorkers::~TileWorkers() { stop(); }
 void TileWorkers::push(std::shared_ptr<TileJob> job) {
 	{
 		const std::lock_guard lock(mutex_);
+		// So that a worker takes no memory to hand in what it has done, and an error comes to who asks.
+		finished_.reserve(std::max(finished_.capacity(), finished_.size() + queue_.size() + workers_.size() + 1));
 		queue_.push_back(std::move(job));
 	}
 	wake();
@@ -108,7 +111,7 @@ void TileWorkers::stop() {
 std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
 	const std::lock_guard lock(mutex_);
 	if (worker.job != nullptr) {
-		finished_.push_back(std::move(worker.job));
+		finished_.push_back(std::move(worker.job)); // There is room: see `push`.
 		worker.job = nullptr;
 	}
 	if (queue_.empty()) {
@@ -129,7 +132,13 @@ void TileWorkers::run(void *p_worker) {
 			continue;
 		}
 		const auto start = std::chrono::steady_clock::now();
-		advance(worker, *job);
+		const Rect &rect = job->request.rect;
+		const Status status = guarded("tile", std::max(rect.size().x, rect.size().y), [&] { advance(worker, *job); });
+		if (!status.ok()) {
+			job->status = status;
+			job->uploads = {};
+			finish(worker, *job);
+		}
 		const auto time = std::chrono::steady_clock::now() - start;
 		job->microseconds +=
 				static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());

@@ -1,10 +1,10 @@
 #include "core/sampling/domain/domain_sampler.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/sampling/domain/thrower.hpp"
 
 #include <cmath>
 #include <memory>
-#include <new>
 #include <numbers>
 #include <type_traits>
 #include <utility>
@@ -54,12 +54,7 @@ struct DomainSampler<Real>::State {
 		if (std::is_same_v<Real, float> && widest > max_single_radii * request.radius) {
 			return {ErrorCode::out_of_range, "size", widest};
 		}
-		Status status;
-		try {
-			status = run(request, r_points, progress);
-		} catch (const std::bad_alloc &) {
-			status = {ErrorCode::out_of_memory, "size", widest};
-		}
+		const Status status = guarded("size", widest, [&] { return run(request, r_points, progress); });
 		if (!status.ok()) {
 			thrower.reset();
 		} else if (progress.report) {

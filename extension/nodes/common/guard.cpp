@@ -1,0 +1,52 @@
+#include "nodes/common/guard.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <new>
+#include <stdexcept>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// An argument in a few characters; of what may be long, that it is there.
+String in_short(const Variant &p_value) {
+	switch (p_value.get_type()) {
+		case Variant::NIL:
+		case Variant::BOOL:
+		case Variant::INT:
+		case Variant::FLOAT:
+		case Variant::VECTOR2:
+		case Variant::VECTOR3:
+		case Variant::RECT2:
+		case Variant::RECT2I: return vformat("%s", p_value);
+		default: return "...";
+	}
+}
+
+const char *reason() {
+	try {
+		throw;
+	} catch (const std::bad_alloc &) {
+		return "needs more memory than there is";
+	} catch (const std::length_error &) {
+		return "needs more memory than there is";
+	} catch (...) {
+		return "failed within";
+	}
+}
+
+} // namespace
+
+void report_failed_call(const char *method, std::span<const Variant> arguments) noexcept {
+	const char *why = reason();
+	String list;
+	for (const Variant &argument : arguments) {
+		list = list + (list.is_empty() ? "" : ", ") + in_short(argument);
+	}
+	ERR_PRINT(vformat("%s(%s) %s", String(method), list, String(why)));
+}
+
+} // namespace thicket

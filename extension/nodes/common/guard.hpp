@@ -1,0 +1,109 @@
+#pragma once
+
+// The border between the engine and our code: no exception may pass it, for the engine would end. What the core guards
+// (core/base/guard.hpp) comes as a status; this is for all else that takes memory in a bound method, a notification or a job.
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/variant/string.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+namespace thicket {
+
+/// Prints an error for a call that had to be given up: who was asked (`Class.method`), for what, and why. To be called where
+/// the exception is being handled.
+void report_failed_call(const char *method, std::span<const godot::Variant> arguments) noexcept;
+
+/// Calls `work` for the engine, in a notification or a hook. An exception becomes an error that names `method`, and the
+/// result a default one: nothing, 0, an empty array.
+template <typename Work>
+std::invoke_result_t<Work> guarded_call(const char *method, Work &&work) {
+	try {
+		return std::forward<Work>(work)();
+	} catch (...) {
+		report_failed_call(method, {});
+	}
+	return std::invoke_result_t<Work>();
+}
+
+/// What a member function takes and gives.
+template <typename Method>
+struct MemberFunction;
+
+template <typename C, typename R, typename... Args>
+struct MemberFunction<R (C::*)(Args...)> {
+	using Class = C;
+
+	/// The entry of the class (THICKET_GUARDED_METHODS) that calls `method` for the engine, with the same signature.
+	template <auto method>
+	static constexpr R (C::*entry)(Args...) = &C::template guarded_entry<method, R, Args...>;
+};
+
+template <typename C, typename R, typename... Args>
+struct MemberFunction<R (C::*)(Args...) const> {
+	using Class = C;
+
+	template <auto method>
+	static constexpr R (C::*entry)(Args...) const = &C::template guarded_const_entry<method, R, Args...>;
+};
+
+/// The name of a bound method, as `Class.method`.
+template <auto method>
+inline std::string guarded_method_name;
+
+/// An argument for an error; what no Variant can hold is left out.
+template <typename T>
+godot::Variant argument_of(const T &p_argument) {
+	if constexpr (std::is_enum_v<T>) {
+		return godot::Variant(static_cast<int64_t>(p_argument));
+	} else if constexpr (std::is_constructible_v<godot::Variant, const T &>) {
+		return godot::Variant(p_argument);
+	} else {
+		return godot::Variant();
+	}
+}
+
+/// Calls a method for the engine. An exception becomes an error that names it and what it was asked for.
+template <auto method, typename R, typename Self, typename... Args>
+R call_guarded(Self *p_self, const Args &...p_arguments) {
+	try {
+		return (p_self->*method)(p_arguments...);
+	} catch (...) {
+		const std::array<godot::Variant, sizeof...(Args)> arguments{argument_of(p_arguments)...};
+		report_failed_call(guarded_method_name<method>.c_str(), arguments);
+	}
+	return R();
+}
+
+/// ClassDB::bind_method for a method that may run out of memory:
+/// `bind_guarded<&PoissonSampler::sample>(D_METHOD("sample", "rect"))`. The class has THICKET_GUARDED_METHODS.
+template <auto method, typename Definition, typename... Defaults>
+void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults) {
+	using Member = MemberFunction<decltype(method)>;
+	const godot::String name =
+			godot::String(Member::Class::get_class_static()) + "." + godot::String(p_definition.name);
+	guarded_method_name<method> = name.utf8().get_data();
+	godot::ClassDB::bind_method(p_definition, Member::template entry<method>, p_defaults...);
+}
+
+} // namespace thicket
+
+/// In a class whose methods are bound with bind_guarded, after GDCLASS: what the engine calls in their place. These have to be
+/// members of the class itself, as godot-cpp binds nothing else.
+#define THICKET_GUARDED_METHODS \
+	template <typename> \
+	friend struct ::thicket::MemberFunction; \
+	template <auto method, typename R, typename... Args> \
+	R guarded_entry(Args... p_arguments) { \
+		return ::thicket::call_guarded<method, R>(this, p_arguments...); \
+	} \
+	template <auto method, typename R, typename... Args> \
+	R guarded_const_entry(Args... p_arguments) const { \
+		return ::thicket::call_guarded<method, R>(this, p_arguments...); \
+	}

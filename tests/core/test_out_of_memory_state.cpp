@@ -1,0 +1,292 @@
+// Whichever request for memory fails: a state, the patch of a shown tile and a near set are what they were.
+
+#include "core/query/near_set.hpp"
+#include "core/query/tile_overlay.hpp"
+#include "short_of_memory.hpp"
+#include "state_fixture.hpp"
+#include "tile_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+/// A state that is changed, and what that is told by.
+struct Game {
+	InstanceState state;
+	std::vector<InstanceChange> changes;
+	std::uint64_t id = 0;
+};
+
+const StateBytes some_bytes(99, 7);
+
+/// Equal in all that `save` writes, the clock and stamps included.
+bool equal(const InstanceState &a, const InstanceState &b) { return bytes_of(a) == bytes_of(b); }
+
+/// Every state that these give is the same, revision and all.
+InstanceState some_state(std::uint64_t seed, int changes) {
+	InstanceState state;
+	StateRandom random(seed);
+	disturb(state, random, changes);
+	for (const int layer : {0, 16000, 32000}) {
+		REQUIRE(state.claim(static_cast<std::uint16_t>(layer), 77).ok());
+	}
+	return state;
+}
+
+/// Runs a change in little memory. It changes nothing then, tells nothing, and does as it would have done the next time.
+template <typename Change>
+void fail_change(const std::string &asked_for, std::uint64_t seed, int disturbances, const Change &change) {
+	const InstanceState before = some_state(seed, disturbances);
+	Game after{some_state(seed, disturbances), {}, 0};
+	REQUIRE(change(after).ok());
+	fail_every_request(
+			asked_for, [&] { return Game{some_state(seed, disturbances), {}, 0}; }, change,
+			[&](Game &game) {
+				REQUIRE(equal(game.state, before));
+				REQUIRE(game.state.revision() == before.revision());
+				REQUIRE(game.changes.empty());
+				REQUIRE(game.id == 0);
+			},
+			[&](const Game &game) {
+				REQUIRE(equal(game.state, after.state));
+				REQUIRE(game.state.revision() == after.state.revision());
+				REQUIRE(game.id == after.id);
+				REQUIRE(game.changes.size() == after.changes.size());
+				for (std::size_t i = 0; i < game.changes.size(); ++i) {
+					REQUIRE(game.changes[i].id == after.changes[i].id);
+					REQUIRE(game.changes[i].kind == after.changes[i].kind);
+					REQUIRE(game.changes[i].added == after.changes[i].added);
+				}
+			});
+}
+
+/// Ids of points of which some are removed.
+std::vector<std::uint64_t> near_points() {
+	std::vector<std::uint64_t> ids;
+	for (int i = -6; i < 6; ++i) {
+		ids.push_back(point_id(16000, i, i / 2));
+	}
+	return ids;
+}
+
+} // namespace
+
+TEST_CASE("out of memory: a single change of a state happens or does not") {
+	for (const std::uint64_t seed : {1u, 2u, 3u}) {
+		for (const int disturbances : {0, 40, 300}) {
+			const InstanceState state = some_state(seed, disturbances);
+			for (const std::uint64_t id : near_points()) {
+				if (!state.removed(id)) {
+					fail_change("id", seed, disturbances, [id](Game &game) { return game.state.remove(id).status; });
+					fail_change("id", seed, disturbances,
+							[id](Game &game) { return game.state.remove(id, game.state.time() + 9.0).status; });
+				} else {
+					fail_change("id", seed, disturbances, [id](Game &game) { return game.state.restore(id).status; });
+				}
+			}
+			for (const std::uint64_t id : state.added_ids()) {
+				fail_change("id", seed, disturbances, [id](Game &game) { return game.state.remove(id).status; });
+				fail_change("data", seed, disturbances,
+						[id](Game &game) { return game.state.set_data(id, some_bytes); });
+			}
+			fail_change("instance", seed, disturbances,
+					[](Game &game) { return game.state.add(instance_at(70.0, 80.0, 5), game.id); });
+			fail_change("data", seed, disturbances,
+					[](Game &game) { return game.state.set_data(point_id(9, 1, 1), some_bytes); });
+			fail_change("layer", seed, disturbances, [](Game &game) { return game.state.claim(77, 1); });
+		}
+	}
+}
+
+TEST_CASE("out of memory: a state loads, follows and merges wholly or not at all") {
+	for (const std::uint64_t seed : {4u, 5u}) {
+		for (const int disturbances : {0, 60, 400}) {
+			const InstanceState other = some_state(seed + 100, 200);
+			const StateBytes saved = bytes_of(other);
+			const StateBytes diff = diff_of(other, other.revision() / 2);
+			fail_change("data", seed, disturbances,
+					[&](Game &game) { return game.state.load(saved, game.changes); });
+			fail_change("data", seed, disturbances,
+					[&](Game &game) { return game.state.apply(saved, game.changes); });
+			fail_change("data", seed, disturbances,
+					[&](Game &game) { return game.state.apply(diff, game.changes); });
+			fail_change("other", seed, disturbances,
+					[&](Game &game) { return game.state.merge(other, game.changes); });
+		}
+	}
+}
+
+TEST_CASE("out of memory: a clock moves and a state is cleared wholly or not at all") {
+	for (const std::uint64_t seed : {6u, 7u}) {
+		for (const int disturbances : {60, 400}) {
+			fail_change("changes", seed, disturbances, [](Game &game) { return game.state.clear(game.changes); });
+			for (const double seconds : {20.0, 1000.0}) {
+				fail_change("seconds", seed, disturbances,
+						[=](Game &game) { return game.state.advance(seconds, game.changes); });
+			}
+		}
+	}
+}
+
+TEST_CASE("out of memory: what a state tells is whole or nothing") {
+	InstanceState state = some_state(8, 300);
+	for (int i = 0; i < 9; ++i) {
+		std::uint64_t id = 0;
+		REQUIRE(state.add(instance_at(i, 100.0 * i, 16000), id).ok());
+	}
+	const StateBytes saved = bytes_of(state);
+	const StateBytes diff = diff_of(state, 20);
+	const auto nothing = [](const StateBytes &bytes) {
+		REQUIRE(bytes.empty());
+	};
+	fail_every_request(
+			"state", [] { return StateBytes(3); }, [&](StateBytes &bytes) { return state.save(bytes); }, nothing,
+			[&](const StateBytes &bytes) { REQUIRE(bytes == saved); });
+	fail_every_request(
+			"state", [] { return StateBytes(3); }, [&](StateBytes &bytes) { return state.diff_since(20, bytes); },
+			nothing, [&](const StateBytes &bytes) { REQUIRE(bytes == diff); });
+	const Rect all{glm::dvec2(-1e6), glm::dvec2(1e6)};
+	using Ids = std::vector<std::uint64_t>;
+	Ids expected{42};
+	REQUIRE(state.added_in(16000, all, expected).ok());
+	REQUIRE(expected.size() > 5);
+	fail_every_request(
+			"rect", [] { return Ids{42}; }, [&](Ids &ids) { return state.added_in(16000, all, ids); },
+			[](const Ids &ids) { REQUIRE(ids == Ids{42}); }, [&](const Ids &ids) { REQUIRE(ids == expected); });
+}
+
+TEST_CASE("out of memory: a peer that asks for changes that were forgotten gets all there is") {
+	for (std::size_t allowed = 0; allowed < 30; ++allowed) {
+		InstanceState game = some_state(9, 100);
+		InstanceState peer = copy_of(game);
+		const std::uint64_t known = game.revision();
+		{
+			const AllocationLimit limit(allowed, AllocationLimit::Fails::one);
+			for (int i = 0; i < 300; ++i) {
+				static_cast<void>(game.remove(point_id(3, i, 2 * i)));
+			}
+		}
+		std::vector<InstanceChange> changes;
+		REQUIRE(peer.apply(diff_of(game, known), changes).ok());
+		REQUIRE(peer.digest() == game.digest());
+	}
+}
+
+TEST_CASE("out of memory: a state goes on as one that was never short of memory") {
+	InstanceState state;
+	InstanceState twin;
+	StateRandom random(10);
+	for (int i = 0; i < 3000; ++i) {
+		const std::uint64_t id = point_id(2, static_cast<int>(random() % 60), static_cast<int>(random() % 3));
+		const double until = random() % 2 == 0 ? state.time() + 1.0 + static_cast<double>(random() % 30) : 0.0;
+		const std::uint64_t what = random() % 8;
+		const auto change = [&](InstanceState &r_state, std::vector<InstanceChange> &r_changes) -> Status {
+			if (what == 0) {
+				return r_state.advance(1.0, r_changes);
+			}
+			return what < 6 ? r_state.remove(id, until).status : r_state.restore(id).status;
+		};
+		std::vector<InstanceChange> changes;
+		Status status;
+		{
+			const AllocationLimit limit(random() % 4);
+			status = change(state, changes);
+		}
+		if (!status.ok()) {
+			REQUIRE(change(state, changes).ok());
+		}
+		std::vector<InstanceChange> expected;
+		REQUIRE(change(twin, expected).ok());
+		REQUIRE(changes.size() == expected.size());
+		REQUIRE(state.removed_count() == twin.removed_count());
+	}
+	CHECK(equal(state, twin));
+}
+
+TEST_CASE("out of memory: the patch of a shown tile is whole, or the tile stays on show as it is") {
+	const auto tile = std::make_shared<const TileInstances>(
+			built(rich_layer(), hills(), {{-20.0, 0.0}, {20.0, 40.0}}));
+	InstanceState state;
+	std::unordered_set<std::uint64_t> hidden;
+	for (const MeshInstances &mesh : tile->meshes) {
+		for (std::size_t i = 0; i < mesh.size(); i += 5) {
+			state.remove(mesh.ids[i]);
+			hidden.insert(mesh.ids[i + 1 < mesh.size() ? i + 1 : i]);
+		}
+	}
+	for (int i = 0; i < 5; ++i) {
+		std::uint64_t id = 0;
+		REQUIRE(state.add(instance_at(i, 3.0 + i, 3), id).ok());
+	}
+	const Overlay overlay{&state, &hidden};
+	const Rect rect{{-20.0, 0.0}, {20.0, 40.0}};
+	OverlaidMeshes expected;
+	REQUIRE(overlaid(tile, rich_layer(), rect, overlay, expected).ok());
+	const LayerSettings layer = rich_layer();
+	OverlaidMeshes before;
+	REQUIRE(overlaid(tile, layer, rect, {}, before).ok());
+	fail_every_request(
+			"tile", [&] { return before; },
+			[&](OverlaidMeshes &meshes) { return overlaid(tile, layer, rect, overlay, meshes); },
+			[&](const OverlaidMeshes &meshes) { REQUIRE(meshes == before); },
+			[&](const OverlaidMeshes &meshes) {
+				REQUIRE(meshes.size() == expected.size());
+				for (std::size_t i = 0; i < meshes.size(); ++i) {
+					REQUIRE(meshes[i]->ids == expected[i]->ids);
+					REQUIRE(meshes[i]->buffer == expected[i]->buffer);
+				}
+			});
+}
+
+TEST_CASE("out of memory: a near set says all or nothing, and holds what it held") {
+	std::vector<PlacedInstance> standing;
+	for (int i = 0; i < 40; ++i) {
+		standing.push_back({.id = static_cast<std::uint64_t>(i), .position = {i, 0.0, 0.0}});
+	}
+	const std::vector<glm::dvec3> centers{{20.0, 0.0, 0.0}};
+	const auto prepared = [&] {
+		NearSet set;
+		for (std::size_t i = 0; i < 25; ++i) {
+			REQUIRE(set.hold(standing[i]));
+		}
+		return set;
+	};
+	NearChanges expected;
+	NearSet twin = prepared();
+	REQUIRE(twin.look(centers, {8.0, 10.0}, standing, expected));
+	REQUIRE(!expected.enter.empty());
+	REQUIRE(!expected.leave.empty());
+	std::size_t failures = 0;
+	for (std::size_t allowed = 0, done = 0; done == 0; ++allowed) {
+		NearSet set = prepared();
+		NearChanges changes;
+		bool looked = false;
+		bool held = false;
+		{
+			const AllocationLimit limit(allowed);
+			looked = set.look(centers, {8.0, 10.0}, standing, changes);
+			held = set.hold(standing[30]);
+			done = limit.reached() ? 0 : 1;
+		}
+		REQUIRE(set.holds(30) == held);
+		REQUIRE(set.size() == (held ? 26 : 25));
+		if (!looked) {
+			++failures;
+			REQUIRE(changes.enter.empty());
+			REQUIRE(changes.leave.empty());
+			set.release(30);
+			REQUIRE(set.look(centers, {8.0, 10.0}, standing, changes));
+		}
+		REQUIRE(changes.enter.size() == expected.enter.size());
+		REQUIRE(changes.leave == expected.leave);
+		REQUIRE(changes.gone == expected.gone);
+	}
+	CHECK(failures > 3);
+}
