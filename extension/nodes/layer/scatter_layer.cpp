@@ -9,7 +9,6 @@ namespace thicket {
 
 namespace {
 
-
 constexpr NumberProperty radius{"radius", &PointSet::radius, min_radius, max_radius, PROPERTY_HINT_RANGE,
 		"0.05,50,0.001,or_less,or_greater,exp,suffix:m"};
 constexpr NumberProperty density{"density", &Rules::density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};

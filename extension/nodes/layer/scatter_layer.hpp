@@ -138,14 +138,14 @@ public:
 	void set_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
 	godot::TypedArray<godot::Mesh> get_meshes() const;
 
-	/// Chances of the meshes, in proportion; missing ones count as 1.
+	/// How often each of the meshes is used, in proportion, 0 to 1e6; missing ones count as 1.
 	void set_mesh_weights(const godot::PackedFloat32Array &p_weights);
 	godot::PackedFloat32Array get_mesh_weights() const;
 
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
 
-	/// What is drawn in place of the meshes from each of the lod distances on: a row of entries for the meshes, then the row of
+	/// What replaces the meshes from each of the LOD distances on: a row of entries for the meshes, then the row of
 	/// the next distance. Null for the finer mesh; at most max_lods rows of max_meshes.
 	void set_lod_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
 	godot::TypedArray<godot::Mesh> get_lod_meshes() const;
@@ -161,7 +161,7 @@ public:
 	void set_physics_material(const godot::Ref<godot::PhysicsMaterial> &p_material);
 	godot::Ref<godot::PhysicsMaterial> get_physics_material() const;
 
-	/// What stands in place of the mesh near viewers; null for the mesh everywhere.
+	/// What replaces the mesh near viewers; null for the mesh everywhere.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 

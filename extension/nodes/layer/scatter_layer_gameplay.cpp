@@ -8,7 +8,6 @@ namespace thicket {
 
 namespace {
 
-
 constexpr double min_side = 1e-3; ///< Meters.
 constexpr double max_side = 1e4;
 constexpr double farthest_body = 1e4;
@@ -84,7 +83,8 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 	if (gameplay_.collision.layer == 0 && gameplay_.collision.mask == 0) {
 		r_problems.push_back("ScatterLayer.collision_shape meets nothing: collision_layer and collision_mask are 0.");
 	}
-	if (gameplay_.collision.shape == BodyShape::capsule && gameplay_.instance_height < 2.0 * gameplay_.instance_radius) {
+	if (gameplay_.collision.shape == BodyShape::capsule &&
+			gameplay_.instance_height < 2.0 * gameplay_.instance_radius) {
 		r_problems.push_back("ScatterLayer.instance_height is below two times instance_radius, the least height of a "
 							 "capsule.");
 	}

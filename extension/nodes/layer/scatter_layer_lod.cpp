@@ -10,16 +10,16 @@ namespace thicket {
 
 namespace {
 
-
-constexpr NumberProperty view_distance{"view_distance", &StreamLayer::view_distance, 0.0, farthest_view, PROPERTY_HINT_RANGE,
-		"0,4096,0.1,or_greater,exp,suffix:m"};
+constexpr NumberProperty view_distance{"view_distance", &StreamLayer::view_distance, 0.0, farthest_view,
+		PROPERTY_HINT_RANGE, "0,4096,0.1,or_greater,exp,suffix:m"};
 constexpr NumberProperty lod_bias{
 		"lod_bias", &LayerDrawing::lod_bias, 1e-3, 128.0, PROPERTY_HINT_RANGE, "0.001,128,0.001,exp"};
 constexpr NumberProperty thin_begin{"thin_begin", &Detail::thin_begin, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,exp,suffix:m"};
 constexpr NumberProperty thin_end{"thin_end", &Detail::thin_end, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr NumberProperty thin_density{"thin_density", &Detail::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+constexpr NumberProperty thin_density{
+		"thin_density", &Detail::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
 constexpr SwitchProperty thin_scale_compensation{
 		"thin_scale_compensation", "is_thin_scale_compensated", &Detail::scale_compensation};
 

@@ -18,9 +18,8 @@ namespace {
 
 constexpr double min_distance = 1e-3; ///< Meters, between layers.
 
-constexpr NumberProperty proximity_distance{"proximity_distance",
-		&LayerLinks::proximity_distance, min_distance, max_neighbor_distance, PROPERTY_HINT_RANGE,
-		"0.1,200,0.01,or_less,or_greater,exp,suffix:m"};
+constexpr NumberProperty proximity_distance{"proximity_distance", &LayerLinks::proximity_distance, min_distance,
+		max_neighbor_distance, PROPERTY_HINT_RANGE, "0.1,200,0.01,or_less,or_greater,exp,suffix:m"};
 constexpr ResourceProperty<Curve> proximity_curve{
 		"proximity_curve", "Curve", &LayerResources::proximity_curve, LayerSource::proximity_curve};
 

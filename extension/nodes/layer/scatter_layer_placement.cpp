@@ -8,7 +8,6 @@ namespace thicket {
 
 namespace {
 
-
 constexpr NumberProperty min_yaw_degrees{
 		"min_yaw_degrees", &Placement::min_yaw_degrees, -360.0, 360.0, PROPERTY_HINT_RANGE, "-360,360,0.1,degrees"};
 constexpr NumberProperty max_yaw_degrees{

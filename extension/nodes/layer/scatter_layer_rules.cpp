@@ -8,7 +8,6 @@ namespace thicket {
 
 namespace {
 
-
 constexpr NumberProperty min_slope_degrees{
 		"min_slope_degrees", &Rules::min_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
 constexpr NumberProperty max_slope_degrees{

@@ -10,7 +10,6 @@
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 using namespace godot;
@@ -43,8 +42,6 @@ glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
 	const glm::dvec3 world = to_core(frame.basis) * position + to_core(frame.origin);
 	return {world.x, world.z};
 }
-
-constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
 
 } // namespace
 
@@ -193,8 +190,8 @@ Status ScatterRegion3D::build(thicket::Shape &r_shape) const {
 			point += glm::dvec2(offset.x, offset.z);
 		}
 	}
-	const bool unfinished =
-			(shape_ == SHAPE_POLYGON && r_shape.outline.size() < 3) || (shape_ == SHAPE_PATH && r_shape.outline.size() < 2);
+	const bool unfinished = (shape_ == SHAPE_POLYGON && r_shape.outline.size() < 3) ||
+			(shape_ == SHAPE_PATH && r_shape.outline.size() < 2);
 	return unfinished ? Status{ErrorCode::missing, "outline", 0.0} : validate(r_shape);
 }
 
@@ -211,49 +208,6 @@ std::optional<thicket::Shape> ScatterRegion3D::world_shape() {
 		report(class_name, status);
 	}
 	return status.ok() ? std::optional(std::move(shape)) : std::nullopt;
-}
-
-void ScatterRegion3D::add_outline_problems(PackedStringArray &r_problems) const {
-	if (shape_ == SHAPE_POLYGON && polygon_.size() < 3) {
-		r_problems.push_back("ScatterRegion3D.polygon has fewer than 3 corners: the region has no effect.");
-	}
-	if (shape_ != SHAPE_PATH) {
-		return;
-	}
-	if (cast_to<Path3D>(path_.is_empty() ? get_parent() : get_node_or_null(path_)) == nullptr) {
-		r_problems.push_back("No path: set ScatterRegion3D.path to a Path3D, or make the region a child of one.");
-	} else if (is_inside_tree() && path_outline().size() < 2) {
-		r_problems.push_back("The Path3D's curve has fewer than 2 points: the region has no effect.");
-	}
-}
-
-PackedStringArray ScatterRegion3D::get_problems() const {
-	PackedStringArray problems;
-	add_outline_problems(problems);
-	if (!is_inside_tree()) {
-		return problems;
-	}
-	if (host_ == nullptr) {
-		problems.push_back("The region has no effect: it belongs below a TerrainScatter3D, at any depth.");
-	} else {
-		for (int64_t i = 0; i < layers_.size(); ++i) {
-			if (const String problem = host_->layer_problem(layers_[i]); !problem.is_empty()) {
-				problems.push_back("ScatterRegion3D.layers: " + problem);
-			}
-		}
-	}
-	if (is_flat()) {
-		return problems;
-	}
-	ShapeFrame frame;
-	const Status status = take_apart(to_core(get_global_transform().basis), frame);
-	const glm::dvec3 scale = frame.scale;
-	if (!status.ok()) {
-		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
-	} else if ((shape_ != SHAPE_BOX && differ(scale.x, scale.z)) || (shape_ == SHAPE_SPHERE && differ(scale.x, scale.y))) {
-		problems.push_back("The node's scale is not the same along all axes: the largest counts for the radius.");
-	}
-	return problems;
 }
 
 void ScatterRegion3D::set_shape(Shape p_shape) {
@@ -408,8 +362,8 @@ void ScatterRegion3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("set_path_node", "path"), &Self::set_path_node);
 	ClassDB::bind_method(D_METHOD("get_path_node"), &Self::get_path_node);
 	ClassDB::bind_method(D_METHOD("get_problems"), &Self::get_problems);
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"), "set_shape",
-			"get_shape");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"),
+			"set_shape", "get_shape");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "exclude"), "set_exclude", "is_excluding");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers"), "set_layers", "get_layers");
 	bind_number<falloff>();
