@@ -1,4 +1,4 @@
-// Names of layers become neighbors: by the order of the list, the same pointers while nothing changes.
+// What layers say of each other makes them neighbors: by the order of the list, the same pointers while nothing changes.
 
 #include "core/placement/layer_links.hpp"
 
@@ -121,9 +121,40 @@ TEST_CASE("links: names of nobody, of two layers, of the layer itself") {
 	CHECK(result[2]->neighbors[1] == Neighbor{result[1], 2.0, nullptr}); // It was the other oak that asked.
 	CHECK(result[3]->neighbors.size() == 1);
 	CHECK(problems(layers, 1, "\"oak\" means the first") == 1);
+	CHECK(problems(layers, 2, "") == 3);
+	layers[2].spacing.erase("fern"); // Itself.
 	CHECK(problems(layers, 2, "\"elm\", and no layer") == 2);
 	CHECK(problems(layers, 0, "") == 0);
 	CHECK(problems(layers, 3, "") == 0);
+}
+
+TEST_CASE("links: by index and by identity, and the larger of what is said twice") {
+	std::vector<NamedLayer> layers{layer_named(""), layer_named("oak"), layer_named("fern")};
+	layers[0].identity = 70;
+	layers[1].identity = 71;
+	LayerReference first;
+	first.identity = 70;
+	LayerReference second;
+	second.index = 1;
+	layers[2].spacing = {{first, 3.0}, {second, 1.0}, {"oak", 2.0}};
+	layers[2].proximity_layer = first;
+	layers[2].proximity_distance = 6.0;
+	layers[2].proximity_curve = std::make_shared<const CurveTable>();
+	const std::vector<SharedLayer> result = linked(layers);
+	REQUIRE(result[2]->neighbors.size() == 3);
+	CHECK(result[2]->neighbors[0] == Neighbor{result[0], 3.0, nullptr});
+	CHECK(result[2]->neighbors[1] == Neighbor{result[0], 6.0, layers[2].proximity_curve});
+	CHECK(result[2]->neighbors[2] == Neighbor{result[1], 2.0, nullptr});
+	CHECK(problems(layers, 2, "") == 0);
+
+	first.identity = 72;
+	second.index = 3;
+	layers[2].spacing = {{first, 3.0}, {second, 1.0}};
+	CHECK(linked(layers)[2]->neighbors.size() == 1); // Proximity alone.
+	CHECK(problems(layers, 2, "which is not in the list") == 2);
+	second.index = 2;
+	layers[2].spacing = {{second, 1.0}};
+	CHECK(problems(layers, 2, "the layer itself") == 1);
 }
 
 TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused one keeps what it had") {
@@ -147,8 +178,7 @@ TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused 
 		CHECK(layer.neighbors.size() == index);
 		return index == 1 ? Status{ErrorCode::too_many_points, "spacing", 3.0} : Status{};
 	};
-	const std::vector<LinkedLayer> checked =
-			link_layers(unlinked(layers), before, none_at_1);
+	const std::vector<LinkedLayer> checked = link_layers(unlinked(layers), before, none_at_1);
 	CHECK(checked[0].status.ok());
 	CHECK(checked[1].status.code == ErrorCode::too_many_points);
 	CHECK(checked[1].settings == good[1].settings);

@@ -35,7 +35,7 @@ func make_busy(terrain: ScatterTerrain) -> TerrainScatter3D:
 	var layers: Array[ScatterLayer] = []
 	for index in 3:
 		var layer := make_layer(0.3)
-		layer.levels = index + 1
+		layer.progressive_levels = index + 1
 		layer.view_distance = 500.0
 		layer.meshes = [BoxMesh.new(), SphereMesh.new()]
 		layers.push_back(layer)

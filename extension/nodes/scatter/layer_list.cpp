@@ -54,8 +54,7 @@ void LayerList::complain(std::size_t index, const Status &status) {
 }
 
 /// Takes over what a layer says, if it may be used.
-Status LayerList::read(
-		Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::uint64_t seed, std::size_t index) const {
+Status LayerList::read(Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::uint64_t seed, std::size_t index) const {
 	if (p_layer.is_null()) {
 		r_entry = {};
 		return {};
@@ -99,7 +98,7 @@ SharedSnapshot LayerList::next(std::size_t index, const LinkedLayer &linked) con
 }
 
 std::vector<EditedArea> LayerList::update(const TypedArray<ScatterLayer> &p_layers, std::uint64_t seed,
-		const EditedArea &ground_change, ShapeRegister &shapes) {
+		const EditedArea &ground_change, RegionRegister &regions) {
 	const auto count = static_cast<std::size_t>(p_layers.size());
 	entries_.resize(count);
 	std::vector<Status> statuses;
@@ -107,7 +106,7 @@ std::vector<EditedArea> LayerList::update(const TypedArray<ScatterLayer> &p_laye
 		const Ref<ScatterLayer> layer = p_layers[static_cast<int64_t>(index)];
 		statuses.push_back(read(entries_[index], layer, seed, index));
 		if (std::optional<LayerSnapshot> &unlinked = entries_[index].unlinked) {
-			set_shapes(*unlinked, shapes.set_for(index, layer->get_name()));
+			set_shapes(*unlinked, regions.set_for(p_layers, index));
 		}
 	}
 	std::vector<EditedArea> areas;

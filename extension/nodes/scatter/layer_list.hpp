@@ -3,7 +3,7 @@
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/layer_links.hpp"
 #include "nodes/layer/scatter_layer.hpp"
-#include "nodes/scatter/shape_register.hpp"
+#include "nodes/region/region_register.hpp"
 
 #include <godot_cpp/variant/string.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
@@ -23,7 +23,7 @@ public:
 	/// Reads the layers as they are now. Returns for each where its tiles are outdated, given where the ground has changed since the
 	/// last update. A layer whose settings are refused keeps its last good ones, for its neighbors too, and one error is printed.
 	std::vector<EditedArea> update(const godot::TypedArray<ScatterLayer> &p_layers, std::uint64_t seed,
-			const EditedArea &ground_change, ShapeRegister &shapes);
+			const EditedArea &ground_change, RegionRegister &regions);
 
 	/// By index in the node's list. The same object as before while the layer says the same.
 	const std::vector<SharedSnapshot> &snapshots() const { return snapshots_; }

@@ -14,6 +14,7 @@ using namespace godot;
 namespace thicket {
 
 Status TerrainScatter3D::find_snapshot(int64_t p_layer, SharedSnapshot &r_layer) {
+	notice_layers();
 	if (p_layer < 0 || p_layer >= layers_.size() || layer_at(p_layer).is_null()) {
 		return {ErrorCode::out_of_range, "layer", static_cast<double>(p_layer)};
 	}

@@ -27,6 +27,7 @@ void report_query(const char *p_method, const Status &status) {
 
 /// Settings that were changed in this frame count. False, with an error, where there is nothing to ask.
 bool TerrainScatter3D::prepare_query(const char *p_method) {
+	notice_layers();
 	if (dirty_) {
 		refresh();
 	}

@@ -158,7 +158,8 @@ void TerrainScatter3D::add_layer_problems(PackedStringArray &r_problems) const {
 		const int64_t id = layer->own_id();
 		if (!ids.insert(id >= 0 ? id : place).second) {
 			r_problems.push_back(
-					where + String("has the same layer_id as another: both use the same random numbers and ids."));
+					where + String("has the same layer_id as another: both use the same random numbers and ids. Set it "
+								   "to -1 for an id of its own."));
 		}
 	}
 }

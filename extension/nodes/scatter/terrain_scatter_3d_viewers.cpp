@@ -79,7 +79,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	if (terrain_.is_valid()) {
 		terrain_->set_world_offset(offset);
 	}
-	if (shapes_.mark_all()) {
+	if (regions_.mark_all()) {
 		mark_edited(); // Those that have not moved with the scene are somewhere else in the world.
 	}
 }
