@@ -242,6 +242,86 @@ func test_ground_in_the_scene_moves_along() -> void:
 			break
 
 
+## A node with heights of the engine's space.
+class Slope extends Node3D:
+	func get_height(at: Vector3) -> float:
+		return 0.5 * at.x - 0.25 * at.z
+
+
+## Each kind of ground that is found in the scene, as the same slope: 0.5 x - 0.25 z in the engine's space.
+func make_slopes() -> Dictionary[String, ScatterTerrain]:
+	var result: Dictionary[String, ScatterTerrain] = {}
+	var node := Slope.new()
+	node.name = "Slope"
+	root.add_child(node)
+	for thread_safe: bool in [false, true]:
+		var of_object := ScatterTerrainObject.new()
+		of_object.node = ^"../Slope"
+		of_object.thread_safe = thread_safe
+		result["an object, thread_safe %s" % thread_safe] = of_object
+	var mesh := ArrayMesh.new()
+	var arrays := []
+	arrays.resize(Mesh.ARRAY_MAX)
+	var corners := PackedVector3Array()
+	for at: Vector2 in [Vector2(-300, -300), Vector2(300, -300), Vector2(300, 300), Vector2(-300, -300),
+			Vector2(300, 300), Vector2(-300, 300)]:
+		corners.push_back(Vector3(at.x, 0.5 * at.x - 0.25 * at.y, at.y))
+	arrays[Mesh.ARRAY_VERTEX] = corners
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+	var instance := MeshInstance3D.new()
+	instance.mesh = mesh
+	instance.add_to_group(&"slope")
+	root.add_child(instance)
+	instance.create_trimesh_collision()
+	result["meshes"] = ScatterTerrainMeshes.new()
+	(result["meshes"] as ScatterTerrainMeshes).group = &"slope"
+	result["colliders"] = ScatterTerrainColliders.new()
+	(result["colliders"] as ScatterTerrainColliders).rays_per_frame = 5000
+	return result
+
+
+func check_on_slope(scatter: TerrainScatter3D, what: String) -> void:
+	var wrong := 0
+	var stand := instances(scatter, 0)
+	for id in stand:
+		var at := stand[id].origin
+		wrong += int(absf(at.y - (0.5 * at.x - 0.25 * at.z)) > 0.02)
+	check(stand.size() > 1000, "%s: %d instances" % [what, stand.size()])
+	check_equal(wrong, 0, what + ": instances off the ground")
+
+
+## Each node that shares a ground sees it in a world of its own.
+func test_nodes_with_other_offsets_share_a_ground() -> void:
+	var slopes := make_slopes()
+	for what in slopes:
+		var terrain := slopes[what]
+		var here := make_scatter([make_layer()], terrain, make_viewer())
+		var there := make_scatter([make_layer()], terrain, make_viewer())
+		there.world_offset = Vector3(64.0, 16.0, -32.0)
+		await settle(here)
+		await settle(there)
+		check_on_slope(here, what + ", here")
+		check_on_slope(there, what + ", there")
+		here.regenerate()
+		await frames(2) # Tiles of one are under way while the other recenters, alone: it asks for other places of the scene.
+		there.world_offset = Vector3(-96.0, 0.0, 0.0)
+		there.regenerate()
+		if terrain is ScatterTerrainMeshes:
+			terrain.refresh() # It was read where it stood, and has stayed behind.
+		await settle(here)
+		await settle(there)
+		check_on_slope(here, what + ", here, while the other recentered")
+		check_on_slope(there, what + ", recentered")
+		var built := here.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
+		check(absf((built["origin"] as Vector3).y) < 10.0, what + ": built at once, about %s" % built["origin"])
+		here.free()
+		there.regenerate()
+		await settle(there)
+		check_on_slope(there, what + ", alone")
+		there.free()
+		check_no_error(what)
+
+
 func test_bodies_move_along() -> void:
 	var viewer := make_viewer()
 	var layer := make_rock(4.0)

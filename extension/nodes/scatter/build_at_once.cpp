@@ -5,7 +5,7 @@
 
 namespace thicket {
 
-Status build_at_once(const LayerPlan &plan, const ScatterTerrain &terrain, const Rect &rect, TileInstances &r_tile) {
+Status build_at_once(const LayerPlan &plan, const HostedTerrain &terrain, const Rect &rect, TileInstances &r_tile) {
 	TileBuilder builder;
 	if (plan.terrain != nullptr) {
 		return builder.build(*plan.settings, *plan.terrain, rect, r_tile);
@@ -14,7 +14,7 @@ Status build_at_once(const LayerPlan &plan, const ScatterTerrain &terrain, const
 	std::vector<Ground> ground(status.ok() ? builder.positions().size() : 0);
 	for (std::size_t i = 0; status.ok() && i < builder.queries().size(); ++i) {
 		const GroundQuery &query = builder.queries()[i];
-		status = terrain.ask(builder.positions().subspan(query.first, query.count), query.textures,
+		status = terrain.sample_now(builder.positions().subspan(query.first, query.count), query.textures,
 				std::span(ground).subspan(query.first, query.count));
 	}
 	return status.ok() ? builder.place(ground, r_tile) : status;

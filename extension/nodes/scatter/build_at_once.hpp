@@ -8,6 +8,6 @@
 namespace thicket {
 
 /// All steps of a tile on this thread, the main one; a terrain that may only be asked there is asked there and then.
-Status build_at_once(const LayerPlan &plan, const ScatterTerrain &terrain, const Rect &rect, TileInstances &r_tile);
+Status build_at_once(const LayerPlan &plan, const HostedTerrain &terrain, const Rect &rect, TileInstances &r_tile);
 
 } // namespace thicket

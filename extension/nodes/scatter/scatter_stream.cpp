@@ -69,7 +69,7 @@ void ScatterStream::mark_stale(std::span<const StreamedLayer> next, std::span<co
 }
 
 void ScatterStream::set_layers(
-		std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated, const Ref<ScatterTerrain> &script) {
+		std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated, const HostedTerrain &script) {
 	std::vector<StreamLayer> ranges;
 	std::vector<LayerLook> looks;
 	for (const StreamedLayer &layer : layers) {
@@ -160,7 +160,7 @@ void ScatterStream::sort_work(std::span<const Viewer> viewers) {
 
 void ScatterStream::start(const TileRequest &request) {
 	const std::shared_ptr<const LayerPlan> &plan = layers_[request.key.layer].plan;
-	if (!plan->wanted || !script_->ready()) {
+	if (!plan->wanted || !script_.is_available()) {
 		streamer_.finish(request); // What stands there stays.
 		return;
 	}
@@ -179,7 +179,7 @@ void ScatterStream::start_missing() {
 		const auto makes = [&tile](const std::shared_ptr<TileJob> &job) {
 			return job->request.key.layer == tile.layer && job->request.key.tile == tile.tile && !job->stale;
 		};
-		if (under_way == room || script_.is_null() || !script_->ready()) {
+		if (under_way == room || !script_.is_available()) {
 			return;
 		}
 		if (tile.layer >= layers_.size() || std::ranges::any_of(jobs_, makes)) {
@@ -223,7 +223,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 		return;
 	}
 	const std::uint32_t index = job->request.key.layer;
-	if (!job->status.ok() && script_->ready() && index < layers_.size() && layers_[index].plan == job->plan &&
+	if (!job->status.ok() && script_.is_available() && index < layers_.size() && layers_[index].plan == job->plan &&
 			!std::exchange(layers_[index].error_reported, true)) {
 		report_tile(job->request.key, job->status);
 	}
@@ -252,7 +252,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 
 void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
-	if (!job->status.ok() && !job->stale && script_->ready()) {
+	if (!job->status.ok() && !job->stale && script_.is_available()) {
 		// Nothing stands where a tile cannot be made; an edit makes it missing again.
 		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const TileInstances>());
 	}
@@ -268,9 +268,8 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 	const std::size_t count = part != job->parts.end() ? std::min(most, part->end - job->answered) : 0;
 	Status status;
 	if (count > 0) {
-		const Ref<ScatterTerrain> terrain = script_;
-		status = terrain->ask(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count), part->textures,
-				std::span(job->ground).subspan(job->answered, count));
+		status = script_.sample_now(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count),
+				part->textures, std::span(job->ground).subspan(job->answered, count));
 		if (ask_ground_.empty() || ask_ground_.front() != job) {
 			return 0; // A script has changed the stream that asked it.
 		}
@@ -290,11 +289,13 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 }
 
 bool ScatterStream::ground_step_in_frame() {
-	return script_.is_valid() && !script_->needs_physics_frames() && ground_step(script_->places_at_once()) > 0;
+	const Ref<ScatterTerrain> &terrain = script_.terrain;
+	return terrain.is_valid() && !terrain->needs_physics_frames() && ground_step(terrain->max_positions_per_call()) > 0;
 }
 
 void ScatterStream::physics_frame() {
-	std::size_t left = script_.is_valid() && script_->needs_physics_frames() ? script_->places_at_once() : 0;
+	const Ref<ScatterTerrain> &terrain = script_.terrain;
+	std::size_t left = terrain.is_valid() && terrain->needs_physics_frames() ? terrain->max_positions_per_call() : 0;
 	while (left > 0) {
 		const std::size_t asked = ground_step(left);
 		left = asked > 0 ? left - asked : 0;

@@ -49,7 +49,7 @@ public:
 	/// Replaces the layers and the ground. `outdated[i]` says where layer i has to be made anew; what stands stays until
 	/// then. `script` is asked for the ground of plans that have no terrain of their own.
 	void set_layers(std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated,
-			const godot::Ref<ScatterTerrain> &script);
+			const HostedTerrain &script);
 
 	/// One frame's work: what came from the workers is uploaded and what is wanted is requested, until `budget`
 	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still. Without viewers
@@ -100,7 +100,7 @@ private:
 	TileWorkers workers_;
 	ScatterStage stage_;
 	std::vector<StreamedLayer> layers_;
-	godot::Ref<ScatterTerrain> script_;
+	HostedTerrain script_;
 
 	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All under way, from request to upload.
 	std::deque<std::shared_ptr<TileJob>> ask_ground_; ///< Those that wait for a script on the main thread.

@@ -70,7 +70,7 @@ void TerrainScatter3D::start() {
 	}
 	set_process_internal(true);
 	if (!std::exchange(running_, true) && terrain_.is_valid()) {
-		terrain_->enter(this);
+		terrain_->enter(this, world_offset_);
 	}
 	if (state_.is_valid()) {
 		state_->add_listener(&state_watch_);
@@ -197,10 +197,10 @@ void TerrainScatter3D::refresh() {
 	set_physics_process_internal(terrain_.is_valid() && terrain_->needs_physics_frames());
 	ScatterGround ground{static_cast<std::uint64_t>(seed_), nullptr, std::exchange(ground_change_, {})};
 	if (!ground.changed.empty() && terrain_.is_valid()) {
-		ground_ = terrain_->snapshot();
+		ground_ = terrain_->snapshot(get_instance_id());
 	}
 	ground.terrain = ground_;
-	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
+	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->is_main_thread_only());
 	regions_.update(std::exchange(recentered_, false));
 	if (!grounded || layers_.is_empty()) {
 		scenes_.clear();
@@ -210,7 +210,7 @@ void TerrainScatter3D::refresh() {
 	}
 	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, regions_);
 	update_world(outdated);
-	stream_.set_layers(plans_.streamed(), outdated, terrain_);
+	stream_.set_layers(plans_.streamed(), outdated, {terrain_, get_instance_id()});
 	update_scenes();
 }
 
@@ -284,11 +284,8 @@ void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
 	}
 	terrain_ = p_terrain;
 	ground_ = nullptr;
-	if (terrain_.is_valid()) {
-		terrain_->set_world_offset(world_offset_);
-	}
 	if (running_ && terrain_.is_valid()) {
-		terrain_->enter(this);
+		terrain_->enter(this, world_offset_);
 	}
 	watch_terrain(true);
 	mark_ground_dirty();

@@ -21,7 +21,7 @@ Status TerrainScatter3D::find_streamed(int64_t p_layer, StreamedLayer &r_streame
 		refresh();
 	}
 	const auto place = static_cast<std::size_t>(p_layer);
-	if (terrain_.is_null() || place >= plans_.streamed().size() || !terrain_->ready()) {
+	if (terrain_.is_null() || place >= plans_.streamed().size() || !terrain_->is_available()) {
 		return {ErrorCode::missing, "terrain", 0.0};
 	}
 	r_streamed = plans_.streamed()[place];
@@ -31,12 +31,12 @@ Status TerrainScatter3D::find_streamed(int64_t p_layer, StreamedLayer &r_streame
 Dictionary TerrainScatter3D::build_rect(int64_t p_layer, const Rect2 &p_rect) {
 	const Rect rect = to_world(p_rect, world_offset_);
 	StreamedLayer layer;
-	const Ref<ScatterTerrain> terrain = terrain_;
+	const HostedTerrain terrain{terrain_, get_instance_id()};
 	Status status = find_streamed(p_layer, layer);
 	TileInstances tile;
 	if (status.ok()) {
 		// A script that is asked for the ground may do away with this node.
-		status = build_at_once(*layer.plan, *terrain.ptr(), rect, tile);
+		status = build_at_once(*layer.plan, terrain, rect, tile);
 	}
 	report("TerrainScatter3D", status);
 	TypedArray<PackedFloat32Array> buffers;

@@ -40,14 +40,14 @@ bool TerrainScatter3D::prepare_query(const char *p_method) {
 
 /// A tile for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
 TileMaker TerrainScatter3D::tile_maker() const {
-	return [layers = plans_.streamed(), terrain = terrain_](
+	return [layers = plans_.streamed(), terrain = HostedTerrain{terrain_, get_instance_id()}](
 				   std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) -> Status {
-		if (layer >= layers.size() || !layers[layer].plan->wanted || !terrain->ready()) {
+		if (layer >= layers.size() || !layers[layer].plan->wanted || !terrain.is_available()) {
 			return {};
 		}
 		TileInstances made;
 		const Rect rect = tile_rect(layers[layer].range.tile_size, tile);
-		const Status status = build_at_once(*layers[layer].plan, *terrain.ptr(), rect, made);
+		const Status status = build_at_once(*layers[layer].plan, terrain, rect, made);
 		if (status.ok()) {
 			r_tile = std::make_shared<const TileInstances>(std::move(made));
 		}

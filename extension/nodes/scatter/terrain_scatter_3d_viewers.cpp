@@ -77,7 +77,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 		ring->set_world_offset(offset);
 	}
 	if (terrain_.is_valid()) {
-		terrain_->set_world_offset(offset);
+		terrain_->set_world_offset(this, offset);
 	}
 	if (regions_.mark_all()) {
 		mark_edited(); // Those that have not moved with the scene are somewhere else in the world.
