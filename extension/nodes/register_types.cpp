@@ -1,10 +1,12 @@
 #include "nodes/register_types.hpp"
 
-#include "nodes/sampler/poisson_sampler.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
+#include "nodes/sampler/poisson_points.hpp"
+#include "nodes/sampler/poisson_sampler.hpp"
+#include "nodes/scatter/terrain_scatter_3d.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 #include "nodes/terrain/scatter_terrain_colliders.hpp"
 #include "nodes/terrain/scatter_terrain_flat.hpp"
@@ -12,7 +14,6 @@
 #include "nodes/terrain/scatter_terrain_meshes.hpp"
 #include "nodes/terrain/scatter_terrain_noise.hpp"
 #include "nodes/terrain/scatter_terrain_object.hpp"
-#include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/defs.hpp>
@@ -25,6 +26,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	if (p_level != MODULE_INITIALIZATION_LEVEL_SCENE) {
 		return;
 	}
+	GDREGISTER_CLASS(PoissonPoints);
 	GDREGISTER_CLASS(PoissonSampler);
 	GDREGISTER_CLASS(ScatterTerrain);
 	GDREGISTER_CLASS(ScatterTerrainFlat);

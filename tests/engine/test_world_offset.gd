@@ -94,13 +94,13 @@ func test_a_thousand_kilometers_out_all_is_as_exact_as_here() -> void:
 	var closest := INF
 	var grid := {}
 	for id in standing:
-		var place := on_map(standing[id])
-		var cell := Vector2i((place / 2.0).floor())
+		var position := on_map(standing[id])
+		var cell := Vector2i((position / 2.0).floor())
 		for x in range(cell.x - 1, cell.x + 2):
 			for y in range(cell.y - 1, cell.y + 2):
 				for other: Vector2 in grid.get(Vector2i(x, y), []):
-					closest = minf(closest, place.distance_to(other))
-		grid.get_or_add(cell, []).push_back(place)
+					closest = minf(closest, position.distance_to(other))
+		grid.get_or_add(cell, []).push_back(position)
 	check(closest > 1.9999, "the closest two are %f apart" % closest)
 	check(closest < 2.02, "the closest two are %f apart" % closest)
 	var gap := 0.0
@@ -112,7 +112,7 @@ func test_a_thousand_kilometers_out_all_is_as_exact_as_here() -> void:
 					for other: Vector2 in grid.get(Vector2i(cx, cy), []):
 						nearest = minf(nearest, other.distance_to(Vector2(x, y) * 2.0))
 			gap = maxf(gap, nearest)
-	check(gap < 2.0, "nothing stands within %f m of a place" % gap)
+	check(gap < 2.0, "nothing stands within %f m of a position" % gap)
 	# Near the viewer the engine's floats tell a tenth of a millimeter apart, as at the origin.
 	var fine := 0
 	for id in standing:
@@ -149,14 +149,14 @@ func test_queries_and_changes_are_in_the_engine_space() -> void:
 		var id: int = found["ids"][index]
 		var off := standing[id].origin.distance_to((found["positions"] as PackedVector3Array)[index])
 		if off > 1e-3:
-			check(false, "a query's place is off by %f m" % off)
+			check(false, "a query's position is off by %f m" % off)
 	var built := scatter.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
 	var ids: PackedInt64Array = built["ids"][0]
 	check(ids.size() > 20, "build_rect")
 	for index in ids.size():
 		var buffer: PackedFloat32Array = built["buffers"][0]
 		var local := Vector3(buffer[12 * index + 3], buffer[12 * index + 7], buffer[12 * index + 11])
-		check(standing[ids[index]].origin.distance_to(local + (built["origin"] as Vector3)) < 1e-3, "build_rect's place")
+		check(standing[ids[index]].origin.distance_to(local + (built["origin"] as Vector3)) < 1e-3, "build_rect's position")
 	# A felled one stays felled when the game recenters, and a planted one stays where it is in the world.
 	var nearest := scatter.query_nearest(Vector3.ZERO, 10.0)
 	check(scatter.remove_instance(nearest["id"]), "felled")
@@ -303,7 +303,7 @@ func test_nodes_with_other_offsets_share_a_ground() -> void:
 		check_on_slope(here, what + ", here")
 		check_on_slope(there, what + ", there")
 		here.regenerate()
-		await frames(2) # Tiles of one are under way while the other recenters, alone: it asks for other places of the scene.
+		await frames(2) # Tiles of one are under way while the other recenters, alone: it asks about other parts of the scene.
 		there.world_offset = Vector3(-96.0, 0.0, 0.0)
 		there.regenerate()
 		if terrain is ScatterTerrainMeshes:

@@ -137,7 +137,7 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
 Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const std::atomic<bool> *cancel, const std::function<void(double fraction, std::uint64_t points)> &report) {
+		const Progress &progress) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);
@@ -163,14 +163,14 @@ Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<Sa
 	for (std::int64_t row = 0; row < blocks.y; ++row) {
 		for (std::int64_t column = 0; column < blocks.x; ++column) {
 			const CellRect block{corner({column, row}), corner({column + 1, row + 1})};
-			if (!workspace_->blocks.resolve(block, cancel)) {
+			if (!workspace_->blocks.resolve(block, progress.cancel)) {
 				return {ErrorCode::cancelled, "sample", 0.0};
 			}
 			workspace_->collect(set, rect, block, r_points);
 			workspace_->count();
-			if (report) {
+			if (progress.report) {
 				const auto done = static_cast<double>(row * blocks.x + column + 1);
-				report(done / static_cast<double>(blocks.x * blocks.y), r_points.size());
+				progress.report(done / static_cast<double>(blocks.x * blocks.y), r_points.size());
 			}
 		}
 	}
