@@ -17,11 +17,13 @@ from conftest import REPO, run
 ROOMS = {
     "core/base": [],
     "core/sampling": ["core/base"],
-    "core/terrain": ["core/base", "core/sampling"],
+    "core/terrain": ["core/base"],
     "core/rules": ["core/base", "core/sampling", "core/terrain"],
     "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
-    "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
-    "core/streaming": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/query"],
+    "core/state": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
+    "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state"],
+    "core/near": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state", "core/query"],
+    "core/streaming": ["core/base"],
     "bindings": [],
     "nodes": ["core", "bindings"],
 }
@@ -55,6 +57,25 @@ def test_room_order(source):
         assert any(included.startswith(one + "/") for one in allowed), f"{source} includes {included}"
 
 
+def test_rooms_stand_in_order():
+    """The table of rooms has no circle: each room names only rooms that stand before it. Every folder of the core is a room."""
+    before: list[str] = []
+    for room, allowed in ROOMS.items():
+        assert all(one in before or any(known.startswith(one + "/") for known in before) for one in allowed), room
+        before.append(room)
+    folders = {path.relative_to(REPO / "extension").as_posix() for path in (REPO / "extension/core").iterdir()}
+    assert folders == {room for room in ROOMS if room.startswith("core/")}
+
+
+def test_no_circle_of_includes():
+    """No header includes itself by way of others: what is included by nothing that is left goes, until nothing is left."""
+    left = {source: {name for quoted, name in includes(source) if quoted and name in SOURCES} for source in SOURCES}
+    while leaves := [source for source, included in left.items() if not included & left.keys()]:
+        for source in leaves:
+            del left[source]
+    assert not left, f"these include each other: {sorted(left)}"
+
+
 @pytest.mark.parametrize("source", [source for source in SOURCES if source.startswith("core/")])
 def test_core_includes_no_engine(source):
     engine = [name for _, name in includes(source) if re.search(r"godot|gdextension", name, re.IGNORECASE)]
@@ -83,6 +104,22 @@ def test_core_compiles_on_its_own(tmp_path):
         if done.returncode:
             failures.append(f"{header}:\n{done.stderr[:2000]}")
     assert not failures, "\n".join(failures)
+
+
+# What the C library may round as it likes, so that two machines differ; hypot too. What IEEE 754 rounds exactly (sqrt) and
+# what does not round at all (floor, ldexp, ilogb, nextafter) is the same everywhere.
+INEXACT = """acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf erfc exp exp10 exp2 expm1 hypot j0 j1 jn lgamma log log10
+    log1p log2 logb pow sin sincos sinh tan tanh tgamma y0 y1 yn""".split()
+
+
+def test_core_leaves_no_rounding_to_the_machine(build_dir):
+    """Nothing in the core calls a function of the C library whose last bit depends on the library: no exceptions."""
+    listed = run(["nm", "-u", build_dir / "libthicket_core.a"], timeout=60)
+    assert listed.returncode == 0, listed.stderr
+    wanted = {words[1] for words in map(str.split, listed.stdout.splitlines()) if len(words) == 2 and words[0] == "U"}
+    assert "sqrt" in wanted, "the archive lists no functions of the C library"
+    inexact = {prefix + name + suffix for name in INEXACT for prefix in ("", "__") for suffix in ("", "f", "l", "_finite")}
+    assert not wanted & inexact, f"the core calls {sorted(wanted & inexact)}"
 
 
 @pytest.fixture(scope="module")

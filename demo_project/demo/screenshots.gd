@@ -88,7 +88,7 @@ func _wait_until_idle() -> void:
 	# The camera has just jumped: give the scatter a frame to notice.
 	for frame in 3:
 		await get_tree().process_frame
-	while not demo.scatter.is_idle():
+	while not demo.scatter.is_settled():
 		if Time.get_ticks_msec() > limit:
 			_fail("not idle after %.0f s: %s" % [PATIENCE, demo.scatter.get_stats()])
 			return

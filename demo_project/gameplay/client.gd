@@ -48,7 +48,7 @@ func _fell_around(place: Vector3, count: int) -> void:
 
 
 func _distance(id: int, place: Vector3) -> float:
-	return ((world.get_instance(id).transform as Transform3D).origin).distance_to(place)
+	return world.get_instance(id).position.distance_to(place)
 
 
 func _end(why: String) -> void:

@@ -33,7 +33,7 @@ var dots := 0
 
 var _stale := true
 var _center := Vector2.INF
-var _shown := {}
+var _shown: ScatterInstances
 var _seen := []
 
 
@@ -66,11 +66,11 @@ func _draw() -> void:
 	var here := Vector2(player.global_position.x, player.global_position.z)
 	var scale_here := size.x * 0.5 / reach
 	var inside := Rect2(Vector2.ZERO, size).grow(-2.0)
-	var places: PackedVector3Array = _shown.get("positions", PackedVector3Array())
+	var positions := _shown.positions if _shown != null else PackedVector3Array()
 	dots = 0
-	for i in places.size():
-		var layer := world.layers[_shown.layers[i]]
-		var at := size * 0.5 + (Vector2(places[i].x, places[i].z) - here) * scale_here
+	for i in positions.size():
+		var layer := world.layers[_shown.get_layer(i)]
+		var at := size * 0.5 + (Vector2(positions[i].x, positions[i].z) - here) * scale_here
 		if inside.has_point(at):
 			dots += 1
 			draw_circle(at, maxf(layer.radius * DOT * scale_here, SMALLEST_DOT), COLORS[layer.resource_name])

@@ -59,8 +59,8 @@ func _arrive() -> void:
 
 ## To the nearest oak, until it is close.
 func _walk() -> void:
-	var oak: Dictionary = _game.world.query_nearest(_game.player.global_position, 60.0, [_game.world.place_of("Oak")])
-	if not _check(not oak.is_empty(), "no oak near"):
+	var oak: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, [_game.world.place_of("Oak")])
+	if not _check(oak != null, "no oak near"):
 		return
 	await _walk_to(oak, STAND_BACK)
 
@@ -81,8 +81,8 @@ func _fell() -> void:
 func _wait_for_the_stump() -> void:
 	await _until(func() -> bool: return _game.falling.is_empty(), "it has dissolved")
 	var stumps: PackedInt32Array = [_game.world.place_of("Stump")]
-	var stump: Dictionary = _game.world.query_nearest(_game.player.global_position, 60.0, stumps)
-	if _check(not stump.is_empty(), "no stump"):
+	var stump: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, stumps)
+	if _check(stump != null, "no stump"):
 		await _walk_towards(stump.transform.origin, STAND_NEAR)
 		await _look_at(stump.transform.origin + Vector3.UP * 0.6)
 		await _picture("stump")
@@ -91,8 +91,8 @@ func _wait_for_the_stump() -> void:
 ## Three more, each the nearest one that still stands.
 func _fell_more() -> void:
 	for count in 3:
-		var tree: Dictionary = _game.world.query_nearest(_game.player.global_position, 60.0, _game.world.trees)
-		if not _check(not tree.is_empty(), "no more trees"):
+		var tree: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, _game.world.trees)
+		if not _check(tree != null, "no more trees"):
 			return
 		await _walk_to(tree, STAND_BACK)
 		_key(KEY_F)
@@ -129,7 +129,7 @@ func _save_and_reload() -> void:
 
 
 ## Walks to a tree and looks at it.
-func _walk_to(tree: Dictionary, distance: float) -> void:
+func _walk_to(tree: ScatterInstance, distance: float) -> void:
 	var root: Vector3 = tree.transform.origin
 	await _walk_towards(root, distance)
 	await _look_at(root + Vector3.UP * 2.4)
@@ -179,7 +179,7 @@ func _hold(key: Key, pressed: bool) -> void:
 ## Waits until all is on show, then draws: in the meantime nothing moves.
 func _picture(what: String) -> void:
 	await _frames(3)
-	await _until(func() -> bool: return _game.world.is_idle(), "all is on show")
+	await _until(func() -> bool: return _game.world.is_settled(), "all is on show")
 	if _failed:
 		return
 	var stats: Dictionary = _game.world.get_stats()

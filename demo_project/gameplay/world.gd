@@ -33,7 +33,7 @@ func place_of(layer_name: String) -> int:
 ## already.
 func fell(id: int) -> bool:
 	var tree := get_instance(id)
-	if tree.is_empty() or not trees.has(tree.layer) or not remove_instance(id):
+	if tree == null or not trees.has(tree.layer) or not remove_instance(id):
 		return false
 	if leaves_stumps:
 		add_instance(place_of(STUMP), tree.transform, trees.find(tree.layer))

@@ -1,12 +1,13 @@
 #include "nodes/register_types.hpp"
 
+#include "nodes/sampler/poisson_points.hpp"
+#include "nodes/sampler/poisson_sampler.hpp"
+#include "nodes/gameplay/scatter_instances.hpp"
+#include "nodes/gameplay/scatter_request.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
-#include "nodes/sampler/poisson_points.hpp"
-#include "nodes/sampler/poisson_sampler.hpp"
-#include "nodes/scatter/terrain_scatter_3d.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 #include "nodes/terrain/scatter_terrain_colliders.hpp"
 #include "nodes/terrain/scatter_terrain_flat.hpp"
@@ -14,6 +15,8 @@
 #include "nodes/terrain/scatter_terrain_meshes.hpp"
 #include "nodes/terrain/scatter_terrain_noise.hpp"
 #include "nodes/terrain/scatter_terrain_object.hpp"
+#include "nodes/scatter/scatter_tile.hpp"
+#include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/defs.hpp>
@@ -37,8 +40,12 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterTerrainColliders);
 	GDREGISTER_CLASS(ScatterMask);
 	GDREGISTER_CLASS(ScatterState);
+	GDREGISTER_CLASS(ScatterInstance);
+	GDREGISTER_CLASS(ScatterInstances);
+	GDREGISTER_CLASS(ScatterRequest);
 	GDREGISTER_CLASS(ScatterLayer);
 	GDREGISTER_CLASS(ScatterRegion3D);
+	GDREGISTER_CLASS(ScatterTile);
 	GDREGISTER_CLASS(TerrainScatter3D);
 }
 

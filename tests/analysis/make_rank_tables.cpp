@@ -39,7 +39,9 @@ void measure(
 	for (std::int32_t row = first_row; row < rows; row += 2) {
 		for (std::int32_t column = 0; column < columns; ++column) {
 			const glm::ivec2 corner = glm::ivec2(column, row) * block_side;
-			(void)blocks.resolve({corner, corner + block_side}, nullptr);
+			if (blocks.resolve({corner, corner + block_side}, nullptr) != ResolveResult::done) {
+				std::abort();
+			}
 			const LevelGrid &grid = blocks.finest();
 			for (std::int32_t y = 0; y < block_side; ++y) {
 				for (std::int32_t x = 0; x < block_side; ++x) {

@@ -54,7 +54,7 @@ func idle() -> String:
 	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
 	await process_frame
 	await process_frame
-	while not scatter.is_idle():
+	while not scatter.is_settled():
 		if Time.get_ticks_msec() > limit:
 			return "not idle after %.0f s" % PATIENCE_SECONDS
 		await process_frame

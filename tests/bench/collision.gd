@@ -57,7 +57,7 @@ func _make_scene() -> void:
 	_layer.collision_distance = DISTANCE
 	_layer.meshes = [PrismMesh.new(), BoxMesh.new()]
 	make_scatter(ScatterTerrainFlat.new(), [_layer], _viewer)
-	scatter.upload_budget_usec = WHOLE_BUDGET
+	scatter.frame_budget_usec = WHOLE_BUDGET
 	Engine.max_fps = 60
 
 
@@ -77,7 +77,7 @@ func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[Pa
 			var usec := 0.0
 			var changed := 0
 			var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
-			while changed == 0 or not scatter.is_idle():
+			while changed == 0 or not scatter.is_settled():
 				await process_frame
 				usec += scatter.get_stats()["frame_usec"]
 				changed = absi(scatter.get_stats()["bodies"] - before)
@@ -90,9 +90,9 @@ func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[Pa
 ## Microseconds of each frame of a viewer that moves.
 func _measure_moving(speed: float) -> PackedFloat64Array:
 	_viewer.position = Vector3.ZERO
-	scatter.upload_budget_usec = WHOLE_BUDGET
+	scatter.frame_budget_usec = WHOLE_BUDGET
 	await idle()
-	scatter.upload_budget_usec = USUAL_BUDGET
+	scatter.frame_budget_usec = USUAL_BUDGET
 	for frame in 3:
 		await process_frame # What is told is the frame before.
 	var times: PackedFloat64Array = []

@@ -54,7 +54,7 @@ func _measure_circles(rounds: int) -> void:
 		var layers := PackedInt32Array(asked[what])
 		var warm := []
 		var cold := []
-		var found: PackedInt64Array = scatter.query_sphere(_center, RADIUS, layers)["ids"]
+		var found: PackedInt64Array = scatter.query_sphere(_center, RADIUS, layers).ids
 		for round in rounds:
 			var far := _on_ground(_center + Vector3(400.0, 0.0, 300.0 * (round + 1)))
 			cold.push_back(time_of(scatter.query_sphere.bind(far, RADIUS, layers)) / 1e3)
@@ -65,7 +65,7 @@ func _measure_circles(rounds: int) -> void:
 
 ## Rays, nearest and single instances among trees and ferns.
 func _measure_single(rounds: int) -> void:
-	var ids: PackedInt64Array = scatter.query_sphere(_center, RADIUS, [0, 1])["ids"]
+	var ids: PackedInt64Array = scatter.query_sphere(_center, RADIUS, [0, 1]).ids
 	var rays := []
 	var nearest := []
 	var by_id := []
@@ -102,7 +102,7 @@ func _measure_removals(rounds: int) -> void:
 	var many := []
 	var count := 0
 	for round in rounds:
-		var ids: PackedInt64Array = scatter.query_sphere(_center, 30.0, [1])["ids"]
+		var ids: PackedInt64Array = scatter.query_sphere(_center, 30.0, [1]).ids
 		single.push_back(ids.size() * 1e6 / time_of(func() -> void:
 			for id in ids:
 				scatter.remove_instance(id)
@@ -120,7 +120,7 @@ func _measure_removals(rounds: int) -> void:
 ## Whoever looks at a tile sees what was changed.
 func _draw() -> void:
 	for tile: Vector2i in scatter.get_shown_tiles(1):
-		scatter.get_tile_ids(1, tile)
+		scatter.get_tile(1, tile)
 
 
 func _restore(ids: PackedInt64Array) -> void:
@@ -139,7 +139,7 @@ func _measure_states() -> void:
 	row("state, %d removals: to_bytes" % MILLION, [time_of(spread.to_bytes) / 1e3], "ms", 0)
 	row("state, %d removals: from_bytes" % MILLION, [time_of(loaded.from_bytes.bind(bytes)) / 1e3], "ms", 0)
 	var wood := ScatterState.new()
-	var ids: PackedInt64Array = scatter.query_sphere(_center, 2.0 * RADIUS, [1])["ids"]
+	var ids: PackedInt64Array = scatter.query_sphere(_center, 2.0 * RADIUS, [1]).ids
 	for id in ids:
 		if _random.randi() % 3 == 0:
 			wood.remove(id)

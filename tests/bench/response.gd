@@ -105,7 +105,7 @@ func _change(density: float) -> PackedFloat64Array:
 		_missing[tile] = true
 	var start := Time.get_ticks_usec()
 	_layer.density = density
-	while _missing.size() > 0 or not scatter.is_idle():
+	while _missing.size() > 0 or not scatter.is_settled():
 		await _frame()
 		var elapsed := (Time.get_ticks_usec() - start) / 1e3
 		if result[0] < 0.0 and not _near.any(func(tile: Vector2i) -> bool: return _missing.has(tile)):

@@ -89,10 +89,9 @@ func _make_world() -> void:
 	_walker = Node3D.new()
 	root.add_child(_viewer)
 	root.add_child(_walker)
-	_walker.add_to_group(&"scatter_bodies")
+	_walker.add_to_group(&"scatter_interaction")
 	root.add_child(_scatter)
 	_scatter.viewers = [_scatter.get_path_to(_viewer)]
-	_scatter.query_finished.connect(_on_query_finished)
 
 
 static func _layer(layer_name: String, radius: float, tile_size: float) -> ScatterLayer:
@@ -186,19 +185,20 @@ func _ask(frame: int) -> void:
 	if frame % 13 == 0:
 		var nearest := _scatter.query_nearest(here, 100.0, [0], func(_id: int, _layer: int, at: Transform3D) -> bool:
 			return at.origin.x > here.x)
-		_expect(nearest.is_empty() or _scatter.has_instance(nearest.id), "what is nearest stands")
+		_expect(nearest == null or _scatter.has_instance(nearest.id), "what is nearest stands")
 		_scatter.query_ray(here + Vector3(0.0, 5.0, 0.0), here + _heading * 80.0)
 		_done.answers += 2
 	if frame % 37 == 0:
-		_asked[_scatter.request_sphere(here + _heading * 3000.0, 100.0, [0, 1])] = true
+		var request := _scatter.request_sphere(here + _heading * 3000.0, 100.0, [0, 1])
+		request.completed.connect(_on_completed.bind(request.get_instance_id()))
+		_asked[request.get_instance_id()] = true
 	if frame % 111 == 0:
-		var given_up := _scatter.request_rect(Rect2(here.x, here.z, 500.0, 500.0))
-		_scatter.cancel_request(given_up)
+		_scatter.request_rect(Rect2(here.x, here.z, 500.0, 500.0)).cancel()
 
 
-func _on_query_finished(request: int, result: Dictionary) -> void:
-	_expect(_asked.erase(request), "only what was asked is answered")
-	_expect(result.has("ids"), "an answer has ids")
+func _on_completed(result: ScatterInstances, request: int) -> void:
+	_expect(_asked.erase(request), "a request completes once")
+	_expect(result.size() == result.ids.size(), "an answer has ids")
 	_done.answers += 1
 
 
@@ -207,12 +207,12 @@ func _come_and_go(frame: int) -> void:
 	if frame % 60 == 0:
 		var body := Node3D.new()
 		root.add_child(body)
-		body.add_to_group(&"scatter_bodies")
+		body.add_to_group(&"scatter_interaction")
 		body.position = _viewer.position + _heading * METERS_A_FRAME * 20.0
 		create_timer(0.05).timeout.connect(body.queue_free)
 	if frame % 45 == 0:
 		var nearest := _scatter.query_nearest(_viewer.position, 30.0, [0])
-		var scene := _scatter.take_scene(nearest.id) if not nearest.is_empty() else null
+		var scene := _scatter.take_scene(nearest.id) if nearest != null else null
 		if scene != null:
 			scene.reparent(root)
 			_scatter.remove_instance(nearest.id)
@@ -231,7 +231,7 @@ func _go_home() -> void:
 	_teleport(Vector3.ZERO)
 	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
 	await create_timer(0.1).timeout
-	while _failure == "" and not (_scatter.is_idle() and _asked.is_empty()):
+	while _failure == "" and not (_scatter.is_settled() and _asked.is_empty()):
 		_expect(Time.get_ticks_msec() < limit, "idle and answered within %.0f s" % PATIENCE_SECONDS)
 		await process_frame
 	# Bodies and scenes come a few in a frame.

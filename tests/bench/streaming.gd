@@ -86,7 +86,7 @@ func _report(frames: Array[Dictionary]) -> void:
 		most_waiting = maxi(most_waiting, int(stats.waiting) + int(stats.pending))
 	spent.sort()
 	var last := frames[-1]
-	var flight := "flight at %.0f m/s, budget %d µs" % [SPEED, _scatter.get(&"upload_budget_usec")]
+	var flight := "flight at %.0f m/s, budget %d µs" % [SPEED, _scatter.get(&"frame_budget_usec")]
 	var count := frames.size()
 	var row := "| %s: main thread a frame, %s | %.0f µs | %.0f to %.0f µs | %d frames |"
 	print(row % [flight, "median", spent[count / 2], spent[0], spent[-1], count])

@@ -85,6 +85,8 @@ inline std::vector<WorldLayer> world_layers() {
 /// Makes tiles when they are asked for and keeps them.
 class World final : public TileSource {
 public:
+	explicit World(const SampleMargins &margins = {}) : builder_(margins) {}
+
 	std::vector<WorldLayer> layers = world_layers();
 	std::vector<std::tuple<std::uint32_t, int, int>> asked_for; ///< Layer, x and y of every tile, in order.
 	bool makes = true;                                          ///< False: what is not there stays away.

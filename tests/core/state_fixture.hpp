@@ -2,7 +2,7 @@
 
 #include "core/base/bytes.hpp"
 #include "core/base/instance_id.hpp"
-#include "core/query/instance_state.hpp"
+#include "core/state/instance_state.hpp"
 
 #include <doctest/doctest.h>
 

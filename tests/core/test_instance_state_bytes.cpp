@@ -1,8 +1,8 @@
 // The stored form of a state: what comes back, what is refused, how many bytes it takes.
 
-#include "core/query/id_codec.hpp"
-#include "core/query/id_table.hpp"
-#include "core/query/state_record.hpp"
+#include "core/state/id_codec.hpp"
+#include "core/state/id_table.hpp"
+#include "core/state/state_record.hpp"
 #include "state_fixture.hpp"
 
 #include <algorithm>

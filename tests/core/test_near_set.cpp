@@ -1,4 +1,4 @@
-#include "core/query/near_set.hpp"
+#include "core/near/near_set.hpp"
 
 #include <doctest/doctest.h>
 

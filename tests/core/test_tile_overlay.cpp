@@ -1,7 +1,7 @@
 // What a game changes, laid over a tile: nothing but what was changed differs, to the bit.
 
 #include "core/base/instance_id.hpp"
-#include "core/query/tile_overlay.hpp"
+#include "core/near/tile_overlay.hpp"
 #include "tile_fixture.hpp"
 
 #include <doctest/doctest.h>

@@ -75,12 +75,12 @@ func check_bodies(scatter: TerrainScatter3D, standing: Dictionary[int, Transform
 
 
 ## An instance near a place, and whose body it is.
-func nearest(scatter: TerrainScatter3D, at := Vector3.ZERO) -> Dictionary:
+func nearest(scatter: TerrainScatter3D, at := Vector3.ZERO) -> ScatterInstance:
 	return scatter.query_nearest(at, 100.0)
 
 
-func middle(instance: Dictionary, height := 1.5) -> Vector3:
-	return (instance["transform"] as Transform3D) * Vector3(0, height, 0)
+func middle(instance: ScatterInstance, height := 1.5) -> Vector3:
+	return instance.transform * Vector3(0, height, 0)
 
 
 ## A ray through the middle of an instance: the id of what it hits, 0 for nothing.

@@ -112,7 +112,7 @@ func until(condition: Callable, message: String) -> bool:
 func settle(scatter: TerrainScatter3D) -> bool:
 	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
 	await frames(2)
-	while not scatter.is_idle():
+	while not scatter.is_settled():
 		if Time.get_ticks_msec() > deadline:
 			return check(false, "still not idle after %d ms: %s" % [IDLE_TIMEOUT_MSEC, scatter.get_stats()])
 		await process_frame
@@ -152,25 +152,58 @@ func make_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain, viewer: 
 	scatter.seed = 7
 	scatter.layers = layers
 	scatter.terrain = terrain
-	scatter.upload_budget_usec = 20000
+	scatter.frame_budget_usec = 20000
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	return scatter
 
 
+## The buffers of a tile, by mesh.
+func buffers_of(tile: ScatterTile) -> Array:
+	return range(tile.get_mesh_count()).map(tile.get_buffer)
+
+
+## The ids of a tile, by mesh.
+func ids_of(tile: ScatterTile) -> Array:
+	return range(tile.get_mesh_count()).map(tile.get_ids)
+
+
+func tile_buffers(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i) -> Array:
+	return buffers_of(scatter.get_tile(layer, tile))
+
+
+func tile_ids(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i) -> Array:
+	return ids_of(scatter.get_tile(layer, tile))
+
+
+func tile_multimeshes(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i) -> Array:
+	var shown := scatter.get_tile(layer, tile)
+	return range(shown.get_mesh_count()).map(shown.get_multimesh)
+
+
+## What makes an answer what it is: equal for equal answers.
+func content_of(found: ScatterInstances) -> Array:
+	return [found.ids, found.layers, found.meshes, found.positions, found.transforms]
+
+
+## The tiles of a layer on show; none for one that is not in the list.
+func shown_tiles(scatter: TerrainScatter3D, layer: int) -> Array[Vector2i]:
+	return scatter.get_shown_tiles(layer) if layer < scatter.layers.size() else ([] as Array[Vector2i])
+
+
 ## The digests of all shown tiles of a layer, by tile.
 func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
 	var result := {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		result[tile] = scatter.get_tile_digest(layer, tile)
+	for tile in shown_tiles(scatter, layer):
+		result[tile] = scatter.get_tile(layer, tile).get_digest()
 	return result
 
 
 ## What stands in a tile according to the RenderingServer: world transforms, all meshes in a row.
 func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
-	var origin := scatter.get_tile_origin(layer, tile)
-	for buffer: PackedFloat32Array in scatter.get_tile_buffers(layer, tile):
+	var origin := scatter.get_tile(layer, tile).get_origin()
+	for buffer: PackedFloat32Array in tile_buffers(scatter, layer, tile):
 		for at in range(0, buffer.size(), 12):
 			result.push_back(Transform3D(
 					Vector3(buffer[at], buffer[at + 4], buffer[at + 8]),
@@ -185,7 +218,7 @@ func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transfo
 	var result: Dictionary[int, Transform3D] = {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
 		var ids := PackedInt64Array()
-		for part: PackedInt64Array in scatter.get_tile_ids(layer, tile):
+		for part: PackedInt64Array in tile_ids(scatter, layer, tile):
 			ids.append_array(part)
 		var standing := transforms(scatter, layer, tile)
 		check(ids.size() == standing.size(), "an id for each transform")
@@ -198,7 +231,7 @@ func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transfo
 func _sum_of_ids(scatter: TerrainScatter3D, layer: int) -> int:
 	var sum := 0
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		for part: PackedInt64Array in scatter.get_tile_ids(layer, tile):
+		for part: PackedInt64Array in tile_ids(scatter, layer, tile):
 			sum += part.size()
 	return sum
 

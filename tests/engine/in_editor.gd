@@ -20,5 +20,5 @@ func _ready() -> void:
 
 func shown(scatter: Node) -> void:
 	var deadline := Time.get_ticks_msec() + 30000
-	while Time.get_ticks_msec() < deadline and not (scatter.is_idle() and scatter.get_stats()["tiles"] > 0):
+	while Time.get_ticks_msec() < deadline and not (scatter.is_settled() and scatter.get_stats()["tiles"] > 0):
 		await get_tree().process_frame

@@ -19,7 +19,7 @@ func hillside() -> ScatterTerrainHeightmap:
 
 ## A layer whose densities below 1 are well spread, on that hillside.
 func scatter_on_hillside(layer: ScatterLayer) -> TerrainScatter3D:
-	layer.levels = 3
+	layer.progressive_levels = 3
 	return make_scatter([layer], hillside(), make_viewer(Vector3(0, 0, 20)))
 
 
@@ -27,9 +27,9 @@ func scatter_on_hillside(layer: ScatterLayer) -> TerrainScatter3D:
 func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		var origin := scatter.get_tile_origin(layer, tile)
-		var buffers := scatter.get_tile_buffers(layer, tile)
-		var all_ids := scatter.get_tile_ids(layer, tile)
+		var origin := scatter.get_tile(layer, tile).get_origin()
+		var buffers := tile_buffers(scatter, layer, tile)
+		var all_ids := tile_ids(scatter, layer, tile)
 		for mesh in buffers.size():
 			var buffer: PackedFloat32Array = buffers[mesh]
 			var ids: PackedInt64Array = all_ids[mesh]

@@ -89,9 +89,9 @@ func make_garden(layers: Array[ScatterLayer], at := Vector3.ZERO) -> TerrainScat
 ## The instances that the picture has in the tiles on show, by id.
 func drawn(scatter: TerrainScatter3D, layer := 0) -> Dictionary[int, bool]:
 	var ids: Dictionary[int, bool] = {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		var buffers: Array = scatter.get_tile_buffers(layer, tile)
-		var parts: Array = scatter.get_tile_ids(layer, tile)
+	for tile in shown_tiles(scatter, layer):
+		var buffers: Array = tile_buffers(scatter, layer, tile)
+		var parts: Array = tile_ids(scatter, layer, tile)
 		for part in parts.size():
 			check_equal((buffers[part] as PackedFloat32Array).size(), 12 * (parts[part] as PackedInt64Array).size(),
 					"floats of the picture")

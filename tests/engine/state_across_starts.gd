@@ -32,6 +32,6 @@ func test_load() -> void:
 		for id: int in noted[0]:
 			check(not scatter.has_instance(id), "%d is felled" % id)
 		check_equal(scatter.get_instance_data(noted[1]), {"planted": "spring"}, "data")
-		check_equal((scatter.get_instance(noted[1])["transform"] as Transform3D).origin, Vector3(11.5, 2.0, 9.25), "the planted one")
+		check_equal((scatter.get_instance(noted[1]).transform as Transform3D).origin, Vector3(11.5, 2.0, 9.25), "the planted one")
 		check_equal(digests(scatter, 0), noted[3], "the picture from " + ending)
 		scatter.free()

@@ -14,7 +14,7 @@ func by_id(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
 		var ids: Array[int] = []
-		for of_mesh: PackedInt64Array in scatter.get_tile_ids(layer, tile):
+		for of_mesh: PackedInt64Array in tile_ids(scatter, layer, tile):
 			ids.append_array(Array(of_mesh))
 		var stand := transforms(scatter, layer, tile)
 		for index in ids.size():

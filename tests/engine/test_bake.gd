@@ -69,8 +69,8 @@ func test_whole_tiles() -> void:
 	for node: MultiMeshInstance3D in scene.get_children():
 		var tile := Vector2i((Vector2(node.position.x, node.position.z) / 32.0).floor())
 		var mesh := 1 if node.multimesh.mesh is CylinderMesh else 0
-		check_equal(node.position, scatter.get_tile_origin(0, tile), "where the tile's transforms start from")
-		check(node.multimesh.buffer == scatter.get_tile_buffers(0, tile)[mesh], "what stands in tile %s" % tile)
+		check_equal(node.position, scatter.get_tile(0, tile).get_origin(), "where the tile's transforms start from")
+		check(node.multimesh.buffer == tile_buffers(scatter, 0, tile)[mesh], "what stands in tile %s" % tile)
 		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "with colors")
 		check_equal(node.visibility_range_end, 77.0, "the layer's range")
 		check_equal(node.cast_shadow, GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, "the layer's shadows")
@@ -93,8 +93,8 @@ func test_parts_of_tiles() -> void:
 	var expected := 0
 	for layer in 2:
 		for tile: Vector2i in scatter.get_shown_tiles(layer):
-			var origin := scatter.get_tile_origin(layer, tile)
-			for buffer: PackedFloat32Array in scatter.get_tile_buffers(layer, tile):
+			var origin := scatter.get_tile(layer, tile).get_origin()
+			for buffer: PackedFloat32Array in tile_buffers(scatter, layer, tile):
 				var stride := 16 if layer == 0 else 12
 				for at in range(0, buffer.size(), stride):
 					expected += int(rect.has_point(Vector2(origin.x + buffer[at + 3], origin.z + buffer[at + 11])))

@@ -145,11 +145,11 @@ func test_nothing_comes_and_goes_twice() -> void:
 
 func test_around_bodies_far_from_viewers() -> void:
 	var scatter := make_solid([make_solid_layer()])
-	check_equal(scatter.body_group, &"scatter_bodies", "group")
+	check_equal(scatter.interaction_group, &"scatter_interaction", "group")
 	var walkers: Array[Node3D] = []
 	for place: Vector3 in [Vector3(700, 0, 0), Vector3(-400, 0, 900), Vector3(704, 0, 3)]:
 		var walker := make_viewer(place)
-		walker.add_to_group("scatter_bodies")
+		walker.add_to_group("scatter_interaction")
 		walkers.push_back(walker)
 	await settle(scatter)
 	check_bodies(scatter, instances(scatter, 0), [viewer.position], "around the viewer")
@@ -164,19 +164,19 @@ func test_around_bodies_far_from_viewers() -> void:
 	await settle(scatter)
 	check_equal(bodies(scatter, Vector3(-400, 0, 900), 30.0).size(), 0, "bodies around one who has gone")
 	check(bodies(scatter, Vector3(700, 0, 0), 30.0).size() > 20, "and around those who have not")
-	scatter.body_group = &"others"
+	scatter.interaction_group = &"others"
 	await settle(scatter)
 	check_equal(bodies(scatter, Vector3(700, 0, 0), 30.0).size(), 0, "bodies around nodes of no group that counts")
 
 
 func test_the_budget_is_kept() -> void:
 	var scatter := make_solid([make_solid_layer()])
-	scatter.upload_budget_usec = 1
+	scatter.frame_budget_usec = 1
 	var largest := 0
 	var count := 0
 	var steps := 0
 	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
-	while not scatter.is_idle() or count == 0:
+	while not scatter.is_settled() or count == 0:
 		await process_frame
 		var now: int = scatter.get_stats()["bodies"]
 		largest = maxi(largest, now - count)
@@ -195,7 +195,7 @@ func test_nearest_first() -> void:
 	await settle(scatter)
 	var standing := instances(scatter, 0)
 	viewer.position = Vector3(20, 0, 0)
-	scatter.upload_budget_usec = 1
+	scatter.frame_budget_usec = 1
 	var had := bodies(scatter)
 	var farthest := 0.0
 	for frame in 30:
@@ -243,9 +243,9 @@ func test_removed_at_once_and_back() -> void:
 func test_removed_before_its_body_came() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
-	var ids: PackedInt64Array = scatter.query_sphere(Vector3(40, 0, 0), 10.0)["ids"]
+	var ids: PackedInt64Array = scatter.query_sphere(Vector3(40, 0, 0), 10.0).ids
 	check(ids.size() > 5, "some")
-	scatter.upload_budget_usec = 1
+	scatter.frame_budget_usec = 1
 	viewer.position = Vector3(40, 0, 0)
 	await frames(2)
 	for id in ids:
@@ -354,7 +354,7 @@ func test_other_layers_and_another_order() -> void:
 	scatter.layers = [a]
 	await settle(scatter)
 	for id in bodies(scatter):
-		check_equal(scatter.get_instance(id)["layer"], 0, "only those of the layer that is left")
+		check_equal(scatter.get_instance(id).layer, 0, "only those of the layer that is left")
 	scatter.seed += 1
 	await settle(scatter)
 	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "another seed")
@@ -373,8 +373,8 @@ func test_ground_that_moves() -> void:
 	await settle(scatter)
 	check(absi(bodies(scatter).size() - before) < 20, "as many as before")
 	for id in bodies(scatter):
-		var hit := cast(scatter.get_instance(id)["transform"] * Vector3(1.0, 2.9, 0.0),
-				scatter.get_instance(id)["transform"] * Vector3(0.0, 2.9, 0.0))
+		var hit := cast(scatter.get_instance(id).transform * Vector3(1.0, 2.9, 0.0),
+				scatter.get_instance(id).transform * Vector3(0.0, 2.9, 0.0))
 		check(hit and scatter.get_body_instance(hit["rid"]) == id, "as high as the ground")
 
 

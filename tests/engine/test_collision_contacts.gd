@@ -177,7 +177,7 @@ func test_out_of_the_tree_and_into_another_world() -> void:
 func test_freed_in_the_middle() -> void:
 	for round in 8:
 		var scatter := make_solid([make_solid_layer(), make_solid_layer(ScatterLayer.COLLISION_CONVEX)])
-		scatter.upload_budget_usec = 50
+		scatter.frame_budget_usec = 50
 		if round % 2:
 			await settle(scatter)
 			for id in bodies(scatter).keys().slice(0, 10):

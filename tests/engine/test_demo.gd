@@ -83,15 +83,15 @@ func test_forest_along_a_path() -> void:
 ## back.
 func look_at_tile(layer: int, tile: Vector2i) -> int:
 	var key := Vector3i(layer, tile.x, tile.y)
-	var digest := scatter.get_tile_digest(layer, tile)
+	var digest := scatter.get_tile(layer, tile).get_digest()
 	if known.has(key):
 		if known[key] != digest:
 			check(false, "tile %s came back as another one" % key)
 		return 1
 	known[key] = digest
 	tile_log.add_tile(layer, scatter.layers[layer].tile_size, tile, digest)
-	var origin := scatter.get_tile_origin(layer, tile)
-	for buffer: PackedFloat32Array in scatter.get_tile_buffers(layer, tile):
+	var origin := scatter.get_tile(layer, tile).get_origin()
+	for buffer: PackedFloat32Array in tile_buffers(scatter, layer, tile):
 		look_at_buffer(layer, origin, buffer)
 	return 0
 

@@ -20,7 +20,7 @@ func look_from(place: Vector2) -> void:
 		var known: Dictionary = standing.get_or_add(scatter.layers[index].resource_name, {})
 		for tile: Vector2i in scatter.get_shown_tiles(index):
 			var ids: Array[int] = []
-			for mesh_ids: PackedInt64Array in scatter.get_tile_ids(index, tile):
+			for mesh_ids: PackedInt64Array in tile_ids(scatter, index, tile):
 				ids.append_array(mesh_ids)
 			var places := transforms(scatter, index, tile)
 			for i in ids.size():

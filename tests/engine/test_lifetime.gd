@@ -35,7 +35,7 @@ func make_busy(terrain: ScatterTerrain) -> TerrainScatter3D:
 	var layers: Array[ScatterLayer] = []
 	for index in 3:
 		var layer := make_layer(0.3)
-		layer.levels = index + 1
+		layer.progressive_levels = index + 1
 		layer.view_distance = 500.0
 		layer.meshes = [BoxMesh.new(), SphereMesh.new()]
 		layers.push_back(layer)
@@ -52,7 +52,7 @@ func test_freed_in_mid_generation() -> void:
 		var scatter := make_busy(grounds()[round % 3])
 		@warning_ignore("integer_division")
 		await frames(round / 3)
-		check(round < 3 or not scatter.is_idle(), "still at work after %d frames" % (round / 3.0))
+		check(round < 3 or not scatter.is_settled(), "still at work after %d frames" % (round / 3.0))
 		if round % 2:
 			scatter.free()
 		else:
@@ -167,18 +167,19 @@ func test_viewer_freed_and_teleported() -> void:
 		await process_frame
 	viewer.free()
 	await frames(10)
-	check(not scatter.is_idle(), "waits for a viewer")
+	check(not scatter.is_settled(), "waits for a viewer")
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	await until(has_tiles.bind(scatter), "goes on")
 
 
 func test_meddling_grounds() -> void:
-	for deed in 6:
+	for deed in 7:
 		var ground := MeddlingGround.new()
 		# So few points that one question answers a tile: what follows the answer meets what the deed has left.
 		var scatter := make_scatter([make_layer(8.0)], ground, make_viewer())
 		ground.meddle = [
 			func() -> void: scatter.queue_free(),
+			func() -> void: scatter.free(),
 			func() -> void: root.remove_child.call_deferred(scatter),
 			func() -> void: scatter.terrain = null,
 			func() -> void: scatter.layers = [],
@@ -205,7 +206,7 @@ func test_meddling_signal_handlers() -> void:
 		if counts[0] == 15:
 			root.remove_child(scatter)
 			root.add_child(scatter))
-	scatter.idle.connect(func() -> void:
+	scatter.settled.connect(func() -> void:
 		counts[1] += 1
 		scatter.queue_free())
 	await frames(5)
@@ -230,7 +231,7 @@ func test_change_of_scene_in_mid_generation() -> void:
 		await frames(2 + round)
 		check(current_scene is TerrainScatter3D, "the scene runs")
 		check(current_scene.get_child_count() == 1, "what is shown is not in the scene")
-		check(not current_scene.is_idle(), "and is at work")
+		check(not current_scene.is_settled(), "and is at work")
 	unload_current_scene()
 	await frames(3)
 

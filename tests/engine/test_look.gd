@@ -13,8 +13,8 @@ func visible_count(multimesh: RID, all: int) -> int:
 ## How many instances of all meshes of a tile the renderer draws.
 func drawn_of(scatter: TerrainScatter3D, tile: Vector2i) -> int:
 	var sum := 0
-	var ids := scatter.get_tile_ids(0, tile)
-	var multimeshes := scatter.get_tile_multimeshes(0, tile)
+	var ids := tile_ids(scatter, 0, tile)
+	var multimeshes := tile_multimeshes(scatter, 0, tile)
 	for mesh in ids.size():
 		if (multimeshes[mesh] as RID).is_valid():
 			sum += visible_count(multimeshes[mesh], ids[mesh].size())
@@ -31,7 +31,7 @@ func drawn_of_all(scatter: TerrainScatter3D) -> int:
 func buffers_of(scatter: TerrainScatter3D) -> Dictionary:
 	var buffers := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
-		buffers[tile] = scatter.get_tile_buffers(0, tile)
+		buffers[tile] = tile_buffers(scatter, 0, tile)
 	return buffers
 
 
@@ -44,7 +44,7 @@ func box_of(scatter: TerrainScatter3D, tile: Vector2i, buffers: Array, stride: i
 			var place := Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
 			box = AABB(place, Vector3.ZERO) if empty else box.expand(place)
 			empty = false
-	box.position += scatter.get_tile_origin(0, tile)
+	box.position += scatter.get_tile(0, tile).get_origin()
 	return box.grow(reach)
 
 
@@ -81,7 +81,7 @@ func check_detail(scatter: TerrainScatter3D, layer: ScatterLayer, buffers: Dicti
 		var level := 0 if distance < 40.0 else (1 if distance < 100.0 else 2)
 		seen[level] += 1
 		var density := 1.0 - 0.75 * clampf((distance - 50.0) / 70.0, 0.0, 1.0)
-		var multimeshes := scatter.get_tile_multimeshes(0, tile)
+		var multimeshes := tile_multimeshes(scatter, 0, tile)
 		for mesh in 2:
 			var expected := (meshes[level][mesh] as Mesh).get_rid()
 			if RenderingServer.multimesh_get_mesh(multimeshes[mesh]) != expected:
@@ -126,7 +126,7 @@ func test_a_mesh_changes_back_a_little_nearer() -> void:
 	var viewer := make_viewer(Vector3(16.0, 0.0, 16.0))
 	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
 	await settle(scatter)
-	var multimesh: RID = scatter.get_tile_multimeshes(0, Vector2i.ZERO)[0]
+	var multimesh: RID = tile_multimeshes(scatter, 0, Vector2i.ZERO)[0]
 	var coarse := {}
 	for height: float in [99.0, 102.0, 99.0, 97.0, 94.0, 97.0, 99.0, 102.0]:
 		viewer.global_position.y = height + REACH
@@ -154,11 +154,11 @@ func test_quality_draws_what_a_lower_density_would() -> void:
 		scatter.quality = quality
 		await frames(20)
 		for tile: Vector2i in scatter.get_shown_tiles(0):
-			var all := scatter.get_tile_ids(0, tile)
-			var expected := model.get_tile_ids(0, tile)
+			var all := tile_ids(scatter, 0, tile)
+			var expected := tile_ids(model, 0, tile)
 			for mesh in 2:
 				var ids: PackedInt64Array = all[mesh]
-				var drawn := visible_count(scatter.get_tile_multimeshes(0, tile)[mesh], ids.size())
+				var drawn := visible_count(tile_multimeshes(scatter, 0, tile)[mesh], ids.size())
 				# Both round the same product of a rank and a density, each its own way: one instance at most differs.
 				var common := mini(drawn, expected[mesh].size())
 				if absi(drawn - expected[mesh].size()) > 1 or ids.slice(0, common) != expected[mesh].slice(0, common):
@@ -200,8 +200,8 @@ func test_colors_and_custom_data() -> void:
 	var sums := Vector2.ZERO
 	var total := 0
 	for tile: Vector2i in scatter.get_shown_tiles(0):
-		var buffer: PackedFloat32Array = scatter.get_tile_buffers(0, tile)[0]
-		check_equal(buffer.size(), 20 * scatter.get_tile_ids(0, tile)[0].size(), "floats of tile %s" % tile)
+		var buffer: PackedFloat32Array = tile_buffers(scatter, 0, tile)[0]
+		check_equal(buffer.size(), 20 * tile_ids(scatter, 0, tile)[0].size(), "floats of tile %s" % tile)
 		var last_rank := 0.0
 		for at in range(0, buffer.size(), 20):
 			var color := Color(buffer[at + 12], buffer[at + 13], buffer[at + 14], buffer[at + 15])
@@ -219,7 +219,7 @@ func test_colors_and_custom_data() -> void:
 	check((sums / total).distance_to(Vector2(0.5, 0.5)) < 0.03, "mean of variation and phase: %s" % (sums / total))
 	# This renderer keeps colors and data as halves; what was never handed to it is the same to the bit.
 	var built := scatter.build_rect(0, Rect2(0.0, 0.0, 32.0, 32.0))
-	check_equal(scatter.get_tile_buffers(0, Vector2i.ZERO), built["buffers"] as Array, "what the renderer holds, exactly")
+	check_equal(tile_buffers(scatter, 0, Vector2i.ZERO), buffers_of(built), "what the renderer holds, exactly")
 	# Other colors are other tiles, but not other places.
 	var before := transforms_of(scatter, 20)
 	gradient.set_color(0, Color(0.0, 1.0, 0.0))
@@ -233,7 +233,7 @@ func test_colors_and_custom_data() -> void:
 
 func transforms_of(scatter: TerrainScatter3D, stride: int) -> PackedFloat32Array:
 	var result := PackedFloat32Array()
-	var buffer: PackedFloat32Array = scatter.get_tile_buffers(0, Vector2i.ZERO)[0]
+	var buffer: PackedFloat32Array = tile_buffers(scatter, 0, Vector2i.ZERO)[0]
 	for at in range(0, buffer.size(), stride):
 		result.append_array(buffer.slice(at, at + 12))
 	return result
@@ -241,7 +241,7 @@ func transforms_of(scatter: TerrainScatter3D, stride: int) -> PackedFloat32Array
 
 func colors_of(scatter: TerrainScatter3D) -> Array[Color]:
 	var result: Array[Color] = []
-	var buffer: PackedFloat32Array = scatter.get_tile_buffers(0, Vector2i.ZERO)[0]
+	var buffer: PackedFloat32Array = tile_buffers(scatter, 0, Vector2i.ZERO)[0]
 	for at in range(0, buffer.size(), 20):
 		result.push_back(Color(buffer[at + 12], buffer[at + 13], buffer[at + 14], buffer[at + 15]))
 	return result

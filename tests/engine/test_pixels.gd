@@ -57,14 +57,14 @@ func test_what_a_camera_sees() -> void:
 	check(green > 0.15 and await share(RED) == 0.0, "green of another material: %f" % green)
 	layer.material_override = null
 
-	layer.layers = 2
+	layer.render_layers = 2
 	root.get_camera_3d().cull_mask = 1
 	await settle(scatter)
 	check_equal(await share(RED), 0.0, "red on a render layer that the camera does not see")
 	scatter.seed = 10
 	await settle(scatter)
 	check_equal(await share(RED), 0.0, "red of new tiles on that layer")
-	layer.layers = 1
+	layer.render_layers = 1
 
 	layer.visibility_range_end = 30.0
 	await settle(scatter)
@@ -78,7 +78,7 @@ func test_what_a_camera_sees() -> void:
 	await settle(scatter)
 
 	# One buffer a frame, so that there are many frames between the first new tile and the last.
-	scatter.upload_budget_usec = 1
+	scatter.frame_budget_usec = 1
 	var mesh := BoxMesh.new()
 	mesh.material = plain(GREEN)
 	layer.meshes = [mesh]
@@ -87,7 +87,7 @@ func test_what_a_camera_sees() -> void:
 		check(await share(RED) + await share(GREEN) > 0.8 * red, "old tiles stay until new ones are there")
 		mixed += 1
 	check(mixed > 2, "%d looks in between" % mixed)
-	scatter.upload_budget_usec = 20000
+	scatter.frame_budget_usec = 20000
 	mesh = BoxMesh.new()
 	mesh.material = plain(RED)
 	layer.meshes = [mesh]

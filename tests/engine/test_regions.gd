@@ -184,17 +184,33 @@ func test_layers_by_name() -> void:
 	var before := [digests(scatter, 0), digests(scatter, 1), digests(scatter, 2)]
 	var region := make_region(ScatterRegion3D.SHAPE_SPHERE)
 	region.radius = 20.0
-	region.layer_names = PackedStringArray(["layer 1", "layer 2"])
+	region.layers = ["layer 1", "layer 2"]
 	scatter.add_child(region)
 	await settle(scatter)
 	for layer in 3:
 		check_equal(digests(scatter, layer) == before[layer], layer == 0, "layer %d is as before" % layer)
+	var excluded := [digests(scatter, 0), digests(scatter, 1), digests(scatter, 2)]
 	scatter.layers[1].resource_name = "other"
+	check_equal(region.layers, ["other", "layer 2"], "a renamed layer keeps its region")
+	for names: Array in [region.layers, [scatter.layers[1], scatter.layers[2]], [1, 2], [&"other", 2]]:
+		region.layers = names
+		await settle(scatter)
+		for layer in 3:
+			check(digests(scatter, layer) == excluded[layer], "layer %d, by %s" % [layer, names])
+	region.layers = [scatter.layers[1]]
+	check_equal(region.layers, ["other"], "a layer with a name is kept by it")
+	check_equal(region.get_problems(), PackedStringArray(), "no problem")
+	region.layers.push_back("layer 2")
+	check_error(["read-only"], "an edit that nobody would hear of")
+	region.layers = [null]
+	check_error(["ScatterRegion3D.layers", "null"], "what cannot mean a layer")
+	check_equal(region.layers, ["other"], "is ignored")
+	region.layers = ["layer 1", 5, "layer 2"]
 	await settle(scatter)
 	check(digests(scatter, 1) == before[1], "a layer of another name")
-	check_equal(region.get_problems().size(), 1, "problems with an unknown name")
-	check("\"layer 1\"" in region.get_problems()[0], "the name is said")
-	region.layer_names = PackedStringArray()
+	check_equal(region.get_problems().size(), 2, "problems with unknown layers")
+	check("\"layer 1\"" in region.get_problems()[0] and "5" in region.get_problems()[1], "they are said: %s" % region.get_problems())
+	region.layers = []
 	await settle(scatter)
 	for layer in 3:
 		check(digests(scatter, layer) != before[layer], "no names: layer %d" % layer)
@@ -307,7 +323,7 @@ func test_what_does_not_count_is_hidden() -> void:
 		for name: String in ["ignore_height", "size", "radius", "height", "polygon", "path", "width"]:
 			check_equal(name in seen, name in counts[shape], "shape %d shows %s" % [shape, name])
 			check(name in stored, "shape %d stores %s" % [shape, name])
-		for name: String in ["shape", "exclude", "layer_names", "falloff"]:
+		for name: String in ["shape", "exclude", "layers", "falloff"]:
 			check(name in seen, "shape %d shows %s" % [shape, name])
 	check_equal(told[0], counts.size() - 1, "the inspector hears of each change")
 	region.free()
@@ -322,7 +338,7 @@ func test_saved_and_loaded() -> void:
 	for shape: ScatterRegion3D.Shape in shapes:
 		var region := make_region(shape)
 		region.polygon = PackedVector2Array([Vector2(20, 20), Vector2(40, 20), Vector2(20, 45)])
-		region.layer_names = PackedStringArray(["layer 0"])
+		region.layers = ["layer 0"]
 		path.add_child(region)
 		region.owner = scatter
 	await settle(scatter)

@@ -123,4 +123,4 @@ func test_other_meshes_are_never_mixed_up() -> void:
 	await settle(fresh)
 	check_equal(digests(scatter, 0), digests(fresh, 0), "the layer that came last stands")
 	for tile: Vector2i in scatter.get_shown_tiles(0):
-		check_equal(scatter.get_tile_ids(0, tile).size(), 2, "meshes of tile %s" % tile)
+		check_equal(tile_ids(scatter, 0, tile).size(), 2, "meshes of tile %s" % tile)

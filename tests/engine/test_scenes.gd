@@ -3,7 +3,7 @@ extends "scenes_harness.gd"
 
 func test_swap_at_the_distance() -> void:
 	var scatter := make_garden([make_plants()], Vector3(-60, 0, 3))
-	scatter.upload_budget_usec = 1000000
+	scatter.frame_budget_usec = 1000000
 	await settle(scatter)
 	var forest := scatter.query_rect(Rect2(-90, -40, 160, 80))
 	var ids: PackedInt64Array = forest["ids"]
@@ -39,12 +39,12 @@ func test_stands_as_the_instance() -> void:
 	scatter.position = Vector3(5, 6, 7)  # Does not move instances.
 	scatter.scale = Vector3(2, 2, 2)
 	await settle(scatter)
-	var near: Dictionary = scatter.query_sphere(Vector3.ZERO, 10.0)
+	var near := scatter.query_sphere(Vector3.ZERO, 10.0)
 	for id: int in near["ids"]:
 		var scene: Plant = scatter.get_scene(id)
 		if not check(scene != null and scene.get_parent() == scatter, "a child for %d" % id):
 			continue
-		var expected: Transform3D = scatter.get_instance(id)["transform"]
+		var expected: Transform3D = scatter.get_instance(id).transform
 		check(scene.global_transform.is_equal_approx(expected), "%s is at %s" % [scene.global_transform, expected])
 		check_equal(scene.layer, 1, "layer")
 		check_equal(scene.data, null, "data")
@@ -53,7 +53,7 @@ func test_stands_as_the_instance() -> void:
 	scatter.position = Vector3(9, 9, 9)
 	await frames(2)
 	var id: int = near["ids"][0]
-	check(scatter.get_scene(id).global_transform.is_equal_approx(scatter.get_instance(id)["transform"]), "still there")
+	check(scatter.get_scene(id).global_transform.is_equal_approx(scatter.get_instance(id).transform), "still there")
 	scatter.set_instance_data(id, {"age": 70})
 	viewer.position.x = 1000.0
 	await settle(scatter)
@@ -68,7 +68,7 @@ func test_everything_once_in_every_frame() -> void:
 	var layer := make_plants(3.0)
 	layer.view_distance = 48.0
 	var scatter := make_garden([layer])
-	scatter.upload_budget_usec = 1500
+	scatter.frame_budget_usec = 1500
 	await settle(scatter)
 	var random := RandomNumberGenerator.new()
 	random.seed = 3
@@ -109,7 +109,7 @@ func test_everything_once_in_every_frame() -> void:
 func test_budget_and_order() -> void:
 	var scatter := make_garden([make_plants()], Vector3(5000, 0, 0))
 	await settle(scatter)
-	scatter.upload_budget_usec = 1
+	scatter.frame_budget_usec = 1
 	var places: Dictionary[int, Vector3] = {}
 	var order: Array[int] = []
 	scatter.scene_shown.connect(func(id: int, scene: Node3D) -> void:
@@ -117,7 +117,7 @@ func test_budget_and_order() -> void:
 		places[id] = scene.global_position)
 	viewer.position.x += 15.0
 	var before_frame := -1
-	while before_frame < 0 or not scatter.is_idle():
+	while before_frame < 0 or not scatter.is_settled():
 		before_frame = shown.size() + hidden.size()
 		await process_frame
 		check(shown.size() + hidden.size() - before_frame <= 1, "one a frame")
@@ -179,7 +179,7 @@ func test_tile_made_anew() -> void:
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "still the same scenes")
 	for id in before:
-		check(before[id].global_transform.is_equal_approx(scatter.get_instance(id)["transform"]), "as the instance is")
+		check(before[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "as the instance is")
 		if before[id].global_transform != before[id].ready_at:
 			break
 	check(hidden.is_empty(), "none of them went")
@@ -209,7 +209,7 @@ func test_recentered() -> void:
 	await settle(scatter)
 	check(shown.size() > came, "others came")
 	for id in standing_scenes:
-		check(standing_scenes[id].global_transform.is_equal_approx(scatter.get_instance(id)["transform"]), "in its place")
+		check(standing_scenes[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "in its place")
 	check_once(scatter, everything_of(scatter), "elsewhere")
 
 
@@ -217,13 +217,13 @@ func test_around_bodies() -> void:
 	var scatter := make_garden([make_plants()])
 	await settle(scatter)
 	var body := make_viewer(Vector3(50, 0, 0))
-	body.add_to_group(scatter.body_group)
+	body.add_to_group(scatter.interaction_group)
 	await frames(2)
 	await settle(scatter)
 	for at: Vector3 in [Vector3.ZERO, body.position]:
-		var near: Dictionary = scatter.query_nearest(at, 10.0)
+		var near := scatter.query_nearest(at, 10.0)
 		check(scatter.get_scene(near["id"]) != null, "a scene at %s" % at)
 	body.free()
 	await frames(2)
 	await settle(scatter)
-	check(scatter.get_scene(scatter.query_nearest(Vector3(50, 0, 0), 10.0)["id"]) == null, "nobody is there any more")
+	check(scatter.get_scene(scatter.query_nearest(Vector3(50, 0, 0), 10.0).id) == null, "nobody is there any more")

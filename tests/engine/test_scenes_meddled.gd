@@ -11,7 +11,7 @@ func show_walk_and_free() -> void:
 	for step in 5:
 		viewer.position.x += 11.0
 		await settle(scatter)
-	scatter.remove_instance(scatter.query_nearest(viewer.position, 20.0)["id"])
+	scatter.remove_instance(scatter.query_nearest(viewer.position, 20.0).id)
 	if viewer.position.z > 0.0:
 		scatter.free()
 	else:
@@ -52,7 +52,7 @@ func test_out_of_the_tree() -> void:
 func test_felled_and_taken() -> void:
 	var scatter := make_garden([make_plants()])
 	await settle(scatter)
-	var near: PackedInt64Array = scatter.query_sphere(Vector3.ZERO, 15.0)["ids"]
+	var near: PackedInt64Array = scatter.query_sphere(Vector3.ZERO, 15.0).ids
 	var everything := everything_of(scatter)
 	var scene: Plant = scatter.get_scene(near[0])
 	check(scatter.remove_instance(near[0]), "felled")
@@ -175,7 +175,7 @@ func test_scenes_that_free_themselves() -> void:
 
 
 func test_meddling_scenes() -> void:
-	var near := func() -> PackedInt64Array: return meddled.query_sphere(viewer.position, 18.0)["ids"]
+	var near := func() -> PackedInt64Array: return meddled.query_sphere(viewer.position, 18.0).ids
 	var deeds: Array[Callable] = [
 		func(plant: Plant) -> void: meddled.remove_instance(plant.id),
 		func(_plant: Plant) -> void: meddled.remove_instance(near.call()[0]),

@@ -204,7 +204,7 @@ func test_what_is_damaged_is_refused() -> void:
 func test_a_damaged_file_leaves_the_running_state() -> void:
 	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
 	await settle(scatter)
-	var id: int = scatter.query_nearest(Vector3.ZERO, 50.0)["id"]
+	var id: int = scatter.query_nearest(Vector3.ZERO, 50.0).id
 	scatter.remove_instance(id)
 	var state := scatter.state
 	var shown := digests(scatter, 0)
@@ -223,7 +223,7 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	var elsewhere := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
 	elsewhere.seed = 8
 	await settle(elsewhere)
-	elsewhere.remove_instance(elsewhere.query_nearest(Vector3.ZERO, 50.0)["id"])
+	elsewhere.remove_instance(elsewhere.query_nearest(Vector3.ZERO, 50.0).id)
 	check_equal(state.from_bytes(elsewhere.state.to_bytes()), ERR_INVALID_DATA, "a foreign state")
 	check_error(["ScatterState.from_bytes: layer", "another seed"], "a foreign state")
 	check_equal(state.merge(elsewhere.state), ERR_INVALID_DATA, "a foreign state")

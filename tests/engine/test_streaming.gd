@@ -133,7 +133,7 @@ func test_order_of_tiles_changes_nothing() -> void:
 func test_spacing_across_tile_borders() -> void:
 	var layer := make_layer(2.0)
 	layer.tile_size = 20.0
-	layer.levels = 3
+	layer.progressive_levels = 3
 	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
 	await settle(scatter)
 	var grid := {}
@@ -228,8 +228,8 @@ func test_meshes_share_by_weight() -> void:
 	await settle(scatter)
 	var counts := [0, 0, 0]
 	for tile: Vector2i in scatter.get_shown_tiles(0):
-		var ids := scatter.get_tile_ids(0, tile)
-		var buffers := scatter.get_tile_buffers(0, tile)
+		var ids := tile_ids(scatter, 0, tile)
+		var buffers := tile_buffers(scatter, 0, tile)
 		check_equal(buffers.size(), 3, "buffers of tile %s" % tile)
 		for mesh in 3:
 			check_equal(buffers[mesh].size(), 12 * ids[mesh].size(), "buffer %d of tile %s" % [mesh, tile])
@@ -245,11 +245,11 @@ func test_density_is_a_prefix() -> void:
 	await settle(scatter)
 	var all := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
-		all[tile] = scatter.get_tile_ids(0, tile)[0]
+		all[tile] = tile_ids(scatter, 0, tile)[0]
 	layer.density = 0.5
 	await settle(scatter)
 	for tile: Vector2i in all:
-		var ids: PackedInt64Array = scatter.get_tile_ids(0, tile)[0]
+		var ids: PackedInt64Array = tile_ids(scatter, 0, tile)[0]
 		check_equal(ids, (all[tile] as PackedInt64Array).slice(0, ids.size()), "half of tile %s" % tile)
 		var whole: int = all[tile].size()
 		check(absf(ids.size() - 0.5 * whole) < 25.0, "tile %s has %d of %d" % [tile, ids.size(), whole])
@@ -265,10 +265,10 @@ func test_a_change_keeps_old_tiles_until_new_ones_stand() -> void:
 	while true:
 		await process_frame
 		check_equal(scatter.get_stats()["tiles"], count, "tiles on show while all are made anew")
-		if scatter.is_idle():
+		if scatter.is_settled():
 			break
 	for tile: Vector2i in before:
-		check(before[tile] != scatter.get_tile_digest(0, tile), "tile %s is another one" % tile)
+		check(before[tile] != scatter.get_tile(0, tile).get_digest(), "tile %s is another one" % tile)
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
 	var made: int = scatter.get_stats()["tiles_made"]
 	await settle(scatter)
@@ -357,7 +357,7 @@ func test_moving_the_node_moves_nothing() -> void:
 	var before := digests(scatter, 0)
 	scatter.global_transform = Transform3D(Basis().scaled(Vector3(2.0, 2.0, 2.0)), Vector3(500.0, 5.0, 5.0))
 	await frames(3)
-	check(scatter.is_idle(), "nothing is made anew")
+	check(scatter.is_settled(), "nothing is made anew")
 	check_equal(digests(scatter, 0), before, "instances after the node moved")
 
 

@@ -181,7 +181,7 @@ func test_a_terrain_that_is_let_go_in_its_own_call() -> void:
 func test_a_scatter_that_loses_its_terrain_or_itself_in_a_call() -> void:
 	for type: GDScript in [Letting, LettingNormals, LettingWeights, LettingAtOnce]:
 		for after in [1, 2, 3, 7]:
-			for act: String in ["terrain", "layers", "leave"]:
+			for act: String in ["terrain", "layers", "free", "leave"]:
 				var layer := make_layer()
 				layer.ground_textures = PackedInt32Array([0])
 				var terrain: ScatterTerrain = type.new()
@@ -233,7 +233,7 @@ class Map extends Node3D:
 
 
 func test_a_node_that_acts_while_it_is_looked_at() -> void:
-	for act: String in ["free later", "leave", "ask", "other node", "no terrain"]:
+	for act: String in ["free later", "leave", "ask", "other node", "free the scatter", "no terrain"]:
 		var map := Map.new()
 		root.add_child(map)
 		var terrain := ScatterTerrainObject.new()

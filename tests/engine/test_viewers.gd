@@ -55,7 +55,7 @@ func test_each_viewer_has_its_own_radius() -> void:
 	var others := [make_viewer(Vector3(2000.0, 0.0, 0.0)), make_viewer(Vector3(-2000.0, 0.0, 0.0))]
 	for other: Node3D in others:
 		scatter.viewers = scatter.viewers + [scatter.get_path_to(other)]
-	scatter.viewer_radius_scales = PackedFloat32Array([0.5, 2.0])
+	scatter.viewer_distance_scales = PackedFloat32Array([0.5, 2.0])
 	await settle(scatter)
 	var farthest := [0.0, 0.0, 0.0]
 	var places := [Vector3.ZERO, others[0].global_position, others[1].global_position]
@@ -67,25 +67,25 @@ func test_each_viewer_has_its_own_radius() -> void:
 	check(farthest[0] <= 36.1 and farthest[0] > 20.0, "half as far: %f" % farthest[0])
 	check(farthest[1] <= 132.1 and farthest[1] > 100.0, "twice as far: %f" % farthest[1])
 	check(farthest[2] <= 68.1 and farthest[2] > 40.0, "as the layer says: %f" % farthest[2])
-	scatter.viewer_radius_scales = PackedFloat32Array([1.0, 0.0, 1.0])
+	scatter.viewer_distance_scales = PackedFloat32Array([1.0, 0.0, 1.0])
 	await settle(scatter)
 	await frames(10)
 	var around := 0
 	for tile: Vector2i in scatter.get_shown_tiles(0):
 		around += 1 if distance(tile, 32.0, places[1]) < 500.0 else 0
 	check(around <= 9, "a viewer that sees nothing keeps %d tiles" % around)
-	scatter.viewer_radius_scales = PackedFloat32Array([1e6])
+	scatter.viewer_distance_scales = PackedFloat32Array([1e6])
 	await frames(2)
 	check_no_error("the farthest view")
 
 
 func test_bad_radius_scales() -> void:
 	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
-	scatter.viewer_radius_scales = PackedFloat32Array([0.0, 2.0])
+	scatter.viewer_distance_scales = PackedFloat32Array([0.0, 2.0])
 	for bad: float in [NAN, INF, -1.0, 2e6]:
-		scatter.viewer_radius_scales = PackedFloat32Array([1.0, bad])
-		check_error(["TerrainScatter3D", "viewer_radius_scales[1]"], "a scale of %f" % bad)
-		check_equal(scatter.viewer_radius_scales, PackedFloat32Array([0.0, 2.0]), "scales after a refusal")
+		scatter.viewer_distance_scales = PackedFloat32Array([1.0, bad])
+		check_error(["TerrainScatter3D", "viewer_distance_scales[1]"], "a scale of %f" % bad)
+		check_equal(scatter.viewer_distance_scales, PackedFloat32Array([0.0, 2.0]), "scales after a refusal")
 
 
 func test_split_screen_is_both_pictures() -> void:
@@ -139,7 +139,7 @@ func test_a_teleport_shows_near_tiles_first() -> void:
 	var layer := make_layer(1.5)
 	layer.view_distance = 300.0
 	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
-	scatter.upload_budget_usec = 500
+	scatter.frame_budget_usec = 500
 	var watch := OrderWatch.new(scatter, 0, viewer)
 	await settle(scatter)
 	for jump: Vector3 in [Vector3(5e4, 0.0, -3e4), Vector3(200.0, 0.0, 0.0), Vector3(-90.0, 0.0, 110.0)]:
@@ -160,7 +160,7 @@ func test_flight_at_1000_meters_a_second() -> void:
 	far.tile_size = 128.0
 	far.view_distance = 700.0
 	var scatter := make_scatter([near, far], ScatterTerrainFlat.new(), viewer)
-	scatter.upload_budget_usec = 500
+	scatter.frame_budget_usec = 500
 	await settle(scatter)
 	var watches := [OrderWatch.new(scatter, 0, viewer), OrderWatch.new(scatter, 1, viewer)]
 	for layer in 2:

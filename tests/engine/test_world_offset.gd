@@ -36,7 +36,7 @@ func test_a_recenter_moves_what_stands_and_makes_nothing() -> void:
 	check_equal(scatter.world_offset, shift, "the property")
 	var at_once := instances(scatter, 0)
 	await frames(20)
-	check(scatter.is_idle(), "nothing to do")
+	check(scatter.is_settled(), "nothing to do")
 	check_equal(scatter.get_stats()["tiles_made"], stats["tiles_made"], "tiles made for a recenter")
 	check_equal(scatter.get_stats()["uploads"], stats["uploads"], "uploads for a recenter")
 	check_equal(events.size(), 0, "tiles that came or went")
@@ -50,7 +50,7 @@ func test_a_recenter_moves_what_stands_and_makes_nothing() -> void:
 				check(false, "instance %d has another basis" % id)
 		check(worst < 1e-3, "an instance is off by %f m" % worst)
 	for tile: Vector2i in scatter.get_shown_tiles(0):
-		check_equal(scatter.get_tile_origin(0, tile).x, (tile.x + 0.5) * 32.0 - shift.x, "origin of tile %s" % tile)
+		check_equal(scatter.get_tile(0, tile).get_origin().x, (tile.x + 0.5) * 32.0 - shift.x, "origin of tile %s" % tile)
 
 
 func test_a_recenter_in_flight() -> void:
@@ -143,20 +143,19 @@ func test_queries_and_changes_are_in_the_engine_space() -> void:
 	var inside := 0
 	for id in standing:
 		inside += 1 if standing[id].origin.distance_to(Vector3(5.0, 0.0, 5.0)) < 20.0 else 0
-	check_equal((found["ids"] as PackedInt64Array).size(), inside, "instances within 20 m")
+	check_equal(found.ids.size(), inside, "instances within 20 m")
 	check(inside > 50, "%d instances" % inside)
-	for index in (found["ids"] as PackedInt64Array).size():
-		var id: int = found["ids"][index]
-		var off := standing[id].origin.distance_to((found["positions"] as PackedVector3Array)[index])
+	for index in found.ids.size():
+		var off := standing[found.get_id(index)].origin.distance_to(found.get_position(index))
 		if off > 1e-3:
 			check(false, "a query's position is off by %f m" % off)
 	var built := scatter.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
-	var ids: PackedInt64Array = built["ids"][0]
+	var ids := built.get_ids(0)
+	var buffer := built.get_buffer(0)
 	check(ids.size() > 20, "build_rect")
 	for index in ids.size():
-		var buffer: PackedFloat32Array = built["buffers"][0]
 		var local := Vector3(buffer[12 * index + 3], buffer[12 * index + 7], buffer[12 * index + 11])
-		check(standing[ids[index]].origin.distance_to(local + (built["origin"] as Vector3)) < 1e-3, "build_rect's position")
+		check(standing[ids[index]].origin.distance_to(local + built.get_origin()) < 1e-3, "build_rect's position")
 	# A felled one stays felled when the game recenters, and a planted one stays where it is in the world.
 	var nearest := scatter.query_nearest(Vector3.ZERO, 10.0)
 	check(scatter.remove_instance(nearest["id"]), "felled")
@@ -166,7 +165,7 @@ func test_queries_and_changes_are_in_the_engine_space() -> void:
 	scatter.world_offset = FAR + shift
 	await frames(3)
 	check(not scatter.has_instance(nearest["id"]), "still felled")
-	var seen: Transform3D = scatter.get_instance(planted)["transform"]
+	var seen: Transform3D = scatter.get_instance(planted).transform
 	check(seen.origin.distance_to(Vector3(1.0, 0.0, 2.0) - shift) < 1e-3, "planted at %s" % seen.origin)
 	check(instances(scatter, 0)[planted].origin.distance_to(seen.origin) < 1e-3, "drawn there")
 
@@ -313,7 +312,7 @@ func test_nodes_with_other_offsets_share_a_ground() -> void:
 		check_on_slope(here, what + ", here, while the other recentered")
 		check_on_slope(there, what + ", recentered")
 		var built := here.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
-		check(absf((built["origin"] as Vector3).y) < 10.0, what + ": built at once, about %s" % built["origin"])
+		check(absf(built.get_origin().y) < 10.0, what + ": built at once, about %s" % built.get_origin())
 		here.free()
 		there.regenerate()
 		await settle(there)

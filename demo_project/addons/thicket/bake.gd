@@ -132,13 +132,13 @@ func _bake_tile(tile: Vector3i) -> bool:
 	var layer: Resource = _scatter.get(&"layers")[tile.x]
 	var size: float = layer.get(&"tile_size")
 	var area := Rect2(Vector2(tile.y, tile.z) * size, Vector2(size, size)).intersection(_rect)
-	var built: Dictionary = _scatter.call(&"build_rect", tile.x, area)
-	if built.buffers.is_empty():
+	var built: RefCounted = _scatter.call(&"build_rect", tile.x, area)
+	if built.get_mesh_count() == 0:
 		problem = "Layer %d cannot be made; the error that was printed says why." % tile.x
 		return false
-	for mesh_index: int in built.buffers.size():
-		var buffer: PackedFloat32Array = built.buffers[mesh_index]
-		var mesh: Mesh = built.meshes[mesh_index]
+	for mesh_index: int in built.get_mesh_count():
+		var buffer: PackedFloat32Array = built.get_buffer(mesh_index)
+		var mesh: Mesh = built.get_mesh(mesh_index)
 		if buffer.is_empty() or mesh == null:
 			continue
 		var file := "%s_%s_%d_%d_%d.res" % [_name, _file_part(tile.x), mesh_index, tile.y, tile.z]
@@ -146,7 +146,7 @@ func _bake_tile(tile: Vector3i) -> bool:
 		if multimesh == null or not _save(multimesh, file):
 			return false
 		instances += multimesh.instance_count
-		_nodes.append([layer, tile, built.origin, multimesh])
+		_nodes.append([layer, tile, built.get_origin(), multimesh])
 	return true
 
 

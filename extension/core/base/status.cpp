@@ -20,16 +20,21 @@ const char *demand(ErrorCode code) {
 		case ErrorCode::out_of_memory: return "needs more memory than there is";
 		case ErrorCode::corrupt: return "is truncated, damaged or of another kind";
 		case ErrorCode::foreign: return "was made for another seed, radius or number of levels";
+		case ErrorCode::margin_too_wide: return "needs a wider margin of cells than is allowed";
 		case ErrorCode::cancelled: return "was cancelled";
 	}
 	return "is invalid";
 }
 
+std::string as_text(double number) {
+	std::array<char, 32> text{};
+	std::snprintf(text.data(), text.size(), "%.9g", number);
+	return text.data();
+}
+
 } // namespace
 
 std::string describe(const Status &status) {
-	std::array<char, 32> number{};
-	std::snprintf(number.data(), number.size(), "%.9g", status.value);
 	std::string text = status.property;
 	text += ' ';
 	text += demand(status.code);
@@ -37,7 +42,11 @@ std::string describe(const Status &status) {
 			status.code != ErrorCode::corrupt && status.code != ErrorCode::cancelled;
 	if (has_value) {
 		text += ", got ";
-		text += number.data();
+		text += as_text(status.value);
+	}
+	if (const PointSetSite &site = status.site; site.radius > 0.0) {
+		text += " (seed " + std::to_string(site.seed) + ", radius " + as_text(site.radius) + ", position (" +
+				as_text(site.position.x) + ", " + as_text(site.position.y) + "))";
 	}
 	return text;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <glm/vec2.hpp>
+
 #include <cstdint>
 #include <string>
 
@@ -18,7 +20,15 @@ enum class ErrorCode : std::uint8_t {
 	out_of_memory,   ///< The machine has not enough memory for the request.
 	corrupt,         ///< Stored bytes that are truncated, damaged or of another kind.
 	foreign,         ///< Ids of another point set than those that are there.
+	margin_too_wide, ///< Points that no margin in the limit decides; Status::site says where.
 	cancelled,       ///< The caller's cancel flag was raised; outputs are unspecified but valid.
+};
+
+/// A position in a point set.
+struct PointSetSite {
+	std::uint64_t seed = 0;
+	double radius = 0.0;      ///< Meters; 0 for no site.
+	glm::dvec2 position{0.0}; ///< World meters.
 };
 
 /// The outcome of a call across the core's border: the core throws nothing there. A failed call has no effect
@@ -27,11 +37,13 @@ struct [[nodiscard]] Status {
 	ErrorCode code = ErrorCode::none;
 	const char *property = ""; ///< The property that was refused; a string literal.
 	double value = 0.0;        ///< The value that it had.
+	PointSetSite site{};       ///< Where it happened, of errors that depend on where.
 
 	constexpr bool ok() const { return code == ErrorCode::none; }
 };
 
-/// One sentence that names property and value, for a log or an editor warning: "radius must be positive, got -1".
+/// One sentence that names property and value, and the site if there is one, for a log or an editor warning: "radius must be
+/// positive, got -1".
 std::string describe(const Status &status);
 
 } // namespace thicket

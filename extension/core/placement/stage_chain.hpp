@@ -13,6 +13,8 @@ namespace thicket {
 /// memory.
 class StageChain {
 public:
+	explicit StageChain(const SampleMargins &margins) : sampler_(margins) {}
+
 	/// Prepares for a layer of valid settings, which is copied.
 	void set(const LayerSettings &layer);
 

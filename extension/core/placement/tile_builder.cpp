@@ -40,6 +40,8 @@ double origin_height(std::span<const Ground> ground) {
 
 /// What stays between the steps, and the memory that stays between tiles.
 struct TileBuilder::Workspace {
+	explicit Workspace(const SampleMargins &margins) : chain(margins) {}
+
 	StageChain chain;
 	InstanceWriter writer;
 
@@ -88,7 +90,7 @@ Status TileBuilder::Workspace::ask(const Terrain &terrain, const GroundQuery &qu
 	return {};
 }
 
-TileBuilder::TileBuilder() : workspace_(std::make_unique<Workspace>()) {}
+TileBuilder::TileBuilder(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
 TileBuilder::~TileBuilder() = default;
 TileBuilder::TileBuilder(TileBuilder &&) noexcept = default;
 TileBuilder &TileBuilder::operator=(TileBuilder &&) noexcept = default;

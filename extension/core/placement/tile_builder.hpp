@@ -33,7 +33,7 @@ struct GroundQuery {
 /// `find_points` on a worker, the ground for `positions()` wherever it can be had, then `place` on a worker again.
 class TileBuilder {
 public:
-	TileBuilder();
+	explicit TileBuilder(const SampleMargins &margins = {});
 	~TileBuilder();
 	TileBuilder(TileBuilder &&) noexcept;
 	TileBuilder &operator=(TileBuilder &&) noexcept;

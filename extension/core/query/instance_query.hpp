@@ -3,8 +3,8 @@
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/placement/tile_instances.hpp"
-#include "core/query/instance_state.hpp"
 #include "core/sampling/point_set.hpp"
+#include "core/state/instance_state.hpp"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
@@ -97,6 +97,7 @@ struct InstanceQuery {
 	std::span<const QueryLayer> layers;
 	TileSource &tiles;
 	const InstanceState *state = nullptr; ///< Null: nothing was changed.
+	SampleMargins margins{};              ///< Of what `by_id` samples itself.
 
 	/// Instances whose origin lies in the half-open `rect` (world meters of x and z), by layer, then id. Replaces
 	/// `r_found`. A rectangle that is inverted or not finite is refused as `rect`, a layer that is not there as

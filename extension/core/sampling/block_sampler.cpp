@@ -1,15 +1,8 @@
 #include "core/sampling/block_sampler.hpp"
 
+#include <algorithm>
+
 namespace thicket {
-
-namespace {
-
-/// Cells around a block that nearly every chain stays in: tests/bench counts how often it does not. The coarser levels serve
-/// the chains in the finest level's margin too.
-constexpr std::int32_t finest_margin = 16;
-constexpr std::int32_t coarser_margin = 18;
-
-} // namespace
 
 void BlockSampler::prepare(const PointSet &set, RankFunction rank) {
 	levels_ = set.levels;
@@ -26,20 +19,32 @@ void BlockSampler::prepare(const PointSet &set, RankFunction rank) {
 	}
 }
 
-bool BlockSampler::resolve(const CellRect &block, const std::atomic<bool> *cancel) {
+ResolveResult BlockSampler::resolve(const CellRect &block, const std::atomic<bool> *cancel) {
+	margin_ = margins_.first;
 	for (retries_ = 0;; ++retries_) {
 		const std::span<LevelGrid> levels(grids_.data(), levels_);
 		CellRect needed = block;
 		for (LevelGrid &grid : levels) {
-			const std::int32_t margin = grid.level == 0 ? finest_margin : coarser_margin;
-			grid.reset(needed.grown(margin << retries_));
+			// The coarser levels serve the chains in the finest level's margin too.
+			grid.reset(needed.grown(grid.level == 0 ? margin_ : margin_ + margin_ / 8));
 			needed = coarse_cells_around(needed);
 		}
 		const ResolveResult result = resolve_block(levels, block, cancel);
-		if (result != ResolveResult::margin_too_small) {
-			return result == ResolveResult::done;
+		if (result != ResolveResult::margin_too_small || margin_ >= margins_.widest) {
+			return result;
+		}
+		margin_ = std::min(std::max(2 * margin_, 1), margins_.widest);
+	}
+}
+
+glm::dvec2 BlockSampler::undecided_cell() const {
+	for (const LevelGrid &grid : levels()) {
+		if (!grid.chain.empty()) {
+			const glm::dvec2 cell(grid.cell_of(grid.chain.front()));
+			return (cell + 0.5) * static_cast<double>(1u << grid.level);
 		}
 	}
+	return {};
 }
 
 } // namespace thicket

@@ -11,18 +11,27 @@ namespace thicket {
 /// Resolves blocks of cells of one point set, widening the margin where a chain asks for more.
 class BlockSampler {
 public:
+	explicit BlockSampler(const SampleMargins &margins = {}) : margins_(margins) {}
+
 	/// `rank` gives the value that stands with each point; see RankFunction.
 	void prepare(const PointSet &set, RankFunction rank);
 
-	/// Decides every cell of `block`. False when cancelled.
-	bool resolve(const CellRect &block, const std::atomic<bool> *cancel);
+	/// Decides every cell of `block`. Other than done: nothing in the grids may be used.
+	ResolveResult resolve(const CellRect &block, const std::atomic<bool> *cancel);
 
 	/// The finest level, valid for the cells of the last block.
 	const LevelGrid &finest() const { return grids_.front(); }
 	std::span<const LevelGrid> levels() const { return {grids_.data(), levels_}; }
 	std::uint32_t retries() const { return retries_; }
 
+	/// After ResolveResult::margin_too_small: the margin of the finest level, in cells, and the center of the cell that it
+	/// does not decide, in the finest level's cells.
+	std::int32_t margin() const { return margin_; }
+	glm::dvec2 undecided_cell() const;
+
 private:
+	SampleMargins margins_;
+	std::int32_t margin_ = 0;
 	std::vector<LevelGrid> grids_; ///< As many as any set so far had levels: memory is kept.
 	std::size_t levels_ = 0;
 	std::uint32_t retries_ = 0;

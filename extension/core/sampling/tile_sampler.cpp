@@ -87,11 +87,14 @@ Status validate_rect(const PointSet &set, const Rect &rect) {
 } // namespace
 
 struct TileSampler::Workspace {
+	explicit Workspace(const SampleMargins &margins) : blocks(margins) {}
+
 	BlockSampler blocks;
 	SampleStats stats;
 
 	void collect(const PointSet &set, const Rect &rect, const CellRect &block, std::vector<SamplePoint> &r_points);
 	void count();
+	Status too_wide(const PointSet &set) const;
 };
 
 void TileSampler::Workspace::collect(
@@ -129,7 +132,12 @@ void TileSampler::Workspace::count() {
 	}
 }
 
-TileSampler::TileSampler() : workspace_(std::make_unique<Workspace>()) {}
+Status TileSampler::Workspace::too_wide(const PointSet &set) const {
+	const glm::dvec2 position = blocks.undecided_cell() * static_cast<double>(cell_size) * lattice_unit(set);
+	return {ErrorCode::margin_too_wide, "rect", static_cast<double>(blocks.margin()), {set.seed, set.radius, position}};
+}
+
+TileSampler::TileSampler(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
 TileSampler::~TileSampler() = default;
 TileSampler::TileSampler(TileSampler &&) noexcept = default;
 TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
@@ -163,8 +171,10 @@ Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<Sa
 	for (std::int64_t row = 0; row < blocks.y; ++row) {
 		for (std::int64_t column = 0; column < blocks.x; ++column) {
 			const CellRect block{corner({column, row}), corner({column + 1, row + 1})};
-			if (!workspace_->blocks.resolve(block, progress.cancel)) {
-				return {ErrorCode::cancelled, "sample", 0.0};
+			switch (workspace_->blocks.resolve(block, progress.cancel)) {
+				case ResolveResult::done: break;
+				case ResolveResult::cancelled: return {ErrorCode::cancelled, "sample", 0.0};
+				case ResolveResult::margin_too_small: r_points.clear(); return workspace_->too_wide(set);
 			}
 			workspace_->collect(set, rect, block, r_points);
 			workspace_->count();

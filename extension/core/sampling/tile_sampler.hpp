@@ -35,7 +35,8 @@ struct SampleStats {
 /// `r_points` must grow. Results do not depend on what it was used for before. Not thread safe; one per thread.
 class TileSampler {
 public:
-	TileSampler();
+	/// `margins` change how much is computed, never what comes out.
+	explicit TileSampler(const SampleMargins &margins = {});
 	~TileSampler();
 	TileSampler(TileSampler &&) noexcept;
 	TileSampler &operator=(TileSampler &&) noexcept;
@@ -44,7 +45,8 @@ public:
 	/// of the arguments alone. `rect` must lie within cell_limit cells of the origin (+-2^23 * radius / sqrt(2)
 	/// meters) and ask for at most max_points_per_call points; an empty rectangle gives no points and no error, an
 	/// inverted or non-finite one is refused, with `r_points` untouched. Raising `progress.cancel` ends the call within about
-	/// a millisecond. O(points) time; bounded memory, whatever the rectangle.
+	/// a millisecond. A point that the widest margin does not decide ends it with ErrorCode::margin_too_wide, which names seed,
+	/// radius and position; `r_points` is empty then. O(points) time; bounded memory, whatever the rectangle.
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
 			const Progress &progress = {});
 

@@ -3,54 +3,77 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace thicket {
 
 namespace {
 
-glm::dvec3 place_of(const Viewer &viewer) { return {viewer.position.x, viewer.height, viewer.position.y}; }
+glm::dvec3 position_of(const Viewer &viewer) { return {viewer.position.x, viewer.height, viewer.position.y}; }
 
 double length(glm::dvec3 v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
-/// A heap's order: the next visit on top.
-bool later(const DetailSchedule::Visit &a, const DetailSchedule::Visit &b) { return a.at > b.at; }
+auto ordered(const TileKey &key) { return std::tie(key.layer, key.grid, key.tile.x, key.tile.y); }
 
 } // namespace
+
+bool DetailSchedule::KeyOrder::operator()(const TileKey &a, const TileKey &b) const { return ordered(a) < ordered(b); }
+
+bool DetailSchedule::VisitOrder::operator()(const Visit &a, const Visit &b) const {
+	return a.at != b.at ? a.at < b.at : ordered(a.key) < ordered(b.key);
+}
 
 bool DetailSchedule::move(std::span<const Viewer> viewers) {
 	const bool others = viewers.size() != viewers_.size();
 	double farthest = 0.0;
 	for (std::size_t i = 0; !others && i < viewers.size(); ++i) {
-		farthest = std::max(farthest, length(place_of(viewers[i]) - place_of(viewers_[i])));
+		farthest = std::max(farthest, length(position_of(viewers[i]) - position_of(viewers_[i])));
 	}
 	traveled_ += farthest;
 	viewers_.assign(viewers.begin(), viewers.end());
 	return others;
 }
 
-double DetailSchedule::add(const TileKey &key, double margin) {
+void DetailSchedule::add(const TileKey &key, double margin) {
 	const double at = traveled_ + margin;
-	if (std::isfinite(at)) {
-		visits_.push_back({at, key});
-		std::ranges::push_heap(visits_, later);
+	const auto known = by_tile_.find(key);
+	if (!std::isfinite(at)) {
+		remove(key);
+	} else if (known == by_tile_.end()) {
+		by_tile_.emplace(key, visits_.insert({at, key}).first);
+	} else {
+		Visits::node_type visit = visits_.extract(known->second);
+		visit.value().at = at;
+		known->second = visits_.insert(std::move(visit)).position;
 	}
-	return at;
 }
 
-std::optional<DetailSchedule::Visit> DetailSchedule::next() {
+void DetailSchedule::remove(const TileKey &key) {
+	if (const auto known = by_tile_.find(key); known != by_tile_.end()) {
+		visits_.erase(known->second);
+		by_tile_.erase(known);
+	}
+}
+
+void DetailSchedule::clear() {
+	visits_.clear();
+	by_tile_.clear();
+}
+
+std::optional<TileKey> DetailSchedule::next() {
 	if (settled()) {
 		return std::nullopt;
 	}
-	std::ranges::pop_heap(visits_, later);
-	const Visit visit = visits_.back();
-	visits_.pop_back();
-	return visit;
+	const TileKey key = visits_.begin()->key;
+	remove(key);
+	return key;
 }
 
 double DetailSchedule::distance_to(glm::dvec3 min, glm::dvec3 max) const {
 	double nearest = std::numeric_limits<double>::infinity();
 	for (const Viewer &viewer : viewers_) {
-		const glm::dvec3 at = place_of(viewer);
+		const glm::dvec3 at = position_of(viewer);
 		const glm::dvec3 outside{std::max({min.x - at.x, at.x - max.x, 0.0}),
 				std::max({min.y - at.y, at.y - max.y, 0.0}), std::max({min.z - at.z, at.z - max.z, 0.0})};
 		nearest = std::min(nearest, length(outside));

@@ -4,45 +4,61 @@
 
 #include <glm/vec3.hpp>
 
+#include <cstddef>
+#include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
 namespace thicket {
 
 /// Says which tiles to look at again as viewers move: each only after a viewer has moved as far as that tile allows. Pure
-/// logic, like TileStreamer.
+/// logic, like TileStreamer. Holds one visit for each tile at most.
 class DetailSchedule {
 public:
-	/// A visit to a tile that is to come, when viewers have moved so far in all.
-	struct Visit {
-		double at = 0.0; ///< Meters, as `traveled` counts them.
-		TileKey key;
-	};
-
-	/// Takes the viewers' places for this frame. True if there are others than before: every tile has to be looked at then,
-	/// whatever was scheduled.
+	/// Takes the viewers' positions for this frame. True if there are others than before: every tile has to be looked at
+	/// then, whatever was scheduled.
 	bool move(std::span<const Viewer> viewers);
 
-	/// Schedules the next visit to a tile: after `margin` meters, 0 or more; none for an infinite margin. Returns the `at` of
-	/// that look: only the look that a tile was scheduled for last is of any use, others are to be ignored.
-	double add(const TileKey &key, double margin);
+	/// Schedules the next visit to a tile, in place of the one that was scheduled before: after `margin` meters, 0 or more;
+	/// none for an infinite margin. O(log tiles).
+	void add(const TileKey &key, double margin);
 
-	/// A visit that is due, taken out; nothing if none is.
-	std::optional<Visit> next();
-
-	/// True if there is nothing to take out by `next`.
-	bool settled() const { return visits_.empty() || visits_.front().at > traveled_; }
+	/// Forgets the visit to a tile that is gone.
+	void remove(const TileKey &key);
 
 	/// Forgets all visits.
-	void clear() { visits_.clear(); }
+	void clear();
+
+	/// A tile whose visit is due, the longest due first; the visit is taken out. Nothing if none is due.
+	std::optional<TileKey> next();
+
+	/// True if there is nothing to take out by `next`.
+	bool settled() const { return visits_.empty() || visits_.begin()->at > traveled_; }
+
+	/// How many visits are to come.
+	std::size_t size() const { return visits_.size(); }
 
 	/// From the nearest viewer to a box. Meters, infinite without viewers.
 	double distance_to(glm::dvec3 min, glm::dvec3 max) const;
 
 private:
+	struct Visit {
+		double at = 0.0; ///< Meters, as `traveled_` counts them.
+		TileKey key;
+	};
+	struct KeyOrder {
+		bool operator()(const TileKey &a, const TileKey &b) const;
+	};
+	struct VisitOrder {
+		bool operator()(const Visit &a, const Visit &b) const;
+	};
+	using Visits = std::set<Visit, VisitOrder>;
+
 	std::vector<Viewer> viewers_;
-	std::vector<Visit> visits_; ///< A heap, the next on top.
+	Visits visits_;                                          ///< The next one first.
+	std::map<TileKey, Visits::iterator, KeyOrder> by_tile_; ///< The visit of each tile that has one.
 	double traveled_ = 0.0; ///< By the farthest-moving viewer of each frame, summed up: no viewer has moved farther.
 };
 

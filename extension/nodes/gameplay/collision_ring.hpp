@@ -1,8 +1,7 @@
 #pragma once
 
+#include "core/near/near_queue.hpp"
 #include "nodes/gameplay/collision_shapes.hpp"
-#include "nodes/gameplay/near_queue.hpp"
-#include "nodes/gameplay/near_ring.hpp"
 
 #include <godot_cpp/variant/transform3d.hpp>
 
@@ -30,8 +29,8 @@ struct CollisionLayer {
 	} settings;
 };
 
-/// The properties of a layer; no bodies for null.
-CollisionLayer collision_of(const godot::Ref<ScatterLayer> &layer);
+/// What a layer says of bodies; none for null.
+CollisionLayer collision_of(const LayerSnapshot *layer);
 
 /// A static body of the PhysicsServer3D for each instance near a viewer or another body. The bodies belong to the node: it is the
 /// `collider` of what hits them, and the body's RID names the instance.
@@ -47,7 +46,7 @@ public:
 	~CollisionRing() override { clear(); }
 
 	/// The physics space to stand in, and the object that bodies lead to. Frees what stands in another one.
-	void set_place(const godot::RID &space, std::uint64_t node_id);
+	void set_space(const godot::RID &space, std::uint64_t node_id);
 
 	/// What stands follows at once.
 	void set_layers(std::vector<CollisionLayer> layers);
@@ -56,6 +55,7 @@ public:
 	bool step() override;
 	bool settled() const override { return !space_.is_valid() || queue_.settled(); }
 	void drop(std::uint64_t id) override;
+	void drop_if(const std::function<bool(std::uint64_t id)> &gone) override;
 	void set_world_offset(glm::dvec3 offset) override;
 	void clear() override;
 
@@ -103,7 +103,6 @@ private:
 	std::uint64_t node_id_ = 0;
 	glm::dvec3 offset_{0.0};
 	std::vector<Layer> layers_;
-	NearQueue queue_;
 	CollisionShapes shapes_;
 	std::deque<Pooled> pool_;        ///< Without a shape, the longest there first.
 	std::size_t still_in_space_ = 0; ///< The last so many of them.

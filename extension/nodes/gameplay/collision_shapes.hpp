@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/query/body_fit.hpp"
+#include "core/near/body_fit.hpp"
 #include "core/query/instance_query.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 

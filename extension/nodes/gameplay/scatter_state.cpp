@@ -64,33 +64,67 @@ int core_layer(int64_t p_layer_id) {
 
 } // namespace
 
-void ScatterState::tell(std::span<const InstanceChange> changes) {
+std::vector<std::shared_ptr<StateListener>> ScatterState::listeners() const {
+	std::vector<std::shared_ptr<StateListener>> result;
+	for (const std::weak_ptr<StateListener> &listener : listeners_) {
+		if (std::shared_ptr<StateListener> held = listener.lock()) {
+			result.push_back(std::move(held));
+		}
+	}
+	return result;
+}
+
+void ScatterState::tell(std::vector<InstanceChange> changes) {
 	if (changes.empty()) {
 		return;
 	}
-	const std::vector<StateListener *> listeners = listeners_; // One may leave while it hears.
-	for (StateListener *listener : listeners) {
-		if (std::ranges::find(listeners_, listener) != listeners_.end()) {
-			listener->state_changed(changes);
+	const auto shared = std::make_shared<const std::vector<InstanceChange>>(std::move(changes));
+	for (const std::shared_ptr<StateListener> &listener : listeners()) {
+		listener->state_changed(shared);
+	}
+	untold_.push_back(shared);
+	if (telling_) {
+		return; // By a handler: whoever tells will come to it.
+	}
+	const Ref<ScatterState> self(this); // A handler may let go of the last other one.
+	telling_ = true;
+	while (!untold_.empty()) {
+		const SharedChanges next = std::move(untold_.front());
+		untold_.pop_front();
+		tell_now(next);
+	}
+	telling_ = false;
+}
+
+void ScatterState::tell_now(const SharedChanges &changes) {
+	for (const std::shared_ptr<StateListener> &listener : listeners()) {
+		const auto same = [&listener](const std::weak_ptr<StateListener> &other) {
+			return other.lock() == listener;
+		};
+		if (std::ranges::any_of(listeners_, same)) { // A handler may have taken it away.
+			listener->tell_changes(changes);
 		}
 	}
 	std::vector<std::uint64_t> ids;
-	for (const InstanceChange &change : changes) {
+	for (const InstanceChange &change : *changes) {
 		ids.push_back(change.id);
 	}
 	emit_signal("instances_changed", packed_ids(ids));
 	emit_changed();
 }
 
-void ScatterState::add_listener(StateListener *p_listener) {
-	if (std::ranges::find(listeners_, p_listener) == listeners_.end()) {
-		listeners_.push_back(p_listener);
-	}
+void ScatterState::add_listener(const std::shared_ptr<StateListener> &listener) {
+	remove_listener(listener.get());
+	listeners_.push_back(listener);
 }
 
-void ScatterState::remove_listener(StateListener *p_listener) {
-	std::erase(listeners_, p_listener);
-	if (listeners_.empty()) {
+void ScatterState::remove_listener(const StateListener *listener) {
+	const bool any = !listeners_.empty();
+	std::erase_if(listeners_, [listener](const std::weak_ptr<StateListener> &other) {
+		const std::shared_ptr<StateListener> held = other.lock();
+		return held == nullptr || held.get() == listener;
+	});
+	if (any && listeners_.empty()) {
 		state_.release_claims();
 	}
 }
@@ -106,16 +140,33 @@ bool ScatterState::remove(int64_t p_id, double p_until) {
 	}
 	const bool removed = state_.remove(id, p_until);
 	if (removed) {
-		tell({&change, 1});
+		tell({change});
 	}
 	return removed;
+}
+
+std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> removals) {
+	std::vector<InstanceChange> changes;
+	std::vector<std::uint64_t> ids;
+	for (const auto &[id, until] : removals) {
+		InstanceChange change{id, InstanceChangeKind::removed, {}};
+		if (const AddedInstance *added = state_.added(id)) {
+			change.added = *added;
+		}
+		if (state_.remove(id, until)) {
+			changes.push_back(change);
+			ids.push_back(id);
+		}
+	}
+	tell(std::move(changes));
+	return ids;
 }
 
 bool ScatterState::restore(int64_t p_id) {
 	const InstanceChange change{core_id(p_id), InstanceChangeKind::restored, {}};
 	const bool restored = state_.restore(change.id);
 	if (restored) {
-		tell({&change, 1});
+		tell({change});
 	}
 	return restored;
 }
@@ -126,7 +177,7 @@ Status ScatterState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 	const Status status = state_.add(instance, r_id);
 	if (status.ok()) {
 		const InstanceChange change{r_id, InstanceChangeKind::added, *state_.added(r_id)};
-		tell({&change, 1});
+		tell({change});
 	}
 	return status;
 }
@@ -150,7 +201,7 @@ bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 	if (const AddedInstance *added = state_.added(change.id)) {
 		change.added = *added;
 	}
-	tell({&change, 1});
+	tell({change});
 	return true;
 }
 
@@ -180,7 +231,7 @@ PackedByteArray ScatterState::to_bytes() const {
 Error ScatterState::from_bytes(const PackedByteArray &p_bytes) {
 	std::vector<InstanceChange> changes;
 	const Error error = told("from_bytes", state_.load(span_of(p_bytes), changes));
-	tell(changes);
+	tell(std::move(changes));
 	return error;
 }
 
@@ -193,7 +244,7 @@ PackedByteArray ScatterState::diff_since(int64_t p_revision) const {
 Error ScatterState::apply_diff(const PackedByteArray &p_diff) {
 	std::vector<InstanceChange> changes;
 	const Error error = told("apply_diff", state_.apply(span_of(p_diff), changes));
-	tell(changes);
+	tell(std::move(changes));
 	return error;
 }
 
@@ -203,14 +254,14 @@ Error ScatterState::merge(const Ref<ScatterState> &p_other) {
 	}
 	std::vector<InstanceChange> changes;
 	const Error error = told("merge", state_.merge(p_other->state_, changes));
-	tell(changes);
+	tell(std::move(changes));
 	return error;
 }
 
 void ScatterState::clear() {
 	std::vector<InstanceChange> changes;
 	state_.clear(changes);
-	tell(changes);
+	tell(std::move(changes));
 }
 
 int64_t ScatterState::get_revision() const { return static_cast<int64_t>(state_.revision()); }
@@ -222,7 +273,13 @@ double ScatterState::get_time() const { return state_.time(); }
 void ScatterState::advance(double p_seconds) {
 	std::vector<InstanceChange> changes;
 	state_.advance(p_seconds, changes);
-	tell(changes);
+	tell(std::move(changes));
+}
+
+void ScatterState::advance_in_frame(double seconds, std::uint64_t frame) {
+	if (std::exchange(frame_, frame) != frame) {
+		advance(seconds);
+	}
 }
 
 void ScatterState::set_data(const PackedByteArray &p_bytes) {

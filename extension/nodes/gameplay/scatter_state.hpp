@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/query/instance_state.hpp"
+#include "core/state/instance_state.hpp"
 
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
@@ -8,21 +8,39 @@
 #include <godot_cpp/variant/variant.hpp>
 
 #include <cstdint>
+#include <deque>
+#include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace thicket {
 
-/// Hears of every change of a ScatterState, at once.
+/// The changes of one call.
+using SharedChanges = std::shared_ptr<const std::vector<InstanceChange>>;
+
+/// Hears of every change of a ScatterState.
 class StateListener {
 public:
 	virtual ~StateListener() = default;
-	virtual void state_changed(std::span<const InstanceChange> changes) = 0;
+
+	/// Before the call returns that has made the changes. Runs no script.
+	virtual void state_changed(const SharedChanges &changes) = 0;
+
+	/// Once all changes before these were told, and the scripts that heard of them have returned: to tell scripts, which may
+	/// change or free anything.
+	virtual void tell_changes(const SharedChanges &changes) = 0;
 
 protected:
 	StateListener() = default;
 	StateListener(const StateListener &) = default;
 	StateListener &operator=(const StateListener &) = default;
+};
+
+/// A point of a set to remove, and when it grows again (0 for never).
+struct Removal {
+	std::uint64_t id = 0;
+	double until = 0.0;
 };
 
 /// What a game has changed about a scattered world: removed and hand-placed instances, and data. A resource to save, and bytes to send.
@@ -63,6 +81,9 @@ public:
 	double get_time() const;
 	void advance(double p_seconds);
 
+	/// The same for nodes: of all that share the state, only one moves it on in a frame.
+	void advance_in_frame(double seconds, std::uint64_t frame);
+
 	/// The stored form, empty where there is nothing: a property that only the resource's file has.
 	void set_data(const godot::PackedByteArray &p_bytes);
 	godot::PackedByteArray get_data() const;
@@ -72,19 +93,28 @@ public:
 	// For nodes.
 	const InstanceState &state() const { return state_; }
 	Status add(const AddedInstance &instance, std::uint64_t &r_id);
+
+	/// Removes all of them, then tells of all of them. The ids of those that stood.
+	std::vector<std::uint64_t> remove_all(std::span<const Removal> removals);
 	Status claim(std::uint16_t layer, std::uint64_t stamp) { return state_.claim(layer, stamp); }
-	void add_listener(StateListener *p_listener);
-	void remove_listener(StateListener *p_listener);
+	void add_listener(const std::shared_ptr<StateListener> &listener);
+	void remove_listener(const StateListener *listener);
 
 protected:
 	static void _bind_methods();
 
 private:
-	/// Tells the listeners, then emits `instances_changed(ids)`.
-	void tell(std::span<const InstanceChange> changes);
+	/// Lets the listeners follow, then has them tell, and emits `instances_changed(ids)` and `changed`. What handlers change in turn
+	/// is told after that, in order: the stack does not grow.
+	void tell(std::vector<InstanceChange> changes);
+	void tell_now(const SharedChanges &changes);
+	std::vector<std::shared_ptr<StateListener>> listeners() const;
 
 	InstanceState state_;
-	std::vector<StateListener *> listeners_;
+	std::vector<std::weak_ptr<StateListener>> listeners_;
+	std::deque<SharedChanges> untold_;
+	bool telling_ = false;
+	std::uint64_t frame_ = std::numeric_limits<std::uint64_t>::max(); ///< The last in which a node moved the clock on.
 };
 
 } // namespace thicket

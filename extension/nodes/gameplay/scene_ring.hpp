@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/query/near_set.hpp"
-#include "nodes/gameplay/near_ring.hpp"
+#include "core/near/near_queue.hpp"
 #include "nodes/gameplay/scene_pool.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
 
 #include <godot_cpp/variant/string.hpp>
 
@@ -12,7 +12,7 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <unordered_set>
+#include <utility>
 #include <vector>
 
 namespace thicket {
@@ -27,6 +27,9 @@ struct SceneLayer {
 		return scene == other.scene && distance == other.distance && name == other.name;
 	}
 };
+
+/// What a layer says of scenes; none for null.
+SceneLayer scenes_of(const LayerSnapshot *layer);
 
 /// What a SceneRing has done with an instance's scene.
 enum class SceneEvent : std::uint8_t {
@@ -46,21 +49,26 @@ struct SceneHost {
 /// Scenes in place of the meshes that are near: one for every instance that stands, also for one that thinning does not draw. The mesh
 /// goes in the frame in which the scene comes, and the other way round. Scenes that are not needed wait in a pool.
 ///
-/// Scripts run in the middle of it, and may change anything: remove instances, free a scene, take one, free the node with the
-/// ring. After a step the caller has to ask `lifeline` before it touches the ring again. A scene that a script has freed, taken or
-/// moved to another parent gives way to the mesh, and the instance gets no other one until it has been out of range.
+/// Scripts run in the middle of it, and may change anything: remove instances, free a scene, take one, free the node. Whoever
+/// calls the ring keeps it alive meanwhile, and calls `forget_host` when the node goes. A scene that a script has freed, taken
+/// or moved to another parent gives way to the mesh, and the instance gets no other one until it has been out of range.
 class SceneRing : public NearRing {
 public:
 	explicit SceneRing(SceneHost host);
 	~SceneRing() override = default;
 
-	/// The layers by their places. Scenes of another PackedScene than their layer has now leave.
+	/// The layers by their indices. Scenes of another PackedScene than their layer has now leave.
 	void set_layers(std::vector<SceneLayer> layers);
 
+	/// The node is gone, and all its children with it: nothing of it is touched from now on.
+	void forget_host() { life_ = nullptr; }
+
+	/// Without anybody to be near to, what stands stays: a camera may be gone for a frame.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
 	bool step() override;
-	bool settled() const override;
+	bool settled() const override { return outdated_.empty() && queue_.settled(); }
 	void drop(std::uint64_t id) override;
+	void drop_if(const std::function<bool(std::uint64_t id)> &gone) override;
 	void set_world_offset(glm::dvec3 offset) override;
 	void clear() override;
 
@@ -80,9 +88,6 @@ public:
 	std::size_t shown_count() const { return shown_.size(); }
 	std::size_t idle_count() const { return pool_->idle_count(); }
 
-	/// Expires with the ring.
-	std::weak_ptr<const void> lifeline() const { return life_; }
-
 private:
 	/// Layers that share a layer_id share ids.
 	struct Key {
@@ -99,26 +104,24 @@ private:
 		bool top_level = false; ///< As its scene has it.
 	};
 
-	struct Place {
-		SceneLayer layer;
-		NearSet near; ///< Without an entry in shown_: what is to have no scene until it was out of range.
-		NearChanges changes;
-		std::size_t left = 0;    ///< How many of changes.leave,
-		std::size_t entered = 0; ///< and of changes.enter are done.
-		bool refused = false;    ///< The scene is of no use, and that was said.
+	struct Layer {
+		SceneLayer is;
+		bool refused = false; ///< The scene is of no use, and that was said.
+
+		double distance() const { return is.scene.is_valid() && !refused ? is.distance : 0.0; }
 	};
 
-	void look(std::uint32_t at, std::span<const glm::dvec3> centers, const InstanceWorld &world);
-	void move_changed(std::uint32_t at);
-	bool leave_step(std::uint32_t at);
-	bool enter_step(std::uint32_t at);
+	void update_distances();
+	void move(const PlacedInstance &instance);
+	bool leave(const Key &key);
+	bool outdated_step();
+	void enter(const PlacedInstance &instance);
 
 	bool ours(const Shown &shown) const;
 	godot::Transform3D transform_of(const PlacedInstance &instance) const;
-	void place_node(const Shown &shown) const;
-	void refuse(Place &place);
+	void move_node(const Shown &shown) const;
+	void refuse(Layer &layer);
 	void show(const PlacedInstance &instance, const godot::Ref<godot::PackedScene> &scene, godot::Node3D *node);
-	void move(Shown &shown, const PlacedInstance &instance);
 	void put_last_back();
 	void tell(SceneEvent event, const Shown &shown);
 	void take_out(godot::Node3D *node);
@@ -126,16 +129,11 @@ private:
 	SceneHost host_;
 	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0');
 	std::shared_ptr<ScenePool> pool_ = std::make_shared<ScenePool>();
-	std::vector<Place> places_;
+	std::vector<Layer> layers_; ///< What the queue holds without an entry in shown_ is to have no scene until it was out of range.
 	std::map<Key, Shown> shown_;
-	std::vector<Shown> leaving_;                    ///< Still in the tree, for those who want to take them.
-	std::unordered_set<std::uint64_t> dropped_ids_; ///< Since the last look, while something was to enter.
-	std::vector<PlacedInstance> standing_;
-	std::vector<glm::dvec3> centers_;
-	const InstanceWorld *world_ = nullptr; ///< That was looked at last.
-	std::uint64_t version_ = 0;            ///< Of the world, at the last look; 0 if there has to be another one.
-	std::uint64_t epoch_ = 0;              ///< Rises with each `clear`.
-	int frames_ = 0;                       ///< Since then.
+	std::vector<Key> outdated_;  ///< Those that show another scene than their layer has.
+	std::vector<Shown> leaving_; ///< Still in the tree, for those who want to take them.
+	std::uint64_t epoch_ = 0;    ///< Rises with each `clear`.
 	glm::dvec3 offset_{0.0};
 	bool recycle_due_ = false;
 	bool moving_child_ = false; ///< The ring itself adds or removes a child,

@@ -26,24 +26,24 @@ Transform3D SceneRing::transform_of(const PlacedInstance &instance) const {
 			Vector3(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z)));
 }
 
-void SceneRing::place_node(const Shown &shown) const {
+void SceneRing::move_node(const Shown &shown) const {
 	if (Node3D *node = shown.node.get(); node != nullptr && node->is_inside_tree()) {
 		node->set_global_transform(transform_of(shown.instance));
 		node->reset_physics_interpolation();
 	}
 }
 
-void SceneRing::refuse(Place &place) {
-	place.refused = true;
-	const String path = place.layer.scene->get_path();
+void SceneRing::refuse(Layer &layer) {
+	layer.refused = true;
+	update_distances();
+	const String path = layer.is.scene->get_path();
 	ERR_PRINT(vformat(
 			"TerrainScatter3D: the scene %s of layer \"%s\" has no Node3D as its root. Its meshes are shown instead.",
-			path.is_empty() ? String("(built in)") : path, place.layer.name));
+			path.is_empty() ? String("(built in)") : path, layer.is.name));
 }
 
 void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &scene, Node3D *node) {
 	const Shown shown{instance, scene, NodeHandle(node), node->is_set_as_top_level()};
-	places_[instance.layer].near.hold(instance);
 	shown_.insert_or_assign({instance.id, instance.layer}, shown);
 	host_.hide_mesh(instance, true);
 	node->set_as_top_level(true); // Instances stand in the world, wherever their TerrainScatter3D is.
@@ -61,18 +61,23 @@ void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &sce
 	}
 	const auto found = shown_.find({instance.id, instance.layer});
 	if (found != shown_.end() && ours(shown)) {
-		place_node(shown); // Where the node's own transform is another than the world's, the tree has moved it.
+		move_node(shown); // Where the node's own transform is another than the world's, the tree has moved it.
 	}
 	if (ours(shown)) {
 		tell(SceneEvent::shown, shown);
 	}
 }
 
-void SceneRing::move(Shown &shown, const PlacedInstance &instance) {
+void SceneRing::move(const PlacedInstance &instance) {
+	const auto found = shown_.find({instance.id, instance.layer});
+	if (found == shown_.end()) {
+		return;
+	}
+	Shown &shown = found->second;
 	host_.hide_mesh(shown.instance, false);
 	shown.instance = instance;
 	host_.hide_mesh(shown.instance, true);
-	place_node(shown);
+	move_node(shown);
 }
 
 void SceneRing::tell(SceneEvent event, const Shown &shown) {
@@ -140,7 +145,7 @@ void SceneRing::put_last_back() {
 	}
 	left->set_as_top_level(shown.top_level);
 	const bool wanted =
-			std::ranges::any_of(places_, [&shown](const Place &place) { return place.layer.scene == shown.scene; });
+			std::ranges::any_of(layers_, [&shown](const Layer &layer) { return layer.is.scene == shown.scene; });
 	if (!wanted || left->get_parent() == host_.parent) {
 		ScenePool::dispose(
 				shown.node); // The last: the tree was busy, and what cannot be taken out cannot be used again.
@@ -158,12 +163,7 @@ void SceneRing::recycle() {
 }
 
 void SceneRing::drop(std::uint64_t id) {
-	if (!settled()) {
-		dropped_ids_.insert(id);
-	}
-	for (Place &place : places_) {
-		place.near.release(id);
-	}
+	queue_.release(id);
 	auto found = shown_.lower_bound({id, 0});
 	while (found != shown_.end() && found->first.id == id) {
 		host_.hide_mesh(found->second.instance, false);
@@ -172,6 +172,18 @@ void SceneRing::drop(std::uint64_t id) {
 		if (!std::exchange(recycle_due_, true)) {
 			host_.recycle_later();
 		}
+	}
+}
+
+void SceneRing::drop_if(const std::function<bool(std::uint64_t id)> &gone) {
+	std::vector<std::uint64_t> dropped;
+	for (const auto &[key, shown] : shown_) {
+		if (gone(key.id)) {
+			dropped.push_back(key.id);
+		}
+	}
+	for (const std::uint64_t id : dropped) {
+		drop(id);
 	}
 }
 
@@ -222,22 +234,19 @@ Node3D *SceneRing::take(std::uint64_t id) {
 void SceneRing::set_world_offset(glm::dvec3 offset) {
 	offset_ = offset;
 	for (const auto &[key, shown] : shown_) {
-		place_node(shown);
+		move_node(shown);
 	}
 	for (const Shown &shown : leaving_) {
-		place_node(shown);
+		move_node(shown);
 	}
 }
 
 void SceneRing::clear() {
 	++epoch_;
-	world_ = nullptr;
-	version_ = 0;
-	dropped_ids_.clear();
-	for (Place &place : places_) {
-		place.near.clear();
-		place.changes = {};
-		place.left = place.entered = 0;
+	outdated_.clear();
+	queue_.forget_world();
+	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
+		queue_.release_layer(layer);
 	}
 	std::vector<Shown> all = std::exchange(leaving_, {});
 	for (auto &[key, shown] : std::exchange(shown_, {})) {

@@ -1,11 +1,9 @@
 #pragma once
 
-#include "core/placement/detail.hpp"
-#include "core/placement/layer.hpp"
 #include "core/placement/mesh_choice.hpp"
-#include "core/streaming/tile_streamer.hpp"
-#include "nodes/layer/layer_snapshots.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/layer/layer_tables.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 
 #include <godot_cpp/classes/material.hpp>
@@ -13,11 +11,12 @@
 #include <godot_cpp/classes/packed_scene.hpp>
 #include <godot_cpp/classes/physics_material.hpp>
 #include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
-#include <godot_cpp/variant/typed_dictionary.hpp>
+#include <godot_cpp/variant/variant.hpp>
 
 #include <cstdint>
 #include <map>
@@ -71,12 +70,12 @@ struct LayerNumbers {
 /// The whole numbers of a layer. Enumerations hold the engine's values, or ours.
 struct LayerIntegers {
 	int64_t layer_id = -1;
-	int64_t levels = 1;
+	int64_t progressive_levels = 1;
 	int64_t mask_texture_channel = 0;       ///< ImageChannel.
 	int64_t mask_texture_edge = 0;          ///< MaskEdge.
 	int64_t cast_shadow = 1;                ///< GeometryInstance3D.ShadowCastingSetting.
 	int64_t gi_mode = 1;                    ///< GeometryInstance3D.GIMode.
-	int64_t layers = 1;                     ///< Render layers, a mask of 20 bits.
+	int64_t render_layers = 1;              ///< A mask of 20 bits.
 	int64_t visibility_range_fade_mode = 0; ///< GeometryInstance3D.VisibilityRangeFadeMode.
 	int64_t collision_shape = 0;            ///< ScatterLayer::CollisionShape.
 	int64_t collision_layer = 1;            ///< Physics layers, a mask of 32 bits.
@@ -102,6 +101,7 @@ struct ResourceProperty {
 /// A switch among a layer's properties.
 struct SwitchProperty {
 	const char *name;
+	const char *getter; ///< "is_using_colors" and the like, as the engine names them.
 	bool LayerSwitches::*member;
 };
 
@@ -127,14 +127,14 @@ public:
 	};
 
 	/// MaskEdge, for scripts.
-	enum MaskTextureEdge : std::int64_t {
+	enum MaskEdge : std::int64_t {
 		MASK_EDGE_NOTHING,
 		MASK_EDGE_EVERYTHING,
 		MASK_EDGE_CLAMP,
 		MASK_EDGE_REPEAT,
 	};
 
-	/// What bodies meet of an instance that is near. Of instance_radius and instance_height, but for the last.
+	/// BodyShape, for scripts: what bodies meet of an instance that is near. Of instance_radius and instance_height, but for the last.
 	enum CollisionShape : std::int64_t {
 		COLLISION_NONE,
 		COLLISION_CAPSULE,
@@ -173,21 +173,22 @@ public:
 	godot::Rect2 get_mask_texture_rect() const;
 	void set_mask_texture_channel(MaskChannel p_channel);
 	MaskChannel get_mask_texture_channel() const;
-	void set_mask_texture_edge(MaskTextureEdge p_edge);
-	MaskTextureEdge get_mask_texture_edge() const;
+	void set_mask_texture_edge(MaskEdge p_edge);
+	MaskEdge get_mask_texture_edge() const;
 
 	/// The terrain's textures that the layer stands on, 0 to max_texture each; none for any ground.
 	void set_ground_textures(const godot::PackedInt32Array &p_textures);
 	godot::PackedInt32Array get_ground_textures() const;
 
-	/// Names of other layers, and the meters that are kept free around their instances: above 0, at most
-	/// max_neighbor_distance; at most max_neighbors names. What is read back is read-only.
-	void set_spacing(const godot::TypedDictionary<godot::String, double> &p_spacing);
-	godot::TypedDictionary<godot::String, double> get_spacing() const;
+	/// Other layers, each as a ScatterLayer, its name or its index, and the meters that are kept free around their
+	/// instances: 0.001 to max_neighbor_distance; at most max_neighbors layers. A layer that has a name is kept by it. What
+	/// is read back is read-only.
+	void set_spacing(const godot::Dictionary &p_spacing);
+	godot::Dictionary get_spacing() const;
 
-	/// The layer whose instances are asked for; "" for none.
-	void set_proximity_layer(const godot::String &p_name);
-	godot::String get_proximity_layer() const;
+	/// The layer whose instances decide about this one's density: a ScatterLayer, its name or its index; null or "" for none.
+	void set_proximity_layer(const godot::Variant &p_layer);
+	godot::Variant get_proximity_layer() const;
 
 	/// What may stand at a point; null entries draw nothing.
 	void set_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
@@ -220,29 +221,21 @@ public:
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 
-	/// The settings that the core works with, all but the neighbors and the shapes, which are the node's. `place` is the
-	/// layer's index among its node's layers: its id, unless `layer_id` says otherwise. A table, a field or a mask in it is
-	/// the same object as in the settings before until what it says has changed.
-	LayerSettings settings(std::uint64_t seed, std::size_t place) const;
-	StreamLayer streaming() const;
-	const LayerNumbers &numbers() const { return numbers_; }
-	const LayerIntegers &integers() const { return integers_; }
+	/// Has the layer keep an id that a node gave it.
+	void take_id(std::int64_t p_id);
 
-	/// Other layers by their names, and the meters kept free around their instances.
-	const std::map<std::string, double> &spacing() const { return spacing_; }
+	/// A layer that was named `p_from` is now named `p_to`: what this one says of it follows. An empty `p_from` stands for a
+	/// layer that had no name and was held itself.
+	void rename_references(const godot::String &p_from, const godot::String &p_to);
 
-	/// The layer whose instances decide about this one's density; empty for none. They count up to the distance, in meters,
-	/// and the table, which is never null, is the density over the distance to the nearest.
-	std::string proximity_layer() const { return proximity_layer_.utf8().get_data(); }
-	double proximity_distance() const { return numbers_.proximity_distance; }
-	std::shared_ptr<const CurveTable> proximity_table() const;
+	/// All that the layer says now. `index` is the layer's index among its node's layers: it is the id of the layer's points, unless
+	/// `layer_id` says otherwise. The settings have no neighbors and no shapes, which are the node's. A table, a field or a mask in
+	/// the snapshot is the same object as in the snapshot before until what it says has changed.
+	LayerSnapshot snapshot(std::uint64_t seed, std::size_t index) const;
 
-	/// The meshes, null entries included; at least as many as `settings` has weights for.
-	std::vector<godot::Ref<godot::Mesh>> mesh_list() const;
-
-	/// The meshes for the distance, whole rows of them only, null entries included.
-	std::vector<godot::Ref<godot::Mesh>> lod_mesh_list() const;
-	Detail detail() const;
+	/// The part of the snapshot that is about other layers.
+	LayerLinks links() const;
+	std::int64_t own_id() const { return integers_.layer_id; } ///< The property `layer_id`; -1 for the index.
 
 	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
 	Status check() const;
@@ -255,18 +248,26 @@ public:
 
 protected:
 	static void _bind_methods();
+	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
 	using Number = NumberProperty<LayerNumbers, double>;
 	using Integer = NumberProperty<LayerIntegers, int64_t>;
 
-	Rules core_rules() const;
-	Placement core_placement() const;
-	Look core_look() const;
-	const LayerSnapshots &snapshots() const;
+	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
+	Rules rules() const;
+	Placement placement() const;
+	LayerDrawing drawing() const;
+	Detail lod() const;
+	LayerGameplay gameplay() const;
+	const LayerTables &tables() const;
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);
-	bool accept_spacing(const godot::TypedDictionary<godot::String, double> &p_spacing) const;
+	bool has_mesh() const;
+	bool stores(const ScatterLayer *p_layer) const;
+	godot::Variant accept_reference(const char *p_property, const godot::Variant &p_reference) const;
+	void changed();
+	std::uint64_t hidden_properties() const;
 
 	void add_number_problems(godot::PackedStringArray &r_problems) const;
 	void add_curve_problems(godot::PackedStringArray &r_problems) const;
@@ -284,11 +285,13 @@ private:
 	static void bind_switch();
 	template <class T, const ResourceProperty<T> &property>
 	static void bind_resource();
-	static void bind_set();
+	static void bind_basics();
+	static void bind_advanced();
 	static void bind_rules();
 	static void bind_masks();
 	static void bind_neighbors();
 	static void bind_placement();
+	static void bind_meshes();
 	static void bind_drawing();
 	static void bind_lod();
 	static void bind_gameplay();
@@ -296,15 +299,16 @@ private:
 	LayerNumbers numbers_;
 	LayerIntegers integers_;
 	LayerSwitches switches_;
+	std::uint64_t hidden_ = 0; ///< hidden_properties(), as the inspector was told last.
 	LayerResources resources_;
-	mutable LayerSnapshots snapshots_;
+	mutable LayerTables tables_;
 
 	godot::Ref<ScatterMask> mask_;
 	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F};
 	godot::PackedInt32Array ground_textures_;
-	godot::TypedDictionary<godot::String, double> spacing_property_; ///< Read-only.
-	std::map<std::string, double> spacing_;
-	godot::String proximity_layer_;
+	godot::Dictionary spacing_property_; ///< As stored_reference has the keys; read-only.
+	std::map<LayerReference, double> spacing_;
+	godot::Variant proximity_layer_ = godot::String();
 
 	godot::TypedArray<godot::Mesh> meshes_;
 	godot::PackedFloat32Array mesh_weights_;
@@ -319,5 +323,5 @@ private:
 } // namespace thicket
 
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskChannel)
-VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskTextureEdge)
+VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskEdge)
 VARIANT_ENUM_CAST(thicket::ScatterLayer::CollisionShape)

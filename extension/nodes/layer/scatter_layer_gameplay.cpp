@@ -18,15 +18,15 @@ constexpr double longest_regrowth = 1e9; ///< Seconds.
 constexpr int64_t all_physics_layers = 0xffffffff;
 
 constexpr Number instance_radius{"instance_radius", &LayerNumbers::instance_radius, min_side, max_side,
-		PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,suffix:m"};
+		PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,exp,suffix:m"};
 constexpr Number instance_height{"instance_height", &LayerNumbers::instance_height, min_side, max_side,
-		PROPERTY_HINT_RANGE, "0.01,50,0.001,or_less,or_greater,suffix:m"};
+		PROPERTY_HINT_RANGE, "0.01,50,0.001,or_less,or_greater,exp,suffix:m"};
 constexpr Number regrowth_time{"regrowth_time", &LayerNumbers::regrowth_time, 0.0, longest_regrowth,
-		PROPERTY_HINT_RANGE, "0,86400,0.1,or_greater,suffix:s"};
+		PROPERTY_HINT_RANGE, "0,86400,0.1,or_greater,exp,suffix:s"};
 constexpr Number collision_distance{"collision_distance", &LayerNumbers::collision_distance, 0.0, farthest_body,
-		PROPERTY_HINT_RANGE, "0,200,0.1,or_greater,suffix:m"};
+		PROPERTY_HINT_RANGE, "0,200,0.1,or_greater,exp,suffix:m"};
 constexpr Number scene_distance{"scene_distance", &LayerNumbers::scene_distance, 0.0, farthest_body,
-		PROPERTY_HINT_RANGE, "0,100,0.1,or_greater,suffix:m"};
+		PROPERTY_HINT_RANGE, "0,200,0.1,or_greater,exp,suffix:m"};
 
 constexpr Integer collision_layer{
 		"collision_layer", &LayerIntegers::collision_layer, 0, all_physics_layers, PROPERTY_HINT_LAYERS_3D_PHYSICS};
@@ -40,7 +40,7 @@ void ScatterLayer::set_collision_shape(CollisionShape p_shape) {
 				layer_class_name, "collision_shape", static_cast<double>(p_shape), COLLISION_NONE, COLLISION_CONVEX) &&
 			integers_.collision_shape != p_shape) {
 		integers_.collision_shape = p_shape;
-		emit_changed();
+		changed();
 	}
 }
 
@@ -56,7 +56,7 @@ void ScatterLayer::set_physics_material(const Ref<PhysicsMaterial> &p_material) 
 	watch(physics_material_.ptr(), "changed", this, "emit_changed", false);
 	physics_material_ = p_material;
 	watch(physics_material_.ptr(), "changed", this, "emit_changed", true);
-	emit_changed();
+	changed();
 }
 
 Ref<PhysicsMaterial> ScatterLayer::get_physics_material() const { return physics_material_; }
@@ -64,7 +64,7 @@ Ref<PhysicsMaterial> ScatterLayer::get_physics_material() const { return physics
 void ScatterLayer::set_scene(const Ref<PackedScene> &p_scene) {
 	if (scene_ != p_scene) {
 		scene_ = p_scene;
-		emit_changed();
+		changed();
 	}
 }
 
@@ -91,11 +91,7 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 							 "capsule.");
 	}
 	if (integers_.collision_shape == COLLISION_CONVEX) {
-		bool any_mesh = false;
-		for (const Ref<Mesh> &mesh : mesh_list()) {
-			any_mesh = any_mesh || mesh.is_valid();
-		}
-		if (!any_mesh) {
+		if (!has_mesh()) {
 			r_problems.push_back("ScatterLayer.collision_shape is Convex, but there is no mesh to make it of.");
 		}
 	}

@@ -30,7 +30,7 @@ void ScatterLayer::set_mask(const Ref<ScatterMask> &p_mask) {
 	watch_mask(false);
 	mask_ = p_mask;
 	watch_mask(true);
-	emit_changed();
+	changed();
 }
 
 Ref<ScatterMask> ScatterLayer::get_mask() const { return mask_; }
@@ -52,7 +52,7 @@ void ScatterLayer::set_mask_texture_rect(const Rect2 &p_rect) {
 	}
 	if (mask_texture_rect_ != p_rect) {
 		mask_texture_rect_ = p_rect;
-		emit_changed();
+		changed();
 	}
 }
 
@@ -64,10 +64,10 @@ ScatterLayer::MaskChannel ScatterLayer::get_mask_texture_channel() const {
 	return static_cast<MaskChannel>(integers_.mask_texture_channel);
 }
 
-void ScatterLayer::set_mask_texture_edge(MaskTextureEdge p_edge) { set_integer<mask_texture_edge>(p_edge); }
+void ScatterLayer::set_mask_texture_edge(MaskEdge p_edge) { set_integer<mask_texture_edge>(p_edge); }
 
-ScatterLayer::MaskTextureEdge ScatterLayer::get_mask_texture_edge() const {
-	return static_cast<MaskTextureEdge>(integers_.mask_texture_edge);
+ScatterLayer::MaskEdge ScatterLayer::get_mask_texture_edge() const {
+	return static_cast<MaskEdge>(integers_.mask_texture_edge);
 }
 
 void ScatterLayer::bind_masks() {

@@ -1,6 +1,7 @@
 // What is likely not meant in a layer, in sentences for the editor's warnings.
 
 #include "core/placement/edge_probes.hpp"
+#include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 using namespace godot;
@@ -42,17 +43,17 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 	}
 	PointSet set;
 	set.radius = numbers_.radius;
-	set.levels = static_cast<std::uint32_t>(integers_.levels);
+	set.levels = static_cast<std::uint32_t>(integers_.progressive_levels);
 	const double points = point_density(set) * numbers_.tile_size * numbers_.tile_size;
 	if (numbers_.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
 		r_problems.push_back("ScatterLayer.edge_feather asks for the ground at " +
 				String::num_int64(static_cast<int64_t>(edge_probes)) +
-				" places around each point, which is slow in tiles of so many points: make tile_size smaller.");
+				" positions around each point, which is slow in tiles of so many points: make tile_size smaller.");
 	}
 }
 
 void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
-	const LayerSnapshots &made = snapshots();
+	const LayerTables &made = tables();
 	add_curve_problem(
 			"density_over_height", resources_.density_over_height, made.height_curve, "meters of height", r_problems);
 	add_curve_problem(
@@ -73,33 +74,33 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
 		r_problems.push_back("Nothing stands: nothing is painted on ScatterLayer.mask, and its background is 0.");
 	}
-	if (snapshots().image_missing) {
+	if (tables().image_missing) {
 		r_problems.push_back("Nothing stands: ScatterLayer.mask_texture has no image that can be read.");
 	}
 }
 
 void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
-	const std::string own = get_name().utf8().get_data();
-	if (!own.empty() && spacing_.count(own) > 0) {
-		r_problems.push_back("ScatterLayer.spacing names the layer itself; its own instances keep its radius.");
-	}
-	if (spacing_.count("") > 0) {
+	if (spacing_.count(LayerReference()) > 0) {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
 	}
-	if (!proximity_layer_.is_empty()) {
-		add_curve_problem("proximity_curve", resources_.proximity_curve, snapshots().own_proximity_curve,
+	if (!core_reference(proximity_layer_).empty()) {
+		add_curve_problem("proximity_curve", resources_.proximity_curve, tables().own_proximity_curve,
 				"meters of distance", r_problems);
 	} else if (resources_.proximity_curve.is_valid()) {
 		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer.");
 	}
 }
 
-void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
-	bool any_mesh = false;
-	for (const Ref<Mesh> &mesh : mesh_list()) {
-		any_mesh = any_mesh || mesh.is_valid();
+bool ScatterLayer::has_mesh() const {
+	bool result = false;
+	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
+		result = result || Ref<Mesh>(meshes_[mesh]).is_valid();
 	}
-	if (!any_mesh) {
+	return result;
+}
+
+void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
+	if (!has_mesh()) {
 		r_problems.push_back("ScatterLayer.meshes has no mesh: the layer draws nothing.");
 	}
 	if (mesh_weights_.size() > meshes_.size()) {

@@ -19,7 +19,7 @@ void ScatterLayer::set_number(double p_value) {
 	if (accept_number(layer_class_name, property.name, p_value, min, property.max) &&
 			numbers_.*property.member != p_value) {
 		numbers_.*property.member = p_value;
-		emit_changed();
+		changed();
 	}
 }
 
@@ -34,7 +34,7 @@ void ScatterLayer::set_integer(int64_t p_value) {
 				static_cast<double>(property.max)) &&
 			integers_.*property.member != p_value) {
 		integers_.*property.member = p_value;
-		emit_changed();
+		changed();
 	}
 }
 
@@ -47,7 +47,7 @@ template <const SwitchProperty &property>
 void ScatterLayer::set_switch(bool p_value) {
 	if (switches_.*property.member != p_value) {
 		switches_.*property.member = p_value;
-		emit_changed();
+		changed();
 	}
 }
 
@@ -77,8 +77,8 @@ godot::Ref<T> ScatterLayer::get_resource() const {
 
 template <class T, const ResourceProperty<T> &property>
 void ScatterLayer::resource_changed() {
-	snapshots_.mark(property.source);
-	emit_changed();
+	tables_.mark(property.source);
+	changed();
 }
 
 template <const NumberProperty<LayerNumbers, double> &property>
@@ -107,7 +107,7 @@ template <const SwitchProperty &property>
 void ScatterLayer::bind_switch() {
 	const godot::String name = property.name;
 	const godot::String setter = "set_" + name;
-	const godot::String getter = "get_" + name;
+	const godot::String getter = property.getter;
 	godot::ClassDB::bind_method(
 			godot::D_METHOD(godot::StringName(setter), "enabled"), &ScatterLayer::set_switch<property>);
 	godot::ClassDB::bind_method(godot::D_METHOD(godot::StringName(getter)), &ScatterLayer::get_switch<property>);

@@ -1,5 +1,6 @@
 #include "nodes/region/region_register.hpp"
 
+#include "nodes/layer/layer_reference.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
 
 #include <glm/geometric.hpp>
@@ -33,8 +34,13 @@ bool stands_still(const Shape &before, const Shape &now) {
 
 } // namespace
 
-bool RegionRegister::Entry::counts_for(const String &name) const {
-	return shape.has_value() && (names.size() == 0 || names.has(name));
+bool RegionRegister::Entry::counts_for(const TypedArray<ScatterLayer> &p_layers, std::size_t index) const {
+	bool counts = shape.has_value() && layers.is_empty();
+	for (int64_t i = 0; shape.has_value() && !counts && i < layers.size(); ++i) {
+		std::uint32_t meant = 0;
+		counts = find_layer(p_layers, layers[i], meant).is_empty() && meant == index;
+	}
+	return counts;
 }
 
 void RegionRegister::add(ScatterRegion3D *region) { entries_.emplace_back().node = region; }
@@ -75,15 +81,15 @@ void RegionRegister::update(bool recentered) {
 			if (!same || !entry.shape) {
 				entry.shape = entry.read;
 			}
-			entry.names = entry.node->get_layer_names();
+			entry.layers = entry.node->get_layers();
 		}
 	}
 }
 
-std::shared_ptr<const ShapeSet> RegionRegister::set_for(std::size_t index, const String &name) {
+std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<ScatterLayer> &p_layers, std::size_t index) {
 	std::vector<Shape> shapes;
 	for (const Entry &entry : entries_) {
-		if (entry.counts_for(name)) {
+		if (entry.counts_for(p_layers, index)) {
 			shapes.push_back(*entry.shape);
 		}
 	}
@@ -105,6 +111,13 @@ std::shared_ptr<const ShapeSet> RegionRegister::set_for(std::size_t index, const
 		}
 	}
 	return last;
+}
+
+void RegionRegister::rename_layer(const String &from, const String &to) const {
+	const std::vector<Entry> entries = entries_; // A region tells its node, which marks the entries.
+	for (const Entry &entry : entries) {
+		entry.node->rename_layer(from, to);
+	}
 }
 
 void RegionRegister::update_warnings() const {

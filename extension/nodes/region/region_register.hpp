@@ -2,7 +2,9 @@
 
 #include "core/rules/shapes.hpp"
 
-#include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/string.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
 
 #include <cstddef>
 #include <memory>
@@ -11,6 +13,7 @@
 
 namespace thicket {
 
+class ScatterLayer;
 class ScatterRegion3D;
 
 /// The regions below a TerrainScatter3D, as they stood when last read, and the sets of shapes that they make for its layers.
@@ -34,9 +37,12 @@ public:
 	/// world where it stood, to within what single precision makes of that.
 	void update(bool recentered);
 
-	/// The shapes that count for the layer at this index of the node's list, which has this name; null for none. The same
-	/// pointer as last time while nothing has changed.
-	std::shared_ptr<const ShapeSet> set_for(std::size_t index, const godot::String &name);
+	/// The shapes that count for the layer at this index of the node's list; null for none. The same pointer as last time
+	/// while nothing has changed.
+	std::shared_ptr<const ShapeSet> set_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index);
+
+	/// A layer that was named `from` is now named `to`: regions that speak of it follow.
+	void rename_layer(const godot::String &from, const godot::String &to) const;
 
 	/// Has the editor ask all regions for their warnings again.
 	void update_warnings() const;
@@ -47,9 +53,9 @@ private:
 		bool marked = true;
 		std::optional<Shape> shape; ///< None while it has no effect.
 		std::optional<Shape> read;  ///< As its node said last: the same, but for rounding.
-		godot::PackedStringArray names;
+		godot::Array layers; ///< As the region names them.
 
-		bool counts_for(const godot::String &name) const;
+		bool counts_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 	};
 
 	std::vector<Entry> entries_;

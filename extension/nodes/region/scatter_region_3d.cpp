@@ -3,9 +3,11 @@
 #include "core/rules/polyline.hpp"
 #include "core/rules/shape_frame.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/layer/layer_reference.hpp"
 
 #include <godot_cpp/classes/curve3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -234,9 +236,9 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 	if (host_ == nullptr) {
 		problems.push_back("The region has no effect: it belongs below a TerrainScatter3D, at any depth.");
 	} else {
-		for (const String &name : layer_names_) {
-			if (!host_->has_layer_named(name)) {
-				problems.push_back("The TerrainScatter3D has no layer named \"" + name + "\".");
+		for (int64_t i = 0; i < layers_.size(); ++i) {
+			if (const String problem = host_->layer_problem(layers_[i]); !problem.is_empty()) {
+				problems.push_back("ScatterRegion3D.layers: " + problem);
 			}
 		}
 	}
@@ -267,9 +269,39 @@ void ScatterRegion3D::set_exclude(bool p_exclude) {
 	changed();
 }
 
-void ScatterRegion3D::set_layer_names(const PackedStringArray &p_names) {
-	layer_names_ = p_names;
+void ScatterRegion3D::set_layers(const Array &p_layers) {
+	Array stored;
+	for (int64_t i = 0; i < p_layers.size(); ++i) {
+		stored.push_back(stored_reference(p_layers[i]));
+		if (stored[i].get_type() == Variant::NIL) {
+			ERR_PRINT("ScatterRegion3D.layers: " + no_reference(p_layers[i]));
+			return;
+		}
+	}
+	layers_ = stored;
 	changed();
+}
+
+Array ScatterRegion3D::get_layers() const {
+	Array result;
+	for (int64_t i = 0; i < layers_.size(); ++i) {
+		result.push_back(stored_reference(layers_[i])); // A layer may have got a name.
+	}
+	result.make_read_only();
+	return result;
+}
+
+void ScatterRegion3D::rename_layer(const String &p_from, const String &p_to) {
+	Array renamed;
+	bool any = false;
+	for (int64_t i = 0; i < layers_.size(); ++i) {
+		const bool meant = layers_[i].get_type() == Variant::STRING && static_cast<String>(layers_[i]) == p_from;
+		renamed.push_back(meant ? Variant(p_to) : layers_[i]);
+		any = any || meant;
+	}
+	if (any) {
+		set_layers(renamed);
+	}
 }
 
 void ScatterRegion3D::set_ignore_height(bool p_ignore) {
@@ -365,8 +397,8 @@ void ScatterRegion3D::_bind_methods() {
 	ClassDB::bind_method(D_METHOD("get_shape"), &Self::get_shape);
 	ClassDB::bind_method(D_METHOD("set_exclude", "exclude"), &Self::set_exclude);
 	ClassDB::bind_method(D_METHOD("is_excluding"), &Self::is_excluding);
-	ClassDB::bind_method(D_METHOD("set_layer_names", "names"), &Self::set_layer_names);
-	ClassDB::bind_method(D_METHOD("get_layer_names"), &Self::get_layer_names);
+	ClassDB::bind_method(D_METHOD("set_layers", "layers"), &Self::set_layers);
+	ClassDB::bind_method(D_METHOD("get_layers"), &Self::get_layers);
 	ClassDB::bind_method(D_METHOD("set_ignore_height", "ignore"), &Self::set_ignore_height);
 	ClassDB::bind_method(D_METHOD("is_ignoring_height"), &Self::is_ignoring_height);
 	ClassDB::bind_method(D_METHOD("set_size", "size"), &Self::set_size);
@@ -379,7 +411,7 @@ void ScatterRegion3D::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"), "set_shape",
 			"get_shape");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "exclude"), "set_exclude", "is_excluding");
-	ADD_PROPERTY(PropertyInfo(Variant::PACKED_STRING_ARRAY, "layer_names"), "set_layer_names", "get_layer_names");
+	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers"), "set_layers", "get_layers");
 	bind_number<falloff>();
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "ignore_height"), "set_ignore_height", "is_ignoring_height");
 	ADD_GROUP("Box", "");

@@ -5,6 +5,7 @@
 
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/classes/path3d.hpp>
+#include <godot_cpp/variant/array.hpp>
 #include <godot_cpp/variant/node_path.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/packed_vector2_array.hpp>
@@ -33,7 +34,9 @@ public:
 
 	/// The world's meters at the engine's origin.
 	virtual glm::dvec3 world_offset() const = 0;
-	virtual bool has_layer_named(const godot::String &p_name) const = 0;
+
+	/// Why a reference (see find_layer) means none of the node's layers, in a sentence; empty if it means one.
+	virtual godot::String layer_problem(const godot::Variant &p_reference) const = 0;
 };
 
 /// The sizes of a region, as the inspector shows them, in meters.
@@ -66,9 +69,13 @@ public:
 	void set_exclude(bool p_exclude);
 	bool is_excluding() const { return exclude_; }
 
-	/// Names of the layers that the region counts for; none for all of them.
-	void set_layer_names(const godot::PackedStringArray &p_names);
-	godot::PackedStringArray get_layer_names() const { return layer_names_; }
+	/// The layers that the region counts for, each a ScatterLayer, its name or its index; none for all of them. A layer that
+	/// has a name is kept by it. What is read back is read-only.
+	void set_layers(const godot::Array &p_layers);
+	godot::Array get_layers() const;
+
+	/// A layer that was named `p_from` is now named `p_to`.
+	void rename_layer(const godot::String &p_from, const godot::String &p_to);
 	void set_ignore_height(bool p_ignore);
 	bool is_ignoring_height() const { return ignore_height_; }
 
@@ -124,7 +131,7 @@ private:
 	Shape shape_ = SHAPE_BOX;
 	bool exclude_ = false;
 	bool ignore_height_ = false;
-	godot::PackedStringArray layer_names_;
+	godot::Array layers_; ///< As stored_reference has them.
 	godot::Vector3 size_{10.0F, 10.0F, 10.0F};
 	RegionSizes numbers_;
 	godot::PackedVector2Array polygon_;

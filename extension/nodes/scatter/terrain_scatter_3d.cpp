@@ -1,18 +1,18 @@
+// How a TerrainScatter3D lives: in the tree, from frame to frame, and as its layers and its terrain change.
+
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
-#include "nodes/common/watch.hpp"
-#include "nodes/gameplay/instance_answers.hpp"
+#include "core/base/tile_grid.hpp"
+#include "nodes/layer/layer_reference.hpp"
+#include "nodes/scatter/build_at_once.hpp"
 
 #include <godot_cpp/classes/engine.hpp>
-#include <godot_cpp/classes/scene_tree.hpp>
 #include <godot_cpp/classes/world3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
 
 #include <glm/common.hpp>
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -22,7 +22,7 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "TerrainScatter3D";
+using Clock = std::chrono::steady_clock;
 
 /// Meters around a change of the ground in which slopes may be others: heights are compared over less than that.
 constexpr double slope_margin = 1.0;
@@ -36,23 +36,41 @@ Rect world_rect(const Rect2 &p_rect) {
 	return rect.empty() || !rect.finite() ? Rect{glm::dvec2(-infinity), glm::dvec2(infinity)} : rect;
 }
 
+bool in_editor() { return Engine::get_singleton()->is_editor_hint(); }
+
+/// Whether scripts that have run meanwhile have left a node in the tree. Asks what outlives the node.
+class Presence {
+public:
+	explicit Presence(const std::shared_ptr<ScatterGameplay> &gameplay) : gameplay_(gameplay), run_(gameplay->run()) {}
+	explicit operator bool() const { return gameplay_->alive() && gameplay_->run() == run_; }
+
+private:
+	std::shared_ptr<ScatterGameplay> gameplay_;
+	std::uint64_t run_;
+};
+
 } // namespace
 
-TerrainScatter3D::TerrainScatter3D() { stream_.set_rings({&collision_}); }
+TerrainScatter3D::TerrainScatter3D() { stream_->set_rings({&gameplay_->collision()}); }
 
 TerrainScatter3D::~TerrainScatter3D() {
 	stop();
-	set_state(nullptr);
+	gameplay()->detach();
 }
 
 void TerrainScatter3D::_notification(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_WORLD: start(); break;
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
-		case NOTIFICATION_VISIBILITY_CHANGED: stream_.stage().set_visible(is_visible_in_tree()); break;
-		case NOTIFICATION_CHILD_ORDER_CHANGED: scenes_.children_changed(); break;
+		case NOTIFICATION_VISIBILITY_CHANGED: display().set_visible(is_visible_in_tree()); break;
+		case NOTIFICATION_CHILD_ORDER_CHANGED: gameplay()->scenes().children_changed(); break;
 		case NOTIFICATION_INTERNAL_PROCESS: process_frame(); break;
-		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: stream_.physics_frame(); break;
+		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: {
+			const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+			const std::shared_ptr<ScatterStream> stream = stream_;
+			stream->physics_frame();
+			break;
+		}
 		case NOTIFICATION_EXTENSION_RELOADED:
 			if (is_inside_tree()) {
 				start();
@@ -63,99 +81,153 @@ void TerrainScatter3D::_notification(int p_what) {
 }
 
 void TerrainScatter3D::start() {
-	stream_.stage().set_place(get_world_3d()->get_scenario(), get_instance_id());
-	stream_.stage().set_visible(is_visible_in_tree());
-	if (!Engine::get_singleton()->is_editor_hint()) {
-		collision_.set_place(get_world_3d()->get_space(), get_instance_id());
-	}
+	display().set_scenario(get_world_3d()->get_scenario(), get_instance_id());
+	display().set_visible(is_visible_in_tree());
+	gameplay()->start(in_editor() ? RID() : get_world_3d()->get_space(), get_instance_id());
 	set_process_internal(true);
 	if (!std::exchange(running_, true) && terrain_.is_valid()) {
 		terrain_->enter(this, world_offset_);
-	}
-	if (state_.is_valid()) {
-		state_->add_listener(&state_watch_);
 	}
 	mark_ground_dirty();
 }
 
 void TerrainScatter3D::stop() {
-	if (running_) {
-		running_ = false;
-		if (terrain_.is_valid()) {
-			terrain_->leave(this);
-		}
-		scenes_.clear();
-		stream_.stop();
-		stream_.take_events();
+	if (!std::exchange(running_, false)) {
+		return;
 	}
+	if (terrain_.is_valid()) {
+		terrain_->leave(this);
+	}
+	const std::shared_ptr<ScatterStream> stream = stream_;
+	gameplay()->stop();
+	stream->stop();
+	stream->take_events();
 }
 
 void TerrainScatter3D::process_frame() {
-	const auto start = std::chrono::steady_clock::now();
+	const auto start = Clock::now();
+	const std::shared_ptr<ScatterStream> stream = stream_;
+	const Presence here(gameplay_);
 	if (regions_.paths_changed()) {
 		mark_edited();
 	}
-	if (dirty_) {
+	notice_layers();
+	if (here && dirty_) {
 		refresh();
 	}
-	if (terrain_.is_valid() && !plans_.streamed().empty()) {
-		if (state_.is_valid() && !Engine::get_singleton()->is_editor_hint()) {
-			state_->advance(get_process_delta_time());
-		}
-		const std::uint64_t spent = look_around_near();
-		const auto budget = static_cast<std::uint64_t>(upload_budget_usec_);
-		stream_.stage().set_limits(draw_limits());
-		stream_.frame(find_viewers(), budget - std::min(spent, budget));
-		answer_requests();
-		if (!step_scenes(start + std::chrono::microseconds(upload_budget_usec_))) {
-			return; // This node is no more.
-		}
-		stream_.stage().patch();
+	if (here && terrain_.is_valid() && !layer_list_.snapshots().empty()) {
+		work(start);
 	}
-	frame_time_ = std::chrono::steady_clock::now() - start;
-	emit_events();
+	if (here) {
+		frame_time_ = Clock::now() - start;
+		emit_events();
+	}
+}
+
+void TerrainScatter3D::work(Clock::time_point start) {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const std::shared_ptr<ScatterStream> stream = stream_;
+	const Presence here(gameplay);
+	const std::chrono::microseconds budget(frame_budget_usec_);
+	if (!in_editor()) {
+		gameplay->advance(get_process_delta_time(), Engine::get_singleton()->get_process_frames());
+		if (!here) {
+			return;
+		}
+	}
+	const std::vector<Viewer> viewers = find_viewers(*this, viewers_, world_offset_);
+	const auto look = Clock::now();
+	if (!in_editor()) {
+		gameplay->look_around(find_near_centers(*this, viewers, interaction_group_, world_offset_));
+	}
+	const auto left = std::chrono::duration_cast<std::chrono::microseconds>(budget - (Clock::now() - look));
+	stream->display().set_limits(draw_limits());
+	if (!stream->frame(viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0))) || !here) {
+		return;
+	}
+	gameplay->answer_requests();
+	gameplay->work_until(start + budget);
+	if (here) {
+		patch_in_steps(start + budget);
+		stream->display().patch();
+	}
+}
+
+void TerrainScatter3D::patch_in_steps(Clock::time_point deadline) {
+	while (display().patch_step() && Clock::now() < deadline) {
+	}
+}
+
+void TerrainScatter3D::emit_events() {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const Presence here(gameplay);
+	for (const TileEvent &event : stream_->take_events()) {
+		if (here) {
+			emit_signal(event.shown ? "tile_shown" : "tile_hidden", static_cast<int64_t>(event.layer),
+					Vector2i(event.tile.x, event.tile.y));
+		}
+	}
+	gameplay->complete_requests();
+	if (!here) {
+		return;
+	}
+	const bool settled = is_settled();
+	if (settled && !std::exchange(was_settled_, settled)) {
+		emit_signal("settled");
+	} else {
+		was_settled_ = settled;
+	}
 }
 
 DrawLimits TerrainScatter3D::draw_limits() const {
 	DrawLimits limits;
 	limits.quality = quality_;
-	if (Engine::get_singleton()->is_editor_hint()) {
+	if (in_editor()) {
 		limits.max_instances = static_cast<std::uint64_t>(preview_instances_);
 	}
 	return limits;
 }
 
-void TerrainScatter3D::emit_events() {
-	for (const TileEvent &event : stream_.take_events()) {
-		emit_signal(event.shown ? "tile_shown" : "tile_hidden", static_cast<int64_t>(event.layer),
-				Vector2i(event.tile.x, event.tile.y));
-	}
-	for (const auto &[request, answer] : std::exchange(answers_, {})) {
-		emit_signal("query_finished", request, answer);
-	}
-	const bool idle = is_idle();
-	if (idle && !std::exchange(was_idle_, idle)) {
-		emit_signal("idle");
-	}
-	was_idle_ = idle;
+bool TerrainScatter3D::is_settled() const {
+	return !dirty_ && !layer_watch_->differs(layers_) &&
+			(layer_list_.snapshots().empty() ||
+					(stream_->idle() && !display().has_patches() && gameplay_->settled()));
 }
 
 void TerrainScatter3D::mark_edited() {
 	dirty_ = true;
-	was_idle_ = false;
+	was_settled_ = false;
 }
 
 void TerrainScatter3D::mark_dirty() {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const std::shared_ptr<LayerWatch> watch = layer_watch_;
+	const TypedArray<ScatterLayer> layers = layers_;
+	watch->look(layers); // Layers that get an id tell scripts, which may free this node.
+	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
+	if (!gameplay->alive()) {
+		return;
+	}
+	for (const LayerRename &rename : renames) {
+		regions_.rename_layer(rename.from, rename.to);
+	}
 	mark_edited();
 	update_configuration_warnings();
 	PackedStringArray names;
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		const Ref<ScatterLayer> layer = layer_at(place);
+	for (int64_t index = 0; index < layers_.size(); ++index) {
+		const Ref<ScatterLayer> layer = layers_[index];
 		names.push_back(layer.is_valid() ? layer->get_name() : String());
 	}
 	if (!(names == layer_names_)) {
 		layer_names_ = names;
 		regions_.update_warnings(); // They may name layers.
+	}
+}
+
+/// Scripts share the list, and may change it without its setter.
+void TerrainScatter3D::notice_layers() {
+	if (layer_watch_->differs(layers_)) {
+		mark_dirty();
 	}
 }
 
@@ -170,8 +242,6 @@ void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
 	ground_change_.add(rect, slope_margin);
 	mark_edited();
 }
-
-void TerrainScatter3D::mark_area_edited(const Rect2 &) { mark_edited(); }
 
 void TerrainScatter3D::add_region(ScatterRegion3D *p_region) {
 	regions_.add(p_region);
@@ -188,146 +258,98 @@ void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 	mark_edited();
 }
 
-bool TerrainScatter3D::has_layer_named(const String &p_name) const {
-	return !p_name.is_empty() && layer_names_.has(p_name);
+String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
+	std::uint32_t index = 0;
+	return find_layer(layers_, p_reference, index);
+}
+
+/// Settings that were changed in this frame count from now on. Refused where there is nothing to ask.
+Status TerrainScatter3D::prepare() {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	notice_layers();
+	if (gameplay->alive() && dirty_) {
+		refresh();
+	}
+	if (!gameplay->alive()) {
+		return {ErrorCode::cancelled};
+	}
+	const char *needed = terrain_.is_null() ? "terrain" : "layers";
+	return layer_list_.snapshots().empty() ? Status{ErrorCode::missing, needed, 0.0} : Status{};
 }
 
 void TerrainScatter3D::refresh() {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const std::shared_ptr<ScatterStream> stream = stream_;
+	const Ref<ScatterTerrain> terrain = terrain_;
 	dirty_ = false;
-	set_physics_process_internal(terrain_.is_valid() && terrain_->needs_physics_frames());
-	ScatterGround ground{static_cast<std::uint64_t>(seed_), nullptr, std::exchange(ground_change_, {})};
-	if (!ground.changed.empty() && terrain_.is_valid()) {
-		ground_ = terrain_->snapshot(get_instance_id());
+	set_physics_process_internal(terrain.is_valid() && terrain->needs_physics_frames());
+	const EditedArea ground_change = std::exchange(ground_change_, {});
+	if (!ground_change.empty() && terrain.is_valid()) {
+		std::shared_ptr<const Terrain> ground = terrain->snapshot(get_instance_id()); // Asks scripts, and so does the next.
+		if (!gameplay->alive() || !(terrain == terrain_)) {
+			return;
+		}
+		ground_ = std::move(ground);
 	}
-	ground.terrain = ground_;
-	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->is_main_thread_only());
+	const bool grounded = terrain.is_valid() && (ground_ != nullptr || terrain->is_main_thread_only());
+	if (!gameplay->alive() || !(terrain == terrain_)) {
+		return;
+	}
 	regions_.update(std::exchange(recentered_, false));
 	if (!grounded || layers_.is_empty()) {
-		scenes_.clear();
-		stream_.stop();
-		plans_.clear();
+		layer_list_.clear();
+		gameplay->clear();
+		stream->stop();
 		return;
 	}
-	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, regions_);
-	update_world(outdated);
-	stream_.set_layers(plans_.streamed(), outdated, {terrain_, get_instance_id()});
-	update_scenes();
+	const std::vector<EditedArea> outdated =
+			layer_list_.update(layers_, static_cast<std::uint64_t>(seed_), ground_change, regions_);
+	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
+	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, {terrain_, get_instance_id()}});
 }
 
-/// Tells the rings where bodies and scenes are wanted: around viewers, and around the nodes of a group. Returns the microseconds that
-/// it took, which are a part of the frame's budget.
-std::uint64_t TerrainScatter3D::look_around_near() {
-	if (rings_.empty() || Engine::get_singleton()->is_editor_hint()) {
-		return 0;
-	}
-	const auto start = std::chrono::steady_clock::now();
-	std::vector<glm::dvec3> centers;
-	for (const Viewer &viewer : find_viewers()) {
-		centers.emplace_back(viewer.position.x, viewer.height, viewer.position.y);
-	}
-	if (!(body_group_ == StringName())) {
-		const TypedArray<Node> bodies = get_tree()->get_nodes_in_group(body_group_);
-		for (int64_t i = 0; i < bodies.size(); ++i) {
-			const Node3D *body = Object::cast_to<Node3D>(bodies[i]);
-			const Vector3 at = body != nullptr ? body->get_global_position() : Vector3();
-			if (body != nullptr && std::isfinite(at.x) && std::isfinite(at.y) && std::isfinite(at.z)) {
-				centers.push_back(to_world(at, world_offset_));
-			}
+/// A tile for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
+TileMaker TerrainScatter3D::tile_maker() const {
+	return [layers = layer_list_.snapshots(), ground = ground_, terrain = HostedTerrain{terrain_, get_instance_id()}](
+				   std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) -> Status {
+		if (layer >= layers.size() || layers[layer] == nullptr || !terrain.is_available()) {
+			return {};
 		}
-	}
-	for (NearRing *ring : rings_) {
-		ring->look_around(centers, *world_);
-	}
-	const auto spent = std::chrono::steady_clock::now() - start;
-	return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(spent).count());
+		TileInstances made;
+		const Rect rect = tile_rect(layers[layer]->range.tile_size, tile);
+		const Status status = build_at_once(*layers[layer]->settings, ground.get(), terrain, rect, made);
+		if (status.ok()) {
+			r_tile = std::make_shared<const TileInstances>(std::move(made));
+		}
+		return status;
+	};
 }
 
-Ref<ScatterLayer> TerrainScatter3D::layer_at(int64_t p_place) const { return layers_[p_place]; }
-
-void TerrainScatter3D::set_seed(int64_t p_seed) {
-	if (seed_ != p_seed) {
-		seed_ = p_seed;
-		mark_dirty();
-	}
+void TerrainScatter3D::Host::redraw(std::uint32_t layer, const Rect &area) {
+	node_.display().mark(layer, area);
+	node_.schedule_patch();
 }
 
-int64_t TerrainScatter3D::get_seed() const { return seed_; }
-
-void TerrainScatter3D::watch_layers(bool p_watch) {
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		watch(layer_at(place).ptr(), "changed", this, "_mark_dirty", p_watch);
-		watch(layer_at(place).ptr(), "area_changed", this, "_mark_area_edited", p_watch);
-	}
+void TerrainScatter3D::Host::redraw_all() {
+	node_.display().mark_all();
+	node_.schedule_patch();
 }
 
-void TerrainScatter3D::watch_terrain(bool p_watch) {
-	watch(terrain_.ptr(), "changed", this, "_mark_ground_dirty", p_watch);
-	watch(terrain_.ptr(), "terrain_changed", this, "_mark_ground_edited", p_watch);
+void TerrainScatter3D::Host::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) {
+	node_.display().set_hidden(layer, id, area, hidden);
+	node_.schedule_patch();
 }
 
-void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
-	watch_layers(false);
-	layers_ = p_layers;
-	watch_layers(true);
-	mark_dirty();
-}
-
-TypedArray<ScatterLayer> TerrainScatter3D::get_layers() const { return layers_; }
-
-void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
-	if (terrain_ == p_terrain) {
-		return;
-	}
-	watch_terrain(false);
-	if (running_ && terrain_.is_valid()) {
-		terrain_->leave(this);
-	}
-	terrain_ = p_terrain;
-	ground_ = nullptr;
-	if (running_ && terrain_.is_valid()) {
-		terrain_->enter(this, world_offset_);
-	}
-	watch_terrain(true);
-	mark_ground_dirty();
-}
-
-Ref<ScatterTerrain> TerrainScatter3D::get_terrain() const { return terrain_; }
-
-void TerrainScatter3D::set_viewers(const TypedArray<NodePath> &p_viewers) {
-	viewers_ = p_viewers;
-	update_configuration_warnings();
-}
-
-TypedArray<NodePath> TerrainScatter3D::get_viewers() const { return viewers_; }
-
-void TerrainScatter3D::set_upload_budget_usec(int64_t p_budget) {
-	if (accept_number(class_name, "upload_budget_usec", static_cast<double>(p_budget), 1.0, 1e6)) {
-		upload_budget_usec_ = p_budget;
+/// The picture follows before the frame is drawn, once for all changes up to then.
+void TerrainScatter3D::schedule_patch() {
+	if (running_ && !std::exchange(patch_scheduled_, true)) {
+		call_deferred("_patch");
 	}
 }
 
-int64_t TerrainScatter3D::get_upload_budget_usec() const { return upload_budget_usec_; }
-
-void TerrainScatter3D::set_quality(double p_quality) {
-	if (accept_number(class_name, "quality", p_quality, 0.0, 1.0)) {
-		quality_ = p_quality;
-	}
-}
-
-double TerrainScatter3D::get_quality() const { return quality_; }
-
-void TerrainScatter3D::set_preview_instances(int64_t p_count) {
-	if (accept_number(class_name, "preview_instances", static_cast<double>(p_count), 0.0, 1e9)) {
-		preview_instances_ = p_count;
-	}
-}
-
-int64_t TerrainScatter3D::get_preview_instances() const { return preview_instances_; }
-
-void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
-
-bool TerrainScatter3D::is_idle() const {
-	return !dirty_ && (plans_.streamed().empty() || (stream_.idle() && scenes_.settled()));
+void TerrainScatter3D::patch_now() {
+	patch_scheduled_ = false;
+	display().patch();
 }
 
 } // namespace thicket

@@ -90,7 +90,7 @@ func preview() -> void:
 	var scatter: Node3D = ClassDB.instantiate("TerrainScatter3D")
 	scatter.set("terrain", ClassDB.instantiate("ScatterTerrainFlat"))
 	scatter.set("layers", [layer])
-	scatter.set("upload_budget_usec", 5000)
+	scatter.set("frame_budget_usec", 5000)
 	scatter.set("preview_instances", 5000)
 	add_child(scatter)
 	for limit: int in [5000, 800, 0, 20000, 1000000000]:

@@ -284,6 +284,19 @@ func drag(region: Node3D, handle: int, to: Vector3, property: StringName, expect
 	check(region.get(property) == before_drag, "%s is as before" % property)
 
 
+## Where a layer or a region names layers, there is a list to choose from.
+func test_layers_to_choose_from() -> void:
+	var part := preload("res://tests/layer_choices.gd").new()
+	part.plugin = plugin
+	part.scatter = scatter
+	add_child(part)
+	select(scatter)
+	await frames(2)
+	await part.choose()
+	part.queue_free()
+	select(scatter)
+
+
 ## A cancelled bake leaves nothing; a finished one holds what stands.
 func test_bake() -> void:
 	select(scatter)

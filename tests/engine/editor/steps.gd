@@ -39,7 +39,7 @@ func until(condition: Callable, message: String) -> bool:
 ## Waits until a scatter shows what it should.
 func settle(scatter: Node3D) -> void:
 	await frames(3)
-	await until(func() -> bool: return scatter.is_idle(), "idle")
+	await until(func() -> bool: return scatter.is_settled(), "idle")
 
 
 ## Opens a scene in a tab of the editor and returns its root.
@@ -100,7 +100,7 @@ func _hand(event: InputEvent) -> void:
 func digests(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		result[tile] = scatter.get_tile_digest(layer, tile)
+		result[tile] = scatter.get_tile(layer, tile).get_digest()
 	return result
 
 
@@ -108,15 +108,15 @@ func digests(scatter: Node3D, layer: int) -> Dictionary:
 func instances(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		var origin: Vector3 = scatter.get_tile_origin(layer, tile)
-		var buffers: Array = scatter.get_tile_buffers(layer, tile)
-		var ids: Array = scatter.get_tile_ids(layer, tile)
-		for mesh in ids.size():
-			var stride: int = buffers[mesh].size() / maxi(1, ids[mesh].size())
-			for index: int in ids[mesh].size():
+		var shown: RefCounted = scatter.get_tile(layer, tile)
+		for mesh: int in shown.get_mesh_count():
+			var buffer: PackedFloat32Array = shown.get_buffer(mesh)
+			var ids: PackedInt64Array = shown.get_ids(mesh)
+			var stride := buffer.size() / maxi(1, ids.size())
+			for index: int in ids.size():
 				var at := index * stride
-				var place := Vector3(buffers[mesh][at + 3], buffers[mesh][at + 7], buffers[mesh][at + 11])
-				result[ids[mesh][index]] = origin + place
+				var position := Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
+				result[ids[index]] = shown.get_origin() + position
 	return result
 
 

@@ -6,6 +6,7 @@ const Bake := preload("res://addons/thicket/editor/bake_dialog.gd")
 const Brush := preload("res://addons/thicket/editor/brush.gd")
 const Cursor := preload("res://addons/thicket/editor/brush_cursor.gd")
 const ExtentGizmos := preload("res://addons/thicket/editor/extent_gizmos.gd")
+const LayerInspector := preload("res://addons/thicket/editor/layer_inspector.gd")
 const Presets := preload("res://addons/thicket/editor/presets.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
@@ -22,6 +23,7 @@ var bake: Bake
 var _cursor := Cursor.new()
 var _regions := RegionGizmos.new()
 var _extent := ExtentGizmos.new()
+var _inspector := LayerInspector.new()
 var _scatter: Node3D
 var _shown: Array = []
 var _tiles := 0
@@ -40,10 +42,12 @@ func _enter_tree() -> void:
 	_regions.undo_redo = get_undo_redo()
 	add_node_3d_gizmo_plugin(_regions)
 	add_node_3d_gizmo_plugin(_extent)
+	add_inspector_plugin(_inspector)
 
 
 func _exit_tree() -> void:
 	_edit(null)
+	remove_inspector_plugin(_inspector)
 	remove_node_3d_gizmo_plugin(_extent)
 	remove_node_3d_gizmo_plugin(_regions)
 	remove_control_from_container(CONTAINER_SPATIAL_EDITOR_MENU, toolbar)

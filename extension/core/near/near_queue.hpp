@@ -1,0 +1,142 @@
+#pragma once
+
+#include "core/near/near_set.hpp"
+#include "core/query/instance_world.hpp"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// What has to come and go around some centers, of all layers, in steps. Whoever takes an instance out of the queue makes or
+/// frees what stands for it; the queue counts it as held, or not, from then on.
+///
+/// Distances are meters in space, from the nearest center to the instance's position. Everything within a layer's distance
+/// comes; what is held leaves beyond `leave_share` of it.
+class NearQueue {
+public:
+	/// What a center may move, as a share of the distance, before anybody looks again.
+	static constexpr double look_share = 0.025;
+	static constexpr double enter_share = 1.0 + look_share;
+
+	/// Apart from `enter_share`, so that nobody who walks to and fro makes something come and go.
+	static constexpr double leave_share = 1.125;
+
+	/// A look at least every so many frames: tiles that are missed have to be missed again.
+	static constexpr int look_frames = 32;
+
+	/// The distance of each layer, 0 for nothing. What is held of layers that are no more has to be released before.
+	void set_distances(std::span<const double> distances);
+
+	/// Finds out anew what has to come and go in layers for which a center has moved far enough, or the world has changed. To be
+	/// called in every frame. The world is remembered until `forget_world`.
+	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
+
+	/// Something that is held and has to go.
+	struct Leaving {
+		std::uint32_t layer = 0;
+		std::uint64_t id = 0;
+	};
+
+	/// Takes out what is held and stands otherwise than it did: it stays held, as it stands now. False for none.
+	bool next_changed(PlacedInstance &r_instance);
+
+	/// Takes out what stands no longer, or not as it did: to be done before anything enters. False for none.
+	bool next_gone(Leaving &r_leaving);
+
+	/// Takes out what stands no longer or is too far away, of each layer the farthest first. False for none.
+	bool next_leaving(Leaving &r_leaving);
+
+	/// Takes out the nearest that is to come, which is held from then on. False for none.
+	bool next_entering(PlacedInstance &r_instance);
+
+	/// True if there is nothing to take out, and the world is as it was at the last look.
+	bool settled() const;
+
+	bool holds(std::uint32_t layer, std::uint64_t id) const;
+
+	/// Counts an instance as not held, in all layers. Nothing comes out of the queue before the next look.
+	void release(std::uint64_t id);
+
+	/// The same for one layer; what else is to come and go still does.
+	void release(std::uint32_t layer, std::uint64_t id);
+
+	/// Holds nothing of a layer.
+	void release_layer(std::uint32_t layer);
+	void forget_world() { world_ = nullptr; }
+
+private:
+	struct Layer {
+		double distance = 0.0;
+		NearSet near;
+		NearChanges changes;
+		std::vector<double> away; ///< Squared distances of changes.enter.
+		std::size_t left = 0;     ///< How many of changes.leave are out.
+		std::size_t entered = 0;
+
+		bool stale = true;  ///< `changes` are of no use any more,
+		bool again = false; ///< or still are; in both cases the layer has to be looked at, whatever has moved.
+		int frames = 0;     ///< Since the last look.
+		std::uint64_t version = 0;
+		std::vector<glm::dvec3> centers; ///< As of the last look.
+
+		bool outdated(std::span<const glm::dvec3> now, std::uint64_t world_version);
+		bool wanted() const { return distance > 0.0 || near.size() > 0; }
+		bool any_gone() const { return left < changes.gone; }
+		bool any_leaving() const { return left < changes.leave.size(); }
+		bool any_entering() const { return entered < changes.enter.size(); }
+		void forget_changes();
+	};
+
+	void look(std::uint32_t layer, std::span<const glm::dvec3> centers, const InstanceWorld &world);
+	void find_standing(std::uint32_t layer, std::span<const glm::dvec3> centers, const InstanceWorld &world);
+	bool next(bool (Layer::*any)() const, Leaving &r_leaving);
+
+	const InstanceWorld *world_ = nullptr;
+	std::vector<Layer> layers_;
+	std::vector<PlacedInstance> standing_;
+	std::vector<bool> covered_;
+};
+
+/// Keeps something standing for every instance that is near: a body, a scene. Works in small steps under the budget of the frame,
+/// which it shares with the uploads. One thread at a time.
+class NearRing {
+public:
+	virtual ~NearRing() = default;
+
+	/// Once a frame: where those are for whom it matters (world meters), and what the world is now. Cheap while nobody has moved and
+	/// world.version() is the same.
+	virtual void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) = 0;
+
+	/// Lets one instance come or go. False if there is nothing to do.
+	virtual bool step() = 0;
+
+	/// True if `step` would find nothing to do.
+	virtual bool settled() const = 0;
+
+	/// The instance stands no longer, or not as it did: what was made for it goes at once, whatever the budget.
+	virtual void drop(std::uint64_t id) = 0;
+
+	/// The same for all that stand no longer. Asks only for what was made.
+	virtual void drop_if(const std::function<bool(std::uint64_t id)> &gone) = 0;
+
+	/// Where the engine's origin is in the world, meters: what stands is moved along at once.
+	virtual void set_world_offset(glm::dvec3 offset) = 0;
+
+	/// Frees everything now.
+	virtual void clear() = 0;
+
+protected:
+	NearRing() = default;
+	NearRing(const NearRing &) = default;
+	NearRing &operator=(const NearRing &) = default;
+
+	NearQueue queue_;
+};
+
+} // namespace thicket

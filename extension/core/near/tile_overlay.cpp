@@ -1,0 +1,123 @@
+#include "core/near/tile_overlay.hpp"
+
+#include "core/placement/look.hpp"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace thicket {
+
+namespace {
+
+using Ids = std::vector<std::uint64_t>;
+
+bool covers(const Overlay &overlay, bool any_removed, std::uint64_t id) {
+	return (any_removed && overlay.state->removed(id)) || (overlay.hidden != nullptr && overlay.hidden->contains(id));
+}
+
+float largest_scale(const glm::mat3 &basis) {
+	return std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});
+}
+
+void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettings &layer, glm::dvec3 origin,
+		std::size_t at, MeshInstances &r_mesh) {
+	const std::span<float> floats = r_mesh.floats_of(at);
+	const glm::vec3 position(added.position - origin);
+	for (int row = 0; row < 3; ++row) {
+		for (int column = 0; column < 3; ++column) {
+			floats[static_cast<std::size_t>(4 * row + column)] = added.basis[column][row];
+		}
+		floats[static_cast<std::size_t>(4 * row + 3)] = position[row];
+	}
+	write_look(layer.look, layer.set.seed, id, 0, largest_scale(added.basis), floats.subspan(transform_floats));
+	r_mesh.ids[at] = id;
+	r_mesh.ranks[at] = 0;
+}
+
+/// The box around what stands, after the instances were written.
+void measure(const MeshInstances &base, std::span<const AddedInstance *const> added, MeshInstances &r_mesh) {
+	r_mesh.max_scale = base.max_scale;
+	for (const AddedInstance *instance : added) {
+		r_mesh.max_scale = std::max(r_mesh.max_scale, largest_scale(instance->basis));
+	}
+	glm::vec3 min(std::numeric_limits<float>::max());
+	glm::vec3 max = -min;
+	for (std::size_t i = 0; i < r_mesh.size(); ++i) {
+		const std::span<const float> floats = r_mesh.floats_of(i);
+		const glm::vec3 position{floats[3], floats[7], floats[11]};
+		min = glm::min(min, position);
+		max = glm::max(max, position);
+	}
+	r_mesh.min = r_mesh.size() > 0 ? min : glm::vec3(0.0f);
+	r_mesh.max = r_mesh.size() > 0 ? max : glm::vec3(0.0f);
+}
+
+/// `mesh` without what is covered, behind what was added.
+std::shared_ptr<const MeshInstances> rebuilt(const MeshInstances &mesh, const LayerSettings &layer, glm::dvec3 origin,
+		const Overlay &overlay, const Ids &added_ids, std::size_t standing, bool any_removed) {
+	auto result = std::make_shared<MeshInstances>();
+	result->resize(added_ids.size() + standing, floats_per_instance(layer.look));
+	std::vector<const AddedInstance *> added;
+	std::size_t at = 0;
+	for (const std::uint64_t id : added_ids) {
+		added.push_back(overlay.state->added(id));
+		write_added(*added.back(), id, layer, origin, at++, *result);
+	}
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
+		if (!covers(overlay, any_removed, mesh.ids[i])) {
+			const auto from = mesh.buffer.begin() + static_cast<std::ptrdiff_t>(i * mesh.stride);
+			std::copy_n(from, mesh.stride, result->floats_of(at).begin());
+			result->ids[at] = mesh.ids[i];
+			result->ranks[at++] = mesh.ranks[i];
+		}
+	}
+	measure(mesh, added, *result);
+	return result;
+}
+
+/// The ids that were added in a tile and are not hidden, by mesh.
+std::vector<Ids> added_by_mesh(
+		std::size_t meshes, const LayerSettings &layer, const Rect &rect, const Overlay &overlay) {
+	std::vector<Ids> result(meshes);
+	if (overlay.state == nullptr || overlay.state->added_count() == 0 || meshes == 0) {
+		return result;
+	}
+	Ids ids;
+	overlay.state->added_in(layer.set.layer, rect, ids);
+	for (const std::uint64_t id : ids) {
+		const std::size_t mesh = overlay.state->added(id)->mesh;
+		if (!covers(overlay, false, id)) {
+			result[mesh < meshes ? mesh : 0].push_back(id);
+		}
+	}
+	return result;
+}
+
+} // namespace
+
+std::vector<std::shared_ptr<const MeshInstances>> overlaid(const std::shared_ptr<const TileInstances> &tile,
+		const LayerSettings &layer, const Rect &rect, const Overlay &overlay) {
+	const bool any_removed = overlay.state != nullptr && overlay.state->any_removed(layer.set.layer);
+	const bool any_hidden = overlay.hidden != nullptr && !overlay.hidden->empty();
+	const std::vector<Ids> added = added_by_mesh(tile->meshes.size(), layer, rect, overlay);
+	std::vector<std::shared_ptr<const MeshInstances>> result;
+	for (std::size_t at = 0; at < tile->meshes.size(); ++at) {
+		const MeshInstances &mesh = tile->meshes[at];
+		std::size_t standing = mesh.size();
+		if (any_removed || any_hidden) {
+			standing = static_cast<std::size_t>(std::count_if(mesh.ids.begin(), mesh.ids.end(),
+					[&](std::uint64_t id) { return !covers(overlay, any_removed, id); }));
+		}
+		if (standing == mesh.size() && added[at].empty()) {
+			result.emplace_back(tile, &mesh);
+		} else {
+			result.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing, any_removed));
+		}
+	}
+	return result;
+}
+
+} // namespace thicket

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "core/base/rect.hpp"
+#include "core/placement/layer.hpp"
+#include "core/placement/tile_instances.hpp"
+#include "core/state/instance_state.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <unordered_set>
+#include <vector>
+
+namespace thicket {
+
+/// What lies over the tiles that a layer's rules give. Null for nothing.
+struct Overlay {
+	const InstanceState *state = nullptr;
+	const std::unordered_set<std::uint64_t> *hidden = nullptr; ///< Ids that stand, but are shown by other means.
+};
+
+/// What is drawn of each mesh of a tile: what was placed by hand in the half-open `rect` of the tile, by id, then what its rules give,
+/// in the same order and with the same bits, without what is removed or hidden. Hand-placed instances have thinning rank 0: no
+/// density above 0 takes them away. A mesh to which nothing applies is the tile's own; no copy is made of it.
+std::vector<std::shared_ptr<const MeshInstances>> overlaid(const std::shared_ptr<const TileInstances> &tile,
+		const LayerSettings &layer, const Rect &rect, const Overlay &overlay);
+
+} // namespace thicket

@@ -1,0 +1,109 @@
+#include "core/query/instance_query.hpp"
+
+#include "core/base/instance_id.hpp"
+#include "core/base/tile_grid.hpp"
+#include "core/query/tile_content.hpp"
+#include "core/query/tile_window.hpp"
+#include "core/sampling/tile_sampler.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+
+namespace thicket {
+
+namespace {
+
+/// Tiles that a cell of a point set may touch before it is cheaper to ask the set where its point lies.
+constexpr double most_tiles = 4.0;
+
+/// The tile in which the point of a cell lies, of a layer whose tiles are smaller than its cells; none if the cell
+/// holds none.
+Status find_tile_of_point(
+		const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
+	const Rect square = cell_rect(layer.set, id);
+	const double edge = set_extent(layer.set);
+	TileSampler sampler(margins);
+	std::vector<SamplePoint> points;
+	const Rect within{glm::max(square.min, -edge), glm::min(square.max, edge)};
+	if (const Status status = sampler.sample(layer.set, within, points); !status.ok()) {
+		return status;
+	}
+	r_tiles = {};
+	const auto found =
+			std::find_if(points.begin(), points.end(), [id](const SamplePoint &point) { return point.id == id; });
+	if (found != points.end()) {
+		r_tiles = TileWindow(layer).touching({found->position, found->position});
+	}
+	return {};
+}
+
+/// The tiles that may hold a point of the set.
+Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
+	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
+	return r_tiles.count() > most_tiles ? find_tile_of_point(layer, id, margins, r_tiles) : Status{};
+}
+
+/// Adds the instance of that id, if it is in the tile.
+void add_from(
+		const TileInstances &content, std::uint64_t id, std::uint32_t place, std::vector<PlacedInstance> &r_found) {
+	for (std::uint32_t mesh = 0; mesh < content.meshes.size() && r_found.empty(); ++mesh) {
+		const MeshInstances &instances = content.meshes[mesh];
+		const auto found = std::find(instances.ids.begin(), instances.ids.end(), id);
+		if (found != instances.ids.end()) {
+			const auto at = static_cast<std::size_t>(std::distance(instances.ids.begin(), found));
+			r_found.push_back(
+					placed_instance(id, place, mesh, content.origin, instances.buffer.data() + at * instances.stride));
+		}
+	}
+}
+
+} // namespace
+
+Status InstanceQuery::by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const {
+	if (state != nullptr && !is_added(id) && state->removed(id)) {
+		r_found.clear();
+		return {};
+	}
+	return by_id_even_removed(id, r_found);
+}
+
+Status InstanceQuery::by_id_even_removed(std::uint64_t id, std::vector<PlacedInstance> &r_found) const {
+	r_found.clear();
+	for (std::uint32_t place = 0; place < layers.size() && r_found.empty(); ++place) {
+		const QueryLayer &layer = layers[place];
+		if (!layer.wanted || layer.set.layer != layer_of(id)) {
+			continue;
+		}
+		if (const Status status = validate(layer); !status.ok()) {
+			return status;
+		}
+		if (is_added(id)) {
+			const AddedInstance *added = state != nullptr ? state->added(id) : nullptr;
+			if (added != nullptr) {
+				r_found.push_back(placed_instance(id, place, *added));
+			}
+			continue;
+		}
+		TileRange range;
+		if (const Status status = find_tiles_of(layer, id, margins, range); !status.ok()) {
+			return status;
+		}
+		for (std::int32_t y = range.first.y; y <= range.last.y && r_found.empty(); ++y) {
+			for (std::int32_t x = range.first.x; x <= range.last.x && r_found.empty(); ++x) {
+				std::shared_ptr<const TileInstances> content;
+				if (const Status status = tiles.find_tile(place, {x, y}, content); !status.ok()) {
+					return status;
+				}
+				if (content != nullptr) {
+					add_from(*content, id, place, r_found);
+				}
+			}
+		}
+	}
+	return {};
+}
+
+} // namespace thicket

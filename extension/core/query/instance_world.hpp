@@ -1,0 +1,141 @@
+#pragma once
+
+#include "core/placement/layer_edits.hpp"
+#include "core/query/instance_query.hpp"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <tuple>
+#include <vector>
+
+namespace thicket {
+
+/// Makes a tile of a layer on the spot.
+using TileMaker =
+		std::function<Status(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile)>;
+
+/// A tile of a layer, of the size that the layer has at the time.
+struct WorldTile {
+	std::uint32_t layer = 0;
+	glm::ivec2 tile{0};
+};
+
+/// What stands in a world, for all who ask: the tiles that are known (shared with those on show, and some that were made for
+/// queries) and what a game has changed. One thread at a time.
+class InstanceWorld {
+public:
+	/// The layers as they are from now on. Tiles of a layer whose set or tile size is another are forgotten.
+	void set_layers(std::vector<QueryLayer> layers);
+
+	/// The tiles that an edit touches are known no longer. For `known_near` they stand until their successors are there, or all that is
+	/// near would vanish for some frames.
+	void invalidate(std::uint32_t layer, const EditedArea &area);
+	void set_maker(TileMaker maker) { maker_ = std::move(maker); }
+	void set_state(const InstanceState *state) {
+		state_ = state;
+		touch();
+	}
+	void clear();
+
+	/// Takes a finished tile in. Those that nobody else holds are forgotten, the oldest first, once they are more than
+	/// `max_idle_instances` together.
+	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> instances);
+
+	/// A known tile; null for one that is not.
+	std::shared_ptr<const TileInstances> find(const WorldTile &tile) const;
+
+	/// Rises with everything that may change an answer: tiles that came or went, layers, the state.
+	std::uint64_t version() const { return version_; }
+	void touch() { ++version_; }
+
+	std::span<const QueryLayer> layers() const { return layers_; }
+	const InstanceState *state() const { return state_; }
+
+	/// What stands within the square of `distance` meters around a place, in tiles that are known. Those that are not are missed.
+	/// Adds to `r_found`.
+	void known_near(
+			std::uint32_t layer, glm::dvec2 center, double distance, std::vector<PlacedInstance> &r_found) const;
+
+	/// Wants a tile that is not known.
+	void miss(const WorldTile &tile) const;
+
+	/// The tiles that somebody wanted since the last call, once each; who still wants them has to say so again.
+	std::vector<WorldTile> take_missing();
+
+	/// Runs a query that may make the tiles it misses, on this thread. Whoever calls it holds the world: a script that is asked for the
+	/// ground may do anything.
+	template <class Query>
+	Status ask(Query &&query) {
+		const std::vector<QueryLayer> layers = layers_;
+		MakingSource source(*this);
+		return query(InstanceQuery{layers, source, state_});
+	}
+
+	/// The same on what is known alone; what is not counts as empty.
+	template <class Query>
+	Status ask_known(Query &&query) const {
+		KnownSource source(*this);
+		return query(InstanceQuery{layers_, source, state_});
+	}
+
+	static constexpr std::size_t max_idle_instances = 400'000;
+
+private:
+	struct Entry {
+		std::shared_ptr<const TileInstances> tile;
+		mutable std::uint64_t used = 0; ///< When it was last asked for.
+		bool outdated = false;          ///< An edit has touched it: good enough for who is near, wrong for who asks.
+	};
+
+	class KnownSource : public TileSource {
+	public:
+		explicit KnownSource(const InstanceWorld &world) : world_(world) {}
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override;
+
+	private:
+		const InstanceWorld &world_;
+	};
+
+	/// For `known_near`.
+	class NearSource : public TileSource {
+	public:
+		explicit NearSource(const InstanceWorld &world) : world_(world) {}
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override;
+
+	private:
+		const InstanceWorld &world_;
+	};
+
+	class MakingSource : public TileSource {
+	public:
+		explicit MakingSource(InstanceWorld &world) : world_(world) {}
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override;
+
+	private:
+		InstanceWorld &world_;
+	};
+
+	using Key = std::tuple<std::uint32_t, std::int32_t, std::int32_t>;
+
+	void forget_idle();
+
+	std::vector<QueryLayer> layers_;
+	std::map<Key, Entry> tiles_;
+	TileMaker maker_;
+	const InstanceState *state_ = nullptr;
+	std::uint64_t version_ = 1;
+	std::uint64_t edits_ = 0; ///< Rises with everything that makes tiles outdated.
+	mutable std::uint64_t uses_ = 0;
+	std::size_t kept_since_forgetting_ = 0;
+	mutable std::set<Key> missing_;
+};
+
+} // namespace thicket

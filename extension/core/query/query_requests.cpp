@@ -1,0 +1,74 @@
+#include "core/query/query_requests.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace thicket {
+
+Status QueryRequests::tiles_of(
+		const InstanceQuery &query, const Open &open, std::vector<InstanceQuery::Tile> &r_tiles) {
+	if (const Rect *rect = std::get_if<Rect>(&open.place)) {
+		return query.tiles_in_rect(*rect, open.filter, r_tiles);
+	}
+	const Sphere &sphere = std::get<Sphere>(open.place);
+	return query.tiles_in_sphere(sphere.center, sphere.radius, open.filter, r_tiles);
+}
+
+Status QueryRequests::add(const InstanceWorld &world, const std::variant<Rect, Sphere> &place,
+		const QueryFilter &filter, std::int64_t &r_request) {
+	Open open{last_ + 1, place, filter, {}};
+	std::vector<InstanceQuery::Tile> tiles;
+	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, open, tiles); });
+	if (status.ok()) {
+		r_request = ++last_;
+		open_.push_back(std::move(open));
+	}
+	return status;
+}
+
+bool QueryRequests::cancel(std::int64_t request) {
+	return std::erase_if(open_, [request](const Open &open) { return open.request == request; }) > 0;
+}
+
+/// True if all tiles are there. Looked for anew in every frame: layers and tile sizes may have changed.
+bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
+	std::vector<InstanceQuery::Tile> tiles;
+	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, r_open, tiles); });
+	r_open.held.clear();
+	bool complete = true;
+	for (std::size_t i = 0; status.ok() && i < tiles.size(); ++i) {
+		const WorldTile tile{tiles[i].layer, tiles[i].tile};
+		if (std::shared_ptr<const TileInstances> known = world.find(tile)) {
+			r_open.held.push_back(std::move(known));
+		} else if (world.layers()[tile.layer].wanted) {
+			world.miss(tile);
+			complete = false;
+		}
+	}
+	return complete; // One that is refused by now, since its layers have changed, is answered by nothing.
+}
+
+std::vector<QueryRequests::Answer> QueryRequests::frame(const InstanceWorld &world) {
+	std::vector<Answer> answers;
+	std::erase_if(open_, [&](Open &open) {
+		if (!gather(world, open)) {
+			return false;
+		}
+		Answer &answer = answers.emplace_back();
+		answer.request = open.request;
+		const Status status = world.ask_known([&](const InstanceQuery &query) {
+			if (const Rect *rect = std::get_if<Rect>(&open.place)) {
+				return query.in_rect(*rect, open.filter, answer.found);
+			}
+			const Sphere &sphere = std::get<Sphere>(open.place);
+			return query.in_sphere(sphere.center, sphere.radius, open.filter, answer.found);
+		});
+		if (!status.ok()) {
+			answer.found.clear();
+		}
+		return true;
+	});
+	return answers;
+}
+
+} // namespace thicket

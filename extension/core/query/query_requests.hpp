@@ -1,0 +1,56 @@
+#pragma once
+
+#include "core/query/instance_world.hpp"
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <variant>
+#include <vector>
+
+namespace thicket {
+
+/// Questions whose tiles somebody else makes, over some frames. One thread at a time.
+class QueryRequests {
+public:
+	struct Sphere {
+		glm::dvec3 center{0.0};
+		double radius = 0.0;
+	};
+
+	struct Answer {
+		std::int64_t request = 0;
+		std::vector<PlacedInstance> found;
+	};
+
+	/// A number, from 1 on, for the answer; or refuses what InstanceQuery refuses.
+	Status add(const InstanceWorld &world, const std::variant<Rect, Sphere> &place, const QueryFilter &filter,
+			std::int64_t &r_request);
+
+	/// False if there is no such request, or no longer.
+	bool cancel(std::int64_t request);
+
+	/// Once a frame: wants the tiles that are missing, and gives the answers for which none is, in the order of asking.
+	std::vector<Answer> frame(const InstanceWorld &world);
+
+	void clear() { open_.clear(); }
+	std::size_t size() const { return open_.size(); }
+
+private:
+	struct Open {
+		std::int64_t request = 0;
+		std::variant<Rect, Sphere> place;
+		QueryFilter filter;
+		std::vector<std::shared_ptr<const TileInstances>> held; ///< So that none is forgotten before the last is there.
+	};
+
+	static Status tiles_of(const InstanceQuery &query, const Open &open, std::vector<InstanceQuery::Tile> &r_tiles);
+	static bool gather(const InstanceWorld &world, Open &r_open);
+
+	std::deque<Open> open_;
+	std::int64_t last_ = 0;
+};
+
+} // namespace thicket

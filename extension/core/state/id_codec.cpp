@@ -1,0 +1,216 @@
+#include "core/state/id_codec.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <limits>
+
+namespace thicket {
+
+namespace {
+
+constexpr std::size_t block_size = 128;
+constexpr int width_bits = 6;           ///< Of a block's parameter, and of the width of a gap that is written in full.
+constexpr std::uint64_t full_mark = 16; ///< So many ones say that a gap is written in full.
+
+constexpr int layer_shift = 48;
+constexpr std::uint64_t cell_mask = (std::uint64_t{1} << layer_shift) - 1;
+constexpr std::uint64_t axis_mask = 0xffffff;
+
+/// Puts a zero above each of 24 bits.
+constexpr std::uint64_t spread(std::uint64_t bits) {
+	bits = (bits | bits << 16) & 0x0000ffff0000ffff;
+	bits = (bits | bits << 8) & 0x00ff00ff00ff00ff;
+	bits = (bits | bits << 4) & 0x0f0f0f0f0f0f0f0f;
+	bits = (bits | bits << 2) & 0x3333333333333333;
+	return (bits | bits << 1) & 0x5555555555555555;
+}
+
+/// Takes every other bit.
+constexpr std::uint64_t gather(std::uint64_t bits) {
+	bits &= 0x5555555555555555;
+	bits = (bits | bits >> 1) & 0x3333333333333333;
+	bits = (bits | bits >> 2) & 0x0f0f0f0f0f0f0f0f;
+	bits = (bits | bits >> 4) & 0x00ff00ff00ff00ff;
+	bits = (bits | bits >> 8) & 0x0000ffff0000ffff;
+	return (bits | bits >> 16) & axis_mask;
+}
+
+/// Packs bits into bytes, the lowest first.
+class BitWriter {
+public:
+	explicit BitWriter(std::vector<std::uint8_t> &r_bytes) : bytes_(r_bytes) {}
+
+	/// Adds the lowest `count` bits, 0 to 64; those above are 0.
+	void put(std::uint64_t bits, int count) {
+		held_ |= bits << held_count_;
+		const int room = 64 - held_count_;
+		if (count < room) {
+			held_count_ += count;
+			return;
+		}
+		append(bytes_, held_);
+		held_ = room < 64 ? bits >> room : 0;
+		held_count_ = count - room;
+	}
+
+	/// Fills the last byte up with zeros.
+	void finish() {
+		for (; held_count_ > 0; held_count_ -= 8, held_ >>= 8) {
+			bytes_.push_back(static_cast<std::uint8_t>(held_));
+		}
+	}
+
+private:
+	std::vector<std::uint8_t> &bytes_;
+	std::uint64_t held_ = 0;
+	int held_count_ = 0; ///< Below 64.
+};
+
+/// Takes bits off some bytes, as BitWriter has put them. Past the end it gives zeros.
+class BitReader {
+public:
+	explicit BitReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+	std::uint64_t take(int count) {
+		std::uint64_t bits = 0;
+		for (int got = 0; got < count;) {
+			const std::size_t byte = place_ / 8;
+			const auto offset = static_cast<int>(place_ % 8);
+			const int now = std::min(8 - offset, count - got);
+			const std::uint64_t piece = byte < bytes_.size() ? bytes_[byte] >> offset : 0;
+			bits |= (piece & ((1U << now) - 1)) << got;
+			got += now;
+			place_ += static_cast<std::size_t>(now);
+		}
+		return bits;
+	}
+
+	/// Takes ones, at most `most`, and the zero that ends fewer.
+	std::uint64_t take_ones(std::uint64_t most) {
+		std::uint64_t ones = 0;
+		while (ones < most && take(1) == 1) {
+			++ones;
+		}
+		return ones;
+	}
+
+	bool good() const { return place_ <= 8 * bytes_.size(); }
+	std::size_t bytes_taken() const { return (place_ + 7) / 8; }
+
+private:
+	std::span<const std::uint8_t> bytes_;
+	std::size_t place_ = 0; ///< In bits.
+};
+
+std::uint64_t cost(std::span<const std::uint64_t> gaps, int parameter) {
+	std::uint64_t bits = 0;
+	for (const std::uint64_t gap : gaps) {
+		const std::uint64_t ones = gap >> parameter;
+		const auto rest =
+				static_cast<std::uint64_t>(ones < full_mark ? parameter + 1 : width_bits + std::bit_width(gap));
+		bits += std::min(ones, full_mark) + rest;
+	}
+	return bits;
+}
+
+/// The cheapest parameter about the median: the mean would follow the few gaps between far groups.
+int best_parameter(std::span<const std::uint64_t> gaps) {
+	std::array<std::uint64_t, block_size> sorted{};
+	std::ranges::copy(gaps, sorted.begin());
+	const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+	std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(gaps.size()));
+	const auto about = static_cast<int>(std::bit_width(*middle));
+	int best = 0;
+	std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+	for (int parameter = std::max(about - 3, 0); parameter <= std::min(about + 2, 63); ++parameter) {
+		if (const std::uint64_t bits = cost(gaps, parameter); bits < least) {
+			least = bits;
+			best = parameter;
+		}
+	}
+	return best;
+}
+
+void put_gap(std::uint64_t gap, int parameter, BitWriter &r_bits) {
+	const std::uint64_t ones = gap >> parameter;
+	if (ones < full_mark) {
+		r_bits.put((std::uint64_t{1} << ones) - 1, static_cast<int>(ones) + 1);
+		r_bits.put(gap & ((std::uint64_t{1} << parameter) - 1), parameter);
+		return;
+	}
+	const auto width = static_cast<int>(std::bit_width(gap));
+	r_bits.put((std::uint64_t{1} << full_mark) - 1, static_cast<int>(full_mark));
+	r_bits.put(static_cast<std::uint64_t>(width - 1), width_bits);
+	r_bits.put(gap, width);
+}
+
+std::uint64_t take_gap(int parameter, BitReader &r_bits) {
+	const std::uint64_t ones = r_bits.take_ones(full_mark);
+	if (ones < full_mark) {
+		return ones << parameter | r_bits.take(parameter);
+	}
+	const auto width = static_cast<int>(r_bits.take(width_bits)) + 1;
+	return r_bits.take(width);
+}
+
+} // namespace
+
+std::uint64_t code_of(std::uint64_t id) {
+	return (id & ~cell_mask) | spread(id >> 24 & axis_mask) << 1 | spread(id & axis_mask);
+}
+
+std::uint64_t id_of(std::uint64_t code) {
+	const std::uint64_t cell = code & cell_mask;
+	return (code & ~cell_mask) | gather(cell >> 1) << 24 | gather(cell);
+}
+
+void append_ascending(std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes) {
+	append(r_bytes, static_cast<std::uint32_t>(numbers.size()));
+	BitWriter bits(r_bytes);
+	std::array<std::uint64_t, block_size> gaps{};
+	std::uint64_t next = 0; // The least that the next number can be.
+	for (std::size_t start = 0; start < numbers.size(); start += block_size) {
+		const std::span<const std::uint64_t> block =
+				numbers.subspan(start, std::min(block_size, numbers.size() - start));
+		for (std::size_t at = 0; at < block.size(); ++at) {
+			gaps[at] = block[at] - next;
+			next = block[at] + 1;
+		}
+		const int parameter = best_parameter({gaps.data(), block.size()});
+		bits.put(static_cast<std::uint64_t>(parameter), width_bits);
+		for (std::size_t at = 0; at < block.size(); ++at) {
+			put_gap(gaps[at], parameter, bits);
+		}
+	}
+	bits.finish();
+}
+
+bool take_ascending(ByteReader &r_bytes, std::vector<std::uint64_t> &r_numbers) {
+	const auto count = r_bytes.take<std::uint32_t>();
+	// A number takes a bit at least.
+	if (!r_bytes.good() || count > 8 * r_bytes.rest().size()) {
+		return false;
+	}
+	r_numbers.clear();
+	r_numbers.reserve(count);
+	BitReader bits(r_bytes.rest());
+	std::uint64_t next = 0;
+	int parameter = 0;
+	for (std::uint32_t at = 0; at < count; ++at) {
+		if (at % block_size == 0) {
+			parameter = static_cast<int>(bits.take(width_bits));
+		}
+		const std::uint64_t gap = take_gap(parameter, bits);
+		if (!bits.good() || gap >= std::numeric_limits<std::uint64_t>::max() - next) {
+			return false;
+		}
+		r_numbers.push_back(next + gap);
+		next += gap + 1;
+	}
+	r_bytes.take_bytes(bits.bytes_taken());
+	return true;
+}
+
+} // namespace thicket

@@ -1,0 +1,108 @@
+#include "core/state/id_table.hpp"
+
+#include "core/base/split_mix.hpp"
+
+#include <random>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+constexpr std::size_t least_places = 16;
+
+std::uint64_t salt_of_this_run() {
+	static const std::uint64_t salt = split_mix(std::random_device{}());
+	return salt;
+}
+
+} // namespace
+
+IdTable::IdTable() : salt_(salt_of_this_run()) {}
+
+std::size_t IdTable::home_of(std::uint64_t id) const { return split_mix(id ^ salt_) & (ids_.size() - 1); }
+
+std::size_t IdTable::place_of(std::uint64_t id) const {
+	std::size_t place = home_of(id);
+	while (ids_[place] != id && ids_[place] != none) {
+		place = (place + 1) & (ids_.size() - 1);
+	}
+	return place;
+}
+
+double IdTable::time(std::uint64_t id) const {
+	if (timed_ == 0) {
+		return 0.0;
+	}
+	const std::size_t place = place_of(id);
+	return ids_[place] == id ? times_[place] : 0.0;
+}
+
+void IdTable::set_time(std::size_t place, double time) {
+	if (times_.empty()) {
+		if (time == 0.0) {
+			return;
+		}
+		times_.resize(ids_.size());
+	}
+	timed_ += (time != 0.0 ? 1U : 0U) - (times_[place] != 0.0 ? 1U : 0U);
+	times_[place] = time;
+}
+
+bool IdTable::insert(std::uint64_t id, double time) {
+	if (4 * (size_ + 1) > 3 * ids_.size()) {
+		resize(ids_.empty() ? least_places : 2 * ids_.size());
+	}
+	const std::size_t place = place_of(id);
+	const bool is_new = ids_[place] == none;
+	ids_[place] = id;
+	size_ += is_new ? 1U : 0U;
+	set_time(place, time);
+	return is_new;
+}
+
+bool IdTable::erase(std::uint64_t id) {
+	if (!contains(id)) {
+		return false;
+	}
+	std::size_t hole = place_of(id);
+	set_time(hole, 0.0);
+	--size_;
+	// What was pushed on by the one that goes moves up, so that no search ends too early.
+	const std::size_t mask = ids_.size() - 1;
+	for (std::size_t next = (hole + 1) & mask; ids_[next] != none; next = (next + 1) & mask) {
+		const std::size_t home = home_of(ids_[next]);
+		if (((next - home) & mask) < ((next - hole) & mask)) {
+			continue;
+		}
+		ids_[hole] = ids_[next];
+		if (!times_.empty()) {
+			times_[hole] = std::exchange(times_[next], 0.0);
+		}
+		hole = next;
+	}
+	ids_[hole] = none;
+	if (ids_.size() > least_places && 8 * size_ < ids_.size()) {
+		resize(ids_.size() / 2);
+	}
+	return true;
+}
+
+void IdTable::resize(std::size_t places) {
+	std::vector<std::uint64_t> ids(places, none);
+	std::vector<double> times(timed_ > 0 ? places : 0);
+	ids.swap(ids_);
+	times.swap(times_);
+	for (std::size_t place = 0; place < ids.size(); ++place) {
+		if (ids[place] == none) {
+			continue;
+		}
+		const std::size_t to = place_of(ids[place]);
+		ids_[to] = ids[place];
+		if (timed_ > 0) {
+			times_[to] = times[place];
+		}
+	}
+}
+
+} // namespace thicket

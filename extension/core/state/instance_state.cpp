@@ -1,0 +1,219 @@
+#include "core/state/instance_state.hpp"
+
+#include "core/base/split_mix.hpp"
+#include "core/base/word_hash.hpp"
+#include "core/state/instance_state_content.hpp"
+
+#include <algorithm>
+#include <functional>
+
+namespace thicket {
+
+namespace {
+
+constexpr std::uint64_t added_bit = std::uint64_t{1} << 63;
+constexpr int layer_shift = 48;
+constexpr std::uint64_t cell_mask = (std::uint64_t{1} << layer_shift) - 1;
+
+/// 48 bits that depend on all of an instance.
+std::uint64_t hash_of(const AddedInstance &instance) {
+	WordHash hash;
+	hash.add(std::uint32_t{instance.mesh});
+	for (int axis = 0; axis < 3; ++axis) {
+		hash.add(instance.position[axis]);
+	}
+	for (int column = 0; column < 3; ++column) {
+		for (int row = 0; row < 3; ++row) {
+			hash.add(instance.basis[column][row]);
+		}
+	}
+	return split_mix(hash.value()) & cell_mask;
+}
+
+bool is_of(std::uint64_t id, int layer) { return layer < 0 || layer_of(id) == layer; }
+
+template <typename Map>
+std::vector<std::uint64_t> ids_of_layer(const Map &map, int layer) {
+	std::vector<std::uint64_t> ids;
+	for (const auto &[id, value] : map) {
+		if (is_of(id, layer)) {
+			ids.push_back(id);
+		}
+	}
+	return ids;
+}
+
+} // namespace
+
+std::uint64_t stamp_of(const PointSet &set) {
+	WordHash hash;
+	hash.add(set.seed);
+	hash.add(set.radius);
+	hash.add(set.levels);
+	const std::uint64_t stamp = split_mix(hash.value());
+	return stamp != 0 ? stamp : 1;
+}
+
+InstanceState::InstanceState() : content_(std::make_unique<Content>()) {}
+InstanceState::~InstanceState() = default;
+InstanceState::InstanceState(InstanceState &&) noexcept = default;
+InstanceState &InstanceState::operator=(InstanceState &&) noexcept = default;
+
+bool InstanceState::removed(std::uint64_t id) const {
+	return any_removed(layer_of(id)) && content_->removed.contains(id);
+}
+
+const AddedInstance *InstanceState::added(std::uint64_t id) const {
+	const auto found = content_->added.find(id);
+	return found != content_->added.end() ? &found->second : nullptr;
+}
+
+std::span<const std::uint8_t> InstanceState::data(std::uint64_t id) const {
+	const auto found = content_->data.find(id);
+	return found != content_->data.end() ? std::span<const std::uint8_t>(found->second)
+										 : std::span<const std::uint8_t>();
+}
+
+void InstanceState::added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const {
+	const auto own = content_->layers.find(layer);
+	if (own == content_->layers.end() || rect.empty()) {
+		return;
+	}
+	constexpr double beyond_all = 2.0 * max_added_coordinate;
+	const Rect finite{glm::clamp(rect.min, -beyond_all, beyond_all), glm::clamp(rect.max, -beyond_all, beyond_all)};
+	const auto first = static_cast<std::ptrdiff_t>(r_ids.size());
+	own->second.grid.for_each_near(finite, [&](std::uint64_t id) {
+		const glm::dvec3 position = content_->added.at(id).position;
+		if (rect.contains({position.x, position.z})) {
+			r_ids.push_back(id);
+		}
+	});
+	std::sort(r_ids.begin() + first, r_ids.end());
+}
+
+double InstanceState::max_added_scale(std::uint16_t layer) const {
+	const auto own = content_->layers.find(layer);
+	return own != content_->layers.end() ? own->second.max_scale : 0.0;
+}
+
+std::vector<std::uint64_t> InstanceState::removed_ids(int layer) const {
+	std::vector<std::uint64_t> ids;
+	content_->removed.for_each([&ids, layer](std::uint64_t id, double) {
+		if (is_of(id, layer)) {
+			ids.push_back(id);
+		}
+	});
+	std::ranges::sort(ids);
+	return ids;
+}
+
+std::vector<std::uint64_t> InstanceState::added_ids(int layer) const { return ids_of_layer(content_->added, layer); }
+std::vector<std::uint64_t> InstanceState::data_ids(int layer) const { return ids_of_layer(content_->data, layer); }
+
+std::size_t InstanceState::removed_count() const { return content_->removed.size(); }
+std::size_t InstanceState::added_count() const { return content_->added.size(); }
+std::size_t InstanceState::data_count() const { return content_->data.size(); }
+
+bool InstanceState::any_removed(std::uint16_t layer) const {
+	const auto own = content_->layers.find(layer);
+	return own != content_->layers.end() && own->second.removed > 0;
+}
+
+std::uint64_t InstanceState::revision() const { return content_->revision; }
+double InstanceState::time() const { return content_->time; }
+
+Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp) {
+	if (layer > max_state_layer) {
+		return {ErrorCode::out_of_range, "layer", static_cast<double>(layer)};
+	}
+	Content::Layer &own = content_->layers[layer];
+	if (own.holds_any() && own.stamp != 0 && own.stamp != stamp) {
+		return {ErrorCode::foreign, "layer", static_cast<double>(layer)};
+	}
+	own.stamp = stamp;
+	own.claimed = true;
+	return {};
+}
+
+void InstanceState::release_claims() {
+	for (auto &[number, layer] : content_->layers) {
+		layer.claimed = false;
+	}
+	std::erase_if(content_->layers, [](const auto &layer) { return !layer.second.holds_any(); });
+}
+
+std::uint64_t InstanceState::stamp(std::uint16_t layer) const {
+	const auto own = content_->layers.find(layer);
+	return own != content_->layers.end() ? own->second.stamp : 0;
+}
+
+bool InstanceState::remove(std::uint64_t id, double until) {
+	std::vector<InstanceChange> changes;
+	Content::Fate to;
+	if (!is_added(id)) {
+		to.data = data(id);
+		to.removed = true;
+		to.until = until > 0.0 && until <= max_state_time ? until : 0.0;
+	}
+	content_->change(id, to, changes);
+	return !changes.empty();
+}
+
+bool InstanceState::restore(std::uint64_t id) {
+	if (!removed(id)) {
+		return false;
+	}
+	std::vector<InstanceChange> changes;
+	content_->change(id, {.data = data(id)}, changes);
+	return true;
+}
+
+Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
+	if (const Status status = validate(instance); !status.ok()) {
+		return status;
+	}
+	const AddedInstance placed = without_signed_zeros(instance);
+	const std::uint64_t prefix = added_bit | std::uint64_t{placed.layer} << layer_shift;
+	std::uint64_t id = prefix | hash_of(placed);
+	while (id == IdTable::none || content_->added.contains(id)) {
+		id = prefix | ((id + 1) & cell_mask);
+	}
+	std::vector<InstanceChange> changes;
+	content_->change(id, {.instance = &placed}, changes);
+	r_id = id;
+	return {};
+}
+
+Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> bytes) {
+	if (bytes.size() > max_instance_data) {
+		return {ErrorCode::wrong_size, "data", static_cast<double>(bytes.size())};
+	}
+	Content::Fate to = content_->fate(id);
+	if (is_added(id) && to.instance == nullptr) {
+		return {ErrorCode::missing, "id"};
+	}
+	to.data = bytes;
+	std::vector<InstanceChange> changes;
+	content_->change(id, to, changes);
+	return {};
+}
+
+void InstanceState::advance(double seconds, std::vector<InstanceChange> &r_changes) {
+	if (!(seconds > 0.0)) {
+		return;
+	}
+	content_->time = std::min(content_->time + seconds, max_state_time);
+	std::vector<Content::Due> &due = content_->due;
+	while (!due.empty() && due.front().time <= content_->time) {
+		const Content::Due first = due.front();
+		std::ranges::pop_heap(due, std::greater<>());
+		due.pop_back();
+		if (content_->removed.time(first.id) == first.time) {
+			content_->change(first.id, {.data = data(first.id)}, r_changes);
+		}
+	}
+}
+
+void InstanceState::clear(std::vector<InstanceChange> &r_changes) { content_->start_from({}, r_changes); }
+
+} // namespace thicket

@@ -1,0 +1,93 @@
+#pragma once
+
+// What an InstanceState holds. Included by its own sources, and by nothing else.
+
+#include "core/state/added_grid.hpp"
+#include "core/state/change_log.hpp"
+#include "core/state/id_table.hpp"
+#include "core/state/instance_state.hpp"
+#include "core/state/state_record.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+struct InstanceState::Content {
+	using Bytes = std::vector<std::uint8_t>;
+	using Fate = StateRecord::Fate;
+
+	/// What is known of a layer.
+	struct Layer {
+		std::uint64_t stamp = 0;
+		bool claimed = false;
+		std::size_t removed = 0;
+		std::size_t added = 0;
+		std::size_t with_data = 0;
+		double max_scale = 0.0; ///< Of the hand-placed ones since there were none.
+		AddedGrid grid;
+
+		bool holds_any() const { return removed + added + with_data > 0; }
+	};
+
+	/// A point of a set that grows again.
+	struct Due {
+		double time;
+		std::uint64_t id;
+
+		friend bool operator>(const Due &left, const Due &right) {
+			return left.time != right.time ? left.time > right.time : left.id > right.id;
+		}
+	};
+
+	std::map<std::uint16_t, Layer> layers;
+	IdTable removed;
+	std::map<std::uint64_t, AddedInstance> added;
+	std::map<std::uint64_t, Bytes> data;
+	std::vector<Due> due; ///< A heap, the first on top. Some are out of date: what counts is the time in `removed`.
+	ChangeLog log;
+	std::uint64_t revision = 0;
+	bool logging = true; ///< Off where what is changed is forgotten anyway.
+	double time = 0.0;
+
+	std::size_t size() const { return removed.size() + added.size() + data.size(); }
+
+	Fate fate(std::uint64_t id) const;
+
+	/// Makes of an id what `to` says, and adds what that has changed.
+	void change(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes);
+
+	/// Refuses, as `layer`, stamps that are not those of this state's layers that are claimed or, unless everything is replaced, hold
+	/// something.
+	Status check_stamps(const StateRecord &record, bool replaced) const;
+
+	/// All ids of which anything is said here, ascending.
+	std::vector<std::uint64_t> all_ids() const;
+
+	/// What is said of some ids; of all for a whole record.
+	StateRecord record_of(std::vector<std::uint64_t> ids, bool whole) const;
+	StateRecord whole_record() const { return record_of(all_ids(), true); }
+
+	/// Takes over what a record says, and its stamps. A whole one replaces everything but the clock.
+	void follow(const StateRecord &record, std::vector<InstanceChange> &r_changes);
+
+	/// The same, and forgets which changes led here. Counts as a change, even where nothing is another.
+	void start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes);
+
+	void take_stamps(const StateRecord &record);
+
+private:
+	void change_removed(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes);
+	void change_added(std::uint64_t id, const AddedInstance *to, std::vector<InstanceChange> &r_changes);
+	void change_data(std::uint64_t id, std::span<const std::uint8_t> to, std::vector<InstanceChange> &r_changes);
+	void place(std::uint64_t id, const AddedInstance &instance);
+	AddedInstance take_away(std::uint64_t id);
+	void plan_return(std::uint64_t id, double until);
+	void note(std::uint64_t id);
+	void add_to(StateRecord &r_record, std::uint64_t code) const;
+};
+
+} // namespace thicket

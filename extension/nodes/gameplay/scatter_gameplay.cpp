@@ -1,0 +1,146 @@
+// How a ScatterGameplay lives with its node: layers, frames, bodies and scenes.
+
+#include "nodes/gameplay/scatter_gameplay.hpp"
+
+#include "core/base/instance_id.hpp"
+#include "nodes/gameplay/instance_answers.hpp"
+
+#include <godot_cpp/classes/engine.hpp>
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+ScatterGameplay::ScatterGameplay(GameplayHost &host) : host_(&host), scenes_(scene_host()) {}
+
+ScatterGameplay::~ScatterGameplay() {
+	if (state_.is_valid()) {
+		state_->remove_listener(this);
+	}
+}
+
+void ScatterGameplay::detach() {
+	stop();
+	scenes_.forget_host();
+	host_ = nullptr;
+	if (state_.is_valid()) {
+		state_->remove_listener(this);
+	}
+	world_.set_state(nullptr);
+	state_ = Ref<ScatterState>();
+}
+
+void ScatterGameplay::start(const RID &space, std::uint64_t node_id) {
+	running_ = true;
+	++run_;
+	collision_.set_space(space, node_id);
+}
+
+void ScatterGameplay::stop() {
+	running_ = false;
+	++run_;
+	clear();
+}
+
+void ScatterGameplay::clear() {
+	backlog_.clear(); // What is told is what stands in known tiles, and none is known any more.
+	give_up_requests();
+	collision_.clear();
+	world_.clear();
+	scenes_.clear();
+}
+
+void ScatterGameplay::set_layers(
+		const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker) {
+	// The editor shows meshes only: a scene there would be one to select, and its scripts would run.
+	const bool with_scenes = !Engine::get_singleton()->is_editor_hint();
+	layers_ = layers;
+	std::vector<QueryLayer> queried;
+	std::vector<CollisionLayer> colliding;
+	std::vector<SceneLayer> swapped;
+	for (const SharedSnapshot &layer : layers_) {
+		queried.push_back(query_layer(layer.get()));
+		colliding.push_back(collision_of(layer.get()));
+		swapped.push_back(with_scenes ? scenes_of(layer.get()) : SceneLayer());
+	}
+	world_.set_layers(std::move(queried));
+	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
+		world_.invalidate(layer, outdated[layer]);
+	}
+	world_.set_maker(std::move(maker));
+	collision_.set_layers(std::move(colliding));
+	scenes_.set_layers(std::move(swapped));
+	claim_layers();
+}
+
+void ScatterGameplay::set_world_offset(glm::dvec3 offset) {
+	offset_ = offset;
+	for (NearRing *ring : rings_) {
+		ring->set_world_offset(offset);
+	}
+}
+
+void ScatterGameplay::advance(double seconds, std::uint64_t frame) {
+	const Ref<ScatterState> state = state_;
+	if (state.is_valid()) {
+		state->advance_in_frame(seconds, frame);
+	}
+}
+
+void ScatterGameplay::look_around(std::span<const glm::dvec3> centers) {
+	for (NearRing *ring : rings_) {
+		ring->look_around(centers, world_);
+	}
+}
+
+void ScatterGameplay::work_until(std::chrono::steady_clock::time_point deadline) {
+	while (alive() && running_ && scenes_.step()) {
+		if (std::chrono::steady_clock::now() >= deadline) {
+			break;
+		}
+	}
+	tell_backlog(deadline);
+}
+
+void ScatterGameplay::recycle_scenes() {
+	scenes_.recycle();
+}
+
+SceneHost ScatterGameplay::scene_host() {
+	SceneHost host;
+	host.parent = host_->node();
+	host.hide_mesh = [this](const PlacedInstance &instance, bool hidden) {
+		if (alive()) {
+			const Rect area = area_of(instance.id, instance.position, instance.layer);
+			host_->set_hidden(instance.layer, instance.id, area, hidden);
+		}
+	};
+	host.data_of = [this](std::uint64_t id) {
+		return get_instance_data(script_id(id));
+	};
+	host.tell = [this](SceneEvent event, std::uint64_t id, Node3D *scene) {
+		if (alive()) {
+			host_->node()->emit_signal(
+					event == SceneEvent::shown ? "scene_shown" : "scene_hidden", script_id(id), scene);
+		}
+	};
+	host.recycle_later = [this] {
+		if (alive()) {
+			host_->recycle_soon();
+		}
+	};
+	return host;
+}
+
+/// Where the picture has something of an instance: the cell of its point, or the position that it was given by hand.
+Rect ScatterGameplay::area_of(std::uint64_t id, glm::dvec3 position, std::uint32_t layer) const {
+	if (!is_added(id) && layer < world_.layers().size()) {
+		return cell_rect(world_.layers()[layer].set, id);
+	}
+	const glm::dvec2 at{position.x, position.z};
+	return {at, at};
+}
+
+} // namespace thicket

@@ -1,0 +1,204 @@
+#pragma once
+
+#include "core/query/instance_world.hpp"
+#include "core/query/query_requests.hpp"
+#include "nodes/gameplay/collision_ring.hpp"
+#include "nodes/gameplay/scatter_instances.hpp"
+#include "nodes/gameplay/scatter_request.hpp"
+#include "nodes/gameplay/scatter_state.hpp"
+#include "nodes/gameplay/scene_ring.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/layer/scatter_layer.hpp"
+
+#include <godot_cpp/variant/callable.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/rect2.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace thicket {
+
+/// What a ScatterGameplay needs of the node that it works for.
+class GameplayHost {
+public:
+	/// The parent of scenes, and who emits the signals.
+	virtual godot::Node3D *node() = 0;
+	virtual godot::TypedArray<ScatterLayer> layers() const = 0;
+
+	/// Settings that were changed in this frame count from now on. Refused where there is nothing to ask. May run scripts.
+	virtual Status prepare() = 0;
+
+	/// What lies over the picture from now on; null for nothing.
+	virtual void set_overlay(const InstanceState *state) = 0;
+
+	/// The picture of a layer has changed in an area: it follows before this frame is drawn.
+	virtual void redraw(std::uint32_t layer, const Rect &area) = 0;
+	virtual void redraw_all() = 0;
+
+	/// The same over the next frames, under their budget.
+	virtual void redraw_all_later() = 0;
+	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
+
+	/// Calls ScatterGameplay::recycle_scenes before this frame is drawn and before bodies move again.
+	virtual void recycle_soon() = 0;
+
+protected:
+	GameplayHost() = default;
+	~GameplayHost() = default;
+	GameplayHost(const GameplayHost &) = default;
+	GameplayHost &operator=(const GameplayHost &) = default;
+};
+
+/// What a game asks of a TerrainScatter3D and changes about it, and the bodies and scenes that stand near by. Main thread only.
+///
+/// Scripts run in the middle of much of it: predicates, terrains, handlers of signals, scenes. They may do anything. So whoever
+/// calls this object holds it by a shared pointer of its own, and after every call that runs scripts it is asked what they have
+/// left: the node may be gone (`alive`) or out of the tree (`run`), and layers, state and tiles may be others.
+class ScatterGameplay final : public StateListener, public std::enable_shared_from_this<ScatterGameplay> {
+public:
+	explicit ScatterGameplay(GameplayHost &host);
+	~ScatterGameplay() override;
+
+	// The node.
+
+	/// The node goes. Nothing of it is touched from now on.
+	void detach();
+	bool alive() const { return host_ != nullptr; }
+
+	/// The node is in a world, in which bodies stand in `space` (invalid for none).
+	void start(const godot::RID &space, std::uint64_t node_id);
+
+	/// The node is out of it.
+	void stop();
+
+	/// Another number whenever the node has come or gone.
+	std::uint64_t run() const { return run_; }
+
+	/// Nothing stands any more: bodies and scenes go, tiles are forgotten, requests complete without an answer.
+	void clear();
+	void set_layers(
+			const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker);
+	void set_world_offset(glm::dvec3 offset);
+	glm::dvec3 world_offset() const { return offset_; }
+	InstanceWorld &world() { return world_; }
+	CollisionRing &collision() { return collision_; }
+	SceneRing &scenes() { return scenes_; }
+	const CollisionRing &collision() const { return collision_; }
+	const SceneRing &scenes() const { return scenes_; }
+
+	// The frame.
+
+	/// Moves the state's clock on. Runs scripts.
+	void advance(double seconds, std::uint64_t frame);
+
+	/// Around these world positions bodies and scenes stand.
+	void look_around(std::span<const glm::dvec3> centers);
+
+	/// Answers the requests whose tiles are there. Runs no scripts: `complete_requests` does.
+	void answer_requests();
+	void complete_requests();
+
+	/// Scenes come and go, and what was changed in large numbers is told, until `deadline`; a step of each in any case. Runs scripts.
+	void work_until(std::chrono::steady_clock::time_point deadline);
+	void recycle_scenes();
+
+	/// True if neither bodies and scenes nor signals have to follow any more.
+	bool settled() const { return collision_.settled() && scenes_.settled() && backlog_.empty(); }
+
+	// Questions. `p_layers` are layer references, none for all; a predicate takes (id, layer, transform) and says whether
+	// that instance counts. What is refused prints an error, and the answer is empty.
+
+	godot::Ref<ScatterInstances> query_rect(
+			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
+	godot::Ref<ScatterInstances> query_sphere(const godot::Vector3 &p_center, double p_radius,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate);
+	godot::Dictionary query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate);
+	godot::Ref<ScatterInstance> query_nearest(const godot::Vector3 &p_position, double p_max_distance,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate);
+	godot::Ref<ScatterInstance> get_instance(int64_t p_id);
+	bool has_instance(int64_t p_id);
+	godot::Ref<ScatterRequest> request_rect(const godot::Rect2 &p_rect, const godot::Variant &p_layers);
+	godot::Ref<ScatterRequest> request_sphere(
+			const godot::Vector3 &p_center, double p_radius, const godot::Variant &p_layers);
+
+	// Changes. False, or 0, for what does not stand, stands already, or is refused.
+
+	void set_state(const godot::Ref<ScatterState> &p_state);
+	godot::Ref<ScatterState> get_state() const { return state_; }
+
+	/// Refuses a state whose ids mean other points.
+	Status check_state(const ScatterState &state) const;
+	bool remove_instance(int64_t p_id);
+	bool restore_instance(int64_t p_id);
+	godot::PackedInt64Array remove_in_sphere(const godot::Vector3 &p_center, double p_radius,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate);
+	int64_t add_instance(const godot::Variant &p_layer, const godot::Transform3D &p_transform, int64_t p_mesh);
+	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
+	godot::Variant get_instance_data(int64_t p_id) const;
+
+	void state_changed(const SharedChanges &changes) override;
+	void tell_changes(const SharedChanges &changes) override;
+
+	/// What changes more instances than this at once is told, drawn and followed by scenes over the next frames.
+	static constexpr std::size_t most_at_once = 1024;
+
+private:
+	using Area = std::variant<Rect, QueryRequests::Sphere>;
+
+	/// Changes that are being told over some frames.
+	struct Untold {
+		SharedChanges changes;
+		std::size_t told = 0;
+	};
+
+	SceneHost scene_host();
+	bool prepare(const char *p_method);
+	template <class Query>
+	bool ask(const char *p_method, const Query &query);
+	bool find_filter(const char *p_method, const godot::Variant &p_layers, const godot::Callable &p_predicate,
+			QueryFilter &r_filter) const;
+	std::vector<PlacedInstance> find_in_sphere(const char *p_method, const godot::Vector3 &p_center, double p_radius,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate);
+	std::vector<PlacedInstance> find_by_id(const char *p_method, int64_t p_id, bool even_removed);
+	godot::Ref<ScatterRequest> request(const char *p_method, const Area &area, const godot::Variant &p_layers);
+	void give_up_requests();
+
+	std::vector<std::uint64_t> remove_all(std::span<const PlacedInstance> instances);
+	void claim_layers();
+	Status claim(std::uint32_t layer);
+	std::int64_t layer_index_of(std::uint64_t id) const;
+	Rect area_of(std::uint64_t id, glm::dvec3 position, std::uint32_t layer) const;
+	bool stands_no_longer(std::uint64_t id) const;
+	void tell(const InstanceChange &change);
+	void tell_backlog(std::chrono::steady_clock::time_point deadline);
+	bool still_true(const InstanceChange &change) const;
+
+	GameplayHost *host_; ///< Null once the node is gone.
+	bool running_ = false;
+	std::uint64_t run_ = 0;
+	glm::dvec3 offset_{0.0}; ///< Of the engine's origin in the world, meters.
+	std::vector<SharedSnapshot> layers_;
+	InstanceWorld world_;
+	godot::Ref<ScatterState> state_;
+	std::deque<Untold> backlog_;
+
+	QueryRequests requests_;
+	std::map<std::int64_t, godot::Ref<ScatterRequest>> open_; ///< By their numbers in requests_.
+	std::vector<std::pair<godot::Ref<ScatterRequest>, godot::Ref<ScatterInstances>>> answered_;
+
+	CollisionRing collision_;
+	SceneRing scenes_;
+	std::array<NearRing *, 2> rings_{&collision_, &scenes_};
+};
+
+} // namespace thicket

@@ -1,0 +1,288 @@
+// What a game changes through a ScatterGameplay, and who hears of it.
+
+#include "nodes/gameplay/scatter_gameplay.hpp"
+
+#include "core/placement/layer.hpp"
+#include "nodes/common/property_check.hpp"
+#include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/layer/layer_reference.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/core/memory.hpp>
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Changes that are told before anybody looks at the clock.
+constexpr std::size_t told_in_a_row = 128;
+
+const char *signal_of(InstanceChangeKind kind) {
+	switch (kind) {
+		case InstanceChangeKind::removed: return "instance_removed";
+		case InstanceChangeKind::restored: return "instance_restored";
+		case InstanceChangeKind::added: return "instance_added";
+		case InstanceChangeKind::data: return "instance_data_changed";
+	}
+	return "";
+}
+
+std::size_t size_of(const Ref<ScatterState> &p_state) {
+	return p_state.is_valid() ? p_state->state().removed_count() + p_state->state().added_count() : 0;
+}
+
+} // namespace
+
+/// The index of the layer that an id names; -1 for none.
+std::int64_t ScatterGameplay::layer_index_of(std::uint64_t id) const {
+	const std::span<const QueryLayer> layers = world_.layers();
+	for (std::size_t index = 0; index < layers.size(); ++index) {
+		if (layers[index].wanted && layers[index].set.layer == layer_of(id)) {
+			return static_cast<std::int64_t>(index);
+		}
+	}
+	return -1;
+}
+
+Status ScatterGameplay::check_state(const ScatterState &state) const {
+	for (std::size_t index = 0; index < world_.layers().size(); ++index) {
+		const QueryLayer &layer = world_.layers()[index];
+		const std::uint64_t stamp = state.state().stamp(layer.set.layer);
+		if (layer.wanted && stamp != 0 && stamp != stamp_of(layer.set)) {
+			return {ErrorCode::foreign, "state of layer", static_cast<double>(index)};
+		}
+	}
+	return {};
+}
+
+void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
+	if (p_state == state_ || !alive()) {
+		return;
+	}
+	if (p_state.is_valid()) {
+		if (const Status status = check_state(*p_state.ptr()); !status.ok()) {
+			report("TerrainScatter3D", status);
+			return;
+		}
+	}
+	const Ref<ScatterState> before = std::exchange(state_, p_state);
+	if (before.is_valid()) {
+		before->remove_listener(this);
+	}
+	if (state_.is_valid()) {
+		state_->add_listener(shared_from_this());
+	}
+	backlog_.clear();
+	claim_layers();
+	const InstanceState *state = state_.is_valid() ? &state_->state() : nullptr;
+	world_.set_state(state);
+	host_->set_overlay(state);
+	if (running_) {
+		for (NearRing *ring : rings_) {
+			ring->drop_if([this](std::uint64_t id) { return stands_no_longer(id); });
+		}
+		if (size_of(before) + size_of(state_) > most_at_once) {
+			host_->redraw_all_later();
+		} else {
+			host_->redraw_all();
+		}
+	}
+}
+
+/// From now on the state takes in nothing that was made for other points.
+void ScatterGameplay::claim_layers() {
+	for (std::uint32_t layer = 0; state_.is_valid() && layer < world_.layers().size(); ++layer) {
+		if (world_.layers()[layer].wanted) {
+			static_cast<void>(claim(layer)); // What is refused is a problem of the node, and shown as such.
+		}
+	}
+}
+
+/// Makes a state where there is none yet.
+Status ScatterGameplay::claim(std::uint32_t layer) {
+	if (state_.is_null()) {
+		set_state(Ref<ScatterState>(memnew(ScatterState)));
+	}
+	const PointSet &set = world_.layers()[layer].set;
+	const Status status = state_->claim(set.layer, stamp_of(set));
+	return status.ok() ? status : Status{ErrorCode::foreign, "state of layer", static_cast<double>(layer)};
+}
+
+bool ScatterGameplay::remove_instance(int64_t p_id) {
+	return !remove_all(find_by_id("remove_instance", p_id, false)).empty();
+}
+
+PackedInt64Array ScatterGameplay::remove_in_sphere(
+		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) {
+	return packed_ids(remove_all(find_in_sphere("remove_in_sphere", p_center, p_radius, p_layers, p_predicate)));
+}
+
+/// Scripts that were asked to find them may have changed the layers since.
+std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedInstance> instances) {
+	std::vector<Removal> removals;
+	std::int64_t refused = -1;
+	for (const PlacedInstance &instance : instances) {
+		const std::int64_t index = layer_index_of(instance.id);
+		if (index < 0 || index == refused || !alive()) {
+			continue;
+		}
+		if (const Status status = claim(static_cast<std::uint32_t>(index)); !status.ok()) {
+			report("TerrainScatter3D", status);
+			refused = index;
+			continue;
+		}
+		const double regrowth = layers_[static_cast<std::size_t>(index)]->gameplay.regrowth_time;
+		removals.push_back({instance.id, regrowth > 0.0 ? state_->get_time() + regrowth : 0.0});
+	}
+	const Ref<ScatterState> state = state_;
+	return removals.empty() ? std::vector<std::uint64_t>() : state->remove_all(removals);
+}
+
+bool ScatterGameplay::restore_instance(int64_t p_id) {
+	if (state_.is_null() || !state_->is_removed(p_id)) {
+		return false;
+	}
+	find_by_id("restore_instance", p_id, true); // Its tile is known then, for the signal.
+	const Ref<ScatterState> state = state_;
+	return state.is_valid() && state->restore(p_id);
+}
+
+int64_t ScatterGameplay::add_instance(const Variant &p_layer, const Transform3D &p_transform, int64_t p_mesh) {
+	if (!prepare("add_instance")) {
+		return 0;
+	}
+	std::uint32_t layer = 0;
+	if (const String problem = find_layer(host_->layers(), p_layer, layer); !problem.is_empty()) {
+		ERR_PRINT(String("TerrainScatter3D.add_instance: ") + problem);
+		return 0;
+	}
+	Status status;
+	if (layer >= world_.layers().size() || !world_.layers()[layer].wanted) {
+		status = {ErrorCode::out_of_range, "layer", static_cast<double>(layer)};
+	} else if (p_mesh < 0 || p_mesh >= static_cast<int64_t>(max_meshes)) {
+		status = {ErrorCode::out_of_range, "mesh", static_cast<double>(p_mesh)};
+	} else {
+		status = claim(layer);
+	}
+	std::uint64_t id = 0;
+	if (status.ok()) {
+		AddedInstance added = to_added(p_transform, offset_);
+		added.layer = world_.layers()[layer].set.layer;
+		added.mesh = static_cast<std::uint8_t>(p_mesh);
+		const Ref<ScatterState> state = state_;
+		status = state->add(added, id);
+	}
+	report("TerrainScatter3D.add_instance", status);
+	return status.ok() ? script_id(id) : 0;
+}
+
+bool ScatterGameplay::set_instance_data(int64_t p_id, const Variant &p_data) {
+	const std::int64_t layer =
+			find_by_id("set_instance_data", p_id, true).empty() || !alive() ? -1 : layer_index_of(core_id(p_id));
+	if (layer < 0) {
+		return false;
+	}
+	if (const Status status = claim(static_cast<std::uint32_t>(layer)); !status.ok()) {
+		report("TerrainScatter3D", status);
+		return false;
+	}
+	const Ref<ScatterState> state = state_;
+	return state->set_instance_data(p_id, p_data);
+}
+
+Variant ScatterGameplay::get_instance_data(int64_t p_id) const {
+	return state_.is_valid() ? state_->get_instance_data(p_id) : Variant();
+}
+
+bool ScatterGameplay::stands_no_longer(std::uint64_t id) const {
+	const InstanceState *state = world_.state();
+	return is_added(id) ? state == nullptr || state->added(id) == nullptr : state != nullptr && state->removed(id);
+}
+
+void ScatterGameplay::state_changed(const SharedChanges &changes) {
+	world_.touch();
+	if (!running_) {
+		return;
+	}
+	if (changes->size() > most_at_once) {
+		collision_.drop_if([this](std::uint64_t id) { return stands_no_longer(id); });
+		host_->redraw_all_later();
+		return;
+	}
+	for (const InstanceChange &change : *changes) {
+		const std::int64_t index = layer_index_of(change.id);
+		if (index >= 0 && change.kind != InstanceChangeKind::data) {
+			const auto layer = static_cast<std::uint32_t>(index);
+			host_->redraw(layer, area_of(change.id, change.added.position, layer));
+			for (NearRing *ring : rings_) {
+				ring->drop(change.id);
+			}
+		}
+	}
+}
+
+void ScatterGameplay::tell_changes(const SharedChanges &changes) {
+	if (running_ && changes->size() > most_at_once) {
+		backlog_.push_back({changes, 0});
+		return;
+	}
+	const Ref<ScatterState> state = state_;
+	for (const InstanceChange &change : *changes) {
+		if (!alive() || !(state_ == state)) {
+			return; // A handler has freed the node, or given it another state.
+		}
+		tell(change);
+	}
+}
+
+/// What was changed since, and told at once, is not told as it was before.
+bool ScatterGameplay::still_true(const InstanceChange &change) const {
+	switch (change.kind) {
+		case InstanceChangeKind::removed: return stands_no_longer(change.id);
+		case InstanceChangeKind::restored:
+		case InstanceChangeKind::added: return !stands_no_longer(change.id);
+		case InstanceChangeKind::data: return true;
+	}
+	return false;
+}
+
+void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadline) {
+	for (std::size_t told = 1; alive() && running_ && !backlog_.empty(); ++told) {
+		const SharedChanges changes = backlog_.front().changes;
+		const InstanceChange &change = (*changes)[backlog_.front().told++];
+		if (backlog_.front().told == changes->size()) {
+			backlog_.pop_front();
+		}
+		if (still_true(change)) {
+			tell(change);
+		}
+		if (told % told_in_a_row == 0 && std::chrono::steady_clock::now() >= deadline) {
+			return;
+		}
+	}
+}
+
+/// Only where it is known where the instance stands: changes that come from elsewhere make no tiles. Runs scripts.
+void ScatterGameplay::tell(const InstanceChange &change) {
+	const std::int64_t index = layer_index_of(change.id);
+	std::vector<PlacedInstance> found;
+	if (index >= 0 && is_added(change.id) && change.kind != InstanceChangeKind::data) {
+		found.push_back(to_placed(change.added, change.id, static_cast<std::uint32_t>(index)));
+	} else if (index >= 0) {
+		const Status status = world_.ask_known(
+				[&](const InstanceQuery &query) { return query.by_id_even_removed(change.id, found); });
+		if (!status.ok()) {
+			return;
+		}
+	}
+	if (!found.empty()) {
+		host_->node()->emit_signal(signal_of(change.kind), script_id(change.id),
+				static_cast<int64_t>(found.front().layer), to_engine(found.front(), offset_));
+	}
+}
+
+} // namespace thicket

@@ -1,0 +1,91 @@
+#pragma once
+
+#include "core/query/instance_query.hpp"
+
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_int32_array.hpp>
+#include <godot_cpp/variant/packed_int64_array.hpp>
+#include <godot_cpp/variant/packed_vector3_array.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace thicket {
+
+/// What a query has found, as it stood then. An index that is not there prints an error and gives a default.
+class ScatterInstances : public godot::RefCounted {
+	GDCLASS(ScatterInstances, godot::RefCounted)
+
+public:
+	/// `offset` is where the engine's origin is in the world, in meters, for all positions that scripts get.
+	static godot::Ref<ScatterInstances> of(std::vector<PlacedInstance> found, glm::dvec3 offset);
+
+	int64_t size() const { return static_cast<int64_t>(found_.size()); }
+	bool is_empty() const { return found_.empty(); }
+	int64_t get_id(int64_t p_index) const;
+	int64_t get_layer(int64_t p_index) const;
+	int64_t get_mesh(int64_t p_index) const;
+	godot::Vector3 get_position(int64_t p_index) const;
+	godot::Transform3D get_transform(int64_t p_index) const;
+
+	// All at once, packed on the first use.
+	godot::PackedInt64Array get_ids() const;
+	godot::PackedInt32Array get_layers() const;
+	godot::PackedInt32Array get_meshes() const;
+	godot::PackedVector3Array get_positions() const;
+
+	/// 12 floats each, as in the buffer of a MultiMesh.
+	godot::PackedFloat32Array get_transforms() const;
+
+protected:
+	static void _bind_methods();
+
+private:
+	const PlacedInstance *find(const char *p_method, int64_t p_index) const;
+
+	std::vector<PlacedInstance> found_;
+	glm::dvec3 offset_{0.0};
+	mutable std::optional<godot::PackedInt64Array> ids_;
+	mutable std::optional<godot::PackedInt32Array> layers_;
+	mutable std::optional<godot::PackedInt32Array> meshes_;
+	mutable std::optional<godot::PackedVector3Array> positions_;
+	mutable std::optional<godot::PackedFloat32Array> transforms_;
+};
+
+/// One instance, as it stood when it was asked for.
+class ScatterInstance : public godot::RefCounted {
+	GDCLASS(ScatterInstance, godot::RefCounted)
+
+public:
+	static godot::Ref<ScatterInstance> of(
+			const PlacedInstance &found, glm::dvec3 offset, const godot::Variant &p_data, double distance = 0.0);
+
+	int64_t get_id() const;
+	int64_t get_layer() const { return found_.layer; }
+	int64_t get_mesh() const { return found_.mesh; }
+	godot::Transform3D get_transform() const;
+	godot::Vector3 get_position() const;
+	godot::Variant get_data() const { return data_; }
+	bool is_added() const;
+
+	/// Meters from where it was looked for; 0 where nobody looked from anywhere.
+	double get_distance() const { return distance_; }
+
+protected:
+	static void _bind_methods();
+
+private:
+	PlacedInstance found_;
+	glm::dvec3 offset_{0.0};
+	godot::Variant data_;
+	double distance_ = 0.0;
+};
+
+} // namespace thicket

@@ -1,0 +1,120 @@
+#include "nodes/scatter/scatter_tile.hpp"
+
+#include "nodes/common/property_check.hpp"
+#include "nodes/gameplay/instance_answers.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/memory.hpp>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+Ref<ScatterTile> ScatterTile::built(TileInstances tile, const std::vector<Ref<Mesh>> &meshes, glm::dvec3 offset) {
+	const Ref<ScatterTile> result(memnew(ScatterTile));
+	const auto shared = std::make_shared<const TileInstances>(std::move(tile));
+	result->tile_ = shared;
+	result->origin_ = to_engine(shared->origin, offset);
+	for (std::size_t mesh = 0; mesh < shared->meshes.size(); ++mesh) {
+		result->parts_.push_back({mesh < meshes.size() ? meshes[mesh] : Ref<Mesh>(),
+				std::shared_ptr<const MeshInstances>(shared, &shared->meshes[mesh]), RID()});
+	}
+	return result;
+}
+
+Ref<ScatterTile> ScatterTile::shown(
+		const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer, glm::ivec2 tile, glm::dvec3 offset) {
+	const Ref<ScatterTile> result(memnew(ScatterTile));
+	const DisplayedTile *shown = display->find(layer, tile);
+	if (shown == nullptr) {
+		return result;
+	}
+	result->tile_ = shown->tile;
+	result->origin_ = to_engine(shown->tile->origin, offset);
+	for (const DisplayedTile::Part &part : shown->parts) {
+		result->parts_.push_back({part.levels.empty() ? Ref<Mesh>() : part.levels.front(), part.shown,
+				part.visual ? part.visual->multimesh() : RID()});
+	}
+	result->display_ = display;
+	result->layer_ = layer;
+	result->number_ = tile;
+	return result;
+}
+
+bool ScatterTile::is_empty() const {
+	return std::ranges::all_of(parts_, [](const Part &part) { return part.instances->size() == 0; });
+}
+
+const ScatterTile::Part *ScatterTile::find(const char *p_method, int64_t p_index) const {
+	if (p_index < 0 || p_index >= get_mesh_count()) {
+		report((std::string("ScatterTile.") + p_method).c_str(),
+				{ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
+		return nullptr;
+	}
+	return &parts_[static_cast<std::size_t>(p_index)];
+}
+
+Ref<Mesh> ScatterTile::get_mesh(int64_t p_index) const {
+	const Part *part = find("get_mesh", p_index);
+	return part != nullptr ? part->mesh : Ref<Mesh>();
+}
+
+PackedFloat32Array ScatterTile::get_buffer(int64_t p_index) const {
+	const Part *part = find("get_buffer", p_index);
+	if (part == nullptr) {
+		return {};
+	}
+	const std::shared_ptr<const TileDisplay> display = display_.lock();
+	const DisplayedTile *now = display != nullptr ? display->find(layer_, number_) : nullptr;
+	const auto index = static_cast<std::size_t>(p_index);
+	const bool same = now != nullptr && index < now->parts.size() && now->parts[index].shown == part->instances;
+	return same && now->parts[index].visual ? now->parts[index].visual->read_back()
+											: packed_floats(part->instances->buffer);
+}
+
+PackedInt64Array ScatterTile::get_ids(int64_t p_index) const {
+	const Part *part = find("get_ids", p_index);
+	return part != nullptr ? packed_ids(part->instances->ids) : PackedInt64Array();
+}
+
+RID ScatterTile::get_multimesh(int64_t p_index) const {
+	const Part *part = find("get_multimesh", p_index);
+	return part != nullptr ? part->multimesh : RID();
+}
+
+int64_t ScatterTile::get_digest() const {
+	if (tile_ == nullptr) {
+		return 0;
+	}
+	TileInstances read;
+	read.origin = tile_->origin;
+	read.counts = tile_->counts;
+	for (int64_t index = 0; index < get_mesh_count(); ++index) {
+		const PackedFloat32Array buffer = get_buffer(index);
+		const MeshInstances &instances = *parts_[static_cast<std::size_t>(index)].instances;
+		MeshInstances mesh;
+		mesh.buffer.assign(buffer.ptr(), buffer.ptr() + buffer.size());
+		mesh.ids = instances.ids;
+		mesh.ranks = instances.ranks;
+		read.meshes.push_back(std::move(mesh));
+	}
+	return static_cast<int64_t>(digest(read));
+}
+
+void ScatterTile::_bind_methods() {
+	using Self = ScatterTile;
+	ClassDB::bind_method(D_METHOD("is_empty"), &Self::is_empty);
+	ClassDB::bind_method(D_METHOD("get_origin"), &Self::get_origin);
+	ClassDB::bind_method(D_METHOD("get_mesh_count"), &Self::get_mesh_count);
+	ClassDB::bind_method(D_METHOD("get_mesh", "index"), &Self::get_mesh);
+	ClassDB::bind_method(D_METHOD("get_buffer", "index"), &Self::get_buffer);
+	ClassDB::bind_method(D_METHOD("get_ids", "index"), &Self::get_ids);
+	ClassDB::bind_method(D_METHOD("get_multimesh", "index"), &Self::get_multimesh);
+	ClassDB::bind_method(D_METHOD("get_digest"), &Self::get_digest);
+}
+
+} // namespace thicket

@@ -1,0 +1,227 @@
+// What scripts set and read of a TerrainScatter3D.
+
+#include "nodes/scatter/terrain_scatter_3d.hpp"
+
+#include "nodes/common/property_check.hpp"
+#include "nodes/common/watch.hpp"
+#include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/layer/layer_reference.hpp"
+#include "nodes/scatter/build_at_once.hpp"
+#include "nodes/scatter/scatter_problems.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/memory.hpp>
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "TerrainScatter3D";
+
+} // namespace
+
+void TerrainScatter3D::set_seed(int64_t p_seed) {
+	if (std::exchange(seed_, p_seed) != p_seed) {
+		mark_dirty();
+	}
+}
+
+void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
+	layers_ = p_layers;
+	mark_dirty();
+}
+
+void TerrainScatter3D::watch_terrain(bool p_watch) {
+	watch(terrain_.ptr(), "changed", this, "_mark_ground_dirty", p_watch);
+	watch(terrain_.ptr(), "terrain_changed", this, "_mark_ground_edited", p_watch);
+}
+
+void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
+	if (terrain_ == p_terrain) {
+		return;
+	}
+	watch_terrain(false);
+	if (running_ && terrain_.is_valid()) {
+		terrain_->leave(this);
+	}
+	terrain_ = p_terrain;
+	ground_ = nullptr;
+	if (running_ && terrain_.is_valid()) {
+		terrain_->enter(this, world_offset_);
+	}
+	watch_terrain(true);
+	mark_ground_dirty();
+}
+
+void TerrainScatter3D::set_viewers(const TypedArray<NodePath> &p_viewers) {
+	viewers_.paths = p_viewers;
+	update_configuration_warnings();
+}
+
+void TerrainScatter3D::set_viewer_distance_scales(const PackedFloat32Array &p_scales) {
+	for (int64_t viewer = 0; viewer < p_scales.size(); ++viewer) {
+		const String name = "viewer_distance_scales[" + String::num_int64(viewer) + "]";
+		if (!accept_number(class_name, name.utf8().get_data(), p_scales.ptr()[viewer], 0.0, 1e6)) {
+			return;
+		}
+	}
+	viewers_.distance_scales = p_scales;
+}
+
+void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
+	for (const real_t meters : {p_offset.x, p_offset.y, p_offset.z}) {
+		if (!accept_number(class_name, "world_offset", meters, -1e12, 1e12)) {
+			return;
+		}
+	}
+	const glm::dvec3 offset{p_offset.x, p_offset.y, p_offset.z};
+	if (offset == world_offset_) {
+		return;
+	}
+	world_offset_ = offset;
+	recentered_ = true;
+	display().set_world_offset(offset);
+	gameplay()->set_world_offset(offset);
+	if (terrain_.is_valid()) {
+		terrain_->set_world_offset(this, offset);
+	}
+	if (regions_.mark_all()) {
+		mark_edited(); // Those that have not moved with the scene are somewhere else in the world.
+	}
+}
+
+Vector3 TerrainScatter3D::get_world_offset() const { return to_engine(world_offset_, glm::dvec3(0.0)); }
+
+void TerrainScatter3D::set_frame_budget_usec(int64_t p_budget) {
+	if (accept_number(class_name, "frame_budget_usec", static_cast<double>(p_budget), 1.0, 1e6)) {
+		frame_budget_usec_ = p_budget;
+	}
+}
+
+void TerrainScatter3D::set_quality(double p_quality) {
+	if (accept_number(class_name, "quality", p_quality, 0.0, 1.0)) {
+		quality_ = p_quality;
+	}
+}
+
+void TerrainScatter3D::set_preview_instances(int64_t p_count) {
+	if (accept_number(class_name, "preview_instances", static_cast<double>(p_count), 0.0, 1e9)) {
+		preview_instances_ = p_count;
+	}
+}
+
+int64_t TerrainScatter3D::get_body_instance(const RID &p_body) const {
+	return script_id(gameplay_->collision().instance_of(p_body));
+}
+
+Node3D *TerrainScatter3D::get_scene(int64_t p_id) const { return gameplay_->scenes().find(core_id(p_id)); }
+
+Node3D *TerrainScatter3D::take_scene(int64_t p_id) { return gameplay()->scenes().take(core_id(p_id)); }
+
+bool TerrainScatter3D::find_layer_index(const char *p_method, const Variant &p_layer, std::uint32_t &r_index) const {
+	const String problem = find_layer(layers_, p_layer, r_index);
+	if (!problem.is_empty()) {
+		ERR_PRINT(String(class_name) + String(".") + String(p_method) + String(": ") + problem);
+	}
+	return problem.is_empty();
+}
+
+TypedArray<Vector2i> TerrainScatter3D::get_shown_tiles(const Variant &p_layer) const {
+	TypedArray<Vector2i> result;
+	std::uint32_t layer = 0;
+	if (find_layer_index("get_shown_tiles", p_layer, layer)) {
+		for (const glm::ivec2 &tile : display().tiles(layer)) {
+			result.push_back(Vector2i(tile.x, tile.y));
+		}
+	}
+	return result;
+}
+
+Ref<ScatterTile> TerrainScatter3D::get_tile(const Variant &p_layer, const Vector2i &p_tile) {
+	std::uint32_t layer = 0;
+	if (!find_layer_index("get_tile", p_layer, layer)) {
+		return memnew(ScatterTile);
+	}
+	while (display().patch_step()) { // What is read back is what is drawn: what has changed has to be drawn first.
+	}
+	display().patch();
+	const std::shared_ptr<const TileDisplay> display(stream_, &stream_->display());
+	return ScatterTile::shown(display, layer, {p_tile.x, p_tile.y}, world_offset_);
+}
+
+Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect2 &p_rect) {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const glm::dvec3 offset = world_offset_;
+	std::uint32_t layer = 0;
+	if (!find_layer_index("build_rect", p_layer, layer)) {
+		return memnew(ScatterTile);
+	}
+	Status status = prepare();
+	SharedSnapshot snapshot;
+	if (status.ok()) {
+		snapshot = layer < layer_list_.snapshots().size() ? layer_list_.snapshots()[layer] : nullptr;
+		status = !terrain_->is_available() ? Status{ErrorCode::missing, "terrain"}
+				: snapshot == nullptr ? Status{ErrorCode::missing, "layer"}
+									  : Status{};
+	}
+	TileInstances tile;
+	if (status.ok() && gameplay->alive()) {
+		const HostedTerrain terrain{terrain_, get_instance_id()}; // A script that is asked for the ground may free this node.
+		const std::shared_ptr<const Terrain> ground = ground_;
+		status = build_at_once(*snapshot->settings, ground.get(), terrain, to_world(p_rect, offset), tile);
+	}
+	report("TerrainScatter3D.build_rect", status);
+	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.meshes, offset)
+					   : Ref<ScatterTile>(memnew(ScatterTile));
+}
+
+Dictionary TerrainScatter3D::get_stats() const {
+	const StreamCounts counts = stream_->counts();
+	const StreamFigures &figures = stream_->figures();
+	const auto number = [](std::uint64_t value) {
+		return static_cast<int64_t>(value);
+	};
+	Dictionary stats;
+	stats["tiles"] = number(display().tile_count());
+	stats["instances"] = number(display().instance_count());
+	stats["drawn"] = number(display().drawn_count());
+	stats["uploads"] = number(display().upload_count());
+	stats["waiting"] = number(counts.waiting);
+	stats["pending"] = number(counts.pending);
+	stats["uploading"] = number(stream_->upload_queue_size());
+	stats["scenes"] = number(gameplay_->scenes().shown_count());
+	stats["scenes_pooled"] = number(gameplay_->scenes().idle_count());
+	stats["frame_usec"] =
+			static_cast<int64_t>(std::chrono::duration_cast<std::chrono::microseconds>(frame_time_).count());
+	stats["bodies"] = number(gameplay_->collision().body_count());
+	stats["bodies_pooled"] = number(gameplay_->collision().pooled_count());
+	stats["tiles_made"] = number(figures.tiles_made);
+	stats["points_sampled"] = number(figures.points_sampled);
+	stats["worker_usec"] = number(figures.worker_microseconds);
+	return stats;
+}
+
+PackedStringArray TerrainScatter3D::get_problems() const {
+	PackedStringArray problems;
+	add_terrain_problems(terrain_, problems);
+	add_layer_problems(layers_, terrain_, problems);
+	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {
+		if (const Status status = gameplay_->check_state(*state.ptr()); !status.ok()) {
+			problems.push_back(
+					sentence("TerrainScatter3D", status) + String(": what it has removed are other instances."));
+		}
+	}
+	const TypedArray<NodePath> &viewers = viewers_.paths;
+	for (int64_t viewer = 0; is_inside_tree() && viewer < viewers.size(); ++viewer) {
+		if (Object::cast_to<Node3D>(get_node_or_null(viewers[viewer])) == nullptr) {
+			problems.push_back("Viewer " + String::num_int64(viewer) + " is no Node3D in this scene.");
+		}
+	}
+	return problems;
+}
+
+} // namespace thicket

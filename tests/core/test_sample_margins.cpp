@@ -1,0 +1,112 @@
+// The margin of a block: it grows where a chain of darts asks for it, up to a limit, and never changes what comes out.
+
+#include "query_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+constexpr SampleMargins none{.first = 0, .widest = 0};
+constexpr SampleMargins growing{.first = 0, .widest = 64};
+
+/// Checks that the error tells which set could not be sampled, and a position in or near `rect`.
+void check_too_wide(const Status &status, const PointSet &set, const Rect &rect) {
+	CHECK(status.code == ErrorCode::margin_too_wide);
+	CHECK(status.property == std::string("rect"));
+	CHECK(status.site.seed == set.seed);
+	CHECK(status.site.radius == set.radius);
+	const double near = 200.0 * set.radius;
+	CHECK(Rect{rect.min - near, rect.max + near}.contains(status.site.position));
+}
+
+} // namespace
+
+TEST_CASE("sample margins: a margin that has to grow gives the same points") {
+	for (const std::uint32_t levels : {1u, 3u}) {
+		CAPTURE(levels);
+		const PointSet set{.seed = 5, .radius = 0.5, .levels = levels, .layer = 2};
+		const Rect rect{{-40.0, 100.0}, {60.0, 130.0}};
+		TileSampler usual, narrow(growing);
+		std::vector<SamplePoint> expected, points;
+		REQUIRE(usual.sample(set, rect, expected).ok());
+		REQUIRE(narrow.sample(set, rect, points).ok());
+		CHECK(narrow.stats().retries > 0);
+		CHECK(points == expected);
+	}
+}
+
+TEST_CASE("sample margins: the sampler refuses what the widest one does not decide, by seed, radius and position") {
+	for (const std::uint32_t levels : {1u, 3u}) {
+		CAPTURE(levels);
+		const PointSet set{.seed = ~std::uint64_t{0}, .radius = 2.5, .levels = levels};
+		const Rect rect{{1000.0, -500.0}, {1100.0, -420.0}};
+		TileSampler sampler(none);
+		std::vector<SamplePoint> points(7);
+		const Status status = sampler.sample(set, rect, points);
+		check_too_wide(status, set, rect);
+		CHECK(status.value == 0.0);
+		CHECK(points.empty());
+		const std::string text = describe(status);
+		CAPTURE(text);
+		CHECK(text.starts_with("rect needs a wider margin of cells than is allowed, got 0 (seed 18446744073709551615, radius "
+							   "2.5, position ("));
+		CHECK(text.ends_with("))"));
+	}
+	// Only part of a large block may be undecided; what can be decided without a margin is not refused.
+	TileSampler sampler({.first = 1, .widest = 2});
+	std::vector<SamplePoint> points;
+	CHECK(sampler.sample({.seed = 1}, {{0.0, 0.0}, {300.0, 300.0}}, points).value == 2.0);
+	CHECK(sampler.sample({.seed = 1}, {}, points).ok());
+}
+
+TEST_CASE("sample margins: a tile that cannot be sampled stays as it was") {
+	const std::vector<WorldLayer> layers = world_layers();
+	const EndlessHills terrain;
+	TileBuilder usual, narrow(none);
+	TileInstances tile;
+	const Rect rect{{0.0, 0.0}, {64.0, 64.0}};
+	REQUIRE(usual.build(layers[0].settings, terrain, rect, tile).ok());
+	const std::uint64_t before = digest(tile);
+	check_too_wide(narrow.build(layers[0].settings, terrain, rect, tile), layers[0].settings.set, rect);
+	CHECK(digest(tile) == before);
+	// Of a layer that looks at others, those are sampled first.
+	check_too_wide(narrow.build(layers[1].settings, terrain, rect, tile), layers[0].settings.set, rect);
+	TileBuilder patient(growing);
+	REQUIRE(patient.build(layers[0].settings, terrain, rect, tile).ok());
+	CHECK(digest(tile) == before);
+}
+
+TEST_CASE("sample margins: queries hand on that a tile could not be sampled") {
+	World world(none);
+	const std::vector<QueryLayer> asked = world.asked();
+	const InstanceQuery query{asked, world, nullptr, none};
+	const PointSet &trees = asked[0].set;
+	std::vector<PlacedInstance> found(3);
+	check_too_wide(query.in_rect(glade, {}, found), trees, glade);
+	CHECK(found.empty());
+	found.resize(3);
+	check_too_wide(query.in_sphere({30.0, 0.0, 30.0}, 20.0, {}, found), trees, glade);
+	CHECK(found.empty());
+	std::vector<NearestInstance> nearest(3);
+	check_too_wide(query.nearest({30.0, 0.0, 30.0}, 20.0, {.layers = {0}, .accepts = {}}, nearest), trees, glade);
+	CHECK(nearest.empty());
+	std::vector<RayHit> hit(3);
+	check_too_wide(query.on_ray({30.0, 50.0, 30.0}, {31.0, -50.0, 31.0}, {.layers = {0}, .accepts = {}}, hit), trees, glade);
+	CHECK(hit.empty());
+	// The tiles of the stones are smaller than the cells of their set: the set itself is asked, and not the source.
+	const PointSet &stones = asked[2].set;
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	REQUIRE(sampler.sample(stones, glade, points).ok());
+	world.asked_for.clear();
+	found.resize(3);
+	check_too_wide(query.by_id(points.front().id, found), stones, glade);
+	CHECK(found.empty());
+	CHECK(world.asked_for.empty());
+}

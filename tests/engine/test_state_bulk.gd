@@ -1,0 +1,100 @@
+extends "harness.gd"
+## Very many changes at once: answers are exact from then on; pictures, bodies, scenes and signals follow over the frames.
+
+
+func make_wood(viewer: Node3D, collide := true) -> TerrainScatter3D:
+	var layer := make_layer(0.5)
+	layer.view_distance = 100.0
+	if collide:
+		layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
+		layer.collision_distance = 10.0
+	return make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+
+
+## Removes a part of what stands, and as many more points of the layer that are nowhere near.
+func fell_everywhere(scatter: TerrainScatter3D, standing: PackedInt64Array, far: int) -> ScatterState:
+	var server := ScatterState.new()
+	server.from_bytes(scatter.state.to_bytes())
+	for index in range(0, standing.size(), 2):
+		server.remove(standing[index])
+	for index in far:
+		server.remove((standing[0] & ~0xffffffffffff) | (index << 3))
+	return server
+
+
+func test_very_many_changes() -> void:
+	var viewer := make_viewer()
+	var scatter := make_wood(viewer)
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+	var standing: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
+	var server := fell_everywhere(scatter, standing, 300_000)
+	var told := {}
+	scatter.instance_removed.connect(func(id: int, _layer: int, _at: Transform3D) -> void: told[id] = true)
+	var diff := server.diff_since(0)
+	check_equal(scatter.state.apply_diff(diff), OK, "the diff")
+	check_equal(scatter.state.get_digest(), server.get_digest(), "the state is exact at once")
+	var left: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
+	check_equal(left.size(), standing.size() / 2, "and so are queries")
+	check(not scatter.has_instance(standing[0]) and scatter.has_instance(standing[1]), "by id, too")
+	check(told.size() < 5000, "%d signals in one call" % told.size())
+	# What is done by hand meanwhile is told at once.
+	check(scatter.remove_instance(standing[1]), "by hand")
+	check(told.has(standing[1]), "told at once")
+	check(scatter.restore_instance(standing[2]), "restored before it was told that it was removed")
+	var longest := 0
+	var waited := 0
+	while not (scatter.is_settled() and told.size() >= standing.size() / 2):
+		await process_frame
+		longest = maxi(longest, scatter.get_stats()["frame_usec"])
+		waited += 1
+		if not check(waited < 20000, "still not settled") :
+			break
+	print("very many changes: %d frames, the longest %d us" % [waited, longest])
+	check(waited > 2, "over several frames")
+	check(not told.has(standing[2]), "what stands by then is not told as removed")
+	for index in range(4, standing.size(), 2):
+		if not told.has(standing[index]):
+			check(false, "told of all that were known")
+			break
+	var fresh := make_wood(viewer)
+	fresh.state = scatter.state
+	await settle(fresh)
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the picture")
+	check_equal(scatter.get_stats()["bodies"], fresh.get_stats()["bodies"], "bodies")
+
+
+func test_everything_comes_back() -> void:
+	var viewer := make_viewer()
+	var scatter := make_wood(viewer)
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	var bodies: int = scatter.get_stats()["bodies"]
+	var standing: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
+	scatter.remove_in_sphere(Vector3.ZERO, 50.0)
+	await settle(scatter)
+	check(digests(scatter, 0) != before, "another picture")
+	scatter.state.clear()
+	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids, standing, "all stand at once")
+	await settle(scatter)
+	check_equal(digests(scatter, 0), before, "the picture is what it was")
+	check_equal(scatter.get_stats()["bodies"], bodies, "bodies, too")
+
+
+func test_changes_outside_of_the_tree() -> void:
+	var viewer := make_viewer()
+	var scatter := make_wood(viewer, false)
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+	var standing: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
+	var server := fell_everywhere(scatter, standing, 20_000)
+	scatter.state.apply_diff(server.diff_since(0))
+	root.remove_child(scatter)
+	check(not scatter.has_instance(standing[0]), "answers outside of the tree")
+	scatter.state.clear()
+	check(scatter.has_instance(standing[0]), "and after all came back")
+	root.add_child(scatter)
+	await settle(scatter)
+	var fresh := make_wood(viewer, false)
+	await settle(fresh)
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the picture")
