@@ -194,7 +194,7 @@ func press(key: Key) -> void:
 func idle() -> void:
 	for frame in 5:
 		await process_frame
-	while not demo.scatter.is_idle():
+	while not demo.scatter.is_settled():
 		await process_frame
 
 

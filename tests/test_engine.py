@@ -120,6 +120,7 @@ def assert_passed(done):
         "test_layer_placement",
         "test_regions",
         "test_state",
+        "test_callbacks",
         "test_state_bulk",
         "test_state_handlers",
         "test_edits",

@@ -24,11 +24,12 @@ func _initialize() -> void:
 			root.add_child(made)
 			await process_frame
 			for scatter in made.find_children("*", "TerrainScatter3D", true, false):
-				await scatter.idle
+				await scatter.settled
 				var ids := 0
 				for tile in scatter.get_shown_tiles(0):
-					for mesh_ids in scatter.get_tile_ids(0, tile):
-						ids += mesh_ids.size()
+					var shown: ScatterTile = scatter.get_tile(0, tile)
+					for mesh in shown.get_mesh_count():
+						ids += shown.get_ids(mesh).size()
 				print("example ", example, " shows ", ids)
 			made.queue_free()
 		elif made is ScatterTerrain:
@@ -64,6 +65,7 @@ def test_examples_run(godot, project):
     assert re.search(r"^\d{3,} oaks; the first stands at \(", done.stdout, re.MULTILINE), printed
     assert re.search(r"^the ray meets \d+ after \d+\.\d+ m$", done.stdout, re.MULTILINE), printed
     assert "\nthe same forest: true\n" in done.stdout, printed
+    assert re.search(r"^\d{3,} oaks there$", done.stdout, re.MULTILINE), printed
 
 
 def test_folders_and_commands_are_there():

@@ -36,7 +36,7 @@ func _run() -> void:
 	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
 	for frame in 3:
 		await process_frame
-	while not _scatter.call(&"is_idle"):
+	while not _scatter.call(&"is_settled"):
 		if Time.get_ticks_msec() > limit:
 			return _end("not idle after %.0f s" % PATIENCE_SECONDS)
 		await process_frame

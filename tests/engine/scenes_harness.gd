@@ -2,7 +2,8 @@ extends "harness.gd"
 ## For tests of scenes in place of meshes: a garden, who came and went, and what stands twice or not at all.
 
 const DISTANCE := 20.0
-const LEAVE := 1.1 * DISTANCE + 1.0
+const ENTER := 1.025 * DISTANCE ## What comes may be this far away: a viewer may move a little before anybody looks again.
+const LEAVE := 1.125 * DISTANCE
 
 ## The root of the scenes.
 class Plant extends Node3D:

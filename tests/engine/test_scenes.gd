@@ -17,7 +17,7 @@ func test_swap_at_the_distance() -> void:
 		await settle(scatter)
 		for index in ids.size():
 			var away := viewer.global_position.distance_to(places[index])
-			var is_near := away <= (LEAVE if near.has(ids[index]) else DISTANCE)
+			var is_near := away <= (LEAVE if near.has(ids[index]) else ENTER)
 			if is_near and not near.has(ids[index]):
 				near[ids[index]] = true
 				came[ids[index]] = came.get(ids[index], 0) + 1

@@ -36,7 +36,7 @@ Ref<ScatterTile> ScatterTile::shown(
 	result->tile_ = shown->tile;
 	result->origin_ = to_engine(shown->tile->origin, offset);
 	for (const DisplayedTile::Part &part : shown->parts) {
-		result->parts_.push_back({part.levels.empty() ? Ref<Mesh>() : part.levels.front(), part.shown,
+		result->parts_.push_back({part.lods.empty() ? Ref<Mesh>() : part.lods.front(), part.shown,
 				part.visual ? part.visual->multimesh() : RID()});
 	}
 	result->display_ = display;

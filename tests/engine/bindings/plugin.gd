@@ -100,7 +100,7 @@ func preview() -> void:
 		var frames := 0
 		while frames < 30 and Time.get_ticks_msec() < deadline:
 			await get_tree().process_frame
-			frames = frames + 1 if scatter.call("is_idle") else 0
+			frames = frames + 1 if scatter.call("is_settled") else 0
 			if limit == 5000: # Later ones begin with what was drawn before.
 				most = maxi(most, scatter.call("get_stats")["drawn"])
 		var stats: Dictionary = scatter.call("get_stats")

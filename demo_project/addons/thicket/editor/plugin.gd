@@ -101,7 +101,7 @@ func _state(scatter: Node3D) -> Array:
 	for layer: Resource in scatter.get(&"layers"):
 		state.append(layer.resource_name if layer != null else null)
 	# Tiles come and go as the camera moves; the line waits until they stay.
-	if scatter.call(&"is_idle"):
+	if scatter.call(&"is_settled"):
 		_tiles = 0
 		for index: int in scatter.get(&"layers").size():
 			_tiles = hash([_tiles, scatter.call(&"get_shown_tiles", index)])

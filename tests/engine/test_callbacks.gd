@@ -1,0 +1,204 @@
+extends "scenes_harness.gd"
+## Every call out to scripts, crossed with everything that a script may do there to the node that calls: nothing crashes,
+## nothing is printed, nothing is left.
+
+## Ground that calls back in the middle of being asked.
+class CallingGround extends ScatterTerrain:
+	var deed := Callable()
+
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		heights.resize(positions.size())
+		if deed.is_valid():
+			deed.call()
+		return heights
+
+
+const AROUND := Rect2(-20, -20, 40, 40)
+const FREED_WHILE_LOCKED := "is locked and can't be freed"
+const FREED_IN_SIGNAL := "while a signal is being emitted"
+
+## What a script does, by name. Most are done on the first call of the callback, some on each of the first few.
+var deeds: Dictionary[String, Callable] = {
+	"free": func() -> void: scatter.free(),
+	"queue_free": func() -> void: scatter.queue_free(),
+	"leave the tree": func() -> void: scatter.get_parent().remove_child(scatter),
+	"leave and come back": func() -> void:
+		root.remove_child(scatter)
+		root.add_child(scatter),
+	"no state": func() -> void: scatter.state = null,
+	"a new state": func() -> void: scatter.state = ScatterState.new(),
+	"no layers": func() -> void: scatter.layers = [],
+	"other layers": func() -> void: scatter.layers = [make_layer(5.0), scatter.layers[0]],
+	"no terrain": func() -> void: scatter.terrain = null,
+	"another terrain": func() -> void: scatter.terrain = ScatterTerrainFlat.new(),
+	"another seed": func() -> void: scatter.seed += 1,
+	"regenerate": func() -> void: scatter.regenerate(),
+	"remove more": func() -> void: scatter.remove_in_sphere(Vector3.ZERO, 12.0),
+	"add": func() -> void: scatter.add_instance(0, Transform3D(Basis(), Vector3(1, 0, 1))),
+	"query": func() -> void:
+		scatter.query_rect(AROUND)
+		scatter.query_ray(Vector3(-20, 1, 0), Vector3(20, 1, 0))
+		scatter.get_tile(0, Vector2i.ZERO).get_digest(),
+	"request": func() -> void: scatter.request_sphere(Vector3(200, 0, 0), 20.0),
+	"call again": func() -> void:
+		if again.is_valid():
+			again.call(),
+	"clear the state": func() -> void:
+		if scatter.state != null:
+			scatter.state.clear(),
+	"load the state": func() -> void:
+		if scatter.state != null:
+			scatter.state.from_bytes(scatter.state.to_bytes()),
+	"merge a state": func() -> void:
+		if scatter.state != null:
+			scatter.state.merge(scatter.state.duplicate()),
+	"recenter": func() -> void: scatter.world_offset += Vector3(32, 0, 0),
+}
+## What makes the node call, by the name of the callback.
+var calls: Dictionary[String, Callable] = {
+	"instance_removed": func() -> void: scatter.remove_instance(a_near_id()),
+	"removed in a sphere": func() -> void: scatter.remove_in_sphere(Vector3.ZERO, 6.0),
+	"instance_restored": func() -> void:
+		var id := a_near_id()
+		scatter.remove_instance(id)
+		scatter.restore_instance(id),
+	"instance_added": func() -> void: scatter.add_instance(0, Transform3D(Basis(), Vector3(3, 0, 3))),
+	"instance_data_changed": func() -> void: scatter.set_instance_data(a_near_id(), "data"),
+	"instances_changed": func() -> void: scatter.remove_instance(a_near_id()),
+	"changed": func() -> void: scatter.remove_instance(a_near_id()),
+	"diff": func() -> void: scatter.state.apply_diff(a_diff(50)),
+	"large diff": func() -> void: scatter.state.apply_diff(a_diff(5000)),
+	"regrowth": func() -> void:
+		scatter.layers[0].regrowth_time = 0.01
+		scatter.remove_in_sphere(Vector3.ZERO, 6.0),
+	"tile_shown": func() -> void: scatter.regenerate(),
+	"tile_hidden": func() -> void: viewer.position.x += 1000.0,
+	"settled": func() -> void: scatter.regenerate(),
+	"completed": func() -> void: scatter.request_sphere(Vector3(50, 0, 0), 10.0).completed.connect(hear1),
+	"canceled": func() -> void:
+		var request := scatter.request_sphere(Vector3(50, 0, 0), 10.0)
+		request.completed.connect(hear1)
+		request.cancel(),
+	"predicate of query_rect": func() -> void: scatter.query_rect(AROUND, [], accept),
+	"predicate of query_nearest": func() -> void: scatter.query_nearest(Vector3.ZERO, 20.0, [], accept),
+	"predicate of query_ray": func() -> void: scatter.query_ray(Vector3(-20, 1, 0), Vector3(20, 1, 0), [], accept),
+	"predicate of remove_in_sphere": func() -> void: scatter.remove_in_sphere(Vector3.ZERO, 9.0, [], accept),
+	"ground in a query": func() -> void: scatter.query_rect(Rect2(900, 900, 30, 30)),
+	"ground in build_rect": func() -> void: scatter.build_rect(0, Rect2(900, 900, 30, 30)),
+	"ground in a frame": func() -> void: viewer.position.x += 1000.0,
+	"scene_shown": func() -> void: scatter.layers[0].scene = pack(Plant.new()),
+	"scene_hidden": func() -> void: viewer.position.x += 1000.0,
+	"_scatter_shown": func() -> void: scatter.layers[0].scene = pack(Plant.new()),
+	"_scatter_hidden": func() -> void: viewer.position.x += 1000.0,
+}
+var scatter: TerrainScatter3D
+var ground: CallingGround
+var deed := ""
+var again := Callable() ## What made the node call.
+var times := 0 ## How often the callback was called.
+
+
+func a_near_id() -> int:
+	return scatter.query_nearest(Vector3.ZERO, 30.0).id
+
+
+func a_diff(count: int) -> PackedByteArray:
+	var server := ScatterState.new()
+	server.from_bytes(scatter.state.to_bytes())
+	var ids := scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
+	for id in ids.slice(0, count):
+		server.remove(id)
+	for index in maxi(0, count - ids.size()):
+		server.remove((ids[0] & ~0xffffffffffff) | (index << 3))
+	return server.diff_since(0)
+
+
+func act() -> void:
+	times += 1
+	if times <= (3 if deed in ["remove more", "add", "call again"] else 1) and is_instance_valid(scatter):
+		deeds[deed].call()
+
+
+func hear0() -> void: act()
+func hear1(_a: Variant) -> void: act()
+func hear2(_a: Variant, _b: Variant) -> void: act()
+func hear3(_a: Variant, _b: Variant, _c: Variant) -> void: act()
+
+
+func accept(_id: int, _layer: int, _at: Transform3D) -> bool:
+	act()
+	return true
+
+
+func listen(callback: String) -> void:
+	var hear: Array[Callable] = [hear0, hear1, hear2, hear3]
+	match callback:
+		"removed in a sphere", "diff", "large diff": scatter.instance_removed.connect(hear3)
+		"regrowth": scatter.instance_restored.connect(hear3)
+		"instances_changed": scatter.state.instances_changed.connect(hear1)
+		"changed": scatter.state.changed.connect(hear0)
+		"_scatter_shown", "_scatter_hidden": Plant.hooks[callback] = hear1
+		_:
+			if callback.begins_with("ground"):
+				ground.deed = hear0
+			for event in scatter.get_signal_list():
+				if event["name"] == callback:
+					scatter.connect(callback, hear[event["args"].size()])
+
+
+## A small forest with bodies and scenes, settled.
+func make_forest(with_scenes: bool) -> void:
+	var layer := make_layer(4.0)
+	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
+	layer.collision_distance = 10.0
+	if with_scenes:
+		layer.scene = pack(Plant.new())
+		layer.scene_distance = 8.0
+	viewer = make_viewer()
+	ground = CallingGround.new()
+	scatter = make_scatter([layer], ground, viewer)
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+
+
+func cross(callback: String, name: String) -> void:
+	await make_forest(callback.contains("scene") or callback.contains("_scatter"))
+	deed = name
+	times = 0
+	again = calls[callback]
+	listen(callback)
+	calls[callback].call()
+	for frame in 6:
+		await process_frame
+	if callback in ["regrowth", "tile_shown", "settled", "completed", "ground in a frame"] and times == 0:
+		await until(func() -> bool: return times > 0 or not is_instance_valid(scatter), "%s is called" % callback)
+	check(times > 0, "%s is called, to %s" % [callback, name])
+	for message in errors.take():
+		# The engine itself keeps a node that emits a signal from being freed.
+		var refused := name == "free" and (FREED_WHILE_LOCKED in message or FREED_IN_SIGNAL in message)
+		# What is asked of a node without ground or layers is refused, and so is a state of other points.
+		var bare := "is missing" in message or "There is no layer 0" in message or "another seed" in message
+		check(refused or bare, "%s, %s: the engine printed: %s" % [callback, name, message])
+	Plant.hooks.clear()
+	ground.deed = Callable()
+	ground = null
+	again = Callable()
+	if is_instance_valid(scatter):
+		scatter.free()
+	await clean()
+
+
+func objects_left() -> Array:
+	return [Performance.get_monitor(Performance.OBJECT_ORPHAN_NODE_COUNT)]
+
+
+func test_every_deed_in_every_callback() -> void:
+	var only := arguments.slice(1)
+	for callback in calls:
+		for name in deeds:
+			if only.is_empty() or (callback == only[0] and (only.size() < 2 or name == only[1])):
+				if not only.is_empty():
+					print("%s: %s" % [callback, name])
+				await cross(callback, name)
+	check_equal(objects_left(), [0.0], "orphans")
