@@ -145,7 +145,7 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
 Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const std::atomic<bool> *cancel, const std::function<void(double fraction, std::uint64_t points)> &report) {
+		const Progress &progress) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);
@@ -171,16 +171,16 @@ Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<Sa
 	for (std::int64_t row = 0; row < blocks.y; ++row) {
 		for (std::int64_t column = 0; column < blocks.x; ++column) {
 			const CellRect block{corner({column, row}), corner({column + 1, row + 1})};
-			switch (workspace_->blocks.resolve(block, cancel)) {
+			switch (workspace_->blocks.resolve(block, progress.cancel)) {
 				case ResolveResult::done: break;
 				case ResolveResult::cancelled: return {ErrorCode::cancelled, "sample", 0.0};
 				case ResolveResult::margin_too_small: r_points.clear(); return workspace_->too_wide(set);
 			}
 			workspace_->collect(set, rect, block, r_points);
 			workspace_->count();
-			if (report) {
+			if (progress.report) {
 				const auto done = static_cast<double>(row * blocks.x + column + 1);
-				report(done / static_cast<double>(blocks.x * blocks.y), r_points.size());
+				progress.report(done / static_cast<double>(blocks.x * blocks.y), r_points.size());
 			}
 		}
 	}

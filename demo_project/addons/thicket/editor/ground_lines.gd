@@ -45,7 +45,7 @@ static func material(color: Color) -> StandardMaterial3D:
 	return made
 
 
-## Adds a line through world places (x, z), at most [param piece] meters from one asked height to the next.
+## Adds a line through world positions (x, z), at most [param piece] meters from one asked height to the next.
 func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 	var count := points.size() if closed else points.size() - 1
 	for index in count:
@@ -62,9 +62,9 @@ func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 
 
 func _place(at: Vector2) -> Vector3:
-	var place := Vector3(at.x, level, at.y)
+	var position := Vector3(at.x, level, at.y)
 	if terrain != null:
-		var height: float = terrain.call(&"get_height", place)
+		var height: float = terrain.call(&"get_height", position)
 		if not is_nan(height):
-			place.y = height + LIFT
-	return _to_node * place
+			position.y = height + LIFT
+	return _to_node * position
