@@ -115,6 +115,7 @@ def assert_passed(done):
         "test_world_offset",
         "test_terrains",
         "test_terrain_objects",
+        "test_terrain_calls",
         "test_heightmaps",
         "test_layer_rules",
         "test_layer_placement",

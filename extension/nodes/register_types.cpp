@@ -1,5 +1,6 @@
 #include "nodes/register_types.hpp"
 
+#include "nodes/sampler/poisson_points.hpp"
 #include "nodes/sampler/poisson_sampler.hpp"
 #include "nodes/gameplay/scatter_instances.hpp"
 #include "nodes/gameplay/scatter_request.hpp"
@@ -28,6 +29,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	if (p_level != MODULE_INITIALIZATION_LEVEL_SCENE) {
 		return;
 	}
+	GDREGISTER_CLASS(PoissonPoints);
 	GDREGISTER_CLASS(PoissonSampler);
 	GDREGISTER_CLASS(ScatterTerrain);
 	GDREGISTER_CLASS(ScatterTerrainFlat);

@@ -173,13 +173,13 @@ TEST_CASE("sampler: seed and layer name other sets") {
 TEST_CASE_FIXTURE(Fixture, "sampler: a raised flag cancels, and the sampler works on") {
 	std::atomic<bool> cancel{true};
 	const auto start = std::chrono::steady_clock::now();
-	const Status status = sampler.sample(PointSet{.seed = 2}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points, &cancel);
+	const Status status = sampler.sample(PointSet{.seed = 2}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points, {.cancel = &cancel, .report = {}});
 	CHECK(status.code == ErrorCode::cancelled);
 	CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(2));
 	REQUIRE(sampler.sample(PointSet{.seed = 1}, small_rect, points).ok());
 	CHECK(points == before);
 	cancel = false;
-	REQUIRE(sampler.sample(PointSet{.seed = 1}, small_rect, points, &cancel).ok());
+	REQUIRE(sampler.sample(PointSet{.seed = 1}, small_rect, points, {.cancel = &cancel, .report = {}}).ok());
 	CHECK(points == before);
 }
 
@@ -190,7 +190,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised in mid-work cancels soon") {
 		std::thread worker([&] {
 			// Half a minute of work or more.
 			status = sampler.sample(
-					PointSet{.seed = 3, .levels = levels}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points, &cancel);
+					PointSet{.seed = 3, .levels = levels}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points, {.cancel = &cancel, .report = {}});
 		});
 		std::this_thread::sleep_for(std::chrono::milliseconds(100));
 		const auto start = std::chrono::steady_clock::now();
@@ -214,7 +214,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: says how far it is, and may be cancelled th
 		last = fraction;
 		found = now;
 	};
-	REQUIRE(sampler.sample(PointSet{.seed = 1}, wide, points, nullptr, watch).ok());
+	REQUIRE(sampler.sample(PointSet{.seed = 1}, wide, points, {.cancel = nullptr, .report = watch}).ok());
 	CHECK(last == 1.0);
 	CHECK(found == points.size());
 	std::atomic<bool> cancel = false;
@@ -222,7 +222,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: says how far it is, and may be cancelled th
 		CHECK_FALSE(cancel);
 		cancel = fraction > 0.5;
 	};
-	CHECK(sampler.sample(PointSet{.seed = 1}, wide, points, &cancel, stop).code == ErrorCode::cancelled);
+	CHECK(sampler.sample(PointSet{.seed = 1}, wide, points, {.cancel = &cancel, .report = stop}).code == ErrorCode::cancelled);
 }
 
 TEST_CASE("sampler: once warm it allocates nothing") {

@@ -83,14 +83,14 @@ func make_clearing() -> ScatterRegion3D:
 	return region
 
 
-func nearest(place: Vector2, others: PackedVector2Array) -> float:
+func nearest(position: Vector2, others: PackedVector2Array) -> float:
 	var least := INF
 	for other in others:
-		least = minf(least, place.distance_squared_to(other))
+		least = minf(least, position.distance_squared_to(other))
 	return sqrt(least)
 
 
-func places(scatter: TerrainScatter3D, layer: int) -> PackedVector2Array:
+func map_positions(scatter: TerrainScatter3D, layer: int) -> PackedVector2Array:
 	var result: PackedVector2Array
 	for at: Transform3D in instances(scatter, layer).values():
 		result.push_back(on_map(at))

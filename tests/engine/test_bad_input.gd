@@ -96,20 +96,20 @@ func test_sampler() -> void:
 		refuse(sampler, "radius", value, "must be positive")
 	for value: float in [NAN, INF, -INF]:
 		refuse(sampler, "radius", value, "must be finite")
-	refuse(sampler, "levels", 0, "must be positive")
-	refuse(sampler, "levels", 99, "is out of range")
-	check(sampler.sample(Rect2(-5, -5, 9, 9))["ids"].size() > 10, "points before all that")
+	refuse(sampler, "progressive_levels", 0, "must be positive")
+	refuse(sampler, "progressive_levels", 99, "is out of range")
+	check(sampler.sample(Rect2(-5, -5, 9, 9)).ids.size() > 10, "points before all that")
 	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, 0, 5, -5), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5),
 			Rect2(-1e30, -1e30, 3e30, 3e30), Rect2(0, 0, 1e6, 1e6)]:
-		check_equal(sampler.sample(rect)["ids"].size(), 0, "points in %s" % rect)
+		check_equal(sampler.sample(rect).ids.size(), 0, "points in %s" % rect)
 		check_error(["PoissonSampler.rect"], str(rect))
 	for sides: Array in [[1.0, 0.0, 0.0, 1.0], [NAN, 0.0, 1.0, 1.0], [0.0, 0.0, INF, 1.0],
 			[9e15, 0.0, 9e15 + 4.0, 4.0]]:
-		check_equal(sampler.sample_exact.callv(sides)["x"].size(), 0, "points in %s" % [sides])
+		check_equal((sampler.sample_exact.callv(sides) as PoissonPoints).size(), 0, "points in %s" % [sides])
 		check_error(["PoissonSampler.rect"], str(sides))
-	check_equal(sampler.sample(Rect2(3, 3, 0, 5))["ids"].size(), 0, "points in an empty rect")
+	check_equal(sampler.sample(Rect2(3, 3, 0, 5)).ids.size(), 0, "points in an empty rect")
 	check_no_error("an empty rect")
-	check(sampler.sample(Rect2(-5, -5, 9, 9))["ids"].size() > 10, "points after all that")
+	check(sampler.sample(Rect2(-5, -5, 9, 9)).ids.size() > 10, "points after all that")
 
 
 func test_tiny_radius_for_the_tile() -> void:

@@ -12,36 +12,36 @@ class Grid:
 	var radius: float
 	var period: Vector2
 
-	## A period of infinity is none; otherwise a place has images a period away on each axis.
+	## A period of infinity is none; otherwise a position has images a period away on each axis.
 	func _init(points: PackedVector2Array, spacing: float, repeats_after := Vector2.INF) -> void:
 		radius = spacing
 		period = repeats_after
 		for point in points:
 			cells.get_or_add(Vector2i((point / radius).floor()), []).push_back(point)
 
-	## From a place to the nearest point that is not at it; twice the radius if none is near.
-	func nearest(place: Vector2) -> float:
+	## From a position to the nearest point that is not at it; twice the radius if none is near.
+	func nearest(position: Vector2) -> float:
 		var found := 2.0 * radius
-		for image in images(place):
+		for image in images(position):
 			var cell := Vector2i((image / radius).floor())
 			for y in range(-1, 2):
 				for x in range(-1, 2):
 					for point: Vector2 in cells.get(cell + Vector2i(x, y), []):
-						if point != place:
+						if point != position:
 							found = minf(found, image.distance_to(point))
 		return found
 
-	func images(place: Vector2) -> PackedVector2Array:
+	func images(position: Vector2) -> PackedVector2Array:
 		if period == Vector2.INF:
-			return [place]
+			return [position]
 		var result := PackedVector2Array()
 		for y in range(-1, 2):
 			for x in range(-1, 2):
-				result.push_back(place + period * Vector2(x, y))
+				result.push_back(position + period * Vector2(x, y))
 		return result
 
 
-## No two closer than the radius, all inside, and, if it is to be maximal, no room at any of some thousand places.
+## No two closer than the radius, all inside, and, if it is to be maximal, no room at any of some thousand positions.
 func check_set(points: PackedVector2Array, rect: Rect2, radius: float, period: Vector2, maximal: bool, what: String) -> void:
 	var grid := Grid.new(points, radius, period)
 	# What rounding to single precision may take away.
@@ -59,9 +59,9 @@ func check_set(points: PackedVector2Array, rect: Rect2, radius: float, period: V
 	random.seed = 3
 	var farthest := 0.0
 	for index in 4000:
-		var place := rect.position + rect.size * Vector2(random.randf(), random.randf())
-		farthest = maxf(farthest, grid.nearest(place))
-	check(farthest <= radius + rounding, "%s: nothing within %.9f of a place, radius %.9f" % [what, farthest, radius])
+		var position := rect.position + rect.size * Vector2(random.randf(), random.randf())
+		farthest = maxf(farthest, grid.nearest(position))
+	check(farthest <= radius + rounding, "%s: nothing within %.9f of a position, radius %.9f" % [what, farthest, radius])
 
 
 func check_count(count: int, area: float, tolerance: float, what: String) -> void:
@@ -122,7 +122,7 @@ func test_what_changes_the_points_and_what_does_not() -> void:
 			sampler.cell_size = width
 			check(sampler.sample_domain(origin) == first, "%s: the same with cells of %s r" % [label(method), width])
 		sampler.cell_size = 0.0
-		sampler.levels = 3
+		sampler.progressive_levels = 3
 		check(sampler.sample_domain(origin) == first, label(method) + ": knows no levels")
 		sampler.toroidal = true
 		check(sampler.sample_domain(origin) != first, label(method) + ": a torus is another set")
@@ -131,14 +131,14 @@ func test_what_changes_the_points_and_what_does_not() -> void:
 func test_tiles_are_the_infinite_set() -> void:
 	var sampler := make(PoissonSampler.METHOD_TILES)
 	for levels in [1, 3]:
-		sampler.levels = levels
+		sampler.progressive_levels = levels
 		sampler.double_precision = levels == 3
-		check(sampler.sample_domain(RECT) == sampler.sample(RECT)["positions"], "sample_domain is sample")
+		check(sampler.sample_domain(RECT) == sampler.sample(RECT).positions, "sample_domain is sample")
 		var exact := sampler.sample_domain_exact(-7.5, 3.25, 52.5, 40.25)
 		var window := sampler.sample_exact(-7.5, 3.25, 52.5, 40.25)
-		check(exact["x"] == window["x"] and exact["y"] == window["y"], "sample_domain_exact is sample_exact")
+		check(exact.x == window.x and exact.y == window.y, "sample_domain_exact is sample_exact")
 	# A strip of a thousand kilometers, where corners of blocks no longer fit 32 bits while they are computed.
-	sampler.levels = 1
+	sampler.progressive_levels = 1
 	check_count(sampler.sample_domain(Rect2(-5e5, 0, 1e6, 0.5)).size(), 5e5, 0.02, "a long strip")
 
 
@@ -162,8 +162,8 @@ func test_exact() -> void:
 		var sampler := make(method)
 		sampler.double_precision = true
 		var exact := sampler.sample_domain_exact(0.0, 0.0, 60.0, 37.0)
-		var x: PackedFloat64Array = exact["x"]
-		var y: PackedFloat64Array = exact["y"]
+		var x: PackedFloat64Array = exact.x
+		var y: PackedFloat64Array = exact.y
 		var rounded := sampler.sample_domain(Rect2(0, 0, 60, 37))
 		check(x.size() == rounded.size() and y.size() == x.size(), label(method) + ": as many as rounded")
 		var differing := 0
@@ -177,7 +177,7 @@ func test_exact() -> void:
 		var single := sampler.sample_domain_exact(0.0, 0.0, 60.0, 37.0)
 		var plain := sampler.sample_domain(Rect2(0, 0, 60, 37))
 		for index in plain.size():
-			differing += int(plain[index].x != single["x"][index] or plain[index].y != single["y"][index])
+			differing += int(plain[index].x != single.x[index] or plain[index].y != single.y[index])
 		check(differing <= 1, label(method) + ": single precision has nothing to round at the origin")
 
 
@@ -187,8 +187,8 @@ func test_exact_distances() -> void:
 		var sampler := make(method, 5)
 		sampler.double_precision = true
 		var exact := sampler.sample_domain_exact(0.0, 0.0, 25.0, 25.0)
-		var x: PackedFloat64Array = exact["x"]
-		var y: PackedFloat64Array = exact["y"]
+		var x: PackedFloat64Array = exact.x
+		var y: PackedFloat64Array = exact.y
 		var closest := INF
 		for first in x.size():
 			for second in first:
@@ -202,19 +202,19 @@ func test_far_from_the_origin() -> void:
 		var points := make(method).sample_domain(far)
 		check_count(points.size(), 1200.0, 0.1, label(method) + " far out")
 		var exact := make(method).sample_domain_exact(3e6, -2e6, 3e6 + 40.0, -2e6 + 30.0)
-		check_equal((exact["x"] as PackedFloat64Array).size(), points.size(), label(method) + ": exact ones")
-		for place: Rect2 in [far, Rect2(5e6, 5e6, 5, 5), Rect2(-0.1, -1e-30, 17.3, 9.1)]:
-			for point in make(method).sample_domain(place):
-				if not place.has_point(point):
-					check(false, "%s: %s is not in %s" % [label(method), point, place])
+		check_equal(exact.size(), points.size(), label(method) + ": exact ones")
+		for rect: Rect2 in [far, Rect2(5e6, 5e6, 5, 5), Rect2(-0.1, -1e-30, 17.3, 9.1)]:
+			for point in make(method).sample_domain(rect):
+				if not rect.has_point(point):
+					check(false, "%s: %s is not in %s" % [label(method), point, rect])
 	for rect: Array in [[3e6, -2e6, 3e6 + 40.0, -2e6 + 30.0], [1e15, 1e15, 1e15 + 20.0, 1e15 + 20.0]]:
 		var sampler := make(PoissonSampler.METHOD_HIERARCHICAL)
 		sampler.double_precision = true
-		var exact: Dictionary = sampler.sample_domain_exact.callv(rect)
-		for index in exact["x"].size():
-			var inside: bool = exact["x"][index] >= rect[0] and exact["x"][index] < rect[2]
-			if not inside or exact["y"][index] < rect[1] or exact["y"][index] >= rect[3]:
-				check(false, "%s, %s is not in %s" % [exact["x"][index], exact["y"][index], rect])
+		var exact: PoissonPoints = sampler.sample_domain_exact.callv(rect)
+		for index in exact.x.size():
+			var inside: bool = exact.x[index] >= rect[0] and exact.x[index] < rect[2]
+			if not inside or exact.y[index] < rect[1] or exact.y[index] >= rect[3]:
+				check(false, "%s, %s is not in %s" % [exact.x[index], exact.y[index], rect])
 
 
 func test_stats() -> void:
@@ -233,3 +233,40 @@ func test_stats() -> void:
 		sampler.sample_domain(Rect2(0, 0, -1, 1))
 		check_error(["PoissonSampler.rect.size", "-1"], "a refused call")
 		check_equal(sampler.get_stats(), stats, "stats after a refused call")
+
+
+func test_points() -> void:
+	var sampler := make(PoissonSampler.METHOD_TILES)
+	sampler.progressive_levels = 2
+	var points := sampler.sample(Rect2(-7.5, 3.25, 60.0, 37.0))
+	var exact := sampler.sample_exact(-7.5, 3.25, 52.5, 40.25)
+	check(points.size() > 1000 and not points.is_empty(), "%d points" % points.size())
+	check(points.ids == exact.ids and points.ranks == exact.ranks, "the same points")
+	check(points.positions == exact.positions, "rounded, they stand where they stand in single precision")
+	check(points.x.is_empty() and points.y.is_empty(), "double precision only where it was asked for")
+	for all: PoissonPoints in [points, exact]:
+		check_equal(all.size(), all.positions.size(), "as many positions")
+		for index: int in [0, 1, all.size() - 1]:
+			check_equal(all.get_id(index), all.ids[index], "id %d" % index)
+			check_equal(all.get_position(index), all.positions[index], "position %d" % index)
+			check_equal(all.get_rank(index), all.ranks[index], "rank %d" % index)
+		for index: int in [-1, all.size(), 1 << 40]:
+			check_equal(all.get_id(index), 0, "no id %d" % index)
+			check_error(["PoissonPoints.index is out of range"], "id %d" % index)
+			check_equal(all.get_position(index), Vector2.ZERO, "no position %d" % index)
+			check_error(["PoissonPoints.index is out of range"], "position %d" % index)
+			check_equal(all.get_rank(index), 0.0, "no rank %d" % index)
+			check_error(["PoissonPoints.index is out of range"], "rank %d" % index)
+	check_equal(Vector2(exact.x[5], exact.y[5]), exact.positions[5], "x and y")
+	var copy := points.ids
+	copy[0] = 1
+	check(points.ids[0] != 1 and points.get_id(0) != 1, "what a script gets is its own")
+	var whole := make(PoissonSampler.METHOD_HIERARCHICAL).sample_domain_exact(0.0, 0.0, 60.0, 37.0)
+	check(whole.ids.is_empty() and whole.ranks.is_empty(), "a domain's points have neither ids nor ranks")
+	check_equal(whole.get_id(0), 0, "so that is 0")
+	check_equal(whole.get_rank(0), 0.0, "and so is that")
+	check_equal(whole.positions.size(), whole.size(), "positions of a domain")
+	var none := sampler.sample(Rect2(0, 0, -1, 1))
+	errors.take()
+	check(none != null and none.is_empty() and none.positions.is_empty(), "what is refused is empty, not null")
+	check(PoissonPoints.new().is_empty(), "so is one that nobody has filled")

@@ -28,7 +28,7 @@ func test_a_short_call_says_that_it_is_done() -> void:
 		var listener := Listener.new()
 		var exact := make(method).sample_domain_exact(0.0, 0.0, 4.0, 3.0, listener.hear)
 		check_equal(listener.fractions[-1], 1.0, label(method))
-		check_equal(listener.points[-1], (exact["x"] as PackedFloat64Array).size(), label(method))
+		check_equal(listener.points[-1], exact.size(), label(method))
 
 
 func test_one_call_at_a_time() -> void:
@@ -40,10 +40,10 @@ func test_one_call_at_a_time() -> void:
 		var listener := Listener.new()
 		listener.deed = func(_fraction: float) -> void:
 			if results.is_empty():
-				results.push_back(sampler.sample(SMALL)["ids"].size())
+				results.push_back(sampler.sample(SMALL).ids.size())
 				results.push_back(sampler.sample_domain(SMALL).size())
-				results.push_back(sampler.sample_exact(0.0, 0.0, 5.0, 5.0)["x"].size())
-				results.push_back(sampler.sample_domain_exact(0.0, 0.0, 5.0, 5.0)["y"].size())
+				results.push_back(sampler.sample_exact(0.0, 0.0, 5.0, 5.0).x.size())
+				results.push_back(sampler.sample_domain_exact(0.0, 0.0, 5.0, 5.0).y.size())
 		check(sampler.sample_domain(area, listener.hear) == expected, label(method) + ": goes on undisturbed")
 		check_equal(results, [0, 0, 0, 0], label(method) + ": calls within the call")
 		var messages := "\n".join(errors.take())
@@ -96,7 +96,7 @@ func test_changes_hold_from_the_next_call_on() -> void:
 		listener.deed = func(_fraction: float) -> void:
 			sampler.radius = 9.0
 			sampler.seed = 77
-			sampler.levels = 2
+			sampler.progressive_levels = 2
 			sampler.method = PoissonSampler.METHOD_WAVEFRONT
 			sampler.double_precision = true
 		check(sampler.sample_domain(area, listener.hear) == expected, label(method) + ": as it was when the call began")
@@ -175,7 +175,7 @@ func refuse(sampler: PoissonSampler, rect: Rect2, words: Array) -> void:
 	check_error(words, what)
 	var min := Vector2(rect.position)
 	var exact := sampler.sample_domain_exact(min.x, min.y, min.x + rect.size.x, min.y + rect.size.y)
-	check_equal(exact["x"].size() + exact["y"].size(), 0, what + ", exact")
+	check_equal(exact.x.size() + exact.y.size(), 0, what + ", exact")
 	check_error(words, what + ", exact")
 
 
@@ -208,7 +208,7 @@ func test_refused_rectangles() -> void:
 func test_wide_domains_of_double_precision() -> void:
 	var sampler := make(PoissonSampler.METHOD_HIERARCHICAL)
 	sampler.double_precision = true
-	check(sampler.sample_domain_exact(0.0, 0.0, 131200.0, 0.5)["x"].size() > 60000, "131200 radii")
+	check(sampler.sample_domain_exact(0.0, 0.0, 131200.0, 0.5).x.size() > 60000, "131200 radii")
 
 
 func test_refused_properties() -> void:

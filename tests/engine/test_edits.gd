@@ -6,8 +6,8 @@ func check_local(scatter: TerrainScatter3D, layer: int, before: Dictionary[int, 
 		areas: Array[Rect2], what: String) -> int:
 	var changed := changed_places(before, instances(scatter, layer))
 	var outside := 0
-	for place in changed:
-		outside += int(not areas.any(func(area: Rect2) -> bool: return area.grow(FLOATS).has_point(place)))
+	for position in changed:
+		outside += int(not areas.any(func(area: Rect2) -> bool: return area.grow(FLOATS).has_point(position)))
 	check_equal(outside, 0, what + ": instances that changed outside of the edit")
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
 		var rect := tile_rect(scatter, layer, tile)

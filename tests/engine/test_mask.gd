@@ -21,7 +21,7 @@ func blank(background := 0.0, pixel_size := 1.0) -> ScatterMask:
 	return mask
 
 
-## Densities on a grid around a place that has a dab in it and ground around it.
+## Densities on a grid around a position that has a dab in it and ground around it.
 func samples(mask: ScatterMask, center: Vector2, reach: float) -> PackedFloat32Array:
 	var result := PackedFloat32Array()
 	for row in 21:
@@ -50,7 +50,7 @@ func test_new_masks() -> void:
 	mask.background = 0.5
 	check_equal(mask.background, 0.5, "reads back as it was set")
 	check(absf(mask.sample(Vector2(7, 7)) - 0.5) <= 0.501 / 255.0, "a background between steps")
-	check_equal(mask.sample(Vector2(NAN, 0)), 0.0, "no place")
+	check_equal(mask.sample(Vector2(NAN, 0)), 0.0, "no position")
 
 
 func test_paint() -> void:
@@ -140,7 +140,7 @@ func test_refused_pixels() -> void:
 	check_error(["ScatterMask.", "wrong size"], "three pixels for four")
 	for rect: Rect2 in [Rect2(), Rect2(0, 0, -5, 5), Rect2(NAN, 0, 5, 5)]:
 		check_equal(mask.get_pixel_rect(rect).size, Vector2i.ZERO, "pixels of %s" % rect)
-	check_no_error("no place, no pixels")
+	check_no_error("no position, no pixels")
 	check_equal(mask.data, data, "what was painted before")
 
 
@@ -236,7 +236,7 @@ func test_layers_pass_on_what_is_painted() -> void:
 	var rect := mask.paint(Vector2(10, 10), 5.0)
 	mask.clear()
 	for index in 2:
-		check_equal(heard[index].areas, [rect] as Array[Rect2], "the place of the dab")
+		check_equal(heard[index].areas, [rect] as Array[Rect2], "the area of the dab")
 		check_equal(heard[index].changes, 1, "clearing is a change of the whole")
 	layers[0].mask = null
 	mask.paint(Vector2(10, 10), 5.0)

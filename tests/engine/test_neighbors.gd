@@ -4,10 +4,10 @@ extends "edits_harness.gd"
 ## The least distance from any instance of a layer near the middle to any of another.
 func gap(scatter: TerrainScatter3D, layer: int, other: int) -> float:
 	var least := INF
-	var others := places(scatter, other)
-	for place in places(scatter, layer):
-		if place.length() < 50.0:
-			least = minf(least, nearest(place, others))
+	var others := map_positions(scatter, other)
+	for position in map_positions(scatter, layer):
+		if position.length() < 50.0:
+			least = minf(least, nearest(position, others))
 	return least
 
 
@@ -35,10 +35,10 @@ func test_one_layer_changed() -> void:
 	var changed := changed_places(ferns, instances(scatter, FERN))
 	check(felled.size() > 20 and changed.size() > 50, "%d oaks and %d ferns changed" % [felled.size(), changed.size()])
 	var far := 0
-	for place in changed:
+	for position in changed:
 		# Oaks beyond the view reach in, too.
-		var near_edge := maxf(absf(place.x), absf(place.y)) > 60.0
-		far += int(not near_edge and nearest(place, felled) > SPACING + FLOATS)
+		var near_edge := maxf(absf(position.x), absf(position.y)) > 60.0
+		far += int(not near_edge and nearest(position, felled) > SPACING + FLOATS)
 	check_equal(far, 0, "ferns that changed far from any oak that did")
 
 
@@ -90,11 +90,11 @@ func test_proximity() -> void:
 	scatter.layers[OAK].density = 0.2
 	scatter.layers[OAK].view_distance = 90.0
 	await settle(scatter)
-	var oaks := places(scatter, OAK)
+	var oaks := map_positions(scatter, OAK)
 	var counts := [0, 0]
-	for place in places(scatter, FERN):
-		var distance := nearest(place, oaks)
-		check(distance < 4.0 + FLOATS or place.length() > 60.0, "a fern in the open, %f m from an oak" % distance)
+	for position in map_positions(scatter, FERN):
+		var distance := nearest(position, oaks)
+		check(distance < 4.0 + FLOATS or position.length() > 60.0, "a fern in the open, %f m from an oak" % distance)
 		counts[int(distance > 2.0)] += 1
 	# The inner part is a third of the outer one, and a straight line is 3/4 against 1/3 on average.
 	check(counts[0] > 50 and counts[1] > 50, "ferns near and farther off: %s" % [counts])
@@ -102,7 +102,7 @@ func test_proximity() -> void:
 	scatter.layers = [fern, scatter.layers[OAK]]
 	check("before" in "".join(scatter.get_problems()), "proximity to a later layer is warned of")
 	await settle(scatter)
-	check(places(scatter, 0).size() > 1000, "and has no effect")
+	check(map_positions(scatter, 0).size() > 1000, "and has no effect")
 
 
 func test_names() -> void:

@@ -123,7 +123,7 @@ func test_weights_of_scripts() -> void:
 	check_equal(found[0], found[1], "asked on the main thread and on workers")
 
 
-## Puts a node into the tree, at its place in the world.
+## Puts a node into the tree, at its position in the world.
 func put(node: Node3D, at: Transform3D) -> void:
 	root.add_child(node)
 	node.global_transform = at

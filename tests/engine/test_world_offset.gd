@@ -94,13 +94,13 @@ func test_a_thousand_kilometers_out_all_is_as_exact_as_here() -> void:
 	var closest := INF
 	var grid := {}
 	for id in standing:
-		var place := on_map(standing[id])
-		var cell := Vector2i((place / 2.0).floor())
+		var position := on_map(standing[id])
+		var cell := Vector2i((position / 2.0).floor())
 		for x in range(cell.x - 1, cell.x + 2):
 			for y in range(cell.y - 1, cell.y + 2):
 				for other: Vector2 in grid.get(Vector2i(x, y), []):
-					closest = minf(closest, place.distance_to(other))
-		grid.get_or_add(cell, []).push_back(place)
+					closest = minf(closest, position.distance_to(other))
+		grid.get_or_add(cell, []).push_back(position)
 	check(closest > 1.9999, "the closest two are %f apart" % closest)
 	check(closest < 2.02, "the closest two are %f apart" % closest)
 	var gap := 0.0
@@ -112,7 +112,7 @@ func test_a_thousand_kilometers_out_all_is_as_exact_as_here() -> void:
 					for other: Vector2 in grid.get(Vector2i(cx, cy), []):
 						nearest = minf(nearest, other.distance_to(Vector2(x, y) * 2.0))
 			gap = maxf(gap, nearest)
-	check(gap < 2.0, "nothing stands within %f m of a place" % gap)
+	check(gap < 2.0, "nothing stands within %f m of a position" % gap)
 	# Near the viewer the engine's floats tell a tenth of a millimeter apart, as at the origin.
 	var fine := 0
 	for id in standing:
@@ -148,14 +148,14 @@ func test_queries_and_changes_are_in_the_engine_space() -> void:
 	for index in found.ids.size():
 		var off := standing[found.get_id(index)].origin.distance_to(found.get_position(index))
 		if off > 1e-3:
-			check(false, "a query's place is off by %f m" % off)
+			check(false, "a query's position is off by %f m" % off)
 	var built := scatter.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
 	var ids := built.get_ids(0)
 	var buffer := built.get_buffer(0)
 	check(ids.size() > 20, "build_rect")
 	for index in ids.size():
 		var local := Vector3(buffer[12 * index + 3], buffer[12 * index + 7], buffer[12 * index + 11])
-		check(standing[ids[index]].origin.distance_to(local + built.get_origin()) < 1e-3, "build_rect's place")
+		check(standing[ids[index]].origin.distance_to(local + built.get_origin()) < 1e-3, "build_rect's position")
 	# A felled one stays felled when the game recenters, and a planted one stays where it is in the world.
 	var nearest := scatter.query_nearest(Vector3.ZERO, 10.0)
 	check(scatter.remove_instance(nearest["id"]), "felled")
@@ -239,6 +239,86 @@ func test_ground_in_the_scene_moves_along() -> void:
 		if not after.has(id) or after[id].origin.distance_to(before[id].origin - shift) > 2e-3:
 			check(false, "an instance stands somewhere else: %s" % before[id].origin)
 			break
+
+
+## A node with heights of the engine's space.
+class Slope extends Node3D:
+	func get_height(at: Vector3) -> float:
+		return 0.5 * at.x - 0.25 * at.z
+
+
+## Each kind of ground that is found in the scene, as the same slope: 0.5 x - 0.25 z in the engine's space.
+func make_slopes() -> Dictionary[String, ScatterTerrain]:
+	var result: Dictionary[String, ScatterTerrain] = {}
+	var node := Slope.new()
+	node.name = "Slope"
+	root.add_child(node)
+	for thread_safe: bool in [false, true]:
+		var of_object := ScatterTerrainObject.new()
+		of_object.node = ^"../Slope"
+		of_object.thread_safe = thread_safe
+		result["an object, thread_safe %s" % thread_safe] = of_object
+	var mesh := ArrayMesh.new()
+	var arrays := []
+	arrays.resize(Mesh.ARRAY_MAX)
+	var corners := PackedVector3Array()
+	for at: Vector2 in [Vector2(-300, -300), Vector2(300, -300), Vector2(300, 300), Vector2(-300, -300),
+			Vector2(300, 300), Vector2(-300, 300)]:
+		corners.push_back(Vector3(at.x, 0.5 * at.x - 0.25 * at.y, at.y))
+	arrays[Mesh.ARRAY_VERTEX] = corners
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+	var instance := MeshInstance3D.new()
+	instance.mesh = mesh
+	instance.add_to_group(&"slope")
+	root.add_child(instance)
+	instance.create_trimesh_collision()
+	result["meshes"] = ScatterTerrainMeshes.new()
+	(result["meshes"] as ScatterTerrainMeshes).group = &"slope"
+	result["colliders"] = ScatterTerrainColliders.new()
+	(result["colliders"] as ScatterTerrainColliders).rays_per_frame = 5000
+	return result
+
+
+func check_on_slope(scatter: TerrainScatter3D, what: String) -> void:
+	var wrong := 0
+	var stand := instances(scatter, 0)
+	for id in stand:
+		var at := stand[id].origin
+		wrong += int(absf(at.y - (0.5 * at.x - 0.25 * at.z)) > 0.02)
+	check(stand.size() > 1000, "%s: %d instances" % [what, stand.size()])
+	check_equal(wrong, 0, what + ": instances off the ground")
+
+
+## Each node that shares a ground sees it in a world of its own.
+func test_nodes_with_other_offsets_share_a_ground() -> void:
+	var slopes := make_slopes()
+	for what in slopes:
+		var terrain := slopes[what]
+		var here := make_scatter([make_layer()], terrain, make_viewer())
+		var there := make_scatter([make_layer()], terrain, make_viewer())
+		there.world_offset = Vector3(64.0, 16.0, -32.0)
+		await settle(here)
+		await settle(there)
+		check_on_slope(here, what + ", here")
+		check_on_slope(there, what + ", there")
+		here.regenerate()
+		await frames(2) # Tiles of one are under way while the other recenters, alone: it asks about other parts of the scene.
+		there.world_offset = Vector3(-96.0, 0.0, 0.0)
+		there.regenerate()
+		if terrain is ScatterTerrainMeshes:
+			terrain.refresh() # It was read where it stood, and has stayed behind.
+		await settle(here)
+		await settle(there)
+		check_on_slope(here, what + ", here, while the other recentered")
+		check_on_slope(there, what + ", recentered")
+		var built := here.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
+		check(absf(built.get_origin().y) < 10.0, what + ": built at once, about %s" % built.get_origin())
+		here.free()
+		there.regenerate()
+		await settle(there)
+		check_on_slope(there, what + ", alone")
+		there.free()
+		check_no_error(what)
 
 
 func test_bodies_move_along() -> void:

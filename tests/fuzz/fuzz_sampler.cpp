@@ -78,7 +78,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	const bool small = expected < 3000.0 && std::max(rect.size().x, rect.size().y) < 1000.0 * set.radius;
 	std::vector<SamplePoint> points(1, SamplePoint{glm::dvec2(0.5), 77, 1, 0});
 	const std::vector<SamplePoint> before = points;
-	const Status status = sampler.sample(set, rect, points, small ? nullptr : &raised);
+	const Status status = sampler.sample(set, rect, points, {.cancel = small ? nullptr : &raised, .report = {}});
 	if (status.ok()) {
 		promise(!rect.empty() || points.empty(), "nothing lies in an empty rectangle");
 		check_points(set, rect, points);

@@ -9,7 +9,7 @@ extends RefCounted
 ##     while bake.step(20.0):
 ##         await get_tree().process_frame
 ## [/codeblock]
-## All is written beside its place first and moved there at the end, so whoever cancels finds what was there before.
+## All files are written beside their final paths first and moved there at the end, so whoever cancels finds what was there before.
 
 const UNFINISHED := ".bake_unfinished/"
 ## Most tiles of all layers together.
@@ -37,7 +37,7 @@ var _mesh_files: Dictionary[Mesh, Mesh] = {}
 
 
 ## Begins to bake [param rect] (world x, z in meters) into [param folder], which is made if need be, with a scene of the
-## name [param name]. [param layers] are places in the scatter's list; empty for all. Returns an error, and says why in
+## name [param name]. [param layers] are indices in the scatter's list; empty for all. Returns an error, and says why in
 ## [member problem], where that cannot be.
 func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers := PackedInt32Array()) -> Error:
 	cancel()
@@ -189,13 +189,13 @@ func _instance(layer: Resource, tile: Vector3i, origin: Vector3, multimesh: Mult
 	return instance
 
 
-## In names of files: the layer's place and its name, if it has one.
+## In names of files: the layer's index and its name, if it has one.
 func _file_part(layer: int) -> String:
 	var name: String = _scatter.get(&"layers")[layer].resource_name.to_snake_case().validate_filename()
 	return "%d_%s" % [layer, name] if not name.is_empty() else str(layer)
 
 
-## Writes a resource to its unfinished place. Whoever refers to it then names the place where it will lie.
+## Writes a resource to its unfinished path. Whoever refers to it then names its final path.
 func _save(resource: Resource, file: String) -> bool:
 	var error := ResourceSaver.save(resource, _folder + UNFINISHED + file)
 	resource.set_path_cache(_folder + file)
@@ -219,7 +219,7 @@ func _write_scene() -> bool:
 	return _save(packed, scene_path.get_file())
 
 
-## Moves all to its place, the scene last. Files of an earlier bake that this one has not written are removed.
+## Moves all files to their final paths, the scene last. Files of an earlier bake that this one has not written are removed.
 func _move_all() -> bool:
 	var stale := _files_of_scene()
 	for file in _written:

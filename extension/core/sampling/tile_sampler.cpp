@@ -87,7 +87,7 @@ struct TileSampler::Workspace {
 	SampleStats stats;
 
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-			const std::atomic<bool> *cancel, const Report &report);
+			const Progress &progress);
 	void collect(const PointSet &set, const Rect &rect, const CellRect &block, std::vector<SamplePoint> &r_points);
 	void count();
 	Status too_wide(const PointSet &set) const;
@@ -135,7 +135,7 @@ Status TileSampler::Workspace::too_wide(const PointSet &set) const {
 
 /// Of valid arguments. Throws std::bad_alloc.
 Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const std::atomic<bool> *cancel, const Report &report) {
+		const Progress &progress) {
 	// One piece of memory for all that will come: to grow in the middle of a large call would hold up a cancel.
 	r_points.reserve(static_cast<std::size_t>(enough_points(set, rect)));
 	r_points.clear();
@@ -153,16 +153,16 @@ Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std
 	for (std::int64_t row = 0; row < count_of_blocks.y; ++row) {
 		for (std::int64_t column = 0; column < count_of_blocks.x; ++column) {
 			const CellRect block{corner({column, row}), corner({column + 1, row + 1})};
-			switch (blocks.resolve(block, cancel)) {
+			switch (blocks.resolve(block, progress.cancel)) {
 				case ResolveResult::done: break;
 				case ResolveResult::cancelled: return {ErrorCode::cancelled, "sample", 0.0};
 				case ResolveResult::margin_too_small: r_points.clear(); return too_wide(set);
 			}
 			collect(set, rect, block, r_points);
 			count();
-			if (report) {
+			if (progress.report) {
 				const auto done = static_cast<double>(row * count_of_blocks.x + column + 1);
-				report(done / static_cast<double>(count_of_blocks.x * count_of_blocks.y), r_points.size());
+				progress.report(done / static_cast<double>(count_of_blocks.x * count_of_blocks.y), r_points.size());
 			}
 		}
 	}
@@ -178,7 +178,7 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
 Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const std::atomic<bool> *cancel, const Report &report) {
+		const Progress &progress) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);
@@ -187,7 +187,7 @@ Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<Sa
 		return status;
 	}
 	status = guarded("rect", enough_points(set, rect) * sizeof(SamplePoint),
-			[&] { return workspace_->sample(set, rect, r_points, cancel, report); });
+			[&] { return workspace_->sample(set, rect, r_points, progress); });
 	if (status.code == ErrorCode::out_of_memory) {
 		r_points.clear();
 	}

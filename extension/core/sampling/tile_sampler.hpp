@@ -1,12 +1,11 @@
 #pragma once
 
+#include "core/base/progress.hpp"
 #include "core/base/rect.hpp"
 #include "core/sampling/point_set.hpp"
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -36,9 +35,6 @@ struct SampleStats {
 /// `r_points` must grow. Results do not depend on what it was used for before. Not thread safe; one per thread.
 class TileSampler {
 public:
-	/// How far a call has come: the finished fraction and the points so far.
-	using Report = std::function<void(double fraction, std::uint64_t points)>;
-
 	/// `margins` change how much is computed, never what comes out.
 	explicit TileSampler(const SampleMargins &margins = {});
 	~TileSampler();
@@ -48,14 +44,12 @@ public:
 	/// Replaces the contents of `r_points` by the points of `set` in `rect` (meters), in an order that is a function
 	/// of the arguments alone. `rect` must lie within cell_limit cells of the origin (+-2^23 * radius / sqrt(2)
 	/// meters) and ask for at most max_points_per_call points; an empty rectangle gives no points and no error, an
-	/// inverted or non-finite one is refused, with `r_points` untouched. Raising `cancel` from another thread ends the call within
-	/// about a millisecond with ErrorCode::cancelled. After ErrorCode::margin_too_wide (the widest margin does not decide a point,
-	/// and the status names seed, radius and position) and after ErrorCode::out_of_memory (it names the bytes that the points of
-	/// `rect` take) `r_points` is empty. `report` is called on the calling thread, every few milliseconds, with
-	/// the finished fraction (0 to 1, rising) and the points so far; it may raise `cancel`, and must not throw. O(points)
-	/// time; bounded memory, whatever the rectangle.
+	/// inverted or non-finite one is refused, with `r_points` untouched. Raising `progress.cancel` ends the call within about
+	/// a millisecond. After ErrorCode::margin_too_wide (the widest margin does not decide a point, and the status names seed,
+	/// radius and position) and after ErrorCode::out_of_memory (it names the bytes that the points of `rect` take) `r_points`
+	/// is empty. O(points) time; bounded memory, whatever the rectangle.
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-			const std::atomic<bool> *cancel = nullptr, const Report &report = {});
+			const Progress &progress = {});
 
 	const SampleStats &stats() const;
 

@@ -1,16 +1,10 @@
 #include "nodes/sampler/poisson_sampler.hpp"
 
+#include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
-#include <godot_cpp/variant/packed_float32_array.hpp>
-#include <godot_cpp/variant/packed_float64_array.hpp>
-#include <godot_cpp/variant/packed_int64_array.hpp>
-#include <godot_cpp/variant/packed_vector2_array.hpp>
-
-#include <algorithm>
-#include <cmath>
 
 using namespace godot;
 
@@ -19,30 +13,6 @@ namespace thicket {
 namespace {
 
 constexpr const char *class_name = "PoissonSampler";
-constexpr double rank_scale = 1.0 / 4294967296.0;
-
-// A rank just below 2^32 must not round to 1.
-float unit_rank(std::uint32_t rank) {
-	return std::min(static_cast<float>(rank * rank_scale), std::nextafter(1.0F, 0.0F));
-}
-
-Dictionary ranks_and_ids(std::span<const SamplePoint> points) {
-	PackedFloat32Array ranks;
-	PackedInt64Array ids;
-	const auto count = static_cast<int64_t>(points.size());
-	ranks.resize(count);
-	ids.resize(count);
-	float *rank = ranks.ptrw();
-	int64_t *id = ids.ptrw();
-	for (const SamplePoint &point : points) {
-		*rank++ = unit_rank(point.rank);
-		*id++ = static_cast<int64_t>(point.id);
-	}
-	Dictionary result;
-	result["ranks"] = ranks;
-	result["ids"] = ids;
-	return result;
-}
 
 } // namespace
 
@@ -85,15 +55,15 @@ void PoissonSampler::set_radius(double p_radius) {
 
 double PoissonSampler::get_radius() const { return set_.radius; }
 
-void PoissonSampler::set_levels(int64_t p_levels) {
-	if (accept_number(class_name, "levels", static_cast<double>(p_levels), 1.0, max_levels)) {
+void PoissonSampler::set_progressive_levels(int64_t p_levels) {
+	if (accept_number(class_name, "progressive_levels", static_cast<double>(p_levels), 1.0, max_levels)) {
 		PointSet candidate = set_;
 		candidate.levels = static_cast<std::uint32_t>(p_levels);
 		try_set(candidate);
 	}
 }
 
-int64_t PoissonSampler::get_levels() const { return set_.levels; }
+int64_t PoissonSampler::get_progressive_levels() const { return set_.levels; }
 
 void PoissonSampler::set_method(Method p_method) {
 	if (accept_number(class_name, "method", static_cast<double>(p_method), METHOD_TILES, METHOD_WAVEFRONT)) {
@@ -123,43 +93,19 @@ std::span<const SamplePoint> PoissonSampler::fetch(const Turn &p_turn, const Rec
 	if (!p_turn.granted()) {
 		return {};
 	}
-	const Status status = sampler_.sample(set_, p_rect, points_, &cancelled_);
+	const Status status = sampler_.sample(set_, p_rect, points_, {.cancel = &cancelled_, .report = {}});
 	report(class_name, status);
 	return status.ok() ? std::span<const SamplePoint>(points_) : std::span<const SamplePoint>();
 }
 
-Dictionary PoissonSampler::sample(const Rect2 &p_rect) {
+Ref<PoissonPoints> PoissonSampler::sample(const Rect2 &p_rect) {
 	const Turn turn(this, "sample");
-	const glm::dvec2 min{p_rect.position.x, p_rect.position.y};
-	const auto points = fetch(turn, {min, min + glm::dvec2{p_rect.size.x, p_rect.size.y}});
-	Dictionary result = ranks_and_ids(points);
-	PackedVector2Array positions;
-	positions.resize(static_cast<int64_t>(points.size()));
-	Vector2 *position = positions.ptrw();
-	for (const SamplePoint &point : points) {
-		*position++ = Vector2(static_cast<real_t>(point.position.x), static_cast<real_t>(point.position.y));
-	}
-	result["positions"] = positions;
-	return result;
+	return PoissonPoints::of(fetch(turn, to_core(p_rect)), false);
 }
 
-Dictionary PoissonSampler::sample_exact(double p_min_x, double p_min_y, double p_max_x, double p_max_y) {
+Ref<PoissonPoints> PoissonSampler::sample_exact(double p_min_x, double p_min_y, double p_max_x, double p_max_y) {
 	const Turn turn(this, "sample_exact");
-	const auto points = fetch(turn, {{p_min_x, p_min_y}, {p_max_x, p_max_y}});
-	Dictionary result = ranks_and_ids(points);
-	PackedFloat64Array x;
-	PackedFloat64Array y;
-	x.resize(static_cast<int64_t>(points.size()));
-	y.resize(static_cast<int64_t>(points.size()));
-	double *x_out = x.ptrw();
-	double *y_out = y.ptrw();
-	for (const SamplePoint &point : points) {
-		*x_out++ = point.position.x;
-		*y_out++ = point.position.y;
-	}
-	result["x"] = x;
-	result["y"] = y;
-	return result;
+	return PoissonPoints::of(fetch(turn, {{p_min_x, p_min_y}, {p_max_x, p_max_y}}), true);
 }
 
 void PoissonSampler::_bind_methods() {
@@ -167,8 +113,9 @@ void PoissonSampler::_bind_methods() {
 	bind_guarded<&PoissonSampler::get_seed>(D_METHOD("get_seed"));
 	bind_guarded<&PoissonSampler::set_radius>(D_METHOD("set_radius", "radius"));
 	bind_guarded<&PoissonSampler::get_radius>(D_METHOD("get_radius"));
-	bind_guarded<&PoissonSampler::set_levels>(D_METHOD("set_levels", "levels"));
-	bind_guarded<&PoissonSampler::get_levels>(D_METHOD("get_levels"));
+	bind_guarded<&PoissonSampler::set_progressive_levels>(
+			D_METHOD("set_progressive_levels", "progressive_levels"));
+	bind_guarded<&PoissonSampler::get_progressive_levels>(D_METHOD("get_progressive_levels"));
 	bind_guarded<&PoissonSampler::sample>(D_METHOD("sample", "rect"));
 	bind_guarded<&PoissonSampler::sample_exact>(D_METHOD("sample_exact", "min_x", "min_y", "max_x", "max_y"));
 	bind_guarded<&PoissonSampler::set_method>(D_METHOD("set_method", "method"));
@@ -187,7 +134,7 @@ void PoissonSampler::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "radius", PROPERTY_HINT_RANGE, "0.001,1000,0.001,or_greater,suffix:m"),
 			"set_radius", "get_radius");
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "levels", PROPERTY_HINT_RANGE, "1,8,1"), "set_levels", "get_levels");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "progressive_levels", PROPERTY_HINT_RANGE, "1,8,1"), "set_progressive_levels", "get_progressive_levels");
 	ADD_GROUP("Whole domains", "");
 	ADD_PROPERTY(
 			PropertyInfo(Variant::INT, "method", PROPERTY_HINT_ENUM, "Tiles,Naive,Hierarchical,Accumulator,Wavefront"),

@@ -4,6 +4,7 @@
 #include "core/sampling/point_set.hpp"
 #include "core/sampling/tile_sampler.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/sampler/poisson_points.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
@@ -45,8 +46,8 @@ public:
 	double get_radius() const;
 
 	/// Levels of the progressive order, 1 to max_levels. Anything else prints an error and is ignored. For the infinite set.
-	void set_levels(int64_t p_levels);
-	int64_t get_levels() const;
+	void set_progressive_levels(int64_t p_levels);
+	int64_t get_progressive_levels() const;
 
 	/// For `sample_domain`. Any other number prints an error and is ignored.
 	void set_method(Method p_method);
@@ -64,22 +65,20 @@ public:
 	void set_cell_size(double p_cell_size);
 	double get_cell_size() const;
 
-	/// The points of the set in a half-open rectangle in meters: positions (PackedVector2Array, single precision),
-	/// ranks (PackedFloat32Array, 0 to 1), ids (PackedInt64Array). A refused rectangle prints an error and gives
-	/// empty arrays.
-	godot::Dictionary sample(const godot::Rect2 &p_rect);
+	/// The points of the set in a half-open rectangle in meters, with positions in single precision. A refused rectangle prints
+	/// an error and gives no points; the result is never null.
+	godot::Ref<PoissonPoints> sample(const godot::Rect2 &p_rect);
 
-	/// As `sample`, with the rectangle as [min, max) and positions as two PackedFloat64Arrays `x` and `y`, exact at any
-	/// distance from the origin.
-	godot::Dictionary sample_exact(double p_min_x, double p_min_y, double p_max_x, double p_max_y);
+	/// As `sample`, with the rectangle as [min, max) and positions in double precision, exact at any distance from the origin.
+	godot::Ref<PoissonPoints> sample_exact(double p_min_x, double p_min_y, double p_max_x, double p_max_y);
 
 	/// Fills a rectangle in meters with one set by `method`. Positions are the rectangle's corner plus those of the core,
 	/// rounded to single precision once, downwards where the far edge would be next. `p_progress` is told by ScriptProgress.
 	/// A request that DomainRequest or PointSet excludes prints an error and gives nothing, a cancelled one gives nothing.
 	godot::PackedVector2Array sample_domain(const godot::Rect2 &p_rect, const godot::Callable &p_progress);
 
-	/// As `sample_domain`, with the rectangle as [min, max) and positions as two PackedFloat64Arrays `x` and `y`.
-	godot::Dictionary sample_domain_exact(
+	/// As `sample_domain`, with the rectangle as [min, max) and positions in double precision, without ids and ranks.
+	godot::Ref<PoissonPoints> sample_domain_exact(
 			double p_min_x, double p_min_y, double p_max_x, double p_max_y, const godot::Callable &p_progress);
 
 	/// Ends the call that is under way within 50 milliseconds, and what the system takes to get a large workspace back; it

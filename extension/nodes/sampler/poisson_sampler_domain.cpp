@@ -1,6 +1,7 @@
 #include "nodes/sampler/poisson_sampler.hpp"
 
 #include "core/base/check.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/sampler/script_progress.hpp"
 
@@ -157,7 +158,7 @@ template <typename Writer>
 Status PoissonSampler::write_tiles(
 		const Rect &p_rect, const Progress &p_progress, Writer &r_writer, DomainStats &r_stats) {
 	const PointSet set = set_; // The script may change it meanwhile.
-	const Status status = sampler_.sample(set, p_rect, points_, p_progress.cancel, p_progress.report);
+	const Status status = sampler_.sample(set, p_rect, points_, p_progress);
 	if (!status.ok()) {
 		return status;
 	}
@@ -200,9 +201,7 @@ void PoissonSampler::write_domain(const Turn &p_turn, const Rect &p_rect, const 
 	}
 	const DomainRequest request = domain_request(p_size);
 	ScriptProgress script(class_name, p_progress);
-	const Progress progress{&cancelled_, [&](double fraction, std::uint64_t points) {
-								script.update(fraction, points);
-							}};
+	const Progress progress = script.progress(&cancelled_);
 	DomainStats stats;
 	const Status status = write_by_method(p_rect, request, progress, r_writer, stats);
 	if (status.ok()) {
@@ -219,22 +218,17 @@ void PoissonSampler::write_domain(const Turn &p_turn, const Rect &p_rect, const 
 PackedVector2Array PoissonSampler::sample_domain(const Rect2 &p_rect, const Callable &p_progress) {
 	const Turn turn(this, "sample_domain");
 	Vector2Writer writer(p_rect);
-	const glm::dvec2 min{p_rect.position.x, p_rect.position.y};
-	const glm::dvec2 size{p_rect.size.x, p_rect.size.y};
-	write_domain(turn, {min, min + size}, size, p_progress, writer);
+	write_domain(turn, to_core(p_rect), to_core(p_rect.size), p_progress, writer);
 	return writer.positions;
 }
 
-Dictionary PoissonSampler::sample_domain_exact(
+Ref<PoissonPoints> PoissonSampler::sample_domain_exact(
 		double p_min_x, double p_min_y, double p_max_x, double p_max_y, const Callable &p_progress) {
 	const Turn turn(this, "sample_domain_exact");
 	const Rect rect{{p_min_x, p_min_y}, {p_max_x, p_max_y}};
 	DoubleWriter writer(rect);
 	write_domain(turn, rect, rect.size(), p_progress, writer);
-	Dictionary result;
-	result["x"] = writer.x;
-	result["y"] = writer.y;
-	return result;
+	return PoissonPoints::of_positions(writer.x, writer.y);
 }
 
 Dictionary PoissonSampler::get_stats() const {

@@ -19,6 +19,11 @@ constexpr std::chrono::milliseconds pause{15};
 ScriptProgress::ScriptProgress(const char *p_owner, const Callable &p_callable) :
 		owner_(p_owner), callable_(p_callable), wanted_(!p_callable.is_null()), due_(Clock::now() + pause) {}
 
+Progress ScriptProgress::progress(const std::atomic<bool> *p_cancel) {
+	return {p_cancel, [this](double fraction, std::uint64_t points) { update(fraction, points); }};
+}
+
+/// Calls the script if it is time to.
 void ScriptProgress::update(double p_fraction, std::uint64_t p_points) {
 	if (wanted_ && p_fraction < 1.0 && Clock::now() >= due_) {
 		fraction_ = std::max(fraction_, p_fraction);

@@ -1,8 +1,11 @@
 #pragma once
 
+#include "core/base/progress.hpp"
+
 #include <godot_cpp/variant/callable.hpp>
 #include <godot_cpp/variant/variant.hpp>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 
@@ -16,8 +19,8 @@ public:
 	/// `p_owner` is named in the error. An empty callable wants to know nothing.
 	ScriptProgress(const char *p_owner, const godot::Callable &p_callable);
 
-	/// Calls the script if it is time to. Leaves the end to `finish`.
-	void update(double p_fraction, std::uint64_t p_points);
+	/// What a sampler tells, for as long as this object lives, and what ends it. The end is left to `finish`.
+	Progress progress(const std::atomic<bool> *p_cancel);
 
 	/// Calls it once more, with a fraction of 1.
 	void finish(std::uint64_t p_points);
@@ -25,6 +28,7 @@ public:
 private:
 	using Clock = std::chrono::steady_clock;
 
+	void update(double p_fraction, std::uint64_t p_points);
 	void call(double p_fraction, std::uint64_t p_points);
 
 	const char *owner_;

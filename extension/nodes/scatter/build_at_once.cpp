@@ -11,7 +11,7 @@ namespace thicket {
 namespace {
 
 /// Throws std::bad_alloc.
-Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const ScatterTerrain &terrain,
+Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
 		const Rect &rect, TileInstances &r_tile) {
 	TileBuilder builder;
 	if (ground != nullptr) {
@@ -21,7 +21,7 @@ Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const S
 	std::vector<Ground> answers(status.ok() ? builder.positions().size() : 0);
 	for (std::size_t i = 0; status.ok() && i < builder.queries().size(); ++i) {
 		const GroundQuery &query = builder.queries()[i];
-		status = terrain.ask(builder.positions().subspan(query.first, query.count), query.textures,
+		status = terrain.sample_now(builder.positions().subspan(query.first, query.count), query.textures,
 				std::span(answers).subspan(query.first, query.count));
 	}
 	return status.ok() ? builder.place(answers, r_tile) : status;
@@ -29,7 +29,7 @@ Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const S
 
 } // namespace
 
-Status build_at_once(const LayerSettings &layer, const Terrain *ground, const ScatterTerrain &terrain, const Rect &rect,
+Status build_at_once(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
 		TileInstances &r_tile) {
 	return guarded("rect", std::max(rect.size().x, rect.size().y),
 			[&] { return build_in_steps(layer, ground, terrain, rect, r_tile); });

@@ -9,7 +9,7 @@ namespace thicket {
 
 /// All steps of a tile on this thread, the main one. `ground` is what `terrain` gave for workers; where it is null, the terrain itself is
 /// asked, there and then.
-Status build_at_once(const LayerSettings &layer, const Terrain *ground, const ScatterTerrain &terrain, const Rect &rect,
+Status build_at_once(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
 		TileInstances &r_tile);
 
 } // namespace thicket

@@ -161,7 +161,7 @@ void ScatterStream::sort_work(std::span<const Viewer> viewers) {
 
 void ScatterStream::start(const TileRequest &request) {
 	const SharedSnapshot &layer = layers_[request.key.layer];
-	if (layer == nullptr || !ground_.source->ready()) {
+	if (layer == nullptr || !ground_.source.is_available()) {
 		streamer_.finish(request); // The tile that is shown there stays.
 		return;
 	}
@@ -181,7 +181,7 @@ void ScatterStream::start_missing() {
 		const auto makes = [&tile](const std::shared_ptr<TileJob> &job) {
 			return job->request.key.layer == tile.layer && job->request.key.tile == tile.tile && !job->stale;
 		};
-		if (under_way == room || ground_.source.is_null() || !ground_.source->ready()) {
+		if (under_way == room || !ground_.source.is_available()) {
 			return;
 		}
 		if (tile.layer >= layers_.size() || layers_[tile.layer] == nullptr || std::ranges::any_of(jobs_, makes)) {
@@ -227,7 +227,7 @@ void ScatterStream::report_once(const TileJob &job) {
 	const std::uint32_t index = job.request.key.layer;
 	const bool present = index < layers_.size() && layers_[index] != nullptr &&
 			layers_[index]->settings == job.layer->settings && ground_.terrain == job.terrain;
-	if (present && !job.stale && ground_.source->ready() && !error_reported_[index]) {
+	if (present && !job.stale && ground_.source.is_available() && !error_reported_[index]) {
 		error_reported_[index] = true;
 		report_tile(job.request.key, job.status);
 	}
@@ -266,7 +266,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 
 void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
-	if (!job->status.ok() && !job->stale && ground_.source->ready()) {
+	if (!job->status.ok() && !job->stale && ground_.source.is_available()) {
 		// A tile that cannot be made counts as empty; an edit makes it missing again.
 		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const TileInstances>());
 	}

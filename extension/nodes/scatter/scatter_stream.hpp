@@ -19,7 +19,7 @@ namespace thicket {
 /// What instances stand on.
 struct StreamGround {
 	std::shared_ptr<const Terrain> terrain; ///< For workers; null where only the main thread may ask.
-	godot::Ref<ScatterTerrain> source;      ///< Asked on the main thread.
+	HostedTerrain source;                   ///< Asked on the main thread.
 };
 
 /// A tile was shown or hidden.

@@ -34,9 +34,8 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 	Status status;
 	if (count > 0) {
 		const std::weak_ptr<const void> alive = life_;
-		const Ref<ScatterTerrain> terrain = ground_.source;
-		status = terrain->ask(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count), part->textures,
-				std::span(job->ground).subspan(job->answered, count));
+		status = ground_.source.sample_now(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count),
+				part->textures, std::span(job->ground).subspan(job->answered, count));
 		if (alive.expired() || ask_ground_.empty() || ask_ground_.front() != job) {
 			return 0; // A script has freed or changed the stream that asked it.
 		}
@@ -57,8 +56,8 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 
 /// For how many positions the terrain may be asked now; 0 where it may only be asked at the other time of a frame.
 std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
-	const Ref<ScatterTerrain> &source = ground_.source;
-	return source.is_valid() && source->needs_physics_frames() == in_physics_frame ? source->places_at_once() : 0;
+	const Ref<ScatterTerrain> &terrain = ground_.source.terrain;
+	return terrain.is_valid() && terrain->needs_physics_frames() == in_physics_frame ? terrain->max_positions_per_call() : 0;
 }
 
 void ScatterStream::physics_frame() {

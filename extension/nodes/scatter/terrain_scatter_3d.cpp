@@ -86,7 +86,7 @@ void TerrainScatter3D::start() {
 	gameplay()->start(in_editor() ? RID() : get_world_3d()->get_space(), get_instance_id());
 	set_process_internal(true);
 	if (!std::exchange(running_, true) && terrain_.is_valid()) {
-		terrain_->enter(this);
+		terrain_->enter(this, world_offset_);
 	}
 	mark_ground_dirty();
 }
@@ -285,13 +285,13 @@ void TerrainScatter3D::refresh() {
 	set_physics_process_internal(terrain.is_valid() && terrain->needs_physics_frames());
 	const EditedArea ground_change = std::exchange(ground_change_, {});
 	if (!ground_change.empty() && terrain.is_valid()) {
-		std::shared_ptr<const Terrain> ground = terrain->snapshot(); // Asks scripts, and so does the next.
+		std::shared_ptr<const Terrain> ground = terrain->snapshot(get_instance_id()); // Asks scripts, and so does the next.
 		if (!gameplay->alive() || !(terrain == terrain_)) {
 			return;
 		}
 		ground_ = std::move(ground);
 	}
-	const bool grounded = terrain.is_valid() && (ground_ != nullptr || terrain->main_thread_only());
+	const bool grounded = terrain.is_valid() && (ground_ != nullptr || terrain->is_main_thread_only());
 	if (!gameplay->alive() || !(terrain == terrain_)) {
 		return;
 	}
@@ -305,19 +305,19 @@ void TerrainScatter3D::refresh() {
 	const std::vector<EditedArea> outdated =
 			layer_list_.update(layers_, static_cast<std::uint64_t>(seed_), ground_change, regions_);
 	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
-	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, terrain_});
+	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, {terrain_, get_instance_id()}});
 }
 
 /// A tile for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
 TileMaker TerrainScatter3D::tile_maker() const {
-	return [layers = layer_list_.snapshots(), ground = ground_, terrain = terrain_](
+	return [layers = layer_list_.snapshots(), ground = ground_, terrain = HostedTerrain{terrain_, get_instance_id()}](
 				   std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) -> Status {
-		if (layer >= layers.size() || layers[layer] == nullptr || !terrain->ready()) {
+		if (layer >= layers.size() || layers[layer] == nullptr || !terrain.is_available()) {
 			return {};
 		}
 		TileInstances made;
 		const Rect rect = tile_rect(layers[layer]->range.tile_size, tile);
-		const Status status = build_at_once(*layers[layer]->settings, ground.get(), *terrain.ptr(), rect, made);
+		const Status status = build_at_once(*layers[layer]->settings, ground.get(), terrain, rect, made);
 		if (status.ok()) {
 			r_tile = std::make_shared<const TileInstances>(std::move(made));
 		}

@@ -50,11 +50,8 @@ void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
 	}
 	terrain_ = p_terrain;
 	ground_ = nullptr;
-	if (terrain_.is_valid()) {
-		terrain_->set_world_offset(world_offset_);
-	}
 	if (running_ && terrain_.is_valid()) {
-		terrain_->enter(this);
+		terrain_->enter(this, world_offset_);
 	}
 	watch_terrain(true);
 	mark_ground_dirty();
@@ -90,7 +87,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	display().set_world_offset(offset);
 	gameplay()->set_world_offset(offset);
 	if (terrain_.is_valid()) {
-		terrain_->set_world_offset(offset);
+		terrain_->set_world_offset(this, offset);
 	}
 	if (regions_.mark_all()) {
 		mark_edited(); // Those that have not moved with the scene are somewhere else in the world.
@@ -167,15 +164,15 @@ Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect
 	SharedSnapshot snapshot;
 	if (status.ok()) {
 		snapshot = layer < layer_list_.snapshots().size() ? layer_list_.snapshots()[layer] : nullptr;
-		status = !terrain_->ready()  ? Status{ErrorCode::missing, "terrain"}
+		status = !terrain_->is_available() ? Status{ErrorCode::missing, "terrain"}
 				: snapshot == nullptr ? Status{ErrorCode::missing, "layer"}
 									  : Status{};
 	}
 	TileInstances tile;
 	if (status.ok() && gameplay->alive()) {
-		const Ref<ScatterTerrain> terrain = terrain_; // A script that is asked for the ground may free this node.
+		const HostedTerrain terrain{terrain_, get_instance_id()}; // A script that is asked for the ground may free this node.
 		const std::shared_ptr<const Terrain> ground = ground_;
-		status = build_at_once(*snapshot->settings, ground.get(), *terrain.ptr(), to_world(p_rect, offset), tile);
+		status = build_at_once(*snapshot->settings, ground.get(), terrain, to_world(p_rect, offset), tile);
 	}
 	report("TerrainScatter3D.build_rect", status);
 	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.meshes, offset)

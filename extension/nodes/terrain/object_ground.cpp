@@ -11,7 +11,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <vector>
 
 using namespace godot;
@@ -20,27 +19,12 @@ namespace thicket {
 
 namespace {
 
-/// Places for which the object is held at a time.
+/// Positions for which the object is held at a time.
 constexpr std::size_t slice = 64;
 
 constexpr const char *gone = "ScatterTerrainObject.node";
 
-/// True on a thread that is calling methods.
-thread_local bool calling = false;
-
-/// While one stands, the object stays.
-class Calling {
-public:
-	explicit Calling(std::shared_mutex &gate) : lock_(gate) { calling = true; }
-	~Calling() { calling = false; }
-	Calling(const Calling &) = delete;
-	Calling &operator=(const Calling &) = delete;
-
-private:
-	std::shared_lock<std::shared_mutex> lock_;
-};
-
-/// How much of textures that a place consists of is among those asked for.
+/// How much of what lies at a position belongs to the textures that are asked for.
 float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_t> textures) {
 	const auto among = [textures](real_t texture) {
 		return std::ranges::any_of(textures, [texture](std::int32_t wanted) { return texture == real_t(wanted); });
@@ -53,56 +37,60 @@ float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_
 
 } // namespace
 
-std::shared_ptr<ObjectGround> ObjectGround::of(Object *p_object, glm::dvec3 offset) {
+std::shared_ptr<ObjectGround> ObjectGround::of(const Variant &p_object) {
 	auto ground = std::make_shared<ObjectGround>();
-	ground->offset_ = offset;
-	return ground->take_methods(p_object) || ground->take_methods(p_object->get("data").get_validated_object()) ||
-					ground->take_map(p_object)
-			? ground
-			: nullptr;
+	if (ground->take_methods(p_object)) {
+		return ground;
+	}
+	Object *object = p_object.get_validated_object();
+	const Variant data = object != nullptr ? object->get("data") : Variant(); // Held: it may have no other owner.
+	return ground->take_methods(data) || ground->take_map(p_object) ? ground : nullptr;
 }
 
-bool ObjectGround::take_methods(Object *p_object) {
-	if (p_object == nullptr || !p_object->has_method(height_method_)) {
+std::shared_ptr<ObjectGround> ObjectGround::at_offset(glm::dvec3 offset) const {
+	auto ground = std::make_shared<ObjectGround>();
+	ground->source_ = source_;
+	ground->height_method_ = height_method_;
+	ground->has_normal_ = has_normal_;
+	ground->has_textures_ = has_textures_;
+	ground->map_ = map_;
+	ground->offset_ = offset;
+	return ground;
+}
+
+bool ObjectGround::take_methods(const Variant &p_object) {
+	if (!has_method(p_object, height_method_)) {
 		return false;
 	}
-	source_ = Variant(p_object);
-	has_normal_ = p_object->has_method(normal_method_);
-	has_textures_ = p_object->has_method(texture_method_);
+	source_ = p_object;
+	has_normal_ = has_method(p_object, normal_method_);
+	has_textures_ = has_method(p_object, texture_method_);
 	return true;
 }
 
-bool ObjectGround::take_map(Object *p_object) {
-	if (!p_object->has_method("get_data") || !p_object->has_method("get_internal_transform")) {
+bool ObjectGround::take_map(const Variant &p_object) {
+	if (!has_method(p_object, "get_data") || !has_method(p_object, "get_internal_transform")) {
 		return false;
 	}
-	Object *data = result_of(p_object, "get_data").get_validated_object();
-	if (data == nullptr || !data->has_method("get_interpolated_height_at") || !data->has_method("get_resolution")) {
+	const Variant data = result_of(p_object, "get_data");
+	if (!has_method(data, "get_interpolated_height_at") || !has_method(data, "get_resolution")) {
 		return false;
 	}
 	map_ = read_map(p_object, data);
-	source_ = Variant(data);
+	source_ = data;
 	height_method_ = "get_interpolated_height_at";
-	return map_.has_value();
+	return map_ != nullptr;
 }
 
 void ObjectGround::set_offset(glm::dvec3 offset) {
-	if (map_) {
-		return;
+	if (map_ == nullptr) {
+		gate_.alone([this, offset] { offset_ = offset; });
 	}
-	if (calling) {
-		offset_ = offset; // Within a call on this thread, which is the main one.
-		return;
-	}
-	const std::unique_lock wait(gate_);
-	offset_ = offset;
 }
 
 void ObjectGround::close() {
 	open_ = false;
-	if (!calling) {
-		const std::unique_lock wait(gate_);
-	}
+	gate_.alone([] {});
 }
 
 Status ObjectGround::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
@@ -111,7 +99,7 @@ Status ObjectGround::sample(std::span<const glm::dvec2> positions, std::span<Gro
 	}
 	for (std::size_t first = 0; first < positions.size(); first += slice) {
 		const std::size_t count = std::min(slice, positions.size() - first);
-		const Calling hold(gate_);
+		const CallGate::Inside inside(gate_);
 		const Status status = sample_slice(positions.subspan(first, count), r_ground.subspan(first, count));
 		if (!status.ok()) {
 			return status;
@@ -140,12 +128,12 @@ Status ObjectGround::ground_at(glm::dvec2 position, Ground &r_ground) const {
 
 Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 	r_height = std::numeric_limits<float>::quiet_NaN();
-	const glm::dvec2 place = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
-	if (!std::isfinite(place.x) || !std::isfinite(place.y) || (map_ && !map_->has_ground(place))) {
+	const glm::dvec2 asked = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
+	if (!std::isfinite(asked.x) || !std::isfinite(asked.y) || (map_ && !map_->has_ground(asked))) {
 		return {};
 	}
 	Variant result;
-	if (const Status status = call(height_method_, "height method of ScatterTerrainObject.node", place, result);
+	if (const Status status = call(height_method_, "height method of ScatterTerrainObject.node", asked, result);
 			!status.ok()) {
 		return status;
 	}
@@ -193,7 +181,7 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 		if (map_) {
 			r_ground[i].weight = map_->weight(map_->to_map(in_engine(positions[i])), channels);
 		} else if (has_textures_) {
-			const Calling hold(gate_);
+			const CallGate::Inside inside(gate_);
 			if (const Status status = weigh_by_textures(positions[i], textures, r_ground[i]); !status.ok()) {
 				return status;
 			}

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/terrain/terrain.hpp"
+#include "nodes/terrain/call_gate.hpp"
 #include "nodes/terrain/terrain_map.hpp"
 
 #include <godot_cpp/variant/string_name.hpp>
@@ -11,8 +12,6 @@
 
 #include <atomic>
 #include <memory>
-#include <optional>
-#include <shared_mutex>
 
 namespace thicket {
 
@@ -25,9 +24,12 @@ namespace thicket {
 /// from 0 to 1, has weights too.
 class ObjectGround : public Terrain {
 public:
-	/// Null if the object has none of these. `offset` is the engine's origin in the world, meters: the object stands in the
-	/// engine's space.
-	static std::shared_ptr<ObjectGround> of(godot::Object *p_object, glm::dvec3 offset);
+	/// Null if the object has none of these. Looking for them may run scripts of the object, which may free it.
+	static std::shared_ptr<ObjectGround> of(const godot::Variant &p_object);
+
+	/// The same ground in a world in which the engine's origin is at `offset`, in meters: the object stands in the engine's
+	/// space. For each node that uses it there is one.
+	std::shared_ptr<ObjectGround> at_offset(glm::dvec3 offset) const;
 
 	/// The scene was recentered. Waits as `close` does. A map goes on as it stood when it was found.
 	void set_offset(glm::dvec3 offset);
@@ -38,21 +40,22 @@ public:
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
 
-	/// The object is going: waits for calls from worker threads that are under way, a few dozen places at most. All
-	/// later ones are refused. Does not wait on a thread that is within such a call itself.
+	/// The object is going: waits for calls from other threads that are under way, a few dozen positions at most. All later
+	/// ones are refused. May be called within such a call, which does not wait for itself.
 	void close();
 	bool is_open() const { return open_; }
 
 	/// False if `weigh` leaves all weights as they are, or 1.
-	bool has_textures() const { return map_ ? !map_->splats.empty() : has_textures_; }
+	bool has_textures() const { return map_ != nullptr ? !map_->splats.empty() : has_textures_; }
 
 	/// What the methods belong to: the object itself or its data. Null if it is gone.
 	godot::Object *source() const { return source_.get_validated_object(); }
-	const std::optional<TerrainMap> &map() const { return map_; }
+	/// Null for an object that has none.
+	const TerrainMap *map() const { return map_.get(); }
 
 private:
-	bool take_methods(godot::Object *p_object);
-	bool take_map(godot::Object *p_object);
+	bool take_methods(const godot::Variant &p_object);
+	bool take_map(const godot::Variant &p_object);
 	Status sample_slice(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const;
 	Status ground_at(glm::dvec2 position, Ground &r_ground) const;
 	glm::dvec2 in_engine(glm::dvec2 position) const { return position - glm::dvec2(offset_.x, offset_.z); }
@@ -69,10 +72,10 @@ private:
 	godot::StringName texture_method_ = "get_texture_id";
 	bool has_normal_ = false;
 	bool has_textures_ = false;
-	std::optional<TerrainMap> map_;
+	std::shared_ptr<const TerrainMap> map_;
 	glm::dvec3 offset_{0.0}; ///< Guarded by gate_; that of a map never changes.
 
-	mutable std::shared_mutex gate_; ///< Shared while methods are called, so that the object stays for so long.
+	CallGate gate_; ///< Methods are called inside of it, so that the object stays for so long.
 	std::atomic<bool> open_ = true;
 };
 

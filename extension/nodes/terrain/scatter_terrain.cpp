@@ -21,9 +21,14 @@ namespace {
 
 constexpr const char *class_name = "ScatterTerrain";
 
-/// Places that a script on the main thread is asked for at a time: some 0.1 ms of GDScript, neighbors for slopes
-/// included.
+/// Positions that a script on the main thread is asked for at a time: some 0.1 ms of GDScript, neighbors for slopes included.
 constexpr std::size_t script_slice = 32;
+
+Status wrong_size(const char *property, int64_t size) {
+	return {ErrorCode::wrong_size, property, static_cast<double>(size)};
+}
+
+} // namespace
 
 /// A script that says that it may be called from worker threads.
 class ScriptGround : public Terrain {
@@ -31,7 +36,7 @@ public:
 	explicit ScriptGround(const Ref<ScatterTerrain> &p_script) : script_(p_script) {}
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
-		return script_->ask(positions, {}, r_ground);
+		return script_->ask_script(positions, r_ground);
 	}
 
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
@@ -43,20 +48,35 @@ private:
 	Ref<ScatterTerrain> script_;
 };
 
-Status wrong_size(const char *property, int64_t size) {
-	return {ErrorCode::wrong_size, property, static_cast<double>(size)};
+std::shared_ptr<const Terrain> ScatterTerrain::snapshot(std::uint64_t host) {
+	const Ref<ScatterTerrain> held(this);
+	return make_snapshot(find_host(host));
 }
 
-} // namespace
+String ScatterTerrain::problem() {
+	const Ref<ScatterTerrain> held(this);
+	return find_problem();
+}
 
-std::shared_ptr<const Terrain> ScatterTerrain::snapshot() {
-	if (!GDVIRTUAL_IS_OVERRIDDEN(_get_heights) || main_thread_only()) {
+bool ScatterTerrain::is_main_thread_only() {
+	const Ref<ScatterTerrain> held(this);
+	return only_on_main_thread();
+}
+
+Status ScatterTerrain::sample_now(std::uint64_t host, std::span<const glm::dvec2> positions,
+		std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
+	const Ref<ScatterTerrain> held(this);
+	return sample_for(find_host(host), positions, textures, r_ground);
+}
+
+std::shared_ptr<const Terrain> ScatterTerrain::make_snapshot(const GroundHost &) {
+	if (!GDVIRTUAL_IS_OVERRIDDEN(_get_heights) || only_on_main_thread()) {
 		return nullptr;
 	}
 	return std::make_shared<ScriptGround>(Ref<ScatterTerrain>(this));
 }
 
-String ScatterTerrain::problem() {
+String ScatterTerrain::find_problem() {
 	if (GDVIRTUAL_IS_OVERRIDDEN(_get_heights)) {
 		return {};
 	}
@@ -68,16 +88,21 @@ bool ScatterTerrain::has_textures() const {
 	return GDVIRTUAL_IS_OVERRIDDEN(_get_heights) && GDVIRTUAL_IS_OVERRIDDEN(_get_weights);
 }
 
-bool ScatterTerrain::main_thread_only() const {
+bool ScatterTerrain::only_on_main_thread() {
 	bool thread_safe = false;
 	GDVIRTUAL_CALL(_is_thread_safe, thread_safe);
 	return !thread_safe && GDVIRTUAL_IS_OVERRIDDEN(_get_heights);
 }
 
-std::size_t ScatterTerrain::places_at_once() const { return script_slice; }
+std::size_t ScatterTerrain::max_positions_per_call() const { return script_slice; }
 
-Status ScatterTerrain::ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-		std::span<Ground> r_ground) const {
+Status ScatterTerrain::sample_for(const GroundHost &, std::span<const glm::dvec2> positions,
+		std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
+	const Status status = ask_script(positions, r_ground);
+	return status.ok() && !textures.empty() ? ask_weights(positions, textures, r_ground) : status;
+}
+
+Status ScatterTerrain::ask_script(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
 	const PackedVector2Array where = packed_vectors(positions);
 	PackedFloat32Array heights;
 	GDVIRTUAL_CALL(_get_heights, where, heights);
@@ -89,13 +114,12 @@ Status ScatterTerrain::ask(std::span<const glm::dvec2> positions, std::span<cons
 		ground.height = *height++;
 		ground.normal = {0.0F, 1.0F, 0.0F};
 	}
-	const Status status = GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? ask_normals(where, r_ground)
-																: difference_normals(positions, r_ground);
-	return status.ok() && !textures.empty() ? ask_weights(positions, textures, r_ground) : status;
+	return GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? ask_normals(where, r_ground)
+												 : difference_normals(positions, r_ground);
 }
 
 Status ScatterTerrain::ask_weights(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-		std::span<Ground> r_ground) const {
+		std::span<Ground> r_ground) {
 	if (!GDVIRTUAL_IS_OVERRIDDEN(_get_weights)) {
 		return {};
 	}
@@ -112,7 +136,7 @@ Status ScatterTerrain::ask_weights(std::span<const glm::dvec2> positions, std::s
 	return {};
 }
 
-Status ScatterTerrain::ask_normals(const PackedVector2Array &p_positions, std::span<Ground> r_ground) const {
+Status ScatterTerrain::ask_normals(const PackedVector2Array &p_positions, std::span<Ground> r_ground) {
 	PackedVector3Array normals;
 	GDVIRTUAL_CALL(_get_normals, p_positions, normals);
 	if (normals.size() != p_positions.size()) {
@@ -125,7 +149,7 @@ Status ScatterTerrain::ask_normals(const PackedVector2Array &p_positions, std::s
 	return {};
 }
 
-Status ScatterTerrain::difference_normals(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+Status ScatterTerrain::difference_normals(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
 	std::vector<glm::dvec2> around;
 	around.reserve(4 * positions.size());
 	for (const glm::dvec2 &position : positions) {
@@ -145,50 +169,52 @@ Status ScatterTerrain::difference_normals(std::span<const glm::dvec2> positions,
 	return {};
 }
 
+GroundHost ScatterTerrain::find_host(std::uint64_t id) const {
+	const auto found = std::ranges::find(hosts_, id, &GroundHost::id);
+	return found != hosts_.end() ? *found : hosts_.empty() ? GroundHost{} : hosts_.front();
+}
+
 Ground ScatterTerrain::ground_at(const Vector3 &p_global_position) {
+	const Ref<ScatterTerrain> held(this); // A script that is asked may let go of it.
 	const glm::dvec2 position{p_global_position.x, p_global_position.z};
-	Ground ground{std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
-	const std::shared_ptr<const Terrain> terrain = snapshot();
-	if (terrain == nullptr && !main_thread_only()) {
-		return ground;
+	const Ground none{std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
+	Ground ground = none;
+	const std::shared_ptr<const Terrain> terrain = snapshot(0);
+	if (terrain == nullptr && !is_main_thread_only()) {
+		return none;
 	}
 	const Status status =
-			terrain ? terrain->sample({&position, 1}, {&ground, 1}) : ask({&position, 1}, {}, {&ground, 1});
+			terrain ? terrain->sample({&position, 1}, {&ground, 1}) : sample_now(0, {&position, 1}, {}, {&ground, 1});
 	if (!status.ok()) {
 		ERR_PRINT(String((std::string(class_name) + ": " + describe(status)).c_str()));
 	}
-	if (!status.ok() || !std::isfinite(ground.height)) {
-		return {std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
-	}
-	return ground;
+	return status.ok() && std::isfinite(ground.height) ? ground : none;
 }
 
-void ScatterTerrain::set_world_offset(glm::dvec3 offset) {
-	if (world_offset_ != offset) {
-		world_offset_ = offset;
-		offset_changed();
-	}
-}
-
-void ScatterTerrain::enter(Node3D *p_host) {
-	hosts_.push_back(p_host);
-	if (hosts_.size() == 1) {
-		host_changed();
-	}
+void ScatterTerrain::enter(Node3D *p_host, glm::dvec3 offset) {
+	hosts_.push_back({p_host, p_host->get_instance_id(), offset});
+	hosts_changed(hosts_.size() == 1);
 }
 
 void ScatterTerrain::leave(Node3D *p_host) {
-	const Node3D *before = host();
-	const auto found = std::find(hosts_.begin(), hosts_.end(), p_host);
+	const Node3D *first = first_node();
+	const auto found = std::ranges::find(hosts_, p_host, &GroundHost::node);
 	if (found != hosts_.end()) {
 		hosts_.erase(found);
 	}
-	if (host() == before) {
-		return;
-	}
-	host_changed();
-	if (host() != nullptr) {
+	const bool other_first = first_node() != first;
+	hosts_changed(other_first);
+	if (other_first && first_node() != nullptr) {
 		emit_changed();
+	}
+}
+
+void ScatterTerrain::set_world_offset(const Node3D *p_host, glm::dvec3 offset) {
+	const auto found = std::ranges::find(hosts_, p_host, &GroundHost::node);
+	if (found != hosts_.end() && found->offset != offset) {
+		found->offset = offset;
+		const GroundHost host = *found;
+		offset_changed(host);
 	}
 }
 

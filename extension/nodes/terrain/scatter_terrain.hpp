@@ -3,6 +3,7 @@
 #include "core/terrain/terrain.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
+#include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/core/gdvirtual.gen.inc>
 #include <godot_cpp/variant/packed_float32_array.hpp>
@@ -23,51 +24,57 @@ namespace thicket {
 
 inline constexpr double height_limit = 1e6; ///< World meters up and down: as far as the settings of a terrain go.
 
+/// A node that uses a ground. What stands in the scene stands in the engine's space, which each node may see at another place of
+/// the world.
+struct GroundHost {
+	godot::Node3D *node = nullptr;
+	std::uint64_t id = 0;   ///< Of the node as an object of the engine.
+	glm::dvec3 offset{0.0}; ///< Where the engine's origin is in the world, in meters: world = engine + offset.
+};
+
 /// The ground that layers stand on. Extend it in a script by `_get_heights`, or use one of the shipped kinds.
+///
+/// All public methods may run a script, which may do anything, even let go of the terrain: they keep it until they return.
 class ScatterTerrain : public godot::Resource {
 	GDCLASS(ScatterTerrain, godot::Resource)
 
 public:
-	/// An immutable view of the ground as it is now, safe on any thread for as long as it is held. Null when there is
-	/// no ground to give, or when it may only be asked on the main thread.
-	virtual std::shared_ptr<const Terrain> snapshot();
+	/// An immutable view of the ground as it is now, for the host of this id, safe on any thread for as long as it is held.
+	/// Null when there is no ground to give, or when it may only be asked on the main thread.
+	std::shared_ptr<const Terrain> snapshot(std::uint64_t host);
 
 	/// What keeps this ground from being used, in one sentence; empty when nothing does.
-	virtual godot::String problem();
+	godot::String problem();
 
 	/// False when this ground tells no textures apart, so that layers which ask for some stand everywhere.
 	virtual bool has_textures() const;
 
-	/// True when the ground may only be asked on the main thread, by `ask`.
-	virtual bool main_thread_only() const;
+	/// True when the ground may only be asked on the main thread, by `sample_now`.
+	bool is_main_thread_only();
 
-	/// True when `ask` may be called in physics frames only.
+	/// True when `sample_now` may be called in physics frames only.
 	virtual bool needs_physics_frames() const { return false; }
 
-	/// The most places to ask for in one call of `ask`, and in one physics frame.
-	virtual std::size_t places_at_once() const;
+	/// The most positions to ask for in one call of `sample_now`, and in one physics frame.
+	virtual std::size_t max_positions_per_call() const;
 
 	/// False while that which gives the ground is away for the time being: tiles are then left as they are.
-	virtual bool ready() const { return true; }
+	virtual bool is_available() const { return true; }
 
-	/// On the main thread: the ground under `positions`, and how much of it belongs to `textures` (see Terrain::weigh;
-	/// none: not asked for). `r_ground` has the size of `positions`. A script that gives a wrong number of heights,
-	/// normals or weights is refused; its NAN heights stand for no ground.
-	virtual Status ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-			std::span<Ground> r_ground) const;
+	/// On the main thread: the ground under `positions` in the world of the host of this id, and how much of it belongs to
+	/// `textures` (see Terrain::weigh; none: not asked for). `r_ground` has the size of `positions`. A script that gives a wrong
+	/// number of heights, normals or weights is refused; its NAN heights stand for no ground.
+	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions,
+			std::span<const std::int32_t> textures, std::span<Ground> r_ground);
 
-	/// Asks a script for the weights alone; where it has no method for them they stay.
-	Status ask_weights(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-			std::span<Ground> r_ground) const;
-
-	/// A node in the tree that begins to use this ground, or no longer does. Each `enter` has its `leave`, while the
-	/// node is still there.
-	void enter(godot::Node3D *p_host);
+	/// A node in the tree begins to use this ground, or no longer does. Each `enter` has its `leave`, while the node is still
+	/// there. Main thread only, as is the next.
+	void enter(godot::Node3D *p_host, glm::dvec3 offset);
 	void leave(godot::Node3D *p_host);
 
-	/// Where the engine's origin is in the world, meters: world = engine + offset. Counts for ground that is found in the scene,
-	/// which moves along when a game recenters; all other ground is the world's. Main thread only.
-	void set_world_offset(glm::dvec3 offset);
+	/// The game of a node that uses this ground has recentered. Counts for ground that is found in the scene, which moves along;
+	/// all other ground is the world's.
+	void set_world_offset(const godot::Node3D *p_host, glm::dvec3 offset);
 
 	/// Height in meters of the ground above or below a world position; NAN where there is none.
 	double get_height(const godot::Vector3 &p_global_position);
@@ -83,27 +90,56 @@ public:
 protected:
 	static void _bind_methods();
 
-	/// Called after the first of the hosts has become another one.
-	virtual void host_changed() {}
+	/// What the public methods of these names do. A script's are asked here.
+	virtual std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host);
+	virtual godot::String find_problem();
+	virtual bool only_on_main_thread();
+	virtual Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+			std::span<const std::int32_t> textures, std::span<Ground> r_ground);
 
-	/// Called after `world_offset` has become another one.
-	virtual void offset_changed() {}
-	glm::dvec3 world_offset() const { return world_offset_; }
+	/// Called after a host has come or gone. `first`: another one is the first now.
+	virtual void hosts_changed(bool /*first*/) {}
 
-	/// The node from which what this ground needs of the scene is looked for: the first of those that use it; null for
-	/// none.
-	godot::Node3D *host() const { return hosts_.empty() ? nullptr : hosts_.front(); }
+	/// Called after the offset of a host has become another one.
+	virtual void offset_changed(const GroundHost &) {}
+
+	/// All that use the ground. What it needs of the scene is looked for from the first of them.
+	std::span<const GroundHost> hosts() const { return hosts_; }
+
+	/// The node of the first host; null for none.
+	godot::Node3D *first_node() const { return hosts_.empty() ? nullptr : hosts_.front().node; }
 
 	/// Tells that the ground has changed within a world rect, in meters of x and z.
 	void emit_terrain_changed(const godot::Rect2 &p_rect);
 
 private:
-	Status ask_normals(const godot::PackedVector2Array &p_positions, std::span<Ground> r_ground) const;
-	Status difference_normals(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const;
+	friend class ScriptGround;
+
+	GroundHost find_host(std::uint64_t id) const;
+	Status ask_script(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
+	Status ask_weights(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+			std::span<Ground> r_ground);
+	Status ask_normals(const godot::PackedVector2Array &p_positions, std::span<Ground> r_ground);
+	Status difference_normals(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Ground ground_at(const godot::Vector3 &p_global_position);
 
-	std::vector<godot::Node3D *> hosts_;
-	glm::dvec3 world_offset_{0.0};
+	std::vector<GroundHost> hosts_;
+};
+
+/// A ground as one of its hosts uses it.
+struct HostedTerrain {
+	godot::Ref<ScatterTerrain> terrain;
+	std::uint64_t host = 0;
+
+	/// True if there is a ground that can be asked at present.
+	bool is_available() const { return terrain.is_valid() && terrain->is_available(); }
+
+	/// See ScatterTerrain. Not for a null `terrain`.
+	Status sample_now(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+			std::span<Ground> r_ground) const {
+		const godot::Ref<ScatterTerrain> held = terrain; // A script may do away with this object.
+		return held->sample_now(host, positions, textures, r_ground);
+	}
 };
 
 } // namespace thicket

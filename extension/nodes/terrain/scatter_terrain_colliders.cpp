@@ -26,7 +26,7 @@ constexpr const char *class_name = "ScatterTerrainColliders";
 constexpr real_t into_body = 1e-3F;
 constexpr real_t into_high_body = 1e-6F;
 
-/// More bodies over a place than this hide the ground.
+/// More bodies over a position than this hide the ground.
 constexpr int max_bodies = 64;
 
 /// Casts one ray after another straight down. Instances of a scatter stand on the ground and are none.
@@ -102,12 +102,12 @@ private:
 
 } // namespace
 
-std::shared_ptr<const Terrain> ScatterTerrainColliders::snapshot() {
+std::shared_ptr<const Terrain> ScatterTerrainColliders::make_snapshot(const GroundHost &) {
 	report(class_name, check());
 	return nullptr;
 }
 
-String ScatterTerrainColliders::problem() {
+String ScatterTerrainColliders::find_problem() {
 	if (const Status status = check(); !status.ok()) {
 		return sentence(class_name, status);
 	}
@@ -118,16 +118,19 @@ Status ScatterTerrainColliders::check() const {
 	return ray_top_ > ray_bottom_ ? Status{} : Status{ErrorCode::inverted, "ray_bottom", ray_bottom_};
 }
 
-bool ScatterTerrainColliders::ready() const { return host() != nullptr && host()->is_inside_tree() && check().ok(); }
+bool ScatterTerrainColliders::is_available() const {
+	return first_node() != nullptr && first_node()->is_inside_tree() && check().ok();
+}
 
-Status ScatterTerrainColliders::ask(
-		std::span<const glm::dvec2> positions, std::span<const std::int32_t>, std::span<Ground> r_ground) const {
-	const Ref<World3D> world = ready() ? host()->get_world_3d() : Ref<World3D>();
+Status ScatterTerrainColliders::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+		std::span<const std::int32_t>, std::span<Ground> r_ground) {
+	const bool in_scene = host.node != nullptr && host.node->is_inside_tree() && check().ok();
+	const Ref<World3D> world = in_scene ? host.node->get_world_3d() : Ref<World3D>();
 	PhysicsDirectSpaceState3D *space = world.is_valid() ? world->get_direct_space_state() : nullptr;
 	if (space == nullptr) {
 		return {ErrorCode::missing, "physics space of ScatterTerrainColliders", 0.0};
 	}
-	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_, world_offset());
+	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_, host.offset);
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		r_ground[i] = plumb.ground_at(positions[i]);
 	}

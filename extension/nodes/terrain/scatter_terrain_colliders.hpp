@@ -9,14 +9,9 @@ class ScatterTerrainColliders : public ScatterTerrain {
 	GDCLASS(ScatterTerrainColliders, ScatterTerrain)
 
 public:
-	std::shared_ptr<const Terrain> snapshot() override;
-	godot::String problem() override;
-	bool main_thread_only() const override { return true; }
 	bool needs_physics_frames() const override { return true; }
-	std::size_t places_at_once() const override { return static_cast<std::size_t>(rays_per_frame_); }
-	bool ready() const override;
-	Status ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-			std::span<Ground> r_ground) const override;
+	std::size_t max_positions_per_call() const override { return static_cast<std::size_t>(rays_per_frame_); }
+	bool is_available() const override;
 
 	/// Physics layers whose bodies are ground, a bit each, 32 bits. Anything else prints an error and is ignored.
 	void set_collision_mask(int64_t p_mask);
@@ -35,6 +30,11 @@ public:
 
 protected:
 	static void _bind_methods();
+	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
+	godot::String find_problem() override;
+	bool only_on_main_thread() override { return true; }
+	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+			std::span<const std::int32_t> textures, std::span<Ground> r_ground) override;
 
 private:
 	Status check() const;

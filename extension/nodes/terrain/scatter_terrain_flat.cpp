@@ -9,11 +9,11 @@ using namespace godot;
 
 namespace thicket {
 
-std::shared_ptr<const Terrain> ScatterTerrainFlat::snapshot() {
+std::shared_ptr<const Terrain> ScatterTerrainFlat::make_snapshot(const GroundHost &) {
 	return std::make_shared<FlatTerrain>(static_cast<float>(height_));
 }
 
-String ScatterTerrainFlat::problem() { return {}; }
+String ScatterTerrainFlat::find_problem() { return {}; }
 
 void ScatterTerrainFlat::set_height(double p_height) {
 	if (accept_number("ScatterTerrainFlat", "height", p_height, -height_limit, height_limit)) {

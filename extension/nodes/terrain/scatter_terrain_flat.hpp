@@ -9,15 +9,14 @@ class ScatterTerrainFlat : public ScatterTerrain {
 	GDCLASS(ScatterTerrainFlat, ScatterTerrain)
 
 public:
-	std::shared_ptr<const Terrain> snapshot() override;
-	godot::String problem() override;
-
 	/// World height in meters, finite, +-1e6. Anything else prints an error and is ignored.
 	void set_height(double p_height);
 	double get_level() const;
 
 protected:
 	static void _bind_methods();
+	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
+	godot::String find_problem() override;
 
 private:
 	double height_ = 0.0;

@@ -32,12 +32,12 @@ bool accept_image(const char *property, const Ref<Resource> &p_image) {
 
 } // namespace
 
-std::shared_ptr<const Terrain> ScatterTerrainHeightmap::snapshot() {
+std::shared_ptr<const Terrain> ScatterTerrainHeightmap::make_snapshot(const GroundHost &) {
 	refresh();
 	return field_;
 }
 
-String ScatterTerrainHeightmap::problem() {
+String ScatterTerrainHeightmap::find_problem() {
 	refresh();
 	return status_.ok() ? String() : sentence(class_name, status_);
 }

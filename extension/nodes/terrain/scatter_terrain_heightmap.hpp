@@ -16,8 +16,6 @@ class ScatterTerrainHeightmap : public ScatterTerrain {
 	GDCLASS(ScatterTerrainHeightmap, ScatterTerrain)
 
 public:
-	std::shared_ptr<const Terrain> snapshot() override;
-	godot::String problem() override;
 	bool has_textures() const override { return weight_image_.is_valid(); }
 
 	/// A file of little-endian posts without a header, row by row, x fastest: of 8 bits, 16 bits or floats, which its
@@ -54,6 +52,8 @@ public:
 
 protected:
 	static void _bind_methods();
+	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
+	godot::String find_problem() override;
 
 private:
 	void change();

@@ -12,6 +12,7 @@
 
 #include <glm/common.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <utility>
@@ -62,84 +63,139 @@ void join(Rect &r_area, const Rect &other) {
 	r_area.max = glm::max(r_area.max, other.max);
 }
 
-} // namespace
-
-std::shared_ptr<const Terrain> ScatterTerrainMeshes::snapshot() {
-	if (stale_ && host() != nullptr && host()->is_inside_tree()) {
-		read();
+/// Adds where a mesh has come, gone or changed.
+void add_changes(const ScatterTerrainMeshes::Parts &before, const ScatterTerrainMeshes::Parts &now, Rect &r_changed) {
+	for (const auto &[id, part] : before) {
+		const auto same = now.find(id);
+		if (same == now.end() || same->second.digest != part.digest) {
+			join(r_changed, part.area);
+		}
 	}
-	return ground_;
 }
 
-String ScatterTerrainMeshes::problem() {
+} // namespace
+
+std::shared_ptr<const Terrain> ScatterTerrainMeshes::make_snapshot(const GroundHost &host) {
+	if (stale_ && first_node() != nullptr && first_node()->is_inside_tree()) {
+		read();
+	} else if (host.node != nullptr && !worlds_.contains(host.id)) {
+		add_world(host, worlds_);
+	}
+	const auto found = worlds_.find(host.id);
+	const std::shared_ptr<const World> &world = found != worlds_.end() ? found->second : last_;
+	return world != nullptr ? world->ground : nullptr;
+}
+
+String ScatterTerrainMeshes::find_problem() {
 	if (String(group_).is_empty()) {
 		return "ScatterTerrainMeshes.group is missing: name a group of MeshInstance3Ds that are ground.";
 	}
-	if (host() != nullptr && host()->is_inside_tree() && instances().empty()) {
+	if (first_node() != nullptr && first_node()->is_inside_tree() && instances().empty()) {
 		return vformat("ScatterTerrainMeshes.group: no MeshInstance3D in the scene belongs to \"%s\".", group_);
 	}
 	return {};
 }
 
-std::vector<MeshInstance3D *> ScatterTerrainMeshes::instances() const {
-	std::vector<MeshInstance3D *> result;
+std::vector<Variant> ScatterTerrainMeshes::instances() const {
+	std::vector<Variant> result;
 	if (String(group_).is_empty()) {
 		return result;
 	}
-	const Ref<World3D> world = host()->get_world_3d();
-	const TypedArray<Node> nodes = host()->get_tree()->get_nodes_in_group(group_);
+	const Ref<World3D> world = first_node()->get_world_3d();
+	const TypedArray<Node> nodes = first_node()->get_tree()->get_nodes_in_group(group_);
 	for (int64_t index = 0; index < nodes.size(); ++index) {
 		auto *instance = Object::cast_to<MeshInstance3D>(nodes[index].get_validated_object());
 		if (instance != nullptr && instance->get_mesh().is_valid() && instance->get_world_3d() == world) {
-			result.push_back(instance);
+			result.push_back(nodes[index]);
 		}
 	}
 	return result;
 }
 
-// What is refused leaves the ground as it was.
-void ScatterTerrainMeshes::read() {
-	stale_ = false;
-	Parts parts;
+/// False, with an error, for what is refused. A mesh may be a script's, which makes it now and may free instances.
+bool ScatterTerrainMeshes::read_world(glm::dvec3 offset, World &r_world) const {
 	std::vector<glm::dvec3> corners;
-	for (const MeshInstance3D *instance : instances()) {
+	for (const Variant &node : instances()) {
+		const auto *instance = Object::cast_to<MeshInstance3D>(node.get_validated_object());
+		if (instance == nullptr || !instance->is_inside_tree()) {
+			continue;
+		}
+		const std::uint64_t id = instance->get_instance_id();
 		const std::size_t first = corners.size();
-		add_triangles(*instance, world_offset(), corners);
+		add_triangles(*instance, offset, corners);
 		const auto added = std::span<const glm::dvec3>(corners).subspan(first);
 		if (!added.empty()) {
-			parts[instance->get_instance_id()] = {digest_of(added), area_of(added)};
+			r_world.parts[id] = {digest_of(added), area_of(added)};
 		}
 	}
 	const auto ground = std::make_shared<TriangleTerrain>();
 	const Status status = ground->set(corners);
 	report(class_name, status);
-	if (status.ok()) {
-		ground_ = ground;
-		parts_ = std::move(parts);
+	r_world.ground = ground;
+	return status.ok();
+}
+
+/// Adds the world of a host: that of another host whose offset is the same, or one that is read now. False for what is refused.
+bool ScatterTerrainMeshes::add_world(const GroundHost &host, Worlds &r_worlds) {
+	for (const GroundHost &other : hosts()) {
+		if (other.offset == host.offset && r_worlds.contains(other.id)) {
+			r_worlds[host.id] = r_worlds[other.id];
+			return true;
+		}
 	}
+	const auto made = std::make_shared<World>();
+	if (!read_world(host.offset, *made)) {
+		return false;
+	}
+	r_worlds[host.id] = made;
+	return true;
+}
+
+/// Reads the meshes for all hosts. What is refused leaves the ground as it was.
+void ScatterTerrainMeshes::read() {
+	stale_ = false;
+	const std::vector<GroundHost> wanted(hosts().begin(), hosts().end());
+	Worlds worlds;
+	for (const GroundHost &host : wanted) {
+		if (!add_world(host, worlds)) {
+			return;
+		}
+	}
+	last_ = worlds[wanted.front().id];
+	worlds_ = std::move(worlds);
+}
+
+void ScatterTerrainMeshes::hosts_changed(bool first) {
+	stale_ = stale_ || first;
+	std::erase_if(worlds_, [this](const auto &world) {
+		return std::ranges::find(hosts(), world.first, &GroundHost::id) == hosts().end();
+	});
 }
 
 void ScatterTerrainMeshes::refresh() {
-	if (stale_ || host() == nullptr || !host()->is_inside_tree()) {
+	if (stale_ || first_node() == nullptr || !first_node()->is_inside_tree()) {
 		stale_ = true;
 		return;
 	}
-	const Parts before = parts_;
+	const Ref<ScatterTerrain> held(this); // Who hears of changes may let go of it.
+	const auto before = worlds_;
 	read();
-	Rect changed = nowhere;
-	for (const auto &[id, part] : before) {
-		const auto now = parts_.find(id);
-		if (now == parts_.end() || now->second.digest != part.digest) {
-			join(changed, part.area);
+	std::vector<Rect> told;
+	for (const auto &[host, world] : before) {
+		const auto now = worlds_.find(host);
+		Rect changed = nowhere;
+		if (now != worlds_.end()) {
+			add_changes(world->parts, now->second->parts, changed);
+			add_changes(now->second->parts, world->parts, changed);
+		}
+		const auto is_same = [&changed](const Rect &other) {
+			return other.min == changed.min && other.max == changed.max;
+		};
+		if (!changed.empty() && std::ranges::none_of(told, is_same)) {
+			told.push_back(changed);
 		}
 	}
-	for (const auto &[id, part] : parts_) {
-		const auto then = before.find(id);
-		if (then == before.end() || then->second.digest != part.digest) {
-			join(changed, part.area);
-		}
-	}
-	if (!changed.empty()) {
+	for (const Rect &changed : told) {
 		emit_terrain_changed(to_engine(changed));
 	}
 }

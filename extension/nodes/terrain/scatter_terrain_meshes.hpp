@@ -20,8 +20,12 @@ class ScatterTerrainMeshes : public ScatterTerrain {
 	GDCLASS(ScatterTerrainMeshes, ScatterTerrain)
 
 public:
-	std::shared_ptr<const Terrain> snapshot() override;
-	godot::String problem() override;
+	/// What tells whether an instance still gives the same ground.
+	struct Part {
+		std::uint64_t digest = 0; ///< Of its triangles in the world.
+		Rect area;
+	};
+	using Parts = std::map<std::uint64_t, Part>; ///< By the instances' ids.
 
 	/// The group, in the scene tree of the TerrainScatter3D that uses this ground. Empty: no ground.
 	void set_group(const godot::StringName &p_group);
@@ -32,22 +36,27 @@ public:
 
 protected:
 	static void _bind_methods();
-	void host_changed() override { stale_ = true; }
+	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
+	godot::String find_problem() override;
+	void hosts_changed(bool first) override;
 
 private:
-	/// What tells whether an instance still gives the same ground.
-	struct Part {
-		std::uint64_t digest = 0; ///< Of its triangles in the world.
-		Rect area;
+	/// The ground in the world of all hosts that have the same offset.
+	struct World {
+		std::shared_ptr<const TriangleTerrain> ground;
+		Parts parts;
 	};
-	using Parts = std::map<std::uint64_t, Part>; ///< By the instances' ids.
 
-	std::vector<godot::MeshInstance3D *> instances() const;
+	std::vector<godot::Variant> instances() const;
+	using Worlds = std::map<std::uint64_t, std::shared_ptr<const World>>; ///< By the hosts' ids.
+
 	void read();
+	bool add_world(const GroundHost &host, Worlds &r_worlds);
+	bool read_world(glm::dvec3 offset, World &r_world) const;
 
 	godot::StringName group_;
-	std::shared_ptr<const TriangleTerrain> ground_;
-	Parts parts_;
+	Worlds worlds_;
+	std::shared_ptr<const World> last_; ///< Of the first host.
 	bool stale_ = true;
 };
 

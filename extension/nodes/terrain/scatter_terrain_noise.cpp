@@ -59,14 +59,14 @@ private:
 
 } // namespace
 
-std::shared_ptr<const Terrain> ScatterTerrainNoise::snapshot() {
+std::shared_ptr<const Terrain> ScatterTerrainNoise::make_snapshot(const GroundHost &) {
 	if (ground_ == nullptr && noise_.is_valid()) {
 		ground_ = std::make_shared<NoiseGround>(Ref<Noise>(noise_->duplicate(true)), amplitude_, base_height_);
 	}
 	return ground_;
 }
 
-String ScatterTerrainNoise::problem() {
+String ScatterTerrainNoise::find_problem() {
 	return noise_.is_valid() ? String() : "ScatterTerrainNoise.noise is missing: set it to a FastNoiseLite.";
 }
 

@@ -12,9 +12,6 @@ class ScatterTerrainNoise : public ScatterTerrain {
 	GDCLASS(ScatterTerrainNoise, ScatterTerrain)
 
 public:
-	std::shared_ptr<const Terrain> snapshot() override;
-	godot::String problem() override;
-
 	/// Where the heights come from; its own fractal settings give the octaves. Null: no ground.
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const;
@@ -29,6 +26,8 @@ public:
 
 protected:
 	static void _bind_methods();
+	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
+	godot::String find_problem() override;
 
 private:
 	void change();

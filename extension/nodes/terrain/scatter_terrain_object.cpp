@@ -1,37 +1,44 @@
 #include "nodes/terrain/scatter_terrain_object.hpp"
 
+#include "nodes/common/convert.hpp"
 #include "nodes/common/watch.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
+#include <algorithm>
 #include <utility>
 
 using namespace godot;
 
 namespace thicket {
 
-std::shared_ptr<const Terrain> ScatterTerrainObject::snapshot() {
+std::shared_ptr<const Terrain> ScatterTerrainObject::make_snapshot(const GroundHost &host) {
 	find();
 	if (!problem_.is_empty() && !(problem_ == reported_)) {
 		ERR_PRINT(problem_);
 	}
 	reported_ = problem_;
-	return thread_safe_ ? ground_ : nullptr;
+	return thread_safe_ ? ground_for(host) : nullptr;
 }
 
-String ScatterTerrainObject::problem() {
+String ScatterTerrainObject::find_problem() {
 	find();
 	return problem_;
 }
 
-bool ScatterTerrainObject::ready() const {
+bool ScatterTerrainObject::is_available() const {
 	return ground_ != nullptr && ground_->is_open() && ground_->source() != nullptr;
 }
 
-Status ScatterTerrainObject::ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-		std::span<Ground> r_ground) const {
-	const std::shared_ptr<const ObjectGround> ground = ground_; // Whoever is asked may change the property.
+std::shared_ptr<const ObjectGround> ScatterTerrainObject::ground_for(const GroundHost &host) const {
+	const auto found = grounds_.find(host.id);
+	return found != grounds_.end() ? found->second : ground_;
+}
+
+Status ScatterTerrainObject::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+		std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
+	const std::shared_ptr<const ObjectGround> ground = ground_for(host); // Whoever is asked may change the property.
 	if (ground == nullptr) {
 		return {ErrorCode::missing, "ScatterTerrainObject.node", 0.0};
 	}
@@ -39,29 +46,50 @@ Status ScatterTerrainObject::ask(std::span<const glm::dvec2> positions, std::spa
 	return status.ok() && !textures.empty() ? ground->weigh(positions, textures, r_ground) : status;
 }
 
+/// Looks for the node, and for what may be asked of it. That may run its script, which may do anything: change the path, free
+/// the node or the host, or ask for the ground. Then the next call looks again.
 void ScatterTerrainObject::find() {
-	const Node3D *from = host();
-	if (from == nullptr || !from->is_inside_tree() || (!stale_ && ready())) {
+	const Node3D *from = first_node();
+	if (finding_ || from == nullptr || !from->is_inside_tree() || (!stale_ && is_available())) {
 		return;
 	}
 	stale_ = false;
-	Node *target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
-	std::shared_ptr<ObjectGround> found = target != nullptr ? ObjectGround::of(target, world_offset()) : nullptr;
-	problem_ = problem_of(target, found != nullptr);
-	if (found == nullptr || followed_node_.get_validated_object() != target) {
-		close();
+	const Variant target(String(node_).is_empty() ? nullptr : from->get_node_or_null(node_));
+	std::shared_ptr<ObjectGround> found;
+	if (target.get_validated_object() != nullptr) {
+		finding_ = true;
+		found = ObjectGround::of(target);
+		finding_ = false;
 	}
-	if (found != nullptr) {
-		ground_ = std::move(found);
-		std::erase_if(given_, [](const std::weak_ptr<ObjectGround> &given) { return given.expired(); });
-		given_.push_back(ground_);
-	}
-	if (target != nullptr) {
-		follow(target); // Else the old one may come back.
+	if (!stale_) {
+		take(target, found);
 	}
 }
 
-String ScatterTerrainObject::problem_of(Node *p_target, bool p_usable) const {
+void ScatterTerrainObject::take(const Variant &p_target, const std::shared_ptr<ObjectGround> &found) {
+	Node *target = cast_to<Node>(p_target.get_validated_object());
+	const bool in_tree = target != nullptr && target->is_inside_tree();
+	const bool usable = found != nullptr && in_tree && found->source() != nullptr;
+	problem_ = problem_of(in_tree ? target : nullptr, usable);
+	if (!usable || followed_node_.get_validated_object() != target) {
+		close();
+	}
+	if (usable) {
+		ground_ = found;
+		grounds_.clear();
+		std::erase_if(given_, [](const Given &given) { return given.ground.expired(); });
+		for (const GroundHost &host : hosts()) {
+			const std::shared_ptr<ObjectGround> ground = found->at_offset(host.offset);
+			grounds_[host.id] = ground;
+			given_.push_back({host.id, ground});
+		}
+	}
+	if (target != nullptr) {
+		follow(target); // Also one that is of no use: it may be, once it is back.
+	}
+}
+
+String ScatterTerrainObject::problem_of(const Node *p_target, bool p_usable) const {
 	if (p_usable) {
 		return {};
 	}
@@ -80,7 +108,7 @@ String ScatterTerrainObject::problem_of(Node *p_target, bool p_usable) const {
 void ScatterTerrainObject::follow(Node *p_target) {
 	unfollow();
 	followed_node_ = Variant(p_target);
-	followed_source_ = ready() ? Variant(ground_->source()) : Variant();
+	followed_source_ = is_available() ? Variant(ground_->source()) : Variant();
 	connect_signals(true);
 }
 
@@ -101,7 +129,7 @@ void ScatterTerrainObject::connect_signals(bool p_connect) {
 	Object *source = followed_source_.get_validated_object();
 	set(node, "tree_exiting", "_node_gone");
 	set(node, "tree_entered", "_change");
-	const bool map = ground_ != nullptr && ground_->map();
+	const bool map = ground_ != nullptr && ground_->map() != nullptr;
 	if (map || !p_connect) {
 		set(node, "transform_changed", "_node_moved");
 		set(source, "region_changed", "_map_edited");
@@ -113,25 +141,28 @@ void ScatterTerrainObject::connect_signals(bool p_connect) {
 
 // Tiles under way may hold one that has been replaced.
 void ScatterTerrainObject::close() {
-	for (const std::weak_ptr<ObjectGround> &given : given_) {
-		if (const std::shared_ptr<ObjectGround> ground = given.lock()) {
+	if (ground_ != nullptr) {
+		ground_->close();
+	}
+	for (const Given &given : std::exchange(given_, {})) {
+		if (const std::shared_ptr<ObjectGround> ground = given.ground.lock()) {
 			ground->close();
 		}
 	}
-	given_.clear();
 }
 
-void ScatterTerrainObject::offset_changed() {
-	for (const std::weak_ptr<ObjectGround> &given : given_) {
-		if (const std::shared_ptr<ObjectGround> ground = given.lock()) {
-			ground->set_offset(world_offset());
+void ScatterTerrainObject::offset_changed(const GroundHost &host) {
+	for (const Given &given : std::vector(given_)) {
+		const std::shared_ptr<ObjectGround> ground = given.host == host.id ? given.ground.lock() : nullptr;
+		if (ground != nullptr) {
+			ground->set_offset(host.offset);
 		}
 	}
 }
 
-void ScatterTerrainObject::host_changed() {
+void ScatterTerrainObject::hosts_changed(bool) {
 	stale_ = true;
-	if (host() == nullptr) {
+	if (hosts().empty()) {
 		unfollow();
 		close(); // Nobody tells any more when the node goes.
 	}
@@ -149,11 +180,19 @@ void ScatterTerrainObject::node_gone() {
 
 void ScatterTerrainObject::node_moved(const Transform3D &) { change(); }
 
-/// An area of the engine's space was edited.
+/// An area of the engine's space was edited. It may be elsewhere in the world for each host.
 void ScatterTerrainObject::emit_area(const Rect2 &p_rect) {
-	const Vector2 corner(static_cast<real_t>(p_rect.position.x + world_offset().x),
-			static_cast<real_t>(p_rect.position.y + world_offset().z));
-	emit_terrain_changed(Rect2(corner, p_rect.size));
+	std::vector<glm::dvec2> corners;
+	for (const GroundHost &host : hosts()) {
+		const glm::dvec2 corner = to_core(p_rect.position) + glm::dvec2(host.offset.x, host.offset.z);
+		if (std::ranges::find(corners, corner) == corners.end()) {
+			corners.push_back(corner);
+		}
+	}
+	const Ref<ScatterTerrain> held(this); // Who hears of it may let go of it.
+	for (const glm::dvec2 corner : corners) {
+		emit_terrain_changed(Rect2(to_engine(corner), p_rect.size));
+	}
 }
 
 void ScatterTerrainObject::area_edited(const AABB &p_area) {
@@ -161,7 +200,7 @@ void ScatterTerrainObject::area_edited(const AABB &p_area) {
 }
 
 void ScatterTerrainObject::map_edited(int64_t p_x, int64_t p_z, int64_t p_width, int64_t p_depth, int64_t p_channel) {
-	if (ground_ != nullptr && ground_->map()) {
+	if (ground_ != nullptr && ground_->map() != nullptr) {
 		// Heights between posts and slopes depend on the posts around them.
 		constexpr real_t margin = 2;
 		const Rect2 part(static_cast<real_t>(p_x) - margin, static_cast<real_t>(p_z) - margin,

@@ -7,6 +7,11 @@
 #include <godot_cpp/variant/aabb.hpp>
 #include <godot_cpp/variant/node_path.hpp>
 
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
 namespace thicket {
 
 /// Ground that another node of the scene gives: Terrain3D, HTerrain, or anything that has get_height(Vector3). See
@@ -15,13 +20,8 @@ class ScatterTerrainObject : public ScatterTerrain {
 	GDCLASS(ScatterTerrainObject, ScatterTerrain)
 
 public:
-	std::shared_ptr<const Terrain> snapshot() override;
-	godot::String problem() override;
 	bool has_textures() const override { return ground_ != nullptr && ground_->has_textures(); }
-	bool main_thread_only() const override { return !thread_safe_ && ground_ != nullptr; }
-	bool ready() const override;
-	Status ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-			std::span<Ground> r_ground) const override;
+	bool is_available() const override;
 
 	/// From the TerrainScatter3D that uses this ground; of several, from the first.
 	void set_node(const godot::NodePath &p_node);
@@ -33,12 +33,19 @@ public:
 
 protected:
 	static void _bind_methods();
-	void host_changed() override;
-	void offset_changed() override;
+	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
+	godot::String find_problem() override;
+	bool only_on_main_thread() override { return !thread_safe_ && ground_ != nullptr; }
+	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+			std::span<const std::int32_t> textures, std::span<Ground> r_ground) override;
+	void hosts_changed(bool first) override;
+	void offset_changed(const GroundHost &host) override;
 
 private:
 	void find();
-	godot::String problem_of(godot::Node *p_target, bool p_usable) const;
+	void take(const godot::Variant &p_target, const std::shared_ptr<ObjectGround> &found);
+	std::shared_ptr<const ObjectGround> ground_for(const GroundHost &host) const;
+	godot::String problem_of(const godot::Node *p_target, bool p_usable) const;
 	void follow(godot::Node *p_target);
 	void unfollow();
 	void connect_signals(bool p_connect);
@@ -53,9 +60,17 @@ private:
 	godot::NodePath node_;
 	bool thread_safe_ = false;
 
-	std::shared_ptr<ObjectGround> ground_;           ///< The last that could be used; closed when its node is gone.
-	std::vector<std::weak_ptr<ObjectGround>> given_; ///< All of that node, for tiles that are still under way.
-	bool stale_ = true;                              ///< The node has to be looked for.
+	/// The ground as a host was given it, for tiles that are still under way.
+	struct Given {
+		std::uint64_t host = 0;
+		std::weak_ptr<ObjectGround> ground;
+	};
+
+	std::shared_ptr<ObjectGround> ground_; ///< The last that could be used, as of the engine's space. Closed when its node is gone.
+	std::map<std::uint64_t, std::shared_ptr<ObjectGround>> grounds_; ///< The same for each host, by its id.
+	std::vector<Given> given_; ///< All of that node; closed when it is gone.
+	bool stale_ = true;        ///< The node has to be looked for.
+	bool finding_ = false;     ///< It is being looked for, which may run its script.
 	godot::String problem_;
 	godot::String reported_; ///< The problem that was printed last.
 	godot::Variant followed_node_;

@@ -36,8 +36,8 @@ std::vector<std::int32_t> textures_of(std::size_t splat, std::span<const std::in
 	return result;
 }
 
-std::vector<WeightMap> read_maps(Object *data, int kind) {
-	const Variant count = data->has_method("get_map_count") ? result_of(data, "get_map_count", {kind}) : Variant();
+std::vector<WeightMap> read_maps(const Variant &data, int kind) {
+	const Variant count = has_method(data, "get_map_count") ? result_of(data, "get_map_count", {kind}) : Variant();
 	std::vector<WeightMap> maps;
 	for (int index = 0; is_number(count) && index < static_cast<int>(count); ++index) {
 		const Ref<Image> image = result_of(data, "get_image", {kind, index});
@@ -69,12 +69,12 @@ float TerrainMap::height_in_world(double height) const {
 	return static_cast<float>(to_world.basis.rows[1].y * height + to_world.origin.y);
 }
 
-bool TerrainMap::has_ground(glm::dvec2 place) const {
-	if (!(place.x >= 0.0 && place.x <= last_post && place.y >= 0.0 && place.y <= last_post)) {
+bool TerrainMap::has_ground(glm::dvec2 position) const {
+	if (!(position.x >= 0.0 && position.x <= last_post && position.y >= 0.0 && position.y <= last_post)) {
 		return false;
 	}
 	const unsigned alpha = colors.empty() ? 0 : colors.channels_of(std::array{WeightMap::max_channels - 1});
-	return alpha == 0 || colors.weight(place / last_post, alpha) >= 0.5F;
+	return alpha == 0 || colors.weight(position / last_post, alpha) >= 0.5F;
 }
 
 std::vector<unsigned> TerrainMap::channels_of(std::span<const std::int32_t> textures) const {
@@ -85,10 +85,10 @@ std::vector<unsigned> TerrainMap::channels_of(std::span<const std::int32_t> text
 	return channels;
 }
 
-float TerrainMap::weight(glm::dvec2 place, std::span<const unsigned> channels) const {
+float TerrainMap::weight(glm::dvec2 position, std::span<const unsigned> channels) const {
 	float sum = splats.empty() ? 1.0F : 0.0F;
 	for (std::size_t splat = 0; splat < channels.size(); ++splat) {
-		sum += splats[splat].weight(place / last_post, channels[splat]);
+		sum += splats[splat].weight(position / last_post, channels[splat]);
 	}
 	return std::min(sum, 1.0F);
 }
@@ -108,14 +108,20 @@ Rect2 TerrainMap::world_rect(const Rect2 &p_part) const {
 	return Rect2(min.x, min.y, max.x - min.x, max.y - min.y);
 }
 
-Variant result_of(Object *p_object, const StringName &p_method, std::initializer_list<Variant> p_arguments) {
+bool has_method(const Variant &p_object, const StringName &p_method) {
+	const Object *object = p_object.get_validated_object();
+	return object != nullptr && object->has_method(p_method);
+}
+
+Variant result_of(const Variant &p_object, const StringName &p_method, std::initializer_list<Variant> p_arguments) {
 	std::vector<const Variant *> arguments;
 	for (const Variant &argument : p_arguments) {
 		arguments.push_back(&argument);
 	}
 	Variant result;
 	GDExtensionCallError error{};
-	Variant(p_object).callp(p_method, arguments.data(), static_cast<int>(arguments.size()), result, error);
+	Variant object(p_object);
+	object.callp(p_method, arguments.data(), static_cast<int>(arguments.size()), result, error);
 	return error.error == GDEXTENSION_CALL_OK ? result : Variant();
 }
 
@@ -123,21 +129,21 @@ bool is_number(const Variant &p_value) {
 	return p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
 }
 
-std::optional<TerrainMap> read_map(Object *p_node, Object *p_data) {
+std::shared_ptr<const TerrainMap> read_map(const Variant &p_node, const Variant &p_data) {
 	const Variant transform = result_of(p_node, "get_internal_transform");
 	const Variant resolution = result_of(p_data, "get_resolution");
 	if (transform.get_type() != Variant::TRANSFORM3D || !is_number(resolution) ||
 			static_cast<double>(resolution) < 2.0) {
-		return std::nullopt;
+		return nullptr;
 	}
-	TerrainMap map;
-	map.to_world = static_cast<Transform3D>(transform);
-	map.last_post = static_cast<double>(resolution) - 1.0;
-	if (p_data->has_method("get_image")) {
-		map.splats = read_maps(p_data, splat_map);
+	auto map = std::make_shared<TerrainMap>();
+	map->to_world = static_cast<Transform3D>(transform);
+	map->last_post = static_cast<double>(resolution) - 1.0;
+	if (has_method(p_data, "get_image")) {
+		map->splats = read_maps(p_data, splat_map);
 		std::vector<WeightMap> colors = read_maps(p_data, color_map);
 		if (!colors.empty()) {
-			map.colors = std::move(colors.front());
+			map->colors = std::move(colors.front());
 		}
 	}
 	return map;

@@ -10,7 +10,7 @@
 #include <glm/vec2.hpp>
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -27,28 +27,34 @@ struct TerrainMap {
 	/// True for HTerrain's maps of which this is a copy, by their number; heights are not among them.
 	static bool copies(std::int64_t map);
 
-	/// The place in map space.
+	/// The position in map space.
 	glm::dvec2 to_map(glm::dvec2 world) const;
 	/// World meters of a height that the map has.
 	float height_in_world(double height) const;
-	/// True on the map and outside its holes.
-	bool has_ground(glm::dvec2 place) const;
+	/// Of positions in map space: true on the map and outside its holes.
+	bool has_ground(glm::dvec2 position) const;
 	/// For each of the splats, the channels of it that are among some textures.
 	std::vector<unsigned> channels_of(std::span<const std::int32_t> textures) const;
 	/// How much of the ground is in these channels.
-	float weight(glm::dvec2 place, std::span<const unsigned> channels) const;
+	float weight(glm::dvec2 position, std::span<const unsigned> channels) const;
 	/// The world rect around a part of the map.
 	godot::Rect2 world_rect(const godot::Rect2 &p_part) const;
 };
 
-/// The result of a method of an object; nothing if it cannot be called.
-godot::Variant result_of(godot::Object *p_object, const godot::StringName &p_method,
+// What may be called of an object is a script's, which may do anything: free the object, too. So it is held as a Variant, which
+// knows whether it is still there and keeps what counts its references.
+
+/// False for what is no object, or is no more.
+bool has_method(const godot::Variant &p_object, const godot::StringName &p_method);
+
+/// The result of a method; nothing if it cannot be called.
+godot::Variant result_of(const godot::Variant &p_object, const godot::StringName &p_method,
 		std::initializer_list<godot::Variant> p_arguments = {});
 
 /// True for an integer and a float.
 bool is_number(const godot::Variant &p_value);
 
-/// The map of a node like HTerrain, whose data is `p_data`; none if it tells no place or no size.
-std::optional<TerrainMap> read_map(godot::Object *p_node, godot::Object *p_data);
+/// The map of a node like HTerrain, whose data is `p_data`; null if it tells neither where it lies nor its size.
+std::shared_ptr<const TerrainMap> read_map(const godot::Variant &p_node, const godot::Variant &p_data);
 
 } // namespace thicket

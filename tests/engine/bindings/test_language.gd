@@ -2,7 +2,7 @@ extends "../harness.gd"
 ## What scripts see of our classes through the bindings: calls, properties, references, overrides, signals, threads.
 
 const OURS: PackedStringArray = [
-	"PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainHeightmap",
+	"PoissonPoints", "PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainHeightmap",
 	"TerrainScatter3D",
 ]
 
@@ -221,8 +221,8 @@ func test_threads() -> void:
 	var work := func(index: int) -> void:
 		var sampler := PoissonSampler.new()
 		sampler.radius = 1.5
-		sampler.levels = 2
-		results[index] = sampler.sample(Rect2(-20, -20, 40, 40))["ids"]
+		sampler.progressive_levels = 2
+		results[index] = sampler.sample(Rect2(-20, -20, 40, 40)).ids
 	var threads: Array[Thread] = []
 	for index in results.size():
 		threads.push_back(Thread.new())

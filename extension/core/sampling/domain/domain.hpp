@@ -1,12 +1,11 @@
 #pragma once
 
+#include "core/base/progress.hpp"
 #include "core/base/status.hpp"
 
 #include <glm/vec2.hpp>
 
-#include <atomic>
 #include <cstdint>
-#include <functional>
 
 namespace thicket {
 
@@ -49,16 +48,5 @@ Status validate(const DomainRequest &request);
 /// About how many points a maximal set has: by the density of a jammed set, over the domain and, unless it is a torus, half a
 /// radius around it.
 double expected_points(const DomainRequest &request);
-
-/// Lets a long call be watched and ended.
-struct Progress {
-	/// Raised from any thread, it ends the call within 50 milliseconds with ErrorCode::cancelled.
-	const std::atomic<bool> *cancel = nullptr;
-	/// Called on the calling thread, at least every few milliseconds, with the finished fraction (0 to 1, never falling) and
-	/// the points so far. May raise `cancel`. Must not throw.
-	std::function<void(double fraction, std::uint64_t points)> report;
-
-	bool cancelled() const { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
-};
 
 } // namespace thicket

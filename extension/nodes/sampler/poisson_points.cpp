@@ -1,0 +1,128 @@
+#include "nodes/sampler/poisson_points.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/common/property_check.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/memory.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "PoissonPoints";
+constexpr double rank_scale = 1.0 / 4294967296.0;
+
+/// A rank just below 2^32 must not round to 1.
+float unit_rank(const SamplePoint &point) {
+	return std::min(static_cast<float>(point.rank * rank_scale), std::nextafter(1.0F, 0.0F));
+}
+
+} // namespace
+
+Ref<PoissonPoints> PoissonPoints::of(std::span<const SamplePoint> points, bool exact) {
+	Ref<PoissonPoints> result(memnew(PoissonPoints));
+	if (!result->fill(points, exact)) {
+		report(class_name, {ErrorCode::out_of_memory, "size", static_cast<double>(points.size())});
+		result = Ref<PoissonPoints>(memnew(PoissonPoints));
+	}
+	return result;
+}
+
+Ref<PoissonPoints> PoissonPoints::of_positions(const PackedFloat64Array &p_x, const PackedFloat64Array &p_y) {
+	Ref<PoissonPoints> result(memnew(PoissonPoints));
+	result->x_ = p_x;
+	result->y_ = p_y;
+	result->size_ = p_x.size();
+	return result;
+}
+
+/// False if there is not enough memory: then an array stays smaller than it was asked to be.
+bool PoissonPoints::fill(std::span<const SamplePoint> points, bool exact) {
+	const auto count = static_cast<int64_t>(points.size());
+	const auto resized = [count](auto &r_array) {
+		r_array.resize(count);
+		return r_array.size() == count;
+	};
+	if (!resized(ids_) || !resized(ranks_) || (exact ? !resized(x_) || !resized(y_) : !resized(positions_))) {
+		return false;
+	}
+	std::ranges::transform(points, ids_.ptrw(), [](const SamplePoint &point) { return script_id(point.id); });
+	std::ranges::transform(points, ranks_.ptrw(), unit_rank);
+	if (exact) {
+		std::ranges::transform(points, x_.ptrw(), [](const SamplePoint &point) { return point.position.x; });
+		std::ranges::transform(points, y_.ptrw(), [](const SamplePoint &point) { return point.position.y; });
+	} else {
+		std::ranges::transform(
+				points, positions_.ptrw(), [](const SamplePoint &point) { return to_engine(point.position); });
+	}
+	size_ = count;
+	return true;
+}
+
+bool PoissonPoints::has(int64_t p_index) const {
+	if (p_index < 0 || p_index >= size_) {
+		report(class_name, {ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
+		return false;
+	}
+	return true;
+}
+
+int64_t PoissonPoints::get_id(int64_t p_index) const {
+	return has(p_index) && p_index < ids_.size() ? ids_[p_index] : 0;
+}
+
+double PoissonPoints::get_rank(int64_t p_index) const {
+	return has(p_index) && p_index < ranks_.size() ? static_cast<double>(ranks_[p_index]) : 0.0;
+}
+
+Vector2 PoissonPoints::get_position(int64_t p_index) const {
+	if (!has(p_index)) {
+		return {};
+	}
+	return x_.size() == size_ ? to_engine(glm::dvec2(x_[p_index], y_[p_index])) : positions_.ptr()[p_index];
+}
+
+PackedVector2Array PoissonPoints::get_positions() const {
+	const std::lock_guard lock(mutex_);
+	if (positions_.size() != size_) {
+		positions_.resize(size_);
+		Vector2 *out = positions_.ptrw();
+		const double *x = x_.ptr();
+		const double *y = y_.ptr();
+		for (int64_t index = 0; index < positions_.size(); ++index) {
+			out[index] = to_engine(glm::dvec2(x[index], y[index]));
+		}
+	}
+	return positions_;
+}
+
+void PoissonPoints::_bind_methods() {
+	using Self = PoissonPoints;
+	ClassDB::bind_method(D_METHOD("size"), &Self::size);
+	ClassDB::bind_method(D_METHOD("is_empty"), &Self::is_empty);
+	ClassDB::bind_method(D_METHOD("get_id", "index"), &Self::get_id);
+	ClassDB::bind_method(D_METHOD("get_position", "index"), &Self::get_position);
+	ClassDB::bind_method(D_METHOD("get_rank", "index"), &Self::get_rank);
+	ClassDB::bind_method(D_METHOD("get_ids"), &Self::get_ids);
+	ClassDB::bind_method(D_METHOD("get_positions"), &Self::get_positions);
+	ClassDB::bind_method(D_METHOD("get_ranks"), &Self::get_ranks);
+	ClassDB::bind_method(D_METHOD("get_x"), &Self::get_x);
+	ClassDB::bind_method(D_METHOD("get_y"), &Self::get_y);
+	// Neither stored nor shown: they are read, and have no setter.
+	const auto bind = [](Variant::Type type, const char *name, const char *getter) {
+		ADD_PROPERTY(PropertyInfo(type, name, PROPERTY_HINT_NONE, "", PROPERTY_USAGE_NONE), "", getter);
+	};
+	bind(Variant::PACKED_INT64_ARRAY, "ids", "get_ids");
+	bind(Variant::PACKED_VECTOR2_ARRAY, "positions", "get_positions");
+	bind(Variant::PACKED_FLOAT32_ARRAY, "ranks", "get_ranks");
+	bind(Variant::PACKED_FLOAT64_ARRAY, "x", "get_x");
+	bind(Variant::PACKED_FLOAT64_ARRAY, "y", "get_y");
+}
+
+} // namespace thicket

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "core/sampling/point_set.hpp"
+
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_float64_array.hpp>
+#include <godot_cpp/variant/packed_int64_array.hpp>
+#include <godot_cpp/variant/packed_vector2_array.hpp>
+#include <godot_cpp/variant/vector2.hpp>
+
+#include <cstdint>
+#include <mutex>
+#include <span>
+
+namespace thicket {
+
+/// The points that a PoissonSampler has found. It never changes, so that any thread may read it. An index that is not there
+/// prints an error and gives a default.
+class PoissonPoints : public godot::RefCounted {
+	GDCLASS(PoissonPoints, godot::RefCounted)
+
+public:
+	/// Copies points, with positions in single precision, or in double precision if `exact`. Where there is not enough memory it
+	/// prints an error and is empty.
+	static godot::Ref<PoissonPoints> of(std::span<const SamplePoint> points, bool exact);
+
+	/// Takes positions in double precision, of which there are as many x as y. They have neither ids nor ranks.
+	static godot::Ref<PoissonPoints> of_positions(
+			const godot::PackedFloat64Array &p_x, const godot::PackedFloat64Array &p_y);
+
+	int64_t size() const { return size_; }
+	bool is_empty() const { return size_ == 0; }
+
+	/// The number that names a point for ever; 0 for a point of a set without ids.
+	int64_t get_id(int64_t p_index) const;
+	godot::Vector2 get_position(int64_t p_index) const;
+
+	/// At least 0 and below 1; 0 for a point of a set without ranks.
+	double get_rank(int64_t p_index) const;
+
+	// The same packed, for all points. Empty where they have none.
+	godot::PackedInt64Array get_ids() const { return ids_; }
+	godot::PackedFloat32Array get_ranks() const { return ranks_; }
+	godot::PackedVector2Array get_positions() const;
+
+	/// Positions in double precision. Empty unless they were asked for.
+	godot::PackedFloat64Array get_x() const { return x_; }
+	godot::PackedFloat64Array get_y() const { return y_; }
+
+protected:
+	static void _bind_methods();
+
+private:
+	bool has(int64_t p_index) const;
+	bool fill(std::span<const SamplePoint> points, bool exact);
+
+	int64_t size_ = 0;
+	godot::PackedInt64Array ids_;
+	godot::PackedFloat32Array ranks_;
+	godot::PackedFloat64Array x_;
+	godot::PackedFloat64Array y_;
+	mutable godot::PackedVector2Array positions_; ///< Of exact points: made when they are first asked for.
+	mutable std::mutex mutex_;                    ///< For that.
+};
+
+} // namespace thicket
