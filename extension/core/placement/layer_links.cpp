@@ -10,7 +10,7 @@ namespace {
 
 using Layers = std::span<const NamedLayer *const>;
 
-/// The place of the first layer of a name, or the number of layers.
+/// The index of the first layer of a name, or the number of layers.
 std::size_t find(Layers layers, const std::string &name) {
 	const auto found = std::ranges::find_if(layers,
 			[&name](const NamedLayer *layer) { return layer != nullptr && !name.empty() && layer->name == name; });
@@ -22,17 +22,17 @@ double asked_spacing(const NamedLayer &asking, const NamedLayer &other) {
 	return found != asking.spacing.end() ? found->second : 0.0;
 }
 
-LayerSettings linked(Layers layers, std::size_t place, std::span<const LinkedLayer> earlier) {
-	const NamedLayer &layer = *layers[place];
+LayerSettings linked(Layers layers, std::size_t index, std::span<const LinkedLayer> earlier) {
+	const NamedLayer &layer = *layers[index];
 	LayerSettings result = layer.settings;
-	for (std::size_t i = 0; i < place; ++i) {
+	for (std::size_t i = 0; i < index; ++i) {
 		// Of two layers of one name only the first can be spoken of; both can speak.
 		if (layers[i] == nullptr || earlier[i].settings == nullptr) {
 			continue;
 		}
 		const bool first_of_name = find(layers, layers[i]->name) == i;
 		const double asked = first_of_name ? asked_spacing(layer, *layers[i]) : 0.0;
-		const double given = find(layers, layer.name) == place ? asked_spacing(*layers[i], layer) : 0.0;
+		const double given = find(layers, layer.name) == index ? asked_spacing(*layers[i], layer) : 0.0;
 		if (std::max(asked, given) > 0.0) {
 			result.neighbors.push_back({earlier[i].settings, std::max(asked, given), nullptr});
 		}
@@ -68,9 +68,9 @@ std::vector<LinkedLayer> link_layers(Layers layers, std::span<const SharedLayer>
 	return result;
 }
 
-std::vector<std::string> name_problems(Layers layers, std::size_t place) {
+std::vector<std::string> name_problems(Layers layers, std::size_t index) {
 	std::vector<std::string> problems;
-	const NamedLayer &layer = *layers[place];
+	const NamedLayer &layer = *layers[index];
 	for (const auto &[name, distance] : layer.spacing) {
 		// That there is no name at all is told by the layer itself.
 		if (!name.empty() && find(layers, name) == layers.size()) {
@@ -81,12 +81,12 @@ std::vector<std::string> name_problems(Layers layers, std::size_t place) {
 		const std::size_t other = find(layers, layer.proximity_layer);
 		if (other == layers.size()) {
 			problems.push_back("proximity_layer is \"" + layer.proximity_layer + "\", and no layer has that name.");
-		} else if (other >= place) {
+		} else if (other >= index) {
 			problems.push_back("proximity_layer is \"" + layer.proximity_layer +
 					"\", which does not stand before this layer in the list: it has no effect.");
 		}
 	}
-	if (!layer.name.empty() && find(layers, layer.name) != place) {
+	if (!layer.name.empty() && find(layers, layer.name) != index) {
 		problems.push_back("has the same name as another: \"" + layer.name + "\" means the first of them.");
 	}
 	return problems;

@@ -34,18 +34,18 @@ struct LinkedLayer {
 	Status status;        ///< Why the layer kept the settings that it had before.
 };
 
-/// A further reason to refuse a layer, with its neighbors, at a place of the list.
-using LayerCheck = std::function<Status(const LayerSettings &layer, std::size_t place)>;
+/// A further reason to refuse a layer, with its neighbors, at an index of the list.
+using LayerCheck = std::function<Status(const LayerSettings &layer, std::size_t index)>;
 
 /// Turns names into pointers: every layer gets those before it as neighbors that it, or they, name. Null entries keep
-/// their place and are nobody's neighbors; of two layers of one name, the first is meant. What comes out equal to
-/// `before`, the layers of the last call by place, is the same pointer; what is refused (too many neighbors, too long
+/// their index and are nobody's neighbors; of two layers of one name, the first is meant. What comes out equal to
+/// `before`, the layers of the last call by index, is the same pointer; what is refused (too many neighbors, too long
 /// a chain, a distance out of range, or by `check`) keeps its settings from there.
 std::vector<LinkedLayer> link_layers(
 		std::span<const NamedLayer *const> layers, std::span<const SharedLayer> before, const LayerCheck &check = {});
 
 /// What is likely not meant by a layer's names, a sentence each: names of no layer, proximity to a layer that does not
-/// stand before it, a name that an earlier layer has. `layers[place]` must not be null.
-std::vector<std::string> name_problems(std::span<const NamedLayer *const> layers, std::size_t place);
+/// stand before it, a name that an earlier layer has. `layers[index]` must not be null.
+std::vector<std::string> name_problems(std::span<const NamedLayer *const> layers, std::size_t index);
 
 } // namespace thicket

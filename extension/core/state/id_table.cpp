@@ -22,42 +22,42 @@ IdTable::IdTable() : salt_(salt_of_this_run()) {}
 
 std::size_t IdTable::home_of(std::uint64_t id) const { return split_mix(id ^ salt_) & (ids_.size() - 1); }
 
-std::size_t IdTable::place_of(std::uint64_t id) const {
-	std::size_t place = home_of(id);
-	while (ids_[place] != id && ids_[place] != none) {
-		place = (place + 1) & (ids_.size() - 1);
+std::size_t IdTable::slot_of(std::uint64_t id) const {
+	std::size_t slot = home_of(id);
+	while (ids_[slot] != id && ids_[slot] != none) {
+		slot = (slot + 1) & (ids_.size() - 1);
 	}
-	return place;
+	return slot;
 }
 
 double IdTable::time(std::uint64_t id) const {
 	if (timed_ == 0) {
 		return 0.0;
 	}
-	const std::size_t place = place_of(id);
-	return ids_[place] == id ? times_[place] : 0.0;
+	const std::size_t slot = slot_of(id);
+	return ids_[slot] == id ? times_[slot] : 0.0;
 }
 
-void IdTable::set_time(std::size_t place, double time) {
+void IdTable::set_time(std::size_t slot, double time) {
 	if (times_.empty()) {
 		if (time == 0.0) {
 			return;
 		}
 		times_.resize(ids_.size());
 	}
-	timed_ += (time != 0.0 ? 1U : 0U) - (times_[place] != 0.0 ? 1U : 0U);
-	times_[place] = time;
+	timed_ += (time != 0.0 ? 1U : 0U) - (times_[slot] != 0.0 ? 1U : 0U);
+	times_[slot] = time;
 }
 
 bool IdTable::insert(std::uint64_t id, double time) {
 	if (4 * (size_ + 1) > 3 * ids_.size()) {
 		resize(ids_.empty() ? least_places : 2 * ids_.size());
 	}
-	const std::size_t place = place_of(id);
-	const bool is_new = ids_[place] == none;
-	ids_[place] = id;
+	const std::size_t slot = slot_of(id);
+	const bool is_new = ids_[slot] == none;
+	ids_[slot] = id;
 	size_ += is_new ? 1U : 0U;
-	set_time(place, time);
+	set_time(slot, time);
 	return is_new;
 }
 
@@ -65,7 +65,7 @@ bool IdTable::erase(std::uint64_t id) {
 	if (!contains(id)) {
 		return false;
 	}
-	std::size_t hole = place_of(id);
+	std::size_t hole = slot_of(id);
 	set_time(hole, 0.0);
 	--size_;
 	// What was pushed on by the one that goes moves up, so that no search ends too early.
@@ -88,19 +88,19 @@ bool IdTable::erase(std::uint64_t id) {
 	return true;
 }
 
-void IdTable::resize(std::size_t places) {
-	std::vector<std::uint64_t> ids(places, none);
-	std::vector<double> times(timed_ > 0 ? places : 0);
+void IdTable::resize(std::size_t slots) {
+	std::vector<std::uint64_t> ids(slots, none);
+	std::vector<double> times(timed_ > 0 ? slots : 0);
 	ids.swap(ids_);
 	times.swap(times_);
-	for (std::size_t place = 0; place < ids.size(); ++place) {
-		if (ids[place] == none) {
+	for (std::size_t slot = 0; slot < ids.size(); ++slot) {
+		if (ids[slot] == none) {
 			continue;
 		}
-		const std::size_t to = place_of(ids[place]);
-		ids_[to] = ids[place];
+		const std::size_t to = slot_of(ids[slot]);
+		ids_[to] = ids[slot];
 		if (timed_ > 0) {
-			times_[to] = times[place];
+			times_[to] = times[slot];
 		}
 	}
 }

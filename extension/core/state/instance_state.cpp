@@ -149,7 +149,7 @@ std::uint64_t InstanceState::stamp(std::uint16_t layer) const {
 
 bool InstanceState::remove(std::uint64_t id, double until) {
 	std::vector<InstanceChange> changes;
-	Content::Fate to;
+	Content::Entry to;
 	if (!is_added(id)) {
 		to.data = data(id);
 		to.removed = true;
@@ -188,7 +188,7 @@ Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> b
 	if (bytes.size() > max_instance_data) {
 		return {ErrorCode::wrong_size, "data", static_cast<double>(bytes.size())};
 	}
-	Content::Fate to = content_->fate(id);
+	Content::Entry to = content_->entry(id);
 	if (is_added(id) && to.instance == nullptr) {
 		return {ErrorCode::missing, "id"};
 	}

@@ -21,20 +21,20 @@ double scale_of(const AddedInstance &instance) {
 
 } // namespace
 
-StateRecord::Fate InstanceState::Content::fate(std::uint64_t id) const {
-	Fate fate;
-	fate.removed = removed.contains(id);
-	fate.until = fate.removed ? removed.time(id) : 0.0;
+StateRecord::Entry InstanceState::Content::entry(std::uint64_t id) const {
+	Entry entry;
+	entry.removed = removed.contains(id);
+	entry.until = entry.removed ? removed.time(id) : 0.0;
 	if (const auto own = added.find(id); own != added.end()) {
-		fate.instance = &own->second;
+		entry.instance = &own->second;
 	}
 	if (const auto own = data.find(id); own != data.end()) {
-		fate.data = own->second;
+		entry.data = own->second;
 	}
-	return fate;
+	return entry;
 }
 
-void InstanceState::Content::change(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes) {
+void InstanceState::Content::change(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes) {
 	if (is_added(id)) {
 		change_added(id, to.instance, r_changes);
 	} else {
@@ -43,7 +43,7 @@ void InstanceState::Content::change(std::uint64_t id, const Fate &to, std::vecto
 	change_data(id, to.data, r_changes);
 }
 
-void InstanceState::Content::change_removed(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes) {
+void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes) {
 	const bool was = removed.contains(id);
 	if (to.removed && (!was || removed.time(id) != to.until)) {
 		removed.insert(id, to.until);
@@ -183,7 +183,7 @@ std::vector<std::uint64_t> InstanceState::Content::all_ids() const {
 
 void InstanceState::Content::add_to(StateRecord &r_record, std::uint64_t code) const {
 	const std::uint64_t id = id_of(code);
-	const Fate now = fate(id);
+	const Entry now = entry(id);
 	if (now.removed) {
 		if (now.until > 0.0) {
 			r_record.until.emplace_back(r_record.removed.size(), now.until);
@@ -232,7 +232,7 @@ void InstanceState::Content::follow(const StateRecord &record, std::vector<Insta
 			layer.stamp = layer.claimed ? layer.stamp : 0;
 		}
 	}
-	record.for_each([this, &r_changes](std::uint64_t id, const Fate &fate) { change(id, fate, r_changes); });
+	record.for_each([this, &r_changes](std::uint64_t id, const Entry &entry) { change(id, entry, r_changes); });
 	take_stamps(record);
 }
 

@@ -18,7 +18,7 @@ namespace thicket {
 
 struct InstanceState::Content {
 	using Bytes = std::vector<std::uint8_t>;
-	using Fate = StateRecord::Fate;
+	using Entry = StateRecord::Entry;
 
 	/// What is known of a layer.
 	struct Layer {
@@ -55,10 +55,10 @@ struct InstanceState::Content {
 
 	std::size_t size() const { return removed.size() + added.size() + data.size(); }
 
-	Fate fate(std::uint64_t id) const;
+	Entry entry(std::uint64_t id) const;
 
 	/// Makes of an id what `to` says, and adds what that has changed.
-	void change(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes);
+	void change(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
 
 	/// Refuses, as `layer`, stamps that are not those of this state's layers that are claimed or, unless everything is replaced, hold
 	/// something.
@@ -80,7 +80,7 @@ struct InstanceState::Content {
 	void take_stamps(const StateRecord &record);
 
 private:
-	void change_removed(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes);
+	void change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
 	void change_added(std::uint64_t id, const AddedInstance *to, std::vector<InstanceChange> &r_changes);
 	void change_data(std::uint64_t id, std::span<const std::uint8_t> to, std::vector<InstanceChange> &r_changes);
 	void place(std::uint64_t id, const AddedInstance &instance);

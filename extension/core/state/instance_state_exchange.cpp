@@ -48,8 +48,8 @@ Status InstanceState::merge(const InstanceState &other, std::vector<InstanceChan
 	if (const Status status = content_->check_stamps(record, false); !status.ok()) {
 		return status;
 	}
-	record.for_each([this, &r_changes](std::uint64_t id, const Content::Fate &theirs) {
-		Content::Fate both = content_->fate(id);
+	record.for_each([this, &r_changes](std::uint64_t id, const Content::Entry &theirs) {
+		Content::Entry both = content_->entry(id);
 		if (theirs.removed) {
 			const bool for_ever = theirs.until == 0.0 || (both.removed && both.until == 0.0);
 			both.until = for_ever ? 0.0 : std::max(both.until, theirs.until);

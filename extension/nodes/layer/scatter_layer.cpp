@@ -33,7 +33,7 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t place) cons
 	result.set.layer = static_cast<std::uint16_t>(own_id ? static_cast<std::size_t>(integers_.layer_id) : place);
 	result.rules = core_rules();
 	result.placement = core_placement();
-	result.look = core_look();
+	result.instance_data = instance_data();
 	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
 		result.mesh_weights.push_back(mesh < mesh_weights_.size() ? mesh_weights_[mesh] : 1.0F);
 	}

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/detail.hpp"
+#include "core/placement/lod.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/mesh_choice.hpp"
 #include "core/streaming/tile_streamer.hpp"
@@ -242,7 +242,7 @@ public:
 
 	/// The meshes for the distance, whole rows of them only, null entries included.
 	std::vector<godot::Ref<godot::Mesh>> lod_mesh_list() const;
-	Detail detail() const;
+	LodSettings detail() const;
 
 	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
 	Status check() const;
@@ -262,7 +262,7 @@ private:
 
 	Rules core_rules() const;
 	Placement core_placement() const;
-	Look core_look() const;
+	InstanceData instance_data() const;
 	const LayerSnapshots &snapshots() const;
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);

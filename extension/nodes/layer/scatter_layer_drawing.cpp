@@ -39,7 +39,9 @@ constexpr ResourceProperty<Gradient> color_gradient{
 
 } // namespace
 
-Look ScatterLayer::core_look() const { return {switches_.use_colors, snapshots().colors, switches_.use_custom_data}; }
+InstanceData ScatterLayer::instance_data() const {
+	return {switches_.use_colors, snapshots().colors, switches_.use_custom_data};
+}
 
 void ScatterLayer::set_meshes(const TypedArray<Mesh> &p_meshes) {
 	if (p_meshes.size() > static_cast<int64_t>(max_meshes)) {

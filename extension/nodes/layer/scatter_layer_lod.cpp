@@ -12,9 +12,9 @@ namespace {
 
 using Number = NumberProperty<LayerNumbers, double>;
 
-constexpr Number thin_begin{"thin_begin", &LayerNumbers::thin_begin, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
+constexpr Number thin_begin{"thin_begin", &LayerNumbers::thin_begin, 0.0, max_lod_distance, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,suffix:m"};
-constexpr Number thin_end{"thin_end", &LayerNumbers::thin_end, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
+constexpr Number thin_end{"thin_end", &LayerNumbers::thin_end, 0.0, max_lod_distance, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,suffix:m"};
 constexpr Number thin_density{"thin_density", &LayerNumbers::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
 constexpr SwitchProperty thin_scale_compensation{"thin_scale_compensation", &LayerSwitches::thin_scale_compensation};
@@ -37,7 +37,7 @@ void ScatterLayer::set_lod_meshes(const TypedArray<Mesh> &p_meshes) {
 TypedArray<Mesh> ScatterLayer::get_lod_meshes() const { return lod_meshes_; }
 
 void ScatterLayer::set_lod_distances(const PackedFloat32Array &p_distances) {
-	Detail detail;
+	LodSettings detail;
 	detail.lod_distances.assign(p_distances.ptr(), p_distances.ptr() + p_distances.size());
 	if (const Status status = validate(detail); !status.ok()) {
 		report(layer_class_name, status);
@@ -58,8 +58,8 @@ std::vector<Ref<Mesh>> ScatterLayer::lod_mesh_list() const {
 	return result;
 }
 
-Detail ScatterLayer::detail() const {
-	Detail detail;
+LodSettings ScatterLayer::detail() const {
+	LodSettings detail;
 	detail.lod_distances.assign(lod_distances_.ptr(), lod_distances_.ptr() + lod_distances_.size());
 	detail.thin_begin = numbers_.thin_begin;
 	detail.thin_end = numbers_.thin_end;

@@ -105,7 +105,7 @@ void ScatterStage::draw_part(const StagedTile &tile, std::size_t mesh, const Lay
 	VisualPlace place = place_;
 	place.origin = tile.tile->origin;
 	r_part.levels = mesh_levels(look, mesh);
-	r_part.visual.emplace(place, tile.plan->settings->look, look.meshes[mesh], upload);
+	r_part.visual.emplace(place, tile.plan->settings->instance_data, look.meshes[mesh], upload);
 	r_part.visual->apply(look.draw);
 	++upload_count_;
 }

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/near/tile_overlay.hpp"
-#include "core/placement/detail.hpp"
-#include "core/streaming/detail_schedule.hpp"
+#include "core/placement/lod.hpp"
+#include "core/streaming/lod_schedule.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/scatter/tile_visual.hpp"
 #include "nodes/scatter/tile_workers.hpp"
@@ -27,7 +27,7 @@ struct LayerLook {
 
 	/// For each distance of `detail` in a row of its own an entry for each of the meshes; null for the finer one.
 	std::vector<godot::Ref<godot::Mesh>> lod_meshes;
-	Detail detail;
+	LodSettings detail;
 };
 
 /// How much of what stands is drawn, whatever the distance.
@@ -190,7 +190,7 @@ private:
 	std::uint64_t instances_ = 0;
 	std::uint64_t upload_count_ = 0;
 
-	DetailSchedule schedule_;
+	LodSchedule schedule_;
 	DrawLimits limits_;
 	DrawLimits next_limits_;
 	double share_ = 1.0; ///< Of what is wanted, so that max_instances are not exceeded.

@@ -78,7 +78,7 @@ void ScatterStage::refine(const TileKey &key, StagedTile &tile) {
 		return;
 	}
 	apply_look(key, tile);
-	const Detail &detail = looks_[key.layer].detail;
+	const LodSettings &detail = looks_[key.layer].detail;
 	const glm::dvec3 origin = tile.tile->origin;
 	const double distance = schedule_.distance_to(origin + glm::dvec3(tile.min), origin + glm::dvec3(tile.max));
 	const double density = thinned_density(detail, distance);

@@ -40,7 +40,8 @@ bool DrawSettings::draws_as(const DrawSettings &other) const {
 					&LayerIntegers::visibility_range_fade_mode);
 }
 
-TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mesh> &mesh, const MeshUpload &upload) :
+TileVisual::TileVisual(
+		const VisualPlace &place, const InstanceData &look, const Ref<Mesh> &mesh, const MeshUpload &upload) :
 		look_(look), mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	multimesh_ = server->multimesh_create();

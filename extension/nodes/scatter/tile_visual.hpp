@@ -40,7 +40,8 @@ class TileVisual {
 public:
 	/// Hidden at first. The buffer has as many floats an instance as `look` says.
 	TileVisual(
-			const VisualPlace &place, const Look &look, const godot::Ref<godot::Mesh> &mesh, const MeshUpload &upload);
+			const VisualPlace &place, const InstanceData &look, const godot::Ref<godot::Mesh> &mesh,
+			const MeshUpload &upload);
 	~TileVisual();
 	TileVisual(TileVisual &&other) noexcept;
 	TileVisual &operator=(TileVisual &&other) noexcept;
@@ -72,7 +73,7 @@ private:
 	void free();
 	void allocate(int64_t instances);
 
-	Look look_;
+	InstanceData look_;
 	int64_t instances_ = 0;
 	int64_t room_ = 0; ///< Instances that the multimesh has memory for.
 	godot::RID multimesh_;
