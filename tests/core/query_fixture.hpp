@@ -68,8 +68,8 @@ inline std::vector<WorldLayer> world_layers() {
 	ferns.placement.align_to_normal = 1.0;
 	ferns.placement.offset_along_normal = -1.5;
 	ferns.neighbors = {{std::make_shared<LayerSettings>(trees), 2.0, nullptr}};
-	ferns.look.use_colors = true;
-	ferns.look.use_custom_data = true;
+	ferns.instance_data.use_colors = true;
+	ferns.instance_data.use_custom_data = true;
 	ferns.mesh_weights = {1.0f, 0.5f, 1.0f};
 	LayerSettings stones;
 	stones.set = {.seed = 13, .radius = 9.0, .levels = 1, .layer = max_state_layer};

@@ -132,7 +132,7 @@ TEST_CASE("near set: what stands otherwise leaves and enters again") {
 	follow(set, changes);
 
 	std::vector<PlacedInstance> standing = before;
-	standing[0].position.y += 0.5 * NearSet::same_place; // Rounded otherwise.
+	standing[0].position.y += 0.5 * NearSet::same_position; // Rounded otherwise.
 	standing[0].basis[1][1] += 0.5f * NearSet::same_basis;
 	standing[1].position.y += 0.25;
 	standing[2].basis[1][1] = 1.1f;

@@ -107,7 +107,7 @@ TEST_CASE("overlay: what is removed or hidden is gone, and the rest keeps its or
 
 TEST_CASE("overlay: hand-placed instances stand first, in the tile of their place alone, as they were placed") {
 	LayerSettings layer = rich_layer();
-	layer.look.use_custom_data = true;
+	layer.instance_data.use_custom_data = true;
 	const auto tile = shared_tile(layer);
 	InstanceState state;
 	std::uint64_t inside = 0;

@@ -11,7 +11,7 @@ namespace thicket {
 
 // Stored forms are bytes; all their numbers are little-endian.
 
-/// FNV-1a of some bytes. Bytes that differ in one place never have the same.
+/// FNV-1a of some bytes. Byte strings of one length that differ in a single byte never have the same.
 inline std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
 	WordHash hash;
 	for (const std::uint8_t byte : bytes) {

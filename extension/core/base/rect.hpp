@@ -28,7 +28,7 @@ struct Rect {
 	}
 };
 
-/// Whether two rectangles have anything in common, edges included: a place is a rectangle without an area.
+/// Whether two rectangles have anything in common, edges included: a point is a rectangle without an area.
 constexpr bool meet(const Rect &a, const Rect &b) {
 	return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y;
 }

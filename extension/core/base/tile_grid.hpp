@@ -11,7 +11,7 @@ namespace thicket {
 /// Tile coordinates stay within +-max_tile_coordinate, so that they and their neighbors fit an int.
 inline constexpr std::int32_t max_tile_coordinate = 1 << 30;
 
-/// The tile that a place lies in: rounds down, so tile -1 ends where tile 0 begins. `tile_size` is meters, above 0,
+/// The tile that a position lies in: rounds down, so tile -1 ends where tile 0 begins. `tile_size` is meters, above 0,
 /// and `position` is finite; what lies beyond max_tile_coordinate gets the outermost tile.
 glm::ivec2 tile_at(double tile_size, glm::dvec2 position);
 
@@ -19,7 +19,7 @@ glm::ivec2 tile_at(double tile_size, glm::dvec2 position);
 /// none out.
 Rect tile_rect(double tile_size, glm::ivec2 tile);
 
-/// The square of the distance from a place to the nearest point of a rectangle; 0 inside. Meters squared.
+/// The square of the distance from a position to the nearest point of a rectangle; 0 inside. Meters squared.
 double distance_squared(const Rect &rect, glm::dvec2 position);
 
 } // namespace thicket

@@ -50,8 +50,8 @@ public:
 	void clear() { held_.clear(); }
 
 	/// How far an instance may stand from where it stood, in meters, and how much an entry of its basis may differ, before it counts
-	/// as another one: a tile that is made anew with another origin rounds its places by less.
-	static constexpr double same_place = 1e-3;
+	/// as another one: a tile that is made anew with another origin rounds its positions by less.
+	static constexpr double same_position = 1e-3;
 	static constexpr float same_basis = 1e-4f;
 
 private:

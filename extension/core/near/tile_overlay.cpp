@@ -1,7 +1,7 @@
 #include "core/near/tile_overlay.hpp"
 
 #include "core/base/guard.hpp"
-#include "core/placement/look.hpp"
+#include "core/placement/instance_data.hpp"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -34,7 +34,7 @@ void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettin
 		}
 		floats[static_cast<std::size_t>(4 * row + 3)] = position[row];
 	}
-	write_look(layer.look, layer.set.seed, id, 0, largest_scale(added.basis), floats.subspan(transform_floats));
+	write_instance_data(layer.instance_data, layer.set.seed, id, 0, largest_scale(added.basis), floats.subspan(transform_floats));
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = 0;
 }
@@ -61,7 +61,7 @@ void measure(const MeshInstances &base, std::span<const AddedInstance *const> ad
 std::shared_ptr<const MeshInstances> rebuilt(const MeshInstances &mesh, const LayerSettings &layer, glm::dvec3 origin,
 		const Overlay &overlay, const Ids &added_ids, std::size_t standing, bool any_removed) {
 	auto result = std::make_shared<MeshInstances>();
-	result->resize(added_ids.size() + standing, floats_per_instance(layer.look));
+	result->resize(added_ids.size() + standing, floats_per_instance(layer.instance_data));
 	std::vector<const AddedInstance *> added;
 	std::size_t at = 0;
 	for (const std::uint64_t id : added_ids) {

@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-/// Where a layer looks for its edge: two rings of eight places around a point, at half and at the whole of the distance, in
+/// Where a layer looks for its edge: two rings of eight positions around a point, at half and at the whole of the distance, in
 /// units of that distance.
 inline constexpr std::size_t edge_probes = 16;
 

@@ -28,7 +28,7 @@ void close_bounds(MeshInstances &mesh) {
 	}
 }
 
-/// Writes the instance that `key` names to the place `at` of its mesh.
+/// Writes the instance that `key` names to index `at` of its mesh.
 void write_instance(const LayerSettings &layer, const StandingPoints &points, std::uint64_t key, glm::dvec3 origin,
 		std::size_t at, MeshInstances &r_mesh) {
 	const std::uint32_t point = point_of(key);
@@ -43,7 +43,7 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 	const std::span<float> floats = r_mesh.floats_of(at);
 	const auto transform = floats.first<transform_floats>();
 	const float scale = write_transform(layer.placement, layer.set.seed, id, ground.normal, position, transform);
-	write_look(layer.look, layer.set.seed, id, rank, scale, floats.subspan(transform_floats));
+	write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats));
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = rank;
 	const glm::vec3 stands{transform[3], transform[7], transform[11]};
@@ -88,7 +88,7 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 	}
 	sort_by_rank(order_, points.ids, order_scratch_);
 	choose_meshes(layer, points);
-	make_room(floats_per_instance(layer.look), r_tile.meshes);
+	make_room(floats_per_instance(layer.instance_data), r_tile.meshes);
 	r_tile.origin = origin;
 	std::array<std::size_t, max_meshes> ends{};
 	std::for_each(r_tile.meshes.begin(), r_tile.meshes.end(), open_bounds);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/status.hpp"
-#include "core/placement/look.hpp"
+#include "core/placement/instance_data.hpp"
 #include "core/placement/placement.hpp"
 #include "core/rules/rules.hpp"
 #include "core/sampling/point_set.hpp"
@@ -38,9 +38,9 @@ struct LayerSettings {
 	PointSet set;
 	Rules rules;
 	Placement placement;
-	Look look;
-	/// A weight for each mesh, finite and not negative, not all 0; an instance gets a mesh with a chance proportional
-	/// to the weight, from its own hash. None means one mesh. At most max_meshes.
+	InstanceData instance_data;
+	/// A weight for each mesh, finite and not negative, not all 0; an instance gets a mesh with a probability
+	/// proportional to the weight, from its own hash. None means one mesh. At most max_meshes.
 	std::vector<float> mesh_weights;
 	/// Spacing and proximity: layers that stand before this one.
 	std::vector<Neighbor> neighbors;

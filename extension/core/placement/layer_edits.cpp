@@ -29,7 +29,7 @@ bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 
 /// What decides how an instance looks where it stands.
 bool same_look(const LayerSettings &a, const LayerSettings &b) {
-	return a.placement == b.placement && a.look == b.look && a.mesh_weights == b.mesh_weights;
+	return a.placement == b.placement && a.instance_data == b.instance_data && a.mesh_weights == b.mesh_weights;
 }
 
 bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::vector<Rect> &r_areas) {

@@ -52,8 +52,8 @@ glm::dvec3 leaning_axis(const Placement &placement, double tilt, double directio
 
 /// The scale for a random number from 0 to 1.
 double scale_at(const Placement &placement, double random) {
-	const double place = placement.scale_curve == nullptr ? random : placement.scale_curve->at(random);
-	return mix(placement.min_scale, placement.max_scale, place);
+	const double share = placement.scale_curve == nullptr ? random : placement.scale_curve->at(random);
+	return mix(placement.min_scale, placement.max_scale, share);
 }
 
 } // namespace

@@ -13,7 +13,7 @@
 namespace thicket {
 
 /// Floats of an instance's transform: a 3 x 4 matrix, row by row, the last column the position; what Godot's
-/// RenderingServer.multimesh_set_buffer takes for TRANSFORM_3D. See Look for what may follow it.
+/// RenderingServer.multimesh_set_buffer takes for TRANSFORM_3D. See InstanceData for what may follow it.
 inline constexpr std::size_t transform_floats = 12;
 
 /// How an instance stands on its point. Random parts come from the instance's id and the seed, each from a word of its
@@ -36,7 +36,7 @@ struct Placement {
 	/// sinks into the ground; |offset| <= 1e4. On a slope this moves the instance sideways too, off its point.
 	double offset_along_normal = 0.0;
 
-	/// Maps the uniform random number, 0 to 1, to the place between min_scale and max_scale. Null: the straight line, all
+	/// Maps the uniform random number, 0 to 1, to the share of the way from min_scale to max_scale. Null: the straight line, all
 	/// scales as likely as each other. Two placements are equal only if they share the curve itself.
 	std::shared_ptr<const CurveTable> scale_curve{};
 

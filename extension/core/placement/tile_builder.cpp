@@ -12,10 +12,10 @@ namespace thicket {
 
 namespace {
 
-/// Places in one call of the terrain: the ground of a batch is far below a millisecond of work.
+/// Positions in one call of the terrain: the ground of a batch is far below a millisecond of work.
 constexpr std::size_t batch = 2048;
 
-/// Where the height of a tile's origin is taken from, in tile sizes from its center. Several places, because one may be
+/// Where the height of a tile's origin is taken from, in tile sizes from its center. Several positions, because one may be
 /// a hole.
 constexpr std::array<glm::dvec2, 5> origin_probes{
 		{{0.0, 0.0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};

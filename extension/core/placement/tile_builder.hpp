@@ -18,7 +18,7 @@
 
 namespace thicket {
 
-/// Places whose ground is asked for together: `count` of TileBuilder::positions(), from `first` on.
+/// Positions whose ground is asked for together: `count` of TileBuilder::positions(), from `first` on.
 struct GroundQuery {
 	std::size_t first = 0;
 	std::size_t count = 0;
@@ -44,12 +44,12 @@ public:
 	Status build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
 			const std::atomic<bool> *cancel = nullptr);
 
-	/// The first step: the points that the rules of the place let pass. There are none after ErrorCode::cancelled or
-	/// ErrorCode::out_of_memory.
+	/// The first step: the points that the rules of position (masks, noise, shapes seen from above) let pass. There are none
+	/// after ErrorCode::cancelled or ErrorCode::out_of_memory.
 	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr);
 
 	/// Where the ground has to be known after `find_points`: the layer's points and those of its neighbors, the surroundings
-	/// of each if a layer looks at its edge, and a few places for the tile's origin. Valid until the next call.
+	/// of each if a layer looks at its edge, and a few positions for the tile's origin. Valid until the next call.
 	std::span<const glm::dvec2> positions() const;
 
 	/// All of them, in order, by the textures that count there. Valid as long.

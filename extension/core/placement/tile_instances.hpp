@@ -14,7 +14,7 @@ namespace thicket {
 /// The instances of one mesh in one tile, sorted by (thinning rank, id): every prefix is a well spaced thinning of the whole,
 /// as if all densities were lower.
 struct MeshInstances {
-	/// `stride` floats an instance: the transform relative to the tile's origin, in meters, then what Look adds.
+	/// `stride` floats an instance: the transform relative to the tile's origin, in meters, then what InstanceData adds.
 	std::vector<float> buffer;
 	std::vector<std::uint64_t> ids;   ///< Packed InstanceIds.
 	std::vector<std::uint32_t> ranks; ///< thinning_rank of each, ascending.
@@ -22,7 +22,7 @@ struct MeshInstances {
 	glm::vec3 max{0.0f};              ///< mesh not counted; both 0 for no instances.
 	float max_scale = 0.0f;           ///< The largest scale there is: grow the box by this times the mesh's reach.
 
-	std::size_t stride = transform_floats; ///< floats_per_instance of the layer's look.
+	std::size_t stride = transform_floats; ///< floats_per_instance of the layer's instance data.
 
 	std::size_t size() const { return ids.size(); }
 

@@ -22,13 +22,13 @@ namespace thicket {
 /// An instance as it stands in the world.
 struct PlacedInstance {
 	std::uint64_t id = 0;
-	std::uint32_t layer = 0; ///< Its place in the list of layers that was asked, not the layer of the id.
+	std::uint32_t layer = 0; ///< Its index in the list of layers that was asked, not the layer of the id.
 	std::uint32_t mesh = 0;
 	glm::dvec3 position{0.0}; ///< World meters.
 	glm::mat3 basis{1.0f};    ///< Rotation and scale.
 };
 
-/// The cylinder that stands for an instance where only its place is known: from its origin along its own up axis,
+/// The cylinder that stands for an instance where only its transform is known: from its origin along its own up axis,
 /// meters at scale 1.
 struct InstanceShape {
 	double radius = 0.5; ///< 0 to 1e4.
@@ -62,7 +62,7 @@ protected:
 
 /// Which instances a query looks at.
 struct QueryFilter {
-	std::vector<std::uint32_t> layers; ///< Places in the list of layers; none for all.
+	std::vector<std::uint32_t> layers; ///< Indices in the list of layers; none for all.
 
 	/// Asked last, in the order of the ids or of the distance, and only for what would be an answer otherwise. None:
 	/// all pass.
@@ -75,10 +75,10 @@ struct RayHit {
 	double distance = 0.0; ///< Meters from the start of the ray.
 };
 
-/// The nearest to a place.
+/// The instance nearest to a position.
 struct NearestInstance {
 	PlacedInstance instance;
-	double distance = 0.0; ///< Meters from the place to the instance's origin, in space.
+	double distance = 0.0; ///< Meters from that position to the instance's origin, in space.
 };
 
 /// Asks what stands where: the points of the sets that pass their layer's rules, without those that a state has removed

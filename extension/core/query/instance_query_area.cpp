@@ -27,7 +27,7 @@ Status check_rect(const Rect &rect) {
 }
 
 Status check_sphere(glm::dvec3 center, double radius) {
-	return first_failure(check_place("center", center), check_range("radius", radius, 0.0, max_query_coordinate));
+	return first_failure(check_position("center", center), check_range("radius", radius, 0.0, max_query_coordinate));
 }
 
 /// All of one layer that stand in tiles that are looked at and, by `inside` of their position, in the area; by id.
@@ -61,10 +61,10 @@ public:
 	}
 
 	/// Adds what was placed by hand: their ids come after all others of their layer.
-	void add_hand_placed(std::uint32_t place, const Rect &rect, std::vector<PlacedInstance> &r_found) {
-		for_hand_placed(query_, place, rect, [&](std::uint64_t id, const AddedInstance &added) {
+	void add_hand_placed(std::uint32_t index, const Rect &rect, std::vector<PlacedInstance> &r_found) {
+		for_hand_placed(query_, index, rect, [&](std::uint64_t id, const AddedInstance &added) {
 			if (inside_(added.position)) {
-				keep(placed_instance(id, place, added), r_found);
+				keep(placed_instance(id, index, added), r_found);
 			}
 		});
 	}
@@ -121,25 +121,25 @@ private:
 template <class Inside>
 Status gather(const InstanceQuery &query, const QueryFilter &filter, const QueryArea &area, const Inside &inside,
 		std::vector<PlacedInstance> &r_found) {
-	std::vector<std::uint32_t> places;
+	std::vector<std::uint32_t> indices;
 	std::vector<InstanceQuery::Tile> tiles;
 	r_found.clear();
-	if (const Status status = find_places(query.layers, filter, places); !status.ok()) {
+	if (const Status status = find_layers(query.layers, filter, indices); !status.ok()) {
 		return status;
 	}
-	if (const Status status = find_tiles(query.layers, places, area, tiles); !status.ok()) {
+	if (const Status status = find_tiles(query.layers, indices, area, tiles); !status.ok()) {
 		return status;
 	}
 	Gathering gathering(query, filter, inside);
 	auto next = tiles.begin();
-	for (const std::uint32_t place : places) {
+	for (const std::uint32_t index : indices) {
 		const auto first = next;
-		next = std::find_if(first, tiles.end(), [&](const InstanceQuery::Tile &tile) { return tile.layer != place; });
+		next = std::find_if(first, tiles.end(), [&](const InstanceQuery::Tile &tile) { return tile.layer != index; });
 		if (const Status status = gathering.add({first, next}, r_found); !status.ok()) {
 			r_found.clear();
 			return status;
 		}
-		gathering.add_hand_placed(place, area.rect, r_found);
+		gathering.add_hand_placed(index, area.rect, r_found);
 	}
 	return {};
 }
@@ -153,10 +153,10 @@ QueryArea area_of(glm::dvec3 center, double radius) {
 
 Status tiles_in(std::span<const QueryLayer> layers, const QueryFilter &filter, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles) {
-	std::vector<std::uint32_t> places;
+	std::vector<std::uint32_t> indices;
 	r_tiles.clear();
-	const Status status = find_places(layers, filter, places);
-	return status.ok() ? find_tiles(layers, places, area, r_tiles) : status;
+	const Status status = find_layers(layers, filter, indices);
+	return status.ok() ? find_tiles(layers, indices, area, r_tiles) : status;
 }
 
 } // namespace

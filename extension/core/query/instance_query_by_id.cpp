@@ -48,14 +48,14 @@ Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMarg
 
 /// Adds the instance of that id, if it is in the tile.
 void add_from(
-		const TileInstances &content, std::uint64_t id, std::uint32_t place, std::vector<PlacedInstance> &r_found) {
+		const TileInstances &content, std::uint64_t id, std::uint32_t index, std::vector<PlacedInstance> &r_found) {
 	for (std::uint32_t mesh = 0; mesh < content.meshes.size() && r_found.empty(); ++mesh) {
 		const MeshInstances &instances = content.meshes[mesh];
 		const auto found = std::find(instances.ids.begin(), instances.ids.end(), id);
 		if (found != instances.ids.end()) {
 			const auto at = static_cast<std::size_t>(std::distance(instances.ids.begin(), found));
 			r_found.push_back(
-					placed_instance(id, place, mesh, content.origin, instances.buffer.data() + at * instances.stride));
+					placed_instance(id, index, mesh, content.origin, instances.buffer.data() + at * instances.stride));
 		}
 	}
 }
@@ -64,8 +64,8 @@ void add_from(
 
 Status InstanceQuery::find_by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const {
 	r_found.clear();
-	for (std::uint32_t place = 0; place < layers.size() && r_found.empty(); ++place) {
-		const QueryLayer &layer = layers[place];
+	for (std::uint32_t index = 0; index < layers.size() && r_found.empty(); ++index) {
+		const QueryLayer &layer = layers[index];
 		if (!layer.wanted || layer.set.layer != layer_of(id)) {
 			continue;
 		}
@@ -75,7 +75,7 @@ Status InstanceQuery::find_by_id(std::uint64_t id, std::vector<PlacedInstance> &
 		if (is_added(id)) {
 			const AddedInstance *added = state != nullptr ? state->added(id) : nullptr;
 			if (added != nullptr) {
-				r_found.push_back(placed_instance(id, place, *added));
+				r_found.push_back(placed_instance(id, index, *added));
 			}
 			continue;
 		}
@@ -86,11 +86,11 @@ Status InstanceQuery::find_by_id(std::uint64_t id, std::vector<PlacedInstance> &
 		for (std::int32_t y = range.first.y; y <= range.last.y && r_found.empty(); ++y) {
 			for (std::int32_t x = range.first.x; x <= range.last.x && r_found.empty(); ++x) {
 				std::shared_ptr<const TileInstances> content;
-				if (const Status status = tiles.find_tile(place, {x, y}, content); !status.ok()) {
+				if (const Status status = tiles.find_tile(index, {x, y}, content); !status.ok()) {
 					return status;
 				}
 				if (content != nullptr) {
-					add_from(*content, id, place, r_found);
+					add_from(*content, id, index, r_found);
 				}
 			}
 		}

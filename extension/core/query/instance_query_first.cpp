@@ -24,9 +24,9 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// The order of a heap with the first on top.
 bool later(const SearchTile &a, const SearchTile &b) { return a.from > b.from; }
 
-/// Looks for the first of all that stand in some tiles. `look(layer, content, candidates)` adds what a tile holds.
-template <class Look>
-Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candidates &candidates, const Look &look,
+/// Looks for the first of all that stand in some tiles. `scan(layer, content, candidates)` adds what a tile holds.
+template <class Scan>
+Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candidates &candidates, const Scan &scan,
 		bool &r_found) {
 	std::make_heap(tiles.begin(), tiles.end(), later);
 	r_found = false;
@@ -43,7 +43,7 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 			return status;
 		}
 		if (content != nullptr) {
-			look(next.layer, *content, candidates);
+			scan(next.layer, *content, candidates);
 		}
 	}
 	r_found = candidates.settle(never);
@@ -52,8 +52,8 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 
 // The nearest.
 
-/// Looks at instances by their distance from a place; `at` is its square.
-struct NearestLook {
+/// Looks at instances by their distance from a position; `at` is its square.
+struct NearestScan {
 	const InstanceQuery &query;
 	glm::dvec3 position;
 	double max_squared;
@@ -93,7 +93,7 @@ Rect rect_along(const Ray &ray, double distance) {
 }
 
 /// What a ray meets of one layer; `at` is a share of its length.
-struct RayLook {
+struct RayScan {
 	const InstanceQuery &query;
 	Ray ray;
 
@@ -108,7 +108,7 @@ struct RayLook {
 			}
 			const float *transform = instances.buffer.data();
 			for (const std::uint64_t id : instances.ids) {
-				if (reached.place(position_of(content.origin, transform)) && !removed.holds(id)) {
+				if (reached.position(position_of(content.origin, transform)) && !removed.holds(id)) {
 					meet(placed_instance(id, layer, mesh, content.origin, transform), r_candidates);
 				}
 				transform += instances.stride;
@@ -143,16 +143,16 @@ private:
 Status InstanceQuery::find_nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 		std::vector<NearestInstance> &r_found) const {
 	r_found.clear();
-	std::vector<std::uint32_t> places;
-	Status status = first_failure(check_place("position", position),
-			check_range("max_distance", max_distance, 0.0, max_query_coordinate), find_places(layers, filter, places));
+	std::vector<std::uint32_t> indices;
+	Status status = first_failure(check_position("position", position),
+			check_range("max_distance", max_distance, 0.0, max_query_coordinate), find_layers(layers, filter, indices));
 	if (!status.ok()) {
 		return status;
 	}
 	const glm::dvec2 center(position.x, position.z);
 	const Rect around = rect_around(center, max_distance);
 	std::vector<Tile> wanted;
-	status = find_tiles(layers, places,
+	status = find_tiles(layers, indices,
 			{.property = "max_distance", .rect = around, .center = center, .radius = max_distance}, wanted);
 	if (!status.ok()) {
 		return status;
@@ -163,12 +163,12 @@ Status InstanceQuery::find_nearest(glm::dvec3 position, double max_distance, con
 		searched.push_back({distance_squared(area, center), each.layer, each.tile});
 	}
 	Candidates candidates(filter);
-	const NearestLook look{*this, position, max_distance * max_distance};
-	for (const std::uint32_t place : places) {
-		look.hand_placed(place, around, candidates);
+	const NearestScan scan{*this, position, max_distance * max_distance};
+	for (const std::uint32_t index : indices) {
+		scan.hand_placed(index, around, candidates);
 	}
 	bool found = false;
-	status = search(*this, searched, candidates, look, found);
+	status = search(*this, searched, candidates, scan, found);
 	if (found) {
 		r_found.push_back({candidates.answer().instance, std::sqrt(candidates.answer().at)});
 	}
@@ -178,25 +178,25 @@ Status InstanceQuery::find_nearest(glm::dvec3 position, double max_distance, con
 Status InstanceQuery::find_on_ray(
 		glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const {
 	r_hit.clear();
-	std::vector<std::uint32_t> places;
+	std::vector<std::uint32_t> indices;
 	Status status =
-			first_failure(check_place("from", from), check_place("to", to), find_places(layers, filter, places));
+			first_failure(check_position("from", from), check_position("to", to), find_layers(layers, filter, indices));
 	if (!status.ok()) {
 		return status;
 	}
 	const Ray ray{from, to - from};
 	std::vector<SearchTile> tiles_on_way;
-	status = find_ray_tiles(layers, places, ray, tiles_on_way);
+	status = find_ray_tiles(layers, indices, ray, tiles_on_way);
 	if (!status.ok()) {
 		return status;
 	}
 	Candidates candidates(filter);
-	const RayLook look{*this, ray};
-	for (const std::uint32_t place : places) {
-		look.hand_placed(place, candidates);
+	const RayScan scan{*this, ray};
+	for (const std::uint32_t index : indices) {
+		scan.hand_placed(index, candidates);
 	}
 	bool found = false;
-	status = search(*this, tiles_on_way, candidates, look, found);
+	status = search(*this, tiles_on_way, candidates, scan, found);
 	if (found) {
 		const double length = std::sqrt(squared_length(ray.along));
 		r_hit.push_back({candidates.answer().instance, candidates.answer().at * length});

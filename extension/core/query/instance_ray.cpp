@@ -23,7 +23,7 @@ RayPart inside_tube(RayPart part, const Ray &ray, double radius) {
 	if (!(squared > 0.0)) {
 		return from.x * from.x + from.y * from.y <= radius * radius ? part : nothing;
 	}
-	// From the place nearest to the axis: from a far start, the terms of the usual formula would cancel out.
+	// From the position nearest to the axis: from a far start, the terms of the usual formula would cancel out.
 	const double nearest = -(from.x * along.x + from.y * along.y) / squared;
 	const glm::dvec2 off = from + nearest * along;
 	const double inside = radius * radius - (off.x * off.x + off.y * off.y);
@@ -66,8 +66,8 @@ ReachTest::ReachTest(const Ray &ray, double reach) : ray_(ray) {
 	reach_ = reach + rounding_of(ray);
 }
 
-bool ReachTest::place(glm::dvec3 place) const {
-	const glm::dvec3 off = place - ray_.from;
+bool ReachTest::position(glm::dvec3 position) const {
+	const glm::dvec3 off = position - ray_.from;
 	const double share = std::clamp(glm::dot(off, ray_.along) * per_squared_length_, 0.0, 1.0);
 	return squared_length(off - share * ray_.along) <= reach_ * reach_;
 }

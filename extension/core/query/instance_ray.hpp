@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-/// A straight way from one place to another; world meters.
+/// A straight line from one position to another; world meters.
 struct Ray {
 	glm::dvec3 from{0.0};
 	glm::dvec3 along{0.0}; ///< To the other end.
@@ -26,21 +26,21 @@ struct RayPart {
 /// The part of `part` that lies between two values on one axis.
 RayPart clipped(RayPart part, double from, double along, double low, double high);
 
-/// Meters that a place on a ray may be off by.
+/// Meters by which rounding may move a position on a ray.
 double rounding_of(const Ray &ray);
 
 /// Meters from an instance's origin at which the cylinder of an instance of that scale ends at the farthest, with what
 /// rounds off.
 double cylinder_reach(const InstanceShape &shape, double scale);
 
-/// Which places a ray passes within some meters of; never misses one.
+/// Tells which positions lie within `reach` meters of a ray. Never misses one.
 class ReachTest {
 public:
 	ReachTest(const Ray &ray, double reach);
 
-	bool place(glm::dvec3 place) const;
+	bool position(glm::dvec3 position) const;
 
-	/// The same of all places in a box; may say yes to more.
+	/// Whether any position in a box may do so; may say yes where none does.
 	bool box(glm::dvec3 min, glm::dvec3 max) const;
 
 private:

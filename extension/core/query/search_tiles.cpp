@@ -15,7 +15,7 @@ class RayWalk {
 public:
 	RayWalk(const Ray &ray, std::vector<SearchTile> &r_tiles) : ray_(ray), tiles_(r_tiles) {}
 
-	Status add(std::uint32_t place, const QueryLayer &layer) {
+	Status add(std::uint32_t index, const QueryLayer &layer) {
 		const TileWindow window(layer);
 		const double reach = cylinder_reach(layer.shape, layer.max_scale) + rounding_of(ray_);
 		const double margin = window.stray() + reach;
@@ -36,7 +36,7 @@ public:
 			}
 			const TileRange near = window.touching(rect_between(part.start, part.end, margin));
 			for (std::int32_t x = near.first.x; x <= near.last.x; ++x) {
-				if (!add_tile(window, place, {x, y}, part, reach)) {
+				if (!add_tile(window, index, {x, y}, part, reach)) {
 					return {ErrorCode::too_many_points, "to", points_};
 				}
 			}
@@ -54,13 +54,13 @@ private:
 	}
 
 	/// Adds a tile of a row in which `part` of the ray lies. False once there are too many.
-	bool add_tile(const TileWindow &window, std::uint32_t place, glm::ivec2 tile, const RayPart &part, double reach) {
+	bool add_tile(const TileWindow &window, std::uint32_t index, glm::ivec2 tile, const RayPart &part, double reach) {
 		const Rect area = window.standing_area(tile);
 		const RayPart inside = clipped(part, ray_.from.x, ray_.along.x, area.min.x - reach, area.max.x + reach);
 		if (inside.empty()) {
 			return true;
 		}
-		tiles_.push_back({inside.start, place, tile});
+		tiles_.push_back({inside.start, index, tile});
 		points_ += window.tile_points();
 		return points_ <= InstanceQuery::max_points;
 	}
@@ -72,12 +72,12 @@ private:
 
 } // namespace
 
-Status find_ray_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> places, const Ray &ray,
+Status find_ray_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> indices, const Ray &ray,
 		std::vector<SearchTile> &r_tiles) {
 	r_tiles.clear();
 	RayWalk walk(ray, r_tiles);
-	for (const std::uint32_t place : places) {
-		if (const Status status = walk.add(place, layers[place]); !status.ok()) {
+	for (const std::uint32_t index : indices) {
+		if (const Status status = walk.add(index, layers[index]); !status.ok()) {
 			return status;
 		}
 	}

@@ -25,7 +25,7 @@ struct Near {
 };
 
 /// Adds the tiles of one layer, and their points to `r_points`.
-Status add_tiles(std::uint32_t place, const QueryLayer &layer, const QueryArea &area,
+Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles, double &r_points) {
 	const TileWindow window(layer);
 	const TileRange range = window.touching({area.rect.min - window.stray(), area.rect.max + window.stray()});
@@ -51,7 +51,7 @@ Status add_tiles(std::uint32_t place, const QueryLayer &layer, const QueryArea &
 		return std::tie(a.distance_squared, a.tile.y, a.tile.x) < std::tie(b.distance_squared, b.tile.y, b.tile.x);
 	});
 	for (const Near &each : near) {
-		r_tiles.push_back({place, each.tile});
+		r_tiles.push_back({index, each.tile});
 	}
 	return {};
 }
@@ -93,36 +93,36 @@ Status validate(const QueryLayer &layer) {
 			check_range("max_offset", layer.max_offset, 0.0, max_height_offset));
 }
 
-Status find_places(
-		std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_places) {
-	r_places = filter.layers;
-	if (r_places.empty()) {
-		r_places.resize(layers.size());
-		std::iota(r_places.begin(), r_places.end(), 0u);
+Status find_layers(
+		std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_indices) {
+	r_indices = filter.layers;
+	if (r_indices.empty()) {
+		r_indices.resize(layers.size());
+		std::iota(r_indices.begin(), r_indices.end(), 0u);
 	}
-	std::sort(r_places.begin(), r_places.end());
-	r_places.erase(std::unique(r_places.begin(), r_places.end()), r_places.end());
-	if (!r_places.empty() && r_places.back() >= layers.size()) {
-		return {ErrorCode::out_of_range, "layer", static_cast<double>(r_places.back())};
+	std::sort(r_indices.begin(), r_indices.end());
+	r_indices.erase(std::unique(r_indices.begin(), r_indices.end()), r_indices.end());
+	if (!r_indices.empty() && r_indices.back() >= layers.size()) {
+		return {ErrorCode::out_of_range, "layer", static_cast<double>(r_indices.back())};
 	}
-	std::erase_if(r_places, [&](std::uint32_t place) { return !layers[place].wanted; });
-	for (const std::uint32_t place : r_places) {
-		if (const Status status = validate(layers[place]); !status.ok()) {
+	std::erase_if(r_indices, [&](std::uint32_t index) { return !layers[index].wanted; });
+	for (const std::uint32_t index : r_indices) {
+		if (const Status status = validate(layers[index]); !status.ok()) {
 			return status;
 		}
 	}
 	return {};
 }
 
-Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> places, const QueryArea &area,
+Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> indices, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles) {
 	double points = 0.0;
 	r_tiles.clear();
 	if (area.rect.empty()) {
 		return {};
 	}
-	for (const std::uint32_t place : places) {
-		if (const Status status = add_tiles(place, layers[place], area, r_tiles, points); !status.ok()) {
+	for (const std::uint32_t index : indices) {
+		if (const Status status = add_tiles(index, layers[index], area, r_tiles, points); !status.ok()) {
 			r_tiles.clear();
 			return status;
 		}
@@ -130,11 +130,11 @@ Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint3
 	return {};
 }
 
-Status check_place(const char *property, glm::dvec3 place) {
+Status check_position(const char *property, glm::dvec3 position) {
 	const auto check = [property](double value) {
 		return check_range(property, value, -max_query_coordinate, max_query_coordinate);
 	};
-	return first_failure(check(place.x), check(place.y), check(place.z));
+	return first_failure(check(position.x), check(position.y), check(position.z));
 }
 
 Rect rect_around(glm::dvec2 center, double distance) {

@@ -14,7 +14,7 @@
 
 namespace thicket {
 
-/// The largest shares of a number that floats and doubles round off on the way to a place, generously.
+/// The largest shares of a number that floats and doubles round off on the way to a position, generously.
 inline constexpr double float_rounding = 1e-6;
 inline constexpr double double_rounding = 1e-15;
 
@@ -69,7 +69,7 @@ Status validate(const QueryLayer &layer);
 
 /// The wanted layers that a filter names, ascending, once each. Refuses one that is not there, and a wanted one that is
 /// not valid.
-Status find_places(std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_places);
+Status find_layers(std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_indices);
 
 /// Meters; nothing is asked beyond.
 inline constexpr double max_query_coordinate = 1e15;
@@ -85,15 +85,15 @@ struct QueryArea {
 
 /// The tiles of some layers that have to be looked at for all whose origin lies in an area, by layer and nearest to its
 /// center first. Replaces `r_tiles`; refuses more than InstanceQuery::max_points in all of them, and then leaves none.
-Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> places, const QueryArea &area,
+Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> indices, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles);
 
-/// Refuses a place that is not finite or beyond max_query_coordinate.
-Status check_place(const char *property, glm::dvec3 place);
+/// Refuses a position that is not finite or beyond max_query_coordinate.
+Status check_position(const char *property, glm::dvec3 position);
 
 inline double squared_length(glm::dvec3 v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-/// A rectangle that holds all places within `distance` of another, its border and what rounds off included.
+/// A rectangle that holds all positions within `distance` of another, its border and what rounds off included.
 Rect rect_around(glm::dvec2 center, double distance);
 
 } // namespace thicket

@@ -55,19 +55,19 @@ void Outline::set(std::span<const glm::dvec2> points, bool closed) {
 	if (closed || points.size() == 1) {
 		points_.push_back(points.front());
 	}
-	edge_tree_ = RunTree(edges());
-	boxes_.resize(edge_tree_.runs());
-	edge_tree_.each([&](RunTree::Run run) {
-		Box &box = boxes_[edge_tree_.slot(run)];
-		if (run.level == 0) {
-			box = {points_[edge_tree_.begin(run)], points_[edge_tree_.begin(run)]};
-			for (std::size_t i = edge_tree_.begin(run) + 1; i <= edge_tree_.end(run); ++i) {
+	edge_tree_ = Bvh(edges());
+	boxes_.resize(edge_tree_.nodes());
+	edge_tree_.each([&](Bvh::Node node) {
+		Box &box = boxes_[edge_tree_.index_of(node)];
+		if (node.level == 0) {
+			box = {points_[edge_tree_.begin(node)], points_[edge_tree_.begin(node)]};
+			for (std::size_t i = edge_tree_.begin(node) + 1; i <= edge_tree_.end(node); ++i) {
 				box = around(box, {points_[i], points_[i]});
 			}
 		} else {
-			box = boxes_[edge_tree_.slot(edge_tree_.first(run))];
-			if (edge_tree_.has_second(run)) {
-				box = around(box, boxes_[edge_tree_.slot(edge_tree_.second(run))]);
+			box = boxes_[edge_tree_.index_of(edge_tree_.first(node))];
+			if (edge_tree_.has_second(node)) {
+				box = around(box, boxes_[edge_tree_.index_of(edge_tree_.second(node))]);
 			}
 		}
 	});
@@ -79,26 +79,26 @@ Outline::Box Outline::around(const Box &a, const Box &b) {
 }
 
 bool Outline::contains(glm::dvec2 place) const {
-	RunStack<RunTree::Run> stack;
+	BvhStack<Bvh::Node> stack;
 	stack.push(edge_tree_.root());
 	bool within = false;
 	while (!stack.empty()) {
-		const RunTree::Run run = stack.pop();
-		const Box &box = boxes_[edge_tree_.slot(run)];
+		const Bvh::Node node = stack.pop();
+		const Box &box = boxes_[edge_tree_.index_of(node)];
 		if (place.y < box.min.y || place.y > box.max.y || place.x > box.max.x) {
 			continue;
 		}
 		if (place.x < box.min.x) {
-			// All of the run lies ahead: an odd number of crossings if it ends on the other side of the ray.
-			const bool above_first = place.y < points_[edge_tree_.begin(run)].y;
-			within ^= above_first != (place.y < points_[edge_tree_.end(run)].y);
-		} else if (run.level > 0) {
-			stack.push(edge_tree_.first(run));
-			if (edge_tree_.has_second(run)) {
-				stack.push(edge_tree_.second(run));
+			// All of the node lies ahead: an odd number of crossings if it ends on the other side of the ray.
+			const bool above_first = place.y < points_[edge_tree_.begin(node)].y;
+			within ^= above_first != (place.y < points_[edge_tree_.end(node)].y);
+		} else if (node.level > 0) {
+			stack.push(edge_tree_.first(node));
+			if (edge_tree_.has_second(node)) {
+				stack.push(edge_tree_.second(node));
 			}
 		} else {
-			for (std::size_t i = edge_tree_.begin(run); i < edge_tree_.end(run); ++i) {
+			for (std::size_t i = edge_tree_.begin(node); i < edge_tree_.end(node); ++i) {
 				const Side found = side(points_[i], points_[i + 1], place);
 				if (found == Side::on) {
 					return false;
@@ -111,33 +111,33 @@ bool Outline::contains(glm::dvec2 place) const {
 }
 
 double Outline::distance(glm::dvec2 place, double limit) const {
-	const auto box_distance2 = [&](RunTree::Run run) {
-		const Box &box = boxes_[edge_tree_.slot(run)];
+	const auto box_distance2 = [&](Bvh::Node node) {
+		const Box &box = boxes_[edge_tree_.index_of(node)];
 		const double x = std::max({box.min.x - place.x, place.x - box.max.x, 0.0});
 		const double y = std::max({box.min.y - place.y, place.y - box.max.y, 0.0});
 		return x * x + y * y;
 	};
-	using Candidate = std::pair<RunTree::Run, double>;
-	RunStack<Candidate> stack;
+	using Candidate = std::pair<Bvh::Node, double>;
+	BvhStack<Candidate> stack;
 	stack.push({edge_tree_.root(), box_distance2(edge_tree_.root())});
 	double nearest2 = limit * limit;
 	bool found = false;
 	while (!stack.empty()) {
-		const auto [run, run_distance2] = stack.pop();
-		if (run_distance2 >= nearest2) {
+		const auto [node, node_distance2] = stack.pop();
+		if (node_distance2 >= nearest2) {
 			continue;
 		}
-		if (run.level == 0) {
-			for (std::size_t i = edge_tree_.begin(run); i < edge_tree_.end(run); ++i) {
+		if (node.level == 0) {
+			for (std::size_t i = edge_tree_.begin(node); i < edge_tree_.end(node); ++i) {
 				const double distance2 = edge_distance2(points_[i], points_[i + 1], place);
 				found = found || distance2 < nearest2;
 				nearest2 = std::min(nearest2, distance2);
 			}
 			continue;
 		}
-		Candidate near{edge_tree_.first(run), box_distance2(edge_tree_.first(run))};
-		if (edge_tree_.has_second(run)) {
-			Candidate far{edge_tree_.second(run), box_distance2(edge_tree_.second(run))};
+		Candidate near{edge_tree_.first(node), box_distance2(edge_tree_.first(node))};
+		if (edge_tree_.has_second(node)) {
+			Candidate far{edge_tree_.second(node), box_distance2(edge_tree_.second(node))};
 			if (far.second < near.second) {
 				std::swap(near, far);
 			}

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/run_tree.hpp"
+#include "core/base/bvh.hpp"
 
 #include <glm/vec2.hpp>
 
@@ -36,7 +36,7 @@ private:
 	std::size_t edges() const { return points_.size() - 1; }
 
 	std::vector<glm::dvec2> points_; ///< Of a closed one, the first once more at the end.
-	RunTree edge_tree_;              ///< Over the edges.
+	Bvh edge_tree_;              ///< Over the edges.
 	std::vector<Box> boxes_;         ///< By its slots.
 };
 

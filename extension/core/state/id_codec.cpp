@@ -76,13 +76,13 @@ public:
 	std::uint64_t take(int count) {
 		std::uint64_t bits = 0;
 		for (int got = 0; got < count;) {
-			const std::size_t byte = place_ / 8;
-			const auto offset = static_cast<int>(place_ % 8);
+			const std::size_t byte = position_ / 8;
+			const auto offset = static_cast<int>(position_ % 8);
 			const int now = std::min(8 - offset, count - got);
 			const std::uint64_t piece = byte < bytes_.size() ? bytes_[byte] >> offset : 0;
 			bits |= (piece & ((1U << now) - 1)) << got;
 			got += now;
-			place_ += static_cast<std::size_t>(now);
+			position_ += static_cast<std::size_t>(now);
 		}
 		return bits;
 	}
@@ -96,12 +96,12 @@ public:
 		return ones;
 	}
 
-	bool good() const { return place_ <= 8 * bytes_.size(); }
-	std::size_t bytes_taken() const { return (place_ + 7) / 8; }
+	bool good() const { return position_ <= 8 * bytes_.size(); }
+	std::size_t bytes_taken() const { return (position_ + 7) / 8; }
 
 private:
 	std::span<const std::uint8_t> bytes_;
-	std::size_t place_ = 0; ///< In bits.
+	std::size_t position_ = 0; ///< In bits.
 };
 
 std::uint64_t cost(std::span<const std::uint64_t> gaps, int parameter) {

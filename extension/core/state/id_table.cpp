@@ -11,7 +11,7 @@ namespace thicket {
 
 namespace {
 
-constexpr std::size_t least_places = 16;
+constexpr std::size_t least_slots = 16;
 
 std::uint64_t salt_of_this_run() {
 	static const std::uint64_t salt = split_mix(std::random_device{}());
@@ -24,52 +24,52 @@ IdTable::IdTable() : salt_(salt_of_this_run()) {}
 
 std::size_t IdTable::home_of(std::uint64_t id) const { return split_mix(id ^ salt_) & (ids_.size() - 1); }
 
-std::size_t IdTable::place_of(std::uint64_t id) const {
-	std::size_t place = home_of(id);
-	while (ids_[place] != id && ids_[place] != none) {
-		place = (place + 1) & (ids_.size() - 1);
+std::size_t IdTable::slot_of(std::uint64_t id) const {
+	std::size_t slot = home_of(id);
+	while (ids_[slot] != id && ids_[slot] != none) {
+		slot = (slot + 1) & (ids_.size() - 1);
 	}
-	return place;
+	return slot;
 }
 
 double IdTable::time(std::uint64_t id) const {
 	if (timed_ == 0) {
 		return 0.0;
 	}
-	const std::size_t place = place_of(id);
-	return ids_[place] == id ? times_[place] : 0.0;
+	const std::size_t slot = slot_of(id);
+	return ids_[slot] == id ? times_[slot] : 0.0;
 }
 
-void IdTable::set_time(std::size_t place, double time) {
+void IdTable::set_time(std::size_t slot, double time) {
 	if (times_.empty()) {
 		if (time == 0.0) {
 			return;
 		}
 		times_.resize(ids_.size());
 	}
-	timed_ += (time != 0.0 ? 1U : 0U) - (times_[place] != 0.0 ? 1U : 0U);
-	times_[place] = time;
+	timed_ += (time != 0.0 ? 1U : 0U) - (times_[slot] != 0.0 ? 1U : 0U);
+	times_[slot] = time;
 }
 
 void IdTable::reserve(std::size_t count, bool timed) {
-	std::size_t places = std::max(ids_.size(), least_places);
-	while (4 * count > 3 * places) {
-		places *= 2;
+	std::size_t slots = std::max(ids_.size(), least_slots);
+	while (4 * count > 3 * slots) {
+		slots *= 2;
 	}
-	if (places > ids_.size()) {
-		resize(places, timed || timed_ > 0);
+	if (slots > ids_.size()) {
+		resize(slots, timed || timed_ > 0);
 	} else if (timed && times_.empty()) {
-		times_.resize(places);
+		times_.resize(slots);
 	}
 }
 
 bool IdTable::insert(std::uint64_t id, double time) {
 	reserve(size_ + 1, time != 0.0);
-	const std::size_t place = place_of(id);
-	const bool is_new = ids_[place] == none;
-	ids_[place] = id;
+	const std::size_t slot = slot_of(id);
+	const bool is_new = ids_[slot] == none;
+	ids_[slot] = id;
 	size_ += is_new ? 1U : 0U;
-	set_time(place, time);
+	set_time(slot, time);
 	return is_new;
 }
 
@@ -77,7 +77,7 @@ bool IdTable::erase(std::uint64_t id) noexcept {
 	if (!contains(id)) {
 		return false;
 	}
-	std::size_t hole = place_of(id);
+	std::size_t hole = slot_of(id);
 	set_time(hole, 0.0);
 	--size_;
 	// What was pushed on by the one that goes moves up, so that no search ends too early.
@@ -98,29 +98,29 @@ bool IdTable::erase(std::uint64_t id) noexcept {
 }
 
 void IdTable::shrink() noexcept {
-	std::size_t places = ids_.size();
-	while (places > least_places && 8 * size_ < places) {
-		places /= 2;
+	std::size_t slots = ids_.size();
+	while (slots > least_slots && 8 * size_ < slots) {
+		slots /= 2;
 	}
-	if (places < ids_.size()) {
-		static_cast<void>(guarded("ids", static_cast<double>(places), [&] { resize(places, timed_ > 0); }));
+	if (slots < ids_.size()) {
+		static_cast<void>(guarded("ids", static_cast<double>(slots), [&] { resize(slots, timed_ > 0); }));
 	}
 }
 
 /// All memory is taken before anything changes.
-void IdTable::resize(std::size_t places, bool timed) {
-	std::vector<std::uint64_t> ids(places, none);
-	std::vector<double> times(timed ? places : 0);
+void IdTable::resize(std::size_t slots, bool timed) {
+	std::vector<std::uint64_t> ids(slots, none);
+	std::vector<double> times(timed ? slots : 0);
 	ids.swap(ids_);
 	times.swap(times_);
-	for (std::size_t place = 0; place < ids.size(); ++place) {
-		if (ids[place] == none) {
+	for (std::size_t slot = 0; slot < ids.size(); ++slot) {
+		if (ids[slot] == none) {
 			continue;
 		}
-		const std::size_t to = place_of(ids[place]);
-		ids_[to] = ids[place];
+		const std::size_t to = slot_of(ids[slot]);
+		ids_[to] = ids[slot];
 		if (timed && !times.empty()) {
-			times_[to] = times[place];
+			times_[to] = times[slot];
 		}
 	}
 }

@@ -6,8 +6,8 @@
 
 namespace thicket {
 
-/// A set of ids, each with a time or none: open addressing with linear probing, 8 bytes a place, and 8 more once any id has a time. At
-/// most three of four places are taken. The order of ids differs from run to run, so that nobody can choose ids that collide.
+/// A set of ids, each with a time or none: open addressing with linear probing, 8 bytes a slot, and 8 more once any id has a time. At
+/// most three of four slots are taken. The order of ids differs from run to run, so that nobody can choose ids that collide.
 class IdTable {
 public:
 	/// What no id is.
@@ -15,7 +15,7 @@ public:
 
 	IdTable();
 
-	bool contains(std::uint64_t id) const { return !ids_.empty() && ids_[place_of(id)] == id; }
+	bool contains(std::uint64_t id) const { return !ids_.empty() && ids_[slot_of(id)] == id; }
 
 	/// The time of an id; 0 for none, and for an id that is not in.
 	double time(std::uint64_t id) const;
@@ -40,21 +40,21 @@ public:
 	/// Calls `use(id, time)` for each, in any order.
 	template <typename Use>
 	void for_each(Use &&use) const {
-		for (std::size_t place = 0; place < ids_.size(); ++place) {
-			if (ids_[place] != none) {
-				use(ids_[place], times_.empty() ? 0.0 : times_[place]);
+		for (std::size_t slot = 0; slot < ids_.size(); ++slot) {
+			if (ids_[slot] != none) {
+				use(ids_[slot], times_.empty() ? 0.0 : times_[slot]);
 			}
 		}
 	}
 
 private:
-	/// Where an id lies or, if it is not in, the free place where it would.
-	std::size_t place_of(std::uint64_t id) const;
+	/// The slot of an id or, if it is not in, the free slot where it would be put.
+	std::size_t slot_of(std::uint64_t id) const;
 	std::size_t home_of(std::uint64_t id) const;
-	void set_time(std::size_t place, double time);
-	void resize(std::size_t places, bool timed);
+	void set_time(std::size_t slot, double time);
+	void resize(std::size_t slots, bool timed);
 
-	std::vector<std::uint64_t> ids_; ///< As many as a power of two; `none` where a place is free.
+	std::vector<std::uint64_t> ids_; ///< As many as a power of two; `none` where a slot is free.
 	std::vector<double> times_;      ///< Empty while no id has had one.
 	std::size_t size_ = 0;
 	std::size_t timed_ = 0;

@@ -155,7 +155,7 @@ std::uint64_t InstanceState::stamp(std::uint16_t layer) const {
 }
 
 StateChange InstanceState::remove(std::uint64_t id, double until) {
-	Content::Fate to;
+	Content::Entry to;
 	if (!is_added(id)) {
 		to.data = data(id);
 		to.removed = true;
@@ -190,7 +190,7 @@ Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> b
 	if (bytes.size() > max_instance_data) {
 		return {ErrorCode::wrong_size, "data", static_cast<double>(bytes.size())};
 	}
-	Content::Fate to = content_->fate(id);
+	Content::Entry to = content_->entry(id);
 	if (is_added(id) && to.instance == nullptr) {
 		return {ErrorCode::missing, "id"};
 	}

@@ -33,21 +33,21 @@ void reserve_more(std::vector<T> &r_list, std::size_t more) {
 
 } // namespace
 
-StateRecord::Fate InstanceState::Content::fate(std::uint64_t id) const {
-	Fate fate;
-	fate.removed = removed.contains(id);
-	fate.until = fate.removed ? removed.time(id) : 0.0;
+StateRecord::Entry InstanceState::Content::entry(std::uint64_t id) const {
+	Entry entry;
+	entry.removed = removed.contains(id);
+	entry.until = entry.removed ? removed.time(id) : 0.0;
 	if (const auto own = added.find(id); own != added.end()) {
-		fate.instance = &own->second;
+		entry.instance = &own->second;
 	}
 	if (const auto own = data.find(id); own != data.end()) {
-		fate.data = own->second;
+		entry.data = own->second;
 	}
-	return fate;
+	return entry;
 }
 
 StateChange InstanceState::Content::change_one(
-		std::uint64_t id, const Fate &to, const char *asked_for, double value) {
+		std::uint64_t id, const Entry &to, const char *asked_for, double value) {
 	std::vector<InstanceChange> changes;
 	const Status status =
 			guarded(asked_for, value, [&] { change_all([&](const auto &use) { use(id, to); }, changes); });
@@ -61,7 +61,7 @@ InstanceState::Content::Room InstanceState::Content::empty_room() const {
 }
 
 /// Takes the memory for what `change` will do, except for what `make_room` takes for all together.
-void InstanceState::Content::plan(std::uint64_t id, const Fate &to, Room &r_room) {
+void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_room) {
 	bool data_stay = true;
 	if (is_added(id)) {
 		data_stay = plan_added(id, to.instance, r_room);
@@ -80,7 +80,7 @@ void InstanceState::Content::plan(std::uint64_t id, const Fate &to, Room &r_room
 	}
 }
 
-void InstanceState::Content::plan_removed(std::uint64_t id, const Fate &to, Room &r_room) {
+void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, Room &r_room) {
 	const bool was = removed.contains(id);
 	if (to.removed && to.until > 0.0) {
 		++r_room.due;
@@ -118,7 +118,7 @@ void InstanceState::Content::make_room(const Room &room, std::vector<InstanceCha
 }
 
 void InstanceState::Content::change(
-		std::uint64_t id, const Fate &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept {
+		std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept {
 	if (is_added(id)) {
 		change_added(id, to.instance, r_room, r_changes);
 	} else {
@@ -127,7 +127,7 @@ void InstanceState::Content::change(
 	change_data(id, to.data, r_room, r_changes);
 }
 
-void InstanceState::Content::change_removed(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes) {
+void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes) {
 	const bool was = removed.contains(id);
 	if (to.removed && (!was || removed.time(id) != to.until)) {
 		removed.insert(id, to.until);
@@ -276,7 +276,7 @@ std::vector<std::uint64_t> InstanceState::Content::all_ids() const {
 
 void InstanceState::Content::add_to(StateRecord &r_record, std::uint64_t code) const {
 	const std::uint64_t id = id_of(code);
-	const Fate now = fate(id);
+	const Entry now = entry(id);
 	if (now.removed) {
 		if (now.until > 0.0) {
 			r_record.until.emplace_back(r_record.removed.size(), now.until);
@@ -331,9 +331,9 @@ void InstanceState::Content::move_clock(double to, std::vector<InstanceChange> &
 		std::ranges::pop_heap(due, std::greater<>());
 		due.pop_back();
 		if (removed.time(first.id) == first.time) {
-			Fate fate = this->fate(first.id);
-			fate.removed = false;
-			change(first.id, fate, nothing, r_changes);
+			Entry entry = this->entry(first.id);
+			entry.removed = false;
+			change(first.id, entry, nothing, r_changes);
 		}
 	}
 	removed.shrink();
@@ -348,7 +348,7 @@ void InstanceState::Content::follow(const StateRecord &record, std::vector<Insta
 	make_room_for_stamps(record);
 	const auto each = [&](const auto &use) {
 		for (const std::uint64_t id : unnamed) {
-			use(id, Fate{});
+			use(id, Entry{});
 		}
 		record.for_each(use);
 	};

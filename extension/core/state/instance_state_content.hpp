@@ -18,7 +18,7 @@ namespace thicket {
 
 struct InstanceState::Content {
 	using Bytes = std::vector<std::uint8_t>;
-	using Fate = StateRecord::Fate;
+	using Entry = StateRecord::Entry;
 
 	/// What is known of a layer.
 	struct Layer {
@@ -55,7 +55,7 @@ struct InstanceState::Content {
 
 	std::size_t size() const { return removed.size() + added.size() + data.size(); }
 
-	Fate fate(std::uint64_t id) const;
+	Entry entry(std::uint64_t id) const;
 
 	/// The memory that changes need. All of it is had before the first of them is made, so that none fails.
 	struct Room {
@@ -70,19 +70,19 @@ struct InstanceState::Content {
 	};
 
 	/// Makes of ids what is said of them, and adds what that has changed; or throws std::bad_alloc and changes nothing.
-	/// `each(use)` calls `use(id, fate)` for every id once. It is called twice: to find out how much memory that takes, and
+	/// `each(use)` calls `use(id, entry)` for every id once. It is called twice: to find out how much memory that takes, and
 	/// then to do it. The second time it must take no memory.
 	template <typename Each>
 	void change_all(const Each &each, std::vector<InstanceChange> &r_changes) {
 		Room room = empty_room();
-		each([&](std::uint64_t id, const Fate &to) { plan(id, to, room); });
+		each([&](std::uint64_t id, const Entry &to) { plan(id, to, room); });
 		make_room(room, r_changes);
-		each([&](std::uint64_t id, const Fate &to) { change(id, to, room, r_changes); });
+		each([&](std::uint64_t id, const Entry &to) { change(id, to, room, r_changes); });
 		removed.shrink();
 	}
 
 	/// The same for a single id. `asked_for` names what is short of memory, of that size.
-	StateChange change_one(std::uint64_t id, const Fate &to, const char *asked_for, double value);
+	StateChange change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value);
 
 	/// Moves the clock to a later time and restores what is due by then; or throws std::bad_alloc and changes nothing.
 	void move_clock(double to, std::vector<InstanceChange> &r_changes);
@@ -113,14 +113,14 @@ struct InstanceState::Content {
 
 private:
 	Room empty_room() const;
-	void plan(std::uint64_t id, const Fate &to, Room &r_room);
-	void plan_removed(std::uint64_t id, const Fate &to, Room &r_room);
+	void plan(std::uint64_t id, const Entry &to, Room &r_room);
+	void plan_removed(std::uint64_t id, const Entry &to, Room &r_room);
 	bool plan_added(std::uint64_t id, const AddedInstance *to, Room &r_room);
 	void make_room(const Room &room, std::vector<InstanceChange> &r_changes);
 
 	// From here on all memory is there.
-	void change(std::uint64_t id, const Fate &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept;
-	void change_removed(std::uint64_t id, const Fate &to, std::vector<InstanceChange> &r_changes);
+	void change(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept;
+	void change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
 	void change_added(
 			std::uint64_t id, const AddedInstance *to, Room &r_room, std::vector<InstanceChange> &r_changes);
 	void change_data(std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room,

@@ -60,8 +60,8 @@ Status InstanceState::Content::take_in(const StateRecord &record, std::vector<In
 	}
 	make_room_for_stamps(record);
 	const auto each = [&](const auto &use) {
-		record.for_each([&](std::uint64_t id, const Fate &theirs) {
-			Fate both = fate(id);
+		record.for_each([&](std::uint64_t id, const Entry &theirs) {
+			Entry both = entry(id);
 			if (theirs.removed) {
 				const bool for_ever = theirs.until == 0.0 || (both.removed && both.until == 0.0);
 				both.until = for_ever ? 0.0 : std::max(both.until, theirs.until);

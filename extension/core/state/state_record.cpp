@@ -14,7 +14,7 @@
 // Format 1, all numbers little-endian; a list is written as id_codec.hpp says, ids in it are codes:
 //   "TSTA", u32 version, u8 kind: 0 for a whole state, 1 for some ids, f64 clock in seconds;
 //   u16 number of layers less 1, or 0xffff for none; for each, ascending: u16 layer, u64 stamp;
-//   list of removed points, list of the places in it of those that grow again, f64 time of each of these;
+//   list of removed points, list of the indices in it of those that grow again, f64 time of each of these;
 //   list of points that are not removed, list of hand-placed ids that are gone;
 //   list of hand-placed ids; for each: u8 mesh, 3 f64 position, 9 f32 basis, column by column;
 //   list of ids with data; for each: u32 size, its bytes;
@@ -113,12 +113,12 @@ bool take_removed(ByteReader &r_bytes, StateRecord &r_record) {
 			(!timed.empty() && timed.back() >= r_record.removed.size())) {
 		return false;
 	}
-	for (const std::uint64_t place : timed) {
+	for (const std::uint64_t index : timed) {
 		const double time = take_time(r_bytes);
 		if (!r_bytes.good() || !is_time(time) || time == 0.0) {
 			return false;
 		}
-		r_record.until.emplace_back(place, time);
+		r_record.until.emplace_back(index, time);
 	}
 	return true;
 }
@@ -262,11 +262,11 @@ void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes) {
 	}
 	append_ascending(record.removed, r_bytes);
 	std::vector<std::uint64_t> timed;
-	for (const auto &[place, time] : record.until) {
-		timed.push_back(place);
+	for (const auto &[index, time] : record.until) {
+		timed.push_back(index);
 	}
 	append_ascending(timed, r_bytes);
-	for (const auto &[place, time] : record.until) {
+	for (const auto &[index, time] : record.until) {
 		append_time(time, r_bytes);
 	}
 	append_ascending(record.standing, r_bytes);

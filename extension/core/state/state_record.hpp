@@ -19,7 +19,7 @@ struct StateRecord {
 	using Codes = std::vector<std::uint64_t>;
 
 	/// What is said of one id.
-	struct Fate {
+	struct Entry {
 		bool removed = false;
 		double until = 0.0;                      ///< 0 for ever.
 		const AddedInstance *instance = nullptr; ///< Of a hand-placed one that is there.
@@ -30,7 +30,7 @@ struct StateRecord {
 	double time = 0.0;
 
 	Codes removed;                                       ///< Points of the sets.
-	std::vector<std::pair<std::uint64_t, double>> until; ///< Places in `removed`, and times above 0.
+	std::vector<std::pair<std::uint64_t, double>> until; ///< Indices in `removed`, and times above 0.
 	Codes standing; ///< Points of the sets that are not removed; of a whole state, only those with data.
 	Codes gone;     ///< Hand-placed ones that are no longer there; none of a whole state.
 	Codes added;
@@ -48,23 +48,23 @@ struct StateRecord {
 	/// Whether anything is said of an id.
 	bool names(std::uint64_t id) const;
 
-	/// Calls `use(id, fate)` for all ids.
+	/// Calls `use(id, entry)` for all ids.
 	template <typename Use>
 	void for_each(Use &&use) const {
 		auto next_until = until.begin();
 		for (std::size_t at = 0; at < removed.size(); ++at) {
 			const bool timed = next_until != until.end() && next_until->first == at;
-			use(id_of(removed[at]), Fate{true, timed ? next_until->second : 0.0, nullptr, data_of(removed[at])});
+			use(id_of(removed[at]), Entry{true, timed ? next_until->second : 0.0, nullptr, data_of(removed[at])});
 			next_until += timed ? 1 : 0;
 		}
 		for (const std::uint64_t code : standing) {
-			use(id_of(code), Fate{false, 0.0, nullptr, data_of(code)});
+			use(id_of(code), Entry{false, 0.0, nullptr, data_of(code)});
 		}
 		for (const std::uint64_t code : gone) {
-			use(id_of(code), Fate{});
+			use(id_of(code), Entry{});
 		}
 		for (std::size_t at = 0; at < added.size(); ++at) {
-			use(id_of(added[at]), Fate{false, 0.0, &instances[at], data_of(added[at])});
+			use(id_of(added[at]), Entry{false, 0.0, &instances[at], data_of(added[at])});
 		}
 	}
 

@@ -140,7 +140,7 @@ bool LayerTiles::is_where(const Sight &sight, const TrackedViewer *viewer) const
 	return sight.seen == view_of(*viewer) + slack && step.x * step.x + step.y * step.y <= slack * slack;
 }
 
-/// Takes a viewer's place and reach.
+/// Takes a viewer's position and reach.
 void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
 	sort(sight); // Perhaps it was not since the last move: then this keeps it from growing.
 	std::swap(sight.view, sight.old_view);

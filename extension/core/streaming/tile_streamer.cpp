@@ -62,7 +62,7 @@ void StreamChanges::clear() {
 	request.clear();
 }
 
-/// Takes the viewers' places. Viewers are matched by index, and where there are more or fewer than before all have jumped.
+/// Takes the viewers' positions. Viewers are matched by index, and where there are more or fewer than before all have jumped.
 void TileStreamer::State::track(std::span<const Viewer> now) {
 	double farthest = 0.0;
 	for (const TrackedViewer &viewer : viewers) {

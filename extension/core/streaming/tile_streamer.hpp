@@ -40,7 +40,7 @@ struct Viewer {
 	glm::dvec2 position{0.0}; ///< World meters, finite, within max_tile_coordinate tiles of every layer.
 	double radius_scale =
 			1.0;         ///< Times the view distance of each layer; finite, 0 or more. At most max_view_tiles count.
-	double height = 0.0; ///< World y in meters, finite. Tiles are streamed in the plane: it counts for detail only.
+	double height = 0.0; ///< World y in meters, finite. Tiles are streamed in the plane: it counts for LOD only.
 };
 
 /// Names a tile of a layer. Every tile size that a layer is given starts a new `grid`, a number not used before, so
@@ -134,7 +134,7 @@ public:
 	/// late and must be thrown away.
 	bool finish(const TileRequest &request);
 
-	/// Forgets all tiles, as if new, and keeps the layers: for a caller that has cleared its stage itself. Answers to
+	/// Forgets all tiles, as if new, and keeps the layers: for a caller that has cleared its display itself. Answers to
 	/// requests made before will be refused.
 	void clear();
 

@@ -6,35 +6,35 @@ namespace thicket {
 
 std::size_t TileTable::home(glm::ivec2 at) const {
 	const std::uint64_t word = std::uint64_t{static_cast<std::uint32_t>(at.x)} << 32 | static_cast<std::uint32_t>(at.y);
-	return static_cast<std::size_t>(split_mix(word)) & (places_.size() - 1);
+	return static_cast<std::size_t>(split_mix(word)) & (buckets_.size() - 1);
 }
 
-/// Where a tile is, or the free place where it would be put. The table is not empty.
-std::size_t TileTable::place_of(glm::ivec2 at) const {
-	std::size_t place = home(at);
-	while (places_[place] != none && tiles_[places_[place]].at != at) {
-		place = (place + 1) & (places_.size() - 1);
+/// The bucket of a tile, or the free bucket where it would be put. The table is not empty.
+std::size_t TileTable::bucket_of(glm::ivec2 at) const {
+	std::size_t bucket = home(at);
+	while (buckets_[bucket] != none && tiles_[buckets_[bucket]].at != at) {
+		bucket = (bucket + 1) & (buckets_.size() - 1);
 	}
-	return place;
+	return bucket;
 }
 
-std::uint32_t TileTable::find(glm::ivec2 at) const { return places_.empty() ? none : places_[place_of(at)]; }
+std::uint32_t TileTable::find(glm::ivec2 at) const { return buckets_.empty() ? none : buckets_[bucket_of(at)]; }
 
 void TileTable::grow() {
-	const std::size_t places = places_.empty() ? 64 : 2 * places_.size();
-	places_.assign(places, none);
+	const std::size_t count = buckets_.empty() ? 64 : 2 * buckets_.size();
+	buckets_.assign(count, none);
 	for (std::uint32_t slot = 0; slot < tiles_.size(); ++slot) {
 		if (tiles_[slot].exists) {
-			places_[place_of(tiles_[slot].at)] = slot;
+			buckets_[bucket_of(tiles_[slot].at)] = slot;
 		}
 	}
 }
 
 std::uint32_t TileTable::find_or_add(glm::ivec2 at) {
-	if (2 * (size() + 1) > places_.size()) {
+	if (2 * (size() + 1) > buckets_.size()) {
 		grow();
 	}
-	std::uint32_t &entry = places_[place_of(at)];
+	std::uint32_t &entry = buckets_[bucket_of(at)];
 	if (entry == none) {
 		if (free_.empty()) {
 			free_.push_back(static_cast<std::uint32_t>(tiles_.size()));
@@ -50,16 +50,16 @@ std::uint32_t TileTable::find_or_add(glm::ivec2 at) {
 }
 
 void TileTable::erase(std::uint32_t slot) {
-	const std::size_t mask = places_.size() - 1;
-	std::size_t hole = place_of(tiles_[slot].at);
-	places_[hole] = none;
-	// What was put behind the hole because its own place was taken moves up, or it would not be found again.
-	for (std::size_t place = (hole + 1) & mask; places_[place] != none; place = (place + 1) & mask) {
-		const std::size_t from_home = (place - home(tiles_[places_[place]].at)) & mask;
-		if (from_home >= ((place - hole) & mask)) {
-			places_[hole] = places_[place];
-			places_[place] = none;
-			hole = place;
+	const std::size_t mask = buckets_.size() - 1;
+	std::size_t hole = bucket_of(tiles_[slot].at);
+	buckets_[hole] = none;
+	// What was put behind the hole because its own bucket was taken moves up, or it would not be found again.
+	for (std::size_t bucket = (hole + 1) & mask; buckets_[bucket] != none; bucket = (bucket + 1) & mask) {
+		const std::size_t from_home = (bucket - home(tiles_[buckets_[bucket]].at)) & mask;
+		if (from_home >= ((bucket - hole) & mask)) {
+			buckets_[hole] = buckets_[bucket];
+			buckets_[bucket] = none;
+			hole = bucket;
 		}
 	}
 	tiles_[slot].exists = false;
@@ -69,7 +69,7 @@ void TileTable::erase(std::uint32_t slot) {
 void TileTable::clear() {
 	tiles_.clear();
 	free_.clear();
-	places_.clear();
+	buckets_.clear();
 }
 
 } // namespace thicket

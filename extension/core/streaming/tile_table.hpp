@@ -25,7 +25,7 @@ struct StreamedTile {
 	bool begun() const { return shown || ticket != 0; }
 };
 
-/// Tiles by their place. Each keeps its slot, a number, for as long as it is in the table.
+/// Tiles by their coordinates. Each keeps its slot, a number, for as long as it is in the table.
 class TileTable {
 public:
 	static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
@@ -49,13 +49,13 @@ public:
 
 private:
 	std::size_t home(glm::ivec2 at) const;
-	std::size_t place_of(glm::ivec2 at) const;
+	std::size_t bucket_of(glm::ivec2 at) const;
 	void grow();
 
 	std::vector<StreamedTile> tiles_;
 	std::vector<std::uint32_t> free_;
 	std::vector<std::uint32_t>
-			places_; ///< Open addressing, linear: slots by hash, `none` where nothing is. A power of 2.
+			buckets_; ///< Open addressing, linear: slots by hash, `none` where nothing is. A power of 2.
 };
 
 } // namespace thicket

@@ -10,7 +10,7 @@ namespace thicket {
 
 void work_order(std::span<const Rect> areas, std::span<const Viewer> viewers, std::vector<std::size_t> &r_order) {
 	std::vector<double> distances(areas.size(), std::numeric_limits<double>::infinity());
-	std::vector<std::vector<std::size_t>> places(viewers.size());
+	std::vector<std::vector<std::size_t>> areas_of(viewers.size());
 	r_order.resize(areas.size());
 	std::iota(r_order.begin(), r_order.end(), std::size_t{0});
 	for (std::size_t area = 0; area < areas.size(); ++area) {
@@ -21,10 +21,10 @@ void work_order(std::span<const Rect> areas, std::span<const Viewer> viewers, st
 			distances[area] = std::min(distances[area], squared);
 		}
 		if (!viewers.empty()) {
-			places[nearest].push_back(area);
+			areas_of[nearest].push_back(area);
 		}
 	}
-	for (const std::vector<std::size_t> &mine : places) {
+	for (const std::vector<std::size_t> &mine : areas_of) {
 		std::vector<std::size_t> sorted = mine;
 		std::ranges::stable_sort(sorted, {}, [&](std::size_t area) { return distances[area]; });
 		for (std::size_t i = 0; i < mine.size(); ++i) {

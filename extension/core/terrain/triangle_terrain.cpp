@@ -32,7 +32,7 @@ void arrange(std::span<Key> keys, std::size_t half_runs) {
 	if (half_runs == 0) {
 		return;
 	}
-	const std::size_t half = half_runs * RunTree::leaf_size;
+	const std::size_t half = half_runs * Bvh::leaf_size;
 	if (keys.size() <= half) {
 		arrange(keys, half_runs / 2);
 		return;
@@ -98,9 +98,9 @@ void TriangleTerrain::take(std::span<const glm::dvec3> corners) {
 			keys.push_back({from_above(a) + from_above(b) + from_above(c), i});
 		}
 	}
-	tree_ = RunTree(keys.size());
+	tree_ = Bvh(keys.size());
 	if (!tree_.empty()) {
-		arrange(keys, std::bit_ceil(tree_.runs(0)) / 2);
+		arrange(keys, std::bit_ceil(tree_.nodes(0)) / 2);
 	}
 	triangles_.reserve(keys.size());
 	for (const Key &key : keys) {
@@ -112,22 +112,22 @@ void TriangleTerrain::build_boxes() {
 	if (tree_.empty()) {
 		return;
 	}
-	boxes_.resize(tree_.runs());
-	tree_.each([&](RunTree::Run run) {
-		Box &box = boxes_[tree_.slot(run)];
-		if (run.level == 0) {
-			box = around(triangles_[tree_.begin(run)]);
-			for (std::size_t i = tree_.begin(run) + 1; i < tree_.end(run); ++i) {
+	boxes_.resize(tree_.nodes());
+	tree_.each([&](Bvh::Node node) {
+		Box &box = boxes_[tree_.index_of(node)];
+		if (node.level == 0) {
+			box = around(triangles_[tree_.begin(node)]);
+			for (std::size_t i = tree_.begin(node) + 1; i < tree_.end(node); ++i) {
 				box = around(box, around(triangles_[i]));
 			}
 		} else {
-			box = boxes_[tree_.slot(tree_.first(run))];
-			if (tree_.has_second(run)) {
-				box = around(box, boxes_[tree_.slot(tree_.second(run))]);
+			box = boxes_[tree_.index_of(tree_.first(node))];
+			if (tree_.has_second(node)) {
+				box = around(box, boxes_[tree_.index_of(tree_.second(node))]);
 			}
 		}
 	});
-	const Box &all = boxes_[tree_.slot(tree_.root())];
+	const Box &all = boxes_[tree_.index_of(tree_.root())];
 	area_ = {all.min, all.max};
 }
 
@@ -154,31 +154,31 @@ Status TriangleTerrain::sample(std::span<const glm::dvec2> positions, std::span<
 
 Ground TriangleTerrain::ground_at(glm::dvec2 position) const {
 	Hit hit;
-	RunStack<RunTree::Run> stack;
-	const auto push = [&](RunTree::Run run) {
-		if (boxes_[tree_.slot(run)].holds(position)) {
-			stack.push(run);
+	BvhStack<Bvh::Node> stack;
+	const auto push = [&](Bvh::Node node) {
+		if (boxes_[tree_.index_of(node)].holds(position)) {
+			stack.push(node);
 		}
 	};
 	if (!tree_.empty()) {
 		push(tree_.root());
 	}
 	while (!stack.empty()) {
-		const RunTree::Run run = stack.pop();
-		if (hit.triangle != nullptr && boxes_[tree_.slot(run)].top < hit.height) {
+		const Bvh::Node node = stack.pop();
+		if (hit.triangle != nullptr && boxes_[tree_.index_of(node)].top < hit.height) {
 			continue;
 		}
-		if (run.level == 0) {
-			for (std::size_t i = tree_.begin(run); i < tree_.end(run); ++i) {
+		if (node.level == 0) {
+			for (std::size_t i = tree_.begin(node); i < tree_.end(node); ++i) {
 				meet(triangles_[i], position, hit);
 			}
 			continue;
 		}
 		// The higher half first: what it holds may lie above all of the other.
-		RunTree::Run first = tree_.first(run);
-		if (tree_.has_second(run)) {
-			RunTree::Run second = tree_.second(run);
-			if (boxes_[tree_.slot(second)].top > boxes_[tree_.slot(first)].top) {
+		Bvh::Node first = tree_.first(node);
+		if (tree_.has_second(node)) {
+			Bvh::Node second = tree_.second(node);
+			if (boxes_[tree_.index_of(second)].top > boxes_[tree_.index_of(first)].top) {
 				std::swap(first, second);
 			}
 			push(second);

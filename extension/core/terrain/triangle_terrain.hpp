@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/rect.hpp"
-#include "core/base/run_tree.hpp"
+#include "core/base/bvh.hpp"
 #include "core/terrain/terrain.hpp"
 
 #include <glm/vec3.hpp>
@@ -40,7 +40,7 @@ private:
 		std::uint32_t index; ///< In what `set` was given.
 	};
 
-	/// Around the triangles of a run, seen from above, and how high they reach.
+	/// Around the triangles of a node, seen from above, and how high they reach.
 	struct Box {
 		glm::dvec2 min;
 		glm::dvec2 max;
@@ -69,7 +69,7 @@ private:
 
 	Rect area_;
 	std::vector<Triangle> triangles_; ///< In the order of the tree.
-	RunTree tree_;
+	Bvh tree_;
 	std::vector<Box> boxes_; ///< By the tree's slots.
 };
 

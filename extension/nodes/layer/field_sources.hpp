@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/look.hpp"
+#include "core/placement/instance_data.hpp"
 #include "core/rules/curve_table.hpp"
 #include "core/rules/image_mask.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/detail.hpp"
+#include "core/placement/lod.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/layer_links.hpp"
 #include "core/query/instance_query.hpp"
@@ -100,7 +100,7 @@ struct LayerSnapshot {
 			settings; ///< Never null. ScatterLayer makes it without neighbors and shapes: those are added by the node.
 	StreamLayer range;
 	LayerDrawing drawing;
-	Detail lod;
+	LodSettings lod;
 	LayerGameplay gameplay;
 	LayerLinks links; ///< Its name, and what it says of other layers by name.
 

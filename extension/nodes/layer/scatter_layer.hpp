@@ -202,7 +202,7 @@ private:
 	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
 	LayerDrawing drawing() const;
 	LayerGameplay gameplay() const;
-	Detail lod() const;
+	LodSettings lod() const;
 	const LayerTables &tables() const;
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);
@@ -243,7 +243,7 @@ private:
 	LayerSettings settings_;
 	StreamLayer range_;
 	LayerDrawing drawing_;
-	Detail lod_;
+	LodSettings lod_;
 	LayerGameplay gameplay_;
 	LayerLinks links_;
 	MaskFrame mask_frame_;

@@ -30,8 +30,8 @@ constexpr NumberProperty render_layers{
 constexpr NumberProperty visibility_range_fade_mode{"visibility_range_fade_mode",
 		&LayerDrawing::visibility_range_fade_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Self,Dependencies"};
 
-constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &Look::use_colors};
-constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &Look::use_custom_data};
+constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &InstanceData::use_colors};
+constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &InstanceData::use_custom_data};
 
 constexpr ResourceProperty<Gradient> color_gradient{
 		"color_gradient", "Gradient", &LayerResources::color_gradient, LayerSource::color_gradient};

@@ -61,7 +61,7 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 			settings_.rules.clumping.size > 0.0,
 			proximity,
 			proximity || resources_.proximity_curve.is_valid(),
-			settings_.look.use_colors || resources_.color_gradient.is_valid(),
+			settings_.instance_data.use_colors || resources_.color_gradient.is_valid(),
 			from,
 			to,
 			from || to,

@@ -14,14 +14,14 @@ constexpr NumberProperty view_distance{"view_distance", &StreamLayer::view_dista
 		PROPERTY_HINT_RANGE, "0,4096,0.1,or_greater,exp,suffix:m"};
 constexpr NumberProperty lod_bias{
 		"lod_bias", &LayerDrawing::lod_bias, 1e-3, 128.0, PROPERTY_HINT_RANGE, "0.001,128,0.001,exp"};
-constexpr NumberProperty thin_begin{"thin_begin", &Detail::thin_begin, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
+constexpr NumberProperty thin_begin{"thin_begin", &LodSettings::thin_begin, 0.0, max_lod_distance, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr NumberProperty thin_end{"thin_end", &Detail::thin_end, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
+constexpr NumberProperty thin_end{"thin_end", &LodSettings::thin_end, 0.0, max_lod_distance, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,exp,suffix:m"};
 constexpr NumberProperty thin_density{
-		"thin_density", &Detail::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+		"thin_density", &LodSettings::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
 constexpr SwitchProperty thin_scale_compensation{
-		"thin_scale_compensation", "is_thin_scale_compensated", &Detail::scale_compensation};
+		"thin_scale_compensation", "is_thin_scale_compensated", &LodSettings::scale_compensation};
 
 constexpr auto max_lod_meshes = static_cast<int64_t>(max_lods * max_meshes);
 
@@ -41,9 +41,9 @@ void ScatterLayer::set_lod_meshes(const TypedArray<Mesh> &p_meshes) {
 TypedArray<Mesh> ScatterLayer::get_lod_meshes() const { return lod_meshes_; }
 
 void ScatterLayer::set_lod_distances(const PackedFloat32Array &p_distances) {
-	Detail detail;
-	detail.lod_distances.assign(p_distances.ptr(), p_distances.ptr() + p_distances.size());
-	if (const Status status = validate(detail); !status.ok()) {
+	LodSettings lod;
+	lod.lod_distances.assign(p_distances.ptr(), p_distances.ptr() + p_distances.size());
+	if (const Status status = validate(lod); !status.ok()) {
 		report(layer_class_name, status);
 		return;
 	}

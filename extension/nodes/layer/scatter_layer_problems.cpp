@@ -102,7 +102,7 @@ void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
 	if (mesh_weights_.size() > meshes_.size()) {
 		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is not used.");
 	}
-	if (resources_.color_gradient.is_valid() && !settings_.look.use_colors) {
+	if (resources_.color_gradient.is_valid() && !settings_.instance_data.use_colors) {
 		r_problems.push_back("ScatterLayer.color_gradient is not used without use_colors.");
 	}
 }

@@ -32,13 +32,13 @@ auto &ScatterLayer::part(Self &self) {
 		return self.settings_.rules.clumping;
 	} else if constexpr (std::is_same_v<Values, Placement>) {
 		return self.settings_.placement;
-	} else if constexpr (std::is_same_v<Values, Look>) {
-		return self.settings_.look;
+	} else if constexpr (std::is_same_v<Values, InstanceData>) {
+		return self.settings_.instance_data;
 	} else if constexpr (std::is_same_v<Values, StreamLayer>) {
 		return self.range_;
 	} else if constexpr (std::is_same_v<Values, LayerDrawing>) {
 		return self.drawing_;
-	} else if constexpr (std::is_same_v<Values, Detail>) {
+	} else if constexpr (std::is_same_v<Values, LodSettings>) {
 		return self.lod_;
 	} else if constexpr (std::is_same_v<Values, LayerGameplay>) {
 		return self.gameplay_;

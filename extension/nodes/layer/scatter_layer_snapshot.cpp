@@ -31,7 +31,7 @@ std::vector<Ref<Mesh>> mesh_list(const TypedArray<Mesh> &p_meshes, int64_t count
 	return result;
 }
 
-void add_boxes(const Detail &lod, LayerDrawing &r_drawing) {
+void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	for (const Ref<Mesh> &mesh : r_drawing.meshes) {
 		r_drawing.boxes.push_back(box_of(mesh));
 		r_drawing.mesh_reach.push_back(reach_of(r_drawing.boxes.back()));
@@ -77,7 +77,7 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) cons
 		result.rules.mask = mask_->snapshot();
 	}
 	result.placement.scale_curve = made.scale_curve;
-	result.look.colors = made.colors;
+	result.instance_data.colors = made.colors;
 	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
 		result.mesh_weights.push_back(mesh < mesh_weights_.size() ? mesh_weights_[mesh] : 1.0F);
 	}
@@ -94,8 +94,8 @@ LayerDrawing ScatterLayer::drawing() const {
 	return result;
 }
 
-Detail ScatterLayer::lod() const {
-	Detail result = lod_;
+LodSettings ScatterLayer::lod() const {
+	LodSettings result = lod_;
 	result.lod_distances.assign(lod_distances_.ptr(), lod_distances_.ptr() + lod_distances_.size());
 	return result;
 }

@@ -87,7 +87,7 @@ void TileDisplay::draw_part(const DisplayedTile &tile, std::size_t mesh, const L
 	VisualContext context = context_;
 	context.origin = tile.tile->origin;
 	r_part.lods = lods_of(drawing, mesh);
-	r_part.visual.emplace(context, tile.settings->look, drawing.meshes[mesh], upload);
+	r_part.visual.emplace(context, tile.settings->instance_data, drawing.meshes[mesh], upload);
 	r_part.visual->apply(drawing);
 	++upload_count_;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/near/tile_overlay.hpp"
-#include "core/streaming/detail_schedule.hpp"
+#include "core/streaming/lod_schedule.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/scatter/tile_visual.hpp"
 #include "nodes/scatter/upload_queue.hpp"
@@ -125,7 +125,7 @@ private:
 	void visit_all();
 	void apply_drawing(const TileKey &key, DisplayedTile &r_tile);
 	void refine(const TileKey &key, DisplayedTile &r_tile);
-	bool draw_lod(const Detail &lod, double distance, DisplayedTile &r_tile);
+	bool draw_lod(const LodSettings &lod, double distance, DisplayedTile &r_tile);
 	void begin(TileUpload &r_upload) const;
 	void draw_part(const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, const MeshUpload &upload,
 			DisplayedTile::Part &r_part);
@@ -146,7 +146,7 @@ private:
 	std::uint64_t upload_count_ = 0;
 	std::uint64_t redrawn_count_ = 0;
 
-	DetailSchedule schedule_;
+	LodSchedule schedule_;
 	DrawLimits limits_;
 	DrawLimits next_limits_;
 	double share_ = 1.0; ///< Of what is wanted, so that max_instances are not exceeded.

@@ -100,7 +100,7 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 }
 
 /// Draws the mesh and the share of the instances that the distance asks for. False if the limit for all tiles cuts them short.
-bool TileDisplay::draw_lod(const Detail &lod, double distance, DisplayedTile &r_tile) {
+bool TileDisplay::draw_lod(const LodSettings &lod, double distance, DisplayedTile &r_tile) {
 	const double density = thinned_density(lod, distance);
 	const auto scale = static_cast<float>(compensating_scale(lod, density));
 	r_tile.lod = lod_at(lod, distance, r_tile.lod);

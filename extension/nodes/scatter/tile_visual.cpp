@@ -28,8 +28,8 @@ constexpr auto everything = std::numeric_limits<std::size_t>::max();
 } // namespace
 
 TileVisual::TileVisual(
-		const VisualContext &context, const Look &look, const Ref<Mesh> &mesh, const MeshUpload &upload) :
-		look_(look), mesh_(mesh) {
+		const VisualContext &context, const InstanceData &data, const Ref<Mesh> &mesh, const MeshUpload &upload) :
+		data_(data), mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	multimesh_ = server->multimesh_create();
 	set_instances(upload);
@@ -48,7 +48,7 @@ TileVisual::TileVisual(TileVisual &&other) noexcept { *this = std::move(other); 
 TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 	if (this != &other) {
 		free();
-		look_ = other.look_;
+		data_ = other.data_;
 		instances_ = other.instances_;
 		capacity_ = other.capacity_;
 		multimesh_ = std::exchange(other.multimesh_, RID());
@@ -67,13 +67,13 @@ void TileVisual::allocate(int64_t instances) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	capacity_ = instances;
 	server->multimesh_allocate_data(multimesh_, static_cast<int32_t>(capacity_),
-			RenderingServer::MULTIMESH_TRANSFORM_3D, look_.use_colors, look_.use_custom_data);
+			RenderingServer::MULTIMESH_TRANSFORM_3D, data_.use_colors, data_.use_custom_data);
 	server->multimesh_set_mesh(multimesh_, mesh_->get_rid());
 }
 
 void TileVisual::set_instances(const MeshUpload &upload) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const auto stride = static_cast<int64_t>(floats_per_instance(look_));
+	const auto stride = static_cast<int64_t>(floats_per_instance(data_));
 	instances_ = upload.buffer.size() / stride;
 	if (instances_ > capacity_) {
 		allocate(instances_);
@@ -161,7 +161,7 @@ void TileVisual::set_scale(float scale) {
 
 PackedFloat32Array TileVisual::read_back() const {
 	PackedFloat32Array buffer = RenderingServer::get_singleton()->multimesh_get_buffer(multimesh_);
-	const int64_t floats = instances_ * static_cast<int64_t>(floats_per_instance(look_));
+	const int64_t floats = instances_ * static_cast<int64_t>(floats_per_instance(data_));
 	if (buffer.size() > floats) {
 		buffer.resize(floats);
 	}

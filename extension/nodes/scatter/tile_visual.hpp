@@ -33,8 +33,8 @@ struct VisualContext {
 /// the world.
 class TileVisual {
 public:
-	/// Hidden at first. The buffer has as many floats an instance as `look` says.
-	TileVisual(const VisualContext &context, const Look &look, const godot::Ref<godot::Mesh> &mesh,
+	/// Hidden at first. The buffer has as many floats an instance as `data` says.
+	TileVisual(const VisualContext &context, const InstanceData &data, const godot::Ref<godot::Mesh> &mesh,
 			const MeshUpload &upload);
 	~TileVisual();
 	TileVisual(TileVisual &&other) noexcept;
@@ -69,7 +69,7 @@ private:
 	void move_instance();
 	void allocate(int64_t instances);
 
-	Look look_;
+	InstanceData data_;
 	int64_t instances_ = 0;
 	int64_t capacity_ = 0; ///< Instances that the multimesh has memory for.
 	godot::RID multimesh_;

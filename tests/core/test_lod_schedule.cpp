@@ -1,5 +1,5 @@
-#include "core/placement/detail.hpp"
-#include "core/streaming/detail_schedule.hpp"
+#include "core/placement/lod.hpp"
+#include "core/streaming/lod_schedule.hpp"
 
 #include <doctest/doctest.h>
 
@@ -16,18 +16,18 @@ namespace {
 
 TileKey key_of(int x) { return {0, 1, {x, 0}}; }
 
-std::vector<int> due(DetailSchedule &schedule) {
+std::vector<int> due(LodSchedule &schedule) {
 	std::vector<int> result;
-	while (const auto look = schedule.next()) {
-		result.push_back(look->tile.x);
+	while (const auto due_tile = schedule.next()) {
+		result.push_back(due_tile->tile.x);
 	}
 	return result;
 }
 
 } // namespace
 
-TEST_CASE("detail schedule: a tile is looked at once viewers have moved as far as it allows") {
-	DetailSchedule schedule;
+TEST_CASE("lod schedule: a tile is looked at once viewers have moved as far as it allows") {
+	LodSchedule schedule;
 	CHECK(schedule.move(std::vector<Viewer>{{{0.0, 0.0}}}));
 	schedule.add(key_of(1), 0.0);
 	schedule.add(key_of(2), 10.0);
@@ -50,8 +50,8 @@ TEST_CASE("detail schedule: a tile is looked at once viewers have moved as far a
 	CHECK(due(schedule).empty());
 }
 
-TEST_CASE("detail schedule: a tile has one visit to come, however often it is scheduled") {
-	DetailSchedule schedule;
+TEST_CASE("lod schedule: a tile has one visit to come, however often it is scheduled") {
+	LodSchedule schedule;
 	schedule.move(std::vector<Viewer>{{{0.0, 0.0}}});
 	for (int time = 0; time < 1000; ++time) {
 		schedule.add(key_of(1), 5.0 + time % 3);
@@ -72,28 +72,28 @@ TEST_CASE("detail schedule: a tile has one visit to come, however often it is sc
 	CHECK(schedule.settled());
 }
 
-TEST_CASE("detail schedule: distances count from the nearest viewer, in three dimensions") {
-	DetailSchedule schedule;
+TEST_CASE("lod schedule: distances count from the nearest viewer, in three dimensions") {
+	LodSchedule schedule;
 	CHECK(schedule.distance_to(glm::dvec3(0.0), glm::dvec3(1.0)) == std::numeric_limits<double>::infinity());
 	schedule.move(std::vector<Viewer>{{{-3.0, 0.5}, 1.0, 5.0}, {{100.0, 100.0}, 1.0, 0.5}});
 	CHECK(schedule.distance_to(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(5.0));
 	CHECK(schedule.distance_to(glm::dvec3(99.0, 0.0, 99.0), glm::dvec3(101.0, 1.0, 101.0)) == 0.0);
 }
 
-TEST_CASE("detail schedule: with the margins of detail no change is ever missed, and few looks are taken") {
+TEST_CASE("lod schedule: with the margins of LOD no change is ever missed, and few looks are taken") {
 	std::mt19937 random(12);
 	std::uniform_real_distribution<double> turn(-0.3, 0.3);
-	Detail detail;
-	detail.lod_distances = {30.0, 80.0};
-	detail.thin_begin = 50.0;
-	detail.thin_end = 200.0;
-	detail.thin_density = 0.1;
+	LodSettings settings;
+	settings.lod_distances = {30.0, 80.0};
+	settings.thin_begin = 50.0;
+	settings.thin_end = 200.0;
+	settings.thin_density = 0.1;
 	struct Shown {
 		std::size_t lod = 0;
 		double density = 1.0;
 	};
 	std::map<int, Shown> tiles;
-	DetailSchedule schedule;
+	LodSchedule schedule;
 	std::vector<Viewer> viewers{{{0.0, 0.0}, 1.0, 2.0}};
 	schedule.move(viewers);
 	const auto box_min = [](int x) {
@@ -112,17 +112,17 @@ TEST_CASE("detail schedule: with the margins of detail no change is ever missed,
 		heading += turn(random);
 		viewers[0].position += 0.2 * glm::dvec2(std::cos(heading), std::sin(heading));
 		schedule.move(viewers);
-		while (const auto look = schedule.next()) {
-			const int x = look->tile.x;
+		while (const auto due_tile = schedule.next()) {
+			const int x = due_tile->tile.x;
 			Shown &shown = tiles[x];
 			++looks;
-			shown.lod = lod_at(detail, distance(x), shown.lod);
-			shown.density = thinned_density(detail, distance(x));
-			schedule.add(*look, distance_margin(detail, distance(x)));
+			shown.lod = lod_at(settings, distance(x), shown.lod);
+			shown.density = thinned_density(settings, distance(x));
+			schedule.add(*due_tile, distance_margin(settings, distance(x)));
 		}
 		for (const auto &[x, shown] : tiles) {
-			CHECK(shown.lod == lod_at(detail, distance(x), shown.lod));
-			CHECK(shown.density == thinned_density(detail, distance(x)));
+			CHECK(shown.lod == lod_at(settings, distance(x), shown.lod));
+			CHECK(shown.density == thinned_density(settings, distance(x)));
 		}
 	}
 	CHECK(looks > 100);

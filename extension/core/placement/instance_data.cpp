@@ -1,4 +1,4 @@
-#include "core/placement/look.hpp"
+#include "core/placement/instance_data.hpp"
 
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
@@ -24,34 +24,34 @@ float unit_float(std::uint32_t word) { return static_cast<float>(unit_interval(w
 
 } // namespace
 
-Status validate(const Look &look) {
-	if (look.colors == nullptr) {
+Status validate(const InstanceData &data) {
+	if (data.colors == nullptr) {
 		return {};
 	}
-	const auto count = static_cast<double>(look.colors->size());
+	const auto count = static_cast<double>(data.colors->size());
 	Status status = check_range("colors", count, 1.0, double{max_colors});
-	for (std::size_t i = 0; status.ok() && i < look.colors->size(); ++i) {
+	for (std::size_t i = 0; status.ok() && i < data.colors->size(); ++i) {
 		for (int channel = 0; status.ok() && channel < 4; ++channel) {
-			status = check_range("colors", double{(*look.colors)[i][channel]}, 0.0, double{max_color});
+			status = check_range("colors", double{(*data.colors)[i][channel]}, 0.0, double{max_color});
 		}
 	}
 	return status;
 }
 
-void write_look(const Look &look, std::uint64_t seed, std::uint64_t id, std::uint32_t rank, float scale,
+void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank, float scale,
 		std::span<float> r_floats) {
-	if (!look.use_colors && !look.use_custom_data) {
+	if (!data.use_colors && !data.use_custom_data) {
 		return;
 	}
 	const auto random = instance_random(seed, id, Draw::mesh);
-	if (look.use_colors) {
+	if (data.use_colors) {
 		glm::vec4 color(1.0f);
-		if (look.colors != nullptr) {
-			color = (*look.colors)[static_cast<std::size_t>(random[3] * std::uint64_t{look.colors->size()} >> 32)];
+		if (data.colors != nullptr) {
+			color = (*data.colors)[static_cast<std::size_t>(random[3] * std::uint64_t{data.colors->size()} >> 32)];
 		}
 		r_floats = write_four({color.r, color.g, color.b, color.a}, r_floats);
 	}
-	if (look.use_custom_data) {
+	if (data.use_custom_data) {
 		write_four({unit_float(random[1]), unit_float(random[2]), unit_float(rank), scale}, r_floats);
 	}
 }

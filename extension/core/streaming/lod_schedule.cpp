@@ -1,4 +1,4 @@
-#include "core/streaming/detail_schedule.hpp"
+#include "core/streaming/lod_schedule.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,13 +18,13 @@ auto ordered(const TileKey &key) { return std::tie(key.layer, key.grid, key.tile
 
 } // namespace
 
-bool DetailSchedule::KeyOrder::operator()(const TileKey &a, const TileKey &b) const { return ordered(a) < ordered(b); }
+bool LodSchedule::KeyOrder::operator()(const TileKey &a, const TileKey &b) const { return ordered(a) < ordered(b); }
 
-bool DetailSchedule::VisitOrder::operator()(const Visit &a, const Visit &b) const {
+bool LodSchedule::VisitOrder::operator()(const Visit &a, const Visit &b) const {
 	return a.at != b.at ? a.at < b.at : ordered(a.key) < ordered(b.key);
 }
 
-bool DetailSchedule::move(std::span<const Viewer> viewers) {
+bool LodSchedule::move(std::span<const Viewer> viewers) {
 	const bool others = viewers.size() != viewers_.size();
 	double farthest = 0.0;
 	for (std::size_t i = 0; !others && i < viewers.size(); ++i) {
@@ -35,7 +35,7 @@ bool DetailSchedule::move(std::span<const Viewer> viewers) {
 	return others;
 }
 
-void DetailSchedule::add(const TileKey &key, double margin) {
+void LodSchedule::add(const TileKey &key, double margin) {
 	const double at = traveled_ + margin;
 	const auto known = by_tile_.find(key);
 	if (!std::isfinite(at)) {
@@ -49,19 +49,19 @@ void DetailSchedule::add(const TileKey &key, double margin) {
 	}
 }
 
-void DetailSchedule::remove(const TileKey &key) {
+void LodSchedule::remove(const TileKey &key) {
 	if (const auto known = by_tile_.find(key); known != by_tile_.end()) {
 		visits_.erase(known->second);
 		by_tile_.erase(known);
 	}
 }
 
-void DetailSchedule::clear() {
+void LodSchedule::clear() {
 	visits_.clear();
 	by_tile_.clear();
 }
 
-std::optional<TileKey> DetailSchedule::next() {
+std::optional<TileKey> LodSchedule::next() {
 	if (settled()) {
 		return std::nullopt;
 	}
@@ -70,7 +70,7 @@ std::optional<TileKey> DetailSchedule::next() {
 	return key;
 }
 
-double DetailSchedule::distance_to(glm::dvec3 min, glm::dvec3 max) const {
+double LodSchedule::distance_to(glm::dvec3 min, glm::dvec3 max) const {
 	double nearest = std::numeric_limits<double>::infinity();
 	for (const Viewer &viewer : viewers_) {
 		const glm::dvec3 at = position_of(viewer);

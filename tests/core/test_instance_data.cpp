@@ -1,4 +1,4 @@
-#include "core/placement/look.hpp"
+#include "core/placement/instance_data.hpp"
 #include "core/placement/mesh_choice.hpp"
 #include "core/rules/instance_random.hpp"
 #include "placement_fixture.hpp"
@@ -34,7 +34,7 @@ std::shared_ptr<const ColorTable> palette(std::size_t count) {
 
 LayerSettings colored_layer() {
 	LayerSettings layer = rich_layer();
-	layer.look = {true, palette(5), true};
+	layer.instance_data = {true, palette(5), true};
 	return layer;
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("placement: the scale curve maps the random number, and nothing else c
 	}
 }
 
-TEST_CASE("look: a half is the nearest there is, and stays what it is") {
+TEST_CASE("instance data: a half is the nearest there is, and stays what it is") {
 	std::mt19937 random(9);
 	// All halves that are finite and positive, by the format's definition, ascending.
 	std::vector<double> halves;
@@ -181,38 +181,38 @@ TEST_CASE("look: a half is the nearest there is, and stays what it is") {
 	}
 }
 
-TEST_CASE("look: floats an instance follow from what is used") {
+TEST_CASE("instance data: floats an instance follow from what is used") {
 	CHECK(floats_per_instance({}) == 12);
 	CHECK(floats_per_instance({.use_colors = true}) == 16);
 	CHECK(floats_per_instance({.use_custom_data = true}) == 16);
 	CHECK(floats_per_instance({.use_colors = true, .use_custom_data = true}) == 20);
 }
 
-TEST_CASE("look: transform, color and custom data stand in the engine's order") {
+TEST_CASE("instance data: transform, color and custom data stand in the engine's order") {
 	const std::shared_ptr<const ColorTable> colors = palette(3);
 	std::array<float, 8> floats{};
-	write_look({true, colors, true}, seed, 77, 0x40000000, 1.5f, floats);
+	write_instance_data({true, colors, true}, seed, 77, 0x40000000, 1.5f, floats);
 	CHECK(std::ranges::find(*colors, glm::vec4(floats[0], floats[1], floats[2], floats[3])) != colors->end());
 	CHECK(floats[6] == 0.25f);
 	CHECK(floats[7] == 1.5f);
 	std::array<float, 4> custom{};
-	write_look({.use_custom_data = true}, seed, 77, 0x40000000, 1.5f, custom);
+	write_instance_data({.use_custom_data = true}, seed, 77, 0x40000000, 1.5f, custom);
 	CHECK(std::ranges::equal(custom, std::span(floats).last(4)));
 	std::array<float, 4> white{};
-	write_look({.use_colors = true}, seed, 77, 0, 1.0f, white);
+	write_instance_data({.use_colors = true}, seed, 77, 0, 1.0f, white);
 	CHECK(white == std::array{1.0f, 1.0f, 1.0f, 1.0f});
-	write_look({}, seed, 77, 0, 1.0f, {});
+	write_instance_data({}, seed, 77, 0, 1.0f, {});
 }
 
-TEST_CASE("look: variation, wind phase and color are uniform and have nothing to do with each other or the mesh") {
+TEST_CASE("instance data: variation, wind phase and color are uniform and have nothing to do with each other or the mesh") {
 	constexpr std::size_t tries = 20000;
-	const Look look{true, palette(1000), true};
+	const InstanceData data{true, palette(1000), true};
 	MeshChoice meshes;
 	meshes.set(std::vector<float>{1.0f, 1.0f});
 	std::array<std::vector<double>, 4> values; // Uniform in [0, 1) each.
 	for (std::uint64_t id = 0; id < tries; ++id) {
 		std::array<float, 8> floats{};
-		write_look(look, seed, id, 0, 1.0f, floats);
+		write_instance_data(data, seed, id, 0, 1.0f, floats);
 		values[0].push_back(double{floats[0]} / 1000.0);
 		values[1].push_back(double{floats[4]});
 		values[2].push_back(double{floats[5]});
@@ -233,21 +233,21 @@ TEST_CASE("look: variation, wind phase and color are uniform and have nothing to
 	}
 }
 
-TEST_CASE("look: bad tables are refused by name and value") {
+TEST_CASE("instance data: bad tables are refused by name and value") {
 	const auto refuse = [](ColorTable table, ErrorCode code, double value) {
-		const Look look{true, std::make_shared<const ColorTable>(std::move(table)), false};
-		check_refused(validate(look), code, "colors", value);
+		const InstanceData data{true, std::make_shared<const ColorTable>(std::move(table)), false};
+		check_refused(validate(data), code, "colors", value);
 	};
 	refuse({}, ErrorCode::out_of_range, 0.0);
 	refuse(ColorTable(max_colors + 1, glm::vec4(1.0f)), ErrorCode::out_of_range, max_colors + 1.0);
 	refuse({glm::vec4(0.5f), {0.5f, std::nanf(""), 0.5f, 1.0f}}, ErrorCode::not_finite, nan_value);
 	refuse({{0.5f, 0.5f, 0.5f, -1.0f}}, ErrorCode::out_of_range, -1.0);
 	refuse({{7e4f, 0.5f, 0.5f, 1.0f}}, ErrorCode::out_of_range, 7e4);
-	CHECK(validate(Look{}).ok());
-	CHECK(validate(Look{true, palette(max_colors), true}).ok());
+	CHECK(validate(InstanceData{}).ok());
+	CHECK(validate(InstanceData{true, palette(max_colors), true}).ok());
 }
 
-TEST_CASE("look: colors and custom data change no transform of a tile, and follow its order") {
+TEST_CASE("instance data: colors and custom data change no transform of a tile, and follow its order") {
 	const Heightfield terrain = hills();
 	const TileInstances plain = built(rich_layer(), terrain, tile_of_hills);
 	const TileInstances rich = built(colored_layer(), terrain, tile_of_hills);
@@ -273,14 +273,14 @@ TEST_CASE("look: colors and custom data change no transform of a tile, and follo
 	}
 }
 
-TEST_CASE("look: leaning, colored instances are the same bits on every machine") {
+TEST_CASE("instance data: leaning, colored instances are the same bits on every machine") {
 	Placement placement;
 	placement.min_scale = 0.6;
 	placement.align_to_normal = 0.4;
 	placement.min_tilt_degrees = 2.0;
 	placement.max_tilt_degrees = 25.0;
 	placement.offset_along_normal = -0.2;
-	const Look look{true, palette(7), true};
+	const InstanceData data{true, palette(7), true};
 	constexpr std::size_t stride = 20;
 	std::vector<float> buffer(1000 * stride);
 	for (std::uint64_t id = 0; id < 1000; ++id) {
@@ -288,7 +288,7 @@ TEST_CASE("look: leaning, colored instances are the same bits on every machine")
 		const glm::vec3 normal(static_cast<float>(id % 17) * 0.0625f, 1.0f, static_cast<float>(id % 5) * -0.25f);
 		const float scale = write_transform(
 				placement, seed, id, normal, glm::vec3(1.5f, 20.0f, -3.25f), floats.first<transform_floats>());
-		write_look(look, seed, id, static_cast<std::uint32_t>(id * 4294967u), scale, floats.subspan(transform_floats));
+		write_instance_data(data, seed, id, static_cast<std::uint32_t>(id * 4294967u), scale, floats.subspan(transform_floats));
 	}
 	CHECK(digest(buffer) == 17214978555663897693u);
 }

@@ -15,7 +15,7 @@ namespace thicket {
 
 /// Says which tiles to look at again as viewers move: each only after a viewer has moved as far as that tile allows. Pure
 /// logic, like TileStreamer. Holds one visit for each tile at most.
-class DetailSchedule {
+class LodSchedule {
 public:
 	/// Takes the viewers' positions for this frame. True if there are others than before: every tile has to be looked at
 	/// then, whatever was scheduled.

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace thicket {
+
+/// The shape of a bounding volume hierarchy over a sorted array: a leaf holds `leaf_size` neighboring items, and each node above
+/// holds two neighboring nodes of the level below. The tree stores counts only. Its owner keeps the bounds of the nodes in an
+/// array of its own, at `index_of(node)`.
+class Bvh {
+public:
+	struct Node {
+		std::uint32_t level; ///< 0 for leaves.
+		std::uint32_t index; ///< Within its level.
+	};
+
+	static constexpr std::size_t leaf_size = 4;
+
+	Bvh() = default;
+
+	/// A tree over `count` items, at most 2^32.
+	explicit Bvh(std::size_t count) : count_(count) {
+		std::size_t nodes = (count + leaf_size - 1) / leaf_size;
+		while (nodes > 0) {
+			level_begin_.push_back(level_begin_.back() + static_cast<std::uint32_t>(nodes));
+			nodes = nodes > 1 ? (nodes + 1) / 2 : 0;
+		}
+	}
+
+	bool empty() const { return count_ == 0; }
+	std::size_t nodes() const { return level_begin_.back(); } ///< Of all levels.
+	std::size_t levels() const { return level_begin_.size() - 1; }
+	std::size_t nodes(std::size_t level) const { return level_begin_[level + 1] - level_begin_[level]; }
+
+	/// The node that holds all items. There must be one item at least.
+	Node root() const { return {static_cast<std::uint32_t>(levels() - 1), 0}; }
+
+	/// Calls `visit` with every node, the two halves of a node before the node itself.
+	template <typename Visit>
+	void each(Visit visit) const {
+		for (std::uint32_t level = 0; level < levels(); ++level) {
+			for (std::uint32_t index = 0; index < nodes(level); ++index) {
+				visit(Node{level, index});
+			}
+		}
+	}
+
+	std::size_t index_of(Node node) const { return level_begin_[node.level] + node.index; }
+	std::size_t begin(Node node) const { return static_cast<std::size_t>(node.index) * (leaf_size << node.level); }
+	std::size_t end(Node node) const { return std::min(begin(node) + (leaf_size << node.level), count_); }
+
+	/// The two halves of a node above the leaves. The last node of a level may have no second one.
+	Node first(Node node) const { return {node.level - 1, node.index * 2}; }
+	Node second(Node node) const { return {node.level - 1, node.index * 2 + 1}; }
+	bool has_second(Node node) const { return node.index * 2 + 1 < nodes(node.level - 1); }
+
+private:
+	std::size_t count_ = 0;
+	std::vector<std::uint32_t> level_begin_{0}; ///< One more than levels.
+};
+
+/// The nodes still to visit in a walk through a Bvh that enters one half of a node and leaves the other for later.
+template <typename T>
+class BvhStack {
+public:
+	void push(const T &item) { items_[size_++] = item; }
+	T pop() { return items_[--size_]; }
+	bool empty() const { return size_ == 0; }
+
+private:
+	std::array<T, 34> items_; ///< One for each level of a tree over 2^32 items, and one more.
+	std::size_t size_ = 0;
+};
+
+} // namespace thicket

@@ -1,0 +1,166 @@
+#include "core/placement/lod.hpp"
+#include "refusal.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+LodSettings thinning() {
+	LodSettings settings;
+	settings.lod_distances = {20.0, 50.0, 51.0};
+	settings.thin_begin = 30.0;
+	settings.thin_end = 130.0;
+	settings.thin_density = 0.2;
+	settings.scale_compensation = true;
+	return settings;
+}
+
+} // namespace
+
+TEST_CASE("lod: meshes change at their distances, and back 5 % nearer") {
+	const LodSettings settings = thinning();
+	CHECK(lod_at(settings, 0.0, 0) == 0);
+	CHECK(lod_at(settings, 19.99, 0) == 0);
+	CHECK(lod_at(settings, 20.0, 0) == 1);
+	CHECK(lod_at(settings, 19.01, 1) == 1);
+	CHECK(lod_at(settings, 18.99, 1) == 0);
+	CHECK(lod_at(settings, 1e5, 0) == 3);
+	CHECK(lod_at(settings, 50.5, 0) == 2);
+	CHECK(lod_at(settings, 50.5, 3) == 3);
+	CHECK(lod_at(settings, 0.0, 3) == 0);
+	CHECK(lod_at({}, 1e5, 0) == 0);
+	CHECK(lod_at({}, 1e5, 7) == 0);
+}
+
+TEST_CASE("lod: walking to and fro within 5 % changes a mesh once") {
+	const LodSettings settings = thinning();
+	std::size_t shown = lod_at(settings, 10.0, 0);
+	int changes = 0;
+	for (int step = 0; step < 1000; ++step) {
+		const double distance = 19.6 + 0.55 * std::sin(step * 0.3);
+		const std::size_t lod = lod_at(settings, distance, shown);
+		changes += lod != shown ? 1 : 0;
+		shown = lod;
+	}
+	CHECK(changes == 1);
+}
+
+TEST_CASE("lod: the density falls evenly from begin to end, never rises, and stays after") {
+	const LodSettings settings = thinning();
+	CHECK(thinned_density(settings, 0.0) == 1.0);
+	CHECK(thinned_density(settings, 30.0) == 1.0);
+	CHECK(thinned_density(settings, 80.0) == doctest::Approx(0.6));
+	CHECK(thinned_density(settings, 130.0) == doctest::Approx(0.2));
+	CHECK(thinned_density(settings, 1e6) == doctest::Approx(0.2));
+	double last = 1.0;
+	for (double distance = 0.0; distance < 200.0; distance += 0.1) {
+		const double density = thinned_density(settings, distance);
+		const double exact = 1.0 - 0.8 * std::fmin(std::fmax((distance - 30.0) / 100.0, 0.0), 1.0);
+		CHECK(density <= last);
+		CHECK(density >= exact - 1e-12);
+		CHECK(density <= exact + 0.8 / thin_steps + 1e-12);
+		last = density;
+	}
+	CHECK(thinned_density({}, 1e6) == 1.0);
+
+	LodSettings sudden = settings;
+	sudden.thin_end = sudden.thin_begin;
+	CHECK(thinned_density(sudden, 29.9) == 1.0);
+	CHECK(thinned_density(sudden, 30.0) == doctest::Approx(0.2));
+}
+
+TEST_CASE("lod: what is left covers what all covered, up to a limit") {
+	LodSettings settings = thinning();
+	CHECK(compensating_scale(settings, 1.0) == 1.0);
+	CHECK(compensating_scale(settings, 0.25) == 2.0);
+	CHECK(compensating_scale(settings, 0.01) == max_scale_compensation);
+	CHECK(compensating_scale(settings, 0.0) == max_scale_compensation);
+	settings.scale_compensation = false;
+	CHECK(compensating_scale(settings, 0.25) == 1.0);
+}
+
+TEST_CASE("lod: a limited share follows what is wanted in few steps and never lets too much through") {
+	double share = 1.0;
+	int changes = 0;
+	const auto follow = [&share, &changes](std::uint64_t wanted, std::uint64_t most) {
+		const double next = limited_share(share, wanted, most);
+		changes += next != share ? 1 : 0;
+		share = next;
+		CHECK(share * static_cast<double>(wanted) <= static_cast<double>(most));
+		CHECK(share >= 0.0);
+		CHECK(share <= 1.0);
+		// Settled: the same answer once more.
+		CHECK(limited_share(share, wanted, most) == share);
+	};
+	for (std::uint64_t wanted = 0; wanted <= 1000000; wanted += 500) {
+		follow(wanted, 100000);
+		CHECK((wanted > 100000 || share == 1.0));
+		CHECK((wanted < 100000 || share * static_cast<double>(wanted) > 0.69 * 100000.0));
+	}
+	CHECK(changes < 30);
+	for (std::uint64_t wanted = 1000000; wanted > 0; wanted -= 500) {
+		follow(wanted, 100000);
+	}
+	CHECK(share == 1.0);
+	CHECK(changes < 60);
+	follow(10, 0);
+	CHECK(share == 0.0);
+	follow(10, std::numeric_limits<std::uint64_t>::max());
+	CHECK(share == 1.0);
+}
+
+TEST_CASE("lod: within the margin nothing changes, whatever is shown") {
+	std::mt19937 random(11);
+	std::uniform_real_distribution<double> any(0.0, 160.0);
+	std::uniform_real_distribution<double> share(-0.9999, 0.9999);
+	const LodSettings settings = thinning();
+	double least = 1e9;
+	for (int i = 0; i < 20000; ++i) {
+		const double distance = any(random);
+		const double margin = distance_margin(settings, distance);
+		least = std::fmin(least, margin);
+		const double near = distance + margin * share(random);
+		CHECK(thinned_density(settings, near) == thinned_density(settings, distance));
+		for (std::size_t shown = 0; shown < 4; ++shown) {
+			CHECK(lod_at(settings, near, shown) == lod_at(settings, distance, shown));
+		}
+	}
+	CHECK(least < 0.01);
+	CHECK(distance_margin(settings, 10.0) == doctest::Approx(9.0));
+	CHECK(distance_margin(settings, 200.0) == doctest::Approx(70.0));
+	CHECK(distance_margin({}, 10.0) == std::numeric_limits<double>::infinity());
+}
+
+TEST_CASE("lod: bad settings are refused by name and value") {
+	const auto refuse = [](double LodSettings::*member, const char *property, double value, ErrorCode code) {
+		LodSettings bad = thinning();
+		bad.*member = value;
+		check_refused(validate(bad), code, property, value);
+	};
+	refuse(&LodSettings::thin_begin, "thin_begin", nan_value, ErrorCode::not_finite);
+	refuse(&LodSettings::thin_begin, "thin_begin", -1.0, ErrorCode::out_of_range);
+	refuse(&LodSettings::thin_end, "thin_end", 2e6, ErrorCode::out_of_range);
+	refuse(&LodSettings::thin_end, "thin_end", 29.0, ErrorCode::inverted);
+	refuse(&LodSettings::thin_density, "thin_density", 1.5, ErrorCode::out_of_range);
+	refuse(&LodSettings::thin_density, "thin_density", infinite_value, ErrorCode::not_finite);
+	const auto refuse_distances = [](std::vector<double> distances, ErrorCode code, double value) {
+		LodSettings bad;
+		bad.lod_distances = std::move(distances);
+		check_refused(validate(bad), code, "lod_distances", value);
+	};
+	refuse_distances({10.0, 5.0}, ErrorCode::inverted, 5.0);
+	refuse_distances({-1.0}, ErrorCode::out_of_range, -1.0);
+	refuse_distances({1.0, nan_value}, ErrorCode::not_finite, nan_value);
+	refuse_distances(std::vector<double>(max_lods + 1, 1.0), ErrorCode::out_of_range, max_lods + 1.0);
+	CHECK(validate(LodSettings{}).ok());
+	CHECK(validate(thinning()).ok());
+}
