@@ -114,7 +114,10 @@ def test_without_the_library_the_plugin_is_silent(godot, plain_project):
     assert done.returncode == 0 and not complaints(printed), complaints(printed)
 
 
-@pytest.mark.parametrize("name", ["added", "brush", "preset", "gizmos", "shape", "inspector", "help"])
+@pytest.mark.parametrize(
+    "name",
+    ["added", "brush", "preset", "gizmos", "region", "neighbors", "region_layers", "layer", "inspector", "help"],
+)
 def test_pictures(designer, name):
     """The editor drew something: many shades, none of them most of the picture."""
     image = np.asarray(Image.open(PICTURES / f"{name}.png").convert("L"), np.int16)

@@ -34,8 +34,8 @@ meshes = Array[Mesh]([SubResource("box")])
 terrain = SubResource("ground")
 layers = Array[ScatterLayer]([SubResource("layer")])
 
-[node name="Glade" type="ScatterShape3D" parent="Scatter"]
-kind = 1
+[node name="Glade" type="ScatterRegion3D" parent="Scatter"]
+shape = 1
 exclude = true
 radius = 20.0
 
@@ -106,6 +106,8 @@ def assert_passed(done):
         "test_domain",
         "test_domain_calls",
         pytest.param("test_domain_cancel", marks=pytest.mark.alone),
+        "test_layer_inspector",
+        "test_layer_list",
         "test_layer_properties",
         "test_mask",
         pytest.param("test_viewers", marks=pytest.mark.alone),
@@ -115,7 +117,7 @@ def assert_passed(done):
         "test_heightmaps",
         "test_layer_rules",
         "test_layer_placement",
-        "test_shapes_node",
+        "test_regions",
         "test_state",
         "test_edits",
         "test_neighbors",

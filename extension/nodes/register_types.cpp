@@ -4,7 +4,7 @@
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
-#include "nodes/scatter/scatter_shape_3d.hpp"
+#include "nodes/region/scatter_region_3d.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 #include "nodes/terrain/scatter_terrain_colliders.hpp"
 #include "nodes/terrain/scatter_terrain_flat.hpp"
@@ -36,7 +36,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterMask);
 	GDREGISTER_CLASS(ScatterState);
 	GDREGISTER_CLASS(ScatterLayer);
-	GDREGISTER_CLASS(ScatterShape3D);
+	GDREGISTER_CLASS(ScatterRegion3D);
 	GDREGISTER_CLASS(TerrainScatter3D);
 }
 

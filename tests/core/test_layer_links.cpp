@@ -1,4 +1,4 @@
-// Names of layers become neighbors: by the order of the list, the same pointers while nothing changes.
+// What layers say of each other makes them neighbors: by the order of the list, the same pointers while nothing changes.
 
 #include "core/placement/layer_links.hpp"
 
@@ -12,6 +12,10 @@ using namespace thicket;
 
 namespace {
 
+struct NamedLayer : LayerLinks {
+	LayerSettings settings;
+};
+
 NamedLayer layer_named(const std::string &name, double radius = 2.0) {
 	NamedLayer layer;
 	layer.name = name;
@@ -19,25 +23,29 @@ NamedLayer layer_named(const std::string &name, double radius = 2.0) {
 	return layer;
 }
 
-std::vector<const NamedLayer *> pointers(const std::vector<NamedLayer> &layers) {
-	std::vector<const NamedLayer *> result;
+std::vector<UnlinkedLayer> unlinked(const std::vector<NamedLayer> &layers) {
+	std::vector<UnlinkedLayer> result;
 	for (const NamedLayer &layer : layers) {
-		result.push_back(&layer);
+		result.push_back({&layer.settings, &layer});
 	}
 	return result;
 }
 
 std::vector<SharedLayer> linked(const std::vector<NamedLayer> &layers, const std::vector<SharedLayer> &before = {}) {
 	std::vector<SharedLayer> result;
-	for (const LinkedLayer &layer : link_layers(pointers(layers), before)) {
+	for (const LinkedLayer &layer : link_layers(unlinked(layers), before)) {
 		CHECK(layer.status.ok());
 		result.push_back(layer.settings);
 	}
 	return result;
 }
 
-std::size_t problems(const std::vector<NamedLayer> &layers, std::size_t place, const std::string &word) {
-	const std::vector<std::string> found = name_problems(pointers(layers), place);
+std::size_t problems(const std::vector<NamedLayer> &layers, std::size_t index, const std::string &word) {
+	std::vector<const LayerLinks *> links;
+	for (const NamedLayer &layer : layers) {
+		links.push_back(&layer);
+	}
+	const std::vector<std::string> found = name_problems(links, index);
 	CHECK(std::ranges::all_of(found, [&](const std::string &text) { return text.find(word) != std::string::npos; }));
 	return found.size();
 }
@@ -113,34 +121,64 @@ TEST_CASE("links: names of nobody, of two layers, of the layer itself") {
 	CHECK(result[2]->neighbors[1] == Neighbor{result[1], 2.0, nullptr}); // It was the other oak that asked.
 	CHECK(result[3]->neighbors.size() == 1);
 	CHECK(problems(layers, 1, "\"oak\" means the first") == 1);
+	CHECK(problems(layers, 2, "") == 3);
+	layers[2].spacing.erase("fern"); // Itself.
 	CHECK(problems(layers, 2, "\"elm\", and no layer") == 2);
 	CHECK(problems(layers, 0, "") == 0);
 	CHECK(problems(layers, 3, "") == 0);
 }
 
+TEST_CASE("links: by index and by identity, and the larger of what is said twice") {
+	std::vector<NamedLayer> layers{layer_named(""), layer_named("oak"), layer_named("fern")};
+	layers[0].identity = 70;
+	layers[1].identity = 71;
+	LayerReference first;
+	first.identity = 70;
+	LayerReference second;
+	second.index = 1;
+	layers[2].spacing = {{first, 3.0}, {second, 1.0}, {"oak", 2.0}};
+	layers[2].proximity_layer = first;
+	layers[2].proximity_distance = 6.0;
+	layers[2].proximity_curve = std::make_shared<const CurveTable>();
+	const std::vector<SharedLayer> result = linked(layers);
+	REQUIRE(result[2]->neighbors.size() == 3);
+	CHECK(result[2]->neighbors[0] == Neighbor{result[0], 3.0, nullptr});
+	CHECK(result[2]->neighbors[1] == Neighbor{result[0], 6.0, layers[2].proximity_curve});
+	CHECK(result[2]->neighbors[2] == Neighbor{result[1], 2.0, nullptr});
+	CHECK(problems(layers, 2, "") == 0);
+
+	first.identity = 72;
+	second.index = 3;
+	layers[2].spacing = {{first, 3.0}, {second, 1.0}};
+	CHECK(linked(layers)[2]->neighbors.size() == 1); // Proximity alone.
+	CHECK(problems(layers, 2, "which is not in the list") == 2);
+	second.index = 2;
+	layers[2].spacing = {{second, 1.0}};
+	CHECK(problems(layers, 2, "the layer itself") == 1);
+}
+
 TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused one keeps what it had") {
-	const NamedLayer oak = layer_named("oak");
-	NamedLayer fern = layer_named("fern");
+	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern")};
+	NamedLayer &fern = layers[1];
 	fern.spacing = {{"oak", 2.0}};
-	const std::vector<LinkedLayer> alone = link_layers(std::vector<const NamedLayer *>{nullptr, &fern}, {});
+	const std::vector<LinkedLayer> alone = link_layers(std::vector<UnlinkedLayer>{{}, {&fern.settings, &fern}}, {});
 	CHECK(alone[0].settings == nullptr);
 	CHECK(alone[1].settings->neighbors.empty());
 
-	const std::vector<LinkedLayer> good = link_layers(std::vector<const NamedLayer *>{&oak, &fern}, {});
+	const std::vector<LinkedLayer> good = link_layers(unlinked(layers), {});
 	const std::vector<SharedLayer> before{good[0].settings, good[1].settings};
 	fern.spacing = {{"oak", 2.0 * max_neighbor_distance}};
-	const std::vector<LinkedLayer> bad = link_layers(std::vector<const NamedLayer *>{&oak, &fern}, before);
+	const std::vector<LinkedLayer> bad = link_layers(unlinked(layers), before);
 	CHECK(bad[1].status.code == ErrorCode::out_of_range);
 	CHECK(bad[1].settings == good[1].settings);
-	CHECK(link_layers(std::vector<const NamedLayer *>{&oak, &fern}, {})[1].settings == nullptr);
+	CHECK(link_layers(unlinked(layers), {})[1].settings == nullptr);
 
 	fern.spacing = {{"oak", 3.0}};
-	const LayerCheck none_at_1 = [](const LayerSettings &layer, std::size_t place) {
-		CHECK(layer.neighbors.size() == place);
-		return place == 1 ? Status{ErrorCode::too_many_points, "spacing", 3.0} : Status{};
+	const LayerCheck none_at_1 = [](const LayerSettings &layer, std::size_t index) {
+		CHECK(layer.neighbors.size() == index);
+		return index == 1 ? Status{ErrorCode::too_many_points, "spacing", 3.0} : Status{};
 	};
-	const std::vector<LinkedLayer> checked =
-			link_layers(std::vector<const NamedLayer *>{&oak, &fern}, before, none_at_1);
+	const std::vector<LinkedLayer> checked = link_layers(unlinked(layers), before, none_at_1);
 	CHECK(checked[0].status.ok());
 	CHECK(checked[1].status.code == ErrorCode::too_many_points);
 	CHECK(checked[1].settings == good[1].settings);

@@ -73,14 +73,14 @@ func tile_rect(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Rect2:
 	return Rect2(Vector2(tile) * size, Vector2(size, size))
 
 
-func make_clearing() -> ScatterShape3D:
-	var shape := ScatterShape3D.new()
-	shape.kind = ScatterShape3D.KIND_CYLINDER
-	shape.ignore_height = true
-	shape.exclude = true
-	shape.falloff = 3.0
-	shape.radius = 8.0
-	return shape
+func make_clearing() -> ScatterRegion3D:
+	var region := ScatterRegion3D.new()
+	region.shape = ScatterRegion3D.SHAPE_CYLINDER
+	region.ignore_height = true
+	region.exclude = true
+	region.falloff = 3.0
+	region.radius = 8.0
+	return region
 
 
 func nearest(place: Vector2, others: PackedVector2Array) -> float:

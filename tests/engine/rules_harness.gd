@@ -19,7 +19,7 @@ func hillside() -> ScatterTerrainHeightmap:
 
 ## A layer whose densities below 1 are well spread, on that hillside.
 func scatter_on_hillside(layer: ScatterLayer) -> TerrainScatter3D:
-	layer.levels = 3
+	layer.progressive_levels = 3
 	return make_scatter([layer], hillside(), make_viewer(Vector3(0, 0, 20)))
 
 

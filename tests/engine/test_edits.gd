@@ -1,5 +1,5 @@
 extends "edits_harness.gd"
-## An edit changes what it reaches and no more: shapes, masks and ground.
+## An edit changes what it reaches and no more: regions, masks and ground.
 
 ## What has changed since `before` lies in `areas`, and the tiles that touch them were made anew, no others.
 func check_local(scatter: TerrainScatter3D, layer: int, before: Dictionary[int, Transform3D], made: Dictionary,
@@ -27,22 +27,22 @@ func grown(areas: Array[Rect2], distance: float) -> Array[Rect2]:
 	return result
 
 
-func shape_area(shape: ScatterShape3D) -> Rect2:
-	var at := Vector2(shape.position.x, shape.position.z)
-	return Rect2(at, Vector2.ZERO).grow(shape.radius)
+func region_area(region: ScatterRegion3D) -> Rect2:
+	var at := Vector2(region.position.x, region.position.z)
+	return Rect2(at, Vector2.ZERO).grow(region.radius)
 
 
 ## One random edit. Returns where each of the two layers may have changed.
-func edit(scatter: TerrainScatter3D, shape: ScatterShape3D, random: RandomNumberGenerator) -> Array[Array]:
+func edit(scatter: TerrainScatter3D, region: ScatterRegion3D, random: RandomNumberGenerator) -> Array[Array]:
 	var at := Vector2(random.randf_range(-60, 60), random.randf_range(-60, 60))
 	var areas: Array[Rect2] = []
 	var own: Array[Rect2] = []
 	match random.randi_range(0, 3):
 		0:
-			areas.push_back(shape_area(shape))
-			shape.position = Vector3(at.x, random.randf_range(-50, 50), at.y)
-			shape.radius = random.randf_range(2.0, 12.0)
-			areas.push_back(shape_area(shape))
+			areas.push_back(region_area(region))
+			region.position = Vector3(at.x, random.randf_range(-50, 50), at.y)
+			region.radius = random.randf_range(2.0, 12.0)
+			areas.push_back(region_area(region))
 			own = areas
 		1:
 			areas.push_back(scatter.layers[OAK].mask.paint(at, 6.0, 0.7, 0.3, random.randi_range(0, 1)))
@@ -67,15 +67,15 @@ func test_random_edits_stay_local() -> void:
 	random.seed = 20
 	var viewer := make_viewer(Vector3(3.0, 0.0, -5.0))
 	var scatter := make_scatter(make_forest(), Mound.new(), viewer)
-	var shape := make_clearing()
-	scatter.add_child(shape)
+	var region := make_clearing()
+	scatter.add_child(region)
 	var shown := Shown.new(scatter)
 	await settle(scatter)
 	var counts := [0, 0]
 	for round in 40:
 		var before := [instances(scatter, OAK), instances(scatter, FERN)]
 		shown.take()
-		var areas := edit(scatter, shape, random)
+		var areas := edit(scatter, region, random)
 		await settle(scatter)
 		var made := shown.take()
 		for layer: int in [OAK, FERN]:
@@ -84,7 +84,7 @@ func test_random_edits_stay_local() -> void:
 	var copy := make_scatter(make_forest(), scatter.terrain, viewer)
 	for layer: int in [OAK, FERN]:
 		copy.layers[layer].mask = scatter.layers[layer].mask
-	copy.add_child(shape.duplicate())
+	copy.add_child(region.duplicate())
 	await settle(copy)
 	for layer: int in [OAK, FERN]:
 		check(digests(copy, layer) == digests(scatter, layer), "a new node shows the same of layer %d" % layer)
@@ -93,8 +93,8 @@ func test_random_edits_stay_local() -> void:
 func test_several_edits_in_one_frame() -> void:
 	var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
 	var shown := Shown.new(scatter)
-	var shape := make_clearing()
-	scatter.add_child(shape)
+	var region := make_clearing()
+	scatter.add_child(region)
 	await settle(scatter)
 	shown.take()
 	var before := [digests(scatter, OAK), digests(scatter, FERN)]
@@ -105,15 +105,15 @@ func test_several_edits_in_one_frame() -> void:
 	var area := mask.paint(Vector2(-20, -20), 5.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
 	check(area.has_area(), "painted")
 	mask.set_pixels(pixels, untouched)
-	shape.position.x += 10.0
-	shape.position.x -= 10.0
+	region.position.x += 10.0
+	region.position.x -= 10.0
 	await settle(scatter)
 	check(shown.take()[FERN].is_empty(), "tiles made anew for nothing")
 	mask.paint(Vector2(-20, -20), 5.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
-	shape.position.x += 10.0
+	region.position.x += 10.0
 	await settle(scatter)
 	check(digests(scatter, FERN) != before[FERN], "ferns have changed")
-	shape.position.x -= 10.0
+	region.position.x -= 10.0
 	mask.set_pixels(pixels, untouched)
 	await settle(scatter)
 	for layer: int in [OAK, FERN]:
@@ -122,16 +122,16 @@ func test_several_edits_in_one_frame() -> void:
 
 func test_old_tiles_stay_until_new_ones_are_there() -> void:
 	var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
-	var shape := make_clearing()
-	scatter.add_child(shape)
+	var region := make_clearing()
+	scatter.add_child(region)
 	await settle(scatter)
 	var tiles := scatter.get_shown_tiles(FERN)
 	scatter.tile_hidden.connect(
 			func(layer: int, tile: Vector2i) -> void: check(false, "%d %s is hidden" % [layer, tile]))
 	for round in 30:
-		shape.position.x = 2.0 * round
+		region.position.x = 2.0 * round
 		await frames(1)
-		check_equal(scatter.get_shown_tiles(FERN), tiles, "tiles on show while the shape is dragged")
+		check_equal(scatter.get_shown_tiles(FERN), tiles, "tiles on show while the region is dragged")
 	await settle(scatter)
 	var dragged := digests(scatter, FERN)
 	scatter.regenerate()
@@ -139,27 +139,27 @@ func test_old_tiles_stay_until_new_ones_are_there() -> void:
 	check(digests(scatter, FERN) == dragged, "after dragging all is up to date")
 
 
-func test_first_and_last_including_shape() -> void:
+func test_first_and_last_including_region() -> void:
 	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
 	var shown := Shown.new(scatter)
 	await settle(scatter)
 	var tiles := scatter.get_shown_tiles(0).size()
 	var before := digests(scatter, 0)
 	shown.take()
-	var shapes: Array[ScatterShape3D] = []
+	var regions: Array[ScatterRegion3D] = []
 	for x: float in [-30.0, 30.0]:
-		var shape := make_clearing()
-		shape.exclude = false
-		shape.position.x = x
-		scatter.add_child(shape)
-		shapes.push_back(shape)
+		var region := make_clearing()
+		region.exclude = false
+		region.position.x = x
+		scatter.add_child(region)
+		regions.push_back(region)
 		await settle(scatter)
 		check_equal(shown.take()[0].size() == tiles, x < 0.0, "all tiles are made anew")
 	check(instances(scatter, 0).size() > 20, "something stands within")
-	for shape in shapes:
-		shape.free()
+	for region in regions:
+		region.free()
 		await settle(scatter)
-		check_equal(shown.take()[0].size() == tiles, shape == shapes[1], "all tiles are made anew")
+		check_equal(shown.take()[0].size() == tiles, region == regions[1], "all tiles are made anew")
 	check(digests(scatter, 0) == before, "as if there had been none")
 
 

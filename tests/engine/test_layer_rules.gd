@@ -144,7 +144,7 @@ func test_mask_texture_place_and_edges() -> void:
 	layer.mask_texture = image_texture(2, 1, func(x: int, _y: int) -> Color: return Color(x, 0, 0))
 	layer.mask_texture_rect = Rect2(-40, -10, 60, 70)
 	for edge in 4:
-		layer.mask_texture_edge = edge as ScatterLayer.MaskTextureEdge
+		layer.mask_texture_edge = edge as ScatterLayer.MaskEdge
 		await settle(scatter)
 		check_filtered(whole, instances(scatter), func(at: Vector3) -> float:
 			var x := (at.x + 40.0) / 60.0

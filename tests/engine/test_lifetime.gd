@@ -35,7 +35,7 @@ func make_busy(terrain: ScatterTerrain) -> TerrainScatter3D:
 	var layers: Array[ScatterLayer] = []
 	for index in 3:
 		var layer := make_layer(0.3)
-		layer.levels = index + 1
+		layer.progressive_levels = index + 1
 		layer.view_distance = 500.0
 		layer.meshes = [BoxMesh.new(), SphereMesh.new()]
 		layers.push_back(layer)
@@ -173,12 +173,13 @@ func test_viewer_freed_and_teleported() -> void:
 
 
 func test_meddling_grounds() -> void:
-	for deed in 6:
+	for deed in 7:
 		var ground := MeddlingGround.new()
 		# So few points that one question answers a tile: what follows the answer meets what the deed has left.
 		var scatter := make_scatter([make_layer(8.0)], ground, make_viewer())
 		ground.meddle = [
 			func() -> void: scatter.queue_free(),
+			func() -> void: scatter.free(),
 			func() -> void: root.remove_child.call_deferred(scatter),
 			func() -> void: scatter.terrain = null,
 			func() -> void: scatter.layers = [],

@@ -57,14 +57,14 @@ func test_what_a_camera_sees() -> void:
 	check(green > 0.15 and await share(RED) == 0.0, "green of another material: %f" % green)
 	layer.material_override = null
 
-	layer.layers = 2
+	layer.render_layers = 2
 	root.get_camera_3d().cull_mask = 1
 	await settle(scatter)
 	check_equal(await share(RED), 0.0, "red on a render layer that the camera does not see")
 	scatter.seed = 10
 	await settle(scatter)
 	check_equal(await share(RED), 0.0, "red of new tiles on that layer")
-	layer.layers = 1
+	layer.render_layers = 1
 
 	layer.visibility_range_end = 30.0
 	await settle(scatter)

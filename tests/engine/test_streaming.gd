@@ -133,7 +133,7 @@ func test_order_of_tiles_changes_nothing() -> void:
 func test_spacing_across_tile_borders() -> void:
 	var layer := make_layer(2.0)
 	layer.tile_size = 20.0
-	layer.levels = 3
+	layer.progressive_levels = 3
 	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
 	await settle(scatter)
 	var grid := {}

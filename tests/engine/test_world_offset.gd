@@ -171,7 +171,7 @@ func test_queries_and_changes_are_in_the_engine_space() -> void:
 	check(instances(scatter, 0)[planted].origin.distance_to(seen.origin) < 1e-3, "drawn there")
 
 
-func test_shapes_move_along_and_are_no_edit() -> void:
+func test_regions_move_along_and_are_no_edit() -> void:
 	var world := Node3D.new()
 	root.add_child(world)
 	var layer := make_rock()
@@ -179,7 +179,7 @@ func test_shapes_move_along_and_are_no_edit() -> void:
 	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
 	scatter.reparent(world)
 	scatter.viewers = [scatter.get_path_to(viewer)]
-	var box := ScatterShape3D.new()
+	var box := ScatterRegion3D.new()
 	box.exclude = true
 	box.size = Vector3(20.0, 10.0, 30.0)
 	scatter.add_child(box)
@@ -190,8 +190,8 @@ func test_shapes_move_along_and_are_no_edit() -> void:
 	path.curve.add_point(Vector3(30.0, 0.0, -25.0))
 	scatter.add_child(path)
 	path.global_position = Vector3(0.7, 0.0, 0.3)
-	var road := ScatterShape3D.new()
-	road.kind = ScatterShape3D.KIND_PATH
+	var road := ScatterRegion3D.new()
+	road.shape = ScatterRegion3D.SHAPE_PATH
 	road.exclude = true
 	path.add_child(road)
 	await settle(scatter)
@@ -207,7 +207,7 @@ func test_shapes_move_along_and_are_no_edit() -> void:
 		check_equal(digests(scatter, 0), before, "digests after a recenter to %s" % shift)
 	box.global_position.x += 4.0
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] > made, "a shape that moves in the world is an edit")
+	check(scatter.get_stats()["tiles_made"] > made, "a region that moves in the world is an edit")
 	made = scatter.get_stats()["tiles_made"]
 	scatter.world_offset += Vector3(64.0, 0.0, 0.0) # Without the scene.
 	await settle(scatter)

@@ -28,7 +28,7 @@ func add_layer(index: int, scatter_seed: int, layer: ScatterLayer) -> void:
 			layer.max_scale, layer.align_to_normal, layer.height_offset]
 	for mesh in layer.meshes.size():
 		numbers.push_back(layer.mesh_weights[mesh] if mesh < layer.mesh_weights.size() else 1.0)
-	_lines.push_back("layer %d %d %d %d %s" % [index, scatter_seed, layer.levels,
+	_lines.push_back("layer %d %d %d %d %s" % [index, scatter_seed, layer.progressive_levels,
 			layer.layer_id if layer.layer_id >= 0 else index, " ".join(numbers.map(_exact))])
 
 

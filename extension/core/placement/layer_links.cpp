@@ -8,53 +8,99 @@ namespace thicket {
 
 namespace {
 
-using Layers = std::span<const NamedLayer *const>;
+using Links = std::span<const LayerLinks *const>;
 
-/// The place of the first layer of a name, or the number of layers.
-std::size_t find(Layers layers, const std::string &name) {
-	const auto found = std::ranges::find_if(layers,
-			[&name](const NamedLayer *layer) { return layer != nullptr && !name.empty() && layer->name == name; });
-	return static_cast<std::size_t>(found - layers.begin());
+/// The index of the layer that is meant, or the number of layers.
+std::size_t find(Links layers, const LayerReference &reference) {
+	const auto is_meant = [&reference](const LayerLinks *layer) {
+		return layer != nullptr &&
+				(reference.name.empty() ? reference.identity != 0 && layer->identity == reference.identity
+										: layer->name == reference.name);
+	};
+	if (reference.name.empty() && reference.index >= 0) {
+		const auto index = std::min(static_cast<std::size_t>(reference.index), layers.size());
+		return index < layers.size() && layers[index] != nullptr ? index : layers.size();
+	}
+	return static_cast<std::size_t>(std::ranges::find_if(layers, is_meant) - layers.begin());
 }
 
-double asked_spacing(const NamedLayer &asking, const NamedLayer &other) {
-	const auto found = asking.spacing.find(other.name);
-	return found != asking.spacing.end() ? found->second : 0.0;
-}
+/// The references of a layer as indices.
+struct Found {
+	std::map<std::size_t, double> spacing;
+	std::size_t proximity_layer = 0; ///< The number of layers for none.
+};
 
-LayerSettings linked(Layers layers, std::size_t place, std::span<const LinkedLayer> earlier) {
-	const NamedLayer &layer = *layers[place];
-	LayerSettings result = layer.settings;
-	for (std::size_t i = 0; i < place; ++i) {
-		// Of two layers of one name only the first can be spoken of; both can speak.
-		if (layers[i] == nullptr || earlier[i].settings == nullptr) {
-			continue;
-		}
-		const bool first_of_name = find(layers, layers[i]->name) == i;
-		const double asked = first_of_name ? asked_spacing(layer, *layers[i]) : 0.0;
-		const double given = find(layers, layer.name) == place ? asked_spacing(*layers[i], layer) : 0.0;
-		if (std::max(asked, given) > 0.0) {
-			result.neighbors.push_back({earlier[i].settings, std::max(asked, given), nullptr});
-		}
-		if (first_of_name && layer.proximity_layer == layers[i]->name && layer.proximity_distance > 0.0 &&
-				layer.proximity_curve != nullptr) {
-			result.neighbors.push_back({earlier[i].settings, layer.proximity_distance, layer.proximity_curve});
+std::vector<Found> find_all(Links layers) {
+	std::vector<Found> result;
+	for (const LayerLinks *layer : layers) {
+		Found &found = result.emplace_back();
+		found.proximity_layer = layer != nullptr ? find(layers, layer->proximity_layer) : layers.size();
+		if (layer != nullptr) {
+			for (const auto &[reference, distance] : layer->spacing) {
+				double &meters = found.spacing[find(layers, reference)];
+				meters = std::max(meters, distance);
+			}
 		}
 	}
 	return result;
 }
 
+double asked_spacing(const Found &asking, std::size_t other) {
+	const auto found = asking.spacing.find(other);
+	return found != asking.spacing.end() ? found->second : 0.0;
+}
+
+/// Those of the layers before the one at `index` that are its neighbors.
+std::vector<Neighbor> neighbors(
+		Links layers, std::span<const Found> found, std::size_t index, std::span<const LinkedLayer> earlier) {
+	const LayerLinks &layer = *layers[index];
+	std::vector<Neighbor> result;
+	for (std::size_t i = 0; i < index; ++i) {
+		if (earlier[i].settings == nullptr) {
+			continue;
+		}
+		const double distance = std::max(asked_spacing(found[index], i), asked_spacing(found[i], index));
+		if (distance > 0.0) {
+			result.push_back({earlier[i].settings, distance, nullptr});
+		}
+		if (found[index].proximity_layer == i && layer.proximity_distance > 0.0 && layer.proximity_curve != nullptr) {
+			result.push_back({earlier[i].settings, layer.proximity_distance, layer.proximity_curve});
+		}
+	}
+	return result;
+}
+
+/// How a problem speaks of a layer that a property refers to.
+std::string quoted(const LayerReference &reference) {
+	if (!reference.name.empty()) {
+		return '"' + reference.name + '"';
+	}
+	return reference.index >= 0 ? "layer " + std::to_string(reference.index) : "a layer without a name";
+}
+
+/// Why the reference means no layer.
+std::string nobody(const LayerReference &reference) {
+	return reference.name.empty() ? ", which is not in the list." : ", and no layer has that name.";
+}
+
 } // namespace
 
-std::vector<LinkedLayer> link_layers(Layers layers, std::span<const SharedLayer> before, const LayerCheck &check) {
+std::vector<LinkedLayer> link_layers(
+		std::span<const UnlinkedLayer> layers, std::span<const SharedLayer> before, const LayerCheck &check) {
+	std::vector<const LayerLinks *> links;
+	for (const UnlinkedLayer &layer : layers) {
+		links.push_back(layer.links);
+	}
+	const std::vector<Found> found = find_all(links);
 	std::vector<LinkedLayer> result;
 	for (std::size_t i = 0; i < layers.size(); ++i) {
 		const SharedLayer was = i < before.size() ? before[i] : nullptr;
 		LinkedLayer &out = result.emplace_back();
-		if (layers[i] == nullptr) {
+		if (layers[i].settings == nullptr) {
 			continue;
 		}
-		LayerSettings settings = linked(layers, i, result);
+		LayerSettings settings = *layers[i].settings;
+		settings.neighbors = neighbors(links, found, i, result);
 		out.status = validate(settings);
 		if (out.status.ok() && check) {
 			out.status = check(settings, i);
@@ -68,25 +114,28 @@ std::vector<LinkedLayer> link_layers(Layers layers, std::span<const SharedLayer>
 	return result;
 }
 
-std::vector<std::string> name_problems(Layers layers, std::size_t place) {
+std::vector<std::string> name_problems(Links layers, std::size_t index) {
 	std::vector<std::string> problems;
-	const NamedLayer &layer = *layers[place];
-	for (const auto &[name, distance] : layer.spacing) {
+	const LayerLinks &layer = *layers[index];
+	for (const auto &[reference, distance] : layer.spacing) {
+		const std::size_t other = find(layers, reference);
 		// That there is no name at all is told by the layer itself.
-		if (!name.empty() && find(layers, name) == layers.size()) {
-			problems.push_back("spacing names \"" + name + "\", and no layer has that name.");
+		if (!reference.empty() && other == layers.size()) {
+			problems.push_back("spacing names " + quoted(reference) + nobody(reference));
+		} else if (other == index) {
+			problems.push_back("spacing names the layer itself; its own instances keep its radius.");
 		}
 	}
 	if (!layer.proximity_layer.empty()) {
 		const std::size_t other = find(layers, layer.proximity_layer);
+		const std::string start = "proximity_layer is " + quoted(layer.proximity_layer);
 		if (other == layers.size()) {
-			problems.push_back("proximity_layer is \"" + layer.proximity_layer + "\", and no layer has that name.");
-		} else if (other >= place) {
-			problems.push_back("proximity_layer is \"" + layer.proximity_layer +
-					"\", which does not stand before this layer in the list: it has no effect.");
+			problems.push_back(start + nobody(layer.proximity_layer));
+		} else if (other >= index) {
+			problems.push_back(start + ", which does not stand before this layer in the list: it has no effect.");
 		}
 	}
-	if (!layer.name.empty() && find(layers, layer.name) != place) {
+	if (!layer.name.empty() && find(layers, layer.name) != index) {
 		problems.push_back("has the same name as another: \"" + layer.name + "\" means the first of them.");
 	}
 	return problems;

@@ -21,28 +21,20 @@ Vector3 to_engine(const glm::vec3 &v) { return Vector3(v.x, v.y, v.z); }
 
 } // namespace
 
-CollisionLayer collision_of(const Ref<ScatterLayer> &layer) {
+CollisionLayer collision_of(const LayerSnapshot *layer) {
 	CollisionLayer result;
-	if (layer.is_null() || layer->get_collision_shape() == ScatterLayer::COLLISION_NONE) {
+	if (layer == nullptr || layer->gameplay.collision.shape == BodyShape::none) {
 		return result;
 	}
-	result.shape.kind = layer->get_collision_shape();
-	result.shape.cylinder = {layer->numbers().instance_radius, layer->numbers().instance_height};
-	if (result.shape.kind == ScatterLayer::COLLISION_CONVEX) {
-		result.shape.meshes = layer->mesh_list();
-		for (const Ref<Mesh> &mesh : result.shape.meshes) {
-			result.shape.boxes.push_back(mesh.is_valid() ? mesh->get_aabb() : AABB());
-		}
+	const LayerCollision &collision = layer->gameplay.collision;
+	result.shape.kind = static_cast<ScatterLayer::CollisionShape>(collision.shape);
+	result.shape.cylinder = {layer->gameplay.instance_radius, layer->gameplay.instance_height};
+	if (collision.shape == BodyShape::convex) {
+		result.shape.meshes = layer->drawing.meshes;
+		result.shape.boxes = layer->drawing.boxes;
 	}
-	result.distance = layer->numbers().collision_distance;
-	result.settings.layer = layer->integers().collision_layer;
-	result.settings.mask = layer->integers().collision_mask;
-	if (const Ref<PhysicsMaterial> material = layer->get_physics_material(); material.is_valid()) {
-		const double friction = material->get_friction();
-		const double bounce = material->get_bounce();
-		result.settings.friction = material->is_rough() ? -friction : friction;
-		result.settings.bounce = material->is_absorbent() ? -bounce : bounce;
-	}
+	result.distance = collision.distance;
+	result.settings = {collision.layer, collision.mask, collision.friction, collision.bounce};
 	return result;
 }
 

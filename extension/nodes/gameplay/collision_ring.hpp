@@ -30,8 +30,8 @@ struct CollisionLayer {
 	} settings;
 };
 
-/// The properties of a layer; no bodies for null.
-CollisionLayer collision_of(const godot::Ref<ScatterLayer> &layer);
+/// What a layer says of bodies; none for null.
+CollisionLayer collision_of(const LayerSnapshot *layer);
 
 /// A static body of the PhysicsServer3D for each instance near a viewer or another body. The bodies belong to the node: it is the
 /// `collider` of what hits them, and the body's RID names the instance.

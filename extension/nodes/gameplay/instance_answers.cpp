@@ -15,8 +15,6 @@ namespace thicket {
 
 namespace {
 
-Vector3 to_vector(glm::vec3 vector) { return Vector3(vector.x, vector.y, vector.z); }
-
 /// A script's condition. Through Variant, which says whether it could be called; Callable keeps that to itself.
 class Predicate {
 public:
@@ -52,38 +50,8 @@ private:
 
 } // namespace
 
-PackedInt64Array packed_ids(std::span<const std::uint64_t> ids) {
-	PackedInt64Array result;
-	result.resize(static_cast<int64_t>(ids.size()));
-	std::transform(ids.begin(), ids.end(), result.ptrw(), script_id);
-	return result;
-}
-
-PackedFloat32Array packed_floats(std::span<const float> numbers) {
-	PackedFloat32Array result;
-	result.resize(static_cast<int64_t>(numbers.size()));
-	std::copy(numbers.begin(), numbers.end(), result.ptrw());
-	return result;
-}
-
-Rect to_world(const Rect2 &p_rect, glm::dvec3 offset) {
-	const glm::dvec2 corner{p_rect.position.x + offset.x, p_rect.position.y + offset.z};
-	return {corner, corner + glm::dvec2{p_rect.size.x, p_rect.size.y}};
-}
-
-glm::dvec3 to_world(const Vector3 &p_position, glm::dvec3 offset) {
-	return glm::dvec3(p_position.x, p_position.y, p_position.z) + offset;
-}
-
-Vector3 to_engine(glm::dvec3 position, glm::dvec3 offset) {
-	const glm::dvec3 place = position - offset;
-	return Vector3(static_cast<real_t>(place.x), static_cast<real_t>(place.y), static_cast<real_t>(place.z));
-}
-
 Transform3D to_engine(const PlacedInstance &instance, glm::dvec3 offset) {
-	const glm::mat3 &basis = instance.basis;
-	return Transform3D(
-			Basis(to_vector(basis[0]), to_vector(basis[1]), to_vector(basis[2])), to_engine(instance.position, offset));
+	return to_engine(instance.basis, instance.position, offset);
 }
 
 AddedInstance to_added(const Transform3D &p_transform, glm::dvec3 offset) {

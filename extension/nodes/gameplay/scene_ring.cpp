@@ -18,6 +18,11 @@ constexpr int look_frames = 32;
 
 } // namespace
 
+SceneLayer scenes_of(const LayerSnapshot *layer) {
+	return layer == nullptr ? SceneLayer{} : SceneLayer{layer->gameplay.scene.scene, layer->gameplay.scene.distance,
+													   godot::String::utf8(layer->links.name.c_str())};
+}
+
 SceneRing::SceneRing(SceneHost host) : host_(std::move(host)) {}
 
 void SceneRing::set_layers(std::vector<SceneLayer> layers) {

@@ -3,6 +3,7 @@
 #include "core/near/near_set.hpp"
 #include "nodes/gameplay/near_ring.hpp"
 #include "nodes/gameplay/scene_pool.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
 
 #include <godot_cpp/variant/string.hpp>
 
@@ -27,6 +28,9 @@ struct SceneLayer {
 		return scene == other.scene && distance == other.distance && name == other.name;
 	}
 };
+
+/// What a layer says of scenes; none for null.
+SceneLayer scenes_of(const LayerSnapshot *layer);
 
 /// What a SceneRing has done with an instance's scene.
 enum class SceneEvent : std::uint8_t {

@@ -1,11 +1,9 @@
 #pragma once
 
-#include "core/placement/detail.hpp"
-#include "core/placement/layer.hpp"
 #include "core/placement/mesh_choice.hpp"
-#include "core/streaming/tile_streamer.hpp"
-#include "nodes/layer/layer_snapshots.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/layer/layer_tables.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 
 #include <godot_cpp/classes/material.hpp>
@@ -13,11 +11,12 @@
 #include <godot_cpp/classes/packed_scene.hpp>
 #include <godot_cpp/classes/physics_material.hpp>
 #include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
-#include <godot_cpp/variant/typed_dictionary.hpp>
+#include <godot_cpp/variant/variant.hpp>
 
 #include <cstdint>
 #include <map>
@@ -26,68 +25,9 @@
 
 namespace thicket {
 
-/// The numbers of a layer, as the inspector shows them. Angles in degrees, lengths in meters.
-struct LayerNumbers {
-	double radius = 2.0;
-	double tile_size = 64.0;
-	double view_distance = 256.0;
-	double density = 1.0;
-	double min_slope_degrees = 0.0;
-	double max_slope_degrees = 90.0;
-	double slope_falloff = 0.0;
-	double min_height = -unlimited_height;
-	double max_height = unlimited_height;
-	double height_falloff = 0.0;
-	double clump_size = 0.0;
-	double clump_coverage = 0.5;
-	double clump_softness = 0.25;
-	double edge_feather = 0.0;
-	double proximity_distance = 5.0;
-	double min_yaw_degrees = 0.0;
-	double max_yaw_degrees = 360.0;
-	double min_tilt_degrees = 0.0;
-	double max_tilt_degrees = 0.0;
-	double min_scale = 1.0;
-	double max_scale = 1.0;
-	double align_to_normal = 0.0;
-	double height_offset = 0.0;
-	double offset_along_normal = 0.0;
-	double lod_bias = 1.0;
-	double extra_cull_margin = 0.0;
-	double visibility_range_begin = 0.0;
-	double visibility_range_begin_margin = 0.0;
-	double visibility_range_end = 0.0;
-	double visibility_range_end_margin = 0.0;
-	double thin_begin = 0.0;
-	double thin_end = 0.0;
-	double thin_density = 1.0;
-	double instance_radius = 0.5;
-	double instance_height = 2.0;
-	double regrowth_time = 0.0; ///< Seconds.
-	double collision_distance = 40.0;
-	double scene_distance = 20.0;
-};
-
-/// The whole numbers of a layer. Enumerations hold the engine's values, or ours.
-struct LayerIntegers {
-	int64_t layer_id = -1;
-	int64_t levels = 1;
-	int64_t mask_texture_channel = 0;       ///< ImageChannel.
-	int64_t mask_texture_edge = 0;          ///< MaskEdge.
-	int64_t cast_shadow = 1;                ///< GeometryInstance3D.ShadowCastingSetting.
-	int64_t gi_mode = 1;                    ///< GeometryInstance3D.GIMode.
-	int64_t layers = 1;                     ///< Render layers, a mask of 20 bits.
-	int64_t visibility_range_fade_mode = 0; ///< GeometryInstance3D.VisibilityRangeFadeMode.
-	int64_t collision_shape = 0;            ///< ScatterLayer::CollisionShape.
-	int64_t collision_layer = 1;            ///< Physics layers, a mask of 32 bits.
-	int64_t collision_mask = 1;             ///< Likewise.
-};
-
-/// What a layer has or has not.
-struct LayerSwitches {
-	bool use_colors = false;
-	bool use_custom_data = false;
-	bool thin_scale_compensation = false;
+/// What is only a ScatterLayer's own, beside the parts of its snapshot.
+struct LayerIdentity {
+	std::int64_t layer_id = -1; ///< -1 until a node has given the layer one.
 };
 
 /// A resource among a layer's properties, as NumberProperty is a number.
@@ -99,10 +39,12 @@ struct ResourceProperty {
 	LayerSource source;
 };
 
-/// A switch among a layer's properties.
+/// A switch among a layer's properties, in one of the parts that ScatterLayer::part finds.
+template <class Values>
 struct SwitchProperty {
 	const char *name;
-	bool LayerSwitches::*member;
+	const char *getter; ///< "is_using_colors" and the like, as the engine names them.
+	bool Values::*member;
 };
 
 /// One species or family, placed by one rule set: what stands where, and how it is drawn. Settings only.
@@ -127,14 +69,14 @@ public:
 	};
 
 	/// MaskEdge, for scripts.
-	enum MaskTextureEdge : std::int64_t {
+	enum MaskEdge : std::int64_t {
 		MASK_EDGE_NOTHING,
 		MASK_EDGE_EVERYTHING,
 		MASK_EDGE_CLAMP,
 		MASK_EDGE_REPEAT,
 	};
 
-	/// What bodies meet of an instance that is near. Of instance_radius and instance_height, but for the last.
+	/// BodyShape, for scripts: what bodies meet of an instance that is near. Of instance_radius and instance_height, but for the last.
 	enum CollisionShape : std::int64_t {
 		COLLISION_NONE,
 		COLLISION_CAPSULE,
@@ -144,17 +86,17 @@ public:
 	};
 
 	// The properties that scatter_layer_properties.hpp makes of one line each.
-	template <const NumberProperty<LayerNumbers, double> &property>
+	template <const auto &property>
 	void set_number(double p_value);
-	template <const NumberProperty<LayerNumbers, double> &property>
+	template <const auto &property>
 	double get_number() const;
-	template <const NumberProperty<LayerIntegers, int64_t> &property>
+	template <const auto &property>
 	void set_integer(int64_t p_value);
-	template <const NumberProperty<LayerIntegers, int64_t> &property>
+	template <const auto &property>
 	int64_t get_integer() const;
-	template <const SwitchProperty &property>
+	template <const auto &property>
 	void set_switch(bool p_value);
-	template <const SwitchProperty &property>
+	template <const auto &property>
 	bool get_switch() const;
 	template <class T, const ResourceProperty<T> &property>
 	void set_resource(const godot::Ref<T> &p_resource);
@@ -162,6 +104,8 @@ public:
 	godot::Ref<T> get_resource() const;
 	template <class T, const ResourceProperty<T> &property>
 	void resource_changed();
+
+	ScatterLayer();
 
 	/// A painted density; null for none. Layers may share it.
 	void set_mask(const godot::Ref<ScatterMask> &p_mask);
@@ -173,34 +117,35 @@ public:
 	godot::Rect2 get_mask_texture_rect() const;
 	void set_mask_texture_channel(MaskChannel p_channel);
 	MaskChannel get_mask_texture_channel() const;
-	void set_mask_texture_edge(MaskTextureEdge p_edge);
-	MaskTextureEdge get_mask_texture_edge() const;
+	void set_mask_texture_edge(MaskEdge p_edge);
+	MaskEdge get_mask_texture_edge() const;
 
 	/// The terrain's textures that the layer stands on, 0 to max_texture each; none for any ground.
 	void set_ground_textures(const godot::PackedInt32Array &p_textures);
 	godot::PackedInt32Array get_ground_textures() const;
 
-	/// Names of other layers, and the meters that are kept free around their instances: above 0, at most
-	/// max_neighbor_distance; at most max_neighbors names. What is read back is read-only.
-	void set_spacing(const godot::TypedDictionary<godot::String, double> &p_spacing);
-	godot::TypedDictionary<godot::String, double> get_spacing() const;
+	/// Other layers, each as a ScatterLayer, its name or its index, and the meters that are kept free around their
+	/// instances: 0.001 to max_neighbor_distance; at most max_neighbors layers. A layer that has a name is kept by it. What
+	/// is read back is read-only.
+	void set_spacing(const godot::Dictionary &p_spacing);
+	godot::Dictionary get_spacing() const;
 
-	/// The layer whose instances are asked for; "" for none.
-	void set_proximity_layer(const godot::String &p_name);
-	godot::String get_proximity_layer() const;
+	/// The layer whose instances decide about this one's density: a ScatterLayer, its name or its index; null or "" for none.
+	void set_proximity_layer(const godot::Variant &p_layer);
+	godot::Variant get_proximity_layer() const;
 
 	/// What may stand at a point; null entries draw nothing.
 	void set_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
 	godot::TypedArray<godot::Mesh> get_meshes() const;
 
-	/// Chances of the meshes, in proportion; missing ones count as 1.
+	/// How often each of the meshes is used, in proportion, 0 to 1e6; missing ones count as 1.
 	void set_mesh_weights(const godot::PackedFloat32Array &p_weights);
 	godot::PackedFloat32Array get_mesh_weights() const;
 
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
 
-	/// What is drawn in place of the meshes from each of the lod distances on: a row of entries for the meshes, then the row of
+	/// What replaces the meshes from each of the LOD distances on: a row of entries for the meshes, then the row of
 	/// the next distance. Null for the finer mesh; at most max_lods rows of max_meshes.
 	void set_lod_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
 	godot::TypedArray<godot::Mesh> get_lod_meshes() const;
@@ -216,33 +161,25 @@ public:
 	void set_physics_material(const godot::Ref<godot::PhysicsMaterial> &p_material);
 	godot::Ref<godot::PhysicsMaterial> get_physics_material() const;
 
-	/// What stands in place of the mesh near viewers; null for the mesh everywhere.
+	/// What replaces the mesh near viewers; null for the mesh everywhere.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 
-	/// The settings that the core works with, all but the neighbors and the shapes, which are the node's. `place` is the
-	/// layer's index among its node's layers: its id, unless `layer_id` says otherwise. A table, a field or a mask in it is
-	/// the same object as in the settings before until what it says has changed.
-	LayerSettings settings(std::uint64_t seed, std::size_t place) const;
-	StreamLayer streaming() const;
-	const LayerNumbers &numbers() const { return numbers_; }
-	const LayerIntegers &integers() const { return integers_; }
+	/// Has the layer keep an id that a node gave it.
+	void take_id(std::int64_t p_id);
 
-	/// Other layers by their names, and the meters kept free around their instances.
-	const std::map<std::string, double> &spacing() const { return spacing_; }
+	/// A layer that was named `p_from` is now named `p_to`: what this one says of it follows. An empty `p_from` stands for a
+	/// layer that had no name and was held itself.
+	void rename_references(const godot::String &p_from, const godot::String &p_to);
 
-	/// The layer whose instances decide about this one's density; empty for none. They count up to the distance, in meters,
-	/// and the table, which is never null, is the density over the distance to the nearest.
-	std::string proximity_layer() const { return proximity_layer_.utf8().get_data(); }
-	double proximity_distance() const { return numbers_.proximity_distance; }
-	std::shared_ptr<const CurveTable> proximity_table() const;
+	/// All that the layer says now. `index` is the layer's index among its node's layers: it is the id of the layer's points, unless
+	/// `layer_id` says otherwise. The settings have no neighbors and no shapes, which are the node's. A table, a field or a mask in
+	/// the snapshot is the same object as in the snapshot before until what it says has changed.
+	LayerSnapshot snapshot(std::uint64_t seed, std::size_t index) const;
 
-	/// The meshes, null entries included; at least as many as `settings` has weights for.
-	std::vector<godot::Ref<godot::Mesh>> mesh_list() const;
-
-	/// The meshes for the distance, whole rows of them only, null entries included.
-	std::vector<godot::Ref<godot::Mesh>> lod_mesh_list() const;
-	Detail detail() const;
+	/// The part of the snapshot that is about other layers.
+	LayerLinks links() const;
+	std::int64_t own_id() const { return identity_.layer_id; } ///< The property `layer_id`; -1 for the index.
 
 	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
 	Status check() const;
@@ -255,18 +192,25 @@ public:
 
 protected:
 	static void _bind_methods();
+	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
-	using Number = NumberProperty<LayerNumbers, double>;
-	using Integer = NumberProperty<LayerIntegers, int64_t>;
+	/// The part of the layer that has such values: its properties are kept in the form in which they are used.
+	template <class Values, class Self>
+	static auto &part(Self &self);
 
-	Rules core_rules() const;
-	Placement core_placement() const;
-	Look core_look() const;
-	const LayerSnapshots &snapshots() const;
+	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
+	LayerDrawing drawing() const;
+	LayerGameplay gameplay() const;
+	Detail lod() const;
+	const LayerTables &tables() const;
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);
-	bool accept_spacing(const godot::TypedDictionary<godot::String, double> &p_spacing) const;
+	bool has_mesh() const;
+	bool stores(const ScatterLayer *p_layer) const;
+	godot::Variant accept_reference(const char *p_property, const godot::Variant &p_reference) const;
+	void changed();
+	std::uint64_t hidden_properties() const;
 
 	void add_number_problems(godot::PackedStringArray &r_problems) const;
 	void add_curve_problems(godot::PackedStringArray &r_problems) const;
@@ -276,35 +220,44 @@ private:
 	void add_mesh_problems(godot::PackedStringArray &r_problems) const;
 	void add_gameplay_problems(godot::PackedStringArray &r_problems) const;
 
-	template <const Number &property>
+	template <const auto &property>
 	static void bind_number();
-	template <const Integer &property>
+	template <const auto &property>
 	static void bind_integer();
-	template <const SwitchProperty &property>
+	template <const auto &property>
 	static void bind_switch();
 	template <class T, const ResourceProperty<T> &property>
 	static void bind_resource();
-	static void bind_set();
+	static void bind_basics();
+	static void bind_advanced();
 	static void bind_rules();
 	static void bind_masks();
 	static void bind_neighbors();
 	static void bind_placement();
+	static void bind_meshes();
 	static void bind_drawing();
 	static void bind_lod();
 	static void bind_gameplay();
 
-	LayerNumbers numbers_;
-	LayerIntegers integers_;
-	LayerSwitches switches_;
+	// Each has what single properties stand for. What is made of resources and lists is added in the snapshot.
+	LayerSettings settings_;
+	StreamLayer range_;
+	LayerDrawing drawing_;
+	Detail lod_;
+	LayerGameplay gameplay_;
+	LayerLinks links_;
+	MaskFrame mask_frame_;
+	LayerIdentity identity_;
+
 	LayerResources resources_;
-	mutable LayerSnapshots snapshots_;
+	mutable LayerTables tables_;
+	std::uint64_t hidden_ = 0; ///< hidden_properties(), as the inspector was told last.
 
 	godot::Ref<ScatterMask> mask_;
-	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F};
+	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F}; ///< As it was set; mask_frame_ has it too.
 	godot::PackedInt32Array ground_textures_;
-	godot::TypedDictionary<godot::String, double> spacing_property_; ///< Read-only.
-	std::map<std::string, double> spacing_;
-	godot::String proximity_layer_;
+	godot::Dictionary spacing_property_; ///< As stored_reference has the keys; read-only.
+	godot::Variant proximity_layer_ = godot::String();
 
 	godot::TypedArray<godot::Mesh> meshes_;
 	godot::PackedFloat32Array mesh_weights_;
@@ -319,5 +272,5 @@ private:
 } // namespace thicket
 
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskChannel)
-VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskTextureEdge)
+VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskEdge)
 VARIANT_ENUM_CAST(thicket::ScatterLayer::CollisionShape)

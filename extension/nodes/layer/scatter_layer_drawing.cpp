@@ -1,4 +1,4 @@
-// What is drawn, and how: the properties of the groups Drawing and Visibility Range.
+// What is drawn, and how: the meshes, and the properties of the group Drawing.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -8,38 +8,35 @@ namespace thicket {
 
 namespace {
 
-using Number = NumberProperty<LayerNumbers, double>;
-using Integer = NumberProperty<LayerIntegers, int64_t>;
+constexpr NumberProperty extra_cull_margin{"extra_cull_margin", &LayerDrawing::extra_cull_margin, 0.0, 16384.0,
+		PROPERTY_HINT_RANGE, "0,16384,0.01,exp,suffix:m"};
+constexpr NumberProperty visibility_range_begin{"visibility_range_begin", &LayerDrawing::visibility_range_begin, 0.0,
+		farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,exp,suffix:m"};
+constexpr NumberProperty visibility_range_begin_margin{"visibility_range_begin_margin",
+		&LayerDrawing::visibility_range_begin_margin, 0.0, farthest_view, PROPERTY_HINT_RANGE,
+		"0,4096,0.01,or_greater,exp,suffix:m"};
+constexpr NumberProperty visibility_range_end{"visibility_range_end", &LayerDrawing::visibility_range_end, 0.0,
+		farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,exp,suffix:m"};
+constexpr NumberProperty visibility_range_end_margin{"visibility_range_end_margin",
+		&LayerDrawing::visibility_range_end_margin, 0.0, farthest_view, PROPERTY_HINT_RANGE,
+		"0,4096,0.01,or_greater,exp,suffix:m"};
 
-constexpr Number lod_bias{"lod_bias", &LayerNumbers::lod_bias, 1e-3, 128.0, PROPERTY_HINT_RANGE, "0.001,128,0.001"};
-constexpr Number extra_cull_margin{"extra_cull_margin", &LayerNumbers::extra_cull_margin, 0.0, 16384.0,
-		PROPERTY_HINT_RANGE, "0,16384,0.01,suffix:m"};
-constexpr Number visibility_range_begin{"visibility_range_begin", &LayerNumbers::visibility_range_begin, 0.0,
-		farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,suffix:m"};
-constexpr Number visibility_range_begin_margin{"visibility_range_begin_margin",
-		&LayerNumbers::visibility_range_begin_margin, 0.0, farthest_view, PROPERTY_HINT_RANGE,
-		"0,4096,0.01,or_greater,suffix:m"};
-constexpr Number visibility_range_end{"visibility_range_end", &LayerNumbers::visibility_range_end, 0.0, farthest_view,
-		PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,suffix:m"};
-constexpr Number visibility_range_end_margin{"visibility_range_end_margin", &LayerNumbers::visibility_range_end_margin,
-		0.0, farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,suffix:m"};
+constexpr NumberProperty cast_shadow{
+		"cast_shadow", &LayerDrawing::cast_shadow, 0, 3, PROPERTY_HINT_ENUM, "Off,On,Double-Sided,Shadows Only"};
+constexpr NumberProperty gi_mode{
+		"gi_mode", &LayerDrawing::gi_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Static,Dynamic"};
+constexpr NumberProperty render_layers{
+		"render_layers", &LayerDrawing::render_layers, 0, (1 << 20) - 1, PROPERTY_HINT_LAYERS_3D_RENDER};
+constexpr NumberProperty visibility_range_fade_mode{"visibility_range_fade_mode",
+		&LayerDrawing::visibility_range_fade_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Self,Dependencies"};
 
-constexpr Integer cast_shadow{
-		"cast_shadow", &LayerIntegers::cast_shadow, 0, 3, PROPERTY_HINT_ENUM, "Off,On,Double-Sided,Shadows Only"};
-constexpr Integer gi_mode{"gi_mode", &LayerIntegers::gi_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Static,Dynamic"};
-constexpr Integer layers{"layers", &LayerIntegers::layers, 0, (1 << 20) - 1, PROPERTY_HINT_LAYERS_3D_RENDER};
-constexpr Integer visibility_range_fade_mode{"visibility_range_fade_mode", &LayerIntegers::visibility_range_fade_mode,
-		0, 2, PROPERTY_HINT_ENUM, "Disabled,Self,Dependencies"};
-
-constexpr SwitchProperty use_colors{"use_colors", &LayerSwitches::use_colors};
-constexpr SwitchProperty use_custom_data{"use_custom_data", &LayerSwitches::use_custom_data};
+constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &Look::use_colors};
+constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &Look::use_custom_data};
 
 constexpr ResourceProperty<Gradient> color_gradient{
 		"color_gradient", "Gradient", &LayerResources::color_gradient, LayerSource::color_gradient};
 
 } // namespace
-
-Look ScatterLayer::core_look() const { return {switches_.use_colors, snapshots().colors, switches_.use_custom_data}; }
 
 void ScatterLayer::set_meshes(const TypedArray<Mesh> &p_meshes) {
 	if (p_meshes.size() > static_cast<int64_t>(max_meshes)) {
@@ -49,7 +46,7 @@ void ScatterLayer::set_meshes(const TypedArray<Mesh> &p_meshes) {
 	watch_meshes(false);
 	meshes_ = p_meshes;
 	watch_meshes(true);
-	emit_changed();
+	changed();
 }
 
 // A mesh that grows needs larger boxes around its tiles. Both arrays together: a mesh may be in both.
@@ -71,28 +68,19 @@ void ScatterLayer::set_mesh_weights(const PackedFloat32Array &p_weights) {
 		}
 	}
 	mesh_weights_ = p_weights;
-	emit_changed();
+	changed();
 }
 
 PackedFloat32Array ScatterLayer::get_mesh_weights() const { return mesh_weights_; }
 
 void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
 	material_override_ = p_material;
-	emit_changed();
+	changed();
 }
 
 Ref<Material> ScatterLayer::get_material_override() const { return material_override_; }
 
-std::vector<Ref<Mesh>> ScatterLayer::mesh_list() const {
-	std::vector<Ref<Mesh>> result;
-	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
-		result.emplace_back(meshes_[mesh]);
-	}
-	return result;
-}
-
-void ScatterLayer::bind_drawing() {
-	ADD_GROUP("Drawing", "");
+void ScatterLayer::bind_meshes() {
 	ClassDB::bind_method(D_METHOD("set_meshes", "meshes"), &ScatterLayer::set_meshes);
 	ClassDB::bind_method(D_METHOD("get_meshes"), &ScatterLayer::get_meshes);
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "meshes", PROPERTY_HINT_ARRAY_TYPE,
@@ -101,6 +89,10 @@ void ScatterLayer::bind_drawing() {
 	ClassDB::bind_method(D_METHOD("set_mesh_weights", "weights"), &ScatterLayer::set_mesh_weights);
 	ClassDB::bind_method(D_METHOD("get_mesh_weights"), &ScatterLayer::get_mesh_weights);
 	ADD_PROPERTY(PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "mesh_weights"), "set_mesh_weights", "get_mesh_weights");
+}
+
+void ScatterLayer::bind_drawing() {
+	ADD_GROUP("Drawing", "");
 	ClassDB::bind_method(D_METHOD("set_material_override", "material"), &ScatterLayer::set_material_override);
 	ClassDB::bind_method(D_METHOD("get_material_override"), &ScatterLayer::get_material_override);
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "material_override", PROPERTY_HINT_RESOURCE_TYPE,
@@ -111,10 +103,9 @@ void ScatterLayer::bind_drawing() {
 	bind_switch<use_custom_data>();
 	bind_integer<cast_shadow>();
 	bind_integer<gi_mode>();
-	bind_integer<layers>();
-	bind_number<lod_bias>();
+	bind_integer<render_layers>();
 	bind_number<extra_cull_margin>();
-	ADD_GROUP("Visibility Range", "visibility_range_");
+	ADD_SUBGROUP("Visibility Range", "visibility_range_");
 	bind_number<visibility_range_begin>();
 	bind_number<visibility_range_begin_margin>();
 	bind_number<visibility_range_end>();

@@ -1,4 +1,4 @@
-// What is drawn with distance: the properties of the group Level of Detail.
+// What is drawn with distance: the properties of the group Distance.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -10,14 +10,18 @@ namespace thicket {
 
 namespace {
 
-using Number = NumberProperty<LayerNumbers, double>;
-
-constexpr Number thin_begin{"thin_begin", &LayerNumbers::thin_begin, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
-		"0,4096,0.01,or_greater,suffix:m"};
-constexpr Number thin_end{"thin_end", &LayerNumbers::thin_end, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
-		"0,4096,0.01,or_greater,suffix:m"};
-constexpr Number thin_density{"thin_density", &LayerNumbers::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
-constexpr SwitchProperty thin_scale_compensation{"thin_scale_compensation", &LayerSwitches::thin_scale_compensation};
+constexpr NumberProperty view_distance{"view_distance", &StreamLayer::view_distance, 0.0, farthest_view,
+		PROPERTY_HINT_RANGE, "0,4096,0.1,or_greater,exp,suffix:m"};
+constexpr NumberProperty lod_bias{
+		"lod_bias", &LayerDrawing::lod_bias, 1e-3, 128.0, PROPERTY_HINT_RANGE, "0.001,128,0.001,exp"};
+constexpr NumberProperty thin_begin{"thin_begin", &Detail::thin_begin, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
+		"0,4096,0.01,or_greater,exp,suffix:m"};
+constexpr NumberProperty thin_end{"thin_end", &Detail::thin_end, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
+		"0,4096,0.01,or_greater,exp,suffix:m"};
+constexpr NumberProperty thin_density{
+		"thin_density", &Detail::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+constexpr SwitchProperty thin_scale_compensation{
+		"thin_scale_compensation", "is_thin_scale_compensated", &Detail::scale_compensation};
 
 constexpr auto max_lod_meshes = static_cast<int64_t>(max_lods * max_meshes);
 
@@ -31,7 +35,7 @@ void ScatterLayer::set_lod_meshes(const TypedArray<Mesh> &p_meshes) {
 	watch_meshes(false);
 	lod_meshes_ = p_meshes;
 	watch_meshes(true);
-	emit_changed();
+	changed();
 }
 
 TypedArray<Mesh> ScatterLayer::get_lod_meshes() const { return lod_meshes_; }
@@ -44,29 +48,10 @@ void ScatterLayer::set_lod_distances(const PackedFloat32Array &p_distances) {
 		return;
 	}
 	lod_distances_ = p_distances;
-	emit_changed();
+	changed();
 }
 
 PackedFloat32Array ScatterLayer::get_lod_distances() const { return lod_distances_; }
-
-std::vector<Ref<Mesh>> ScatterLayer::lod_mesh_list() const {
-	std::vector<Ref<Mesh>> result;
-	const int64_t rows = meshes_.is_empty() ? 0 : lod_meshes_.size() / meshes_.size();
-	for (int64_t at = 0; at < rows * meshes_.size(); ++at) {
-		result.emplace_back(lod_meshes_[at]);
-	}
-	return result;
-}
-
-Detail ScatterLayer::detail() const {
-	Detail detail;
-	detail.lod_distances.assign(lod_distances_.ptr(), lod_distances_.ptr() + lod_distances_.size());
-	detail.thin_begin = numbers_.thin_begin;
-	detail.thin_end = numbers_.thin_end;
-	detail.thin_density = numbers_.thin_density;
-	detail.scale_compensation = switches_.thin_scale_compensation;
-	return detail;
-}
 
 void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
 	const int64_t needed = lod_distances_.size() * meshes_.size();
@@ -75,28 +60,32 @@ void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
 				" entries; it needs one for each of the meshes at each of the lod_distances: " +
 				String::num_int64(needed) + ".");
 	}
-	if (numbers_.thin_density >= 1.0 && numbers_.thin_end > 0.0) {
+	if (lod_.thin_density >= 1.0 && lod_.thin_end > 0.0) {
 		r_problems.push_back("ScatterLayer.thin_end is not used: thin_density is 1, so nothing is thinned.");
 	}
-	if (switches_.thin_scale_compensation && numbers_.thin_density >= 1.0) {
+	if (lod_.scale_compensation && lod_.thin_density >= 1.0) {
 		r_problems.push_back("ScatterLayer.thin_scale_compensation is not used: thin_density is 1.");
 	}
 }
 
 void ScatterLayer::bind_lod() {
-	ADD_GROUP("Level of Detail", "");
+	ADD_GROUP("Distance", "");
+	bind_number<view_distance>();
+	ADD_SUBGROUP("LOD", "lod_");
+	ClassDB::bind_method(D_METHOD("set_lod_distances", "distances"), &ScatterLayer::set_lod_distances);
+	ClassDB::bind_method(D_METHOD("get_lod_distances"), &ScatterLayer::get_lod_distances);
+	ADD_PROPERTY(PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "lod_distances", PROPERTY_HINT_NONE, "suffix:m"),
+			"set_lod_distances", "get_lod_distances");
 	ClassDB::bind_method(D_METHOD("set_lod_meshes", "meshes"), &ScatterLayer::set_lod_meshes);
 	ClassDB::bind_method(D_METHOD("get_lod_meshes"), &ScatterLayer::get_lod_meshes);
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lod_meshes", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:Mesh", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_lod_meshes", "get_lod_meshes");
-	ClassDB::bind_method(D_METHOD("set_lod_distances", "distances"), &ScatterLayer::set_lod_distances);
-	ClassDB::bind_method(D_METHOD("get_lod_distances"), &ScatterLayer::get_lod_distances);
-	ADD_PROPERTY(
-			PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "lod_distances"), "set_lod_distances", "get_lod_distances");
+	bind_number<lod_bias>();
+	ADD_SUBGROUP("Thinning", "thin_");
+	bind_number<thin_density>();
 	bind_number<thin_begin>();
 	bind_number<thin_end>();
-	bind_number<thin_density>();
 	bind_switch<thin_scale_compensation>();
 }
 

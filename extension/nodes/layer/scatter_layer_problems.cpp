@@ -37,22 +37,19 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 } // namespace
 
 void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
-	if (numbers_.clump_size > 0.0 && numbers_.clump_coverage <= 0.0) {
+	if (settings_.rules.clumping.size > 0.0 && settings_.rules.clumping.coverage <= 0.0) {
 		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing stands.");
 	}
-	PointSet set;
-	set.radius = numbers_.radius;
-	set.levels = static_cast<std::uint32_t>(integers_.levels);
-	const double points = point_density(set) * numbers_.tile_size * numbers_.tile_size;
-	if (numbers_.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
+	const double points = point_density(settings_.set) * range_.tile_size * range_.tile_size;
+	if (settings_.rules.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
 		r_problems.push_back("ScatterLayer.edge_feather asks for the ground at " +
 				String::num_int64(static_cast<int64_t>(edge_probes)) +
-				" places around each point, which is slow in tiles of so many points: make tile_size smaller.");
+				" positions around each point, which is slow in tiles of so many points: make tile_size smaller.");
 	}
 }
 
 void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
-	const LayerSnapshots &made = snapshots();
+	const LayerTables &made = tables();
 	add_curve_problem(
 			"density_over_height", resources_.density_over_height, made.height_curve, "meters of height", r_problems);
 	add_curve_problem(
@@ -61,7 +58,7 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 	if (resources_.noise_curve.is_valid() && resources_.noise.is_null()) {
 		r_problems.push_back("ScatterLayer.noise_curve is not used without a noise.");
 	}
-	if (resources_.scale_curve.is_valid() && numbers_.min_scale == numbers_.max_scale) {
+	if (resources_.scale_curve.is_valid() && settings_.placement.min_scale == settings_.placement.max_scale) {
 		r_problems.push_back("ScatterLayer.scale_curve is not used while min_scale and max_scale are the same.");
 	}
 }
@@ -73,39 +70,39 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
 		r_problems.push_back("Nothing stands: nothing is painted on ScatterLayer.mask, and its background is 0.");
 	}
-	if (snapshots().image_missing) {
+	if (tables().image_missing) {
 		r_problems.push_back("Nothing stands: ScatterLayer.mask_texture has no image that can be read.");
 	}
 }
 
 void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
-	const std::string own = get_name().utf8().get_data();
-	if (!own.empty() && spacing_.count(own) > 0) {
-		r_problems.push_back("ScatterLayer.spacing names the layer itself; its own instances keep its radius.");
-	}
-	if (spacing_.count("") > 0) {
+	if (links_.spacing.count(LayerReference()) > 0) {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
 	}
-	if (!proximity_layer_.is_empty()) {
-		add_curve_problem("proximity_curve", resources_.proximity_curve, snapshots().own_proximity_curve,
+	if (!links_.proximity_layer.empty()) {
+		add_curve_problem("proximity_curve", resources_.proximity_curve, tables().own_proximity_curve,
 				"meters of distance", r_problems);
 	} else if (resources_.proximity_curve.is_valid()) {
 		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer.");
 	}
 }
 
-void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
-	bool any_mesh = false;
-	for (const Ref<Mesh> &mesh : mesh_list()) {
-		any_mesh = any_mesh || mesh.is_valid();
+bool ScatterLayer::has_mesh() const {
+	bool result = false;
+	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
+		result = result || Ref<Mesh>(meshes_[mesh]).is_valid();
 	}
-	if (!any_mesh) {
+	return result;
+}
+
+void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
+	if (!has_mesh()) {
 		r_problems.push_back("ScatterLayer.meshes has no mesh: the layer draws nothing.");
 	}
 	if (mesh_weights_.size() > meshes_.size()) {
 		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is not used.");
 	}
-	if (resources_.color_gradient.is_valid() && !switches_.use_colors) {
+	if (resources_.color_gradient.is_valid() && !settings_.look.use_colors) {
 		r_problems.push_back("ScatterLayer.color_gradient is not used without use_colors.");
 	}
 }

@@ -1,9 +1,6 @@
-// What of its set a layer lets stand: the properties of the groups Rules and Other Layers.
+// What of its set a layer lets stand: the properties of the group Rules.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
-
-#include <string>
-#include <utility>
 
 using namespace godot;
 
@@ -11,33 +8,26 @@ namespace thicket {
 
 namespace {
 
-using Number = NumberProperty<LayerNumbers, double>;
-
-constexpr double min_distance = 1e-3; ///< Meters, between layers.
-
-constexpr Number density{"density", &LayerNumbers::density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
-constexpr Number min_slope_degrees{
-		"min_slope_degrees", &LayerNumbers::min_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
-constexpr Number max_slope_degrees{
-		"max_slope_degrees", &LayerNumbers::max_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
-constexpr Number slope_falloff{
-		"slope_falloff", &LayerNumbers::slope_falloff, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
-constexpr Number min_height{"min_height", &LayerNumbers::min_height, -unlimited_height, unlimited_height,
+constexpr NumberProperty min_slope_degrees{
+		"min_slope_degrees", &Rules::min_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+constexpr NumberProperty max_slope_degrees{
+		"max_slope_degrees", &Rules::max_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+constexpr NumberProperty slope_falloff{
+		"slope_falloff", &Rules::slope_falloff, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+constexpr NumberProperty min_height{"min_height", &Rules::min_height, -unlimited_height, unlimited_height,
 		PROPERTY_HINT_RANGE, "-1000,9000,0.1,or_less,or_greater,suffix:m"};
-constexpr Number max_height{"max_height", &LayerNumbers::max_height, -unlimited_height, unlimited_height,
+constexpr NumberProperty max_height{"max_height", &Rules::max_height, -unlimited_height, unlimited_height,
 		PROPERTY_HINT_RANGE, "-1000,9000,0.1,or_less,or_greater,suffix:m"};
-constexpr Number height_falloff{"height_falloff", &LayerNumbers::height_falloff, 0.0, unlimited_height,
-		PROPERTY_HINT_RANGE, "0,1000,0.1,or_greater,suffix:m"};
-constexpr Number clump_size{"clump_size", &LayerNumbers::clump_size, 0.0, max_clump_size, PROPERTY_HINT_RANGE,
-		"0,200,0.1,or_greater,suffix:m", min_clump_size};
-constexpr Number clump_coverage{
-		"clump_coverage", &LayerNumbers::clump_coverage, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
-constexpr Number clump_softness{
-		"clump_softness", &LayerNumbers::clump_softness, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
-constexpr Number edge_feather{"edge_feather", &LayerNumbers::edge_feather, 0.0, max_edge_feather, PROPERTY_HINT_RANGE,
-		"0,50,0.1,or_greater,suffix:m"};
-constexpr Number distance_counted{"proximity_distance", &LayerNumbers::proximity_distance, min_distance,
-		max_neighbor_distance, PROPERTY_HINT_RANGE, "0.1,100,0.1,or_less,or_greater,suffix:m"};
+constexpr NumberProperty height_falloff{"height_falloff", &Rules::height_falloff, 0.0, unlimited_height,
+		PROPERTY_HINT_RANGE, "0,1000,0.01,or_greater,exp,suffix:m"};
+constexpr NumberProperty clump_size{"clump_size", &Clumping::size, 0.0, max_clump_size, PROPERTY_HINT_RANGE,
+		"0,1000,0.01,or_greater,exp,suffix:m", min_clump_size};
+constexpr NumberProperty clump_coverage{
+		"clump_coverage", &Clumping::coverage, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+constexpr NumberProperty clump_softness{
+		"clump_softness", &Clumping::softness, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+constexpr NumberProperty edge_feather{"edge_feather", &Rules::edge_feather, 0.0, max_edge_feather, PROPERTY_HINT_RANGE,
+		"0,100,0.01,or_greater,exp,suffix:m"};
 
 constexpr ResourceProperty<Curve> density_over_height{
 		"density_over_height", "Curve", &LayerResources::density_over_height, LayerSource::density_over_height};
@@ -46,37 +36,8 @@ constexpr ResourceProperty<Curve> density_over_slope{
 constexpr ResourceProperty<Noise> noise{"noise", "Noise", &LayerResources::noise, LayerSource::noise};
 constexpr ResourceProperty<Curve> noise_curve{
 		"noise_curve", "Curve", &LayerResources::noise_curve, LayerSource::noise_curve};
-constexpr ResourceProperty<Curve> proximity_curve{
-		"proximity_curve", "Curve", &LayerResources::proximity_curve, LayerSource::proximity_curve};
 
 } // namespace
-
-Rules ScatterLayer::core_rules() const {
-	const LayerSnapshots &made = snapshots();
-	Rules rules;
-	rules.density = numbers_.density;
-	rules.min_slope_degrees = numbers_.min_slope_degrees;
-	rules.max_slope_degrees = numbers_.max_slope_degrees;
-	rules.slope_falloff = numbers_.slope_falloff;
-	rules.min_height = numbers_.min_height;
-	rules.max_height = numbers_.max_height;
-	rules.height_falloff = numbers_.height_falloff;
-	rules.height_curve = made.height_curve;
-	rules.slope_curve = made.slope_curve;
-	if (made.noise != nullptr) {
-		rules.fields.push_back(made.noise);
-	}
-	if (made.image != nullptr) {
-		rules.fields.push_back(made.image);
-	}
-	rules.clumping = {numbers_.clump_size, numbers_.clump_coverage, numbers_.clump_softness};
-	rules.ground_textures.assign(ground_textures_.ptr(), ground_textures_.ptr() + ground_textures_.size());
-	rules.edge_feather = numbers_.edge_feather;
-	if (mask_.is_valid()) {
-		rules.mask = mask_->snapshot();
-	}
-	return rules;
-}
 
 void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 	if (p_textures.size() > max_texture + 1) {
@@ -89,55 +50,13 @@ void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 		}
 	}
 	ground_textures_ = p_textures;
-	emit_changed();
+	changed();
 }
 
 PackedInt32Array ScatterLayer::get_ground_textures() const { return ground_textures_; }
 
-bool ScatterLayer::accept_spacing(const TypedDictionary<String, double> &p_spacing) const {
-	if (p_spacing.size() > static_cast<int64_t>(max_neighbors)) {
-		report(layer_class_name, {ErrorCode::wrong_size, "spacing", static_cast<double>(p_spacing.size())});
-		return false;
-	}
-	const Array names = p_spacing.keys();
-	for (int64_t i = 0; i < names.size(); ++i) {
-		if (!accept_number(layer_class_name, "spacing", p_spacing[names[i]], min_distance, max_neighbor_distance)) {
-			return false;
-		}
-	}
-	return true;
-}
-
-void ScatterLayer::set_spacing(const TypedDictionary<String, double> &p_spacing) {
-	if (!accept_spacing(p_spacing)) {
-		return;
-	}
-	// Nobody may change it behind the checks: scripts share dictionaries.
-	spacing_property_ = p_spacing.duplicate();
-	spacing_property_.make_read_only();
-	spacing_.clear();
-	const Array names = spacing_property_.keys();
-	for (int64_t i = 0; i < names.size(); ++i) {
-		const String name = names[i];
-		spacing_[name.utf8().get_data()] = std::as_const(spacing_property_)[names[i]];
-	}
-	emit_changed();
-}
-
-TypedDictionary<String, double> ScatterLayer::get_spacing() const { return spacing_property_; }
-
-void ScatterLayer::set_proximity_layer(const String &p_name) {
-	if (proximity_layer_ != p_name) {
-		proximity_layer_ = p_name;
-		emit_changed();
-	}
-}
-
-String ScatterLayer::get_proximity_layer() const { return proximity_layer_; }
-
 void ScatterLayer::bind_rules() {
 	ADD_GROUP("Rules", "");
-	bind_number<density>();
 	ADD_SUBGROUP("Height", "");
 	bind_number<min_height>();
 	bind_number<max_height>();
@@ -163,22 +82,6 @@ void ScatterLayer::bind_rules() {
 	bind_number<clump_softness>();
 	ADD_SUBGROUP("Edge", "edge_");
 	bind_number<edge_feather>();
-}
-
-void ScatterLayer::bind_neighbors() {
-	ADD_GROUP("Other Layers", "");
-	ClassDB::bind_method(D_METHOD("set_spacing", "spacing"), &ScatterLayer::set_spacing);
-	ClassDB::bind_method(D_METHOD("get_spacing"), &ScatterLayer::get_spacing);
-	ADD_PROPERTY(PropertyInfo(Variant::DICTIONARY, "spacing", PROPERTY_HINT_DICTIONARY_TYPE,
-						 vformat("%d/%d:;%d/%d:0.1,100,0.1,or_less,or_greater,suffix:m", Variant::STRING,
-								 PROPERTY_HINT_NONE, Variant::FLOAT, PROPERTY_HINT_RANGE)),
-			"set_spacing", "get_spacing");
-	ADD_SUBGROUP("Proximity", "proximity_");
-	ClassDB::bind_method(D_METHOD("set_proximity_layer", "name"), &ScatterLayer::set_proximity_layer);
-	ClassDB::bind_method(D_METHOD("get_proximity_layer"), &ScatterLayer::get_proximity_layer);
-	ADD_PROPERTY(PropertyInfo(Variant::STRING, "proximity_layer"), "set_proximity_layer", "get_proximity_layer");
-	bind_number<distance_counted>();
-	bind_resource<Curve, proximity_curve>();
 }
 
 } // namespace thicket

@@ -31,19 +31,16 @@ std::size_t worker_count() {
 	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core stays with the main thread.
 }
 
-/// The usual time of a step, after another one. A step in which the machine did something else counts as a slow one
-/// only, or a single such would hold up the stream for many frames.
-std::chrono::steady_clock::duration smoothed(
-		std::chrono::steady_clock::duration usual, std::chrono::steady_clock::duration step) {
-	const auto believed = std::min(step, 4 * usual + std::chrono::microseconds(1));
-	return usual + (believed - usual) / 8;
+/// True if a tile made for one layer may be shown for the other until its own is there: the same points and meshes.
+bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
+	if (a == nullptr || b == nullptr) {
+		return a == b;
+	}
+	return a->settings->set == b->settings->set && a->drawing.same_meshes(b->drawing);
 }
 
-/// True if a tile made for one layer may be shown for the other until its own is there: the same points and meshes.
-bool interchangeable(const StreamedLayer &a, const StreamedLayer &b) {
-	return a.plan->wanted == b.plan->wanted && a.plan->settings->set == b.plan->settings->set &&
-			a.look.meshes == b.look.meshes && a.look.lod_meshes == b.look.lod_meshes;
-}
+/// A layer of which nothing is shown asks for as few tiles as there can be.
+StreamLayer range_of(const SharedSnapshot &layer) { return layer != nullptr ? layer->range : StreamLayer{1e6, 0.0}; }
 
 bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
 
@@ -59,37 +56,41 @@ void report_tile(const TileKey &key, const Status &status) {
 ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(worker_count()) {}
 
 /// What is under way and shows something that has changed since, or a tile of another size, is of no use to those who ask.
-void ScatterStream::mark_stale(std::span<const StreamedLayer> next, std::span<const EditedArea> outdated) {
+void ScatterStream::mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated) {
 	for (const std::shared_ptr<TileJob> &job : jobs_) {
 		const std::uint32_t layer = job->request.key.layer;
 		job->stale = job->stale || layer >= next.size() || layer >= outdated.size() ||
-				next[layer].range.tile_size != layers_[layer].range.tile_size ||
+				range_of(next[layer]).tile_size != range_of(layers_[layer]).tile_size ||
 				outdated[layer].touches(job->request.rect);
 	}
 }
 
-void ScatterStream::set_layers(
-		std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated, const Ref<ScatterTerrain> &script) {
+void ScatterStream::set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
+		const StreamGround &ground) {
 	std::vector<StreamLayer> ranges;
-	std::vector<LayerLook> looks;
-	for (const StreamedLayer &layer : layers) {
-		ranges.push_back(layer.range);
-		looks.push_back(layer.look);
+	for (const SharedSnapshot &layer : layers) {
+		ranges.push_back(range_of(layer));
 	}
 	const Status status = streamer_.set_layers(ranges);
 	report("TerrainScatter3D", status);
 	if (!status.ok()) {
 		return;
 	}
-	for (std::uint32_t layer = 0; layer < std::min(layers.size(), layers_.size()); ++layer) {
-		if (!interchangeable(layers_[layer], layers[layer])) {
+	error_reported_.resize(layers.size());
+	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
+		const SharedSnapshot before = layer < layers_.size() ? layers_[layer] : nullptr;
+		if (layer < layers_.size() && !interchangeable(before, layers[layer])) {
 			streamer_.cancel(layer);
+		}
+		if (before == nullptr || layers[layer] == nullptr || before->settings != layers[layer]->settings ||
+				!outdated[layer].empty()) {
+			error_reported_[layer] = false;
 		}
 	}
 	mark_stale(layers, outdated);
-	layers_ = std::move(layers);
-	script_ = script;
-	stage_.set_looks(std::move(looks));
+	layers_ = layers;
+	ground_ = ground;
+	display_.set_layers(layers);
 	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
 		if (outdated[layer].everywhere) {
 			streamer_.invalidate(layer);
@@ -101,15 +102,15 @@ void ScatterStream::set_layers(
 	}
 }
 
-void ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
+bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	take_finished();
 	if (!viewers.empty()) {
 		request_tiles(viewers);
-		stage_.look_around(viewers);
+		display_.set_viewers(viewers);
 	}
 	start_missing();
-	work_until(deadline);
+	return work_until(deadline);
 }
 
 std::size_t ScatterStream::jobs_per_worker() const {
@@ -134,7 +135,7 @@ void ScatterStream::request_tiles(std::span<const Viewer> viewers) {
 		cancel(request.ticket);
 	}
 	for (const TileKey &key : changes_.drop) {
-		if (stage_.drop(key)) {
+		if (display_.drop(key)) {
 			events_.push_back({false, key.layer, key.tile});
 		}
 	}
@@ -159,14 +160,15 @@ void ScatterStream::sort_work(std::span<const Viewer> viewers) {
 }
 
 void ScatterStream::start(const TileRequest &request) {
-	const std::shared_ptr<const LayerPlan> &plan = layers_[request.key.layer].plan;
-	if (!plan->wanted || !script_->ready()) {
+	const SharedSnapshot &layer = layers_[request.key.layer];
+	if (layer == nullptr || !ground_.source->ready()) {
 		streamer_.finish(request); // What stands there stays.
 		return;
 	}
 	const auto job = std::make_shared<TileJob>();
 	job->request = request;
-	job->plan = plan;
+	job->layer = layer;
+	job->terrain = ground_.terrain;
 	jobs_.push_back(job);
 	workers_.push(job);
 }
@@ -179,16 +181,17 @@ void ScatterStream::start_missing() {
 		const auto makes = [&tile](const std::shared_ptr<TileJob> &job) {
 			return job->request.key.layer == tile.layer && job->request.key.tile == tile.tile && !job->stale;
 		};
-		if (under_way == room || script_.is_null() || !script_->ready()) {
+		if (under_way == room || ground_.source.is_null() || !ground_.source->ready()) {
 			return;
 		}
-		if (tile.layer >= layers_.size() || std::ranges::any_of(jobs_, makes)) {
+		if (tile.layer >= layers_.size() || layers_[tile.layer] == nullptr || std::ranges::any_of(jobs_, makes)) {
 			continue;
 		}
 		const auto job = std::make_shared<TileJob>();
 		job->request.key = {tile.layer, 0, tile.tile};
-		job->request.rect = tile_rect(layers_[tile.layer].range.tile_size, tile.tile);
-		job->plan = layers_[tile.layer].plan;
+		job->request.rect = tile_rect(layers_[tile.layer]->range.tile_size, tile.tile);
+		job->layer = layers_[tile.layer];
+		job->terrain = ground_.terrain;
 		job->unseen = true;
 		jobs_.push_back(job);
 		workers_.push(job);
@@ -206,7 +209,9 @@ void ScatterStream::cancel(std::uint64_t ticket) {
 		jobs_.erase(found);
 	}
 	std::erase_if(ask_ground_, has_ticket);
-	stage_.forget(ticket);
+	if (std::optional<TileUpload> upload = uploads_.remove(ticket)) {
+		display_.discard(*std::move(upload));
+	}
 }
 
 void ScatterStream::take_finished() {
@@ -217,24 +222,33 @@ void ScatterStream::take_finished() {
 	}
 }
 
+/// An error of a tile that was made as its layer and the ground are now.
+void ScatterStream::report_once(const TileJob &job) {
+	const std::uint32_t index = job.request.key.layer;
+	const bool present = index < layers_.size() && layers_[index] != nullptr &&
+			layers_[index]->settings == job.layer->settings && ground_.terrain == job.terrain;
+	if (present && !job.stale && ground_.source->ready() && !error_reported_[index]) {
+		error_reported_[index] = true;
+		report_tile(job.request.key, job.status);
+	}
+}
+
 void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 	if (job->step == TileJob::Step::needs_ground) {
 		ask_ground_.push_back(job);
 		return;
 	}
-	const std::uint32_t index = job->request.key.layer;
-	if (!job->status.ok() && script_->ready() && index < layers_.size() && layers_[index].plan == job->plan &&
-			!std::exchange(layers_[index].error_reported, true)) {
-		report_tile(job->request.key, job->status);
+	if (!job->status.ok()) {
+		report_once(*job);
 	}
 	if (job->status.ok() && !job->stale) {
-		world_.keep(index, job->request.key.tile, job->tile);
+		world_.keep(job->request.key.layer, job->request.key.tile, job->tile);
 	}
 	if (job->unseen) {
 		settle_unseen(job);
 		return;
 	}
-	if (!job->status.ok() && stage_.holds(job->request.key)) {
+	if (!job->status.ok() && display_.holds(job->request.key)) {
 		std::erase(jobs_, job);
 		streamer_.finish(job->request);
 		return;
@@ -247,123 +261,14 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 	figures_.points_sampled += job->tile != nullptr ? job->tile->counts.sampled : 0;
 	figures_.worker_microseconds += job->microseconds;
 	usual_job_microseconds_ = (7 * usual_job_microseconds_ + job->microseconds) / 8;
-	stage_.push(job);
+	uploads_.push(job);
 }
 
 void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
-	if (!job->status.ok() && !job->stale && script_->ready()) {
+	if (!job->status.ok() && !job->stale && ground_.source->ready()) {
 		// Nothing stands where a tile cannot be made; an edit makes it missing again.
 		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const TileInstances>());
-	}
-}
-
-std::size_t ScatterStream::ground_step(std::size_t most) {
-	if (ask_ground_.empty()) {
-		return 0;
-	}
-	const std::shared_ptr<TileJob> job = ask_ground_.front();
-	const auto part = std::find_if(job->parts.begin(), job->parts.end(),
-			[&job](const TileJob::Part &candidate) { return candidate.end > job->answered; });
-	const std::size_t count = part != job->parts.end() ? std::min(most, part->end - job->answered) : 0;
-	Status status;
-	if (count > 0) {
-		const Ref<ScatterTerrain> terrain = script_;
-		status = terrain->ask(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count), part->textures,
-				std::span(job->ground).subspan(job->answered, count));
-		if (ask_ground_.empty() || ask_ground_.front() != job) {
-			return 0; // A script has changed the stream that asked it.
-		}
-	}
-	job->answered += count;
-	if (!status.ok()) {
-		ask_ground_.pop_front();
-		job->status = status;
-		job->step = TileJob::Step::done;
-		settle(job);
-	} else if (job->answered == job->positions.size()) {
-		ask_ground_.pop_front();
-		job->step = TileJob::Step::has_ground;
-		workers_.push(job);
-	}
-	return std::max<std::size_t>(count, 1);
-}
-
-bool ScatterStream::ground_step_in_frame() {
-	return script_.is_valid() && !script_->needs_physics_frames() && ground_step(script_->places_at_once()) > 0;
-}
-
-void ScatterStream::physics_frame() {
-	std::size_t left = script_.is_valid() && script_->needs_physics_frames() ? script_->places_at_once() : 0;
-	while (left > 0) {
-		const std::size_t asked = ground_step(left);
-		left = asked > 0 ? left - asked : 0;
-	}
-}
-
-/// Uploads a part of the tile whose turn it is, and shows the tile with its last part: no far tile before a near one.
-bool ScatterStream::show_step() {
-	if (!stage_.is_uploading()) {
-		const std::optional<TileRequest> next = streamer_.next_ready();
-		if (!next || !stage_.choose(next->ticket)) {
-			return false;
-		}
-	}
-	(void)stage_.upload_step();
-	if (const TileJob *job = stage_.completed()) {
-		const TileRequest request = job->request;
-		if (!streamer_.may_show(request)) {
-			stage_.set_aside(); // The viewer has moved since it was chosen.
-			return true;
-		}
-		std::erase_if(jobs_, [job](const std::shared_ptr<TileJob> &other) { return other.get() == job; });
-		if (streamer_.finish(request)) {
-			stage_.present();
-			events_.push_back({true, request.key.layer, request.key.tile});
-		} else {
-			stage_.reject();
-		}
-	}
-	return true;
-}
-
-bool ScatterStream::ring_step() {
-	bool moved = false;
-	for (NearRing *ring : rings_) {
-		moved = ring->step() || moved;
-	}
-	return moved;
-}
-
-bool ScatterStream::step(std::size_t kind) {
-	switch (kind) {
-		case 0: return ground_step_in_frame();
-		case 1: return show_step();
-		case 2: return stage_.free_step();
-		case 3: return stage_.detail_step();
-		default: return ring_step();
-	}
-}
-
-/// Steps of all kinds in turn. One for which too little time is left comes first in the next frame.
-void ScatterStream::work_until(Clock::time_point deadline) {
-	bool first = true;
-	std::size_t in_vain = 0; // So many kinds in a row had nothing to do.
-	Clock::time_point before = Clock::now();
-	while (in_vain < usual_step_.size()) {
-		Clock::duration &usual = usual_step_[step_turn_];
-		if (!first && before + usual > deadline) {
-			return;
-		}
-		const bool done = step(step_turn_);
-		step_turn_ = (step_turn_ + 1) % usual_step_.size();
-		in_vain = done ? 0 : in_vain + 1;
-		if (done) {
-			const Clock::time_point now = Clock::now();
-			usual = smoothed(usual, now - before);
-			before = now;
-			first = false;
-		}
 	}
 }
 
@@ -375,14 +280,15 @@ void ScatterStream::stop() {
 	jobs_.clear();
 	ask_ground_.clear();
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
-		for (const glm::ivec2 &tile : stage_.tiles(layer)) {
+		for (const glm::ivec2 &tile : display_.tiles(layer)) {
 			events_.push_back({false, layer, tile});
 		}
 	}
 	for (NearRing *ring : rings_) {
 		ring->clear();
 	}
-	stage_.clear();
+	uploads_.clear();
+	display_.clear();
 	streamer_.clear();
 	world_.clear();
 	figures_ = {};
@@ -391,7 +297,7 @@ void ScatterStream::stop() {
 std::vector<TileEvent> ScatterStream::take_events() { return std::exchange(events_, {}); }
 
 bool ScatterStream::idle() const {
-	return streamer_.idle() && stage_.settled() && std::ranges::none_of(jobs_, is_unseen) &&
+	return streamer_.idle() && display_.settled() && std::ranges::none_of(jobs_, is_unseen) &&
 			std::ranges::all_of(rings_, [](const NearRing *ring) { return ring->settled(); });
 }
 

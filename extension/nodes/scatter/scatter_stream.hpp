@@ -3,7 +3,9 @@
 #include "core/placement/layer_edits.hpp"
 #include "nodes/gameplay/instance_world.hpp"
 #include "nodes/gameplay/near_ring.hpp"
-#include "nodes/scatter/scatter_stage.hpp"
+#include "nodes/scatter/tile_display.hpp"
+#include "nodes/scatter/tile_workers.hpp"
+#include "nodes/scatter/upload_queue.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
 #include <array>
@@ -15,12 +17,10 @@
 
 namespace thicket {
 
-/// A layer as the stream takes it.
-struct StreamedLayer {
-	std::shared_ptr<const LayerPlan> plan;
-	StreamLayer range;
-	LayerLook look;
-	bool error_reported = false; ///< One error for a plan, not one for each of its tiles.
+/// What instances stand on.
+struct StreamGround {
+	std::shared_ptr<const Terrain> terrain; ///< For workers; null where only the main thread may ask.
+	godot::Ref<ScatterTerrain> source;      ///< Asked on the main thread.
 };
 
 /// A tile came or went.
@@ -37,7 +37,7 @@ struct StreamFigures {
 	std::uint64_t points_sampled = 0;
 };
 
-/// Brings the streamer, the workers and the stage together: one call a frame, under a budget. Main thread only.
+/// Brings the streamer, the workers, the uploads and the display together: one call a frame, under a budget. Main thread only.
 class ScatterStream {
 public:
 	/// `world` is told of every tile that is made, and asked which it misses.
@@ -47,20 +47,21 @@ public:
 	void set_rings(std::vector<NearRing *> rings) { rings_ = std::move(rings); }
 
 	/// Replaces the layers and the ground. `outdated[i]` says where layer i has to be made anew; what stands stays until
-	/// then. `script` is asked for the ground of plans that have no terrain of their own.
-	void set_layers(std::vector<StreamedLayer> layers, std::span<const EditedArea> outdated,
-			const godot::Ref<ScatterTerrain> &script);
+	/// then.
+	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
+			const StreamGround &ground);
 
 	/// One frame's work: what came from the workers is uploaded and what is wanted is requested, until `budget`
 	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still. Without viewers
-	/// what stands stays, and what was asked for is made all the same.
-	void frame(std::span<const Viewer> viewers, std::uint64_t budget);
+	/// what stands stays, and what was asked for is made all the same. False if a script that was asked for the ground has
+	/// freed this object.
+	[[nodiscard]] bool frame(std::span<const Viewer> viewers, std::uint64_t budget);
 
 	/// The part of the work that belongs into a physics frame: asks for ground that may only be asked then, as much of it
 	/// as its terrain allows.
 	void physics_frame();
 
-	/// Waits for the workers and clears the stage. The stream may go on afterwards, from nothing.
+	/// Waits for the workers and clears the display. The stream may go on afterwards, from nothing.
 	void stop();
 
 	/// What came and went since the last call, in order. A tile that was made anew comes without having gone.
@@ -69,38 +70,56 @@ public:
 	/// True when all that is wanted is shown, and drawn as it should be, and the rings have nothing to do.
 	bool idle() const;
 
-	ScatterStage &stage() { return stage_; }
-	const ScatterStage &stage() const { return stage_; }
+	TileDisplay &display() { return display_; }
+	const TileDisplay &display() const { return display_; }
+
+	/// Tiles that are made and not shown yet.
+	std::size_t upload_queue_size() const { return uploads_.size(); }
 	const StreamFigures &figures() const { return figures_; }
 	StreamCounts counts() const { return streamer_.counts(); }
 
 private:
 	using Clock = std::chrono::steady_clock;
 
+	/// The kinds of work that share a frame's time.
+	enum class Step : std::uint8_t {
+		ask_ground, ///< Asks a script for the ground of a tile.
+		upload,     ///< Uploads a part of a tile, and shows it with its last part.
+		free,       ///< Frees what is shown no longer.
+		lod,        ///< Draws a tile as its distance asks for.
+		rings,      ///< Lets bodies come and go.
+	};
+	static constexpr std::size_t step_kinds = 5;
+
 	std::size_t jobs_per_worker() const;
 	void request_tiles(std::span<const Viewer> viewers);
 	void sort_work(std::span<const Viewer> viewers);
 	void start(const TileRequest &request);
 	void start_missing();
-	void mark_stale(std::span<const StreamedLayer> next, std::span<const EditedArea> outdated);
+	void mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated);
+	void report_once(const TileJob &job);
 	void settle_unseen(const std::shared_ptr<TileJob> &job);
 	bool ring_step();
 	void cancel(std::uint64_t ticket);
 	void take_finished();
 	void settle(const std::shared_ptr<TileJob> &job);
 	std::size_t ground_step(std::size_t most);
-	bool ground_step_in_frame();
-	bool show_step();
-	bool step(std::size_t kind);
-	void work_until(Clock::time_point deadline);
+	std::size_t positions_at_once(bool in_physics_frame) const;
+	bool upload_step();
+	void finish_upload();
+	bool do_step(Step step);
+	bool work_until(Clock::time_point deadline);
 
+	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0'); ///< Goes with this object.
 	InstanceWorld &world_;
 	std::vector<NearRing *> rings_;
 	TileStreamer streamer_;
 	TileWorkers workers_;
-	ScatterStage stage_;
-	std::vector<StreamedLayer> layers_;
-	godot::Ref<ScatterTerrain> script_;
+	UploadQueue uploads_;
+	TileDisplay display_;
+	std::vector<SharedSnapshot> layers_;
+	std::vector<bool> error_reported_; ///< Of each layer: one error until it or the ground changes, not one a tile.
+	StreamGround ground_;
 
 	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All under way, from request to upload.
 	std::deque<std::shared_ptr<TileJob>> ask_ground_; ///< Those that wait for a script on the main thread.
@@ -109,8 +128,8 @@ private:
 	std::vector<TileEvent> events_;
 	Status viewer_status_;
 	StreamFigures figures_;
-	std::array<Clock::duration, 5> usual_step_{}; ///< Of each kind: ground, show, free, detail, rings.
-	std::size_t step_turn_ = 0;
+	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.
+	Step next_step_ = Step::ask_ground;
 	std::uint64_t usual_job_microseconds_ = 10'000; ///< Of one tile, smoothed; a guess until there were some.
 };
 

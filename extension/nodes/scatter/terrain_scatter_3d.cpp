@@ -1,6 +1,7 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "nodes/common/watch.hpp"
+#include "nodes/layer/layer_reference.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
 #include <godot_cpp/classes/engine.hpp>
@@ -49,7 +50,7 @@ void TerrainScatter3D::_notification(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_WORLD: start(); break;
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
-		case NOTIFICATION_VISIBILITY_CHANGED: stream_.stage().set_visible(is_visible_in_tree()); break;
+		case NOTIFICATION_VISIBILITY_CHANGED: stream_.display().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_CHILD_ORDER_CHANGED: scenes_.children_changed(); break;
 		case NOTIFICATION_INTERNAL_PROCESS: process_frame(); break;
 		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: stream_.physics_frame(); break;
@@ -63,8 +64,8 @@ void TerrainScatter3D::_notification(int p_what) {
 }
 
 void TerrainScatter3D::start() {
-	stream_.stage().set_place(get_world_3d()->get_scenario(), get_instance_id());
-	stream_.stage().set_visible(is_visible_in_tree());
+	stream_.display().set_scenario(get_world_3d()->get_scenario(), get_instance_id());
+	stream_.display().set_visible(is_visible_in_tree());
 	if (!Engine::get_singleton()->is_editor_hint()) {
 		collision_.set_place(get_world_3d()->get_space(), get_instance_id());
 	}
@@ -92,25 +93,28 @@ void TerrainScatter3D::stop() {
 
 void TerrainScatter3D::process_frame() {
 	const auto start = std::chrono::steady_clock::now();
-	if (shapes_.paths_changed()) {
+	if (regions_.paths_changed()) {
 		mark_edited();
 	}
+	notice_layers();
 	if (dirty_) {
 		refresh();
 	}
-	if (terrain_.is_valid() && !plans_.streamed().empty()) {
+	if (terrain_.is_valid() && !layer_list_.snapshots().empty()) {
 		if (state_.is_valid() && !Engine::get_singleton()->is_editor_hint()) {
 			state_->advance(get_process_delta_time());
 		}
 		const std::uint64_t spent = look_around_near();
 		const auto budget = static_cast<std::uint64_t>(upload_budget_usec_);
-		stream_.stage().set_limits(draw_limits());
-		stream_.frame(find_viewers(), budget - std::min(spent, budget));
+		stream_.display().set_limits(draw_limits());
+		if (!stream_.frame(find_viewers(), budget - std::min(spent, budget))) {
+			return; // This node is no more.
+		}
 		answer_requests();
 		if (!step_scenes(start + std::chrono::microseconds(upload_budget_usec_))) {
 			return; // This node is no more.
 		}
-		stream_.stage().patch();
+		stream_.display().patch();
 	}
 	frame_time_ = std::chrono::steady_clock::now() - start;
 	emit_events();
@@ -146,6 +150,10 @@ void TerrainScatter3D::mark_edited() {
 }
 
 void TerrainScatter3D::mark_dirty() {
+	layer_watch_.look(layers_);
+	for (const LayerRename &rename : layer_watch_.follow_names()) {
+		regions_.rename_layer(rename.from, rename.to);
+	}
 	mark_edited();
 	update_configuration_warnings();
 	PackedStringArray names;
@@ -155,7 +163,7 @@ void TerrainScatter3D::mark_dirty() {
 	}
 	if (!(names == layer_names_)) {
 		layer_names_ = names;
-		shapes_.update_warnings(); // They may name layers.
+		regions_.update_warnings(); // They may name layers.
 	}
 }
 
@@ -173,44 +181,45 @@ void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
 
 void TerrainScatter3D::mark_area_edited(const Rect2 &) { mark_edited(); }
 
-void TerrainScatter3D::add_shape(ScatterShape3D *p_shape) {
-	shapes_.add(p_shape);
+void TerrainScatter3D::add_region(ScatterRegion3D *p_region) {
+	regions_.add(p_region);
 	mark_edited();
 }
 
-void TerrainScatter3D::remove_shape(ScatterShape3D *p_shape) {
-	shapes_.remove(p_shape);
+void TerrainScatter3D::remove_region(ScatterRegion3D *p_region) {
+	regions_.remove(p_region);
 	mark_edited();
 }
 
-void TerrainScatter3D::shape_changed(const ScatterShape3D *p_shape) {
-	shapes_.mark(p_shape);
+void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
+	regions_.mark(p_region);
 	mark_edited();
 }
 
-bool TerrainScatter3D::has_layer_named(const String &p_name) const {
-	return !p_name.is_empty() && layer_names_.has(p_name);
+String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
+	std::uint32_t index = 0;
+	return find_layer(layers_, p_reference, index);
 }
 
 void TerrainScatter3D::refresh() {
 	dirty_ = false;
 	set_physics_process_internal(terrain_.is_valid() && terrain_->needs_physics_frames());
-	ScatterGround ground{static_cast<std::uint64_t>(seed_), nullptr, std::exchange(ground_change_, {})};
-	if (!ground.changed.empty() && terrain_.is_valid()) {
+	const EditedArea ground_change = std::exchange(ground_change_, {});
+	if (!ground_change.empty() && terrain_.is_valid()) {
 		ground_ = terrain_->snapshot();
 	}
-	ground.terrain = ground_;
 	const bool grounded = terrain_.is_valid() && (ground_ != nullptr || terrain_->main_thread_only());
-	shapes_.update(std::exchange(recentered_, false));
+	regions_.update(std::exchange(recentered_, false));
 	if (!grounded || layers_.is_empty()) {
 		scenes_.clear();
 		stream_.stop();
-		plans_.clear();
+		layer_list_.clear();
 		return;
 	}
-	const std::vector<EditedArea> outdated = plans_.update(layers_, ground, shapes_);
+	const std::vector<EditedArea> outdated =
+			layer_list_.update(layers_, static_cast<std::uint64_t>(seed_), ground_change, regions_);
 	update_world(outdated);
-	stream_.set_layers(plans_.streamed(), outdated, terrain_);
+	stream_.set_layers(layer_list_.snapshots(), outdated, {ground_, terrain_});
 	update_scenes();
 }
 
@@ -242,7 +251,9 @@ std::uint64_t TerrainScatter3D::look_around_near() {
 	return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(spent).count());
 }
 
-Ref<ScatterLayer> TerrainScatter3D::layer_at(int64_t p_place) const { return layers_[p_place]; }
+Ref<ScatterLayer> TerrainScatter3D::layer_at(int64_t p_place) const {
+	return p_place < layers_.size() ? Ref<ScatterLayer>(layers_[p_place]) : Ref<ScatterLayer>();
+}
 
 void TerrainScatter3D::set_seed(int64_t p_seed) {
 	if (seed_ != p_seed) {
@@ -253,10 +264,10 @@ void TerrainScatter3D::set_seed(int64_t p_seed) {
 
 int64_t TerrainScatter3D::get_seed() const { return seed_; }
 
-void TerrainScatter3D::watch_layers(bool p_watch) {
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		watch(layer_at(place).ptr(), "changed", this, "_mark_dirty", p_watch);
-		watch(layer_at(place).ptr(), "area_changed", this, "_mark_area_edited", p_watch);
+/// Scripts share the list, and may change it without its setter.
+void TerrainScatter3D::notice_layers() {
+	if (layer_watch_.differs(layers_)) {
+		mark_dirty();
 	}
 }
 
@@ -266,9 +277,7 @@ void TerrainScatter3D::watch_terrain(bool p_watch) {
 }
 
 void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
-	watch_layers(false);
 	layers_ = p_layers;
-	watch_layers(true);
 	mark_dirty();
 }
 
@@ -330,7 +339,8 @@ int64_t TerrainScatter3D::get_preview_instances() const { return preview_instanc
 void TerrainScatter3D::regenerate() { mark_ground_dirty(); }
 
 bool TerrainScatter3D::is_idle() const {
-	return !dirty_ && (plans_.streamed().empty() || (stream_.idle() && scenes_.settled()));
+	return !dirty_ && !layer_watch_.differs(layers_) &&
+			(layer_list_.snapshots().empty() || (stream_.idle() && scenes_.settled()));
 }
 
 } // namespace thicket

@@ -1,15 +1,17 @@
 #pragma once
 
-#include "nodes/scatter/layer_plans.hpp"
+#include "nodes/scatter/layer_list.hpp"
 #include "nodes/gameplay/collision_ring.hpp"
 #include "nodes/gameplay/instance_world.hpp"
 #include "nodes/gameplay/query_requests.hpp"
 #include "nodes/gameplay/scene_ring.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
+#include "nodes/layer/layer_watch.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/scatter/scatter_stream.hpp"
+#include "nodes/region/region_register.hpp"
+#include "nodes/region/scatter_region_3d.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
-#include "nodes/scatter/shape_register.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/variant/callable.hpp>
@@ -35,7 +37,7 @@ namespace thicket {
 
 /// Streams layers of instances onto a terrain, around viewers. Works in the editor as in the game. Instances stand in
 /// world space: the node's own transform does not move them. What it shows is never saved.
-class TerrainScatter3D : public godot::Node3D {
+class TerrainScatter3D : public godot::Node3D, public RegionHost {
 	GDCLASS(TerrainScatter3D, godot::Node3D)
 
 public:
@@ -46,7 +48,7 @@ public:
 	void set_seed(int64_t p_seed);
 	int64_t get_seed() const;
 
-	/// Null entries keep their place and show nothing.
+	/// Null entries keep their place and show nothing. The array is shared with scripts, and what they do to it counts.
 	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 	godot::TypedArray<ScatterLayer> get_layers() const;
 
@@ -67,7 +69,7 @@ public:
 	/// uploaded anew for another one; all positions that the node takes and gives are the engine's.
 	void set_world_offset(const godot::Vector3 &p_offset);
 	godot::Vector3 get_world_offset() const;
-	glm::dvec3 world_offset() const { return world_offset_; }
+	glm::dvec3 world_offset() const override { return world_offset_; }
 
 	/// Microseconds of the main thread a frame, 1 to 1e6.
 	void set_upload_budget_usec(int64_t p_budget);
@@ -149,11 +151,11 @@ public:
 	/// The same, the caller's from now on. The mesh is back, unless the instance is removed.
 	godot::Node3D *take_scene(int64_t p_id);
 
-	/// A shape below this node enters the tree, leaves it, or is not what it was: what it touches is made anew.
-	void add_shape(ScatterShape3D *p_shape);
-	void remove_shape(ScatterShape3D *p_shape);
-	void shape_changed(const ScatterShape3D *p_shape);
-	bool has_layer_named(const godot::String &p_name) const;
+	// For regions below this node.
+	void add_region(ScatterRegion3D *p_region) override;
+	void remove_region(ScatterRegion3D *p_region) override;
+	void region_changed(const ScatterRegion3D *p_region) override;
+	godot::String layer_problem(const godot::Variant &p_reference) const override;
 
 	/// What keeps the node from showing what it should, a sentence each; the editor shows them as warnings.
 	godot::PackedStringArray get_problems() const;
@@ -213,18 +215,19 @@ private:
 	void mark_area_edited(const godot::Rect2 &p_rect);
 	void refresh();
 	void add_layer_problems(godot::PackedStringArray &r_problems) const;
-	Status find_streamed(int64_t p_layer, StreamedLayer &r_streamed);
+	Status find_snapshot(int64_t p_layer, SharedSnapshot &r_layer);
 	void emit_events();
 	DrawLimits draw_limits() const;
 	std::vector<Viewer> find_viewers() const;
 	godot::Node3D *active_camera() const;
 	godot::Ref<ScatterLayer> layer_at(int64_t p_place) const;
-	const StagedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile);
-	void watch_layers(bool p_watch);
+	const DisplayedTile *tile_at(int64_t p_layer, const godot::Vector2i &p_tile);
+	void notice_layers();
 	void watch_terrain(bool p_watch);
 
 	int64_t seed_ = 0;
 	godot::TypedArray<ScatterLayer> layers_;
+	LayerWatch layer_watch_{this};
 	godot::Ref<ScatterTerrain> terrain_;
 	godot::TypedArray<godot::NodePath> viewers_;
 	godot::PackedFloat32Array viewer_radius_scales_;
@@ -246,13 +249,13 @@ private:
 
 	ScatterStream stream_{*world_};
 	SceneRing scenes_{scene_host()};
-	LayerPlans plans_;
-	ShapeRegister shapes_;
-	godot::PackedStringArray layer_names_; ///< By place, as shapes were told of them last.
+	LayerList layer_list_;
+	RegionRegister regions_;
+	godot::PackedStringArray layer_names_; ///< By index, as regions were told of them last.
 	std::shared_ptr<const Terrain> ground_;
 	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
 	std::chrono::steady_clock::duration frame_time_{0};         ///< Of the main thread, in the last frame.
-	bool recentered_ = false; ///< `world_offset_` was changed since shapes were looked at.
+	bool recentered_ = false; ///< `world_offset_` was changed since regions were read.
 	bool running_ = false;
 	bool dirty_ = true;
 	bool was_idle_ = true;

@@ -100,8 +100,8 @@ void TerrainScatter3D::set_state(const Ref<ScatterState> &p_state) {
 	claim_layers();
 	const InstanceState *state = state_.is_valid() ? &state_->state() : nullptr;
 	world_->set_state(state);
-	stream_.stage().set_state(state);
-	stream_.stage().mark_all();
+	stream_.display().set_state(state);
+	stream_.display().mark_all();
 	drop_changed(rings_, before.is_valid() ? &before->state() : nullptr, state);
 	schedule_patch();
 }
@@ -134,7 +134,7 @@ bool TerrainScatter3D::remove_found(const PlacedInstance &instance) {
 		report("TerrainScatter3D", status);
 		return false;
 	}
-	const double regrowth = plans_.streamed()[instance.layer].look.draw.numbers.regrowth_time;
+	const double regrowth = layer_list_.snapshots()[instance.layer]->gameplay.regrowth_time;
 	return state_->remove(script_id(instance.id), regrowth > 0.0 ? state_->get_time() + regrowth : 0.0);
 }
 
@@ -144,7 +144,7 @@ PackedInt64Array TerrainScatter3D::remove_in_sphere(
 	for (const PlacedInstance &instance :
 			find_in_sphere("remove_in_sphere", p_center, p_radius, p_layers, p_predicate)) {
 		// Who hears of the one before may have changed the layers.
-		if (instance.layer < plans_.streamed().size() && remove_found(instance)) {
+		if (instance.layer < layer_list_.snapshots().size() && remove_found(instance)) {
 			removed.push_back(instance.id);
 		}
 	}
@@ -207,7 +207,7 @@ void TerrainScatter3D::state_changed(std::span<const InstanceChange> changes) {
 		}
 		const auto layer = static_cast<std::uint32_t>(place);
 		if (running_ && change.kind != InstanceChangeKind::data) {
-			stream_.stage().mark(layer, area_of(change, world_->layers()[layer].set));
+			stream_.display().mark(layer, area_of(change, world_->layers()[layer].set));
 			for (NearRing *ring : rings_) {
 				ring->drop(change.id);
 			}
@@ -248,7 +248,7 @@ void TerrainScatter3D::schedule_patch() {
 
 void TerrainScatter3D::patch_now() {
 	patch_scheduled_ = false;
-	stream_.stage().patch();
+	stream_.display().patch();
 }
 
 void TerrainScatter3D::bind_changes() {

@@ -9,7 +9,6 @@
 
 #include <glm/geometric.hpp>
 
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,10 +27,11 @@ void report_query(const char *p_method, const Status &status) {
 
 /// Settings that were changed in this frame count. False, with an error, where there is nothing to ask.
 bool TerrainScatter3D::prepare_query(const char *p_method) {
+	notice_layers();
 	if (dirty_) {
 		refresh();
 	}
-	if (plans_.streamed().empty()) {
+	if (layer_list_.snapshots().empty()) {
 		report_query(p_method, {ErrorCode::missing, terrain_.is_null() ? "terrain" : "layers", 0.0});
 		return false;
 	}
@@ -40,14 +40,14 @@ bool TerrainScatter3D::prepare_query(const char *p_method) {
 
 /// A tile for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
 TileMaker TerrainScatter3D::tile_maker() const {
-	return [layers = plans_.streamed(), terrain = terrain_](
+	return [layers = layer_list_.snapshots(), ground = ground_, terrain = terrain_](
 				   std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) -> Status {
-		if (layer >= layers.size() || !layers[layer].plan->wanted || !terrain->ready()) {
+		if (layer >= layers.size() || layers[layer] == nullptr || !terrain->ready()) {
 			return {};
 		}
 		TileInstances made;
-		const Rect rect = tile_rect(layers[layer].range.tile_size, tile);
-		const Status status = build_at_once(*layers[layer].plan, *terrain.ptr(), rect, made);
+		const Rect rect = tile_rect(layers[layer]->range.tile_size, tile);
+		const Status status = build_at_once(*layers[layer]->settings, ground.get(), *terrain.ptr(), rect, made);
 		if (status.ok()) {
 			r_tile = std::make_shared<const TileInstances>(std::move(made));
 		}
@@ -57,21 +57,12 @@ TileMaker TerrainScatter3D::tile_maker() const {
 
 void TerrainScatter3D::update_world(const std::vector<EditedArea> &outdated) {
 	std::vector<QueryLayer> layers;
-	for (const StreamedLayer &layer : plans_.streamed()) {
-		const LayerSettings &settings = *layer.plan->settings;
-		const LayerNumbers &numbers = layer.look.draw.numbers;
-		layers.push_back({.wanted = layer.plan->wanted,
-				.set = settings.set,
-				.tile_size = layer.range.tile_size,
-				.shape = {numbers.instance_radius, numbers.instance_height},
-				.max_scale = settings.placement.max_scale,
-				.max_offset = std::abs(settings.placement.offset_along_normal)});
+	std::vector<CollisionLayer> colliding;
+	for (const SharedSnapshot &layer : layer_list_.snapshots()) {
+		layers.push_back(query_layer(layer.get()));
+		colliding.push_back(collision_of(layer.get()));
 	}
 	world_->set_layers(std::move(layers));
-	std::vector<CollisionLayer> colliding;
-	for (int64_t place = 0; place < layers_.size(); ++place) {
-		colliding.push_back(collision_of(layer_at(place)));
-	}
 	collision_.set_layers(std::move(colliding));
 	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
 		world_->invalidate(layer, outdated[layer]);

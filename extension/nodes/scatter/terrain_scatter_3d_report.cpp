@@ -17,25 +17,25 @@ namespace thicket {
 
 namespace {
 
-PackedFloat32Array buffer_of(const StagedTile::Part &part) {
+PackedFloat32Array buffer_of(const DisplayedTile::Part &part) {
 	return part.visual ? part.visual->read_back() : packed_floats(part.shown->buffer);
 }
 
 } // namespace
 
 // What is read back is what is drawn: what is marked has to be drawn anew first.
-const StagedTile *TerrainScatter3D::tile_at(int64_t p_layer, const Vector2i &p_tile) {
+const DisplayedTile *TerrainScatter3D::tile_at(int64_t p_layer, const Vector2i &p_tile) {
 	if (p_layer < 0 || p_layer > std::numeric_limits<std::uint16_t>::max()) {
 		return nullptr;
 	}
-	stream_.stage().patch();
-	return stream_.stage().find(static_cast<std::uint32_t>(p_layer), {p_tile.x, p_tile.y});
+	stream_.display().patch();
+	return stream_.display().find(static_cast<std::uint32_t>(p_layer), {p_tile.x, p_tile.y});
 }
 
 Array TerrainScatter3D::get_shown_tiles(int64_t p_layer) const {
 	Array result;
 	if (p_layer >= 0 && p_layer < layers_.size()) {
-		for (const glm::ivec2 &tile : stream_.stage().tiles(static_cast<std::uint32_t>(p_layer))) {
+		for (const glm::ivec2 &tile : stream_.display().tiles(static_cast<std::uint32_t>(p_layer))) {
 			result.push_back(Vector2i(tile.x, tile.y));
 		}
 	}
@@ -43,7 +43,7 @@ Array TerrainScatter3D::get_shown_tiles(int64_t p_layer) const {
 }
 
 Vector3 TerrainScatter3D::get_tile_origin(int64_t p_layer, const Vector2i &p_tile) {
-	const StagedTile *tile = tile_at(p_layer, p_tile);
+	const DisplayedTile *tile = tile_at(p_layer, p_tile);
 	if (tile == nullptr) {
 		return {};
 	}
@@ -52,8 +52,8 @@ Vector3 TerrainScatter3D::get_tile_origin(int64_t p_layer, const Vector2i &p_til
 
 Array TerrainScatter3D::get_tile_buffers(int64_t p_layer, const Vector2i &p_tile) {
 	Array result;
-	if (const StagedTile *tile = tile_at(p_layer, p_tile)) {
-		for (const StagedTile::Part &part : tile->parts) {
+	if (const DisplayedTile *tile = tile_at(p_layer, p_tile)) {
+		for (const DisplayedTile::Part &part : tile->parts) {
 			result.push_back(buffer_of(part));
 		}
 	}
@@ -62,8 +62,8 @@ Array TerrainScatter3D::get_tile_buffers(int64_t p_layer, const Vector2i &p_tile
 
 Array TerrainScatter3D::get_tile_multimeshes(int64_t p_layer, const Vector2i &p_tile) {
 	Array result;
-	if (const StagedTile *tile = tile_at(p_layer, p_tile)) {
-		for (const StagedTile::Part &part : tile->parts) {
+	if (const DisplayedTile *tile = tile_at(p_layer, p_tile)) {
+		for (const DisplayedTile::Part &part : tile->parts) {
 			result.push_back(part.visual ? part.visual->multimesh() : RID());
 		}
 	}
@@ -72,8 +72,8 @@ Array TerrainScatter3D::get_tile_multimeshes(int64_t p_layer, const Vector2i &p_
 
 Array TerrainScatter3D::get_tile_ids(int64_t p_layer, const Vector2i &p_tile) {
 	Array result;
-	if (const StagedTile *tile = tile_at(p_layer, p_tile)) {
-		for (const StagedTile::Part &part : tile->parts) {
+	if (const DisplayedTile *tile = tile_at(p_layer, p_tile)) {
+		for (const DisplayedTile::Part &part : tile->parts) {
 			result.push_back(packed_ids(part.shown->ids));
 		}
 	}
@@ -81,14 +81,14 @@ Array TerrainScatter3D::get_tile_ids(int64_t p_layer, const Vector2i &p_tile) {
 }
 
 int64_t TerrainScatter3D::get_tile_digest(int64_t p_layer, const Vector2i &p_tile) {
-	const StagedTile *tile = tile_at(p_layer, p_tile);
+	const DisplayedTile *tile = tile_at(p_layer, p_tile);
 	if (tile == nullptr) {
 		return 0;
 	}
 	TileInstances instances;
 	instances.origin = tile->tile->origin;
 	instances.counts = tile->tile->counts;
-	for (const StagedTile::Part &part : tile->parts) {
+	for (const DisplayedTile::Part &part : tile->parts) {
 		const PackedFloat32Array buffer = buffer_of(part);
 		MeshInstances mesh;
 		mesh.buffer.assign(buffer.ptr(), buffer.ptr() + buffer.size());
@@ -106,13 +106,13 @@ Dictionary TerrainScatter3D::get_stats() const {
 		return static_cast<int64_t>(value);
 	};
 	Dictionary stats;
-	stats["tiles"] = number(stream_.stage().tile_count());
-	stats["instances"] = number(stream_.stage().instance_count());
-	stats["drawn"] = number(stream_.stage().drawn_count());
-	stats["uploads"] = number(stream_.stage().upload_count());
+	stats["tiles"] = number(stream_.display().tile_count());
+	stats["instances"] = number(stream_.display().instance_count());
+	stats["drawn"] = number(stream_.display().drawn_count());
+	stats["uploads"] = number(stream_.display().upload_count());
 	stats["waiting"] = number(counts.waiting);
 	stats["pending"] = number(counts.pending);
-	stats["uploading"] = number(stream_.stage().waiting());
+	stats["uploading"] = number(stream_.upload_queue_size());
 	stats["scenes"] = number(scenes_.shown_count());
 	stats["scenes_pooled"] = number(scenes_.idle_count());
 	stats["frame_usec"] =
@@ -126,13 +126,13 @@ Dictionary TerrainScatter3D::get_stats() const {
 }
 
 void TerrainScatter3D::add_layer_problems(PackedStringArray &r_problems) const {
-	std::vector<std::optional<NamedLayer>> named;
+	std::vector<std::optional<LayerLinks>> links;
 	for (int64_t place = 0; place < layers_.size(); ++place) {
 		const Ref<ScatterLayer> layer = layer_at(place);
-		named.push_back(layer.is_valid() ? std::optional(names_of(*layer.ptr())) : std::nullopt);
+		links.push_back(layer.is_valid() ? std::optional(layer->links()) : std::nullopt);
 	}
-	std::vector<const NamedLayer *> names;
-	for (const std::optional<NamedLayer> &layer : named) {
+	std::vector<const LayerLinks *> names;
+	for (const std::optional<LayerLinks> &layer : links) {
 		names.push_back(layer ? &*layer : nullptr);
 	}
 	std::set<int64_t> ids;
@@ -154,10 +154,11 @@ void TerrainScatter3D::add_layer_problems(PackedStringArray &r_problems) const {
 		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(place))) {
 			r_problems.push_back(where + String::utf8(problem.c_str()));
 		}
-		const int64_t id = layer->integers().layer_id;
+		const int64_t id = layer->own_id();
 		if (!ids.insert(id >= 0 ? id : place).second) {
 			r_problems.push_back(
-					where + String("has the same layer_id as another: both use the same random numbers and ids."));
+					where + String("has the same layer_id as another: both use the same random numbers and ids. Set it "
+								   "to -1 for an id of its own."));
 		}
 	}
 }

@@ -21,7 +21,7 @@ SceneHost TerrainScatter3D::scene_host() {
 		const glm::dvec2 place{instance.position.x, instance.position.z};
 		const bool in_set = !is_added(instance.id) && instance.layer < world_->layers().size();
 		const Rect area = in_set ? cell_rect(world_->layers()[instance.layer].set, instance.id) : Rect{place, place};
-		stream_.stage().set_hidden(instance.layer, instance.id, area, hidden);
+		stream_.display().set_hidden(instance.layer, instance.id, area, hidden);
 		schedule_patch();
 	};
 	host.data_of = [this](std::uint64_t id) {
@@ -39,11 +39,9 @@ SceneHost TerrainScatter3D::scene_host() {
 /// The editor shows meshes only: a scene there would be one to select, and its scripts would run.
 void TerrainScatter3D::update_scenes() {
 	std::vector<SceneLayer> layers;
-	for (int64_t place = 0; place < layers_.size() && !Engine::get_singleton()->is_editor_hint(); ++place) {
-		SceneLayer &wanted = layers.emplace_back();
-		if (const Ref<ScatterLayer> layer = layer_at(place); layer.is_valid()) {
-			wanted = {layer->get_scene(), layer->numbers().scene_distance, layer->get_name()};
-		}
+	const bool in_editor = Engine::get_singleton()->is_editor_hint();
+	for (const SharedSnapshot &layer : in_editor ? std::vector<SharedSnapshot>() : layer_list_.snapshots()) {
+		layers.push_back(scenes_of(layer.get()));
 	}
 	scenes_.set_layers(std::move(layers));
 }

@@ -72,14 +72,14 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	world_offset_ = offset;
 	recentered_ = true;
-	stream_.stage().set_world_offset(offset);
+	stream_.display().set_world_offset(offset);
 	for (NearRing *ring : rings_) {
 		ring->set_world_offset(offset);
 	}
 	if (terrain_.is_valid()) {
 		terrain_->set_world_offset(offset);
 	}
-	if (shapes_.mark_all()) {
+	if (regions_.mark_all()) {
 		mark_edited(); // Those that have not moved with the scene are somewhere else in the world.
 	}
 }

@@ -6,6 +6,8 @@
 #include <godot_cpp/variant/basis.hpp>
 #include <godot_cpp/variant/transform3d.hpp>
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -25,31 +27,18 @@ constexpr auto everything = std::numeric_limits<std::size_t>::max();
 
 } // namespace
 
-bool DrawSettings::draws_as(const DrawSettings &other) const {
-	const auto same = [this, &other](auto... members) {
-		return ((numbers.*members == other.numbers.*members) && ...);
-	};
-	const auto same_integers = [this, &other](auto... members) {
-		return ((integers.*members == other.integers.*members) && ...);
-	};
-	return material == other.material &&
-			same(&LayerNumbers::lod_bias, &LayerNumbers::extra_cull_margin, &LayerNumbers::visibility_range_begin,
-					&LayerNumbers::visibility_range_begin_margin, &LayerNumbers::visibility_range_end,
-					&LayerNumbers::visibility_range_end_margin) &&
-			same_integers(&LayerIntegers::cast_shadow, &LayerIntegers::gi_mode, &LayerIntegers::layers,
-					&LayerIntegers::visibility_range_fade_mode);
-}
-
-TileVisual::TileVisual(const VisualPlace &place, const Look &look, const Ref<Mesh> &mesh, const MeshUpload &upload) :
+TileVisual::TileVisual(
+		const VisualContext &context, const Look &look, const Ref<Mesh> &mesh, const MeshUpload &upload) :
 		look_(look), mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	multimesh_ = server->multimesh_create();
 	set_instances(upload);
-	instance_ = server->instance_create2(multimesh_, place.scenario);
+	instance_ = server->instance_create2(multimesh_, context.scenario);
 	server->instance_set_visible(instance_, false);
-	origin_ = place.origin;
-	set_offset(place.offset);
-	server->instance_attach_object_instance_id(instance_, place.node_id);
+	origin_ = context.origin;
+	offset_ = context.offset;
+	move_instance();
+	server->instance_attach_object_instance_id(instance_, context.node_id);
 }
 
 TileVisual::~TileVisual() { free(); }
@@ -61,7 +50,7 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 		free();
 		look_ = other.look_;
 		instances_ = other.instances_;
-		room_ = other.room_;
+		capacity_ = other.capacity_;
 		multimesh_ = std::exchange(other.multimesh_, RID());
 		instance_ = std::exchange(other.instance_, RID());
 		mesh_ = std::move(other.mesh_);
@@ -69,15 +58,16 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 		drawn_ = other.drawn_;
 		scale_ = other.scale_;
 		origin_ = other.origin_;
+		offset_ = other.offset_;
 	}
 	return *this;
 }
 
 void TileVisual::allocate(int64_t instances) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	room_ = instances;
-	server->multimesh_allocate_data(multimesh_, static_cast<int32_t>(room_), RenderingServer::MULTIMESH_TRANSFORM_3D,
-			look_.use_colors, look_.use_custom_data);
+	capacity_ = instances;
+	server->multimesh_allocate_data(multimesh_, static_cast<int32_t>(capacity_),
+			RenderingServer::MULTIMESH_TRANSFORM_3D, look_.use_colors, look_.use_custom_data);
 	server->multimesh_set_mesh(multimesh_, mesh_->get_rid());
 }
 
@@ -85,16 +75,16 @@ void TileVisual::set_instances(const MeshUpload &upload) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	const auto stride = static_cast<int64_t>(floats_per_instance(look_));
 	instances_ = upload.buffer.size() / stride;
-	if (instances_ > room_) {
+	if (instances_ > capacity_) {
 		allocate(instances_);
 	}
 	// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
 	server->multimesh_set_custom_aabb(multimesh_, upload.aabb);
 	PackedFloat32Array buffer = upload.buffer;
-	if (instances_ < room_) {
+	if (instances_ < capacity_) {
 		// The renderer wants all that it has room for. What is left over is never drawn.
-		buffer.resize(room_ * stride);
-		std::fill(buffer.ptrw() + instances_ * stride, buffer.ptrw() + room_ * stride, 0.0F);
+		buffer.resize(capacity_ * stride);
+		std::fill(buffer.ptrw() + instances_ * stride, buffer.ptrw() + capacity_ * stride, 0.0F);
 	}
 	server->multimesh_set_buffer(multimesh_, buffer);
 	drawn_ = everything;
@@ -110,26 +100,24 @@ void TileVisual::free() {
 	}
 }
 
-void TileVisual::apply(const DrawSettings &settings) {
+void TileVisual::apply(const LayerDrawing &drawing) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const LayerNumbers &numbers = settings.numbers;
-	const LayerIntegers &integers = settings.integers;
-	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(integers.layers));
+	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(drawing.render_layers));
 	server->instance_geometry_set_cast_shadows_setting(
-			instance_, static_cast<RenderingServer::ShadowCastingSetting>(integers.cast_shadow));
+			instance_, static_cast<RenderingServer::ShadowCastingSetting>(drawing.cast_shadow));
 	server->instance_geometry_set_flag(
-			instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, integers.gi_mode == gi_static);
+			instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, drawing.gi_mode == gi_static);
 	server->instance_geometry_set_flag(
-			instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, integers.gi_mode == gi_dynamic);
-	server->instance_geometry_set_lod_bias(instance_, static_cast<float>(numbers.lod_bias));
-	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(numbers.extra_cull_margin));
+			instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, drawing.gi_mode == gi_dynamic);
+	server->instance_geometry_set_lod_bias(instance_, static_cast<float>(drawing.lod_bias));
+	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(drawing.extra_cull_margin));
 	server->instance_geometry_set_material_override(
-			instance_, settings.material.is_valid() ? settings.material->get_rid() : RID());
-	material_ = settings.material; // Only now: what it held before must not go while the instance names it.
-	server->instance_geometry_set_visibility_range(instance_, static_cast<float>(numbers.visibility_range_begin),
-			static_cast<float>(numbers.visibility_range_end), static_cast<float>(numbers.visibility_range_begin_margin),
-			static_cast<float>(numbers.visibility_range_end_margin),
-			static_cast<RenderingServer::VisibilityRangeFadeMode>(integers.visibility_range_fade_mode));
+			instance_, drawing.material_override.is_valid() ? drawing.material_override->get_rid() : RID());
+	material_ = drawing.material_override; // Only now: what it held before must not go while the instance names it.
+	server->instance_geometry_set_visibility_range(instance_, static_cast<float>(drawing.visibility_range_begin),
+			static_cast<float>(drawing.visibility_range_end), static_cast<float>(drawing.visibility_range_begin_margin),
+			static_cast<float>(drawing.visibility_range_end_margin),
+			static_cast<RenderingServer::VisibilityRangeFadeMode>(drawing.visibility_range_fade_mode));
 }
 
 void TileVisual::set_visible(bool visible) {
@@ -137,9 +125,16 @@ void TileVisual::set_visible(bool visible) {
 }
 
 void TileVisual::set_offset(glm::dvec3 offset) {
-	const glm::dvec3 at = origin_ - offset;
-	const Vector3 place(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z));
-	RenderingServer::get_singleton()->instance_set_transform(instance_, Transform3D(Basis(), place));
+	if (offset_ != offset) {
+		offset_ = offset;
+		move_instance();
+	}
+}
+
+void TileVisual::move_instance() {
+	const glm::dvec3 at = origin_ - offset_;
+	const Vector3 position(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z));
+	RenderingServer::get_singleton()->instance_set_transform(instance_, Transform3D(Basis(), position));
 }
 
 void TileVisual::set_mesh(const Ref<Mesh> &mesh) {
@@ -170,6 +165,28 @@ PackedFloat32Array TileVisual::read_back() const {
 		buffer.resize(floats);
 	}
 	return buffer;
+}
+
+void DisplayedTile::grow(const AABB &box) {
+	const Vector3 end = box.position + box.size;
+	min = glm::min(min, glm::vec3(box.position.x, box.position.y, box.position.z));
+	max = glm::max(max, glm::vec3(end.x, end.y, end.z));
+}
+
+void DisplayedTile::set_visible(bool visible) {
+	for (Part &part : parts) {
+		if (part.visual) {
+			part.visual->set_visible(visible);
+		}
+	}
+}
+
+void DisplayedTile::set_offset(glm::dvec3 offset) {
+	for (Part &part : parts) {
+		if (part.visual) {
+			part.visual->set_offset(offset);
+		}
+	}
 }
 
 } // namespace thicket

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "nodes/layer/scatter_layer.hpp"
+#include "core/base/rect.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/scatter/mesh_upload.hpp"
 
 #include <godot_cpp/variant/rid.hpp>
@@ -9,21 +10,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
 
 namespace thicket {
 
-/// How the instances of a layer are drawn.
-struct DrawSettings {
-	LayerNumbers numbers;
-	LayerIntegers integers;
-	godot::Ref<godot::Material> material; ///< Null for the meshes' own.
-
-	/// True if both draw the same: what places instances does not count.
-	bool draws_as(const DrawSettings &other) const;
-};
-
-/// Where a TileVisual stands.
-struct VisualPlace {
+/// What a TileVisual is part of.
+struct VisualContext {
 	godot::RID scenario;
 	glm::dvec3 origin{0.0};    ///< The tile's origin in the world, meters.
 	glm::dvec3 offset{0.0};    ///< The engine's origin in the world, meters.
@@ -39,22 +34,23 @@ struct VisualPlace {
 class TileVisual {
 public:
 	/// Hidden at first. The buffer has as many floats an instance as `look` says.
-	TileVisual(
-			const VisualPlace &place, const Look &look, const godot::Ref<godot::Mesh> &mesh, const MeshUpload &upload);
+	TileVisual(const VisualContext &context, const Look &look, const godot::Ref<godot::Mesh> &mesh,
+			const MeshUpload &upload);
 	~TileVisual();
 	TileVisual(TileVisual &&other) noexcept;
 	TileVisual &operator=(TileVisual &&other) noexcept;
 
-	void apply(const DrawSettings &settings);
+	/// Draws the instances as a layer says, apart from its meshes.
+	void apply(const LayerDrawing &drawing);
 	void set_visible(bool visible);
-
-	/// The engine's origin has moved in the world: the visual stays where it is in the world.
-	void set_offset(glm::dvec3 offset);
 
 	/// Other instances in place of those there; all are drawn until `set_drawn`.
 	void set_instances(const MeshUpload &upload);
 
-	// What depends on the distance, without another upload. Each does nothing where that is so already.
+	// What may change without another upload. Each does nothing where that is so already.
+
+	/// The engine's origin has moved in the world: the visual stays where it is in the world.
+	void set_offset(glm::dvec3 offset);
 	void set_mesh(const godot::Ref<godot::Mesh> &mesh);
 
 	/// Draws the first so many instances.
@@ -70,11 +66,12 @@ public:
 
 private:
 	void free();
+	void move_instance();
 	void allocate(int64_t instances);
 
 	Look look_;
 	int64_t instances_ = 0;
-	int64_t room_ = 0; ///< Instances that the multimesh has memory for.
+	int64_t capacity_ = 0; ///< Instances that the multimesh has memory for.
 	godot::RID multimesh_;
 	godot::RID instance_;
 	godot::Ref<godot::Mesh> mesh_;
@@ -82,6 +79,37 @@ private:
 	std::size_t drawn_ = 0;
 	float scale_ = 1.0F;
 	glm::dvec3 origin_{0.0}; ///< In the world.
+	glm::dvec3 offset_{0.0}; ///< Of the engine's origin in the world.
+};
+
+/// What is drawn of one tile.
+struct DisplayedTile {
+	/// The instances of one mesh. No visual where there are no instances or no mesh.
+	struct Part {
+		std::optional<TileVisual> visual;
+		std::vector<godot::Ref<godot::Mesh>> lods;  ///< Of a visual: the mesh, then the coarser ones. None is null.
+		std::shared_ptr<const MeshInstances> shown; ///< The tile's own, or what is left and added by the overlay.
+		std::uint64_t drawn = 0;                    ///< How many of them the visual draws,
+		std::uint64_t wanted = 0;                   ///< and would draw without a limit for all tiles together.
+	};
+
+	std::shared_ptr<const TileInstances> tile; ///< What the layer's rules give.
+	SharedLayer settings;                      ///< That it was made by.
+	std::vector<float> mesh_reach;             ///< Of the meshes that it was made for, as LayerDrawing has it.
+	Rect rect;
+	std::vector<Part> parts;
+
+	glm::vec3 min{std::numeric_limits<float>::max()};  ///< The box around all that is drawn, relative to the origin;
+	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inside out where nothing is.
+	std::size_t lod = 0;
+	std::uint64_t drawing_version = 0; ///< Of what the layer said when it was last drawn.
+	bool is_cut = false;               ///< The limit for all tiles together cuts it short.
+
+	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
+	bool draws_anything() const { return min.x <= max.x; }
+	void grow(const godot::AABB &box);
+	void set_visible(bool visible);
+	void set_offset(glm::dvec3 offset);
 };
 
 } // namespace thicket

@@ -137,16 +137,16 @@ void TileWorkers::run(void *p_worker) {
 }
 
 void TileWorkers::advance(Worker &worker, TileJob &job) {
-	const LayerPlan &plan = *job.plan;
+	const LayerSettings &settings = *job.layer->settings;
 	TileBuilder &builder = worker.builder;
-	if (plan.terrain != nullptr) {
-		job.status = builder.build(*plan.settings, *plan.terrain, job.request.rect, worker.tile, &job.cancelled);
+	if (job.terrain != nullptr) {
+		job.status = builder.build(settings, *job.terrain, job.request.rect, worker.tile, &job.cancelled);
 		finish(worker, job);
 		return;
 	}
 	// The points are found a second time once the ground is known: a script costs more than that, and no job has to
 	// hold a workspace while it waits for the main thread.
-	job.status = builder.find_points(*plan.settings, job.request.rect, &job.cancelled);
+	job.status = builder.find_points(settings, job.request.rect, &job.cancelled);
 	if (job.status.ok() && job.step == TileJob::Step::start) {
 		job.positions.assign(builder.positions().begin(), builder.positions().end());
 		for (const GroundQuery &query : builder.queries()) {
@@ -171,7 +171,7 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 		return;
 	}
 	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
-		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.plan->reach_of(mesh)));
+		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh)));
 	}
 	job.tile = std::make_shared<const TileInstances>(worker.tile); // A copy has no spare room; the workspace keeps it.
 }

@@ -2,6 +2,7 @@
 
 #include "core/placement/tile_builder.hpp"
 #include "core/streaming/tile_streamer.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/scatter/mesh_upload.hpp"
 
 #include <atomic>
@@ -14,17 +15,6 @@
 
 namespace thicket {
 
-/// All that a worker needs to make the tiles of a layer. Immutable once shared, so that properties may change, and
-/// nodes go, while workers are at it.
-struct LayerPlan {
-	std::shared_ptr<const LayerSettings> settings; ///< Never null.
-	std::shared_ptr<const Terrain> terrain;        ///< Null where the main thread has to ask a script for the ground.
-	std::vector<float> mesh_reach; ///< Meters from each mesh's origin to its farthest corner, at scale 1.
-	bool wanted = true;            ///< False for a layer that shows nothing: its tiles are empty.
-
-	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
-};
-
 /// One tile on its way: from a request to what is uploaded. Owned by one thread at a time.
 struct TileJob {
 	/// Where it is on its way.
@@ -36,7 +26,8 @@ struct TileJob {
 	};
 
 	TileRequest request;
-	std::shared_ptr<const LayerPlan> plan;
+	SharedSnapshot layer;                   ///< Never null.
+	std::shared_ptr<const Terrain> terrain; ///< Null where the main thread has to ask a script for the ground.
 	Step step = Step::start;
 
 	/// Some of `positions`, one after the other, for which the same textures count; see GroundQuery.

@@ -1,6 +1,7 @@
 #include "nodes/terrain/object_ground.hpp"
 
 #include "core/terrain/slope_stencil.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/terrain/given_normal.hpp"
 
 #include <godot_cpp/classes/object.hpp>
@@ -221,7 +222,7 @@ Status ObjectGround::call(
 	if (!open_ || source() == nullptr) {
 		return {ErrorCode::missing, gone, 0.0};
 	}
-	const Variant where(Vector3(static_cast<real_t>(position.x), 0, static_cast<real_t>(position.y)));
+	const Variant where(to_engine(glm::dvec3(position.x, 0.0, position.y)));
 	const Variant *argument = &where;
 	GDExtensionCallError error{};
 	Variant source(source_);

@@ -1,6 +1,7 @@
 #include "nodes/terrain/scatter_terrain.hpp"
 
 #include "core/terrain/slope_stencil.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/terrain/given_normal.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
@@ -42,16 +43,6 @@ private:
 	Ref<ScatterTerrain> script_;
 };
 
-PackedVector2Array packed(std::span<const glm::dvec2> positions) {
-	PackedVector2Array result;
-	result.resize(static_cast<int64_t>(positions.size()));
-	Vector2 *out = result.ptrw();
-	for (const glm::dvec2 &position : positions) {
-		*out++ = Vector2(static_cast<real_t>(position.x), static_cast<real_t>(position.y));
-	}
-	return result;
-}
-
 Status wrong_size(const char *property, int64_t size) {
 	return {ErrorCode::wrong_size, property, static_cast<double>(size)};
 }
@@ -87,7 +78,7 @@ std::size_t ScatterTerrain::places_at_once() const { return script_slice; }
 
 Status ScatterTerrain::ask(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 		std::span<Ground> r_ground) const {
-	const PackedVector2Array where = packed(positions);
+	const PackedVector2Array where = packed_vectors(positions);
 	PackedFloat32Array heights;
 	GDVIRTUAL_CALL(_get_heights, where, heights);
 	if (heights.size() != where.size()) {
@@ -108,11 +99,8 @@ Status ScatterTerrain::ask_weights(std::span<const glm::dvec2> positions, std::s
 	if (!GDVIRTUAL_IS_OVERRIDDEN(_get_weights)) {
 		return {};
 	}
-	PackedInt32Array wanted;
-	wanted.resize(static_cast<int64_t>(textures.size()));
-	std::copy(textures.begin(), textures.end(), wanted.ptrw());
 	PackedFloat32Array weights;
-	GDVIRTUAL_CALL(_get_weights, packed(positions), wanted, weights);
+	GDVIRTUAL_CALL(_get_weights, packed_vectors(positions), packed_integers(textures), weights);
 	if (weights.size() != static_cast<int64_t>(positions.size())) {
 		return wrong_size("_get_weights() result", weights.size());
 	}
@@ -145,7 +133,7 @@ Status ScatterTerrain::difference_normals(std::span<const glm::dvec2> positions,
 		around.insert(around.end(), stencil.places().begin(), stencil.places().end());
 	}
 	PackedFloat32Array heights;
-	GDVIRTUAL_CALL(_get_heights, packed(around), heights);
+	GDVIRTUAL_CALL(_get_heights, packed_vectors(around), heights);
 	if (heights.size() != static_cast<int64_t>(around.size())) {
 		return wrong_size("_get_heights() result", heights.size());
 	}
@@ -209,8 +197,7 @@ void ScatterTerrain::emit_terrain_changed(const Rect2 &p_rect) { emit_signal("te
 double ScatterTerrain::get_height(const Vector3 &p_global_position) { return ground_at(p_global_position).height; }
 
 Vector3 ScatterTerrain::get_normal(const Vector3 &p_global_position) {
-	const glm::vec3 normal = ground_at(p_global_position).normal;
-	return {normal.x, normal.y, normal.z};
+	return to_engine(ground_at(p_global_position).normal);
 }
 
 void ScatterTerrain::_bind_methods() {

@@ -1,5 +1,6 @@
 #include "nodes/terrain/scatter_terrain_heightmap.hpp"
 
+#include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/watch.hpp"
 
@@ -72,8 +73,7 @@ Status ScatterTerrainHeightmap::build() {
 	frame.posts = posts_.count;
 	frame.min_height = min_height_;
 	frame.max_height = max_height_;
-	frame.area.min = {rect_.position.x, rect_.position.y};
-	frame.area.max = frame.area.min + glm::dvec2{rect_.size.x, rect_.size.y};
+	frame.area = to_core(rect_);
 	const auto field = std::make_shared<Heightfield>();
 	const Status status = set_posts(*field, frame);
 	if (status.ok()) {

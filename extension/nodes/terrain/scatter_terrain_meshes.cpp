@@ -1,6 +1,7 @@
 #include "nodes/terrain/scatter_terrain_meshes.hpp"
 
 #include "core/base/split_mix.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/classes/mesh.hpp>
@@ -25,15 +26,12 @@ constexpr const char *class_name = "ScatterTerrainMeshes";
 
 /// Adds a mesh's triangles as they stand in the world, in which the engine's origin is at `offset`.
 void add_triangles(const MeshInstance3D &instance, glm::dvec3 offset, std::vector<glm::dvec3> &r_corners) {
-	const Transform3D place = instance.get_global_transform();
-	const glm::dvec3 origin = offset + glm::dvec3{place.origin.x, place.origin.y, place.origin.z};
-	const auto along = [&place](int row, const Vector3 &corner) {
-		const Vector3 &axis = place.basis.rows[row];
-		return double{axis.x} * corner.x + double{axis.y} * corner.y + double{axis.z} * corner.z;
-	};
+	const Transform3D frame = instance.get_global_transform();
+	const glm::dmat3 basis = to_core(frame.basis);
+	const glm::dvec3 origin = to_world(frame.origin, offset);
 	const PackedVector3Array faces = instance.get_mesh()->get_faces();
 	for (const Vector3 &corner : faces) {
-		r_corners.push_back(origin + glm::dvec3{along(0, corner), along(1, corner), along(2, corner)});
+		r_corners.push_back(origin + basis * to_core(corner));
 	}
 }
 
@@ -142,9 +140,7 @@ void ScatterTerrainMeshes::refresh() {
 		}
 	}
 	if (!changed.empty()) {
-		const glm::vec2 min(changed.min);
-		const glm::vec2 size(changed.size());
-		emit_terrain_changed(Rect2(min.x, min.y, size.x, size.y));
+		emit_terrain_changed(to_engine(changed));
 	}
 }
 

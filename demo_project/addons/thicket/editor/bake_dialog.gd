@@ -65,7 +65,7 @@ func _init() -> void:
 	set_process(false)
 
 
-## Asks about a scatter; offers a rectangle around a place in the world.
+## Asks about a scatter; offers a rectangle around a position in the world.
 func open(scatter: Node3D, around: Vector3) -> void:
 	fill(scatter, Rect2(Vector2(around.x, around.z).round() - Vector2(SIDE, SIDE) * 0.5, Vector2(SIDE, SIDE)))
 	popup_centered()

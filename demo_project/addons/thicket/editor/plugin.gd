@@ -6,8 +6,9 @@ const Bake := preload("res://addons/thicket/editor/bake_dialog.gd")
 const Brush := preload("res://addons/thicket/editor/brush.gd")
 const Cursor := preload("res://addons/thicket/editor/brush_cursor.gd")
 const ExtentGizmos := preload("res://addons/thicket/editor/extent_gizmos.gd")
+const LayerInspector := preload("res://addons/thicket/editor/layer_inspector.gd")
 const Presets := preload("res://addons/thicket/editor/presets.gd")
-const ShapeGizmos := preload("res://addons/thicket/editor/shape_gizmos.gd")
+const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
 
 ## Seconds between two looks at what the extent and the toolbar show.
@@ -20,8 +21,9 @@ var toolbar: Toolbar
 var bake: Bake
 
 var _cursor := Cursor.new()
-var _shapes := ShapeGizmos.new()
+var _regions := RegionGizmos.new()
 var _extent := ExtentGizmos.new()
+var _inspector := LayerInspector.new()
 var _scatter: Node3D
 var _shown: Array = []
 var _tiles := 0
@@ -37,15 +39,17 @@ func _enter_tree() -> void:
 	toolbar.hide()
 	bake = Bake.new()
 	EditorInterface.get_base_control().add_child(bake)
-	_shapes.undo_redo = get_undo_redo()
-	add_node_3d_gizmo_plugin(_shapes)
+	_regions.undo_redo = get_undo_redo()
+	add_node_3d_gizmo_plugin(_regions)
 	add_node_3d_gizmo_plugin(_extent)
+	add_inspector_plugin(_inspector)
 
 
 func _exit_tree() -> void:
 	_edit(null)
+	remove_inspector_plugin(_inspector)
 	remove_node_3d_gizmo_plugin(_extent)
-	remove_node_3d_gizmo_plugin(_shapes)
+	remove_node_3d_gizmo_plugin(_regions)
 	remove_control_from_container(CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
 	toolbar.queue_free()
 	bake.queue_free()
@@ -115,7 +119,7 @@ func _forward_3d_gui_input(camera: Camera3D, event: InputEvent) -> int:
 	var mouse := event as InputEventMouse
 	_cursor.aim(camera, mouse.position, _scatter.get(&"terrain"))
 	update_overlays()
-	var at := _cursor.place
+	var at := _cursor.on_ground
 	if mouse is InputEventMouseMotion:
 		if not toolbar.brush.is_painting():
 			return AFTER_GUI_INPUT_PASS

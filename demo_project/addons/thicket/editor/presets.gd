@@ -6,9 +6,9 @@ const FOLDER := "res://addons/thicket/presets/"
 const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
 
 
-## New layers of a preset, as an array that fits the scatter's; names that [param taken] holds get a number, and so do
-## their mentions in spacing and proximity. Empty if there is no such preset.
-static func layers(name: String, taken: PackedStringArray) -> Array:
+## New layers of a preset, as an array that fits the scatter's, whose index there starts at [param first_index]; names
+## that [param taken] holds get a number, and so do their mentions in spacing and proximity. Empty if there is no such preset.
+static func layers(name: String, taken: PackedStringArray, first_index := 0) -> Array:
 	var scene := load(FOLDER + name + ".tscn") as PackedScene
 	if scene == null:
 		return []
@@ -18,9 +18,12 @@ static func layers(name: String, taken: PackedStringArray) -> Array:
 	var result := found.duplicate()
 	result.clear()
 	for layer: Resource in found:
-		result.append(_copy(layer, copies))
+		var copy := _copy(layer, copies)
+		if copy != layer:
+			copy.set(&"layer_id", -1) # The scatter that it joins gives it one.
+		result.append(copy)
 	source.free()
-	_rename(result, taken)
+	_rename(result, taken, first_index)
 	return result
 
 
@@ -32,7 +35,7 @@ static func add(name: String, scatter: Node3D, undo_redo: EditorUndoRedoManager)
 		if layer != null:
 			taken.append(layer.resource_name)
 	var new := old.duplicate()
-	new.append_array(layers(name, taken))
+	new.append_array(layers(name, taken, old.size()))
 	undo_redo.create_action("Add Layers: " + name.capitalize(), UndoRedo.MERGE_DISABLE, scatter)
 	undo_redo.add_do_property(scatter, &"layers", new)
 	undo_redo.add_undo_property(scatter, &"layers", old)
@@ -52,6 +55,8 @@ static func _copy(resource: Resource, copies: Dictionary[Resource, Resource]) ->
 				var value: Variant = copy.get(property.name)
 				if value is Resource or value is Array:
 					copy.set(property.name, _copy_value(value, copies))
+				elif property.name == "spacing":
+					copy.set(property.name, _copy_keys(value, copies))
 	return copies[resource]
 
 
@@ -66,7 +71,14 @@ static func _copy_value(value: Variant, copies: Dictionary[Resource, Resource]) 
 	return value
 
 
-static func _rename(new_layers: Array, taken: PackedStringArray) -> void:
+static func _copy_keys(dictionary: Dictionary, copies: Dictionary[Resource, Resource]) -> Dictionary:
+	var result := {}
+	for key: Variant in dictionary:
+		result[_copy_value(key, copies)] = dictionary[key]
+	return result
+
+
+static func _rename(new_layers: Array, taken: PackedStringArray, first_index: int) -> void:
 	var names := {}
 	for layer: Resource in new_layers:
 		var name := layer.resource_name
@@ -77,10 +89,14 @@ static func _rename(new_layers: Array, taken: PackedStringArray) -> void:
 		names[layer.resource_name] = name
 		layer.resource_name = name
 	for layer: Resource in new_layers:
-		var spacing: Dictionary = layer.get(&"spacing").duplicate()
-		for key: String in spacing.keys():
-			if names.has(key) and names[key] != key:
-				spacing[names[key]] = spacing[key]
-				spacing.erase(key)
-		layer.set(&"spacing", spacing)
-		layer.set(&"proximity_layer", names.get(layer.get(&"proximity_layer"), layer.get(&"proximity_layer")))
+		var spacing: Dictionary = layer.get(&"spacing")
+		var renamed := {}
+		for key: Variant in spacing:
+			renamed[_renamed(key, names, first_index)] = spacing[key]
+		layer.set(&"spacing", renamed)
+		layer.set(&"proximity_layer", _renamed(layer.get(&"proximity_layer"), names, first_index))
+
+
+## What a layer is referred to by in the scatter: its new name, its new index, or itself.
+static func _renamed(reference: Variant, names: Dictionary, first_index: int) -> Variant:
+	return reference + first_index if reference is int else names.get(reference, reference)

@@ -62,7 +62,7 @@ func _init() -> void:
 	_on_toggled(false)
 
 
-## Shows the layers of a scatter; null for none. The chosen place in the list stays if there is one.
+## Shows the layers of a scatter; null for none. The chosen index stays if the list has it.
 func show_layers(scatter: Node3D) -> void:
 	var chosen := layer_index()
 	_layers.clear()
@@ -77,7 +77,7 @@ func show_layers(scatter: Node3D) -> void:
 	_on.disabled = _layers.item_count == 0
 
 
-## The place of the layer to paint in the scatter's list; -1 for none.
+## The index of the layer to paint in the scatter's list; -1 for none.
 func layer_index() -> int:
 	return _layers.get_selected_id() if _layers.selected >= 0 else -1
 
@@ -92,7 +92,7 @@ func set_brush_on(on: bool) -> void:
 	_on.button_pressed = on
 
 
-## Chooses the layer at a place in the scatter's list, if it is there.
+## Chooses the layer at an index in the scatter's list, if it is there.
 func choose_layer(index: int) -> void:
 	_layers.select(_layers.get_item_index(index))
 	brush_changed.emit()

@@ -9,6 +9,7 @@
 namespace godot {
 
 class ClassDB;
+struct PropertyInfo;
 class Wrapped;
 
 namespace internal {
@@ -44,6 +45,7 @@ protected:
 	/// Hooks that a class of ours may have, in the form that godot-cpp expects. These do nothing.
 	static void _bind_methods() {}
 	void _notification(int) {}
+	void _validate_property(PropertyInfo &) const {}
 
 	template <typename T, typename B>
 	static void register_virtuals() {}

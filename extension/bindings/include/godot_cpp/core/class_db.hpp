@@ -94,6 +94,7 @@ private:
 		using Hooks = internal::Class<T>;
 		GDExtensionClassCreationInfo4 info{};
 		info.is_exposed = true;
+		info.validate_property_func = Hooks::validate_property;
 		info.notification_func = Hooks::notification;
 		info.create_instance_func = Hooks::create_instance;
 		info.free_instance_func = Hooks::free_instance;

@@ -2,6 +2,7 @@
 
 #include <godot_cpp/classes/wrapped.hpp>
 #include <godot_cpp/core/marshal.hpp>
+#include <godot_cpp/core/property_info.hpp>
 #include <godot_cpp/core/signature.hpp>
 
 #include <concepts>
@@ -73,6 +74,15 @@ public:
 		notify(self(p_instance), p_what, p_reversed != 0);
 	}
 
+	/// Lets `_validate_property` change what the inspector is told of a property. Base classes first.
+	static GDExtensionBool validate_property(
+			GDExtensionClassInstancePtr p_instance, GDExtensionPropertyInfo *p_property) {
+		PropertyInfo info(p_property);
+		validate(self(p_instance), info);
+		info._update(p_property);
+		return true;
+	}
+
 	/// Calls `_bind_methods`, which every class of ours declares.
 	static void bind() {
 		static_assert(!std::is_same_v<Named<&T::_bind_methods>, Named<&T::parent_type::_bind_methods>>,
@@ -127,6 +137,15 @@ private:
 			}
 			if (p_reversed) {
 				Parent::notify(p_self, p_what, p_reversed);
+			}
+		}
+	}
+
+	static void validate(const T *p_self, PropertyInfo &r_property) {
+		if constexpr (!is_engine_class) {
+			Parent::validate(p_self, r_property);
+			if constexpr (std::same_as<decltype(&T::_validate_property), void (T::*)(PropertyInfo &) const>) {
+				p_self->_validate_property(r_property);
 			}
 		}
 	}

@@ -21,6 +21,11 @@ struct PropertyInfo {
 			const String &p_hint_string = String(), uint32_t p_usage = PROPERTY_USAGE_DEFAULT,
 			const StringName &p_class_name = StringName());
 
+	explicit PropertyInfo(const GDExtensionPropertyInfo *p_info);
+
+	/// Writes this over what the engine said, in the engine's own memory.
+	void _update(GDExtensionPropertyInfo *p_info) const;
+
 	/// A view for interface functions, which lives no longer than this.
 	GDExtensionPropertyInfo _native() const;
 };

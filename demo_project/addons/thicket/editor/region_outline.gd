@@ -1,20 +1,20 @@
 @tool
 extends RefCounted
-## What the gizmo of a [code]ScatterShape3D[/code] draws: its body, and its border on the ground.
+## What the gizmo of a [code]ScatterRegion3D[/code] draws: its body, and its border on the ground.
 
-## As [code]ScatterShape3D.Kind[/code].
-enum Kind { BOX, SPHERE, CYLINDER, POLYGON, PATH }
+## As [code]ScatterRegion3D.Shape[/code].
+enum Shape { BOX, SPHERE, CYLINDER, POLYGON, PATH }
 
 const SIDES := 48
 
 
-## The edges of a box, sphere or cylinder, as pairs of ends in the node's own space. Empty for flat shapes.
-static func body(shape: Node3D) -> PackedVector3Array:
+## The edges of a box, sphere or cylinder, as pairs of ends in the node's own space. Empty for flat regions.
+static func body(region: Node3D) -> PackedVector3Array:
 	var lines := PackedVector3Array()
-	var radius: float = shape.get(&"radius")
-	match shape.get(&"kind"):
-		Kind.BOX:
-			var half: Vector3 = 0.5 * shape.get(&"size")
+	var radius: float = region.get(&"radius")
+	match region.get(&"shape"):
+		Shape.BOX:
+			var half: Vector3 = 0.5 * region.get(&"size")
 			for axis in 3:
 				for corner in 4:
 					var from := half
@@ -23,12 +23,12 @@ static func body(shape: Node3D) -> PackedVector3Array:
 					var to := from
 					to[axis] = -from[axis]
 					lines.append_array([from, to])
-		Kind.SPHERE:
+		Shape.SPHERE:
 			_circle(lines, Vector3.ZERO, Vector3.RIGHT * radius, Vector3.BACK * radius)
 			_circle(lines, Vector3.ZERO, Vector3.RIGHT * radius, Vector3.UP * radius)
 			_circle(lines, Vector3.ZERO, Vector3.BACK * radius, Vector3.UP * radius)
-		Kind.CYLINDER:
-			var up: Vector3 = Vector3.UP * 0.5 * shape.get(&"height")
+		Shape.CYLINDER:
+			var up: Vector3 = Vector3.UP * 0.5 * region.get(&"height")
 			_circle(lines, up, Vector3.RIGHT * radius, Vector3.BACK * radius)
 			_circle(lines, -up, Vector3.RIGHT * radius, Vector3.BACK * radius)
 			for side: Vector3 in [Vector3.RIGHT, Vector3.BACK, Vector3.LEFT, Vector3.FORWARD]:
@@ -36,23 +36,23 @@ static func body(shape: Node3D) -> PackedVector3Array:
 	return lines
 
 
-## The shape's borders seen from above, [param inwards] meters within it: closed lines of world x and z.
-static func borders(shape: Node3D, inwards: float) -> Array[PackedVector2Array]:
+## The region's borders seen from above, [param inwards] meters within it: closed lines of world x and z.
+static func borders(region: Node3D, inwards: float) -> Array[PackedVector2Array]:
 	var result: Array[PackedVector2Array] = []
-	var kind: int = shape.get(&"kind")
-	if kind == Kind.PATH:
-		var strip := 0.5 * float(shape.get(&"width")) - inwards
-		var points := path_points(shape)
+	var shape: int = region.get(&"shape")
+	if shape == Shape.PATH:
+		var strip := 0.5 * float(region.get(&"width")) - inwards
+		var points := path_points(region)
 		if strip > 0.0 and points.size() > 1:
 			result = Geometry2D.offset_polyline(points, strip, Geometry2D.JOIN_ROUND, Geometry2D.END_ROUND)
 		return result
 	var outline := PackedVector2Array()
-	if kind == Kind.POLYGON:
-		for corner: Vector2 in shape.get(&"polygon"):
-			outline.append(_flat(shape.global_transform * Vector3(corner.x, 0.0, corner.y)))
+	if shape == Shape.POLYGON:
+		for corner: Vector2 in region.get(&"polygon"):
+			outline.append(_flat(region.global_transform * Vector3(corner.x, 0.0, corner.y)))
 	else:
-		for corner in body(shape):
-			outline.append(_flat(shape.global_transform * corner))
+		for corner in body(region):
+			outline.append(_flat(region.global_transform * corner))
 		outline = Geometry2D.convex_hull(outline)
 		# The hull repeats its first point.
 		outline.resize(maxi(0, outline.size() - 1))
@@ -67,24 +67,24 @@ static func borders(shape: Node3D, inwards: float) -> Array[PackedVector2Array]:
 	return result
 
 
-## The path that the shape follows, as world x and z; empty if there is none.
-static func path_points(shape: Node3D) -> PackedVector2Array:
+## The path that the region follows, as world x and z; empty if there is none.
+static func path_points(region: Node3D) -> PackedVector2Array:
 	var points := PackedVector2Array()
-	var path := path_node(shape)
+	var path := path_node(region)
 	if path != null and path.curve != null:
-		for place in path.curve.tessellate(4, 3.0):
-			points.append(_flat(path.global_transform * place))
+		for position in path.curve.tessellate(4, 3.0):
+			points.append(_flat(path.global_transform * position))
 	return points
 
 
-## The path that the shape follows; null if there is none.
-static func path_node(shape: Node3D) -> Path3D:
-	var path: NodePath = shape.get(&"path")
-	return (shape.get_parent() if path.is_empty() else shape.get_node_or_null(path)) as Path3D
+## The path that the region follows; null if there is none.
+static func path_node(region: Node3D) -> Path3D:
+	var path: NodePath = region.get(&"path")
+	return (region.get_parent() if path.is_empty() else region.get_node_or_null(path)) as Path3D
 
 
-static func _flat(place: Vector3) -> Vector2:
-	return Vector2(place.x, place.z)
+static func _flat(position: Vector3) -> Vector2:
+	return Vector2(position.x, position.z)
 
 
 static func _circle(lines: PackedVector3Array, center: Vector3, right: Vector3, forward: Vector3) -> void:

@@ -1,6 +1,6 @@
 // What a game has changed, in the picture: instances that are removed, placed by hand, or shown by other means.
 
-#include "nodes/scatter/scatter_stage.hpp"
+#include "nodes/scatter/tile_display.hpp"
 
 #include <glm/common.hpp>
 
@@ -18,18 +18,18 @@ bool same(const MeshInstances &a, const MeshInstances &b) { return a.ids == b.id
 
 } // namespace
 
-void ScatterStage::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) {
+void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) {
 	const bool changed = hidden ? hidden_.insert(id).second : hidden_.erase(id) > 0;
 	if (changed) {
 		mark(layer, area);
 	}
 }
 
-std::vector<std::shared_ptr<const MeshInstances>> ScatterStage::overlay(const StagedTile &tile) const {
-	return overlaid(tile.tile, *tile.plan->settings, tile.rect, {state_, &hidden_});
+std::vector<std::shared_ptr<const MeshInstances>> TileDisplay::overlay(const DisplayedTile &tile) const {
+	return overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_});
 }
 
-void ScatterStage::patch() {
+void TileDisplay::patch() {
 	const std::vector<Mark> marks = std::exchange(marks_, {});
 	const bool all = std::exchange(marked_all_, false);
 	if (marks.empty() && !all) {
@@ -46,7 +46,7 @@ void ScatterStage::patch() {
 			return mark.layer == layer && meet(rect, mark.area);
 		});
 	};
-	current_outdated_ = true;
+	++overlay_version_;
 	for (auto &[at, tile] : tiles_) {
 		if (all || is_marked(std::get<0>(at), tile.rect)) {
 			uncount(tile);
@@ -57,22 +57,22 @@ void ScatterStage::patch() {
 	}
 }
 
-/// Without the counts, and without the detail: both are the caller's.
-void ScatterStage::patch(const TileKey &key, StagedTile &r_tile) {
+/// Updates neither the counts nor what the distance asks for: both are left to the caller.
+void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
+	const LayerSnapshot *layer = layer_at(key.layer);
 	const std::vector<std::shared_ptr<const MeshInstances>> shown = overlay(r_tile);
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
-		StagedTile::Part &part = r_tile.parts[mesh];
+		DisplayedTile::Part &part = r_tile.parts[mesh];
 		const std::shared_ptr<const MeshInstances> before = std::exchange(part.shown, shown[mesh]);
 		if (before == part.shown || same(*before, *part.shown)) {
 			continue;
 		}
-		const MeshUpload upload = to_upload(*part.shown, r_tile.plan->reach_of(mesh));
+		const MeshUpload upload = to_upload(*part.shown, r_tile.reach_of(mesh));
 		if (part.visual) {
 			part.visual->set_instances(upload);
 			++upload_count_;
-		} else if (key.layer < looks_.size() && mesh < looks_[key.layer].meshes.size() &&
-				looks_[key.layer].meshes[mesh].is_valid()) {
-			draw_part(r_tile, mesh, looks_[key.layer], upload, part);
+		} else if (layer != nullptr && layer->drawing.draws(mesh)) {
+			draw_part(r_tile, mesh, layer->drawing, upload, part);
 			part.visual->set_visible(visible_);
 		}
 		if (part.visual) {

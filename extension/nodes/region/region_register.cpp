@@ -1,6 +1,7 @@
-#include "nodes/scatter/shape_register.hpp"
+#include "nodes/region/region_register.hpp"
 
-#include "nodes/scatter/scatter_shape_3d.hpp"
+#include "nodes/layer/layer_reference.hpp"
+#include "nodes/region/scatter_region_3d.hpp"
 
 #include <glm/geometric.hpp>
 
@@ -33,23 +34,28 @@ bool stands_still(const Shape &before, const Shape &now) {
 
 } // namespace
 
-bool ShapeRegister::Entry::counts_for(const String &name) const {
-	return shape.has_value() && (names.size() == 0 || names.has(name));
+bool RegionRegister::Entry::counts_for(const TypedArray<ScatterLayer> &p_layers, std::size_t index) const {
+	bool counts = shape.has_value() && layers.is_empty();
+	for (int64_t i = 0; shape.has_value() && !counts && i < layers.size(); ++i) {
+		std::uint32_t meant = 0;
+		counts = find_layer(p_layers, layers[i], meant).is_empty() && meant == index;
+	}
+	return counts;
 }
 
-void ShapeRegister::add(ScatterShape3D *shape) { entries_.emplace_back().node = shape; }
+void RegionRegister::add(ScatterRegion3D *region) { entries_.emplace_back().node = region; }
 
-void ShapeRegister::remove(ScatterShape3D *shape) {
-	std::erase_if(entries_, [shape](const Entry &entry) { return entry.node == shape; });
+void RegionRegister::remove(ScatterRegion3D *region) {
+	std::erase_if(entries_, [region](const Entry &entry) { return entry.node == region; });
 }
 
-void ShapeRegister::mark(const ScatterShape3D *shape) {
+void RegionRegister::mark(const ScatterRegion3D *region) {
 	for (Entry &entry : entries_) {
-		entry.marked = entry.marked || entry.node == shape;
+		entry.marked = entry.marked || entry.node == region;
 	}
 }
 
-bool ShapeRegister::paths_changed() {
+bool RegionRegister::paths_changed() {
 	bool any = false;
 	for (Entry &entry : entries_) {
 		const bool changed = entry.node->path_changed();
@@ -59,14 +65,14 @@ bool ShapeRegister::paths_changed() {
 	return any;
 }
 
-bool ShapeRegister::mark_all() {
+bool RegionRegister::mark_all() {
 	for (Entry &entry : entries_) {
 		entry.marked = true;
 	}
 	return !entries_.empty();
 }
 
-void ShapeRegister::update(bool recentered) {
+void RegionRegister::update(bool recentered) {
 	for (Entry &entry : entries_) {
 		if (std::exchange(entry.marked, false)) {
 			const std::optional<Shape> before = std::exchange(entry.read, entry.node->world_shape());
@@ -75,27 +81,27 @@ void ShapeRegister::update(bool recentered) {
 			if (!same || !entry.shape) {
 				entry.shape = entry.read;
 			}
-			entry.names = entry.node->get_layer_names();
+			entry.layers = entry.node->get_layers();
 		}
 	}
 }
 
-std::shared_ptr<const ShapeSet> ShapeRegister::set_for(std::size_t place, const String &name) {
+std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<ScatterLayer> &p_layers, std::size_t index) {
 	std::vector<Shape> shapes;
 	for (const Entry &entry : entries_) {
-		if (entry.counts_for(name)) {
+		if (entry.counts_for(p_layers, index)) {
 			shapes.push_back(*entry.shape);
 		}
 	}
-	sets_.resize(std::max(sets_.size(), place + 1));
-	std::shared_ptr<const ShapeSet> &last = sets_[place];
+	sets_.resize(std::max(sets_.size(), index + 1));
+	std::shared_ptr<const ShapeSet> &last = sets_[index];
 	const auto is_same = [&shapes](const std::shared_ptr<const ShapeSet> &set) {
 		return set != nullptr && std::ranges::equal(set->shapes(), shapes);
 	};
 	if (shapes.empty()) {
 		last = nullptr;
 	} else if (!is_same(last)) {
-		// Most shapes count for all layers, which then share a set.
+		// Most regions count for all layers, which then share a set.
 		const auto shared = std::ranges::find_if(sets_, is_same);
 		auto next = std::make_shared<ShapeSet>();
 		if (shared != sets_.end()) {
@@ -107,7 +113,14 @@ std::shared_ptr<const ShapeSet> ShapeRegister::set_for(std::size_t place, const 
 	return last;
 }
 
-void ShapeRegister::update_warnings() const {
+void RegionRegister::rename_layer(const String &from, const String &to) const {
+	const std::vector<Entry> entries = entries_; // A region tells its node, which marks the entries.
+	for (const Entry &entry : entries) {
+		entry.node->rename_layer(from, to);
+	}
+}
+
+void RegionRegister::update_warnings() const {
 	for (const Entry &entry : entries_) {
 		entry.node->update_configuration_warnings();
 	}

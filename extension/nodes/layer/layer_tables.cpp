@@ -1,4 +1,4 @@
-#include "nodes/layer/layer_snapshots.hpp"
+#include "nodes/layer/layer_tables.hpp"
 
 #include <utility>
 
@@ -17,7 +17,7 @@ void replace(std::shared_ptr<const T> &r_old, std::shared_ptr<const T> fresh) {
 	}
 }
 
-bool same_place(const MaskFrame &a, const MaskFrame &b) {
+bool same_area(const MaskFrame &a, const MaskFrame &b) {
 	return a.area.min == b.area.min && a.area.max == b.area.max && a.edge == b.edge;
 }
 
@@ -30,11 +30,9 @@ std::shared_ptr<const CurveTable> falling_line(double distance) {
 
 } // namespace
 
-bool LayerSnapshots::take(LayerSource source) {
-	return std::exchange(marked_[static_cast<std::size_t>(source)], false);
-}
+bool LayerTables::take(LayerSource source) { return std::exchange(marked_[static_cast<std::size_t>(source)], false); }
 
-void LayerSnapshots::refresh(const LayerResources &resources, const MaskFrame &frame, double proximity_distance) {
+void LayerTables::refresh(const LayerResources &resources, const MaskFrame &frame, double proximity_distance) {
 	refresh_curve(LayerSource::density_over_height, resources.density_over_height, height_curve);
 	refresh_curve(LayerSource::density_over_slope, resources.density_over_slope, slope_curve);
 	refresh_curve(LayerSource::scale_curve, resources.scale_curve, scale_curve);
@@ -46,14 +44,14 @@ void LayerSnapshots::refresh(const LayerResources &resources, const MaskFrame &f
 	}
 }
 
-void LayerSnapshots::refresh_curve(
+void LayerTables::refresh_curve(
 		LayerSource source, const Ref<Curve> &p_curve, std::shared_ptr<const CurveTable> &r_table) {
 	if (take(source)) {
 		replace(r_table, curve_table(p_curve));
 	}
 }
 
-void LayerSnapshots::refresh_noise(const LayerResources &resources) {
+void LayerTables::refresh_noise(const LayerResources &resources) {
 	const std::shared_ptr<const CurveTable> before = noise_curve;
 	refresh_curve(LayerSource::noise_curve, resources.noise_curve, noise_curve);
 	// Noise cannot be compared; its signal is what tells.
@@ -62,15 +60,15 @@ void LayerSnapshots::refresh_noise(const LayerResources &resources) {
 	}
 }
 
-void LayerSnapshots::refresh_proximity(const LayerResources &resources, double distance) {
+void LayerTables::refresh_proximity(const LayerResources &resources, double distance) {
 	refresh_curve(LayerSource::proximity_curve, resources.proximity_curve, own_proximity_curve);
 	replace(proximity_curve, own_proximity_curve ? own_proximity_curve : falling_line(distance));
 }
 
-void LayerSnapshots::refresh_image(const Ref<Texture2D> &p_texture, const MaskFrame &frame) {
+void LayerTables::refresh_image(const Ref<Texture2D> &p_texture, const MaskFrame &frame) {
 	// Pixels are asked of the renderer, which waits for it: only where they may be others.
 	const bool new_pixels = take(LayerSource::mask_texture) || frame.channel != frame_.channel;
-	if (!new_pixels && same_place(frame, frame_)) {
+	if (!new_pixels && same_area(frame, frame_)) {
 		return;
 	}
 	frame_ = frame;

@@ -47,7 +47,7 @@ struct MaskFrame {
 
 /// What workers see of a layer's resources. An object stays the same one until what it says differs, so that settings may be
 /// compared by pointers: another pointer means tiles made anew.
-class LayerSnapshots {
+class LayerTables {
 public:
 	/// Says that a resource, or what is in it, may have changed.
 	void mark(LayerSource source) { marked_[static_cast<std::size_t>(source)] = true; }

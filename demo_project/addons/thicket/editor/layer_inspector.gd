@@ -1,0 +1,26 @@
+@tool
+extends EditorInspectorPlugin
+## Where a layer or a region names layers, the inspector offers those of its scatter to choose from.
+
+const Choice := preload("res://addons/thicket/editor/layer_choice.gd")
+const Choices := preload("res://addons/thicket/editor/layer_choices.gd")
+const Spacing := preload("res://addons/thicket/editor/spacing_editor.gd")
+
+
+func _can_handle(object: Object) -> bool:
+	return object.is_class("ScatterLayer") or object.is_class("ScatterRegion3D")
+
+
+func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: PropertyHint, _hint_string: String,
+		_usage: int, _wide: bool) -> bool:
+	var editor: EditorProperty
+	match name:
+		"proximity_layer":
+			editor = Choice.new()
+		"spacing":
+			editor = Spacing.new()
+		"layers" when object.is_class("ScatterRegion3D"):
+			editor = Choices.new()
+	if editor != null:
+		add_property_editor(name, editor)
+	return editor != null

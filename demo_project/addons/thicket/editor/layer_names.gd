@@ -1,0 +1,66 @@
+@tool
+extends RefCounted
+## The layers that an object of the edited scene may name: those of its scatter.
+
+
+## The [code]TerrainScatter3D[/code] that a region stands below, or the first of the edited scene that has the layer;
+## null for none.
+static func scatter_of(object: Object) -> Node3D:
+	if object is Node:
+		var node: Node = object
+		while node != null and not node.is_class("TerrainScatter3D"):
+			node = node.get_parent()
+		return node as Node3D
+	var root := EditorInterface.get_edited_scene_root()
+	if root == null:
+		return null
+	var scatters: Array = root.find_children("*", "TerrainScatter3D", true, false)
+	scatters.push_front(root)
+	for scatter: Node in scatters:
+		if scatter.is_class("TerrainScatter3D") and object in scatter.get(&"layers"):
+			return scatter as Node3D
+	return null
+
+
+## The layers that an object may name, without itself. [param before] leaves those out that come after it in the list.
+static func others(object: Object, before := false) -> Array[Resource]:
+	var result: Array[Resource] = []
+	var scatter := scatter_of(object)
+	if scatter == null:
+		return result
+	for layer: Resource in scatter.get(&"layers"):
+		if before and layer == object:
+			break
+		if layer != null and layer != object:
+			result.append(layer)
+	return result
+
+
+## What stands for a layer in a property: its name, or the layer itself if it has none.
+static func reference_to(layer: Resource) -> Variant:
+	return layer.resource_name if layer.resource_name else layer
+
+
+## The layer that a value means to an object; null for none.
+static func layer_of(object: Object, value: Variant) -> Resource:
+	if value is Resource:
+		return value
+	var scatter := scatter_of(object)
+	var layers: Array = scatter.get(&"layers") if scatter != null else []
+	if value is int:
+		return layers[value] if value >= 0 and value < layers.size() else null
+	for layer: Resource in layers:
+		if layer != null and value and layer.resource_name == str(value):
+			return layer
+	return null
+
+
+## How a value is shown.
+static func title(object: Object, value: Variant) -> String:
+	var layer := layer_of(object, value)
+	if layer == null:
+		return "%s (no such layer)" % value
+	if layer.resource_name:
+		return layer.resource_name
+	var scatter := scatter_of(object)
+	return "Layer %d" % (scatter.get(&"layers") as Array).find(layer) if scatter != null else "Layer without a name"

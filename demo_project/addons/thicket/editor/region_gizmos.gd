@@ -1,0 +1,176 @@
+@tool
+extends EditorNode3DGizmoPlugin
+## Draws a [code]ScatterRegion3D[/code]: its body, its border on the ground, a second line where the falloff ends, and
+## handles for its sizes.
+
+const GroundLines := preload("res://addons/thicket/editor/ground_lines.gd")
+const Outline := preload("res://addons/thicket/editor/region_outline.gd")
+
+const INCLUDE := Color(0.45, 0.9, 0.4)
+const EXCLUDE := Color(1.0, 0.42, 0.3)
+## Meters from one height that is asked to the next, for small regions; larger ones use some hundred pieces.
+const PIECE := 0.5
+const PIECES := 400.0
+const AXES: Array[Vector3] = [Vector3.RIGHT, Vector3.UP, Vector3.BACK]
+
+var undo_redo: EditorUndoRedoManager
+
+# Of regions that include, and of those that exclude.
+var _borders: Array[Material] = []
+var _bodies: Array[Material] = []
+var _falloffs: Array[Material] = []
+
+
+func _init() -> void:
+	for color: Color in [INCLUDE, EXCLUDE]:
+		_borders.append(GroundLines.material(color))
+		_bodies.append(GroundLines.material(Color(color, 0.35)))
+		_falloffs.append(GroundLines.material(Color(color, 0.5)))
+	create_handle_material("handles")
+
+
+func _get_gizmo_name() -> String:
+	return "ScatterRegion3D"
+
+
+func _has_gizmo(node: Node3D) -> bool:
+	return node.is_class("ScatterRegion3D")
+
+
+func _redraw(gizmo: EditorNode3DGizmo) -> void:
+	gizmo.clear()
+	var region := gizmo.get_node_3d()
+	var rule := int(region.get(&"exclude"))
+	var body := Outline.body(region)
+	if not body.is_empty():
+		gizmo.add_lines(body, _bodies[rule])
+	var border := _on_ground(region, 0.0)
+	if not border.is_empty():
+		gizmo.add_lines(border, _borders[rule])
+	var falloff: float = region.get(&"falloff")
+	if falloff > 0.0:
+		var full := _on_ground(region, falloff)
+		if not full.is_empty():
+			gizmo.add_lines(full, _falloffs[rule])
+	gizmo.add_collision_segments(border + body)
+	var handles := _handles(region)
+	if not handles.is_empty():
+		gizmo.add_handles(handles, get_material("handles", gizmo), [])
+
+
+func _get_handle_name(gizmo: EditorNode3DGizmo, id: int, _secondary: bool) -> String:
+	return {
+		Outline.Shape.BOX: "Size", Outline.Shape.SPHERE: "Radius", Outline.Shape.CYLINDER: ["Radius", "Height"][mini(id, 1)],
+		Outline.Shape.POLYGON: "Corner %d" % id, Outline.Shape.PATH: "Width",
+	}[gizmo.get_node_3d().get(&"shape")]
+
+
+func _get_handle_value(gizmo: EditorNode3DGizmo, id: int, _secondary: bool) -> Variant:
+	return gizmo.get_node_3d().get(_property(gizmo.get_node_3d(), id))
+
+
+func _set_handle(gizmo: EditorNode3DGizmo, id: int, _secondary: bool, camera: Camera3D, point: Vector2) -> void:
+	var region := gizmo.get_node_3d()
+	var to_node := region.global_transform.affine_inverse()
+	var from := to_node * camera.project_ray_origin(point)
+	var to := to_node * (camera.project_ray_origin(point) + camera.project_ray_normal(point) * camera.far)
+	match region.get(&"shape"):
+		Outline.Shape.BOX:
+			var size: Vector3 = region.get(&"size")
+			size[id] = _length(2.0 * _along(AXES[id], from, to))
+			region.set(&"size", size)
+		Outline.Shape.SPHERE:
+			region.set(&"radius", _length(_along(Vector3.RIGHT, from, to)))
+		Outline.Shape.CYLINDER:
+			if id == 0:
+				region.set(&"radius", _length(_along(Vector3.RIGHT, from, to)))
+			else:
+				region.set(&"height", _length(2.0 * _along(Vector3.UP, from, to)))
+		Outline.Shape.POLYGON:
+			var position: Variant = Plane(Vector3.UP, 0.0).intersects_segment(from, to)
+			if position is Vector3:
+				var polygon: PackedVector2Array = region.get(&"polygon")
+				polygon[id] = Vector2(position.x, position.z)
+				region.set(&"polygon", polygon)
+		Outline.Shape.PATH:
+			_drag_width(region, region.global_transform * from, region.global_transform * to)
+
+
+func _commit_handle(gizmo: EditorNode3DGizmo, id: int, secondary: bool, restore: Variant, cancel: bool) -> void:
+	var region := gizmo.get_node_3d()
+	var property := _property(region, id)
+	if cancel:
+		region.set(property, restore)
+		return
+	undo_redo.create_action("Set %s of %s" % [_get_handle_name(gizmo, id, secondary), region.name])
+	undo_redo.add_do_property(region, property, region.get(property))
+	undo_redo.add_undo_property(region, property, restore)
+	undo_redo.commit_action(false)
+
+
+static func _property(region: Node3D, id: int) -> StringName:
+	return [&"size", &"radius", [&"radius", &"height"][mini(id, 1)], &"polygon", &"width"][int(region.get(&"shape"))]
+
+
+static func _on_ground(region: Node3D, inwards: float) -> PackedVector3Array:
+	var lines := GroundLines.new(region)
+	for border in Outline.borders(region, inwards):
+		var length := 0.0
+		for index in border.size():
+			length += border[index].distance_to(border[(index + 1) % border.size()])
+		lines.add(border, true, maxf(PIECE, length / PIECES))
+	return lines.segments
+
+
+## The handles in the node's own space, in the order of their ids.
+func _handles(region: Node3D) -> PackedVector3Array:
+	var positions := PackedVector3Array()
+	match region.get(&"shape"):
+		Outline.Shape.BOX:
+			for axis in 3:
+				positions.append(AXES[axis] * 0.5 * region.get(&"size")[axis])
+		Outline.Shape.SPHERE:
+			positions.append(Vector3.RIGHT * region.get(&"radius"))
+		Outline.Shape.CYLINDER:
+			positions.append(Vector3.RIGHT * region.get(&"radius"))
+			positions.append(Vector3.UP * 0.5 * region.get(&"height"))
+		Outline.Shape.POLYGON:
+			for corner: Vector2 in region.get(&"polygon"):
+				positions.append(Vector3(corner.x, 0.0, corner.y))
+		Outline.Shape.PATH:
+			var start := _path_start(region)
+			if not start.is_empty():
+				var position: Vector3 = start[0] + start[1] * 0.5 * float(region.get(&"width"))
+				positions.append(region.global_transform.affine_inverse() * position)
+	return positions
+
+
+## Where a path begins in the world, and the direction across it; empty if there is no path.
+static func _path_start(region: Node3D) -> PackedVector3Array:
+	var path := Outline.path_node(region)
+	if path == null or path.curve == null or path.curve.point_count < 2:
+		return PackedVector3Array()
+	var points := path.curve.tessellate(4, 3.0)
+	var from := path.global_transform * points[0]
+	var ahead := path.global_transform * points[1] - from
+	var across := Vector3(-ahead.z, 0.0, ahead.x).normalized()
+	return PackedVector3Array([from, across] if across != Vector3.ZERO else [])
+
+
+static func _drag_width(region: Node3D, from: Vector3, to: Vector3) -> void:
+	var start := _path_start(region)
+	if start.is_empty():
+		return
+	var reach := start[1] * 1e5
+	var nearest := Geometry3D.get_closest_points_between_segments(start[0] - reach, start[0] + reach, from, to)
+	region.set(&"width", _length(2.0 * nearest[0].distance_to(start[0])))
+
+
+## How far along an axis through the node's origin a ray comes nearest to it.
+static func _along(axis: Vector3, from: Vector3, to: Vector3) -> float:
+	return Geometry3D.get_closest_points_between_segments(Vector3.ZERO, axis * 1e5, from, to)[0].length()
+
+
+## A length that a region takes, in steps of a centimeter.
+static func _length(length: float) -> float:
+	return clampf(snappedf(length, 0.01), 0.01, 1e6)

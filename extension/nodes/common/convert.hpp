@@ -1,0 +1,68 @@
+#pragma once
+
+#include "core/base/rect.hpp"
+
+#include <godot_cpp/variant/packed_byte_array.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_float64_array.hpp>
+#include <godot_cpp/variant/packed_int32_array.hpp>
+#include <godot_cpp/variant/packed_int64_array.hpp>
+#include <godot_cpp/variant/packed_vector2_array.hpp>
+#include <godot_cpp/variant/packed_vector3_array.hpp>
+#include <godot_cpp/variant/rect2.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
+#include <godot_cpp/variant/vector2.hpp>
+#include <godot_cpp/variant/vector3.hpp>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <span>
+
+namespace thicket {
+
+// All conversions between the core's types and the engine's. The core's are exact: positions in double precision, counted
+// from the world's origin. The engine's are rounded to its own precision once.
+
+/// The same 64 bits: the engine's integers have a sign, the core's ids have none.
+constexpr std::int64_t script_id(std::uint64_t id) { return static_cast<std::int64_t>(id); }
+constexpr std::uint64_t core_id(std::int64_t id) { return static_cast<std::uint64_t>(id); }
+
+// The same numbers in the other type.
+godot::Vector2 to_engine(glm::dvec2 vector);
+godot::Vector3 to_engine(glm::vec3 vector);
+godot::Vector3 to_engine(glm::dvec3 vector);
+godot::Basis to_engine(const glm::mat3 &basis);
+godot::Rect2 to_engine(const Rect &rect);
+glm::dvec2 to_core(const godot::Vector2 &p_vector);
+glm::dvec3 to_core(const godot::Vector3 &p_vector);
+glm::dmat3 to_core(const godot::Basis &p_basis);
+Rect to_core(const godot::Rect2 &p_rect);
+
+// The same position in the other space. `offset` is where the engine's origin stands in the world, in meters.
+glm::dvec3 to_world(const godot::Vector3 &p_position, glm::dvec3 offset);
+Rect to_world(const godot::Rect2 &p_rect, glm::dvec3 offset);
+godot::Vector3 to_engine(glm::dvec3 position, glm::dvec3 offset);
+godot::Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, glm::dvec3 offset);
+
+/// A packed array with a copy of what a span holds. `of` turns an element into one of the array's.
+template <class Packed, class Element, class Convert>
+Packed packed(std::span<const Element> elements, Convert of) {
+	Packed result;
+	result.resize(static_cast<std::int64_t>(elements.size()));
+	auto *out = result.ptrw(); // Once: each time is a call into the engine.
+	for (const Element &element : elements) {
+		*out++ = of(element);
+	}
+	return result;
+}
+
+godot::PackedByteArray packed_bytes(std::span<const std::uint8_t> bytes);
+godot::PackedInt32Array packed_integers(std::span<const std::int32_t> integers);
+godot::PackedInt64Array packed_ids(std::span<const std::uint64_t> ids);
+godot::PackedFloat32Array packed_floats(std::span<const float> numbers);
+godot::PackedVector2Array packed_vectors(std::span<const glm::dvec2> vectors);
+
+} // namespace thicket

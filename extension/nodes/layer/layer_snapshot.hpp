@@ -1,0 +1,117 @@
+#pragma once
+
+#include "core/placement/detail.hpp"
+#include "core/placement/layer.hpp"
+#include "core/placement/layer_links.hpp"
+#include "core/query/instance_query.hpp"
+#include "core/streaming/tile_streamer.hpp"
+
+#include <godot_cpp/classes/material.hpp>
+#include <godot_cpp/classes/mesh.hpp>
+#include <godot_cpp/classes/packed_scene.hpp>
+#include <godot_cpp/variant/aabb.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace thicket {
+
+/// What is drawn for the instances of a layer, and how the renderer draws it. The numbers of enumerations are the engine's.
+struct LayerDrawing {
+	std::vector<godot::Ref<godot::Mesh>> meshes; ///< Nothing is drawn for a null entry.
+
+	/// A row of entries, one for each of the meshes, for each LOD distance. A null entry means the next finer mesh.
+	std::vector<godot::Ref<godot::Mesh>> lod_meshes;
+
+	/// The box of each of the meshes when the snapshot was made: another box means another mesh, though the resource is the same.
+	std::vector<godot::AABB> boxes;
+
+	/// Meters at scale 1 from the origin of each mesh to its farthest corner, whichever of its LODs is drawn, enlarged as much as
+	/// thinning may enlarge it.
+	std::vector<float> mesh_reach;
+
+	godot::Ref<godot::Material> material_override; ///< Null for the meshes' own.
+	std::int64_t cast_shadow = 1;
+	std::int64_t gi_mode = 1;
+	std::int64_t render_layers = 1;
+	double lod_bias = 1.0;
+	double extra_cull_margin = 0.0;
+	double visibility_range_begin = 0.0;
+	double visibility_range_begin_margin = 0.0;
+	double visibility_range_end = 0.0;
+	double visibility_range_end_margin = 0.0;
+	std::int64_t visibility_range_fade_mode = 0;
+
+	/// True if anything is drawn for the mesh of this index.
+	bool draws(std::size_t mesh) const { return mesh < meshes.size() && meshes[mesh].is_valid(); }
+	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
+
+	/// True if the renderer is given the same meshes: a tile of the one may stand for a tile of the other.
+	bool same_meshes(const LayerDrawing &other) const {
+		return meshes == other.meshes && lod_meshes == other.lod_meshes;
+	}
+
+	friend bool operator==(const LayerDrawing &, const LayerDrawing &) = default;
+};
+
+/// What a body is made of. The values are those that scenes store.
+enum class BodyShape : std::uint8_t { none, capsule, cylinder, box, convex };
+
+/// The static bodies of a layer's instances.
+struct LayerCollision {
+	BodyShape shape = BodyShape::none;
+	double distance = 40.0; ///< Meters to the nearest viewer or moving body within which bodies stand.
+	std::int64_t layer = 1; ///< Physics layers, as the engine names them.
+	std::int64_t mask = 1;
+	double friction = 1.0; ///< Negative for a rough material, as StaticBody3D hands it over.
+	double bounce = 0.0;   ///< Negative for one that absorbs.
+
+	friend bool operator==(const LayerCollision &, const LayerCollision &) = default;
+};
+
+/// The scenes that replace a layer's meshes near viewers.
+struct LayerScene {
+	godot::Ref<godot::PackedScene> scene; ///< Null for none.
+	double distance = 20.0; ///< Meters to the nearest viewer or moving body within which scenes stand; 0 for never.
+
+	friend bool operator==(const LayerScene &, const LayerScene &) = default;
+};
+
+/// What an instance is to a game. None of it decides where instances stand.
+struct LayerGameplay {
+	double instance_radius = 0.5; ///< Meters at scale 1, of the cylinder that stands for an instance.
+	double instance_height = 2.0;
+	double regrowth_time = 0.0; ///< Seconds; 0 for never.
+	LayerCollision collision;
+	LayerScene scene;
+
+	friend bool operator==(const LayerGameplay &, const LayerGameplay &) = default;
+};
+
+/// All that a ScatterLayer says, at one moment, for everybody who works with it: the stream, the display, the workers, the rings of
+/// bodies and scenes, and queries. Nobody changes it once it is shared, so the layer may be edited, and may go, meanwhile.
+///
+/// Worker threads read `settings` and `drawing.mesh_reach`. Everything that is a resource of the engine belongs to the main thread, which
+/// also has to let go of a snapshot last.
+struct LayerSnapshot {
+	SharedLayer
+			settings; ///< Never null. ScatterLayer makes it without neighbors and shapes: those are added by the node.
+	StreamLayer range;
+	LayerDrawing drawing;
+	Detail lod;
+	LayerGameplay gameplay;
+	LayerLinks links; ///< Its name, and what it says of other layers by name.
+
+	/// Settings count as equal only if they are the same object.
+	friend bool operator==(const LayerSnapshot &, const LayerSnapshot &) = default;
+};
+
+/// Null for a layer of which nothing is shown: an empty entry of the list, or one that was never valid.
+using SharedSnapshot = std::shared_ptr<const LayerSnapshot>;
+
+/// What queries need of a layer. Null gives one that is not wanted.
+QueryLayer query_layer(const LayerSnapshot *layer);
+
+} // namespace thicket

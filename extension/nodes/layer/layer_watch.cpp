@@ -1,0 +1,109 @@
+#include "nodes/layer/layer_watch.hpp"
+
+#include "core/state/instance_state.hpp"
+#include "nodes/common/watch.hpp"
+
+#include <godot_cpp/core/object.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <set>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+bool LayerWatch::differs(const TypedArray<ScatterLayer> &p_layers) const {
+	bool same = p_layers.size() == static_cast<int64_t>(seen_.size());
+	for (std::size_t index = 0; same && index < seen_.size(); ++index) {
+		same = seen_[index].layer == Ref<ScatterLayer>(p_layers[static_cast<int64_t>(index)]);
+	}
+	return !same;
+}
+
+bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers) {
+	const bool changed = differs(p_layers);
+	if (changed) {
+		const std::vector<Seen> before = seen_;
+		listen(false);
+		seen_.clear();
+		for (int64_t index = 0; index < p_layers.size(); ++index) {
+			Seen seen{p_layers[index], {}};
+			const auto known = std::ranges::find(before, seen.layer, &Seen::layer);
+			if (seen.layer.is_valid()) {
+				seen.name = known != before.end() ? known->name : seen.layer->get_name();
+			}
+			seen_.push_back(std::move(seen));
+		}
+		listen(true);
+	}
+	give_ids();
+	return changed;
+}
+
+void LayerWatch::listen(bool p_listen) const {
+	for (const Seen &seen : seen_) {
+		watch(seen.layer.ptr(), "changed", node_, "_mark_dirty", p_listen);
+		watch(seen.layer.ptr(), "area_changed", node_, "_mark_area_edited", p_listen);
+	}
+}
+
+void LayerWatch::give_ids() {
+	if (std::exchange(giving_ids_, true)) {
+		return; // A layer told that it has an id.
+	}
+	std::set<int64_t> taken;
+	for (const Seen &seen : seen_) {
+		if (seen.layer.is_valid()) {
+			taken.insert(seen.layer->own_id());
+		}
+	}
+	const std::vector<Seen> layers = seen_; // Who hears of an id may change the list.
+	for (std::size_t index = 0; taken.count(-1) > 0 && index < layers.size(); ++index) {
+		const Ref<ScatterLayer> &layer = layers[index].layer;
+		if (layer.is_null() || layer->own_id() >= 0) {
+			continue;
+		}
+		auto id = static_cast<int64_t>(index);
+		if (taken.count(id) > 0 || id > max_state_layer) {
+			for (id = 0; taken.count(id) > 0; ++id) {}
+		}
+		if (id <= max_state_layer) {
+			taken.insert(id);
+			layer->take_id(id);
+		}
+	}
+	giving_ids_ = false;
+}
+
+bool LayerWatch::is_taken(const String &p_name, const Seen &by_other_than) const {
+	return std::ranges::any_of(seen_, [&](const Seen &seen) {
+		return seen.layer.is_valid() && !(seen.layer == by_other_than.layer) && seen.layer->get_name() == p_name;
+	});
+}
+
+std::vector<LayerRename> LayerWatch::follow_names() {
+	std::vector<LayerRename> renames;
+	for (Seen &seen : seen_) {
+		const String name = seen.layer.is_valid() ? seen.layer->get_name() : String();
+		if (name.is_empty() || name == seen.name || is_taken(name, seen)) {
+			continue;
+		}
+		const String before = std::exchange(seen.name, name);
+		if (before.is_empty() || !is_taken(before, seen)) {
+			renames.push_back({before, name});
+		}
+	}
+	const std::vector<Seen> layers = seen_; // Who hears of a change may change the list.
+	for (const LayerRename &rename : renames) {
+		for (const Seen &seen : layers) {
+			if (seen.layer.is_valid()) {
+				seen.layer->rename_references(rename.from, rename.to);
+			}
+		}
+	}
+	return renames;
+}
+
+} // namespace thicket

@@ -1,0 +1,102 @@
+// Which of a layer's properties the inspector hides because they do not apply. They are stored all the same.
+
+#include "nodes/layer/scatter_layer.hpp"
+
+#include <godot_cpp/core/object.hpp>
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// A property that may be hidden. A bit of hidden_properties() each, in this order.
+constexpr std::array hideable{
+		"mesh_weights",
+		"scale_curve",
+		"noise_curve",
+		"mask_texture_rect",
+		"mask_texture_channel",
+		"mask_texture_edge",
+		"clump_coverage",
+		"clump_softness",
+		"proximity_distance",
+		"proximity_curve",
+		"color_gradient",
+		"visibility_range_begin_margin",
+		"visibility_range_end_margin",
+		"visibility_range_fade_mode",
+		"lod_meshes",
+		"thin_begin",
+		"thin_end",
+		"thin_scale_compensation",
+		"collision_distance",
+		"collision_layer",
+		"collision_mask",
+		"physics_material",
+		"scene_distance",
+};
+
+} // namespace
+
+std::uint64_t ScatterLayer::hidden_properties() const {
+	const bool proximity = !links_.proximity_layer.empty();
+	const bool thinned = lod_.thin_density < 1.0;
+	const bool colliding = gameplay_.collision.shape != BodyShape::none;
+	const bool from = drawing_.visibility_range_begin > 0.0;
+	const bool to = drawing_.visibility_range_end > 0.0;
+	// What is set stays in sight although it is not used: a warning speaks of it.
+	const std::array<bool, hideable.size()> shown{
+			meshes_.size() > 1 || mesh_weights_.size() > 0,
+			settings_.placement.min_scale != settings_.placement.max_scale || resources_.scale_curve.is_valid(),
+			resources_.noise.is_valid() || resources_.noise_curve.is_valid(),
+			resources_.mask_texture.is_valid(),
+			resources_.mask_texture.is_valid(),
+			resources_.mask_texture.is_valid(),
+			settings_.rules.clumping.size > 0.0,
+			settings_.rules.clumping.size > 0.0,
+			proximity,
+			proximity || resources_.proximity_curve.is_valid(),
+			settings_.look.use_colors || resources_.color_gradient.is_valid(),
+			from,
+			to,
+			from || to,
+			lod_distances_.size() > 0 || lod_meshes_.size() > 0,
+			thinned,
+			thinned || lod_.thin_end > 0.0,
+			thinned || lod_.scale_compensation,
+			colliding,
+			colliding,
+			colliding,
+			colliding || physics_material_.is_valid(),
+			scene_.is_valid(),
+	};
+	std::uint64_t hidden = 0;
+	for (std::size_t i = 0; i < shown.size(); ++i) {
+		hidden |= std::uint64_t{!shown[i]} << i;
+	}
+	return hidden;
+}
+
+void ScatterLayer::_validate_property(PropertyInfo &p_property) const {
+	const std::uint64_t hidden = hidden_properties();
+	for (std::size_t i = 0; i < hideable.size(); ++i) {
+		if (((hidden >> i) & 1U) != 0 && p_property.name == StringName(hideable[i])) {
+			p_property.usage &= ~static_cast<std::uint32_t>(PROPERTY_USAGE_EDITOR);
+		}
+	}
+}
+
+void ScatterLayer::changed() {
+	const std::uint64_t hidden = hidden_properties();
+	if (std::exchange(hidden_, hidden) != hidden) {
+		notify_property_list_changed();
+	}
+	emit_changed();
+}
+
+} // namespace thicket

@@ -1,0 +1,157 @@
+// What a layer says of other layers: the properties of the group Other Layers.
+
+#include "nodes/layer/layer_reference.hpp"
+#include "nodes/layer/scatter_layer_properties.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr double min_distance = 1e-3; ///< Meters, between layers.
+
+constexpr NumberProperty proximity_distance{"proximity_distance", &LayerLinks::proximity_distance, min_distance,
+		max_neighbor_distance, PROPERTY_HINT_RANGE, "0.1,200,0.01,or_less,or_greater,exp,suffix:m"};
+constexpr ResourceProperty<Curve> proximity_curve{
+		"proximity_curve", "Curve", &LayerResources::proximity_curve, LayerSource::proximity_curve};
+
+double number_of(const Variant &p_value) {
+	const bool is_number = p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
+	return is_number ? static_cast<double>(p_value) : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Whether a stored reference means the layer of that name; for an empty name, whether it is a layer that has got one.
+bool is_named(const Variant &p_stored, const String &p_name) {
+	if (p_name.is_empty()) {
+		const Ref<ScatterLayer> held = p_stored;
+		return held.is_valid() && !held->get_name().is_empty();
+	}
+	return p_stored.get_type() == Variant::STRING && static_cast<String>(p_stored) == p_name;
+}
+
+} // namespace
+
+/// Whether a scene that stores this layer stores the other one within it.
+bool ScatterLayer::stores(const ScatterLayer *p_layer) const {
+	const auto is_stored = [p_layer](const Ref<ScatterLayer> &held) {
+		return held.is_valid() && (held.ptr() == p_layer || held->stores(p_layer));
+	};
+	const Array references = spacing_property_.keys();
+	bool found = is_stored(proximity_layer_);
+	for (int64_t i = 0; !found && i < references.size(); ++i) {
+		found = is_stored(references[i]);
+	}
+	return found;
+}
+
+/// What to keep of a reference; null, with an error, if it is refused.
+Variant ScatterLayer::accept_reference(const char *p_property, const Variant &p_reference) const {
+	const Variant stored = stored_reference(p_reference);
+	const Ref<ScatterLayer> held = stored;
+	String problem;
+	if (stored.get_type() == Variant::NIL) {
+		problem = no_reference(p_reference);
+	} else if (held.is_valid() && (held.ptr() == this || held->stores(this))) {
+		problem = "Layers without names may not refer to each other in a circle, which no scene could store: give them "
+				  "names.";
+	}
+	if (!problem.is_empty()) {
+		ERR_PRINT(vformat("ScatterLayer.%s: %s", p_property, problem));
+		return {};
+	}
+	return stored;
+}
+
+void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
+	if (p_spacing.size() > static_cast<int64_t>(max_neighbors)) {
+		report(layer_class_name, {ErrorCode::wrong_size, "spacing", static_cast<double>(p_spacing.size())});
+		return;
+	}
+	Dictionary spacing; // A copy, since scripts share dictionaries.
+	std::map<LayerReference, double> linked;
+	const Array references = p_spacing.keys();
+	for (int64_t i = 0; i < references.size(); ++i) {
+		const double distance = number_of(p_spacing[references[i]]);
+		const Variant stored = accept_reference("spacing", references[i]);
+		if (stored.get_type() == Variant::NIL ||
+				!accept_number(layer_class_name, "spacing", distance, min_distance, max_neighbor_distance)) {
+			return;
+		}
+		double &meters = linked[core_reference(stored)];
+		meters = std::max(meters, distance);
+		spacing[stored] = meters;
+	}
+	spacing.make_read_only();
+	spacing_property_ = spacing;
+	links_.spacing = std::move(linked);
+	changed();
+}
+
+Dictionary ScatterLayer::get_spacing() const {
+	Dictionary result;
+	const Array references = spacing_property_.keys();
+	for (int64_t i = 0; i < references.size(); ++i) {
+		result[stored_reference(references[i])] = std::as_const(spacing_property_)[references[i]];
+	}
+	result.make_read_only();
+	return result;
+}
+
+void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
+	Variant stored = String();
+	if (p_layer.get_type() != Variant::NIL) {
+		stored = accept_reference("proximity_layer", p_layer);
+	}
+	if (stored.get_type() != Variant::NIL && core_reference(stored) != links_.proximity_layer) {
+		proximity_layer_ = stored;
+		links_.proximity_layer = core_reference(stored);
+		changed();
+	}
+}
+
+Variant ScatterLayer::get_proximity_layer() const { return stored_reference(proximity_layer_); }
+
+void ScatterLayer::rename_references(const String &p_from, const String &p_to) {
+	if (is_named(proximity_layer_, p_from)) {
+		set_proximity_layer(p_from.is_empty() ? proximity_layer_ : Variant(p_to));
+	}
+	const Dictionary spacing = spacing_property_;
+	const Array references = spacing.keys();
+	Dictionary renamed; // Anew, so that the order in the inspector stays.
+	bool any = false;
+	for (int64_t i = 0; i < references.size(); ++i) {
+		const bool meant = is_named(references[i], p_from);
+		const Variant reference = meant && !p_from.is_empty() ? Variant(p_to) : references[i];
+		// Where the new name was mentioned before, the larger distance counts; a number is never below a missing one.
+		renamed[reference] = std::fmax(number_of(renamed[reference]), number_of(spacing[references[i]]));
+		any = any || meant;
+	}
+	if (any) {
+		set_spacing(renamed);
+	}
+}
+
+void ScatterLayer::bind_neighbors() {
+	ADD_GROUP("Other Layers", "");
+	ClassDB::bind_method(D_METHOD("set_spacing", "spacing"), &ScatterLayer::set_spacing);
+	ClassDB::bind_method(D_METHOD("get_spacing"), &ScatterLayer::get_spacing);
+	ADD_PROPERTY(PropertyInfo(Variant::DICTIONARY, "spacing"), "set_spacing", "get_spacing");
+	ADD_SUBGROUP("Proximity", "proximity_");
+	ClassDB::bind_method(D_METHOD("set_proximity_layer", "layer"), &ScatterLayer::set_proximity_layer);
+	ClassDB::bind_method(D_METHOD("get_proximity_layer"), &ScatterLayer::get_proximity_layer);
+	ADD_PROPERTY(PropertyInfo(Variant::NIL, "proximity_layer", PROPERTY_HINT_NONE, String(),
+						 PROPERTY_USAGE_DEFAULT | PROPERTY_USAGE_NIL_IS_VARIANT),
+			"set_proximity_layer", "get_proximity_layer");
+	bind_number<proximity_distance>();
+	bind_resource<Curve, proximity_curve>();
+}
+
+} // namespace thicket

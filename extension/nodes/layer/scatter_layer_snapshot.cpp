@@ -1,0 +1,142 @@
+// What a layer is at this moment: the parts in which its single properties are kept, and what is made of its resources and
+// lists.
+
+#include "nodes/layer/layer_reference.hpp"
+
+#include <godot_cpp/core/object.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Meters from a mesh's origin to the farthest corner of its box.
+float reach_of(const AABB &box) {
+	const Vector3 far_corner = box.position.abs().max((box.position + box.size).abs());
+	return static_cast<float>(far_corner.length());
+}
+
+AABB box_of(const Ref<Mesh> &mesh) { return mesh.is_valid() ? mesh->get_aabb() : AABB(); }
+
+std::vector<Ref<Mesh>> mesh_list(const TypedArray<Mesh> &p_meshes, int64_t count) {
+	std::vector<Ref<Mesh>> result;
+	for (int64_t mesh = 0; mesh < count; ++mesh) {
+		result.emplace_back(p_meshes[mesh]);
+	}
+	return result;
+}
+
+void add_boxes(const Detail &lod, LayerDrawing &r_drawing) {
+	for (const Ref<Mesh> &mesh : r_drawing.meshes) {
+		r_drawing.boxes.push_back(box_of(mesh));
+		r_drawing.mesh_reach.push_back(reach_of(r_drawing.boxes.back()));
+	}
+	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {
+		float &reach = r_drawing.mesh_reach[index % r_drawing.meshes.size()];
+		reach = std::max(reach, reach_of(box_of(r_drawing.lod_meshes[index])));
+	}
+	for (float &reach : r_drawing.mesh_reach) {
+		reach *= static_cast<float>(compensating_scale(lod, lod.thin_density));
+	}
+}
+
+} // namespace
+
+LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) const {
+	LayerSnapshot result;
+	result.settings = std::make_shared<const LayerSettings>(settings(seed, index));
+	result.range = range_;
+	result.lod = lod();
+	result.drawing = drawing();
+	add_boxes(result.lod, result.drawing);
+	result.gameplay = gameplay();
+	result.links = links();
+	return result;
+}
+
+LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) const {
+	const LayerTables &made = tables();
+	LayerSettings result = settings_;
+	result.set.seed = seed;
+	result.set.layer = static_cast<std::uint16_t>(own_id() >= 0 ? static_cast<std::size_t>(own_id()) : index);
+	result.rules.height_curve = made.height_curve;
+	result.rules.slope_curve = made.slope_curve;
+	if (made.noise != nullptr) {
+		result.rules.fields.push_back(made.noise);
+	}
+	if (made.image != nullptr) {
+		result.rules.fields.push_back(made.image);
+	}
+	result.rules.ground_textures.assign(ground_textures_.ptr(), ground_textures_.ptr() + ground_textures_.size());
+	if (mask_.is_valid()) {
+		result.rules.mask = mask_->snapshot();
+	}
+	result.placement.scale_curve = made.scale_curve;
+	result.look.colors = made.colors;
+	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
+		result.mesh_weights.push_back(mesh < mesh_weights_.size() ? mesh_weights_[mesh] : 1.0F);
+	}
+	return result;
+}
+
+LayerDrawing ScatterLayer::drawing() const {
+	LayerDrawing result = drawing_;
+	// Whole rows of LOD meshes only.
+	const int64_t rows = meshes_.is_empty() ? 0 : lod_meshes_.size() / meshes_.size();
+	result.meshes = mesh_list(meshes_, meshes_.size());
+	result.lod_meshes = mesh_list(lod_meshes_, rows * meshes_.size());
+	result.material_override = material_override_;
+	return result;
+}
+
+Detail ScatterLayer::lod() const {
+	Detail result = lod_;
+	result.lod_distances.assign(lod_distances_.ptr(), lod_distances_.ptr() + lod_distances_.size());
+	return result;
+}
+
+LayerGameplay ScatterLayer::gameplay() const {
+	LayerGameplay result = gameplay_;
+	if (physics_material_.is_valid()) {
+		const double friction = physics_material_->get_friction();
+		const double bounce = physics_material_->get_bounce();
+		result.collision.friction = physics_material_->is_rough() ? -friction : friction;
+		result.collision.bounce = physics_material_->is_absorbent() ? -bounce : bounce;
+	}
+	result.scene.scene = scene_;
+	return result;
+}
+
+LayerLinks ScatterLayer::links() const {
+	LayerLinks result = links_;
+	result.name = get_name().utf8().get_data();
+	result.identity = get_instance_id();
+	result.proximity_curve = tables().proximity_curve;
+	return result;
+}
+
+const LayerTables &ScatterLayer::tables() const {
+	tables_.refresh(resources_, mask_frame_, links_.proximity_distance);
+	return tables_;
+}
+
+QueryLayer query_layer(const LayerSnapshot *layer) {
+	QueryLayer result;
+	result.wanted = layer != nullptr;
+	if (layer != nullptr) {
+		const LayerSettings &settings = *layer->settings;
+		result.set = settings.set;
+		result.tile_size = layer->range.tile_size;
+		result.shape = {layer->gameplay.instance_radius, layer->gameplay.instance_height};
+		result.max_scale = settings.placement.max_scale;
+		result.max_offset = std::abs(settings.placement.offset_along_normal);
+	}
+	return result;
+}
+
+} // namespace thicket

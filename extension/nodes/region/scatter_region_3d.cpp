@@ -1,0 +1,436 @@
+#include "nodes/region/scatter_region_3d.hpp"
+
+#include "core/rules/polyline.hpp"
+#include "core/rules/shape_frame.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/layer/layer_reference.hpp"
+
+#include <godot_cpp/classes/curve3d.hpp>
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "ScatterRegion3D";
+
+/// How far, in meters, the outline of a path may lie beside the points that its curve was baked to.
+constexpr double path_tolerance = 0.01;
+
+constexpr double min_side = 1e-3;
+constexpr double max_side = 1e6;
+
+using Number = NumberProperty<RegionSizes, double>;
+
+constexpr Number falloff{
+		"falloff", &RegionSizes::falloff, 0.0, max_side, PROPERTY_HINT_RANGE, "0,100,0.01,or_greater,suffix:m"};
+constexpr Number radius{"radius", &RegionSizes::radius, min_side, max_side, PROPERTY_HINT_RANGE,
+		"0.01,1000,0.01,or_less,or_greater,suffix:m"};
+constexpr Number height{"height", &RegionSizes::height, min_side, max_side, PROPERTY_HINT_RANGE,
+		"0.01,1000,0.01,or_less,or_greater,suffix:m"};
+constexpr Number width{"width", &RegionSizes::width, min_side, max_side, PROPERTY_HINT_RANGE,
+		"0.01,200,0.01,or_less,or_greater,suffix:m"};
+
+/// Where a position in a node's own space lies on the world's plane.
+glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
+	const glm::dvec3 world = to_core(frame.basis) * position + to_core(frame.origin);
+	return {world.x, world.z};
+}
+
+constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
+
+} // namespace
+
+ScatterRegion3D::ScatterRegion3D() { set_notify_transform(true); }
+
+void ScatterRegion3D::_notification(int p_what) {
+	switch (p_what) {
+		case NOTIFICATION_ENTER_TREE: enter(); break;
+		case NOTIFICATION_EXIT_TREE: leave(); break;
+		case NOTIFICATION_TRANSFORM_CHANGED:
+		case NOTIFICATION_VISIBILITY_CHANGED: changed(); break;
+		case NOTIFICATION_EXTENSION_RELOADED:
+			if (is_inside_tree()) {
+				enter();
+			}
+			break;
+		default: break;
+	}
+}
+
+void ScatterRegion3D::enter() {
+	for (Node *node = get_parent(); node != nullptr && host_ == nullptr; node = node->get_parent()) {
+		host_ = dynamic_cast<RegionHost *>(node);
+	}
+	if (host_ != nullptr) {
+		host_->add_region(this);
+	}
+	update_configuration_warnings();
+}
+
+void ScatterRegion3D::leave() {
+	if (host_ != nullptr) {
+		std::exchange(host_, nullptr)->remove_region(this);
+	}
+	seen_ = {};
+}
+
+void ScatterRegion3D::changed() {
+	if (host_ != nullptr) {
+		host_->region_changed(this);
+	}
+	update_gizmos();
+	update_configuration_warnings();
+}
+
+/// Whether neither the node nor any node between it and its host is hidden. A hidden host still counts its regions.
+bool ScatterRegion3D::shown() const {
+	for (const Node3D *node = this; node != nullptr && dynamic_cast<const RegionHost *>(node) != host_;
+			node = cast_to<Node3D>(node->get_parent())) {
+		if (!node->is_visible()) {
+			return false;
+		}
+	}
+	return true;
+}
+
+Path3D *ScatterRegion3D::followed_path() const {
+	Path3D *path = cast_to<Path3D>(path_.is_empty() ? get_parent() : get_node_or_null(path_));
+	return path != nullptr && path->is_inside_tree() ? path : nullptr;
+}
+
+bool ScatterRegion3D::path_changed() {
+	if (shape_ != SHAPE_PATH && seen_.id == 0) {
+		return false;
+	}
+	SeenPath now;
+	if (const Path3D *path = shape_ == SHAPE_PATH ? followed_path() : nullptr) {
+		now.id = path->get_instance_id();
+		now.transform = path->get_global_transform();
+		if (const Ref<Curve3D> curve = path->get_curve(); curve.is_valid()) {
+			now.points = curve->get_baked_points();
+		}
+	}
+	const bool same = now.id == seen_.id && now.transform == seen_.transform && now.points.ptr() == seen_.points.ptr();
+	if (!same) {
+		seen_ = std::move(now);
+		update_gizmos();
+		update_configuration_warnings();
+	}
+	return !same;
+}
+
+std::vector<glm::dvec2> ScatterRegion3D::polygon_outline() const {
+	std::vector<glm::dvec2> outline;
+	const Transform3D frame = get_global_transform();
+	for (const Vector2 &corner : polygon_) {
+		outline.push_back(on_plane(frame, {corner.x, 0.0, corner.y}));
+	}
+	return outline;
+}
+
+std::vector<glm::dvec2> ScatterRegion3D::path_outline() const {
+	std::vector<glm::dvec2> outline;
+	const Path3D *path = followed_path();
+	const Ref<Curve3D> curve = path != nullptr ? path->get_curve() : Ref<Curve3D>();
+	if (curve.is_null()) {
+		return outline;
+	}
+	const Transform3D frame = path->get_global_transform();
+	for (const Vector3 &point : curve->get_baked_points()) {
+		outline.push_back(on_plane(frame, to_core(point)));
+	}
+	return simplified(outline, path_tolerance);
+}
+
+Status ScatterRegion3D::build_solid(thicket::Shape &r_shape) const {
+	const Transform3D transform = get_global_transform();
+	ShapeFrame frame;
+	if (const Status status = take_apart(to_core(transform.basis), frame); !status.ok()) {
+		return status;
+	}
+	r_shape.center = to_core(transform.origin);
+	r_shape.axes = frame.axes;
+	const glm::dvec3 scale = frame.scale;
+	if (shape_ == SHAPE_BOX) {
+		r_shape.kind = ShapeKind::box;
+		r_shape.half_size = 0.5 * to_core(size_) * scale;
+	} else if (shape_ == SHAPE_SPHERE) {
+		r_shape.kind = ShapeKind::sphere;
+		r_shape.half_size = {numbers_.radius * std::max({scale.x, scale.y, scale.z}), 0.0, 0.0};
+	} else {
+		r_shape.kind = ShapeKind::cylinder;
+		r_shape.half_size = {numbers_.radius * std::max(scale.x, scale.z), 0.5 * numbers_.height * scale.y, 0.0};
+	}
+	return {};
+}
+
+Status ScatterRegion3D::build(thicket::Shape &r_shape) const {
+	r_shape.exclude = exclude_;
+	r_shape.ignore_height = ignore_height_;
+	r_shape.falloff = numbers_.falloff;
+	if (shape_ == SHAPE_POLYGON) {
+		r_shape.kind = ShapeKind::polygon;
+		r_shape.outline = polygon_outline();
+	} else if (shape_ == SHAPE_PATH) {
+		r_shape.kind = ShapeKind::path;
+		r_shape.outline = path_outline();
+		r_shape.half_size.x = 0.5 * numbers_.width;
+	} else if (const Status status = build_solid(r_shape); !status.ok()) {
+		return status;
+	}
+	if (host_ != nullptr) {
+		const glm::dvec3 offset = host_->world_offset();
+		r_shape.center += is_flat() ? glm::dvec3(0.0) : offset;
+		for (glm::dvec2 &point : r_shape.outline) {
+			point += glm::dvec2(offset.x, offset.z);
+		}
+	}
+	const bool unfinished =
+			(shape_ == SHAPE_POLYGON && r_shape.outline.size() < 3) || (shape_ == SHAPE_PATH && r_shape.outline.size() < 2);
+	return unfinished ? Status{ErrorCode::missing, "outline", 0.0} : validate(r_shape);
+}
+
+std::optional<thicket::Shape> ScatterRegion3D::world_shape() {
+	if (!is_inside_tree() || !shown()) {
+		return std::nullopt;
+	}
+	thicket::Shape shape;
+	const Status status = build(shape);
+	if (status.code == ErrorCode::missing) {
+		return std::nullopt; // Its warnings say so.
+	}
+	if (std::exchange(reported_, status.code) != status.code) {
+		report(class_name, status);
+	}
+	return status.ok() ? std::optional(std::move(shape)) : std::nullopt;
+}
+
+void ScatterRegion3D::add_outline_problems(PackedStringArray &r_problems) const {
+	if (shape_ == SHAPE_POLYGON && polygon_.size() < 3) {
+		r_problems.push_back("ScatterRegion3D.polygon has fewer than 3 corners: the region has no effect.");
+	}
+	if (shape_ != SHAPE_PATH) {
+		return;
+	}
+	if (cast_to<Path3D>(path_.is_empty() ? get_parent() : get_node_or_null(path_)) == nullptr) {
+		r_problems.push_back("No path: set ScatterRegion3D.path to a Path3D, or make the region a child of one.");
+	} else if (is_inside_tree() && path_outline().size() < 2) {
+		r_problems.push_back("The Path3D's curve has fewer than 2 points: the region has no effect.");
+	}
+}
+
+PackedStringArray ScatterRegion3D::get_problems() const {
+	PackedStringArray problems;
+	add_outline_problems(problems);
+	if (!is_inside_tree()) {
+		return problems;
+	}
+	if (host_ == nullptr) {
+		problems.push_back("The region has no effect: it belongs below a TerrainScatter3D, at any depth.");
+	} else {
+		for (int64_t i = 0; i < layers_.size(); ++i) {
+			if (const String problem = host_->layer_problem(layers_[i]); !problem.is_empty()) {
+				problems.push_back("ScatterRegion3D.layers: " + problem);
+			}
+		}
+	}
+	if (is_flat()) {
+		return problems;
+	}
+	ShapeFrame frame;
+	const Status status = take_apart(to_core(get_global_transform().basis), frame);
+	const glm::dvec3 scale = frame.scale;
+	if (!status.ok()) {
+		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
+	} else if ((shape_ != SHAPE_BOX && differ(scale.x, scale.z)) || (shape_ == SHAPE_SPHERE && differ(scale.x, scale.y))) {
+		problems.push_back("The node's scale is not the same along all axes: the largest counts for the radius.");
+	}
+	return problems;
+}
+
+void ScatterRegion3D::set_shape(Shape p_shape) {
+	if (accept_number(class_name, "shape", p_shape, SHAPE_BOX, SHAPE_PATH) && shape_ != p_shape) {
+		shape_ = p_shape;
+		notify_property_list_changed();
+		changed();
+	}
+}
+
+void ScatterRegion3D::set_exclude(bool p_exclude) {
+	exclude_ = p_exclude;
+	changed();
+}
+
+void ScatterRegion3D::set_layers(const Array &p_layers) {
+	Array stored;
+	for (int64_t i = 0; i < p_layers.size(); ++i) {
+		stored.push_back(stored_reference(p_layers[i]));
+		if (stored[i].get_type() == Variant::NIL) {
+			ERR_PRINT("ScatterRegion3D.layers: " + no_reference(p_layers[i]));
+			return;
+		}
+	}
+	layers_ = stored;
+	changed();
+}
+
+Array ScatterRegion3D::get_layers() const {
+	Array result;
+	for (int64_t i = 0; i < layers_.size(); ++i) {
+		result.push_back(stored_reference(layers_[i])); // A layer may have got a name.
+	}
+	result.make_read_only();
+	return result;
+}
+
+void ScatterRegion3D::rename_layer(const String &p_from, const String &p_to) {
+	Array renamed;
+	bool any = false;
+	for (int64_t i = 0; i < layers_.size(); ++i) {
+		const bool meant = layers_[i].get_type() == Variant::STRING && static_cast<String>(layers_[i]) == p_from;
+		renamed.push_back(meant ? Variant(p_to) : layers_[i]);
+		any = any || meant;
+	}
+	if (any) {
+		set_layers(renamed);
+	}
+}
+
+void ScatterRegion3D::set_ignore_height(bool p_ignore) {
+	ignore_height_ = p_ignore;
+	changed();
+}
+
+void ScatterRegion3D::set_size(const Vector3 &p_size) {
+	for (const real_t side : {p_size.x, p_size.y, p_size.z}) {
+		if (!accept_number(class_name, "size", side, min_side, max_side)) {
+			return;
+		}
+	}
+	size_ = p_size;
+	changed();
+}
+
+void ScatterRegion3D::set_polygon(const PackedVector2Array &p_polygon) {
+	if (p_polygon.size() > static_cast<int64_t>(max_outline_points)) {
+		report(class_name, {ErrorCode::out_of_range, "polygon", static_cast<double>(p_polygon.size())});
+		return;
+	}
+	for (const Vector2 &corner : p_polygon) {
+		for (const real_t number : {corner.x, corner.y}) {
+			if (!accept_number(class_name, "polygon", number, -max_shape_coordinate, max_shape_coordinate)) {
+				return;
+			}
+		}
+	}
+	polygon_ = p_polygon;
+	changed();
+}
+
+void ScatterRegion3D::set_path_node(const NodePath &p_path) {
+	path_ = p_path;
+	changed();
+}
+
+template <const Number &property>
+void ScatterRegion3D::set_number(double p_value) {
+	if (accept_number(class_name, property.name, p_value, property.min, property.max) &&
+			numbers_.*property.member != p_value) {
+		numbers_.*property.member = p_value;
+		changed();
+	}
+}
+
+template <const Number &property>
+double ScatterRegion3D::get_number() const {
+	return numbers_.*property.member;
+}
+
+template <const Number &property>
+void ScatterRegion3D::bind_number() {
+	const String name = property.name;
+	const String setter = "set_" + name;
+	const String getter = "get_" + name;
+	ClassDB::bind_method(D_METHOD(StringName(setter), "value"), &ScatterRegion3D::set_number<property>);
+	ClassDB::bind_method(D_METHOD(StringName(getter)), &ScatterRegion3D::get_number<property>);
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
+}
+
+/// Hides what does not count for the chosen shape. It is stored all the same, so that trying another shape loses nothing.
+void ScatterRegion3D::_validate_property(PropertyInfo &p_property) const {
+	struct Use {
+		const char *property;
+		unsigned shapes; ///< A bit for each shape that the property counts for.
+	};
+	constexpr unsigned box = 1U << SHAPE_BOX;
+	constexpr unsigned sphere = 1U << SHAPE_SPHERE;
+	constexpr unsigned cylinder = 1U << SHAPE_CYLINDER;
+	constexpr unsigned polygon = 1U << SHAPE_POLYGON;
+	constexpr unsigned path = 1U << SHAPE_PATH;
+	static constexpr Use uses[] = {
+			{"ignore_height", box | sphere | cylinder},
+			{"size", box},
+			{"radius", sphere | cylinder},
+			{"height", cylinder},
+			{"polygon", polygon},
+			{"path", path},
+			{"width", path},
+	};
+	for (const Use &use : uses) {
+		if (((use.shapes >> shape_) & 1U) == 0 && p_property.name == StringName(use.property)) {
+			p_property.usage &= ~static_cast<uint32_t>(PROPERTY_USAGE_EDITOR);
+		}
+	}
+}
+
+void ScatterRegion3D::_bind_methods() {
+	using Self = ScatterRegion3D;
+	ClassDB::bind_method(D_METHOD("set_shape", "shape"), &Self::set_shape);
+	ClassDB::bind_method(D_METHOD("get_shape"), &Self::get_shape);
+	ClassDB::bind_method(D_METHOD("set_exclude", "exclude"), &Self::set_exclude);
+	ClassDB::bind_method(D_METHOD("is_excluding"), &Self::is_excluding);
+	ClassDB::bind_method(D_METHOD("set_layers", "layers"), &Self::set_layers);
+	ClassDB::bind_method(D_METHOD("get_layers"), &Self::get_layers);
+	ClassDB::bind_method(D_METHOD("set_ignore_height", "ignore"), &Self::set_ignore_height);
+	ClassDB::bind_method(D_METHOD("is_ignoring_height"), &Self::is_ignoring_height);
+	ClassDB::bind_method(D_METHOD("set_size", "size"), &Self::set_size);
+	ClassDB::bind_method(D_METHOD("get_size"), &Self::get_size);
+	ClassDB::bind_method(D_METHOD("set_polygon", "polygon"), &Self::set_polygon);
+	ClassDB::bind_method(D_METHOD("get_polygon"), &Self::get_polygon);
+	ClassDB::bind_method(D_METHOD("set_path_node", "path"), &Self::set_path_node);
+	ClassDB::bind_method(D_METHOD("get_path_node"), &Self::get_path_node);
+	ClassDB::bind_method(D_METHOD("get_problems"), &Self::get_problems);
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"), "set_shape",
+			"get_shape");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "exclude"), "set_exclude", "is_excluding");
+	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers"), "set_layers", "get_layers");
+	bind_number<falloff>();
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "ignore_height"), "set_ignore_height", "is_ignoring_height");
+	ADD_GROUP("Box", "");
+	ADD_PROPERTY(PropertyInfo(Variant::VECTOR3, "size", PROPERTY_HINT_NONE, "suffix:m"), "set_size", "get_size");
+	ADD_GROUP("Sphere and Cylinder", "");
+	bind_number<radius>();
+	bind_number<height>();
+	ADD_GROUP("Polygon", "");
+	ADD_PROPERTY(PropertyInfo(Variant::PACKED_VECTOR2_ARRAY, "polygon", PROPERTY_HINT_NONE, "suffix:m"), "set_polygon",
+			"get_polygon");
+	ADD_GROUP("Path", "");
+	ADD_PROPERTY(PropertyInfo(Variant::NODE_PATH, "path", PROPERTY_HINT_NODE_PATH_VALID_TYPES, "Path3D"),
+			"set_path_node", "get_path_node");
+	bind_number<width>();
+	BIND_ENUM_CONSTANT(SHAPE_BOX);
+	BIND_ENUM_CONSTANT(SHAPE_SPHERE);
+	BIND_ENUM_CONSTANT(SHAPE_CYLINDER);
+	BIND_ENUM_CONSTANT(SHAPE_POLYGON);
+	BIND_ENUM_CONSTANT(SHAPE_PATH);
+}
+
+} // namespace thicket

@@ -1,0 +1,152 @@
+// The work of a frame in small steps of several kinds, which take turns until the frame's time is spent.
+
+#include "nodes/scatter/scatter_stream.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// The usual time of a step, after another one. A step in which the machine did something else counts as a slow one
+/// only, or a single such would hold up the stream for many frames.
+std::chrono::steady_clock::duration smoothed(
+		std::chrono::steady_clock::duration usual, std::chrono::steady_clock::duration step) {
+	const auto believed = std::min(step, 4 * usual + std::chrono::microseconds(1));
+	return usual + (believed - usual) / 8;
+}
+
+} // namespace
+
+/// Asks the terrain for at most so many positions of the tile whose turn it is. Returns how many of `most` that used up.
+std::size_t ScatterStream::ground_step(std::size_t most) {
+	if (ask_ground_.empty() || most == 0) {
+		return 0;
+	}
+	const std::shared_ptr<TileJob> job = ask_ground_.front();
+	const auto part = std::find_if(job->parts.begin(), job->parts.end(),
+			[&job](const TileJob::Part &candidate) { return candidate.end > job->answered; });
+	const std::size_t count = part != job->parts.end() ? std::min(most, part->end - job->answered) : 0;
+	Status status;
+	if (count > 0) {
+		const std::weak_ptr<const void> alive = life_;
+		const Ref<ScatterTerrain> terrain = ground_.source;
+		status = terrain->ask(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count), part->textures,
+				std::span(job->ground).subspan(job->answered, count));
+		if (alive.expired() || ask_ground_.empty() || ask_ground_.front() != job) {
+			return 0; // A script has freed or changed the stream that asked it.
+		}
+	}
+	job->answered += count;
+	if (!status.ok()) {
+		ask_ground_.pop_front();
+		job->status = status;
+		job->step = TileJob::Step::done;
+		settle(job);
+	} else if (job->answered == job->positions.size()) {
+		ask_ground_.pop_front();
+		job->step = TileJob::Step::has_ground;
+		workers_.push(job);
+	}
+	return std::max<std::size_t>(count, 1);
+}
+
+/// For how many positions the terrain may be asked now; 0 where it may only be asked at the other time of a frame.
+std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
+	const Ref<ScatterTerrain> &source = ground_.source;
+	return source.is_valid() && source->needs_physics_frames() == in_physics_frame ? source->places_at_once() : 0;
+}
+
+void ScatterStream::physics_frame() {
+	std::size_t left = positions_at_once(true);
+	while (left > 0) {
+		const std::size_t asked = ground_step(left);
+		left = asked > 0 ? left - asked : 0;
+	}
+}
+
+/// Uploads a part of the tile whose turn it is, and shows the tile with its last part: no far tile before a near one.
+bool ScatterStream::upload_step() {
+	if (uploads_.state() == UploadQueue::State::idle) {
+		const std::optional<TileRequest> next = streamer_.next_ready();
+		if (!next || !uploads_.choose(next->ticket)) {
+			return false;
+		}
+	}
+	if (uploads_.state() == UploadQueue::State::uploading) {
+		display_.upload_part(uploads_.current());
+		uploads_.part_uploaded();
+	}
+	if (uploads_.state() == UploadQueue::State::complete) {
+		finish_upload();
+	}
+	return true;
+}
+
+void ScatterStream::finish_upload() {
+	const std::shared_ptr<TileJob> job = uploads_.current().job;
+	if (!streamer_.may_show(job->request)) {
+		uploads_.put_back(); // The viewer has moved since it was chosen.
+		return;
+	}
+	std::erase(jobs_, job);
+	if (streamer_.finish(job->request)) {
+		display_.show(uploads_.take());
+		events_.push_back({true, job->request.key.layer, job->request.key.tile});
+	} else {
+		display_.discard(uploads_.take());
+	}
+}
+
+bool ScatterStream::ring_step() {
+	bool moved = false;
+	for (NearRing *ring : rings_) {
+		moved = ring->step() || moved;
+	}
+	return moved;
+}
+
+bool ScatterStream::do_step(Step step) {
+	switch (step) {
+		case Step::ask_ground: return ground_step(positions_at_once(false)) > 0;
+		case Step::upload: return upload_step();
+		case Step::free: return display_.free_step();
+		case Step::lod: return display_.lod_step();
+		case Step::rings: return ring_step();
+	}
+	return false;
+}
+
+/// Steps of all kinds in turn. One for which too little time is left comes first in the next frame. False if a script has freed the
+/// stream meanwhile.
+bool ScatterStream::work_until(Clock::time_point deadline) {
+	const std::weak_ptr<const void> alive = life_;
+	bool first = true;
+	std::size_t in_vain = 0; // So many kinds in a row had nothing to do.
+	Clock::time_point before = Clock::now();
+	while (in_vain < step_kinds) {
+		Clock::duration &usual = usual_step_[static_cast<std::size_t>(next_step_)];
+		if (!first && before + usual > deadline) {
+			return true;
+		}
+		const bool done = do_step(next_step_);
+		if (alive.expired()) {
+			return false;
+		}
+		next_step_ = static_cast<Step>((static_cast<std::size_t>(next_step_) + 1) % step_kinds);
+		in_vain = done ? 0 : in_vain + 1;
+		if (done) {
+			const Clock::time_point now = Clock::now();
+			usual = smoothed(usual, now - before);
+			before = now;
+			first = false;
+		}
+	}
+	return true;
+}
+
+} // namespace thicket

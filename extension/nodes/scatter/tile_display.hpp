@@ -1,0 +1,152 @@
+#pragma once
+
+#include "core/near/tile_overlay.hpp"
+#include "core/streaming/detail_schedule.hpp"
+#include "core/streaming/tile_streamer.hpp"
+#include "nodes/scatter/tile_visual.hpp"
+#include "nodes/scatter/upload_queue.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <span>
+#include <tuple>
+#include <unordered_set>
+#include <vector>
+
+namespace thicket {
+
+/// How much of the tiles is drawn, whatever the distance.
+struct DrawLimits {
+	double quality = 1.0;                                                    ///< Share of every tile, 0 to 1.
+	std::uint64_t max_instances = std::numeric_limits<std::uint64_t>::max(); ///< Of all tiles together.
+
+	friend bool operator==(const DrawLimits &, const DrawLimits &) = default;
+};
+
+/// The tiles that are shown, and how they are drawn: uploads their parts, changes meshes and counts with distance, and draws anew what a
+/// game has changed. Main thread only. Works in small steps, so that its caller can stop when the frame's time is spent.
+class TileDisplay {
+public:
+	/// What a game has changed, which lies over all tiles to come; tiles that are shown follow where they are marked. It has to stay.
+	void set_state(const InstanceState *state) { state_ = state; }
+
+	/// An instance of a layer, whose point lies in `area`, is shown by other means from now on, or no longer.
+	void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden);
+
+	/// The overlay may have changed in an area (world meters, edges included) of a layer, or all over.
+	void mark(std::uint32_t layer, const Rect &area) { marks_.push_back({layer, area}); }
+	void mark_all() { marked_all_ = true; }
+
+	/// Draws the tiles anew, one upload each, whose overlay has changed where it was marked. Call it before the frame is drawn.
+	void patch();
+
+	/// The scenario of the RenderingServer for new tiles, and the node that they belong to.
+	void set_scenario(const godot::RID &scenario, std::uint64_t node_id);
+
+	/// The engine's origin in the world, meters: all tiles are moved along at once.
+	void set_world_offset(glm::dvec3 offset);
+
+	/// Shows or hides all tiles, those to come included.
+	void set_visible(bool visible);
+
+	/// The layers by index. Tiles that are drawn otherwise than their layer says now follow, step by step, by `lod_step`. The meshes of
+	/// a layer count for tiles still to come.
+	void set_layers(const std::vector<SharedSnapshot> &layers);
+
+	/// How much to draw; tiles follow as above.
+	void set_limits(const DrawLimits &limits) { next_limits_ = limits; }
+
+	/// The viewers in this frame: what is drawn of a tile depends on its distance to the nearest.
+	void set_viewers(std::span<const Viewer> viewers);
+
+	/// Draws one tile as its distance, its layer and the limits say, without an upload. False if all tiles are.
+	bool lod_step();
+
+	/// True if `lod_step` would find nothing to do.
+	bool settled() const { return schedule_.settled(); }
+
+	/// Uploads one part of a tile that is not complete.
+	void upload_part(TileUpload &r_upload);
+
+	/// Shows a complete tile, in place of the one with its key.
+	void show(TileUpload upload);
+
+	/// Takes a tile that was never shown. What it holds is freed step by step, by `free_step`.
+	void discard(TileUpload upload) { leave(std::move(upload.tile)); }
+
+	/// True if the tile of this key is shown.
+	bool holds(const TileKey &key) const;
+
+	/// Takes a tile away. What it holds is freed step by step, by `free_step`. False if it is not shown.
+	bool drop(const TileKey &key);
+	bool free_step();
+
+	/// Frees everything now.
+	void clear();
+
+	/// The shown tile of a layer, null if there is none; the newest grid goes first.
+	const DisplayedTile *find(std::uint32_t layer, glm::ivec2 tile) const;
+	std::vector<glm::ivec2> tiles(std::uint32_t layer) const;
+
+	std::size_t tile_count() const { return tiles_.size(); }
+	std::uint64_t instance_count() const { return instances_; }
+
+	/// Instances that are drawn when in sight, at most as many as the limits allow.
+	std::uint64_t drawn_count() const { return drawn_; }
+
+	/// Buffers handed to the renderer since the display was new or cleared.
+	std::uint64_t upload_count() const { return upload_count_; }
+
+private:
+	/// layer, x, y, -grid: neighbors in a layer stay together, the newest grid comes first.
+	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
+	struct Mark {
+		std::uint32_t layer = 0;
+		Rect area;
+	};
+	static Order order(const TileKey &key);
+	static TileKey key_of(const Order &order);
+	void leave(DisplayedTile &&tile);
+	void count(const DisplayedTile &tile);
+	void uncount(const DisplayedTile &tile);
+	void visit_all();
+	void apply_drawing(const TileKey &key, DisplayedTile &r_tile);
+	void refine(const TileKey &key, DisplayedTile &r_tile);
+	bool draw_lod(const Detail &lod, double distance, DisplayedTile &r_tile);
+	void begin(TileUpload &r_upload) const;
+	void draw_part(const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, const MeshUpload &upload,
+			DisplayedTile::Part &r_part);
+	const LayerSnapshot *layer_at(std::uint32_t index) const;
+	std::uint64_t drawing_version(std::uint32_t layer) const;
+	void patch(const TileKey &key, DisplayedTile &r_tile);
+	std::vector<std::shared_ptr<const MeshInstances>> overlay(const DisplayedTile &tile) const;
+
+	VisualContext context_;
+	bool visible_ = true;
+	std::vector<SharedSnapshot> layers_;
+	std::vector<std::uint64_t> drawing_versions_; ///< Of each layer: another number whenever it is drawn otherwise.
+	std::uint64_t last_version_ = 0;
+	std::map<Order, DisplayedTile> tiles_;
+	std::vector<TileVisual> leaving_;
+	std::uint64_t instances_ = 0;
+	std::uint64_t upload_count_ = 0;
+
+	DetailSchedule schedule_;
+	DrawLimits limits_;
+	DrawLimits next_limits_;
+	double share_ = 1.0; ///< Of what is wanted, so that max_instances are not exceeded.
+	std::uint64_t drawn_ = 0;
+	std::uint64_t wanted_ = 0;
+	std::vector<TileKey> cut_; ///< Tiles that the limit cut short, to be visited once more. Each once.
+
+	const InstanceState *state_ = nullptr;
+	std::unordered_set<std::uint64_t> hidden_;
+	std::vector<Mark> marks_;
+	bool marked_all_ = false;
+	std::uint64_t overlay_version_ = 0; ///< Rises with every `patch` that had marks.
+};
+
+} // namespace thicket

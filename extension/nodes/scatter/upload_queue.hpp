@@ -1,0 +1,68 @@
+#pragma once
+
+#include "nodes/scatter/tile_visual.hpp"
+#include "nodes/scatter/tile_workers.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+namespace thicket {
+
+/// A tile on its way from the workers to the screen.
+struct TileUpload {
+	std::shared_ptr<TileJob> job;
+
+	DisplayedTile tile;                                      ///< As much of it as is uploaded, hidden.
+	std::vector<std::shared_ptr<const MeshInstances>> shown; ///< What is to be uploaded of each mesh, once it is begun.
+	std::uint64_t overlay_version = 0;                       ///< Of what lay over all tiles when it was begun.
+
+	bool is_begun() const { return tile.tile != nullptr; }
+	bool is_complete() const { return is_begun() && tile.parts.size() >= shown.size(); }
+};
+
+/// The finished tiles that wait for their upload, and the current one, which is uploaded part by part over several frames. Knows
+/// nothing of how a tile is drawn: see TileDisplay. Main thread only.
+class UploadQueue {
+public:
+	enum class State : std::uint8_t {
+		idle,      ///< There is no current tile.
+		uploading, ///< Parts of the current tile are still to be uploaded.
+		complete,  ///< The current tile is uploaded, and waits to be taken or put back.
+	};
+
+	State state() const { return state_; }
+
+	/// Queues a finished job.
+	void push(std::shared_ptr<TileJob> job);
+
+	/// Makes a waiting tile the current one; only while idle. False if none with this ticket waits.
+	bool choose(std::uint64_t ticket);
+
+	/// The current tile. Whoever uploads a part of it calls `part_uploaded` then.
+	TileUpload &current() { return current_; }
+	void part_uploaded();
+
+	/// Hands out the current tile; the queue is idle then.
+	TileUpload take();
+
+	/// Lets the current tile wait again, as far as it is uploaded.
+	void put_back();
+
+	/// Takes out a tile, waiting or current; nothing if there is none with this ticket.
+	std::optional<TileUpload> remove(std::uint64_t ticket);
+
+	/// How many tiles wait, the current one included.
+	std::size_t size() const { return waiting_.size() + (state_ != State::idle ? 1 : 0); }
+	void clear();
+
+private:
+	State state_ = State::idle;
+	TileUpload current_;
+	std::unordered_map<std::uint64_t, TileUpload> waiting_; ///< By ticket.
+};
+
+} // namespace thicket

@@ -1,0 +1,106 @@
+@tool
+extends "res://tests/steps.gd"
+## Where a layer or a region names layers, the inspector has a list to choose from; a renamed layer is followed, with undo.
+
+var scatter: Node3D
+
+
+## The editor of a property in the inspector.
+func property_editor(property: StringName) -> EditorProperty:
+	for editor: EditorProperty in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
+		if editor.get_edited_property() == property:
+			return editor
+	check(false, "the inspector shows %s" % property)
+	return null
+
+
+func inspect(object: Object) -> void:
+	if object is Resource:
+		EditorInterface.edit_resource(object)
+	else:
+		EditorInterface.edit_node(object)
+	await frames(5)
+	for section in EditorInterface.get_inspector().find_children("*", "EditorInspectorSection", true, false):
+		section.call(&"unfold")
+	await frames(2)
+
+
+## What a list offers.
+func items(button: OptionButton) -> PackedStringArray:
+	button.pressed.emit()
+	var result := PackedStringArray()
+	for index in button.item_count:
+		result.append(button.get_item_text(index))
+	return result
+
+
+func undo_last(object: Object) -> void:
+	var manager := plugin.get_undo_redo()
+	manager.get_history_undo_redo(manager.get_object_history_id(object)).undo()
+	await frames(3)
+
+
+## All of it, on a scatter with one layer that is named Posts; undone at the end.
+func choose() -> void:
+	addon().toolbar.preset_chosen.emit("forest")
+	var names: Array = scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name)
+	check_equal(scatter.layers.map(func(layer: Resource) -> int: return layer.layer_id), [0, 1, 2, 3, 4, 5, 6], "ids of all layers")
+	var fern: Resource = scatter.layers[names.find("Fern")]
+	await inspect(fern)
+	var choice: OptionButton = property_editor(&"proximity_layer").find_children("*", "OptionButton", true, false)[0]
+	check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Birch", "Bush", "Stone"]), "layers before the ferns")
+	check_equal(choice.get_item_text(choice.selected), "Spruce", "the chosen one")
+	choice.item_selected.emit(3)
+	check_equal(fern.proximity_layer, "Birch", "another is chosen")
+	await undo_last(fern)
+	check_equal(fern.proximity_layer, "Spruce", "undone")
+	var spacing := property_editor(&"spacing")
+	EditorInterface.get_inspector().ensure_control_visible(spacing)
+	await picture("neighbors")
+	var add: MenuButton = spacing.find_children("*", "MenuButton", true, false)[0]
+	add.about_to_popup.emit()
+	check_equal(add.get_popup().get_item_text(1), "Stone", "a layer that has no distance yet")
+	add.get_popup().index_pressed.emit(1)
+	await frames(3)
+	check_equal(fern.spacing.keys(), ["Spruce", "Birch", "Bush", "Stone"], "a distance is added")
+	var sliders := spacing.find_children("*", "EditorSpinSlider", true, false)
+	check_equal(sliders.size(), 4, "a row for each")
+	sliders[3].value = 2.5
+	check_equal(fern.spacing["Stone"], 2.5, "set")
+	check(spacing.find_children("*", "EditorSpinSlider", true, false)[3] == sliders[3], "a row that is dragged stays")
+	await frames(2)
+	(spacing.find_children("*", "Button", true, false).filter(func(button: Button) -> bool: return button.icon != null)[0] as Button).pressed.emit()
+	check_equal(fern.spacing.keys(), ["Birch", "Bush", "Stone"], "removed")
+	await undo_last(fern)
+	check(fern.spacing.has("Spruce"), "undone: %s" % fern.spacing)
+	var region: Node3D = ClassDB.instantiate(&"ScatterRegion3D")
+	scatter.add_child(region)
+	region.owner = EditorInterface.get_edited_scene_root()
+	await inspect(region)
+	var ticks := property_editor(&"layers").find_children("*", "CheckBox", true, false)
+	check_equal(ticks.map(func(box: CheckBox) -> String: return box.text), names, "a box for each layer")
+	ticks[1].button_pressed = true
+	await frames(3)
+	check_equal(region.layers, ["Spruce"], "one is ticked")
+	property_editor(&"layers").find_children("*", "CheckBox", true, false)[2].button_pressed = true
+	await frames(3)
+	await picture("region_layers")
+	check_equal(region.layers, ["Spruce", "Birch"], "two are ticked")
+	var spruce: Resource = scatter.layers[1]
+	var undo_redo := plugin.get_undo_redo()
+	undo_redo.create_action("Rename Layer", UndoRedo.MERGE_DISABLE, scatter)
+	undo_redo.add_do_property(spruce, &"resource_name", "Fir")
+	undo_redo.add_undo_property(spruce, &"resource_name", "Spruce")
+	undo_redo.commit_action()
+	check_equal([fern.proximity_layer, region.layers], ["Fir", ["Fir", "Birch"]], "all follow a renamed layer")
+	check(fern.spacing.has("Fir") and scatter.get_problems().is_empty(), "without a problem: %s" % scatter.get_problems())
+	history(scatter).undo()
+	check_equal([fern.proximity_layer, region.layers], ["Spruce", ["Spruce", "Birch"]], "and back")
+	await inspect(fern)
+	EditorInterface.get_inspector().scroll_vertical = 0
+	await picture("layer")
+	region.queue_free()
+	await frames(2)
+	while scatter.layers.size() > 1 and history(scatter).has_undo():
+		history(scatter).undo()
+	check_equal(scatter.layers.size(), 1, "undone")

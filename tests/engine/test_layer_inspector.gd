@@ -1,0 +1,98 @@
+extends "harness.gd"
+## What the inspector shows of a layer: the order, groups and units, and what it hides.
+
+
+func scene_of_a_node() -> PackedScene:
+	var node := Node3D.new()
+	var scene := PackedScene.new()
+	scene.pack(node)
+	node.free()
+	return scene
+
+
+## What the inspector shows of an object, in its order.
+func shown_properties(layer: ScatterLayer) -> PackedStringArray:
+	var result := PackedStringArray()
+	for property: Dictionary in layer.get_property_list():
+		if property["usage"] & PROPERTY_USAGE_EDITOR:
+			result.push_back(property["name"])
+	return result
+
+
+func test_inspector_begins_with_what_matters() -> void:
+	var shown := Array(shown_properties(make_layer()))
+	var own := shown.slice(shown.find("meshes"))
+	check_equal(own.slice(0, 4), ["meshes", "radius", "density", "min_scale"], "the first that are shown")
+	var advanced := ["progressive_levels", "tile_size", "layer_id"]
+	var first := own.find("progressive_levels")
+	check_equal(own.slice(first, first + 3), advanced, "what is for experts")
+	check(first > own.find("scene") and first > own.find("view_distance"), "comes last")
+
+
+## What does not apply is hidden, stored all the same, and shown once it applies or is set.
+func test_inspector_hides_what_does_not_apply() -> void:
+	var uses := {
+		"mesh_weights": ["meshes", [BoxMesh.new(), SphereMesh.new()] as Array[Mesh]],
+		"scale_curve": ["max_scale", 2.0], "noise_curve": ["noise", FastNoiseLite.new()],
+		"mask_texture_rect": ["mask_texture", GradientTexture2D.new()], "mask_texture_edge": ["mask_texture", GradientTexture2D.new()],
+		"mask_texture_channel": ["mask_texture", GradientTexture2D.new()], "clump_coverage": ["clump_size", 9.0],
+		"clump_softness": ["clump_size", 9.0], "proximity_distance": ["proximity_layer", "Oaks"],
+		"proximity_curve": ["proximity_layer", "Oaks"], "color_gradient": ["use_colors", true],
+		"visibility_range_begin_margin": ["visibility_range_begin", 5.0], "visibility_range_end_margin": ["visibility_range_end", 5.0],
+		"visibility_range_fade_mode": ["visibility_range_end", 5.0], "lod_meshes": ["lod_distances", PackedFloat32Array([9.0])],
+		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_compensation": ["thin_density", 0.5],
+		"collision_distance": ["collision_shape", ScatterLayer.COLLISION_BOX], "collision_layer": ["collision_shape", ScatterLayer.COLLISION_BOX],
+		"collision_mask": ["collision_shape", ScatterLayer.COLLISION_BOX], "physics_material": ["collision_shape", ScatterLayer.COLLISION_BOX],
+		"scene_distance": ["scene", scene_of_a_node()],
+	}
+	for name: String in uses:
+		var layer := make_layer()
+		var told: Array[int] = [0]
+		check(not name in shown_properties(layer), name + " is hidden")
+		layer.property_list_changed.connect(func() -> void: told[0] += 1)
+		layer.set(uses[name][0], uses[name][1])
+		check(name in shown_properties(layer), "%s is shown for %s" % [name, uses[name][0]])
+		check_equal(told[0], 1, "the inspector is told for " + name)
+		layer.set(uses[name][0], uses[name][1])
+		check_equal(told[0], 1, "once")
+	for property: Dictionary in make_layer().get_property_list():
+		if property["name"] in uses:
+			check(property["usage"] & PROPERTY_USAGE_STORAGE != 0, property["name"] + " is stored")
+	var bare := make_layer()
+	bare.scale_curve = Curve.new()
+	check("scale_curve" in shown_properties(bare), "what is set stays in sight, though it is not used")
+
+
+## Every property is found where a designer looks for it, and every number says its unit.
+func test_inspector() -> void:
+	var group := ""
+	var subgroup := ""
+	var places := {}
+	for property: Dictionary in ClassDB.class_get_property_list("ScatterLayer", true):
+		var name: String = property["name"]
+		if property["usage"] & PROPERTY_USAGE_GROUP:
+			group = name
+			subgroup = ""
+		elif property["usage"] & PROPERTY_USAGE_SUBGROUP:
+			subgroup = name
+		elif property["usage"] & PROPERTY_USAGE_EDITOR:
+			places[name] = group + "/" + subgroup
+			var hint: String = property["hint_string"]
+			if name.ends_with("_degrees") or name == "slope_falloff":
+				check("degrees" in hint, "%s has a unit: %s" % [name, hint])
+			elif name in ["radius", "clump_size", "edge_feather", "mask_texture_rect", "tile_size", "instance_radius"] or name.ends_with("_distance") \
+					or "offset" in name or "_height" in name and property["type"] == TYPE_FLOAT:
+				check("suffix:m" in hint, "%s has a unit: %s" % [name, hint])
+			elif name.ends_with("_time"):
+				check("suffix:s" in hint, "%s has a unit: %s" % [name, hint])
+	for expected: Array in [["radius", "/"], ["density", "/"], ["meshes", "/"], ["mesh_weights", "/"], ["density_over_height", "Rules/Height"],
+			["slope_falloff", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
+			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
+			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
+			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"],
+			["instance_radius", "Gameplay/"], ["regrowth_time", "Gameplay/"], ["collision_shape", "Gameplay/Collision"],
+			["physics_material", "Gameplay/Collision"], ["scene", "Gameplay/Scene"], ["scene_distance", "Gameplay/Scene"],
+			["view_distance", "Distance/"], ["lod_meshes", "Distance/LOD"], ["thin_end", "Distance/Thinning"],
+			["render_layers", "Drawing/"], ["visibility_range_end", "Drawing/Visibility Range"], ["layer_id", "Advanced/"],
+			["tile_size", "Advanced/"], ["progressive_levels", "Advanced/"]]:
+		check_equal(places[expected[0]], expected[1], "place of %s" % expected[0])

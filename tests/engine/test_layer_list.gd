@@ -1,0 +1,253 @@
+extends "harness.gd"
+## A node's list of layers: edits of it, the ids that layers keep through them, and the names by which layers speak of
+## each other.
+
+const AREA := Rect2(-40.0, -40.0, 80.0, 80.0)
+
+
+## What stands of a layer in the area: positions by id.
+func standing(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Vector3]:
+	var found: Variant = scatter.query_rect(AREA, PackedInt32Array([layer]))
+	var result: Dictionary[int, Vector3] = {}
+	for index: int in found.ids.size():
+		result[found.ids[index]] = found.positions[index]
+	return result
+
+
+func names(scatter: TerrainScatter3D) -> Array:
+	return scatter.layers.map(func(layer: ScatterLayer) -> String: return layer.resource_name)
+
+
+func ids(scatter: TerrainScatter3D) -> Array:
+	return scatter.layers.map(func(layer: ScatterLayer) -> int: return layer.layer_id if layer != null else -1)
+
+
+func named(layer_name: String, radius := 4.0) -> ScatterLayer:
+	var layer := make_layer(radius)
+	layer.resource_name = layer_name
+	return layer
+
+
+## The forest preset, which comes without meshes that matter here.
+func make_forest_preset() -> TerrainScatter3D:
+	var scatter := (load("res://addons/thicket/presets/forest.tscn") as PackedScene).instantiate() as TerrainScatter3D
+	scatter.terrain = ScatterTerrainFlat.new()
+	root.add_child(scatter)
+	scatter.viewers = [scatter.get_path_to(make_viewer())]
+	return scatter
+
+
+func everything(scatter: TerrainScatter3D) -> Dictionary[String, Dictionary]:
+	var result: Dictionary[String, Dictionary] = {}
+	for index in scatter.layers.size():
+		result[scatter.layers[index].resource_name] = standing(scatter, index)
+	return result
+
+
+func test_a_deleted_layer_moves_no_other() -> void:
+	for deleted: String in ["Stone", "Spruce"]:
+		var scatter := make_forest_preset()
+		var before := everything(scatter)
+		scatter.layers.remove_at(names(scatter).find(deleted))
+		var after := everything(scatter)
+		check_equal(after.size(), 5, "layers without " + deleted)
+		var kept := 0
+		var all := 0
+		var moved := 0
+		for layer_name in after:
+			all += before[layer_name].size()
+			for id: int in before[layer_name]:
+				var stays := after[layer_name].has(id)
+				kept += int(stays)
+				moved += int(stays and after[layer_name][id] != before[layer_name][id])
+		check(all > 10_000, "%d instances stood" % all)
+		check_equal(moved, 0, "moved without " + deleted)
+		# Only grass gives way to stones. Without spruces, birches and bushes come that others give way to.
+		check(kept == all if deleted == "Stone" else kept > 0.9 * all, "%d of %d stay without %s" % [kept, all, deleted])
+		scatter.free()
+
+
+func test_layers_get_ids_when_they_join() -> void:
+	var pinned := make_layer()
+	pinned.layer_id = 1
+	var scatter := TerrainScatter3D.new()
+	scatter.layers = [make_layer(), null, make_layer(), pinned, make_layer()]
+	check_equal(ids(scatter), [0, -1, 2, 1, 4], "the index, if it is free")
+	var last := scatter.layers[4]
+	scatter.layers = [pinned, make_layer(), last]
+	check_equal(ids(scatter), [1, 0, 4], "else the lowest that is free; the others keep theirs")
+	scatter.layers = [last, scatter.layers[1], pinned]
+	check_equal(ids(scatter), [4, 0, 1], "sorted")
+	last.layer_id = -1
+	check_equal(last.layer_id, 2, "asked for anew: the lowest free one")
+	check(not "layer_id" in "".join(scatter.get_problems()), "no id is used twice")
+	last.layer_id = 1
+	check("layer_id" in "".join(scatter.get_problems()), "an id that is used twice is told")
+	var other := TerrainScatter3D.new()
+	other.layers = [pinned, scatter.layers[1]]
+	check_equal(ids(other), [1, 0], "a layer that two nodes share keeps its id")
+	check_equal(ids(scatter), [1, 0, 1], "in both")
+	other.free()
+	scatter.free()
+
+
+func test_ids_are_saved_with_the_scene() -> void:
+	var scatter := TerrainScatter3D.new()
+	scatter.layers = [named("a"), named("b"), named("c")]
+	scatter.layers.remove_at(0)
+	var scene := PackedScene.new()
+	scene.pack(scatter)
+	var path := "user://layer_ids.tscn"
+	check_equal(ResourceSaver.save(scene, path), OK, "saved")
+	scatter.free()
+	var again := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
+	check_equal([names(again), ids(again)], [["b", "c"], [1, 2]], "opened again")
+	again.free()
+	DirAccess.remove_absolute(path)
+
+
+func test_changes_of_the_array_count_at_once() -> void:
+	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+	await frames(2)
+	scatter.layers.append(named("oak"))
+	check(not scatter.is_idle(), "there is something to do")
+	check(standing(scatter, 0).size() > 100, "asked at once, %d stand" % standing(scatter, 0).size())
+	check_equal(scatter.layers[0].layer_id, 0, "its id")
+	await settle(scatter)
+	check(scatter.get_shown_tiles(0).size() > 4, "and they are shown")
+	scatter.layers.append(named("fern", 2.0))
+	await settle(scatter)
+	check(scatter.get_shown_tiles(1).size() > 4, "noticed without a question, too")
+	var before := standing(scatter, 0)
+	scatter.layers[1].density = 0.5
+	check(not scatter.is_idle(), "changes of an appended layer are heard of")
+	await settle(scatter)
+	scatter.layers.reverse()
+	check(standing(scatter, 1) == before, "the same oaks, elsewhere in the list")
+	var gone := scatter.layers[0]
+	scatter.layers.remove_at(0)
+	check(standing(scatter, 0) == before, "the same oaks, alone")
+	await settle(scatter)
+	gone.density = 1.0
+	check(scatter.is_idle(), "a layer that has left is not listened to")
+	scatter.layers.clear()
+	check(standing(scatter, 0).is_empty(), "nothing stands without layers")
+	check_error(["layers"], "nothing to ask")
+	await settle(scatter)
+	check(scatter.get_shown_tiles(0).is_empty(), "nothing is shown")
+
+
+func test_uses_follow_a_renamed_layer() -> void:
+	var oak := named("oak")
+	var fern := named("fern", 2.0)
+	var moss := named("moss", 1.0)
+	fern.spacing = {"oak": 3.0, "moss": 1.0}
+	fern.proximity_layer = "oak"
+	moss.spacing = {"fern": 0.5}
+	var scatter := make_scatter([oak, fern, moss], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var shown := digests(scatter, 1)
+	var told: Array[int] = [0]
+	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void: told[0] += 1)
+	oak.resource_name = "elm"
+	check_equal(fern.spacing.keys(), ["elm", "moss"], "spacing follows, in its order")
+	check_equal(fern.spacing.values(), [3.0, 1.0], "with its distances")
+	check_equal(fern.proximity_layer, "elm", "proximity follows")
+	check_equal(scatter.get_problems(), PackedStringArray(), "no problem")
+	await settle(scatter)
+	check(told[0] == 0 and digests(scatter, 1) == shown, "no tile is made anew for it")
+	oak.resource_name = "oak"
+	check_equal(fern.spacing.keys(), ["oak", "moss"], "and back, as undo does it")
+	for typed: String in ["oa", "o", "", "f", "fe", "fer", "fern", "fern ", "fern t", "fern tree"]:
+		oak.resource_name = typed
+	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "typed letter by letter, by way of no name and another's")
+	check_equal(moss.spacing.keys(), ["fern"], "who means the other one still does")
+	oak.resource_name = "fern"
+	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "nothing follows to a name that another has")
+	check("same name" in "".join(scatter.get_problems()), "which is told")
+	oak.resource_name = "oak"
+	check_equal(fern.spacing.keys(), ["oak", "moss"], "until it is one's own")
+	moss.resource_name = "oak"
+	check_equal(fern.spacing.keys(), ["oak", "moss"], "a second oak")
+	oak.resource_name = "elm"
+	check_equal(fern.spacing, {"oak": 3.0}, "another has the old name, and is meant from now on, by the larger distance")
+
+
+## Where a layer is named, the layer itself, its name and its index do the same.
+func test_spacing_and_proximity_by_any_reference() -> void:
+	for layer_name: String in ["oak", ""]:
+		var oak := named(layer_name)
+		var fern := named("fern", 2.0)
+		var scatter := make_scatter([oak, fern], ScatterTerrainFlat.new(), make_viewer())
+		var free := standing(scatter, 1)
+		var spaced := {}
+		var near := {}
+		for reference: Variant in [oak, 0, "oak", &"oak"]:
+			if layer_name.is_empty() and (reference is String or reference is StringName):
+				continue
+			fern.spacing = {reference: 3.0}
+			var key: Variant = fern.spacing.keys()[0]
+			check_equal(key, "oak" if layer_name and not reference is int else reference, "what is kept of %s" % [reference])
+			var stand := standing(scatter, 1)
+			check(stand.size() < free.size() and stand.size() > 10, "spacing by %s: %d of %d" % [reference, stand.size(), free.size()])
+			check(spaced.is_empty() or stand == spaced, "the same by %s" % [reference])
+			spaced = stand
+			fern.spacing = {}
+			fern.proximity_layer = reference
+			stand = standing(scatter, 1)
+			check(stand.size() < free.size() and stand.size() > 10, "proximity by %s: %d" % [reference, stand.size()])
+			check(near.is_empty() or stand == near, "the same by %s" % [reference])
+			near = stand
+			check_equal(scatter.get_problems(), PackedStringArray(), "problems of %s" % [reference])
+			fern.proximity_layer = null
+			check_equal(fern.proximity_layer, "", "none")
+			check(standing(scatter, 1) == free, "free again")
+		fern.spacing = {oak: 3.0}
+		oak.resource_name = "elm"
+		check_equal(fern.spacing, {"elm": 3.0}, "a layer that gets a name is kept by it")
+		scatter.free()
+
+
+func test_refused_references() -> void:
+	var a := make_layer()
+	var b := make_layer()
+	var c := make_layer()
+	for bad: Variant in [2.5, null, BoxMesh.new(), Vector2.ZERO]:
+		a.spacing = {bad: 1.0}
+		check_error(["ScatterLayer.spacing", "name or its index"], "spacing by %s" % [bad])
+		if bad != null:
+			a.proximity_layer = bad
+			check_error(["ScatterLayer.proximity_layer", "name or its index"], "proximity by %s" % [bad])
+	check_equal([a.spacing, a.proximity_layer], [{}, ""], "nothing was taken")
+	a.spacing = {b: 1.0}
+	b.proximity_layer = c
+	c.spacing = {a: 2.0}
+	check_error(["ScatterLayer.spacing", "circle"], "layers without names in a circle")
+	c.proximity_layer = c
+	check_error(["ScatterLayer.proximity_layer", "circle"], "a layer without a name that means itself")
+	b.resource_name = "b"
+	c.spacing = {a: 2.0}
+	check_error(["circle"], "the circle is not open before it is saved anew")
+	a.spacing = a.spacing
+	c.spacing = {a: 2.0}
+	check_no_error("names make no circle")
+
+
+func test_references_in_a_saved_scene() -> void:
+	var scatter := TerrainScatter3D.new()
+	var plain := make_layer()
+	var fern := named("fern")
+	fern.spacing = {plain: 2.0, named("oak"): 1.0, 0: 3.0}
+	fern.proximity_layer = plain
+	scatter.layers = [plain, fern]
+	var scene := PackedScene.new()
+	scene.pack(scatter)
+	var path := "user://layer_references.tscn"
+	check_equal(ResourceSaver.save(scene, path), OK, "saved")
+	scatter.free()
+	var again := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
+	var layers := again.layers
+	check_equal(layers[1].spacing, {layers[0]: 2.0, "oak": 1.0, 0: 3.0}, "spacing")
+	check_equal(layers[1].proximity_layer, layers[0], "proximity")
+	again.free()
+	DirAccess.remove_absolute(path)
