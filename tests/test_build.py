@@ -126,6 +126,22 @@ def test_long_cases_are_cases():
         assert any(fnmatch.fnmatchcase(case, pattern) for case in listed), pattern
 
 
+# What the C library may round as it likes, so that two machines differ; hypot too. What IEEE 754 rounds exactly (sqrt) and
+# what does not round at all (floor, ldexp, ilogb, nextafter) is the same everywhere.
+INEXACT = """acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf erfc exp exp10 exp2 expm1 hypot j0 j1 jn lgamma log log10
+    log1p log2 logb pow sin sincos sinh tan tanh tgamma y0 y1 yn""".split()
+
+
+def test_core_leaves_no_rounding_to_the_machine(build_dir):
+    """Nothing in the core calls a function of the C library whose last bit depends on the library: no exceptions."""
+    listed = run(["nm", "-u", build_dir / "libthicket_core.a"], timeout=60)
+    assert listed.returncode == 0, listed.stderr
+    wanted = {words[1] for words in map(str.split, listed.stdout.splitlines()) if len(words) == 2 and words[0] == "U"}
+    assert "sqrt" in wanted, "the archive lists no functions of the C library"
+    inexact = {prefix + name + suffix for name in INEXACT for prefix in ("", "__") for suffix in ("", "f", "l", "_finite")}
+    assert not wanted & inexact, f"the core calls {sorted(wanted & inexact)}"
+
+
 @pytest.fixture(scope="module")
 def commands() -> list[dict]:
     """What the build would run for each source, as compile_commands.json has it."""

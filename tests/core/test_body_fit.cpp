@@ -8,7 +8,9 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 
@@ -61,6 +63,25 @@ TEST_CASE("body fit: nearly the same scales share their steps, others do not") {
 	CHECK(a.scale_steps == b.scale_steps);
 	CHECK(fit_body(glm::mat3(1.65f), b));
 	CHECK(a.scale_steps != b.scale_steps);
+}
+
+TEST_CASE("body fit: a scale gets the nearest step, whatever the machine") {
+	const double step = std::log(body_scale_step);
+	BodyFit fit;
+	std::uint64_t bits = 0xcbf29ce484222325;
+	for (float scale = 1.001e-4f; scale < 0.999e4f; scale *= 1.00137f) {
+		REQUIRE(fit_body(glm::mat3(scale), fit));
+		const double steps = std::log(static_cast<double>(scale)) / step;
+		CHECK(std::abs(fit.scale_steps.x - steps) < 0.5 + 1e-6);
+		CHECK(fit.scale_steps.x == fit.scale_steps.z);
+		CHECK(fit.scale().x == doctest::Approx(std::pow(body_scale_step, fit.scale_steps.x)));
+		for (const std::uint32_t word :
+				{static_cast<std::uint32_t>(fit.scale_steps.x), std::bit_cast<std::uint32_t>(fit.scale().x)}) {
+			bits = (bits ^ word) * 0x100000001b3;
+		}
+	}
+	// On every machine and compiler: all steps, and the bits of their scales.
+	CHECK(bits == 11080113259861306263u);
 }
 
 TEST_CASE("body fit: a sheared instance keeps its up axis") {

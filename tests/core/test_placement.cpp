@@ -1,7 +1,7 @@
+#include "core/base/trigonometry.hpp"
 #include "core/placement/mesh_choice.hpp"
 #include "core/placement/placement.hpp"
 #include "core/placement/rank_order.hpp"
-#include "core/placement/rotation.hpp"
 #include "core/placement/tile_instances.hpp"
 #include "placement_fixture.hpp"
 #include "refusal.hpp"

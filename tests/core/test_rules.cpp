@@ -1,6 +1,6 @@
+#include "core/base/trigonometry.hpp"
 #include "core/rules/instance_random.hpp"
 #include "core/rules/rules.hpp"
-#include "core/rules/slope.hpp"
 #include "refusal.hpp"
 #include "tests/analysis/curve_table.hpp"
 

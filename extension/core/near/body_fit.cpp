@@ -1,9 +1,14 @@
 #include "core/near/body_fit.hpp"
 
+#include "core/base/floating_point.hpp"
+#include "core/base/trigonometry.hpp"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 namespace thicket {
@@ -16,12 +21,48 @@ constexpr double max_body_scale = 1e4;
 /// A shear that leaves less than this of an axis makes the instance flat.
 constexpr double flat = 1e-4;
 
+/// body_scale_step to the power of max_scale_step is just above max_body_scale.
+constexpr int max_scale_step = 466;
+
+/// The powers of body_scale_step from -max_scale_step to max_scale_step. Made by multiplication: the C library's powers and
+/// logarithms round differently from machine to machine, and two players would then bump into bodies of different sizes.
+constexpr auto scale_powers = [] {
+	std::array<double, 2 * max_scale_step + 1> powers{};
+	double power = 1.0;
+	for (std::size_t step = 0; step <= max_scale_step; ++step) {
+		powers[max_scale_step + step] = power;
+		powers[max_scale_step - step] = 1.0 / power;
+		power *= body_scale_step;
+	}
+	return powers;
+}();
+static_assert(scale_powers.back() > max_body_scale && scale_powers[2 * max_scale_step - 1] < max_body_scale);
+static_assert(scale_powers.front() < min_body_scale);
+
+/// The power of body_scale_step that is nearest to a scale, by their ratio.
+int nearest_step(double scale) {
+	// Between two powers, their geometric mean parts what is nearer to the one from what is nearer to the other.
+	int low = 0;
+	int high = 2 * max_scale_step;
+	while (low < high) {
+		const int middle = (low + high) / 2;
+		const auto at = static_cast<std::size_t>(middle);
+		if (scale_powers[at] * scale_powers[at + 1] <= scale * scale) {
+			low = middle + 1;
+		} else {
+			high = middle;
+		}
+	}
+	return low - max_scale_step;
+}
+
 /// Point `i` of `count` on a Fibonacci spiral around the unit sphere.
 glm::dvec3 direction(std::size_t i, std::size_t count) {
 	const double y = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(count);
 	const double ring = std::sqrt(1.0 - y * y);
-	const double angle = 2.0 * std::numbers::pi / std::numbers::phi * static_cast<double>(i);
-	return {ring * std::cos(angle), y, ring * std::sin(angle)};
+	const double turns = static_cast<double>(i) / std::numbers::phi;
+	const Rotation rotation = rotation_by(turns - std::floor(turns));
+	return {ring * rotation.cosine, y, ring * rotation.sine};
 }
 
 } // namespace
@@ -29,7 +70,8 @@ glm::dvec3 direction(std::size_t i, std::size_t count) {
 glm::vec3 BodyFit::scale() const {
 	glm::vec3 result;
 	for (int axis = 0; axis < 3; ++axis) {
-		result[axis] = static_cast<float>(std::pow(body_scale_step, scale_steps[axis]));
+		const int step = std::clamp(scale_steps[axis], -max_scale_step, max_scale_step);
+		result[axis] = static_cast<float>(scale_powers[static_cast<std::size_t>(step + max_scale_step)]);
 	}
 	result.z = mirrored ? -result.z : result.z;
 	return result;
@@ -42,7 +84,7 @@ bool fit_body(const glm::mat3 &basis, BodyFit &r_fit) {
 		if (!(scale >= min_body_scale && scale <= max_body_scale)) {
 			return false;
 		}
-		r_fit.scale_steps[axis] = static_cast<int>(std::lround(std::log(scale) / std::log(body_scale_step)));
+		r_fit.scale_steps[axis] = nearest_step(scale);
 	}
 	const glm::dvec3 up = glm::normalize(axes[1]);
 	const glm::dvec3 across = glm::normalize(axes[0]);

@@ -24,7 +24,7 @@ struct BodyFit {
 };
 
 /// Takes the rotation and scale of an instance apart. A basis that shears keeps its up axis. False for one that is flat along an axis,
-/// and for scales outside of 1e-4 to 1e4: nothing can bump into that.
+/// and for scales outside of 1e-4 to 1e4: nothing can bump into that. The same on every machine.
 bool fit_body(const glm::mat3 &basis, BodyFit &r_fit);
 
 /// Replaces `points` by at most `most` of them (4 or more), in their order: those farthest in directions that are spread evenly, so that

@@ -2,7 +2,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
-#include "core/placement/rotation.hpp"
+#include "core/base/trigonometry.hpp"
 #include "core/rules/instance_random.hpp"
 
 #include <glm/vec3.hpp>

@@ -57,7 +57,7 @@ double rounding_of(const Ray &ray) {
 }
 
 double cylinder_reach(const InstanceShape &shape, double scale) {
-	return std::hypot(shape.radius, shape.height) * scale * (1.0 + float_rounding);
+	return std::sqrt(shape.radius * shape.radius + shape.height * shape.height) * scale * (1.0 + float_rounding);
 }
 
 ReachTest::ReachTest(const Ray &ray, double reach) : ray_(ray) {

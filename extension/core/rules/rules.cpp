@@ -2,7 +2,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
-#include "core/rules/slope.hpp"
+#include "core/base/trigonometry.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -155,7 +155,7 @@ void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
 	const double size = settings_.tile_size;
 	const double view = view_of(*viewer);
 	const glm::dvec2 step = viewer->now.position - sight.position;
-	sight.queue.move(std::hypot(step.x, step.y));
+	sight.queue.move(std::sqrt(step.x * step.x + step.y * step.y));
 	sight.position = viewer->now.position;
 	sight.seen = view + slack_tiles * size;
 	sight.view.set(size, sight.position, sight.seen);

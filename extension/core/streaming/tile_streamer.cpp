@@ -73,7 +73,7 @@ void TileStreamer::State::track(std::span<const Viewer> now) {
 	for (std::size_t i = 0; i < now.size(); ++i) {
 		TrackedViewer &viewer = viewers[i];
 		const glm::dvec2 step = now[i].position - viewer.now.position;
-		const double length = std::hypot(step.x, step.y);
+		const double length = std::sqrt(step.x * step.x + step.y * step.y);
 		viewer.now = now[i];
 		if (others) {
 			viewer.flown = viewer.jumped_at = farthest + 1.0;

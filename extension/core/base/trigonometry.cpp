@@ -1,0 +1,85 @@
+#include "core/base/trigonometry.hpp"
+
+#include "core/base/floating_point.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace thicket {
+
+namespace {
+
+/// The Taylor series c0 - c1 x^2 + c2 x^4 - ... by Horner's rule.
+template <std::size_t Terms>
+double alternating_series(double square, const std::array<double, Terms> &coefficients) {
+	double sum = coefficients[Terms - 1];
+	for (std::size_t term = Terms - 1; term-- > 0;) {
+		sum = coefficients[term] - square * sum;
+	}
+	return sum;
+}
+
+// Sine and cosine for |x| <= pi / 4. The first terms left out, x^13 / 13! and x^14 / 14!, are below 7e-12 and 4e-13 there.
+
+double sine_small(double x) {
+	constexpr std::array coefficients{1.0 / 6.0, 1.0 / 120.0, 1.0 / 5040.0, 1.0 / 362880.0, 1.0 / 39916800.0};
+	const double square = x * x;
+	return x - x * square * alternating_series(square, coefficients);
+}
+
+double cosine_small(double x) {
+	constexpr std::array coefficients{
+			1.0 / 2.0, 1.0 / 24.0, 1.0 / 720.0, 1.0 / 40320.0, 1.0 / 3628800.0, 1.0 / 479001600.0};
+	const double square = x * x;
+	return 1.0 - square * alternating_series(square, coefficients);
+}
+
+/// The arc tangent in radians for |x| <= tan(pi / 8). The first term left out, x^21 / 21, is below 5e-10 there.
+double arc_tangent_small(double x) {
+	constexpr std::array coefficients{1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0, 1.0 / 11.0, 1.0 / 13.0, 1.0 / 15.0,
+			1.0 / 17.0, 1.0 / 19.0};
+	const double square = x * x;
+	return x - x * square * alternating_series(square, coefficients);
+}
+
+constexpr std::array<Rotation, 4> quarter_turns{{{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}}};
+
+} // namespace
+
+Rotation rotation_by(double turns) {
+	// The nearest quarter; 8 more keep the cast, which cuts towards 0, on the positive side.
+	const double quarters = turns * 4.0;
+	const int nearest = static_cast<int>(quarters + 8.5) - 8;
+	const double rest = (quarters - nearest) * (std::numbers::pi / 2.0);
+	const Rotation small{cosine_small(rest), sine_small(rest)};
+	const Rotation quarter = quarter_turns[static_cast<std::size_t>(nearest & 3)];
+	// Exact, as every factor of the quarter is 0 or 1; a branch here would be guessed wrong three times in four.
+	return {small.cosine * quarter.cosine - small.sine * quarter.sine,
+			small.sine * quarter.cosine + small.cosine * quarter.sine};
+}
+
+double slope_degrees(glm::vec3 normal) {
+	constexpr double degrees = 180.0 / std::numbers::pi;
+	constexpr double reach = std::numbers::sqrt2 - 1.0; // tan(pi / 8)
+	const double x = normal.x;
+	const double z = normal.z;
+	// From both legs of the triangle: the height alone says little about an angle near 0.
+	const double across = std::sqrt(x * x + z * z);
+	const double up = std::abs(static_cast<double>(normal.y));
+	// atan(across / up) is 0, 45 or 90 degrees, whichever is nearest, and an angle within the reach of the series.
+	double base = 45.0;
+	double tangent = (across - up) / (across + up);
+	if (across <= reach * up) {
+		base = 0.0;
+		tangent = across / up;
+	} else if (up <= reach * across) {
+		base = 90.0;
+		tangent = -up / across;
+	}
+	const double slope = base + degrees * arc_tangent_small(tangent);
+	return normal.y < 0.0f ? 180.0 - slope : slope;
+}
+
+} // namespace thicket
