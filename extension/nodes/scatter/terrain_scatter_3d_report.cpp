@@ -110,6 +110,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["instances"] = number(stream_.display().instance_count());
 	stats["drawn"] = number(stream_.display().drawn_count());
 	stats["uploads"] = number(stream_.display().upload_count());
+	stats["redrawn"] = number(stream_.display().redrawn_count());
 	stats["waiting"] = number(counts.waiting);
 	stats["pending"] = number(counts.pending);
 	stats["uploading"] = number(stream_.upload_queue_size());
