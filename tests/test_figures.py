@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench.figures import billion, machine, page_text, paper, speed, tables
+from bench.figures import billion, data, machine, page_text, paper, speed, tables
 from bench.figures.contenders import CONTENDERS, OURS, Contender
 from bench.figures.parts import PARTS, TABLES
 from bench.figures.peers import CONTENDERS as PEERS
@@ -26,8 +26,8 @@ SVG_MARKS = 20  # Fewer paths than this are no plot.
 
 
 def fingerprint() -> dict[str, str]:
-    """What must not change: the page and its pictures."""
-    files = [BENCH / "RESULTS.md", *(BENCH / "figures" / "pictures").glob("*")]
+    """What must not change: the committed data."""
+    files = [*(BENCH / "data").glob("*")]
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files if path.is_file()}
 
 
@@ -50,7 +50,7 @@ def quick(tmp_path_factory, build_dir) -> Quick:
     return Quick(tmp_path_factory.mktemp("figures"), build_dir)
 
 
-def test_quick_run_leaves_the_page_alone(quick):
+def test_quick_run_leaves_the_data_alone(quick):
     assert quick.untouched
     assert "This is a quick run" in quick.page
 
@@ -115,7 +115,7 @@ def shown_pictures(text: str, beside: Path) -> list[Path]:
 
 
 def check_pictures(pictures: list[Path]) -> None:
-    assert len(pictures) >= 2 * 7, pictures  # Light and dark.
+    assert len(pictures) >= 2 * 6, pictures  # Light and dark.
     for picture in pictures:
         assert 2_000 < picture.stat().st_size < LARGEST_PICTURE, picture
         if picture.suffix == ".svg":
@@ -128,11 +128,45 @@ def test_pictures_of_a_run_are_there(quick):
     check_pictures(shown_pictures(quick.page, quick.folder))
 
 
-@pytest.mark.skipif(not (BENCH / "RESULTS.md").is_file(), reason="no full run was made yet")
-def test_pictures_of_the_page_are_there():
-    text = (BENCH / "RESULTS.md").read_text(encoding="utf-8")
-    check_pictures(shown_pictures(text, BENCH))
-    assert "quick run" not in text
+@pytest.fixture(scope="module")
+def rendered(tmp_path_factory) -> Path:
+    """Page and pictures from the committed data."""
+    folder = tmp_path_factory.mktemp("rendered")
+    done = run(["bash", BENCH / "figures.sh", "--render", "--out", folder], timeout=300)
+    assert done.returncode == 0 and "done" in done.stderr, done.stderr
+    return folder
+
+
+def test_the_page_is_rendered_from_committed_data(rendered):
+    text = (rendered / "RESULTS.md").read_text(encoding="utf-8")
+    check_pictures(shown_pictures(text, rendered))
+    assert "quick run" not in text and "nan" not in text
+    for heading in ("Figure 4", "Figure 5", "Figure 6", "Section 4.2", "Section 4.3", "Passed"):
+        assert f"\n## {heading}" in text
+    for contender in CONTENDERS:
+        assert f"| {contender.label}, {contender.precision} |" in text
+
+
+def test_committed_data_is_whole():
+    """The same tables and columns as a run writes, from a run in full, small enough to be kept."""
+    tables_there, facts = data.read(BENCH / "data/figures.json")
+    assert set(facts) == set(PARTS) and not any(one["quick"] for one in facts.values())
+    assert (BENCH / "data/figures.json").stat().st_size < 100_000
+    rates = tables_there["figure4"]
+    assert {row["asked"] for row in rates} <= set(FULL.sizes) and {LOSS_FROM, LOSS_TO} <= {row["asked"] for row in rates}
+    assert all(row["lowest"] <= row["median"] <= row["highest"] for row in rates)
+    assert len({row["digest"] for row in tables_there["billion"]}) == 1
+
+
+def test_committed_data_has_the_columns_of_a_run(quick, tmp_path):
+    table = data.compact(quick.tables)
+    data.write(tmp_path / "data.json", table, {})
+    again, _ = data.read(tmp_path / "data.json")
+    committed, _ = data.read(BENCH / "data/figures.json")
+    assert again.keys() == committed.keys()
+    for name, rows in again.items():
+        if rows:
+            assert set(rows[0]) >= set(committed[name][0]), name
 
 
 def test_part_is_measured_on_its_own(quick, tmp_path, build_dir):

@@ -69,9 +69,20 @@ def test_examples_run(godot, project):
 
 
 def test_folders_and_commands_are_there():
-    for folder in re.findall(r"^\| `([\w/]+)` \|", TEXT.split("## Where things are")[1], re.MULTILINE):
+    for folder in re.findall(r"^\| `([\w/]+)` \|", TEXT.split("## Where things are")[1].split("\n## ")[0], re.MULTILINE):
         assert (REPO / folder).is_dir(), folder
     for script in re.findall(r"\bbash ([\w/]+\.sh)", TEXT):
         assert (REPO / script).is_file(), script
     for picture in re.findall(r"!\[[^]]*\]\(([^)]+)\)", TEXT):
         assert (REPO / picture).is_file(), picture
+
+
+@pytest.mark.parametrize("page", ["ARCHITECTURE.md", "CONTRIBUTING.md"])
+def test_pages_for_engineers_name_what_is_there(page):
+    """Every path, command and room that the pages name exists; patterns and what a build makes are no such paths."""
+    text = (REPO / page).read_text(encoding="utf-8")
+    paths = re.findall(r"(?<![\w/.])((?:extension|tests|tools|demo_project)/[\w/.-]*\w)(?![\w*])", text)
+    paths = [path for path in paths if not re.search(r"_$|test_$|addons/thicket/(bin|csharp)|/CLASS|-$", path)]
+    assert len(paths) > 10
+    missing = [path for path in paths if not (REPO / path).exists()]
+    assert not missing, missing

@@ -71,9 +71,8 @@ private:
 	LatticeReport report_;
 
 	LatticeCheck(int bits, const CellRect &region) :
-			bits_(bits), radius_squared_(std::int64_t{2} << (2 * bits)),
-			region_(region), bordered_{region.min - border, region.max + border},
-			columns_(bordered_.max.x - bordered_.min.x) {
+			bits_(bits), radius_squared_(std::int64_t{2} << (2 * bits)), region_(region),
+			bordered_{region.min - border, region.max + border}, columns_(bordered_.max.x - bordered_.min.x) {
 		const auto cells = static_cast<std::size_t>(columns_ * (bordered_.max.y - bordered_.min.y));
 		point_of_cell_.resize(cells);
 		taken_.resize(cells);

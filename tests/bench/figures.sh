@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# The seed paper's figures, measured again: builds for release, measures, and writes build/figures and the page
-# tests/bench/RESULTS.md. Takes about an hour, half of it for the sets that fill the memory (--only large); nothing else
+# The seed paper's figures, measured again: builds for release, measures, writes tables, pictures and a page into
+# build/figures, and what page and pictures are made of into tests/bench/data/figures.json. Takes about an hour, half of it for the sets that fill the memory (--only large); nothing else
 # should run on the machine while times are taken. Options:
-#   --quick         small sizes, to see that everything works; leaves the page alone and writes one into its folder
+#   --render        measure nothing: write page and pictures into build/figures from tests/bench/data, in seconds
+#   --quick         small sizes, to see that everything works; leaves tests/bench/data alone
 #   --out DIR       the folder of tables and pictures, instead of build/figures
 #   --only PART     measure one of speed, sets, memory, large, billion; the tables of the others stay. Can be repeated
 #   --minutes N     make no set that fills the memory (--only large) if that would take longer; by itself an hour
@@ -44,7 +45,7 @@ while (($#)); do
 		arguments+=("$1" "$2")
 		shift
 		;;
-	--redraw) redraw=$1 && arguments+=("$1") ;;
+	--redraw | --render) redraw=$1 && arguments+=("$1") ;;
 	--out | --programs)
 		folder=$(in_callers_folder "$@")
 		if [[ $1 == --out ]]; then arguments+=("$1" "$folder"); else programs=$folder; fi

@@ -311,9 +311,8 @@ TEST_CASE("billion: rims are kept no longer than a neighbor is missing") {
 }
 
 TEST_CASE("billion: a refusal ends the run") {
-	const Outcome outcome = run_on(small_run(16, TileOrder::rows, 2), [](const Rect &, std::vector<SamplePoint> &) {
-		return Status{ErrorCode::out_of_range, "rect", 1.0};
-	});
+	const Outcome outcome = run_on(small_run(16, TileOrder::rows, 2),
+			[](const Rect &, std::vector<SamplePoint> &) { return Status{ErrorCode::out_of_range, "rect", 1.0}; });
 	CHECK(outcome.status.code == ErrorCode::out_of_range);
 	CHECK(outcome.tiles_finished == 0);
 }

@@ -73,9 +73,7 @@ TEST_CASE_TEMPLATE("domain progress: it begins low, never falls, steps finely an
 			Watch watch;
 			DomainSampler<Real> sampler;
 			const Status status = sampler.fill(request_for(method.method, {300.0, 200.0}, torus),
-					{.report = [&](double fraction, std::uint64_t points) {
-						watch(fraction, points);
-					}});
+					{.report = [&](double fraction, std::uint64_t points) { watch(fraction, points); }});
 			REQUIRE(status.ok());
 			CHECK(watch.in_order);
 			CHECK(watch.first < 0.1);

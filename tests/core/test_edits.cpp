@@ -202,9 +202,8 @@ TEST_CASE("edge feather: a layer thins towards the edge of what it may stand on,
 	class Ramp final : public Terrain {
 	public:
 		Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
-			std::ranges::transform(positions, r_ground.begin(), [](glm::dvec2 at) {
-				return Ground{static_cast<float>(at.x), {-1.0f, 1.0f, 0.0f}};
-			});
+			std::ranges::transform(positions, r_ground.begin(),
+					[](glm::dvec2 at) { return Ground{static_cast<float>(at.x), {-1.0f, 1.0f, 0.0f}}; });
 			return {};
 		}
 	};

@@ -70,23 +70,14 @@ struct NamedRule {
 };
 
 const std::vector<NamedRule> every_rule{
-		{"density",
-				[](LayerSettings &layer) {
-					layer.rules.density = 0.4;
-				}},
-		{"slope range",
-				[](LayerSettings &layer) {
-					layer.rules.min_slope_degrees = 25.0;
-				}},
+		{"density", [](LayerSettings &layer) { layer.rules.density = 0.4; }},
+		{"slope range", [](LayerSettings &layer) { layer.rules.min_slope_degrees = 25.0; }},
 		{"slope falloff",
 				[](LayerSettings &layer) {
 					layer.rules.max_slope_degrees = 60.0;
 					layer.rules.slope_falloff = 30.0;
 				}},
-		{"height range",
-				[](LayerSettings &layer) {
-					layer.rules.min_height = 35.0;
-				}},
+		{"height range", [](LayerSettings &layer) { layer.rules.min_height = 35.0; }},
 		{"height falloff",
 				[](LayerSettings &layer) {
 					layer.rules.max_height = 60.0;
@@ -97,9 +88,7 @@ const std::vector<NamedRule> every_rule{
 					layer.rules.height_curve = analysis::curve_table(0.0, 90.0, {0.1f, 1.0f, 0.3f});
 				}},
 		{"density over slope",
-				[](LayerSettings &layer) {
-					layer.rules.slope_curve = analysis::curve_table(0.0, 90.0, {1.0f, 0.2f});
-				}},
+				[](LayerSettings &layer) { layer.rules.slope_curve = analysis::curve_table(0.0, 90.0, {1.0f, 0.2f}); }},
 		{"field",
 				[](LayerSettings &layer) {
 					auto image = std::make_shared<ImageMask>();
@@ -115,43 +104,19 @@ const std::vector<NamedRule> every_rule{
 					REQUIRE(mask->paint({Brush::Mode::erase, {-5.0, 66.0}, 28.0, 0.8, 0.2}, changed).ok());
 					layer.rules.mask = mask;
 				}},
-		{"clumps",
-				[](LayerSettings &layer) {
-					layer.rules.clumping = {18.0, 0.5, 0.4};
-				}},
-		{"ground textures",
-				[](LayerSettings &layer) {
-					layer.rules.ground_textures = {1};
-				}},
+		{"clumps", [](LayerSettings &layer) { layer.rules.clumping = {18.0, 0.5, 0.4}; }},
+		{"ground textures", [](LayerSettings &layer) { layer.rules.ground_textures = {1}; }},
 		{"edge feather",
 				[](LayerSettings &layer) {
 					layer.rules.max_slope_degrees = 70.0;
 					layer.rules.edge_feather = 5.0;
 				}},
-		{"box",
-				[](LayerSettings &layer) {
-					layer.rules.shapes = shape_set(ShapeKind::box, false);
-				}},
-		{"sphere",
-				[](LayerSettings &layer) {
-					layer.rules.shapes = shape_set(ShapeKind::sphere, true);
-				}},
-		{"cylinder",
-				[](LayerSettings &layer) {
-					layer.rules.shapes = shape_set(ShapeKind::cylinder, false);
-				}},
-		{"polygon",
-				[](LayerSettings &layer) {
-					layer.rules.shapes = shape_set(ShapeKind::polygon, true);
-				}},
-		{"path",
-				[](LayerSettings &layer) {
-					layer.rules.shapes = shape_set(ShapeKind::path, true);
-				}},
-		{"spacing",
-				[](LayerSettings &layer) {
-					layer.neighbors = {{trees(), 3.0, nullptr}};
-				}},
+		{"box", [](LayerSettings &layer) { layer.rules.shapes = shape_set(ShapeKind::box, false); }},
+		{"sphere", [](LayerSettings &layer) { layer.rules.shapes = shape_set(ShapeKind::sphere, true); }},
+		{"cylinder", [](LayerSettings &layer) { layer.rules.shapes = shape_set(ShapeKind::cylinder, false); }},
+		{"polygon", [](LayerSettings &layer) { layer.rules.shapes = shape_set(ShapeKind::polygon, true); }},
+		{"path", [](LayerSettings &layer) { layer.rules.shapes = shape_set(ShapeKind::path, true); }},
+		{"spacing", [](LayerSettings &layer) { layer.neighbors = {{trees(), 3.0, nullptr}}; }},
 		{"proximity",
 				[](LayerSettings &layer) {
 					layer.neighbors = {{trees(), 6.0, analysis::curve_table(0.0, 6.0, {1.0f, 0.0f})}};

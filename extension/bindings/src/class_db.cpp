@@ -123,8 +123,7 @@ using namespace internal;
 
 PropertyInfo::PropertyInfo(Variant::Type p_type, const StringName &p_name, PropertyHint p_hint,
 		const String &p_hint_string, uint32_t p_usage, const StringName &p_class_name) :
-		type(p_type),
-		name(p_name),
+		type(p_type), name(p_name),
 		// The class of a resource is what the inspector lets one choose from.
 		class_name(p_hint == PROPERTY_HINT_RESOURCE_TYPE ? StringName(p_hint_string) : p_class_name), hint(p_hint),
 		hint_string(p_hint_string), usage(p_usage) {}

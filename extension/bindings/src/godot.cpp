@@ -64,8 +64,7 @@ DocDataRegistration::DocDataRegistration(
 
 GDExtensionBinding::InitObject::InitObject(GDExtensionInterfaceGetProcAddress p_get_proc_address,
 		GDExtensionClassLibraryPtr p_library, GDExtensionInitialization *r_initialization) :
-		get_proc_address_(p_get_proc_address),
-		initialization_(r_initialization) {
+		get_proc_address_(p_get_proc_address), initialization_(r_initialization) {
 	internal::library = p_library;
 	initialization_->initialize = internal::initialize;
 	initialization_->deinitialize = internal::deinitialize;

@@ -72,10 +72,8 @@ void sort_by_id(std::vector<InstanceRef> &r_refs) {
 	}
 	// Cells in a crowd: two passes that keep the order of what is equal to them, by y, then by x.
 	std::vector<InstanceRef> by_y(r_refs.size());
-	count_sort(
-			r_refs, size.y, [&](const InstanceRef &ref) { return unpack(ref.id).cell.y - bounds.low.y; }, by_y);
-	count_sort(
-			by_y, size.x, [&](const InstanceRef &ref) { return unpack(ref.id).cell.x - bounds.low.x; }, r_refs);
+	count_sort(r_refs, size.y, [&](const InstanceRef &ref) { return unpack(ref.id).cell.y - bounds.low.y; }, by_y);
+	count_sort(by_y, size.x, [&](const InstanceRef &ref) { return unpack(ref.id).cell.x - bounds.low.x; }, r_refs);
 }
 
 } // namespace thicket

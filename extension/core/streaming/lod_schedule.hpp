@@ -57,7 +57,7 @@ private:
 	using Visits = std::set<Visit, VisitOrder>;
 
 	std::vector<Viewer> viewers_;
-	Visits visits_;                                          ///< The next one first.
+	Visits visits_;                                         ///< The next one first.
 	std::map<TileKey, Visits::iterator, KeyOrder> by_tile_; ///< The visit of each tile that has one.
 	double traveled_ = 0.0; ///< By the farthest-moving viewer of each frame, summed up: no viewer has moved farther.
 };

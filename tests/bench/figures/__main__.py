@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from bench.figures import machine, page, plots, plots_sets, tables
+from bench.figures import data, machine, page, plots, plots_sets, tables
 from bench.figures.contenders import CONTENDERS, PAPER, TODAY
 from bench.figures.parts import ARRAYS, PARTS, TABLES
 from bench.figures.peers import CONTENDERS as PEERS
@@ -21,6 +20,7 @@ from bench.figures.theme import save
 
 REPO = Path(__file__).resolve().parents[3]
 BENCH = REPO / "tests" / "bench"
+DATA = BENCH / "data" / "figures.json"
 FACTS = "machine.json"
 
 
@@ -36,6 +36,9 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument(
         "--redraw", action="store_true", help="measure nothing, draw what the folder of the results holds"
+    )
+    parser.add_argument(
+        "--render", action="store_true", help="measure nothing, write page and pictures from tests/bench/data"
     )
     parser.add_argument("--programs", type=Path, required=True, help="the folder of the build to measure")
     parser.add_argument(
@@ -70,13 +73,14 @@ def measure(given: argparse.Namespace, out: Path) -> None:
         (out / FACTS).write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
 
 
-def draw(table: dict[str, list[tables.Row]], arrays: dict[str, np.ndarray], pictures: Path) -> None:
-    """All plots, from what was measured."""
+def draw(table: page.Tables, arrays: dict[str, np.ndarray], pictures: Path) -> None:
+    """All plots, from what was measured; that of whole point sets only if there are arrays."""
     pictures.mkdir(parents=True, exist_ok=True)
     rates, contenders = table["figure4"], CONTENDERS + PEERS
     save(lambda theme: plots.figure4(rates, contenders, PAPER, theme), pictures, "figure4")
     save(lambda theme: plots.figure4(rates, contenders, TODAY, theme), pictures, "figure4_today")
-    save(lambda theme: plots_sets.sets_and_spectra(arrays, theme), pictures, "figure5_sets", "png")
+    if arrays:
+        save(lambda theme: plots_sets.sets_and_spectra(arrays, theme), pictures, "figure5_sets", "png")
     save(lambda theme: plots_sets.radial(table["figure5_radial"], theme), pictures, "figure5_radial")
     save(lambda theme: plots.figure6(table["figure6"], CONTENDERS, theme), pictures, "figure6")
     save(lambda theme: plots.section42(table["section42"], theme), pictures, "section42")
@@ -85,9 +89,18 @@ def draw(table: dict[str, list[tables.Row]], arrays: dict[str, np.ndarray], pict
     )
 
 
+def render(out: Path, table: page.Tables, facts: dict[str, tables.Row], arrays: dict[str, np.ndarray]) -> None:
+    draw(table, arrays, out / "pictures")
+    (out / "RESULTS.md").write_text(page.write(table, facts, "pictures", bool(arrays)), encoding="utf-8")
+    say(f"done: {out / 'RESULTS.md'}")
+
+
 def main() -> None:
     given = arguments()
     out = given.out.resolve()
+    if given.render:
+        render(out, *data.read(DATA), {})
+        return
     if not given.redraw:
         measure(given, out)
     facts = read_facts(out)
@@ -95,14 +108,10 @@ def main() -> None:
     if missing:
         say(f"no page yet: {', '.join(missing)} not measured in {out}")
         return
-    measured = {Path(name).stem: tables.read(out / name) for name in TABLES}
-    pictures = out / "pictures"
-    draw(measured, dict(np.load(out / ARRAYS)), pictures)
-    (out / "RESULTS.md").write_text(page.write(measured, facts, "pictures"), encoding="utf-8")
+    table = data.compact({Path(name).stem: tables.read(out / name) for name in TABLES})
+    render(out, table, facts, dict(np.load(out / ARRAYS)))
     if not any(one["quick"] for one in facts.values()):
-        shutil.copytree(pictures, BENCH / "figures" / "pictures", dirs_exist_ok=True)
-        (BENCH / "RESULTS.md").write_text(page.write(measured, facts, "figures/pictures"), encoding="utf-8")
-    say(f"done: {out / 'RESULTS.md'}")
+        data.write(DATA, table, facts)
 
 
 if __name__ == "__main__":

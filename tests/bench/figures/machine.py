@@ -47,7 +47,7 @@ def compile_flags(repo: Path, programs: Path) -> str:
 def describe(repo: Path, programs: Path, quick: bool) -> Row:
     """Machine, compiler, commit and date."""
     # What the command itself writes is no change to what is measured.
-    written = [":!tests/bench/RESULTS.md", ":!tests/bench/figures/pictures"]
+    written = [":!tests/bench/data"]
     changed = _output("git", "-C", repo, "status", "--porcelain", "--untracked-files=no", "--", ".", *written)
     commit = _output("git", "-C", repo, "rev-parse", "--short=12", "HEAD") or "unknown"
     memory = _first(r"^MemTotal:\s+(\d+) kB", "/proc/meminfo")

@@ -11,14 +11,14 @@ from bench.figures.parts import PARTS
 from bench.figures.tables import Row
 
 
-def write(measured: Tables, facts: dict[str, Row], pictures: str) -> str:
-    """The page in Markdown, from all tables by name and the machine of each part; `pictures` is the folder of the
-    plots as seen from the page."""
+def write(measured: Tables, facts: dict[str, Row], pictures: str, has_sets: bool) -> str:
+    """The page in Markdown, from all tables by name (as data.compact makes them) and the machine of each part; `pictures`
+    is the folder of the plots as seen from the page, and `has_sets` tells whether that of whole point sets is there."""
     parts = [
         _head(facts),
         summary(measured),
         figure4(measured, pictures),
-        figure5(measured, pictures),
+        figure5(measured, pictures, has_sets),
         figure6(measured, pictures),
         section42(measured, pictures),
         section43(measured, pictures),
@@ -41,7 +41,7 @@ def _head(facts: dict[str, Row]) -> str:
         prose(
             """White, Cline and Egbert, *Poisson Disk Point Sets by Hierarchical Dart Throwing* (2007), figure by
             figure: the paper's number, ours, and ours over the paper's. `bash tests/bench/figures.sh` measures
-            everything and writes this page; no number of ours is typed in. The paper timed on a 2.13 GHz Core 2 Duo
+            everything and writes this page; `--render` writes it from tests/bench/data. No number of ours is typed in. The paper timed on a 2.13 GHz Core 2 Duo
             (figure 4), so ratios of speed hold the years between the machines, too; ratios between methods on one
             machine do not."""
         ),
@@ -60,11 +60,11 @@ def _head(facts: dict[str, Row]) -> str:
 
 
 def _how(measured: Tables) -> str:
-    runs = measured["figure4_runs"]
+    total = measured["figure4_total"][0]
     return "## How\n\n" + prose(
-        f"""`bash tests/bench/figures.sh` builds for release, makes {sum(row["sets"] for row in runs):,} sets in
-        {len(runs):,} processes for figure 4 alone, and leaves its tables, with every single run, in `build/figures`;
-        `--redraw` draws them again, `--only PART` measures one part, `--quick` is a small run of everything, `--out
+        f"""`bash tests/bench/figures.sh` builds for release, makes {total["sets"]:,} sets in
+        {total["processes"]:,} processes for figure 4 alone, and leaves its tables, with every single run, in `build/figures`;
+        `--redraw` draws them again, `--render` draws what is committed of them, `--only PART` measures one part, `--quick` is a small run of everything, `--out
         DIR` puts it elsewhere. `tests/bench/domain_run.cpp` times one set: processor time of the call, on a cold
         object, page faults of its memory included; sets that take less than a moment are made several times in one
         process. Before every run as much memory as it will need is touched once and given back, since the first touch may

@@ -29,7 +29,7 @@ def figure4(measured: Tables, pictures: str) -> str:
                 size (highest less lowest, over the median). A contender ends where one run would take too long or too
                 much memory."""
             ),
-            table(["", *(number(size, 1) for size in decades), "rounds", "spread"], _rate_rows(rates, decades)),
+            table(["", *(number(size, 1) for size in decades), "rounds", "spread"], _rate_rows(measured, decades)),
             prose(
                 f"""Naive darts are {NAIVE_DARTS} for each base square, which end at a coverage of
                 {stopped["coverage"]:.4f}, short of the jammed state that all others of ours reach. Our single-domain
@@ -49,15 +49,15 @@ def figure4(measured: Tables, pictures: str) -> str:
     )
 
 
-def _rate_rows(rates: list[Row], decades: list[int]) -> list[list[str]]:
+def _rate_rows(measured: Tables, decades: list[int]) -> list[list[str]]:
+    rates, rounds = measured["figure4"], {row["contender"]: row for row in measured["figure4_rounds"]}
     rows = []
     for key, label in LABELS.items():
         own = {row["asked"]: row for row in where(rates, contender=key)}
         if own:
             widest = max((row["highest"] - row["lowest"]) / row["median"] for row in own.values())
             cells = [rate(own[size]["median"]) if size in own else "" for size in decades]
-            rounds = [row["rounds"] for row in own.values()]
-            rows.append([label, *cells, span(min(rounds), max(rounds), str), percent(widest, 0)])
+            rows.append([label, *cells, span(rounds[key]["least"], rounds[key]["most"], str), percent(widest, 0)])
     return rows
 
 
@@ -74,7 +74,11 @@ def _loss_rows(losses: list[Row]) -> list[list[str]]:
     ]
 
 
-def figure5(measured: Tables, pictures: str) -> str:
+NO_SETS = """Point sets and their spectra as pictures are drawn by a run on this machine (`--only sets`): they are too large
+    to be kept with the tables."""
+
+
+def figure5(measured: Tables, pictures: str, has_sets: bool) -> str:
     radial = measured["figure5_radial"]
     sets, side = radial[0]["sets"], radial[0]["side"]
     spectra = [
@@ -101,11 +105,18 @@ def figure5(measured: Tables, pictures: str) -> str:
     return "\n\n".join(
         [
             "## Figure 5: point sets and spectra",
-            picture(pictures, "figure5_sets.png", "Point sets of four methods, and their averaged periodograms"),
+            *(
+                [
+                    picture(pictures, "figure5_sets.png", "Point sets of four methods, and their averaged periodograms"),
+                    f"Above, {SHOWN_SIDE:.0f} r by {SHOWN_SIDE:.0f} r of a set; below, the mean of the periodograms.",
+                ]
+                if has_sets
+                else [prose(NO_SETS)]
+            ),
             prose(
-                f"""Above, {SHOWN_SIDE:.0f} r by {SHOWN_SIDE:.0f} r of a set; below, the mean of {sets} periodograms of
-                windows of {number(side, 2)} r, the mean density in the middle left out. Naive darts are thrown to
-                their end here: `tests/analysis/naive_darts.hpp`, which shares no code with the samplers."""
+                f"""Spectra are means of {sets} periodograms of windows of {number(side, 2)} r, the mean density in the
+                middle left out. Naive darts are thrown to their end here: `tests/analysis/naive_darts.hpp`, which shares
+                no code with the samplers."""
             ),
             picture(pictures, "figure5_radial.svg", "Radial mean of the power, its differences, and anisotropy"),
             prose(
@@ -125,13 +136,13 @@ def figure5(measured: Tables, pictures: str) -> str:
 
 
 def figure6(measured: Tables, pictures: str) -> str:
-    counts = measured["figure6"]
     rows = []
-    for key in dict.fromkeys(row["contender"] for row in counts):
-        own = where(counts, contender=key)
-        spans = [[row[name] for row in own] for name in ("asked", "squares", "checks")]
-        asked, squares, checks = (span(min(some), max(some), write) for some, write in zip(spans, WRITERS, strict=True))
-        rows.append([LABELS[key], asked, squares, checks, number(1e6 * max(row["discarded"] for row in own))])
+    for row in measured["figure6_ranges"]:
+        spans = [
+            span(row[name + "_least"], row[name + "_most"], write)
+            for name, write in zip(("asked", "squares", "checks"), WRITERS, strict=True)
+        ]
+        rows.append([LABELS[row["contender"]], *spans, number(1e6 * row["discarded"])])
     head = [
         "",
         "points",

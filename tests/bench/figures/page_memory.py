@@ -106,7 +106,7 @@ BILLION_ROWS = {
     "points a second": lambda row: rate(row["points_per_second"]),
     "peak resident memory": lambda row: f"{row['resident_bytes'] / 1e6:.1f} MB of {row['resident_limit'] / 1e6:.0f} MB",
     "pairs compared, too close": lambda row: f"{row['pairs']:,}, {row['too_close']}",
-    "least squared distance over the squared radius": lambda row: f"{row['least_squared'] / row['radius_squared']:.9f}",
+    "least squared distance over the squared radius": lambda row: f"{row['least_over_radius']:.9f}",
     "coverage": lambda row: f"{row['coverage']:.7f} ± {row['coverage_error']:.7f}",
     "of that, known to be lost to the lattice": lambda row: f"{row['coverage_lattice_loss']:.7f}",
     "standard errors from the jammed coverage": lambda row: f"{row['coverage_z']:+.2f}",

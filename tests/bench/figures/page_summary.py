@@ -8,7 +8,7 @@ from bench.figures.tables import Row, where
 
 
 def summary(measured: Tables) -> str:
-    rows = [*_rates(measured["figure4"]), *_counts(measured["figure6"]), *_bytes(measured["section42"])]
+    rows = [*_rates(measured["figure4"]), *_counts(measured["figure6_ranges"]), *_bytes(measured["section42"])]
     rows += [*_cells(measured["section43_cells"]), *_large(measured["section43_large"])]
     rows.append(_largest(measured["billion"][0]))
     about = """Where one method's speed over another's is below the paper's, our version of the other gained more since
@@ -55,8 +55,8 @@ def _quotient(above: Row, below: Row, expected: float) -> list[str]:
 
 
 def _counts(counts: list[Row]) -> list[list[str]]:
-    squares = [row["squares"] for row in counts]
-    checks = [row["checks"] for row in counts]
+    squares = [row["squares" + end] for row in counts for end in ("_least", "_most")]
+    checks = [row["checks" + end] for row in counts for end in ("_least", "_most")]
     least, most = paper.SQUARES_LEAST, paper.SQUARES_MOST
     middle = 0.5 * (min(squares) + max(squares)) / (0.5 * (least.value + most.value))
     limit = paper.LIST_CHECKS_MOST

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from bench.figures import paper
 from bench.figures.contenders import CONTENDERS, OURS, PAPER, Contender
+from bench.figures.data import FIGURE6_SHOWN
 from bench.figures.tables import Row, where
 from bench.figures.theme import Label, Theme, label_ends
 
@@ -107,7 +108,7 @@ def _paper_marks(axes: Axes, theme: Theme) -> None:
 def figure6(counts: list[Row], contenders: list[Contender], theme: Theme) -> Figure:
     """Squares per accepted dart and list checks per selection."""
     figure, panels = plt.subplots(1, 2, figsize=(9.2, 3.4), layout="constrained")
-    shown = [contender for contender in contenders if contender.method in ("hierarchical", "wavefront")]
+    shown = [contender for contender in contenders if contender.method in FIGURE6_SHOWN]
     titles = {"squares": "active squares per accepted dart", "checks": "list checks per selection"}
     for axes, (name, title) in zip(panels, titles.items(), strict=True):
         _log_sizes(axes, [row["asked"] for row in counts], 1.3)

@@ -45,17 +45,13 @@ def radial(rows: list[Row], theme: Theme) -> Figure:
     )
     mean, difference, direction = panels
     reference = where(rows, source="naive")
-    expected = np.array([row["power"] for row in reference])
-    error = np.array([row["error"] for row in reference])
     for source in SOURCES:
         some = where(rows, source=source.key)
         frequency = [0.5 * (row["from"] + row["to"]) for row in some]
-        power = np.array([row["power"] for row in some])
-        both = np.hypot([row["error"] for row in some], error)
         style = {"color": theme.methods[source.key], "linewidth": 1.4, "label": source.label}
-        mean.plot(frequency, power, **style)
+        mean.plot(frequency, [row["power"] for row in some], **style)
         if source.key != "naive":
-            difference.plot(frequency, (power - expected) / both, **style)
+            difference.plot(frequency, [row["difference"] for row in some], **style)
         direction.plot(frequency, [row["anisotropy_db"] for row in some], **style)
     mean.axhline(1.0, color=theme.muted, linewidth=1.0, linestyle=":")
     mean.set_ylim(bottom=0.0)

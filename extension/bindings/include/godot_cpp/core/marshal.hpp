@@ -77,7 +77,7 @@ template <>
 struct Marshal<bool> : CopyMarshal<bool, GDExtensionBool, GDEXTENSION_VARIANT_TYPE_BOOL> {};
 
 template <typename T>
-requires std::is_arithmetic_v<T>
+	requires std::is_arithmetic_v<T>
 struct Marshal<T> : CopyMarshal<T, NumberWire<T>, number_type<T>> {
 	static constexpr GDExtensionClassMethodArgumentMetadata metadata =
 			static_cast<GDExtensionClassMethodArgumentMetadata>(std::is_floating_point_v<T>
@@ -89,7 +89,7 @@ struct Marshal<T> : CopyMarshal<T, NumberWire<T>, number_type<T>> {
 };
 
 template <typename T>
-requires std::is_enum_v<T>
+	requires std::is_enum_v<T>
 struct Marshal<T> : CopyMarshal<T, int64_t, GDEXTENSION_VARIANT_TYPE_INT> {
 	static PropertyInfo info() {
 		static_assert(!enum_name<T>.empty(), "VARIANT_ENUM_CAST is missing");

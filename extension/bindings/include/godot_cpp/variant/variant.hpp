@@ -15,8 +15,7 @@ namespace internal {
 
 /// A type of the engine, which a Variant holds as it is.
 template <typename T>
-concept Builtin = builtin_type<T>
-!= GDEXTENSION_VARIANT_TYPE_NIL;
+concept Builtin = builtin_type<T> != GDEXTENSION_VARIANT_TYPE_NIL;
 
 template <typename T>
 concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;

@@ -1,0 +1,110 @@
+"""What the page and its pictures are made of: few numbers of each table, in one file that is small enough to be committed.
+A full measurement replaces tests/bench/data/figures.json; page and pictures are rendered from it whenever they are wanted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from bench.figures.contenders import CONTENDERS
+from bench.figures.page_text import Tables
+from bench.figures.tables import Row, where
+
+DIGITS = 8  # More than the page prints and a picture shows.
+
+FIGURE6_SHOWN = ("hierarchical", "wavefront")
+
+
+def compact(measured: Tables) -> Tables:
+    """The tables of the page, from those that the parts write."""
+    tables = {name: measured[name] for name in ("figure5_spectra", "figure5_coverage", "section42", "losses")}
+    tables["figure4"] = _columns(measured["figure4"], "contender asked median lowest highest")
+    tables["figure4_rounds"] = _rounds(measured["figure4"])
+    runs = measured["figure4_runs"]
+    tables["figure4_total"] = [{"sets": sum(row["sets"] for row in runs), "processes": len(runs)}]
+    keys = [one.key for one in CONTENDERS if one.method in FIGURE6_SHOWN]
+    shown = [row for row in measured["figure6"] if row["contender"] in keys]
+    tables["figure6"] = _columns(shown, "contender asked squares checks")
+    tables["figure6_ranges"] = _ranges(measured["figure6"])
+    tables["figure5_radial"] = _differences(measured["figure5_radial"])
+    tables["section43_cells"] = measured["section43_cells"]
+    tables["section43_growth"] = _columns(
+        measured["section43_growth"], "precision cell points bare grid squares workspace resident"
+    )
+    tables["section43_large"] = _columns(
+        measured["section43_large"], "asked points limit cell resident coverage discarded seconds why"
+    )
+    tables["billion"] = [_billion_row(row) for row in measured["billion"]]
+    return tables
+
+
+def _columns(rows: list[Row], names: str) -> list[Row]:
+    return [{name: row[name] for name in names.split()} for row in rows]
+
+
+def _rounds(rates: list[Row]) -> list[Row]:
+    """The fewest and most rounds of any size, of each contender."""
+    rows = []
+    for key in dict.fromkeys(row["contender"] for row in rates):
+        rounds = [row["rounds"] for row in where(rates, contender=key)]
+        rows.append({"contender": key, "least": min(rounds), "most": max(rounds)})
+    return rows
+
+
+def _ranges(counts: list[Row]) -> list[Row]:
+    """The lowest and highest counts of all sizes, of each contender."""
+    rows = []
+    for key in dict.fromkeys(row["contender"] for row in counts):
+        own = where(counts, contender=key)
+        row = {"contender": key}
+        for name in ("asked", "squares", "checks"):
+            values = [one[name] for one in own]
+            row |= {f"{name}_least": min(values), f"{name}_most": max(values)}
+        rows.append(row | {"discarded": max(one["discarded"] for one in own)})
+    return rows
+
+
+def _differences(radial: list[Row]) -> list[Row]:
+    """The power of each ring, and how many standard errors it is away from that of naive darts."""
+    expected = {row["from"]: row for row in where(radial, source="naive")}
+    rows = _columns(radial, "source sets side from to power anisotropy_db")
+    for row, whole in zip(rows, radial, strict=True):
+        naive = expected[whole["from"]]
+        error = float(np.hypot(whole["error"], naive["error"]))
+        row["difference"] = 0.0 if whole is naive else (whole["power"] - naive["power"]) / error
+    return rows
+
+
+def _billion_row(row: Row) -> Row:
+    left_out = ("radius_squared", "least_squared")
+    kept = {name: cell for name, cell in row.items() if name not in left_out}
+    return kept | {"least_over_radius": row["least_squared"] / row["radius_squared"]}
+
+
+def write(path: Path, tables: Tables, facts: dict[str, Row]) -> None:
+    """Replaces the file: for each table its columns once and a line for each row, so that a change shows in a diff."""
+    parts = []
+    for name, rows in sorted(tables.items()):
+        columns = list(rows[0]) if rows else []
+        lines = ",\n".join("   " + json.dumps([_short(row[column]) for column in columns]) for row in rows)
+        parts.append(f'  "{name}": {{"columns": {json.dumps(columns)}, "rows": [\n{lines}\n  ]}}')
+    machine = ",\n".join(f"  {json.dumps(name)}: {json.dumps(one)}" for name, one in facts.items())
+    text = '{\n "facts": {\n' + machine + '\n },\n "tables": {\n' + ",\n".join(parts) + "\n }\n}\n"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def _short(cell: object) -> object:
+    return float(f"{cell:.{DIGITS}g}") if isinstance(cell, float) and abs(cell) < 10**DIGITS else cell
+
+
+def read(path: Path) -> tuple[Tables, dict[str, Row]]:
+    """The tables and the machines that `write` wrote."""
+    whole = json.loads(path.read_text(encoding="utf-8"))
+    tables = {
+        name: [dict(zip(table["columns"], row, strict=True)) for row in table["rows"]]
+        for name, table in whole["tables"].items()
+    }
+    return tables, whole["facts"]
