@@ -1,6 +1,7 @@
 // Spacing and proximity to other layers, on tiles of any kind.
 
 #include "core/placement/layer_edits.hpp"
+#include "core/placement/layer_graph.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/terrain/flat_terrain.hpp"
 #include "refusal.hpp"
@@ -198,6 +199,25 @@ TEST_CASE("neighbors: ground in two steps gives the tile that one step gives") {
 	TileInstances tile;
 	REQUIRE(builder.place(ground, tile).ok());
 	CHECK(digest(tile) == digest(built(ferns, terrain, tile_of_hills)));
+}
+
+TEST_CASE("neighbors: the graph of layers has each once, with the margin of the longest path") {
+	const auto oaks = layer_of(0, 4.0);
+	const auto shrubs = layer_of(1, 2.0);
+	shrubs->neighbors = {{oaks, 20.0, nullptr}};
+	LayerSettings ferns = *layer_of(2, 1.0);
+	ferns.neighbors = {{oaks, 25.0, nullptr}, {shrubs, 10.0, nullptr}};
+	const LayerGraph graph(ferns);
+	REQUIRE(graph.status().ok());
+	REQUIRE(graph.nodes().size() == 3);
+	const LayerGraph::Node &tree = graph.nodes()[0];
+	const LayerGraph::Node &shrub = graph.nodes()[1];
+	const LayerGraph::Node &fern = graph.nodes()[2];
+	CHECK((tree.layer == oaks.get() && shrub.layer == shrubs.get() && fern.layer == &ferns));
+	CHECK((tree.margin == 30.0 && shrub.margin == 10.0 && fern.margin == 0.0));
+	CHECK((tree.asked_from == 25.0 && shrub.asked_from == 10.0 && fern.asked_from == 0.0));
+	CHECK((tree.depth == 2 && shrub.depth == 1 && fern.depth == 0));
+	CHECK(graph.index_of(shrubs.get()) == 1);
 }
 
 TEST_CASE("neighbors: what a tile samples is known beforehand") {
