@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import resource
 import textwrap
 from pathlib import Path
 from xml.etree import ElementTree
@@ -132,6 +133,16 @@ def assert_passed(done):
 )
 def test_script(godot, project, script):
     assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / f"{script}.gd"], timeout=600))
+
+
+def test_what_asks_for_too_much_memory_is_told_and_the_engine_goes_on(godot, project):
+    """In 3 GB of address space, of which the engine takes less than one."""
+
+    def with_little_memory():
+        resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))
+
+    script = ENGINE / "test_out_of_memory.gd"
+    assert_passed(godot(["--verbose", "--path", project, "--script", script], preexec_fn=with_little_memory))
 
 
 @pytest.mark.parametrize("script", ["test_collision", "test_collision_contacts"])

@@ -43,7 +43,7 @@ void *allocate(std::size_t size, std::size_t alignment) {
 std::size_t allocation_count() { return allocations; }
 
 AllocationLimit::AllocationLimit(std::size_t allowed, Fails fails) {
-	most_allocations = allocations + allowed;
+	most_allocations = allowed < unlimited - allocations ? allocations + allowed : unlimited;
 	fails_once = fails == Fails::one;
 	failed = false;
 }

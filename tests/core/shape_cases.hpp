@@ -42,12 +42,12 @@ inline ShapeSet set_of(std::vector<Shape> shapes) {
 
 inline Rect rect_around(glm::dvec2 center, double half) { return {center - half, center + half}; }
 
-/// The set's chance at a place, among the shapes that are near it.
-inline double chance(const ShapeSet &set, glm::dvec3 place) {
+/// The set's density at a position, among the shapes that are near it.
+inline double density_of(const ShapeSet &set, glm::dvec3 place) {
 	std::vector<std::uint32_t> near;
 	const glm::dvec2 flat(place.x, place.z);
 	static_cast<void>(set.near({flat, flat}, near));
-	return set.chance(near, place);
+	return set.density(near, place);
 }
 
 /// Three orthonormal columns, any turn.

@@ -173,7 +173,7 @@ TEST_CASE("rules: a falloff thins linearly inside its limit, and falloffs multip
 	CHECK(density_on(rules, inclined(0.0, 1e6f)) == 1.0);
 }
 
-TEST_CASE("rules: where both bands meet the smaller chance counts, and an open limit has no band") {
+TEST_CASE("rules: where both bands meet the smaller density counts, and an open limit has no band") {
 	Rules tent;
 	tent.min_height = 0.0;
 	tent.max_height = 10.0;

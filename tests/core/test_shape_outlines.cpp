@@ -32,7 +32,7 @@ Shape path(Points outline, double half_width, double falloff = 0.0) {
 			.outline = std::move(outline)};
 }
 
-double chance_at(const ShapeSet &set, double x, double z) { return chance(set, {x, 123.0, z}); }
+double density_at(const ShapeSet &set, double x, double z) { return density_of(set, {x, 123.0, z}); }
 
 Outline outline_of(const Points &points, bool closed) {
 	Outline outline;
@@ -90,17 +90,17 @@ TEST_CASE("outlines: a polygon's border is outside, depth is the distance to it"
 	const Points square{{-4.0, -2.0}, {4.0, -2.0}, {4.0, 2.0}, {-4.0, 2.0}};
 	const ShapeSet sharp = set_of({polygon(square)});
 	const ShapeSet soft = set_of({polygon(square, 2.0)});
-	CHECK(chance_at(sharp, 3.999, 1.999) == 1.0);
-	CHECK(chance_at(sharp, -3.999, -1.999) == 1.0);
+	CHECK(density_at(sharp, 3.999, 1.999) == 1.0);
+	CHECK(density_at(sharp, -3.999, -1.999) == 1.0);
 	for (const glm::dvec2 border : {glm::dvec2(4.0, 0.0), glm::dvec2(-4.0, 0.0), glm::dvec2(0.0, 2.0),
 				 glm::dvec2(0.0, -2.0), glm::dvec2(4.0, 2.0), glm::dvec2(-4.0, -2.0), glm::dvec2(-4.0, 2.0)}) {
-		CHECK(chance_at(sharp, border.x, border.y) == 0.0);
-		CHECK(chance_at(soft, border.x, border.y) == 0.0);
+		CHECK(density_at(sharp, border.x, border.y) == 0.0);
+		CHECK(density_at(soft, border.x, border.y) == 0.0);
 	}
-	CHECK(chance_at(soft, 0.0, 0.0) == 1.0);
-	CHECK(chance_at(soft, 3.0, 0.0) == 0.5);
-	CHECK(chance_at(soft, -3.5, 1.0) == 0.25);
-	CHECK(chance_at(soft, 1.0, -1.5) == 0.25);
+	CHECK(density_at(soft, 0.0, 0.0) == 1.0);
+	CHECK(density_at(soft, 3.0, 0.0) == 0.5);
+	CHECK(density_at(soft, -3.5, 1.0) == 0.25);
+	CHECK(density_at(soft, 1.0, -1.5) == 0.25);
 }
 
 TEST_CASE("outlines: a border of many short edges is outside all along") {
@@ -154,7 +154,7 @@ TEST_CASE("outlines: rays through corners count right, at every half place of po
 				// A hair beside the line that the oracle's ray takes, so that it meets no corner.
 				const bool on_border = plain_distance(polygons[index], true, {x, z}) < 1e-12;
 				const bool within = !on_border && plain_contains(polygons[index], {x + 1e-9, z + 1.7e-9});
-				CHECK(chance_at(set, x, z) == (within ? 1.0 : 0.0));
+				CHECK(density_at(set, x, z) == (within ? 1.0 : 0.0));
 			}
 		}
 	}
@@ -181,20 +181,20 @@ TEST_CASE("outlines: a path has round ends and round bends, and its border is ou
 	const Points bend{{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}};
 	const ShapeSet sharp = set_of({path(bend, 2.0)});
 	const ShapeSet soft = set_of({path(bend, 2.0, 1.0)});
-	CHECK(chance_at(sharp, 5.0, 1.999) == 1.0);
-	CHECK(chance_at(sharp, 5.0, 2.0) == 0.0);
-	CHECK(chance_at(sharp, -1.999, 0.0) == 1.0);
-	CHECK(chance_at(sharp, -2.0, 0.0) == 0.0);
-	CHECK(chance_at(sharp, -1.5, 1.5) == 0.0);  // The corner of a flat end.
-	CHECK(chance_at(sharp, 11.5, -1.5) == 0.0); // Of a sharp bend.
-	CHECK(chance_at(sharp, 11.4, -1.4) == 1.0);
-	CHECK(chance_at(sharp, 10.0, 11.999) == 1.0);
-	CHECK(chance_at(sharp, 5.0, 5.0) == 0.0); // It is not closed.
-	CHECK(chance_at(soft, 5.0, 0.5) == 1.0);
-	CHECK(chance_at(soft, 5.0, 1.5) == 0.5);
-	CHECK(chance_at(soft, -1.75, 0.0) == 0.25);
-	CHECK(chance_at(soft, 11.75, 10.0) == 0.25);
-	CHECK(chance_at(soft, 5.0, 2.5) == 0.0);
+	CHECK(density_at(sharp, 5.0, 1.999) == 1.0);
+	CHECK(density_at(sharp, 5.0, 2.0) == 0.0);
+	CHECK(density_at(sharp, -1.999, 0.0) == 1.0);
+	CHECK(density_at(sharp, -2.0, 0.0) == 0.0);
+	CHECK(density_at(sharp, -1.5, 1.5) == 0.0);  // The corner of a flat end.
+	CHECK(density_at(sharp, 11.5, -1.5) == 0.0); // Of a sharp bend.
+	CHECK(density_at(sharp, 11.4, -1.4) == 1.0);
+	CHECK(density_at(sharp, 10.0, 11.999) == 1.0);
+	CHECK(density_at(sharp, 5.0, 5.0) == 0.0); // It is not closed.
+	CHECK(density_at(soft, 5.0, 0.5) == 1.0);
+	CHECK(density_at(soft, 5.0, 1.5) == 0.5);
+	CHECK(density_at(soft, -1.75, 0.0) == 0.25);
+	CHECK(density_at(soft, 11.75, 10.0) == 0.25);
+	CHECK(density_at(soft, 5.0, 2.5) == 0.0);
 }
 
 TEST_CASE("outlines: a path whose points repeat is that of the others; one of a single place is a disc") {
@@ -203,13 +203,13 @@ TEST_CASE("outlines: a path whose points repeat is that of the others; one of a 
 			{{0.0, 0.0}, {0.0, 0.0}, {10.0, 5.0}, {10.0, 5.0}, {10.0, 5.0}, {12.0, -3.0}, {12.0, -3.0}}, 2.0, 2.0)});
 	for (double x = -3.0; x < 15.0; x += 0.3) {
 		for (double z = -6.0; z < 8.0; z += 0.3) {
-			CHECK(std::abs(chance_at(plain, x, z) - chance_at(repeated, x, z)) < 1e-12);
+			CHECK(std::abs(density_at(plain, x, z) - density_at(repeated, x, z)) < 1e-12);
 		}
 	}
 	const ShapeSet disc = set_of({path({{3.0, 4.0}, {3.0, 4.0}}, 2.0, 2.0)});
-	CHECK(chance_at(disc, 3.0, 4.0) == 1.0);
-	CHECK(chance_at(disc, 4.0, 4.0) == 0.5);
-	CHECK(chance_at(disc, 3.0, 2.0) == 0.0);
+	CHECK(density_at(disc, 3.0, 4.0) == 1.0);
+	CHECK(density_at(disc, 4.0, 4.0) == 0.5);
+	CHECK(density_at(disc, 3.0, 2.0) == 0.0);
 }
 
 TEST_CASE("outlines: random lines of any length are as one edge after the other says") {
@@ -254,8 +254,8 @@ TEST_CASE("outlines: 65,536 points, in and about every bay") {
 											: 600.0 * glm::dvec2(unit(random), unit(random));
 		const double distance = plain_distance(points, true, place);
 		const double depth = plain_contains(points, place) ? distance : 0.0;
-		CHECK(chance_at(set, place.x, place.y) == doctest::Approx(std::min(depth / 50.0, 1.0)).epsilon(1e-9));
-		CHECK(chance_at(shore, place.x, place.y) ==
+		CHECK(density_at(set, place.x, place.y) == doctest::Approx(std::min(depth / 50.0, 1.0)).epsilon(1e-9));
+		CHECK(density_at(shore, place.x, place.y) ==
 				doctest::Approx(std::max(1.0 - distance / 12.0, 0.0)).epsilon(1e-6));
 	}
 }

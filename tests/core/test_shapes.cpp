@@ -19,16 +19,16 @@ using namespace thicket::shape_cases;
 
 TEST_CASE("shapes: a box reaches as far as its half sizes and no further, its border is outside") {
 	const ShapeSet set = set_of({box({10.0, 5.0, -20.0}, {4.0, 2.0, 1.0})});
-	CHECK(chance(set, {10.0, 5.0, -20.0}) == 1.0);
+	CHECK(density_of(set, {10.0, 5.0, -20.0}) == 1.0);
 	for (const glm::dvec3 inside : {glm::dvec3(13.999, 5.0, -20.0), glm::dvec3(6.001, 5.0, -20.0),
 				 glm::dvec3(10.0, 6.999, -20.0), glm::dvec3(10.0, 3.001, -20.0), glm::dvec3(10.0, 5.0, -19.001),
 				 glm::dvec3(13.999, 6.999, -20.999)}) {
-		CHECK(chance(set, inside) == 1.0);
+		CHECK(density_of(set, inside) == 1.0);
 	}
 	for (const glm::dvec3 outside : {glm::dvec3(14.0, 5.0, -20.0), glm::dvec3(6.0, 5.0, -20.0),
 				 glm::dvec3(10.0, 7.0, -20.0), glm::dvec3(10.0, 3.0, -20.0), glm::dvec3(10.0, 5.0, -19.0),
 				 glm::dvec3(10.0, 5.0, -21.0), glm::dvec3(14.0, 7.0, -19.0), glm::dvec3(1e7, 5.0, -20.0)}) {
-		CHECK(chance(set, outside) == 0.0);
+		CHECK(density_of(set, outside) == 0.0);
 	}
 }
 
@@ -38,14 +38,14 @@ TEST_CASE("shapes: influence grows linearly with depth, from 0 at the border to 
 	const ShapeSet set = set_of({soft});
 	for (double depth = -1.0; depth <= 10.0; depth += 0.125) {
 		const double expected = std::clamp(depth / 4.0, 0.0, 1.0);
-		CHECK(chance(set, {10.0 - depth, 0.0, 0.0}) == expected);
-		CHECK(chance(set, {depth - 10.0, 0.0, 3.0}) == expected);
-		CHECK(chance(set, {0.0, 0.0, 20.0 - depth}) == expected);
-		CHECK(chance(set, {0.0, 1000.0 - depth, 0.0}) == expected);
+		CHECK(density_of(set, {10.0 - depth, 0.0, 0.0}) == expected);
+		CHECK(density_of(set, {depth - 10.0, 0.0, 3.0}) == expected);
+		CHECK(density_of(set, {0.0, 0.0, 20.0 - depth}) == expected);
+		CHECK(density_of(set, {0.0, 1000.0 - depth, 0.0}) == expected);
 	}
 	// Never deep enough for the whole effect.
 	soft.falloff = 40.0;
-	CHECK(chance(set_of({soft}), {0.0, 0.0, 0.0}) == 0.25);
+	CHECK(density_of(set_of({soft}), {0.0, 0.0, 0.0}) == 0.25);
 }
 
 TEST_CASE("shapes: a box turned by 45 degrees is a diamond, one that leans is cut by the ground at its own slope") {
@@ -56,7 +56,7 @@ TEST_CASE("shapes: a box turned by 45 degrees is a diamond, one that leans is cu
 	for (double x = -1.1; x <= 1.1; x += 0.1) {
 		for (double z = -1.1; z <= 1.1; z += 0.1) {
 			if (std::abs(std::abs(x) + std::abs(z) - 1.0) > 1e-9) {
-				CHECK(chance(diamond, {x, 0.0, z}) == (std::abs(x) + std::abs(z) < 1.0 ? 1.0 : 0.0));
+				CHECK(density_of(diamond, {x, 0.0, z}) == (std::abs(x) + std::abs(z) < 1.0 ? 1.0 : 0.0));
 			}
 		}
 	}
@@ -68,10 +68,10 @@ TEST_CASE("shapes: a box turned by 45 degrees is a diamond, one that leans is cu
 	const ShapeSet slab = set_of({leaning});
 	const double middle = sine / cosine;
 	const double width = 0.1 / cosine;
-	CHECK(chance(slab, {middle + width - 1e-6, 1.0, 0.0}) == 1.0);
-	CHECK(chance(slab, {middle + width + 1e-6, 1.0, 0.0}) == 0.0);
-	CHECK(chance(slab, {middle - width + 1e-6, 1.0, 0.0}) == 1.0);
-	CHECK(chance(slab, {middle - width - 1e-6, 1.0, 0.0}) == 0.0);
+	CHECK(density_of(slab, {middle + width - 1e-6, 1.0, 0.0}) == 1.0);
+	CHECK(density_of(slab, {middle + width + 1e-6, 1.0, 0.0}) == 0.0);
+	CHECK(density_of(slab, {middle - width + 1e-6, 1.0, 0.0}) == 1.0);
+	CHECK(density_of(slab, {middle - width - 1e-6, 1.0, 0.0}) == 0.0);
 }
 
 TEST_CASE("shapes: boxes, spheres and cylinders at any turn are as deep as a search says, and as their shadows are") {
@@ -90,7 +90,7 @@ TEST_CASE("shapes: boxes, spheres and cylinders at any turn are as deep as a sea
 							ignore_height ? searched_shadow_depth(shape, place) : plain_depth(shape, place);
 					CAPTURE(static_cast<int>(kind));
 					CAPTURE(depth);
-					CHECK(std::abs(chance(set, place) * 100.0 - std::max(depth, 0.0)) < 1e-4);
+					CHECK(std::abs(density_of(set, place) * 100.0 - std::max(depth, 0.0)) < 1e-4);
 				}
 			}
 		}
@@ -103,13 +103,13 @@ TEST_CASE("shapes: without height, a flat box is as deep as it is wide and count
 	flat_box.ignore_height = true;
 	const ShapeSet set = set_of({flat_box});
 	for (const double height : {-1e6, 0.0, 50.0, 1e6}) {
-		CHECK(chance(set, {0.0, height, 0.0}) == 1.0);
-		CHECK(chance(set, {25.0, height, 0.0}) == 0.5);
-		CHECK(chance(set, {0.0, height, -15.0}) == 0.5);
-		CHECK(chance(set, {30.0, height, 0.0}) == 0.0);
+		CHECK(density_of(set, {0.0, height, 0.0}) == 1.0);
+		CHECK(density_of(set, {25.0, height, 0.0}) == 0.5);
+		CHECK(density_of(set, {0.0, height, -15.0}) == 0.5);
+		CHECK(density_of(set, {30.0, height, 0.0}) == 0.0);
 	}
 	flat_box.ignore_height = false;
-	CHECK(chance(set_of({flat_box}), {0.0, 0.0, 0.0}) == 0.0);
+	CHECK(density_of(set_of({flat_box}), {0.0, 0.0, 0.0}) == 0.0);
 }
 
 TEST_CASE("shapes: a cylinder that lies on its side casts a rectangle, one upright a circle") {
@@ -118,15 +118,15 @@ TEST_CASE("shapes: a cylinder that lies on its side casts a rectangle, one uprig
 	lying.falloff = 100.0;
 	lying.axes = glm::dmat3({0.0, 1.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, 1.0});
 	const ShapeSet log = set_of({lying});
-	CHECK(chance(log, {0.0, 9.0, 0.0}) * 100.0 == doctest::Approx(2.0));
-	CHECK(chance(log, {9.5, 9.0, 0.0}) * 100.0 == doctest::Approx(0.5));
-	CHECK(chance(log, {9.5, 9.0, 1.75}) * 100.0 == doctest::Approx(0.25));
-	CHECK(chance(log, {10.001, 0.0, 0.0}) == 0.0);
-	CHECK(chance(log, {0.0, 0.0, 2.001}) == 0.0);
+	CHECK(density_of(log, {0.0, 9.0, 0.0}) * 100.0 == doctest::Approx(2.0));
+	CHECK(density_of(log, {9.5, 9.0, 0.0}) * 100.0 == doctest::Approx(0.5));
+	CHECK(density_of(log, {9.5, 9.0, 1.75}) * 100.0 == doctest::Approx(0.25));
+	CHECK(density_of(log, {10.001, 0.0, 0.0}) == 0.0);
+	CHECK(density_of(log, {0.0, 0.0, 2.001}) == 0.0);
 	lying.axes = glm::dmat3(1.0);
 	const ShapeSet upright = set_of({lying});
-	CHECK(chance(upright, {1.2, 77.0, 1.6}) == 0.0);
-	CHECK(chance(upright, {0.6, 77.0, 0.8}) == 0.01);
+	CHECK(density_of(upright, {1.2, 77.0, 1.6}) == 0.0);
+	CHECK(density_of(upright, {0.6, 77.0, 0.8}) == 0.01);
 }
 
 TEST_CASE("shapes: a leaning cylinder's shadow is as deep as a search says, at every lean") {
@@ -141,7 +141,7 @@ TEST_CASE("shapes: a leaning cylinder's shadow is as deep as a search says, at e
 		for (double x = 0.25; x < 9.0; x += 0.5) {
 			for (double z = 0.2; z < 6.0; z += 0.8) {
 				const double depth = std::max(searched_shadow_depth(leaning, {x, 0.0, z}), 0.0);
-				CHECK(std::abs(chance(set, {-x, 0.0, z}) * 100.0 - depth) < 1e-6);
+				CHECK(std::abs(density_of(set, {-x, 0.0, z}) * 100.0 - depth) < 1e-6);
 			}
 		}
 	}
@@ -153,8 +153,8 @@ TEST_CASE("shapes: axes as inexact as an engine's floats move no border") {
 	for (const bool ignore_height : {false, true}) {
 		large.ignore_height = ignore_height;
 		const ShapeSet set = set_of({large});
-		CHECK(chance(set, {0.0, 0.0, 1e6 - 1e-3}) == 1.0);
-		CHECK(chance(set, {0.0, 0.0, 1e6 + 1e-3}) == 0.0);
+		CHECK(density_of(set, {0.0, 0.0, 1e6 - 1e-3}) == 1.0);
+		CHECK(density_of(set, {0.0, 0.0, 1e6 + 1e-3}) == 0.0);
 		CHECK(bounds(large).contains({0.0, 1e6}));
 	}
 }
@@ -191,15 +191,15 @@ TEST_CASE("shapes: the strongest including shape times what the strongest exclud
 	Shape smaller_hole = hole;
 	smaller_hole.half_size.x = 4.0;
 
-	CHECK(chance(set_of({}), {3.0, 0.0, 0.0}) == 1.0);
-	CHECK(chance(set_of({wide, narrow}), {0.0, 0.0, 0.0}) == 1.0); // 1 and 0.5: no sum, no product.
-	CHECK(chance(set_of({narrow, wide}), {50.0, 0.0, 0.0}) == 0.5);
-	CHECK(chance(set_of({hole}), {20.0, 0.0, 0.0}) == 1.0); // Nothing includes, so all is included.
-	CHECK(chance(set_of({hole}), {6.0, 0.0, 0.0}) == 0.75);
-	CHECK(chance(set_of({hole, smaller_hole}), {2.0, 0.0, 0.0}) == 0.25); // 0.75 and 0.25 taken away.
-	CHECK(chance(set_of({smaller_hole, hole}), {2.0, 0.0, 0.0}) == 0.25);
-	CHECK(chance(set_of({hole, narrow}), {6.0, 0.0, 0.0}) == 0.75 * 0.2);
-	CHECK(chance(set_of({wide, hole}), {0.0, 0.0, 0.0}) == 0.0);
+	CHECK(density_of(set_of({}), {3.0, 0.0, 0.0}) == 1.0);
+	CHECK(density_of(set_of({wide, narrow}), {0.0, 0.0, 0.0}) == 1.0); // 1 and 0.5: no sum, no product.
+	CHECK(density_of(set_of({narrow, wide}), {50.0, 0.0, 0.0}) == 0.5);
+	CHECK(density_of(set_of({hole}), {20.0, 0.0, 0.0}) == 1.0); // Nothing includes, so all is included.
+	CHECK(density_of(set_of({hole}), {6.0, 0.0, 0.0}) == 0.75);
+	CHECK(density_of(set_of({hole, smaller_hole}), {2.0, 0.0, 0.0}) == 0.25); // 0.75 and 0.25 taken away.
+	CHECK(density_of(set_of({smaller_hole, hole}), {2.0, 0.0, 0.0}) == 0.25);
+	CHECK(density_of(set_of({hole, narrow}), {6.0, 0.0, 0.0}) == 0.75 * 0.2);
+	CHECK(density_of(set_of({wide, hole}), {0.0, 0.0, 0.0}) == 0.0);
 }
 
 TEST_CASE("shapes: where only a far shape includes, nothing is included; where only a far one excludes, all is") {
@@ -210,14 +210,14 @@ TEST_CASE("shapes: where only a far shape includes, nothing is included; where o
 	CHECK(including.includes());
 	REQUIRE(including.near(here, near).ok());
 	CHECK(near.empty());
-	CHECK(including.chance(near, {0.0, 0.0, 0.0}) == 0.0);
+	CHECK(including.density(near, {0.0, 0.0, 0.0}) == 0.0);
 
 	far.exclude = true;
 	const ShapeSet excluding = set_of({far});
 	CHECK(!excluding.includes());
 	REQUIRE(excluding.near(here, near).ok());
 	CHECK(near.empty());
-	CHECK(excluding.chance(near, {0.0, 0.0, 0.0}) == 1.0);
+	CHECK(excluding.density(near, {0.0, 0.0, 0.0}) == 1.0);
 	CHECK(set_of({}).empty());
 }
 
@@ -242,14 +242,14 @@ TEST_CASE("shapes: near gives the shapes that touch an area, in order, and bound
 			const ShapeSet lonely = set_of({alone});
 			for (int k = 0; k < 50; ++k) {
 				const glm::dvec3 place(60.0 * unit(random), 10.0 * unit(random), 60.0 * unit(random));
-				CHECK((chance(lonely, place) == 0.0 || reach.contains({place.x, place.z})));
+				CHECK((density_of(lonely, place) == 0.0 || reach.contains({place.x, place.z})));
 			}
 		}
 		// The area that `near` was asked for changes no bit.
 		for (int k = 0; k < 50; ++k) {
 			const glm::dvec3 place(area.center().x + unit(random) * 0.5 * area.size().x, 10.0 * unit(random),
 					area.center().y + unit(random) * 0.5 * area.size().y);
-			CHECK(set.chance(near, place) == chance(set, place));
+			CHECK(set.density(near, place) == density_of(set, place));
 		}
 	}
 }
@@ -279,10 +279,10 @@ TEST_CASE("shapes: moving, adding or removing one changes nothing outside its ol
 			const glm::dvec2 flat(place.x, place.z);
 			const bool in_old = old_bounds.contains(flat);
 			const bool in_new = new_bounds.contains(flat);
-			CHECK((in_old || in_new || chance(before, place) == chance(after, place)));
-			CHECK((in_old || chance(before, place) == chance(without, place)));
-			CHECK((in_new || chance(after, place) == chance(without, place)));
-			changed += chance(before, place) != chance(after, place) ? 1 : 0;
+			CHECK((in_old || in_new || density_of(before, place) == density_of(after, place)));
+			CHECK((in_old || density_of(before, place) == density_of(without, place)));
+			CHECK((in_new || density_of(after, place) == density_of(without, place)));
+			changed += density_of(before, place) != density_of(after, place) ? 1 : 0;
 		}
 	}
 	CHECK(changed > 300);
@@ -303,20 +303,20 @@ TEST_CASE("shapes: far from the origin a shape is the same to the grain of the c
 		const double grain = 1e-8; // Of a double at 1e7 m, several roundings.
 		for (int k = 0; k < 100; ++k) {
 			const glm::dvec3 place(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
-			const double here = chance(near_set, place);
-			const double there = chance(far_set, place + glm::dvec3(far.x, 0.0, far.y));
+			const double here = density_of(near_set, place);
+			const double there = density_of(far_set, place + glm::dvec3(far.x, 0.0, far.y));
 			CHECK((std::abs(here - there) * std::max(shape.falloff, grain) <= grain));
 		}
 	}
 }
 
-TEST_CASE("shapes: a place that is not finite has no chance") {
+TEST_CASE("shapes: a position that is not finite has a density of 0") {
 	const ShapeSet set = set_of({box({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, true)});
 	for (const glm::dvec3 nowhere : {glm::dvec3(nan_value, 0.0, 0.0), glm::dvec3(0.0, nan_value, 0.0),
 				 glm::dvec3(0.0, 0.0, infinite_value), glm::dvec3(0.0, -infinite_value, 0.0)}) {
-		CHECK(set.chance({}, nowhere) == 0.0);
+		CHECK(set.density({}, nowhere) == 0.0);
 	}
-	CHECK(set.chance({}, {9.0, 0.0, 0.0}) == 1.0);
+	CHECK(set.density({}, {9.0, 0.0, 0.0}) == 1.0);
 }
 
 TEST_CASE("shapes: a refused shape names what is wrong, and the set stays as it was") {
@@ -331,7 +331,7 @@ TEST_CASE("shapes: a refused shape names what is wrong, and the set stays as it 
 		check_refused(validate(bad), code, property, value);
 		check_refused(set.set({good_box, bad}), code, property, value);
 		CHECK(set == before);
-		CHECK(chance(set, {1.5, 0.0, 0.0}) == 0.0);
+		CHECK(density_of(set, {1.5, 0.0, 0.0}) == 0.0);
 	};
 	refuse(
 			good_box, [](Shape &s) { s.falloff = -0.5; }, ErrorCode::out_of_range, "falloff", -0.5);

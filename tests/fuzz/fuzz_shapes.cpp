@@ -58,11 +58,11 @@ Shape read_shape(Bytes &r_bytes) {
 	return shape;
 }
 
-double chance_of(const ShapeSet &set, glm::dvec3 place) {
+double density_of(const ShapeSet &set, glm::dvec3 place) {
 	std::vector<std::uint32_t> near;
 	const glm::dvec2 flat(place.x, place.z);
 	static_cast<void>(set.near({flat, flat}, near));
-	return set.chance(near, place);
+	return set.density(near, place);
 }
 
 void check_shapes(Bytes &r_bytes) {
@@ -90,15 +90,15 @@ void check_shapes(Bytes &r_bytes) {
 			const Shape &shape = shapes[r_bytes.below(static_cast<std::uint32_t>(shapes.size()))];
 			place = shape.outline.empty() ? shape.center : glm::dvec3(shape.outline[0].x, place.y, shape.outline[0].y);
 		}
-		const double chance = chance_of(set, place);
-		promise(chance >= 0.0 && chance <= 1.0, "a chance is between 0 and 1");
-		promise(chance == set.chance(every, place), "shapes that are not near change nothing");
+		const double density = density_of(set, place);
+		promise(density >= 0.0 && density <= 1.0, "a density is between 0 and 1");
+		promise(density == set.density(every, place), "shapes that are not near change nothing");
 		for (Shape shape : shapes) {
 			shape.exclude = false;
 			ShapeSet alone;
 			promise(alone.set({shape}).ok(), "a valid shape is taken alone");
-			promise(alone.chance({}, place) == 0.0, "an including shape that is not near includes nothing");
-			promise(chance_of(alone, place) == 0.0 || bounds(shape).contains({place.x, place.z}),
+			promise(alone.density({}, place) == 0.0, "an including shape that is not near includes nothing");
+			promise(density_of(alone, place) == 0.0 || bounds(shape).contains({place.x, place.z}),
 					"outside of its bounds a shape has no influence");
 		}
 	}

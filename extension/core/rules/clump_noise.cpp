@@ -16,8 +16,8 @@ namespace {
 /// The noise has one maximum for each square of this many cells on a side, as make_clump_table measures.
 constexpr double cells_per_clump = 2.1747;
 
-/// So far out, in cells, a double still tells places in a cell apart.
-constexpr double max_place = 0x1p48;
+/// So far out, in cells, a double still tells positions in a cell apart.
+constexpr double max_cells = 0x1p48;
 
 /// At each knot, the part of the plane where the noise is nearer to 0.
 constexpr std::array<double, clump_knots> nearer
@@ -54,15 +54,15 @@ double ClumpNoise::at(glm::dvec2 position) const {
 		return 1.0;
 	}
 	const double coverage = clumping_.coverage;
-	const glm::dvec2 place = position / (clumping_.size / cells_per_clump);
-	if (!(std::abs(place.x) < max_place && std::abs(place.y) < max_place) || coverage <= 0.0) {
+	const glm::dvec2 cells = position / (clumping_.size / cells_per_clump);
+	if (!(std::abs(cells.x) < max_cells && std::abs(cells.y) < max_cells) || coverage <= 0.0) {
 		return 0.0;
 	}
 	if (coverage >= 1.0) {
 		return 1.0;
 	}
 	// Soft edges lie as far inside a clump as outside, in parts of the plane, so that the mean is the coverage.
-	const double inside = share_below(clump_impulses(place, seed_)) - (1.0 - coverage);
+	const double inside = share_below(clump_impulses(cells, seed_)) - (1.0 - coverage);
 	const double half_edge = clumping_.softness * std::min(coverage, 1.0 - coverage);
 	if (half_edge <= 0.0) {
 		return inside > 0.0 ? 1.0 : 0.0;

@@ -25,7 +25,7 @@ inline constexpr double max_clump_size = 1e5;
 /// Refuses what is not finite or outside the ranges above.
 Status validate(const Clumping &clumping);
 
-/// The density of a clumped layer: low-frequency noise of its own, a function of seed and place, to the same bits everywhere.
+/// The density of a clumped layer: low-frequency noise of its own, a function of seed and position, to the same bits everywhere.
 /// Its values are made uniform over [0, 1], so that `coverage` holds.
 class ClumpNoise {
 public:
@@ -34,7 +34,7 @@ public:
 
 	bool active() const { return clumping_.size > 0.0; }
 
-	/// 0 to 1. 1 everywhere for a size of 0; 0 for a place that is not finite or more than 10^14 sizes away. Its mean over long
+	/// 0 to 1. 1 everywhere for a size of 0; 0 for a position that is not finite or more than 10^14 sizes away. Its mean over long
 	/// distances is the coverage, whatever the softness.
 	double at(glm::dvec2 position) const;
 

@@ -49,11 +49,11 @@ double CurveTable::at(double x) const {
 	// Halved if the width is beyond the largest number.
 	const double scale = std::isfinite(max_ - min_) ? 1.0 : 0.5;
 	const double part = (x * scale - min_ * scale) / (max_ * scale - min_ * scale);
-	const double place = part * static_cast<double>(samples_.size() - 1);
-	const std::size_t index = std::min(static_cast<std::size_t>(place), samples_.size() - 2);
+	const double along = part * static_cast<double>(samples_.size() - 1);
+	const std::size_t index = std::min(static_cast<std::size_t>(along), samples_.size() - 2);
 	const double first = samples_[index];
 	const double second = samples_[index + 1];
-	const double value = first + (second - first) * (place - static_cast<double>(index));
+	const double value = first + (second - first) * (along - static_cast<double>(index));
 	// A last bit may lie beyond the samples.
 	return std::clamp(value, std::min(first, second), std::max(first, second));
 }

@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-/// A density over the plane: noise, an image, a painted mask. A pure function of the place: asked twice, in whatever
+/// A density over the plane: noise, an image, a painted mask. A pure function of the position: asked twice, in whatever
 /// batch, on whatever thread, it gives the same bits, or tiles that were made apart would not fit.
 class DensityField {
 public:

@@ -15,16 +15,16 @@ namespace thicket {
 
 namespace {
 
-/// The two pixels of a line, on either side of a place, and how far it is from the first to the second.
+/// The two pixels of a line, on either side of a position, and how far it is from the first to the second.
 struct Taps {
 	std::size_t first;
 	std::size_t second;
 	double part;
 };
 
-/// `place` from 0 to `count` in pixels from the border of the first.
-Taps taps_at(double place, int count, bool repeat) {
-	const double from_center = place - 0.5;
+/// `position` from 0 to `count` in pixels from the border of the first.
+Taps taps_at(double position, int count, bool repeat) {
+	const double from_center = position - 0.5;
 	const double below = std::floor(from_center);
 	int first = static_cast<int>(below);
 	int second = first + 1;

@@ -14,7 +14,7 @@ namespace thicket {
 enum class MaskEdge : std::uint8_t {
 	nothing,    ///< Density 0.
 	everything, ///< Density 1.
-	clamp,      ///< The density of the nearest place of the image.
+	clamp,      ///< The density of the nearest position of the image.
 	repeat,     ///< The image again and again.
 };
 
@@ -28,7 +28,7 @@ public:
 	/// 1 to max_mask_pixels on both axes. Anything else is refused and changes nothing.
 	Status set(glm::ivec2 size, std::span<const std::uint8_t> pixels, const Rect &area, MaskEdge edge);
 
-	/// 0 for a place that is not finite, whatever lies outside.
+	/// 0 for a position that is not finite, whatever lies outside.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
 	friend bool operator==(const ImageMask &, const ImageMask &);

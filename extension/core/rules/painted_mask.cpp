@@ -13,12 +13,12 @@ namespace thicket {
 
 namespace {
 
-/// A place along one axis in pixels from the center of pixel 0. Never falls where `meters` rises.
-double pixel_place(double meters, double pixel_size) { return meters / pixel_size - 0.5; }
+/// A position along one axis in pixels from the center of pixel 0. Never falls where `meters` rises.
+double pixel_position(double meters, double pixel_size) { return meters / pixel_size - 0.5; }
 
-/// The first of the two pixels that a place lies between, held within the limit.
+/// The first of the two pixels that a position lies between, held within the limit.
 int first_pixel(double meters, double pixel_size) {
-	const double pixel = std::floor(pixel_place(meters, pixel_size));
+	const double pixel = std::floor(pixel_position(meters, pixel_size));
 	return static_cast<int>(std::clamp<double>(pixel, -PaintedMask::pixel_limit, PaintedMask::pixel_limit - 2));
 }
 
@@ -61,14 +61,14 @@ Status PaintedMask::sample(std::span<const glm::dvec2> positions, std::span<floa
 	};
 	Reader reader(*this);
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		const glm::dvec2 place(pixel_place(positions[i].x, pixel_size_), pixel_place(positions[i].y, pixel_size_));
-		const glm::dvec2 below(std::floor(place.x), std::floor(place.y));
+		const glm::dvec2 position(pixel_position(positions[i].x, pixel_size_), pixel_position(positions[i].y, pixel_size_));
+		const glm::dvec2 below(std::floor(position.x), std::floor(position.y));
 		double value = background_;
 		if (within_limit(below.x) && within_limit(below.y)) {
 			const int x = static_cast<int>(below.x);
 			const int y = static_cast<int>(below.y);
 			value = bilinear(reader.at(x, y), reader.at(x + 1, y), reader.at(x, y + 1), reader.at(x + 1, y + 1),
-					place.x - below.x, place.y - below.y);
+					position.x - below.x, position.y - below.y);
 		} else if (!std::isfinite(positions[i].x) || !std::isfinite(positions[i].y)) {
 			value = 0.0;
 		}

@@ -62,7 +62,7 @@ public:
 	/// reach it in the end. Refuses a dab that reaches a pixel beyond pixel_limit.
 	Status paint(const Brush &brush, Rect &r_changed);
 
-	/// 0 for a place that is not finite; the background beyond pixel_limit.
+	/// 0 for a position that is not finite; the background beyond pixel_limit.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
 	/// The pixels of a rectangle of at most max_region_pixels within pixel_limit, row by row; what undo keeps. A rectangle
@@ -111,7 +111,7 @@ private:
 	/// Null where all is background.
 	const Block *find(Key key) const;
 
-	/// Puts blocks in the places of those that are there; null removes one. Takes no memory.
+	/// Replaces the blocks that are there; null removes one. Takes no memory.
 	void replace(Blocks &&blocks) noexcept;
 
 	double pixel_size_ = 1.0;

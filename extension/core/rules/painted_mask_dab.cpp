@@ -126,8 +126,8 @@ Rect PaintedMask::Edit::changed_area() const {
 	if (changed_.empty()) {
 		return {};
 	}
-	// A pixel reaches the centers of its neighbors, but not the places that far away: there its weight is 0. Whatever lies
-	// before the rounded start does so in truth too; the end may have to go a bit further, until the place that is
+	// A pixel reaches the centers of its neighbors, but not the positions that far away: there its weight is 0. Whatever lies
+	// before the rounded start does so in truth too; the end may have to go a bit further, until the position that is
 	// looked up there, which is rounded as well, is out of reach.
 	const double size = mask_.pixel_size_;
 	const auto end = [size](int pixel) {

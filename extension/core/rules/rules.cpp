@@ -56,7 +56,7 @@ Status validate(const Rules &rules) {
 PreparedRange::PreparedRange(double min, bool min_open, double max, bool max_open, double falloff) :
 		min_(min), max_(max), falloff_(falloff), min_open_(min_open), max_open_(max_open) {}
 
-double PreparedRange::chance(double value) const {
+double PreparedRange::density(double value) const {
 	const bool inside = (min_open_ || value >= min_) && (max_open_ || value <= max_);
 	if (!inside || std::isnan(value)) {
 		return 0.0;
@@ -120,7 +120,7 @@ double PreparedRules::ground_density(const Ground &ground) const {
 	if (!is_ground(ground)) {
 		return 0.0;
 	}
-	double density = height_.chance(ground.height);
+	double density = height_.density(ground.height);
 	if (rules_.height_curve != nullptr) {
 		density *= rules_.height_curve->at(ground.height);
 	}
@@ -130,7 +130,7 @@ double PreparedRules::ground_density(const Ground &ground) const {
 	// The angle costs more than all else here, so only where it is asked for.
 	if (density > 0.0 && (!slope_.open() || rules_.slope_curve != nullptr)) {
 		const double slope = slope_degrees(ground.normal);
-		density *= slope_.chance(slope);
+		density *= slope_.density(slope);
 		if (rules_.slope_curve != nullptr) {
 			density *= rules_.slope_curve->at(slope);
 		}
@@ -141,7 +141,7 @@ double PreparedRules::ground_density(const Ground &ground) const {
 double PreparedRules::shape_density(
 		std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground) const {
 	return rules_.shapes == nullptr ? 1.0
-									: rules_.shapes->chance(near, {position.x, double{ground.height}, position.y});
+									: rules_.shapes->density(near, {position.x, double{ground.height}, position.y});
 }
 
 } // namespace thicket

@@ -43,7 +43,7 @@ struct Rules {
 	std::vector<std::int32_t> ground_textures{}; ///< Terrain::weigh's weight of these is a density. Empty: any ground.
 
 	/// Meters over which the layer thins towards the edge of what the other rules allow it, 0 to max_edge_feather. Looks at
-	/// edge_probes places around each point, which costs as much ground; see placement/edge_probes.hpp.
+	/// edge_probes positions around each point, which costs as much ground; see placement/edge_probes.hpp.
 	double edge_feather = 0.0;
 
 	// What a designer edits in place. Another one under a pointer here is an edit whose reach can be known.
@@ -66,8 +66,8 @@ public:
 	/// `min_open` and `max_open` switch a limit off, with its falloff.
 	PreparedRange(double min, bool min_open, double max, bool max_open, double falloff);
 
-	/// The chance to pass, 0 to 1. NAN has none.
-	double chance(double value) const;
+	/// The density that it gives a value, 0 to 1; 0 for NAN.
+	double density(double value) const;
 
 	/// True when every finite value passes.
 	bool open() const { return min_open_ && max_open_; }
@@ -88,7 +88,7 @@ public:
 
 	const Rules &rules() const { return rules_; }
 
-	/// Replaces `r_densities` by the product of the rules that depend on the place alone, so that they can be asked before
+	/// Replaces `r_densities` by the product of the rules that depend on the position alone, so that they can be asked before
 	/// the ground is known: density, fields, mask, clumping. `scratch` is working memory that is kept for the next time.
 	/// Fails as a field does.
 	Status place_densities(
@@ -111,7 +111,7 @@ private:
 /// A point stands if its rank, as a fraction of 2^32, is below the product of all densities. 1 keeps all, 0 none.
 constexpr bool stands(std::uint32_t rank, double density) { return rank < density * 0x1p32; }
 
-/// The place of a point that stands in the order in which a layer thins: its rank over its density, so that below a
+/// The rank of a point that stands in the order in which a layer thins: its rank over its density, so that below a
 /// fraction q lie just those that would stand if every density were q times as large.
 constexpr std::uint32_t thinning_rank(std::uint32_t rank, double density) {
 	const double fraction = rank / density;

@@ -37,7 +37,7 @@ Status check_axes(const glm::dmat3 &axes) {
 	return {};
 }
 
-Status check_place(const Shape &shape) {
+Status check_position(const Shape &shape) {
 	return first_failure(check_coordinate("center", shape.center.x), check_coordinate("center", shape.center.y),
 			check_coordinate("center", shape.center.z),
 			shape.kind == ShapeKind::sphere ? Status{} : check_axes(shape.axes));
@@ -60,11 +60,11 @@ Status check_outline(const std::vector<glm::dvec2> &outline, std::size_t least) 
 Status check_kind(const Shape &shape) {
 	switch (shape.kind) {
 		case ShapeKind::box:
-			return first_failure(check_place(shape), check_size("half_size", shape.half_size.x),
+			return first_failure(check_position(shape), check_size("half_size", shape.half_size.x),
 					check_size("half_size", shape.half_size.y), check_size("half_size", shape.half_size.z));
-		case ShapeKind::sphere: return first_failure(check_place(shape), check_size("radius", shape.half_size.x));
+		case ShapeKind::sphere: return first_failure(check_position(shape), check_size("radius", shape.half_size.x));
 		case ShapeKind::cylinder:
-			return first_failure(check_place(shape), check_size("radius", shape.half_size.x),
+			return first_failure(check_position(shape), check_size("radius", shape.half_size.x),
 					check_size("half_height", shape.half_size.y));
 		case ShapeKind::polygon: return check_outline(shape.outline, 3);
 		case ShapeKind::path:

@@ -131,11 +131,11 @@ double ShapeVolume::cylinder_shadow_depth(glm::dvec2 offset) const {
 		return radius - length(offset);
 	}
 	// An ellipse pushed along the lean. A convex border is as far away as its nearest tangent, and the nearest one faces the
-	// quadrant that the place lies in.
-	const glm::dvec2 place(std::abs(dot(lean_, offset)), std::abs(lean_.x * offset.y - lean_.y * offset.x));
+	// quadrant that the position lies in.
+	const glm::dvec2 position(std::abs(dot(lean_, offset)), std::abs(lean_.x * offset.y - lean_.y * offset.x));
 	return least_gap([&](glm::dvec2 normal) {
 		const glm::dvec2 ellipse(normal.x * radius * upright_, normal.y * radius);
-		return normal.x * lean_length_ + length(ellipse) - dot(normal, place);
+		return normal.x * lean_length_ + length(ellipse) - dot(normal, position);
 	});
 }
 

@@ -10,7 +10,7 @@
 
 namespace thicket {
 
-/// A box, sphere or cylinder made ready to be asked how deep a place lies in it.
+/// A box, sphere or cylinder made ready to be asked how deep a position lies in it.
 class ShapeVolume {
 public:
 	ShapeVolume() = default;

@@ -57,7 +57,7 @@ Status ShapeSet::near(const Rect &area, std::vector<std::uint32_t> &r_near) cons
 	});
 }
 
-double ShapeSet::chance(std::span<const std::uint32_t> near, glm::dvec3 position) const {
+double ShapeSet::density(std::span<const std::uint32_t> near, glm::dvec3 position) const {
 	if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
 		return 0.0;
 	}
@@ -75,19 +75,19 @@ double ShapeSet::chance(std::span<const std::uint32_t> near, glm::dvec3 position
 double ShapeSet::influence(std::uint32_t index, glm::dvec3 position) const {
 	const Shape &shape = shapes_[index];
 	const Prepared &prepared = prepared_[index];
-	const glm::dvec2 place(position.x, position.z);
-	if (!prepared.bounds.contains(place)) {
+	const glm::dvec2 from_above(position.x, position.z);
+	if (!prepared.bounds.contains(from_above)) {
 		return 0.0;
 	}
 	if (shape.kind == ShapeKind::polygon) {
-		if (!prepared.outline.contains(place)) {
+		if (!prepared.outline.contains(from_above)) {
 			return 0.0;
 		}
-		return shape.falloff > 0.0 ? influence_at(prepared.outline.distance(place, shape.falloff), shape.falloff) : 1.0;
+		return shape.falloff > 0.0 ? influence_at(prepared.outline.distance(from_above, shape.falloff), shape.falloff) : 1.0;
 	}
 	if (shape.kind == ShapeKind::path) {
 		const double half_width = shape.half_size.x;
-		return influence_at(half_width - prepared.outline.distance(place, half_width), shape.falloff);
+		return influence_at(half_width - prepared.outline.distance(from_above, half_width), shape.falloff);
 	}
 	return influence_at(prepared.volume.depth(position), shape.falloff);
 }

@@ -31,12 +31,12 @@ public:
 	bool includes() const { return includes_; }
 
 	/// The shapes that may have an effect in `area`, borders and all, as ascending indices. Replaces `r_near`. An including
-	/// shape elsewhere still counts: `chance` is 0 where the layer has including shapes and none is near.
+	/// shape elsewhere still counts: `density` is 0 where the layer has including shapes and none is near.
 	Status near(const Rect &area, std::vector<std::uint32_t> &r_near) const;
 
-	/// The factor 0 to 1 at a place on the ground (world meters, y up), among the shapes that `near` gave for an area that
-	/// holds it; 0 at a place that is not finite. The same bits whatever the area, and everywhere: no libm but square roots.
-	double chance(std::span<const std::uint32_t> near, glm::dvec3 position) const;
+	/// The factor 0 to 1 at a position on the ground (world meters, y up), among the shapes that `near` gave for an area that
+	/// holds it; 0 at a position that is not finite. The same bits whatever the area, and everywhere: no libm but square roots.
+	double density(std::span<const std::uint32_t> near, glm::dvec3 position) const;
 
 	friend bool operator==(const ShapeSet &a, const ShapeSet &b) { return a.shapes_ == b.shapes_; }
 

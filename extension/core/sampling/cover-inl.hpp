@@ -93,11 +93,11 @@ HWY_INLINE std::uint32_t covered_children(
 	const std::uint32_t reach = far + half + half / 2;
 	alignas(32) std::uint32_t rows[8] = {};
 	for (std::uint32_t near = points_near(grid, around, reach * reach); near != 0; near &= near - 1) {
-		const auto place = static_cast<std::uint32_t>(std::countr_zero(near));
-		const CellPosition point = grid.point[around.first + (place >> 2) * grid.stride + (place & 3)];
+		const auto bit = static_cast<std::uint32_t>(std::countr_zero(near));
+		const CellPosition point = grid.point[around.first + (bit >> 2) * grid.stride + (bit & 3)];
 		// The point, seen from the square's corner.
-		const std::int32_t px = static_cast<std::int32_t>(block_x[place] + position_x(point) + half) - around.x;
-		const std::int32_t py = static_cast<std::int32_t>(block_y[place] + position_y(point) + half) - around.y;
+		const std::int32_t px = static_cast<std::int32_t>(block_x[bit] + position_x(point) + half) - around.x;
+		const std::int32_t py = static_cast<std::int32_t>(block_y[bit] + position_y(point) + half) - around.y;
 		for (std::size_t lane = 0; lane < 8; lane += hn::MaxLanes(di)) {
 			const auto bits = covered_parts(di, static_cast<std::int32_t>(lane), px, py, part_bits, 8);
 			hn::Store(hn::Or(hn::Load(du, rows + lane), hn::BitCast(du, bits)), du, rows + lane);

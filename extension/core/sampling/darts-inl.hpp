@@ -101,8 +101,8 @@ HWY_INLINE void child_darts(DartKey parent, DartKey *HWY_RESTRICT r_darts) {
 		const auto key = hn::Or(hn::And(time, hn::Set(d, ~tag_bits)), hn::Set(d, dart_time(parent) & tag_bits));
 		const auto corner = hn::Or(hn::Set(d64, origin),
 				hn::ShiftLeftSame(hn::Load(d64, corners + lane), lattice_bits - static_cast<int>(level)));
-		const auto place = hn::Or(corner, hn::And(random, hn::Set(d64, inside)));
-		hn::StoreU(hn::BitCast(d64, hn::OddEven(key, hn::BitCast(d, place))), d64, r_darts + lane);
+		const auto position = hn::Or(corner, hn::And(random, hn::Set(d64, inside)));
+		hn::StoreU(hn::BitCast(d64, hn::OddEven(key, hn::BitCast(d, position))), d64, r_darts + lane);
 	}
 }
 
@@ -131,18 +131,18 @@ HWY_INLINE void throw_base_darts(LevelGrid &grid) {
 				tags[lane] = row_tag + mod_5(x + lane);
 			}
 			const auto key = hn::Or(hn::And(time, hn::Set(d, ~tag_bits)), hn::Load(d, tags));
-			const auto place = hn::And(random.second, hn::Set(d, position_mask));
+			const auto position = hn::And(random.second, hn::Set(d, position_mask));
 			const std::int32_t rest = std::min(lanes, grid.cells.max.x - x);
 			if (rest == lanes) {
 				hn::StoreU(key, d, grid.time.data() + index);
-				hn::StoreU(place, d, grid.dart.data() + index);
+				hn::StoreU(position, d, grid.dart.data() + index);
 			} else {
 				alignas(64) std::uint32_t keys[lanes];
-				alignas(64) std::uint32_t places[lanes];
+				alignas(64) std::uint32_t positions[lanes];
 				hn::Store(key, d, keys);
-				hn::Store(place, d, places);
+				hn::Store(position, d, positions);
 				std::copy_n(keys, rest, grid.time.begin() + index);
-				std::copy_n(places, rest, grid.dart.begin() + index);
+				std::copy_n(positions, rest, grid.dart.begin() + index);
 			}
 		}
 	}

@@ -27,7 +27,7 @@ constexpr CellRect coarse_cells_around(const CellRect &cells) {
 	return {(cells.min >> 1) - 1, ((cells.max - 1) >> 1) + 2};
 }
 
-/// Maps an accepted dart to its place in the progressive order.
+/// Maps an accepted dart to its rank in the progressive order.
 using RankFunction = std::uint32_t (*)(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
 /// The state of the race over a rectangle of cells of one level of the progressive order. Cells are stored by rows, with a border

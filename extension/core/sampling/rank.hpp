@@ -6,7 +6,7 @@
 
 namespace thicket {
 
-/// The place of an accepted dart in the progressive order, as a fraction of 2^32: the share of the whole set whose
+/// The position of an accepted dart in the progressive order, as a fraction of 2^32: the share of the whole set whose
 /// (level, time) comes before. Levels go from coarse (levels - 1) to fine (0). From tables that hold for every seed
 /// and radius, because the process has no scale. Never falls along that order.
 std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time);

@@ -68,8 +68,8 @@ HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position
 		}
 	}
 	for (; closed != 0; closed &= closed - 1) {
-		const auto place = static_cast<std::uint32_t>(std::countr_zero(closed));
-		close_cell(grid, around.first + (place >> 2) * grid.stride + (place & 3));
+		const auto bit = static_cast<std::uint32_t>(std::countr_zero(closed));
+		close_cell(grid, around.first + (bit >> 2) * grid.stride + (bit & 3));
 	}
 }
 
@@ -132,7 +132,7 @@ inline DartKey next_dart(LevelGrid &grid, std::uint32_t cell, DartKey rejected) 
 	return grid.waiting[cell] != 0 ? grid.siblings.take(grid.waiting[cell]) : dart_never;
 }
 
-/// True when a disk covers the place of the dart.
+/// True when a disk covers the position of the dart.
 HWY_INLINE bool closed_at(const LevelGrid &grid, std::uint32_t cell, DartKey dart) {
 	return (grid.open[cell] >> sub_square_of(dart_position(dart_place(dart))) & 1) == 0;
 }

@@ -26,17 +26,17 @@ public:
 
 	/// Puts siblings, sorted by time, before the others of a list.
 	void add(std::uint32_t &head, const std::array<DartKey, 4> &keys) {
-		std::uint32_t place = free_;
-		if (place != 0) {
-			free_ = entries_[place].next;
+		std::uint32_t index = free_;
+		if (index != 0) {
+			free_ = entries_[index].next;
 		} else {
 			if (used_ >= entries_.size()) {
 				grow();
 			}
-			place = used_++;
+			index = used_++;
 		}
-		entries_[place] = {keys, head};
-		head = place;
+		entries_[index] = {keys, head};
+		head = index;
 	}
 
 	/// Takes the earliest square out of a list that has one.
@@ -49,13 +49,13 @@ public:
 				earliest = link;
 			}
 		}
-		const std::uint32_t place = *earliest;
-		Siblings &siblings = entries_[place];
+		const std::uint32_t index = *earliest;
+		Siblings &siblings = entries_[index];
 		siblings.keys = {siblings.keys[1], siblings.keys[2], siblings.keys[3], dart_never};
 		if (siblings.keys[0] == dart_never) {
 			*earliest = siblings.next;
 			siblings.next = free_;
-			free_ = place;
+			free_ = index;
 		}
 		return key;
 	}

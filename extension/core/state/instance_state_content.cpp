@@ -1,6 +1,7 @@
 #include "core/state/instance_state_content.hpp"
 
 #include "core/base/guard.hpp"
+#include "core/base/reserve.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,14 +23,6 @@ double scale_of(const AddedInstance &instance) {
 }
 
 glm::dvec2 square_position(const AddedInstance &instance) { return {instance.position.x, instance.position.z}; }
-
-/// Room for so many more, and for as many again, so that single changes do not move it each time.
-template <typename T>
-void reserve_more(std::vector<T> &r_list, std::size_t more) {
-	if (r_list.capacity() - r_list.size() < more) {
-		r_list.reserve(std::max(r_list.size() + more, 2 * r_list.capacity()));
-	}
-}
 
 } // namespace
 

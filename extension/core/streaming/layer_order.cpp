@@ -1,5 +1,6 @@
 // In which order the tiles of a layer are requested and come on show.
 
+#include "core/base/guard.hpp"
 #include "core/base/tile_grid.hpp"
 #include "core/streaming/layer_tiles.hpp"
 
@@ -18,14 +19,17 @@ constexpr double tolerance_tiles = 1.0 - slack_tiles;
 
 } // namespace
 
-/// A tile waits to be requested anew: in the queues of all for whom it may be.
-void LayerTiles::queue_up(std::uint32_t slot) {
-	const glm::ivec2 at = tiles_[slot].at;
-	for (Sight &sight : sights_) {
-		if (sight.keep.contains(at)) {
-			sight.queue.add(slot, at);
+/// A tile waits to be requested anew: in the queues of all for whom it may be. Where memory ends, the next look fills them.
+void LayerTiles::queue_up(std::uint32_t slot) noexcept {
+	const Status status = guarded("tiles", 1.0, [&] {
+		const glm::ivec2 at = tiles_[slot].at;
+		for (Sight &sight : sights_) {
+			if (sight.keep.contains(at)) {
+				sight.queue.add(slot, at);
+			}
 		}
-	}
+	});
+	torn_ = torn_ || !status.ok();
 }
 
 /// Measures an entry of a queue; false for one that is of no use any more.
@@ -83,7 +87,7 @@ std::uint32_t LayerTiles::find_pending(const TileRequest &request) const {
 bool LayerTiles::ready(const TileRequest &request) {
 	const std::uint32_t slot = find_pending(request);
 	if (slot != TileTable::none && !std::exchange(tiles_[slot].made, true)) {
-		made_.push_back(slot);
+		made_.push_back(slot); // There is room: see `enter`.
 	}
 	return slot != TileTable::none;
 }

@@ -1,5 +1,7 @@
 #include "core/streaming/layer_tiles.hpp"
 
+#include "core/base/guard.hpp"
+#include "core/base/reserve.hpp"
 #include "core/base/tile_grid.hpp"
 
 #include <algorithm>
@@ -28,6 +30,13 @@ void LayerTiles::erase(std::uint32_t slot) {
 	change(slot, [](StreamedTile &tile) { tile.exists = false; });
 	tiles_.erase(slot);
 }
+
+void LayerTiles::add_room(std::size_t &r_cancel, std::size_t &r_drop) const {
+	r_cancel += counts_.pending;
+	r_drop += counts_.shown + retired_.size();
+}
+
+void LayerTiles::make_room() { reserve_more(retired_, counts_.shown); }
 
 void LayerTiles::configure(const StreamLayer &settings, std::uint32_t new_grid, StreamChanges &r_changes) {
 	if (settings_.tile_size != settings.tile_size) {
@@ -87,12 +96,52 @@ void LayerTiles::clear(StreamChanges &r_changes) {
 	for (const Retired &retired : retired_) {
 		r_changes.drop.push_back(retired.key);
 	}
+	forget();
+}
+
+void LayerTiles::forget() {
 	tiles_.clear();
 	sights_.clear();
 	retired_.clear();
+	made_.clear();
+	counts_ = {};
+	torn_ = sweeping_ = false;
 }
 
 bool LayerTiles::look(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes) {
+	if (torn_) {
+		begin_anew();
+	}
+	torn_ = true; // Unless this comes to its end.
+	const bool looked = look_at_all(viewers, r_new, r_changes);
+	if (sweeping_ && !behind_) {
+		leave_all(r_changes);
+		sweeping_ = false;
+	}
+	torn_ = false;
+	return looked;
+}
+
+/// All viewers are as new; the tiles are there still.
+void LayerTiles::begin_anew() {
+	sights_.clear();
+	first_sight_ = 0;
+	sweeping_ = true;
+}
+
+/// Lets go of what nobody sees or keeps.
+void LayerTiles::leave_all(StreamChanges &r_changes) {
+	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
+		const StreamedTile &tile = tiles_[slot];
+		if (tile.exists && !kept(tile.at)) {
+			release(slot, r_changes);
+		} else if (tile.exists && !tile.begun() && !seen(tile.at)) {
+			erase(slot);
+		}
+	}
+}
+
+bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes) {
 	const std::size_t count = std::max(sights_.size(), viewers.size());
 	sights_.resize(count);
 	bool looked = false;
@@ -165,9 +214,17 @@ void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
 void LayerTiles::enter(Sight &sight) {
 	sight.view.visit_without(sight.old_view, [&](glm::ivec2 at) {
 		const std::size_t before = tiles_.size();
+		reserve_more(made_, before + 1 - made_.size()); // Any of them may lie ready.
 		const std::uint32_t slot = tiles_.find_or_add(at);
 		counts_.waiting += tiles_.size() - before;
 		if (!tiles_[slot].current) {
+			sight.queue.add(slot, at);
+		}
+	});
+	// What another viewer has left on show, outdated, may now be kept by this one alone.
+	sight.keep.visit_without(sight.old_keep, [&](glm::ivec2 at) {
+		const std::uint32_t slot = tiles_.find(at);
+		if (slot != TileTable::none && tiles_[slot].begun() && !tiles_[slot].current && !sight.view.contains(at)) {
 			sight.queue.add(slot, at);
 		}
 	});
@@ -199,10 +256,10 @@ bool LayerTiles::kept(glm::ivec2 at) const {
 
 /// Says what has to be undone for a tile that goes, and forgets it.
 void LayerTiles::release(std::uint32_t slot, StreamChanges &r_changes) {
-	cancel(slot, r_changes);
 	if (tiles_[slot].shown) {
-		r_changes.drop.push_back(key(tiles_[slot].at));
+		r_changes.drop.push_back(key(tiles_[slot].at)); // First: it may fail.
 	}
+	cancel(slot, r_changes);
 	erase(slot);
 }
 
@@ -210,7 +267,8 @@ void LayerTiles::cancel(std::uint32_t slot, StreamChanges &r_changes) {
 	if (tiles_[slot].ticket == 0) {
 		return;
 	}
-	r_changes.cancel.push_back(request_of(slot));
+	// Where memory ends, the work is done in vain: its answer is refused.
+	static_cast<void>(guarded("cancel", 1.0, [&] { r_changes.cancel.push_back(request_of(slot)); }));
 	forget_made(slot);
 	change(slot, [](StreamedTile &tile) {
 		tile.ticket = 0;
@@ -219,6 +277,7 @@ void LayerTiles::cancel(std::uint32_t slot, StreamChanges &r_changes) {
 }
 
 void LayerTiles::drop_covered(StreamChanges &r_changes) {
+	reserve_more(r_changes.drop, retired_.size());
 	std::erase_if(retired_, [&](const Retired &retired) {
 		const bool covered = !is_missing_under(retired.rect);
 		if (covered) {

@@ -56,6 +56,12 @@ public:
 	/// Takes new settings; a new tile size retires what is on show, cancels the rest, and starts `new_grid`.
 	void configure(const StreamLayer &settings, std::uint32_t new_grid, StreamChanges &r_changes);
 
+	/// What `configure` and `clear` will add at most, told in advance.
+	void add_room(std::size_t &r_cancel, std::size_t &r_drop) const;
+
+	/// Takes the memory that `configure` needs in this layer.
+	void make_room();
+
 	/// What touches `area` is outdated. What is under way stays so, and is outdated when it comes.
 	void invalidate(const Rect &area);
 
@@ -65,9 +71,13 @@ public:
 	/// Cancels and drops everything.
 	void clear(StreamChanges &r_changes);
 
+	/// The same, without a word.
+	void forget();
+
 	/// Finds out which tiles are wanted, kept and gone. Returns false, at no cost, if no viewer sees less or more than it
 	/// did or has moved by more than `slack_tiles`. What it costs else depends on what is not what it was. Adds to `r_new`
 	/// the tiles that were not known before; once there are `max_new` of them, viewers are left for the next look.
+	/// Throws std::bad_alloc; what was done is in `r_changes` then, and the next look begins anew.
 	bool look(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
 
 	/// True if the last look left viewers for the next one. Nothing comes on show until then.
@@ -124,7 +134,7 @@ private:
 	void leave(const Sight &sight, StreamChanges &r_changes);
 	bool seen(glm::ivec2 at) const;
 	bool kept(glm::ivec2 at) const;
-	void queue_up(std::uint32_t slot);
+	void queue_up(std::uint32_t slot) noexcept;
 	bool measure(const Sight &sight, TileQueue::Entry &entry) const;
 	void sort(Sight &sight);
 	template <class Fits>
@@ -140,6 +150,9 @@ private:
 	void cancel(std::uint32_t slot, StreamChanges &r_changes);
 	void release(std::uint32_t slot, StreamChanges &r_changes);
 	bool is_missing_under(const Rect &rect) const;
+	bool look_at_all(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
+	void begin_anew();
+	void leave_all(StreamChanges &r_changes);
 	std::uint32_t find_pending(const TileRequest &request) const;
 	TileKey key(glm::ivec2 at) const { return {layer_, grid_, at}; }
 	Rect rect(glm::ivec2 at) const;
@@ -152,6 +165,8 @@ private:
 	std::vector<Sight> sights_;   ///< By viewer.
 	std::size_t first_sight_ = 0; ///< The one to begin the next look with.
 	bool behind_ = false;
+	bool torn_ = false;    ///< Memory ended: not all that waits is in the queues, or a look was left half done.
+	bool sweeping_ = false; ///< And all tiles have to be looked at once every viewer has been.
 	std::vector<std::uint32_t> made_; ///< Slots of tiles that lie ready.
 	std::vector<Retired> retired_;
 };

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/base/reserve.hpp"
+
 #include <glm/vec2.hpp>
 
 #include <algorithm>
@@ -14,6 +16,8 @@ namespace thicket {
 
 /// Tiles of one layer in the order of their distance to one viewer, who moves. Only the nearest are kept in order; of the
 /// others no more is known than how near they may have come.
+///
+/// Where memory ends, std::bad_alloc is thrown and the queue is as it was.
 ///
 /// `measure(Entry &)`, where it is asked for, sets an entry's distance, or returns false for one that is to be thrown out.
 class TileQueue {
@@ -47,6 +51,8 @@ public:
 			sort_all(measure, batch);
 			return;
 		}
+		reserve_more(near_, fresh_.size());
+		reserve_more(far_, fresh_.size());
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
 		for (Entry &entry : fresh_) {
 			if (measure(entry)) {
@@ -94,6 +100,8 @@ private:
 
 	template <class Measure>
 	void sort_all(Measure &&measure, std::size_t most) {
+		reserve_more(near_, far_.size() + fresh_.size());
+		reserve_more(far_, near_.size() + fresh_.size()); // Of all, at most.
 		near_.insert(near_.end(), far_.begin(), far_.end());
 		near_.insert(near_.end(), fresh_.begin(), fresh_.end());
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });

@@ -1,6 +1,8 @@
 #include "core/streaming/tile_streamer.hpp"
 
 #include "core/base/check.hpp"
+#include "core/base/guard.hpp"
+#include "core/base/reserve.hpp"
 #include "core/base/tile_grid.hpp"
 #include "core/streaming/layer_tiles.hpp"
 
@@ -49,6 +51,8 @@ struct TileStreamer::State {
 	std::size_t request_turn = 0; ///< The viewer that is next to have a tile requested,
 	std::size_t show_turn = 0;    ///< and shown.
 
+	void make_room(std::size_t layer_count);
+	std::optional<TileRequest> next_ready();
 	void track(std::span<const Viewer> now);
 	void look(StreamChanges &r_changes);
 	std::size_t held();
@@ -60,6 +64,19 @@ void StreamChanges::clear() {
 	cancel.clear();
 	drop.clear();
 	request.clear();
+}
+
+/// Takes the memory that other layers, and other settings of those that there are, ask for.
+void TileStreamer::State::make_room(std::size_t layer_count) {
+	std::size_t cancel = 0;
+	std::size_t drop = 0;
+	for (LayerTiles &layer : layers) {
+		layer.add_room(cancel, drop);
+		layer.make_room();
+	}
+	reserve_more(backlog.cancel, cancel);
+	reserve_more(backlog.drop, drop);
+	layers.reserve(layer_count);
 }
 
 /// Takes the viewers' positions. Viewers are matched by index, and where there are more or fewer than before all have jumped.
@@ -88,21 +105,23 @@ void TileStreamer::State::track(std::span<const Viewer> now) {
 /// Layers that were left for later in the last update come first.
 void TileStreamer::State::look(StreamChanges &r_changes) {
 	std::size_t found = 0;
-	outdated = false;
+	outdated = true; // Unless this comes to its end.
+	bool behind = false;
 	const std::size_t first = first_layer;
 	for (std::size_t turn = 0; turn < layers.size(); ++turn) {
 		const std::size_t index = (first + turn) % layers.size();
 		LayerTiles &layer = layers[index];
 		const bool looked = layer.look(viewers, found, r_changes);
 		if (layer.behind()) {
-			first_layer = outdated ? first_layer : index;
-			outdated = true;
+			first_layer = behind ? first_layer : index;
+			behind = true;
 		}
 		if (layer.has_retired() && (looked || answered) && !layer.behind()) {
 			layer.drop_covered(r_changes);
 		}
 	}
 	answered = false;
+	outdated = behind;
 }
 
 /// How many tiles lie ready and have to wait for nearer ones.
@@ -128,6 +147,7 @@ bool TileStreamer::State::request_one(std::size_t viewer, StreamChanges &r_chang
 	if (nearest_layer == nullptr) {
 		return false;
 	}
+	reserve_more(r_changes.request, 1);
 	r_changes.request.push_back(nearest_layer->request(
 			nearest.slot, ++last_ticket, static_cast<std::uint32_t>(viewer), viewers[viewer].flown));
 	return true;
@@ -162,6 +182,10 @@ Status TileStreamer::set_layers(std::span<const StreamLayer> settings) {
 		if (const Status status = validate(layer); !status.ok()) {
 			return status;
 		}
+	}
+	const auto count = static_cast<double>(settings.size());
+	if (const Status status = guarded("layers", count, [&] { state_->make_room(settings.size()); }); !status.ok()) {
+		return status;
 	}
 	std::vector<LayerTiles> &layers = state_->layers;
 	for (std::size_t i = settings.size(); i < layers.size(); ++i) {
@@ -206,10 +230,11 @@ Status TileStreamer::update(std::span<const Viewer> viewers, std::size_t max_pen
 	}
 	r_changes.clear();
 	std::swap(r_changes, state.backlog);
-	state.track(viewers);
-	state.look(r_changes);
-	state.request(max_pending, r_changes);
-	return {};
+	return guarded("viewers", static_cast<double>(viewers.size()), [&] {
+		state.track(viewers);
+		state.look(r_changes);
+		state.request(max_pending, r_changes);
+	});
 }
 
 bool TileStreamer::ready(const TileRequest &request) {
@@ -217,24 +242,29 @@ bool TileStreamer::ready(const TileRequest &request) {
 }
 
 std::optional<TileRequest> TileStreamer::next_ready() {
-	std::vector<LayerTiles> &layers = state_->layers;
+	std::optional<TileRequest> found;
+	const Status status = guarded("tiles", 1.0, [&] { found = state_->next_ready(); });
+	return status.ok() ? found : std::nullopt;
+}
+
+std::optional<TileRequest> TileStreamer::State::next_ready() {
 	if (std::ranges::none_of(layers, [](const LayerTiles &layer) { return layer.made_count() > 0; })) {
 		return std::nullopt;
 	}
-	const std::size_t count = state_->viewers.size();
+	const std::size_t count = viewers.size();
 	for (std::size_t turn = 1; turn <= count; ++turn) {
-		const std::size_t viewer = (state_->show_turn + turn) % count;
+		const std::size_t viewer = (show_turn + turn) % count;
 		LayerTiles *nearest_layer = nullptr;
 		LayerTiles::Candidate nearest;
 		for (LayerTiles &layer : layers) {
-			const auto next = layer.next_ready(viewer, state_->viewers[viewer]);
+			const auto next = layer.next_ready(viewer, viewers[viewer]);
 			if (next && (nearest_layer == nullptr || next->distance_squared < nearest.distance_squared)) {
 				nearest_layer = &layer;
 				nearest = *next;
 			}
 		}
 		if (nearest_layer != nullptr) {
-			state_->show_turn = viewer;
+			show_turn = viewer;
 			return nearest_layer->request_of(nearest.slot);
 		}
 	}
@@ -242,8 +272,12 @@ std::optional<TileRequest> TileStreamer::next_ready() {
 }
 
 bool TileStreamer::may_show(const TileRequest &request) {
-	return request.key.layer < state_->layers.size() &&
-			state_->layers[request.key.layer].may_show(request, state_->viewers);
+	bool may = false;
+	const Status status = guarded("tiles", 1.0, [&] {
+		may = request.key.layer < state_->layers.size() &&
+				state_->layers[request.key.layer].may_show(request, state_->viewers);
+	});
+	return status.ok() && may;
 }
 
 bool TileStreamer::finish(const TileRequest &request) {
@@ -256,9 +290,8 @@ bool TileStreamer::finish(const TileRequest &request) {
 }
 
 void TileStreamer::clear() {
-	StreamChanges forgotten;
 	for (LayerTiles &layer : state_->layers) {
-		layer.clear(forgotten);
+		layer.forget();
 	}
 	state_->backlog.clear();
 	state_->outdated = true;

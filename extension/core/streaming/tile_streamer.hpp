@@ -100,7 +100,8 @@ public:
 	TileStreamer &operator=(TileStreamer &&) noexcept;
 
 	/// Replaces the layers, matched to the old ones by index: a new view distance keeps all tiles, a new tile size
-	/// starts a new grid for that layer, a missing layer loses its tiles. Refused settings change nothing.
+	/// starts a new grid for that layer, a missing layer loses its tiles. Refused settings change nothing, nor does a
+	/// call for which memory does not suffice.
 	Status set_layers(std::span<const StreamLayer> layers);
 
 	/// What is shown or under way for a layer is outdated (its settings or the ground have changed) and will be requested
@@ -116,7 +117,9 @@ public:
 
 	/// Works out what has to change for these viewers, and replaces `r_changes` by it. At most `max_pending` tiles are
 	/// pending at a time; others wait for their turn, for which each update looks again. No viewers: all is dropped.
-	/// A refused viewer changes nothing. Costs little while viewers stay within an eighth of a tile.
+	/// A refused viewer changes nothing. Costs little while viewers stay within an eighth of a tile. After
+	/// ErrorCode::out_of_memory `r_changes` holds what could be worked out, to be done as always; the next update does the
+	/// rest. Work to be cancelled may be left out then: its answers are refused all the same.
 	Status update(std::span<const Viewer> viewers, std::size_t max_pending, StreamChanges &r_changes);
 
 	/// The tile of a request is made and waits for its turn. False when it comes too late and must be thrown away.
@@ -124,6 +127,7 @@ public:
 
 	/// The tile that comes on show next, of those that are ready; none if all of them have to wait for nearer ones. Viewers
 	/// take turns, and each gets what is nearest to it now. The same one may come again until it is finished or cancelled.
+	/// None for now where memory does not suffice to tell, as for the next.
 	std::optional<TileRequest> next_ready();
 
 	/// Whether a pending tile may come on show now. What takes its time to get there from `next_ready` has to ask again.

@@ -1,5 +1,6 @@
 #include "core/streaming/tile_table.hpp"
 
+#include "core/base/reserve.hpp"
 #include "core/base/split_mix.hpp"
 
 namespace thicket {
@@ -22,7 +23,7 @@ std::uint32_t TileTable::find(glm::ivec2 at) const { return buckets_.empty() ? n
 
 void TileTable::grow() {
 	const std::size_t count = buckets_.empty() ? 64 : 2 * buckets_.size();
-	buckets_.assign(count, none);
+	std::vector<std::uint32_t>(count, none).swap(buckets_);
 	for (std::uint32_t slot = 0; slot < tiles_.size(); ++slot) {
 		if (tiles_[slot].exists) {
 			buckets_[bucket_of(tiles_[slot].at)] = slot;
@@ -37,8 +38,9 @@ std::uint32_t TileTable::find_or_add(glm::ivec2 at) {
 	std::uint32_t &entry = buckets_[bucket_of(at)];
 	if (entry == none) {
 		if (free_.empty()) {
-			free_.push_back(static_cast<std::uint32_t>(tiles_.size()));
+			reserve_more(free_, tiles_.size() + 1 - free_.size()); // For all of them: `erase` takes no memory.
 			tiles_.emplace_back();
+			free_.push_back(static_cast<std::uint32_t>(tiles_.size() - 1));
 		}
 		entry = free_.back();
 		free_.pop_back();
@@ -49,7 +51,7 @@ std::uint32_t TileTable::find_or_add(glm::ivec2 at) {
 	return entry;
 }
 
-void TileTable::erase(std::uint32_t slot) {
+void TileTable::erase(std::uint32_t slot) noexcept {
 	const std::size_t mask = buckets_.size() - 1;
 	std::size_t hole = bucket_of(tiles_[slot].at);
 	buckets_[hole] = none;

@@ -33,9 +33,9 @@ public:
 	/// The slot of a tile; `none` if it is not there.
 	std::uint32_t find(glm::ivec2 at) const;
 
-	/// The slot of a tile, which is added as new if it is not there.
+	/// The slot of a tile, which is added as new if it is not there. Throws std::bad_alloc, and has added none then.
 	std::uint32_t find_or_add(glm::ivec2 at);
-	void erase(std::uint32_t slot);
+	void erase(std::uint32_t slot) noexcept;
 	void clear();
 
 	StreamedTile &operator[](std::uint32_t slot) { return tiles_[slot]; }

@@ -169,11 +169,11 @@ bool Heightfield::in_area(glm::dvec2 position) const {
 template <typename Post>
 Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 position) const {
 	// In posts from the first one. The last patch takes its far border too.
-	const glm::dvec2 place = (position - frame_.area.min) * posts_per_meter_;
-	const int column = std::min(static_cast<int>(place.x), frame_.posts.x - 2);
-	const int row = std::min(static_cast<int>(place.y), frame_.posts.y - 2);
-	const double x = place.x - column;
-	const double y = place.y - row;
+	const glm::dvec2 along_posts = (position - frame_.area.min) * posts_per_meter_;
+	const int column = std::min(static_cast<int>(along_posts.x), frame_.posts.x - 2);
+	const int row = std::min(static_cast<int>(along_posts.y), frame_.posts.y - 2);
+	const double x = along_posts.x - column;
+	const double y = along_posts.y - row;
 
 	const Line across = line_about(column, frame_.posts.x);
 	const Line along = line_about(row, frame_.posts.y);

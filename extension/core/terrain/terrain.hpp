@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// What lies under a place: the height of the ground in world meters, and its unit normal, y up. A height of NAN
+/// What lies under a position: the height of the ground in world meters, and its unit normal, y up. A height of NAN
 /// means that there is no ground (off the terrain, a hole, water that a source leaves out).
 struct Ground {
 	float height = std::numeric_limits<float>::quiet_NaN();
@@ -19,7 +19,7 @@ struct Ground {
 	float weight = 1.0f; ///< How much of it belongs to the textures that were asked for, 0 to 1; see Terrain::weigh.
 };
 
-/// Ground for many places at once. An implementation is a pure function of the position: asked twice, in whatever
+/// Ground for many positions at once. An implementation is a pure function of the position: asked twice, in whatever
 /// batch, it gives the same bits, or tiles that were made apart would not fit.
 class Terrain {
 public:
@@ -31,7 +31,7 @@ public:
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const = 0;
 
 	/// Writes to `r_ground[i].weight` how much of the ground at `positions[i]` belongs to any of `textures` (numbers of the
-	/// source's own: texture layers, channels of a weight map), 0 to 1. The spans of places are of equal length. Called after
+	/// source's own: texture layers, channels of a weight map), 0 to 1. The spans of positions are of equal length. Called after
 	/// `sample`, under the same rules. A terrain without textures leaves 1: it allows all.
 	virtual Status weigh([[maybe_unused]] std::span<const glm::dvec2> positions,
 			[[maybe_unused]] std::span<const std::int32_t> textures,
@@ -39,7 +39,7 @@ public:
 		return {};
 	}
 
-	/// The ground at one place; no ground if `sample` fails. For many places, `sample` is the cheaper.
+	/// The ground at one position; no ground if `sample` fails. For many positions, `sample` is the cheaper.
 	Ground at(glm::dvec2 position) const {
 		Ground ground;
 		return sample({&position, 1}, {&ground, 1}).ok() ? ground : Ground{};

@@ -10,16 +10,16 @@ namespace thicket {
 
 namespace {
 
-/// Two neighbors on an axis, and how far a place lies from the first to the second.
+/// Two neighbors on an axis, and how far a position lies from the first to the second.
 struct Between {
 	int first;
 	int second;
 	double part;
 };
 
-/// `place` within 0 to 1.
-Between between(double place, int pixels) {
-	const double along = place * (pixels - 1);
+/// `position` within 0 to 1.
+Between between(double position, int pixels) {
+	const double along = position * (pixels - 1);
 	const int first = static_cast<int>(along);
 	return {first, std::min(first + 1, pixels - 1), along - first};
 }
@@ -54,12 +54,12 @@ unsigned WeightMap::channels_of(std::span<const std::int32_t> textures) const {
 	return channels;
 }
 
-float WeightMap::weight(glm::dvec2 place, unsigned channels) const {
+float WeightMap::weight(glm::dvec2 position, unsigned channels) const {
 	const auto unit = [](double value) {
 		return value > 0.0 ? std::min(value, 1.0) : 0.0; // NAN is 0.
 	};
-	const Between x = between(unit(place.x), size_.x);
-	const Between y = between(unit(place.y), size_.y);
+	const Between x = between(unit(position.x), size_.x);
+	const Between y = between(unit(position.y), size_.y);
 	const auto row = [&](int index) {
 		const double first = sum(x.first, index, channels);
 		return first + (sum(x.second, index, channels) - first) * x.part;

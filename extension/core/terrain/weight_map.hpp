@@ -28,9 +28,9 @@ public:
 	/// The channels that textures stand for, a bit each: texture 0 is the first channel. Numbers without a channel have no bit.
 	unsigned channels_of(std::span<const std::int32_t> textures) const;
 
-	/// The sum of some channels (bits as above) at a place, 0 to 1 on both axes, others held to that: bilinear between pixels,
+	/// The sum of some channels (bits as above) at a position, 0 to 1 on both axes, others held to that: bilinear between pixels,
 	/// 0 to 1. Only if not empty.
-	float weight(glm::dvec2 place, unsigned channels) const;
+	float weight(glm::dvec2 position, unsigned channels) const;
 
 private:
 	int sum(int column, int row, unsigned channels) const;

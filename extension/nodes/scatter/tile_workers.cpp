@@ -61,6 +61,7 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 	wake();
 	std::vector<std::shared_ptr<TileJob>> taken;
 	const std::lock_guard lock(mutex_);
+	taken.reserve(queue_.size() + workers_.size()); // As in `push`.
 	taken.swap(finished_);
 	return taken;
 }

@@ -59,12 +59,12 @@ public:
 		++made_;
 	}
 
-	/// Takes a square out of its list; the last one takes its place.
+	/// Takes a square out of its list; the last one moves there.
 	Square<Real> take(Choice choice) {
 		List &list = lists_[choice.level];
-		Square<Real> &place = at(list, choice.index);
-		const Square<Real> square = place;
-		place = at(list, --list.count);
+		Square<Real> &taken = at(list, choice.index);
+		const Square<Real> square = taken;
+		taken = at(list, --list.count);
 		__builtin_prefetch(&at(list, list.count - std::min(list.count, soon_last)));
 		if ((list.count & ((1u << chunk_shift_) - 1)) == 0) {
 			spare_.push_back(list.chunks.back());
@@ -90,14 +90,14 @@ public:
 		return choice;
 	}
 
-	/// What `choose` would say now. A later `choose` mostly says the same: bits stand for the same place in a list until that
-	/// place is beyond its end or taken.
+	/// What `choose` would say now. A later `choose` mostly says the same: bits stand for the same index in a list until that
+	/// index is beyond its end or taken.
 	Choice foresee(const Draw &draw) const {
 		std::uint32_t checks = 0;
 		return look_up(draw, checks);
 	}
 
-	/// The square at a place foreseen earlier, if there still is one.
+	/// The square at an index foreseen earlier, if there still is one.
 	const Square<Real> *peek(Choice choice) const {
 		const List &list = lists_[choice.level];
 		return choice.index < list.count ? &at(list, choice.index) : nullptr;
@@ -110,7 +110,7 @@ private:
 	};
 
 	static constexpr std::uint32_t fresh_choices = 4096;
-	static constexpr std::uint64_t soon_last = 64; ///< How long before it may take a place, a list's end is fetched.
+	static constexpr std::uint64_t soon_last = 64; ///< How long before it may be needed, a list's end is fetched.
 
 	std::array<List, most_levels> lists_;
 	std::array<double, most_levels> areas_{}; ///< Of all squares in each list, in base squares.
@@ -170,7 +170,7 @@ private:
 		chunks_made_ += chunks;
 	}
 
-	/// Equation 3 of the paper: a linear search over the lists, then a place in the list. Places are drawn from the next power of
+	/// Equation 3 of the paper: a linear search over the lists, then an index in the list. Indices are drawn from the next power of
 	/// two until one is in the list.
 	Choice look_up(const Draw &draw, std::uint32_t &r_checks) const {
 		double rest = static_cast<double>(draw.level >> 11) * 0x1p-53 * total_;

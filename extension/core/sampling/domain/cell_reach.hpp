@@ -66,7 +66,7 @@ private:
 		std::array<double, most_across> squared;
 
 		template <typename Real>
-		Across(const Frame<Real> &frame, std::uint32_t width, int axis, double place, int square) {
+		Across(const Frame<Real> &frame, std::uint32_t width, int axis, double coordinate, int square) {
 			constexpr int reach = squares_reached;
 			const int wide = static_cast<int>(width);
 			const int last_square = static_cast<int>(frame.squares[axis]) - 1;
@@ -76,7 +76,7 @@ private:
 			for (std::size_t i = 0; i < count; ++i) {
 				const double low = static_cast<double>(first + i) * wide * frame.base[axis];
 				const double high = low + wide * frame.base[axis];
-				const double distance = std::max({low - place, place - high, 0.0});
+				const double distance = std::max({low - coordinate, coordinate - high, 0.0});
 				squared[i] = distance * distance;
 			}
 		}

@@ -29,7 +29,7 @@ class CellStore {
 public:
 	static constexpr std::size_t block = Near<Real>::block;
 
-	/// A part of a cell: places [begin, end), `begin` a multiple of `block`.
+	/// A part of a cell: entries [begin, end), `begin` a multiple of `block`.
 	struct Part {
 		std::size_t begin;
 		std::size_t end;
@@ -38,43 +38,43 @@ public:
 	/// Room for about `likely` points a cell, and for a multiple of `least`, block or half a block. Throws std::bad_alloc.
 	CellStore(std::size_t cells, double likely, std::size_t least) :
 			sorted_(likely > sorted_above), capacity_(rounded_up(likely, sorted_ ? block : least)),
-			places_(cells * 2 * capacity_), counts_(sorted_ ? cells : 0) {}
+			coordinates_(cells * 2 * capacity_), counts_(sorted_ ? cells : 0) {}
 
-	std::size_t bytes() const { return places_.bytes() + counts_.bytes() + overflow_bytes_; }
+	std::size_t bytes() const { return coordinates_.bytes() + counts_.bytes() + overflow_bytes_; }
 	std::size_t capacity() const { return capacity_; }
 	bool sorted() const { return sorted_; }
 
 	/// The x of a cell, 0 where there is no point; its y come `capacity` further on.
-	const Real *places(std::size_t cell) const { return places_.data() + cell * 2 * capacity_; }
+	const Real *coordinates(std::size_t cell) const { return coordinates_.data() + cell * 2 * capacity_; }
 
 	bool overflows(std::size_t cell) const {
-		return places(cell)[capacity_ - 1] != Real{0} && overflow_.contains(cell);
+		return coordinates(cell)[capacity_ - 1] != Real{0} && overflow_.contains(cell);
 	}
 
 	/// Adds a point; `height` is where it lies between the lowest and the highest of the cell, 0 to 1.
 	void add(std::size_t cell, Real x, Real y, double height) {
-		Real *const xs = places_.data() + cell * 2 * capacity_;
+		Real *const xs = coordinates_.data() + cell * 2 * capacity_;
 		const std::size_t count = sorted_ ? counts_[cell] : vacant(xs);
 		if (count == capacity_) {
 			overflow_[cell].push_back({x, y});
 			overflow_bytes_ += sizeof(glm::vec<2, Real>);
 			return;
 		}
-		std::size_t place = count;
+		std::size_t index = count;
 		if (sorted_) {
 			Real *const ys = xs + capacity_;
-			place = first_not_below(ys, count, y, height);
-			std::copy_backward(xs + place, xs + count, xs + count + 1);
-			std::copy_backward(ys + place, ys + count, ys + count + 1);
+			index = first_not_below(ys, count, y, height);
+			std::copy_backward(xs + index, xs + count, xs + count + 1);
+			std::copy_backward(ys + index, ys + count, ys + count + 1);
 			++counts_[cell];
 		}
-		xs[place] = x;
-		xs[place + capacity_] = y;
+		xs[index] = x;
+		xs[index + capacity_] = y;
 	}
 
 	/// A part of a sorted cell that holds all its points with y in [low, high), and a few others; their heights as in `add`.
 	Part part(std::size_t cell, Real low, Real high, double low_height, double high_height) const {
-		const Real *ys = places(cell) + capacity_;
+		const Real *ys = coordinates(cell) + capacity_;
 		const std::size_t count = counts_[cell];
 		const std::size_t low_guess = guess(low_height, count);
 		std::size_t begin = (low_guess - std::min(low_guess, block)) / block * block;
@@ -91,21 +91,21 @@ public:
 	/// Fetches cells that lie side by side towards the cache. Inlined, because a compiler may take a function that only fetches
 	/// for one that does nothing.
 	HWY_INLINE void fetch(std::size_t first, std::size_t last) const {
-		fetch_line_by_line(places(first), places(last + 1));
+		fetch_line_by_line(coordinates(first), coordinates(last + 1));
 	}
 
 	/// Fetches what `part` will read of a sorted cell, as far as can be guessed.
 	HWY_INLINE void fetch_part(std::size_t cell, double low_height, double high_height) const {
 		__builtin_prefetch(counts_.data() + cell);
-		const Real *low = places(cell) + guess(low_height, capacity_);
-		const Real *high = places(cell) + guess(high_height, capacity_);
+		const Real *low = coordinates(cell) + guess(low_height, capacity_);
+		const Real *high = coordinates(cell) + guess(high_height, capacity_);
 		fetch_line_by_line(low, high);
 		fetch_line_by_line(low + capacity_, high + capacity_);
 	}
 
 	template <class Action>
 	void for_each(std::size_t cell, Action &&action) const {
-		const Real *xs = places(cell);
+		const Real *xs = coordinates(cell);
 		for (std::size_t i = 0; i < capacity_ && xs[i] != Real{0}; ++i) {
 			action(xs[i], xs[i + capacity_]);
 		}
@@ -126,7 +126,7 @@ private:
 
 	bool sorted_;
 	std::size_t capacity_;
-	ZeroedArray<Real> places_;
+	ZeroedArray<Real> coordinates_;
 	ZeroedArray<std::uint32_t> counts_;                                        ///< Of sorted cells.
 	std::unordered_map<std::size_t, std::vector<glm::vec<2, Real>>> overflow_; ///< Only looked up, never walked.
 	std::size_t overflow_bytes_ = 0;
@@ -135,7 +135,7 @@ private:
 		return (static_cast<std::size_t>(likely) + step) / step * step;
 	}
 
-	/// The first place of an unsorted cell that holds no point.
+	/// The first entry of an unsorted cell that holds no point.
 	std::size_t vacant(const Real *xs) const {
 		const Wide<Real> d;
 		for (std::size_t i = 0; i < capacity_; i += hn::Lanes(d)) {
@@ -146,7 +146,7 @@ private:
 		return capacity_;
 	}
 
-	/// The place of a height in a cell that is filled evenly.
+	/// The index of a height in a cell that is filled evenly.
 	static std::size_t guess(double height, std::size_t count) {
 		return static_cast<std::size_t>(height * static_cast<double>(count));
 	}
@@ -169,8 +169,8 @@ private:
 	static HWY_INLINE void fetch_line_by_line(const Real *begin, const Real *end) {
 		constexpr std::size_t line = 64 / sizeof(Real);
 		constexpr std::size_t most = 8 * line;
-		for (const Real *place = begin; place < std::min(end, begin + most); place += line) {
-			__builtin_prefetch(place);
+		for (const Real *entry = begin; entry < std::min(end, begin + most); entry += line) {
+			__builtin_prefetch(entry);
 		}
 	}
 };

@@ -30,7 +30,7 @@ namespace thicket::HWY_NAMESPACE {
 /// wavefront, groups of them as darts are accepted.
 ///
 /// Squares are chosen at random all over the domain, so in a large one each choice would wait for memory. Therefore the random
-/// bits of later choices are looked at ahead of time, and what they are likely to need is fetched: first the place in the
+/// bits of later choices are looked at ahead of time, and what they are likely to need is fetched: first the entry in the
 /// list, then the cells around the square. That changes no outcome, for each choice is made anew when its turn comes. A fetch
 /// waits for the address of its page before anything later can end, so many are begun at once, which wait side by side.
 ///
@@ -86,7 +86,7 @@ public:
 	void visit(const PointVisitor<Real> &visitor) const override { cells_.visit(visitor); }
 
 private:
-	/// Choices that are looked at together: their places in the list two batches ahead, their cells one.
+	/// Choices that are looked at together: their entries in the list two batches ahead, their cells one.
 	static constexpr std::uint64_t batch = 8;
 	static constexpr std::size_t ring = 4 * batch;
 	static constexpr std::uint64_t choices_between_looks = 4096;
@@ -201,12 +201,12 @@ private:
 				half_x_[level], half_y_[level]};
 	}
 
-	/// A place in the square with uniform probability.
+	/// A position in the square with uniform probability.
 	glm::vec<2, Real> dart_in(const Square<Real> &square, std::uint32_t level, std::uint64_t random) const {
 		const double width = step_[level];
 		const double x = static_cast<double>(square.x) + static_cast<double>(random >> 32) * width;
 		const double y = static_cast<double>(square.y) + static_cast<double>(random & 0xffffffff) * width;
-		return {frame_.place(x * frame_.unit.x, 0), frame_.place(y * frame_.unit.y, 1)};
+		return {frame_.coordinate(x * frame_.unit.x, 0), frame_.coordinate(y * frame_.unit.y, 1)};
 	}
 
 	void accept(glm::vec<2, Real> dart, glm::uvec2 base, Points *r_points) {

@@ -29,7 +29,7 @@ struct Square {
 /// The numbers of a domain: base squares by equation 1 of the paper, and a lattice on which coordinates stand.
 ///
 /// All coordinates are whole multiples of `quantum`, of fewer than 2^bits, and are kept with `bias` added: then differences are
-/// exact also across the seam of a torus, and 0 is a place where no point can be.
+/// exact also across the seam of a torus, and 0 is a coordinate that no point has.
 template <typename Real>
 struct Frame {
 	static constexpr int bits = std::numeric_limits<Real>::digits - 1;
@@ -69,8 +69,8 @@ struct Frame {
 		return frame;
 	}
 
-	/// The biased coordinate next to a place of the domain.
-	Real place(double meters, int axis) const {
+	/// The biased coordinate next to a position in the domain.
+	Real coordinate(double meters, int axis) const {
 		const double to_quanta = 1.5 * 0x1p52 * quantum; // Its last bit is worth a quantum.
 		const double rounded = (meters + to_quanta) - to_quanta;
 		return static_cast<Real>(std::min(rounded, period[axis] - quantum) + bias);

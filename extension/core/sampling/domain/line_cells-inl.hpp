@@ -120,7 +120,7 @@ private:
 	std::array<Added, at_once> added_; ///< Not in `points_` yet.
 	std::size_t added_count_ = 0;
 	std::array<Rounded, at_once> rounded_;            ///< Not in `lines_` yet.
-	std::array<std::uint32_t, at_once> rounded_into_; ///< The low bits of the lines' places, to be compared quickly.
+	std::array<std::uint32_t, at_once> rounded_into_; ///< The low bits of the lines' indices, to be compared quickly.
 	std::size_t rounded_count_ = 0;
 
 	/// Blocks of 8 x 8 lines fill a page of the usual size. A narrow domain has narrower ones.
@@ -156,9 +156,9 @@ private:
 	/// Whether `rounded_` has points for a line. May say so of another: then they are stored early, which does not matter.
 	bool may_be_rounded_into(std::size_t index) const {
 		const hn::CappedTag<std::uint32_t, at_once> d;
-		const auto place = hn::Set(d, static_cast<std::uint32_t>(index));
+		const auto wanted = hn::Set(d, static_cast<std::uint32_t>(index));
 		for (std::size_t i = 0; i < at_once; i += hn::Lanes(d)) {
-			if (!hn::AllFalse(d, hn::Eq(hn::LoadU(d, rounded_into_.data() + i), place))) {
+			if (!hn::AllFalse(d, hn::Eq(hn::LoadU(d, rounded_into_.data() + i), wanted))) {
 				return true;
 			}
 		}

@@ -71,9 +71,9 @@ private:
 	void throw_dart(std::uint64_t random, std::vector<glm::vec<2, Real>> *r_points) {
 		const glm::dvec2 part(
 				static_cast<double>(random >> 32) * 0x1p-32, static_cast<double>(random & 0xffffffff) * 0x1p-32);
-		const glm::dvec2 place = part * frame_.period;
-		const glm::vec<2, Real> dart(frame_.place(place.x, 0), frame_.place(place.y, 1));
-		const glm::uvec2 square = glm::min(glm::uvec2(place / frame_.base), frame_.squares - 1u);
+		const glm::dvec2 position = part * frame_.period;
+		const glm::vec<2, Real> dart(frame_.coordinate(position.x, 0), frame_.coordinate(position.y, 1));
+		const glm::uvec2 square = glm::min(glm::uvec2(position / frame_.base), frame_.squares - 1u);
 		const Near<Real> near = cells_.near(square, {dart.x, dart.y, Real{0}, Real{0}});
 		if (any_within(near, dart.x, dart.y, frame_.limit)) {
 			return;

@@ -203,7 +203,7 @@ private:
 	Near<Real> in_one_cell(glm::uvec2 cell, const CenteredSquare<Real> &box) {
 		const std::size_t index = index_of(cell);
 		const auto [begin, end] = part_in(cell, box);
-		const Real *xs = store_.places(index) + begin;
+		const Real *xs = store_.coordinates(index) + begin;
 		const std::size_t lanes = (end - begin + block - 1) / block * block;
 		if (!store_.overflows(index)) {
 			return {xs, xs + store_.capacity(), lanes};
@@ -234,7 +234,7 @@ private:
 	template <class D>
 	HWY_INLINE void gather_cell(D d, glm::uvec2 cell, const CenteredSquare<Real> &box, std::size_t &r_count) {
 		const auto [begin, end] = part_in(cell, box);
-		const Real *xs = store_.places(index_of(cell));
+		const Real *xs = store_.coordinates(index_of(cell));
 		make_room(r_count + end - begin);
 		for (std::size_t i = begin; i < end && xs[i] != Real{0}; i += hn::Lanes(d)) {
 			const auto x = hn::LoadU(d, xs + i);

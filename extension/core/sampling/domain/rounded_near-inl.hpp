@@ -58,18 +58,18 @@ struct RoundedNear {
 	glm::uvec2 square;
 	CenteredSquare<double> part;
 
-	float x(double place) const { return steps(place - corner.x); }
-	float y(double place) const { return steps(place - corner.y); }
+	float x(double coordinate) const { return steps(coordinate - corner.x); }
+	float y(double coordinate) const { return steps(coordinate - corner.y); }
 	float steps(double meters) const { return static_cast<float>(meters * scale.steps_per_meter); }
 	Near<double> exact() const { return cells->exactly_near(square, part); }
 };
 
 using Steps = hn::CappedTag<float, RoundedPoints::lanes>;
 
-HWY_INLINE hn::Vec<Steps> load_steps(const std::uint16_t *places) {
+HWY_INLINE hn::Vec<Steps> load_steps(const std::uint16_t *coordinates) {
 	const hn::Rebind<std::uint16_t, Steps> narrow;
 	const hn::Rebind<std::int32_t, Steps> whole;
-	return hn::ConvertTo(Steps(), hn::PromoteTo(whole, hn::LoadU(narrow, places)));
+	return hn::ConvertTo(Steps(), hn::PromoteTo(whole, hn::LoadU(narrow, coordinates)));
 }
 
 /// True when squared(x, y), in squared steps, stands for less than the limit for any point; exactly() where that is not sure.

@@ -9,7 +9,7 @@
 
 namespace thicket {
 
-/// Asks the system for large pages under a block, where it has such a call: a place that is looked up at random then costs one
+/// Asks the system for large pages under a block, where it has such a call: an entry that is looked up at random then costs one
 /// cache miss, not two.
 void prefer_large_pages(void *block, std::size_t bytes);
 
