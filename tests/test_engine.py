@@ -109,6 +109,7 @@ def assert_passed(done):
         "test_layer_inspector",
         "test_layer_list",
         "test_layer_properties",
+        "test_layer_snapshot",
         "test_mask",
         pytest.param("test_viewers", marks=pytest.mark.alone),
         "test_world_offset",

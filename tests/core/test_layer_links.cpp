@@ -178,8 +178,7 @@ TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused 
 		CHECK(layer.neighbors.size() == index);
 		return index == 1 ? Status{ErrorCode::too_many_points, "spacing", 3.0} : Status{};
 	};
-	const std::vector<LinkedLayer> checked =
-			link_layers(unlinked(layers), before, none_at_1);
+	const std::vector<LinkedLayer> checked = link_layers(unlinked(layers), before, none_at_1);
 	CHECK(checked[0].status.ok());
 	CHECK(checked[1].status.code == ErrorCode::too_many_points);
 	CHECK(checked[1].settings == good[1].settings);

@@ -266,7 +266,7 @@ TEST_CASE("neighbors: bad ones are refused by name") {
 		}
 		layer.neighbors.push_back({between, 1.0, nullptr});
 	}
-	check_refused(validate(layer), ErrorCode::out_of_range, "neighbors of neighbors", max_chain_layers + 1.0);
+	check_refused(validate(layer), ErrorCode::out_of_range, "neighbors of neighbors", max_graph_layers + 1.0);
 	layer.neighbors.assign(max_neighbors + 1, {good, 1.0, nullptr});
 	check_refused(validate(layer), ErrorCode::out_of_range, "neighbors", max_neighbors + 1.0);
 }

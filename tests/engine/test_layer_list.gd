@@ -134,7 +134,7 @@ func test_changes_of_the_array_count_at_once() -> void:
 	check(standing(scatter, 0).is_empty(), "nothing stands without layers")
 	check_error(["layers"], "nothing to ask")
 	await settle(scatter)
-	check(scatter.get_shown_tiles(0).is_empty(), "nothing is shown")
+	check(shown_tiles(scatter, 0).is_empty(), "nothing is shown")
 
 
 func test_uses_follow_a_renamed_layer() -> void:

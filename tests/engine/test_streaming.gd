@@ -374,6 +374,21 @@ func test_pausing_stops_the_stream() -> void:
 	check(Vector2i(15, 0) in scatter.get_shown_tiles(0), "and goes on afterwards")
 
 
+## A viewer inside a tile is 0 m away from it: exactly where thinning begins, and a LOD may.
+func test_a_viewer_at_the_distance_of_a_change_lets_the_stream_settle() -> void:
+	var layer := make_layer()
+	layer.thin_end = 60.0
+	layer.thin_density = 0.25
+	layer.lod_meshes = [SphereMesh.new()]
+	layer.lod_distances = PackedFloat32Array([0.0])
+	var viewer := make_viewer(Vector3(5.0, 0.5, 5.0))
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	check(scatter.get_stats()["drawn"] > 0, "something is drawn")
+	viewer.global_position.x = 1.0
+	await settle(scatter)
+
+
 func test_terrain_answers_scripts() -> void:
 	var hills := Hills.new()
 	check(absf(hills.get_height(Vector3(13.0, 99.0, 7.0)) - Hills.height(Vector2(13.0, 7.0))) < 1e-4, "height")

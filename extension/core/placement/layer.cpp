@@ -1,8 +1,8 @@
 #include "core/placement/layer.hpp"
 
 #include "core/base/check.hpp"
+#include "core/placement/layer_graph.hpp"
 #include "core/placement/mesh_choice.hpp"
-#include "core/placement/neighbor_chain.hpp"
 
 #include <algorithm>
 
@@ -18,29 +18,29 @@ Status validate_alone(const LayerSettings &layer) {
 } // namespace
 
 Status validate(const LayerSettings &layer) {
-	const NeighborChain chain(layer);
-	Status status = chain.status();
-	for (std::size_t i = chain.links().size(); status.ok() && i-- > 0;) {
-		status = validate_alone(*chain.links()[i].layer);
+	const LayerGraph graph(layer);
+	Status status = graph.status();
+	for (std::size_t i = graph.nodes().size(); status.ok() && i-- > 0;) {
+		status = validate_alone(*graph.nodes()[i].layer);
 	}
 	return status;
 }
 
 double reach(const LayerSettings &layer) {
 	double farthest = 0.0;
-	const NeighborChain chain(layer);
-	for (const NeighborChain::Link &link : chain.links()) {
-		farthest = std::max(farthest, link.margin + link.layer->rules.edge_feather);
+	const LayerGraph graph(layer);
+	for (const LayerGraph::Node &node : graph.nodes()) {
+		farthest = std::max(farthest, node.margin + node.layer->rules.edge_feather);
 	}
 	return farthest;
 }
 
 double points_to_sample(const LayerSettings &layer, double tile_size) {
 	double points = 0.0;
-	const NeighborChain chain(layer);
-	for (const NeighborChain::Link &link : chain.links()) {
-		const double side = tile_size + 2.0 * link.margin;
-		points += point_density(link.layer->set) * side * side;
+	const LayerGraph graph(layer);
+	for (const LayerGraph::Node &node : graph.nodes()) {
+		const double side = tile_size + 2.0 * node.margin;
+		points += point_density(node.layer->set) * side * side;
 	}
 	return points;
 }

@@ -1,7 +1,7 @@
 #include "core/placement/tile_builder.hpp"
 
 #include "core/placement/instance_writer.hpp"
-#include "core/placement/stage_chain.hpp"
+#include "core/placement/tile_filter.hpp"
 
 #include <algorithm>
 #include <array>
@@ -40,15 +40,15 @@ double origin_height(std::span<const Ground> ground) {
 
 /// What stays between the steps, and the memory that stays between tiles.
 struct TileBuilder::Workspace {
-	explicit Workspace(const SampleMargins &margins) : chain(margins) {}
+	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
 
-	StageChain chain;
+	TileFilter filter;
 	InstanceWriter writer;
 
 	// Of the last successful `find_points`.
 	bool found = false;
 	Rect rect;
-	std::vector<glm::dvec2> positions; ///< Of all stages, then of the origin's probes.
+	std::vector<glm::dvec2> positions; ///< Of all layers, then of the origin's probes.
 	std::vector<GroundQuery> queries;
 
 	std::vector<Ground> ground; ///< For `build`, which asks the terrain itself.
@@ -60,10 +60,10 @@ struct TileBuilder::Workspace {
 void TileBuilder::Workspace::gather_positions() {
 	positions.clear();
 	queries.clear();
-	for (std::size_t i = 0; i < chain.size(); ++i) {
-		const LayerStage &stage = chain.stage(i);
-		queries.push_back({positions.size(), stage.place_count(), stage.layer().rules.ground_textures});
-		stage.add_places(positions);
+	for (std::size_t i = 0; i < filter.size(); ++i) {
+		const LayerFilter &layer = filter.layer(i);
+		queries.push_back({positions.size(), layer.position_count(), layer.settings().rules.ground_textures});
+		layer.add_positions(positions);
 	}
 	queries.push_back({positions.size(), origin_probes.size(), {}});
 	for (const glm::dvec2 probe : origin_probes) {
@@ -116,8 +116,8 @@ Status TileBuilder::find_points(const LayerSettings &layer, const Rect &rect, co
 	}
 	Workspace &work = *workspace_;
 	work.found = false;
-	work.chain.set(layer);
-	if (const Status status = work.chain.sample(rect, cancel); !status.ok()) {
+	work.filter.set(layer);
+	if (const Status status = work.filter.sample(rect, cancel); !status.ok()) {
 		return status;
 	}
 	work.rect = rect;
@@ -138,19 +138,19 @@ Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile,
 	if (ground.size() != work.positions.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(ground.size())};
 	}
-	if (const Status status = work.chain.filter(ground, cancel); !status.ok()) {
+	if (const Status status = work.filter.filter(ground, cancel); !status.ok()) {
 		return status;
 	}
-	const LayerStage &own = work.chain.own();
+	const LayerFilter &own = work.filter.own();
 	const glm::dvec2 center = work.rect.center();
 	r_tile.origin = {center.x, origin_height(ground.last(origin_probes.size())), center.y};
 	r_tile.counts = {own.sampled(), own.positions().size(), own.standing().size()};
-	const std::size_t first = work.queries[work.chain.size() - 1].first;
+	const std::size_t first = work.queries[work.filter.size() - 1].first;
 	const StandingPoints points{own.positions(), ground.subspan(first, own.positions().size()), own.ids(),
 			own.standing(), own.thinning_ranks()};
-	return work.writer.write(own.layer(), points, r_tile, cancel);
+	return work.writer.write(own.settings(), points, r_tile, cancel);
 }
 
-const SampleStats &TileBuilder::sample_stats() const { return workspace_->chain.sample_stats(); }
+const SampleStats &TileBuilder::sample_stats() const { return workspace_->filter.sample_stats(); }
 
 } // namespace thicket

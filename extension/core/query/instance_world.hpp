@@ -59,7 +59,7 @@ public:
 	std::span<const QueryLayer> layers() const { return layers_; }
 	const InstanceState *state() const { return state_; }
 
-	/// What stands within the square of `distance` meters around a place, in tiles that are known. Those that are not are missed.
+	/// What stands within the square of `distance` meters around a position, in tiles that are known. Those that are not are missed.
 	/// Adds to `r_found`.
 	void known_near(
 			std::uint32_t layer, glm::dvec2 center, double distance, std::vector<PlacedInstance> &r_found) const;

@@ -7,16 +7,16 @@ namespace thicket {
 
 Status QueryRequests::tiles_of(
 		const InstanceQuery &query, const Open &open, std::vector<InstanceQuery::Tile> &r_tiles) {
-	if (const Rect *rect = std::get_if<Rect>(&open.place)) {
+	if (const Rect *rect = std::get_if<Rect>(&open.area)) {
 		return query.tiles_in_rect(*rect, open.filter, r_tiles);
 	}
-	const Sphere &sphere = std::get<Sphere>(open.place);
+	const Sphere &sphere = std::get<Sphere>(open.area);
 	return query.tiles_in_sphere(sphere.center, sphere.radius, open.filter, r_tiles);
 }
 
-Status QueryRequests::add(const InstanceWorld &world, const std::variant<Rect, Sphere> &place,
+Status QueryRequests::add(const InstanceWorld &world, const std::variant<Rect, Sphere> &area,
 		const QueryFilter &filter, std::int64_t &r_request) {
-	Open open{last_ + 1, place, filter, {}};
+	Open open{last_ + 1, area, filter, {}};
 	std::vector<InstanceQuery::Tile> tiles;
 	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, open, tiles); });
 	if (status.ok()) {
@@ -57,10 +57,10 @@ std::vector<QueryRequests::Answer> QueryRequests::frame(const InstanceWorld &wor
 		Answer &answer = answers.emplace_back();
 		answer.request = open.request;
 		const Status status = world.ask_known([&](const InstanceQuery &query) {
-			if (const Rect *rect = std::get_if<Rect>(&open.place)) {
+			if (const Rect *rect = std::get_if<Rect>(&open.area)) {
 				return query.in_rect(*rect, open.filter, answer.found);
 			}
-			const Sphere &sphere = std::get<Sphere>(open.place);
+			const Sphere &sphere = std::get<Sphere>(open.area);
 			return query.in_sphere(sphere.center, sphere.radius, open.filter, answer.found);
 		});
 		if (!status.ok()) {

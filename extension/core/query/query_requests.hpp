@@ -26,7 +26,7 @@ public:
 	};
 
 	/// A number, from 1 on, for the answer; or refuses what InstanceQuery refuses.
-	Status add(const InstanceWorld &world, const std::variant<Rect, Sphere> &place, const QueryFilter &filter,
+	Status add(const InstanceWorld &world, const std::variant<Rect, Sphere> &area, const QueryFilter &filter,
 			std::int64_t &r_request);
 
 	/// False if there is no such request, or no longer.
@@ -41,7 +41,7 @@ public:
 private:
 	struct Open {
 		std::int64_t request = 0;
-		std::variant<Rect, Sphere> place;
+		std::variant<Rect, Sphere> area;
 		QueryFilter filter;
 		std::vector<std::shared_ptr<const TileInstances>> held; ///< So that none is forgotten before the last is there.
 	};

@@ -6,6 +6,7 @@
 #include <godot_cpp/variant/string.hpp>
 
 #include <cstdint>
+#include <type_traits>
 
 namespace thicket {
 
@@ -13,14 +14,19 @@ namespace thicket {
 /// its error message need to know, so a new property is one line.
 template <class Values, class Number>
 struct NumberProperty {
+	using Limit = std::conditional_t<std::is_floating_point_v<Number>, double, std::int64_t>;
+
 	const char *name;
 	Number Values::*member;
-	Number min; ///< The smallest value taken. Above zero, the error for a smaller one says "must be positive".
-	Number max; ///< The largest value taken.
+	Limit min; ///< The smallest value taken. Above zero, the error for a smaller one says "must be positive".
+	Limit max; ///< The largest value taken.
 	godot::PropertyHint hint = godot::PROPERTY_HINT_NONE;
 	const char *hint_string = "";
-	Number least = 0; ///< Where 0 stands for "none": the smallest other number taken, `min` being 0. 0 for no such gap.
+	Limit least = 0; ///< Where 0 stands for "none": the smallest other number taken, `min` being 0. 0 for no such gap.
 };
+
+template <class Values, class Number, class... Rest>
+NumberProperty(const char *, Number Values::*, Rest...) -> NumberProperty<Values, Number>;
 
 /// True for a finite value in [min, max]; otherwise prints one error that names owner, property and value, and is
 /// false.

@@ -96,7 +96,8 @@ struct LayerGameplay {
 /// Worker threads read `settings` and `drawing.mesh_reach`. Everything that is a resource of the engine belongs to the main thread, which
 /// also has to let go of a snapshot last.
 struct LayerSnapshot {
-	SharedLayer settings; ///< Never null. ScatterLayer makes it without neighbors and shapes: those are added by the node.
+	SharedLayer
+			settings; ///< Never null. ScatterLayer makes it without neighbors and shapes: those are added by the node.
 	StreamLayer range;
 	LayerDrawing drawing;
 	Detail lod;

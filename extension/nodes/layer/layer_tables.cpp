@@ -17,7 +17,7 @@ void replace(std::shared_ptr<const T> &r_old, std::shared_ptr<const T> fresh) {
 	}
 }
 
-bool same_place(const MaskFrame &a, const MaskFrame &b) {
+bool same_area(const MaskFrame &a, const MaskFrame &b) {
 	return a.area.min == b.area.min && a.area.max == b.area.max && a.edge == b.edge;
 }
 
@@ -30,9 +30,7 @@ std::shared_ptr<const CurveTable> falling_line(double distance) {
 
 } // namespace
 
-bool LayerTables::take(LayerSource source) {
-	return std::exchange(marked_[static_cast<std::size_t>(source)], false);
-}
+bool LayerTables::take(LayerSource source) { return std::exchange(marked_[static_cast<std::size_t>(source)], false); }
 
 void LayerTables::refresh(const LayerResources &resources, const MaskFrame &frame, double proximity_distance) {
 	refresh_curve(LayerSource::density_over_height, resources.density_over_height, height_curve);
@@ -70,7 +68,7 @@ void LayerTables::refresh_proximity(const LayerResources &resources, double dist
 void LayerTables::refresh_image(const Ref<Texture2D> &p_texture, const MaskFrame &frame) {
 	// Pixels are asked of the renderer, which waits for it: only where they may be others.
 	const bool new_pixels = take(LayerSource::mask_texture) || frame.channel != frame_.channel;
-	if (!new_pixels && same_place(frame, frame_)) {
+	if (!new_pixels && same_area(frame, frame_)) {
 		return;
 	}
 	frame_ = frame;

@@ -45,8 +45,8 @@ struct MaskFrame {
 	MaskEdge edge = MaskEdge::nothing;
 };
 
-/// What workers see of a layer's resources. An object stays the same one until what it says differs, so that settings may be
-/// compared by pointers: another pointer means tiles made anew.
+/// The tables, fields and masks that workers use, made of a layer's resources. Each stays the same object while its content is the
+/// same, so settings may compare them by pointer: another pointer means that tiles are made anew.
 class LayerTables {
 public:
 	/// Says that a resource, or what is in it, may have changed.
@@ -62,7 +62,7 @@ public:
 	std::shared_ptr<const CurveTable> own_proximity_curve; ///< The designer's.
 	std::shared_ptr<const CurveTable> proximity_curve;     ///< That, or a straight line; never null after `refresh`.
 	std::shared_ptr<const DensityField> noise;
-	std::shared_ptr<const ImageMask> image; ///< Nothing stands anywhere while a texture has no image.
+	std::shared_ptr<const ImageMask> image; ///< All 0 while a texture has no image.
 	std::shared_ptr<const ColorTable> colors;
 
 	Status image_status;        ///< What is wrong with the texture's image; the last good mask is kept.

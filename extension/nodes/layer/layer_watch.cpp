@@ -67,8 +67,7 @@ void LayerWatch::give_ids() {
 		}
 		auto id = static_cast<int64_t>(index);
 		if (taken.count(id) > 0 || id > max_state_layer) {
-			for (id = 0; taken.count(id) > 0; ++id) {
-			}
+			for (id = 0; taken.count(id) > 0; ++id) {}
 		}
 		if (id <= max_state_layer) {
 			taken.insert(id);

@@ -9,20 +9,22 @@ namespace thicket {
 
 namespace {
 
-using Number = NumberProperty<LayerNumbers, double>;
-using Integer = NumberProperty<LayerIntegers, int64_t>;
-
-constexpr Number radius{"radius", &LayerNumbers::radius, min_radius, max_radius, PROPERTY_HINT_RANGE,
+constexpr NumberProperty radius{"radius", &PointSet::radius, min_radius, max_radius, PROPERTY_HINT_RANGE,
 		"0.05,50,0.001,or_less,or_greater,exp,suffix:m"};
-constexpr Number density{"density", &LayerNumbers::density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
-constexpr Number tile_size{"tile_size", &LayerNumbers::tile_size, 0.1, 1e5, PROPERTY_HINT_RANGE,
+constexpr NumberProperty density{"density", &Rules::density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+constexpr NumberProperty tile_size{"tile_size", &StreamLayer::tile_size, 0.1, 1e5, PROPERTY_HINT_RANGE,
 		"8,512,0.1,or_less,or_greater,exp,suffix:m"};
-constexpr Integer progressive_levels{
-		"progressive_levels", &LayerIntegers::progressive_levels, 1, max_levels, PROPERTY_HINT_RANGE, "1,8,1"};
-constexpr Integer layer_id{
-		"layer_id", &LayerIntegers::layer_id, -1, max_state_layer, PROPERTY_HINT_RANGE, "-1,32767,1"};
+constexpr NumberProperty progressive_levels{
+		"progressive_levels", &PointSet::levels, 1, max_levels, PROPERTY_HINT_RANGE, "1,8,1"};
+constexpr NumberProperty layer_id{
+		"layer_id", &LayerIdentity::layer_id, -1, max_state_layer, PROPERTY_HINT_RANGE, "-1,32767,1"};
 
 } // namespace
+
+ScatterLayer::ScatterLayer() {
+	settings_.set.radius = 2.0;
+	links_.proximity_distance = 5.0;
+}
 
 Status ScatterLayer::check() const {
 	const LayerSettings whole = settings(0, 0);
@@ -36,17 +38,17 @@ Status ScatterLayer::check() const {
 	if (!status.ok()) {
 		return status;
 	}
-	if (point_density(whole.set) * numbers_.tile_size * numbers_.tile_size > max_tile_points) {
-		return {ErrorCode::too_many_points, "tile_size", numbers_.tile_size};
+	if (point_density(whole.set) * range_.tile_size * range_.tile_size > max_tile_points) {
+		return {ErrorCode::too_many_points, "tile_size", range_.tile_size};
 	}
-	if (numbers_.view_distance > max_view_tiles * numbers_.tile_size) {
-		return {ErrorCode::out_of_range, "view_distance", numbers_.view_distance};
+	if (range_.view_distance > max_view_tiles * range_.tile_size) {
+		return {ErrorCode::out_of_range, "view_distance", range_.view_distance};
 	}
 	return {};
 }
 
 void ScatterLayer::take_id(std::int64_t p_id) {
-	integers_.layer_id = p_id;
+	identity_.layer_id = p_id;
 	changed();
 }
 

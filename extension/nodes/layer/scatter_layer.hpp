@@ -25,68 +25,9 @@
 
 namespace thicket {
 
-/// The numbers of a layer, as the inspector shows them. Angles in degrees, lengths in meters.
-struct LayerNumbers {
-	double radius = 2.0;
-	double tile_size = 64.0;
-	double view_distance = 256.0;
-	double density = 1.0;
-	double min_slope_degrees = 0.0;
-	double max_slope_degrees = 90.0;
-	double slope_falloff = 0.0;
-	double min_height = -unlimited_height;
-	double max_height = unlimited_height;
-	double height_falloff = 0.0;
-	double clump_size = 0.0;
-	double clump_coverage = 0.5;
-	double clump_softness = 0.25;
-	double edge_feather = 0.0;
-	double proximity_distance = 5.0;
-	double min_yaw_degrees = 0.0;
-	double max_yaw_degrees = 360.0;
-	double min_tilt_degrees = 0.0;
-	double max_tilt_degrees = 0.0;
-	double min_scale = 1.0;
-	double max_scale = 1.0;
-	double align_to_normal = 0.0;
-	double height_offset = 0.0;
-	double offset_along_normal = 0.0;
-	double lod_bias = 1.0;
-	double extra_cull_margin = 0.0;
-	double visibility_range_begin = 0.0;
-	double visibility_range_begin_margin = 0.0;
-	double visibility_range_end = 0.0;
-	double visibility_range_end_margin = 0.0;
-	double thin_begin = 0.0;
-	double thin_end = 0.0;
-	double thin_density = 1.0;
-	double instance_radius = 0.5;
-	double instance_height = 2.0;
-	double regrowth_time = 0.0; ///< Seconds.
-	double collision_distance = 40.0;
-	double scene_distance = 20.0;
-};
-
-/// The whole numbers of a layer. Enumerations hold the engine's values, or ours.
-struct LayerIntegers {
-	int64_t layer_id = -1;
-	int64_t progressive_levels = 1;
-	int64_t mask_texture_channel = 0;       ///< ImageChannel.
-	int64_t mask_texture_edge = 0;          ///< MaskEdge.
-	int64_t cast_shadow = 1;                ///< GeometryInstance3D.ShadowCastingSetting.
-	int64_t gi_mode = 1;                    ///< GeometryInstance3D.GIMode.
-	int64_t render_layers = 1;              ///< A mask of 20 bits.
-	int64_t visibility_range_fade_mode = 0; ///< GeometryInstance3D.VisibilityRangeFadeMode.
-	int64_t collision_shape = 0;            ///< ScatterLayer::CollisionShape.
-	int64_t collision_layer = 1;            ///< Physics layers, a mask of 32 bits.
-	int64_t collision_mask = 1;             ///< Likewise.
-};
-
-/// What a layer has or has not.
-struct LayerSwitches {
-	bool use_colors = false;
-	bool use_custom_data = false;
-	bool thin_scale_compensation = false;
+/// What is only a ScatterLayer's own, beside the parts of its snapshot.
+struct LayerIdentity {
+	std::int64_t layer_id = -1; ///< -1 until a node has given the layer one.
 };
 
 /// A resource among a layer's properties, as NumberProperty is a number.
@@ -98,11 +39,12 @@ struct ResourceProperty {
 	LayerSource source;
 };
 
-/// A switch among a layer's properties.
+/// A switch among a layer's properties, in one of the parts that ScatterLayer::part finds.
+template <class Values>
 struct SwitchProperty {
 	const char *name;
 	const char *getter; ///< "is_using_colors" and the like, as the engine names them.
-	bool LayerSwitches::*member;
+	bool Values::*member;
 };
 
 /// One species or family, placed by one rule set: what stands where, and how it is drawn. Settings only.
@@ -144,17 +86,17 @@ public:
 	};
 
 	// The properties that scatter_layer_properties.hpp makes of one line each.
-	template <const NumberProperty<LayerNumbers, double> &property>
+	template <const auto &property>
 	void set_number(double p_value);
-	template <const NumberProperty<LayerNumbers, double> &property>
+	template <const auto &property>
 	double get_number() const;
-	template <const NumberProperty<LayerIntegers, int64_t> &property>
+	template <const auto &property>
 	void set_integer(int64_t p_value);
-	template <const NumberProperty<LayerIntegers, int64_t> &property>
+	template <const auto &property>
 	int64_t get_integer() const;
-	template <const SwitchProperty &property>
+	template <const auto &property>
 	void set_switch(bool p_value);
-	template <const SwitchProperty &property>
+	template <const auto &property>
 	bool get_switch() const;
 	template <class T, const ResourceProperty<T> &property>
 	void set_resource(const godot::Ref<T> &p_resource);
@@ -162,6 +104,8 @@ public:
 	godot::Ref<T> get_resource() const;
 	template <class T, const ResourceProperty<T> &property>
 	void resource_changed();
+
+	ScatterLayer();
 
 	/// A painted density; null for none. Layers may share it.
 	void set_mask(const godot::Ref<ScatterMask> &p_mask);
@@ -194,14 +138,14 @@ public:
 	void set_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
 	godot::TypedArray<godot::Mesh> get_meshes() const;
 
-	/// Chances of the meshes, in proportion; missing ones count as 1.
+	/// How often each of the meshes is used, in proportion, 0 to 1e6; missing ones count as 1.
 	void set_mesh_weights(const godot::PackedFloat32Array &p_weights);
 	godot::PackedFloat32Array get_mesh_weights() const;
 
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
 
-	/// What is drawn in place of the meshes from each of the lod distances on: a row of entries for the meshes, then the row of
+	/// What replaces the meshes from each of the LOD distances on: a row of entries for the meshes, then the row of
 	/// the next distance. Null for the finer mesh; at most max_lods rows of max_meshes.
 	void set_lod_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
 	godot::TypedArray<godot::Mesh> get_lod_meshes() const;
@@ -217,7 +161,7 @@ public:
 	void set_physics_material(const godot::Ref<godot::PhysicsMaterial> &p_material);
 	godot::Ref<godot::PhysicsMaterial> get_physics_material() const;
 
-	/// What stands in place of the mesh near viewers; null for the mesh everywhere.
+	/// What replaces the mesh near viewers; null for the mesh everywhere.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 
@@ -235,7 +179,7 @@ public:
 
 	/// The part of the snapshot that is about other layers.
 	LayerLinks links() const;
-	std::int64_t own_id() const { return integers_.layer_id; } ///< The property `layer_id`; -1 for the index.
+	std::int64_t own_id() const { return identity_.layer_id; } ///< The property `layer_id`; -1 for the index.
 
 	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
 	Status check() const;
@@ -251,15 +195,14 @@ protected:
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
-	using Number = NumberProperty<LayerNumbers, double>;
-	using Integer = NumberProperty<LayerIntegers, int64_t>;
+	/// The part of the layer that has such values: its properties are kept in the form in which they are used.
+	template <class Values, class Self>
+	static auto &part(Self &self);
 
 	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
-	Rules rules() const;
-	Placement placement() const;
 	LayerDrawing drawing() const;
-	Detail lod() const;
 	LayerGameplay gameplay() const;
+	Detail lod() const;
 	const LayerTables &tables() const;
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);
@@ -277,11 +220,11 @@ private:
 	void add_mesh_problems(godot::PackedStringArray &r_problems) const;
 	void add_gameplay_problems(godot::PackedStringArray &r_problems) const;
 
-	template <const Number &property>
+	template <const auto &property>
 	static void bind_number();
-	template <const Integer &property>
+	template <const auto &property>
 	static void bind_integer();
-	template <const SwitchProperty &property>
+	template <const auto &property>
 	static void bind_switch();
 	template <class T, const ResourceProperty<T> &property>
 	static void bind_resource();
@@ -296,18 +239,24 @@ private:
 	static void bind_lod();
 	static void bind_gameplay();
 
-	LayerNumbers numbers_;
-	LayerIntegers integers_;
-	LayerSwitches switches_;
-	std::uint64_t hidden_ = 0; ///< hidden_properties(), as the inspector was told last.
+	// Each has what single properties stand for. What is made of resources and lists is added in the snapshot.
+	LayerSettings settings_;
+	StreamLayer range_;
+	LayerDrawing drawing_;
+	Detail lod_;
+	LayerGameplay gameplay_;
+	LayerLinks links_;
+	MaskFrame mask_frame_;
+	LayerIdentity identity_;
+
 	LayerResources resources_;
 	mutable LayerTables tables_;
+	std::uint64_t hidden_ = 0; ///< hidden_properties(), as the inspector was told last.
 
 	godot::Ref<ScatterMask> mask_;
-	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F};
+	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F}; ///< As it was set; mask_frame_ has it too.
 	godot::PackedInt32Array ground_textures_;
 	godot::Dictionary spacing_property_; ///< As stored_reference has the keys; read-only.
-	std::map<LayerReference, double> spacing_;
 	godot::Variant proximity_layer_ = godot::String();
 
 	godot::TypedArray<godot::Mesh> meshes_;

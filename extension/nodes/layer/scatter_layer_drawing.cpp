@@ -8,31 +8,30 @@ namespace thicket {
 
 namespace {
 
-using Number = NumberProperty<LayerNumbers, double>;
-using Integer = NumberProperty<LayerIntegers, int64_t>;
-
-constexpr Number extra_cull_margin{"extra_cull_margin", &LayerNumbers::extra_cull_margin, 0.0, 16384.0,
+constexpr NumberProperty extra_cull_margin{"extra_cull_margin", &LayerDrawing::extra_cull_margin, 0.0, 16384.0,
 		PROPERTY_HINT_RANGE, "0,16384,0.01,exp,suffix:m"};
-constexpr Number visibility_range_begin{"visibility_range_begin", &LayerNumbers::visibility_range_begin, 0.0,
+constexpr NumberProperty visibility_range_begin{"visibility_range_begin", &LayerDrawing::visibility_range_begin, 0.0,
 		farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr Number visibility_range_begin_margin{"visibility_range_begin_margin",
-		&LayerNumbers::visibility_range_begin_margin, 0.0, farthest_view, PROPERTY_HINT_RANGE,
+constexpr NumberProperty visibility_range_begin_margin{"visibility_range_begin_margin",
+		&LayerDrawing::visibility_range_begin_margin, 0.0, farthest_view, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr Number visibility_range_end{"visibility_range_end", &LayerNumbers::visibility_range_end, 0.0, farthest_view,
-		PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr Number visibility_range_end_margin{"visibility_range_end_margin", &LayerNumbers::visibility_range_end_margin,
-		0.0, farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,exp,suffix:m"};
+constexpr NumberProperty visibility_range_end{"visibility_range_end", &LayerDrawing::visibility_range_end, 0.0,
+		farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,exp,suffix:m"};
+constexpr NumberProperty visibility_range_end_margin{"visibility_range_end_margin",
+		&LayerDrawing::visibility_range_end_margin, 0.0, farthest_view, PROPERTY_HINT_RANGE,
+		"0,4096,0.01,or_greater,exp,suffix:m"};
 
-constexpr Integer cast_shadow{
-		"cast_shadow", &LayerIntegers::cast_shadow, 0, 3, PROPERTY_HINT_ENUM, "Off,On,Double-Sided,Shadows Only"};
-constexpr Integer gi_mode{"gi_mode", &LayerIntegers::gi_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Static,Dynamic"};
-constexpr Integer render_layers{
-		"render_layers", &LayerIntegers::render_layers, 0, (1 << 20) - 1, PROPERTY_HINT_LAYERS_3D_RENDER};
-constexpr Integer visibility_range_fade_mode{"visibility_range_fade_mode", &LayerIntegers::visibility_range_fade_mode,
-		0, 2, PROPERTY_HINT_ENUM, "Disabled,Self,Dependencies"};
+constexpr NumberProperty cast_shadow{
+		"cast_shadow", &LayerDrawing::cast_shadow, 0, 3, PROPERTY_HINT_ENUM, "Off,On,Double-Sided,Shadows Only"};
+constexpr NumberProperty gi_mode{
+		"gi_mode", &LayerDrawing::gi_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Static,Dynamic"};
+constexpr NumberProperty render_layers{
+		"render_layers", &LayerDrawing::render_layers, 0, (1 << 20) - 1, PROPERTY_HINT_LAYERS_3D_RENDER};
+constexpr NumberProperty visibility_range_fade_mode{"visibility_range_fade_mode",
+		&LayerDrawing::visibility_range_fade_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Self,Dependencies"};
 
-constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &LayerSwitches::use_colors};
-constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &LayerSwitches::use_custom_data};
+constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &Look::use_colors};
+constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &Look::use_custom_data};
 
 constexpr ResourceProperty<Gradient> color_gradient{
 		"color_gradient", "Gradient", &LayerResources::color_gradient, LayerSource::color_gradient};

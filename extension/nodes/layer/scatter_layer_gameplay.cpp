@@ -8,44 +8,41 @@ namespace thicket {
 
 namespace {
 
-using Number = NumberProperty<LayerNumbers, double>;
-using Integer = NumberProperty<LayerIntegers, int64_t>;
-
 constexpr double min_side = 1e-3; ///< Meters.
 constexpr double max_side = 1e4;
 constexpr double farthest_body = 1e4;
 constexpr double longest_regrowth = 1e9; ///< Seconds.
 constexpr int64_t all_physics_layers = 0xffffffff;
 
-constexpr Number instance_radius{"instance_radius", &LayerNumbers::instance_radius, min_side, max_side,
+constexpr NumberProperty instance_radius{"instance_radius", &LayerGameplay::instance_radius, min_side, max_side,
 		PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,exp,suffix:m"};
-constexpr Number instance_height{"instance_height", &LayerNumbers::instance_height, min_side, max_side,
+constexpr NumberProperty instance_height{"instance_height", &LayerGameplay::instance_height, min_side, max_side,
 		PROPERTY_HINT_RANGE, "0.01,50,0.001,or_less,or_greater,exp,suffix:m"};
-constexpr Number regrowth_time{"regrowth_time", &LayerNumbers::regrowth_time, 0.0, longest_regrowth,
+constexpr NumberProperty regrowth_time{"regrowth_time", &LayerGameplay::regrowth_time, 0.0, longest_regrowth,
 		PROPERTY_HINT_RANGE, "0,86400,0.1,or_greater,exp,suffix:s"};
-constexpr Number collision_distance{"collision_distance", &LayerNumbers::collision_distance, 0.0, farthest_body,
+constexpr NumberProperty collision_distance{"collision_distance", &LayerCollision::distance, 0.0, farthest_body,
 		PROPERTY_HINT_RANGE, "0,200,0.1,or_greater,exp,suffix:m"};
-constexpr Number scene_distance{"scene_distance", &LayerNumbers::scene_distance, 0.0, farthest_body,
+constexpr NumberProperty scene_distance{"scene_distance", &LayerScene::distance, 0.0, farthest_body,
 		PROPERTY_HINT_RANGE, "0,200,0.1,or_greater,exp,suffix:m"};
 
-constexpr Integer collision_layer{
-		"collision_layer", &LayerIntegers::collision_layer, 0, all_physics_layers, PROPERTY_HINT_LAYERS_3D_PHYSICS};
-constexpr Integer collision_mask{
-		"collision_mask", &LayerIntegers::collision_mask, 0, all_physics_layers, PROPERTY_HINT_LAYERS_3D_PHYSICS};
+constexpr NumberProperty collision_layer{
+		"collision_layer", &LayerCollision::layer, 0, all_physics_layers, PROPERTY_HINT_LAYERS_3D_PHYSICS};
+constexpr NumberProperty collision_mask{
+		"collision_mask", &LayerCollision::mask, 0, all_physics_layers, PROPERTY_HINT_LAYERS_3D_PHYSICS};
 
 } // namespace
 
 void ScatterLayer::set_collision_shape(CollisionShape p_shape) {
 	if (accept_number(
 				layer_class_name, "collision_shape", static_cast<double>(p_shape), COLLISION_NONE, COLLISION_CONVEX) &&
-			integers_.collision_shape != p_shape) {
-		integers_.collision_shape = p_shape;
+			get_collision_shape() != p_shape) {
+		gameplay_.collision.shape = static_cast<BodyShape>(p_shape);
 		changed();
 	}
 }
 
 ScatterLayer::CollisionShape ScatterLayer::get_collision_shape() const {
-	return static_cast<CollisionShape>(integers_.collision_shape);
+	return static_cast<CollisionShape>(gameplay_.collision.shape);
 }
 
 // Watched, unlike a material to draw with: the bodies have copies of what is in it.
@@ -71,26 +68,27 @@ void ScatterLayer::set_scene(const Ref<PackedScene> &p_scene) {
 Ref<PackedScene> ScatterLayer::get_scene() const { return scene_; }
 
 void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
-	if (scene_.is_valid() && numbers_.scene_distance <= 0.0) {
+	if (scene_.is_valid() && gameplay_.scene.distance <= 0.0) {
 		r_problems.push_back("ScatterLayer.scene is not used: scene_distance is 0.");
 	}
-	if (integers_.collision_shape == COLLISION_NONE) {
+	if (gameplay_.collision.shape == BodyShape::none) {
 		if (physics_material_.is_valid()) {
 			r_problems.push_back("ScatterLayer.physics_material is not used: collision_shape is None.");
 		}
 		return;
 	}
-	if (numbers_.collision_distance <= 0.0) {
+	if (gameplay_.collision.distance <= 0.0) {
 		r_problems.push_back("ScatterLayer.collision_shape is not used: collision_distance is 0.");
 	}
-	if (integers_.collision_layer == 0 && integers_.collision_mask == 0) {
+	if (gameplay_.collision.layer == 0 && gameplay_.collision.mask == 0) {
 		r_problems.push_back("ScatterLayer.collision_shape meets nothing: collision_layer and collision_mask are 0.");
 	}
-	if (integers_.collision_shape == COLLISION_CAPSULE && numbers_.instance_height < 2.0 * numbers_.instance_radius) {
+	if (gameplay_.collision.shape == BodyShape::capsule &&
+			gameplay_.instance_height < 2.0 * gameplay_.instance_radius) {
 		r_problems.push_back("ScatterLayer.instance_height is below two times instance_radius, the least height of a "
 							 "capsule.");
 	}
-	if (integers_.collision_shape == COLLISION_CONVEX) {
+	if (gameplay_.collision.shape == BodyShape::convex) {
 		if (!has_mesh()) {
 			r_problems.push_back("ScatterLayer.collision_shape is Convex, but there is no mesh to make it of.");
 		}

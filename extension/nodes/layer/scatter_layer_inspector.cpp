@@ -1,6 +1,6 @@
 // Which of a layer's properties the inspector hides because they do not apply. They are stored all the same.
 
-#include "nodes/layer/layer_reference.hpp"
+#include "nodes/layer/scatter_layer.hpp"
 
 #include <godot_cpp/core/object.hpp>
 
@@ -44,31 +44,31 @@ constexpr std::array hideable{
 } // namespace
 
 std::uint64_t ScatterLayer::hidden_properties() const {
-	const bool proximity = !core_reference(proximity_layer_).empty();
-	const bool thinned = numbers_.thin_density < 1.0;
-	const bool colliding = integers_.collision_shape != COLLISION_NONE;
-	const bool from = numbers_.visibility_range_begin > 0.0;
-	const bool to = numbers_.visibility_range_end > 0.0;
+	const bool proximity = !links_.proximity_layer.empty();
+	const bool thinned = lod_.thin_density < 1.0;
+	const bool colliding = gameplay_.collision.shape != BodyShape::none;
+	const bool from = drawing_.visibility_range_begin > 0.0;
+	const bool to = drawing_.visibility_range_end > 0.0;
 	// What is set stays in sight although it is not used: a warning speaks of it.
 	const std::array<bool, hideable.size()> shown{
 			meshes_.size() > 1 || mesh_weights_.size() > 0,
-			numbers_.min_scale != numbers_.max_scale || resources_.scale_curve.is_valid(),
+			settings_.placement.min_scale != settings_.placement.max_scale || resources_.scale_curve.is_valid(),
 			resources_.noise.is_valid() || resources_.noise_curve.is_valid(),
 			resources_.mask_texture.is_valid(),
 			resources_.mask_texture.is_valid(),
 			resources_.mask_texture.is_valid(),
-			numbers_.clump_size > 0.0,
-			numbers_.clump_size > 0.0,
+			settings_.rules.clumping.size > 0.0,
+			settings_.rules.clumping.size > 0.0,
 			proximity,
 			proximity || resources_.proximity_curve.is_valid(),
-			switches_.use_colors || resources_.color_gradient.is_valid(),
+			settings_.look.use_colors || resources_.color_gradient.is_valid(),
 			from,
 			to,
 			from || to,
 			lod_distances_.size() > 0 || lod_meshes_.size() > 0,
 			thinned,
-			thinned || numbers_.thin_end > 0.0,
-			thinned || switches_.thin_scale_compensation,
+			thinned || lod_.thin_end > 0.0,
+			thinned || lod_.scale_compensation,
 			colliding,
 			colliding,
 			colliding,

@@ -10,19 +10,18 @@ namespace thicket {
 
 namespace {
 
-using Number = NumberProperty<LayerNumbers, double>;
-
-constexpr Number view_distance{"view_distance", &LayerNumbers::view_distance, 0.0, farthest_view, PROPERTY_HINT_RANGE,
-		"0,4096,0.1,or_greater,exp,suffix:m"};
-constexpr Number lod_bias{
-		"lod_bias", &LayerNumbers::lod_bias, 1e-3, 128.0, PROPERTY_HINT_RANGE, "0.001,128,0.001,exp"};
-constexpr Number thin_begin{"thin_begin", &LayerNumbers::thin_begin, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
+constexpr NumberProperty view_distance{"view_distance", &StreamLayer::view_distance, 0.0, farthest_view,
+		PROPERTY_HINT_RANGE, "0,4096,0.1,or_greater,exp,suffix:m"};
+constexpr NumberProperty lod_bias{
+		"lod_bias", &LayerDrawing::lod_bias, 1e-3, 128.0, PROPERTY_HINT_RANGE, "0.001,128,0.001,exp"};
+constexpr NumberProperty thin_begin{"thin_begin", &Detail::thin_begin, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr Number thin_end{"thin_end", &LayerNumbers::thin_end, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
+constexpr NumberProperty thin_end{"thin_end", &Detail::thin_end, 0.0, max_detail_distance, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr Number thin_density{"thin_density", &LayerNumbers::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+constexpr NumberProperty thin_density{
+		"thin_density", &Detail::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
 constexpr SwitchProperty thin_scale_compensation{
-		"thin_scale_compensation", "is_thin_scale_compensated", &LayerSwitches::thin_scale_compensation};
+		"thin_scale_compensation", "is_thin_scale_compensated", &Detail::scale_compensation};
 
 constexpr auto max_lod_meshes = static_cast<int64_t>(max_lods * max_meshes);
 
@@ -61,10 +60,10 @@ void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
 				" entries; it needs one for each of the meshes at each of the lod_distances: " +
 				String::num_int64(needed) + ".");
 	}
-	if (numbers_.thin_density >= 1.0 && numbers_.thin_end > 0.0) {
+	if (lod_.thin_density >= 1.0 && lod_.thin_end > 0.0) {
 		r_problems.push_back("ScatterLayer.thin_end is not used: thin_density is 1, so nothing is thinned.");
 	}
-	if (switches_.thin_scale_compensation && numbers_.thin_density >= 1.0) {
+	if (lod_.scale_compensation && lod_.thin_density >= 1.0) {
 		r_problems.push_back("ScatterLayer.thin_scale_compensation is not used: thin_density is 1.");
 	}
 }

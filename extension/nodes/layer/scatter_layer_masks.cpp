@@ -10,14 +10,14 @@ namespace {
 
 constexpr ResourceProperty<Texture2D> mask_texture{
 		"mask_texture", "Texture2D", &LayerResources::mask_texture, LayerSource::mask_texture};
-constexpr NumberProperty<LayerIntegers, int64_t> mask_texture_channel{"mask_texture_channel",
-		&LayerIntegers::mask_texture_channel, ScatterLayer::MASK_CHANNEL_RED, ScatterLayer::MASK_CHANNEL_LUMINANCE};
-constexpr NumberProperty<LayerIntegers, int64_t> mask_texture_edge{"mask_texture_edge",
-		&LayerIntegers::mask_texture_edge, ScatterLayer::MASK_EDGE_NOTHING, ScatterLayer::MASK_EDGE_REPEAT};
+constexpr NumberProperty mask_texture_channel{"mask_texture_channel", &MaskFrame::channel,
+		ScatterLayer::MASK_CHANNEL_RED, ScatterLayer::MASK_CHANNEL_LUMINANCE};
+constexpr NumberProperty mask_texture_edge{
+		"mask_texture_edge", &MaskFrame::edge, ScatterLayer::MASK_EDGE_NOTHING, ScatterLayer::MASK_EDGE_REPEAT};
 
 } // namespace
 
-// What is painted comes with its place; what is set about the whole mask does not.
+// What is painted comes with its rectangle; what is set about the whole mask does not.
 void ScatterLayer::watch_mask(bool p_watch) {
 	watch(mask_.ptr(), "changed", this, "emit_changed", p_watch);
 	watch(mask_.ptr(), "area_changed", this, "_mask_area_changed", p_watch);
@@ -52,6 +52,8 @@ void ScatterLayer::set_mask_texture_rect(const Rect2 &p_rect) {
 	}
 	if (mask_texture_rect_ != p_rect) {
 		mask_texture_rect_ = p_rect;
+		mask_frame_.area.min = {p_rect.position.x, p_rect.position.y};
+		mask_frame_.area.max = mask_frame_.area.min + glm::dvec2{p_rect.size.x, p_rect.size.y};
 		changed();
 	}
 }
@@ -61,14 +63,12 @@ Rect2 ScatterLayer::get_mask_texture_rect() const { return mask_texture_rect_; }
 void ScatterLayer::set_mask_texture_channel(MaskChannel p_channel) { set_integer<mask_texture_channel>(p_channel); }
 
 ScatterLayer::MaskChannel ScatterLayer::get_mask_texture_channel() const {
-	return static_cast<MaskChannel>(integers_.mask_texture_channel);
+	return static_cast<MaskChannel>(mask_frame_.channel);
 }
 
 void ScatterLayer::set_mask_texture_edge(MaskEdge p_edge) { set_integer<mask_texture_edge>(p_edge); }
 
-ScatterLayer::MaskEdge ScatterLayer::get_mask_texture_edge() const {
-	return static_cast<MaskEdge>(integers_.mask_texture_edge);
-}
+ScatterLayer::MaskEdge ScatterLayer::get_mask_texture_edge() const { return static_cast<MaskEdge>(mask_frame_.edge); }
 
 void ScatterLayer::bind_masks() {
 	ADD_SUBGROUP("Mask", "mask_");

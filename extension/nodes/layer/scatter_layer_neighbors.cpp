@@ -18,9 +18,8 @@ namespace {
 
 constexpr double min_distance = 1e-3; ///< Meters, between layers.
 
-constexpr NumberProperty<LayerNumbers, double> proximity_distance{"proximity_distance",
-		&LayerNumbers::proximity_distance, min_distance, max_neighbor_distance, PROPERTY_HINT_RANGE,
-		"0.1,200,0.01,or_less,or_greater,exp,suffix:m"};
+constexpr NumberProperty proximity_distance{"proximity_distance", &LayerLinks::proximity_distance, min_distance,
+		max_neighbor_distance, PROPERTY_HINT_RANGE, "0.1,200,0.01,or_less,or_greater,exp,suffix:m"};
 constexpr ResourceProperty<Curve> proximity_curve{
 		"proximity_curve", "Curve", &LayerResources::proximity_curve, LayerSource::proximity_curve};
 
@@ -92,7 +91,7 @@ void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 	}
 	spacing.make_read_only();
 	spacing_property_ = spacing;
-	spacing_ = std::move(linked);
+	links_.spacing = std::move(linked);
 	changed();
 }
 
@@ -111,8 +110,9 @@ void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
 	if (p_layer.get_type() != Variant::NIL) {
 		stored = accept_reference("proximity_layer", p_layer);
 	}
-	if (stored.get_type() != Variant::NIL && core_reference(stored) != core_reference(proximity_layer_)) {
+	if (stored.get_type() != Variant::NIL && core_reference(stored) != links_.proximity_layer) {
 		proximity_layer_ = stored;
+		links_.proximity_layer = core_reference(stored);
 		changed();
 	}
 }

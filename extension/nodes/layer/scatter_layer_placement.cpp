@@ -8,25 +8,23 @@ namespace thicket {
 
 namespace {
 
-using Number = NumberProperty<LayerNumbers, double>;
-
-constexpr Number min_yaw_degrees{
-		"min_yaw_degrees", &LayerNumbers::min_yaw_degrees, -360.0, 360.0, PROPERTY_HINT_RANGE, "-360,360,0.1,degrees"};
-constexpr Number max_yaw_degrees{
-		"max_yaw_degrees", &LayerNumbers::max_yaw_degrees, -360.0, 360.0, PROPERTY_HINT_RANGE, "-360,360,0.1,degrees"};
-constexpr Number min_tilt_degrees{
-		"min_tilt_degrees", &LayerNumbers::min_tilt_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
-constexpr Number max_tilt_degrees{
-		"max_tilt_degrees", &LayerNumbers::max_tilt_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
-constexpr Number min_scale{
-		"min_scale", &LayerNumbers::min_scale, 1e-4, 1e4, PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,exp"};
-constexpr Number max_scale{
-		"max_scale", &LayerNumbers::max_scale, 1e-4, 1e4, PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,exp"};
-constexpr Number align_to_normal{
-		"align_to_normal", &LayerNumbers::align_to_normal, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.01"};
-constexpr Number height_offset{"height_offset", &LayerNumbers::height_offset, -1e4, 1e4, PROPERTY_HINT_RANGE,
+constexpr NumberProperty min_yaw_degrees{
+		"min_yaw_degrees", &Placement::min_yaw_degrees, -360.0, 360.0, PROPERTY_HINT_RANGE, "-360,360,0.1,degrees"};
+constexpr NumberProperty max_yaw_degrees{
+		"max_yaw_degrees", &Placement::max_yaw_degrees, -360.0, 360.0, PROPERTY_HINT_RANGE, "-360,360,0.1,degrees"};
+constexpr NumberProperty min_tilt_degrees{
+		"min_tilt_degrees", &Placement::min_tilt_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+constexpr NumberProperty max_tilt_degrees{
+		"max_tilt_degrees", &Placement::max_tilt_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+constexpr NumberProperty min_scale{
+		"min_scale", &Placement::min_scale, 1e-4, 1e4, PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,exp"};
+constexpr NumberProperty max_scale{
+		"max_scale", &Placement::max_scale, 1e-4, 1e4, PROPERTY_HINT_RANGE, "0.01,10,0.001,or_less,or_greater,exp"};
+constexpr NumberProperty align_to_normal{
+		"align_to_normal", &Placement::align_to_normal, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.01"};
+constexpr NumberProperty height_offset{"height_offset", &Placement::height_offset, -1e4, 1e4, PROPERTY_HINT_RANGE,
 		"-10,10,0.001,or_less,or_greater,suffix:m"};
-constexpr Number offset_along_normal{"offset_along_normal", &LayerNumbers::offset_along_normal, -max_height_offset,
+constexpr NumberProperty offset_along_normal{"offset_along_normal", &Placement::offset_along_normal, -max_height_offset,
 		max_height_offset, PROPERTY_HINT_RANGE, "-10,10,0.001,or_less,or_greater,suffix:m"};
 
 constexpr ResourceProperty<Curve> scale_curve{

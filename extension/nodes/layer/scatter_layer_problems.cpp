@@ -1,7 +1,6 @@
 // What is likely not meant in a layer, in sentences for the editor's warnings.
 
 #include "core/placement/edge_probes.hpp"
-#include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 using namespace godot;
@@ -38,14 +37,11 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 } // namespace
 
 void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
-	if (numbers_.clump_size > 0.0 && numbers_.clump_coverage <= 0.0) {
+	if (settings_.rules.clumping.size > 0.0 && settings_.rules.clumping.coverage <= 0.0) {
 		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing stands.");
 	}
-	PointSet set;
-	set.radius = numbers_.radius;
-	set.levels = static_cast<std::uint32_t>(integers_.progressive_levels);
-	const double points = point_density(set) * numbers_.tile_size * numbers_.tile_size;
-	if (numbers_.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
+	const double points = point_density(settings_.set) * range_.tile_size * range_.tile_size;
+	if (settings_.rules.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
 		r_problems.push_back("ScatterLayer.edge_feather asks for the ground at " +
 				String::num_int64(static_cast<int64_t>(edge_probes)) +
 				" positions around each point, which is slow in tiles of so many points: make tile_size smaller.");
@@ -62,7 +58,7 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 	if (resources_.noise_curve.is_valid() && resources_.noise.is_null()) {
 		r_problems.push_back("ScatterLayer.noise_curve is not used without a noise.");
 	}
-	if (resources_.scale_curve.is_valid() && numbers_.min_scale == numbers_.max_scale) {
+	if (resources_.scale_curve.is_valid() && settings_.placement.min_scale == settings_.placement.max_scale) {
 		r_problems.push_back("ScatterLayer.scale_curve is not used while min_scale and max_scale are the same.");
 	}
 }
@@ -80,10 +76,10 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 }
 
 void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
-	if (spacing_.count(LayerReference()) > 0) {
+	if (links_.spacing.count(LayerReference()) > 0) {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
 	}
-	if (!core_reference(proximity_layer_).empty()) {
+	if (!links_.proximity_layer.empty()) {
 		add_curve_problem("proximity_curve", resources_.proximity_curve, tables().own_proximity_curve,
 				"meters of distance", r_problems);
 	} else if (resources_.proximity_curve.is_valid()) {
@@ -106,7 +102,7 @@ void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
 	if (mesh_weights_.size() > meshes_.size()) {
 		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is not used.");
 	}
-	if (resources_.color_gradient.is_valid() && !switches_.use_colors) {
+	if (resources_.color_gradient.is_valid() && !settings_.look.use_colors) {
 		r_problems.push_back("ScatterLayer.color_gradient is not used without use_colors.");
 	}
 }

@@ -8,52 +8,97 @@
 
 #include <godot_cpp/core/class_db.hpp>
 
+#include <type_traits>
+
 namespace thicket {
 
 inline constexpr const char *layer_class_name = "ScatterLayer";
 inline constexpr double farthest_view = 1e6; ///< Meters; farther than anything is seen.
 
-template <const NumberProperty<LayerNumbers, double> &property>
+template <class Values, class Number>
+Values owner_of(Number Values::*); ///< Never called: its result is the type of the part that a member is in.
+
+/// The part that the member of a property is in.
+template <const auto &property>
+using PartOf = decltype(owner_of(property.member));
+
+template <class Values, class Self>
+auto &ScatterLayer::part(Self &self) {
+	if constexpr (std::is_same_v<Values, PointSet>) {
+		return self.settings_.set;
+	} else if constexpr (std::is_same_v<Values, Rules>) {
+		return self.settings_.rules;
+	} else if constexpr (std::is_same_v<Values, Clumping>) {
+		return self.settings_.rules.clumping;
+	} else if constexpr (std::is_same_v<Values, Placement>) {
+		return self.settings_.placement;
+	} else if constexpr (std::is_same_v<Values, Look>) {
+		return self.settings_.look;
+	} else if constexpr (std::is_same_v<Values, StreamLayer>) {
+		return self.range_;
+	} else if constexpr (std::is_same_v<Values, LayerDrawing>) {
+		return self.drawing_;
+	} else if constexpr (std::is_same_v<Values, Detail>) {
+		return self.lod_;
+	} else if constexpr (std::is_same_v<Values, LayerGameplay>) {
+		return self.gameplay_;
+	} else if constexpr (std::is_same_v<Values, LayerCollision>) {
+		return self.gameplay_.collision;
+	} else if constexpr (std::is_same_v<Values, LayerScene>) {
+		return self.gameplay_.scene;
+	} else if constexpr (std::is_same_v<Values, LayerLinks>) {
+		return self.links_;
+	} else if constexpr (std::is_same_v<Values, MaskFrame>) {
+		return self.mask_frame_;
+	} else {
+		static_assert(std::is_same_v<Values, LayerIdentity>, "a layer has no such part");
+		return self.identity_;
+	}
+}
+
+template <const auto &property>
 void ScatterLayer::set_number(double p_value) {
 	const double min = property.least > 0.0 && p_value > 0.0 ? property.least : property.min;
-	if (accept_number(layer_class_name, property.name, p_value, min, property.max) &&
-			numbers_.*property.member != p_value) {
-		numbers_.*property.member = p_value;
+	double &value = part<PartOf<property>>(*this).*property.member;
+	if (accept_number(layer_class_name, property.name, p_value, min, property.max) && value != p_value) {
+		value = p_value;
 		changed();
 	}
 }
 
-template <const NumberProperty<LayerNumbers, double> &property>
+template <const auto &property>
 double ScatterLayer::get_number() const {
-	return numbers_.*property.member;
+	return part<PartOf<property>>(*this).*property.member;
 }
 
-template <const NumberProperty<LayerIntegers, int64_t> &property>
+template <const auto &property>
 void ScatterLayer::set_integer(int64_t p_value) {
+	auto &value = part<PartOf<property>>(*this).*property.member;
 	if (accept_number(layer_class_name, property.name, static_cast<double>(p_value), static_cast<double>(property.min),
 				static_cast<double>(property.max)) &&
-			integers_.*property.member != p_value) {
-		integers_.*property.member = p_value;
+			static_cast<int64_t>(value) != p_value) {
+		value = static_cast<std::remove_reference_t<decltype(value)>>(p_value);
 		changed();
 	}
 }
 
-template <const NumberProperty<LayerIntegers, int64_t> &property>
+template <const auto &property>
 int64_t ScatterLayer::get_integer() const {
-	return integers_.*property.member;
+	return static_cast<int64_t>(part<PartOf<property>>(*this).*property.member);
 }
 
-template <const SwitchProperty &property>
+template <const auto &property>
 void ScatterLayer::set_switch(bool p_value) {
-	if (switches_.*property.member != p_value) {
-		switches_.*property.member = p_value;
+	bool &value = part<PartOf<property>>(*this).*property.member;
+	if (value != p_value) {
+		value = p_value;
 		changed();
 	}
 }
 
-template <const SwitchProperty &property>
+template <const auto &property>
 bool ScatterLayer::get_switch() const {
-	return switches_.*property.member;
+	return part<PartOf<property>>(*this).*property.member;
 }
 
 template <class T, const ResourceProperty<T> &property>
@@ -81,7 +126,7 @@ void ScatterLayer::resource_changed() {
 	changed();
 }
 
-template <const NumberProperty<LayerNumbers, double> &property>
+template <const auto &property>
 void ScatterLayer::bind_number() {
 	const godot::String name = property.name;
 	const godot::String setter = "set_" + name;
@@ -92,7 +137,7 @@ void ScatterLayer::bind_number() {
 	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
 }
 
-template <const NumberProperty<LayerIntegers, int64_t> &property>
+template <const auto &property>
 void ScatterLayer::bind_integer() {
 	const godot::String name = property.name;
 	const godot::String setter = "set_" + name;
@@ -103,7 +148,7 @@ void ScatterLayer::bind_integer() {
 	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::INT, name, property.hint, property.hint_string), setter, getter);
 }
 
-template <const SwitchProperty &property>
+template <const auto &property>
 void ScatterLayer::bind_switch() {
 	const godot::String name = property.name;
 	const godot::String setter = "set_" + name;

@@ -8,27 +8,25 @@ namespace thicket {
 
 namespace {
 
-using Number = NumberProperty<LayerNumbers, double>;
-
-constexpr Number min_slope_degrees{
-		"min_slope_degrees", &LayerNumbers::min_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
-constexpr Number max_slope_degrees{
-		"max_slope_degrees", &LayerNumbers::max_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
-constexpr Number slope_falloff{
-		"slope_falloff", &LayerNumbers::slope_falloff, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
-constexpr Number min_height{"min_height", &LayerNumbers::min_height, -unlimited_height, unlimited_height,
+constexpr NumberProperty min_slope_degrees{
+		"min_slope_degrees", &Rules::min_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+constexpr NumberProperty max_slope_degrees{
+		"max_slope_degrees", &Rules::max_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+constexpr NumberProperty slope_falloff{
+		"slope_falloff", &Rules::slope_falloff, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+constexpr NumberProperty min_height{"min_height", &Rules::min_height, -unlimited_height, unlimited_height,
 		PROPERTY_HINT_RANGE, "-1000,9000,0.1,or_less,or_greater,suffix:m"};
-constexpr Number max_height{"max_height", &LayerNumbers::max_height, -unlimited_height, unlimited_height,
+constexpr NumberProperty max_height{"max_height", &Rules::max_height, -unlimited_height, unlimited_height,
 		PROPERTY_HINT_RANGE, "-1000,9000,0.1,or_less,or_greater,suffix:m"};
-constexpr Number height_falloff{"height_falloff", &LayerNumbers::height_falloff, 0.0, unlimited_height,
+constexpr NumberProperty height_falloff{"height_falloff", &Rules::height_falloff, 0.0, unlimited_height,
 		PROPERTY_HINT_RANGE, "0,1000,0.01,or_greater,exp,suffix:m"};
-constexpr Number clump_size{"clump_size", &LayerNumbers::clump_size, 0.0, max_clump_size, PROPERTY_HINT_RANGE,
+constexpr NumberProperty clump_size{"clump_size", &Clumping::size, 0.0, max_clump_size, PROPERTY_HINT_RANGE,
 		"0,1000,0.01,or_greater,exp,suffix:m", min_clump_size};
-constexpr Number clump_coverage{
-		"clump_coverage", &LayerNumbers::clump_coverage, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
-constexpr Number clump_softness{
-		"clump_softness", &LayerNumbers::clump_softness, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
-constexpr Number edge_feather{"edge_feather", &LayerNumbers::edge_feather, 0.0, max_edge_feather, PROPERTY_HINT_RANGE,
+constexpr NumberProperty clump_coverage{
+		"clump_coverage", &Clumping::coverage, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+constexpr NumberProperty clump_softness{
+		"clump_softness", &Clumping::softness, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
+constexpr NumberProperty edge_feather{"edge_feather", &Rules::edge_feather, 0.0, max_edge_feather, PROPERTY_HINT_RANGE,
 		"0,100,0.01,or_greater,exp,suffix:m"};
 
 constexpr ResourceProperty<Curve> density_over_height{

@@ -15,7 +15,7 @@ namespace thicket {
 
 /// A density that is painted, over the whole plane: PaintedMask as a resource of the engine. Several layers may share one.
 ///
-/// A dab, and pixels put back, emit `area_changed` with the place that they changed; everything else emits `changed`.
+/// A dab, and pixels put back, emit `area_changed` with the rectangle that they changed; everything else emits `changed`.
 class ScatterMask : public godot::Resource {
 	GDCLASS(ScatterMask, godot::Resource)
 
@@ -52,7 +52,7 @@ public:
 	/// Writes such pixels back; returns as `paint` does.
 	godot::Rect2 set_pixels(const godot::Rect2i &p_rect, const godot::PackedByteArray &p_pixels);
 
-	/// The density at a place of the world (x, z), 0 to 1; 0 where that is not finite.
+	/// The density at a position of the world (x, z), 0 to 1; 0 where that is not finite.
 	double sample(const godot::Vector2 &p_position) const;
 
 	/// The pixels that a change within a world rectangle may touch.

@@ -53,7 +53,7 @@ private:
 		bool marked = true;
 		std::optional<Shape> shape; ///< None while it has no effect.
 		std::optional<Shape> read;  ///< As its node said last: the same, but for rounding.
-		godot::Array layers; ///< As the region names them.
+		godot::Array layers;        ///< As the region names them.
 
 		bool counts_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 	};

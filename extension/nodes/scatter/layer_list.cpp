@@ -54,8 +54,7 @@ void LayerList::complain(std::size_t index, const Status &status) {
 }
 
 /// Takes over what a layer says, if it may be used.
-Status LayerList::read(
-		Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::uint64_t seed, std::size_t index) const {
+Status LayerList::read(Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::uint64_t seed, std::size_t index) const {
 	if (p_layer.is_null()) {
 		r_entry = {};
 		return {};

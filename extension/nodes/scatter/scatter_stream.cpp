@@ -162,7 +162,7 @@ void ScatterStream::sort_work(std::span<const Viewer> viewers) {
 void ScatterStream::start(const TileRequest &request) {
 	const SharedSnapshot &layer = layers_[request.key.layer];
 	if (layer == nullptr || !ground_.source.is_available()) {
-		streamer_.finish(request); // What stands there stays.
+		streamer_.finish(request); // The tile that is shown there stays.
 		return;
 	}
 	const auto job = std::make_shared<TileJob>();
@@ -267,7 +267,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
 	if (!job->status.ok() && !job->stale && ground_.source.is_available()) {
-		// Nothing stands where a tile cannot be made; an edit makes it missing again.
+		// A tile that cannot be made counts as empty; an edit makes it missing again.
 		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const TileInstances>());
 	}
 }

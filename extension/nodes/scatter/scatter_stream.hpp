@@ -22,7 +22,7 @@ struct StreamGround {
 	HostedTerrain source;                   ///< Asked on the main thread.
 };
 
-/// A tile came or went.
+/// A tile was shown or hidden.
 struct TileEvent {
 	bool shown = false;
 	std::uint32_t layer = 0;
@@ -39,34 +39,34 @@ struct StreamFigures {
 /// Brings the streamer, the workers, the uploads and the display together: one call a frame, under a budget. Main thread only.
 class ScatterStream {
 public:
-	/// `world` is told of every tile that is made, and asked which it misses.
+	/// Tells `world` of every tile that is made, and makes those that it misses.
 	explicit ScatterStream(InstanceWorld &world);
 
-	/// What else works under the budget of a frame.
+	/// The rings work under the budget of a frame, too.
 	void set_rings(std::vector<NearRing *> rings) { rings_ = std::move(rings); }
 
-	/// Replaces the layers and the ground. `outdated[i]` says where layer i has to be made anew; what stands stays until
+	/// Replaces the layers and the ground. `outdated[i]` says where layer i has to be made anew; the old tiles are shown until
 	/// then.
 	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
 			const StreamGround &ground);
 
-	/// One frame's work: what came from the workers is uploaded and what is wanted is requested, until `budget`
-	/// microseconds are spent. One step is done even where there is no time for it, so that nothing stands still. Without viewers
-	/// what stands stays, and what was asked for is made all the same. False if a script that was asked for the ground has
-	/// freed this object.
+	/// One frame's work: requests the tiles that are wanted and uploads those that are made, until `budget` microseconds are spent.
+	/// Does one step even if there is no time for it, so that work always goes on. Without viewers, all tiles stay, and those that
+	/// queries have asked for are made all the same. Returns false if a script that was asked for the ground has freed this
+	/// object.
 	[[nodiscard]] bool frame(std::span<const Viewer> viewers, std::uint64_t budget);
 
-	/// The part of the work that belongs into a physics frame: asks for ground that may only be asked then, as much of it
-	/// as its terrain allows.
+	/// Asks terrains that may only be asked in a physics frame, for as many positions as they allow.
 	void physics_frame();
 
 	/// Waits for the workers and clears the display. The stream may go on afterwards, from nothing.
 	void stop();
 
-	/// What came and went since the last call, in order. A tile that was made anew comes without having gone.
+	/// The tiles that were shown and hidden since the last call, in order. A tile that was made anew is shown again without having
+	/// been hidden.
 	std::vector<TileEvent> take_events();
 
-	/// True when all that is wanted is shown, and drawn as it should be, and the rings have nothing to do.
+	/// True when all tiles that are wanted are shown, and drawn as they should be, and the rings have nothing to do.
 	bool idle() const;
 
 	TileDisplay &display() { return display_; }
@@ -120,9 +120,9 @@ private:
 	std::vector<bool> error_reported_; ///< Of each layer: one error until it or the ground changes, not one a tile.
 	StreamGround ground_;
 
-	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All under way, from request to upload.
-	std::deque<std::shared_ptr<TileJob>> ask_ground_; ///< Those that wait for a script on the main thread.
-	std::vector<Viewer> sorted_for_;                  ///< Where viewers were when these were sorted last.
+	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All jobs from their request to their upload.
+	std::deque<std::shared_ptr<TileJob>> ask_ground_; ///< The jobs that wait for a script on the main thread.
+	std::vector<Viewer> sorted_for_;                  ///< The viewers when these were sorted last.
 	StreamChanges changes_;
 	std::vector<TileEvent> events_;
 	Status viewer_status_;

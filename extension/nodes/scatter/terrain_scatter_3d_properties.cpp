@@ -190,6 +190,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["instances"] = number(display().instance_count());
 	stats["drawn"] = number(display().drawn_count());
 	stats["uploads"] = number(display().upload_count());
+	stats["redrawn"] = number(display().redrawn_count());
 	stats["waiting"] = number(counts.waiting);
 	stats["pending"] = number(counts.pending);
 	stats["uploading"] = number(stream_->upload_queue_size());

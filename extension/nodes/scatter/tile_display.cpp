@@ -177,7 +177,7 @@ bool TileDisplay::free_step() {
 void TileDisplay::clear() {
 	leaving_.clear();
 	tiles_.clear();
-	instances_ = drawn_ = wanted_ = upload_count_ = 0;
+	instances_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = 0;
 	schedule_.clear();
 	cut_.clear();
 	share_ = 1.0;

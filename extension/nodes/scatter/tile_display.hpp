@@ -107,6 +107,9 @@ public:
 	/// Buffers handed to the renderer since the display was new or cleared.
 	std::uint64_t upload_count() const { return upload_count_; }
 
+	/// Tiles that have followed a change of how their layer is drawn, without an upload, since then.
+	std::uint64_t redrawn_count() const { return redrawn_count_; }
+
 private:
 	/// layer, x, y, -grid: neighbors in a layer stay together, the newest grid comes first.
 	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
@@ -141,6 +144,7 @@ private:
 	std::vector<TileVisual> leaving_;
 	std::uint64_t instances_ = 0;
 	std::uint64_t upload_count_ = 0;
+	std::uint64_t redrawn_count_ = 0;
 
 	DetailSchedule schedule_;
 	DrawLimits limits_;

@@ -10,6 +10,14 @@ using namespace godot;
 
 namespace thicket {
 
+namespace {
+
+/// Meters that a viewer moves at least before a tile is visited again. At a distance where something changes the margin is 0, and for a
+/// viewer who stands still the tile would be visited without end.
+constexpr double min_margin = 1e-3;
+
+} // namespace
+
 void TileDisplay::count(const DisplayedTile &tile) {
 	for (const DisplayedTile::Part &part : tile.parts) {
 		instances_ += part.shown->size();
@@ -66,6 +74,7 @@ void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
 		return;
 	}
 	r_tile.drawing_version = drawing_version(key.layer);
+	++redrawn_count_;
 	for (DisplayedTile::Part &part : r_tile.parts) {
 		if (part.visual) {
 			part.visual->apply(layers_[key.layer]->drawing);
@@ -87,7 +96,7 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	if (!whole && !std::exchange(r_tile.is_cut, true)) {
 		cut_.push_back(key);
 	}
-	schedule_.add(key, distance_margin(layer->lod, distance));
+	schedule_.add(key, std::max(distance_margin(layer->lod, distance), min_margin));
 }
 
 /// Draws the mesh and the share of the instances that the distance asks for. False if the limit for all tiles cuts them short.

@@ -101,23 +101,24 @@ void TileVisual::free() {
 }
 
 void TileVisual::apply(const LayerDrawing &drawing) {
+	// Every member is named, so that nobody adds one without a look at this function.
+	const auto &[meshes, lod_meshes, boxes, mesh_reach, material, cast_shadow, gi_mode, render_layers, lod_bias, margin,
+			begin, begin_margin, end, end_margin, fade_mode] = drawing;
 	RenderingServer *server = RenderingServer::get_singleton();
-	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(drawing.render_layers));
+	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(render_layers));
 	server->instance_geometry_set_cast_shadows_setting(
-			instance_, static_cast<RenderingServer::ShadowCastingSetting>(drawing.cast_shadow));
+			instance_, static_cast<RenderingServer::ShadowCastingSetting>(cast_shadow));
 	server->instance_geometry_set_flag(
-			instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, drawing.gi_mode == gi_static);
+			instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, gi_mode == gi_static);
 	server->instance_geometry_set_flag(
-			instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, drawing.gi_mode == gi_dynamic);
-	server->instance_geometry_set_lod_bias(instance_, static_cast<float>(drawing.lod_bias));
-	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(drawing.extra_cull_margin));
-	server->instance_geometry_set_material_override(
-			instance_, drawing.material_override.is_valid() ? drawing.material_override->get_rid() : RID());
-	material_ = drawing.material_override; // Only now: what it held before must not go while the instance names it.
-	server->instance_geometry_set_visibility_range(instance_, static_cast<float>(drawing.visibility_range_begin),
-			static_cast<float>(drawing.visibility_range_end), static_cast<float>(drawing.visibility_range_begin_margin),
-			static_cast<float>(drawing.visibility_range_end_margin),
-			static_cast<RenderingServer::VisibilityRangeFadeMode>(drawing.visibility_range_fade_mode));
+			instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, gi_mode == gi_dynamic);
+	server->instance_geometry_set_lod_bias(instance_, static_cast<float>(lod_bias));
+	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(margin));
+	server->instance_geometry_set_material_override(instance_, material.is_valid() ? material->get_rid() : RID());
+	material_ = material; // Only now: what it held before must not go while the instance names it.
+	server->instance_geometry_set_visibility_range(instance_, static_cast<float>(begin), static_cast<float>(end),
+			static_cast<float>(begin_margin), static_cast<float>(end_margin),
+			static_cast<RenderingServer::VisibilityRangeFadeMode>(fade_mode));
 }
 
 void TileVisual::set_visible(bool visible) {

@@ -25,7 +25,7 @@ struct VisualContext {
 	std::uint64_t node_id = 0; ///< Of the node it belongs to: a click in the editor selects that.
 };
 
-/// One mesh's instances in one tile on show: a MultiMesh and an instance of the RenderingServer, freed with the object.
+/// The instances of one mesh in a tile that is shown: a MultiMesh and an instance of the RenderingServer, freed with the object.
 ///
 /// Holds its mesh and its material: an outdated tile is drawn as it was until its successor is there, whatever the
 /// layer has let go of. The instance stands at the tile's center, from where the engine measures visibility ranges.
@@ -44,7 +44,7 @@ public:
 	void apply(const LayerDrawing &drawing);
 	void set_visible(bool visible);
 
-	/// Other instances in place of those there; all are drawn until `set_drawn`.
+	/// Replaces the instances; all of them are drawn until `set_drawn`.
 	void set_instances(const MeshUpload &upload);
 
 	// What may change without another upload. Each does nothing where that is so already.

@@ -14,21 +14,21 @@ using namespace godot;
 namespace thicket {
 
 void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Viewer> viewers) {
-	std::vector<std::size_t> places;
+	std::vector<std::size_t> indices;
 	std::vector<std::shared_ptr<TileJob>> jobs;
 	std::vector<Rect> areas;
-	for (std::size_t place = 0; place < r_jobs.size(); ++place) {
-		const std::shared_ptr<TileJob> &job = r_jobs[place];
+	for (std::size_t index = 0; index < r_jobs.size(); ++index) {
+		const std::shared_ptr<TileJob> &job = r_jobs[index];
 		if (!job->unseen && (job->step != TileJob::Step::needs_ground || job->answered == 0)) {
-			places.push_back(place);
+			indices.push_back(index);
 			jobs.push_back(job);
 			areas.push_back(job->request.rect);
 		}
 	}
 	std::vector<std::size_t> order;
 	work_order(areas, viewers, order);
-	for (std::size_t i = 0; i < places.size(); ++i) {
-		r_jobs[places[i]] = jobs[order[i]];
+	for (std::size_t i = 0; i < indices.size(); ++i) {
+		r_jobs[indices[i]] = jobs[order[i]];
 	}
 }
 

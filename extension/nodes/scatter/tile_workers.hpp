@@ -15,9 +15,9 @@
 
 namespace thicket {
 
-/// One tile on its way: from a request to what is uploaded. Owned by one thread at a time.
+/// One tile from its request to what is uploaded. One thread owns it at a time.
 struct TileJob {
-	/// Where it is on its way.
+	/// What is done for it.
 	enum class Step : std::uint8_t {
 		start,        ///< Nothing done yet.
 		needs_ground, ///< `positions` wait for the main thread to fill `ground`.
@@ -46,13 +46,13 @@ struct TileJob {
 	std::vector<MeshUpload> uploads;           ///< The same for the renderer, a part for each mesh; none if `unseen`.
 	std::uint64_t microseconds = 0;            ///< Spent on it by workers.
 
-	bool unseen = false; ///< Made to be asked, not to be shown. Main thread only, as is the next.
+	bool unseen = false; ///< Made for queries, not to be shown. Main thread only, as is the next.
 	bool stale = false;  ///< Something that it shows was edited after it was begun.
 
 	std::atomic<bool> cancelled = false; ///< Raised by the main thread, at any time.
 };
 
-/// Sorts jobs as work_order does. One whose ground is half known stays where it is, and so does one that is made to be asked.
+/// Sorts jobs as work_order does. A job whose ground is half known keeps its index, and so does one that is made for queries.
 void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Viewer> viewers);
 
 /// Makes tiles on the engine's WorkerThreadPool. Called on the main thread only, apart from the work itself.
@@ -64,13 +64,13 @@ public:
 	TileWorkers(const TileWorkers &) = delete;
 	TileWorkers &operator=(const TileWorkers &) = delete;
 
-	/// Hands a job in; it is worked on in the order of coming, or as sorted since.
+	/// Queues a job. Jobs are worked on in the order in which they came, or as they were sorted since.
 	void push(std::shared_ptr<TileJob> job);
 
 	/// Sorts what waits; see sort_jobs.
 	void sort(std::span<const Viewer> viewers);
 
-	/// Takes out the jobs that are done or need ground, in the order in which they got there. Cancelled ones come too.
+	/// Takes out the jobs that are done or need ground, in the order in which they were finished. Cancelled ones come too.
 	/// To be called in every frame: it also starts workers for jobs that wait.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 

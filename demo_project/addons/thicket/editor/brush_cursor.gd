@@ -9,7 +9,7 @@ const COLORS: Array[Color] = [Color(0.5, 1.0, 0.45), Color(1.0, 0.45, 0.35), Col
 const SIDES := 64
 
 ## Where the mouse points at the ground, in world meters; [constant Vector3.INF] where there is none.
-var ground_position := Vector3.INF
+var on_ground := Vector3.INF
 
 var _camera: Camera3D
 
@@ -18,31 +18,31 @@ var _camera: Camera3D
 func aim(camera: Camera3D, position: Vector2, terrain: Resource) -> void:
 	_camera = camera
 	position /= _shrink(camera)
-	ground_position = GroundRay.hit(terrain, camera.project_ray_origin(position), camera.project_ray_normal(position))
+	on_ground = GroundRay.hit(terrain, camera.project_ray_origin(position), camera.project_ray_normal(position))
 
 
 ## Shows nothing until the next [method aim].
 func hide() -> void:
-	ground_position = Vector3.INF
+	on_ground = Vector3.INF
 
 
 ## Draws the ring on an overlay of a viewport, if the mouse was there last: the radius, the part that is painted in
 ## full, and a dot in the middle.
 func draw(overlay: Control, brush: Brush, terrain: Resource) -> void:
-	if not ground_position.is_finite() or not is_instance_valid(_camera) or terrain == null or not _is_over(overlay):
+	if not on_ground.is_finite() or not is_instance_valid(_camera) or terrain == null or not _is_over(overlay):
 		return
 	var color := COLORS[brush.mode]
 	_ring(overlay, terrain, brush.radius, color, 2.0)
 	if brush.hardness > 0.0:
 		_ring(overlay, terrain, brush.radius * brush.hardness, Color(color, 0.45), 1.0)
-	overlay.draw_circle(_camera.unproject_position(ground_position) * _shrink(_camera), 2.5, color)
+	overlay.draw_circle(_camera.unproject_position(on_ground) * _shrink(_camera), 2.5, color)
 
 
 func _ring(overlay: Control, terrain: Resource, radius: float, color: Color, width: float) -> void:
 	var line := PackedVector2Array()
 	for side in SIDES + 1:
 		var angle := TAU * side / SIDES
-		var at := ground_position + Vector3(cos(angle), 0.0, sin(angle)) * radius
+		var at := on_ground + Vector3(cos(angle), 0.0, sin(angle)) * radius
 		var height: float = terrain.call(&"get_height", at)
 		if not is_nan(height):
 			at.y = height

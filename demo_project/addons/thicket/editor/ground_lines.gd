@@ -53,15 +53,15 @@ func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 		var to := points[(index + 1) % points.size()]
 		var pieces := clampi(ceili(from.distance_to(to) / piece), 1, maxi(1, budget))
 		budget -= pieces
-		var last := _place(from)
+		var last := _on_ground(from)
 		for step in pieces:
-			var next := _place(from.lerp(to, (step + 1.0) / pieces))
+			var next := _on_ground(from.lerp(to, (step + 1.0) / pieces))
 			segments.append(last)
 			segments.append(next)
 			last = next
 
 
-func _place(at: Vector2) -> Vector3:
+func _on_ground(at: Vector2) -> Vector3:
 	var position := Vector3(at.x, level, at.y)
 	if terrain != null:
 		var height: float = terrain.call(&"get_height", position)

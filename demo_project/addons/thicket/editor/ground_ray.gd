@@ -10,7 +10,7 @@ const MOST_STEPS := 600
 const HALVINGS := 24
 
 
-## The first position in world meters at which the ray enters the ground from above, or [constant Vector3.INF] if there is
+## The first position, in world meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is
 ## none. [param direction] has a length of 1. A step is half as long as the ray is high above the ground, so a ridge is
 ## missed only where the ground is steeper than 60 degrees and the ray grazes it. Asks the terrain some hundred times.
 static func hit(terrain: Resource, from: Vector3, direction: Vector3) -> Vector3:

@@ -119,7 +119,7 @@ func _forward_3d_gui_input(camera: Camera3D, event: InputEvent) -> int:
 	var mouse := event as InputEventMouse
 	_cursor.aim(camera, mouse.position, _scatter.get(&"terrain"))
 	update_overlays()
-	var at := _cursor.ground_position
+	var at := _cursor.on_ground
 	if mouse is InputEventMouseMotion:
 		if not toolbar.brush.is_painting():
 			return AFTER_GUI_INPUT_PASS

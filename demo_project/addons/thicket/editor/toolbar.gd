@@ -92,7 +92,7 @@ func set_brush_on(on: bool) -> void:
 	_on.button_pressed = on
 
 
-## Chooses the layer at an index of the scatter's list, if it is there.
+## Chooses the layer at an index in the scatter's list, if it is there.
 func choose_layer(index: int) -> void:
 	_layers.select(_layers.get_item_index(index))
 	brush_changed.emit()

@@ -1,4 +1,4 @@
-#include "core/placement/layer_stage.hpp"
+#include "core/placement/layer_filter.hpp"
 
 #include "core/placement/edge_probes.hpp"
 
@@ -17,13 +17,13 @@ constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets
 
 } // namespace
 
-void LayerStage::set(const LayerSettings &layer, std::span<const LayerStage *const> neighbors) {
+void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors) {
 	static_cast<void>(rules_.set(layer.rules, layer.set.seed)); // Valid, so it is not refused.
 	layer_ = &layer;
 	neighbors_.assign(neighbors.begin(), neighbors.end());
 }
 
-Status LayerStage::sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel) {
+Status LayerFilter::sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel) {
 	window_ = window;
 	if (const Status status = sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}); !status.ok()) {
 		return status;
@@ -46,8 +46,8 @@ Status LayerStage::sample(TileSampler &sampler, const Rect &window, const std::a
 	return open_probes();
 }
 
-/// Splits the points that the rules of the place let pass into one array for each part.
-void LayerStage::keep_dense() {
+/// Splits the points that the rules of position let pass into one array for each part.
+void LayerFilter::keep_dense() {
 	positions_.clear();
 	ids_.clear();
 	ranks_.clear();
@@ -62,7 +62,7 @@ void LayerStage::keep_dense() {
 	}
 }
 
-Status LayerStage::open_probes() {
+Status LayerFilter::open_probes() {
 	probes_.clear();
 	probe_open_.clear();
 	const double feather = rules_.rules().edge_feather;
@@ -82,17 +82,17 @@ Status LayerStage::open_probes() {
 	return status;
 }
 
-void LayerStage::add_places(std::vector<glm::dvec2> &r_places) const {
-	r_places.insert(r_places.end(), positions_.begin(), positions_.end());
-	r_places.insert(r_places.end(), probes_.begin(), probes_.end());
+void LayerFilter::add_positions(std::vector<glm::dvec2> &r_positions) const {
+	r_positions.insert(r_positions.end(), positions_.begin(), positions_.end());
+	r_positions.insert(r_positions.end(), probes_.begin(), probes_.end());
 }
 
-bool LayerStage::probe_allows(std::size_t probe, const Ground &ground) const {
+bool LayerFilter::probe_allows(std::size_t probe, const Ground &ground) const {
 	return probe_open_[probe] != 0 && rules_.ground_density(ground) > 0.0 &&
 			rules_.shape_density(near_shapes_, probes_[probe], ground) > 0.0;
 }
 
-double LayerStage::edge_factor(std::size_t point, std::span<const Ground> probe_ground) const {
+double LayerFilter::edge_factor(std::size_t point, std::span<const Ground> probe_ground) const {
 	std::size_t allowed = 0;
 	for (std::size_t i = 0; i < edge_probes; ++i) {
 		const std::size_t probe = point * edge_probes + i;
@@ -101,7 +101,7 @@ double LayerStage::edge_factor(std::size_t point, std::span<const Ground> probe_
 	return edge_density(allowed);
 }
 
-double LayerStage::neighbor_density(std::size_t neighbor, glm::dvec2 position) const {
+double LayerFilter::neighbor_density(std::size_t neighbor, glm::dvec2 position) const {
 	const Neighbor &rule = layer_->neighbors[neighbor];
 	const double squared = neighbors_[neighbor]->grid_.nearest_squared(position, rule.distance);
 	if (rule.curve == nullptr) {
@@ -111,7 +111,7 @@ double LayerStage::neighbor_density(std::size_t neighbor, glm::dvec2 position) c
 }
 
 /// The product of all rules, in the order of what they cost; a point that has fallen below its rank is not asked further.
-double LayerStage::density_at(std::size_t point, std::span<const Ground> ground) const {
+double LayerFilter::density_at(std::size_t point, std::span<const Ground> ground) const {
 	const Ground &here = ground[point];
 	double density = densities_[point] * rules_.ground_density(here);
 	if (stands(ranks_[point], density)) {
@@ -126,7 +126,7 @@ double LayerStage::density_at(std::size_t point, std::span<const Ground> ground)
 	return density;
 }
 
-Status LayerStage::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
+Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
 	standing_.clear();
 	thinning_ranks_.clear();
 	for (std::size_t point = 0; point < positions_.size(); ++point) {
@@ -142,7 +142,7 @@ Status LayerStage::filter(std::span<const Ground> ground, const std::atomic<bool
 	return {};
 }
 
-void LayerStage::index_standing(double distance) {
+void LayerFilter::index_standing(double distance) {
 	standing_positions_.clear();
 	for (const std::uint32_t point : standing_) {
 		standing_positions_.push_back(positions_[point]);

@@ -1,8 +1,9 @@
-#include "core/placement/neighbor_chain.hpp"
+#include "core/placement/layer_graph.hpp"
 
 #include "core/base/check.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace thicket {
 
@@ -22,22 +23,22 @@ Status too_deep(std::size_t depth) {
 
 } // namespace
 
-NeighborChain::NeighborChain(const LayerSettings &layer) {
+LayerGraph::LayerGraph(const LayerSettings &layer) {
 	add(layer, 0);
 	if (status_.ok()) {
 		find_margins();
 	}
 }
 
-NeighborChain::Link *NeighborChain::find(const LayerSettings *layer) {
-	Link *const end = links_.data() + size_;
-	Link *const found = std::find_if(links_.data(), end, [layer](const Link &link) { return link.layer == layer; });
-	return found != end ? found : nullptr;
+std::size_t LayerGraph::index_of(const LayerSettings *layer) const {
+	const auto known = nodes_.begin() + static_cast<std::ptrdiff_t>(size_);
+	const auto found = std::find_if(nodes_.begin(), known, [layer](const Node &node) { return node.layer == layer; });
+	return static_cast<std::size_t>(found - nodes_.begin());
 }
 
 /// Adds the layer behind those that it looks at.
-void NeighborChain::add(const LayerSettings &layer, std::size_t depth) {
-	if (!status_.ok() || find(&layer) != nullptr) {
+void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
+	if (!status_.ok() || index_of(&layer) < size_) {
 		return;
 	}
 	if (depth > max_neighbor_depth) {
@@ -51,25 +52,27 @@ void NeighborChain::add(const LayerSettings &layer, std::size_t depth) {
 			add(*layer.neighbors[i].layer, depth + 1);
 		}
 	}
-	if (status_.ok() && size_ == links_.size()) {
+	if (status_.ok() && size_ == nodes_.size()) {
 		status_ = {ErrorCode::out_of_range, "neighbors of neighbors", static_cast<double>(size_ + 1)};
 	}
 	if (status_.ok()) {
-		links_[size_++].layer = &layer;
+		nodes_[size_++].layer = &layer;
 	}
 }
 
-void NeighborChain::find_margins() {
+/// From the layer itself back to those that look at nothing: all that look at a layer stand behind it.
+void LayerGraph::find_margins() {
 	for (std::size_t at = size_; at-- > 0;) {
-		const Link &link = links_[at];
-		if (link.depth > max_neighbor_depth) {
-			status_ = too_deep(link.depth);
+		const Node &node = nodes_[at];
+		if (node.depth > max_neighbor_depth) {
+			status_ = too_deep(node.depth);
 			return;
 		}
-		for (const Neighbor &neighbor : link.layer->neighbors) {
-			Link &other = *find(neighbor.layer.get());
-			other.margin = std::max(other.margin, link.margin + neighbor.distance);
-			other.depth = std::max(other.depth, link.depth + 1);
+		for (const Neighbor &neighbor : node.layer->neighbors) {
+			Node &other = nodes_[index_of(neighbor.layer.get())];
+			other.margin = std::max(other.margin, node.margin + neighbor.distance);
+			other.asked_from = std::max(other.asked_from, neighbor.distance);
+			other.depth = std::max(other.depth, node.depth + 1);
 		}
 	}
 }

@@ -16,29 +16,29 @@
 
 namespace thicket {
 
-/// One layer's points in a window, on their way from the set to what stands: `sample`, then `filter` once the ground is
-/// known. A tile has one for its own layer and one for each layer that its rules look at. Keeps its memory.
-class LayerStage {
+/// Finds out which points of one layer stand in a window: `sample`, then `filter` once the ground is known. A tile has one
+/// for its own layer and one for each layer that its rules look at. Keeps its memory.
+class LayerFilter {
 public:
-	/// Prepares for a layer of valid settings, which has to stay until the points are filtered. `neighbors` are the stages of
+	/// Prepares for a layer of valid settings, which has to stay until the points are filtered. `neighbors` are the filters of
 	/// layer.neighbors, in their order.
-	void set(const LayerSettings &layer, std::span<const LayerStage *const> neighbors);
+	void set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors);
 
-	/// The points of the half-open `window` that the rules of the place let pass. Ends with ErrorCode::cancelled when
+	/// The points of the half-open `window` that the rules of position let pass. Ends with ErrorCode::cancelled when
 	/// `cancel` is raised.
 	Status sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel);
 
-	/// Where the ground has to be known: the points' places, then edge_probes for each point if the layer looks at its edge.
-	void add_places(std::vector<glm::dvec2> &r_places) const;
-	std::size_t place_count() const { return positions_.size() + probe_open_.size(); }
+	/// Where the ground has to be known: the points' positions, then edge_probes for each point if the layer looks at its edge.
+	void add_positions(std::vector<glm::dvec2> &r_positions) const;
+	std::size_t position_count() const { return positions_.size() + probe_open_.size(); }
 
-	/// Finds out who stands; `ground` has one entry for each place. The neighbors' stages have been filtered before.
+	/// Finds out which points stand; `ground` has one entry for each of these positions. The neighbors have been filtered before.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
 
-	/// Makes those who stand ready to be asked by other stages, from at most `distance` meters.
+	/// Prepares the points that stand for layers that look at them, from at most `distance` meters away.
 	void index_standing(double distance);
 
-	const LayerSettings &layer() const { return *layer_; }
+	const LayerSettings &settings() const { return *layer_; }
 	const Rect &window() const { return window_; }
 	std::size_t sampled() const { return sampled_; }
 	std::span<const glm::dvec2> positions() const { return positions_; }
@@ -58,7 +58,7 @@ private:
 
 	const LayerSettings *layer_ = nullptr;
 	PreparedRules rules_;
-	std::vector<const LayerStage *> neighbors_;
+	std::vector<const LayerFilter *> neighbors_;
 	Rect window_;
 	std::size_t sampled_ = 0;
 
@@ -66,9 +66,9 @@ private:
 	std::vector<glm::dvec2> positions_;
 	std::vector<std::uint64_t> ids_;
 	std::vector<std::uint32_t> ranks_;
-	std::vector<double> densities_;        ///< Of the rules of the place.
+	std::vector<double> densities_;        ///< Of the rules of position.
 	std::vector<glm::dvec2> probes_;       ///< edge_probes for each point, or none.
-	std::vector<std::uint8_t> probe_open_; ///< Whether the rules of the place allow them.
+	std::vector<std::uint8_t> probe_open_; ///< Whether the rules of position allow them.
 	std::vector<std::uint32_t> near_shapes_;
 
 	std::vector<std::uint32_t> standing_;

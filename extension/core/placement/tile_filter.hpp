@@ -1,0 +1,44 @@
+#pragma once
+
+#include "core/placement/layer_filter.hpp"
+#include "core/placement/layer_graph.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// Finds out which points of a layer stand in a rectangle. The layers that it looks at, directly or through others, are
+/// sampled and filtered first, each once, in the order of the LayerGraph. Keeps its memory.
+class TileFilter {
+public:
+	explicit TileFilter(const SampleMargins &margins) : sampler_(margins) {}
+
+	/// Prepares for a layer of valid settings, which is copied.
+	void set(const LayerSettings &layer);
+
+	/// Samples all layers, each in the window that `rect` of the layer itself needs.
+	Status sample(const Rect &rect, const std::atomic<bool> *cancel);
+
+	/// Filters all layers; `ground` holds the ground of their positions, one layer after the other.
+	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
+
+	/// The filters of all layers, in the order of the graph.
+	std::size_t size() const { return graph_.nodes().size(); }
+	const LayerFilter &layer(std::size_t index) const { return *layers_[index]; }
+
+	/// That of the layer itself: the last.
+	const LayerFilter &own() const { return layer(size() - 1); }
+
+	const SampleStats &sample_stats() const { return sampler_.stats(); }
+
+private:
+	LayerSettings layer_;
+	LayerGraph graph_{layer_};
+	std::vector<std::unique_ptr<LayerFilter>> layers_; ///< The first size() are in use; the rest keep their memory.
+	TileSampler sampler_;
+};
+
+} // namespace thicket

@@ -1,0 +1,236 @@
+#include "core/base/tile_grid.hpp"
+#include "core/near/near_queue.hpp"
+#include "core/placement/tile_builder.hpp"
+#include "core/state/instance_state.hpp"
+#include "core/terrain/flat_terrain.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+constexpr double distance = 20.0;
+constexpr double tile_size = 32.0;
+
+/// A flat world of one layer.
+struct FlatWorld {
+	LayerSettings settings;
+	InstanceWorld world;
+	InstanceState state;
+
+	FlatWorld() {
+		settings.set = {.seed = 3, .radius = 2.0, .levels = 1, .layer = 5};
+		world.set_layers({{.set = settings.set, .tile_size = tile_size}});
+		world.set_state(&state);
+	}
+
+	std::shared_ptr<const TileInstances> make(glm::ivec2 tile, double height = 0.0) const {
+		TileInstances made;
+		TileBuilder builder;
+		CHECK(builder.build(settings, FlatTerrain(static_cast<float>(height)), tile_rect(tile_size, tile), made).ok());
+		return std::make_shared<const TileInstances>(std::move(made));
+	}
+
+	/// Makes the tiles from -reach to reach known.
+	void load(int reach = 2, double height = 0.0) {
+		for (int y = -reach; y <= reach; ++y) {
+			for (int x = -reach; x <= reach; ++x) {
+				world.keep(0, {x, y}, make({x, y}, height));
+			}
+		}
+	}
+
+	/// The ids of all that stand within some meters of a position.
+	std::set<std::uint64_t> within(glm::dvec3 center, double radius) const {
+		std::vector<PlacedInstance> found;
+		CHECK(world.ask_known([&](const InstanceQuery &query) {
+			return query.in_sphere(center, radius, {}, found);
+		}).ok());
+		std::set<std::uint64_t> ids;
+		for (const PlacedInstance &instance : found) {
+			ids.insert(instance.id);
+		}
+		return ids;
+	}
+};
+
+/// Whoever makes and frees what stands near by.
+struct Follower {
+	NearQueue queue;
+	std::set<std::uint64_t> held;
+
+	Follower() { queue.set_distances(std::array{distance}); }
+
+	void look(glm::dvec3 center, const InstanceWorld &world) { queue.look_around(std::array{center}, world); }
+
+	/// How many have come and gone.
+	int follow() {
+		int steps = 0;
+		for (NearQueue::Leaving leaving; queue.next_leaving(leaving); ++steps) {
+			CHECK(held.erase(leaving.id) == 1);
+		}
+		for (PlacedInstance instance; queue.next_entering(instance); ++steps) {
+			CHECK(held.insert(instance.id).second);
+		}
+		return steps;
+	}
+};
+
+} // namespace
+
+TEST_CASE("near queue: all within the distance come, the nearest first, and leave an eighth farther away") {
+	FlatWorld flat;
+	flat.load();
+	Follower follower;
+	CHECK_FALSE(follower.queue.settled());
+	const glm::dvec3 center{3.0, 1.0, -2.0};
+	follower.look(center, flat.world);
+	double last = 0.0;
+	for (PlacedInstance instance; follower.queue.next_entering(instance);) {
+		const double away = glm::distance(instance.position, center);
+		CHECK(away >= last);
+		last = away;
+		follower.held.insert(instance.id);
+	}
+	CHECK(follower.held == flat.within(center, NearQueue::enter_share * distance));
+	CHECK(follower.held.size() > 100);
+	CHECK(follower.queue.settled());
+	glm::dvec3 at = center;
+	for (int step = 0; step < 20; ++step) {
+		at.x += 1.0;
+		follower.look(at, flat.world);
+		follower.follow();
+		const std::set<std::uint64_t> near = flat.within(at, distance);
+		const std::set<std::uint64_t> reach = flat.within(at, NearQueue::leave_share * distance);
+		CHECK(std::includes(follower.held.begin(), follower.held.end(), near.begin(), near.end()));
+		CHECK(std::includes(reach.begin(), reach.end(), follower.held.begin(), follower.held.end()));
+	}
+	follower.look(at + glm::dvec3(0.3, 0.0, 0.0), flat.world);
+	CHECK(follower.follow() == 0);
+	follower.queue.set_distances(std::array{0.0});
+	follower.look(at, flat.world);
+	follower.follow();
+	CHECK(follower.held.empty());
+	CHECK(follower.queue.settled());
+}
+
+TEST_CASE("near queue: what stands no longer is gone, what stands otherwise has changed") {
+	FlatWorld flat;
+	flat.load();
+	Follower follower;
+	follower.look({}, flat.world);
+	follower.follow();
+	const std::uint64_t felled = *follower.held.begin();
+	CHECK(flat.state.remove(felled));
+	flat.world.touch();
+	CHECK_FALSE(follower.queue.settled());
+	follower.look({}, flat.world);
+	NearQueue::Leaving gone;
+	REQUIRE(follower.queue.next_gone(gone));
+	CHECK(gone.id == felled);
+	follower.held.erase(felled);
+	CHECK_FALSE(follower.queue.next_gone(gone));
+	CHECK(follower.follow() == 0);
+
+	flat.load(2, 1.5);
+	follower.look({}, flat.world);
+	std::set<std::uint64_t> changed;
+	for (PlacedInstance instance; follower.queue.next_changed(instance);) {
+		CHECK(instance.position.y == doctest::Approx(1.5));
+		CHECK(changed.insert(instance.id).second);
+	}
+	CHECK(changed.size() > 100);
+	CHECK(std::includes(follower.held.begin(), follower.held.end(), changed.begin(), changed.end()));
+	follower.follow();
+	PlacedInstance again;
+	CHECK_FALSE(follower.queue.next_changed(again));
+	CHECK(follower.queue.settled());
+}
+
+TEST_CASE("near queue: what was entered in this look has not changed in it") {
+	FlatWorld flat;
+	flat.load();
+	Follower follower;
+	follower.look({}, flat.world);
+	follower.follow();
+	follower.look({9.0, 0.0, 0.0}, flat.world);
+	PlacedInstance instance;
+	for (int entered = 0; entered < 5; ++entered) {
+		REQUIRE(follower.queue.next_entering(instance));
+	}
+	CHECK_FALSE(follower.queue.next_changed(instance));
+}
+
+TEST_CASE("near queue: what is released comes again") {
+	FlatWorld flat;
+	flat.load();
+	Follower follower;
+	follower.look({}, flat.world);
+	follower.follow();
+	const std::uint64_t id = *follower.held.begin();
+	follower.queue.release(0, id);
+	CHECK_FALSE(follower.queue.holds(0, id));
+	CHECK_FALSE(follower.queue.settled());
+	follower.held.erase(id);
+	follower.look({}, flat.world);
+	CHECK(follower.follow() == 1);
+	CHECK(follower.held.contains(id));
+	CHECK(follower.queue.holds(0, id));
+	follower.queue.release(id);
+	PlacedInstance instance;
+	CHECK_FALSE(follower.queue.next_entering(instance));
+	follower.queue.release_layer(0);
+	follower.held.clear();
+	follower.look({}, flat.world);
+	CHECK(follower.follow() > 100);
+}
+
+TEST_CASE("near queue: tiles that are not known are missed") {
+	FlatWorld flat;
+	Follower follower;
+	follower.look({}, flat.world);
+	CHECK(follower.follow() == 0);
+	CHECK(flat.world.take_missing().size() >= 4);
+	flat.load();
+	follower.look({}, flat.world);
+	CHECK(follower.follow() > 100);
+	CHECK(flat.world.take_missing().empty());
+}
+
+TEST_CASE("instance world: a tile that was made while the layers changed is not kept") {
+	FlatWorld flat;
+	int made = 0;
+	bool meddle = true;
+	flat.world.set_maker([&](std::uint32_t, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) -> Status {
+		++made;
+		r_tile = flat.make(tile);
+		if (meddle) {
+			flat.world.set_layers({{.set = flat.settings.set, .tile_size = tile_size}});
+		}
+		return {};
+	});
+	const auto ask = [&flat] {
+		std::vector<PlacedInstance> found;
+		CHECK(flat.world.ask([&](const InstanceQuery &query) {
+			return query.in_rect({{4.0, 4.0}, {8.0, 8.0}}, {}, found);
+		}).ok());
+		CHECK(found.size() > 1);
+	};
+	ask();
+	CHECK(made == 1);
+	meddle = false;
+	ask();
+	CHECK(made == 2);
+	ask();
+	CHECK(made == 2);
+}

@@ -1,0 +1,193 @@
+extends "collision_harness.gd"
+## Every property of a layer, changed alone, is in the layer's snapshot: what is made, drawn or met follows. A property that nobody
+## copied into the snapshot, or that a comparison forgot, changes nothing here; one without a line in `changes` fails, too.
+
+const OAKS := 0
+const FERNS := 1
+
+## What follows when a property is changed: tiles are made anew, they are drawn otherwise without being made anew, others are
+## shown, or bodies, scenes and the hits of rays are others.
+const MADE := "made"
+const REDRAWN := "redrawn"
+const TILES := "tiles"
+const BODIES := "bodies"
+const SCENES := "scenes"
+const HITS := "hits"
+const REGROWN := "regrown"
+
+## Another value for each property than `make_ferns` gives it, and what follows.
+var changes := {
+	"radius": [2.5, MADE], "levels": [2, MADE], "layer_id": [77, MADE], "density": [0.5, MADE],
+	"tile_size": [24.0, TILES], "view_distance": [70.0, TILES],
+	"min_height": [-5.0, MADE], "max_height": [50.0, MADE], "height_falloff": [2.0, MADE],
+	"density_over_height": [make_line(Vector2(-9, 0), Vector2(9, 1)), MADE],
+	"min_slope_degrees": [1.0, MADE], "max_slope_degrees": [40.0, MADE], "slope_falloff": [3.0, MADE],
+	"density_over_slope": [make_line(Vector2(0, 0.5), Vector2(90, 1)), MADE],
+	"ground_textures": [PackedInt32Array([3]), MADE],
+	"noise": [FastNoiseLite.new(), MADE], "noise_curve": [make_line(Vector2(-1, 1), Vector2(1, 0)), MADE],
+	"mask": [half_mask(), MADE], "mask_texture": [picture(Color.BLUE), MADE],
+	"mask_texture_rect": [Rect2(0, 0, 90, 90), MADE], "mask_texture_channel": [ScatterLayer.MASK_CHANNEL_GREEN, MADE],
+	"mask_texture_edge": [ScatterLayer.MASK_EDGE_NOTHING, MADE],
+	"clump_size": [9.0, MADE], "clump_coverage": [0.75, MADE], "clump_softness": [0.5, MADE], "edge_feather": [2.0, MADE],
+	"spacing": [{"Oaks": 2.0} as Dictionary[String, float], MADE], "proximity_layer": ["", MADE],
+	"proximity_distance": [30.0, MADE], "proximity_curve": [make_line(Vector2(0, 1), Vector2(25, 0.5)), MADE],
+	"min_scale": [0.5, MADE], "max_scale": [3.0, MADE], "scale_curve": [make_line(Vector2(0, 0), Vector2(1, 1)), MADE],
+	"min_yaw_degrees": [-5.0, MADE], "max_yaw_degrees": [90.0, MADE],
+	"min_tilt_degrees": [1.0, MADE], "max_tilt_degrees": [9.0, MADE], "align_to_normal": [0.5, MADE],
+	"height_offset": [0.5, MADE], "offset_along_normal": [0.25, MADE],
+	"meshes": [[SphereMesh.new(), BoxMesh.new()] as Array[Mesh], MADE],
+	"mesh_weights": [PackedFloat32Array([1.0, 4.0]), MADE],
+	"use_colors": [true, MADE], "color_gradient": [Gradient.new(), MADE], "use_custom_data": [true, MADE],
+	"lod_meshes": [[SphereMesh.new(), null] as Array[Mesh], MADE],
+	"lod_distances": [PackedFloat32Array([30.0]), REDRAWN],
+	"thin_begin": [5.0, REDRAWN], "thin_end": [60.0, REDRAWN], "thin_density": [0.25, REDRAWN],
+	"thin_scale_compensation": [true, MADE], # The instances grow, and with them the boxes of the tiles.
+	"material_override": [StandardMaterial3D.new(), REDRAWN],
+	"cast_shadow": [GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, REDRAWN],
+	"gi_mode": [GeometryInstance3D.GI_MODE_DYNAMIC, REDRAWN], "layers": [2, REDRAWN],
+	"lod_bias": [2.0, REDRAWN], "extra_cull_margin": [3.0, REDRAWN],
+	"visibility_range_begin": [1.0, REDRAWN], "visibility_range_begin_margin": [2.0, REDRAWN],
+	"visibility_range_end": [90.0, REDRAWN], "visibility_range_end_margin": [3.0, REDRAWN],
+	"visibility_range_fade_mode": [GeometryInstance3D.VISIBILITY_RANGE_FADE_SELF, REDRAWN],
+	"instance_radius": [0.3, BODIES, HITS], "instance_height": [1.0, BODIES, HITS], "regrowth_time": [0.05, REGROWN],
+	"collision_shape": [ScatterLayer.COLLISION_BOX, BODIES], "collision_distance": [12.0, BODIES],
+	"collision_layer": [4, BODIES], "collision_mask": [8, BODIES], "physics_material": [slippery(), BODIES],
+	"scene": [scene_of(Marker3D.new()), SCENES], "scene_distance": [4.0, SCENES],
+}
+
+
+func half_mask() -> ScatterMask:
+	var mask := ScatterMask.new()
+	mask.paint(Vector2.ZERO, 20.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
+	return mask
+
+
+## Channels that differ, so that each of them is another mask.
+func picture(color: Color) -> ImageTexture:
+	var image := Image.create_empty(2, 2, false, Image.FORMAT_RGB8)
+	image.fill(Color(1.0, 0.75, 0.5))
+	image.set_pixel(0, 0, color)
+	return ImageTexture.create_from_image(image)
+
+
+func slippery() -> PhysicsMaterial:
+	var material := PhysicsMaterial.new()
+	material.friction = 0.125
+	return material
+
+
+func scene_of(node: Node3D) -> PackedScene:
+	var scene := PackedScene.new()
+	scene.pack(node)
+	node.free()
+	return scene
+
+
+## A layer for which every property has a say.
+func make_ferns() -> ScatterLayer:
+	var layer := make_layer(3.0)
+	layer.resource_name = "Ferns"
+	layer.view_distance = 40.0
+	layer.meshes = [BoxMesh.new(), SphereMesh.new()]
+	layer.lod_meshes = [BoxMesh.new(), null]
+	layer.lod_distances = PackedFloat32Array([20.0])
+	layer.thin_begin = 10.0
+	layer.thin_end = 40.0
+	layer.thin_density = 0.5
+	layer.noise = FastNoiseLite.new()
+	layer.noise.frequency = 0.25
+	layer.mask_texture = picture(Color.WHITE)
+	layer.mask_texture_rect = Rect2(0, 0, 50, 50)
+	layer.mask_texture_edge = ScatterLayer.MASK_EDGE_REPEAT
+	layer.proximity_layer = "Oaks"
+	layer.proximity_distance = 25.0
+	layer.max_scale = 2.0
+	layer.max_tilt_degrees = 5.0
+	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
+	layer.collision_distance = DISTANCE
+	layer.scene = scene_of(Node3D.new())
+	layer.scene_distance = 8.0
+	return layer
+
+
+## What each body of the ferns is.
+func bodies_met(scatter: TerrainScatter3D) -> Array:
+	var result := []
+	var found := bodies(scatter)
+	for id in found:
+		var body := found[id]
+		var shape := PhysicsServer3D.body_get_shape(body, 0)
+		result.push_back([id, PhysicsServer3D.shape_get_type(shape), PhysicsServer3D.shape_get_data(shape),
+				PhysicsServer3D.body_get_collision_layer(body), PhysicsServer3D.body_get_collision_mask(body),
+				PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_FRICTION)])
+	result.sort()
+	return result
+
+
+func hits(scatter: TerrainScatter3D) -> Array:
+	var result := []
+	for step in 40:
+		var from := Vector3(-30.0, 1.5 if step % 2 else 0.25, step - 20.0)
+		result.push_back(scatter.query_ray(from, from + Vector3(60.0, 0.0, 0.0)).get("position"))
+	return result
+
+
+func seen(scatter: TerrainScatter3D) -> Dictionary:
+	var tiles := scatter.get_shown_tiles(FERNS)
+	tiles.sort()
+	var scenes := scatter.get_children(true).map(func(child: Node) -> String: return child.get_class())
+	return {
+		MADE: scatter.get_stats()["tiles_made"], REDRAWN: scatter.get_stats()["redrawn"], TILES: tiles,
+		BODIES: bodies_met(scatter), SCENES: scenes, HITS: hits(scatter),
+	}
+
+
+## Whether an instance that is removed comes back.
+func regrows(scatter: TerrainScatter3D) -> bool:
+	var id: int = instances(scatter, FERNS).keys()[0]
+	check(scatter.remove_instance(id), "an instance is removed")
+	await create_timer(0.2).timeout
+	var back := scatter.has_instance(id)
+	scatter.restore_instance(id)
+	return back
+
+
+func stored_properties() -> PackedStringArray:
+	var result: PackedStringArray
+	for property: Dictionary in ClassDB.class_get_property_list("ScatterLayer", true):
+		if property["usage"] & PROPERTY_USAGE_STORAGE:
+			result.push_back(property["name"])
+	return result
+
+
+func test_what_follows_from_every_property() -> void:
+	var oaks := make_layer(8.0)
+	oaks.resource_name = "Oaks"
+	var ferns := make_ferns()
+	var scatter := make_solid([oaks, ferns])
+	await settle(scatter)
+	check(bodies_met(scatter).size() > 10 and scatter.get_stats()["scenes"] > 3, "something is near: %s" % scatter.get_stats())
+	check(not await regrows(scatter), "nothing grows again")
+	for property in stored_properties():
+		if not check(changes.has(property), "nobody says here what follows from %s" % property):
+			continue
+		var change: Array = changes[property]
+		var follows := change.slice(1)
+		var value: Variant = ferns.get(property)
+		await settle(scatter)
+		await frames(3)
+		var before := seen(scatter)
+		ferns.set(property, change[0])
+		check(ferns.get(property) != value, "%s has another value" % property)
+		await settle(scatter)
+		await frames(3)
+		var after := seen(scatter)
+		for what: String in before:
+			if what in follows:
+				check(before[what] != after[what], "%s follows from %s" % [what, property])
+			elif what == MADE and not TILES in follows:
+				check_equal(after[what], before[what], "tiles made anew for %s" % property)
+		check_equal(await regrows(scatter) if REGROWN in follows else true, true, "it grows again: %s" % property)
+		ferns.set(property, value)
+	for property: String in changes:
+		check(property in stored_properties(), "there is no property %s" % property)
