@@ -5,6 +5,7 @@
 #include "nodes/common/convert.hpp"
 
 #include <godot_cpp/classes/curve3d.hpp>
+#include <godot_cpp/core/object.hpp>
 
 #include <algorithm>
 #include <utility>
