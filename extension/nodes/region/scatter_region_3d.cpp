@@ -3,11 +3,9 @@
 #include "core/rules/polyline.hpp"
 #include "core/rules/shape_frame.hpp"
 #include "nodes/common/convert.hpp"
-#include "nodes/layer/layer_reference.hpp"
 
 #include <godot_cpp/classes/curve3d.hpp>
-#include <godot_cpp/core/class_db.hpp>
-#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/core/object.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -23,20 +21,6 @@ constexpr const char *class_name = "ScatterRegion3D";
 
 /// How far, in meters, the outline of a path may lie beside the points that its curve was baked to.
 constexpr double path_tolerance = 0.01;
-
-constexpr double min_side = 1e-3;
-constexpr double max_side = 1e6;
-
-using Number = NumberProperty<RegionSizes, double>;
-
-constexpr Number falloff{
-		"falloff", &RegionSizes::falloff, 0.0, max_side, PROPERTY_HINT_RANGE, "0,100,0.01,or_greater,suffix:m"};
-constexpr Number radius{"radius", &RegionSizes::radius, min_side, max_side, PROPERTY_HINT_RANGE,
-		"0.01,1000,0.01,or_less,or_greater,suffix:m"};
-constexpr Number height{"height", &RegionSizes::height, min_side, max_side, PROPERTY_HINT_RANGE,
-		"0.01,1000,0.01,or_less,or_greater,suffix:m"};
-constexpr Number width{"width", &RegionSizes::width, min_side, max_side, PROPERTY_HINT_RANGE,
-		"0.01,200,0.01,or_less,or_greater,suffix:m"};
 
 /// Where a position in a node's own space lies on the world's plane.
 glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
@@ -254,183 +238,6 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		problems.push_back("The node's scale is not the same along all axes: the largest counts for the radius.");
 	}
 	return problems;
-}
-
-void ScatterRegion3D::set_shape(Shape p_shape) {
-	if (accept_number(class_name, "shape", p_shape, SHAPE_BOX, SHAPE_PATH) && shape_ != p_shape) {
-		shape_ = p_shape;
-		notify_property_list_changed();
-		changed();
-	}
-}
-
-void ScatterRegion3D::set_exclude(bool p_exclude) {
-	exclude_ = p_exclude;
-	changed();
-}
-
-void ScatterRegion3D::set_layers(const Array &p_layers) {
-	Array stored;
-	for (int64_t i = 0; i < p_layers.size(); ++i) {
-		stored.push_back(stored_reference(p_layers[i]));
-		if (stored[i].get_type() == Variant::NIL) {
-			ERR_PRINT("ScatterRegion3D.layers: " + no_reference(p_layers[i]));
-			return;
-		}
-	}
-	layers_ = stored;
-	changed();
-}
-
-Array ScatterRegion3D::get_layers() const {
-	Array result;
-	for (int64_t i = 0; i < layers_.size(); ++i) {
-		result.push_back(stored_reference(layers_[i])); // A layer may have got a name.
-	}
-	result.make_read_only();
-	return result;
-}
-
-void ScatterRegion3D::rename_layer(const String &p_from, const String &p_to) {
-	Array renamed;
-	bool any = false;
-	for (int64_t i = 0; i < layers_.size(); ++i) {
-		const bool meant = layers_[i].get_type() == Variant::STRING && static_cast<String>(layers_[i]) == p_from;
-		renamed.push_back(meant ? Variant(p_to) : layers_[i]);
-		any = any || meant;
-	}
-	if (any) {
-		set_layers(renamed);
-	}
-}
-
-void ScatterRegion3D::set_ignore_height(bool p_ignore) {
-	ignore_height_ = p_ignore;
-	changed();
-}
-
-void ScatterRegion3D::set_size(const Vector3 &p_size) {
-	for (const real_t side : {p_size.x, p_size.y, p_size.z}) {
-		if (!accept_number(class_name, "size", side, min_side, max_side)) {
-			return;
-		}
-	}
-	size_ = p_size;
-	changed();
-}
-
-void ScatterRegion3D::set_polygon(const PackedVector2Array &p_polygon) {
-	if (p_polygon.size() > static_cast<int64_t>(max_outline_points)) {
-		report(class_name, {ErrorCode::out_of_range, "polygon", static_cast<double>(p_polygon.size())});
-		return;
-	}
-	for (const Vector2 &corner : p_polygon) {
-		for (const real_t number : {corner.x, corner.y}) {
-			if (!accept_number(class_name, "polygon", number, -max_shape_coordinate, max_shape_coordinate)) {
-				return;
-			}
-		}
-	}
-	polygon_ = p_polygon;
-	changed();
-}
-
-void ScatterRegion3D::set_path_node(const NodePath &p_path) {
-	path_ = p_path;
-	changed();
-}
-
-template <const Number &property>
-void ScatterRegion3D::set_number(double p_value) {
-	if (accept_number(class_name, property.name, p_value, property.min, property.max) &&
-			numbers_.*property.member != p_value) {
-		numbers_.*property.member = p_value;
-		changed();
-	}
-}
-
-template <const Number &property>
-double ScatterRegion3D::get_number() const {
-	return numbers_.*property.member;
-}
-
-template <const Number &property>
-void ScatterRegion3D::bind_number() {
-	const String name = property.name;
-	const String setter = "set_" + name;
-	const String getter = "get_" + name;
-	ClassDB::bind_method(D_METHOD(StringName(setter), "value"), &ScatterRegion3D::set_number<property>);
-	ClassDB::bind_method(D_METHOD(StringName(getter)), &ScatterRegion3D::get_number<property>);
-	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
-}
-
-/// Hides what does not count for the chosen shape. It is stored all the same, so that trying another shape loses nothing.
-void ScatterRegion3D::_validate_property(PropertyInfo &p_property) const {
-	struct Use {
-		const char *property;
-		unsigned shapes; ///< A bit for each shape that the property counts for.
-	};
-	constexpr unsigned box = 1U << SHAPE_BOX;
-	constexpr unsigned sphere = 1U << SHAPE_SPHERE;
-	constexpr unsigned cylinder = 1U << SHAPE_CYLINDER;
-	constexpr unsigned polygon = 1U << SHAPE_POLYGON;
-	constexpr unsigned path = 1U << SHAPE_PATH;
-	static constexpr Use uses[] = {
-			{"ignore_height", box | sphere | cylinder},
-			{"size", box},
-			{"radius", sphere | cylinder},
-			{"height", cylinder},
-			{"polygon", polygon},
-			{"path", path},
-			{"width", path},
-	};
-	for (const Use &use : uses) {
-		if (((use.shapes >> shape_) & 1U) == 0 && p_property.name == StringName(use.property)) {
-			p_property.usage &= ~static_cast<uint32_t>(PROPERTY_USAGE_EDITOR);
-		}
-	}
-}
-
-void ScatterRegion3D::_bind_methods() {
-	using Self = ScatterRegion3D;
-	ClassDB::bind_method(D_METHOD("set_shape", "shape"), &Self::set_shape);
-	ClassDB::bind_method(D_METHOD("get_shape"), &Self::get_shape);
-	ClassDB::bind_method(D_METHOD("set_exclude", "exclude"), &Self::set_exclude);
-	ClassDB::bind_method(D_METHOD("is_excluding"), &Self::is_excluding);
-	ClassDB::bind_method(D_METHOD("set_layers", "layers"), &Self::set_layers);
-	ClassDB::bind_method(D_METHOD("get_layers"), &Self::get_layers);
-	ClassDB::bind_method(D_METHOD("set_ignore_height", "ignore"), &Self::set_ignore_height);
-	ClassDB::bind_method(D_METHOD("is_ignoring_height"), &Self::is_ignoring_height);
-	ClassDB::bind_method(D_METHOD("set_size", "size"), &Self::set_size);
-	ClassDB::bind_method(D_METHOD("get_size"), &Self::get_size);
-	ClassDB::bind_method(D_METHOD("set_polygon", "polygon"), &Self::set_polygon);
-	ClassDB::bind_method(D_METHOD("get_polygon"), &Self::get_polygon);
-	ClassDB::bind_method(D_METHOD("set_path_node", "path"), &Self::set_path_node);
-	ClassDB::bind_method(D_METHOD("get_path_node"), &Self::get_path_node);
-	ClassDB::bind_method(D_METHOD("get_problems"), &Self::get_problems);
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"), "set_shape",
-			"get_shape");
-	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "exclude"), "set_exclude", "is_excluding");
-	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers"), "set_layers", "get_layers");
-	bind_number<falloff>();
-	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "ignore_height"), "set_ignore_height", "is_ignoring_height");
-	ADD_GROUP("Box", "");
-	ADD_PROPERTY(PropertyInfo(Variant::VECTOR3, "size", PROPERTY_HINT_NONE, "suffix:m"), "set_size", "get_size");
-	ADD_GROUP("Sphere and Cylinder", "");
-	bind_number<radius>();
-	bind_number<height>();
-	ADD_GROUP("Polygon", "");
-	ADD_PROPERTY(PropertyInfo(Variant::PACKED_VECTOR2_ARRAY, "polygon", PROPERTY_HINT_NONE, "suffix:m"), "set_polygon",
-			"get_polygon");
-	ADD_GROUP("Path", "");
-	ADD_PROPERTY(PropertyInfo(Variant::NODE_PATH, "path", PROPERTY_HINT_NODE_PATH_VALID_TYPES, "Path3D"),
-			"set_path_node", "get_path_node");
-	bind_number<width>();
-	BIND_ENUM_CONSTANT(SHAPE_BOX);
-	BIND_ENUM_CONSTANT(SHAPE_SPHERE);
-	BIND_ENUM_CONSTANT(SHAPE_CYLINDER);
-	BIND_ENUM_CONSTANT(SHAPE_POLYGON);
-	BIND_ENUM_CONSTANT(SHAPE_PATH);
 }
 
 } // namespace thicket
