@@ -17,7 +17,7 @@ const REGROWN := "regrown"
 
 ## Another value for each property than `make_ferns` gives it, and what follows.
 var changes := {
-	"radius": [2.5, MADE], "levels": [2, MADE], "layer_id": [77, MADE], "density": [0.5, MADE],
+	"radius": [2.5, MADE], "progressive_levels": [2, MADE], "layer_id": [77, MADE], "density": [0.5, MADE],
 	"tile_size": [24.0, TILES], "view_distance": [70.0, TILES],
 	"min_height": [-5.0, MADE], "max_height": [50.0, MADE], "height_falloff": [2.0, MADE],
 	"density_over_height": [make_line(Vector2(-9, 0), Vector2(9, 1)), MADE],
@@ -44,7 +44,7 @@ var changes := {
 	"thin_scale_compensation": [true, MADE], # The instances grow, and with them the boxes of the tiles.
 	"material_override": [StandardMaterial3D.new(), REDRAWN],
 	"cast_shadow": [GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, REDRAWN],
-	"gi_mode": [GeometryInstance3D.GI_MODE_DYNAMIC, REDRAWN], "layers": [2, REDRAWN],
+	"gi_mode": [GeometryInstance3D.GI_MODE_DYNAMIC, REDRAWN], "render_layers": [2, REDRAWN],
 	"lod_bias": [2.0, REDRAWN], "extra_cull_margin": [3.0, REDRAWN],
 	"visibility_range_begin": [1.0, REDRAWN], "visibility_range_begin_margin": [2.0, REDRAWN],
 	"visibility_range_end": [90.0, REDRAWN], "visibility_range_end_margin": [3.0, REDRAWN],
