@@ -30,8 +30,15 @@ struct FlatWorld {
 
 	FlatWorld() {
 		settings.set = {.seed = 3, .radius = 2.0, .levels = 1, .layer = 5};
-		world.set_layers({{.set = settings.set, .tile_size = tile_size}});
+		set_layers();
 		world.set_state(&state);
+	}
+
+	void set_layers() {
+		QueryLayer layer;
+		layer.set = settings.set;
+		layer.tile_size = tile_size;
+		world.set_layers({layer});
 	}
 
 	std::shared_ptr<const TileInstances> make(glm::ivec2 tile, double height = 0.0) const {
@@ -215,7 +222,7 @@ TEST_CASE("instance world: a tile that was made while the layers changed is not 
 		++made;
 		r_tile = flat.make(tile);
 		if (meddle) {
-			flat.world.set_layers({{.set = flat.settings.set, .tile_size = tile_size}});
+			flat.set_layers();
 		}
 		return {};
 	});

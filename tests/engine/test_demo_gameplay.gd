@@ -106,7 +106,7 @@ func walk_into(trunk: Vector3) -> void:
 	await stand_before(trunk)
 
 
-func fell(oak: Dictionary) -> void:
+func fell(oak: ScatterInstance) -> void:
 	var scene := world.get_scene(oak.id)
 	check(scene != null, "near by, the oak is a scene")
 	press(KEY_F)
