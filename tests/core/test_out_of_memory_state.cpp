@@ -1,7 +1,7 @@
 // Whichever request for memory fails: a state, the patch of a shown tile and a near set are what they were.
 
-#include "core/query/near_set.hpp"
-#include "core/query/tile_overlay.hpp"
+#include "core/near/near_set.hpp"
+#include "core/near/tile_overlay.hpp"
 #include "short_of_memory.hpp"
 #include "state_fixture.hpp"
 #include "tile_fixture.hpp"
