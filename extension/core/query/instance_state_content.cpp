@@ -39,8 +39,7 @@ StateRecord::Fate InstanceState::Content::fate(std::uint64_t id) const {
 	return fate;
 }
 
-StateChange InstanceState::Content::change_one(
-		std::uint64_t id, const Fate &to, const char *asked_for, double value) {
+StateChange InstanceState::Content::change_one(std::uint64_t id, const Fate &to, const char *asked_for, double value) {
 	std::vector<InstanceChange> changes;
 	const Status status =
 			guarded(asked_for, value, [&] { change_all([&](const auto &use) { use(id, to); }, changes); });
@@ -173,8 +172,8 @@ AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
 	return instance;
 }
 
-void InstanceState::Content::change_data(std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room,
-		std::vector<InstanceChange> &r_changes) {
+void InstanceState::Content::change_data(
+		std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room, std::vector<InstanceChange> &r_changes) {
 	const auto own = data.find(id);
 	const bool was = own != data.end();
 	if (was ? std::ranges::equal(own->second, to) : to.empty()) {
