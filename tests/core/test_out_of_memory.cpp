@@ -28,7 +28,8 @@ struct Job {
 	Answer answer;
 };
 
-constexpr auto anything = [](const auto &) {};
+constexpr auto anything = [](const auto &) {
+};
 
 /// A shape of each way to be asked.
 std::vector<Shape> some_shapes() {
@@ -160,8 +161,7 @@ TEST_CASE("out of memory: rules that cannot be taken over leave those before") {
 TEST_CASE("out of memory: tables, masks and shapes stay as they were") {
 	const std::vector<float> samples{0.25f, 0.5f, 0.75f};
 	fail_every_request(
-			"samples", [] { return CurveTable(); },
-			[&](CurveTable &table) { return table.set(0.0, 1.0, samples); },
+			"samples", [] { return CurveTable(); }, [&](CurveTable &table) { return table.set(0.0, 1.0, samples); },
 			[](const CurveTable &table) { REQUIRE(table == CurveTable()); },
 			[](const CurveTable &table) { REQUIRE(table.at(0.5) == 0.5); });
 
@@ -206,8 +206,7 @@ TEST_CASE("out of memory: what shapes touch is told wholly or not at all") {
 	const std::vector<Rect> known{small_tile};
 	using Areas = std::vector<Rect>;
 	fail_every_request(
-			"shapes", [&] { return Areas(known); },
-			[&](Areas &areas) { return add_touched(shapes[1], areas); },
+			"shapes", [&] { return Areas(known); }, [&](Areas &areas) { return add_touched(shapes[1], areas); },
 			[](const Areas &areas) { REQUIRE(areas.size() == 1); },
 			[](const Areas &areas) { REQUIRE(areas.size() == 1 + 50); });
 
@@ -251,8 +250,7 @@ TEST_CASE("out of memory: terrains stay as they were") {
 			[](const WeightMap &map) { REQUIRE(map.weight({0.5, 0.5}, 1u) == 1.0f); });
 	const std::vector<glm::dvec3> corners{{0.0, 5.0, 0.0}, {9.0, 5.0, 0.0}, {0.0, 5.0, 9.0}};
 	fail_every_request(
-			"corners", [] { return TriangleTerrain(); },
-			[&](TriangleTerrain &terrain) { return terrain.set(corners); },
+			"corners", [] { return TriangleTerrain(); }, [&](TriangleTerrain &terrain) { return terrain.set(corners); },
 			[](const TriangleTerrain &terrain) { REQUIRE(terrain.area().empty()); }, height_is(5.0f));
 }
 
@@ -319,7 +317,8 @@ TEST_CASE("out of memory: a tile stays the one before") {
 				++failures;
 				REQUIRE(status.code == ErrorCode::out_of_memory);
 				asked_for = status.property;
-				REQUIRE((asked_for == "rect" || asked_for == "positions" || asked_for == "tile" || asked_for == "ground"));
+				REQUIRE((asked_for == "rect" || asked_for == "positions" || asked_for == "tile" ||
+						asked_for == "ground"));
 				REQUIRE(digest(job.answer) == digest(before));
 				REQUIRE(job.answer.counts.placed == before.counts.placed);
 				REQUIRE(job.tool.build(layer, terrain, small_tile, job.answer).ok());

@@ -33,9 +33,8 @@ struct Asked {
 bool equal(const std::vector<PlacedInstance> &a, const std::vector<PlacedInstance> &b) { return same(a, b); }
 
 bool equal(const std::vector<RayHit> &a, const std::vector<RayHit> &b) {
-	return std::ranges::equal(a, b, [](const RayHit &x, const RayHit &y) {
-		return same(x.instance, y.instance) && x.distance == y.distance;
-	});
+	return std::ranges::equal(a, b,
+			[](const RayHit &x, const RayHit &y) { return same(x.instance, y.instance) && x.distance == y.distance; });
 }
 
 bool equal(const std::vector<NearestInstance> &a, const std::vector<NearestInstance> &b) {
@@ -80,8 +79,8 @@ TEST_CASE("out of memory: a query of any kind gives nothing, says so, and answer
 	for (const QueryFilter &filter : {all, some}) {
 		fail_question<std::vector<PlacedInstance>>(
 				asked, "rect", [&](auto &found) { return query.in_rect(glade, filter, found); });
-		fail_question<std::vector<PlacedInstance>>(asked, "radius",
-				[&](auto &found) { return query.in_sphere({30.0, 0.0, 30.0}, 30.0, filter, found); });
+		fail_question<std::vector<PlacedInstance>>(
+				asked, "radius", [&](auto &found) { return query.in_sphere({30.0, 0.0, 30.0}, 30.0, filter, found); });
 		fail_question<std::vector<NearestInstance>>(asked, "max_distance",
 				[&](auto &found) { return query.nearest({30.0, 0.0, 30.0}, 30.0, filter, found); });
 		std::vector<NearestInstance> nearest;

@@ -93,8 +93,8 @@ TEST_CASE("out of memory: a single change of a state happens or does not") {
 			}
 			for (const std::uint64_t id : state.added_ids()) {
 				fail_change("id", seed, disturbances, [id](Game &game) { return game.state.remove(id).status; });
-				fail_change("data", seed, disturbances,
-						[id](Game &game) { return game.state.set_data(id, some_bytes); });
+				fail_change(
+						"data", seed, disturbances, [id](Game &game) { return game.state.set_data(id, some_bytes); });
 			}
 			fail_change("instance", seed, disturbances,
 					[](Game &game) { return game.state.add(instance_at(70.0, 80.0, 5), game.id); });
@@ -111,14 +111,10 @@ TEST_CASE("out of memory: a state loads, follows and merges wholly or not at all
 			const InstanceState other = some_state(seed + 100, 200);
 			const StateBytes saved = bytes_of(other);
 			const StateBytes diff = diff_of(other, other.revision() / 2);
-			fail_change("data", seed, disturbances,
-					[&](Game &game) { return game.state.load(saved, game.changes); });
-			fail_change("data", seed, disturbances,
-					[&](Game &game) { return game.state.apply(saved, game.changes); });
-			fail_change("data", seed, disturbances,
-					[&](Game &game) { return game.state.apply(diff, game.changes); });
-			fail_change("other", seed, disturbances,
-					[&](Game &game) { return game.state.merge(other, game.changes); });
+			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.load(saved, game.changes); });
+			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.apply(saved, game.changes); });
+			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.apply(diff, game.changes); });
+			fail_change("other", seed, disturbances, [&](Game &game) { return game.state.merge(other, game.changes); });
 		}
 	}
 }
@@ -211,8 +207,7 @@ TEST_CASE("out of memory: a state goes on as one that was never short of memory"
 }
 
 TEST_CASE("out of memory: the patch of a shown tile is whole, or the tile stays on show as it is") {
-	const auto tile = std::make_shared<const TileInstances>(
-			built(rich_layer(), hills(), {{-20.0, 0.0}, {20.0, 40.0}}));
+	const auto tile = std::make_shared<const TileInstances>(built(rich_layer(), hills(), {{-20.0, 0.0}, {20.0, 40.0}}));
 	InstanceState state;
 	std::unordered_set<std::uint64_t> hidden;
 	for (const MeshInstances &mesh : tile->meshes) {

@@ -25,8 +25,7 @@ Status guarded(const char *asked_for, double value, Work &&work) {
 			return std::forward<Work>(work)();
 		}
 	} catch (const std::bad_alloc &) {
-	} catch (const std::length_error &) {
-	}
+	} catch (const std::length_error &) {}
 	return {ErrorCode::out_of_memory, asked_for, value};
 }
 

@@ -33,7 +33,8 @@ struct PointSetSite {
 
 /// The outcome of a call across the core's border: the core throws nothing there (see core/base/guard.hpp). A failed call
 /// has no effect on the state it was called on. Two kinds of functions have no room for a status and throw std::bad_alloc
-/// where memory ends: constructors, and those that return a container by value. They change nothing then.
+/// where memory ends: constructors, and those that return what they work out by value (a list of ids, a digest). They change
+/// nothing then.
 struct [[nodiscard]] Status {
 	ErrorCode code = ErrorCode::none;
 	const char *property = ""; ///< The property that was refused; a string literal.

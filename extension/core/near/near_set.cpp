@@ -63,8 +63,9 @@ void NearChanges::clear() {
 
 bool NearSet::look(std::span<const glm::dvec3> centers, const NearRange &range,
 		std::span<const PlacedInstance> standing, NearChanges &r_changes) {
-	return guarded_answer("standing", static_cast<double>(standing.size()), r_changes,
-			[&] { find_changes(centers, range, standing, r_changes); }).ok();
+	return guarded_answer("standing", static_cast<double>(standing.size()), r_changes, [&] {
+		find_changes(centers, range, standing, r_changes);
+	}).ok();
 }
 
 void NearSet::find_changes(std::span<const glm::dvec3> centers, const NearRange &range,

@@ -124,8 +124,8 @@ void add_overlaid(const std::shared_ptr<const TileInstances> &tile, const LayerS
 Status overlaid(const std::shared_ptr<const TileInstances> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay, OverlaidMeshes &r_meshes) {
 	OverlaidMeshes meshes;
-	const Status status = guarded("tile", std::max(rect.size().x, rect.size().y),
-			[&] { add_overlaid(tile, layer, rect, overlay, meshes); });
+	const Status status = guarded(
+			"tile", std::max(rect.size().x, rect.size().y), [&] { add_overlaid(tile, layer, rect, overlay, meshes); });
 	if (status.ok()) {
 		r_meshes = std::move(meshes);
 	}

@@ -61,7 +61,8 @@ Status PaintedMask::sample(std::span<const glm::dvec2> positions, std::span<floa
 	};
 	Reader reader(*this);
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		const glm::dvec2 position(pixel_position(positions[i].x, pixel_size_), pixel_position(positions[i].y, pixel_size_));
+		const glm::dvec2 position(
+				pixel_position(positions[i].x, pixel_size_), pixel_position(positions[i].y, pixel_size_));
 		const glm::dvec2 below(std::floor(position.x), std::floor(position.y));
 		double value = background_;
 		if (within_limit(below.x) && within_limit(below.y)) {

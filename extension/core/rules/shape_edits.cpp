@@ -35,8 +35,7 @@ void add_areas(const Shape &shape, std::vector<Rect> &r_areas) {
 }
 
 /// What is in one of two sets and not in the other. Throws std::bad_alloc.
-void add_differences(
-		std::span<const Shape> old_shapes, std::span<const Shape> new_shapes, std::vector<Rect> &r_areas) {
+void add_differences(std::span<const Shape> old_shapes, std::span<const Shape> new_shapes, std::vector<Rect> &r_areas) {
 	// Of shapes that are equal, each stands for one in the other set. Most have the index that they had.
 	std::vector<bool> kept(old_shapes.size(), false);
 	for (std::size_t i = 0; i < new_shapes.size(); ++i) {

@@ -83,7 +83,8 @@ double ShapeSet::influence(std::uint32_t index, glm::dvec3 position) const {
 		if (!prepared.outline.contains(from_above)) {
 			return 0.0;
 		}
-		return shape.falloff > 0.0 ? influence_at(prepared.outline.distance(from_above, shape.falloff), shape.falloff) : 1.0;
+		return shape.falloff > 0.0 ? influence_at(prepared.outline.distance(from_above, shape.falloff), shape.falloff)
+								   : 1.0;
 	}
 	if (shape.kind == ShapeKind::path) {
 		const double half_width = shape.half_size.x;

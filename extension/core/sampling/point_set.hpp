@@ -41,7 +41,8 @@ struct SampleMargins {
 struct SamplePoint {
 	glm::dvec2 position; ///< World meters; a whole multiple of `lattice_unit`, rounded once.
 	std::uint64_t id;    ///< A packed InstanceId.
-	std::uint32_t rank;  ///< Position in the progressive order: rank / 2^32 is the fraction of the set that comes before.
+	std::uint32_t
+			rank; ///< Position in the progressive order: rank / 2^32 is the fraction of the set that comes before.
 	std::uint32_t level; ///< 0 for the finest; the point also belongs to the maximal set of radius r * 2^level.
 
 	friend bool operator==(const SamplePoint &, const SamplePoint &) = default;

@@ -173,8 +173,8 @@ AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
 	return instance;
 }
 
-void InstanceState::Content::change_data(std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room,
-		std::vector<InstanceChange> &r_changes) {
+void InstanceState::Content::change_data(
+		std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room, std::vector<InstanceChange> &r_changes) {
 	const auto own = data.find(id);
 	const bool was = own != data.end();
 	if (was ? std::ranges::equal(own->second, to) : to.empty()) {

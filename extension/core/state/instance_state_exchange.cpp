@@ -10,8 +10,8 @@
 namespace thicket {
 
 Status InstanceState::save(std::vector<std::uint8_t> &r_bytes) const {
-	return guarded_answer("state", static_cast<double>(content_->size()), r_bytes,
-			[&] { write(content_->whole_record(), r_bytes); });
+	return guarded_answer(
+			"state", static_cast<double>(content_->size()), r_bytes, [&] { write(content_->whole_record(), r_bytes); });
 }
 
 Status InstanceState::load(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes) {

@@ -165,7 +165,7 @@ private:
 	std::vector<Sight> sights_;   ///< By viewer.
 	std::size_t first_sight_ = 0; ///< The one to begin the next look with.
 	bool behind_ = false;
-	bool torn_ = false;    ///< Memory ended: not all that waits is in the queues, or a look was left half done.
+	bool torn_ = false;     ///< Memory ended: not all that waits is in the queues, or a look was left half done.
 	bool sweeping_ = false; ///< And all tiles have to be looked at once every viewer has been.
 	std::vector<std::uint32_t> made_; ///< Slots of tiles that lie ready.
 	std::vector<Retired> retired_;
