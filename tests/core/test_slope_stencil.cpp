@@ -18,7 +18,7 @@ constexpr float missing = std::numeric_limits<float>::quiet_NaN();
 std::array<float, 4> plane(const SlopeStencil &stencil, double x, double z) {
 	std::array<float, 4> heights{};
 	for (std::size_t i = 0; i < heights.size(); ++i) {
-		const glm::dvec2 offset = stencil.places()[i] - stencil.center();
+		const glm::dvec2 offset = stencil.positions()[i] - stencil.center();
 		heights[i] = static_cast<float>(x * offset.x + z * offset.y);
 	}
 	return heights;
@@ -39,14 +39,14 @@ TEST_CASE("slope stencil: a plane has its normal anywhere") {
 TEST_CASE("slope stencil: places are floats, half a meter away where floats allow") {
 	for (const double x : {0.0, 12.345678901234, -1e6, 1e7, -3e8}) {
 		const SlopeStencil stencil({x, 7.0});
-		for (const glm::dvec2 &place : stencil.places()) {
+		for (const glm::dvec2 &place : stencil.positions()) {
 			CHECK(place.x == static_cast<double>(static_cast<float>(place.x)));
 			CHECK(place.y == static_cast<double>(static_cast<float>(place.y)));
 		}
-		CHECK(stencil.places()[0].x < stencil.center().x);
-		CHECK(stencil.places()[1].x > stencil.center().x);
+		CHECK(stencil.positions()[0].x < stencil.center().x);
+		CHECK(stencil.positions()[1].x > stencil.center().x);
 		if (std::abs(x) <= 1e6) {
-			CHECK(stencil.places()[1].x - stencil.center().x == doctest::Approx(0.5).epsilon(1e-4));
+			CHECK(stencil.positions()[1].x - stencil.center().x == doctest::Approx(0.5).epsilon(1e-4));
 		}
 	}
 }

@@ -12,22 +12,22 @@ namespace thicket {
 namespace {
 
 enum class Side : std::uint8_t {
-	none,  ///< The ray from the place towards +x misses the edge.
+	none,  ///< The ray from the position towards +x misses the edge.
 	cross, ///< It crosses the edge.
-	on,    ///< The place lies on the edge.
+	on,    ///< The position lies on the edge.
 };
 
 /// An edge takes its lower end and leaves its upper one out, so a ray through a corner crosses once or twice as it should.
-Side side(glm::dvec2 a, glm::dvec2 b, glm::dvec2 place) {
+Side side(glm::dvec2 a, glm::dvec2 b, glm::dvec2 position) {
 	// One order for both directions: an edge that is walked there and back is crossed twice or not at all.
 	if (b.y < a.y || (b.y == a.y && b.x < a.x)) {
 		std::swap(a, b);
 	}
-	if (place.y < a.y || place.y > b.y || place.x > std::max(a.x, b.x)) {
+	if (position.y < a.y || position.y > b.y || position.x > std::max(a.x, b.x)) {
 		return Side::none;
 	}
-	if (place.x >= std::min(a.x, b.x)) {
-		const double left = (b.x - a.x) * (place.y - a.y) - (b.y - a.y) * (place.x - a.x);
+	if (position.x >= std::min(a.x, b.x)) {
+		const double left = (b.x - a.x) * (position.y - a.y) - (b.y - a.y) * (position.x - a.x);
 		if (left == 0.0) {
 			return Side::on;
 		}
@@ -35,12 +35,12 @@ Side side(glm::dvec2 a, glm::dvec2 b, glm::dvec2 place) {
 			return Side::none;
 		}
 	}
-	return place.y < b.y ? Side::cross : Side::none;
+	return position.y < b.y ? Side::cross : Side::none;
 }
 
-double edge_distance2(glm::dvec2 a, glm::dvec2 b, glm::dvec2 place) {
+double edge_distance2(glm::dvec2 a, glm::dvec2 b, glm::dvec2 position) {
 	const glm::dvec2 edge = b - a;
-	const glm::dvec2 offset = place - a;
+	const glm::dvec2 offset = position - a;
 	const double length2 = edge.x * edge.x + edge.y * edge.y;
 	const double along = offset.x * edge.x + offset.y * edge.y;
 	const double part = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0; // A repeated point has no length.
@@ -78,20 +78,20 @@ Outline::Box Outline::around(const Box &a, const Box &b) {
 			{std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
 }
 
-bool Outline::contains(glm::dvec2 place) const {
+bool Outline::contains(glm::dvec2 position) const {
 	BvhStack<Bvh::Node> stack;
 	stack.push(edge_tree_.root());
 	bool within = false;
 	while (!stack.empty()) {
 		const Bvh::Node node = stack.pop();
 		const Box &box = boxes_[edge_tree_.index_of(node)];
-		if (place.y < box.min.y || place.y > box.max.y || place.x > box.max.x) {
+		if (position.y < box.min.y || position.y > box.max.y || position.x > box.max.x) {
 			continue;
 		}
-		if (place.x < box.min.x) {
+		if (position.x < box.min.x) {
 			// All of the node lies ahead: an odd number of crossings if it ends on the other side of the ray.
-			const bool above_first = place.y < points_[edge_tree_.begin(node)].y;
-			within ^= above_first != (place.y < points_[edge_tree_.end(node)].y);
+			const bool above_first = position.y < points_[edge_tree_.begin(node)].y;
+			within ^= above_first != (position.y < points_[edge_tree_.end(node)].y);
 		} else if (node.level > 0) {
 			stack.push(edge_tree_.first(node));
 			if (edge_tree_.has_second(node)) {
@@ -99,7 +99,7 @@ bool Outline::contains(glm::dvec2 place) const {
 			}
 		} else {
 			for (std::size_t i = edge_tree_.begin(node); i < edge_tree_.end(node); ++i) {
-				const Side found = side(points_[i], points_[i + 1], place);
+				const Side found = side(points_[i], points_[i + 1], position);
 				if (found == Side::on) {
 					return false;
 				}
@@ -110,11 +110,11 @@ bool Outline::contains(glm::dvec2 place) const {
 	return within;
 }
 
-double Outline::distance(glm::dvec2 place, double limit) const {
+double Outline::distance(glm::dvec2 position, double limit) const {
 	const auto box_distance2 = [&](Bvh::Node node) {
 		const Box &box = boxes_[edge_tree_.index_of(node)];
-		const double x = std::max({box.min.x - place.x, place.x - box.max.x, 0.0});
-		const double y = std::max({box.min.y - place.y, place.y - box.max.y, 0.0});
+		const double x = std::max({box.min.x - position.x, position.x - box.max.x, 0.0});
+		const double y = std::max({box.min.y - position.y, position.y - box.max.y, 0.0});
 		return x * x + y * y;
 	};
 	using Candidate = std::pair<Bvh::Node, double>;
@@ -129,7 +129,7 @@ double Outline::distance(glm::dvec2 place, double limit) const {
 		}
 		if (node.level == 0) {
 			for (std::size_t i = edge_tree_.begin(node); i < edge_tree_.end(node); ++i) {
-				const double distance2 = edge_distance2(points_[i], points_[i + 1], place);
+				const double distance2 = edge_distance2(points_[i], points_[i + 1], position);
 				found = found || distance2 < nearest2;
 				nearest2 = std::min(nearest2, distance2);
 			}

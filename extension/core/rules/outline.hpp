@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// A line through many points, ready for questions about places: a tree of boxes over runs of consecutive edges, two runs a
+/// A line through many points, ready for questions about positions: a tree of boxes over runs of consecutive edges, two runs a
 /// box. O(n) memory and time to build; a question looks at about log n boxes where points follow each other as they do on a
 /// drawn line, and at all edges where they jump at random. Meters.
 class Outline {
@@ -20,10 +20,10 @@ public:
 	void set(std::span<const glm::dvec2> points, bool closed);
 
 	/// True strictly within a closed outline by the even-odd rule; edges and corners are not within.
-	bool contains(glm::dvec2 place) const;
+	bool contains(glm::dvec2 position) const;
 
-	/// Meters from `place` to the nearest edge, or `limit` if that is less.
-	double distance(glm::dvec2 place, double limit) const;
+	/// Meters from `position` to the nearest edge, or `limit` if that is less.
+	double distance(glm::dvec2 position, double limit) const;
 
 private:
 	struct Box {

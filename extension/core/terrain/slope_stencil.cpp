@@ -38,7 +38,7 @@ double rise(double before, double here, double behind, double run_before, double
 SlopeStencil::SlopeStencil(glm::dvec2 position) : center_(as_float(position.x), as_float(position.y)) {
 	const double step_x = step_at(center_.x);
 	const double step_z = step_at(center_.y);
-	places_ = {
+	positions_ = {
 			glm::dvec2{as_float(center_.x - step_x), center_.y},
 			glm::dvec2{as_float(center_.x + step_x), center_.y},
 			glm::dvec2{center_.x, as_float(center_.y - step_z)},
@@ -47,8 +47,8 @@ SlopeStencil::SlopeStencil(glm::dvec2 position) : center_(as_float(position.x), 
 }
 
 glm::vec3 SlopeStencil::normal(float here, std::span<const float, 4> around) const {
-	const double x = rise(around[0], here, around[1], center_.x - places_[0].x, places_[1].x - center_.x);
-	const double z = rise(around[2], here, around[3], center_.y - places_[2].y, places_[3].y - center_.y);
+	const double x = rise(around[0], here, around[1], center_.x - positions_[0].x, positions_[1].x - center_.x);
+	const double z = rise(around[2], here, around[3], center_.y - positions_[2].y, positions_[3].y - center_.y);
 	return glm::vec3(glm::normalize(glm::dvec3{-x, 1.0, -z}));
 }
 

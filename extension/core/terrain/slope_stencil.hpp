@@ -22,7 +22,7 @@ public:
 
 	/// Where heights are wanted: before and behind the position along x, then along z; 0.5 m from it up to 10^6 m from the
 	/// origin.
-	const std::array<glm::dvec2, 4> &places() const { return places_; }
+	const std::array<glm::dvec2, 4> &positions() const { return positions_; }
 
 	/// The unit normal, y up, from the height at the center and at the positions, in their order. One-sided where a
 	/// neighbor's height is not finite; level along an axis on which both are missing.
@@ -30,7 +30,7 @@ public:
 
 private:
 	glm::dvec2 center_;
-	std::array<glm::dvec2, 4> places_;
+	std::array<glm::dvec2, 4> positions_;
 };
 
 } // namespace thicket

@@ -22,7 +22,7 @@ double area_from_above(const std::array<glm::dvec3, 3> &corners) {
 
 /// What the order of a triangle is found by.
 struct Key {
-	glm::dvec2 place; ///< Three times its middle.
+	glm::dvec2 position; ///< Three times its middle.
 	std::uint32_t triangle;
 };
 
@@ -37,16 +37,16 @@ void arrange(std::span<Key> keys, std::size_t half_runs) {
 		arrange(keys, half_runs / 2);
 		return;
 	}
-	glm::dvec2 min = keys.front().place;
+	glm::dvec2 min = keys.front().position;
 	glm::dvec2 max = min;
 	for (const Key &key : keys) {
-		min = {std::min(min.x, key.place.x), std::min(min.y, key.place.y)};
-		max = {std::max(max.x, key.place.x), std::max(max.y, key.place.y)};
+		min = {std::min(min.x, key.position.x), std::min(min.y, key.position.y)};
+		max = {std::max(max.x, key.position.x), std::max(max.y, key.position.y)};
 	}
 	const int axis = max.x - min.x >= max.y - min.y ? 0 : 1;
 	std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(half), keys.end(),
 			[axis](const Key &a, const Key &b) {
-				return a.place[axis] < b.place[axis] || (a.place[axis] == b.place[axis] && a.triangle < b.triangle);
+				return a.position[axis] < b.position[axis] || (a.position[axis] == b.position[axis] && a.triangle < b.triangle);
 			});
 	arrange(keys.first(half), half_runs / 2);
 	arrange(keys.subspan(half), half_runs / 2);
@@ -191,7 +191,7 @@ Ground TriangleTerrain::ground_at(glm::dvec2 position) const {
 /// Keeps the higher one of `r_hit` and the triangle, if that lies above or below `position`.
 void TriangleTerrain::meet(const Triangle &triangle, glm::dvec2 position, Hit &r_hit) {
 	const auto &[a, b, c] = triangle.corners;
-	// Each corner's part in the place: the area of the triangle that the place makes with the other two corners.
+	// Each corner's part in the position: the area of the triangle that the position makes with the other two corners.
 	const double part_a = orientation(position, from_above(b), from_above(c));
 	const double part_b = orientation(position, from_above(c), from_above(a));
 	const double part_c = orientation(position, from_above(a), from_above(b));

@@ -23,7 +23,7 @@ public:
 	/// log n) time, O(n) memory, whatever their sizes.
 	Status set(std::span<const glm::dvec3> corners);
 
-	/// As Terrain::sample. A place on an edge or a corner belongs to every triangle that meets there (exactly: see
+	/// As Terrain::sample. A position on an edge or a corner belongs to every triangle that meets there (exactly: see
 	/// orientation), so meshes without a gap give ground without one. The normal is that of the triangle, of equally high ones
 	/// the first in `corners`; the height is exact to a float's rounding.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
@@ -47,8 +47,8 @@ private:
 		double top;
 
 		/// Borders included; false for NAN.
-		bool holds(glm::dvec2 place) const {
-			return place.x >= min.x && place.x <= max.x && place.y >= min.y && place.y <= max.y;
+		bool holds(glm::dvec2 position) const {
+			return position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
 		}
 	};
 

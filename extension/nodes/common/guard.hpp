@@ -3,6 +3,7 @@
 // The border between the engine and our code: no exception may pass it, for the engine would end. What the core guards
 // (core/base/guard.hpp) comes as a status; this is for all else that takes memory in a bound method, a notification or a job.
 
+#include <godot_cpp/classes/global_constants.hpp>
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/variant/string.hpp>
 #include <godot_cpp/variant/variant.hpp>
@@ -78,7 +79,11 @@ R call_guarded(Self *p_self, const Args &...p_arguments) {
 		const std::array<godot::Variant, sizeof...(Args)> arguments{argument_of(p_arguments)...};
 		report_failed_call(guarded_method_name<method>.c_str(), arguments);
 	}
-	return R();
+	if constexpr (std::is_same_v<R, godot::Error>) {
+		return godot::ERR_OUT_OF_MEMORY; // The default one means that all is well.
+	} else {
+		return R();
+	}
 }
 
 /// ClassDB::bind_method for a method that may run out of memory:

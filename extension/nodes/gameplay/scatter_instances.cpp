@@ -119,18 +119,18 @@ PackedFloat32Array ScatterInstances::get_transforms() const {
 
 void ScatterInstances::_bind_methods() {
 	using Self = ScatterInstances;
-	ClassDB::bind_method(D_METHOD("size"), &Self::size);
-	ClassDB::bind_method(D_METHOD("is_empty"), &Self::is_empty);
-	ClassDB::bind_method(D_METHOD("get_id", "index"), &Self::get_id);
-	ClassDB::bind_method(D_METHOD("get_layer", "index"), &Self::get_layer);
-	ClassDB::bind_method(D_METHOD("get_mesh", "index"), &Self::get_mesh);
-	ClassDB::bind_method(D_METHOD("get_position", "index"), &Self::get_position);
-	ClassDB::bind_method(D_METHOD("get_transform", "index"), &Self::get_transform);
-	ClassDB::bind_method(D_METHOD("get_ids"), &Self::get_ids);
-	ClassDB::bind_method(D_METHOD("get_layers"), &Self::get_layers);
-	ClassDB::bind_method(D_METHOD("get_meshes"), &Self::get_meshes);
-	ClassDB::bind_method(D_METHOD("get_positions"), &Self::get_positions);
-	ClassDB::bind_method(D_METHOD("get_transforms"), &Self::get_transforms);
+	bind_guarded<&Self::size>(D_METHOD("size"));
+	bind_guarded<&Self::is_empty>(D_METHOD("is_empty"));
+	bind_guarded<&Self::get_id>(D_METHOD("get_id", "index"));
+	bind_guarded<&Self::get_layer>(D_METHOD("get_layer", "index"));
+	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh", "index"));
+	bind_guarded<&Self::get_position>(D_METHOD("get_position", "index"));
+	bind_guarded<&Self::get_transform>(D_METHOD("get_transform", "index"));
+	bind_guarded<&Self::get_ids>(D_METHOD("get_ids"));
+	bind_guarded<&Self::get_layers>(D_METHOD("get_layers"));
+	bind_guarded<&Self::get_meshes>(D_METHOD("get_meshes"));
+	bind_guarded<&Self::get_positions>(D_METHOD("get_positions"));
+	bind_guarded<&Self::get_transforms>(D_METHOD("get_transforms"));
 	const char *owner = "ScatterInstances";
 	bind_value(owner, PropertyInfo(Variant::PACKED_INT64_ARRAY, "ids"), "get_ids");
 	bind_value(owner, PropertyInfo(Variant::PACKED_INT32_ARRAY, "layers"), "get_layers");
@@ -159,14 +159,14 @@ bool ScatterInstance::is_added() const { return thicket::is_added(found_.id); }
 
 void ScatterInstance::_bind_methods() {
 	using Self = ScatterInstance;
-	ClassDB::bind_method(D_METHOD("get_id"), &Self::get_id);
-	ClassDB::bind_method(D_METHOD("get_layer"), &Self::get_layer);
-	ClassDB::bind_method(D_METHOD("get_mesh"), &Self::get_mesh);
-	ClassDB::bind_method(D_METHOD("get_transform"), &Self::get_transform);
-	ClassDB::bind_method(D_METHOD("get_position"), &Self::get_position);
-	ClassDB::bind_method(D_METHOD("get_data"), &Self::get_data);
-	ClassDB::bind_method(D_METHOD("is_added"), &Self::is_added);
-	ClassDB::bind_method(D_METHOD("get_distance"), &Self::get_distance);
+	bind_guarded<&Self::get_id>(D_METHOD("get_id"));
+	bind_guarded<&Self::get_layer>(D_METHOD("get_layer"));
+	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh"));
+	bind_guarded<&Self::get_transform>(D_METHOD("get_transform"));
+	bind_guarded<&Self::get_position>(D_METHOD("get_position"));
+	bind_guarded<&Self::get_data>(D_METHOD("get_data"));
+	bind_guarded<&Self::is_added>(D_METHOD("is_added"));
+	bind_guarded<&Self::get_distance>(D_METHOD("get_distance"));
 	const char *owner = "ScatterInstance";
 	bind_value(owner, PropertyInfo(Variant::INT, "id"), "get_id");
 	bind_value(owner, PropertyInfo(Variant::INT, "layer"), "get_layer");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/query/instance_query.hpp"
+#include "nodes/common/guard.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
@@ -22,6 +23,7 @@ namespace thicket {
 /// What a query has found, as it stood then. An index that is not there prints an error and gives a default.
 class ScatterInstances : public godot::RefCounted {
 	GDCLASS(ScatterInstances, godot::RefCounted)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// `offset` is where the engine's origin is in the world, in meters, for all positions that scripts get.
@@ -62,6 +64,7 @@ private:
 /// One instance, as it stood when it was asked for.
 class ScatterInstance : public godot::RefCounted {
 	GDCLASS(ScatterInstance, godot::RefCounted)
+	THICKET_GUARDED_METHODS
 
 public:
 	static godot::Ref<ScatterInstance> of(

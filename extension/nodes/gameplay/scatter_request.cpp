@@ -45,11 +45,11 @@ void ScatterRequest::tell(const Ref<ScatterRequest> &) { emit_signal("completed"
 
 void ScatterRequest::_bind_methods() {
 	using Self = ScatterRequest;
-	ClassDB::bind_method(D_METHOD("is_completed"), &Self::is_completed);
-	ClassDB::bind_method(D_METHOD("is_canceled"), &Self::is_canceled);
-	ClassDB::bind_method(D_METHOD("get_result"), &Self::get_result);
-	ClassDB::bind_method(D_METHOD("cancel"), &Self::cancel);
-	ClassDB::bind_method(D_METHOD("_tell", "request"), &Self::tell);
+	bind_guarded<&Self::is_completed>(D_METHOD("is_completed"));
+	bind_guarded<&Self::is_canceled>(D_METHOD("is_canceled"));
+	bind_guarded<&Self::get_result>(D_METHOD("get_result"));
+	bind_guarded<&Self::cancel>(D_METHOD("cancel"));
+	bind_guarded<&Self::tell>(D_METHOD("_tell", "request"));
 	ADD_SIGNAL(MethodInfo(
 			"completed", PropertyInfo(Variant::OBJECT, "result", PROPERTY_HINT_RESOURCE_TYPE, "ScatterInstances")));
 }

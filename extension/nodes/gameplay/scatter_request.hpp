@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/common/guard.hpp"
 #include "nodes/gameplay/scatter_instances.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
@@ -14,6 +15,7 @@ namespace thicket {
 /// or left behind by its node it completes with nothing found.
 class ScatterRequest : public godot::RefCounted {
 	GDCLASS(ScatterRequest, godot::RefCounted)
+	THICKET_GUARDED_METHODS
 
 public:
 	bool is_completed() const { return completed_; }

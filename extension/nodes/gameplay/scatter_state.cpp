@@ -300,27 +300,27 @@ PackedByteArray ScatterState::get_data() const {
 
 void ScatterState::_bind_methods() {
 	using Self = ScatterState;
-	ClassDB::bind_method(D_METHOD("remove", "id", "until"), &Self::remove, DEFVAL(0.0));
-	ClassDB::bind_method(D_METHOD("restore", "id"), &Self::restore);
-	ClassDB::bind_method(D_METHOD("is_removed", "id"), &Self::is_removed);
-	ClassDB::bind_method(D_METHOD("set_instance_data", "id", "data"), &Self::set_instance_data);
-	ClassDB::bind_method(D_METHOD("get_instance_data", "id"), &Self::get_instance_data);
-	ClassDB::bind_method(D_METHOD("get_removed", "layer_id"), &Self::get_removed, DEFVAL(-1));
-	ClassDB::bind_method(D_METHOD("get_added", "layer_id"), &Self::get_added, DEFVAL(-1));
-	ClassDB::bind_method(D_METHOD("get_removed_count"), &Self::get_removed_count);
-	ClassDB::bind_method(D_METHOD("get_added_count"), &Self::get_added_count);
-	ClassDB::bind_method(D_METHOD("from_bytes", "bytes"), &Self::from_bytes);
-	ClassDB::bind_method(D_METHOD("to_bytes"), &Self::to_bytes);
-	ClassDB::bind_method(D_METHOD("diff_since", "revision"), &Self::diff_since);
-	ClassDB::bind_method(D_METHOD("apply_diff", "diff"), &Self::apply_diff);
-	ClassDB::bind_method(D_METHOD("merge", "other"), &Self::merge);
-	ClassDB::bind_method(D_METHOD("clear"), &Self::clear);
-	ClassDB::bind_method(D_METHOD("get_revision"), &Self::get_revision);
-	ClassDB::bind_method(D_METHOD("get_digest"), &Self::get_digest);
-	ClassDB::bind_method(D_METHOD("get_time"), &Self::get_time);
-	ClassDB::bind_method(D_METHOD("advance", "seconds"), &Self::advance);
-	ClassDB::bind_method(D_METHOD("set_data", "bytes"), &Self::set_data);
-	ClassDB::bind_method(D_METHOD("get_data"), &Self::get_data);
+	bind_guarded<&Self::remove>(D_METHOD("remove", "id", "until"), DEFVAL(0.0));
+	bind_guarded<&Self::restore>(D_METHOD("restore", "id"));
+	bind_guarded<&Self::is_removed>(D_METHOD("is_removed", "id"));
+	bind_guarded<&Self::set_instance_data>(D_METHOD("set_instance_data", "id", "data"));
+	bind_guarded<&Self::get_instance_data>(D_METHOD("get_instance_data", "id"));
+	bind_guarded<&Self::get_removed>(D_METHOD("get_removed", "layer_id"), DEFVAL(-1));
+	bind_guarded<&Self::get_added>(D_METHOD("get_added", "layer_id"), DEFVAL(-1));
+	bind_guarded<&Self::get_removed_count>(D_METHOD("get_removed_count"));
+	bind_guarded<&Self::get_added_count>(D_METHOD("get_added_count"));
+	bind_guarded<&Self::from_bytes>(D_METHOD("from_bytes", "bytes"));
+	bind_guarded<&Self::to_bytes>(D_METHOD("to_bytes"));
+	bind_guarded<&Self::diff_since>(D_METHOD("diff_since", "revision"));
+	bind_guarded<&Self::apply_diff>(D_METHOD("apply_diff", "diff"));
+	bind_guarded<&Self::merge>(D_METHOD("merge", "other"));
+	bind_guarded<&Self::clear>(D_METHOD("clear"));
+	bind_guarded<&Self::get_revision>(D_METHOD("get_revision"));
+	bind_guarded<&Self::get_digest>(D_METHOD("get_digest"));
+	bind_guarded<&Self::get_time>(D_METHOD("get_time"));
+	bind_guarded<&Self::advance>(D_METHOD("advance", "seconds"));
+	bind_guarded<&Self::set_data>(D_METHOD("set_data", "bytes"));
+	bind_guarded<&Self::get_data>(D_METHOD("get_data"));
 	ADD_PROPERTY(PropertyInfo(Variant::PACKED_BYTE_ARRAY, "data", PROPERTY_HINT_NONE, "", PROPERTY_USAGE_STORAGE),
 			"set_data", "get_data");
 	ADD_SIGNAL(MethodInfo("instances_changed", PropertyInfo(Variant::PACKED_INT64_ARRAY, "ids")));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/state/instance_state.hpp"
+#include "nodes/common/guard.hpp"
 
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
@@ -46,6 +47,7 @@ struct Removal {
 /// What a game has changed about a scattered world: removed and hand-placed instances, and data. A resource to save, and bytes to send.
 class ScatterState : public godot::Resource {
 	GDCLASS(ScatterState, godot::Resource)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 for ever. False for an id of 0.

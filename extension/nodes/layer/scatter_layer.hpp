@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/placement/mesh_choice.hpp"
+#include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/layer/layer_tables.hpp"
@@ -57,6 +58,7 @@ struct SwitchProperty {
 /// mask comes as `area_changed`, with the rectangle of the world outside which the mask is as it was.
 class ScatterLayer : public godot::Resource {
 	GDCLASS(ScatterLayer, godot::Resource)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// ImageChannel, for scripts.

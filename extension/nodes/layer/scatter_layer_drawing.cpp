@@ -81,20 +81,20 @@ void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
 Ref<Material> ScatterLayer::get_material_override() const { return material_override_; }
 
 void ScatterLayer::bind_meshes() {
-	ClassDB::bind_method(D_METHOD("set_meshes", "meshes"), &ScatterLayer::set_meshes);
-	ClassDB::bind_method(D_METHOD("get_meshes"), &ScatterLayer::get_meshes);
+	bind_guarded<&ScatterLayer::set_meshes>(D_METHOD("set_meshes", "meshes"));
+	bind_guarded<&ScatterLayer::get_meshes>(D_METHOD("get_meshes"));
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "meshes", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:Mesh", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_meshes", "get_meshes");
-	ClassDB::bind_method(D_METHOD("set_mesh_weights", "weights"), &ScatterLayer::set_mesh_weights);
-	ClassDB::bind_method(D_METHOD("get_mesh_weights"), &ScatterLayer::get_mesh_weights);
+	bind_guarded<&ScatterLayer::set_mesh_weights>(D_METHOD("set_mesh_weights", "weights"));
+	bind_guarded<&ScatterLayer::get_mesh_weights>(D_METHOD("get_mesh_weights"));
 	ADD_PROPERTY(PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "mesh_weights"), "set_mesh_weights", "get_mesh_weights");
 }
 
 void ScatterLayer::bind_drawing() {
 	ADD_GROUP("Drawing", "");
-	ClassDB::bind_method(D_METHOD("set_material_override", "material"), &ScatterLayer::set_material_override);
-	ClassDB::bind_method(D_METHOD("get_material_override"), &ScatterLayer::get_material_override);
+	bind_guarded<&ScatterLayer::set_material_override>(D_METHOD("set_material_override", "material"));
+	bind_guarded<&ScatterLayer::get_material_override>(D_METHOD("get_material_override"));
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "material_override", PROPERTY_HINT_RESOURCE_TYPE,
 						 "BaseMaterial3D,ShaderMaterial"),
 			"set_material_override", "get_material_override");

@@ -101,20 +101,20 @@ void ScatterLayer::bind_gameplay() {
 	bind_number<instance_height>();
 	bind_number<regrowth_time>();
 	ADD_SUBGROUP("Collision", "");
-	ClassDB::bind_method(D_METHOD("set_collision_shape", "shape"), &ScatterLayer::set_collision_shape);
-	ClassDB::bind_method(D_METHOD("get_collision_shape"), &ScatterLayer::get_collision_shape);
+	bind_guarded<&ScatterLayer::set_collision_shape>(D_METHOD("set_collision_shape", "shape"));
+	bind_guarded<&ScatterLayer::get_collision_shape>(D_METHOD("get_collision_shape"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "collision_shape", PROPERTY_HINT_ENUM, "None,Capsule,Cylinder,Box,Convex"),
 			"set_collision_shape", "get_collision_shape");
 	bind_number<collision_distance>();
 	bind_integer<collision_layer>();
 	bind_integer<collision_mask>();
-	ClassDB::bind_method(D_METHOD("set_physics_material", "material"), &ScatterLayer::set_physics_material);
-	ClassDB::bind_method(D_METHOD("get_physics_material"), &ScatterLayer::get_physics_material);
+	bind_guarded<&ScatterLayer::set_physics_material>(D_METHOD("set_physics_material", "material"));
+	bind_guarded<&ScatterLayer::get_physics_material>(D_METHOD("get_physics_material"));
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "physics_material", PROPERTY_HINT_RESOURCE_TYPE, "PhysicsMaterial"),
 			"set_physics_material", "get_physics_material");
 	ADD_SUBGROUP("Scene", "");
-	ClassDB::bind_method(D_METHOD("set_scene", "scene"), &ScatterLayer::set_scene);
-	ClassDB::bind_method(D_METHOD("get_scene"), &ScatterLayer::get_scene);
+	bind_guarded<&ScatterLayer::set_scene>(D_METHOD("set_scene", "scene"));
+	bind_guarded<&ScatterLayer::get_scene>(D_METHOD("get_scene"));
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_RESOURCE_TYPE, "PackedScene"), "set_scene",
 			"get_scene");
 	bind_number<scene_distance>();

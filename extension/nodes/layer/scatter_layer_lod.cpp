@@ -72,12 +72,12 @@ void ScatterLayer::bind_lod() {
 	ADD_GROUP("Distance", "");
 	bind_number<view_distance>();
 	ADD_SUBGROUP("LOD", "lod_");
-	ClassDB::bind_method(D_METHOD("set_lod_distances", "distances"), &ScatterLayer::set_lod_distances);
-	ClassDB::bind_method(D_METHOD("get_lod_distances"), &ScatterLayer::get_lod_distances);
+	bind_guarded<&ScatterLayer::set_lod_distances>(D_METHOD("set_lod_distances", "distances"));
+	bind_guarded<&ScatterLayer::get_lod_distances>(D_METHOD("get_lod_distances"));
 	ADD_PROPERTY(PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "lod_distances", PROPERTY_HINT_NONE, "suffix:m"),
 			"set_lod_distances", "get_lod_distances");
-	ClassDB::bind_method(D_METHOD("set_lod_meshes", "meshes"), &ScatterLayer::set_lod_meshes);
-	ClassDB::bind_method(D_METHOD("get_lod_meshes"), &ScatterLayer::get_lod_meshes);
+	bind_guarded<&ScatterLayer::set_lod_meshes>(D_METHOD("set_lod_meshes", "meshes"));
+	bind_guarded<&ScatterLayer::get_lod_meshes>(D_METHOD("get_lod_meshes"));
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lod_meshes", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:Mesh", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_lod_meshes", "get_lod_meshes");

@@ -72,18 +72,18 @@ ScatterLayer::MaskEdge ScatterLayer::get_mask_texture_edge() const { return stat
 
 void ScatterLayer::bind_masks() {
 	ADD_SUBGROUP("Mask", "mask_");
-	ClassDB::bind_method(D_METHOD("set_mask", "mask"), &ScatterLayer::set_mask);
-	ClassDB::bind_method(D_METHOD("get_mask"), &ScatterLayer::get_mask);
-	ClassDB::bind_method(D_METHOD("_mask_area_changed", "rect"), &ScatterLayer::mask_area_changed);
+	bind_guarded<&ScatterLayer::set_mask>(D_METHOD("set_mask", "mask"));
+	bind_guarded<&ScatterLayer::get_mask>(D_METHOD("get_mask"));
+	bind_guarded<&ScatterLayer::mask_area_changed>(D_METHOD("_mask_area_changed", "rect"));
 	ADD_PROPERTY(
 			PropertyInfo(Variant::OBJECT, "mask", PROPERTY_HINT_RESOURCE_TYPE, "ScatterMask"), "set_mask", "get_mask");
 	bind_resource<Texture2D, mask_texture>();
-	ClassDB::bind_method(D_METHOD("set_mask_texture_rect", "rect"), &ScatterLayer::set_mask_texture_rect);
-	ClassDB::bind_method(D_METHOD("get_mask_texture_rect"), &ScatterLayer::get_mask_texture_rect);
-	ClassDB::bind_method(D_METHOD("set_mask_texture_channel", "channel"), &ScatterLayer::set_mask_texture_channel);
-	ClassDB::bind_method(D_METHOD("get_mask_texture_channel"), &ScatterLayer::get_mask_texture_channel);
-	ClassDB::bind_method(D_METHOD("set_mask_texture_edge", "edge"), &ScatterLayer::set_mask_texture_edge);
-	ClassDB::bind_method(D_METHOD("get_mask_texture_edge"), &ScatterLayer::get_mask_texture_edge);
+	bind_guarded<&ScatterLayer::set_mask_texture_rect>(D_METHOD("set_mask_texture_rect", "rect"));
+	bind_guarded<&ScatterLayer::get_mask_texture_rect>(D_METHOD("get_mask_texture_rect"));
+	bind_guarded<&ScatterLayer::set_mask_texture_channel>(D_METHOD("set_mask_texture_channel", "channel"));
+	bind_guarded<&ScatterLayer::get_mask_texture_channel>(D_METHOD("get_mask_texture_channel"));
+	bind_guarded<&ScatterLayer::set_mask_texture_edge>(D_METHOD("set_mask_texture_edge", "edge"));
+	bind_guarded<&ScatterLayer::get_mask_texture_edge>(D_METHOD("get_mask_texture_edge"));
 	ADD_PROPERTY(PropertyInfo(Variant::RECT2, "mask_texture_rect", PROPERTY_HINT_NONE, "suffix:m"),
 			"set_mask_texture_rect", "get_mask_texture_rect");
 	ADD_PROPERTY(

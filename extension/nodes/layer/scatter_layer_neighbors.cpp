@@ -141,12 +141,12 @@ void ScatterLayer::rename_references(const String &p_from, const String &p_to) {
 
 void ScatterLayer::bind_neighbors() {
 	ADD_GROUP("Other Layers", "");
-	ClassDB::bind_method(D_METHOD("set_spacing", "spacing"), &ScatterLayer::set_spacing);
-	ClassDB::bind_method(D_METHOD("get_spacing"), &ScatterLayer::get_spacing);
+	bind_guarded<&ScatterLayer::set_spacing>(D_METHOD("set_spacing", "spacing"));
+	bind_guarded<&ScatterLayer::get_spacing>(D_METHOD("get_spacing"));
 	ADD_PROPERTY(PropertyInfo(Variant::DICTIONARY, "spacing"), "set_spacing", "get_spacing");
 	ADD_SUBGROUP("Proximity", "proximity_");
-	ClassDB::bind_method(D_METHOD("set_proximity_layer", "layer"), &ScatterLayer::set_proximity_layer);
-	ClassDB::bind_method(D_METHOD("get_proximity_layer"), &ScatterLayer::get_proximity_layer);
+	bind_guarded<&ScatterLayer::set_proximity_layer>(D_METHOD("set_proximity_layer", "layer"));
+	bind_guarded<&ScatterLayer::get_proximity_layer>(D_METHOD("get_proximity_layer"));
 	ADD_PROPERTY(PropertyInfo(Variant::NIL, "proximity_layer", PROPERTY_HINT_NONE, String(),
 						 PROPERTY_USAGE_DEFAULT | PROPERTY_USAGE_NIL_IS_VARIANT),
 			"set_proximity_layer", "get_proximity_layer");

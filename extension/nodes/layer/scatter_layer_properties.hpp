@@ -131,9 +131,8 @@ void ScatterLayer::bind_number() {
 	const godot::String name = property.name;
 	const godot::String setter = "set_" + name;
 	const godot::String getter = "get_" + name;
-	godot::ClassDB::bind_method(
-			godot::D_METHOD(godot::StringName(setter), "value"), &ScatterLayer::set_number<property>);
-	godot::ClassDB::bind_method(godot::D_METHOD(godot::StringName(getter)), &ScatterLayer::get_number<property>);
+	bind_guarded<&ScatterLayer::set_number<property>>(godot::D_METHOD(godot::StringName(setter), "value"));
+	bind_guarded<&ScatterLayer::get_number<property>>(godot::D_METHOD(godot::StringName(getter)));
 	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
 }
 
@@ -142,9 +141,8 @@ void ScatterLayer::bind_integer() {
 	const godot::String name = property.name;
 	const godot::String setter = "set_" + name;
 	const godot::String getter = "get_" + name;
-	godot::ClassDB::bind_method(
-			godot::D_METHOD(godot::StringName(setter), "value"), &ScatterLayer::set_integer<property>);
-	godot::ClassDB::bind_method(godot::D_METHOD(godot::StringName(getter)), &ScatterLayer::get_integer<property>);
+	bind_guarded<&ScatterLayer::set_integer<property>>(godot::D_METHOD(godot::StringName(setter), "value"));
+	bind_guarded<&ScatterLayer::get_integer<property>>(godot::D_METHOD(godot::StringName(getter)));
 	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::INT, name, property.hint, property.hint_string), setter, getter);
 }
 
@@ -153,9 +151,8 @@ void ScatterLayer::bind_switch() {
 	const godot::String name = property.name;
 	const godot::String setter = "set_" + name;
 	const godot::String getter = property.getter;
-	godot::ClassDB::bind_method(
-			godot::D_METHOD(godot::StringName(setter), "enabled"), &ScatterLayer::set_switch<property>);
-	godot::ClassDB::bind_method(godot::D_METHOD(godot::StringName(getter)), &ScatterLayer::get_switch<property>);
+	bind_guarded<&ScatterLayer::set_switch<property>>(godot::D_METHOD(godot::StringName(setter), "enabled"));
+	bind_guarded<&ScatterLayer::get_switch<property>>(godot::D_METHOD(godot::StringName(getter)));
 	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::BOOL, name), setter, getter);
 }
 
@@ -165,11 +162,9 @@ void ScatterLayer::bind_resource() {
 	const godot::String setter = "set_" + name;
 	const godot::String getter = "get_" + name;
 	const godot::String on_change = "_" + name + godot::String("_changed");
-	godot::ClassDB::bind_method(
-			godot::D_METHOD(godot::StringName(setter), "resource"), &ScatterLayer::set_resource<T, property>);
-	godot::ClassDB::bind_method(godot::D_METHOD(godot::StringName(getter)), &ScatterLayer::get_resource<T, property>);
-	godot::ClassDB::bind_method(
-			godot::D_METHOD(godot::StringName(on_change)), &ScatterLayer::resource_changed<T, property>);
+	bind_guarded<&ScatterLayer::set_resource<T, property>>(godot::D_METHOD(godot::StringName(setter), "resource"));
+	bind_guarded<&ScatterLayer::get_resource<T, property>>(godot::D_METHOD(godot::StringName(getter)));
+	bind_guarded<&ScatterLayer::resource_changed<T, property>>(godot::D_METHOD(godot::StringName(on_change)));
 	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::OBJECT, name, godot::PROPERTY_HINT_RESOURCE_TYPE, property.type),
 			setter, getter);
 }

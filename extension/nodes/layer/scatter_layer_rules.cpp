@@ -68,8 +68,8 @@ void ScatterLayer::bind_rules() {
 	bind_number<slope_falloff>();
 	bind_resource<Curve, density_over_slope>();
 	ADD_SUBGROUP("Ground", "");
-	ClassDB::bind_method(D_METHOD("set_ground_textures", "textures"), &ScatterLayer::set_ground_textures);
-	ClassDB::bind_method(D_METHOD("get_ground_textures"), &ScatterLayer::get_ground_textures);
+	bind_guarded<&ScatterLayer::set_ground_textures>(D_METHOD("set_ground_textures", "textures"));
+	bind_guarded<&ScatterLayer::get_ground_textures>(D_METHOD("get_ground_textures"));
 	ADD_PROPERTY(
 			PropertyInfo(Variant::PACKED_INT32_ARRAY, "ground_textures"), "set_ground_textures", "get_ground_textures");
 	ADD_SUBGROUP("Noise", "");

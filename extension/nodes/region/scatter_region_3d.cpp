@@ -32,6 +32,10 @@ glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
 ScatterRegion3D::ScatterRegion3D() { set_notify_transform(true); }
 
 void ScatterRegion3D::_notification(int p_what) {
+	guarded_call("ScatterRegion3D._notification", [this, p_what] { notified(p_what); });
+}
+
+void ScatterRegion3D::notified(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_TREE: enter(); break;
 		case NOTIFICATION_EXIT_TREE: leave(); break;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/rules/shapes.hpp"
+#include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
@@ -51,6 +52,7 @@ struct RegionSizes {
 /// It counts while it is in the tree and not hidden. Only the tiles that it touches are made anew when it changes.
 class ScatterRegion3D : public godot::Node3D {
 	GDCLASS(ScatterRegion3D, godot::Node3D)
+	THICKET_GUARDED_METHODS
 
 public:
 	enum Shape {
@@ -105,7 +107,9 @@ public:
 
 	/// What keeps the region from having the effect that is likely meant, a sentence each, for the editor's warnings.
 	godot::PackedStringArray get_problems() const;
-	godot::PackedStringArray _get_configuration_warnings() const override { return get_problems(); }
+	godot::PackedStringArray _get_configuration_warnings() const override {
+		return guarded_call("ScatterRegion3D._get_configuration_warnings", [this] { return get_problems(); });
+	}
 
 protected:
 	static void _bind_methods();
@@ -113,6 +117,7 @@ protected:
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
+	void notified(int p_what);
 	void enter();
 	void leave();
 	void changed();

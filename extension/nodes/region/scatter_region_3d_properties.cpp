@@ -136,8 +136,8 @@ void ScatterRegion3D::bind_number() {
 	const String name = property.name;
 	const String setter = "set_" + name;
 	const String getter = "get_" + name;
-	ClassDB::bind_method(D_METHOD(StringName(setter), "value"), &ScatterRegion3D::set_number<property>);
-	ClassDB::bind_method(D_METHOD(StringName(getter)), &ScatterRegion3D::get_number<property>);
+	bind_guarded<&ScatterRegion3D::set_number<property>>(D_METHOD(StringName(setter), "value"));
+	bind_guarded<&ScatterRegion3D::get_number<property>>(D_METHOD(StringName(getter)));
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
 }
 
@@ -170,21 +170,21 @@ void ScatterRegion3D::_validate_property(PropertyInfo &p_property) const {
 
 void ScatterRegion3D::_bind_methods() {
 	using Self = ScatterRegion3D;
-	ClassDB::bind_method(D_METHOD("set_shape", "shape"), &Self::set_shape);
-	ClassDB::bind_method(D_METHOD("get_shape"), &Self::get_shape);
-	ClassDB::bind_method(D_METHOD("set_exclude", "exclude"), &Self::set_exclude);
-	ClassDB::bind_method(D_METHOD("is_excluding"), &Self::is_excluding);
-	ClassDB::bind_method(D_METHOD("set_layers", "layers"), &Self::set_layers);
-	ClassDB::bind_method(D_METHOD("get_layers"), &Self::get_layers);
-	ClassDB::bind_method(D_METHOD("set_ignore_height", "ignore"), &Self::set_ignore_height);
-	ClassDB::bind_method(D_METHOD("is_ignoring_height"), &Self::is_ignoring_height);
-	ClassDB::bind_method(D_METHOD("set_size", "size"), &Self::set_size);
-	ClassDB::bind_method(D_METHOD("get_size"), &Self::get_size);
-	ClassDB::bind_method(D_METHOD("set_polygon", "polygon"), &Self::set_polygon);
-	ClassDB::bind_method(D_METHOD("get_polygon"), &Self::get_polygon);
-	ClassDB::bind_method(D_METHOD("set_path_node", "path"), &Self::set_path_node);
-	ClassDB::bind_method(D_METHOD("get_path_node"), &Self::get_path_node);
-	ClassDB::bind_method(D_METHOD("get_problems"), &Self::get_problems);
+	bind_guarded<&Self::set_shape>(D_METHOD("set_shape", "shape"));
+	bind_guarded<&Self::get_shape>(D_METHOD("get_shape"));
+	bind_guarded<&Self::set_exclude>(D_METHOD("set_exclude", "exclude"));
+	bind_guarded<&Self::is_excluding>(D_METHOD("is_excluding"));
+	bind_guarded<&Self::set_layers>(D_METHOD("set_layers", "layers"));
+	bind_guarded<&Self::get_layers>(D_METHOD("get_layers"));
+	bind_guarded<&Self::set_ignore_height>(D_METHOD("set_ignore_height", "ignore"));
+	bind_guarded<&Self::is_ignoring_height>(D_METHOD("is_ignoring_height"));
+	bind_guarded<&Self::set_size>(D_METHOD("set_size", "size"));
+	bind_guarded<&Self::get_size>(D_METHOD("get_size"));
+	bind_guarded<&Self::set_polygon>(D_METHOD("set_polygon", "polygon"));
+	bind_guarded<&Self::get_polygon>(D_METHOD("get_polygon"));
+	bind_guarded<&Self::set_path_node>(D_METHOD("set_path_node", "path"));
+	bind_guarded<&Self::get_path_node>(D_METHOD("get_path_node"));
+	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"), "set_shape",
 			"get_shape");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "exclude"), "set_exclude", "is_excluding");

@@ -104,16 +104,16 @@ PackedVector2Array PoissonPoints::get_positions() const {
 
 void PoissonPoints::_bind_methods() {
 	using Self = PoissonPoints;
-	ClassDB::bind_method(D_METHOD("size"), &Self::size);
-	ClassDB::bind_method(D_METHOD("is_empty"), &Self::is_empty);
-	ClassDB::bind_method(D_METHOD("get_id", "index"), &Self::get_id);
-	ClassDB::bind_method(D_METHOD("get_position", "index"), &Self::get_position);
-	ClassDB::bind_method(D_METHOD("get_rank", "index"), &Self::get_rank);
-	ClassDB::bind_method(D_METHOD("get_ids"), &Self::get_ids);
-	ClassDB::bind_method(D_METHOD("get_positions"), &Self::get_positions);
-	ClassDB::bind_method(D_METHOD("get_ranks"), &Self::get_ranks);
-	ClassDB::bind_method(D_METHOD("get_x"), &Self::get_x);
-	ClassDB::bind_method(D_METHOD("get_y"), &Self::get_y);
+	bind_guarded<&Self::size>(D_METHOD("size"));
+	bind_guarded<&Self::is_empty>(D_METHOD("is_empty"));
+	bind_guarded<&Self::get_id>(D_METHOD("get_id", "index"));
+	bind_guarded<&Self::get_position>(D_METHOD("get_position", "index"));
+	bind_guarded<&Self::get_rank>(D_METHOD("get_rank", "index"));
+	bind_guarded<&Self::get_ids>(D_METHOD("get_ids"));
+	bind_guarded<&Self::get_positions>(D_METHOD("get_positions"));
+	bind_guarded<&Self::get_ranks>(D_METHOD("get_ranks"));
+	bind_guarded<&Self::get_x>(D_METHOD("get_x"));
+	bind_guarded<&Self::get_y>(D_METHOD("get_y"));
 	// Neither stored nor shown: they are read, and have no setter.
 	const auto bind = [](Variant::Type type, const char *name, const char *getter) {
 		ADD_PROPERTY(PropertyInfo(type, name, PROPERTY_HINT_NONE, "", PROPERTY_USAGE_NONE), "", getter);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/sampling/point_set.hpp"
+#include "nodes/common/guard.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
@@ -20,6 +21,7 @@ namespace thicket {
 /// prints an error and gives a default.
 class PoissonPoints : public godot::RefCounted {
 	GDCLASS(PoissonPoints, godot::RefCounted)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// Copies points, with positions in single precision, or in double precision if `exact`. Where there is not enough memory it

@@ -107,14 +107,14 @@ int64_t ScatterTile::get_digest() const {
 
 void ScatterTile::_bind_methods() {
 	using Self = ScatterTile;
-	ClassDB::bind_method(D_METHOD("is_empty"), &Self::is_empty);
-	ClassDB::bind_method(D_METHOD("get_origin"), &Self::get_origin);
-	ClassDB::bind_method(D_METHOD("get_mesh_count"), &Self::get_mesh_count);
-	ClassDB::bind_method(D_METHOD("get_mesh", "index"), &Self::get_mesh);
-	ClassDB::bind_method(D_METHOD("get_buffer", "index"), &Self::get_buffer);
-	ClassDB::bind_method(D_METHOD("get_ids", "index"), &Self::get_ids);
-	ClassDB::bind_method(D_METHOD("get_multimesh", "index"), &Self::get_multimesh);
-	ClassDB::bind_method(D_METHOD("get_digest"), &Self::get_digest);
+	bind_guarded<&Self::is_empty>(D_METHOD("is_empty"));
+	bind_guarded<&Self::get_origin>(D_METHOD("get_origin"));
+	bind_guarded<&Self::get_mesh_count>(D_METHOD("get_mesh_count"));
+	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh", "index"));
+	bind_guarded<&Self::get_buffer>(D_METHOD("get_buffer", "index"));
+	bind_guarded<&Self::get_ids>(D_METHOD("get_ids", "index"));
+	bind_guarded<&Self::get_multimesh>(D_METHOD("get_multimesh", "index"));
+	bind_guarded<&Self::get_digest>(D_METHOD("get_digest"));
 }
 
 } // namespace thicket

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/placement/tile_instances.hpp"
+#include "nodes/common/guard.hpp"
 #include "nodes/scatter/tile_display.hpp"
 
 #include <godot_cpp/classes/mesh.hpp>
@@ -24,6 +25,7 @@ namespace thicket {
 /// there prints an error and gives a default.
 class ScatterTile : public godot::RefCounted {
 	GDCLASS(ScatterTile, godot::RefCounted)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// One that was built. `offset` is where the engine's origin is in the world.

@@ -59,6 +59,10 @@ TerrainScatter3D::~TerrainScatter3D() {
 }
 
 void TerrainScatter3D::_notification(int p_what) {
+	guarded_call("TerrainScatter3D._notification", [this, p_what] { notified(p_what); });
+}
+
+void TerrainScatter3D::notified(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_WORLD: start(); break;
 		case NOTIFICATION_EXIT_WORLD: stop(); break;

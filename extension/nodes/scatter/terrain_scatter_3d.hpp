@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/common/guard.hpp"
 #include "nodes/gameplay/scatter_gameplay.hpp"
 #include "nodes/layer/layer_watch.hpp"
 #include "nodes/layer/scatter_layer.hpp"
@@ -35,6 +36,7 @@ namespace thicket {
 /// Both are shared with whoever calls them, because scripts that run in the middle of a call may free the node.
 class TerrainScatter3D : public godot::Node3D, public RegionHost {
 	GDCLASS(TerrainScatter3D, godot::Node3D)
+	THICKET_GUARDED_METHODS
 
 public:
 	TerrainScatter3D();
@@ -93,7 +95,9 @@ public:
 
 	/// What keeps the node from showing what it should, a sentence each; the editor shows them as warnings.
 	godot::PackedStringArray get_problems() const;
-	godot::PackedStringArray _get_configuration_warnings() const override { return get_problems(); }
+	godot::PackedStringArray _get_configuration_warnings() const override {
+		return guarded_call("TerrainScatter3D._get_configuration_warnings", [this] { return get_problems(); });
+	}
 
 	/// The tiles of a layer that are shown; `p_layer` is a layer reference, see find_layer.
 	godot::TypedArray<godot::Vector2i> get_shown_tiles(const godot::Variant &p_layer) const;
@@ -168,6 +172,7 @@ protected:
 	void _notification(int p_what);
 
 private:
+	void notified(int p_what);
 	/// The node as its ScatterGameplay sees it.
 	class Host final : public GameplayHost {
 	public:

@@ -17,36 +17,36 @@ void TerrainScatter3D::_bind_methods() {
 
 void TerrainScatter3D::bind_streaming() {
 	using Self = TerrainScatter3D;
-	ClassDB::bind_method(D_METHOD("set_seed", "seed"), &Self::set_seed);
-	ClassDB::bind_method(D_METHOD("get_seed"), &Self::get_seed);
-	ClassDB::bind_method(D_METHOD("set_terrain", "terrain"), &Self::set_terrain);
-	ClassDB::bind_method(D_METHOD("get_terrain"), &Self::get_terrain);
-	ClassDB::bind_method(D_METHOD("set_layers", "layers"), &Self::set_layers);
-	ClassDB::bind_method(D_METHOD("get_layers"), &Self::get_layers);
-	ClassDB::bind_method(D_METHOD("set_viewers", "viewers"), &Self::set_viewers);
-	ClassDB::bind_method(D_METHOD("get_viewers"), &Self::get_viewers);
-	ClassDB::bind_method(D_METHOD("set_viewer_distance_scales", "scales"), &Self::set_viewer_distance_scales);
-	ClassDB::bind_method(D_METHOD("get_viewer_distance_scales"), &Self::get_viewer_distance_scales);
-	ClassDB::bind_method(D_METHOD("set_world_offset", "meters"), &Self::set_world_offset);
-	ClassDB::bind_method(D_METHOD("get_world_offset"), &Self::get_world_offset);
-	ClassDB::bind_method(D_METHOD("set_frame_budget_usec", "microseconds"), &Self::set_frame_budget_usec);
-	ClassDB::bind_method(D_METHOD("get_frame_budget_usec"), &Self::get_frame_budget_usec);
-	ClassDB::bind_method(D_METHOD("set_quality", "quality"), &Self::set_quality);
-	ClassDB::bind_method(D_METHOD("get_quality"), &Self::get_quality);
-	ClassDB::bind_method(D_METHOD("set_preview_instances", "count"), &Self::set_preview_instances);
-	ClassDB::bind_method(D_METHOD("get_preview_instances"), &Self::get_preview_instances);
-	ClassDB::bind_method(D_METHOD("_mark_dirty"), &Self::mark_dirty);
-	ClassDB::bind_method(D_METHOD("_mark_ground_dirty"), &Self::mark_ground_dirty);
-	ClassDB::bind_method(D_METHOD("_mark_ground_edited", "rect"), &Self::mark_ground_edited);
-	ClassDB::bind_method(D_METHOD("_mark_area_edited", "rect"), &Self::mark_area_edited);
-	ClassDB::bind_method(D_METHOD("_patch"), &Self::patch_now);
-	ClassDB::bind_method(D_METHOD("regenerate"), &Self::regenerate);
-	ClassDB::bind_method(D_METHOD("is_settled"), &Self::is_settled);
-	ClassDB::bind_method(D_METHOD("get_stats"), &Self::get_stats);
-	ClassDB::bind_method(D_METHOD("get_problems"), &Self::get_problems);
-	ClassDB::bind_method(D_METHOD("get_shown_tiles", "layer"), &Self::get_shown_tiles);
-	ClassDB::bind_method(D_METHOD("get_tile", "layer", "tile"), &Self::get_tile);
-	ClassDB::bind_method(D_METHOD("build_rect", "layer", "rect"), &Self::build_rect);
+	bind_guarded<&Self::set_seed>(D_METHOD("set_seed", "seed"));
+	bind_guarded<&Self::get_seed>(D_METHOD("get_seed"));
+	bind_guarded<&Self::set_terrain>(D_METHOD("set_terrain", "terrain"));
+	bind_guarded<&Self::get_terrain>(D_METHOD("get_terrain"));
+	bind_guarded<&Self::set_layers>(D_METHOD("set_layers", "layers"));
+	bind_guarded<&Self::get_layers>(D_METHOD("get_layers"));
+	bind_guarded<&Self::set_viewers>(D_METHOD("set_viewers", "viewers"));
+	bind_guarded<&Self::get_viewers>(D_METHOD("get_viewers"));
+	bind_guarded<&Self::set_viewer_distance_scales>(D_METHOD("set_viewer_distance_scales", "scales"));
+	bind_guarded<&Self::get_viewer_distance_scales>(D_METHOD("get_viewer_distance_scales"));
+	bind_guarded<&Self::set_world_offset>(D_METHOD("set_world_offset", "meters"));
+	bind_guarded<&Self::get_world_offset>(D_METHOD("get_world_offset"));
+	bind_guarded<&Self::set_frame_budget_usec>(D_METHOD("set_frame_budget_usec", "microseconds"));
+	bind_guarded<&Self::get_frame_budget_usec>(D_METHOD("get_frame_budget_usec"));
+	bind_guarded<&Self::set_quality>(D_METHOD("set_quality", "quality"));
+	bind_guarded<&Self::get_quality>(D_METHOD("get_quality"));
+	bind_guarded<&Self::set_preview_instances>(D_METHOD("set_preview_instances", "count"));
+	bind_guarded<&Self::get_preview_instances>(D_METHOD("get_preview_instances"));
+	bind_guarded<&Self::mark_dirty>(D_METHOD("_mark_dirty"));
+	bind_guarded<&Self::mark_ground_dirty>(D_METHOD("_mark_ground_dirty"));
+	bind_guarded<&Self::mark_ground_edited>(D_METHOD("_mark_ground_edited", "rect"));
+	bind_guarded<&Self::mark_area_edited>(D_METHOD("_mark_area_edited", "rect"));
+	bind_guarded<&Self::patch_now>(D_METHOD("_patch"));
+	bind_guarded<&Self::regenerate>(D_METHOD("regenerate"));
+	bind_guarded<&Self::is_settled>(D_METHOD("is_settled"));
+	bind_guarded<&Self::get_stats>(D_METHOD("get_stats"));
+	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
+	bind_guarded<&Self::get_shown_tiles>(D_METHOD("get_shown_tiles", "layer"));
+	bind_guarded<&Self::get_tile>(D_METHOD("get_tile", "layer", "tile"));
+	bind_guarded<&Self::build_rect>(D_METHOD("build_rect", "layer", "rect"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "terrain", PROPERTY_HINT_RESOURCE_TYPE, "ScatterTerrain"), "set_terrain",
 			"get_terrain");
@@ -71,20 +71,19 @@ void TerrainScatter3D::bind_streaming() {
 
 void TerrainScatter3D::bind_changes() {
 	using Self = TerrainScatter3D;
-	ClassDB::bind_method(D_METHOD("set_state", "state"), &Self::set_state);
-	ClassDB::bind_method(D_METHOD("get_state"), &Self::get_state);
-	ClassDB::bind_method(D_METHOD("set_interaction_group", "group"), &Self::set_interaction_group);
-	ClassDB::bind_method(D_METHOD("get_interaction_group"), &Self::get_interaction_group);
-	ClassDB::bind_method(D_METHOD("remove_instance", "id"), &Self::remove_instance);
-	ClassDB::bind_method(D_METHOD("restore_instance", "id"), &Self::restore_instance);
-	ClassDB::bind_method(D_METHOD("remove_in_sphere", "center", "radius", "layers", "predicate"),
-			&Self::remove_in_sphere, DEFVAL(Array()), DEFVAL(Callable()));
-	ClassDB::bind_method(D_METHOD("add_instance", "layer", "transform", "mesh"), &Self::add_instance, DEFVAL(0));
-	ClassDB::bind_method(D_METHOD("set_instance_data", "id", "data"), &Self::set_instance_data);
-	ClassDB::bind_method(D_METHOD("get_instance_data", "id"), &Self::get_instance_data);
-	ClassDB::bind_method(D_METHOD("get_scene", "id"), &Self::get_scene);
-	ClassDB::bind_method(D_METHOD("take_scene", "id"), &Self::take_scene);
-	ClassDB::bind_method(D_METHOD("_recycle_scenes"), &Self::recycle_scenes);
+	bind_guarded<&Self::set_state>(D_METHOD("set_state", "state"));
+	bind_guarded<&Self::get_state>(D_METHOD("get_state"));
+	bind_guarded<&Self::set_interaction_group>(D_METHOD("set_interaction_group", "group"));
+	bind_guarded<&Self::get_interaction_group>(D_METHOD("get_interaction_group"));
+	bind_guarded<&Self::remove_instance>(D_METHOD("remove_instance", "id"));
+	bind_guarded<&Self::restore_instance>(D_METHOD("restore_instance", "id"));
+	bind_guarded<&Self::remove_in_sphere>(D_METHOD("remove_in_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::add_instance>(D_METHOD("add_instance", "layer", "transform", "mesh"), DEFVAL(0));
+	bind_guarded<&Self::set_instance_data>(D_METHOD("set_instance_data", "id", "data"));
+	bind_guarded<&Self::get_instance_data>(D_METHOD("get_instance_data", "id"));
+	bind_guarded<&Self::get_scene>(D_METHOD("get_scene", "id"));
+	bind_guarded<&Self::take_scene>(D_METHOD("take_scene", "id"));
+	bind_guarded<&Self::recycle_scenes>(D_METHOD("_recycle_scenes"));
 	ADD_GROUP("Gameplay", "");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "state", PROPERTY_HINT_RESOURCE_TYPE, "ScatterState"), "set_state",
 			"get_state");
@@ -94,20 +93,15 @@ void TerrainScatter3D::bind_changes() {
 
 void TerrainScatter3D::bind_queries() {
 	using Self = TerrainScatter3D;
-	ClassDB::bind_method(D_METHOD("query_rect", "rect", "layers", "predicate"), &Self::query_rect, DEFVAL(Array()),
-			DEFVAL(Callable()));
-	ClassDB::bind_method(D_METHOD("query_sphere", "center", "radius", "layers", "predicate"), &Self::query_sphere,
-			DEFVAL(Array()), DEFVAL(Callable()));
-	ClassDB::bind_method(D_METHOD("query_ray", "from", "to", "layers", "predicate"), &Self::query_ray, DEFVAL(Array()),
-			DEFVAL(Callable()));
-	ClassDB::bind_method(D_METHOD("query_nearest", "position", "max_distance", "layers", "predicate"),
-			&Self::query_nearest, DEFVAL(Array()), DEFVAL(Callable()));
-	ClassDB::bind_method(D_METHOD("get_instance", "id"), &Self::get_instance);
-	ClassDB::bind_method(D_METHOD("has_instance", "id"), &Self::has_instance);
-	ClassDB::bind_method(D_METHOD("get_body_instance", "body"), &Self::get_body_instance);
-	ClassDB::bind_method(D_METHOD("request_rect", "rect", "layers"), &Self::request_rect, DEFVAL(Array()));
-	ClassDB::bind_method(
-			D_METHOD("request_sphere", "center", "radius", "layers"), &Self::request_sphere, DEFVAL(Array()));
+	bind_guarded<&Self::query_rect>(D_METHOD("query_rect", "rect", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_sphere>(D_METHOD("query_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_ray>(D_METHOD("query_ray", "from", "to", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_nearest>(D_METHOD("query_nearest", "position", "max_distance", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::get_instance>(D_METHOD("get_instance", "id"));
+	bind_guarded<&Self::has_instance>(D_METHOD("has_instance", "id"));
+	bind_guarded<&Self::get_body_instance>(D_METHOD("get_body_instance", "body"));
+	bind_guarded<&Self::request_rect>(D_METHOD("request_rect", "rect", "layers"), DEFVAL(Array()));
+	bind_guarded<&Self::request_sphere>(D_METHOD("request_sphere", "center", "radius", "layers"), DEFVAL(Array()));
 }
 
 void TerrainScatter3D::bind_signals() {

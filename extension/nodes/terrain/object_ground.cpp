@@ -149,7 +149,7 @@ Status ObjectGround::slope_by_heights(glm::dvec2 position, Ground &r_ground) con
 	const SlopeStencil stencil(position);
 	std::array<float, 4> around{};
 	for (std::size_t i = 0; i < around.size(); ++i) {
-		if (const Status status = height_at(stencil.places()[i], around[i]); !status.ok()) {
+		if (const Status status = height_at(stencil.positions()[i], around[i]); !status.ok()) {
 			return status;
 		}
 	}

@@ -154,7 +154,7 @@ Status ScatterTerrain::difference_normals(std::span<const glm::dvec2> positions,
 	around.reserve(4 * positions.size());
 	for (const glm::dvec2 &position : positions) {
 		const SlopeStencil stencil(position);
-		around.insert(around.end(), stencil.places().begin(), stencil.places().end());
+		around.insert(around.end(), stencil.positions().begin(), stencil.positions().end());
 	}
 	PackedFloat32Array heights;
 	GDVIRTUAL_CALL(_get_heights, packed_vectors(around), heights);
@@ -227,8 +227,8 @@ Vector3 ScatterTerrain::get_normal(const Vector3 &p_global_position) {
 }
 
 void ScatterTerrain::_bind_methods() {
-	ClassDB::bind_method(D_METHOD("get_height", "global_position"), &ScatterTerrain::get_height);
-	ClassDB::bind_method(D_METHOD("get_normal", "global_position"), &ScatterTerrain::get_normal);
+	bind_guarded<&ScatterTerrain::get_height>(D_METHOD("get_height", "global_position"));
+	bind_guarded<&ScatterTerrain::get_normal>(D_METHOD("get_normal", "global_position"));
 	GDVIRTUAL_BIND(_get_heights, "positions");
 	GDVIRTUAL_BIND(_get_normals, "positions");
 	GDVIRTUAL_BIND(_get_weights, "positions", "textures");

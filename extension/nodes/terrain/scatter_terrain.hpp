@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/terrain/terrain.hpp"
+#include "nodes/common/guard.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/classes/ref.hpp>
@@ -24,7 +25,7 @@ namespace thicket {
 
 inline constexpr double height_limit = 1e6; ///< World meters up and down: as far as the settings of a terrain go.
 
-/// A node that uses a ground. What stands in the scene stands in the engine's space, which each node may see at another place of
+/// A node that uses a ground. What stands in the scene stands in the engine's space, which each node may see at another position of
 /// the world.
 struct GroundHost {
 	godot::Node3D *node = nullptr;
@@ -37,6 +38,7 @@ struct GroundHost {
 /// All public methods may run a script, which may do anything, even let go of the terrain: they keep it until they return.
 class ScatterTerrain : public godot::Resource {
 	GDCLASS(ScatterTerrain, godot::Resource)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// An immutable view of the ground as it is now, for the host of this id, safe on any thread for as long as it is held.

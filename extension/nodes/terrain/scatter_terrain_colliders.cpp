@@ -175,14 +175,14 @@ int64_t ScatterTerrainColliders::get_rays_per_frame() const { return rays_per_fr
 
 void ScatterTerrainColliders::_bind_methods() {
 	using Self = ScatterTerrainColliders;
-	ClassDB::bind_method(D_METHOD("set_collision_mask", "mask"), &Self::set_collision_mask);
-	ClassDB::bind_method(D_METHOD("get_collision_mask"), &Self::get_collision_mask);
-	ClassDB::bind_method(D_METHOD("set_ray_top", "height"), &Self::set_ray_top);
-	ClassDB::bind_method(D_METHOD("get_ray_top"), &Self::get_ray_top);
-	ClassDB::bind_method(D_METHOD("set_ray_bottom", "height"), &Self::set_ray_bottom);
-	ClassDB::bind_method(D_METHOD("get_ray_bottom"), &Self::get_ray_bottom);
-	ClassDB::bind_method(D_METHOD("set_rays_per_frame", "rays"), &Self::set_rays_per_frame);
-	ClassDB::bind_method(D_METHOD("get_rays_per_frame"), &Self::get_rays_per_frame);
+	bind_guarded<&Self::set_collision_mask>(D_METHOD("set_collision_mask", "mask"));
+	bind_guarded<&Self::get_collision_mask>(D_METHOD("get_collision_mask"));
+	bind_guarded<&Self::set_ray_top>(D_METHOD("set_ray_top", "height"));
+	bind_guarded<&Self::get_ray_top>(D_METHOD("get_ray_top"));
+	bind_guarded<&Self::set_ray_bottom>(D_METHOD("set_ray_bottom", "height"));
+	bind_guarded<&Self::get_ray_bottom>(D_METHOD("get_ray_bottom"));
+	bind_guarded<&Self::set_rays_per_frame>(D_METHOD("set_rays_per_frame", "rays"));
+	bind_guarded<&Self::get_rays_per_frame>(D_METHOD("get_rays_per_frame"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "collision_mask", PROPERTY_HINT_LAYERS_3D_PHYSICS), "set_collision_mask",
 			"get_collision_mask");
 	ADD_PROPERTY(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/common/guard.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
 namespace thicket {
@@ -7,6 +8,7 @@ namespace thicket {
 /// The colliders of the scene, hit by rays from above. Rays may be cast in physics frames only, so many a frame.
 class ScatterTerrainColliders : public ScatterTerrain {
 	GDCLASS(ScatterTerrainColliders, ScatterTerrain)
+	THICKET_GUARDED_METHODS
 
 public:
 	bool needs_physics_frames() const override { return true; }

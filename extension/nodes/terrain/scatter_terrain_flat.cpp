@@ -25,8 +25,8 @@ void ScatterTerrainFlat::set_height(double p_height) {
 double ScatterTerrainFlat::get_level() const { return height_; }
 
 void ScatterTerrainFlat::_bind_methods() {
-	ClassDB::bind_method(D_METHOD("set_height", "height"), &ScatterTerrainFlat::set_height);
-	ClassDB::bind_method(D_METHOD("get_level"), &ScatterTerrainFlat::get_level);
+	bind_guarded<&ScatterTerrainFlat::set_height>(D_METHOD("set_height", "height"));
+	bind_guarded<&ScatterTerrainFlat::get_level>(D_METHOD("get_level"));
 	ADD_PROPERTY(
 			PropertyInfo(Variant::FLOAT, "height", PROPERTY_HINT_RANGE, "-1000,9000,0.01,or_less,or_greater,suffix:m"),
 			"set_height", "get_level");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/common/guard.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
 namespace thicket {
@@ -7,6 +8,7 @@ namespace thicket {
 /// Level ground without an edge.
 class ScatterTerrainFlat : public ScatterTerrain {
 	GDCLASS(ScatterTerrainFlat, ScatterTerrain)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// World height in meters, finite, +-1e6. Anything else prints an error and is ignored.

@@ -224,23 +224,23 @@ double ScatterTerrainHeightmap::get_max_height() const { return max_height_; }
 
 void ScatterTerrainHeightmap::_bind_methods() {
 	using Self = ScatterTerrainHeightmap;
-	ClassDB::bind_method(D_METHOD("set_heightmap_path", "path"), &Self::set_heightmap_path);
-	ClassDB::bind_method(D_METHOD("get_heightmap_path"), &Self::get_heightmap_path);
-	ClassDB::bind_method(D_METHOD("set_post_count", "count"), &Self::set_post_count);
-	ClassDB::bind_method(D_METHOD("get_post_count"), &Self::get_post_count);
-	ClassDB::bind_method(D_METHOD("set_image", "image"), &Self::set_image);
-	ClassDB::bind_method(D_METHOD("get_image"), &Self::get_image);
-	ClassDB::bind_method(D_METHOD("set_heights_in_meters", "meters"), &Self::set_heights_in_meters);
-	ClassDB::bind_method(D_METHOD("is_heights_in_meters"), &Self::is_heights_in_meters);
-	ClassDB::bind_method(D_METHOD("set_weight_image", "image"), &Self::set_weight_image);
-	ClassDB::bind_method(D_METHOD("get_weight_image"), &Self::get_weight_image);
-	ClassDB::bind_method(D_METHOD("_image_changed"), &Self::image_changed);
-	ClassDB::bind_method(D_METHOD("set_rect", "rect"), &Self::set_rect);
-	ClassDB::bind_method(D_METHOD("get_rect"), &Self::get_rect);
-	ClassDB::bind_method(D_METHOD("set_min_height", "height"), &Self::set_min_height);
-	ClassDB::bind_method(D_METHOD("get_min_height"), &Self::get_min_height);
-	ClassDB::bind_method(D_METHOD("set_max_height", "height"), &Self::set_max_height);
-	ClassDB::bind_method(D_METHOD("get_max_height"), &Self::get_max_height);
+	bind_guarded<&Self::set_heightmap_path>(D_METHOD("set_heightmap_path", "path"));
+	bind_guarded<&Self::get_heightmap_path>(D_METHOD("get_heightmap_path"));
+	bind_guarded<&Self::set_post_count>(D_METHOD("set_post_count", "count"));
+	bind_guarded<&Self::get_post_count>(D_METHOD("get_post_count"));
+	bind_guarded<&Self::set_image>(D_METHOD("set_image", "image"));
+	bind_guarded<&Self::get_image>(D_METHOD("get_image"));
+	bind_guarded<&Self::set_heights_in_meters>(D_METHOD("set_heights_in_meters", "meters"));
+	bind_guarded<&Self::is_heights_in_meters>(D_METHOD("is_heights_in_meters"));
+	bind_guarded<&Self::set_weight_image>(D_METHOD("set_weight_image", "image"));
+	bind_guarded<&Self::get_weight_image>(D_METHOD("get_weight_image"));
+	bind_guarded<&Self::image_changed>(D_METHOD("_image_changed"));
+	bind_guarded<&Self::set_rect>(D_METHOD("set_rect", "rect"));
+	bind_guarded<&Self::get_rect>(D_METHOD("get_rect"));
+	bind_guarded<&Self::set_min_height>(D_METHOD("set_min_height", "height"));
+	bind_guarded<&Self::get_min_height>(D_METHOD("get_min_height"));
+	bind_guarded<&Self::set_max_height>(D_METHOD("set_max_height", "height"));
+	bind_guarded<&Self::get_max_height>(D_METHOD("get_max_height"));
 	ADD_PROPERTY(PropertyInfo(Variant::STRING, "heightmap_path", PROPERTY_HINT_FILE, "*.r8,*.r16,*.r32,*.raw"),
 			"set_heightmap_path", "get_heightmap_path");
 	ADD_PROPERTY(PropertyInfo(Variant::VECTOR2I, "post_count"), "set_post_count", "get_post_count");

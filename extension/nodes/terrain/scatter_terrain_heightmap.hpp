@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/terrain/heightfield.hpp"
+#include "nodes/common/guard.hpp"
 #include "nodes/terrain/image_posts.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
@@ -14,6 +15,7 @@ namespace thicket {
 /// ground stays what it was.
 class ScatterTerrainHeightmap : public ScatterTerrain {
 	GDCLASS(ScatterTerrainHeightmap, ScatterTerrain)
+	THICKET_GUARDED_METHODS
 
 public:
 	bool has_textures() const override { return weight_image_.is_valid(); }

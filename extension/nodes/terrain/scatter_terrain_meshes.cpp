@@ -210,9 +210,9 @@ StringName ScatterTerrainMeshes::get_group() const { return group_; }
 
 void ScatterTerrainMeshes::_bind_methods() {
 	using Self = ScatterTerrainMeshes;
-	ClassDB::bind_method(D_METHOD("set_group", "group"), &Self::set_group);
-	ClassDB::bind_method(D_METHOD("get_group"), &Self::get_group);
-	ClassDB::bind_method(D_METHOD("refresh"), &Self::refresh);
+	bind_guarded<&Self::set_group>(D_METHOD("set_group", "group"));
+	bind_guarded<&Self::get_group>(D_METHOD("get_group"));
+	bind_guarded<&Self::refresh>(D_METHOD("refresh"));
 	ADD_PROPERTY(PropertyInfo(Variant::STRING_NAME, "group"), "set_group", "get_group");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/terrain/triangle_terrain.hpp"
+#include "nodes/common/guard.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
 #include <godot_cpp/classes/mesh_instance3d.hpp>
@@ -18,6 +19,7 @@ namespace thicket {
 /// needed, and again by `refresh`.
 class ScatterTerrainMeshes : public ScatterTerrain {
 	GDCLASS(ScatterTerrainMeshes, ScatterTerrain)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// What tells whether an instance still gives the same ground.

@@ -46,7 +46,7 @@ private:
 		}
 		std::array<float, 4> around{};
 		for (std::size_t i = 0; i < around.size(); ++i) {
-			around[i] = static_cast<float>(rise_at(stencil.places()[i]));
+			around[i] = static_cast<float>(rise_at(stencil.positions()[i]));
 		}
 		const double rise = rise_at(stencil.center());
 		return {static_cast<float>(base_ + rise), stencil.normal(static_cast<float>(rise), around)};
@@ -106,13 +106,13 @@ double ScatterTerrainNoise::get_base_height() const { return base_height_; }
 
 void ScatterTerrainNoise::_bind_methods() {
 	using Self = ScatterTerrainNoise;
-	ClassDB::bind_method(D_METHOD("set_noise", "noise"), &Self::set_noise);
-	ClassDB::bind_method(D_METHOD("get_noise"), &Self::get_noise);
-	ClassDB::bind_method(D_METHOD("set_amplitude", "amplitude"), &Self::set_amplitude);
-	ClassDB::bind_method(D_METHOD("get_amplitude"), &Self::get_amplitude);
-	ClassDB::bind_method(D_METHOD("set_base_height", "height"), &Self::set_base_height);
-	ClassDB::bind_method(D_METHOD("get_base_height"), &Self::get_base_height);
-	ClassDB::bind_method(D_METHOD("_change"), &Self::change);
+	bind_guarded<&Self::set_noise>(D_METHOD("set_noise", "noise"));
+	bind_guarded<&Self::get_noise>(D_METHOD("get_noise"));
+	bind_guarded<&Self::set_amplitude>(D_METHOD("set_amplitude", "amplitude"));
+	bind_guarded<&Self::get_amplitude>(D_METHOD("get_amplitude"));
+	bind_guarded<&Self::set_base_height>(D_METHOD("set_base_height", "height"));
+	bind_guarded<&Self::get_base_height>(D_METHOD("get_base_height"));
+	bind_guarded<&Self::change>(D_METHOD("_change"));
 	ADD_PROPERTY(
 			PropertyInfo(Variant::OBJECT, "noise", PROPERTY_HINT_RESOURCE_TYPE, "Noise"), "set_noise", "get_noise");
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "amplitude", PROPERTY_HINT_RANGE, "0,500,0.01,or_greater,suffix:m"),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/common/guard.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
 #include <godot_cpp/classes/noise.hpp>
@@ -10,6 +11,7 @@ namespace thicket {
 /// time.
 class ScatterTerrainNoise : public ScatterTerrain {
 	GDCLASS(ScatterTerrainNoise, ScatterTerrain)
+	THICKET_GUARDED_METHODS
 
 public:
 	/// Where the heights come from; its own fractal settings give the octaves. Null: no ground.

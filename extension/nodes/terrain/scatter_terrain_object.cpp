@@ -228,15 +228,15 @@ bool ScatterTerrainObject::is_thread_safe() const { return thread_safe_; }
 
 void ScatterTerrainObject::_bind_methods() {
 	using Self = ScatterTerrainObject;
-	ClassDB::bind_method(D_METHOD("set_node", "node"), &Self::set_node);
-	ClassDB::bind_method(D_METHOD("get_node"), &Self::get_node);
-	ClassDB::bind_method(D_METHOD("set_thread_safe", "thread_safe"), &Self::set_thread_safe);
-	ClassDB::bind_method(D_METHOD("is_thread_safe"), &Self::is_thread_safe);
-	ClassDB::bind_method(D_METHOD("_change"), &Self::change);
-	ClassDB::bind_method(D_METHOD("_node_gone"), &Self::node_gone);
-	ClassDB::bind_method(D_METHOD("_node_moved", "transform"), &Self::node_moved);
-	ClassDB::bind_method(D_METHOD("_area_edited", "area"), &Self::area_edited);
-	ClassDB::bind_method(D_METHOD("_map_edited", "x", "z", "width", "depth", "channel"), &Self::map_edited);
+	bind_guarded<&Self::set_node>(D_METHOD("set_node", "node"));
+	bind_guarded<&Self::get_node>(D_METHOD("get_node"));
+	bind_guarded<&Self::set_thread_safe>(D_METHOD("set_thread_safe", "thread_safe"));
+	bind_guarded<&Self::is_thread_safe>(D_METHOD("is_thread_safe"));
+	bind_guarded<&Self::change>(D_METHOD("_change"));
+	bind_guarded<&Self::node_gone>(D_METHOD("_node_gone"));
+	bind_guarded<&Self::node_moved>(D_METHOD("_node_moved", "transform"));
+	bind_guarded<&Self::area_edited>(D_METHOD("_area_edited", "area"));
+	bind_guarded<&Self::map_edited>(D_METHOD("_map_edited", "x", "z", "width", "depth", "channel"));
 	ADD_PROPERTY(PropertyInfo(Variant::NODE_PATH, "node", PROPERTY_HINT_NODE_PATH_VALID_TYPES, "Node"), "set_node",
 			"get_node");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "thread_safe"), "set_thread_safe", "is_thread_safe");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/common/guard.hpp"
 #include "nodes/terrain/object_ground.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
@@ -18,6 +19,7 @@ namespace thicket {
 /// ObjectGround for the methods. While the node is away or gives no ground, one error says so, and what stands stays.
 class ScatterTerrainObject : public ScatterTerrain {
 	GDCLASS(ScatterTerrainObject, ScatterTerrain)
+	THICKET_GUARDED_METHODS
 
 public:
 	bool has_textures() const override { return ground_ != nullptr && ground_->has_textures(); }
