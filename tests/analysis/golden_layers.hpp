@@ -74,7 +74,8 @@ inline LayerSettings undergrowth(glm::dvec2 corner) {
 	layer.placement.offset_along_normal = 0.1;
 	layer.placement.scale_curve = curve_table(0.0, 1.0, {0.0f, 0.2f, 1.0f});
 	layer.instance_data.use_colors = true;
-	layer.instance_data.colors = std::make_shared<ColorTable>(ColorTable{{0.1f, 0.6f, 0.2f, 1.0f}, {0.7f, 0.6f, 0.1f, 1.0f}});
+	layer.instance_data.colors =
+			std::make_shared<ColorTable>(ColorTable{{0.1f, 0.6f, 0.2f, 1.0f}, {0.7f, 0.6f, 0.1f, 1.0f}});
 	layer.instance_data.use_custom_data = true;
 	return layer;
 }

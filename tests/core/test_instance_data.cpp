@@ -204,7 +204,8 @@ TEST_CASE("instance data: transform, color and custom data stand in the engine's
 	write_instance_data({}, seed, 77, 0, 1.0f, {});
 }
 
-TEST_CASE("instance data: variation, wind phase and color are uniform and have nothing to do with each other or the mesh") {
+TEST_CASE("instance data: variation, wind phase and color are uniform and have nothing to do with each other or the "
+          "mesh") {
 	constexpr std::size_t tries = 20000;
 	const InstanceData data{true, palette(1000), true};
 	MeshChoice meshes;
@@ -288,7 +289,8 @@ TEST_CASE("instance data: leaning, colored instances are the same bits on every 
 		const glm::vec3 normal(static_cast<float>(id % 17) * 0.0625f, 1.0f, static_cast<float>(id % 5) * -0.25f);
 		const float scale = write_transform(
 				placement, seed, id, normal, glm::vec3(1.5f, 20.0f, -3.25f), floats.first<transform_floats>());
-		write_instance_data(data, seed, id, static_cast<std::uint32_t>(id * 4294967u), scale, floats.subspan(transform_floats));
+		write_instance_data(
+				data, seed, id, static_cast<std::uint32_t>(id * 4294967u), scale, floats.subspan(transform_floats));
 	}
 	CHECK(digest(buffer) == 17214978555663897693u);
 }

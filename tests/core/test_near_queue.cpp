@@ -61,8 +61,8 @@ struct FlatWorld {
 	std::set<std::uint64_t> within(glm::dvec3 center, double radius) const {
 		std::vector<PlacedInstance> found;
 		CHECK(world.ask_known([&](const InstanceQuery &query) {
-			return query.in_sphere(center, radius, {}, found);
-		}).ok());
+					   return query.in_sphere(center, radius, {}, found);
+				   }).ok());
 		std::set<std::uint64_t> ids;
 		for (const PlacedInstance &instance : found) {
 			ids.insert(instance.id);
@@ -229,8 +229,9 @@ TEST_CASE("instance world: a tile that was made while the layers changed is not 
 	const auto ask = [&flat] {
 		std::vector<PlacedInstance> found;
 		CHECK(flat.world.ask([&](const InstanceQuery &query) {
-			return query.in_rect({{4.0, 4.0}, {8.0, 8.0}}, {}, found);
-		}).ok());
+							return query.in_rect({{4.0, 4.0}, {8.0, 8.0}}, {}, found);
+						})
+						.ok());
 		CHECK(found.size() > 1);
 	};
 	ask();

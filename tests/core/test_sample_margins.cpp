@@ -54,8 +54,9 @@ TEST_CASE("sample margins: the sampler refuses what the widest one does not deci
 		CHECK(points.empty());
 		const std::string text = describe(status);
 		CAPTURE(text);
-		CHECK(text.starts_with("rect needs a wider margin of cells than is allowed, got 0 (seed 18446744073709551615, radius "
-							   "2.5, position ("));
+		CHECK(text.starts_with(
+				"rect needs a wider margin of cells than is allowed, got 0 (seed 18446744073709551615, radius "
+				"2.5, position ("));
 		CHECK(text.ends_with("))"));
 	}
 	// Only part of a large block may be undecided; what can be decided without a margin is not refused.
@@ -97,7 +98,8 @@ TEST_CASE("sample margins: queries hand on that a tile could not be sampled") {
 	check_too_wide(query.nearest({30.0, 0.0, 30.0}, 20.0, {.layers = {0}, .accepts = {}}, nearest), trees, glade);
 	CHECK(nearest.empty());
 	std::vector<RayHit> hit(3);
-	check_too_wide(query.on_ray({30.0, 50.0, 30.0}, {31.0, -50.0, 31.0}, {.layers = {0}, .accepts = {}}, hit), trees, glade);
+	check_too_wide(
+			query.on_ray({30.0, 50.0, 30.0}, {31.0, -50.0, 31.0}, {.layers = {0}, .accepts = {}}, hit), trees, glade);
 	CHECK(hit.empty());
 	// The tiles of the stones are smaller than the cells of their set: the set itself is asked, and not the source.
 	const PointSet &stones = asked[2].set;

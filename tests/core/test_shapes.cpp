@@ -333,53 +333,29 @@ TEST_CASE("shapes: a refused shape names what is wrong, and the set stays as it 
 		CHECK(set == before);
 		CHECK(density_of(set, {1.5, 0.0, 0.0}) == 0.0);
 	};
-	refuse(
-			good_box, [](Shape &s) { s.falloff = -0.5; }, ErrorCode::out_of_range, "falloff", -0.5);
-	refuse(
-			good_box, [](Shape &s) { s.falloff = nan_value; }, ErrorCode::not_finite, "falloff", nan_value);
-	refuse(
-			good_box, [](Shape &s) { s.falloff = 2e9; }, ErrorCode::out_of_range, "falloff", 2e9);
-	refuse(
-			good_box, [](Shape &s) { s.center.y = infinite_value; }, ErrorCode::not_finite, "center", infinite_value);
-	refuse(
-			good_box, [](Shape &s) { s.center.z = -2e9; }, ErrorCode::out_of_range, "center", -2e9);
-	refuse(
-			good_box, [](Shape &s) { s.half_size.z = 0.0; }, ErrorCode::not_positive, "half_size", 0.0);
-	refuse(
-			good_box, [](Shape &s) { s.half_size.x = -1.0; }, ErrorCode::not_positive, "half_size", -1.0);
-	refuse(
-			good_box, [](Shape &s) { s.half_size.y = 2e9; }, ErrorCode::out_of_range, "half_size", 2e9);
-	refuse(
-			good_box, [](Shape &s) { s.axes[1].y = 1.5; }, ErrorCode::out_of_range, "axes", 2.25);
-	refuse(
-			good_box,
-			[](Shape &s) {
-				s.axes[0] = {0.0, 1.0, 0.0};
-			},
-			ErrorCode::out_of_range, "axes", 1.0);
-	refuse(
-			good_box, [](Shape &s) { s.axes[2].x = nan_value; }, ErrorCode::not_finite, "axes", nan_value);
-	refuse(
-			good_cylinder, [](Shape &s) { s.half_size.x = 0.0; }, ErrorCode::not_positive, "radius", 0.0);
-	refuse(
-			good_cylinder, [](Shape &s) { s.half_size.y = -3.0; }, ErrorCode::not_positive, "half_height", -3.0);
+	refuse(good_box, [](Shape &s) { s.falloff = -0.5; }, ErrorCode::out_of_range, "falloff", -0.5);
+	refuse(good_box, [](Shape &s) { s.falloff = nan_value; }, ErrorCode::not_finite, "falloff", nan_value);
+	refuse(good_box, [](Shape &s) { s.falloff = 2e9; }, ErrorCode::out_of_range, "falloff", 2e9);
+	refuse(good_box, [](Shape &s) { s.center.y = infinite_value; }, ErrorCode::not_finite, "center", infinite_value);
+	refuse(good_box, [](Shape &s) { s.center.z = -2e9; }, ErrorCode::out_of_range, "center", -2e9);
+	refuse(good_box, [](Shape &s) { s.half_size.z = 0.0; }, ErrorCode::not_positive, "half_size", 0.0);
+	refuse(good_box, [](Shape &s) { s.half_size.x = -1.0; }, ErrorCode::not_positive, "half_size", -1.0);
+	refuse(good_box, [](Shape &s) { s.half_size.y = 2e9; }, ErrorCode::out_of_range, "half_size", 2e9);
+	refuse(good_box, [](Shape &s) { s.axes[1].y = 1.5; }, ErrorCode::out_of_range, "axes", 2.25);
+	refuse(good_box, [](Shape &s) { s.axes[0] = {0.0, 1.0, 0.0}; }, ErrorCode::out_of_range, "axes", 1.0);
+	refuse(good_box, [](Shape &s) { s.axes[2].x = nan_value; }, ErrorCode::not_finite, "axes", nan_value);
+	refuse(good_cylinder, [](Shape &s) { s.half_size.x = 0.0; }, ErrorCode::not_positive, "radius", 0.0);
+	refuse(good_cylinder, [](Shape &s) { s.half_size.y = -3.0; }, ErrorCode::not_positive, "half_height", -3.0);
 	refuse(
 			good_cylinder, [](Shape &s) { s.kind = ShapeKind::sphere, s.half_size.x = -1.0; }, ErrorCode::not_positive,
 			"radius", -1.0);
-	refuse(
-			good_path, [](Shape &s) { s.half_size.x = 0.0; }, ErrorCode::not_positive, "half_width", 0.0);
-	refuse(
-			good_path, [](Shape &s) { s.outline.pop_back(); }, ErrorCode::wrong_size, "outline", 1.0);
-	refuse(
-			good_polygon, [](Shape &s) { s.outline.pop_back(); }, ErrorCode::wrong_size, "outline", 2.0);
-	refuse(
-			good_polygon, [](Shape &s) { s.outline.resize(65537); }, ErrorCode::wrong_size, "outline", 65537.0);
-	refuse(
-			good_polygon, [](Shape &s) { s.outline[1].y = nan_value; }, ErrorCode::not_finite, "outline", nan_value);
-	refuse(
-			good_polygon, [](Shape &s) { s.outline[2].x = -2e9; }, ErrorCode::out_of_range, "outline", -2e9);
-	refuse(
-			good_box, [](Shape &s) { s.kind = static_cast<ShapeKind>(9); }, ErrorCode::out_of_range, "kind", 9.0);
+	refuse(good_path, [](Shape &s) { s.half_size.x = 0.0; }, ErrorCode::not_positive, "half_width", 0.0);
+	refuse(good_path, [](Shape &s) { s.outline.pop_back(); }, ErrorCode::wrong_size, "outline", 1.0);
+	refuse(good_polygon, [](Shape &s) { s.outline.pop_back(); }, ErrorCode::wrong_size, "outline", 2.0);
+	refuse(good_polygon, [](Shape &s) { s.outline.resize(65537); }, ErrorCode::wrong_size, "outline", 65537.0);
+	refuse(good_polygon, [](Shape &s) { s.outline[1].y = nan_value; }, ErrorCode::not_finite, "outline", nan_value);
+	refuse(good_polygon, [](Shape &s) { s.outline[2].x = -2e9; }, ErrorCode::out_of_range, "outline", -2e9);
+	refuse(good_box, [](Shape &s) { s.kind = static_cast<ShapeKind>(9); }, ErrorCode::out_of_range, "kind", 9.0);
 
 	// What a kind does not use is not looked at; axes from floats are near enough.
 	Shape sphere = good_box;

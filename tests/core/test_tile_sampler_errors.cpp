@@ -173,7 +173,8 @@ TEST_CASE("sampler: seed and layer name other sets") {
 TEST_CASE_FIXTURE(Fixture, "sampler: a raised flag cancels, and the sampler works on") {
 	std::atomic<bool> cancel{true};
 	const auto start = std::chrono::steady_clock::now();
-	const Status status = sampler.sample(PointSet{.seed = 2}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points, {.cancel = &cancel, .report = {}});
+	const Status status = sampler.sample(
+			PointSet{.seed = 2}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points, {.cancel = &cancel, .report = {}});
 	CHECK(status.code == ErrorCode::cancelled);
 	CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(2));
 	REQUIRE(sampler.sample(PointSet{.seed = 1}, small_rect, points).ok());
@@ -189,8 +190,8 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised in mid-work cancels soon") {
 		Status status;
 		std::thread worker([&] {
 			// Half a minute of work or more.
-			status = sampler.sample(
-					PointSet{.seed = 3, .levels = levels}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points, {.cancel = &cancel, .report = {}});
+			status = sampler.sample(PointSet{.seed = 3, .levels = levels}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points,
+					{.cancel = &cancel, .report = {}});
 		});
 		std::this_thread::sleep_for(std::chrono::milliseconds(100));
 		const auto start = std::chrono::steady_clock::now();
@@ -222,7 +223,8 @@ TEST_CASE_FIXTURE(Fixture, "sampler: says how far it is, and may be cancelled th
 		CHECK_FALSE(cancel);
 		cancel = fraction > 0.5;
 	};
-	CHECK(sampler.sample(PointSet{.seed = 1}, wide, points, {.cancel = &cancel, .report = stop}).code == ErrorCode::cancelled);
+	CHECK(sampler.sample(PointSet{.seed = 1}, wide, points, {.cancel = &cancel, .report = stop}).code ==
+			ErrorCode::cancelled);
 }
 
 TEST_CASE("sampler: once warm it allocates nothing") {

@@ -38,8 +38,8 @@ double cosine_small(double x) {
 
 /// The arc tangent in radians for |x| <= tan(pi / 8). The first term left out, x^21 / 21, is below 5e-10 there.
 double arc_tangent_small(double x) {
-	constexpr std::array coefficients{1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0, 1.0 / 11.0, 1.0 / 13.0, 1.0 / 15.0,
-			1.0 / 17.0, 1.0 / 19.0};
+	constexpr std::array coefficients{
+			1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0, 1.0 / 11.0, 1.0 / 13.0, 1.0 / 15.0, 1.0 / 17.0, 1.0 / 19.0};
 	const double square = x * x;
 	return x - x * square * alternating_series(square, coefficients);
 }

@@ -127,8 +127,8 @@ bool NearQueue::next_changed(PlacedInstance &r_instance) {
 		layer.near.hold(r_instance);
 		layer.away.erase(layer.away.begin() + (held - changes.enter.begin()));
 		changes.enter.erase(held);
-		const auto leaves = std::find(changes.leave.begin() + static_cast<std::ptrdiff_t>(layer.left),
-				changes.leave.end(), r_instance.id);
+		const auto leaves = std::find(
+				changes.leave.begin() + static_cast<std::ptrdiff_t>(layer.left), changes.leave.end(), r_instance.id);
 		if (leaves != changes.leave.end()) {
 			changes.gone -= leaves - changes.leave.begin() < static_cast<std::ptrdiff_t>(changes.gone) ? 1 : 0;
 			changes.leave.erase(leaves);
@@ -161,7 +161,8 @@ bool NearQueue::next_entering(PlacedInstance &r_instance) {
 bool NearQueue::settled() const {
 	return std::none_of(layers_.begin(), layers_.end(), [this](const Layer &layer) {
 		const bool outdated = world_ == nullptr || layer.version != world_->version();
-		return layer.wanted() && (layer.stale || layer.again || outdated || layer.any_leaving() || layer.any_entering());
+		return layer.wanted() &&
+				(layer.stale || layer.again || outdated || layer.any_leaving() || layer.any_entering());
 	});
 }
 

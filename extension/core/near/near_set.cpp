@@ -25,7 +25,8 @@ double distance_squared(std::span<const glm::dvec3> centers, glm::dvec3 position
 
 bool NearSet::Held::stands_as(const PlacedInstance &instance) const {
 	const glm::dvec3 moved = instance.position - position;
-	if (layer != instance.layer || mesh != instance.mesh || !(glm::dot(moved, moved) <= same_position * same_position)) {
+	if (layer != instance.layer || mesh != instance.mesh ||
+			!(glm::dot(moved, moved) <= same_position * same_position)) {
 		return false;
 	}
 	for (int column = 0; column < 3; ++column) {

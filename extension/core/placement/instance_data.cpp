@@ -38,8 +38,8 @@ Status validate(const InstanceData &data) {
 	return status;
 }
 
-void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank, float scale,
-		std::span<float> r_floats) {
+void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank,
+		float scale, std::span<float> r_floats) {
 	if (!data.use_colors && !data.use_custom_data) {
 		return;
 	}

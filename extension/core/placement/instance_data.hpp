@@ -46,8 +46,8 @@ constexpr std::size_t floats_per_instance(const InstanceData &data) {
 
 /// Writes what follows the transform, `floats_per_instance(data) - transform_floats` floats. `rank` is the thinning rank
 /// of 32 bits. `data` must be valid.
-void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank, float scale,
-		std::span<float> r_floats);
+void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank,
+		float scale, std::span<float> r_floats);
 
 /// The half float nearest to `value`, ties to even, as a float. |value| is at most max_color.
 float rounded_to_half(float value);

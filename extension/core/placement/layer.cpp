@@ -11,8 +11,8 @@ namespace thicket {
 namespace {
 
 Status validate_alone(const LayerSettings &layer) {
-	return first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement), validate(layer.instance_data),
-			validate_mesh_weights(layer.mesh_weights));
+	return first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement),
+			validate(layer.instance_data), validate_mesh_weights(layer.mesh_weights));
 }
 
 } // namespace

@@ -31,7 +31,7 @@ struct Neighbor {
 inline constexpr double max_neighbor_distance = 1e3;
 inline constexpr std::size_t max_neighbors = 16;      ///< Of one layer.
 inline constexpr std::size_t max_neighbor_depth = 16; ///< Layers in a row.
-inline constexpr std::size_t max_graph_layers = 64;    ///< That a layer depends on, itself included.
+inline constexpr std::size_t max_graph_layers = 64;   ///< That a layer depends on, itself included.
 
 /// All that makes a layer: one species or family.
 struct LayerSettings {

@@ -26,7 +26,8 @@ void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *c
 
 Status LayerFilter::sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel) {
 	window_ = window;
-	if (const Status status = sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}); !status.ok()) {
+	if (const Status status = sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}});
+			!status.ok()) {
 		return status;
 	}
 	sampled_ = points_.size();

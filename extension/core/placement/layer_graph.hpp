@@ -20,8 +20,9 @@ public:
 		/// Meters around a rectangle of the layer itself in which this one has to be known: the largest sum of distances on a
 		/// path to it.
 		double margin = 0.0;
-		double asked_from = 0.0; ///< Meters: the largest distance from which a layer looks at this one; 0 for the layer itself.
-		std::size_t depth = 0;   ///< The most steps on a path to it.
+		double asked_from =
+				0.0; ///< Meters: the largest distance from which a layer looks at this one; 0 for the layer itself.
+		std::size_t depth = 0; ///< The most steps on a path to it.
 	};
 
 	explicit LayerGraph(const LayerSettings &layer);

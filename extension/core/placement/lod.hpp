@@ -9,7 +9,7 @@
 namespace thicket {
 
 inline constexpr std::size_t max_lods = 15;           ///< Meshes for the distance, the one for near by not counted.
-inline constexpr double max_lod_distance = 1e6;    ///< Meters.
+inline constexpr double max_lod_distance = 1e6;       ///< Meters.
 inline constexpr double max_scale_compensation = 4.0; ///< What is left makes up for 15 in 16 that are gone, at most.
 
 /// How a layer's tiles are drawn with distance. Distances are meters from a viewer to the tile's box, 0 inside it.

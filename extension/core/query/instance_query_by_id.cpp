@@ -21,8 +21,7 @@ constexpr double most_tiles = 4.0;
 
 /// The tile in which the point of a cell lies, of a layer whose tiles are smaller than its cells; none if the cell
 /// holds none.
-Status find_tile_of_point(
-		const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
+Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	const Rect square = cell_rect(layer.set, id);
 	const double edge = set_extent(layer.set);
 	TileSampler sampler(margins);

@@ -14,8 +14,8 @@ Status QueryRequests::tiles_of(
 	return query.tiles_in_sphere(sphere.center, sphere.radius, open.filter, r_tiles);
 }
 
-Status QueryRequests::add(const InstanceWorld &world, const std::variant<Rect, Sphere> &area,
-		const QueryFilter &filter, std::int64_t &r_request) {
+Status QueryRequests::add(const InstanceWorld &world, const std::variant<Rect, Sphere> &area, const QueryFilter &filter,
+		std::int64_t &r_request) {
 	Open open{last_ + 1, area, filter, {}};
 	std::vector<InstanceQuery::Tile> tiles;
 	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, open, tiles); });

@@ -69,7 +69,8 @@ Status validate(const QueryLayer &layer);
 
 /// The wanted layers that a filter names, ascending, once each. Refuses one that is not there, and a wanted one that is
 /// not valid.
-Status find_layers(std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_indices);
+Status find_layers(
+		std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_indices);
 
 /// Meters; nothing is asked beyond.
 inline constexpr double max_query_coordinate = 1e15;

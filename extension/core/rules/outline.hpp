@@ -36,7 +36,7 @@ private:
 	std::size_t edges() const { return points_.size() - 1; }
 
 	std::vector<glm::dvec2> points_; ///< Of a closed one, the first once more at the end.
-	Bvh edge_tree_;              ///< Over the edges.
+	Bvh edge_tree_;                  ///< Over the edges.
 	std::vector<Box> boxes_;         ///< By its slots.
 };
 

@@ -86,8 +86,7 @@ struct TileSampler::Workspace {
 	BlockSampler blocks;
 	SampleStats stats;
 
-	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-			const Progress &progress);
+	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress);
 	void collect(const PointSet &set, const Rect &rect, const CellRect &block, std::vector<SamplePoint> &r_points);
 	void count();
 	Status too_wide(const PointSet &set) const;
@@ -134,8 +133,8 @@ Status TileSampler::Workspace::too_wide(const PointSet &set) const {
 }
 
 /// Of valid arguments. Throws std::bad_alloc.
-Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const Progress &progress) {
+Status TileSampler::Workspace::sample(
+		const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress) {
 	// One piece of memory for all that will come: to grow in the middle of a large call would hold up a cancel.
 	r_points.reserve(static_cast<std::size_t>(enough_points(set, rect)));
 	r_points.clear();
@@ -177,8 +176,8 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
-Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const Progress &progress) {
+Status TileSampler::sample(
+		const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);

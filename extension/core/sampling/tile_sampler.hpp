@@ -48,8 +48,8 @@ public:
 	/// a millisecond. After ErrorCode::margin_too_wide (the widest margin does not decide a point, and the status names seed,
 	/// radius and position) and after ErrorCode::out_of_memory (it names the bytes that the points of `rect` take) `r_points`
 	/// is empty. O(points) time; bounded memory, whatever the rectangle.
-	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-			const Progress &progress = {});
+	Status sample(
+			const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress = {});
 
 	const SampleStats &stats() const;
 

@@ -39,8 +39,7 @@ StateRecord::Entry InstanceState::Content::entry(std::uint64_t id) const {
 	return entry;
 }
 
-StateChange InstanceState::Content::change_one(
-		std::uint64_t id, const Entry &to, const char *asked_for, double value) {
+StateChange InstanceState::Content::change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value) {
 	std::vector<InstanceChange> changes;
 	const Status status =
 			guarded(asked_for, value, [&] { change_all([&](const auto &use) { use(id, to); }, changes); });

@@ -121,10 +121,9 @@ private:
 	// From here on all memory is there.
 	void change(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept;
 	void change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
-	void change_added(
-			std::uint64_t id, const AddedInstance *to, Room &r_room, std::vector<InstanceChange> &r_changes);
-	void change_data(std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room,
-			std::vector<InstanceChange> &r_changes);
+	void change_added(std::uint64_t id, const AddedInstance *to, Room &r_room, std::vector<InstanceChange> &r_changes);
+	void change_data(
+			std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room, std::vector<InstanceChange> &r_changes);
 	void place(std::uint64_t id, Room &r_room);
 	std::size_t count_due(double until, std::size_t at = 0) const;
 	AddedInstance take_away(std::uint64_t id);

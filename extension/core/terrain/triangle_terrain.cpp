@@ -46,7 +46,8 @@ void arrange(std::span<Key> keys, std::size_t half_runs) {
 	const int axis = max.x - min.x >= max.y - min.y ? 0 : 1;
 	std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(half), keys.end(),
 			[axis](const Key &a, const Key &b) {
-				return a.position[axis] < b.position[axis] || (a.position[axis] == b.position[axis] && a.triangle < b.triangle);
+				return a.position[axis] < b.position[axis] ||
+						(a.position[axis] == b.position[axis] && a.triangle < b.triangle);
 			});
 	arrange(keys.first(half), half_runs / 2);
 	arrange(keys.subspan(half), half_runs / 2);

@@ -104,9 +104,7 @@ void ScatterGameplay::work_until(std::chrono::steady_clock::time_point deadline)
 	tell_backlog(deadline);
 }
 
-void ScatterGameplay::recycle_scenes() {
-	scenes_.recycle();
-}
+void ScatterGameplay::recycle_scenes() { scenes_.recycle(); }
 
 SceneHost ScatterGameplay::scene_host() {
 	SceneHost host;

@@ -85,8 +85,7 @@ public:
 
 	/// Nothing stands any more: bodies and scenes go, tiles are forgotten, requests complete without an answer.
 	void clear();
-	void set_layers(
-			const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker);
+	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker);
 	void set_world_offset(glm::dvec3 offset);
 	glm::dvec3 world_offset() const { return offset_; }
 	InstanceWorld &world() { return world_; }

@@ -45,8 +45,8 @@ bool ScatterGameplay::ask(const char *p_method, const Query &query) {
 	return status.ok();
 }
 
-bool ScatterGameplay::find_filter(const char *p_method, const Variant &p_layers, const Callable &p_predicate,
-		QueryFilter &r_filter) const {
+bool ScatterGameplay::find_filter(
+		const char *p_method, const Variant &p_layers, const Callable &p_predicate, QueryFilter &r_filter) const {
 	if (!alive()) {
 		return false;
 	}
@@ -141,8 +141,7 @@ std::vector<PlacedInstance> ScatterGameplay::find_by_id(const char *p_method, in
 Ref<ScatterInstance> ScatterGameplay::get_instance(int64_t p_id) {
 	const glm::dvec3 offset = offset_;
 	const std::vector<PlacedInstance> found = find_by_id("get_instance", p_id, false);
-	return found.empty() ? Ref<ScatterInstance>()
-						 : ScatterInstance::of(found.front(), offset, get_instance_data(p_id));
+	return found.empty() ? Ref<ScatterInstance>() : ScatterInstance::of(found.front(), offset, get_instance_data(p_id));
 }
 
 bool ScatterGameplay::has_instance(int64_t p_id) { return !find_by_id("has_instance", p_id, false).empty(); }

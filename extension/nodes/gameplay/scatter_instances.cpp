@@ -83,8 +83,8 @@ PackedInt64Array ScatterInstances::get_ids() const {
 }
 
 PackedInt32Array ScatterInstances::get_layers() const {
-	return cached(layers_, found_,
-			[](const PlacedInstance &instance) { return static_cast<std::int32_t>(instance.layer); });
+	return cached(
+			layers_, found_, [](const PlacedInstance &instance) { return static_cast<std::int32_t>(instance.layer); });
 }
 
 PackedInt32Array ScatterInstances::get_meshes() const {
@@ -173,7 +173,8 @@ void ScatterInstance::_bind_methods() {
 	bind_value(owner, PropertyInfo(Variant::INT, "mesh"), "get_mesh");
 	bind_value(owner, PropertyInfo(Variant::TRANSFORM3D, "transform"), "get_transform");
 	bind_value(owner, PropertyInfo(Variant::VECTOR3, "position"), "get_position");
-	bind_value(owner, PropertyInfo(Variant::NIL, "data", PROPERTY_HINT_NONE, "", PROPERTY_USAGE_NIL_IS_VARIANT), "get_data");
+	bind_value(owner, PropertyInfo(Variant::NIL, "data", PROPERTY_HINT_NONE, "", PROPERTY_USAGE_NIL_IS_VARIANT),
+			"get_data");
 	bind_value(owner, PropertyInfo(Variant::BOOL, "added"), "is_added");
 	bind_value(owner, PropertyInfo(Variant::FLOAT, "distance"), "get_distance");
 }

@@ -8,8 +8,9 @@
 namespace thicket {
 
 SceneLayer scenes_of(const LayerSnapshot *layer) {
-	return layer == nullptr ? SceneLayer{} : SceneLayer{layer->gameplay.scene.scene, layer->gameplay.scene.distance,
-													   godot::String::utf8(layer->links.name.c_str())};
+	return layer == nullptr ? SceneLayer{}
+							: SceneLayer{layer->gameplay.scene.scene, layer->gameplay.scene.distance,
+									  godot::String::utf8(layer->links.name.c_str())};
 }
 
 SceneRing::SceneRing(SceneHost host) : host_(std::move(host)) {}

@@ -129,7 +129,8 @@ private:
 	SceneHost host_;
 	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0');
 	std::shared_ptr<ScenePool> pool_ = std::make_shared<ScenePool>();
-	std::vector<Layer> layers_; ///< What the queue holds without an entry in shown_ is to have no scene until it was out of range.
+	std::vector<Layer>
+			layers_; ///< What the queue holds without an entry in shown_ is to have no scene until it was out of range.
 	std::map<Key, Shown> shown_;
 	std::vector<Key> outdated_;  ///< Those that show another scene than their layer has.
 	std::vector<Shown> leaving_; ///< Still in the tree, for those who want to take them.

@@ -185,8 +185,8 @@ void ScatterRegion3D::_bind_methods() {
 	bind_guarded<&Self::set_path_node>(D_METHOD("set_path_node", "path"));
 	bind_guarded<&Self::get_path_node>(D_METHOD("get_path_node"));
 	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"), "set_shape",
-			"get_shape");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"),
+			"set_shape", "get_shape");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "exclude"), "set_exclude", "is_excluding");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers"), "set_layers", "get_layers");
 	bind_number<falloff>();

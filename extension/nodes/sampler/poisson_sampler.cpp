@@ -113,8 +113,7 @@ void PoissonSampler::_bind_methods() {
 	bind_guarded<&PoissonSampler::get_seed>(D_METHOD("get_seed"));
 	bind_guarded<&PoissonSampler::set_radius>(D_METHOD("set_radius", "radius"));
 	bind_guarded<&PoissonSampler::get_radius>(D_METHOD("get_radius"));
-	bind_guarded<&PoissonSampler::set_progressive_levels>(
-			D_METHOD("set_progressive_levels", "progressive_levels"));
+	bind_guarded<&PoissonSampler::set_progressive_levels>(D_METHOD("set_progressive_levels", "progressive_levels"));
 	bind_guarded<&PoissonSampler::get_progressive_levels>(D_METHOD("get_progressive_levels"));
 	bind_guarded<&PoissonSampler::sample>(D_METHOD("sample", "rect"));
 	bind_guarded<&PoissonSampler::sample_exact>(D_METHOD("sample_exact", "min_x", "min_y", "max_x", "max_y"));
@@ -134,7 +133,8 @@ void PoissonSampler::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "radius", PROPERTY_HINT_RANGE, "0.001,1000,0.001,or_greater,suffix:m"),
 			"set_radius", "get_radius");
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "progressive_levels", PROPERTY_HINT_RANGE, "1,8,1"), "set_progressive_levels", "get_progressive_levels");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "progressive_levels", PROPERTY_HINT_RANGE, "1,8,1"),
+			"set_progressive_levels", "get_progressive_levels");
 	ADD_GROUP("Whole domains", "");
 	ADD_PROPERTY(
 			PropertyInfo(Variant::INT, "method", PROPERTY_HINT_ENUM, "Tiles,Naive,Hierarchical,Accumulator,Wavefront"),

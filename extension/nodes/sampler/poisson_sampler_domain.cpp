@@ -112,8 +112,7 @@ Status write_set(const DomainRequest &request, const glm::dvec2 &min, const Prog
 		return status;
 	}
 	r_stats = sampler.stats();
-	return write(
-			points, [&](const glm::vec<2, Real> &point) { return min + glm::dvec2(point); }, progress, r_writer);
+	return write(points, [&](const glm::vec<2, Real> &point) { return min + glm::dvec2(point); }, progress, r_writer);
 }
 
 /// What a script's author can do about a size that the core refuses.
@@ -167,8 +166,7 @@ Status PoissonSampler::write_tiles(
 	r_stats.darts = stats.darts;
 	r_stats.squares = stats.squares;
 	r_stats.grid_bytes = stats.workspace_bytes;
-	return write(
-			points_, [](const SamplePoint &point) { return point.position; }, p_progress, r_writer);
+	return write(points_, [](const SamplePoint &point) { return point.position; }, p_progress, r_writer);
 }
 
 template <typename Writer>

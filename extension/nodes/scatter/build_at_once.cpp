@@ -11,8 +11,8 @@ namespace thicket {
 namespace {
 
 /// Throws std::bad_alloc.
-Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
-		const Rect &rect, TileInstances &r_tile) {
+Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
+		TileInstances &r_tile) {
 	TileBuilder builder;
 	if (ground != nullptr) {
 		return builder.build(layer, *ground, rect, r_tile);

@@ -97,8 +97,8 @@ SharedSnapshot LayerList::next(std::size_t index, const LinkedLayer &linked) con
 	return was != nullptr && *was == now ? was : std::make_shared<const LayerSnapshot>(std::move(now));
 }
 
-std::vector<EditedArea> LayerList::update(
-		const TypedArray<ScatterLayer> &p_layers, std::uint64_t seed, const EditedArea &ground_change, RegionRegister &regions) {
+std::vector<EditedArea> LayerList::update(const TypedArray<ScatterLayer> &p_layers, std::uint64_t seed,
+		const EditedArea &ground_change, RegionRegister &regions) {
 	const auto count = static_cast<std::size_t>(p_layers.size());
 	entries_.resize(count);
 	std::vector<Status> statuses;

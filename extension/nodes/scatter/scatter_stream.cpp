@@ -65,8 +65,8 @@ void ScatterStream::mark_stale(std::span<const SharedSnapshot> next, std::span<c
 	}
 }
 
-void ScatterStream::set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
-		const StreamGround &ground) {
+void ScatterStream::set_layers(
+		const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, const StreamGround &ground) {
 	std::vector<StreamLayer> ranges;
 	for (const SharedSnapshot &layer : layers) {
 		ranges.push_back(range_of(layer));

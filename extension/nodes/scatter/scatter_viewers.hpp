@@ -17,7 +17,8 @@ namespace thicket {
 
 /// Whom a node streams around.
 struct ViewerSettings {
-	godot::TypedArray<godot::NodePath> paths;  ///< From the node; none for the active camera, in the editor the editor's own.
+	godot::TypedArray<godot::NodePath>
+			paths; ///< From the node; none for the active camera, in the editor the editor's own.
 	godot::PackedFloat32Array distance_scales; ///< By the viewer's index; 1 where there is none.
 };
 

@@ -158,8 +158,7 @@ void TerrainScatter3D::work(Clock::time_point start) {
 }
 
 void TerrainScatter3D::patch_in_steps(Clock::time_point deadline) {
-	while (display().patch_step() && Clock::now() < deadline) {
-	}
+	while (display().patch_step() && Clock::now() < deadline) {}
 }
 
 void TerrainScatter3D::emit_events() {
@@ -194,8 +193,7 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 
 bool TerrainScatter3D::is_settled() const {
 	return !dirty_ && !layer_watch_->differs(layers_) &&
-			(layer_list_.snapshots().empty() ||
-					(stream_->idle() && !display().has_patches() && gameplay_->settled()));
+			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && gameplay_->settled()));
 }
 
 void TerrainScatter3D::mark_edited() {
@@ -289,7 +287,8 @@ void TerrainScatter3D::refresh() {
 	set_physics_process_internal(terrain.is_valid() && terrain->needs_physics_frames());
 	const EditedArea ground_change = std::exchange(ground_change_, {});
 	if (!ground_change.empty() && terrain.is_valid()) {
-		std::shared_ptr<const Terrain> ground = terrain->snapshot(get_instance_id()); // Asks scripts, and so does the next.
+		std::shared_ptr<const Terrain> ground =
+				terrain->snapshot(get_instance_id()); // Asks scripts, and so does the next.
 		if (!gameplay->alive() || !(terrain == terrain_)) {
 			return;
 		}

@@ -77,7 +77,8 @@ void TerrainScatter3D::bind_changes() {
 	bind_guarded<&Self::get_interaction_group>(D_METHOD("get_interaction_group"));
 	bind_guarded<&Self::remove_instance>(D_METHOD("remove_instance", "id"));
 	bind_guarded<&Self::restore_instance>(D_METHOD("restore_instance", "id"));
-	bind_guarded<&Self::remove_in_sphere>(D_METHOD("remove_in_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::remove_in_sphere>(D_METHOD("remove_in_sphere", "center", "radius", "layers", "predicate"),
+			DEFVAL(Array()), DEFVAL(Callable()));
 	bind_guarded<&Self::add_instance>(D_METHOD("add_instance", "layer", "transform", "mesh"), DEFVAL(0));
 	bind_guarded<&Self::set_instance_data>(D_METHOD("set_instance_data", "id", "data"));
 	bind_guarded<&Self::get_instance_data>(D_METHOD("get_instance_data", "id"));
@@ -87,16 +88,20 @@ void TerrainScatter3D::bind_changes() {
 	ADD_GROUP("Gameplay", "");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "state", PROPERTY_HINT_RESOURCE_TYPE, "ScatterState"), "set_state",
 			"get_state");
-	ADD_PROPERTY(PropertyInfo(Variant::STRING_NAME, "interaction_group"), "set_interaction_group",
-			"get_interaction_group");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::STRING_NAME, "interaction_group"), "set_interaction_group", "get_interaction_group");
 }
 
 void TerrainScatter3D::bind_queries() {
 	using Self = TerrainScatter3D;
-	bind_guarded<&Self::query_rect>(D_METHOD("query_rect", "rect", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
-	bind_guarded<&Self::query_sphere>(D_METHOD("query_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
-	bind_guarded<&Self::query_ray>(D_METHOD("query_ray", "from", "to", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
-	bind_guarded<&Self::query_nearest>(D_METHOD("query_nearest", "position", "max_distance", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_rect>(
+			D_METHOD("query_rect", "rect", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_sphere>(
+			D_METHOD("query_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_ray>(
+			D_METHOD("query_ray", "from", "to", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_nearest>(D_METHOD("query_nearest", "position", "max_distance", "layers", "predicate"),
+			DEFVAL(Array()), DEFVAL(Callable()));
 	bind_guarded<&Self::get_instance>(D_METHOD("get_instance", "id"));
 	bind_guarded<&Self::has_instance>(D_METHOD("has_instance", "id"));
 	bind_guarded<&Self::get_body_instance>(D_METHOD("get_body_instance", "body"));

@@ -165,12 +165,13 @@ Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect
 	if (status.ok()) {
 		snapshot = layer < layer_list_.snapshots().size() ? layer_list_.snapshots()[layer] : nullptr;
 		status = !terrain_->is_available() ? Status{ErrorCode::missing, "terrain"}
-				: snapshot == nullptr ? Status{ErrorCode::missing, "layer"}
-									  : Status{};
+				: snapshot == nullptr      ? Status{ErrorCode::missing, "layer"}
+										   : Status{};
 	}
 	TileInstances tile;
 	if (status.ok() && gameplay->alive()) {
-		const HostedTerrain terrain{terrain_, get_instance_id()}; // A script that is asked for the ground may free this node.
+		const HostedTerrain terrain{
+				terrain_, get_instance_id()}; // A script that is asked for the ground may free this node.
 		const std::shared_ptr<const Terrain> ground = ground_;
 		status = build_at_once(*snapshot->settings, ground.get(), terrain, to_world(p_rect, offset), tile);
 	}

@@ -27,9 +27,8 @@ constexpr auto everything = std::numeric_limits<std::size_t>::max();
 
 } // namespace
 
-TileVisual::TileVisual(
-		const VisualContext &context, const InstanceData &data, const Ref<Mesh> &mesh, const MeshUpload &upload) :
-		data_(data), mesh_(mesh) {
+TileVisual::TileVisual(const VisualContext &context, const InstanceData &data, const Ref<Mesh> &mesh,
+		const MeshUpload &upload) : data_(data), mesh_(mesh) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	multimesh_ = server->multimesh_create();
 	set_instances(upload);
@@ -108,10 +107,8 @@ void TileVisual::apply(const LayerDrawing &drawing) {
 	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(render_layers));
 	server->instance_geometry_set_cast_shadows_setting(
 			instance_, static_cast<RenderingServer::ShadowCastingSetting>(cast_shadow));
-	server->instance_geometry_set_flag(
-			instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, gi_mode == gi_static);
-	server->instance_geometry_set_flag(
-			instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, gi_mode == gi_dynamic);
+	server->instance_geometry_set_flag(instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, gi_mode == gi_static);
+	server->instance_geometry_set_flag(instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, gi_mode == gi_dynamic);
 	server->instance_geometry_set_lod_bias(instance_, static_cast<float>(lod_bias));
 	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(margin));
 	server->instance_geometry_set_material_override(instance_, material.is_valid() ? material->get_rid() : RID());

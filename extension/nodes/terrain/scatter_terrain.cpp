@@ -118,8 +118,8 @@ Status ScatterTerrain::ask_script(std::span<const glm::dvec2> positions, std::sp
 												 : difference_normals(positions, r_ground);
 }
 
-Status ScatterTerrain::ask_weights(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-		std::span<Ground> r_ground) {
+Status ScatterTerrain::ask_weights(
+		std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
 	if (!GDVIRTUAL_IS_OVERRIDDEN(_get_weights)) {
 		return {};
 	}

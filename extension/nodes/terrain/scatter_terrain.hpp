@@ -66,8 +66,8 @@ public:
 	/// On the main thread: the ground under `positions` in the world of the host of this id, and how much of it belongs to
 	/// `textures` (see Terrain::weigh; none: not asked for). `r_ground` has the size of `positions`. A script that gives a wrong
 	/// number of heights, normals or weights is refused; its NAN heights stand for no ground.
-	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions,
-			std::span<const std::int32_t> textures, std::span<Ground> r_ground);
+	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+			std::span<Ground> r_ground);
 
 	/// A node in the tree begins to use this ground, or no longer does. Each `enter` has its `leave`, while the node is still
 	/// there. Main thread only, as is the next.
@@ -119,8 +119,8 @@ private:
 
 	GroundHost find_host(std::uint64_t id) const;
 	Status ask_script(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
-	Status ask_weights(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-			std::span<Ground> r_ground);
+	Status ask_weights(
+			std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures, std::span<Ground> r_ground);
 	Status ask_normals(const godot::PackedVector2Array &p_positions, std::span<Ground> r_ground);
 	Status difference_normals(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Ground ground_at(const godot::Vector3 &p_global_position);

@@ -68,11 +68,12 @@ private:
 		std::weak_ptr<ObjectGround> ground;
 	};
 
-	std::shared_ptr<ObjectGround> ground_; ///< The last that could be used, as of the engine's space. Closed when its node is gone.
+	std::shared_ptr<ObjectGround>
+			ground_; ///< The last that could be used, as of the engine's space. Closed when its node is gone.
 	std::map<std::uint64_t, std::shared_ptr<ObjectGround>> grounds_; ///< The same for each host, by its id.
-	std::vector<Given> given_; ///< All of that node; closed when it is gone.
-	bool stale_ = true;        ///< The node has to be looked for.
-	bool finding_ = false;     ///< It is being looked for, which may run its script.
+	std::vector<Given> given_;                                       ///< All of that node; closed when it is gone.
+	bool stale_ = true;                                              ///< The node has to be looked for.
+	bool finding_ = false; ///< It is being looked for, which may run its script.
 	godot::String problem_;
 	godot::String reported_; ///< The problem that was printed last.
 	godot::Variant followed_node_;
