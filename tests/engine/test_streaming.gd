@@ -1,54 +1,5 @@
-extends "harness.gd"
-## What stands on stage: where it should, as often as it should, the same whichever way it got there.
-
-## Rolling hills, asked for on the main thread.
-class Hills extends ScatterTerrain:
-	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
-		var heights := PackedFloat32Array()
-		for at in positions:
-			heights.push_back(height(at))
-		return heights
-
-	static func height(at: Vector2) -> float:
-		return 10.0 * sin(at.x * 0.05) + 5.0 * cos(at.y * 0.08)
-
-
-## The same, asked for on worker threads.
-class ThreadedHills extends Hills:
-	func _is_thread_safe() -> bool:
-		return true
-
-
-## The same with a hole, and normals of its own that lean by 45 degrees everywhere.
-class LeaningHills extends Hills:
-	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
-		var heights := super(positions)
-		for index in positions.size():
-			if positions[index].length() < 10.0:
-				heights[index] = NAN
-		return heights
-
-	func _get_normals(positions: PackedVector2Array) -> PackedVector3Array:
-		var normals := PackedVector3Array()
-		normals.resize(positions.size())
-		normals.fill(Vector3(3.0, 3.0, 0.0))
-		return normals
-
-
-## A slope of 45 degrees that ends at x = 0.
-class Cliff extends ScatterTerrain:
-	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
-		var heights := PackedFloat32Array()
-		for at in positions:
-			heights.push_back(at.x if at.x < 0.0 else NAN)
-		return heights
-
-
-func all_transforms(scatter: TerrainScatter3D, layer: int) -> Array[Transform3D]:
-	var result: Array[Transform3D] = []
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		result.append_array(transforms(scatter, layer, tile))
-	return result
+extends "streaming_harness.gd"
+## What is shown: where it should, as often as it should, the same whichever way it got there.
 
 
 func test_view_is_covered_and_counted() -> void:

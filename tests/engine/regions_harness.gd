@@ -1,0 +1,89 @@
+extends "harness.gd"
+## For tests of ScatterRegion3D: regions, a field to put them in, and what they leave of it.
+
+const BEYOND := 0.001 # Meters; how far a float may be off at these distances.
+
+
+func make_region(shape: ScatterRegion3D.Shape, exclude := true) -> ScatterRegion3D:
+	var region := ScatterRegion3D.new()
+	region.shape = shape
+	region.exclude = exclude
+	return region
+
+
+func make_field(layers := 1) -> TerrainScatter3D:
+	var list: Array[ScatterLayer] = []
+	for index in layers:
+		var layer := make_layer(1.5)
+		layer.resource_name = "layer %d" % index
+		list.push_back(layer)
+	return make_scatter(list, ScatterTerrainFlat.new(), make_viewer())
+
+
+## Exactly those of `before` stand for which `stays` holds, as they stood. Some stand, some do not.
+func check_kept(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], stays: Callable, what: String) -> void:
+	var after := instances(scatter, 0)
+	var wrong := 0
+	var kept := 0
+	for id in before:
+		var stands := after.has(id)
+		kept += int(stands)
+		wrong += int(stands != stays.call(before[id].origin) or (stands and after[id] != before[id]))
+	check_equal(wrong, 0, what + ": wrong instances")
+	check_equal(kept, after.size(), what + ": nothing new")
+	check(kept > 50 and before.size() - kept > 20, "%s: %d of %d stand" % [what, kept, before.size()])
+
+
+func distance_to_line(at: Vector2, line: PackedVector2Array) -> float:
+	var nearest := INF
+	for index in line.size() - 1:
+		var closest := Geometry2D.get_closest_point_to_segment(at, line[index], line[index + 1])
+		nearest = minf(nearest, at.distance_to(closest))
+	return nearest
+
+
+func within(region: ScatterRegion3D, at: Vector3) -> bool:
+	var local := region.global_transform.affine_inverse() * at
+	match region.shape:
+		ScatterRegion3D.SHAPE_BOX:
+			return (2.0 * local).abs().clamp(Vector3.ZERO, region.size) == (2.0 * local).abs()
+		ScatterRegion3D.SHAPE_SPHERE:
+			return at.distance_to(region.global_position) < region.radius
+		ScatterRegion3D.SHAPE_CYLINDER:
+			return Vector2(local.x, local.z).length() < region.radius and absf(local.y) < 0.5 * region.height
+	return Geometry2D.is_point_in_polygon(Vector2(local.x, local.z), region.polygon)
+
+
+func make_curve(points: PackedVector3Array) -> Curve3D:
+	var curve := Curve3D.new()
+	for point in points:
+		curve.add_point(point, Vector3(-4, 0, -2), Vector3(4, 0, 2))
+	return curve
+
+
+func make_path(points: PackedVector3Array) -> Path3D:
+	var path := Path3D.new()
+	path.curve = make_curve(points)
+	return path
+
+
+## The instances near a path, which are those that have gone, and no others.
+func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], path: Path3D, what: String) -> void:
+	await settle(scatter)
+	var line: PackedVector2Array
+	for point in path.curve.get_baked_points():
+		var world := path.global_transform * point
+		line.push_back(Vector2(world.x, world.z))
+	var after := instances(scatter, 0)
+	var gone := 0
+	var wrong := 0
+	for id in before:
+		var distance := distance_to_line(on_map(before[id]), line)
+		gone += int(not after.has(id))
+		# The outline may lie a centimeter beside the curve.
+		wrong += int(not after.has(id) and distance > 2.5 + 0.011) + int(after.has(id) and distance < 2.5 - 0.011)
+	check_equal(wrong, 0, what + ": wrong instances")
+	check(gone > 20, "%s: %d are gone" % [what, gone])
+
+
+## What does not count for the chosen shape is hidden in the inspector, and stored all the same.
