@@ -14,8 +14,8 @@ namespace thicket {
 namespace {
 
 /// What is wrong with one layer, whatever the others are.
-void add_problems_of(
-		const ScatterLayer &layer, const String &p_where, const Ref<ScatterTerrain> &p_terrain, PackedStringArray &r_problems) {
+void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterTerrain> &p_terrain,
+		PackedStringArray &r_problems) {
 	for (const String &problem : layer.problems()) {
 		r_problems.push_back(p_where + problem);
 	}
@@ -36,8 +36,8 @@ void add_terrain_problems(const Ref<ScatterTerrain> &p_terrain, PackedStringArra
 	}
 }
 
-void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterTerrain> &p_terrain,
-		PackedStringArray &r_problems) {
+void add_layer_problems(
+		const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterTerrain> &p_terrain, PackedStringArray &r_problems) {
 	if (p_layers.is_empty()) {
 		r_problems.push_back("No layers: add a ScatterLayer to TerrainScatter3D.layers.");
 	}
