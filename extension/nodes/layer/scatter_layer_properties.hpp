@@ -106,7 +106,7 @@ bool ScatterLayer::get_switch() const {
 template <const auto &property>
 void ScatterLayer::set_resource(const godot::Ref<ResourceOf<property>> &p_resource) {
 	godot::Ref<godot::Resource> &own = resources_[property.name].value;
-	if (own == p_resource) {
+	if (own.ptr() == p_resource.ptr()) {
 		return;
 	}
 	// A method for each property: one resource may be the value of several.
