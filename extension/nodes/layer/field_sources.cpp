@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t gradient_colors = 256;
 
-/// Noise, on any thread. Nobody else has the object, and asking it changes nothing about it.
+/// Noise, on any thread. Nobody changes the object, and asking it changes nothing about it.
 class NoiseField final : public DensityField {
 public:
 	NoiseField(Ref<Noise> p_noise, std::shared_ptr<const CurveTable> curve) :
@@ -86,12 +86,12 @@ std::shared_ptr<const ColorTable> color_table(const Ref<Gradient> &p_gradient) {
 	return table;
 }
 
+Ref<Noise> noise_copy(const Ref<Noise> &p_noise) {
+	return p_noise.is_valid() ? p_noise->duplicate(true) : Ref<Resource>();
+}
+
 std::shared_ptr<const DensityField> noise_field(const Ref<Noise> &p_noise, std::shared_ptr<const CurveTable> curve) {
-	if (p_noise.is_null()) {
-		return nullptr;
-	}
-	const Ref<Noise> own = p_noise->duplicate(true);
-	return own.is_null() ? nullptr : std::make_shared<NoiseField>(own, std::move(curve));
+	return p_noise.is_valid() ? std::make_shared<NoiseField>(p_noise, std::move(curve)) : nullptr;
 }
 
 ChannelPixels channel_pixels(const Ref<Image> &p_image, ImageChannel channel) {

@@ -28,8 +28,11 @@ std::shared_ptr<const CurveTable> curve_table(const godot::Ref<godot::Curve> &p_
 /// The colors of a gradient from its start to its end, for equal shares of the instances. Null for none.
 std::shared_ptr<const ColorTable> color_table(const godot::Ref<godot::Gradient> &p_gradient);
 
-/// The noise at a position as a density: `curve` at its value, or 0.5 + 0.5 times its value where that is null. Asks a copy of
-/// the noise, so what happens to it afterwards does not matter. Null for no noise.
+/// A copy that nobody else has, so that it does not matter what happens to the noise afterwards. Null for no noise.
+godot::Ref<godot::Noise> noise_copy(const godot::Ref<godot::Noise> &p_noise);
+
+/// The noise at a position as a density: `curve` at its value, or 0.5 + 0.5 times its value where that is null. Nobody may change
+/// the noise any more; see `noise_copy`. Null for no noise.
 std::shared_ptr<const DensityField> noise_field(
 		const godot::Ref<godot::Noise> &p_noise, std::shared_ptr<const CurveTable> curve);
 

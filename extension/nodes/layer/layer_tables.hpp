@@ -6,37 +6,11 @@
 
 #include <godot_cpp/classes/texture2d.hpp>
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
+#include <concepts>
 #include <memory>
+#include <utility>
 
 namespace thicket {
-
-/// The resources of the engine that a layer's settings are made of. Null where there is none.
-struct LayerResources {
-	godot::Ref<godot::Curve> density_over_height;
-	godot::Ref<godot::Curve> density_over_slope;
-	godot::Ref<godot::Noise> noise;
-	godot::Ref<godot::Curve> noise_curve;
-	godot::Ref<godot::Texture2D> mask_texture;
-	godot::Ref<godot::Curve> proximity_curve;
-	godot::Ref<godot::Curve> scale_curve;
-	godot::Ref<godot::Gradient> color_gradient;
-};
-
-/// Each of them by its number.
-enum class LayerSource : std::uint8_t {
-	density_over_height,
-	density_over_slope,
-	noise,
-	noise_curve,
-	mask_texture,
-	proximity_curve,
-	scale_curve,
-	color_gradient,
-	count,
-};
 
 /// How a mask texture is laid over the world.
 struct MaskFrame {
@@ -45,38 +19,51 @@ struct MaskFrame {
 	MaskEdge edge = MaskEdge::nothing;
 };
 
-/// The tables, fields and masks that workers use, made of a layer's resources. Each stays the same object while its content is the
-/// same, so settings may compare them by pointer: another pointer means that tiles are made anew.
+/// A texture whose pixels are asked of the renderer, which waits for it, only where they may be others.
+struct TextureSource {
+	godot::Ref<godot::Texture2D> texture;
+	bool unread = false;
+};
+
+/// Takes over what was made anew of a resource. A table that says the same stays the same object, so that settings may compare
+/// tables by pointer: another pointer means that tiles are made anew.
+template <class Made>
+void replace(Made &r_old, Made fresh) {
+	r_old = std::move(fresh);
+}
+
+template <std::equality_comparable Table>
+void replace(std::shared_ptr<const Table> &r_old, std::shared_ptr<const Table> fresh) {
+	if (r_old == nullptr || fresh == nullptr || !(*r_old == *fresh)) {
+		r_old = std::move(fresh);
+	}
+}
+
+/// What is made of a resource and other properties together: noise with its curve, a texture with its frame, and a line in
+/// place of a proximity curve. Tables of all other resources go straight to the settings.
 class LayerTables {
 public:
-	/// Says that a resource, or what is in it, may have changed.
-	void mark(LayerSource source) { marked_[static_cast<std::size_t>(source)] = true; }
+	/// Brings what is made up to date with the sources and with the properties.
+	void refresh(const MaskFrame &frame, double proximity_distance);
 
-	/// Brings all that was marked up to date.
-	void refresh(const LayerResources &resources, const MaskFrame &frame, double proximity_distance);
+	// Sources, each made of one resource.
+	std::shared_ptr<const CurveTable> noise_curve;
+	godot::Ref<godot::Noise> noise_source; ///< A copy. Noise cannot be compared: another object means another noise.
+	TextureSource mask_texture;
 
-	std::shared_ptr<const CurveTable> height_curve;
-	std::shared_ptr<const CurveTable> slope_curve;
-	std::shared_ptr<const CurveTable> scale_curve;
-	std::shared_ptr<const CurveTable> noise_curve;         ///< As `noise` has it.
-	std::shared_ptr<const CurveTable> own_proximity_curve; ///< The designer's.
-	std::shared_ptr<const CurveTable> proximity_curve;     ///< That, or a straight line; never null after `refresh`.
+	// What is made of them.
 	std::shared_ptr<const DensityField> noise;
-	std::shared_ptr<const ImageMask> image; ///< All 0 while a texture has no image.
-	std::shared_ptr<const ColorTable> colors;
-
+	std::shared_ptr<const ImageMask> image;           ///< All 0 while a texture has no image.
+	std::shared_ptr<const CurveTable> proximity_line; ///< Never null after `refresh`.
 	Status image_status;        ///< What is wrong with the texture's image; the last good mask is kept.
 	bool image_missing = false; ///< There is a texture, but no image in it, or none that can be read.
 
 private:
-	bool take(LayerSource source);
-	void refresh_curve(
-			LayerSource source, const godot::Ref<godot::Curve> &p_curve, std::shared_ptr<const CurveTable> &r_table);
-	void refresh_noise(const LayerResources &resources);
-	void refresh_proximity(const LayerResources &resources, double distance);
-	void refresh_image(const godot::Ref<godot::Texture2D> &p_texture, const MaskFrame &frame);
+	void refresh_noise();
+	void refresh_image(const MaskFrame &frame);
 
-	std::array<bool, static_cast<std::size_t>(LayerSource::count)> marked_{};
+	std::shared_ptr<const CurveTable> used_curve_; ///< Of which `noise` was made.
+	godot::Ref<godot::Noise> used_source_;         ///< Of which `noise` was made.
 	ChannelPixels pixels_;
 	MaskFrame frame_; ///< As `pixels_` and `image` were made.
 };

@@ -26,7 +26,8 @@ ScatterLayer::ScatterLayer() {
 	links_.proximity_distance = 5.0;
 }
 
-Status ScatterLayer::check() const {
+Status ScatterLayer::check() {
+	refresh();
 	const LayerSettings whole = settings(0, 0);
 	Status status = validate(whole);
 	if (status.ok()) {

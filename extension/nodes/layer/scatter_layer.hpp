@@ -22,6 +22,8 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace thicket {
@@ -31,13 +33,29 @@ struct LayerIdentity {
 	std::int64_t layer_id = -1; ///< -1 until a node has given the layer one.
 };
 
-/// A resource among a layer's properties, as NumberProperty is a number.
-template <class T>
+class ScatterLayer;
+
+/// A resource among a layer's properties, as NumberProperty is a number. `make` makes a table of it, as late as a snapshot needs
+/// it, and `member` keeps that in one of the parts that ScatterLayer::part finds. The inspector offers the class that `make` takes.
+template <class Values, class Made, class T>
 struct ResourceProperty {
+	using Resource = T;
+
 	const char *name;
-	const char *type; ///< What the inspector offers.
-	godot::Ref<T> LayerResources::*member;
-	LayerSource source;
+	Made Values::*member;
+	Made (*make)(const godot::Ref<T> &);
+};
+
+template <class Values, class Made, class T>
+ResourceProperty(const char *, Made Values::*, Made (*)(const godot::Ref<T> &)) -> ResourceProperty<Values, Made, T>;
+
+template <const auto &property>
+using ResourceOf = typename std::remove_cvref_t<decltype(property)>::Resource;
+
+/// The value of such a property.
+struct LayerResource {
+	godot::Ref<godot::Resource> value;
+	void (ScatterLayer::*remake)() = nullptr; ///< Makes its table anew; null while the table is up to date.
 };
 
 /// A switch among a layer's properties, in one of the parts that ScatterLayer::part finds.
@@ -100,11 +118,11 @@ public:
 	void set_switch(bool p_value);
 	template <const auto &property>
 	bool get_switch() const;
-	template <class T, const ResourceProperty<T> &property>
-	void set_resource(const godot::Ref<T> &p_resource);
-	template <class T, const ResourceProperty<T> &property>
-	godot::Ref<T> get_resource() const;
-	template <class T, const ResourceProperty<T> &property>
+	template <const auto &property>
+	void set_resource(const godot::Ref<ResourceOf<property>> &p_resource);
+	template <const auto &property>
+	godot::Ref<ResourceOf<property>> get_resource() const;
+	template <const auto &property>
 	void resource_changed();
 
 	ScatterLayer();
@@ -177,17 +195,17 @@ public:
 	/// All that the layer says now. `index` is the layer's index among its node's layers: it is the id of the layer's points, unless
 	/// `layer_id` says otherwise. The settings have no neighbors and no shapes, which are the node's. A table, a field or a mask in
 	/// the snapshot is the same object as in the snapshot before until what it says has changed.
-	LayerSnapshot snapshot(std::uint64_t seed, std::size_t index) const;
+	LayerSnapshot snapshot(std::uint64_t seed, std::size_t index);
 
 	/// The part of the snapshot that is about other layers.
-	LayerLinks links() const;
+	LayerLinks links();
 	std::int64_t own_id() const { return identity_.layer_id; } ///< The property `layer_id`; -1 for the index.
 
 	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
-	Status check() const;
+	Status check();
 
 	/// What is likely not meant, for the editor's warnings.
-	godot::PackedStringArray problems() const;
+	godot::PackedStringArray problems();
 
 	static constexpr double max_tile_points = 4e6;
 	static constexpr std::int32_t max_texture = 255;
@@ -205,7 +223,10 @@ private:
 	LayerDrawing drawing() const;
 	LayerGameplay gameplay() const;
 	LodSettings lod() const;
-	const LayerTables &tables() const;
+	template <const auto &property>
+	void remake();
+	void refresh();
+	godot::Ref<godot::Resource> resource(std::string_view property) const;
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);
 	bool has_mesh() const;
@@ -228,7 +249,7 @@ private:
 	static void bind_integer();
 	template <const auto &property>
 	static void bind_switch();
-	template <class T, const ResourceProperty<T> &property>
+	template <const auto &property>
 	static void bind_resource();
 	static void bind_basics();
 	static void bind_advanced();
@@ -241,7 +262,7 @@ private:
 	static void bind_lod();
 	static void bind_gameplay();
 
-	// Each has what single properties stand for. What is made of resources and lists is added in the snapshot.
+	// Each has what single properties stand for; `refresh` adds the tables made of resources, the snapshot what is made of lists.
 	LayerSettings settings_;
 	StreamLayer range_;
 	LayerDrawing drawing_;
@@ -251,8 +272,8 @@ private:
 	MaskFrame mask_frame_;
 	LayerIdentity identity_;
 
-	LayerResources resources_;
-	mutable LayerTables tables_;
+	std::map<std::string_view, LayerResource> resources_; ///< By the names of their properties.
+	LayerTables tables_;
 	std::uint64_t hidden_ = 0; ///< hidden_properties(), as the inspector was told last.
 
 	godot::Ref<ScatterMask> mask_;

@@ -33,8 +33,7 @@ constexpr NumberProperty visibility_range_fade_mode{"visibility_range_fade_mode"
 constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &InstanceData::use_colors};
 constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &InstanceData::use_custom_data};
 
-constexpr ResourceProperty<Gradient> color_gradient{
-		"color_gradient", "Gradient", &LayerResources::color_gradient, LayerSource::color_gradient};
+constexpr ResourceProperty color_gradient{"color_gradient", &InstanceData::colors, color_table};
 
 } // namespace
 
@@ -99,7 +98,7 @@ void ScatterLayer::bind_drawing() {
 						 "BaseMaterial3D,ShaderMaterial"),
 			"set_material_override", "get_material_override");
 	bind_switch<use_colors>();
-	bind_resource<Gradient, color_gradient>();
+	bind_resource<color_gradient>();
 	bind_switch<use_custom_data>();
 	bind_integer<cast_shadow>();
 	bind_integer<gi_mode>();

@@ -8,8 +8,9 @@ namespace thicket {
 
 namespace {
 
-constexpr ResourceProperty<Texture2D> mask_texture{
-		"mask_texture", "Texture2D", &LayerResources::mask_texture, LayerSource::mask_texture};
+TextureSource unread_texture(const Ref<Texture2D> &p_texture) { return {p_texture, true}; }
+
+constexpr ResourceProperty mask_texture{"mask_texture", &LayerTables::mask_texture, unread_texture};
 constexpr NumberProperty mask_texture_channel{"mask_texture_channel", &MaskFrame::channel,
 		ScatterLayer::MASK_CHANNEL_RED, ScatterLayer::MASK_CHANNEL_LUMINANCE};
 constexpr NumberProperty mask_texture_edge{
@@ -77,7 +78,7 @@ void ScatterLayer::bind_masks() {
 	bind_guarded<&ScatterLayer::mask_area_changed>(D_METHOD("_mask_area_changed", "rect"));
 	ADD_PROPERTY(
 			PropertyInfo(Variant::OBJECT, "mask", PROPERTY_HINT_RESOURCE_TYPE, "ScatterMask"), "set_mask", "get_mask");
-	bind_resource<Texture2D, mask_texture>();
+	bind_resource<mask_texture>();
 	bind_guarded<&ScatterLayer::set_mask_texture_rect>(D_METHOD("set_mask_texture_rect", "rect"));
 	bind_guarded<&ScatterLayer::get_mask_texture_rect>(D_METHOD("get_mask_texture_rect"));
 	bind_guarded<&ScatterLayer::set_mask_texture_channel>(D_METHOD("set_mask_texture_channel", "channel"));

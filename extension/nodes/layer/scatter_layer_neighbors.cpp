@@ -20,8 +20,7 @@ constexpr double min_distance = 1e-3; ///< Meters, between layers.
 
 constexpr NumberProperty proximity_distance{"proximity_distance", &LayerLinks::proximity_distance, min_distance,
 		max_neighbor_distance, PROPERTY_HINT_RANGE, "0.1,200,0.01,or_less,or_greater,exp,suffix:m"};
-constexpr ResourceProperty<Curve> proximity_curve{
-		"proximity_curve", "Curve", &LayerResources::proximity_curve, LayerSource::proximity_curve};
+constexpr ResourceProperty proximity_curve{"proximity_curve", &LayerLinks::proximity_curve, curve_table};
 
 double number_of(const Variant &p_value) {
 	const bool is_number = p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
@@ -151,7 +150,7 @@ void ScatterLayer::bind_neighbors() {
 						 PROPERTY_USAGE_DEFAULT | PROPERTY_USAGE_NIL_IS_VARIANT),
 			"set_proximity_layer", "get_proximity_layer");
 	bind_number<proximity_distance>();
-	bind_resource<Curve, proximity_curve>();
+	bind_resource<proximity_curve>();
 }
 
 } // namespace thicket

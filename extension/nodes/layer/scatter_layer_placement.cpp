@@ -27,8 +27,7 @@ constexpr NumberProperty height_offset{"height_offset", &Placement::height_offse
 constexpr NumberProperty offset_along_normal{"offset_along_normal", &Placement::offset_along_normal, -max_height_offset,
 		max_height_offset, PROPERTY_HINT_RANGE, "-10,10,0.001,or_less,or_greater,suffix:m"};
 
-constexpr ResourceProperty<Curve> scale_curve{
-		"scale_curve", "Curve", &LayerResources::scale_curve, LayerSource::scale_curve};
+constexpr ResourceProperty scale_curve{"scale_curve", &Placement::scale_curve, curve_table};
 
 } // namespace
 
@@ -36,7 +35,7 @@ void ScatterLayer::bind_placement() {
 	ADD_GROUP("Placement", "");
 	bind_number<min_scale>();
 	bind_number<max_scale>();
-	bind_resource<Curve, scale_curve>();
+	bind_resource<scale_curve>();
 	bind_number<min_yaw_degrees>();
 	bind_number<max_yaw_degrees>();
 	bind_number<min_tilt_degrees>();

@@ -49,16 +49,16 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 }
 
 void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
-	const LayerTables &made = tables();
+	add_curve_problem("density_over_height", resource("density_over_height"), settings_.rules.height_curve,
+			"meters of height", r_problems);
+	add_curve_problem("density_over_slope", resource("density_over_slope"), settings_.rules.slope_curve,
+			"degrees of slope", r_problems);
 	add_curve_problem(
-			"density_over_height", resources_.density_over_height, made.height_curve, "meters of height", r_problems);
-	add_curve_problem(
-			"density_over_slope", resources_.density_over_slope, made.slope_curve, "degrees of slope", r_problems);
-	add_curve_problem("noise_curve", resources_.noise_curve, made.noise_curve, "the noise, from -1 to 1", r_problems);
-	if (resources_.noise_curve.is_valid() && resources_.noise.is_null()) {
+			"noise_curve", resource("noise_curve"), tables_.noise_curve, "the noise, from -1 to 1", r_problems);
+	if (resource("noise_curve").is_valid() && resource("noise").is_null()) {
 		r_problems.push_back("ScatterLayer.noise_curve is not used without a noise.");
 	}
-	if (resources_.scale_curve.is_valid() && settings_.placement.min_scale == settings_.placement.max_scale) {
+	if (resource("scale_curve").is_valid() && settings_.placement.min_scale == settings_.placement.max_scale) {
 		r_problems.push_back("ScatterLayer.scale_curve is not used while min_scale and max_scale are the same.");
 	}
 }
@@ -70,7 +70,7 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
 		r_problems.push_back("Nothing stands: nothing is painted on ScatterLayer.mask, and its background is 0.");
 	}
-	if (tables().image_missing) {
+	if (tables_.image_missing) {
 		r_problems.push_back("Nothing stands: ScatterLayer.mask_texture has no image that can be read.");
 	}
 }
@@ -80,9 +80,9 @@ void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
 	}
 	if (!links_.proximity_layer.empty()) {
-		add_curve_problem("proximity_curve", resources_.proximity_curve, tables().own_proximity_curve,
-				"meters of distance", r_problems);
-	} else if (resources_.proximity_curve.is_valid()) {
+		add_curve_problem("proximity_curve", resource("proximity_curve"), links_.proximity_curve, "meters of distance",
+				r_problems);
+	} else if (resource("proximity_curve").is_valid()) {
 		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer.");
 	}
 }
@@ -102,12 +102,12 @@ void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
 	if (mesh_weights_.size() > meshes_.size()) {
 		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is not used.");
 	}
-	if (resources_.color_gradient.is_valid() && !settings_.instance_data.use_colors) {
+	if (resource("color_gradient").is_valid() && !settings_.instance_data.use_colors) {
 		r_problems.push_back("ScatterLayer.color_gradient is not used without use_colors.");
 	}
 }
 
-PackedStringArray ScatterLayer::problems() const {
+PackedStringArray ScatterLayer::problems() {
 	PackedStringArray result;
 	const Status status = check();
 	if (!status.ok()) {

@@ -50,6 +50,8 @@ auto &ScatterLayer::part(Self &self) {
 		return self.links_;
 	} else if constexpr (std::is_same_v<Values, MaskFrame>) {
 		return self.mask_frame_;
+	} else if constexpr (std::is_same_v<Values, LayerTables>) {
+		return self.tables_;
 	} else {
 		static_assert(std::is_same_v<Values, LayerIdentity>, "a layer has no such part");
 		return self.identity_;
@@ -101,10 +103,10 @@ bool ScatterLayer::get_switch() const {
 	return part<PartOf<property>>(*this).*property.member;
 }
 
-template <class T, const ResourceProperty<T> &property>
-void ScatterLayer::set_resource(const godot::Ref<T> &p_resource) {
-	godot::Ref<T> &own = resources_.*property.member;
-	if (own == p_resource) {
+template <const auto &property>
+void ScatterLayer::set_resource(const godot::Ref<ResourceOf<property>> &p_resource) {
+	godot::Ref<godot::Resource> &own = resources_[property.name].value;
+	if (own.ptr() == p_resource.ptr()) {
 		return;
 	}
 	// A method for each property: one resource may be the value of several.
@@ -112,18 +114,23 @@ void ScatterLayer::set_resource(const godot::Ref<T> &p_resource) {
 	watch(own.ptr(), "changed", this, on_change, false);
 	own = p_resource;
 	watch(own.ptr(), "changed", this, on_change, true);
-	resource_changed<T, property>();
+	resource_changed<property>();
 }
 
-template <class T, const ResourceProperty<T> &property>
-godot::Ref<T> ScatterLayer::get_resource() const {
-	return resources_.*property.member;
+template <const auto &property>
+godot::Ref<ResourceOf<property>> ScatterLayer::get_resource() const {
+	return resource(property.name);
 }
 
-template <class T, const ResourceProperty<T> &property>
+template <const auto &property>
 void ScatterLayer::resource_changed() {
-	tables_.mark(property.source);
+	resources_[property.name].remake = &ScatterLayer::remake<property>;
 	changed();
+}
+
+template <const auto &property>
+void ScatterLayer::remake() {
+	replace(part<PartOf<property>>(*this).*property.member, property.make(get_resource<property>()));
 }
 
 template <const auto &property>
@@ -156,16 +163,17 @@ void ScatterLayer::bind_switch() {
 	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::BOOL, name), setter, getter);
 }
 
-template <class T, const ResourceProperty<T> &property>
+template <const auto &property>
 void ScatterLayer::bind_resource() {
 	const godot::String name = property.name;
 	const godot::String setter = "set_" + name;
 	const godot::String getter = "get_" + name;
 	const godot::String on_change = "_" + name + godot::String("_changed");
-	bind_guarded<&ScatterLayer::set_resource<T, property>>(godot::D_METHOD(godot::StringName(setter), "resource"));
-	bind_guarded<&ScatterLayer::get_resource<T, property>>(godot::D_METHOD(godot::StringName(getter)));
-	bind_guarded<&ScatterLayer::resource_changed<T, property>>(godot::D_METHOD(godot::StringName(on_change)));
-	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::OBJECT, name, godot::PROPERTY_HINT_RESOURCE_TYPE, property.type),
+	bind_guarded<&ScatterLayer::set_resource<property>>(godot::D_METHOD(godot::StringName(setter), "resource"));
+	bind_guarded<&ScatterLayer::get_resource<property>>(godot::D_METHOD(godot::StringName(getter)));
+	bind_guarded<&ScatterLayer::resource_changed<property>>(godot::D_METHOD(godot::StringName(on_change)));
+	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::OBJECT, name, godot::PROPERTY_HINT_RESOURCE_TYPE,
+						 ResourceOf<property>::get_class_static()),
 			setter, getter);
 }
 

@@ -29,13 +29,10 @@ constexpr NumberProperty clump_softness{
 constexpr NumberProperty edge_feather{"edge_feather", &Rules::edge_feather, 0.0, max_edge_feather, PROPERTY_HINT_RANGE,
 		"0,100,0.01,or_greater,exp,suffix:m"};
 
-constexpr ResourceProperty<Curve> density_over_height{
-		"density_over_height", "Curve", &LayerResources::density_over_height, LayerSource::density_over_height};
-constexpr ResourceProperty<Curve> density_over_slope{
-		"density_over_slope", "Curve", &LayerResources::density_over_slope, LayerSource::density_over_slope};
-constexpr ResourceProperty<Noise> noise{"noise", "Noise", &LayerResources::noise, LayerSource::noise};
-constexpr ResourceProperty<Curve> noise_curve{
-		"noise_curve", "Curve", &LayerResources::noise_curve, LayerSource::noise_curve};
+constexpr ResourceProperty density_over_height{"density_over_height", &Rules::height_curve, curve_table};
+constexpr ResourceProperty density_over_slope{"density_over_slope", &Rules::slope_curve, curve_table};
+constexpr ResourceProperty noise{"noise", &LayerTables::noise_source, noise_copy};
+constexpr ResourceProperty noise_curve{"noise_curve", &LayerTables::noise_curve, curve_table};
 
 } // namespace
 
@@ -61,20 +58,20 @@ void ScatterLayer::bind_rules() {
 	bind_number<min_height>();
 	bind_number<max_height>();
 	bind_number<height_falloff>();
-	bind_resource<Curve, density_over_height>();
+	bind_resource<density_over_height>();
 	ADD_SUBGROUP("Slope", "");
 	bind_number<min_slope_degrees>();
 	bind_number<max_slope_degrees>();
 	bind_number<slope_falloff>();
-	bind_resource<Curve, density_over_slope>();
+	bind_resource<density_over_slope>();
 	ADD_SUBGROUP("Ground", "");
 	bind_guarded<&ScatterLayer::set_ground_textures>(D_METHOD("set_ground_textures", "textures"));
 	bind_guarded<&ScatterLayer::get_ground_textures>(D_METHOD("get_ground_textures"));
 	ADD_PROPERTY(
 			PropertyInfo(Variant::PACKED_INT32_ARRAY, "ground_textures"), "set_ground_textures", "get_ground_textures");
 	ADD_SUBGROUP("Noise", "");
-	bind_resource<Noise, noise>();
-	bind_resource<Curve, noise_curve>();
+	bind_resource<noise>();
+	bind_resource<noise_curve>();
 	bind_masks();
 	ADD_SUBGROUP("Clumping", "clump_");
 	bind_number<clump_size>();

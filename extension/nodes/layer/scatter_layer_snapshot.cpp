@@ -47,7 +47,8 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 
 } // namespace
 
-LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) const {
+LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
+	refresh();
 	LayerSnapshot result;
 	result.settings = std::make_shared<const LayerSettings>(settings(seed, index));
 	result.range = range_;
@@ -60,24 +61,19 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) cons
 }
 
 LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) const {
-	const LayerTables &made = tables();
 	LayerSettings result = settings_;
 	result.set.seed = seed;
 	result.set.layer = static_cast<std::uint16_t>(own_id() >= 0 ? static_cast<std::size_t>(own_id()) : index);
-	result.rules.height_curve = made.height_curve;
-	result.rules.slope_curve = made.slope_curve;
-	if (made.noise != nullptr) {
-		result.rules.fields.push_back(made.noise);
+	if (tables_.noise != nullptr) {
+		result.rules.fields.push_back(tables_.noise);
 	}
-	if (made.image != nullptr) {
-		result.rules.fields.push_back(made.image);
+	if (tables_.image != nullptr) {
+		result.rules.fields.push_back(tables_.image);
 	}
 	result.rules.ground_textures.assign(ground_textures_.ptr(), ground_textures_.ptr() + ground_textures_.size());
 	if (mask_.is_valid()) {
 		result.rules.mask = mask_->snapshot();
 	}
-	result.placement.scale_curve = made.scale_curve;
-	result.instance_data.colors = made.colors;
 	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
 		result.mesh_weights.push_back(mesh < mesh_weights_.size() ? mesh_weights_[mesh] : 1.0F);
 	}
@@ -112,17 +108,30 @@ LayerGameplay ScatterLayer::gameplay() const {
 	return result;
 }
 
-LayerLinks ScatterLayer::links() const {
+LayerLinks ScatterLayer::links() {
+	refresh();
 	LayerLinks result = links_;
 	result.name = get_name().utf8().get_data();
 	result.identity = get_instance_id();
-	result.proximity_curve = tables().proximity_curve;
+	if (result.proximity_curve == nullptr) {
+		result.proximity_curve = tables_.proximity_line;
+	}
 	return result;
 }
 
-const LayerTables &ScatterLayer::tables() const {
-	tables_.refresh(resources_, mask_frame_, links_.proximity_distance);
-	return tables_;
+/// Makes anew what is made of resources that may have changed.
+void ScatterLayer::refresh() {
+	for (auto &[name, resource] : resources_) {
+		if (const auto remake = std::exchange(resource.remake, nullptr)) {
+			(this->*remake)();
+		}
+	}
+	tables_.refresh(mask_frame_, links_.proximity_distance);
+}
+
+Ref<Resource> ScatterLayer::resource(std::string_view property) const {
+	const auto found = resources_.find(property);
+	return found == resources_.end() ? Ref<Resource>() : found->second.value;
 }
 
 QueryLayer query_layer(const LayerSnapshot *layer) {

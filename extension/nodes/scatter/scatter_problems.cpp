@@ -14,7 +14,7 @@ namespace thicket {
 namespace {
 
 /// What is wrong with one layer, whatever the others are.
-void add_problems_of(const ScatterLayer &layer, const String &p_where, const Ref<ScatterTerrain> &p_terrain,
+void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterTerrain> &p_terrain,
 		PackedStringArray &r_problems) {
 	for (const String &problem : layer.problems()) {
 		r_problems.push_back(p_where + problem);
