@@ -53,7 +53,7 @@ bool ScatterLayer::stores(const ScatterLayer *p_layer) const {
 
 /// What to keep of a reference; null, with an error, if it is refused.
 Variant ScatterLayer::accept_reference(const char *p_property, const Variant &p_reference) const {
-	const Variant stored = stored_reference(p_reference);
+	Variant stored = stored_reference(p_reference);
 	const Ref<ScatterLayer> held = stored;
 	String problem;
 	if (stored.get_type() == Variant::NIL) {
@@ -79,7 +79,7 @@ void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 	const Array references = p_spacing.keys();
 	for (int64_t i = 0; i < references.size(); ++i) {
 		const double distance = number_of(p_spacing[references[i]]);
-		const Variant stored = accept_reference("spacing", references[i]);
+		Variant stored = accept_reference("spacing", references[i]);
 		if (stored.get_type() == Variant::NIL ||
 				!accept_number(layer_class_name, "spacing", distance, min_distance, max_neighbor_distance)) {
 			return;
