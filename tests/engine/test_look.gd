@@ -28,7 +28,7 @@ func drawn_of_all(scatter: TerrainScatter3D) -> int:
 	return sum
 
 
-func buffers_of(scatter: TerrainScatter3D) -> Dictionary:
+func shown_buffers(scatter: TerrainScatter3D) -> Dictionary:
 	var buffers := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
 		buffers[tile] = tile_buffers(scatter, 0, tile)
@@ -102,7 +102,7 @@ func test_meshes_and_thinning_follow_the_distance() -> void:
 	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
 	await settle(scatter)
 	await frames(10)
-	var buffers := buffers_of(scatter)
+	var buffers := shown_buffers(scatter)
 	var uploads: int = scatter.get_stats()["uploads"]
 	check_equal(uploads, 2 * buffers.size(), "uploads of all tiles")
 	var near := check_detail(scatter, layer, buffers, viewer.global_position)
@@ -115,7 +115,7 @@ func test_meshes_and_thinning_follow_the_distance() -> void:
 		check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn at a height of %f m" % height)
 	check_equal(check_detail(scatter, layer, buffers, viewer.global_position), near, "levels after coming back")
 	check_equal(scatter.get_stats()["uploads"], uploads, "uploads while the viewer moves")
-	check_equal(buffers_of(scatter), buffers, "what the renderer holds")
+	check_equal(shown_buffers(scatter), buffers, "what the renderer holds")
 
 
 func test_a_mesh_changes_back_a_little_nearer() -> void:

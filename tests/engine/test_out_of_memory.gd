@@ -24,8 +24,9 @@ func test_a_domain_too_large_is_refused_and_a_small_one_comes() -> void:
 		check(sampler.sample_domain(small) == expected, "the sampler is as good as new")
 
 
+## One error of ours; the engine has one of its own wherever it has not enough memory for an array.
 func expect_memory_error(asked_for: String) -> void:
-	var told := errors.take()
+	var told: Array = Array(errors.take()).filter(func(message: String) -> bool: return not 'Parameter "mem' in message)
 	check(told.size() == 1, "one error, got %s" % [told])
 	for message in told:
 		check(message.begins_with(asked_for) and "more memory than there is" in message, message)

@@ -28,7 +28,7 @@ float unit_rank(const SamplePoint &point) {
 Ref<PoissonPoints> PoissonPoints::of(std::span<const SamplePoint> points, bool exact) {
 	Ref<PoissonPoints> result(memnew(PoissonPoints));
 	if (!result->fill(points, exact)) {
-		report(class_name, {ErrorCode::out_of_memory, "size", static_cast<double>(points.size())});
+		report("PoissonSampler", {ErrorCode::out_of_memory, "rect", static_cast<double>(points.size())});
 		result = Ref<PoissonPoints>(memnew(PoissonPoints));
 	}
 	return result;

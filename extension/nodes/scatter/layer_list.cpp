@@ -85,7 +85,7 @@ std::vector<LinkedLayer> LayerList::link() const {
 
 /// What a layer says from now on, given what came of its names.
 SharedSnapshot LayerList::next(std::size_t index, const LinkedLayer &linked) const {
-	const SharedSnapshot was = before(index);
+	SharedSnapshot was = before(index);
 	if (linked.settings == nullptr) {
 		return nullptr;
 	}
