@@ -209,7 +209,7 @@ func run() -> void:
 	var scatter: Node3D = demo.scatter
 	var all: int = scatter.get_stats().instances
 	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
-	var ids := scatter.get_tile(0, tile).get_ids(0)
+	var ids: PackedInt64Array = scatter.get_tile(0, tile).get_ids(0)
 	press(KEY_N)
 	await idle()
 	check(scatter.seed == 8, "N: next seed")
