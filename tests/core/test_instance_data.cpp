@@ -205,7 +205,7 @@ TEST_CASE("instance data: transform, color and custom data stand in the engine's
 }
 
 TEST_CASE("instance data: variation, wind phase and color are uniform and have nothing to do with each other or the "
-          "mesh") {
+		  "mesh") {
 	constexpr std::size_t tries = 20000;
 	const InstanceData data{true, palette(1000), true};
 	MeshChoice meshes;

@@ -28,7 +28,7 @@ struct DomainRequest {
 			false; ///< Opposite edges meet: distances are measured around the torus, and the set tiles the plane.
 	double cell_size =
 			0.0; ///< Width of an accelerator cell in radii, 0 for the method's own, else up to max_cell_size. Rounded up
-				 ///< to whole base squares. Changes time and memory, never the points. `naive` ignores it.
+	///< to whole base squares. Changes time and memory, never the points. `naive` ignores it.
 	double darts_each =
 			100; ///< `naive` only: darts thrown for each base square, 1 to 1e6; more come closer to maximal.
 };
