@@ -13,8 +13,8 @@ const DEFAULT_SECONDS := 1200.0
 const SECONDS_A_LINE := 60.0
 const WARM_UP := 0.25
 const FLAT := 0.05
-## Rounds that fill what is kept for later, at least.
-const WARM_UP_ROUNDS := 3
+## Rounds that fill what is kept for later, at least: counted, because a busy machine plays fewer of them in a time.
+const WARM_UP_ROUNDS := 16
 const LEAST_SAMPLES := 3
 const PATIENCE_SECONDS := 60.0
 ## Frames of play in a round; as fast as they go, each a sixtieth of a second of the flight.
