@@ -64,3 +64,14 @@ func made_again(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i]:
 	await settle(scatter)
 	scatter.tile_shown.disconnect(note)
 	return made
+
+
+## A scatter on the ground that a node gives, both in the tree.
+func make_on(node: Node, thread_safe := false, layer := make_layer()) -> TerrainScatter3D:
+	if not node.is_inside_tree():
+		root.add_child(node)
+	var terrain := ScatterTerrainObject.new()
+	terrain.thread_safe = thread_safe
+	var scatter := make_scatter([layer], terrain, make_viewer())
+	terrain.node = scatter.get_path_to(node)
+	return scatter

@@ -27,16 +27,6 @@ class Slow extends Node3D:
 		return 2.0
 
 
-func make_on(node: Node, thread_safe := false, layer := make_layer()) -> TerrainScatter3D:
-	if not node.is_inside_tree():
-		root.add_child(node)
-	var terrain := ScatterTerrainObject.new()
-	terrain.thread_safe = thread_safe
-	var scatter := make_scatter([layer], terrain, make_viewer())
-	terrain.node = scatter.get_path_to(node)
-	return scatter
-
-
 ## Asks another terrain within a call, then does what waits for calls to end. The inner call ends before the outer one.
 func test_an_inner_call_does_not_end_the_outer_one() -> void:
 	for thread_safe: bool in [false, true]:

@@ -83,17 +83,6 @@ class Wrong extends Node3D:
 		return answer
 
 
-## A scatter on the ground that a node gives, both in the tree.
-func make_on(node: Node, thread_safe := false, layer := make_layer()) -> TerrainScatter3D:
-	if not node.is_inside_tree():
-		root.add_child(node)
-	var terrain := ScatterTerrainObject.new()
-	terrain.thread_safe = thread_safe
-	var scatter := make_scatter([layer], terrain, make_viewer())
-	terrain.node = scatter.get_path_to(node)
-	return scatter
-
-
 func check_terrain3d_like(scatter: TerrainScatter3D, node: Terrain3DLike, what: String) -> void:
 	var stand := all_transforms(scatter)
 	var wrong := 0

@@ -1,5 +1,7 @@
 #include "nodes/gameplay/collision_ring.hpp"
 
+#include "nodes/common/convert.hpp"
+
 #include <godot_cpp/classes/physics_server3d.hpp>
 
 #include <utility>
@@ -12,12 +14,6 @@ namespace {
 
 /// Bodies in a frame: a microsecond or two each.
 constexpr int most_freed = 16;
-
-Vector3 to_engine(glm::dvec3 v) {
-	return Vector3(static_cast<real_t>(v.x), static_cast<real_t>(v.y), static_cast<real_t>(v.z));
-}
-
-Vector3 to_engine(const glm::vec3 &v) { return Vector3(v.x, v.y, v.z); }
 
 } // namespace
 
@@ -183,9 +179,8 @@ void CollisionRing::apply(const CollisionLayer::Settings &settings, const RID &b
 }
 
 Transform3D CollisionRing::transform_of(const Body &body) const {
-	const glm::mat3 &axes = body.rotation;
-	return Transform3D(Basis(to_engine(axes[0]), to_engine(axes[1]), to_engine(axes[2])),
-			to_engine(body.instance.position + body.shape->center * glm::dvec3(axes[1]) - offset_));
+	const glm::dvec3 center = body.instance.position + body.shape->center * glm::dvec3(body.rotation[1]);
+	return to_engine(body.rotation, center, offset_);
 }
 
 void CollisionRing::set_world_offset(glm::dvec3 offset) {

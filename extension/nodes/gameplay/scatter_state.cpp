@@ -1,6 +1,7 @@
 #include "nodes/gameplay/scatter_state.hpp"
 
 #include "core/base/check.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
@@ -18,13 +19,6 @@ namespace {
 
 std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {
 	return {p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())};
-}
-
-PackedByteArray packed(std::span<const std::uint8_t> bytes) {
-	PackedByteArray result;
-	result.resize(static_cast<int64_t>(bytes.size()));
-	std::copy(bytes.begin(), bytes.end(), result.ptrw());
-	return result;
 }
 
 /// A value as bytes; none for null. False for an object, and for what is far too large.
@@ -209,7 +203,7 @@ bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 
 Variant ScatterState::get_instance_data(int64_t p_id) const {
 	const std::span<const std::uint8_t> bytes = state_.data(core_id(p_id));
-	return bytes.empty() ? Variant() : packed(bytes).decode_var(0, false);
+	return bytes.empty() ? Variant() : packed_bytes(bytes).decode_var(0, false);
 }
 
 PackedInt64Array ScatterState::get_removed(int64_t p_layer_id) const {
@@ -227,7 +221,7 @@ int64_t ScatterState::get_added_count() const { return static_cast<int64_t>(stat
 PackedByteArray ScatterState::to_bytes() const {
 	std::vector<std::uint8_t> bytes;
 	told("to_bytes", state_.save(bytes));
-	return packed(bytes);
+	return packed_bytes(bytes);
 }
 
 Error ScatterState::from_bytes(const PackedByteArray &p_bytes) {
@@ -241,7 +235,7 @@ PackedByteArray ScatterState::diff_since(int64_t p_revision) const {
 	std::vector<std::uint8_t> bytes;
 	const auto revision = static_cast<std::uint64_t>(std::max<int64_t>(p_revision, 0));
 	told("diff_since", state_.diff_since(revision, bytes));
-	return packed(bytes);
+	return packed_bytes(bytes);
 }
 
 Error ScatterState::apply_diff(const PackedByteArray &p_diff) {

@@ -2,6 +2,8 @@
 
 #include "nodes/gameplay/scene_ring.hpp"
 
+#include "nodes/common/convert.hpp"
+
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
@@ -17,13 +19,7 @@ bool SceneRing::ours(const Shown &shown) const {
 }
 
 Transform3D SceneRing::transform_of(const PlacedInstance &instance) const {
-	const auto column = [&instance](int axis) {
-		const glm::vec3 &from = instance.basis[axis];
-		return Vector3(from.x, from.y, from.z);
-	};
-	const glm::dvec3 at = instance.position - offset_;
-	return Transform3D(Basis(column(0), column(1), column(2)),
-			Vector3(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z)));
+	return to_engine(instance.basis, instance.position, offset_);
 }
 
 void SceneRing::move_node(const Shown &shown) const {
