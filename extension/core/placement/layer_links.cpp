@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace thicket {
@@ -79,7 +81,7 @@ std::string quoted(const LayerReference &reference) {
 }
 
 /// Why the reference means no layer.
-std::string nobody(const LayerReference &reference) {
+std::string_view nobody(const LayerReference &reference) {
 	return reference.name.empty() ? ", which is not in the list." : ", and no layer has that name.";
 }
 
@@ -121,7 +123,7 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		const std::size_t other = find(layers, reference);
 		// That there is no name at all is told by the layer itself.
 		if (!reference.empty() && other == layers.size()) {
-			problems.push_back("spacing names " + quoted(reference) + nobody(reference));
+			problems.push_back(("spacing names " + quoted(reference)).append(nobody(reference)));
 		} else if (other == index) {
 			problems.push_back("spacing names the layer itself; its own instances keep its radius.");
 		}
@@ -130,7 +132,7 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		const std::size_t other = find(layers, layer.proximity_layer);
 		const std::string start = "proximity_layer is " + quoted(layer.proximity_layer);
 		if (other == layers.size()) {
-			problems.push_back(start + nobody(layer.proximity_layer));
+			problems.push_back(std::string(start).append(nobody(layer.proximity_layer)));
 		} else if (other >= index) {
 			problems.push_back(start + ", which does not stand before this layer in the list: it has no effect.");
 		}
