@@ -19,16 +19,19 @@ constexpr double tolerance_tiles = 1.0 - slack_tiles;
 
 } // namespace
 
-/// A tile waits to be requested anew: in the queues of all for whom it may be. Where memory ends, the next look fills them.
-void LayerTiles::queue_up(std::uint32_t slot) noexcept {
-	const Status status = guarded("tiles", 1.0, [&] {
-		const glm::ivec2 at = tiles_[slot].at;
-		for (Sight &sight : sights_) {
-			if (sight.keep.contains(at)) {
-				sight.queue.add(slot, at);
-			}
+/// Adds a tile to the queues of all viewers for whom it may be.
+void LayerTiles::add_to_queues(std::uint32_t slot) {
+	const glm::ivec2 at = tiles_[slot].at;
+	for (Sight &sight : sights_) {
+		if (sight.keep.contains(at)) {
+			sight.queue.add(slot, at);
 		}
-	});
+	}
+}
+
+/// A tile waits to be requested anew. Where memory ends, the next look fills the queues.
+void LayerTiles::queue_up(std::uint32_t slot) noexcept {
+	const Status status = guarded("tiles", 1.0, [&] { add_to_queues(slot); });
 	torn_ = torn_ || !status.ok();
 }
 

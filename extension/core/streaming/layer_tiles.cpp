@@ -129,7 +129,7 @@ void LayerTiles::begin_anew() {
 	sweeping_ = true;
 }
 
-/// Lets go of what nobody sees or keeps.
+/// Lets go of what nobody sees or keeps, and queues up what somebody keeps and is not current.
 void LayerTiles::leave_all(StreamChanges &r_changes) {
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 		const StreamedTile &tile = tiles_[slot];
@@ -137,6 +137,8 @@ void LayerTiles::leave_all(StreamChanges &r_changes) {
 			release(slot, r_changes);
 		} else if (tile.exists && !tile.begun() && !seen(tile.at)) {
 			erase(slot);
+		} else if (tile.exists && tile.begun() && !tile.current) {
+			add_to_queues(slot);
 		}
 	}
 }
@@ -221,13 +223,6 @@ void LayerTiles::enter(Sight &sight) {
 			sight.queue.add(slot, at);
 		}
 	});
-	// What another viewer has left on show, outdated, may now be kept by this one alone.
-	sight.keep.visit_without(sight.old_keep, [&](glm::ivec2 at) {
-		const std::uint32_t slot = tiles_.find(at);
-		if (slot != TileTable::none && tiles_[slot].begun() && !tiles_[slot].current && !sight.view.contains(at)) {
-			sight.queue.add(slot, at);
-		}
-	});
 }
 
 void LayerTiles::leave(const Sight &sight, StreamChanges &r_changes) {
@@ -240,8 +235,13 @@ void LayerTiles::leave(const Sight &sight, StreamChanges &r_changes) {
 	});
 	sight.old_keep.visit_without(sight.keep, [&](glm::ivec2 at) {
 		const std::uint32_t slot = tiles_.find(at);
-		if (slot != TileTable::none && !kept(at)) {
+		if (slot == TileTable::none) {
+			return;
+		}
+		if (!kept(at)) {
 			release(slot, r_changes);
+		} else if (tiles_[slot].begun() && !tiles_[slot].current) {
+			add_to_queues(slot); // Perhaps it was in this viewer's alone.
 		}
 	});
 }

@@ -134,6 +134,7 @@ private:
 	void leave(const Sight &sight, StreamChanges &r_changes);
 	bool seen(glm::ivec2 at) const;
 	bool kept(glm::ivec2 at) const;
+	void add_to_queues(std::uint32_t slot);
 	void queue_up(std::uint32_t slot) noexcept;
 	bool measure(const Sight &sight, TileQueue::Entry &entry) const;
 	void sort(Sight &sight);
