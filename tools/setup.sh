@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Installs what building, testing and the demo need and this machine lacks; says what it does; does nothing, and asks
 # the network nothing, where all is there. Run it for everything, or source it and call the parts:
-#   setup_compiler   a C++20 compiler, scons, GLM, Highway, doctest
+#   setup_compiler   a C++20 compiler, scons, GLM, doctest, and the sources of Highway
 #   setup_baselines  CGAL, for one of the methods that tests and benches compare with
 #   setup_clang      a second compiler, for the tests that compare compilers; those are skipped where it cannot be had
 #   setup_mono       a C# compiler, for the test of the wrappers; it is skipped where none can be had
+#   setup_zig        clang for every platform, and their C libraries, for what is shipped (README.md, "Build")
 #   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
@@ -16,6 +17,13 @@ source "$setup_repo/tools/find.sh"
 godot_suite=forky
 godot_root_packages=godot,xvfb,xauth,libgl1,libegl1,libgl1-mesa-dri,mesa-vulkan-drivers,fonts-dejavu-core
 
+# The release of Highway that is compiled in, everywhere the same: Debian has its sources. $highway_sha256 is that of the
+# tar ball as it was published.
+highway_version=1.2.0
+highway_sha256=7e0be78b8318e8bdbf6fa545d2ecb4c90f947df03f7aadc42c1967f019e63343
+highway_suite=trixie
+zig_version=0.17.0
+
 say() {
 	echo "thicket: $*" >&2
 }
@@ -25,9 +33,54 @@ setup_compiler() {
 	command -v "${CXX:-g++}" >/dev/null || missing+=(g++)
 	command -v scons >/dev/null || missing+=(scons)
 	has_header glm/glm.hpp || missing+=(libglm-dev)
-	has_header hwy/highway.h || missing+=(libhwy-dev)
 	has_header doctest/doctest.h || missing+=(doctest-dev)
 	install_packages "to build" "${missing[@]}"
+	setup_highway
+}
+
+# Takes the sources from Debian, through lists of our own, so that what the machine's apt knows stays as it is.
+setup_highway() {
+	local folder partial mirror tar_ball
+	folder=$(cache_folder)/highway-$highway_version
+	[[ ! -f $folder/hwy/highway.h ]] || return 0
+	mirror=$(debian_mirror)
+	if [[ -z $mirror ]] || ! command -v apt-get >/dev/null; then
+		say "to build, please put the sources of Highway $highway_version into $folder, so that $folder/hwy/highway.h is there"
+		return 1
+	fi
+	say "taking the sources of Highway $highway_version from Debian $highway_suite"
+	mkdir -p "$(cache_folder)"
+	partial=$(mktemp --directory "$folder.partial.XXXXXX")
+	mkdir -p "$partial"/{lists,cache}
+	echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $highway_suite main" >"$partial/sources"
+	local from=(-qq -o Acquire::Retries=3 -o Dir::Etc::sourcelist="$partial/sources" -o Dir::Etc::sourceparts=/dev/null
+		-o Dir::State::lists="$partial/lists" -o Dir::Cache="$partial/cache" -o APT::Sandbox::User="$(id -un)"
+		-o Acquire::Check-Valid-Until=false)
+	tar_ball=$partial/highway_$highway_version.orig.tar.gz
+	if ! (cd "$partial" && apt-get "${from[@]}" update && apt-get "${from[@]}" --download-only source highway) >&2 ||
+		! echo "$highway_sha256  $tar_ball" | sha256sum --check --quiet >&2; then
+		rm -rf "$partial"
+		say "the sources of Highway could not be had; the messages above say why"
+		return 1
+	fi
+	mkdir "$partial/highway"
+	tar --extract --file "$tar_ball" --directory "$partial/highway" --strip-components=1
+	rm -rf "$folder"
+	mv "$partial/highway" "$folder"
+	rm -rf "$partial"
+}
+
+# Zig's compiler is clang with the headers and C libraries of all platforms.
+setup_zig() {
+	local folder
+	folder=$(cache_folder)/zig-$zig_version
+	[[ ! -x $folder/ziglang/zig ]] || return 0
+	setup_python
+	say "installing zig $zig_version into $folder (about 400 MB, once)"
+	rm -rf "$folder" "$folder.partial"
+	"$(python_venv)/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+		--target "$folder.partial" "ziglang==$zig_version"
+	mv "$folder.partial" "$folder"
 }
 
 setup_baselines() {

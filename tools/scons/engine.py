@@ -34,11 +34,9 @@ def external(env, folder):
         if os.path.isdir(root):
             env.Append(CCFLAGS=["-isystem", root])
     # As godot-cpp's own build defines them for the code that links with it.
-    env.Append(CPPDEFINES=["GDEXTENSION", "THREADS_ENABLED"], LIBS=[env.File(fitting[0])])
+    env.Append(CPPDEFINES=["GDEXTENSION"], LIBS=[env.File(fitting[0])])
     if supports_reload(fitting[0]):
         env.Append(CPPDEFINES=["HOT_RELOAD_ENABLED"])
-    if env["platform"] == "linux":
-        env.Append(CPPDEFINES=["LINUX_ENABLED", "UNIX_ENABLED"])
     return []
 
 

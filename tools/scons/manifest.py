@@ -4,36 +4,40 @@ import os
 import re
 
 import engine
+import platforms
 
 ADDON = "demo_project/addons/thicket"
 ENTRY_SYMBOL = "thicket_library_init"
-SUFFIXES = {"windows": "dll", "macos": "dylib"}
 
-BINARY = re.compile(r"^libthicket\.(\w+)\.(template_debug|template_release|editor)\.(\w+)\.(?:so|dll|dylib)$")
+BINARY = re.compile(
+    r"^libthicket\.(?P<platform>\w+)\.(?P<target>template_debug|template_release|editor)(?P<double>\.double)?(?:\.(?P<arch>(?!framework)\w+?))?"
+    r"(?P<nothreads>\.nothreads)?\.(?:so|dll|dylib|framework|wasm)$"
+)
 
 
 def addon_folder(env, out):
-    """Where the extension is built: into the demo's addon, except with sanitizers, which a plain Godot cannot load."""
-    return out + "/addon" if env["sanitize"] else "#" + ADDON
+    """Where the extension is built: into the demo's addon if it runs here, else into the build folder, with sanitizers too,
+    which a plain Godot cannot load."""
+    here = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["symbols"])
+    return "#" + ADDON if here else out + "/addon"
 
 
 def binary_name(env):
-    suffix = SUFFIXES.get(env["platform"], "so")
-    return "libthicket.%s.%s.%s.%s" % (env["platform"], env["target"], env["arch"], suffix)
+    return "lib" + platforms.library_name(env) + platforms.PLATFORMS[env["platform"]].suffix
 
 
-def manifest(env, addon, binary, beside):
+def manifest(env, addon, binary):
     """The node of the manifest, rewritten after the binary is linked. What it says depends on which other binaries lie
     there, built by other runs, so they are listed when the build starts."""
     folder = env.Dir(addon)
     there = os.path.join(folder.abspath, "bin")
     names = set(os.listdir(there) if os.path.isdir(there) else [])
-    names.update(node.name for node in env.Flatten([binary, beside]))
+    names.update(node.name for node in env.Flatten([binary]))
     icons = os.path.join(folder.abspath, "icons")
     text = write(names, os.listdir(icons) if os.path.isdir(icons) else [])
     action = env.Action(write_text, "write   %s/thicket.gdextension" % addon.lstrip("#"))
     node = env.Command(addon + "/thicket.gdextension", [env.Value("\n".join(text)), engine.version_source(env)], action)
-    env.Depends(node, [binary, beside])
+    env.Depends(node, binary)
     return node
 
 
@@ -47,23 +51,27 @@ def write_text(target, source, env):
 def write(names, icons):
     """The manifest's text for these files in bin/ and these in icons/."""
     binaries = sorted((match for match in map(BINARY.match, names) if match), key=lambda match: match.group(0))
-    libraries, dependencies = [], []
-    shipped = sorted(name for name in names if re.match(r"^libhwy\.", name))
-    for platform, arch in sorted({(match.group(1), match.group(3)) for match in binaries}):
-        built = {match.group(2): match.group(0) for match in binaries if match.group(1, 3) == (platform, arch)}
+    kinds = sorted({tuple(match.group("platform", "arch", "double", "nothreads")) for match in binaries}, key=str)
+    # A tag that tells libraries of one platform apart is named where it is needed only: engines before 4.4 lack some.
+    several = {kind[0] for kind in kinds if kind[3]}
+    libraries = []
+    for kind in kinds:
+        platform, arch, double, nothreads = kind
+        built = {
+            match.group("target"): match.group(0)
+            for match in binaries
+            if match.group("platform", "arch", "double", "nothreads") == kind
+        }
         # Without a release binary an exported game still runs, and the other way round.
         features = {
             "editor": built.get("editor"),
             "debug": built.get("template_debug") or built.get("editor") or built.get("template_release"),
             "release": built.get("template_release") or built.get("template_debug") or built.get("editor"),
         }
-        for feature, name in features.items():
-            if name:
-                key = "%s.%s.%s" % (platform, feature, arch)
-                libraries.append('%s = "bin/%s"' % (key, name))
-                if shipped:
-                    entries = ", ".join('"bin/%s": ""' % name for name in shipped)
-                    dependencies.append("%s = { %s }" % (key, entries))
+        tags = [arch] if arch else []
+        tags += ["double" if double else "single"]
+        tags += ["nothreads" if nothreads else "threads"] if platform in several else []
+        libraries += ['%s = "bin/%s"' % (".".join([platform, feature, *tags]), name) for feature, name in features.items() if name]
     lines = [
         "[configuration]", "",
         'entry_symbol = "%s"' % ENTRY_SYMBOL,
@@ -71,8 +79,6 @@ def write(names, icons):
         "reloadable = true", "",
         "[libraries]", "", *libraries,
     ]  # fmt: skip
-    if dependencies:
-        lines += ["", "[dependencies]", "", *dependencies]
     pictures = sorted(name for name in icons if name.endswith(".svg"))
     if pictures:
         lines += ["", "[icons]", "", *('%s = "icons/%s"' % (name[: -len(".svg")], name) for name in pictures)]

@@ -1,8 +1,6 @@
 #include "core/sampling/resolver.hpp"
 
-// The scalar path has vectors of four emulated lanes, as wide as the narrowest real ones. Highway avoids it with compilers
-// that miscompile a 16-bit multiply; nothing here uses that, and tests compare the bits of all paths.
-#define HWY_BROKEN_EMU128 0
+#include "core/sampling/instruction_sets.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/sampling/resolver.cpp"

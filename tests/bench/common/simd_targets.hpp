@@ -1,7 +1,7 @@
 #pragma once
 
-// As in extension/core/sampling/resolver.cpp, so that both mean the same by "all targets".
-#define HWY_BROKEN_EMU128 0
+#include "core/sampling/instruction_sets.hpp"
+
 #include <hwy/highway.h>
 
 #include <cstdint>

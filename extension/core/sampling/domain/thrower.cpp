@@ -1,7 +1,6 @@
 #include "core/sampling/domain/thrower.hpp"
 
-// The scalar path has vectors of four emulated lanes; see resolver.cpp.
-#define HWY_BROKEN_EMU128 0
+#include "core/sampling/instruction_sets.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/sampling/domain/thrower.cpp"

@@ -1,0 +1,11 @@
+#pragma once
+
+// Which instruction sets Highway compiles its code for, the same wherever it is included: all that the processor may have, and
+// the emulated one, which shows that vectors change no bit. To be included before Highway.
+
+// Highway avoids the emulated one, four lanes as wide as the narrowest real ones, with compilers that miscompile a 16-bit
+// multiply; nothing here uses that, and tests compare the bits of all paths.
+#define HWY_BROKEN_EMU128 0
+#define HWY_COMPILE_ALL_ATTAINABLE
+// Vectors of a size that is known at run time only cannot be members of a class, and ours are. NEON and plain code stay.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)

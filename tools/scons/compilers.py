@@ -1,0 +1,135 @@
+"""What each compiler is told: g++ and clang as they come, zig's clang for any platform, emscripten, and Microsoft's."""
+
+import os
+
+import platforms
+
+WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion"]
+
+# Contraction is off because a fused multiply-add rounds once where the source rounds twice: the same seed would give
+# other points on another processor.
+EXACT = ["-ffp-contract=off"]
+# On 32-bit x86 the compiler would compute with the old unit's 80 bits.
+EXACT_ON = {"x86_32": ["-msse2", "-mfpmath=sse"]}
+
+
+def name(env):
+    """What the compiler is called: g++, clang++, zig."""
+    return "zig" if env["use_zig"] else os.path.basename(env["CXX"])
+
+
+def is_msvc(env):
+    return name(env).lower() in ("cl", "cl.exe", "clang-cl", "clang-cl.exe")
+
+
+def choose(env):
+    """Sets the programs that compile, archive and link; returns what the compiler is called in a build folder's name, ""
+    for g++."""
+    if not env["use_zig"]:
+        if env["platform"] == "web":
+            env.Replace(AR="emar", RANLIB="emranlib")
+        return "" if name(env) in ("g++", "cl", "em++") else name(env)
+    zig = env["zig"]
+    if not os.access(zig, os.X_OK):
+        raise SystemExit("thicket: use_zig=yes: no zig at %s (bash tools/setup.sh zig installs it)" % zig)
+    compiler = [zig, "c++", "-target", platforms.zig_target(env)]
+    env.Replace(CXX=compiler, LINK=compiler, SHLINK=compiler, AR=[zig, "ar"], RANLIB=[zig, "ranlib"])
+    # Beside the compiler's sources, which it compiles for each target once.
+    cache = os.path.join(os.path.dirname(os.path.dirname(zig)), "compiled")
+    env["ENV"].update(ZIG_GLOBAL_CACHE_DIR=cache, ZIG_LOCAL_CACHE_DIR=cache)
+    return "zig"
+
+
+def configure(env, release):
+    """The flags of all our code."""
+    env.Append(CPPDEFINES=["NDEBUG" if release else "DEBUG_ENABLED"])
+    if env["target"] == "editor":
+        env.Append(CPPDEFINES=["TOOLS_ENABLED"])
+    if env["precision"] == "double":
+        env.Append(CPPDEFINES=["REAL_T_IS_DOUBLE"])
+    env.Append(CPPDEFINES=list(platforms.PLATFORMS[env["platform"]].defines))
+    if env["threads"]:
+        env.Append(CPPDEFINES=["THREADS_ENABLED"])
+    if is_msvc(env):
+        configure_msvc(env, release)
+    else:
+        configure_gnu(env, release)
+
+
+def configure_gnu(env, release):
+    env.Append(
+        CXXFLAGS=["-std=c++20"],
+        CCFLAGS=WARNINGS + (["-Werror"] if env["werror"] else []) + EXACT + EXACT_ON.get(env["arch"], []),
+    )
+    env.Append(CCFLAGS=["-fvisibility=hidden"] + (["-fPIC"] if env["platform"] != "windows" else []))
+    # Objects of programs and of the extension are the same: position-independent, hidden by default.
+    env["STATIC_AND_SHARED_OBJECTS_ARE_THE_SAME"] = 1
+    env["OBJSUFFIX"] = env["SHOBJSUFFIX"] = ".o"
+    env["SHCCFLAGS"] = ["$CCFLAGS"]
+    if env["threads"]:
+        env.Append(LINKFLAGS=["-pthread"])
+    if env["platform"] == "web" and env["threads"]:
+        env.Append(CCFLAGS=["-pthread"])
+    if env["platform"] == "web":
+        env.Append(CCFLAGS=["-msimd128", "-sSUPPORT_LONGJMP=wasm"])
+    if env["use_zig"]:
+        # zig checks for undefined behavior unless it is told otherwise; that has a build of its own. Paths of this
+        # machine are of no use to others.
+        env.Append(CCFLAGS=["-fno-sanitize=undefined", "-ffile-prefix-map=%s=." % env.Dir("#").abspath])
+    if env["dev_build"]:
+        env.Append(CCFLAGS=["-Og", "-g3"])
+    elif release:
+        env.Append(CCFLAGS=["-O3"])
+    else:
+        env.Append(CCFLAGS=["-O2"] + ([] if env["use_zig"] else ["-g1"]))
+    if env["symbols"]:
+        env.Append(CCFLAGS=["-g1", "-gdwarf-4"])
+    elif release or env["use_zig"]:
+        env.Append(CCFLAGS=["-g0"], LINKFLAGS=["-s"])
+
+
+def configure_msvc(env, release):
+    """Written from Microsoft's documentation; nobody has run it yet (README.md, "Build")."""
+    env.Append(
+        CXXFLAGS=["/std:c++20", "/EHsc", "/permissive-", "/Zc:__cplusplus", "/Zc:preprocessor", "/utf-8", "/bigobj"],
+        CCFLAGS=["/W4"] + (["/WX"] if env["werror"] else []) + ["/fp:precise", "/GS", "/guard:cf"],
+        LINKFLAGS=["/DYNAMICBASE", "/NXCOMPAT", "/HIGHENTROPYVA", "/guard:cf"],
+        CPPDEFINES=["NOMINMAX", "_USE_MATH_DEFINES"],
+    )
+    env["STATIC_AND_SHARED_OBJECTS_ARE_THE_SAME"] = 1
+    env.Append(CCFLAGS=["/Od", "/Zi"] if env["dev_build"] else ["/O2"])
+    # The C++ library goes in, as everywhere else.
+    env.Append(CCFLAGS=["/MT"])
+
+
+def shared_flags(env, release):
+    """What turns our objects into a library that a running Godot can load, unload and load again."""
+    if is_msvc(env):
+        return
+    platform = env["platform"]
+    if platform in ("linux", "android"):
+        # Templates of the standard library are visible whatever -fvisibility says; the map hides them too, so that
+        # Godot sees its entry and nothing that could be taken for its own.
+        exports = env.File("#tools/scons/exports.map")
+        env.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
+        env.Append(LINKFLAGS=["-Wl,-z,relro", "-Wl,-z,now", "-Wl,-z,noexecstack"])
+    if platform == "macos":
+        env.Append(LINKFLAGS=["-Wl,-dead_strip"])
+    if platform == "web":
+        env.Append(LINKFLAGS=["-sSIDE_MODULE=2", "-sEXPORTED_FUNCTIONS=_thicket_library_init", "-sWASM_BIGINT"])
+        env.Append(LINKFLAGS=["-sSUPPORT_LONGJMP=wasm"])
+        return
+    compiler = name(env)
+    if "clang" not in compiler and compiler != "zig":
+        # A unique symbol pins its library in memory for ever, and a reload would then find the old code.
+        env.Append(CXXFLAGS=["-fno-gnu-unique"])
+        if (release and not env["sanitize"]) or platform == "windows":
+            env.Append(LINKFLAGS=["-static-libstdc++", "-static-libgcc"])
+    elif "clang" in compiler and platform == "linux" and release and not env["sanitize"]:
+        env.Append(LINKFLAGS=["-static-libstdc++", "-static-libgcc"])
+
+
+def extra_sources(env):
+    """Sources that the extension needs on this platform and with this compiler."""
+    # zig's start files call no destructors when a library is closed: its static objects would outlive its code.
+    return ["tools/scons/unload.cpp"] if env["use_zig"] and env["platform"] == "linux" else []

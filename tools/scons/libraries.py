@@ -1,0 +1,46 @@
+"""The libraries of others: the part of Highway that a program links, four of its sources, compiled with ours and for the
+same processors; and the headers of GLM and doctest."""
+
+import os
+
+import compilers
+import platforms
+
+HIGHWAY_VERSION = "1.2.0"
+HIGHWAY_SOURCES = ("abort", "aligned_allocator", "per_target", "targets")
+
+
+def cache_folder():
+    """As in tools/find.sh."""
+    caches = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    return os.environ.get("THICKET_CACHE") or os.path.join(caches, "thicket")
+
+
+def highway(env, out):
+    """The library's node. Its headers are not ours, so their warnings are not shown."""
+    folder = os.path.abspath(env["highway"])
+    if not os.path.exists(os.path.join(folder, "hwy/highway.h")):
+        raise SystemExit(
+            "thicket: highway=%s holds no hwy/highway.h: run bash tools/setup.sh, or name the sources of Highway %s" % (folder, HIGHWAY_VERSION)
+        )
+    env.Append(CPPDEFINES=["HWY_STATIC_DEFINE"])
+    env.Append(CCFLAGS=["/external:W0", "/external:I" + folder] if compilers.is_msvc(env) else ["-isystem", folder])
+    foreign = env.Clone()
+    foreign.Append(CCFLAGS=["/w"] if compilers.is_msvc(env) else ["-w"])
+    objects = [foreign.Object("%s/highway/%s" % (out, name), os.path.join(folder, "hwy", name + ".cc")) for name in HIGHWAY_SOURCES]
+    return env.StaticLibrary(out + "/hwy", objects)
+
+
+def headers(env):
+    """Lets a compiler for another system find GLM and doctest, and nothing else that lies beside them."""
+    if not env["use_zig"] and platforms.is_native(env):
+        return
+    folder = env.Dir("#build/headers").abspath
+    os.makedirs(folder, exist_ok=True)
+    for name, header in (("glm", "glm/glm.hpp"), ("doctest", "doctest/doctest.h")):
+        roots = ["/usr/include", "/usr/local/include", "/opt/homebrew/include", *os.environ.get("CPATH", "").split(os.pathsep)]
+        found = [os.path.join(root, name) for root in roots if root and os.path.exists(os.path.join(root, header))]
+        link = os.path.join(folder, name)
+        if found and not os.path.lexists(link):
+            os.symlink(found[0], link)
+    env.Append(CCFLAGS=["-isystem", folder])

@@ -1,0 +1,80 @@
+"""The platforms that Thicket is built for, named as godot-cpp names them, and how compilers call them."""
+
+import platform as host
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Platform:
+    """What tells a platform from another."""
+
+    archs: tuple[str, ...]
+    suffix: str  # of a library
+    program: str = ""  # of a program's name
+    defines: tuple[str, ...] = ()  # as godot-cpp has them for the code that links with it
+
+
+PLATFORMS = {
+    "linux": Platform(("x86_64", "arm64", "x86_32", "rv64"), ".so", defines=("LINUX_ENABLED", "UNIX_ENABLED")),
+    "windows": Platform(("x86_64", "arm64", "x86_32"), ".dll", ".exe", ("WINDOWS_ENABLED",)),
+    "macos": Platform(("x86_64", "arm64", "universal"), ".dylib", defines=("MACOS_ENABLED", "UNIX_ENABLED")),
+    "web": Platform(("wasm32",), ".wasm", ".js", ("WEB_ENABLED", "UNIX_ENABLED")),
+    "android": Platform(("arm64", "x86_64"), ".so", defines=("ANDROID_ENABLED", "UNIX_ENABLED")),
+}
+
+# What zig's compiler calls a platform and an architecture, with the oldest system that the result asks for. glibc 2.17 is
+# of 2012; for riscv64 there is none before 2.27.
+ZIG_TARGETS = {
+    ("linux", "x86_64"): "x86_64-linux-gnu.2.17",
+    ("linux", "arm64"): "aarch64-linux-gnu.2.17",
+    ("linux", "x86_32"): "x86-linux-gnu.2.17",
+    ("linux", "rv64"): "riscv64-linux-gnu.2.27",
+    ("windows", "x86_64"): "x86_64-windows-gnu",
+    ("windows", "arm64"): "aarch64-windows-gnu",
+    ("windows", "x86_32"): "x86-windows-gnu",
+    ("macos", "x86_64"): "x86_64-macos.11.0",
+    ("macos", "arm64"): "aarch64-macos.11.0",
+}
+
+
+def native_platform():
+    return {"Linux": "linux", "Darwin": "macos", "Windows": "windows"}.get(host.system(), host.system().lower())
+
+
+def native_arch():
+    machine = host.machine().lower()
+    return {"amd64": "x86_64", "aarch64": "arm64", "i686": "x86_32", "riscv64": "rv64"}.get(machine, machine)
+
+
+def problem(env):
+    """Why these options name nothing that can be built, as a sentence; None if they do."""
+    platform, arch = env["platform"], env["arch"]
+    if platform not in PLATFORMS:
+        return "platform=%s is none of %s" % (platform, ", ".join(PLATFORMS))
+    known = PLATFORMS[platform].archs
+    if arch not in known:
+        return "arch=%s is none of %s, which platform=%s has" % (arch, ", ".join(known), platform)
+    if env["use_zig"] and (platform, arch) == ("macos", "universal"):
+        return "arch=universal: zig makes one architecture at a time; tools/package.sh joins x86_64 and arm64"
+    if env["use_zig"] and (platform, arch) not in ZIG_TARGETS:
+        return "use_zig=yes cannot build for platform=%s: name a compiler that can with CXX" % platform
+    if not env["threads"] and platform != "web":
+        return "threads=no is for platform=web only"
+    return None
+
+
+def zig_target(env):
+    return ZIG_TARGETS[env["platform"], env["arch"]]
+
+
+def is_native(env):
+    """Whether what is built runs on this machine as it is."""
+    return (env["platform"], env["arch"]) == (native_platform(), native_arch())
+
+
+def library_name(env):
+    """godot-cpp's name for a library with these options, without `lib` and its end: thicket.linux.template_debug.x86_64."""
+    name = "%s.%s" % (env["platform"], env["target"])
+    name += ".double" if env["precision"] == "double" else ""
+    name += "" if env["arch"] == "universal" else ".%s" % env["arch"]
+    return "thicket." + name + ("" if env["threads"] else ".nothreads")
