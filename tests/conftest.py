@@ -19,6 +19,8 @@ except ImportError:  # Not on Windows.
     fcntl = None
 
 REPO = Path(__file__).resolve().parent.parent
+# The add-on that projects of tests get: the one that was built here, or another, unpacked from a zip.
+ADDON = Path(os.environ.get("THICKET_ADDON") or REPO / "demo_project/addons/thicket")
 ARCH = {"amd64": "x86_64", "aarch64": "arm64"}.get(platform.machine().lower(), platform.machine().lower())
 BUILD_DIR = REPO / "build" / f"{platform.system().lower()}.template_debug.{ARCH}"
 
@@ -144,7 +146,7 @@ def new_project(folder: Path, settings: str = "") -> Path:
     """Makes a project with the addon and nothing else in an empty folder; settings are more lines of project.godot."""
     (folder / "project.godot").write_text(f'config_version=5\n[application]\nconfig/name="Thicket tests"\n{settings}')
     (folder / "addons").mkdir()
-    (folder / "addons/thicket").symlink_to(REPO / "demo_project/addons/thicket")
+    (folder / "addons/thicket").symlink_to(ADDON)
     (folder / ".godot").mkdir()
     (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
     return folder

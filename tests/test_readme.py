@@ -1,4 +1,4 @@
-"""The README's examples run as they stand, and its commands and folders are there."""
+"""The examples of README and tutorials run as they stand, and its commands and folders are there."""
 
 from __future__ import annotations
 
@@ -9,7 +9,12 @@ import pytest
 from conftest import REPO, new_project
 
 TEXT = (REPO / "README.md").read_text(encoding="utf-8")
-EXAMPLES = re.findall(r"^```gdscript\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
+TUTORIALS = sorted((REPO / "demo_project/addons/thicket/tutorials").glob("*.md"))
+EXAMPLES = [
+    example
+    for text in [TEXT, *(page.read_text(encoding="utf-8") for page in TUTORIALS)]
+    for example in re.findall(r"^```gdscript\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+]
 
 # Runs each example as a person would who pastes it into a new project: nodes under a camera, terrains asked for a height.
 RUNNER = """extends SceneTree
@@ -66,6 +71,7 @@ def test_examples_run(godot, project):
     assert re.search(r"^the ray meets \d+ after \d+\.\d+ m$", done.stdout, re.MULTILINE), printed
     assert "\nthe same forest: true\n" in done.stdout, printed
     assert re.search(r"^\d{3,} oaks there$", done.stdout, re.MULTILINE), printed
+    assert re.search(r"^felled \d+$", done.stdout, re.MULTILINE) and "\nstill cut: true\n" in done.stdout, printed
 
 
 def test_folders_and_commands_are_there():

@@ -10,6 +10,11 @@ godot_root() {
 	echo "$(cache_folder)/godot-root"
 }
 
+# The Debian root in which emscripten lies, whether it is there or not.
+emscripten_root() {
+	echo "$(cache_folder)/emscripten-root"
+}
+
 # True for a program that says that it is Godot 4.4 or newer.
 is_new_godot() {
 	local version
@@ -39,6 +44,22 @@ find_native_godot() {
 			return
 		fi
 	done
+}
+
+# enter_root ROOT: sets the array `enter` to the command behind which programs of a Debian root run, with our folders under the
+# paths that they have here.
+enter_root() {
+	local root=$1 repo folder
+	repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+	enter=(bwrap --die-with-parent --unshare-pid --bind "$root" / --dev-bind /dev /dev --proc /proc --ro-bind-try /sys /sys)
+	enter+=(--ro-bind-try /etc/ssl/certs /etc/ssl/certs)
+	for folder in /tmp /run "$HOME" "$(cache_folder)" "$repo" "$PWD"; do
+		case $folder/ in
+			/ | // | /usr/* | /etc/* | /bin/* | /sbin/* | /lib* | /dev/* | /proc/* | /sys/*) ;; # the root has its own
+			*) [[ ! -d $folder ]] || enter+=(--bind "$folder" "$folder") ;;
+		esac
+	done
+	enter+=(--chdir "$PWD")
 }
 
 # Lets Godot import what is new in the demo project, which it does not do by itself when it runs a project.

@@ -6,6 +6,8 @@
 #   setup_clang      a second compiler, for the tests that compare compilers; those are skipped where it cannot be had
 #   setup_mono       a C# compiler, for the test of the wrappers; it is skipped where none can be had
 #   setup_zig        clang for every platform, and their C libraries, for what is shipped (README.md, "Build")
+#   setup_llvm       tools that strip and join libraries of all platforms
+#   setup_emscripten the compiler for the web, in a Debian root in the cache folder
 #   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
@@ -23,6 +25,7 @@ highway_version=1.2.0
 highway_sha256=7e0be78b8318e8bdbf6fa545d2ecb4c90f947df03f7aadc42c1967f019e63343
 highway_suite=trixie
 zig_version=0.17.0
+emscripten_suite=trixie
 
 say() {
 	echo "thicket: $*" >&2
@@ -92,6 +95,10 @@ setup_clang() {
 		say "going on without clang; the tests that need it will be skipped"
 }
 
+setup_llvm() {
+	compgen -c | grep -q '^llvm-strip' || install_packages "to strip libraries" llvm
+}
+
 setup_mono() {
 	command -v mcs >/dev/null || install_packages "to check C#" mono-mcs ||
 		say "going on without a C# compiler; the tests that need it will be skipped"
@@ -145,27 +152,48 @@ setup_godot() {
 	fi
 }
 
-# Makes a Debian root with Godot in it. It appears under its name only when it is whole.
 make_godot_root() {
-	local root=$1 mirror partial aptopts
-	mirror=$(debian_mirror)
-	if [[ -z $mirror ]]; then
+	if [[ -z $(debian_mirror) ]]; then
 		say "no Godot 4.4 or newer here, and no Debian mirror among the apt sources to take it from: install Godot" \
 			"and put it on the PATH, or set GODOT to it"
 		return 1
 	fi
-	say "installing Godot from Debian $godot_suite into $root (about 800 MB, once)"
+	say "installing Godot from Debian $godot_suite into $1 (about 800 MB, once)"
+	make_debian_root "$1" "$godot_suite" "$godot_root_packages" || {
+		say "Godot could not be installed; the messages above say why"
+		return 1
+	}
+}
+
+# The compiler for the web, from a Debian release that has one near to that of the engine's own web builds.
+setup_emscripten() {
+	local root missing=()
+	root=$(emscripten_root)
+	[[ ! -x $root/usr/bin/em++ ]] || return 0
+	command -v bwrap >/dev/null || missing+=(bubblewrap)
+	command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
+	install_packages "to build for the web" "${missing[@]}"
+	say "installing emscripten from Debian $emscripten_suite into $root (about 1.5 GB, once)"
+	make_debian_root "$root" "$emscripten_suite" emscripten || {
+		say "emscripten could not be installed; the messages above say why"
+		return 1
+	}
+}
+
+# make_debian_root ROOT SUITE PACKAGES: makes a Debian root. It appears under its name only when it is whole.
+make_debian_root() {
+	local root=$1 suite=$2 packages=$3 mirror partial aptopts
+	mirror=$(debian_mirror)
 	mkdir -p "$(dirname "$root")"
 	partial=$(mktemp --directory "$root.partial.XXXXXX")
 	# How this machine's apt reaches its mirror, and what it accepts from it, holds for this one too.
 	mapfile -t aptopts < <(apt-config dump | sed -nE 's/^(Acquire::(Check-|Retries|https?::).*[^:] ".*");$/--aptopt=\1/p')
 	# Through tar, so that everything belongs to whoever installs it.
-	if ! mmdebstrap --variant=apt --include="$godot_root_packages" "${aptopts[@]}" \
+	if ! mmdebstrap --variant=apt --include="$packages" "${aptopts[@]}" \
 		--dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
 		--dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \
-		"$godot_suite" - "$mirror" </dev/null | tar --extract --directory "$partial" --exclude='./dev/*'; then
+		"$suite" - "$mirror" </dev/null | tar --extract --directory "$partial" --exclude='./dev/*'; then
 		rm -rf "$partial"
-		say "Godot could not be installed; the messages above say why"
 		return 1
 	fi
 	mkdir -p "$partial/etc/ssl/certs"

@@ -15,6 +15,8 @@ EXACT_ON = {"x86_32": ["-msse2", "-mfpmath=sse"]}
 
 def name(env):
     """What the compiler is called: g++, clang++, zig."""
+    if env["platform"] == "web":
+        return "em++"
     return "zig" if env["use_zig"] else os.path.basename(env["CXX"])
 
 
@@ -27,7 +29,9 @@ def choose(env):
     for g++."""
     if not env["use_zig"]:
         if env["platform"] == "web":
-            env.Replace(AR="emar", RANLIB="emranlib")
+            run = env.File("#tools/emscripten").abspath
+            env.Replace(CXX=[run, "em++"], LINK=[run, "em++"], SHLINK=[run, "em++"], AR=[run, "emar"], RANLIB=[run, "emranlib"])
+            return ""
         return "" if name(env) in ("g++", "cl", "em++") else name(env)
     zig = env["zig"]
     if not os.access(zig, os.X_OK):
@@ -40,8 +44,13 @@ def choose(env):
     return "zig"
 
 
-def configure(env, release):
+def is_release(env):
+    return env["target"] == "template_release" or env["ship"]
+
+
+def configure(env):
     """The flags of all our code."""
+    release = is_release(env)
     env.Append(CPPDEFINES=["NDEBUG" if release else "DEBUG_ENABLED"])
     if env["target"] == "editor":
         env.Append(CPPDEFINES=["TOOLS_ENABLED"])
@@ -82,7 +91,7 @@ def configure_gnu(env, release):
         env.Append(CCFLAGS=["-O3"])
     else:
         env.Append(CCFLAGS=["-O2"] + ([] if env["use_zig"] else ["-g1"]))
-    if env["symbols"]:
+    if env["ship"]:
         env.Append(CCFLAGS=["-g1", "-gdwarf-4"])
     elif release or env["use_zig"]:
         env.Append(CCFLAGS=["-g0"], LINKFLAGS=["-s"])
@@ -102,17 +111,20 @@ def configure_msvc(env, release):
     env.Append(CCFLAGS=["/MT"])
 
 
-def shared_flags(env, release):
+def shared_flags(env):
     """What turns our objects into a library that a running Godot can load, unload and load again."""
     if is_msvc(env):
         return
-    platform = env["platform"]
+    platform, release = env["platform"], is_release(env)
     if platform in ("linux", "android"):
         # Templates of the standard library are visible whatever -fvisibility says; the map hides them too, so that
         # Godot sees its entry and nothing that could be taken for its own.
         exports = env.File("#tools/scons/exports.map")
         env.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
-        env.Append(LINKFLAGS=["-Wl,-z,relro", "-Wl,-z,now", "-Wl,-z,noexecstack"])
+        env.Append(LINKFLAGS=["-Wl,-z,relro", "-Wl,-z,now", "-Wl,-z,noexecstack", "-Wl,--build-id=sha1"])
+    if platform == "windows":
+        # Else a library's time of birth is written into it.
+        env.Append(LINKFLAGS=["-Wl,/Brepro" if env["use_zig"] else "-Wl,--no-insert-timestamp"])
     if platform == "macos":
         env.Append(LINKFLAGS=["-Wl,-dead_strip"])
     if platform == "web":

@@ -74,17 +74,17 @@ def stand_in(env, out, sources):
     return made + sources(BINDINGS + "/src/**/*.cpp")
 
 
-def class_reference(env, out):
+def class_reference(env, out, target):
     """The object that gives the editor our class reference. Release builds have none: no editor loads them."""
     pages = sorted(env.Glob("#extension/doc_classes/*.xml"), key=str)
-    if env["target"] == "template_release" or not pages:
+    if target == "template_release" or not pages:
         return []
     script = env.File("#%s/docs.py" % BINDINGS)
     action = env.Action([[sys.executable, script.abspath, "--out", "$TARGET", *[page.abspath for page in pages]]],
         "pack    the class reference")  # fmt: skip
     packed = env.Command(out + "/gen/doc_data.cpp", pages, action)
     env.Depends(packed, script)
-    return env.SharedObject(packed)
+    return [env.SharedObject(packed)]
 
 
 def version_source(env):

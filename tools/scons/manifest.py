@@ -18,26 +18,26 @@ BINARY = re.compile(
 def addon_folder(env, out):
     """Where the extension is built: into the demo's addon if it runs here, else into the build folder, with sanitizers too,
     which a plain Godot cannot load."""
-    here = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["symbols"])
+    here = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["ship"])
     return "#" + ADDON if here else out + "/addon"
 
 
-def binary_name(env):
-    return "lib" + platforms.library_name(env) + platforms.PLATFORMS[env["platform"]].suffix
+def binary_name(env, target):
+    return "lib" + platforms.library_name(env, target) + platforms.PLATFORMS[env["platform"]].suffix
 
 
-def manifest(env, addon, binary):
-    """The node of the manifest, rewritten after the binary is linked. What it says depends on which other binaries lie
+def manifest(env, addon, binaries):
+    """The node of the manifest, rewritten after the binaries are linked. What it says depends on which other binaries lie
     there, built by other runs, so they are listed when the build starts."""
     folder = env.Dir(addon)
     there = os.path.join(folder.abspath, "bin")
     names = set(os.listdir(there) if os.path.isdir(there) else [])
-    names.update(node.name for node in env.Flatten([binary]))
+    names.update(node.name for node in env.Flatten(binaries))
     icons = os.path.join(folder.abspath, "icons")
     text = write(names, os.listdir(icons) if os.path.isdir(icons) else [])
     action = env.Action(write_text, "write   %s/thicket.gdextension" % addon.lstrip("#"))
     node = env.Command(addon + "/thicket.gdextension", [env.Value("\n".join(text)), engine.version_source(env)], action)
-    env.Depends(node, binary)
+    env.Depends(node, binaries)
     return node
 
 

@@ -72,9 +72,9 @@ def is_native(env):
     return (env["platform"], env["arch"]) == (native_platform(), native_arch())
 
 
-def library_name(env):
+def library_name(env, target):
     """godot-cpp's name for a library with these options, without `lib` and its end: thicket.linux.template_debug.x86_64."""
-    name = "%s.%s" % (env["platform"], env["target"])
+    name = "%s.%s" % (env["platform"], target)
     name += ".double" if env["precision"] == "double" else ""
     name += "" if env["arch"] == "universal" else ".%s" % env["arch"]
     return "thicket." + name + ("" if env["threads"] else ".nothreads")

@@ -28,7 +28,7 @@ def options():
         EnumVariable("precision", "the engine's own: single, or double for one built so", "single", allowed_values=("single", "double")),
         BoolVariable("threads", "platform=web: for export templates with threads", True),
         BoolVariable("use_zig", "compile with zig, for this or another platform", False),
-        BoolVariable("symbols", "for what is shipped: with debug symbols, which are split off afterwards", False),
+        BoolVariable("ship", "what tools/package.sh needs: libraries for debug and release, with symbols to split off", False),
         (
             "godot_cpp",
             "a godot-cpp that was built or installed there; without it, the stand-in in extension/bindings is used",
@@ -54,6 +54,12 @@ def sanitizers(env):
     return names
 
 
+def targets(env):
+    """The targets that libraries are linked for. What is shipped is compiled once: its libraries differ by the class
+    reference alone."""
+    return ("template_debug", "template_release") if env["ship"] else (env["target"],)
+
+
 def lock(env):
     """Waits until no other build runs in this tree: two would write the same files. The lock ends with its process."""
     folder = env.Dir("#build").abspath
@@ -71,20 +77,19 @@ def lock(env):
 def configure(env):
     """Sets the flags that all our code is compiled with; returns the name of the build folder, one for each set of
     options that gives other objects."""
-    env["ENV"] = {name: os.environ[name] for name in ("PATH", "HOME", "TERM", "TMPDIR", "EM_CACHE") if name in os.environ}
+    env["ENV"] = {name: os.environ[name] for name in ("PATH", "HOME", "TERM", "TMPDIR", "EM_CACHE", "THICKET_CACHE", "XDG_CACHE_HOME") if name in os.environ}
     env["arch"] = env["arch"] or ("wasm32" if env["platform"] == "web" else platforms.native_arch())
-    env["CXX"] = env["CXX"] or os.environ.get("CXX") or ("em++" if env["platform"] == "web" else "g++")
+    env["CXX"] = env["CXX"] or os.environ.get("CXX") or "g++"
     problem = platforms.problem(env)
     if problem:
         raise SystemExit("thicket: " + problem)
     called = compilers.choose(env)
-    release = env["target"] == "template_release"
     env.Append(CPPPATH=["#extension"])
-    compilers.configure(env, release)
+    compilers.configure(env)
     platform = platforms.PLATFORMS[env["platform"]]
     env.Replace(PROGSUFFIX=platform.program, SHLIBSUFFIX=platform.suffix, LIBPREFIX="lib", LIBSUFFIX=".a")
 
-    name = "%s.%s.%s" % (env["platform"], env["target"], env["arch"])
+    name = "%s.%s.%s" % (env["platform"], "ship" if env["ship"] else env["target"], env["arch"])
     name += ".double" if env["precision"] == "double" else ""
     name += "" if env["threads"] else ".nothreads"
     name += "." + called if called else ""
@@ -92,7 +97,6 @@ def configure(env):
         flags = ["-fsanitize=" + sanitizer, "-fno-omit-frame-pointer", "-fno-sanitize-recover=all"]
         env.Append(CCFLAGS=flags, LINKFLAGS=flags)
         name += "." + sanitizer
-    name += ".symbols" if env["symbols"] else ""
     name += ".dev" if env["dev_build"] else ""
     name += ".godot-cpp" if env["godot_cpp"] else ""
     # Short lines while building: a compiler's own messages stay, compile_commands.json has the full commands.

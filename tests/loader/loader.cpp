@@ -1,0 +1,111 @@
+// Loads a library of the extension as an engine would, on systems for which there is no engine at hand: calls its entry with a
+// fake interface, lets it register its classes, makes one of each, takes all down and closes it. Prints what was registered, a
+// line each, so that two libraries can be compared; fails where something is missing.
+//   loader LIBRARY [double]
+
+#include "tests/loader/fake_engine.hpp"
+
+#include <cstdio>
+#include <string>
+
+#ifdef _WIN32
+#define WIN32_LEAN_AND_MEAN
+#include <windows.h>
+#else
+#include <dlfcn.h>
+#endif
+
+namespace {
+
+using namespace thicket::loader;
+
+#ifdef _WIN32
+void *open(const char *path) { return reinterpret_cast<void *>(LoadLibraryA(path)); }
+void *find(void *library, const char *name) {
+	return reinterpret_cast<void *>(GetProcAddress(static_cast<HMODULE>(library), name));
+}
+bool close(void *library) { return FreeLibrary(static_cast<HMODULE>(library)) != 0; }
+std::string why() { return "error " + std::to_string(GetLastError()); }
+#else
+void *open(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
+void *find(void *library, const char *name) { return dlsym(library, name); }
+bool close(void *library) { return dlclose(library) == 0; }
+std::string why() {
+	const char *const text = dlerror();
+	return text != nullptr ? text : "no reason given";
+}
+#endif
+
+int fail(const std::string &sentence) {
+	std::fprintf(stderr, "loader: %s\n", sentence.c_str());
+	return 1;
+}
+
+/// Makes an instance of each class, and frees it.
+void make_one_of_each() {
+	for (const RegisteredClass &known : record().classes) {
+		if (known.info.is_abstract) {
+			continue;
+		}
+		void *const object = known.info.create_instance_func(known.info.class_userdata, false);
+		known.info.free_instance_func(known.info.class_userdata, instance_of(object));
+	}
+}
+
+void print() {
+	for (const RegisteredClass &known : record().classes) {
+		std::printf("class %s of %s\n", known.name.c_str(), known.parent.c_str());
+		for (const std::string &member : known.members) {
+			std::printf("%s: %s\n", known.name.c_str(), member.c_str());
+		}
+	}
+}
+
+int run(void *library) {
+	const auto enter = reinterpret_cast<GDExtensionInitializationFunction>(find(library, "thicket_library_init"));
+	if (enter == nullptr) {
+		return fail("it has no thicket_library_init: " + why());
+	}
+	GDExtensionInitialization steps{};
+	static int token = 0;
+	if (!enter(get_proc_address, &token, &steps)) {
+		return fail(record().errors.empty() ? "its entry refused" : record().errors.front());
+	}
+	const int first = steps.minimum_initialization_level;
+	for (int level = first; level < GDEXTENSION_INITIALIZATION_EDITOR; ++level) {
+		steps.initialize(steps.userdata, static_cast<GDExtensionInitializationLevel>(level));
+	}
+	make_one_of_each();
+	print();
+	for (int level = GDEXTENSION_INITIALIZATION_EDITOR - 1; level >= 0; --level) {
+		steps.deinitialize(steps.userdata, static_cast<GDExtensionInitializationLevel>(level));
+	}
+	for (const RegisteredClass &known : record().classes) {
+		if (known.registered) {
+			return fail(known.name + " is still registered");
+		}
+	}
+	return record().errors.empty() ? 0 : fail(record().errors.front());
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+	if (argc < 2) {
+		return fail("usage: loader LIBRARY [double]");
+	}
+	set_double_precision(argc > 2 && std::string(argv[2]) == "double");
+	void *const library = open(argv[1]);
+	if (library == nullptr) {
+		return fail(std::string(argv[1]) + " cannot be loaded: " + why());
+	}
+	const int result = run(library);
+	if (!close(library)) {
+		return fail("it cannot be closed: " + why());
+	}
+	if (result == 0) {
+		std::printf("loaded and closed, %zu classes, %zu functions of the engine\n", record().classes.size(),
+				record().functions.size());
+	}
+	return result;
+}

@@ -1,0 +1,304 @@
+"""What users install: the zips that tools/package.sh writes hold what they should and nothing of the machine that made them,
+and the libraries in them load on the oldest systems that they promise."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from conftest import REPO, run
+
+sys.path[:0] = [str(REPO / "tools/package"), str(REPO / "tools/scons")]
+import archive  # noqa: E402 (only on the path above)
+import contents  # noqa: E402
+import manifest  # noqa: E402
+import package  # noqa: E402
+
+DIST = REPO / "build/dist_test"
+# glibc 2.28 is that of Debian 10; the Steam runtime has 2.31, Ubuntu 20.04 too.
+OLDEST_GLIBC = (2, 28)
+# Where a machine that builds keeps its things, and how a registry's address begins.
+OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/[\w.-]|ziglang|\.cache/|https?://(?!github\.com/godotengine)[\w.]+\.[a-z]")
+
+
+# --- Without a build -----------------------------------------------------------------------------------------------------
+
+
+def test_one_version():
+    """The version is a semantic one, and the change log begins with it."""
+    version = contents.version()
+    assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9a-z.]+)?", version), version
+    first = re.search(r"^## (\S+)", (REPO / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert first and first.group(1) == version
+
+
+def test_a_zip_depends_on_its_content_alone(tmp_path):
+    """Other times, another order of writing: the same bytes. Another content: others."""
+    for number, names in enumerate((["b.txt", "a/c.txt"], ["a/c.txt", "b.txt"])):
+        for name in names:
+            path = tmp_path / str(number) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text("content of " + name)
+            os.utime(path, (10**9 * (number + 1),) * 2)
+    first, second = (archive.write(tmp_path / str(number), tmp_path / f"{number}.zip").read_bytes() for number in (0, 1))
+    assert first == second
+    (tmp_path / "1/b.txt").write_text("other")
+    assert archive.write(tmp_path / "1", tmp_path / "1.zip").read_bytes() != first
+
+
+def test_every_library_has_an_entry_of_its_own():
+    """The manifest tells all libraries of a whole package apart, and names each; the engine's features decide."""
+    names = {file for build in package.BUILDS for file in shipped_names(build)}
+    text = "\n".join(manifest.write(names, []))
+    entries = re.findall(r'^([\w.]+) = "bin/([^"]+)"$', text, re.MULTILINE)
+    assert {file for _, file in entries} == names
+    tags = [frozenset(key.split(".")) for key, _ in entries]
+    assert len(set(tags)) == len(tags)
+    by_tags = dict(zip(tags, (file for _, file in entries), strict=True))
+    assert by_tags[frozenset("linux debug x86_64 single".split())] == "libthicket.linux.template_debug.x86_64.so"
+    assert by_tags[frozenset("windows release arm64 double".split())] == "libthicket.windows.template_release.double.arm64.dll"
+    assert by_tags[frozenset("macos release single".split())] == "libthicket.macos.template_release.framework"
+    assert by_tags[frozenset("web release wasm32 single nothreads".split())].endswith("wasm32.nothreads.wasm")
+    assert by_tags[frozenset("web release wasm32 single threads".split())].endswith("wasm32.wasm")
+
+
+def shipped_names(build: package.Build) -> list[str]:
+    """The files of bin/ that a build is shipped as."""
+    double = ".double" if build.precision == "double" else ""
+    threads = "" if build.threads else ".nothreads"
+    suffix = {"linux": ".so", "windows": ".dll", "web": ".wasm"}.get(build.platform)
+    rest = f"{double}.{build.arch}{threads}{suffix}" if suffix else f"{double}.framework"
+    return [f"libthicket.{build.platform}.{target}{rest}" for target in ("template_debug", "template_release")]
+
+
+def test_wrong_names_are_refused():
+    done = run([sys.executable, REPO / "tools/package/package.py", "amiga.m68k"], timeout=60)
+    assert done.returncode == 2 and "no such build: amiga.m68k" in done.stderr and "linux.x86_64" in done.stderr
+
+
+# --- With one --------------------------------------------------------------------------------------------------------------
+
+
+def pack(names: list[str], out: Path) -> dict[str, Path]:
+    """{name: zip} of tools/package.sh for these builds."""
+    done = run(["bash", "tools/package.sh", "--out", out, *names], timeout=3600, cwd=REPO)
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+    sums = dict(reversed(line.split()) for line in (out / "SHA256SUMS").read_text().splitlines())
+    zips = {path.name: path for path in out.glob("*.zip")}
+    assert sums == {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in zips.items()}
+    return {re.sub(r"-\d.*", "", name): path for name, path in zips.items()}
+
+
+@pytest.fixture(scope="module")
+def zips() -> dict[str, Path]:
+    """The zips of all that this machine can run or load: Linux for both kinds of processors, Windows, macOS to look at."""
+    return pack(["linux.x86_64", "linux.arm64", "windows.x86_64", "macos.arm64", "macos.x86_64"], DIST)
+
+
+@pytest.fixture(scope="module")
+def addon(zips, tmp_path_factory) -> Path:
+    """The add-on as a user unpacks it."""
+    folder = tmp_path_factory.mktemp("unpacked")
+    with zipfile.ZipFile(zips["thicket"]) as file:
+        file.extractall(folder)
+    assert [path.name for path in folder.iterdir()] == ["addons"]
+    return folder / "addons/thicket"
+
+
+def libraries(addon: Path) -> list[Path]:
+    """All libraries of an add-on, those in frameworks too."""
+    found = [path for path in (addon / "bin").rglob("*") if path.is_file() and path.suffix in (".so", ".dll", ".wasm")]
+    return found + [path / path.stem for path in (addon / "bin").glob("*.framework")]
+
+
+@pytest.mark.full
+def test_what_is_in_the_zip(addon):
+    """One folder, with all that the README promises and nothing of the build."""
+    names = {path.relative_to(addon).as_posix() for path in addon.rglob("*") if path.is_file()}
+    for needed in ("plugin.cfg", "thicket.gdextension", "LICENSE", "THIRD_PARTY.txt", "README.md", "CHANGELOG.md", "editor/plugin.gd"):
+        assert needed in names, needed
+    assert any(name.startswith("csharp/") for name in names) and any(name.startswith("tutorials/") for name in names)
+    assert not [name for name in names if re.search(r"\.(py|cpp|hpp|o|a|lib|pdb|import\.tmp)$|SConstruct|__pycache__|~$", name)]
+    notices = (addon / "THIRD_PARTY.txt").read_text(encoding="utf-8")
+    assert all(word in notices for word in ("Highway", "GLM", "libc++", "Apache License", "MIT"))
+    listed = set(re.findall(r'= "(bin/[^"]+)"', (addon / "thicket.gdextension").read_text(encoding="utf-8")))
+    assert listed == {f"bin/{path.name}" for path in (addon / "bin").iterdir()}
+
+
+@pytest.mark.full
+def test_nothing_of_the_machine_is_in_it(addon):
+    """No path, compiler or registry of the machine that built it, in any byte."""
+    for path in (each for each in addon.rglob("*") if each.is_file() and each.name != "THIRD_PARTY.txt"):
+        found = OF_THE_MACHINE.search(path.read_bytes())
+        assert not found, f"{path.name}: {path.read_bytes()[max(0, found.start() - 40) : found.end() + 40]}"
+
+
+@pytest.mark.full
+def test_libraries_are_small_and_stripped(addon):
+    for path in libraries(addon):
+        if "template_release" in path.name and path.suffix in (".so", ".dll"):
+            assert path.stat().st_size < 4 * 1024 * 1024, f"{path.name} has {path.stat().st_size} bytes"
+    for path in (addon / "bin").glob("*.so"):
+        sections = run(["readelf", "--sections", "--wide", path], timeout=60).stdout
+        assert ".dynsym" in sections and ".symtab" not in sections and ".debug" not in sections, path.name
+
+
+@pytest.mark.full
+def test_libraries_for_linux_are_hardened_and_ask_for_little(addon):
+    """They load where glibc is of 2018, bring their C++ library along, and can neither be overwritten nor run their stack."""
+    assert len(list((addon / "bin").glob("*.so"))) == 4
+    for path in (addon / "bin").glob("*.so"):
+        text = run(["readelf", "--wide", "--dynamic", "--segments", "--version-info", path], timeout=60).stdout
+        asked = {tuple(map(int, version.split("."))) for version in re.findall(r"GLIBC_(\d+\.\d+)", text)}
+        assert asked and max(tuple(version) for version in asked) <= OLDEST_GLIBC, f"{path.name} asks for {max(asked)}"
+        needed = re.findall(r"\(NEEDED\)\s+Shared library: \[([^\]]+)\]", text)
+        assert all(re.match(r"(libc|libm|libpthread|libdl|ld-linux[\w-]*)\.so", name) for name in needed), needed
+        assert "GNU_RELRO" in text and re.search(r"FLAGS_1.*NOW|BIND_NOW", text), path.name
+        stack = re.search(r"GNU_STACK\s.*?\s(RWE|RW)\s", text)
+        assert stack and stack.group(1) == "RW", path.name
+        assert "RUNPATH" not in text and "RPATH" not in text
+        names = exported(["nm", "-D", "--defined-only", path])
+        assert names == {"thicket_library_init"}, f"{path.name} also shows {sorted(names)[:10]}"
+
+
+def exported(command: list[str | Path]) -> set[str]:
+    listed = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=True)
+    return {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines() if line.strip()}
+
+
+@pytest.mark.full
+def test_libraries_for_windows_are_hardened_and_ask_for_little(addon):
+    """Addresses are random, data cannot run, and nothing but what every Windows 10 has is asked for."""
+    import binaries
+
+    for path in (addon / "bin").glob("*.dll"):
+        text = run([binaries.tool("llvm-readobj"), "--file-headers", "--coff-imports", "--coff-exports", path], timeout=60).stdout
+        for word in ("DYNAMIC_BASE", "HIGH_ENTROPY_VA", "NX_COMPAT"):
+            assert word in text, f"{path.name}: {word}"
+        asked = set(re.findall(r"^Import \{\n  Name: (\S+)", text, re.MULTILINE))
+        assert asked and all(re.match(r"(?i)api-ms-win-crt-|kernel32\.dll|ntdll\.dll", name) for name in asked), asked
+        assert re.findall(r"^Export \{\n(?:.*\n)*?  Name: (\S+)", text, re.MULTILINE) == ["thicket_library_init"]
+
+
+@pytest.mark.full
+def test_frameworks_for_macos_hold_both_processors(addon):
+    import binaries
+
+    for folder in (addon / "bin").glob("*.framework"):
+        listed = run([binaries.tool("llvm-lipo"), "-archs", folder / folder.stem], timeout=60)
+        assert sorted(listed.stdout.split()) == ["arm64", "x86_64"], listed.stderr
+        commands = run([binaries.tool("llvm-objdump"), "--macho", "--private-headers", folder / folder.stem], timeout=60).stdout
+        assert commands.count("LC_CODE_SIGNATURE") == 2 or commands.count("LC_CODE_SIGNATURE") == 1, commands[-2000:]
+        assert (folder / "Resources/Info.plist").is_file()
+
+
+@pytest.mark.full
+def test_the_same_sources_give_the_same_bytes(zips, tmp_path):
+    """A second build of one library, in another folder, and a second packing: the same zips."""
+    copy = tmp_path / "elsewhere"
+    shutil.copytree(REPO, copy, ignore=shutil.ignore_patterns("build", ".godot", "__pycache__"), symlinks=True)
+    done = run(["bash", "tools/package.sh", "--out", tmp_path / "again", "linux.x86_64"], timeout=3600, cwd=copy)
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+    here = pack(["linux.x86_64"], tmp_path / "here")
+    for name in ("thicket", "thicket-demo"):
+        other = next((tmp_path / "again").glob(f"{name}-[0-9]*.zip"))
+        assert other.read_bytes() == here[name].read_bytes(), name
+
+
+# --- In engines ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def loader() -> Callable[[str, list[str]], Path]:
+    """loader(target of zig, more flags): the program of tests/loader for another system."""
+
+    def make(target: str, flags: list[str]) -> Path:
+        program = REPO / "build/loader" / (target + (".exe" if "windows" in target else ""))
+        program.parent.mkdir(parents=True, exist_ok=True)
+        zig = contents.cached("zig-*", "ziglang/zig")
+        done = run([zig, "c++", "-target", target, "-std=c++20", "-O1", "-I.", "-Ibuild/engine", *flags,
+            *sorted((REPO / "tests/loader").glob("*.cpp")), "-o", program], timeout=600, cwd=REPO)  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        return program
+
+    return make
+
+
+def registered(done: subprocess.CompletedProcess[str]) -> list[str]:
+    """What a library has registered, by the words of the loader."""
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    lines = done.stdout.replace("\r", "").splitlines()
+    assert re.fullmatch(r"loaded and closed, \d+ classes, \d+ functions of the engine", lines[-1])
+    return lines
+
+
+@pytest.fixture(scope="module")
+def at_home(addon, loader) -> list[str]:
+    program = loader("x86_64-linux-gnu.2.28", ["-ldl"])
+    lines = registered(run([program, addon / "bin/libthicket.linux.template_release.x86_64.so"], timeout=120))
+    assert len(lines) > 500 and "class TerrainScatter3D of Node3D" in lines
+    return lines
+
+
+@pytest.mark.full
+def test_the_library_for_windows_loads(addon, loader, at_home, tmp_path):
+    """All symbols are found, all static objects made, all classes registered as on Linux, one of each made; and it goes."""
+    if not shutil.which("wine"):
+        pytest.skip("wine is not installed")
+    program = loader("x86_64-windows-gnu", [])
+    for path in sorted((addon / "bin").glob("*.x86_64.dll")):
+        environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "prefix")}
+        assert registered(run(["wine", program, path], timeout=300, env=environment)) == at_home, path.name
+
+
+@pytest.mark.full
+def test_the_library_for_arm_loads(addon, loader, at_home):
+    """The same on the other processor, under an emulator, with the C library of its own that the loader brings along."""
+    if not shutil.which("qemu-aarch64"):
+        pytest.skip("qemu-user is not installed")
+    root = Path("/usr/aarch64-linux-gnu")
+    if not (root / "lib/ld-linux-aarch64.so.1").exists():
+        pytest.skip("libc6-arm64-cross is not installed")
+    program = loader("aarch64-linux-gnu.2.28", ["-ldl"])
+    for path in sorted((addon / "bin").glob("*.arm64.so")):
+        assert registered(run(["qemu-aarch64", "-L", root, program, path], timeout=300)) == at_home, path.name
+
+
+@pytest.mark.full
+def test_the_tests_of_the_engine_pass_with_what_was_unpacked(addon):
+    """tests/engine, in a project that holds nothing but the unpacked add-on."""
+    environment = {**os.environ, "THICKET_ADDON": str(addon)}
+    done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", "tests/test_engine.py"], timeout=3600, cwd=REPO,
+        env=environment)  # fmt: skip
+    assert done.returncode == 0, done.stdout[-6000:]
+
+
+@pytest.mark.full
+def test_a_users_project(addon, godot, tmp_path):
+    """The editor opens a new project with the add-on without a word, imports it twice alike, and opens it again once the
+    add-on is gone."""
+    project = tmp_path / "project"
+    (project / "addons").mkdir(parents=True)
+    (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="A user\'s"\n[editor_plugins]\n'
+        'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')  # fmt: skip
+    shutil.copytree(addon, project / "addons/thicket")
+    complaint = re.compile(r"ERROR|WARNING|SCRIPT", re.IGNORECASE)
+    for _ in range(2):
+        done = godot(["--path", project, "--import"], timeout=600)
+        assert done.returncode == 0, done.stdout + done.stderr
+    done = godot(["--path", project, "--editor", "--quit-after", "30"], timeout=600)
+    wrong = [line for line in (done.stdout + done.stderr).splitlines() if complaint.search(line)]
+    assert done.returncode == 0 and not wrong, "\n".join(wrong)
+    shutil.rmtree(project / "addons/thicket")
+    (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="A user\'s"\n')
+    for arguments in (["--import"], ["--editor", "--quit-after", "30"]):
+        done = godot(["--path", project, *arguments], timeout=600)
+        assert done.returncode == 0, done.stdout + done.stderr

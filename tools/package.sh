@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Builds Thicket for every platform and packs what users install into build/dist:
+#   thicket-VERSION.zip          the add-on: libraries, editor tools, shaders, presets, C# wrappers, licenses
+#   thicket-demo-VERSION.zip     the demo project with the add-on in it
+#   symbols/                     the libraries with their debug symbols, for crash reports
+#   SHA256SUMS                   of the zips
+# The same sources give the same bytes. Takes about half an hour on two cores. Arguments are names of what to build, as the
+# libraries have them; all by itself:
+#   bash tools/package.sh linux.x86_64 windows.x86_64.double
+#   bash tools/package.sh --list
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
+source tools/setup.sh
+
+if [[ ${1:-} != --list ]]; then
+	setup_compiler
+	setup_llvm
+	setup_zig
+	setup_godot
+	[[ " ${*:-web} " != *web* ]] || setup_emscripten
+fi
+PYTHONDONTWRITEBYTECODE=1 exec python3 tools/package/package.py "$@"

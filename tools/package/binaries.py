@@ -1,0 +1,78 @@
+"""From linked libraries to shipped ones: symbols apart, architectures of macOS joined, nothing in them that is not used."""
+
+import plistlib
+import shutil
+import subprocess
+
+TARGETS = ("template_debug", "template_release")
+
+
+def tool(name):
+    """LLVM's tools know the files of all platforms. Debian names them with or without a version."""
+    found = shutil.which(name) or next(filter(None, (shutil.which("%s-%d" % (name, number)) for number in range(30, 13, -1))), None)
+    if found is None:
+        raise SystemExit("thicket: no %s: run bash tools/package.sh, which installs LLVM" % name)
+    return found
+
+
+def run(*command):
+    subprocess.run([str(part) for part in command], check=True)
+
+
+def collect(builds, folder, symbols):
+    """Strips the libraries of all builds into a folder; those with symbols go into another. builds: (build, its folder)."""
+    folder.mkdir(parents=True, exist_ok=True)
+    symbols.mkdir(parents=True, exist_ok=True)
+    frameworks = {}
+    for build, source in builds:
+        for target in TARGETS:
+            library = find(source, target)
+            if build.platform == "macos":
+                frameworks.setdefault((target, build.precision), []).append(library)
+                shutil.copy(library, symbols)
+                continue
+            shutil.copy(library, symbols)
+            stripped = folder / library.name
+            if build.platform == "web":
+                shutil.copy(library, stripped)
+            else:
+                run(tool("llvm-strip"), "--strip-all", "-o", stripped, library)
+            stripped.chmod(0o644)
+    for (target, precision), libraries in frameworks.items():
+        framework(target, precision, libraries, folder)
+
+
+def find(folder, target):
+    found = [path for path in folder.glob("libthicket.*.%s.*" % target) if path.suffix in (".so", ".dll", ".dylib", ".wasm")]
+    if len(found) != 1:
+        raise SystemExit("thicket: %s holds %d libraries for %s, not one: build it first" % (folder, len(found), target))
+    return found[0]
+
+
+def framework(target, precision, libraries, folder):
+    """A folder with one library for all processors, as macOS wants it. The linker has signed each part for nobody in
+    particular, which suffices to run it; whoever downloads it has to allow it once."""
+    name = "libthicket.macos." + target + (".double" if precision == "double" else "")
+    inside = folder / (name + ".framework")
+    (inside / "Resources").mkdir(parents=True, exist_ok=True)
+    parts = []
+    for number, library in enumerate(libraries):
+        parts.append(inside / ("part%d" % number))
+        shutil.copy(library, parts[-1])
+        run(tool("llvm-strip"), "-x", parts[-1])
+    run(tool("llvm-lipo"), "-create", *parts, "-output", inside / name)
+    for part in parts:
+        part.unlink()
+    (inside / name).chmod(0o755)
+    about = {
+        "CFBundleExecutable": name,
+        "CFBundleIdentifier": "thicket." + target.replace("_", "-") + "." + precision,
+        "CFBundleInfoDictionaryVersion": "6.0",
+        "CFBundleName": name,
+        "CFBundlePackageType": "FMWK",
+        "CFBundleShortVersionString": "1.0",
+        "CFBundleVersion": "1",
+        "LSMinimumSystemVersion": "11.0",
+    }
+    with open(inside / "Resources/Info.plist", "wb") as file:
+        plistlib.dump(about, file)

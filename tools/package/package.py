@@ -1,0 +1,111 @@
+"""Builds what is shipped, and packs it: see tools/package.sh, which installs what this needs."""
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import archive
+import binaries
+import contents
+
+REPO = Path(__file__).resolve().parents[2]
+DIST = REPO / "build/dist"
+
+
+@dataclass(frozen=True)
+class Build:
+    """A call of scons, whose libraries are shipped."""
+
+    platform: str
+    arch: str
+    precision: str = "single"
+    threads: bool = True
+
+    @property
+    def name(self):
+        """As its libraries are called."""
+        parts = [self.platform, self.arch]
+        parts += ["double"] if self.precision == "double" else []
+        return ".".join(parts + ([] if self.threads else ["nothreads"]))
+
+    def options(self):
+        """What scons is told."""
+        options = ["ship=yes", "platform=" + self.platform, "arch=" + self.arch, "precision=" + self.precision]
+        return options + (["threads=" + ("yes" if self.threads else "no")] if self.platform == "web" else ["use_zig=yes"])
+
+    def folder(self):
+        """Where scons puts the libraries."""
+        name = "%s.ship.%s" % (self.platform, self.arch)
+        name += ".double" if self.precision == "double" else ""
+        name += "" if self.threads else ".nothreads"
+        return REPO / "build" / (name + ("" if self.platform == "web" else ".zig")) / "addon/bin"
+
+
+DESKTOP = [("linux", "x86_64"), ("linux", "arm64"), ("windows", "x86_64"), ("windows", "arm64"), ("macos", "arm64"), ("macos", "x86_64")]
+BUILDS = [
+    *(Build(platform, arch) for platform, arch in DESKTOP),
+    Build("web", "wasm32"),
+    Build("web", "wasm32", threads=False),
+    *(Build(platform, arch, "double") for platform, arch in DESKTOP),
+]
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="tools/package.sh", description=__doc__)
+    parser.add_argument("names", nargs="*", help="what to build; everything by itself")
+    parser.add_argument("--list", action="store_true", help="print these names and build nothing")
+    parser.add_argument("--built", action="store_true", help="pack what was built before, and build nothing")
+    parser.add_argument("--out", type=Path, default=DIST, help="the folder of the zips")
+    options = parser.parse_args()
+    names = [build.name for build in BUILDS]
+    unknown = [name for name in options.names if name not in names]
+    if unknown:
+        parser.error("no such build: %s (there are %s)" % (", ".join(unknown), ", ".join(names)))
+    return options
+
+
+def build(wanted):
+    """Runs scons for each. The extension alone: tests are for those who build it for themselves."""
+    for each in wanted:
+        print("thicket: building for %s" % each.name, file=sys.stderr)
+        subprocess.run(["scons", "-Q", "-j%d" % (os.cpu_count() or 1), *each.options(), "extension"], cwd=REPO, check=True)
+
+
+def pack(wanted, out):
+    """Strips the libraries, puts the add-on together and writes the zips."""
+    stage = out / "stage"
+    shutil.rmtree(stage, ignore_errors=True)
+    addon = stage / "addon/addons/thicket"
+    symbols = out / "symbols"
+    shutil.rmtree(symbols, ignore_errors=True)
+    binaries.collect([(each, each.folder()) for each in wanted], addon / "bin", symbols)
+    contents.addon(addon, wanted[0].folder().parent)
+    contents.demo(stage / "demo", addon)
+    version = contents.version()
+    zips = [
+        archive.write(stage / "addon", out / ("thicket-%s.zip" % version)),
+        archive.write(stage / "demo", out / ("thicket-demo-%s.zip" % version)),
+    ]
+    archive.write_sums(zips, out / "SHA256SUMS")
+    shutil.rmtree(stage)
+    return zips
+
+
+def main():
+    options = arguments()
+    if options.list:
+        print("\n".join(each.name for each in BUILDS))
+        return
+    wanted = [each for each in BUILDS if not options.names or each.name in options.names]
+    if not options.built:
+        build(wanted)
+    for path in pack(wanted, options.out.resolve()):
+        print(path)
+
+
+if __name__ == "__main__":
+    main()
