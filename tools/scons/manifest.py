@@ -38,7 +38,7 @@ def manifest(env, addon, binary, beside):
 
 
 def write_text(target, source, env):
-    """What was built knows the engine that described itself, and promises nothing about older ones."""
+    """What was built knows the engine of this version and all later ones, and promises nothing about older ones."""
     text = source[0].get_text_contents().replace("@MINIMUM@", engine.version(source[1].get_text_contents()))
     with open(target[0].abspath, "w", encoding="utf-8") as file:
         file.write(text)
