@@ -252,6 +252,18 @@ def test_manifest_falls_back_to_the_binary_that_is_there():
     assert "[dependencies]" not in both and "[icons]" not in both
 
 
+def test_manifest_tells_precisions_apart():
+    """Each engine is offered the library of its own precision; one that is alone is offered to both and refuses the wrong."""
+    single, double = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_debug.double.x86_64.so"
+    both = "\n".join(manifest.write({single, double}, []))
+    for feature in ("debug", "release"):
+        assert f'linux.{feature}.x86_64.single = "bin/{single}"' in both
+        assert f'linux.{feature}.x86_64.double = "bin/{double}"' in both
+    assert both.count("bin/") == 4
+    assert f'linux.debug.x86_64 = "bin/{double}"' in "\n".join(manifest.write({double}, []))
+    assert f'linux.debug.x86_64 = "bin/{single}"' in "\n".join(manifest.write({single}, []))
+
+
 def test_extension_shows_only_its_entry(build_dir):
     """The binary exports what Godot calls and nothing that could meet another library's symbol of that name."""
     for binary in (ADDON / "bin").glob("libthicket.*.so"):

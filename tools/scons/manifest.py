@@ -9,7 +9,9 @@ ADDON = "demo_project/addons/thicket"
 ENTRY_SYMBOL = "thicket_library_init"
 SUFFIXES = {"windows": "dll", "macos": "dylib"}
 
-BINARY = re.compile(r"^libthicket\.(\w+)\.(template_debug|template_release|editor)\.(\w+)\.(?:so|dll|dylib)$")
+BINARY = re.compile(
+    r"^libthicket\.(\w+)\.(template_debug|template_release|editor)(?:\.(double))?\.(\w+)\.(?:so|dll|dylib)$"
+)
 
 
 def addon_folder(env, out):
@@ -19,7 +21,8 @@ def addon_folder(env, out):
 
 def binary_name(env):
     suffix = SUFFIXES.get(env["platform"], "so")
-    return "libthicket.%s.%s.%s.%s" % (env["platform"], env["target"], env["arch"], suffix)
+    double = ".double" if env.get("precision") == "double" else ""
+    return "libthicket.%s.%s%s.%s.%s" % (env["platform"], env["target"], double, env["arch"], suffix)
 
 
 def manifest(env, addon, binary, beside):
@@ -49,8 +52,12 @@ def write(names, icons):
     binaries = sorted((match for match in map(BINARY.match, names) if match), key=lambda match: match.group(0))
     libraries, dependencies = [], []
     shipped = sorted(name for name in names if re.match(r"^libhwy\.", name))
-    for platform, arch in sorted({(match.group(1), match.group(3)) for match in binaries}):
-        built = {match.group(2): match.group(0) for match in binaries if match.group(1, 3) == (platform, arch)}
+    kinds = sorted({(match.group(1), match.group(4), match.group(3) or "single") for match in binaries})
+    for platform, arch, precision in kinds:
+        kind = platform, arch, precision if precision == "double" else None
+        built = {match.group(2): match.group(0) for match in binaries if match.group(1, 4, 3) == kind}
+        # One that is alone is offered to engines of both precisions: it refuses the wrong one and says why.
+        other = (platform, arch, "single" if precision == "double" else "double") in kinds
         # Without a release binary an exported game still runs, and the other way round.
         features = {
             "editor": built.get("editor"),
@@ -59,7 +66,7 @@ def write(names, icons):
         }
         for feature, name in features.items():
             if name:
-                key = "%s.%s.%s" % (platform, feature, arch)
+                key = "%s.%s.%s" % (platform, feature, arch + ("." + precision if other else ""))
                 libraries.append('%s = "bin/%s"' % (key, name))
                 if shipped:
                     entries = ", ".join('"bin/%s": ""' % name for name in shipped)
