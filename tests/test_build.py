@@ -234,23 +234,33 @@ def test_manifest_names_what_was_built():
     built = {f"bin/{path.name}" for path in (ADDON / "bin").glob("libthicket.*")}
     assert set(paths.values()) == built
     text = (ADDON / "thicket.gdextension").read_text(encoding="utf-8")
-    header = json.loads((REPO / "build/engine/extension_api.json").read_text(encoding="utf-8"))["header"]
-    assert f'compatibility_minimum = "{header["version_major"]}.{header["version_minor"]}"' in text
+    assert 'compatibility_minimum = "4.4"' in text, "the oldest engine that the bindings are made for"
     assert "reloadable = true" in text
 
 
 def test_manifest_falls_back_to_the_binary_that_is_there():
     """One binary serves all builds of the engine; a second one takes over its own."""
     debug, release = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_release.x86_64.so"
-    alone = "\n".join(manifest.write({debug, "libhwy.so.1", "notes.txt"}, ["ScatterLayer.svg", "ScatterLayer.png"]))
+    alone = "\n".join(manifest.write({debug, "convert.lib", "notes.txt"}, ["ScatterLayer.svg", "ScatterLayer.png"]))
     assert f'linux.release.x86_64 = "bin/{debug}"' in alone
-    assert 'linux.debug.x86_64 = { "bin/libhwy.so.1": "" }' in alone
     assert 'ScatterLayer = "icons/ScatterLayer.svg"' in alone
-    assert "notes" not in alone and "editor" not in alone
+    assert "notes" not in alone and "convert" not in alone and "editor" not in alone
     both = "\n".join(manifest.write({debug, release}, []))
     assert f'linux.debug.x86_64 = "bin/{debug}"' in both
     assert f'linux.release.x86_64 = "bin/{release}"' in both
     assert "[dependencies]" not in both and "[icons]" not in both
+
+
+def test_manifest_tells_precisions_apart():
+    """Each engine is offered the library of its own precision; one that is alone is offered to both and refuses the wrong."""
+    single, double = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_debug.double.x86_64.so"
+    both = "\n".join(manifest.write({single, double}, []))
+    for feature in ("debug", "release"):
+        assert f'linux.{feature}.x86_64.single = "bin/{single}"' in both
+        assert f'linux.{feature}.x86_64.double = "bin/{double}"' in both
+    assert both.count("bin/") == 4
+    assert f'linux.debug.x86_64 = "bin/{double}"' in "\n".join(manifest.write({double}, []))
+    assert f'linux.debug.x86_64 = "bin/{single}"' in "\n".join(manifest.write({single}, []))
 
 
 def test_extension_shows_only_its_entry(build_dir):

@@ -1,4 +1,4 @@
-"""What Godot's own dump (`--dump-extension-api`) says, in the terms of C++."""
+"""What a description of the engine (Godot's own dump, or description_4.4.json) says, in the terms of C++."""
 
 import json
 import re
@@ -19,6 +19,9 @@ OPERATORS = {"+": "ADD", "%": "MODULE"}
 
 # Types without a destructor that are plain structs, written by hand. (RID is one too, but a class.)
 STRUCTS = frozenset("Vector2 Vector2i Vector3 Rect2 Rect2i AABB Basis Transform3D Color".split())
+
+# The engine's builds, in the order in which in_build() takes what differs between them.
+BUILDS = ("float_32", "float_64", "double_32", "double_64")
 
 PACKED_ELEMENTS = {"Byte": "uint8_t", "Int32": "int32_t", "Int64": "int64_t", "Float32": "float", "Float64": "double"}
 
@@ -41,23 +44,56 @@ def packed_element(name):
     return PACKED_ELEMENTS.get(match.group(1), match.group(1)) if match else None
 
 
+def load(path):
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def by_name(items):
+    return {item["name"]: item for item in items}
+
+
 class Api:
-    """Look-ups in extension_api.json for one configuration: 64-bit pointers, 32-bit reals."""
+    """Look-ups in a description, for all builds of the engine. What is not found ends the program with a sentence, to which
+    `remedy` is added."""
 
-    def __init__(self, path):
-        with open(path, encoding="utf-8") as file:
-            dump = json.load(file)
+    def __init__(self, description, remedy=""):
+        header = description["header"]
+        self.release = "%d.%d" % (header["version_major"], header["version_minor"])
+        self.where = "the description of %s%s" % (header["version_full_name"], remedy)
+        self.classes = by_name(description["classes"])
+        self.builtins = by_name(description["builtin_classes"])
+        self.enums = by_name(description["global_enums"])
+        self.singletons = {item["type"] for item in description["singletons"]}
+        configurations = {item["build_configuration"]: item["sizes"] for item in description["builtin_class_sizes"]}
+        tables = [by_name(configurations[build]) for build in BUILDS]
+        self.sizes = {name: [table[name]["size"] for table in tables] for name in tables[0]}
 
-        def by_name(items):
-            return {item["name"]: item for item in items}
+    def pick(self, items, name, owner):
+        """The item of a name, from a dictionary or from a list. It is the user's mistake if there is none."""
+        items = items if isinstance(items, dict) else by_name(items)
+        if name not in items:
+            raise SystemExit("used_api.toml: %s has no '%s' in %s" % (owner, name, self.where))
+        return items[name]
 
-        self.version = dump["header"]["version_full_name"]
-        self.classes = by_name(dump["classes"])
-        self.builtins = by_name(dump["builtin_classes"])
-        self.enums = by_name(dump["global_enums"])
-        self.singletons = {item["type"] for item in dump["singletons"]}
-        sizes = next(item for item in dump["builtin_class_sizes"] if item["build_configuration"] == "float_64")
-        self.sizes = {item["name"]: item["size"] for item in sizes["sizes"]}
+    def hash(self, owner, method, double_hashes):
+        """A method's hash as a C++ expression. Defaults are hashed as they lie in memory, so one that is made of reals has
+        another hash in a double engine, which no description of a single one tells."""
+        double = double_hashes.get(method["name"])
+        if double is not None:
+            return "sizeof(real_t) == 4 ? %d : %d" % (method["hash"], double)
+        for argument in method.get("arguments", []):
+            if "default_value" in argument and self.has_reals(argument["type"]):
+                raise SystemExit(
+                    "used_api.toml: %s.%s has reals in a default, so a double engine has another hash for it, which"
+                    " must be in double_hashes" % (owner, method["name"])
+                )
+        return "%d" % method["hash"]
+
+    def has_reals(self, type_name):
+        """Whether a value of the type is made of the engine's reals itself: it is larger in a double engine."""
+        single, double = self.sizes.get(type_name, [0] * 4)[1::2]
+        return type_name == "float" or (type_name != "Variant" and single != double)
 
     def cpp_type(self, type_name, meta=""):
         """A type of the dump as a C++ value type."""
@@ -74,7 +110,7 @@ class Api:
             return ("Ref<%s>" if self.classes[type_name]["is_refcounted"] else "%s *") % type_name
         if type_name in ("bool", "Variant") or type_name in self.builtins:
             return type_name
-        raise SystemExit("no C++ type is known for '%s'" % type_name)
+        raise SystemExit("used_api.toml: something is a '%s', which is not in %s" % (type_name, self.where))
 
     def parameter_type(self, argument):
         """The type of a parameter: small values by value, all others by reference."""

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes the part of the stand-in for godot-cpp that follows from Godot's own dump.
+"""Writes the part of the stand-in for godot-cpp that follows from a description of the engine.
 
-    generate.py --api extension_api.json --interface gdextension_interface.h --used used_api.toml --out DIR
+    generate.py --api description_4.4.json --interface gdextension_interface.h --used used_api.toml --out DIR
     generate.py --used used_api.toml --out DIR --list
     generate.py --used used_api.toml --unused SOURCES...
 
@@ -20,12 +20,13 @@ import api as dump
 import emit
 
 HERE = pathlib.Path(__file__).resolve().parent
+REMEDY = "; if that Godot has it, run python3 extension/bindings/describe.py --api ITS_EXTENSION_API.json (see README.md there)"
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--used", type=pathlib.Path, required=True, help="the classes and methods to offer")
-    parser.add_argument("--api", help="extension_api.json, as Godot dumps it")
+    parser.add_argument("--api", help="what describe.py wrote, or extension_api.json")
     parser.add_argument("--interface", type=pathlib.Path, help="gdextension_interface.h, as Godot dumps it")
     parser.add_argument("--out", type=pathlib.Path, help="folder for include/ and src/")
     parser.add_argument("--list", action="store_true", help="print what would be written")
@@ -51,10 +52,19 @@ def interface_functions(generated):
     return sorted({name for text in texts for name in re.findall(r"\bgdextension_interface::(\w+)", text)})
 
 
-def interface_types(header):
-    """{function name: its pointer type}: in the header, the type follows the comment that names the function."""
-    found = re.findall(r"@name (\w+)\n.*?typedef .*?\(\*(\w+)\)\(", header, re.DOTALL)
-    return dict(found)
+def interface_types(header, names, release):
+    """[(pointer type, name)] of the interface functions of these names: in the header, the type follows the comment that
+    names the function and the release that it came with."""
+    found = re.findall(r"@name (\w+)\n.*?@since (\d+)\.(\d+)\n.*?typedef .*?\(\*(\w+)\)\(", header, re.DOTALL)
+    types = {name: kind for name, _, _, kind in found}
+    since = {name: (int(major), int(minor)) for name, major, minor, _ in found}
+    for name in names:
+        if name not in types:
+            raise SystemExit("generate.py: this Godot has no interface function '%s'" % name)
+        if since[name] > tuple(map(int, release.split("."))):
+            raise SystemExit("generate.py: the interface function '%s' came with Godot %d.%d, and %s must do without it: ask"
+                " for it at run time, where it may be missing" % (name, *since[name], release))  # fmt: skip
+    return [(types[name], name) for name in names]
 
 
 def write(path, text):
@@ -65,11 +75,10 @@ def write(path, text):
 
 
 def generate(options, used):
-    api = dump.Api(options.api)
+    api = dump.Api(dump.load(options.api), REMEDY)
     header = options.interface.read_text(encoding="utf-8")
-    types = interface_types(header)
     texts = emit.builtins(api, used) | emit.classes(api, used)
-    texts |= emit.interface([(types[name], name) for name in interface_functions(texts.values())])
+    texts |= emit.interface(interface_types(header, interface_functions(texts.values()), api.release))
     texts["include/gdextension_interface.h"] = header
     expected = outputs(used)
     if sorted(texts) != sorted(expected):

@@ -2,6 +2,7 @@
 
 #include "nodes/sampler/poisson_points.hpp"
 #include "nodes/sampler/poisson_sampler.hpp"
+#include "nodes/common/precision.hpp"
 #include "nodes/gameplay/scatter_instances.hpp"
 #include "nodes/gameplay/scatter_request.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
@@ -58,6 +59,9 @@ extern "C" {
 /// Where the engine enters the library; named in thicket.gdextension.
 GDExtensionBool GDE_EXPORT thicket_library_init(GDExtensionInterfaceGetProcAddress p_get_proc_address,
 		GDExtensionClassLibraryPtr p_library, GDExtensionInitialization *r_initialization) {
+	if (!thicket::fits_precision(p_get_proc_address)) {
+		return false;
+	}
 	const GDExtensionBinding::InitObject library(p_get_proc_address, p_library, r_initialization);
 	library.register_initializer(thicket::initialize);
 	library.register_terminator(thicket::terminate);

@@ -1,4 +1,5 @@
-"""What engine code is compiled against: the godot-cpp that the user names, or the stand-in made from Godot's own dump."""
+"""What engine code is compiled against: the godot-cpp that the user names, or the stand-in made from a description of the
+oldest engine that is supported."""
 
 import glob
 import os
@@ -25,11 +26,12 @@ def external(env, folder):
         for part in ("bin", "lib", "lib64", "lib/*-linux-gnu")
         for path in sorted(glob.glob(os.path.join(folder, part, "libgodot-cpp*.a")))
     ]
-    fitting = [path for path in archives if env["target"] in path and env["arch"] in path]
+    double = env.get("precision") == "double"
+    fitting = [path for path in archives if env["target"] in path and env["arch"] in path and (".double." in path) == double]
     if not fitting:
         have = ", ".join(os.path.relpath(path, folder) for path in archives) or "none"
-        sys.exit("thicket: godot_cpp=%s holds no library for %s %s (found: %s)"
-            % (folder, env["target"], env["arch"], have))  # fmt: skip
+        sys.exit("thicket: godot_cpp=%s holds no library for %s%s %s (found: %s)"
+            % (folder, env["target"], " double" * double, env["arch"], have))  # fmt: skip
     for root in roots:
         if os.path.isdir(root):
             env.Append(CCFLAGS=["-isystem", root])
@@ -49,23 +51,24 @@ def supports_reload(archive):
 
 
 def stand_in(env, out, sources):
-    """Our own stand-in: its hand-written part, and what its generator makes of the engine's dump. The generator tells
-    beforehand which files it will write, so the engine is asked only when something that needs them is built."""
+    """Our own stand-in: its hand-written part, and what its generator makes of the description. The interface header is the
+    engine's own. The generator tells beforehand which files it will write, so the engine is asked only when something that
+    needs them is built."""
     root = env.Dir("#").abspath
     generated = env.Dir(out + "/gen").abspath
     generator = [sys.executable, os.path.join(root, BINDINGS, "generate.py"), "--out", generated, "--used", used_api(root)]
     listed = subprocess.run([*generator, "--list"], capture_output=True, text=True, check=False)
     if listed.returncode:
         sys.exit("thicket: extension/bindings/generate.py --list failed:\n" + listed.stderr)
-    description, interface = dump(env)
+    interface = dump(env)[DUMPED.index("gdextension_interface.h")]
     inputs = [path for path in glob.glob(os.path.join(root, BINDINGS, "**"), recursive=True) if os.path.isfile(path)]
     inputs = [path for path in inputs if "__pycache__" not in path]
-    command = [*generator, "--api", description.abspath, "--interface", interface.abspath]
+    command = [*generator, "--api", description(root), "--interface", interface.abspath]
     action = env.Action([command], "write   %s/gen" % out.lstrip("#"))
     # The generator reads headers as text: what they include, its own output among it, is no input of it.
     written = env.Command(
         listed.stdout.splitlines(),
-        [description, interface, *sorted({*inputs, used_api(root)})],
+        [interface, *sorted({*inputs, used_api(root), description(root)})],
         action,
         source_scanner=env.Scanner(lambda node, env, path: []),
     )
@@ -88,9 +91,9 @@ def class_reference(env, out, target):
 
 
 def version_source(env):
-    """The file in which the engine that the bindings know tells its version."""
+    """The file in which the oldest engine that the bindings know tells its version."""
     if not env["godot_cpp"]:
-        return env.File("#build/engine/" + DUMPED[0])
+        return env.File(description(env.Dir("#").abspath))
     for part in ("gen/include", "include"):
         header = os.path.join(os.path.abspath(env["godot_cpp"]), part, "godot_cpp/core/version.hpp")
         if os.path.exists(header):
@@ -105,9 +108,18 @@ def version(text):
 
 def used_api(root):
     """The list of what engine code uses; it lies with that code or with the bindings."""
-    found = glob.glob(os.path.join(root, "extension/*/used_api.toml"))
+    return only(root, "used_api.toml")
+
+
+def description(root):
+    """What describe.py wrote of the oldest engine that is supported."""
+    return only(root, "description_*.json")
+
+
+def only(root, name):
+    found = glob.glob(os.path.join(root, "extension/*", name))
     if len(found) != 1:
-        sys.exit("thicket: one used_api.toml is needed in extension/, found %d" % len(found))
+        sys.exit("thicket: one %s is needed in extension/, found %d" % (name, len(found)))
     return found[0]
 
 

@@ -42,7 +42,7 @@ def manifest(env, addon, binaries):
 
 
 def write_text(target, source, env):
-    """What was built knows the engine that described itself, and promises nothing about older ones."""
+    """What was built knows the engine of this version and all later ones, and promises nothing about older ones."""
     text = source[0].get_text_contents().replace("@MINIMUM@", engine.version(source[1].get_text_contents()))
     with open(target[0].abspath, "w", encoding="utf-8") as file:
         file.write(text)
@@ -52,7 +52,6 @@ def write(names, icons):
     """The manifest's text for these files in bin/ and these in icons/."""
     binaries = sorted((match for match in map(BINARY.match, names) if match), key=lambda match: match.group(0))
     kinds = sorted({tuple(match.group("platform", "arch", "double", "nothreads")) for match in binaries}, key=str)
-    # A tag that tells libraries of one platform apart is named where it is needed only: engines before 4.4 lack some.
     several = {kind[0] for kind in kinds if kind[3]}
     libraries = []
     for kind in kinds:
@@ -69,7 +68,9 @@ def write(names, icons):
             "release": built.get("template_release") or built.get("template_debug") or built.get("editor"),
         }
         tags = [arch] if arch else []
-        tags += ["double" if double else "single"]
+        # One that is alone is offered to engines of both precisions: it refuses the wrong one and says why.
+        other = (platform, arch, None if double else ".double", nothreads)
+        tags += ["double" if double else "single"] if other in kinds else []
         tags += ["nothreads" if nothreads else "threads"] if platform in several else []
         libraries += ['%s = "bin/%s"' % (".".join([platform, feature, *tags]), name) for feature, name in features.items() if name]
     lines = [

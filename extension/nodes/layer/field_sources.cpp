@@ -17,6 +17,11 @@ namespace {
 
 constexpr std::size_t gradient_colors = 256;
 
+// Formats of Godot 4.6 and later, by number: older headers do not name them, and older engines do not have them. Tests
+// compare the numbers with what later engines say.
+constexpr auto format_r16 = static_cast<Image::Format>(39);
+constexpr auto format_r16i = static_cast<Image::Format>(43);
+
 /// Noise, on any thread. Nobody changes the object, and asking it changes nothing about it.
 class NoiseField final : public DensityField {
 public:
@@ -41,8 +46,8 @@ private:
 float held(float value, float max) { return value > 0.0F ? std::min(value, max) : 0.0F; }
 
 bool has_red_alone(Image::Format p_format) {
-	constexpr std::array formats{Image::FORMAT_R8, Image::FORMAT_RF, Image::FORMAT_RH, Image::FORMAT_R16,
-			Image::FORMAT_R16I, Image::FORMAT_RGTC_R, Image::FORMAT_ETC2_R11, Image::FORMAT_ETC2_R11S};
+	constexpr std::array formats{Image::FORMAT_R8, Image::FORMAT_RF, Image::FORMAT_RH, format_r16, format_r16i,
+			Image::FORMAT_RGTC_R, Image::FORMAT_ETC2_R11, Image::FORMAT_ETC2_R11S};
 	return std::find(formats.begin(), formats.end(), p_format) != formats.end();
 }
 
@@ -66,7 +71,7 @@ std::shared_ptr<const CurveTable> curve_table(const Ref<Curve> &p_curve) {
 		const double share = static_cast<double>(i) / static_cast<double>(curve_stretches);
 		// The last one at the very end, without a rounding.
 		const double offset = i == curve_stretches ? max : min + share * (max - min);
-		samples[i] = held(p_curve->sample(static_cast<float>(offset)), 1.0F);
+		samples[i] = held(static_cast<float>(p_curve->sample(static_cast<float>(offset))), 1.0F);
 	}
 	const auto table = std::make_shared<CurveTable>();
 	return table->set(min, max, samples).ok() ? table : nullptr;

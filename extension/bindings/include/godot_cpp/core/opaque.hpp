@@ -66,7 +66,8 @@ private:
 
 	void swap(Opaque &r_other) noexcept { std::swap_ranges(storage_, storage_ + sizeof(storage_), r_other.storage_); }
 
-	alignas(8) std::byte storage_[builtin_size<Self>];
+	// No more than its size, so that such values lie side by side as in the engine's packed arrays.
+	alignas(std::min<std::size_t>(8, builtin_size<Self>)) std::byte storage_[builtin_size<Self>];
 };
 
 } // namespace godot::internal

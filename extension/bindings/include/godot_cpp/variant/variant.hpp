@@ -103,7 +103,7 @@ public:
 	void *_native_ptr() const { return const_cast<std::byte *>(storage_); }
 
 private:
-	alignas(8) std::byte storage_[24];
+	alignas(8) std::byte storage_[internal::builtin_size<Variant>];
 };
 
 } // namespace godot

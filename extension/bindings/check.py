@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""Compares the description that the bindings are generated from with those of later engines (extension_api.json).
+
+    check.py NEWER...
+
+Prints a sentence for each thing on which the bindings rely and which a later engine has no more or has otherwise, and fails
+if there is any. What later engines have besides is no difference.
+"""
+
+import argparse
+import pathlib
+import sys
+import tomllib
+
+import api as dump
+from describe import OLDEST
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+def signature(method):
+    """What crosses the border with a call, in order."""
+    given = [argument["type"] for argument in method.get("arguments", [])]
+    return "%s(%s)" % (dump.return_type(method) or "void", ", ".join(given))
+
+
+def method(owner, old, new):
+    """A method is found by its hash; one that changed may keep its old form under the old hash. The engine asks for virtual
+    methods by the new hash only."""
+    name = "%s.%s()" % (owner, old["name"])
+    if old["hash"] != new.get("hash"):
+        if old["is_static"] != new["is_static"] or old.get("is_virtual", False) != new.get("is_virtual", False):
+            yield "%s is another kind of method" % name
+        elif old.get("is_virtual") or old["hash"] not in new.get("hash_compatibility", []):
+            yield "%s has the hash %s, and %d is not known any more" % (name, new.get("hash"), old["hash"])
+        return
+    for flag in ("is_static", "is_virtual", "is_vararg", "is_const"):
+        if old.get(flag, False) != new.get(flag, False):
+            yield "%s: %s is %s" % (name, flag, new.get(flag, False))
+    if signature(old) != signature(new):
+        yield "%s is %s and was %s" % (name, signature(new), signature(old))
+
+
+def values(owner, old, new):
+    """Constants, and the values of enumerations."""
+    found = dump.by_name(new)
+    for item in old:
+        value = found.get(item["name"], {"value": "gone"})["value"]
+        if value != item["value"]:
+            yield "%s.%s is %s and was %s" % (owner, item["name"], value, item["value"])
+
+
+def enums(owner, old, new):
+    for name, enum in dump.by_name(old).items():
+        yield from values(owner + name, enum["values"], dump.by_name(new).get(name, {"values": []})["values"])
+
+
+def methods(owner, old, new):
+    found = dump.by_name(new)
+    for item in old:
+        if item["name"] in found:
+            yield from method(owner, item, found[item["name"]])
+        else:
+            yield "%s.%s() is gone" % (owner, item["name"])
+
+
+def builtin(name, old, new):
+    """A type that a Variant holds. Its constructors are found by number."""
+    for key in ("has_destructor", "indexing_return_type"):
+        if key in old and old[key] != new.get(key):
+            yield "%s: %s is %s and was %s" % (name, key, new.get(key), old[key])
+    constructors = {item["index"]: signature(item) for item in new.get("constructors", [])}
+    for item in old.get("constructors", []):
+        if constructors.get(item["index"]) != signature(item):
+            yield "%s: constructor %d was %s" % (name, item["index"], signature(item))
+    operators = {(item["name"], item.get("right_type")): item["return_type"] for item in new.get("operators", [])}
+    for item in old.get("operators", []):
+        if operators.get((item["name"], item.get("right_type"))) != item["return_type"]:
+            yield "%s: operator %s %s was %s" % (name, item["name"], item.get("right_type", ""), item["return_type"])
+    yield from methods(name, old.get("methods", []), new.get("methods", []))
+
+
+def ancestors(api, name):
+    while name in api.classes:
+        name = api.classes[name].get("inherits")
+        yield name
+
+
+def engine_class(old, new, name):
+    """A class. Others may have come between it and its parent."""
+    known, found = old.classes[name], new.classes[name]
+    if "inherits" in known and known["inherits"] not in ancestors(new, name):
+        yield "%s inherits %s no more" % (name, known["inherits"])
+    if known["is_refcounted"] != found["is_refcounted"]:
+        yield "%s: is_refcounted is %s" % (name, found["is_refcounted"])
+    yield from values(name, known.get("constants", []), found.get("constants", []))
+    yield from enums(name + ".", known.get("enums", []), found.get("enums", []))
+    yield from methods(name, known.get("methods", []), found.get("methods", []))
+
+
+def newer_values(new, newer):
+    """Values that used_api.toml names by number: where an engine lacks one, the number must mean nothing else there."""
+    for owner, expected in newer.items():
+        for name, numbers in expected.items():
+            enum = dump.by_name(new.classes[owner]["enums"])[name]["values"]
+            for value in enum:
+                wanted = numbers.get(value["name"], value["value"])
+                taken = value["value"] in numbers.values() and value["name"] not in numbers
+                if value["value"] != wanted or (taken and not value["name"].endswith("_MAX")):
+                    yield "%s.%s.%s is %d, which [newer] does not say" % (owner, name, value["name"], value["value"])
+
+
+def differences(old, new, newer):
+    """Sentences about all that the bindings rely on and that is otherwise in a later engine."""
+    for name, sizes in old.sizes.items():
+        if new.sizes.get(name) != sizes:
+            yield "%s takes %s bytes (%s) and took %s" % (name, new.sizes.get(name), ", ".join(dump.BUILDS), sizes)
+    yield from enums("", old.enums.values(), new.enums.values())
+    for name, known in old.builtins.items():
+        yield from builtin(name, known, new.builtins[name]) if name in new.builtins else ["%s is gone" % name]
+    for name in old.classes:
+        yield from engine_class(old, new, name) if name in new.classes else ["%s is gone" % name]
+    for name in sorted(old.singletons - new.singletons):
+        yield "%s is no singleton any more" % name
+    yield from newer_values(new, newer)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("newer", nargs="+", help="extension_api.json of a later engine")
+    parser.add_argument("--api", default=HERE / OLDEST, help="what describe.py wrote")
+    parser.add_argument("--used", type=pathlib.Path, default=HERE / "used_api.toml")
+    options = parser.parse_args()
+    old = dump.Api(dump.load(options.api))
+    newer = tomllib.loads(options.used.read_text(encoding="utf-8")).get("newer", {})
+    found = False
+    for path in options.newer:
+        new = dump.Api(dump.load(path))
+        for sentence in differences(old, new, newer):
+            print("Godot %s: %s" % (new.release, sentence))
+            found = True
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Writes the part of a description of the engine that the stand-in for godot-cpp needs, without the texts in it.
+
+    describe.py --api extension_api.json
+
+The description is the oldest that is supported, so that what is generated from it runs in all later engines, and check.py
+compares it with theirs. It holds what used_api.toml asks for and all types that this mentions. Every method, enumeration
+and class has a line of its own, for the sake of diffs.
+"""
+
+import argparse
+import json
+import pathlib
+import tomllib
+
+import api as dump
+import emit
+
+HERE = pathlib.Path(__file__).resolve().parent
+OLDEST = "description_4.4.json"
+
+# Texts, and what is asked of later descriptions only.
+LEFT_OUT = {"description", "brief_description", "category", "is_required", "hash_compatibility"}
+# Lists with a line for each entry.
+BROKEN = set(
+    "builtin_class_sizes global_enums builtin_classes constructors operators methods classes constants enums singletons".split()
+)
+
+
+def facts(item):
+    """An item without its texts. Values that count the others (FORMAT_MAX) grow with the engine, so they go as well."""
+    if isinstance(item, list):
+        return [facts(part) for part in item if not (isinstance(part, dict) and part.get("name", "").endswith("_MAX"))]
+    if isinstance(item, dict):
+        return {key: facts(value) for key, value in item.items() if key not in LEFT_OUT}
+    return item
+
+
+def kept(item, keys, **parts):
+    """These keys of an item, where it has them, and these parts, where there is anything in them."""
+    return {key: item[key] for key in keys if key in item} | {key: facts(part) for key, part in parts.items() if part}
+
+
+def builtin(api, name, entry):
+    """What is used of a type that the engine constructs and destroys, with what Opaque uses of all of them."""
+    known = api.pick(api.builtins, name, "builtins")
+    wanted = [tuple(types) for types in entry.get("constructors", [])]
+    signatures = {tuple(a["type"] for a in item.get("arguments", [])): item for item in known["constructors"]}
+    constructors = {(): None, (name,): None} | dict.fromkeys(wanted)
+    operators = {(item["name"], item.get("right_type")): item for item in known["operators"]}
+    used = {("==", name): None} | dict.fromkeys(map(tuple, entry.get("operators", [])))
+    return kept(known, ["name", "has_destructor", "indexing_return_type"],
+        constructors=[api.pick(signatures, types, name) for types in constructors],
+        operators=[api.pick(operators, key, name) for key in used],
+        methods=[api.pick(known["methods"], method, name) for method in entry.get("methods", [])])  # fmt: skip
+
+
+def engine_class(api, name, entry):
+    """What is used of a class, with the enumerations of its own that its methods mention."""
+    known = api.pick(api.classes, name, "classes")
+    methods = [api.pick(known.get("methods", []), method, name) for method in entry.get("methods", [])]
+    enums = [enum for owner, enum in api.enums_of(methods) if owner == name]
+    return kept(known, ["name", "inherits", "is_refcounted"],
+        constants=[api.pick(known.get("constants", []), constant, name) for constant in entry.get("constants", [])],
+        enums=[api.pick(known["enums"], enum, name) for enum in enums],
+        methods=methods)  # fmt: skip
+
+
+def part(description, used):
+    """The part of a description that used_api.toml asks for."""
+    api = dump.Api(description)
+    builtins = [builtin(api, name, entry) for name, entry in used["builtins"].items()]
+    builtins += [kept(api.pick(api.builtins, name, "values"), ["name"]) for name in used["global"]["values"]]
+    classes = [engine_class(api, name, entry) for name, entry in used["classes"].items()]
+    mentioned = sorted(set(api.classes_of([method for item in classes for method in item.get("methods", [])])))
+    classes += [kept(api.classes[name], ["name", "is_refcounted"]) for name in mentioned if name not in used["classes"]]
+    sized = {item["name"] for item in builtins} | {"Variant"}
+    return {
+        "header": description["header"],
+        "builtin_class_sizes": [
+            item | {"sizes": [size for size in item["sizes"] if size["name"] in sized]}
+            for item in description["builtin_class_sizes"]
+        ],
+        "global_enums": facts([api.pick(api.enums, name, "global.enums") for name in used["global"]["enums"]]),
+        "builtin_classes": builtins,
+        "classes": classes,
+        "singletons": [item for item in description["singletons"] if item["type"] in used["classes"]],
+    }
+
+
+def text(value, key="", depth=0):
+    """As JSON, with a line for each entry of what is BROKEN."""
+    if isinstance(value, dict) and (depth == 0 or any(name in BROKEN for name in value)):
+        parts = ["%s: %s" % (json.dumps(name), text(item, name, depth + 1)) for name, item in value.items()]
+        return "{%s}" % (",\n" if depth == 0 else ", ").join(parts)
+    if key in BROKEN:
+        return "[\n%s\n]" % ",\n".join(text(item, "", depth + 1) for item in value)
+    return json.dumps(value)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--api", required=True, help="extension_api.json of the oldest engine that is supported")
+    parser.add_argument("--used", type=pathlib.Path, default=HERE / "used_api.toml", help="what to describe")
+    parser.add_argument("--out", type=pathlib.Path, default=HERE / OLDEST, help="description_<version>.json")
+    options = parser.parse_args()
+    used = tomllib.loads(options.used.read_text(encoding="utf-8"))
+    found = part(dump.load(options.api), used)
+    release = dump.Api(found).release
+    if options.out.name != "description_%s.json" % release:
+        raise SystemExit("describe.py: %s is of Godot %s, and %s is not" % (options.api, release, options.out.name))
+    # What the generator would refuse is refused here.
+    emit.builtins(dump.Api(found), used)
+    emit.classes(dump.Api(found), used)
+    options.out.write_text(text(found) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,49 @@
+#include "nodes/common/precision.hpp"
+
+#include <godot_cpp/core/defs.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+template <class Function>
+Function find(GDExtensionInterfaceGetProcAddress p_get_proc_address, const char *name) {
+	return reinterpret_cast<Function>(reinterpret_cast<void *>(p_get_proc_address(name)));
+}
+
+/// Bytes of one of the engine's real numbers: a new Vector3 is three zeros.
+std::size_t engine_real_size(GDExtensionInterfaceGetProcAddress p_get_proc_address) {
+	const auto get_constructor =
+			find<GDExtensionInterfaceVariantGetPtrConstructor>(p_get_proc_address, "variant_get_ptr_constructor");
+	alignas(16) std::array<unsigned char, 64> bytes;
+	bytes.fill(0xFF);
+	get_constructor(GDEXTENSION_VARIANT_TYPE_VECTOR3, 0)(bytes.data(), nullptr);
+	return static_cast<std::size_t>(std::ranges::count(bytes, 0)) / 3;
+}
+
+std::string precision_name(std::size_t real_size) { return real_size == sizeof(double) ? "double" : "single"; }
+
+} // namespace
+
+bool fits_precision(GDExtensionInterfaceGetProcAddress p_get_proc_address) {
+	const std::size_t real_size = engine_real_size(p_get_proc_address);
+	if (real_size == sizeof(real_t)) {
+		return true;
+	}
+	const std::string engine = precision_name(real_size);
+	const std::string sentence = "This library of Thicket was compiled for engines with " +
+			precision_name(sizeof(real_t)) + " precision, and this engine has " + engine +
+			" precision: add the library that `scons precision=" + engine + " extension` builds.";
+	const auto print = find<GDExtensionInterfacePrintError>(p_get_proc_address, "print_error");
+	print(sentence.c_str(), __FUNCTION__, __FILE__, __LINE__, true);
+	return false;
+}
+
+} // namespace thicket
