@@ -8,6 +8,7 @@
 #   setup_zig        clang for every platform, and their C libraries, for what is shipped (README.md, "Build")
 #   setup_llvm       tools that strip and join libraries of all platforms
 #   setup_emscripten the compiler for the web, in a Debian root in the cache folder
+#   setup_descriptions  the engine's descriptions of itself from 4.2 on, to compare; those tests are skipped without
 #   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
@@ -26,6 +27,7 @@ highway_sha256=7e0be78b8318e8bdbf6fa545d2ecb4c90f947df03f7aadc42c1967f019e63343
 highway_suite=trixie
 zig_version=0.17.0
 emscripten_suite=trixie
+descriptions_version=0.5.1
 
 say() {
 	echo "thicket: $*" >&2
@@ -102,6 +104,33 @@ setup_llvm() {
 setup_mono() {
 	command -v mcs >/dev/null || install_packages "to check C#" mono-mcs ||
 		say "going on without a C# compiler; the tests that need it will be skipped"
+}
+
+# The engine's descriptions of itself, one for each version, which a Rust crate carries.
+setup_descriptions() {
+	local folder partial version sources
+	folder=$(cache_folder)/descriptions
+	[[ ! -d $folder ]] || return 0
+	command -v cargo >/dev/null || install_packages "to compare versions of the engine" cargo || return 0
+	mkdir -p "$(cache_folder)"
+	partial=$(mktemp --directory "$folder.partial.XXXXXX")
+	mkdir "$partial/src"
+	touch "$partial/src/lib.rs"
+	printf '[package]\nname = "descriptions"\nversion = "1.0.0"\n\n[dependencies]\ngdextension-api = "=%s"\n' \
+		"$descriptions_version" >"$partial/Cargo.toml"
+	if ! cargo fetch --quiet --manifest-path "$partial/Cargo.toml" >&2; then
+		rm -rf "$partial"
+		say "going on without the descriptions of other versions of the engine; the tests that need them will be skipped"
+		return 0
+	fi
+	sources=("${CARGO_HOME:-$HOME/.cargo}"/registry/src/*/"gdextension-api-$descriptions_version"/src)
+	mkdir "$partial/found"
+	for version in "${sources[0]}"/4.*; do
+		mkdir "$partial/found/${version##*/}"
+		cp "$version/extension_api.json" "$partial/found/${version##*/}/"
+	done
+	mv "$partial/found" "$folder"
+	rm -rf "$partial"
 }
 
 setup_python() {
