@@ -126,7 +126,7 @@ def shared_flags(env):
         # Else a library's time of birth is written into it.
         env.Append(LINKFLAGS=["-Wl,/Brepro" if env["use_zig"] else "-Wl,--no-insert-timestamp"])
     if platform == "macos":
-        env.Append(LINKFLAGS=["-Wl,-dead_strip"])
+        env.Append(LINKFLAGS=["-Wl,-dead_strip", "-Wl,-install_name,@rpath/${TARGET.file}"])
     if platform == "web":
         env.Append(LINKFLAGS=["-sSIDE_MODULE=2", "-sEXPORTED_FUNCTIONS=_thicket_library_init", "-sWASM_BIGINT"])
         env.Append(LINKFLAGS=["-sSUPPORT_LONGJMP=wasm"])

@@ -1,7 +1,9 @@
 """The libraries of others: the part of Highway that a program links, four of its sources, compiled with ours and for the
 same processors; and the headers of GLM and doctest."""
 
+import filecmp
 import os
+import shutil
 
 import compilers
 import platforms
@@ -32,15 +34,16 @@ def highway(env, out):
 
 
 def headers(env):
-    """Lets a compiler for another system find GLM and doctest, and nothing else that lies beside them."""
+    """Lets a compiler for another system find GLM and doctest, and nothing else that lies beside them: in a copy, since it may
+    run in a root of its own."""
     if not env["use_zig"] and platforms.is_native(env):
         return
     folder = env.Dir("#build/headers").abspath
-    os.makedirs(folder, exist_ok=True)
     for name, header in (("glm", "glm/glm.hpp"), ("doctest", "doctest/doctest.h")):
         roots = ["/usr/include", "/usr/local/include", "/opt/homebrew/include", *os.environ.get("CPATH", "").split(os.pathsep)]
-        found = [os.path.join(root, name) for root in roots if root and os.path.exists(os.path.join(root, header))]
-        link = os.path.join(folder, name)
-        if found and not os.path.lexists(link):
-            os.symlink(found[0], link)
+        found = [root for root in roots if root and os.path.exists(os.path.join(root, header))]
+        copied = os.path.join(folder, header)
+        if found and not (os.path.exists(copied) and filecmp.cmp(copied, os.path.join(found[0], header))):
+            shutil.rmtree(os.path.join(folder, name), ignore_errors=True)
+            shutil.copytree(os.path.join(found[0], name), os.path.join(folder, name))
     env.Append(CCFLAGS=["-isystem", folder])

@@ -77,7 +77,7 @@ def lock(env):
 def configure(env):
     """Sets the flags that all our code is compiled with; returns the name of the build folder, one for each set of
     options that gives other objects."""
-    env["ENV"] = {name: os.environ[name] for name in ("PATH", "HOME", "TERM", "TMPDIR", "EM_CACHE", "THICKET_CACHE", "XDG_CACHE_HOME") if name in os.environ}
+    env["ENV"] = {name: os.environ[name] for name in ("PATH", "HOME", "TERM", "TMPDIR", "THICKET_CACHE", "XDG_CACHE_HOME") if name in os.environ}
     env["arch"] = env["arch"] or ("wasm32" if env["platform"] == "web" else platforms.native_arch())
     env["CXX"] = env["CXX"] or os.environ.get("CXX") or "g++"
     problem = platforms.problem(env)

@@ -118,7 +118,7 @@ std::size_t ScatterStream::jobs_per_worker() const {
 		return min_jobs_per_worker; // What takes the time is not the workers.
 	}
 	const std::uint64_t fitting = worker_lead_microseconds / std::max<std::uint64_t>(usual_job_microseconds_, 1);
-	return std::clamp<std::uint64_t>(fitting, min_jobs_per_worker, max_jobs_per_worker);
+	return static_cast<std::size_t>(std::clamp<std::uint64_t>(fitting, min_jobs_per_worker, max_jobs_per_worker));
 }
 
 void ScatterStream::request_tiles(std::span<const Viewer> viewers) {

@@ -68,7 +68,9 @@ void TerrainScatter3D::notified(int p_what) {
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
 		case NOTIFICATION_VISIBILITY_CHANGED: display().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_CHILD_ORDER_CHANGED: gameplay()->scenes().children_changed(); break;
-		case NOTIFICATION_INTERNAL_PROCESS: process_frame(); break;
+		// A script that is called there may free the node, which the engine goes on with after a notification, but not after
+		// a call. Deferred calls are made in the same frame.
+		case NOTIFICATION_INTERNAL_PROCESS: call_deferred("_process_frame"); break;
 		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: {
 			const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 			const std::shared_ptr<ScatterStream> stream = stream_;
@@ -109,6 +111,9 @@ void TerrainScatter3D::stop() {
 }
 
 void TerrainScatter3D::process_frame() {
+	if (!running_) {
+		return;
+	}
 	const auto start = Clock::now();
 	const std::shared_ptr<ScatterStream> stream = stream_;
 	const Presence here(gameplay_);

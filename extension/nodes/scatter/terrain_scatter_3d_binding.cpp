@@ -40,6 +40,7 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::mark_ground_edited>(D_METHOD("_mark_ground_edited", "rect"));
 	bind_guarded<&Self::mark_area_edited>(D_METHOD("_mark_area_edited", "rect"));
 	bind_guarded<&Self::patch_now>(D_METHOD("_patch"));
+	bind_guarded<&Self::process_frame>(D_METHOD("_process_frame"));
 	bind_guarded<&Self::regenerate>(D_METHOD("regenerate"));
 	bind_guarded<&Self::is_settled>(D_METHOD("is_settled"));
 	bind_guarded<&Self::get_stats>(D_METHOD("get_stats"));

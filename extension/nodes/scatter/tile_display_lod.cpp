@@ -114,7 +114,7 @@ bool TileDisplay::draw_lod(const LodSettings &lod, double distance, DisplayedTil
 		drawn_ -= part.drawn;
 		const std::uint64_t due = visible_prefix(part.shown->ranks, density * limits_.quality * share_);
 		const std::uint64_t room = limits_.max_instances - std::min(limits_.max_instances, drawn_);
-		part.drawn = std::min(due, room);
+		part.drawn = static_cast<std::size_t>(std::min(due, room));
 		drawn_ += part.drawn;
 		whole = whole && part.drawn == due;
 		part.visual->set_mesh(part.lods[std::min(r_tile.lod, part.lods.size() - 1)]);
