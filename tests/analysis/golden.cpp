@@ -1,9 +1,12 @@
-// Digests of what the core makes, one for each of a fixed list of point sets, domains and tiles, computed on every instruction set
-// that this processor has. Prints them as JSON; fails where two instruction sets differ. tests/golden/core.json is this
-// program's output, and tests/test_golden.py holds every compiler and optimization level against it.
+// Digests of what the core makes, one for each of a fixed list of point sets, domains, tiles, masks, states and queries, computed
+// on every instruction set that this processor has, which it names on stderr. Prints them as JSON; fails where two instruction sets
+// differ. tests/golden/core.json is this program's output, and tests/golden/matrix.py holds every platform, compiler and optimization
+// level against it.
 
 #include "tests/analysis/golden_fields.hpp"
 #include "tests/analysis/golden_layers.hpp"
+#include "tests/analysis/golden_queries.hpp"
+#include "tests/analysis/golden_states.hpp"
 #include "tests/bench/common/hills.hpp"
 #include "tests/bench/common/simd_targets.hpp"
 
@@ -150,8 +153,10 @@ Digests all_digests() {
 	digests.emplace_back("undergrowth with every rule", digest_tile(builder, analysis::undergrowth(near), near));
 	digests.emplace_back(
 			"undergrowth with every rule, 5 000 km out", digest_tile(builder, analysis::undergrowth(far), far));
-	for (const auto &one : analysis::field_digests(require)) {
-		digests.push_back(one);
+	for (const auto &more : {analysis::field_digests(require), analysis::state_digests(require),
+				 analysis::query_digests("queries", {-50.0, 400.0}, require),
+				 analysis::query_digests("queries, 5 000 km out", {5.0e6 + 2500.0, 5.0e6 + 3400.0}, require)}) {
+		digests.insert(digests.end(), more.begin(), more.end());
 	}
 	return digests;
 }

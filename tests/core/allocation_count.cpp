@@ -1,8 +1,13 @@
 #include "allocation_count.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <new>
+
+#ifdef _WIN32
+#include <malloc.h>
+#endif
 
 namespace {
 
@@ -24,14 +29,23 @@ bool granted() {
 	return false;
 }
 
-void *allocate(std::size_t size, std::size_t alignment) {
-	if (!granted()) {
-		throw std::bad_alloc();
-	}
+void *plain_memory(std::size_t size) { return std::malloc(size == 0 ? 1 : size); }
+
+#ifdef _WIN32 // Its C library cannot free such memory as if it were any other.
+void *aligned_memory(std::size_t size, std::size_t alignment) { return _aligned_malloc(size, alignment); }
+void free_aligned(void *memory) { _aligned_free(memory); }
+#else
+void *aligned_memory(std::size_t size, std::size_t alignment) {
 	// aligned_alloc wants a multiple of the alignment.
-	const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
-	void *memory = alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ ? std::malloc(size == 0 ? 1 : size)
-																 : std::aligned_alloc(alignment, rounded);
+	return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+void free_aligned(void *memory) { std::free(memory); }
+#endif
+
+/// What `take` gives, unless it must fail.
+template <typename Take>
+void *allocate(const Take &take) {
+	void *memory = granted() ? take() : nullptr;
 	if (memory == nullptr) {
 		throw std::bad_alloc();
 	}
@@ -53,20 +67,23 @@ AllocationLimit::~AllocationLimit() { most_allocations = unlimited; }
 bool AllocationLimit::reached() const { return failed; }
 
 // The array forms of the library come back to these. The nothrow ones do too, but a sanitizer has its own of them.
-void *operator new(std::size_t size) { return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__); }
+void *operator new(std::size_t size) {
+	return allocate([size] { return plain_memory(size); });
+}
 
 void *operator new(std::size_t size, std::align_val_t alignment) {
-	return allocate(size, static_cast<std::size_t>(alignment));
+	return allocate(
+			[=] { return aligned_memory(size, std::max(static_cast<std::size_t>(alignment), sizeof(void *))); });
 }
 
 void *operator new(std::size_t size, const std::nothrow_t &) noexcept {
-	return granted() ? std::malloc(size == 0 ? 1 : size) : nullptr;
+	return granted() ? plain_memory(size) : nullptr;
 }
 
 void operator delete(void *memory) noexcept { std::free(memory); }
 
 void operator delete(void *memory, std::size_t) noexcept { std::free(memory); }
 
-void operator delete(void *memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void *memory, std::align_val_t) noexcept { free_aligned(memory); }
 
-void operator delete(void *memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void *memory, std::size_t, std::align_val_t) noexcept { free_aligned(memory); }

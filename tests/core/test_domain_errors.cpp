@@ -9,9 +9,13 @@
 #include <fstream>
 #include <limits>
 #include <string>
+
+#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
+#define THICKET_LIMITS_MEMORY
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#endif
 
 using namespace thicket;
 using namespace thicket::domain_cases;
@@ -191,7 +195,7 @@ TEST_CASE_TEMPLATE(
 	}
 }
 
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
+#ifdef THICKET_LIMITS_MEMORY
 
 namespace {
 
@@ -203,9 +207,12 @@ rlim_t address_space() {
 	return static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// What a child process finds that may have 64 MB more than it has now.
+constexpr int limits_do_not_hold = 2;
+
+/// What a child process finds that may have 64 MB more than it has now: EXIT_SUCCESS, or what to exit with. Some emulators take
+/// a limit and do not keep it.
 template <typename Real>
-bool refuses_in_little_memory(DomainMethod method) {
+int refuses_in_little_memory(DomainMethod method) {
 	const rlim_t limit = address_space() + (rlim_t{64} << 20);
 	const rlimit limits{limit, limit};
 	DomainSampler<Real> sampler;
@@ -213,13 +220,18 @@ bool refuses_in_little_memory(DomainMethod method) {
 	const std::vector<glm::vec<2, Real>> before = points;
 	DomainRequest huge = request_of({"", {20'000.0, 20'000.0}, 1.0, false}, method, 3);
 	if (setrlimit(RLIMIT_AS, &limits) != 0) {
-		return false;
+		return EXIT_FAILURE;
+	}
+	if (void *volatile too_much = std::malloc(std::size_t{1} << 30)) {
+		std::free(too_much);
+		return limits_do_not_hold;
 	}
 	const bool refused = sampler.sample(huge, points).code == ErrorCode::out_of_memory && points == before &&
 			sampler.fill(huge).code == ErrorCode::out_of_memory;
 	// What it took on the way is given back: there is room for a small domain.
 	huge.size = {100.0, 100.0};
-	return refused && sampler.sample(huge, points).ok() && points.size() > 5000;
+	const bool goes_on = sampler.sample(huge, points).ok() && points.size() > 5000;
+	return refused && goes_on ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 } // namespace
@@ -232,11 +244,15 @@ TEST_CASE_TEMPLATE("domain errors: a domain that is larger than memory", Real, f
 		REQUIRE(child >= 0);
 		if (child == 0) {
 			alarm(60);
-			_exit(refuses_in_little_memory<Real>(method.method) ? EXIT_SUCCESS : EXIT_FAILURE);
+			_exit(refuses_in_little_memory<Real>(method.method));
 		}
 		int status = 0;
 		REQUIRE(waitpid(child, &status, 0) == child);
-		CHECK(WIFEXITED(status));
+		REQUIRE(WIFEXITED(status));
+		if (WEXITSTATUS(status) == limits_do_not_hold) {
+			MESSAGE("not tested: memory cannot be limited here");
+			return;
+		}
 		CHECK(WEXITSTATUS(status) == EXIT_SUCCESS);
 	}
 }

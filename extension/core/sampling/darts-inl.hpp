@@ -119,7 +119,7 @@ HWY_INLINE void throw_base_darts(LevelGrid &grid) {
 	for (std::int32_t y = grid.cells.min.y; y < grid.cells.max.y; ++y) {
 		std::uint32_t index = grid.index_of({grid.cells.min.x, y});
 		const std::uint32_t row_tag = 5 * mod_5(y);
-		std::fill_n(grid.open.begin() + index, grid.cells.size().x, LevelGrid::all_open);
+		std::fill_n(grid.open.data() + index, grid.cells.size().x, LevelGrid::all_open);
 		for (std::int32_t x = grid.cells.min.x; x < grid.cells.max.x;
 				x += lanes, index += static_cast<std::uint32_t>(lanes)) {
 			const auto random = random_bits(d, hn::Iota(d, static_cast<std::uint32_t>(x)),
@@ -141,8 +141,8 @@ HWY_INLINE void throw_base_darts(LevelGrid &grid) {
 				alignas(64) std::uint32_t positions[lanes];
 				hn::Store(key, d, keys);
 				hn::Store(position, d, positions);
-				std::copy_n(keys, rest, grid.time.begin() + index);
-				std::copy_n(positions, rest, grid.dart.begin() + index);
+				std::copy_n(keys, rest, grid.time.data() + index);
+				std::copy_n(positions, rest, grid.dart.data() + index);
 			}
 		}
 	}

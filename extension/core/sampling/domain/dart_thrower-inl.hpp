@@ -122,7 +122,7 @@ private:
 	}
 
 	bool begin(const Progress &progress, double expected_points) {
-		for (std::uint64_t choice = 0; choice < 2 * batch; ++choice) {
+		for (std::size_t choice = 0; choice < 2 * batch; ++choice) {
 			draws_[choice] = draw(choice);
 		}
 		if (wavefront_) {

@@ -1,0 +1,226 @@
+#pragma once
+
+#include "tests/analysis/golden_layers.hpp"
+#include "tests/analysis/golden_states.hpp"
+#include "tests/bench/common/hills.hpp"
+
+#include "core/base/tile_grid.hpp"
+#include "core/base/word_hash.hpp"
+#include "core/near/body_fit.hpp"
+#include "core/near/near_set.hpp"
+#include "core/near/tile_overlay.hpp"
+#include "core/placement/tile_builder.hpp"
+#include "core/query/instance_query.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace thicket::analysis {
+
+/// A forest, and bushes whose tiles are smaller than the squares of their set, on hills of their own; makes tiles when
+/// they are asked for.
+class GoldenWorld final : public TileSource {
+public:
+	/// Where there are trees around `place`.
+	explicit GoldenWorld(glm::dvec2 place) : hills_(bench::Hills::at(place - glm::dvec2(4950.0, 3400.0))) {
+		LayerSettings bushes = forest();
+		bushes.set = {.seed = 9, .radius = 7.0, .levels = 1, .layer = 12};
+		bushes.placement.offset_along_normal = 0.4;
+		bushes.placement.max_tilt_degrees = 20.0;
+		settings_ = {forest(), bushes};
+		for (const auto &[layer, tile_size] : {std::pair{0, 64.0}, std::pair{1, 5.5}}) {
+			const LayerSettings &settings = settings_[static_cast<std::size_t>(layer)];
+			asked.push_back({.set = settings.set,
+					.tile_size = tile_size,
+					.shape = {.radius = 0.6, .height = 7.0},
+					.max_scale = settings.placement.max_scale,
+					.max_offset = std::abs(settings.placement.offset_along_normal)});
+		}
+	}
+
+	std::vector<QueryLayer> asked;
+
+	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override {
+		std::shared_ptr<const TileInstances> &kept = tiles_[{layer, tile.x, tile.y}];
+		if (kept == nullptr) {
+			auto made = std::make_shared<TileInstances>();
+			const Rect square = tile_rect(asked[layer].tile_size, tile);
+			if (const Status status = builder_.build(settings_[layer], hills_, square, *made); !status.ok()) {
+				return status;
+			}
+			kept = made;
+		}
+		r_tile = kept;
+		return {};
+	}
+
+	const LayerSettings &settings(std::uint32_t layer) const { return settings_[layer]; }
+
+private:
+	Heightfield hills_;
+	std::vector<LayerSettings> settings_;
+	TileBuilder builder_;
+	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const TileInstances>> tiles_;
+};
+
+inline void add(WordHash &r_hash, const glm::mat3 &matrix) {
+	for (int column = 0; column < 3; ++column) {
+		for (int row = 0; row < 3; ++row) {
+			r_hash.add(matrix[column][row]);
+		}
+	}
+}
+
+inline void add(WordHash &r_hash, const PlacedInstance &instance) {
+	r_hash.add(instance.id);
+	r_hash.add(instance.layer);
+	r_hash.add(instance.mesh);
+	for (int axis = 0; axis < 3; ++axis) {
+		r_hash.add(instance.position[axis]);
+	}
+	add(r_hash, instance.basis);
+}
+
+inline std::uint64_t digest_of(const std::vector<PlacedInstance> &instances) {
+	WordHash hash;
+	hash.add(std::uint64_t{instances.size()});
+	for (const PlacedInstance &each : instances) {
+		add(hash, each);
+	}
+	return hash.value();
+}
+
+/// Some removed, some placed by hand.
+template <typename Require>
+InstanceState changed_world(const std::vector<PlacedInstance> &all, glm::dvec3 place, Require require) {
+	GoldenRandom random(23);
+	InstanceState state;
+	for (const PlacedInstance &each : all) {
+		if (random.below(5) == 0) {
+			require(state.remove(each.id).status);
+		}
+	}
+	for (int i = 0; i < 30; ++i) {
+		std::uint64_t id = 0;
+		require(state.add(golden_instance(random, static_cast<std::uint16_t>(i % 2 == 0 ? 4 : 12), place), id));
+	}
+	return state;
+}
+
+/// What stands first along rays, and nearest to places, spread over the rectangle.
+template <typename Require>
+void add_first_ones(const InstanceQuery &query, glm::dvec3 place, WordHash &r_rays, WordHash &r_nearest,
+		std::uint64_t &r_met, Require require) {
+	GoldenRandom random(29);
+	const auto anywhere = [&] {
+		const double x = random.between(-90, 90);
+		const double z = random.between(-90, 90);
+		return place + glm::dvec3(x, random.between(-30, 30), z);
+	};
+	for (int i = 0; i < 150; ++i) {
+		std::vector<RayHit> hits;
+		const glm::dvec3 from = anywhere();
+		require(query.on_ray(from, anywhere(), {}, hits));
+		r_met += hits.size();
+		for (const RayHit &hit : hits) {
+			r_rays.add(hit.distance);
+			add(r_rays, hit.instance);
+		}
+		std::vector<NearestInstance> nearest;
+		require(query.nearest(anywhere(), 25.0, {}, nearest));
+		for (const NearestInstance &one : nearest) {
+			r_nearest.add(one.distance);
+			add(r_nearest, one.instance);
+		}
+	}
+}
+
+/// What comes near to somebody who walks, and goes again; and the bodies of it.
+inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, glm::dvec3 place) {
+	WordHash hash;
+	NearSet near;
+	NearChanges changes;
+	for (int step = -4; step <= 4; ++step) {
+		const std::vector<glm::dvec3> centers{place + glm::dvec3(step * 11.3, 0.0, step * 7.1), place};
+		near.look(centers, {30.0, 40.0}, standing, changes);
+		for (const std::uint64_t id : changes.leave) {
+			hash.add(id);
+			near.release(id);
+		}
+		for (const PlacedInstance &each : changes.enter) {
+			BodyFit fit;
+			hash.add(each.id);
+			hash.add(std::uint32_t{fit_body(each.basis, fit)});
+			hash.add(std::uint32_t{fit.mirrored});
+			add(hash, fit.rotation);
+			for (int axis = 0; axis < 3; ++axis) {
+				hash.add(static_cast<std::uint32_t>(fit.scale_steps[axis]));
+				hash.add(fit.scale()[axis]);
+			}
+			near.hold(each);
+		}
+	}
+	return hash.value();
+}
+
+/// What is drawn of a tile of which some is removed.
+template <typename Require>
+std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm::dvec3 place, Require require) {
+	const glm::ivec2 tile = tile_at(world.asked[0].tile_size, {place.x, place.z});
+	std::shared_ptr<const TileInstances> found;
+	require(world.find_tile(0, tile, found));
+	OverlaidMeshes meshes;
+	require(overlaid(found, world.settings(0), tile_rect(world.asked[0].tile_size, tile), {&state, nullptr}, meshes));
+	WordHash hash;
+	for (const std::shared_ptr<const MeshInstances> &mesh : meshes) {
+		hash.add_all(std::span<const std::uint64_t>(mesh->ids));
+		hash.add_all(std::span<const std::uint32_t>(mesh->ranks));
+		hash.add_all(std::span<const float>(mesh->buffer));
+	}
+	return hash.value();
+}
+
+/// Digests of all answers that a changed world gives around `place`, and of what is done with them.
+template <typename Require>
+std::vector<std::pair<std::string, std::uint64_t>> query_digests(
+		const std::string &where, glm::dvec2 place, Require require) {
+	GoldenWorld world(place);
+	const Rect rect{place - glm::dvec2(90.25, 80.5), place + glm::dvec2(80.75, 95.125)};
+	std::vector<PlacedInstance> all;
+	require(InstanceQuery{world.asked, world}.in_rect(rect, {}, all));
+	// A height in the midst of what stands there.
+	const glm::dvec3 center(place.x, all.empty() ? 0.0 : all[all.size() / 2].position.y, place.y);
+	const InstanceState state = changed_world(all, center, require);
+	const InstanceQuery query{world.asked, world, &state};
+
+	std::vector<PlacedInstance> in_rect;
+	std::vector<PlacedInstance> in_sphere;
+	std::vector<PlacedInstance> by_id;
+	require(query.in_rect(rect, {}, in_rect));
+	require(query.in_sphere(center, 70.3, {}, in_sphere));
+	for (std::size_t i = 0; i < all.size(); i += 3) {
+		std::vector<PlacedInstance> found;
+		require(query.by_id(all[i].id, found));
+		by_id.insert(by_id.end(), found.begin(), found.end());
+	}
+	WordHash rays;
+	WordHash nearest;
+	std::uint64_t met = 0;
+	add_first_ones(query, center, rays, nearest, met, require);
+	if (in_rect.size() < 400 || in_sphere.size() < 100 || by_id.size() < 100 || met < 30) {
+		require(Status{ErrorCode::out_of_range, "instances that queries find", static_cast<double>(in_rect.size())});
+	}
+	return {{where + ", in a rectangle", digest_of(in_rect)}, {where + ", in a sphere", digest_of(in_sphere)},
+			{where + ", by id", digest_of(by_id)}, {where + ", on rays", rays.value()},
+			{where + ", nearest", nearest.value()}, {where + ", near a walker", digest_walk(in_rect, center)},
+			{where + ", drawn", digest_overlay(world, state, center, require)}};
+}
+
+} // namespace thicket::analysis

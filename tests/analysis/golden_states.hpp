@@ -1,0 +1,115 @@
+#pragma once
+
+#include "core/base/bytes.hpp"
+#include "core/base/instance_id.hpp"
+#include "core/base/split_mix.hpp"
+#include "core/state/instance_state.hpp"
+
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace thicket::analysis {
+
+/// The same numbers everywhere; the standard library's distributions differ.
+class GoldenRandom {
+public:
+	explicit GoldenRandom(std::uint64_t seed) : state_(seed) {}
+
+	std::uint32_t below(std::uint32_t end) {
+		state_ += split_mix_gamma;
+		return static_cast<std::uint32_t>(split_mix(state_) >> 33) % end;
+	}
+
+	/// In sixteenths, which no arithmetic rounds.
+	double between(int low, int high) {
+		return low + static_cast<double>(below(16 * static_cast<std::uint32_t>(high - low))) / 16.0;
+	}
+
+private:
+	std::uint64_t state_;
+};
+
+/// An instance placed by hand near a place, leaning and stretched.
+inline AddedInstance golden_instance(GoldenRandom &random, std::uint16_t layer, glm::dvec3 place) {
+	AddedInstance instance;
+	instance.layer = layer;
+	instance.mesh = static_cast<std::uint8_t>(random.below(3));
+	for (int axis = 0; axis < 3; ++axis) {
+		instance.position[axis] = place[axis] + random.between(-90, 90) * (axis == 1 ? 0.1 : 1.0);
+		for (int row = 0; row < 3; ++row) {
+			instance.basis[axis][row] += static_cast<float>(random.between(-1, 1) * 0.3);
+		}
+	}
+	return instance;
+}
+
+/// Does something to a state, mostly about few ids, so that they meet again.
+template <typename Require>
+void change(InstanceState &r_state, GoldenRandom &random, Require require) {
+	std::vector<InstanceChange> changes;
+	const auto layer = static_cast<std::uint16_t>(random.below(3) * 16000);
+	// One number a statement: the order in which arguments are made is the compiler's choice.
+	const std::uint32_t where = random.below(1600);
+	const glm::ivec2 cell(static_cast<int>(where % 40) - 20, static_cast<int>(where / 40) - 20);
+	const std::uint64_t point = pack({layer, cell * (random.below(4) == 0 ? 400'000 : 1)});
+	const std::vector<std::uint64_t> added = r_state.added_ids();
+	const auto count = static_cast<std::uint32_t>(added.size());
+	const std::uint64_t any = count == 0 || random.below(2) == 0 ? point : added[random.below(count)];
+	const std::uint32_t kind = random.below(8);
+	if (kind < 3) {
+		require(r_state.remove(any, random.below(2) == 0 ? 0.0 : r_state.time() + random.between(1, 50)).status);
+	} else if (kind == 3) {
+		require(r_state.restore(point).status);
+	} else if (kind < 6) {
+		std::uint64_t id = 0;
+		require(r_state.add(golden_instance(random, layer, {-1.0e6, 300.0, 2.0e6}), id));
+	} else if (kind == 6) {
+		const auto byte = static_cast<std::uint8_t>(random.below(256));
+		const std::vector<std::uint8_t> data(random.below(40), byte);
+		require(r_state.set_data(any, data));
+	} else {
+		require(r_state.advance(random.between(0, 2), changes));
+	}
+}
+
+/// Digests of the bytes of a state, of what changed in it, and of two that met.
+template <typename Require>
+std::vector<std::pair<std::string, std::uint64_t>> state_digests(Require require) {
+	GoldenRandom random(19);
+	InstanceState here;
+	InstanceState there;
+	for (const std::uint16_t layer : std::initializer_list<std::uint16_t>{0, 16000, 32000}) {
+		const std::uint64_t stamp = stamp_of({.seed = 20, .radius = 1.7, .levels = 3, .layer = layer});
+		require(here.claim(layer, stamp));
+		require(there.claim(layer, stamp));
+	}
+	std::uint64_t half_way = 0;
+	for (int i = 0; i < 1200; ++i) {
+		half_way = i == 900 ? here.revision() : half_way;
+		change(here, random, require);
+		change(there, random, require);
+	}
+	std::vector<std::uint8_t> saved;
+	std::vector<std::uint8_t> other;
+	std::vector<std::uint8_t> diff;
+	require(here.save(saved));
+	require(there.save(other));
+	require(here.diff_since(half_way, diff));
+
+	std::vector<InstanceChange> changes;
+	InstanceState merged;
+	require(merged.load(saved, changes));
+	require(merged.merge(there, changes));
+	std::vector<std::uint8_t> both;
+	require(merged.save(both));
+	require(there.apply(diff, changes));
+	std::vector<std::uint8_t> told;
+	require(there.save(told));
+	return {{"state", checksum(saved)}, {"state, another", checksum(other)}, {"state, a diff", checksum(diff)},
+			{"state, a merge", checksum(both)}, {"state, another after the diff", checksum(told)}};
+}
+
+} // namespace thicket::analysis
