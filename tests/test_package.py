@@ -302,3 +302,88 @@ def test_a_users_project(addon, godot, tmp_path):
     for arguments in (["--import"], ["--editor", "--quit-after", "30"]):
         done = godot(["--path", project, *arguments], timeout=600)
         assert done.returncode == 0, done.stdout + done.stderr
+
+
+GAME = """extends Node3D
+
+func _ready() -> void:
+	var oaks := ScatterLayer.new()
+	oaks.radius = 3.0
+	oaks.progressive_levels = 2
+	oaks.meshes = [CylinderMesh.new()]
+	var forest := TerrainScatter3D.new()
+	forest.terrain = ScatterTerrainNoise.new()
+	forest.layers = [oaks]
+	add_child(forest)
+	var digests: Array[String] = []
+	for tile in 4:
+		digests.append(str(forest.get_tile(0, Vector2i(tile, -tile)).get_digest()))
+	forest.remove_in_sphere(Vector3.ZERO, 20.0)
+	digests.append(str(forest.state.get_digest()))
+	print("digests ", digests, " ", OS.has_feature("template_release"))
+	get_tree().quit()
+"""
+PRESETS = """[preset.0]
+name="Linux"
+platform="Linux"
+runnable=true
+export_filter="all_resources"
+include_filter=""
+exclude_filter=""
+
+[preset.0.options]
+custom_template/release="/usr/bin/godot-template-release"
+binary_format/embed_pck=false
+binary_format/architecture="x86_64"
+"""
+
+
+def in_godots_root(command: list[str | Path], timeout: float) -> subprocess.CompletedProcess[str]:
+    """Runs a program where Godot was installed into the cache."""
+    enter = 'source tools/find.sh; enter_root "$(godot_root)"; exec "${enter[@]}" "$@"'
+    return run(["bash", "-c", enter, "bash", *command], timeout, cwd=REPO)
+
+
+@pytest.mark.full
+def test_an_exported_game_makes_the_same(addon, godot, tmp_path):
+    """A game exported with the release template, run without a screen, prints the digests that the editor's engine prints."""
+    if in_godots_root(["test", "-x", "/usr/bin/godot-template-release"], 60).returncode:
+        pytest.skip("no export template is installed")
+    project = tmp_path / "project"
+    (project / "addons").mkdir(parents=True)
+    (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Game"\nrun/main_scene="res://game.tscn"\n')
+    (project / "game.gd").write_text(GAME)
+    (project / "game.tscn").write_text('[gd_scene format=3]\n[ext_resource type="Script" path="res://game.gd" id="1"]\n'
+        '[node name="Game" type="Node3D"]\nscript = ExtResource("1")\n')  # fmt: skip
+    (project / "export_presets.cfg").write_text(PRESETS)
+    shutil.copytree(addon, project / "addons/thicket")
+    (tmp_path / "game").mkdir()
+    for arguments in (["--import"], ["--export-release", "Linux", tmp_path / "game/game.x86_64"]):
+        done = godot(["--path", project, *arguments], timeout=600)
+        assert done.returncode == 0, done.stdout + done.stderr
+    assert {path.name for path in (tmp_path / "game").iterdir()} == {
+        "game.x86_64", "game.pck", "libthicket.linux.template_release.x86_64.so"}  # fmt: skip
+    played = godot(["--path", project], timeout=300)
+    exported = in_godots_root([tmp_path / "game/game.x86_64", "--headless"], 300)
+    digests = [re.findall(r"^digests (\[.*\]) (\w+)$", done.stdout, re.MULTILINE) for done in (played, exported)]
+    assert digests[0] and digests[1], played.stdout + exported.stdout + exported.stderr
+    assert digests[0][0][0] == digests[1][0][0] and digests[0][0][1] == "false" and digests[1][0][1] == "true"
+
+
+@pytest.mark.full
+def test_the_engine_for_arm_plays_what_was_unpacked(addon, tmp_path):
+    """Scripts of tests/engine that ask for points, tiles, rules and states, in the engine for ARM, under an emulator."""
+    cache = Path(os.environ.get("THICKET_CACHE") or Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "thicket")
+    root = cache / "godot-root-arm64"
+    if not shutil.which("qemu-aarch64") or not (root / "usr/bin/godot").exists():
+        pytest.skip("no engine for ARM, or no emulator, is installed")
+    project = tmp_path / "project"
+    shutil.copytree(REPO / "tests/engine", project)
+    shutil.copytree(addon, project / "addons/thicket")
+    (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="ARM"\n')
+    (project / ".godot").mkdir()
+    (project / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
+    for script in ("test_build_rect.gd", "test_domain.gd", "test_layer_rules.gd", "test_state.gd"):
+        done = run(["qemu-aarch64", "-L", root, root / "usr/bin/godot", "--headless", "--path", project, "--script", script], timeout=1800,
+            env={**os.environ, "LD_LIBRARY_PATH": ""})  # fmt: skip
+        assert done.returncode == 0 and ", 0 failed" in done.stdout, f"{script}:\n{done.stdout[-3000:]}{done.stderr[-3000:]}"

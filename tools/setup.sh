@@ -43,26 +43,19 @@ setup_compiler() {
 	setup_highway
 }
 
-# Takes the sources from Debian, through lists of our own, so that what the machine's apt knows stays as it is.
 setup_highway() {
-	local folder partial mirror tar_ball
+	local folder partial tar_ball
 	folder=$(cache_folder)/highway-$highway_version
 	[[ ! -f $folder/hwy/highway.h ]] || return 0
-	mirror=$(debian_mirror)
-	if [[ -z $mirror ]] || ! command -v apt-get >/dev/null; then
+	if [[ -z $(debian_mirror) ]] || ! command -v apt-get >/dev/null; then
 		say "to build, please put the sources of Highway $highway_version into $folder, so that $folder/hwy/highway.h is there"
 		return 1
 	fi
 	say "taking the sources of Highway $highway_version from Debian $highway_suite"
 	mkdir -p "$(cache_folder)"
 	partial=$(mktemp --directory "$folder.partial.XXXXXX")
-	mkdir -p "$partial"/{lists,cache}
-	echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $highway_suite main" >"$partial/sources"
-	local from=(-qq -o Acquire::Retries=3 -o Dir::Etc::sourcelist="$partial/sources" -o Dir::Etc::sourceparts=/dev/null
-		-o Dir::State::lists="$partial/lists" -o Dir::Cache="$partial/cache" -o APT::Sandbox::User="$(id -un)"
-		-o Acquire::Check-Valid-Until=false)
 	tar_ball=$partial/highway_$highway_version.orig.tar.gz
-	if ! (cd "$partial" && apt-get "${from[@]}" update && apt-get "${from[@]}" --download-only source highway) >&2 ||
+	if ! apt_of deb-src "$highway_suite" "$partial" --download-only source highway ||
 		! echo "$highway_sha256  $tar_ball" | sha256sum --check --quiet >&2; then
 		rm -rf "$partial"
 		say "the sources of Highway could not be had; the messages above say why"
@@ -73,6 +66,19 @@ setup_highway() {
 	rm -rf "$folder"
 	mv "$partial/highway" "$folder"
 	rm -rf "$partial"
+}
+
+# apt_of deb|deb-src SUITE FOLDER ARGS...: runs apt-get for one Debian release, in a folder that also holds its lists: what the
+# machine's own apt knows stays as it is.
+apt_of() {
+	local kind=$1 suite=$2 folder=$3
+	shift 3
+	mkdir -p "$folder"/{lists,cache}
+	echo "$kind [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $(debian_mirror) $suite main" >"$folder/sources"
+	local from=(-qq -o Acquire::Retries=3 -o Dir::Etc::sourcelist="$folder/sources" -o Dir::Etc::sourceparts=/dev/null
+		-o Dir::State::lists="$folder/lists" -o Dir::Cache="$folder/cache" -o APT::Sandbox::User="$(id -un)"
+		-o Acquire::Check-Valid-Until=false)
+	(cd "$folder" && apt-get "${from[@]}" update && apt-get "${from[@]}" "$@") >&2
 }
 
 # Zig's compiler is clang with the headers and C libraries of all platforms.
@@ -181,6 +187,45 @@ setup_godot() {
 	fi
 }
 
+# The engine of exported games, for the test that exports one: into the Debian root with Godot. Skipped where that is not used.
+setup_export_template() {
+	local root partial
+	root=$(godot_root)
+	[[ -x $root/usr/bin/godot && ! -x $root/usr/bin/godot-template-release ]] || return 0
+	say "installing Godot's export template"
+	partial=$(mktemp --directory "$root.partial.XXXXXX")
+	if apt_of deb "$godot_suite" "$partial" download godot-template-release; then
+		dpkg-deb --extract "$partial"/godot-template-release_*.deb "$partial/content"
+		cp "$partial/content/usr/bin/godot-template-release" "$root/usr/bin/"
+	else
+		say "going on without it; the test that needs it will be skipped"
+	fi
+	rm -rf "$partial"
+}
+
+# The same Godot for ARM processors, unpacked to run under an emulator. Nothing in it is set up, so none of its programs run.
+setup_godot_arm64() {
+	local root aptopts
+	root=$(godot_root)-arm64
+	[[ ! -x $root/usr/bin/godot ]] || return 0
+	command -v mmdebstrap >/dev/null || install_packages "to unpack Godot for ARM" mmdebstrap || return 0
+	mapfile -t aptopts < <(mirror_options)
+	say "unpacking Godot for ARM from Debian $godot_suite into $root (about 900 MB, once)"
+	rm -rf "$root" "$root.partial"
+	if mmdebstrap --architectures=arm64 --variant=extract --include=godot,libgl1,libegl1 "${aptopts[@]}" \
+		"$godot_suite" "$root.partial" "$(debian_mirror)" </dev/null >&2; then
+		mv "$root.partial" "$root"
+	else
+		rm -rf "$root.partial"
+		say "going on without it; the test that needs it will be skipped"
+	fi
+}
+
+# Prints options of mmdebstrap: how this machine's apt reaches its mirror, and what it accepts from it, holds elsewhere too.
+mirror_options() {
+	apt-config dump | sed -nE 's/^(Acquire::(Check-|Retries|https?::).*[^:] ".*");$/--aptopt=\1/p'
+}
+
 make_godot_root() {
 	if [[ -z $(debian_mirror) ]]; then
 		say "no Godot 4.4 or newer here, and no Debian mirror among the apt sources to take it from: install Godot" \
@@ -215,8 +260,7 @@ make_debian_root() {
 	mirror=$(debian_mirror)
 	mkdir -p "$(dirname "$root")"
 	partial=$(mktemp --directory "$root.partial.XXXXXX")
-	# How this machine's apt reaches its mirror, and what it accepts from it, holds for this one too.
-	mapfile -t aptopts < <(apt-config dump | sed -nE 's/^(Acquire::(Check-|Retries|https?::).*[^:] ".*");$/--aptopt=\1/p')
+	mapfile -t aptopts < <(mirror_options)
 	# Through tar, so that everything belongs to whoever installs it.
 	if ! mmdebstrap --variant=apt --include="$packages" "${aptopts[@]}" \
 		--dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
