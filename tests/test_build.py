@@ -17,7 +17,8 @@ import pytest
 from conftest import BUILD_DIR, LONG_CASES, REPO, run
 
 sys.path.insert(0, str(REPO / "tools/scons"))
-import manifest  # noqa: E402 (only on the path above)
+import libraries  # noqa: E402 (only on the path above)
+import manifest  # noqa: E402
 import rooms  # noqa: E402
 from rooms import ROOMS  # noqa: E402
 
@@ -194,17 +195,61 @@ def test_build_has_nothing_left_to_do():
 def test_core_needs_no_godot(tmp_path):
     """With no Godot anywhere, core, tests and benches still build, and asking for the extension says what is missing."""
     bare = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "THICKET_CACHE": str(tmp_path), "GODOT": "/nowhere/godot"}
-    done = run(["scons", "-Q", "-n", "core", "tests", "bench"], timeout=120, cwd=REPO, env=bare)
+    sources = "highway=%s" % libraries.highway_folder()
+    done = run(["scons", "-Q", "-n", sources, "core", "tests", "bench"], timeout=120, cwd=REPO, env=bare)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(
-    "option", ["target=fastest", "sanitize=memory", "godot_cpp=/nowhere", "color=green", "werror=perhaps", "dev_build=7"]
+    "option",
+    [
+        "target=fastest",
+        "sanitize=memory",
+        "godot_cpp=/nowhere",
+        "color=green",
+        "werror=perhaps",
+        "dev_build=7",
+        "platform=amiga",
+        "arch=m68k",
+        "precision=half",
+        "threads=no",
+        "highway=/nowhere",
+    ],
 )
 def test_wrong_option_is_refused(option):
     done = run(["scons", "-Q", "-n", option, "core"], timeout=120, cwd=REPO)
     assert done.returncode != 0
     assert option.split("=")[0] in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["platform=macos", "arch=universal", "use_zig=yes"], "one architecture at a time"),
+        (["platform=android", "arch=arm64", "use_zig=yes"], "name a compiler that can with CXX"),
+        (["platform=windows", "arch=rv64"], "which platform=windows has"),
+        (["use_zig=yes", "zig=/nowhere/zig"], "no zig at /nowhere/zig"),
+    ],
+)
+def test_what_cannot_be_built_is_said(options, sentence):
+    done = run(["scons", "-Q", "-n", *options, "core"], timeout=120, cwd=REPO)
+    assert done.returncode != 0 and sentence in done.stderr, done.stdout + done.stderr
+
+
+def test_builds_for_other_systems_have_folders_of_their_own():
+    """What is built for another system meets nothing of this one, and does not go into the demo's add-on."""
+    compiler = ["zig=/bin/true", "use_zig=yes"]
+    for options, folder in (
+        (["platform=windows", "arch=arm64"], "windows.template_debug.arm64.zig"),
+        (["platform=macos", "arch=arm64", "precision=double"], "macos.template_debug.arm64.double.zig"),
+        (["platform=linux", "arch=x86_64", "ship=yes"], "linux.ship.x86_64.zig"),
+    ):
+        done = run(["scons", "-Q", "-n", *compiler, *options, "core", "extension"], timeout=300, cwd=REPO)
+        assert done.returncode == 0, done.stdout + done.stderr
+        made = set(re.findall(r"^(?:compile|archive|link) +(\S+)", done.stdout, re.MULTILINE)) - {"extension"}
+        linked = [path for path in made if "libthicket." in path]
+        assert all(path.startswith(f"build/{folder}/") for path in linked), linked
+        assert "demo_project/addons/thicket/bin" not in done.stdout
 
 
 def test_godot_cpp_without_a_library_is_refused(tmp_path):

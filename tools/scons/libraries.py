@@ -18,6 +18,11 @@ def cache_folder():
     return os.environ.get("THICKET_CACHE") or os.path.join(caches, "thicket")
 
 
+def highway_folder():
+    """Where tools/setup.sh puts the sources of Highway."""
+    return os.path.join(cache_folder(), "highway-" + HIGHWAY_VERSION)
+
+
 def highway(env, out):
     """The library's node. Its headers are not ours, so their warnings are not shown."""
     folder = os.path.abspath(env["highway"])

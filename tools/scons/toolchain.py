@@ -35,7 +35,7 @@ def options():
             "",
             lambda key, value, env: value and PathVariable.PathIsDir(key, value, env),
         ),
-        ("highway", "the sources of Highway " + libraries.HIGHWAY_VERSION, os.path.join(libraries.cache_folder(), "highway-" + libraries.HIGHWAY_VERSION)),
+        ("highway", "the sources of Highway " + libraries.HIGHWAY_VERSION, libraries.highway_folder()),
         ("zig", "the program zig, for use_zig=yes", zig),
         ("sanitize", "comma-separated sanitizers: address, undefined, thread", ""),
         ("CXX", "the C++ compiler", ""),
