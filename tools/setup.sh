@@ -205,7 +205,7 @@ setup_export_template() {
 
 # The same Godot for ARM processors, unpacked to run under an emulator. Nothing in it is set up, so none of its programs run.
 setup_godot_arm64() {
-	local root aptopts
+	local root folder aptopts
 	root=$(godot_root)-arm64
 	[[ ! -x $root/usr/bin/godot ]] || return 0
 	command -v mmdebstrap >/dev/null || install_packages "to unpack Godot for ARM" mmdebstrap || return 0
@@ -214,6 +214,10 @@ setup_godot_arm64() {
 	rm -rf "$root" "$root.partial"
 	if mmdebstrap --architectures=arm64 --variant=extract --include=godot,libgl1,libegl1 "${aptopts[@]}" \
 		"$godot_suite" "$root.partial" "$(debian_mirror)" </dev/null >&2; then
+		# Which the scripts of packages would have made.
+		for folder in bin lib; do
+			[[ -e $root.partial/$folder ]] || ln -s "usr/$folder" "$root.partial/$folder"
+		done
 		mv "$root.partial" "$root"
 	else
 		rm -rf "$root.partial"
