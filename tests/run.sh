@@ -14,6 +14,11 @@ setup_clang
 setup_mono
 setup_python
 setup_godot
+setup_qemu
+if [[ " $* " == *" --full "* ]]; then
+	setup_zig
+	setup_emulators
+fi
 say "building"
 scons -Q -j"$(nproc)"
 
