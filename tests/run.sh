@@ -14,6 +14,15 @@ setup_clang
 setup_mono
 setup_python
 setup_godot
+setup_qemu
+if [[ " $* " == *" --full "* ]]; then
+	setup_zig
+	setup_llvm
+	setup_emulators
+	setup_descriptions
+	setup_export_template
+	setup_godot_arm64
+fi
 say "building"
 scons -Q -j"$(nproc)"
 

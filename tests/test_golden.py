@@ -1,5 +1,6 @@
-"""The same bits on every instruction set, optimization level and compiler: the program `analysis/golden` computes its
-digests on all instruction sets of this processor, and is built here once more with other compilers and levels.
+"""The same bits on every platform, compiler, optimization level and instruction set: the program `analysis/golden` computes its
+digests on all instruction sets of its processor, and is built and run here once more for cells of the matrix of
+tests/golden/matrix.py; `bash tests/golden/matrix.sh` prints all of it.
 
 tests/golden/core.json changes only when the law of the sets or the placement is changed on purpose. Then:
     scons tests && build/<config>/analysis/golden > tests/golden/core.json
@@ -7,94 +8,105 @@ and the commit says why: every world that was made before changes with it."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
-from conftest import ARCH, REPO, run
+from golden.matrix import GOLDEN, NATIVE, PLATFORMS, Cell, Outcome, cells, outcome_of, table
 
-GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
-FLAGS = ["-std=c++20", "-ffp-contract=off", "-pthread", "-Iextension", "-I."]
-# The build itself has -O2 and, for releases, -O3. Processors with fused multiply-add offer a temptation.
-FUSED = ["-march=x86-64-v3"] if ARCH == "x86_64" else []
-VARIANTS = [("g++", ["-O0"]), ("g++", ["-O3", *FUSED]), ("clang++", ["-O1"]), ("clang++", ["-O3", *FUSED])]
-# The rest of the matrix.
-MORE_VARIANTS = [(compiler, [level]) for compiler in ("g++", "clang++") for level in ("-O0", "-O1", "-O2", "-O3", "-Os")]
-MORE_VARIANTS = [variant for variant in MORE_VARIANTS if variant not in VARIANTS]
+CELLS = {cell.name: cell for cell in cells()}
+# What a plain run has: two compilers, from no optimization to all of it, and another processor. Fused is x86_64's alone.
+FUSED = "-O3 fused" if NATIVE == "x86_64" else "-O3"
+OTHER = "aarch64" if NATIVE == "x86_64" else "x86_64"
+PLAIN = {f"{NATIVE} {each}" for each in ("g++ -O0", f"g++ {FUSED}", "clang++ -O1", f"clang++ {FUSED}")} | {f"{OTHER} zig -O3"}
 
 
-def compare(printed: str):
-    assert json.loads(printed) == GOLDEN
+@pytest.fixture(scope="module")
+def outcome(request: pytest.FixtureRequest) -> Iterator[Callable[[str], Outcome]]:
+    """What became of a cell, by its name. Those of all tests that are to run are made meanwhile, a compiler on each core: they take minutes."""
+    cases = [item.callspec.params for item in request.session.items if item.path == request.path and hasattr(item, "callspec")]
+    with ThreadPoolExecutor(os.cpu_count()) as compilers, ThreadPoolExecutor(os.cpu_count()) as runs:
+        made: dict[str, Future[Outcome]] = {}
+
+        def begin(name: str) -> Future[Outcome]:
+            if name not in made:
+                made[name] = runs.submit(outcome_of, CELLS[name], compilers)
+            return made[name]
+
+        for case in cases:
+            begin(case["name"])
+        yield lambda name: had(begin(name).result())
+        for each in made.values():
+            each.cancel()
+
+
+def had(one: Outcome) -> Outcome:
+    if one.absent:
+        pytest.skip(one.absent)
+    assert not one.failure, one.failure
+    return one
 
 
 def test_digests_of_every_instruction_set(core_tool):
     done = core_tool("analysis/golden")
     assert done.returncode == 0, done.stderr
-    compare(done.stdout)
+    assert json.loads(done.stdout) == GOLDEN
 
 
-ROOMS = ["base", "sampling", "terrain", "rules", "placement"]
+@pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in PLAIN else pytest.mark.full) for name in CELLS])
+def test_digests_of_a_cell(outcome, name):
+    assert outcome(name).digests == GOLDEN
 
 
-def sources() -> list[Path]:
-    """The rooms that the digests come from; streaming decides nothing that is drawn."""
-    rooms = [path for room in ROOMS for path in sorted((REPO / "extension/core" / room).rglob("*.cpp"))]
-    return [*rooms, REPO / "tests/analysis/golden.cpp"]
+VECTORS = {
+    "x86_64": ["SSE2", "SSSE3", "SSE4"],
+    "i386": ["SSE2", "SSSE3", "SSE4"],
+    "aarch64": ["NEON"],
+    "riscv64": [],
+    "wasm": ["WASM"],
+    "Windows": ["SSE2", "SSSE3", "SSE4"],
+}
+EMULATED = {"EMU128", "SCALAR"}
+# A compiler that may fuse leaves the narrower ones out.
+FULLEST = [f"{NATIVE} g++ -O0", f"{NATIVE} clang++ -O1", *(f"{each.name} zig -O3" for each in PLATFORMS if each.name != NATIVE)]
 
 
-def fingerprint(command: list[str]) -> str:
-    """Changes with everything that the program is made of."""
-    digest = hashlib.sha256("\0".join(command).encode())
-    folders = [REPO / "extension/core", REPO / "tests/analysis", REPO / "tests/bench/common"]
-    for path in sorted(path for folder in folders for path in folder.rglob("*") if path.suffix in (".cpp", ".hpp", ".inc")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+@pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in PLAIN else pytest.mark.full) for name in FULLEST])
+def test_instruction_sets_of_a_cell(outcome, name):
+    """By the program's own words it has taken the paths that it should, and computed all digests on each."""
+    seen = outcome(name).instruction_sets
+    assert set(VECTORS[CELLS[name].platform.name]) <= set(seen)
+    assert set(seen) & EMULATED
 
 
-def build(compiler: str, flags: list[str]) -> Path:
-    """The program `analysis/golden` from this compiler; kept until one of its sources changes."""
-    command = [compiler, *FLAGS, *flags, *(path.relative_to(REPO).as_posix() for path in sources())]
-    program = REPO / "build" / "golden" / f"{compiler}{''.join(flags)}-{fingerprint(command)}"
-    if not program.is_file():
-        program.parent.mkdir(parents=True, exist_ok=True)
-        for older in program.parent.glob(f"{compiler}{''.join(flags)}-*"):
-            older.unlink()
-        built = run([*command, "-lhwy", "-o", program], timeout=900, cwd=REPO)
-        assert built.returncode == 0, built.stderr
-    return program
+def test_widths_of_this_processor(outcome):
+    """All that the processor says it has, as the system tells it."""
+    words = {"avx2": "AVX2", "avx512vl": "AVX3"}
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            flags = next((line.split() for line in file if line.startswith("flags")), [])
+    except OSError:
+        pytest.skip("this system has no /proc/cpuinfo")
+    wanted = {words[flag] for flag in flags if flag in words}
+    if not wanted:
+        pytest.skip("this processor has no wide vectors that /proc/cpuinfo names")
+    assert wanted <= set(outcome(f"{NATIVE} g++ -O0").instruction_sets)
 
 
-@pytest.fixture(scope="module")
-def builds() -> Iterator[dict[str, Future[Path]]]:
-    """All variants of a plain run, a compiler on each core: they take minutes."""
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        there = [variant for variant in VARIANTS if shutil.which(variant[0])]
-        yield {str(variant): pool.submit(build, *variant) for variant in there}
-
-
-def name_of(variant: tuple[str, list[str]]) -> str:
-    return variant[0] + "".join(variant[1])
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("variant", MORE_VARIANTS, ids=name_of)
-def test_digests_of_the_whole_matrix(variant):
-    if not shutil.which(variant[0]):
-        pytest.skip(f"{variant[0]} is not installed")
-    done = run([build(*variant)], timeout=600)
-    assert done.returncode == 0, done.stderr
-    compare(done.stdout)
-
-
-@pytest.mark.parametrize("variant", VARIANTS, ids=name_of)
-def test_digests_of_every_compiler_and_level(builds, variant):
-    if str(variant) not in builds:
-        pytest.skip(f"{variant[0]} is not installed")
-    done = run([builds[str(variant)].result()], timeout=300)
-    assert done.returncode == 0, done.stderr
-    compare(done.stdout)
+def test_the_table_shows_what_differs():
+    """The one command would be worth nothing if it could not say so."""
+    good, bad = dict(GOLDEN), dict(GOLDEN)
+    bad[next(iter(bad))] = "0" * 16
+    platform = PLATFORMS[0]
+    outcomes = {
+        Cell(platform, "g++", "-O0"): Outcome(good, ["SSE2", "EMU128"]),
+        Cell(platform, "g++", "-O2"): Outcome(bad, ["SSE2"]),
+        Cell(platform, "g++", "-O3"): Outcome(failure="it crashed"),
+        Cell(platform, "zig", "-O0"): Outcome(absent="zig is not installed"),
+    }
+    printed = table(outcomes)
+    assert "| x86_64 | g++ | same |  | **1 differ** | **failed** |  |  | SSE2, EMU128 |" in printed
+    assert "| x86_64 | zig | not had |" in printed
+    assert "- x86_64 zig: zig is not installed" in printed

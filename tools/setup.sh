@@ -9,6 +9,8 @@
 #   setup_llvm       tools that strip and join libraries of all platforms
 #   setup_emscripten the compiler for the web, in a Debian root in the cache folder
 #   setup_descriptions  the engine's descriptions of itself from 4.2 on, to compare; those tests are skipped without
+#   setup_qemu       what runs programs for other processors, for the tests that compare them; skipped where it cannot be had
+#   setup_emulators  the same for Windows and for the web, and g++ for other processors (about 1.5 GB)
 #   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
@@ -104,7 +106,7 @@ setup_clang() {
 }
 
 setup_llvm() {
-	compgen -c | grep -q '^llvm-strip' || install_packages "to strip libraries" llvm
+	compgen -c llvm-strip >/dev/null || install_packages "to strip libraries" llvm
 }
 
 setup_mono() {
@@ -137,6 +139,42 @@ setup_descriptions() {
 	done
 	mv "$partial/found" "$folder"
 	rm -rf "$partial"
+}
+
+# The C library is for programs that are not linked with one.
+setup_qemu() {
+	local missing=()
+	command -v qemu-aarch64 >/dev/null || missing+=(qemu-user)
+	[[ $(uname -m) == aarch64 || -e /usr/aarch64-linux-gnu/lib/ld-linux-aarch64.so.1 ]] || missing+=(libc6-arm64-cross)
+	install_packages "to run programs for other processors" "${missing[@]}" ||
+		say "going on without qemu; the tests that need it will be skipped"
+}
+
+setup_emulators() {
+	setup_qemu
+	setup_node
+	setup_wine
+	setup_crosses
+}
+
+setup_node() {
+	command -v node >/dev/null || install_packages "to run programs for the web" nodejs ||
+		say "going on without node; the tests that need it will be skipped"
+}
+
+setup_wine() {
+	[[ -x /usr/lib/wine/wine64 ]] || command -v wine64 wine >/dev/null || install_packages "to run programs for Windows" wine64 ||
+		say "going on without wine; the tests that need it will be skipped"
+}
+
+# What Debian has for this machine; not every one has a compiler for every other.
+setup_crosses() {
+	local processor
+	for processor in aarch64 riscv64 i686; do
+		[[ $(uname -m) != "$processor" ]] || continue
+		command -v "$processor-linux-gnu-g++" >/dev/null || install_packages "to compare compilers" "g++-$processor-linux-gnu" ||
+			say "going on without g++ for $processor; the tests that need it will be skipped"
+	done
 }
 
 setup_python() {

@@ -22,7 +22,9 @@ std::uint64_t salt_of_this_run() {
 
 IdTable::IdTable() : salt_(salt_of_this_run()) {}
 
-std::size_t IdTable::home_of(std::uint64_t id) const { return split_mix(id ^ salt_) & (ids_.size() - 1); }
+std::size_t IdTable::home_of(std::uint64_t id) const {
+	return static_cast<std::size_t>(split_mix(id ^ salt_)) & (ids_.size() - 1);
+}
 
 std::size_t IdTable::slot_of(std::uint64_t id) const {
 	std::size_t slot = home_of(id);

@@ -1,0 +1,280 @@
+"""The matrix of the same bits: analysis/golden from every compiler at every level for every platform, run on every instruction
+set that the processor has, in an emulator where the platform is not this machine's.
+
+    bash tests/golden/matrix.sh                    prints it as a table, in Markdown; installs what that takes
+    bash tests/golden/matrix.sh aarch64 wasm       these platforms only
+
+tests/test_golden.py runs the same cells. What was compiled is kept in build/golden until one of its sources changes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import emulators
+
+REPO = Path(__file__).resolve().parent.parent.parent
+BUILT = REPO / "build/golden"
+GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
+
+# What the digests come from; streaming decides nothing that is drawn. The room that takes longest to compile goes first.
+ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near"]
+HIGHWAY_SOURCES = ["abort", "aligned_allocator", "per_target", "targets"]
+COMMON = ["-std=c++20", "-ffp-contract=off", "-DHWY_STATIC_DEFINE"]
+# Where a release is built its warnings stop it, and -O3 sees others than -O2.
+RELEASE = ["-DNDEBUG", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+
+
+@dataclass(frozen=True)
+class Platform:
+    name: str
+    zig: str  # zig's name of it, with a C library to link in
+    emulator: str  # a function of emulators.py
+    gnu: str = ""  # what the names of Debian's g++ for it begin with
+    flags: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()  # more of them
+    suffix: str = ""
+
+
+PLATFORMS = [
+    Platform("x86_64", "x86_64-linux-musl", "qemu"),
+    # By itself 32-bit x86 computes with the 80 bits of its old unit.
+    Platform("i386", "x86-linux-musl", "qemu", "i686-linux-gnu-", ("-msse2", "-mfpmath=sse")),
+    Platform("aarch64", "aarch64-linux-musl", "qemu", "aarch64-linux-gnu-"),
+    Platform("riscv64", "riscv64-linux-musl", "qemu", "riscv64-linux-gnu-"),
+    # Its C++ library has no exceptions; none is thrown on the way to a digest.
+    Platform("wasm", "wasm32-wasi", "node", "", ("-msimd128", "-fignore-exceptions"), ("tests/golden/no_exceptions.cpp",), ".wasm"),
+    Platform("Windows", "x86_64-windows-gnu", "wine", suffix=".exe"),
+]
+NATIVE = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
+
+# Processors with fused multiply-add offer a temptation; the others here have it anyway, or never.
+LEVELS = {level: [level] for level in ("-O0", "-O1", "-O2", "-O3", "-Os")} | {"-O3 fused": ["-O3", "-march=x86-64-v3"]}
+
+
+@dataclass(frozen=True)
+class Cell:
+    platform: Platform
+    compiler: str  # g++, clang++ or zig
+    level: str
+
+    @property
+    def name(self) -> str:
+        return f"{self.platform.name} {self.compiler} {self.level}"
+
+    @property
+    def native(self) -> bool:
+        """Whether its programs are for this machine's processor."""
+        return self.platform.name == NATIVE
+
+    @property
+    def own(self) -> bool:
+        """Whether its compiler is the machine's own, with what lies in its folders."""
+        return self.native and self.compiler != "zig"
+
+
+def cells() -> list[Cell]:
+    """All of the matrix."""
+    found = []
+    for each in PLATFORMS:
+        native = each.name == NATIVE
+        compilers = (["g++", "clang++"] if native else ["g++"] if each.gnu else []) + ["zig"]
+        for compiler in compilers:
+            levels = ["-O0", "-O1", "-O2", "-O3", "-Os"] if native and compiler != "zig" else ["-O0", "-O2", "-O3"]
+            levels += ["-O3 fused"] if each.name == "x86_64" else []
+            found += [Cell(each, compiler, level) for level in levels]
+    return found
+
+
+@dataclass
+class Outcome:
+    """What became of a cell."""
+
+    digests: dict[str, str] = field(default_factory=dict)
+    instruction_sets: list[str] = field(default_factory=list)  # best first
+    absent: str = ""  # why the cell cannot be had here
+    failure: str = ""  # what a compiler or the program said
+
+    @property
+    def differing(self) -> list[str]:
+        return [name for name in {**GOLDEN, **self.digests} if self.digests.get(name) != GOLDEN.get(name)]
+
+    def text(self) -> str:
+        if self.absent:
+            return "not had"
+        if self.failure:
+            return "**failed**"
+        return f"**{len(self.differing)} differ**" if self.differing else "same"
+
+
+@cache
+def places() -> dict[str, Path]:
+    """Where tools/setup.sh puts what it installs."""
+    script = 'source tools/setup.sh; cache_folder; echo "highway-$highway_version"; echo "zig-$zig_version"'
+    cache_folder, highway, zig = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd=REPO, check=True).stdout.split()
+    return {"highway": Path(cache_folder) / highway, "zig": Path(cache_folder) / zig}
+
+
+@cache
+def header_folder() -> Path:
+    """Holds GLM and nothing else, for compilers that must not see what lies beside it."""
+    folder = REPO / "build/headers"
+    folder.mkdir(parents=True, exist_ok=True)
+    roots = [*os.environ.get("CPATH", "").split(os.pathsep), "/usr/include", "/usr/local/include"]
+    found = next((Path(root, "glm") for root in roots if root and Path(root, "glm/glm.hpp").is_file()), None)
+    if found and not os.path.lexists(folder / "glm"):
+        (folder / "glm").symlink_to(found)
+    return folder
+
+
+def compiler_of(cell: Cell) -> tuple[list[str], str]:
+    """The command that compiles, or why there is none."""
+    if cell.compiler == "zig":
+        zig = places()["zig"] / "ziglang/zig"
+        return [str(zig), "c++", "-target", cell.platform.zig, "-fno-sanitize=undefined", "-g0"], "" if zig.is_file() else "zig is not installed"
+    name = cell.compiler if cell.native else cell.platform.gnu + cell.compiler
+    return [name], "" if shutil.which(name) else f"{name} is not installed"
+
+
+def absence(cell: Cell) -> str:
+    """Why a cell cannot be had here; nothing if it can."""
+    return compiler_of(cell)[1] or ("" if cell.own else emulators.absence(cell.platform.emulator, cell.platform.name, NATIVE))
+
+
+def flags_of(cell: Cell) -> list[str]:
+    release = RELEASE if cell.level.startswith("-O3") else []
+    includes = ["-Iextension", "-I.", "-isystem", str(places()["highway"]), *([] if cell.own else ["-isystem", str(header_folder())])]
+    return [*COMMON, *includes, *cell.platform.flags, *LEVELS[cell.level], *release]
+
+
+def sources(cell: Cell) -> list[Path]:
+    core = [path for room in ROOMS for path in sorted((REPO / "extension/core" / room).rglob("*.cpp"), key=lambda path: -len(path.parts))]
+    ours = [REPO / path for path in ("tests/analysis/golden.cpp", *cell.platform.sources)]
+    return [*core, *ours, *(places()["highway"] / "hwy" / f"{name}.cc" for name in HIGHWAY_SOURCES)]
+
+
+class Failed(Exception):
+    pass
+
+
+def call(command: list[str]) -> None:
+    environment = {**os.environ, **{name: str(places()["zig"] / "compiled") for name in ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR")}}
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace", cwd=REPO, env=environment, check=False)
+    if done.returncode != 0:
+        raise Failed(f"{' '.join(command)}\n{done.stderr[-4000:]}")
+
+
+@cache
+def version_of(compiler: str) -> str:
+    """Zig's is in its folder's name."""
+    return subprocess.run([compiler, "--version"], capture_output=True, text=True, check=False).stdout if "zig" not in compiler else ""
+
+
+def fingerprint(command: list[str], needed: list[Path]) -> str:
+    """Changes with everything that an object is made of."""
+    digest = hashlib.sha256("\0".join([version_of(command[0]), *command]).encode())
+    for path in needed:
+        digest.update(path.read_bytes() if path.is_file() else b"")
+    return digest.hexdigest()
+
+
+def compiled(cell: Cell, source: Path) -> Path:
+    """The object of a source, compiled if something that it is made of has changed."""
+    foreign = source.suffix == ".cc"
+    name = source.name if foreign else source.relative_to(REPO).as_posix()
+    out = BUILT / re.sub(r"[ +]+", "_", cell.name) / name.replace("/", "-")
+    made, known = out.with_suffix(".o"), out.with_suffix(".needed")
+    # Warnings of others are not ours.
+    command = [*compiler_of(cell)[0], *flags_of(cell), *(["-w"] if foreign else []), "-c", str(source if foreign else name)]
+    if made.is_file() and known.is_file():
+        mark, *needed = known.read_text(encoding="utf-8").split("\n")
+        if fingerprint(command, [REPO / path for path in needed]) == mark:
+            return made
+    made.parent.mkdir(parents=True, exist_ok=True)
+    call([*command, "-MMD", "-MF", f"{made}.d", "-o", str(made)])
+    rule = Path(f"{made}.d")
+    needed = rule.read_text(encoding="utf-8").replace("\\\n", " ").split(": ", 1)[1].split()
+    rule.unlink()
+    mark = fingerprint(command, [REPO / path for path in needed])
+    known.write_text("\n".join([mark, *needed]), encoding="utf-8")
+    return made
+
+
+def program_of(cell: Cell, pool: ThreadPoolExecutor) -> Path:
+    """The program `analysis/golden` of a cell; `pool` compiles."""
+    objects = list(pool.map(lambda source: compiled(cell, source), sources(cell)))
+    program = objects[0].parent / f"golden{cell.platform.suffix}"
+    if not program.is_file() or program.stat().st_mtime < max(each.stat().st_mtime for each in objects):
+        static = [] if cell.own else ["-static"]
+        linked = program.with_name(f"partial{cell.platform.suffix}")
+        call([*compiler_of(cell)[0], *LEVELS[cell.level], *static, *map(str, objects), "-o", str(linked)])
+        linked.replace(program)
+    return program
+
+
+def outcome_of(cell: Cell, pool: ThreadPoolExecutor) -> Outcome:
+    """Builds and runs a cell."""
+    why = absence(cell)
+    if why:
+        return Outcome(absent=why)
+    try:
+        program = program_of(cell, pool)
+        runner = [] if cell.own else emulators.command(cell.platform.emulator, cell.platform.name, NATIVE)
+        done = subprocess.run(
+            [*runner, program], capture_output=True, text=True, errors="replace", timeout=1800, env=emulators.environment(cell.platform.emulator), check=False
+        )
+    except (Failed, subprocess.TimeoutExpired) as failed:
+        return Outcome(failure=str(failed))
+    if done.returncode != 0:
+        return Outcome(failure=done.stdout[-1000:] + done.stderr[-4000:])
+    return Outcome(json.loads(done.stdout), re.findall(r"golden: (\S+) computed", done.stderr))
+
+
+def table(outcomes: dict[Cell, Outcome]) -> str:
+    """A row for each platform and compiler, a column for each level."""
+    lines = [
+        f"| Platform | Compiler | {' | '.join(f'`{level}`' for level in LEVELS)} | Instruction sets |",
+        "| --- | --- |" + " --- |" * (len(LEVELS) + 1),
+    ]
+    for row in dict.fromkeys((cell.platform, cell.compiler) for cell in outcomes):
+        mine = {cell.level: outcome for cell, outcome in outcomes.items() if (cell.platform, cell.compiler) == row}
+        seen = dict.fromkeys(name for outcome in mine.values() for name in outcome.instruction_sets)
+        texts = [mine[level].text() if level in mine else "" for level in LEVELS]
+        lines.append(f"| {row[0].name} | {row[1]} | {' | '.join(texts)} | {', '.join(seen)} |")
+    together = hashlib.sha256(json.dumps(GOLDEN, sort_keys=True).encode()).hexdigest()[:16]
+    lines += ["", f"same: all {len(GOLDEN)} digests of tests/golden/core.json, which together are `{together}`, on each instruction set."]
+    reasons = {f"- {cell.platform.name} {cell.compiler}: {outcome.absent}" for cell, outcome in outcomes.items() if outcome.absent}
+    return "\n".join(lines + sorted(reasons))
+
+
+def main(names: list[str]) -> int:
+    known = [each.name for each in PLATFORMS]
+    if not set(names) <= set(known):
+        print(f"no such platform: {' '.join(names)}; there are {' '.join(known)}", file=sys.stderr)
+        return 2
+    wanted = [cell for cell in cells() if not names or cell.platform.name in names]
+    outcomes: dict[Cell, Outcome] = {}
+    with ThreadPoolExecutor(os.cpu_count()) as pool, ThreadPoolExecutor(os.cpu_count()) as runs:
+        for cell, outcome in zip(wanted, runs.map(lambda cell: outcome_of(cell, pool), wanted), strict=True):
+            outcomes[cell] = outcome
+            print(f"{cell.name}: {outcome.text()} {outcome.absent}", file=sys.stderr)
+            if outcome.failure or (outcome.differing and not outcome.absent):
+                print(outcome.failure or "\n".join(outcome.differing), file=sys.stderr)
+    print(table(outcomes))
+    return int(any(outcome.failure or (outcome.differing and not outcome.absent) for outcome in outcomes.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
