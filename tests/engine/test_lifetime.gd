@@ -188,6 +188,7 @@ func test_meddling_grounds() -> void:
 		][deed]
 		await frames(20)
 		check(not ground.meddle.is_valid(), "deed %d is done" % deed)
+		check_equal(was_kept_from_being_freed(), deed == 1, "deed %d: kept from being freed" % deed)
 		if is_instance_valid(scatter):
 			scatter.free()
 	await frames(3)

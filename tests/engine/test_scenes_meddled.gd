@@ -213,6 +213,8 @@ func test_meddling_scenes() -> void:
 					viewer.position.x += 400.0
 				await process_frame
 			Plant.hooks.clear()
+			var kept := was_kept_from_being_freed()
+			check(not kept or deed == 10, "%s: deed %d: kept from being freed" % [place, deed])
 			if is_instance_valid(meddled):
 				check_once(meddled, {}, "%s: after deed %d" % [place, deed])
 			check(calls[0] >= 5, "%s: deed %d is done" % [place, deed])

@@ -20,7 +20,9 @@ const std::string &text(GDExtensionConstTypePtr value) {
 	return held != nullptr ? *held : empty;
 }
 
-void set_text(void *r_value, const std::string &content) { *static_cast<const std::string **>(r_value) = new std::string(content); }
+void set_text(void *r_value, const std::string &content) {
+	*static_cast<const std::string **>(r_value) = new std::string(content);
+}
 
 bool is_text(GDExtensionVariantType type) {
 	return type == GDEXTENSION_VARIANT_TYPE_STRING || type == GDEXTENSION_VARIANT_TYPE_STRING_NAME ||
@@ -125,7 +127,8 @@ GDExtensionPtrConstructor get_constructor(GDExtensionVariantType type, int32_t i
 }
 
 GDExtensionPtrDestructor get_destructor(GDExtensionVariantType) {
-	return [](GDExtensionTypePtr) {};
+	return [](GDExtensionTypePtr) {
+	};
 }
 
 GDExtensionVariantFromTypeConstructorFunc to_variant(GDExtensionVariantType type) {
@@ -187,7 +190,8 @@ void set_instance(GDExtensionObjectPtr object, GDExtensionConstStringNamePtr, GD
 	static_cast<Object *>(object)->instance = instance;
 }
 
-void set_binding(GDExtensionObjectPtr object, void *library, void *binding, const GDExtensionInstanceBindingCallbacks *callbacks) {
+void set_binding(GDExtensionObjectPtr object, void *library, void *binding,
+		const GDExtensionInstanceBindingCallbacks *callbacks) {
 	auto &target = *static_cast<Object *>(object);
 	target.binding = binding;
 	target.callbacks = *callbacks;
@@ -233,17 +237,19 @@ RegisteredClass &find_class(GDExtensionConstStringNamePtr name) {
 	return record().classes.emplace_back();
 }
 
-void register_class(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr name, GDExtensionConstStringNamePtr parent,
-		const GDExtensionClassCreationInfo4 *info) {
+void register_class(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr name,
+		GDExtensionConstStringNamePtr parent, const GDExtensionClassCreationInfo4 *info) {
 	record().classes.push_back({text(name), text(parent), *info, {}, true});
 }
 
-void register_method(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr owner, const GDExtensionClassMethodInfo *info) {
+void register_method(
+		GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr owner, const GDExtensionClassMethodInfo *info) {
 	find_class(owner).members.push_back(
 			"method " + text(info->name) + "(" + std::to_string(info->argument_count) + ")");
 }
 
-void register_virtual(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr owner, const GDExtensionClassVirtualMethodInfo *info) {
+void register_virtual(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr owner,
+		const GDExtensionClassVirtualMethodInfo *info) {
 	find_class(owner).members.push_back("virtual " + text(info->name));
 }
 
@@ -252,8 +258,8 @@ void register_constant(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr
 	find_class(owner).members.push_back("constant " + text(name) + " = " + std::to_string(number));
 }
 
-void register_property(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr owner, const GDExtensionPropertyInfo *info,
-		GDExtensionConstStringNamePtr, GDExtensionConstStringNamePtr) {
+void register_property(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr owner,
+		const GDExtensionPropertyInfo *info, GDExtensionConstStringNamePtr, GDExtensionConstStringNamePtr) {
 	find_class(owner).members.push_back("property " + text(info->name));
 }
 
@@ -262,14 +268,18 @@ void register_group(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr ow
 	find_class(owner).members.push_back("group " + text(name));
 }
 
-void register_signal(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr owner, GDExtensionConstStringNamePtr name,
-		const GDExtensionPropertyInfo *, GDExtensionInt count) {
+void register_signal(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr owner,
+		GDExtensionConstStringNamePtr name, const GDExtensionPropertyInfo *, GDExtensionInt count) {
 	find_class(owner).members.push_back("signal " + text(name) + "(" + std::to_string(count) + ")");
 }
 
-void unregister_class(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr name) { find_class(name).registered = false; }
+void unregister_class(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr name) {
+	find_class(name).registered = false;
+}
 
-void print_error(const char *what, const char *, const char *, int32_t, GDExtensionBool) { record().errors.emplace_back(what); }
+void print_error(const char *what, const char *, const char *, int32_t, GDExtensionBool) {
+	record().errors.emplace_back(what);
+}
 
 /// Any method of the engine: the answer of a ptrcall is left as the caller has made it.
 void do_nothing() {}
@@ -290,7 +300,8 @@ const std::map<std::string, GDExtensionInterfaceFunctionPtr> &functions() {
 			{"variant_get_ptr_operator_evaluator", erase(get_operator)},
 			{"variant_get_ptr_builtin_method",
 					erase(+[](GDExtensionVariantType, GDExtensionConstStringNamePtr, GDExtensionInt) {
-						return +[](GDExtensionTypePtr, const GDExtensionConstTypePtr *, GDExtensionTypePtr, int) {};
+						return +[](GDExtensionTypePtr, const GDExtensionConstTypePtr *, GDExtensionTypePtr, int) {
+						};
 					})},
 			{"get_variant_from_type_constructor", erase(to_variant)},
 			{"get_variant_to_type_constructor", erase(from_variant)},
@@ -300,22 +311,30 @@ const std::map<std::string, GDExtensionInterfaceFunctionPtr> &functions() {
 						value(r_variant) = *static_cast<const Value *>(from);
 					})},
 			{"variant_destroy", erase(+[](GDExtensionVariantPtr) {})},
-			{"variant_get_type", erase(+[](GDExtensionConstVariantPtr variant) { return static_cast<const Value *>(variant)->type; })},
+			{"variant_get_type", erase(+[](GDExtensionConstVariantPtr variant) {
+				 return static_cast<const Value *>(variant)->type;
+			 })},
 			{"classdb_construct_object2", erase(construct)},
 			{"classdb_get_method_bind",
 					erase(+[](GDExtensionConstStringNamePtr, GDExtensionConstStringNamePtr, GDExtensionInt) {
-						return reinterpret_cast<GDExtensionMethodBindPtr>(&is_double); // Not null is all that it has to be.
+						return reinterpret_cast<GDExtensionMethodBindPtr>(
+								&is_double); // Not null is all that it has to be.
 					})},
-			{"classdb_get_class_tag", erase(+[](GDExtensionConstStringNamePtr name) -> void * { return new std::string(text(name)); })},
+			{"classdb_get_class_tag",
+					erase(+[](GDExtensionConstStringNamePtr name) -> void * { return new std::string(text(name)); })},
 			{"object_cast_to", erase(cast_to)},
 			{"object_set_instance", erase(set_instance)},
 			{"object_set_instance_binding", erase(set_binding)},
 			{"object_get_instance_binding", erase(get_binding)},
 			{"object_free_instance_binding", erase(free_binding)},
-			{"object_get_instance_id", erase(+[](GDExtensionConstObjectPtr object) { return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(object)); })},
-			{"object_get_instance_from_id",
-					erase(+[](std::uint64_t id) { return reinterpret_cast<GDExtensionObjectPtr>(static_cast<std::uintptr_t>(id)); })},
-			{"global_get_singleton", erase(+[](GDExtensionConstStringNamePtr name) -> void * { return &singleton(text(name)); })},
+			{"object_get_instance_id", erase(+[](GDExtensionConstObjectPtr object) {
+				 return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(object));
+			 })},
+			{"object_get_instance_from_id", erase(+[](std::uint64_t id) {
+				 return reinterpret_cast<GDExtensionObjectPtr>(static_cast<std::uintptr_t>(id));
+			 })},
+			{"global_get_singleton",
+					erase(+[](GDExtensionConstStringNamePtr name) -> void * { return &singleton(text(name)); })},
 			{"classdb_register_extension_class4", erase(register_class)},
 			{"classdb_register_extension_class_method", erase(register_method)},
 			{"classdb_register_extension_class_virtual_method", erase(register_virtual)},
