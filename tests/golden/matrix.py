@@ -196,8 +196,9 @@ def compiled(cell: Cell, source: Path) -> Path:
     name = source.name if foreign else source.relative_to(REPO).as_posix()
     out = BUILT / re.sub(r"[ +]+", "_", cell.name) / name.replace("/", "-")
     made, known = out.with_suffix(".o"), out.with_suffix(".needed")
-    # Warnings of others are not ours.
-    command = [*compiler_of(cell)[0], *flags_of(cell), *(["-w"] if foreign else []), "-c", str(source if foreign else name)]
+    # Highway's own sources are for the same processors as ours; their warnings are not shown.
+    theirs = ["-w", "-include", "extension/core/sampling/instruction_sets.hpp"] if foreign else []
+    command = [*compiler_of(cell)[0], *flags_of(cell), *theirs, "-c", str(source if foreign else name)]
     if made.is_file() and known.is_file():
         mark, *needed = known.read_text(encoding="utf-8").split("\n")
         if fingerprint(command, [REPO / path for path in needed]) == mark:
