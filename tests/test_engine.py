@@ -135,6 +135,18 @@ def test_script(godot, project, script):
     assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / f"{script}.gd"], timeout=600))
 
 
+@pytest.fixture(scope="module")
+def threadless_project(tmp_path_factory) -> Path:
+    """The same where the engine may have no threads to work on, as in most builds for the web."""
+    return new_project(tmp_path_factory.mktemp("threadless"), "[threading]\nworker_pool/max_threads=0\n")
+
+
+@pytest.mark.parametrize("script", ["test_streaming", "test_terrain_calls", "test_state"])
+def test_without_threads(godot, threadless_project, script):
+    """The main thread makes the tiles, a few in each frame, and all comes out the same."""
+    assert_passed(godot(["--verbose", "--path", threadless_project, "--script", ENGINE / f"{script}.gd"], timeout=600))
+
+
 def test_what_asks_for_too_much_memory_is_told_and_the_engine_goes_on(godot, project):
     """In 3 GB of address space, of which the engine takes less than one."""
 

@@ -33,7 +33,7 @@ void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Vie
 	}
 }
 
-TileWorkers::TileWorkers(std::size_t threads) {
+TileWorkers::TileWorkers(std::size_t threads) : on_main_thread_(threads == 0) {
 	for (std::size_t index = 0; index < std::max<std::size_t>(threads, 1); ++index) {
 		workers_.push_back(std::make_unique<Worker>());
 		workers_.back()->owner = this;
@@ -67,6 +67,9 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 }
 
 void TileWorkers::wake() {
+	if (on_main_thread_) {
+		return;
+	}
 	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
 	std::size_t waiting = 0;
 	{
@@ -109,12 +112,27 @@ void TileWorkers::stop() {
 	finished_.clear();
 }
 
-std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
+void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
+	if (!on_main_thread_) {
+		return;
+	}
+	Worker &worker = *workers_.front();
+	while (work_on_next(worker) && std::chrono::steady_clock::now() < deadline) {}
 	const std::lock_guard lock(mutex_);
+	hand_in(worker);
+}
+
+/// Passes on what a worker has done. Under the lock.
+void TileWorkers::hand_in(Worker &worker) {
 	if (worker.job != nullptr) {
 		finished_.push_back(std::move(worker.job)); // There is room: see `push`.
 		worker.job = nullptr;
 	}
+}
+
+std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
+	const std::lock_guard lock(mutex_);
+	hand_in(worker);
 	if (queue_.empty()) {
 		return nullptr;
 	}
@@ -125,25 +143,34 @@ std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
 
 void TileWorkers::run(void *p_worker) {
 	Worker &worker = *static_cast<Worker *>(p_worker);
-	while (const std::shared_ptr<TileJob> job = worker.owner->next(worker)) {
+	do {
 		std::this_thread::yield(); // The main thread may be waiting for this core.
-		if (job->cancelled) {
-			job->status.code = ErrorCode::cancelled;
-			job->step = TileJob::Step::done;
-			continue;
-		}
-		const auto start = std::chrono::steady_clock::now();
-		const Rect &rect = job->request.rect;
-		const Status status = guarded("tile", std::max(rect.size().x, rect.size().y), [&] { advance(worker, *job); });
-		if (!status.ok()) {
-			job->status = status;
-			job->uploads = {};
-			finish(worker, *job);
-		}
-		const auto time = std::chrono::steady_clock::now() - start;
-		job->microseconds +=
-				static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+	} while (worker.owner->work_on_next(worker));
+}
+
+/// Does what can be done for the next job; false if none waits.
+bool TileWorkers::work_on_next(Worker &worker) {
+	const std::shared_ptr<TileJob> job = next(worker);
+	if (job == nullptr) {
+		return false;
 	}
+	if (job->cancelled) {
+		job->status.code = ErrorCode::cancelled;
+		job->step = TileJob::Step::done;
+		return true;
+	}
+	const auto start = std::chrono::steady_clock::now();
+	const Rect &rect = job->request.rect;
+	const Status status = guarded("tile", std::max(rect.size().x, rect.size().y), [&] { advance(worker, *job); });
+	if (!status.ok()) {
+		job->status = status;
+		job->uploads = {};
+		finish(worker, *job);
+	}
+	const auto time = std::chrono::steady_clock::now() - start;
+	job->microseconds +=
+			static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+	return true;
 }
 
 void TileWorkers::advance(Worker &worker, TileJob &job) {

@@ -6,6 +6,7 @@
 #include "nodes/scatter/mesh_upload.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -55,10 +56,11 @@ struct TileJob {
 /// Sorts jobs as work_order does. A job whose ground is half known keeps its index, and so does one that is made for queries.
 void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Viewer> viewers);
 
-/// Makes tiles on the engine's WorkerThreadPool. Called on the main thread only, apart from the work itself.
+/// Makes tiles on the engine's WorkerThreadPool, or on the main thread where there is none. Called on the main thread only,
+/// apart from the work itself.
 class TileWorkers {
 public:
-	/// At most `threads` tasks of the pool at a time, at least 1.
+	/// At most `threads` tasks of the pool at a time. With 0, work is done in `work_until`.
 	explicit TileWorkers(std::size_t threads);
 	~TileWorkers();
 	TileWorkers(const TileWorkers &) = delete;
@@ -74,10 +76,15 @@ public:
 	/// To be called in every frame: it also starts workers for jobs that wait.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 
+	/// Without threads: makes tiles until the time is over, and one at least if any waits. A script that is asked for heights may
+	/// call anything but this meanwhile. With threads: does nothing.
+	void work_until(std::chrono::steady_clock::time_point deadline);
+
 	/// Cancels everything and waits until no worker holds anything of ours: a few milliseconds, or as long as a script
 	/// takes for the heights that it was just asked for.
 	void stop();
 
+	/// How many tiles are made at a time, at least 1.
 	std::size_t threads() const { return workers_.size(); }
 
 private:
@@ -92,10 +99,13 @@ private:
 	/// Starts as many workers as there are jobs that wait.
 	void wake();
 	static void run(void *p_worker);
+	bool work_on_next(Worker &worker);
 	static void advance(Worker &worker, TileJob &job);
 	static void finish(Worker &worker, TileJob &job);
 	std::shared_ptr<TileJob> next(Worker &worker);
+	void hand_in(Worker &worker);
 
+	const bool on_main_thread_;
 	std::mutex mutex_;
 	std::deque<std::shared_ptr<TileJob>> queue_;
 	std::vector<std::shared_ptr<TileJob>> finished_;
