@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 from conftest import REPO, run
+from golden import emulators
 
 sys.path[:0] = [str(REPO / "tools/package"), str(REPO / "tools/scons")]
 import archive  # noqa: E402 (only on the path above)
@@ -249,14 +250,15 @@ def at_home(addon, loader) -> list[str]:
 
 
 @pytest.mark.full
-def test_the_library_for_windows_loads(addon, loader, at_home, tmp_path):
+def test_the_library_for_windows_loads(addon, loader, at_home):
     """All symbols are found, all static objects made, all classes registered as on Linux, one of each made; and it goes."""
-    if not shutil.which("wine"):
-        pytest.skip("wine is not installed")
+    if why := emulators.absence("wine", "Windows", "x86_64"):
+        pytest.skip(why)
+    wine = emulators.command("wine", "Windows", "x86_64")
     program = loader("x86_64-windows-gnu", [])
     for path in sorted((addon / "bin").glob("*.x86_64.dll")):
-        environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "prefix")}
-        assert registered(run(["wine", program, path], timeout=300, env=environment)) == at_home, path.name
+        done = run([*wine, program, path], timeout=300, env=emulators.environment("wine"))
+        assert registered(done) == at_home, path.name
 
 
 @pytest.mark.full
