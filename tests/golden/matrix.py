@@ -234,12 +234,12 @@ def outcome_of(cell: Cell, pool: ThreadPoolExecutor) -> Outcome:
         program = program_of(cell, pool)
         runner = [] if cell.own else emulators.command(cell.platform.emulator, cell.platform.name, NATIVE)
         done = subprocess.run(
-            [*runner, program], capture_output=True, text=True, errors="replace", timeout=1800, env=emulators.environment(cell.platform.emulator), check=False
+            [*runner, program], capture_output=True, text=True, errors="replace", timeout=3600, env=emulators.environment(cell.platform.emulator), check=False
         )
     except (Failed, subprocess.TimeoutExpired) as failed:
         return Outcome(failure=str(failed))
     if done.returncode != 0:
-        return Outcome(failure=done.stdout[-1000:] + done.stderr[-4000:])
+        return Outcome(failure=f"{program} returned {done.returncode}\n{done.stdout[-1000:]}{done.stderr[-4000:]}")
     return Outcome(json.loads(done.stdout), re.findall(r"golden: (\S+) computed", done.stderr))
 
 
