@@ -9,7 +9,6 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <ranges>
 
 // Format 1, all numbers little-endian; a list is written as id_codec.hpp says, ids in it are codes:
 //   "TSTA", u32 version, u8 kind: 0 for a whole state, 1 for some ids, f64 clock in seconds;
@@ -186,7 +185,8 @@ bool take_record(ByteReader bytes, StateRecord &r_record) {
 		return false;
 	}
 	const std::map<std::uint16_t, std::uint64_t> layers = r_record.layers();
-	return std::ranges::equal(std::views::keys(layers), std::views::keys(r_record.stamps));
+	return std::ranges::equal(
+			layers, r_record.stamps, {}, [](const auto &a) { return a.first; }, [](const auto &b) { return b.first; });
 }
 
 } // namespace

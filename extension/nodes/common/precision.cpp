@@ -1,6 +1,7 @@
 #include "nodes/common/precision.hpp"
 
 #include <godot_cpp/core/defs.hpp>
+#include <godot_cpp/variant/vector3.hpp>
 
 #include <algorithm>
 #include <array>
@@ -34,12 +35,12 @@ std::string precision_name(std::size_t real_size) { return real_size == sizeof(d
 
 bool fits_precision(GDExtensionInterfaceGetProcAddress p_get_proc_address) {
 	const std::size_t real_size = engine_real_size(p_get_proc_address);
-	if (real_size == sizeof(real_t)) {
+	if (real_size == sizeof(Vector3::x)) {
 		return true;
 	}
 	const std::string engine = precision_name(real_size);
 	const std::string sentence = "This library of Thicket was compiled for engines with " +
-			precision_name(sizeof(real_t)) + " precision, and this engine has " + engine +
+			precision_name(sizeof(Vector3::x)) + " precision, and this engine has " + engine +
 			" precision: add the library that `scons precision=" + engine + " extension` builds.";
 	const auto print = find<GDExtensionInterfacePrintError>(p_get_proc_address, "print_error");
 	print(sentence.c_str(), __FUNCTION__, __FILE__, __LINE__, true);
