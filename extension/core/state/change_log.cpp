@@ -54,8 +54,8 @@ std::vector<std::uint64_t> ChangeLog::since(std::uint64_t revision) const {
 		ids.push_back(entry->id);
 	}
 	std::ranges::sort(ids);
-	const auto repeated = std::ranges::unique(ids);
-	ids.erase(repeated.begin(), repeated.end());
+	const auto repeated = std::unique(ids.begin(), ids.end());
+	ids.erase(repeated, ids.end());
 	return ids;
 }
 
