@@ -108,8 +108,8 @@ std::uint64_t cost(std::span<const std::uint64_t> gaps, int parameter) {
 	std::uint64_t bits = 0;
 	for (const std::uint64_t gap : gaps) {
 		const std::uint64_t ones = gap >> parameter;
-		const auto width = static_cast<std::uint64_t>(std::bit_width(gap));
-		bits += std::min(ones, full_mark) + (ones < full_mark ? parameter + 1 : width_bits + width);
+		const int rest = ones < full_mark ? parameter + 1 : width_bits + static_cast<int>(std::bit_width(gap));
+		bits += std::min(ones, full_mark) + static_cast<std::uint64_t>(rest);
 	}
 	return bits;
 }
