@@ -27,7 +27,7 @@ DIST = REPO / "build/dist_test"
 # glibc 2.28 is that of Debian 10; the Steam runtime has 2.31, Ubuntu 20.04 too.
 OLDEST_GLIBC = (2, 28)
 # Where a machine that builds keeps its things, and how a registry's address begins.
-OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/[\w.-]|ziglang|\.cache/|https?://(?!github\.com/godotengine)[\w.]+\.[a-z]")
+OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|www\.w3\.org/)[\w.]+\.[a-z]")
 
 
 # --- Without a build -----------------------------------------------------------------------------------------------------
@@ -292,13 +292,13 @@ def test_a_users_project(addon, godot, tmp_path):
     (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="A user\'s"\n[editor_plugins]\n'
         'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')  # fmt: skip
     shutil.copytree(addon, project / "addons/thicket")
-    complaint = re.compile(r"ERROR|WARNING|SCRIPT", re.IGNORECASE)
-    for _ in range(2):
-        done = godot(["--path", project, "--import"], timeout=600)
-        assert done.returncode == 0, done.stdout + done.stderr
-    done = godot(["--path", project, "--editor", "--quit-after", "30"], timeout=600)
-    wrong = [line for line in (done.stdout + done.stderr).splitlines() if complaint.search(line)]
-    assert done.returncode == 0 and not wrong, "\n".join(wrong)
+    complaint = re.compile(r"\b(ERROR|WARNING)\b")
+    # As a user does it: the editor first. An editor that ends as soon as it has found an extension for the first time crashes,
+    # whatever the extension (github.com/godotengine/godot/issues/111048).
+    for arguments in (["--editor", "--quit-after", "200"], ["--import"], ["--import"], ["--editor", "--quit-after", "200"]):
+        done = godot(["--path", project, *arguments], timeout=600)
+        wrong = [line for line in (done.stdout + done.stderr).splitlines() if complaint.search(line)]
+        assert done.returncode == 0 and not wrong, "\n".join(wrong)
     shutil.rmtree(project / "addons/thicket")
     (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="A user\'s"\n')
     for arguments in (["--import"], ["--editor", "--quit-after", "30"]):
@@ -314,7 +314,7 @@ func _ready() -> void:
 	oaks.progressive_levels = 2
 	oaks.meshes = [CylinderMesh.new()]
 	var forest := TerrainScatter3D.new()
-	forest.terrain = ScatterTerrainNoise.new()
+	forest.terrain = ScatterTerrainFlat.new()
 	forest.layers = [oaks]
 	add_child(forest)
 	var digests: Array[String] = []
@@ -360,7 +360,7 @@ def test_an_exported_game_makes_the_same(addon, godot, tmp_path):
     (project / "export_presets.cfg").write_text(PRESETS)
     shutil.copytree(addon, project / "addons/thicket")
     (tmp_path / "game").mkdir()
-    for arguments in (["--import"], ["--export-release", "Linux", tmp_path / "game/game.x86_64"]):
+    for arguments in (["--editor", "--quit-after", "200"], ["--export-release", "Linux", tmp_path / "game/game.x86_64"]):
         done = godot(["--path", project, *arguments], timeout=600)
         assert done.returncode == 0, done.stdout + done.stderr
     assert {path.name for path in (tmp_path / "game").iterdir()} == {
