@@ -27,7 +27,7 @@ DIST = REPO / "build/dist_test"
 # glibc 2.28 is that of Debian 10; the Steam runtime has 2.31, Ubuntu 20.04 too.
 OLDEST_GLIBC = (2, 28)
 # Where a machine that builds keeps its things, and how a registry's address begins.
-OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|www\.w3\.org/)[\w.]+\.[a-z]")
+OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/(?!dyld|libSystem)[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|www\.w3\.org/)[\w.]+\.[a-z]")
 
 
 # --- Without a build -----------------------------------------------------------------------------------------------------
@@ -196,8 +196,8 @@ def test_frameworks_for_macos_hold_both_processors(addon):
     for folder in (addon / "bin").glob("*.framework"):
         listed = run([binaries.tool("llvm-lipo"), "-archs", folder / folder.stem], timeout=60)
         assert sorted(listed.stdout.split()) == ["arm64", "x86_64"], listed.stderr
-        commands = run([binaries.tool("llvm-objdump"), "--macho", "--private-headers", folder / folder.stem], timeout=60).stdout
-        assert commands.count("LC_CODE_SIGNATURE") == 2 or commands.count("LC_CODE_SIGNATURE") == 1, commands[-2000:]
+        commands = run([binaries.tool("llvm-objdump"), "--macho", "--arch=arm64", "--private-headers", folder / folder.stem], timeout=60).stdout
+        assert "LC_CODE_SIGNATURE" in commands, "Apple's own processors run nothing that is not signed"
         assert (folder / "Resources/Info.plist").is_file()
 
 
