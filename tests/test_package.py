@@ -27,7 +27,7 @@ DIST = REPO / "build/dist_test"
 # glibc 2.28 is that of Debian 10; the Steam runtime has 2.31, Ubuntu 20.04 too.
 OLDEST_GLIBC = (2, 28)
 # Where a machine that builds keeps its things, and how a registry's address begins.
-OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/(?!dyld|libSystem|libstdc)[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|www\.w3\.org/)[\w.]+\.[a-z]")
+OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/(?!dyld|libSystem|libstdc)[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|www\.w3\.org/|www\.apple\.com/DTDs)[\w.]+\.[a-z]")
 
 
 # --- Without a build -----------------------------------------------------------------------------------------------------
