@@ -169,6 +169,7 @@ func test_flight_at_1000_meters_a_second() -> void:
 	var spent: Array[int] = []
 	var empty := 0
 	var step := 1000.0 / 60.0
+	Engine.max_fps = 60 # Without it frames are shorter than a tile takes, and the flight is faster than it says.
 	for frame in 240:
 		viewer.global_position += Vector3(0.6, 0.0, 0.8) * step
 		await process_frame
@@ -177,6 +178,7 @@ func test_flight_at_1000_meters_a_second() -> void:
 		for tile: Vector2i in scatter.get_shown_tiles(1):
 			around += 1 if distance(tile, 128.0, viewer.global_position) < 300.0 else 0
 		empty += 1 if around == 0 else 0
+	Engine.max_fps = 0
 	spent.sort()
 	print("flight at 1000 m/s: main thread a frame, median %d us, p99 %d us, most %d us; %d and %d tiles came" % [
 			spent[120], spent[237], spent[239], watches[0].count, watches[1].count])
