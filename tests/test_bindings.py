@@ -13,7 +13,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from conftest import REPO, run
+from conftest import CACHE, REPO, run
 
 ADDON = REPO / "demo_project/addons/thicket"
 BINDINGS = REPO / "extension/bindings"
@@ -87,10 +87,9 @@ def test_a_leak_would_be_seen(godot_xvfb, project):
 
 def editor(godot, project: Path, *steps: str) -> str:
     # Folders of its own: the editor keeps the class reference that it once read, and what was open.
-    cache = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     environment = {
         **os.environ,
-        "THICKET_CACHE": os.environ.get("THICKET_CACHE") or cache + "/thicket",
+        "THICKET_CACHE": str(CACHE),
         "XDG_CACHE_HOME": str(project / "cache"),
         "XDG_CONFIG_HOME": str(project / "config"),
         "XDG_DATA_HOME": str(project / "data"),

@@ -16,11 +16,11 @@ from pathlib import Path
 import pytest
 from conftest import BUILD_DIR, LONG_CASES, REPO, run
 
-sys.path.insert(0, str(REPO / "tools/scons"))
-import libraries  # noqa: E402 (only on the path above)
-import manifest  # noqa: E402
-import rooms  # noqa: E402
-from rooms import ROOMS  # noqa: E402
+# From tools/scons, which conftest puts on the path.
+import libraries
+import manifest
+import rooms
+from rooms import ROOMS
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 SOURCES = sorted(

@@ -13,14 +13,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import REPO, run
+from conftest import CACHE, REPO, run
 
 BINDINGS = REPO / "extension/bindings"
 OLDEST = BINDINGS / "description_4.4.json"
 USED = BINDINGS / "used_api.toml"
 NODES = [path for path in sorted((REPO / "extension/nodes").rglob("*")) if path.suffix in (".hpp", ".cpp")]
-CACHE = os.environ.get("THICKET_CACHE") or (os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")) + "/thicket"
-DESCRIPTIONS = Path(os.environ.get("THICKET_DESCRIPTIONS") or CACHE + "/descriptions")
+DESCRIPTIONS = Path(os.environ.get("THICKET_DESCRIPTIONS") or CACHE / "descriptions")
 RELEASES = ["4.4", "4.5", "4.6", "4.7"]
 
 

@@ -14,8 +14,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import REPO, run
+from conftest import CACHE, REPO, run
 from golden import emulators
+from golden.matrix import ZIG
 
 sys.path[:0] = [str(REPO / "tools/package"), str(REPO / "tools/scons")]
 import archive  # noqa: E402 (only on the path above)
@@ -224,8 +225,7 @@ def loader() -> Callable[[str, list[str]], Path]:
     def make(target: str, flags: list[str]) -> Path:
         program = REPO / "build/loader" / (target + (".exe" if "windows" in target else ""))
         program.parent.mkdir(parents=True, exist_ok=True)
-        zig = contents.cached("zig-*", "ziglang/zig")
-        done = run([zig, "c++", "-target", target, "-std=c++20", "-O1", "-I.", "-Ibuild/engine", *flags,
+        done = run([ZIG, "c++", "-target", target, "-std=c++20", "-O1", "-I.", "-Ibuild/engine", *flags,
             *sorted((REPO / "tests/loader").glob("*.cpp")), "-o", program], timeout=600, cwd=REPO)  # fmt: skip
         assert done.returncode == 0, done.stderr
         return program
@@ -375,8 +375,7 @@ def test_an_exported_game_makes_the_same(addon, godot, tmp_path):
 @pytest.mark.full
 def test_the_engine_for_arm_plays_what_was_unpacked(addon, tmp_path):
     """Scripts of tests/engine that ask for points, tiles, rules and states, in the engine for ARM, under an emulator."""
-    cache = Path(os.environ.get("THICKET_CACHE") or Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "thicket")
-    root = cache / "godot-root-arm64"
+    root = CACHE / "godot-root-arm64"
     if not shutil.which("qemu-aarch64") or not (root / "usr/bin/godot").exists():
         pytest.skip("no engine for ARM, or no emulator, is installed")
     project = tmp_path / "project"

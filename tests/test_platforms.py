@@ -9,7 +9,7 @@ import platform
 import pytest
 from conftest import REPO, run
 from golden import emulators
-from golden.matrix import NATIVE, places
+from golden.matrix import NATIVE, ZIG
 
 # Each platform's options, program, emulator, and what this has to be told besides.
 PLATFORMS = {
@@ -25,7 +25,7 @@ def test_no_case_fails_on_another_platform(name):
     why = emulators.absence(emulator, name, NATIVE)
     if name == NATIVE or platform.system() != "Linux":
         pytest.skip("this is no other platform, or not one that has emulators")
-    if why or not (places()["zig"] / "ziglang/zig").is_file():
+    if why or not ZIG.is_file():
         pytest.skip(why or "zig is not installed")
     # A clang as new as zig's warns of what doctest's macros do.
     built = run(["scons", "-Q", f"-j{os.cpu_count()}", "use_zig=yes", "werror=no", *options, f"build/{program}"], timeout=3600, cwd=REPO)

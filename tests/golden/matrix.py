@@ -21,17 +21,19 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+REPO = Path(__file__).resolve().parent.parent.parent
+sys.path[:0] = [str(Path(__file__).resolve().parent), str(REPO / "tools/scons")]
 
 import emulators
+import libraries
 
-REPO = Path(__file__).resolve().parent.parent.parent
+HIGHWAY = Path(libraries.highway_folder())
+ZIG = Path(libraries.zig_folder()) / "ziglang/zig"
 BUILT = REPO / "build/golden"
 GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
 
 # What the digests come from; streaming decides nothing that is drawn. The room that takes longest to compile goes first.
 ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near"]
-HIGHWAY_SOURCES = ["abort", "aligned_allocator", "per_target", "targets"]
 COMMON = ["-std=c++20", "-ffp-contract=off", "-DHWY_STATIC_DEFINE"]
 # Where a release is built its warnings stop it, and -O3 sees others than -O2.
 RELEASE = ["-DNDEBUG", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
@@ -120,30 +122,15 @@ class Outcome:
 
 
 @cache
-def places() -> dict[str, Path]:
-    """Where tools/setup.sh puts what it installs."""
-    script = 'source tools/setup.sh; cache_folder; echo "highway-$highway_version"; echo "zig-$zig_version"'
-    cache_folder, highway, zig = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd=REPO, check=True).stdout.split()
-    return {"highway": Path(cache_folder) / highway, "zig": Path(cache_folder) / zig}
-
-
-@cache
-def header_folder() -> Path:
-    """Holds GLM and nothing else, for compilers that must not see what lies beside it."""
-    folder = REPO / "build/headers"
-    folder.mkdir(parents=True, exist_ok=True)
-    roots = [*os.environ.get("CPATH", "").split(os.pathsep), "/usr/include", "/usr/local/include"]
-    found = next((Path(root, "glm") for root in roots if root and Path(root, "glm/glm.hpp").is_file()), None)
-    if found and not os.path.lexists(folder / "glm"):
-        (folder / "glm").symlink_to(found)
-    return folder
+def header_folder() -> str:
+    """Holds GLM, for compilers that must not see what lies beside it."""
+    return libraries.copied_headers(str(REPO / "build/headers"))
 
 
 def compiler_of(cell: Cell) -> tuple[list[str], str]:
     """The command that compiles, or why there is none."""
     if cell.compiler == "zig":
-        zig = places()["zig"] / "ziglang/zig"
-        return [str(zig), "c++", "-target", cell.platform.zig, "-fno-sanitize=undefined", "-g0"], "" if zig.is_file() else "zig is not installed"
+        return [str(ZIG), "c++", "-target", cell.platform.zig, "-fno-sanitize=undefined", "-g0"], "" if ZIG.is_file() else "zig is not installed"
     name = cell.compiler if cell.native else cell.platform.gnu + cell.compiler
     return [name], "" if shutil.which(name) else f"{name} is not installed"
 
@@ -155,14 +142,14 @@ def absence(cell: Cell) -> str:
 
 def flags_of(cell: Cell) -> list[str]:
     release = RELEASE if cell.level.startswith("-O3") else []
-    includes = ["-Iextension", "-I.", "-isystem", str(places()["highway"]), *([] if cell.own else ["-isystem", str(header_folder())])]
+    includes = ["-Iextension", "-I.", "-isystem", str(HIGHWAY), *([] if cell.own else ["-isystem", header_folder()])]
     return [*COMMON, *includes, *cell.platform.flags, *LEVELS[cell.level], *release]
 
 
 def sources(cell: Cell) -> list[Path]:
     core = [path for room in ROOMS for path in sorted((REPO / "extension/core" / room).rglob("*.cpp"), key=lambda path: -len(path.parts))]
     ours = [REPO / path for path in ("tests/analysis/golden.cpp", *cell.platform.sources)]
-    return [*core, *ours, *(places()["highway"] / "hwy" / f"{name}.cc" for name in HIGHWAY_SOURCES)]
+    return [*core, *ours, *(HIGHWAY / "hwy" / f"{name}.cc" for name in libraries.HIGHWAY_SOURCES)]
 
 
 class Failed(Exception):
@@ -170,7 +157,7 @@ class Failed(Exception):
 
 
 def call(command: list[str]) -> None:
-    environment = {**os.environ, **{name: str(places()["zig"] / "compiled") for name in ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR")}}
+    environment = {**os.environ, **libraries.zig_environment(str(ZIG))}
     done = subprocess.run(command, capture_output=True, text=True, errors="replace", cwd=REPO, env=environment, check=False)
     if done.returncode != 0:
         raise Failed(f"{' '.join(command)}\n{done.stderr[-4000:]}")

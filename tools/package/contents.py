@@ -10,7 +10,8 @@ REPO = Path(__file__).resolve().parents[2]
 ADDON = REPO / "demo_project/addons/thicket"
 sys.path.insert(0, str(REPO / "tools/scons"))
 
-import manifest  # noqa: E402 (only on the path above)
+import libraries  # noqa: E402 (only on the path above)
+import manifest  # noqa: E402
 
 
 def version():
@@ -54,24 +55,16 @@ def demo(folder, addon_folder):
 
 def notices():
     """The licenses of what is compiled into the libraries."""
-    libraries = [
-        ("Highway, vectors for every processor (its BSD 3-clause license is chosen)", cached("highway-*", "LICENSE-BSD3")),
+    highway, zig = Path(libraries.highway_folder()), Path(libraries.zig_folder()) / "ziglang"
+    works = [
+        ("Highway, vectors for every processor (its BSD 3-clause license is chosen)", highway / "LICENSE-BSD3"),
         ("GLM, vectors and matrices", Path("/usr/share/doc/libglm-dev/copyright")),
-        ("LLVM libc++, the C++ standard library", cached("zig-*", "ziglang/lib/libcxx/LICENSE.TXT")),
-        ("LLVM libc++abi and libunwind", cached("zig-*", "ziglang/lib/libcxxabi/LICENSE.TXT")),
-        ("Zig's compiler_rt", cached("zig-*", "ziglang/LICENSE")),
-        ("MinGW-w64, start files of the libraries for Windows", cached("zig-*", "ziglang/lib/libc/mingw/COPYING")),
+        ("LLVM libc++, the C++ standard library", zig / "lib/libcxx/LICENSE.TXT"),
+        ("LLVM libc++abi and libunwind", zig / "lib/libcxxabi/LICENSE.TXT"),
+        ("Zig's compiler_rt", zig / "LICENSE"),
+        ("MinGW-w64, start files of the libraries for Windows", zig / "lib/libc/mingw/COPYING"),
     ]
     rule = "=" * 100
     parts = ["Thicket's libraries contain parts of these works, under these licenses.\n"]
-    parts += ["%s\n%s\n%s\n\n%s\n" % (rule, name, rule, path.read_text(encoding="utf-8").strip()) for name, path in libraries]
+    parts += ["%s\n%s\n%s\n\n%s\n" % (rule, name, rule, path.read_text(encoding="utf-8").strip()) for name, path in works]
     return "\n".join(parts)
-
-
-def cached(folder, path):
-    import libraries
-
-    found = sorted(Path(libraries.cache_folder()).glob(folder + "/" + path))
-    if not found:
-        raise SystemExit("thicket: no %s in %s: run bash tools/package.sh, which installs it" % (path, libraries.cache_folder()))
-    return found[-1]

@@ -5,12 +5,13 @@ import os
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import archive
 import binaries
-import contents
+import contents  # Also lets the next be found.
+import platforms
 
 REPO = Path(__file__).resolve().parents[2]
 DIST = REPO / "build/dist"
@@ -32,17 +33,19 @@ class Build:
         parts += ["double"] if self.precision == "double" else []
         return ".".join(parts + ([] if self.threads else ["nothreads"]))
 
+    @property
+    def compiler(self):
+        """As platforms.folder_name wants it."""
+        return "" if self.platform == "web" else "zig"
+
     def options(self):
         """What scons is told."""
-        options = ["ship=yes", "platform=" + self.platform, "arch=" + self.arch, "precision=" + self.precision]
-        return options + (["threads=" + ("yes" if self.threads else "no")] if self.platform == "web" else ["use_zig=yes"])
+        options = ["%s=%s" % (name, {True: "yes", False: "no"}.get(value, value)) for name, value in asdict(self).items()]
+        return ["ship=yes", "use_zig=" + ("yes" if self.compiler else "no"), *options]
 
     def folder(self):
         """Where scons puts the libraries."""
-        name = "%s.ship.%s" % (self.platform, self.arch)
-        name += ".double" if self.precision == "double" else ""
-        name += "" if self.threads else ".nothreads"
-        return REPO / "build" / (name + ("" if self.platform == "web" else ".zig")) / "addon/bin"
+        return REPO / "build" / platforms.folder_name(asdict(self), "ship", self.compiler) / "addon/bin"
 
 
 DESKTOP = [("linux", "x86_64"), ("linux", "arm64"), ("windows", "x86_64"), ("windows", "arm64"), ("macos", "arm64"), ("macos", "x86_64")]

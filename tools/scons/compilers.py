@@ -2,6 +2,7 @@
 
 import os
 
+import libraries
 import platforms
 
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion"]
@@ -27,21 +28,17 @@ def is_msvc(env):
 def choose(env):
     """Sets the programs that compile, archive and link; returns what the compiler is called in a build folder's name, ""
     for g++."""
-    if not env["use_zig"]:
-        if env["platform"] == "web":
-            run = env.File("#tools/emscripten").abspath
-            env.Replace(CXX=[run, "em++"], LINK=[run, "em++"], SHLINK=[run, "em++"], AR=[run, "emar"], RANLIB=[run, "emranlib"])
-            return ""
-        return "" if name(env) in ("g++", "cl", "em++") else name(env)
-    zig = env["zig"]
-    if not os.access(zig, os.X_OK):
-        raise SystemExit("thicket: use_zig=yes: no zig at %s (bash tools/setup.sh zig installs it)" % zig)
-    compiler = [zig, "c++", "-target", platforms.zig_target(env)]
-    env.Replace(CXX=compiler, LINK=compiler, SHLINK=compiler, AR=[zig, "ar"], RANLIB=[zig, "ranlib"])
-    # Beside the compiler's sources, which it compiles for each target once.
-    cache = os.path.join(os.path.dirname(os.path.dirname(zig)), "compiled")
-    env["ENV"].update(ZIG_GLOBAL_CACHE_DIR=cache, ZIG_LOCAL_CACHE_DIR=cache)
-    return "zig"
+    if env["platform"] == "web":
+        run = env.File("#tools/emscripten").abspath
+        env.Replace(CXX=[run, "em++"], LINK=[run, "em++"], SHLINK=[run, "em++"], AR=[run, "emar"], RANLIB=[run, "emranlib"])
+    elif env["use_zig"]:
+        zig = env["zig"]
+        if not os.access(zig, os.X_OK):
+            raise SystemExit("thicket: use_zig=yes: no zig at %s (bash tools/package.sh installs it)" % zig)
+        compiler = [zig, "c++", "-target", platforms.zig_target(env)]
+        env.Replace(CXX=compiler, LINK=compiler, SHLINK=compiler, AR=[zig, "ar"], RANLIB=[zig, "ranlib"])
+        env["ENV"].update(libraries.zig_environment(zig))
+    return "" if name(env) in ("g++", "cl", "em++") else name(env)
 
 
 def is_release(env):
@@ -87,14 +84,14 @@ def configure_gnu(env, release):
         env.Append(CCFLAGS=["-fno-sanitize=undefined", "-ffile-prefix-map=%s=." % env.Dir("#").abspath])
     if env["dev_build"]:
         env.Append(CCFLAGS=["-Og", "-g3"])
-    elif release:
-        env.Append(CCFLAGS=["-O3"])
-    else:
-        env.Append(CCFLAGS=["-O2"] + ([] if env["use_zig"] else ["-g1"]))
+        return
+    env.Append(CCFLAGS=["-O3" if release else "-O2"])
     if env["ship"]:
         env.Append(CCFLAGS=["-g1", "-gdwarf-4"])
     elif release or env["use_zig"]:
         env.Append(CCFLAGS=["-g0"], LINKFLAGS=["-s"])
+    else:
+        env.Append(CCFLAGS=["-g1"])
 
 
 def configure_msvc(env, release):
@@ -131,13 +128,13 @@ def shared_flags(env):
         env.Append(LINKFLAGS=["-sSIDE_MODULE=2", "-sEXPORTED_FUNCTIONS=_thicket_library_init", "-sWASM_BIGINT"])
         env.Append(LINKFLAGS=["-sSUPPORT_LONGJMP=wasm"])
         return
-    compiler = name(env)
-    if "clang" not in compiler and compiler != "zig":
+    if env["use_zig"]:
+        return  # It brings its own C++ library along, and has no unique symbols.
+    gnu = "clang" not in name(env)
+    if gnu:
         # A unique symbol pins its library in memory for ever, and a reload would then find the old code.
         env.Append(CXXFLAGS=["-fno-gnu-unique"])
-        if (release and not env["sanitize"]) or platform == "windows":
-            env.Append(LINKFLAGS=["-static-libstdc++", "-static-libgcc"])
-    elif "clang" in compiler and platform == "linux" and release and not env["sanitize"]:
+    if (gnu and platform == "windows") or (release and not env["sanitize"] and (gnu or platform == "linux")):
         env.Append(LINKFLAGS=["-static-libstdc++", "-static-libgcc"])
 
 

@@ -26,7 +26,7 @@ def external(env, folder):
         for part in ("bin", "lib", "lib64", "lib/*-linux-gnu")
         for path in sorted(glob.glob(os.path.join(folder, part, "libgodot-cpp*.a")))
     ]
-    double = env.get("precision") == "double"
+    double = env["precision"] == "double"
     fitting = [path for path in archives if env["target"] in path and env["arch"] in path and (".double." in path) == double]
     if not fitting:
         have = ", ".join(os.path.relpath(path, folder) for path in archives) or "none"

@@ -1,15 +1,24 @@
 """The libraries of others: the part of Highway that a program links, four of its sources, compiled with ours and for the
 same processors; and the headers of GLM and doctest."""
 
+import contextlib
 import filecmp
 import os
+import re
 import shutil
+import tempfile
 
 import compilers
 import platforms
 
-HIGHWAY_VERSION = "1.2.0"
 HIGHWAY_SOURCES = ("abort", "aligned_allocator", "per_target", "targets")
+TOOLS = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+def version(name):
+    """The release of what tools/setup.sh installs, which names it."""
+    with open(os.path.join(TOOLS, "setup.sh"), encoding="utf-8") as file:
+        return re.search(r"^%s_version=(\S+)$" % name, file.read(), re.MULTILINE).group(1)
 
 
 def cache_folder():
@@ -20,7 +29,18 @@ def cache_folder():
 
 def highway_folder():
     """Where tools/setup.sh puts the sources of Highway."""
-    return os.path.join(cache_folder(), "highway-" + HIGHWAY_VERSION)
+    return os.path.join(cache_folder(), "highway-" + version("highway"))
+
+
+def zig_folder():
+    """Where tools/setup.sh puts zig; the program lies in ziglang/zig."""
+    return os.path.join(cache_folder(), "zig-" + version("zig"))
+
+
+def zig_environment(zig):
+    """Where this zig keeps what it compiles of its own sources, once for each target."""
+    folder = os.path.join(os.path.dirname(os.path.dirname(zig)), "compiled")
+    return {"ZIG_GLOBAL_CACHE_DIR": folder, "ZIG_LOCAL_CACHE_DIR": folder}
 
 
 def highway(env, out):
@@ -28,7 +48,7 @@ def highway(env, out):
     folder = os.path.abspath(env["highway"])
     if not os.path.exists(os.path.join(folder, "hwy/highway.h")):
         raise SystemExit(
-            "thicket: highway=%s holds no hwy/highway.h: run bash tools/setup.sh, or name the sources of Highway %s" % (folder, HIGHWAY_VERSION)
+            "thicket: highway=%s holds no hwy/highway.h: run bash tools/setup.sh, or name the sources of Highway %s" % (folder, version("highway"))
         )
     env.Append(CPPDEFINES=["HWY_STATIC_DEFINE"])
     env.Append(CCFLAGS=["/external:W0", "/external:I" + folder] if compilers.is_msvc(env) else ["-isystem", folder])
@@ -41,16 +61,23 @@ def highway(env, out):
 
 
 def headers(env):
-    """Lets a compiler for another system find GLM and doctest, and nothing else that lies beside them: in a copy, since it may
-    run in a root of its own."""
-    if not env["use_zig"] and platforms.is_native(env):
-        return
-    folder = env.Dir("#build/headers").abspath
+    """Lets a compiler for another system find GLM and doctest, and nothing else that lies beside them."""
+    if env["use_zig"] or not platforms.is_native(env):
+        env.Append(CCFLAGS=["-isystem", copied_headers(env.Dir("#build/headers").abspath)])
+
+
+def copied_headers(folder):
+    """Copies these headers into a folder, since a compiler may run in a root of its own; returns the folder."""
+    os.makedirs(folder, exist_ok=True)
     for name, header in (("glm", "glm/glm.hpp"), ("doctest", "doctest/doctest.h")):
         roots = ["/usr/include", "/usr/local/include", "/opt/homebrew/include", *os.environ.get("CPATH", "").split(os.pathsep)]
         found = [root for root in roots if root and os.path.exists(os.path.join(root, header))]
         copied = os.path.join(folder, header)
         if found and not (os.path.exists(copied) and filecmp.cmp(copied, os.path.join(found[0], header))):
             shutil.rmtree(os.path.join(folder, name), ignore_errors=True)
-            shutil.copytree(os.path.join(found[0], name), os.path.join(folder, name))
-    env.Append(CCFLAGS=["-isystem", folder])
+            # Whole or not at all, and not into what another build copies.
+            with tempfile.TemporaryDirectory(dir=folder) as own:
+                shutil.copytree(os.path.join(found[0], name), os.path.join(own, name))
+                with contextlib.suppress(OSError):
+                    os.rename(os.path.join(own, name), os.path.join(folder, name))
+    return folder

@@ -51,16 +51,12 @@ def write_text(target, source, env):
 def write(names, icons):
     """The manifest's text for these files in bin/ and these in icons/."""
     binaries = sorted((match for match in map(BINARY.match, names) if match), key=lambda match: match.group(0))
-    kinds = sorted({tuple(match.group("platform", "arch", "double", "nothreads")) for match in binaries}, key=str)
-    several = {kind[0] for kind in kinds if kind[3]}
+    kinds = {}  # What was built of each: {target: file}.
+    for match in binaries:
+        kinds.setdefault(match.group("platform", "arch", "double", "nothreads"), {})[match.group("target")] = match.group(0)
+    several = {platform for platform, _, _, nothreads in kinds if nothreads}
     libraries = []
-    for kind in kinds:
-        platform, arch, double, nothreads = kind
-        built = {
-            match.group("target"): match.group(0)
-            for match in binaries
-            if match.group("platform", "arch", "double", "nothreads") == kind
-        }
+    for (platform, arch, double, nothreads), built in sorted(kinds.items(), key=str):
         # Without a release binary an exported game still runs, and the other way round.
         features = {
             "editor": built.get("editor"),

@@ -72,6 +72,14 @@ def is_native(env):
     return (env["platform"], env["arch"]) == (native_platform(), native_arch())
 
 
+def folder_name(env, kind, compiler):
+    """The build folder's name, of a target or of what is shipped; compiler: "" for the usual one."""
+    name = "%s.%s.%s" % (env["platform"], kind, env["arch"])
+    name += ".double" if env["precision"] == "double" else ""
+    name += "" if env["threads"] else ".nothreads"
+    return name + ("." + compiler if compiler else "")
+
+
 def library_name(env, target):
     """godot-cpp's name for a library with these options, without `lib` and its end: thicket.linux.template_debug.x86_64."""
     name = "%s.%s" % (env["platform"], target)

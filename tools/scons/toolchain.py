@@ -20,7 +20,7 @@ SANITIZERS = ("address", "undefined", "thread")
 def options():
     """The options of this build, as `scons --help` prints them."""
     known = Variables()
-    zig = os.path.join(libraries.cache_folder(), "zig-0.17.0", "ziglang", "zig")
+    zig = os.path.join(libraries.zig_folder(), "ziglang", "zig")
     known.AddVariables(
         EnumVariable("target", "what to build for", "template_debug", allowed_values=TARGETS),
         ("platform", "the system to build for: " + ", ".join(platforms.PLATFORMS), platforms.native_platform()),
@@ -35,7 +35,7 @@ def options():
             "",
             lambda key, value, env: value and PathVariable.PathIsDir(key, value, env),
         ),
-        ("highway", "the sources of Highway " + libraries.HIGHWAY_VERSION, libraries.highway_folder()),
+        ("highway", "the sources of Highway " + libraries.version("highway"), libraries.highway_folder()),
         ("zig", "the program zig, for use_zig=yes", zig),
         ("sanitize", "comma-separated sanitizers: address, undefined, thread", ""),
         ("CXX", "the C++ compiler", ""),
@@ -89,10 +89,7 @@ def configure(env):
     platform = platforms.PLATFORMS[env["platform"]]
     env.Replace(PROGSUFFIX=platform.program, SHLIBSUFFIX=platform.suffix, LIBPREFIX="lib", LIBSUFFIX=".a")
 
-    name = "%s.%s.%s" % (env["platform"], "ship" if env["ship"] else env["target"], env["arch"])
-    name += ".double" if env["precision"] == "double" else ""
-    name += "" if env["threads"] else ".nothreads"
-    name += "." + called if called else ""
+    name = platforms.folder_name(env, "ship" if env["ship"] else env["target"], called)
     for sanitizer in sanitizers(env):
         flags = ["-fsanitize=" + sanitizer, "-fno-omit-frame-pointer", "-fno-sanitize-recover=all"]
         env.Append(CCFLAGS=flags, LINKFLAGS=flags)
