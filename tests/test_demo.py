@@ -6,7 +6,6 @@ import importlib.util
 import json
 import re
 import struct
-from pathlib import Path
 
 import numpy as np
 import pytest

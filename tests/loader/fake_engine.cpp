@@ -281,7 +281,10 @@ void print_error(const char *what, const char *, const char *, int32_t, GDExtens
 	record().errors.emplace_back(what);
 }
 
-/// Any method of the engine: the answer of a ptrcall is left as the caller has made it.
+/// Any method of the engine: the answer is left as the caller has made it.
+void call_method(GDExtensionMethodBindPtr, GDExtensionObjectPtr, const GDExtensionConstTypePtr *, GDExtensionTypePtr) {}
+
+/// Stands for a function that no library calls here. WebAssembly traps where it is called with arguments.
 void do_nothing() {}
 
 template <class Function>
@@ -314,6 +317,12 @@ const std::map<std::string, GDExtensionInterfaceFunctionPtr> &functions() {
 			{"variant_get_type", erase(+[](GDExtensionConstVariantPtr variant) {
 				 return static_cast<const Value *>(variant)->type;
 			 })},
+			{"variant_get_type_name", erase(+[](GDExtensionVariantType, GDExtensionUninitializedStringPtr r_name) {
+				 set_text(r_name, "Variant");
+			 })},
+			{"array_set_typed",
+					erase(+[](GDExtensionTypePtr, GDExtensionVariantType, GDExtensionConstStringNamePtr,
+								   GDExtensionConstVariantPtr) {})},
 			{"classdb_construct_object2", erase(construct)},
 			{"classdb_get_method_bind",
 					erase(+[](GDExtensionConstStringNamePtr, GDExtensionConstStringNamePtr, GDExtensionInt) {
@@ -322,6 +331,7 @@ const std::map<std::string, GDExtensionInterfaceFunctionPtr> &functions() {
 					})},
 			{"classdb_get_class_tag",
 					erase(+[](GDExtensionConstStringNamePtr name) -> void * { return new std::string(text(name)); })},
+			{"object_method_bind_ptrcall", erase(call_method)},
 			{"object_cast_to", erase(cast_to)},
 			{"object_set_instance", erase(set_instance)},
 			{"object_set_instance_binding", erase(set_binding)},

@@ -126,7 +126,8 @@ def shared_flags(env):
         env.Append(LINKFLAGS=["-Wl,-dead_strip", "-Wl,-install_name,@rpath/${TARGET.file}"])
     if platform == "web":
         env.Append(LINKFLAGS=["-sSIDE_MODULE=2", "-sEXPORTED_FUNCTIONS=_thicket_library_init", "-sWASM_BIGINT"])
-        env.Append(LINKFLAGS=["-sSUPPORT_LONGJMP=wasm"])
+        # A function that two objects declare otherwise is a warning to this linker, and a trap to who calls it.
+        env.Append(LINKFLAGS=["-sSUPPORT_LONGJMP=wasm", "-Wl,--fatal-warnings"])
         return
     if env["use_zig"]:
         return  # It brings its own C++ library along, and has no unique symbols.

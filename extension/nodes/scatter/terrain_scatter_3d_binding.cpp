@@ -4,9 +4,15 @@
 
 #include <godot_cpp/core/class_db.hpp>
 
+#include <type_traits>
+
 using namespace godot;
 
 namespace thicket {
+
+// Makes these complete before a method that gives one is named: for WebAssembly, clang 19 else declares it as one that gives
+// nothing, and the linker puts a function that traps in its place.
+static_assert(std::is_destructible_v<TypedArray<Vector2i>> && std::is_destructible_v<Ref<ScatterTile>>);
 
 void TerrainScatter3D::_bind_methods() {
 	bind_streaming();

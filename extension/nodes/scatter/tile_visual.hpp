@@ -89,7 +89,7 @@ struct DisplayedTile {
 		std::optional<TileVisual> visual;
 		std::vector<godot::Ref<godot::Mesh>> lods;  ///< Of a visual: the mesh, then the coarser ones. None is null.
 		std::shared_ptr<const MeshInstances> shown; ///< The tile's own, or what is left and added by the overlay.
-		std::uint64_t drawn = 0;                    ///< How many of them the visual draws,
+		std::size_t drawn = 0;                      ///< How many of them the visual draws,
 		std::uint64_t wanted = 0;                   ///< and would draw without a limit for all tiles together.
 	};
 
