@@ -135,7 +135,9 @@ def shared_flags(env):
     if gnu:
         # A unique symbol pins its library in memory for ever, and a reload would then find the old code.
         env.Append(CXXFLAGS=["-fno-gnu-unique"])
-    if (gnu and platform == "windows") or (release and not env["sanitize"] and (gnu or platform == "linux")):
+    if gnu and platform == "windows":
+        env.Append(LINKFLAGS=["-static"])  # Its library of threads too, which no other Windows has.
+    elif release and not env["sanitize"] and (gnu or platform == "linux"):
         env.Append(LINKFLAGS=["-static-libstdc++", "-static-libgcc"])
 
 
