@@ -250,11 +250,11 @@ TEST_CASE("sampler: once warm it allocates nothing") {
 		CHECK(walked);
 		CHECK(after == before);
 	}
-	// The counter counts.
+	// The counter counts. A compiler may leave out a vector that nobody reads, this call it may not.
 	const std::size_t before = allocation_count();
-	const std::vector<int> something(1000);
+	void *const memory = ::operator new(1000);
 	CHECK(allocation_count() > before);
-	CHECK(something.size() == 1000);
+	::operator delete(memory);
 }
 
 TEST_CASE("sampler: what it did before does not matter") {
