@@ -10,7 +10,6 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -18,11 +17,8 @@ from conftest import CACHE, REPO, run
 from golden import emulators
 from golden.matrix import ZIG
 
-sys.path[:0] = [str(REPO / "tools/package"), str(REPO / "tools/scons")]
-import archive  # noqa: E402 (only on the path above)
-import contents  # noqa: E402
-import manifest  # noqa: E402
-import package  # noqa: E402
+sys.path.insert(0, str(REPO / "tools/package"))
+import binaries  # noqa: E402 (only on the path above)
 
 DIST = REPO / "build/dist_test"
 # glibc 2.28 is that of Debian 10; the Steam runtime has 2.31, Ubuntu 20.04 too.
@@ -31,62 +27,7 @@ OLDEST_GLIBC = (2, 28)
 OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/(?!dyld|libSystem|libstdc)[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|www\.w3\.org/|www\.apple\.com/DTDs)[\w.]+\.[a-z]")
 
 
-# --- Without a build -----------------------------------------------------------------------------------------------------
-
-
-def test_one_version():
-    """The version is a semantic one, and the change log begins with it."""
-    version = contents.version()
-    assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9a-z.]+)?", version), version
-    first = re.search(r"^## (\S+)", (REPO / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
-    assert first and first.group(1) == version
-
-
-def test_a_zip_depends_on_its_content_alone(tmp_path):
-    """Other times, another order of writing: the same bytes. Another content: others."""
-    for number, names in enumerate((["b.txt", "a/c.txt"], ["a/c.txt", "b.txt"])):
-        for name in names:
-            path = tmp_path / str(number) / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text("content of " + name)
-            os.utime(path, (10**9 * (number + 1),) * 2)
-    first, second = (archive.write(tmp_path / str(number), tmp_path / f"{number}.zip").read_bytes() for number in (0, 1))
-    assert first == second
-    (tmp_path / "1/b.txt").write_text("other")
-    assert archive.write(tmp_path / "1", tmp_path / "1.zip").read_bytes() != first
-
-
-def test_every_library_has_an_entry_of_its_own():
-    """The manifest tells all libraries of a whole package apart, and names each; the engine's features decide."""
-    names = {file for build in package.BUILDS for file in shipped_names(build)}
-    text = "\n".join(manifest.write(names, []))
-    entries = re.findall(r'^([\w.]+) = "bin/([^"]+)"$', text, re.MULTILINE)
-    assert {file for _, file in entries} == names
-    tags = [frozenset(key.split(".")) for key, _ in entries]
-    assert len(set(tags)) == len(tags)
-    by_tags = dict(zip(tags, (file for _, file in entries), strict=True))
-    assert by_tags[frozenset("linux debug x86_64 single".split())] == "libthicket.linux.template_debug.x86_64.so"
-    assert by_tags[frozenset("windows release arm64 double".split())] == "libthicket.windows.template_release.double.arm64.dll"
-    assert by_tags[frozenset("macos release single".split())] == "libthicket.macos.template_release.framework"
-    assert by_tags[frozenset("web release wasm32 nothreads".split())].endswith("wasm32.nothreads.wasm")
-    assert by_tags[frozenset("web release wasm32 threads".split())].endswith("wasm32.wasm")
-
-
-def shipped_names(build: package.Build) -> list[str]:
-    """The files of bin/ that a build is shipped as."""
-    double = ".double" if build.precision == "double" else ""
-    threads = "" if build.threads else ".nothreads"
-    suffix = {"linux": ".so", "windows": ".dll", "web": ".wasm"}.get(build.platform)
-    rest = f"{double}.{build.arch}{threads}{suffix}" if suffix else f"{double}.framework"
-    return [f"libthicket.{build.platform}.{target}{rest}" for target in ("template_debug", "template_release")]
-
-
-def test_wrong_names_are_refused():
-    done = run([sys.executable, REPO / "tools/package/package.py", "amiga.m68k"], timeout=60)
-    assert done.returncode == 2 and "no such build: amiga.m68k" in done.stderr and "linux.x86_64" in done.stderr
-
-
-# --- With one --------------------------------------------------------------------------------------------------------------
+# --- The zips -----------------------------------------------------------------------------------------------------------
 
 
 def pack(names: list[str], out: Path) -> dict[str, Path]:
@@ -179,8 +120,6 @@ def exported(command: list[str | Path]) -> set[str]:
 @pytest.mark.full
 def test_libraries_for_windows_are_hardened_and_ask_for_little(addon):
     """Addresses are random, data cannot run, and nothing but what every Windows 10 has is asked for."""
-    import binaries
-
     for path in (addon / "bin").glob("*.dll"):
         text = run([binaries.tool("llvm-readobj"), "--file-headers", "--coff-imports", "--coff-exports", path], timeout=60).stdout
         for word in ("DYNAMIC_BASE", "HIGH_ENTROPY_VA", "NX_COMPAT"):
@@ -192,8 +131,6 @@ def test_libraries_for_windows_are_hardened_and_ask_for_little(addon):
 
 @pytest.mark.full
 def test_frameworks_for_macos_hold_both_processors(addon):
-    import binaries
-
     for folder in (addon / "bin").glob("*.framework"):
         listed = run([binaries.tool("llvm-lipo"), "-archs", folder / folder.stem], timeout=60)
         assert sorted(listed.stdout.split()) == ["arm64", "x86_64"], listed.stderr
@@ -218,23 +155,18 @@ def test_the_same_sources_give_the_same_bytes(zips, tmp_path):
 # --- In engines ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def loader() -> Callable[[str, list[str]], Path]:
-    """loader(target of zig, more flags): the program of tests/loader for another system."""
-
-    def make(target: str, flags: list[str]) -> Path:
-        return compile_loader([ZIG, "c++", "-target", target, *flags], target + (".exe" if "windows" in target else ""))
-
-    return make
-
-
 def compile_loader(compiler: list[str | Path], name: str) -> Path:
+    """The program of tests/loader for another system."""
     program = REPO / "build/loader" / name
     program.parent.mkdir(parents=True, exist_ok=True)
     done = run([*compiler, "-std=c++20", "-O1", "-I.", "-Ibuild/engine", *sorted((REPO / "tests/loader").glob("*.cpp")), "-o", program],
         timeout=600, cwd=REPO)  # fmt: skip
     assert done.returncode == 0, done.stderr
     return program
+
+
+def zig_loader(target: str, *flags: str) -> Path:
+    return compile_loader([ZIG, "c++", "-target", target, *flags], target + (".exe" if "windows" in target else ""))
 
 
 def registered(program: list[str | Path], library: Path, environment: dict[str, str] | None = None) -> list[str]:
@@ -247,8 +179,8 @@ def registered(program: list[str | Path], library: Path, environment: dict[str, 
 
 
 @pytest.fixture(scope="module")
-def at_home(addon, loader) -> list[str]:
-    program = loader("x86_64-linux-gnu.2.28", ["-ldl"])
+def at_home(addon) -> list[str]:
+    program = zig_loader("x86_64-linux-gnu.2.28", "-ldl")
     lines = registered([program], addon / "bin/libthicket.linux.template_release.x86_64.so")
     assert len(lines) > 500 and "class TerrainScatter3D of Node3D" in lines
     for path in sorted((addon / "bin").glob("*.x86_64.so")):
@@ -257,24 +189,24 @@ def at_home(addon, loader) -> list[str]:
 
 
 @pytest.mark.full
-def test_the_library_for_windows_loads(addon, loader, at_home):
+def test_the_library_for_windows_loads(addon, at_home):
     """All symbols are found, all static objects made, all classes registered as on Linux, one of each made; and it goes."""
     if why := emulators.absence("wine", "Windows", "x86_64"):
         pytest.skip(why)
-    program = [*emulators.command("wine", "Windows", "x86_64"), loader("x86_64-windows-gnu", [])]
+    program = [*emulators.command("wine", "Windows", "x86_64"), zig_loader("x86_64-windows-gnu")]
     for path in sorted((addon / "bin").glob("*.x86_64.dll")):
         assert registered(program, path, emulators.environment("wine")) == at_home, path.name
 
 
 @pytest.mark.full
-def test_the_library_for_arm_loads(addon, loader, at_home):
+def test_the_library_for_arm_loads(addon, at_home):
     """The same on the other processor, under an emulator, with the C library of its own that the loader brings along."""
     if not shutil.which("qemu-aarch64"):
         pytest.skip("qemu-user is not installed")
     root = Path("/usr/aarch64-linux-gnu")
     if not (root / "lib/ld-linux-aarch64.so.1").exists():
         pytest.skip("libc6-arm64-cross is not installed")
-    program = ["qemu-aarch64", "-L", root, loader("aarch64-linux-gnu.2.28", ["-ldl"])]
+    program = ["qemu-aarch64", "-L", root, zig_loader("aarch64-linux-gnu.2.28", "-ldl")]
     for path in sorted((addon / "bin").glob("*.arm64.so")):
         assert registered(program, path) == at_home, path.name
 

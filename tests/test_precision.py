@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from conftest import ARCH, REPO, run
 
-sys.path.insert(0, str(REPO / "tools/scons"))
-import manifest  # noqa: E402 (only on the path above)
+import manifest  # From tools/scons, which conftest puts on the path.
 
 ADDON = REPO / "demo_project/addons/thicket"
 DOUBLE = f"libthicket.linux.template_debug.double.{ARCH}.so"

@@ -28,7 +28,7 @@ import emulators
 import libraries
 
 HIGHWAY = Path(libraries.highway_folder())
-ZIG = Path(libraries.zig_folder()) / "ziglang/zig"
+ZIG = Path(libraries.zig_program())
 BUILT = REPO / "build/golden"
 GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
 

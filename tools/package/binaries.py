@@ -27,11 +27,10 @@ def collect(builds, folder, symbols):
     for build, source in builds:
         for target in TARGETS:
             library = find(source, target)
+            shutil.copy(library, symbols)
             if build.platform == "macos":
                 frameworks.setdefault((target, build.precision), []).append(library)
-                shutil.copy(library, symbols)
                 continue
-            shutil.copy(library, symbols)
             stripped = folder / library.name
             if build.platform == "web":
                 shutil.copy(library, stripped)

@@ -55,7 +55,7 @@ def demo(folder, addon_folder):
 
 def notices():
     """The licenses of what is compiled into the libraries."""
-    highway, zig = Path(libraries.highway_folder()), Path(libraries.zig_folder()) / "ziglang"
+    highway, zig = Path(libraries.highway_folder()), Path(libraries.zig_program()).parent
     works = [
         ("Highway, vectors for every processor (its BSD 3-clause license is chosen)", highway / "LICENSE-BSD3"),
         ("GLM, vectors and matrices", Path("/usr/share/doc/libglm-dev/copyright")),

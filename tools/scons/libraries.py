@@ -32,9 +32,9 @@ def highway_folder():
     return os.path.join(cache_folder(), "highway-" + version("highway"))
 
 
-def zig_folder():
-    """Where tools/setup.sh puts zig; the program lies in ziglang/zig."""
-    return os.path.join(cache_folder(), "zig-" + version("zig"))
+def zig_program():
+    """Where tools/setup.sh puts the program zig, beside the sources that it compiles for each target."""
+    return os.path.join(cache_folder(), "zig-" + version("zig"), "ziglang", "zig")
 
 
 def zig_environment(zig):

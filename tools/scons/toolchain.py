@@ -20,7 +20,6 @@ SANITIZERS = ("address", "undefined", "thread")
 def options():
     """The options of this build, as `scons --help` prints them."""
     known = Variables()
-    zig = os.path.join(libraries.zig_folder(), "ziglang", "zig")
     known.AddVariables(
         EnumVariable("target", "what to build for", "template_debug", allowed_values=TARGETS),
         ("platform", "the system to build for: " + ", ".join(platforms.PLATFORMS), platforms.native_platform()),
@@ -36,7 +35,7 @@ def options():
             lambda key, value, env: value and PathVariable.PathIsDir(key, value, env),
         ),
         ("highway", "the sources of Highway " + libraries.version("highway"), libraries.highway_folder()),
-        ("zig", "the program zig, for use_zig=yes", zig),
+        ("zig", "the program zig, for use_zig=yes", libraries.zig_program()),
         ("sanitize", "comma-separated sanitizers: address, undefined, thread", ""),
         ("CXX", "the C++ compiler", ""),
         BoolVariable("dev_build", "for a debugger: -Og -g3, in a build folder of its own", False),

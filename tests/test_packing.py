@@ -1,0 +1,68 @@
+"""How tools/package.sh packs, without a build: one version, zips that depend on their content alone, a manifest that tells all
+libraries apart."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+
+from conftest import REPO, run
+
+sys.path.insert(0, str(REPO / "tools/package"))
+import archive  # noqa: E402 (only on the path above)
+import contents  # noqa: E402
+import manifest  # noqa: E402
+import package  # noqa: E402
+
+
+def test_one_version():
+    """The version is a semantic one, and the change log begins with it."""
+    version = contents.version()
+    assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9a-z.]+)?", version), version
+    first = re.search(r"^## (\S+)", (REPO / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert first and first.group(1) == version
+
+
+def test_a_zip_depends_on_its_content_alone(tmp_path):
+    """Other times, another order of writing: the same bytes. Another content: others."""
+    for number, names in enumerate((["b.txt", "a/c.txt"], ["a/c.txt", "b.txt"])):
+        for name in names:
+            path = tmp_path / str(number) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text("content of " + name)
+            os.utime(path, (10**9 * (number + 1),) * 2)
+    first, second = (archive.write(tmp_path / str(number), tmp_path / f"{number}.zip").read_bytes() for number in (0, 1))
+    assert first == second
+    (tmp_path / "1/b.txt").write_text("other")
+    assert archive.write(tmp_path / "1", tmp_path / "1.zip").read_bytes() != first
+
+
+def test_every_library_has_an_entry_of_its_own():
+    """The manifest tells all libraries of a whole package apart, and names each; the engine's features decide."""
+    names = {file for build in package.BUILDS for file in shipped_names(build)}
+    text = "\n".join(manifest.write(names, []))
+    entries = re.findall(r'^([\w.]+) = "bin/([^"]+)"$', text, re.MULTILINE)
+    assert {file for _, file in entries} == names
+    tags = [frozenset(key.split(".")) for key, _ in entries]
+    assert len(set(tags)) == len(tags)
+    by_tags = dict(zip(tags, (file for _, file in entries), strict=True))
+    assert by_tags[frozenset("linux debug x86_64 single".split())] == "libthicket.linux.template_debug.x86_64.so"
+    assert by_tags[frozenset("windows release arm64 double".split())] == "libthicket.windows.template_release.double.arm64.dll"
+    assert by_tags[frozenset("macos release single".split())] == "libthicket.macos.template_release.framework"
+    assert by_tags[frozenset("web release wasm32 nothreads".split())].endswith("wasm32.nothreads.wasm")
+    assert by_tags[frozenset("web release wasm32 threads".split())].endswith("wasm32.wasm")
+
+
+def shipped_names(build: package.Build) -> list[str]:
+    """The files of bin/ that a build is shipped as."""
+    double = ".double" if build.precision == "double" else ""
+    threads = "" if build.threads else ".nothreads"
+    suffix = {"linux": ".so", "windows": ".dll", "web": ".wasm"}.get(build.platform)
+    rest = f"{double}.{build.arch}{threads}{suffix}" if suffix else f"{double}.framework"
+    return [f"libthicket.{build.platform}.{target}{rest}" for target in ("template_debug", "template_release")]
+
+
+def test_wrong_names_are_refused():
+    done = run([sys.executable, REPO / "tools/package/package.py", "amiga.m68k"], timeout=60)
+    assert done.returncode == 2 and "no such build: amiga.m68k" in done.stderr and "linux.x86_64" in done.stderr
