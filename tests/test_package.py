@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import plistlib
 import re
 import shutil
 import subprocess
@@ -19,6 +20,7 @@ from golden.matrix import ZIG
 
 sys.path.insert(0, str(REPO / "tools/package"))
 import binaries  # noqa: E402 (only on the path above)
+import contents  # noqa: E402
 
 DIST = REPO / "build/dist_test"
 # glibc 2.28 is that of Debian 10; the Steam runtime has 2.31, Ubuntu 20.04 too.
@@ -136,7 +138,8 @@ def test_frameworks_for_macos_hold_both_processors(addon):
         assert sorted(listed.stdout.split()) == ["arm64", "x86_64"], listed.stderr
         commands = run([binaries.tool("llvm-objdump"), "--macho", "--arch=arm64", "--private-headers", folder / folder.stem], timeout=60).stdout
         assert "LC_CODE_SIGNATURE" in commands, "Apple's own processors run nothing that is not signed"
-        assert (folder / "Resources/Info.plist").is_file()
+        about = plistlib.loads((folder / "Resources/Info.plist").read_bytes())
+        assert about["CFBundleExecutable"] == folder.stem and about["CFBundleVersion"] == contents.version()
 
 
 @pytest.mark.full

@@ -4,6 +4,8 @@ import plistlib
 import shutil
 import subprocess
 
+import contents
+
 TARGETS = ("template_debug", "template_release")
 
 
@@ -69,8 +71,8 @@ def framework(target, precision, libraries, folder):
         "CFBundleInfoDictionaryVersion": "6.0",
         "CFBundleName": name,
         "CFBundlePackageType": "FMWK",
-        "CFBundleShortVersionString": "1.0",
-        "CFBundleVersion": "1",
+        "CFBundleShortVersionString": contents.version(),
+        "CFBundleVersion": contents.version(),
         "LSMinimumSystemVersion": "11.0",
     }
     with open(inside / "Resources/Info.plist", "wb") as file:
