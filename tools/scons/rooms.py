@@ -8,6 +8,7 @@ ROOMS = {
     "core/base": [],
     "core/sampling": ["core/base"],
     "core/terrain": ["core/base"],
+    "core/model": ["core/base"],
     "core/rules": ["core/base", "core/sampling", "core/terrain"],
     "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
     "core/state": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
