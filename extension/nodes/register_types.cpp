@@ -8,6 +8,8 @@
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
+#include "nodes/model/scatter_lod.hpp"
+#include "nodes/model/scatter_model.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 #include "nodes/terrain/scatter_terrain_colliders.hpp"
@@ -44,6 +46,8 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterInstance);
 	GDREGISTER_CLASS(ScatterInstances);
 	GDREGISTER_CLASS(ScatterRequest);
+	GDREGISTER_CLASS(ScatterLod);
+	GDREGISTER_CLASS(ScatterModel);
 	GDREGISTER_CLASS(ScatterLayer);
 	GDREGISTER_CLASS(ScatterRegion3D);
 	GDREGISTER_CLASS(ScatterTile);

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "nodes/model/scene_reader.hpp"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace thicket {
+
+/// A shape of a model, with its sizes, as a body is made of it: other sizes are another value.
+struct BodyPart {
+	enum class Kind : std::uint8_t { box, sphere, capsule, cylinder, convex };
+
+	Kind kind = Kind::box;
+	glm::vec3 size{0.0f};           ///< Meters from side to side along its own axes; of a convex one not used.
+	glm::mat3 rotation{1.0f};       ///< From its own axes to the model's.
+	glm::vec3 origin{0.0f};         ///< Of its middle in the model.
+	std::vector<glm::vec3> corners; ///< Of a convex one, in the model.
+
+	friend bool operator==(const BodyPart &, const BodyPart &) = default;
+};
+
+/// Nothing for a shape of another kind.
+std::optional<BodyPart> body_part(const ModelShape &shape);
+
+/// A part of a model whose instance is scaled along the model's axes: its sizes and where it stands, right-handed whatever the scale. A capsule and a
+/// cylinder stay round: they take the larger one of their two scales.
+BodyPart scaled(const BodyPart &part, glm::vec3 scale);
+
+} // namespace thicket

@@ -1,0 +1,262 @@
+#include "nodes/model/mesh_merge.hpp"
+
+#include "nodes/common/convert.hpp"
+
+#include <godot_cpp/classes/array_mesh.hpp>
+#include <godot_cpp/classes/rendering_server.hpp>
+#include <godot_cpp/core/memory.hpp>
+#include <godot_cpp/core/object.hpp>
+#include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/packed_color_array.hpp>
+#include <godot_cpp/variant/packed_int32_array.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <set>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+// Of Mesh.ArrayType: which stream of vertices is where in a surface's arrays.
+constexpr int64_t positions_at = 0;
+constexpr int64_t normals_at = 1;
+constexpr int64_t tangents_at = 2;
+constexpr int64_t bones_at = 10;
+constexpr int64_t weights_at = 11;
+constexpr int64_t indices_at = 12;
+
+// Of Mesh.ArrayFormat: which streams there are, but for bones and weights, and how custom ones are stored.
+constexpr std::uint64_t streams_mask = (std::uint64_t{1} << bones_at) - 1;
+constexpr std::uint64_t custom_mask = ((std::uint64_t{1} << 12U) - 1) << 13U;
+
+// Of Mesh.PrimitiveType: strips cannot be joined.
+constexpr int64_t line_strip = 2;
+constexpr int64_t triangle_strip = 4;
+
+/// An index buffer for the engine's automatic choice.
+struct IndexLod {
+	double edge_length = 0.0; ///< Meters of detail that it leaves out.
+	PackedInt32Array indices;
+};
+
+/// What one part adds to a surface.
+struct Piece {
+	int32_t vertices = 0;
+	PackedInt32Array indices;
+	std::vector<IndexLod> lods; ///< Coarser and coarser.
+};
+
+struct Surface {
+	Ref<Material> material;
+	int64_t primitive = 0;
+	std::uint64_t format = 0;
+	Array arrays;
+	std::vector<Piece> pieces;
+
+	bool takes(const Surface &other) const {
+		const bool in_strips = primitive == line_strip || primitive == triangle_strip;
+		return material == other.material && primitive == other.primitive && format == other.format && !in_strips;
+	}
+};
+
+template <class Packed>
+void append(const Variant &p_more, Variant &r_all) {
+	Packed all = r_all;
+	all.append_array(static_cast<Packed>(p_more));
+	r_all = all;
+}
+
+/// Appends a stream of vertices to one of the same type.
+void append_stream(const Variant &p_more, Variant &r_all) {
+	switch (r_all.get_type()) {
+		case Variant::PACKED_VECTOR3_ARRAY: append<PackedVector3Array>(p_more, r_all); break;
+		case Variant::PACKED_VECTOR2_ARRAY: append<PackedVector2Array>(p_more, r_all); break;
+		case Variant::PACKED_COLOR_ARRAY: append<PackedColorArray>(p_more, r_all); break;
+		case Variant::PACKED_FLOAT32_ARRAY: append<PackedFloat32Array>(p_more, r_all); break;
+		case Variant::PACKED_BYTE_ARRAY: append<PackedByteArray>(p_more, r_all); break;
+		default: break;
+	}
+}
+
+void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
+	const glm::dmat3 basis = to_core(p_transform.basis);
+	const glm::dmat3 for_normals = glm::transpose(glm::inverse(basis));
+	const glm::dvec3 origin = to_core(p_transform.origin);
+	PackedVector3Array positions = r_arrays[positions_at];
+	std::for_each_n(positions.ptrw(), positions.size(),
+			[&](Vector3 &position) { position = to_engine(basis * to_core(position) + origin); });
+	r_arrays[positions_at] = positions;
+	PackedVector3Array normals = r_arrays[normals_at];
+	std::for_each_n(normals.ptrw(), normals.size(),
+			[&](Vector3 &normal) { normal = to_engine(glm::normalize(for_normals * to_core(normal))); });
+	if (normals.size() > 0) {
+		r_arrays[normals_at] = normals;
+	}
+	PackedFloat32Array tangents = r_arrays[tangents_at];
+	float *tangent = tangents.ptrw();
+	for (int64_t at = 0; at + 3 < tangents.size(); at += 4) {
+		const glm::dvec3 turned = glm::normalize(basis * glm::dvec3{tangent[at], tangent[at + 1], tangent[at + 2]});
+		for (int axis = 0; axis < 3; ++axis) {
+			tangent[at + axis] = static_cast<float>(turned[axis]);
+		}
+	}
+	if (tangents.size() > 0) {
+		r_arrays[tangents_at] = tangents;
+	}
+}
+
+PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
+	PackedInt32Array indices = p_arrays[indices_at];
+	if (indices.size() == 0) {
+		indices.resize(vertices);
+		for (int32_t at = 0; at < vertices; ++at) {
+			indices.ptrw()[at] = at;
+		}
+	}
+	return indices;
+}
+
+/// The engine stores indices in two bytes where those suffice.
+PackedInt32Array unpacked(const PackedByteArray &p_bytes, int64_t vertices) {
+	constexpr int64_t most_of_two_bytes = 65536;
+	PackedInt32Array result;
+	if (vertices > most_of_two_bytes) {
+		result.resize(p_bytes.size() / 4);
+		std::memcpy(result.ptrw(), p_bytes.ptr(), static_cast<std::size_t>(4 * result.size()));
+		return result;
+	}
+	result.resize(p_bytes.size() / 2);
+	int32_t *out = result.ptrw();
+	for (int64_t at = 0; at < result.size(); ++at) {
+		std::uint16_t index = 0;
+		std::memcpy(&index, p_bytes.ptr() + 2 * at, sizeof(index));
+		out[at] = index;
+	}
+	return result;
+}
+
+double largest_scale(const Transform3D &p_transform) {
+	const glm::dmat3 basis = to_core(p_transform.basis);
+	return std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});
+}
+
+/// One surface of a part, moved to where the part is.
+Surface surface_of(const MeshPart &part, int32_t index) {
+	Surface result;
+	const Dictionary stored = RenderingServer::get_singleton()->mesh_get_surface(part.mesh->get_rid(), index);
+	result.primitive = stored["primitive"];
+	result.format = static_cast<std::uint64_t>(static_cast<int64_t>(stored["format"])) & (streams_mask | custom_mask);
+	const auto at = static_cast<std::size_t>(index);
+	if (at < part.materials.size() && part.materials[at].is_valid()) {
+		result.material = part.materials[at];
+	} else {
+		result.material = part.mesh->surface_get_material(index);
+	}
+	result.arrays = part.mesh->surface_get_arrays(index);
+	if (result.arrays.is_empty()) {
+		return result;
+	}
+	result.arrays[bones_at] = Variant();
+	result.arrays[weights_at] = Variant();
+	transform_streams(part.transform, result.arrays);
+	Piece piece;
+	piece.vertices = static_cast<int32_t>(static_cast<PackedVector3Array>(result.arrays[positions_at]).size());
+	piece.indices = indices_of(result.arrays, piece.vertices);
+	const Array lods = stored.get("lods", Array()); // There is none where nothing was generated.
+	for (int64_t lod = 0; lod < lods.size(); ++lod) {
+		const Dictionary coarser = lods[lod];
+		piece.lods.push_back({static_cast<double>(coarser["edge_length"]) * largest_scale(part.transform),
+				unpacked(coarser["index_data"], piece.vertices)});
+	}
+	std::ranges::stable_sort(piece.lods, {}, &IndexLod::edge_length);
+	result.pieces.push_back(std::move(piece));
+	return result;
+}
+
+void add(Surface surface, std::vector<Surface> &r_surfaces) {
+	if (surface.pieces.empty() || surface.pieces.front().vertices == 0) {
+		return;
+	}
+	const auto taker = std::ranges::find_if(r_surfaces, [&](const Surface &other) { return other.takes(surface); });
+	if (taker == r_surfaces.end()) {
+		r_surfaces.push_back(std::move(surface));
+		return;
+	}
+	for (int64_t stream = 0; stream < bones_at; ++stream) {
+		append_stream(surface.arrays[stream], taker->arrays[stream]);
+	}
+	taker->pieces.push_back(std::move(surface.pieces.front()));
+}
+
+/// The indices of all pieces, each as it is where so much detail may go.
+PackedInt32Array joined_indices(const Surface &surface, double edge_length) {
+	PackedInt32Array result;
+	int32_t first = 0;
+	for (const Piece &piece : surface.pieces) {
+		const PackedInt32Array *indices = &piece.indices;
+		for (const IndexLod &lod : piece.lods) {
+			indices = lod.edge_length <= edge_length ? &lod.indices : indices;
+		}
+		const int64_t from = result.size();
+		result.resize(from + indices->size());
+		std::transform(indices->ptr(), indices->ptr() + indices->size(), result.ptrw() + from,
+				[first](int32_t index) { return index + first; });
+		first += piece.vertices;
+	}
+	return result;
+}
+
+void add_to_mesh(Surface &r_surface, ArrayMesh &r_mesh) {
+	std::set<double> edge_lengths;
+	for (const Piece &piece : r_surface.pieces) {
+		for (const IndexLod &lod : piece.lods) {
+			edge_lengths.insert(lod.edge_length);
+		}
+	}
+	Dictionary lods;
+	for (const double edge_length : edge_lengths) {
+		lods[edge_length] = joined_indices(r_surface, edge_length);
+	}
+	r_surface.arrays[indices_at] = joined_indices(r_surface, -1.0);
+	r_mesh.call("add_surface_from_arrays", r_surface.primitive, r_surface.arrays, TypedArray<Array>(), lods,
+			static_cast<int64_t>(r_surface.format & custom_mask));
+	r_mesh.surface_set_material(r_mesh.get_surface_count() - 1, r_surface.material);
+}
+
+bool is_as_it_is(const MeshPart &part) {
+	return part.transform == Transform3D() &&
+			std::ranges::all_of(part.materials, [](const Ref<Material> &material) { return material.is_null(); });
+}
+
+} // namespace
+
+Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
+	if (parts.size() == 1 && is_as_it_is(parts.front()) && parts.front().mesh->get_surface_count() > 0) {
+		return parts.front().mesh;
+	}
+	std::vector<Surface> surfaces;
+	for (const MeshPart &part : parts) {
+		for (int32_t index = 0; index < part.mesh->get_surface_count(); ++index) {
+			add(surface_of(part, index), surfaces);
+		}
+	}
+	if (surfaces.empty()) {
+		return {};
+	}
+	Ref<ArrayMesh> mesh(memnew(ArrayMesh));
+	for (Surface &surface : surfaces) {
+		add_to_mesh(surface, *mesh.ptr());
+	}
+	return mesh;
+}
+
+} // namespace thicket

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "nodes/common/guard.hpp"
+
+#include <godot_cpp/classes/mesh.hpp>
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/classes/resource.hpp>
+
+#include <cstdint>
+
+namespace thicket {
+
+/// How a ScatterModel looks from a distance on: one of its levels of detail. Emits `changed` whenever anything is set, and whenever one of its meshes does.
+class ScatterLod : public godot::Resource {
+	GDCLASS(ScatterLod, godot::Resource)
+	THICKET_GUARDED_METHODS
+
+public:
+	/// GeometryInstance3D.ShadowCastingSetting, and what the layer says.
+	enum CastShadow : std::int64_t {
+		CAST_SHADOW_LAYER = -1,
+		CAST_SHADOW_OFF,
+		CAST_SHADOW_ON,
+		CAST_SHADOW_DOUBLE_SIDED,
+		CAST_SHADOW_SHADOWS_ONLY,
+	};
+
+	/// Null for the mesh of the next finer LOD.
+	void set_mesh(const godot::Ref<godot::Mesh> &p_mesh);
+	godot::Ref<godot::Mesh> get_mesh() const { return mesh_; }
+
+	/// Meters from a viewer, 0 to max_lod_distance; 0 for one that fits the size of the model. A model's first LOD is drawn from 0 on.
+	void set_distance(double p_distance);
+	double get_distance() const { return distance_; }
+
+	void set_cast_shadow(CastShadow p_setting);
+	CastShadow get_cast_shadow() const { return cast_shadow_; }
+
+	/// Casts the shadow in place of the mesh; null for the mesh itself.
+	void set_shadow_mesh(const godot::Ref<godot::Mesh> &p_mesh);
+	godot::Ref<godot::Mesh> get_shadow_mesh() const { return shadow_mesh_; }
+
+	static constexpr const char *class_name = "ScatterLod";
+
+protected:
+	static void _bind_methods();
+
+private:
+	void replace(godot::Ref<godot::Mesh> &r_own, const godot::Ref<godot::Mesh> &p_mesh);
+
+	godot::Ref<godot::Mesh> mesh_;
+	godot::Ref<godot::Mesh> shadow_mesh_;
+	double distance_ = 0.0;
+	CastShadow cast_shadow_ = CAST_SHADOW_LAYER;
+};
+
+} // namespace thicket
+
+VARIANT_ENUM_CAST(thicket::ScatterLod::CastShadow)

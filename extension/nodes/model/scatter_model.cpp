@@ -1,0 +1,230 @@
+#include "nodes/model/scatter_model.hpp"
+
+#include "core/model/model_lods.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/common/property_check.hpp"
+#include "nodes/common/watch.hpp"
+
+#include <godot_cpp/classes/resource_loader.hpp>
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/core/object.hpp>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Properties that are read from a scene while there is one.
+constexpr std::array read_properties{"lods", "shapes", "shape_transforms"};
+
+TypedArray<ScatterLod> array_of(const std::vector<Ref<ScatterLod>> &lods) {
+	TypedArray<ScatterLod> result;
+	for (const Ref<ScatterLod> &lod : lods) {
+		result.push_back(lod);
+	}
+	return result;
+}
+
+AABB joined(const AABB &p_a, const AABB &p_b) {
+	const glm::dvec3 min = glm::min(to_core(p_a.position), to_core(p_b.position));
+	const glm::dvec3 max = glm::max(to_core(p_a.position + p_a.size), to_core(p_b.position + p_b.size));
+	return {to_engine(min), to_engine(max - min)};
+}
+
+} // namespace
+
+String name_of(const Ref<PackedScene> &p_scene) {
+	const String path = p_scene->get_path();
+	return path.is_empty() ? String("a scene without a file") : path;
+}
+
+void ScatterModel::set_scene(const Ref<PackedScene> &p_scene) {
+	if (scene_ == p_scene) {
+		return;
+	}
+	if (p_scene.is_valid() && !read(p_scene)) {
+		return;
+	}
+	scene_ = p_scene;
+	notify_property_list_changed();
+	emit_changed();
+}
+
+/// Takes over what a scene has; false, with an error, if that is nothing.
+bool ScatterModel::read(const Ref<PackedScene> &p_scene) {
+	const SceneReading reading = read_scene(p_scene);
+	if (!reading.problem.is_empty()) {
+		ERR_PRINT(vformat("ScatterModel.scene: %s is refused: %s.", name_of(p_scene), reading.problem));
+		return false;
+	}
+	TypedArray<Shape3D> shapes;
+	TypedArray<Transform3D> transforms;
+	for (const ModelShape &shape : reading.shapes) {
+		shapes.push_back(shape.shape);
+		transforms.push_back(shape.transform);
+	}
+	take_lods(array_of(reading.lods));
+	shapes_ = shapes;
+	shape_transforms_ = transforms;
+	remarks_ = reading.remarks;
+	return true;
+}
+
+bool ScatterModel::reload() {
+	if (scene_.is_null()) {
+		return true;
+	}
+	const String path = scene_->get_path();
+	Ref<PackedScene> fresh = scene_;
+	// The scene in memory may be older than its file, and stands in the editor's memory as well.
+	if (!path.is_empty() && ResourceLoader::get_singleton()->exists(path)) {
+		fresh = ResourceLoader::get_singleton()->load(path, "PackedScene", ResourceLoader::CACHE_MODE_IGNORE);
+	}
+	if (fresh.is_null()) {
+		ERR_PRINT(vformat("ScatterModel.scene: %s cannot be loaded.", path));
+		return false;
+	}
+	if (!read(fresh)) {
+		return false;
+	}
+	emit_changed();
+	return true;
+}
+
+bool ScatterModel::accept_edit(const char *p_property) const {
+	if (scene_.is_valid()) {
+		ERR_PRINT(
+				vformat("ScatterModel.%s is read from %s: set scene to null to edit it.", p_property, name_of(scene_)));
+		return false;
+	}
+	return true;
+}
+
+void ScatterModel::watch_lods(bool p_watch) {
+	for (int64_t index = 0; index < lods_.size(); ++index) {
+		const Ref<ScatterLod> lod = lods_[index];
+		watch(lod.ptr(), "changed", this, "emit_changed", p_watch);
+	}
+}
+
+void ScatterModel::take_lods(const TypedArray<ScatterLod> &p_lods) {
+	watch_lods(false);
+	lods_ = p_lods;
+	watch_lods(true);
+}
+
+void ScatterModel::set_lods(const TypedArray<ScatterLod> &p_lods) {
+	if (p_lods.size() > max_model_lods) {
+		report(class_name, {ErrorCode::out_of_range, "lods", static_cast<double>(p_lods.size())});
+	} else if (accept_edit("lods")) {
+		take_lods(p_lods);
+		emit_changed();
+	}
+}
+
+void ScatterModel::set_shapes(const TypedArray<Shape3D> &p_shapes) {
+	if (accept_edit("shapes")) {
+		shapes_ = p_shapes;
+		emit_changed();
+	}
+}
+
+void ScatterModel::set_shape_transforms(const TypedArray<Transform3D> &p_transforms) {
+	if (accept_edit("shape_transforms")) {
+		shape_transforms_ = p_transforms;
+		emit_changed();
+	}
+}
+
+std::vector<DrawnLod> ScatterModel::drawn_lods() const {
+	std::vector<DrawnLod> result;
+	for (int64_t index = 0; index < lods_.size(); ++index) {
+		const Ref<ScatterLod> lod = lods_[index];
+		if (lod.is_null() || (lod->get_mesh().is_null() && result.empty())) {
+			continue;
+		}
+		const Ref<Mesh> mesh = lod->get_mesh().is_valid() ? lod->get_mesh() : result.back().mesh;
+		double distance = 0.0;
+		if (!result.empty()) {
+			const double size = result.front().mesh->get_aabb().size.length();
+			distance = lod->get_distance() > 0.0 ? lod->get_distance() : usual_lod_distance(size, result.size());
+			distance = std::max(distance, result.back().distance);
+		}
+		result.push_back({distance, mesh, lod->get_shadow_mesh(), lod->get_cast_shadow()});
+	}
+	return result;
+}
+
+std::vector<ModelShape> ScatterModel::model_shapes() const {
+	std::vector<ModelShape> result;
+	for (int64_t index = 0; index < shapes_.size(); ++index) {
+		const Ref<Shape3D> shape = shapes_[index];
+		if (shape.is_valid()) {
+			result.push_back(
+					{shape, index < shape_transforms_.size() ? Transform3D(shape_transforms_[index]) : Transform3D()});
+		}
+	}
+	return result;
+}
+
+Ref<Mesh> ScatterModel::get_mesh(int64_t p_lod) const {
+	const std::vector<DrawnLod> lods = drawn_lods();
+	return p_lod >= 0 && p_lod < static_cast<int64_t>(lods.size()) ? lods[static_cast<std::size_t>(p_lod)].mesh
+																   : Ref<Mesh>();
+}
+
+AABB ScatterModel::get_aabb() const {
+	const std::vector<DrawnLod> lods = drawn_lods();
+	AABB box = lods.empty() ? AABB() : lods.front().mesh->get_aabb();
+	for (const DrawnLod &lod : lods) {
+		box = joined(box, lod.mesh->get_aabb());
+	}
+	return box;
+}
+
+/// What the scene has is not saved a second time.
+void ScatterModel::_validate_property(PropertyInfo &p_property) const {
+	for (const char *name : read_properties) {
+		if (scene_.is_valid() && p_property.name == StringName(name)) {
+			p_property.usage = PROPERTY_USAGE_EDITOR | PROPERTY_USAGE_READ_ONLY;
+		}
+	}
+}
+
+void ScatterModel::_bind_methods() {
+	using Self = ScatterModel;
+	bind_guarded<&Self::set_scene>(D_METHOD("set_scene", "scene"));
+	bind_guarded<&Self::get_scene>(D_METHOD("get_scene"));
+	bind_guarded<&Self::set_lods>(D_METHOD("set_lods", "lods"));
+	bind_guarded<&Self::get_lods>(D_METHOD("get_lods"));
+	bind_guarded<&Self::set_shapes>(D_METHOD("set_shapes", "shapes"));
+	bind_guarded<&Self::get_shapes>(D_METHOD("get_shapes"));
+	bind_guarded<&Self::set_shape_transforms>(D_METHOD("set_shape_transforms", "transforms"));
+	bind_guarded<&Self::get_shape_transforms>(D_METHOD("get_shape_transforms"));
+	bind_guarded<&Self::reload>(D_METHOD("reload"));
+	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh", "lod"), DEFVAL(0));
+	bind_guarded<&Self::get_aabb>(D_METHOD("get_aabb"));
+	bind_guarded<&Self::get_remarks>(D_METHOD("get_remarks"));
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_RESOURCE_TYPE, "PackedScene"), "set_scene",
+			"get_scene");
+	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lods", PROPERTY_HINT_ARRAY_TYPE,
+						 vformat("%d/%d:ScatterLod", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
+			"set_lods", "get_lods");
+	ADD_GROUP("Collision", "");
+	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "shapes", PROPERTY_HINT_ARRAY_TYPE,
+						 vformat("%d/%d:Shape3D", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
+			"set_shapes", "get_shapes");
+	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "shape_transforms", PROPERTY_HINT_ARRAY_TYPE, "Transform3D"),
+			"set_shape_transforms", "get_shape_transforms");
+}
+
+} // namespace thicket

@@ -1,0 +1,256 @@
+#include "nodes/model/scene_reader.hpp"
+
+#include "core/model/model_lods.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/model/mesh_merge.hpp"
+
+#include <godot_cpp/classes/collision_shape3d.hpp>
+#include <godot_cpp/classes/geometry_instance3d.hpp>
+#include <godot_cpp/classes/mesh_instance3d.hpp>
+#include <godot_cpp/classes/node3d.hpp>
+#include <godot_cpp/classes/skin.hpp>
+#include <godot_cpp/core/memory.hpp>
+#include <godot_cpp/core/object.hpp>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr int64_t most_remarks = 8;
+
+/// GeometryInstance3D.ShadowCastingSetting.
+constexpr int64_t shadow_off = 0;
+constexpr int64_t shadow_on = 1;
+constexpr int64_t shadows_only = 3;
+
+/// A MeshInstance3D.
+struct ScenePart {
+	MeshPart part;
+	PartRange range;
+	int64_t cast_shadow = shadow_on;
+};
+
+/// What is handed down from node to node.
+struct Above {
+	Transform3D transform;
+	std::optional<int> lod;
+};
+
+Transform3D combined(const Transform3D &p_outer, const Transform3D &p_inner) {
+	const glm::dmat3 outer = to_core(p_outer.basis);
+	const glm::dmat3 basis = outer * to_core(p_inner.basis);
+	return {Basis(to_engine(basis[0]), to_engine(basis[1]), to_engine(basis[2])),
+			to_engine(outer * to_core(p_inner.origin) + to_core(p_outer.origin))};
+}
+
+std::string text_of(const StringName &p_name) { return String(p_name).utf8().get_data(); }
+
+/// Walks over a scene. Goes on after a problem, which is the first that was found.
+class Walk {
+public:
+	void visit(Node *p_node, const Above &above, bool is_root);
+
+	String problem;
+	std::vector<ScenePart> parts;
+	std::vector<ModelShape> shapes;
+	PackedStringArray remarks;
+
+private:
+	void add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name);
+	void add_shape(CollisionShape3D *p_node, const Above &above);
+	void remark_on(Node *p_node);
+	void remark(const String &p_sentence);
+	void fail(const String &p_problem);
+	bool accept(Node *p_node, const Transform3D &p_transform);
+};
+
+void Walk::fail(const String &p_problem) {
+	if (problem.is_empty()) {
+		problem = p_problem;
+	}
+}
+
+void Walk::remark(const String &p_sentence) {
+	if (remarks.size() < most_remarks && !remarks.has(p_sentence)) {
+		remarks.push_back(p_sentence);
+	}
+}
+
+void Walk::visit(Node *p_node, const Above &above, bool is_root) {
+	const LodName name = read_lod_name(text_of(p_node->get_name()));
+	Above here = above;
+	here.lod = name.lod ? name.lod : above.lod;
+	if (auto *node = Object::cast_to<Node3D>(p_node)) {
+		if (!is_root && !node->is_visible()) {
+			return;
+		}
+		here.transform = is_root ? Transform3D() : combined(above.transform, node->get_transform());
+	}
+	if (auto *mesh = Object::cast_to<MeshInstance3D>(p_node)) {
+		add_mesh(mesh, here, name);
+	} else if (auto *shape = Object::cast_to<CollisionShape3D>(p_node)) {
+		add_shape(shape, here);
+	} else {
+		remark_on(p_node);
+	}
+	for (int32_t child = 0; child < p_node->get_child_count() && parts.size() <= max_model_parts; ++child) {
+		visit(p_node->get_child(child), here, false);
+	}
+}
+
+/// False for what no part of a model can be.
+bool Walk::accept(Node *p_node, const Transform3D &p_transform) {
+	constexpr double flat = 1e-9; // Of the volume that a cube with the longest side would have.
+	const glm::dmat3 basis = to_core(p_transform.basis);
+	const double side = std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});
+	const double volume = glm::determinant(basis);
+	if (volume < -flat * side * side * side) {
+		fail(vformat("\"%s\" has a negative scale: apply its transform where the model is made", p_node->get_name()));
+		return false;
+	}
+	if (!(volume > flat * side * side * side)) {
+		fail(vformat("\"%s\" has a scale of 0 along an axis", p_node->get_name()));
+		return false;
+	}
+	return true;
+}
+
+void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name) {
+	const Ref<Mesh> mesh = p_node->get_mesh();
+	if (mesh.is_null() || mesh->get_surface_count() == 0) {
+		return;
+	}
+	if (parts.size() >= max_model_parts) {
+		fail(vformat("it has more than %d meshes", static_cast<int64_t>(max_model_parts)));
+		parts.emplace_back(); // Ends the walk.
+		return;
+	}
+	if (!accept(p_node, above.transform)) {
+		return;
+	}
+	if (p_node->get_skin().is_valid()) {
+		remark(vformat("\"%s\" has a skeleton: it is drawn in its rest pose.", p_node->get_name()));
+	}
+	ScenePart part;
+	part.part = {mesh, above.transform, {}};
+	const Ref<Material> over_all = p_node->get_material_override();
+	for (int32_t surface = 0; surface < mesh->get_surface_count(); ++surface) {
+		part.part.materials.push_back(over_all.is_valid() ? over_all : p_node->get_surface_override_material(surface));
+	}
+	part.range = {name.stem, above.lod, p_node->get_visibility_range_begin(), p_node->get_visibility_range_end()};
+	part.cast_shadow = static_cast<int64_t>(p_node->get_cast_shadows_setting());
+	parts.push_back(std::move(part));
+}
+
+void Walk::add_shape(CollisionShape3D *p_node, const Above &above) {
+	constexpr std::array taken{
+			"BoxShape3D", "SphereShape3D", "CapsuleShape3D", "CylinderShape3D", "ConvexPolygonShape3D"};
+	const Ref<Shape3D> shape = p_node->get_shape();
+	if (shape.is_null() || p_node->is_disabled()) {
+		return;
+	}
+	const String kind = shape->get_class();
+	const bool known = std::ranges::any_of(taken, [&](const char *name) { return kind == String(name); });
+	if (!known) {
+		remark(vformat(
+				"\"%s\" is left out: a %s cannot be the shape of a scattered body. Use a box, a sphere, a capsule, a "
+				"cylinder or a convex polygon.",
+				p_node->get_name(), kind));
+	} else if (accept(p_node, above.transform)) {
+		shapes.push_back({shape, above.transform});
+	}
+}
+
+/// Says what is drawn of other nodes.
+void Walk::remark_on(Node *p_node) {
+	if (p_node->is_class("AnimationMixer")) {
+		remark(vformat("\"%s\" plays nothing: the model is drawn as the scene was saved.", p_node->get_name()));
+	} else if (p_node->is_class("VisualInstance3D")) {
+		remark(vformat("\"%s\" is not drawn: of a %s nothing can be scattered, only of MeshInstance3D.",
+				p_node->get_name(), p_node->get_class()));
+	}
+}
+
+Ref<Mesh> mesh_of(const std::vector<ScenePart> &parts, const std::vector<std::size_t> &of, int64_t left_out) {
+	std::vector<MeshPart> drawn;
+	for (const std::size_t part : of) {
+		if (parts[part].cast_shadow != left_out) {
+			drawn.push_back(parts[part].part);
+		}
+	}
+	return merged_mesh(drawn);
+}
+
+Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lod) {
+	constexpr int64_t nothing = -1;
+	Ref<ScatterLod> result(memnew(ScatterLod));
+	result->set_distance(lod.distance.value_or(0.0));
+	const int64_t first = parts[lod.parts.front()].cast_shadow;
+	if (std::ranges::all_of(lod.parts, [&](std::size_t part) { return parts[part].cast_shadow == first; })) {
+		result->set_mesh(mesh_of(parts, lod.parts, nothing));
+		// What nodes have unless somebody chose otherwise is left to the layer.
+		result->set_cast_shadow(
+				first == shadow_on ? ScatterLod::CAST_SHADOW_LAYER : static_cast<ScatterLod::CastShadow>(first));
+	} else {
+		result->set_mesh(mesh_of(parts, lod.parts, shadows_only));
+		result->set_shadow_mesh(mesh_of(parts, lod.parts, shadow_off));
+	}
+	return result;
+}
+
+SceneReading reading_of(Walk walk) {
+	SceneReading result;
+	if (!walk.problem.is_empty()) {
+		result.problem = walk.problem;
+		return result;
+	}
+	std::vector<PartRange> ranges;
+	for (const ScenePart &part : walk.parts) {
+		ranges.push_back(part.range);
+	}
+	for (const ModelLod &lod : model_lods(ranges)) {
+		const Ref<ScatterLod> made = made_lod(walk.parts, lod);
+		if (made->get_mesh().is_valid()) {
+			result.lods.push_back(made);
+		}
+	}
+	if (result.lods.empty()) {
+		result.problem = "it has no visible MeshInstance3D with a mesh";
+		return result;
+	}
+	result.shapes = std::move(walk.shapes);
+	result.remarks = walk.remarks;
+	return result;
+}
+
+} // namespace
+
+SceneReading read_scene(const Ref<PackedScene> &p_scene) {
+	SceneReading failed;
+	if (!p_scene->can_instantiate()) {
+		failed.problem = "it is empty, or cannot be instantiated";
+		return failed;
+	}
+	Node *root = p_scene->instantiate();
+	if (root == nullptr) {
+		failed.problem = "it cannot be instantiated";
+		return failed;
+	}
+	Walk walk;
+	walk.visit(root, {}, true);
+	memdelete(root);
+	return reading_of(std::move(walk));
+}
+
+} // namespace thicket

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "nodes/model/scatter_lod.hpp"
+
+#include <godot_cpp/classes/packed_scene.hpp>
+#include <godot_cpp/classes/shape3d.hpp>
+#include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/string.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
+
+#include <cstddef>
+#include <vector>
+
+namespace thicket {
+
+/// A shape of a model, in the model's space.
+struct ModelShape {
+	godot::Ref<godot::Shape3D> shape;
+	godot::Transform3D transform;
+};
+
+/// What a scene is as a model.
+struct SceneReading {
+	godot::String
+			problem; ///< Why there is no model, as the rest of a sentence that names the scene; empty if there is one.
+	std::vector<godot::Ref<ScatterLod>> lods; ///< At least one; each has a mesh.
+	std::vector<ModelShape> shapes;
+	godot::PackedStringArray
+			remarks; ///< What is drawn otherwise than the scene shows it, or not at all; a sentence each.
+};
+
+inline constexpr std::size_t max_model_parts = 256;
+
+/// Reads all visible MeshInstance3Ds of a scene, and its CollisionShape3Ds, relative to its root, whose own transform does not count. The scene is
+/// instantiated and freed outside of the tree; scripts in it run as far as that makes them run.
+SceneReading read_scene(const godot::Ref<godot::PackedScene> &p_scene);
+
+} // namespace thicket

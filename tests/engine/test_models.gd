@@ -1,0 +1,223 @@
+extends "models_harness.gd"
+## Scenes as models: what is read, how parts become one mesh, LODs and shapes, and what is refused.
+
+
+func test_a_scene_is_read_part_by_part() -> void:
+	var tree := make_tree()
+	var expected: Array = range(3).map(func(lod: int) -> Array: return sorted_faces(faces_of_scene(tree, "LOD%d" % lod)))
+	var model := ScatterModel.new()
+	model.scene = pack(tree)
+	check_equal(model.lods.size(), 3, "LODs")
+	for lod in 3:
+		var mesh := model.get_mesh(lod)
+		check_equal(mesh.get_surface_count(), 2, "a surface for each material")
+		check(is_close(sorted_faces(faces_of(mesh)), expected[lod]), "LOD %d has the triangles of the scene" % lod)
+		var colors := range(2).map(func(surface: int) -> Color: return mesh.surface_get_material(surface).albedo_color)
+		check_equal(colors, [TRUNK, LEAF], "materials of LOD %d" % lod)
+	check(model.get_mesh(3) == null, "there is no fourth LOD")
+	check_equal(model.shapes.size(), 2, "shapes")
+	check_equal(model.shape_transforms[0].origin, Vector3(0.2, 2.0, 0.0), "where the trunk's shape is")
+	check(model.get_remarks().is_empty(), "nothing is left out: %s" % model.get_remarks())
+	var size := model.get_mesh(0).get_aabb().size.length()
+	check(model.lods[1].distance == 0.0 and size > 4.0, "the distance is left open")
+
+
+func test_normals_and_tangents_follow_their_parts() -> void:
+	var scene := Node3D.new()
+	var material := material_of(LEAF)
+	var at := Transform3D(Basis(Vector3(1, 2, 0.5).normalized(), 1.1).scaled(Vector3(1.0, 3.0, 0.5)), Vector3(1, 0, 2))
+	put_mesh(box(Vector3(1, 2, 3), material), "A", scene, scene, at)
+	put_mesh(box(Vector3.ONE, material), "B", scene, scene)
+	var model := ScatterModel.new()
+	model.scene = pack(scene)
+	var mesh := model.get_mesh()
+	check_equal(mesh.get_surface_count(), 1, "one material, one surface")
+	var arrays := mesh.surface_get_arrays(0)
+	var corners: PackedVector3Array = arrays[Mesh.ARRAY_VERTEX]
+	var normals: PackedVector3Array = arrays[Mesh.ARRAY_NORMAL]
+	var tangents: PackedFloat32Array = arrays[Mesh.ARRAY_TANGENT]
+	var indices: PackedInt32Array = arrays[Mesh.ARRAY_INDEX]
+	check_equal(corners.size(), 48, "corners of both boxes")
+	var bent := 0
+	for index in range(0, indices.size(), 3):
+		var a := corners[indices[index]]
+		var flat := (corners[indices[index + 2]] - a).cross(corners[indices[index + 1]] - a).normalized()
+		var corner := indices[index]
+		var tangent := Vector3(tangents[4 * corner], tangents[4 * corner + 1], tangents[4 * corner + 2])
+		bent += int(flat.dot(normals[corner]) < 0.999 or absf(tangent.dot(flat)) > 0.01)
+	check_equal(bent, 0, "normals that are not those of their faces")
+
+
+func test_one_plain_mesh_stays_what_it_is() -> void:
+	var mesh := box(Vector3.ONE, material_of(LEAF))
+	var scene := Node3D.new()
+	put_mesh(mesh, "Stone", scene, scene)
+	var packed := pack(scene)
+	var model := ScatterModel.new()
+	model.scene = packed
+	check_equal(model.get_mesh(), mesh, "the mesh itself is drawn")
+	check_equal(model.lods.size(), 1, "LODs")
+
+
+func test_materials_are_those_of_the_nodes() -> void:
+	var scene := Node3D.new()
+	var own := material_of(Color.RED)
+	var over := material_of(Color.BLUE)
+	var all := material_of(Color.WHITE)
+	put_mesh(box(Vector3.ONE, own), "Plain", scene, scene, Transform3D(Basis(), Vector3.UP))
+	put_mesh(box(Vector3.ONE, own), "Surface", scene, scene).set_surface_override_material(0, over)
+	put_mesh(box(Vector3.ONE, own), "Whole", scene, scene).material_override = all
+	put_mesh(box(Vector3.ONE, own), "Hidden", scene, scene).visible = false
+	var model := ScatterModel.new()
+	model.scene = pack(scene)
+	var mesh := model.get_mesh()
+	var used := range(mesh.get_surface_count()).map(func(surface: int) -> Color: return mesh.surface_get_material(surface).albedo_color)
+	check_equal(used, [Color.RED, Color.BLUE, Color.WHITE], "materials, in the order of the nodes")
+	check_equal(mesh.get_faces().size(), 3 * 36, "what is hidden is not drawn")
+
+
+func test_lods_from_names_and_ranges() -> void:
+	var scene := Node3D.new()
+	var mesh := box(Vector3.ONE, material_of(LEAF))
+	put_mesh(mesh, "Tree", scene, scene)
+	put_mesh(mesh, "Tree_LOD1", scene, scene).visibility_range_begin = 30.0
+	put_mesh(mesh, "tree_lod2", scene, scene)
+	var model := ScatterModel.new()
+	model.scene = pack(scene)
+	check_equal(model.lods.map(func(lod: ScatterLod) -> float: return lod.distance), [0.0, 30.0, 0.0], "by names")
+	scene = Node3D.new()
+	put_mesh(mesh, "Near", scene, scene).visibility_range_end = 25.0
+	var far := put_mesh(mesh, "Far", scene, scene)
+	far.visibility_range_begin = 25.0
+	far.visibility_range_end = 300.0
+	model.scene = pack(scene)
+	check_equal(model.lods.map(func(lod: ScatterLod) -> float: return lod.distance), [0.0, 25.0], "by ranges")
+
+
+func test_lods_for_the_engines_own_choice_are_kept() -> void:
+	var fine := SphereMesh.new()
+	var importer := ImporterMesh.new()
+	for material in 2:
+		importer.add_surface(Mesh.PRIMITIVE_TRIANGLES, fine.get_mesh_arrays(), [], {}, material_of([TRUNK, LEAF][material]))
+	importer.generate_lods(60.0, 25.0, [])
+	var mesh := importer.get_mesh()
+	var coarser: Array = RenderingServer.mesh_get_surface(mesh.get_rid(), 0)["lods"]
+	check(coarser.size() > 1, "the mesh has LODs: %d" % coarser.size())
+	var scene := Node3D.new()
+	put_mesh(mesh, "A", scene, scene, Transform3D(Basis().scaled(Vector3.ONE * 2.0), Vector3.ZERO))
+	put_mesh(mesh, "B", scene, scene, Transform3D(Basis().scaled(Vector3.ONE * 2.0), Vector3.UP))
+	var model := ScatterModel.new()
+	model.scene = pack(scene)
+	var merged: Array = RenderingServer.mesh_get_surface(model.get_mesh().get_rid(), 0)["lods"]
+	check_equal(merged.size(), coarser.size(), "LODs of what was joined")
+	for lod in merged.size():
+		check(is_equal_approx(merged[lod]["edge_length"], 2.0 * coarser[lod]["edge_length"]), "edge of LOD %d" % lod)
+		check_equal(merged[lod]["index_data"].size(), 2 * coarser[lod]["index_data"].size(), "indices of LOD %d" % lod)
+
+
+func test_shadows_as_the_nodes_cast_them() -> void:
+	var scene := Node3D.new()
+	var mesh := box(Vector3.ONE, material_of(LEAF))
+	put_mesh(mesh, "Grass", scene, scene).cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	var model := ScatterModel.new()
+	model.scene = pack(scene)
+	check_equal(model.lods[0].cast_shadow, ScatterLod.CAST_SHADOW_OFF, "none casts")
+	scene = Node3D.new()
+	put_mesh(mesh, "Trunk", scene, scene)
+	put_mesh(mesh, "Leaves", scene, scene, Transform3D(Basis(), Vector3.UP)).cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	put_mesh(mesh, "Proxy", scene, scene, Transform3D(Basis(), Vector3.UP * 2.0)).cast_shadow = (
+			GeometryInstance3D.SHADOW_CASTING_SETTING_SHADOWS_ONLY)
+	model.scene = pack(scene)
+	var lod := model.lods[0]
+	check_equal(lod.mesh.get_aabb(), AABB(-Vector3.ONE * 0.5, Vector3(1, 2, 1)), "trunk and leaves are drawn")
+	check_equal(lod.shadow_mesh.get_aabb(), AABB(-Vector3.ONE * 0.5, Vector3(1, 3, 1)), "trunk and proxy cast")
+
+
+func test_what_cannot_be_drawn_is_told() -> void:
+	var scene := make_tree()
+	put(AnimationPlayer.new(), "Player", scene, scene)
+	put(OmniLight3D.new(), "Lamp", scene, scene)
+	var skinned := put_mesh(box(Vector3.ONE, null), "Vine", scene, scene)
+	skinned.skin = Skin.new()
+	var trimesh := ConcavePolygonShape3D.new()
+	(put(CollisionShape3D.new(), "Exact", scene, scene) as CollisionShape3D).shape = trimesh
+	var model := ScatterModel.new()
+	model.scene = pack(scene)
+	var told := "\n".join(model.get_remarks())
+	for words: String in ["\"Player\" plays nothing", "\"Lamp\" is not drawn", "\"Vine\" has a skeleton: it is drawn in its rest pose",
+			"\"Exact\" is left out: a ConcavePolygonShape3D"]:
+		check(words in told, "told: %s, got %s" % [words, told])
+	check_equal(model.shapes.size(), 2, "the other shapes are there")
+
+
+func test_bad_scenes_are_refused_and_the_model_stays() -> void:
+	var model := ScatterModel.new()
+	model.scene = pack(make_tree())
+	var before := model.scene
+	var meshes := [model.get_mesh(0), model.get_mesh(1)]
+	for bad: Array in bad_scenes():
+		model.scene = bad[0]
+		check_error(["ScatterModel.scene", bad[1]], bad[1])
+		check_equal(model.scene, before, "the scene of before stays")
+		check_equal([model.get_mesh(0), model.get_mesh(1)], meshes, "its meshes stay")
+	model.lods = []
+	check_error(["ScatterModel.lods", "set scene to null"], "what is read cannot be edited")
+	model.scene = null
+	check_equal(model.get_mesh(0), meshes[0], "what was read stays without the scene")
+	model.lods = [model.lods[2]]
+	check_equal(model.lods.size(), 1, "and may be edited")
+	model.lods[0].distance = -1.0
+	check_error(["ScatterLod.distance", "-1"], "a negative distance")
+
+
+## Scenes, and what is wrong with them.
+func bad_scenes() -> Array:
+	var mesh := box(Vector3.ONE, null)
+	var empty := Node3D.new()
+	var mirrored := Node3D.new()
+	put_mesh(mesh, "Left", mirrored, mirrored, Transform3D(Basis().scaled(Vector3(-1, 1, 1)), Vector3.ZERO))
+	var flat := Node3D.new()
+	put_mesh(mesh, "Leaf", flat, flat, Transform3D(Basis().scaled(Vector3(1, 0, 1)), Vector3.ZERO))
+	var crowd := Node3D.new()
+	for number in 300:
+		put_mesh(mesh, "Part%d" % number, crowd, crowd)
+	return [[PackedScene.new(), "it is empty"], [pack(empty), "no visible MeshInstance3D"], [pack(mirrored), "\"Left\" has a negative scale"],
+			[pack(flat), "\"Leaf\" has a scale of 0"], [pack(crowd), "more than 256 meshes"]]
+
+
+func test_saved_models_hold_no_copy_of_their_scene() -> void:
+	var scene := pack(make_tree())
+	ResourceSaver.save(scene, "user://tree.tscn")
+	scene.take_over_path("user://tree.tscn")
+	var model := ScatterModel.new()
+	model.scene = scene
+	ResourceSaver.save(model, "user://tree_model.tres")
+	var text := FileAccess.get_file_as_string("user://tree_model.tres")
+	check("tree.tscn" in text and not "lods" in text and text.length() < 500, "saved: %s" % text)
+	var loaded := ResourceLoader.load("user://tree_model.tres", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterModel
+	check_equal(loaded.lods.size(), 3, "it is read again when it is loaded")
+	model.scene = null
+	ResourceSaver.save(model, "user://tree_model.tres")
+	loaded = ResourceLoader.load("user://tree_model.tres", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterModel
+	check_equal(loaded.lods.size(), 3, "without a scene it keeps what it has")
+	check(is_close(sorted_faces(faces_of(loaded.get_mesh(1))), sorted_faces(faces_of(model.get_mesh(1)))), "with its meshes")
+
+
+func test_a_changed_file_is_read_again() -> void:
+	var scene := pack(make_tree())
+	ResourceSaver.save(scene, "user://changing.tscn")
+	var model := ScatterModel.new()
+	model.scene = load("user://changing.tscn")
+	var changes := [0]
+	model.changed.connect(func() -> void: changes[0] += 1)
+	var other := Node3D.new()
+	put_mesh(box(Vector3(9, 1, 1), null), "Log", other, other)
+	ResourceSaver.save(pack(other), "user://changing.tscn")
+	check(model.reload(), "it reloads")
+	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "as the file is now")
+	check_equal(changes[0], 1, "told once")
+	var nothing := Node3D.new()
+	ResourceSaver.save(pack(nothing), "user://changing.tscn")
+	check(not model.reload(), "a file with nothing to draw")
+	check_error(["ScatterModel.scene", "changing.tscn", "no visible MeshInstance3D"], "reload")
+	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "what stood stays")
