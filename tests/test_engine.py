@@ -112,6 +112,8 @@ def assert_passed(done):
         "test_layer_properties",
         "test_layer_snapshot",
         "test_mask",
+        "test_models",
+        "test_model_layers",
         pytest.param("test_viewers", marks=pytest.mark.alone),
         "test_world_offset",
         "test_terrains",
@@ -164,6 +166,16 @@ def test_bodies(godot, request, physics, script):
     assert_passed(godot(["--verbose", "--path", folder, "--script", ENGINE / f"{script}.gd"], timeout=600))
 
 
+def test_a_model_from_a_file_of_an_asset_pack(godot, tmp_path):
+    """Written by one engine, imported by the editor, drawn by a third."""
+    project = new_project(tmp_path)
+    script = ENGINE / "test_imported_model.gd"
+    assert_passed(godot(["--path", project, "--script", script, "--", "make"]))
+    imported = godot(["--path", project, "--import"], timeout=120)
+    assert imported.returncode == 0, imported.stdout + imported.stderr
+    assert_passed(godot(["--verbose", "--path", project, "--script", script]))
+
+
 def test_what_is_felled_stays_felled_in_the_next_engine(godot, project, tmp_path):
     script = ENGINE / "state_across_starts.gd"
     for part in ("test_save", "test_load"):
@@ -196,6 +208,13 @@ def test_pixels(godot_xvfb, project):
 def test_look(godot_xvfb, project):
     """What the renderer draws of each tile; a renderer that keeps nothing could not say."""
     assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_look.gd"]))
+
+
+@pytest.mark.parametrize("renderer", [("opengl3", "gl_compatibility"), ("vulkan", "forward_plus"), ("vulkan", "mobile")])
+def test_pictures_of_models(godot_xvfb, project, renderer):
+    """In each of the renderers, drawn in software."""
+    arguments = ["--rendering-driver", renderer[0], "--rendering-method", renderer[1], "--path", project]
+    assert_passed(godot_xvfb([*arguments, "--script", ENGINE / "test_model_pictures.gd"]))
 
 
 def test_the_harness_can_fail(godot, project):

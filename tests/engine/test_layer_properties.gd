@@ -166,7 +166,7 @@ func test_refused() -> void:
 	for property: String in ["collision_layer", "collision_mask"]:
 		refuse(layer, property, -1, ["range"])
 		refuse(layer, property, 1 << 32, ["range"])
-	for number: int in [-1, 5, 1 << 40]:
+	for number: int in [-1, 6, 1 << 40]:
 		refuse(layer, "collision_shape", number, ["range"])
 	refuse(layer, "ground_textures", PackedInt32Array([1, -1]), ["-1"])
 	refuse(layer, "ground_textures", PackedInt32Array([256]), ["256"])
@@ -268,6 +268,7 @@ func warns_of_gameplay() -> void:
 		layer.collision_shape = ScatterLayer.COLLISION_BOX
 		layer.collision_layer = 0
 		layer.collision_mask = 0, "meets nothing")
+	warns(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_MODEL, "no model among the meshes")
 	warns(func(layer: ScatterLayer) -> void: layer.physics_material = PhysicsMaterial.new(), "physics_material is not used")
 	warns(func(layer: ScatterLayer) -> void:
 		layer.scene = scene_of_a_node()

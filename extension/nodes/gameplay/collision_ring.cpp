@@ -29,6 +29,7 @@ CollisionLayer collision_of(const LayerSnapshot *layer) {
 		result.shape.meshes = layer->drawing.meshes;
 		result.shape.boxes = layer->drawing.boxes;
 	}
+	result.shape.parts = collision.parts;
 	result.distance = collision.distance;
 	result.settings = {collision.layer, collision.mask, collision.friction, collision.bounce};
 	return result;
@@ -112,15 +113,17 @@ void CollisionRing::stand(const PlacedInstance &instance) {
 	body.instance = instance;
 	if (BodyFit fit; fit_body(instance.basis, fit)) {
 		body.rotation = fit.rotation;
-		body.shape = shapes_.take(layer.is.shape, instance.mesh, fit);
+		body.shapes = shapes_.take(layer.is.shape, instance.mesh, fit);
 	}
-	if (body.shape == nullptr) {
+	if (body.shapes.empty()) {
 		return;
 	}
 	body.rid = take_body();
 	apply(layer.is.settings, body.rid);
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
-	server->body_add_shape(body.rid, body.shape->rid);
+	for (const CollisionShapes::Placed &placed : body.shapes) {
+		server->body_add_shape(body.rid, placed.shape->rid, to_engine(placed.rotation, placed.origin, glm::dvec3(0.0)));
+	}
 	server->body_set_state(body.rid, PhysicsServer3D::BODY_STATE_TRANSFORM, transform_of(body));
 	server->body_set_space(body.rid, space_);
 	owners_[body.rid.get_id()] = instance.id;
@@ -132,13 +135,13 @@ void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
 	if (found == bodies.end()) {
 		return;
 	}
-	const Body body = found->second;
+	const Body body = std::move(found->second);
 	bodies.erase(found);
 	if (body.rid.is_valid()) {
 		PhysicsServer3D::get_singleton()->body_clear_shapes(body.rid);
 		pool_.push_back({body.rid, frame_ + rest_frames});
 		++still_in_space_;
-		shapes_.give_back(body.shape);
+		shapes_.give_back(body.shapes);
 	}
 }
 
@@ -179,8 +182,7 @@ void CollisionRing::apply(const CollisionLayer::Settings &settings, const RID &b
 }
 
 Transform3D CollisionRing::transform_of(const Body &body) const {
-	const glm::dvec3 center = body.instance.position + body.shape->center * glm::dvec3(body.rotation[1]);
-	return to_engine(body.rotation, center, offset_);
+	return to_engine(body.rotation, body.instance.position, offset_);
 }
 
 void CollisionRing::set_world_offset(glm::dvec3 offset) {

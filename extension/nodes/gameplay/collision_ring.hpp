@@ -72,11 +72,11 @@ public:
 	static constexpr std::uint64_t rest_frames = 128;
 
 private:
-	/// Without RID and shape where there is nothing to bump into: a mesh without a volume, an instance that is flat.
+	/// Without RID and shapes where there is nothing to bump into: a mesh without a volume, an instance that is flat.
 	struct Body {
 		PlacedInstance instance;
 		godot::RID rid;
-		CollisionShapes::Shape *shape = nullptr;
+		std::vector<CollisionShapes::Placed> shapes;
 		glm::mat3 rotation{1.0f};
 	};
 

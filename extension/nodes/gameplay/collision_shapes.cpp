@@ -41,43 +41,30 @@ PackedVector3Array scaled(const std::vector<glm::vec3> &points, glm::vec3 scale)
 
 } // namespace
 
-CollisionShapes::Key CollisionShapes::key_of(const ShapeSource &source, const BodyFit &fit, std::uint64_t corners) {
-	const glm::vec3 scale = fit.scale();
-	if (source.kind == ScatterLayer::COLLISION_CONVEX) {
-		return {source.kind, corners, scale.x, scale.y, scale.z};
-	}
-	const float width = side(2.0 * source.cylinder.radius * scale.x);
-	const float height = side(source.cylinder.height * scale.y);
-	const float depth = side(2.0 * source.cylinder.radius * std::abs(scale.z));
-	if (source.kind == ScatterLayer::COLLISION_BOX) {
-		return {source.kind, 0, width, height, depth};
-	}
-	const float radius = 0.5F * std::max(width, depth);
-	const bool capsule = source.kind == ScatterLayer::COLLISION_CAPSULE;
-	return {source.kind, 0, radius, capsule ? std::max(height, 2.0F * radius) : height, 0.0F};
-}
-
 CollisionShapes::Shape CollisionShapes::make(const Key &key, const std::vector<glm::vec3> &corners) {
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
-	const auto [kind, number, a, b, c] = key;
+	const auto [kind, number, width, height, depth] = key;
 	Shape shape;
-	shape.center = kind == ScatterLayer::COLLISION_CONVEX ? 0.0 : 0.5 * static_cast<double>(b);
 	switch (kind) {
-		case ScatterLayer::COLLISION_CAPSULE:
+		case BodyPart::Kind::capsule:
 			shape.rid = server->capsule_shape_create();
-			server->shape_set_data(shape.rid, round_shape(a, b));
+			server->shape_set_data(shape.rid, round_shape(0.5F * width, height));
 			break;
-		case ScatterLayer::COLLISION_CYLINDER:
+		case BodyPart::Kind::cylinder:
 			shape.rid = server->cylinder_shape_create();
-			server->shape_set_data(shape.rid, round_shape(a, b));
+			server->shape_set_data(shape.rid, round_shape(0.5F * width, height));
 			break;
-		case ScatterLayer::COLLISION_BOX:
+		case BodyPart::Kind::sphere:
+			shape.rid = server->sphere_shape_create();
+			server->shape_set_data(shape.rid, 0.5F * width);
+			break;
+		case BodyPart::Kind::box:
 			shape.rid = server->box_shape_create();
-			server->shape_set_data(shape.rid, Vector3(0.5F * a, 0.5F * b, 0.5F * c));
+			server->shape_set_data(shape.rid, Vector3(0.5F * width, 0.5F * height, 0.5F * depth));
 			break;
-		default:
+		case BodyPart::Kind::convex:
 			shape.rid = server->convex_polygon_shape_create();
-			server->shape_set_data(shape.rid, scaled(corners, {a, b, c}));
+			server->shape_set_data(shape.rid, scaled(corners, {width, height, depth}));
 			break;
 	}
 	return shape;
@@ -101,17 +88,20 @@ const CollisionShapes::Corners *CollisionShapes::corners_of(const ShapeSource &s
 	return corners.points.size() >= min_corners ? &corners : nullptr;
 }
 
-CollisionShapes::Shape *CollisionShapes::take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit) {
-	static const std::vector<glm::vec3> none;
-	const bool convex = source.kind == ScatterLayer::COLLISION_CONVEX;
-	const Corners *corners = convex ? corners_of(source, mesh) : nullptr;
-	if (source.kind == ScatterLayer::COLLISION_NONE || (convex && corners == nullptr)) {
-		return nullptr;
+const CollisionShapes::Corners *CollisionShapes::corners_of(const BodyPart &part) {
+	auto found = std::ranges::find(part_corners_, part, &std::pair<BodyPart, Corners>::first);
+	if (found == part_corners_.end()) {
+		part_corners_.push_back({part, {AABB(), ++last_number_, part.corners}});
+		found = part_corners_.end() - 1;
+		keep_outermost(found->second.points, max_corners);
 	}
-	const Key key = key_of(source, fit, convex ? corners->number : 0);
+	return found->second.points.size() >= min_corners ? &found->second : nullptr;
+}
+
+CollisionShapes::Shape *CollisionShapes::take(const Key &key, const std::vector<glm::vec3> &corners) {
 	const auto [found, fresh] = shapes_.try_emplace(key);
 	if (fresh) {
-		found->second = make(key, convex ? corners->points : none);
+		found->second = make(key, corners);
 	} else if (found->second.users == 0) {
 		--idle_;
 	}
@@ -119,8 +109,58 @@ CollisionShapes::Shape *CollisionShapes::take(const ShapeSource &source, std::ui
 	return &found->second;
 }
 
-void CollisionShapes::give_back(Shape *shape) {
-	if (--shape->users == 0 && ++idle_ > max_idle) {
+void CollisionShapes::add_part(const BodyPart &part, const BodyFit &fit, std::vector<Placed> &r_shapes) {
+	static const std::vector<glm::vec3> none;
+	const glm::vec3 scale = fit.scale();
+	if (part.kind == BodyPart::Kind::convex) {
+		if (const Corners *corners = corners_of(part)) {
+			r_shapes.push_back({take({part.kind, corners->number, scale.x, scale.y, scale.z}, corners->points)});
+		}
+		return;
+	}
+	const BodyPart stands = thicket::scaled(part, scale);
+	const glm::vec3 size{side(stands.size.x), side(stands.size.y), side(stands.size.z)};
+	// The least height of a capsule is that of a sphere.
+	const float height = part.kind == BodyPart::Kind::capsule ? std::max(size.x, size.y) : size.y;
+	r_shapes.push_back({take({part.kind, 0, size.x, height, size.z}, none), stands.rotation, stands.origin});
+}
+
+std::vector<CollisionShapes::Placed> CollisionShapes::take(
+		const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit) {
+	std::vector<Placed> shapes;
+	const InstanceShape &cylinder = source.cylinder;
+	BodyPart part;
+	part.size = glm::vec3(2.0 * cylinder.radius, cylinder.height, 2.0 * cylinder.radius);
+	part.origin.y = 0.5F * part.size.y;
+	switch (source.kind) {
+		case ScatterLayer::COLLISION_NONE: return shapes;
+		case ScatterLayer::COLLISION_CAPSULE: part.kind = BodyPart::Kind::capsule; break;
+		case ScatterLayer::COLLISION_CYLINDER: part.kind = BodyPart::Kind::cylinder; break;
+		case ScatterLayer::COLLISION_BOX: part.kind = BodyPart::Kind::box; break;
+		case ScatterLayer::COLLISION_CONVEX:
+			if (const Corners *corners = corners_of(source, mesh)) {
+				const glm::vec3 scale = fit.scale();
+				const Key key{BodyPart::Kind::convex, corners->number, scale.x, scale.y, scale.z};
+				shapes.push_back({take(key, corners->points)});
+			}
+			return shapes;
+		case ScatterLayer::COLLISION_MODEL:
+			if (mesh < source.parts.size()) {
+				for (const BodyPart &of : source.parts[mesh]) {
+					add_part(of, fit, shapes);
+				}
+			}
+			return shapes;
+	}
+	add_part(part, fit, shapes);
+	return shapes;
+}
+
+void CollisionShapes::give_back(const std::vector<Placed> &shapes) {
+	for (const Placed &placed : shapes) {
+		idle_ += --placed.shape->users == 0 ? 1 : 0;
+	}
+	if (idle_ > max_idle) {
 		free_idle();
 	}
 }
@@ -142,6 +182,7 @@ void CollisionShapes::clear() {
 	}
 	shapes_.clear();
 	corners_.clear();
+	part_corners_.clear();
 	idle_ = 0;
 }
 

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <map>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace thicket {
@@ -23,10 +24,11 @@ struct ShapeSource {
 	InstanceShape cylinder;
 	std::vector<godot::Ref<godot::Mesh>> meshes; ///< Of convex shapes only; null entries have none.
 	std::vector<godot::AABB> boxes;              ///< Of the meshes: another box means another mesh.
+	std::vector<std::vector<BodyPart>> parts;    ///< Of the models of the meshes, where these are the shapes.
 
 	friend bool operator==(const ShapeSource &a, const ShapeSource &b) {
 		return a.kind == b.kind && a.cylinder.radius == b.cylinder.radius && a.cylinder.height == b.cylinder.height &&
-				a.meshes == b.meshes && a.boxes == b.boxes;
+				a.meshes == b.meshes && a.boxes == b.boxes && a.parts == b.parts;
 	}
 };
 
@@ -37,8 +39,14 @@ public:
 	/// Stays where it is as long as somebody uses it.
 	struct Shape {
 		godot::RID rid;
-		double center = 0.0; ///< Meters along the instance's up axis from its origin to the shape's own.
 		std::size_t users = 0;
+	};
+
+	/// A shape where it is in a body, whose axes are those of the instance, without its scale.
+	struct Placed {
+		Shape *shape = nullptr;
+		glm::mat3 rotation{1.0f};
+		glm::vec3 origin{0.0f}; ///< Meters.
 	};
 
 	CollisionShapes() = default;
@@ -46,9 +54,9 @@ public:
 	CollisionShapes &operator=(const CollisionShapes &) = delete;
 	~CollisionShapes() { clear(); }
 
-	/// The shape of an instance, which counts as used from now on. Null where there is nothing to bump into.
-	Shape *take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit);
-	void give_back(Shape *shape);
+	/// The shapes of an instance, which count as used from now on. None where there is nothing to bump into.
+	std::vector<Placed> take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit);
+	void give_back(const std::vector<Placed> &shapes);
 
 	/// Frees all: nobody may use one of them any more.
 	void clear();
@@ -60,7 +68,7 @@ public:
 
 private:
 	/// Kind, corners' number (0 for none), and three sizes: in meters, or the scale of the corners.
-	using Key = std::tuple<std::int64_t, std::uint64_t, float, float, float>;
+	using Key = std::tuple<BodyPart::Kind, std::uint64_t, float, float, float>;
 
 	/// The corners of a mesh's convex hull at scale 1.
 	struct Corners {
@@ -69,13 +77,16 @@ private:
 		std::vector<glm::vec3> points;
 	};
 
-	static Key key_of(const ShapeSource &source, const BodyFit &fit, std::uint64_t corners);
 	static Shape make(const Key &key, const std::vector<glm::vec3> &corners);
 	const Corners *corners_of(const ShapeSource &source, std::uint32_t mesh);
+	const Corners *corners_of(const BodyPart &part);
+	Shape *take(const Key &key, const std::vector<glm::vec3> &corners);
+	void add_part(const BodyPart &part, const BodyFit &fit, std::vector<Placed> &r_shapes);
 	void free_idle();
 
 	std::map<Key, Shape> shapes_;
-	std::map<std::uint64_t, Corners> corners_; ///< By the mesh's object id.
+	std::map<std::uint64_t, Corners> corners_;               ///< By the mesh's object id.
+	std::vector<std::pair<BodyPart, Corners>> part_corners_; ///< Of convex parts of models.
 	std::uint64_t last_number_ = 0;
 	std::size_t idle_ = 0;
 };

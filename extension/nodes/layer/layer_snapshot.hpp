@@ -5,6 +5,7 @@
 #include "core/placement/layer_links.hpp"
 #include "core/query/instance_query.hpp"
 #include "core/streaming/tile_streamer.hpp"
+#include "nodes/model/body_part.hpp"
 
 #include <godot_cpp/classes/material.hpp>
 #include <godot_cpp/classes/mesh.hpp>
@@ -57,7 +58,7 @@ struct LayerDrawing {
 };
 
 /// What a body is made of. The values are those that scenes store.
-enum class BodyShape : std::uint8_t { none, capsule, cylinder, box, convex };
+enum class BodyShape : std::uint8_t { none, capsule, cylinder, box, convex, model };
 
 /// The static bodies of a layer's instances.
 struct LayerCollision {
@@ -65,8 +66,9 @@ struct LayerCollision {
 	double distance = 40.0; ///< Meters to the nearest viewer or moving body within which bodies stand.
 	std::int64_t layer = 1; ///< Physics layers, as the engine names them.
 	std::int64_t mask = 1;
-	double friction = 1.0; ///< Negative for a rough material, as StaticBody3D hands it over.
-	double bounce = 0.0;   ///< Negative for one that absorbs.
+	double friction = 1.0;                    ///< Negative for a rough material, as StaticBody3D hands it over.
+	double bounce = 0.0;                      ///< Negative for one that absorbs.
+	std::vector<std::vector<BodyPart>> parts; ///< Of the model of each of the meshes, if that is the shape.
 
 	friend bool operator==(const LayerCollision &, const LayerCollision &) = default;
 };

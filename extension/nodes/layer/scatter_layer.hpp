@@ -3,6 +3,7 @@
 #include "core/placement/mesh_choice.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/layer/layer_meshes.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/layer/layer_tables.hpp"
 #include "nodes/layer/scatter_mask.hpp"
@@ -103,6 +104,7 @@ public:
 		COLLISION_CYLINDER,
 		COLLISION_BOX,
 		COLLISION_CONVEX, ///< The convex hull of the instance's mesh.
+		COLLISION_MODEL,  ///< The shapes of the instance's model.
 	};
 
 	// The properties that scatter_layer_properties.hpp makes of one line each.
@@ -154,9 +156,16 @@ public:
 	void set_proximity_layer(const godot::Variant &p_layer);
 	godot::Variant get_proximity_layer() const;
 
-	/// What may stand at a point; null entries draw nothing.
-	void set_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
-	godot::TypedArray<godot::Mesh> get_meshes() const;
+	/// What may stand at a point: meshes, scenes and models. Null entries draw nothing. See LayerMeshes for what is refused.
+	void set_meshes(const godot::Array &p_meshes);
+	godot::Array get_meshes() const;
+
+	/// Reads anew what `meshes` has of these scenes, by their paths: their files have changed.
+	void reload_scenes(const godot::PackedStringArray &p_paths);
+
+	/// Sets what follows from the size of what stands in `meshes`: radius, instance_radius, instance_height; and collision_shape, if a model has
+	/// shapes. False, and nothing, without meshes.
+	bool fit_to_meshes();
 
 	/// How often each of the meshes is used, in proportion, 0 to 1e6; missing ones count as 1.
 	void set_mesh_weights(const godot::PackedFloat32Array &p_weights);
@@ -220,7 +229,6 @@ private:
 	static auto &part(Self &self);
 
 	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
-	LayerDrawing drawing() const;
 	LayerGameplay gameplay() const;
 	LodSettings lod() const;
 	template <const auto &property>
@@ -229,7 +237,6 @@ private:
 	godot::Ref<godot::Resource> resource(std::string_view property) const;
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);
-	bool has_mesh() const;
 	bool stores(const ScatterLayer *p_layer) const;
 	godot::Variant accept_reference(const char *p_property, const godot::Variant &p_reference) const;
 	void changed();
@@ -282,7 +289,7 @@ private:
 	godot::Dictionary spacing_property_; ///< As stored_reference has the keys; read-only.
 	godot::Variant proximity_layer_ = godot::String();
 
-	godot::TypedArray<godot::Mesh> meshes_;
+	LayerMeshes meshes_;
 	godot::PackedFloat32Array mesh_weights_;
 	godot::TypedArray<godot::Mesh> lod_meshes_;
 	godot::PackedFloat32Array lod_distances_;

@@ -1,4 +1,4 @@
-// What is drawn, and how: the meshes, and the properties of the group Drawing.
+// How it is drawn: the properties of the group Drawing.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -37,58 +37,12 @@ constexpr ResourceProperty color_gradient{"color_gradient", &InstanceData::color
 
 } // namespace
 
-void ScatterLayer::set_meshes(const TypedArray<Mesh> &p_meshes) {
-	if (p_meshes.size() > static_cast<int64_t>(max_meshes)) {
-		report(layer_class_name, {ErrorCode::out_of_range, "meshes", static_cast<double>(p_meshes.size())});
-		return;
-	}
-	watch_meshes(false);
-	meshes_ = p_meshes;
-	watch_meshes(true);
-	changed();
-}
-
-// A mesh that grows needs larger boxes around its tiles. Both arrays together: a mesh may be in both.
-void ScatterLayer::watch_meshes(bool p_watch) {
-	for (const TypedArray<Mesh> &meshes : {meshes_, lod_meshes_}) {
-		for (int64_t at = 0; at < meshes.size(); ++at) {
-			const Ref<Mesh> mesh = meshes[at];
-			watch(mesh.ptr(), "changed", this, "emit_changed", p_watch);
-		}
-	}
-}
-
-TypedArray<Mesh> ScatterLayer::get_meshes() const { return meshes_; }
-
-void ScatterLayer::set_mesh_weights(const PackedFloat32Array &p_weights) {
-	for (const float weight : p_weights) {
-		if (!accept_number(layer_class_name, "mesh_weights", weight, 0.0, 1e6)) {
-			return;
-		}
-	}
-	mesh_weights_ = p_weights;
-	changed();
-}
-
-PackedFloat32Array ScatterLayer::get_mesh_weights() const { return mesh_weights_; }
-
 void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
 	material_override_ = p_material;
 	changed();
 }
 
 Ref<Material> ScatterLayer::get_material_override() const { return material_override_; }
-
-void ScatterLayer::bind_meshes() {
-	bind_guarded<&ScatterLayer::set_meshes>(D_METHOD("set_meshes", "meshes"));
-	bind_guarded<&ScatterLayer::get_meshes>(D_METHOD("get_meshes"));
-	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "meshes", PROPERTY_HINT_ARRAY_TYPE,
-						 vformat("%d/%d:Mesh", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
-			"set_meshes", "get_meshes");
-	bind_guarded<&ScatterLayer::set_mesh_weights>(D_METHOD("set_mesh_weights", "weights"));
-	bind_guarded<&ScatterLayer::get_mesh_weights>(D_METHOD("get_mesh_weights"));
-	ADD_PROPERTY(PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "mesh_weights"), "set_mesh_weights", "get_mesh_weights");
-}
 
 void ScatterLayer::bind_drawing() {
 	ADD_GROUP("Drawing", "");

@@ -2,6 +2,9 @@
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
+#include <algorithm>
+#include <vector>
+
 using namespace godot;
 
 namespace thicket {
@@ -34,7 +37,7 @@ constexpr NumberProperty collision_mask{
 
 void ScatterLayer::set_collision_shape(CollisionShape p_shape) {
 	if (accept_number(
-				layer_class_name, "collision_shape", static_cast<double>(p_shape), COLLISION_NONE, COLLISION_CONVEX) &&
+				layer_class_name, "collision_shape", static_cast<double>(p_shape), COLLISION_NONE, COLLISION_MODEL) &&
 			get_collision_shape() != p_shape) {
 		gameplay_.collision.shape = static_cast<BodyShape>(p_shape);
 		changed();
@@ -89,9 +92,13 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 							 "capsule.");
 	}
 	if (gameplay_.collision.shape == BodyShape::convex) {
-		if (!has_mesh()) {
+		if (!meshes_.has_mesh()) {
 			r_problems.push_back("ScatterLayer.collision_shape is Convex, but there is no mesh to make it of.");
 		}
+	}
+	const std::vector<std::vector<BodyPart>> bodies = meshes_.bodies();
+	if (gameplay_.collision.shape == BodyShape::model && std::ranges::all_of(bodies, &std::vector<BodyPart>::empty)) {
+		r_problems.push_back("ScatterLayer.collision_shape is Model, but no model among the meshes has shapes.");
 	}
 }
 
@@ -103,7 +110,8 @@ void ScatterLayer::bind_gameplay() {
 	ADD_SUBGROUP("Collision", "");
 	bind_guarded<&ScatterLayer::set_collision_shape>(D_METHOD("set_collision_shape", "shape"));
 	bind_guarded<&ScatterLayer::get_collision_shape>(D_METHOD("get_collision_shape"));
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "collision_shape", PROPERTY_HINT_ENUM, "None,Capsule,Cylinder,Box,Convex"),
+	ADD_PROPERTY(
+			PropertyInfo(Variant::INT, "collision_shape", PROPERTY_HINT_ENUM, "None,Capsule,Cylinder,Box,Convex,Model"),
 			"set_collision_shape", "get_collision_shape");
 	bind_number<collision_distance>();
 	bind_integer<collision_layer>();
@@ -123,6 +131,7 @@ void ScatterLayer::bind_gameplay() {
 	BIND_ENUM_CONSTANT(COLLISION_CYLINDER);
 	BIND_ENUM_CONSTANT(COLLISION_BOX);
 	BIND_ENUM_CONSTANT(COLLISION_CONVEX);
+	BIND_ENUM_CONSTANT(COLLISION_MODEL);
 }
 
 } // namespace thicket

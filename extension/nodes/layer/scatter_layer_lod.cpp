@@ -54,7 +54,7 @@ void ScatterLayer::set_lod_distances(const PackedFloat32Array &p_distances) {
 PackedFloat32Array ScatterLayer::get_lod_distances() const { return lod_distances_; }
 
 void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
-	const int64_t needed = lod_distances_.size() * meshes_.size();
+	const int64_t needed = lod_distances_.size() * static_cast<int64_t>(meshes_.size());
 	if (lod_meshes_.size() != needed) {
 		r_problems.push_back("ScatterLayer.lod_meshes has " + String::num_int64(lod_meshes_.size()) +
 				" entries; it needs one for each of the meshes at each of the lod_distances: " +

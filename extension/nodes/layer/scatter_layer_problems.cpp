@@ -87,19 +87,9 @@ void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 	}
 }
 
-bool ScatterLayer::has_mesh() const {
-	bool result = false;
-	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
-		result = result || Ref<Mesh>(meshes_[mesh]).is_valid();
-	}
-	return result;
-}
-
 void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
-	if (!has_mesh()) {
-		r_problems.push_back("ScatterLayer.meshes has no mesh: the layer draws nothing.");
-	}
-	if (mesh_weights_.size() > meshes_.size()) {
+	meshes_.add_problems(r_problems);
+	if (mesh_weights_.size() > static_cast<int64_t>(meshes_.size())) {
 		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is not used.");
 	}
 	if (resource("color_gradient").is_valid() && !settings_.instance_data.use_colors) {

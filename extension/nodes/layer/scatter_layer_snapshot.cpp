@@ -23,14 +23,6 @@ float reach_of(const AABB &box) {
 
 AABB box_of(const Ref<Mesh> &mesh) { return mesh.is_valid() ? mesh->get_aabb() : AABB(); }
 
-std::vector<Ref<Mesh>> mesh_list(const TypedArray<Mesh> &p_meshes, int64_t count) {
-	std::vector<Ref<Mesh>> result;
-	for (int64_t mesh = 0; mesh < count; ++mesh) {
-		result.emplace_back(p_meshes[mesh]);
-	}
-	return result;
-}
-
 void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	for (const Ref<Mesh> &mesh : r_drawing.meshes) {
 		r_drawing.boxes.push_back(box_of(mesh));
@@ -52,8 +44,10 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	LayerSnapshot result;
 	result.settings = std::make_shared<const LayerSettings>(settings(seed, index));
 	result.range = range_;
-	result.lod = lod();
-	result.drawing = drawing();
+	result.lod = lod_;
+	result.drawing = drawing_;
+	result.drawing.material_override = material_override_;
+	meshes_.draw(lod_meshes_, lod_distances_, result.drawing, result.lod);
 	add_boxes(result.lod, result.drawing);
 	result.gameplay = gameplay();
 	result.links = links();
@@ -74,19 +68,9 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) cons
 	if (mask_.is_valid()) {
 		result.rules.mask = mask_->snapshot();
 	}
-	for (int64_t mesh = 0; mesh < meshes_.size(); ++mesh) {
+	for (int64_t mesh = 0; mesh < static_cast<int64_t>(meshes_.size()); ++mesh) {
 		result.mesh_weights.push_back(mesh < mesh_weights_.size() ? mesh_weights_[mesh] : 1.0F);
 	}
-	return result;
-}
-
-LayerDrawing ScatterLayer::drawing() const {
-	LayerDrawing result = drawing_;
-	// Whole rows of LOD meshes only.
-	const int64_t rows = meshes_.is_empty() ? 0 : lod_meshes_.size() / meshes_.size();
-	result.meshes = mesh_list(meshes_, meshes_.size());
-	result.lod_meshes = mesh_list(lod_meshes_, rows * meshes_.size());
-	result.material_override = material_override_;
 	return result;
 }
 
@@ -105,6 +89,9 @@ LayerGameplay ScatterLayer::gameplay() const {
 		result.collision.bounce = physics_material_->is_absorbent() ? -bounce : bounce;
 	}
 	result.scene.scene = scene_;
+	if (result.collision.shape == BodyShape::model) {
+		result.collision.parts = meshes_.bodies();
+	}
 	return result;
 }
 

@@ -1,0 +1,180 @@
+#include "nodes/layer/layer_meshes.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/core/memory.hpp>
+#include <godot_cpp/core/object.hpp>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+bool LayerMeshes::set_entries(const Array &p_entries) {
+	Array entries;
+	std::vector<Ref<ScatterModel>> models;
+	for (int64_t index = 0; index < p_entries.size(); ++index) {
+		const Variant entry = p_entries[index];
+		Object *object = entry.get_validated_object();
+		Ref<ScatterModel> model(Object::cast_to<ScatterModel>(object));
+		const Ref<PackedScene> scene(Object::cast_to<PackedScene>(object));
+		if (scene.is_valid()) {
+			model = model_of(scene);
+			if (model.is_null() && !entries_.is_empty()) {
+				return false;
+			}
+		} else if (model.is_null() && entry.get_type() != Variant::NIL && Object::cast_to<Mesh>(object) == nullptr) {
+			const String kind = object != nullptr ? object->get_class() : String("no resource");
+			if (object != nullptr ||
+					entry.get_type() != Variant::OBJECT) { // A null may come as an object that is none.
+				ERR_PRINT(vformat("ScatterLayer.meshes[%d] is %s: it takes a Mesh, a PackedScene or a ScatterModel.",
+						index, kind));
+				return false;
+			}
+		}
+		entries.push_back(entry);
+		models.push_back(model);
+	}
+	entries.make_read_only();
+	entries_ = entries;
+	models_ = std::move(models);
+	return true;
+}
+
+/// The model that was made of a scene before, else a new one. Null, with an error, where the scene has nothing to draw.
+Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
+	for (std::size_t entry = 0; entry < size(); ++entry) {
+		if (models_[entry].is_valid() && Ref<PackedScene>(entries_[static_cast<int64_t>(entry)]) == p_scene) {
+			return models_[entry];
+		}
+	}
+	Ref<ScatterModel> model(memnew(ScatterModel));
+	model->set_scene(p_scene);
+	return model->get_scene().is_valid() ? model : Ref<ScatterModel>();
+}
+
+Ref<Mesh> LayerMeshes::mesh(std::size_t entry) const {
+	return models_[entry].is_valid() ? models_[entry]->get_mesh(0) : Ref<Mesh>(entries_[static_cast<int64_t>(entry)]);
+}
+
+std::vector<Object *> LayerMeshes::sources() const {
+	std::vector<Object *> result;
+	for (std::size_t entry = 0; entry < size(); ++entry) {
+		Object *source = models_[entry].ptr();
+		if (source == nullptr) {
+			source = Ref<Mesh>(entries_[static_cast<int64_t>(entry)]).ptr();
+		}
+		if (source != nullptr) {
+			result.push_back(source);
+		}
+	}
+	return result;
+}
+
+bool LayerMeshes::reload(const PackedStringArray &p_paths) {
+	bool any = false;
+	const std::vector<Ref<ScatterModel>> models = models_; // Reading a scene runs its scripts.
+	for (const Ref<ScatterModel> &model : models) {
+		const Ref<PackedScene> scene = model.is_valid() ? model->get_scene() : Ref<PackedScene>();
+		if (scene.is_valid() && p_paths.has(scene->get_path())) {
+			any = true;
+			model->reload();
+		}
+	}
+	return any;
+}
+
+bool LayerMeshes::has_mesh() const {
+	for (std::size_t entry = 0; entry < size(); ++entry) {
+		if (mesh(entry).is_valid()) {
+			return true;
+		}
+	}
+	return false;
+}
+
+std::vector<DrawnLod> LayerMeshes::lods_of(
+		std::size_t entry, const TypedArray<Mesh> &p_meshes, const PackedFloat32Array &p_distances) const {
+	if (models_[entry].is_valid()) {
+		return models_[entry]->drawn_lods();
+	}
+	const Ref<Mesh> near_by = mesh(entry);
+	if (near_by.is_null()) {
+		return {};
+	}
+	std::vector<DrawnLod> result{{0.0, near_by, {}, ScatterLod::CAST_SHADOW_LAYER}};
+	for (int64_t row = 0; row < p_distances.size(); ++row) {
+		const int64_t at = row * entries_.size() + static_cast<int64_t>(entry);
+		if ((row + 1) * entries_.size() <= p_meshes.size() && Ref<Mesh>(p_meshes[at]).is_valid()) { // Whole rows only.
+			result.push_back({p_distances.ptr()[row], Ref<Mesh>(p_meshes[at]), {}, ScatterLod::CAST_SHADOW_LAYER});
+		}
+	}
+	return result;
+}
+
+void LayerMeshes::draw(const TypedArray<Mesh> &p_meshes, const PackedFloat32Array &p_distances, LayerDrawing &r_drawing,
+		LodSettings &r_lod) const {
+	std::vector<std::vector<DrawnLod>> lods;
+	std::set<double> distances(p_distances.ptr(), p_distances.ptr() + p_distances.size());
+	for (std::size_t entry = 0; entry < size(); ++entry) {
+		lods.push_back(lods_of(entry, p_meshes, p_distances));
+		r_drawing.meshes.push_back(lods.back().empty() ? Ref<Mesh>() : lods.back().front().mesh);
+		for (std::size_t lod = 1; lod < lods.back().size(); ++lod) {
+			distances.insert(lods.back()[lod].distance);
+		}
+	}
+	for (const double distance : distances) {
+		if (r_lod.lod_distances.size() == max_lods) {
+			break;
+		}
+		r_lod.lod_distances.push_back(distance);
+		for (const std::vector<DrawnLod> &of : lods) {
+			Ref<Mesh> begins;
+			for (std::size_t lod = 1; lod < of.size(); ++lod) {
+				begins = of[lod].distance == distance ? of[lod].mesh : begins;
+			}
+			r_drawing.lod_meshes.push_back(begins);
+		}
+	}
+}
+
+std::vector<std::vector<BodyPart>> LayerMeshes::bodies() const {
+	std::vector<std::vector<BodyPart>> result(size());
+	for (std::size_t entry = 0; entry < size(); ++entry) {
+		if (models_[entry].is_null()) {
+			continue;
+		}
+		for (const ModelShape &shape : models_[entry]->model_shapes()) {
+			if (std::optional<BodyPart> part = body_part(shape)) {
+				result[entry].push_back(std::move(*part));
+			}
+		}
+	}
+	return result;
+}
+
+void LayerMeshes::add_problems(PackedStringArray &r_problems) const {
+	if (!has_mesh()) {
+		r_problems.push_back("ScatterLayer.meshes has no mesh: the layer draws nothing.");
+	}
+	for (std::size_t entry = 0; entry < size(); ++entry) {
+		const Ref<PackedScene> scene = entries_[static_cast<int64_t>(entry)];
+		if (models_[entry].is_null()) {
+			if (scene.is_valid()) {
+				r_problems.push_back(vformat("ScatterLayer.meshes[%d], %s, has nothing to draw.",
+						static_cast<int64_t>(entry), name_of(scene)));
+			}
+			continue;
+		}
+		const PackedStringArray remarks = models_[entry]->get_remarks();
+		for (const String &remark : remarks) {
+			r_problems.push_back(vformat("ScatterLayer.meshes[%d], %s: %s", static_cast<int64_t>(entry),
+					name_of(models_[entry]->get_scene()), remark));
+		}
+	}
+}
+
+} // namespace thicket

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/model/scatter_model.hpp"
+
+#include <godot_cpp/classes/mesh.hpp>
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
+
+#include <cstddef>
+#include <vector>
+
+namespace thicket {
+
+/// What stands at the instances of a layer: the entries of ScatterLayer.meshes, each a Mesh, a PackedScene, a ScatterModel or null, and what replaces
+/// those that are meshes with distance.
+class LayerMeshes {
+public:
+	/// Takes over a list, whose scenes are read. False, with an error, for an entry of another kind, and where a scene has nothing to draw: then
+	/// all stays as it was. Only where there was nothing before, as when a layer is being loaded, such a scene stays in the list, so that it is not lost.
+	bool set_entries(const godot::Array &p_entries);
+
+	/// Read-only.
+	const godot::Array &entries() const { return entries_; }
+	std::size_t size() const { return static_cast<std::size_t>(entries_.size()); }
+
+	/// Whatever emits `changed` when an entry looks otherwise: meshes and models. No null among them.
+	std::vector<godot::Object *> sources() const;
+
+	/// Reads scenes anew whose files are among these. True if there were any.
+	bool reload(const godot::PackedStringArray &p_paths);
+
+	/// True if anything is drawn.
+	bool has_mesh() const;
+
+	/// Fills in what is drawn, with a row for each distance at which an entry changes, and those distances. `p_meshes` and `p_distances` are
+	/// ScatterLayer's lod_meshes and lod_distances. Distances beyond the first max_lods are left out.
+	void draw(const godot::TypedArray<godot::Mesh> &p_meshes, const godot::PackedFloat32Array &p_distances,
+			LayerDrawing &r_drawing, LodSettings &r_lod) const;
+
+	/// The shapes of each entry; none for what is no model.
+	std::vector<std::vector<BodyPart>> bodies() const;
+
+	/// What is likely not meant, a sentence each.
+	void add_problems(godot::PackedStringArray &r_problems) const;
+
+	/// The model of an entry, which for a scene is the one that was made of it; null for a mesh.
+	godot::Ref<ScatterModel> model(std::size_t entry) const { return models_[entry]; }
+
+	/// The mesh of an entry near by; null for none.
+	godot::Ref<godot::Mesh> mesh(std::size_t entry) const;
+
+private:
+	godot::Ref<ScatterModel> model_of(const godot::Ref<godot::PackedScene> &p_scene) const;
+	std::vector<DrawnLod> lods_of(std::size_t entry, const godot::TypedArray<godot::Mesh> &p_meshes,
+			const godot::PackedFloat32Array &p_distances) const;
+
+	godot::Array entries_;
+	std::vector<godot::Ref<ScatterModel>>
+			models_; ///< Of each entry; null for meshes, and for scenes that could not be read.
+};
+
+} // namespace thicket

@@ -1,0 +1,126 @@
+// What stands at an instance: meshes, scenes and models, and what follows from their size.
+
+#include "nodes/common/convert.hpp"
+#include "nodes/layer/scatter_layer_properties.hpp"
+
+#include <godot_cpp/core/object.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr double least_size = 0.05; ///< Meters: what is smaller is spaced and met as if it were as large.
+
+/// Meters around the axis on which an instance stands.
+struct Extent {
+	double radius = 0.0;
+	double top = 0.0;
+
+	void add(const Vector3 &p_corner) {
+		radius = std::max(
+				{radius, std::abs(static_cast<double>(p_corner.x)), std::abs(static_cast<double>(p_corner.z))});
+		top = std::max(top, static_cast<double>(p_corner.y));
+	}
+};
+
+} // namespace
+
+void ScatterLayer::set_meshes(const Array &p_meshes) {
+	if (p_meshes.size() > static_cast<int64_t>(max_meshes)) {
+		report(layer_class_name, {ErrorCode::out_of_range, "meshes", static_cast<double>(p_meshes.size())});
+		return;
+	}
+	LayerMeshes next = meshes_; // Scenes run their scripts while they are read.
+	if (next.set_entries(p_meshes)) {
+		watch_meshes(false);
+		meshes_ = next;
+		watch_meshes(true);
+		changed();
+	}
+}
+
+/// A mesh that grows needs larger boxes around its tiles. All together: a mesh may be in both lists.
+void ScatterLayer::watch_meshes(bool p_watch) {
+	for (Object *source : meshes_.sources()) {
+		watch(source, "changed", this, "emit_changed", p_watch);
+	}
+	for (int64_t at = 0; at < lod_meshes_.size(); ++at) {
+		watch(Ref<Mesh>(lod_meshes_[at]).ptr(), "changed", this, "emit_changed", p_watch);
+	}
+}
+
+Array ScatterLayer::get_meshes() const { return meshes_.entries(); }
+
+void ScatterLayer::reload_scenes(const PackedStringArray &p_paths) {
+	LayerMeshes meshes = meshes_; // The scenes' scripts may replace the list.
+	meshes.reload(p_paths);
+}
+
+void ScatterLayer::set_mesh_weights(const PackedFloat32Array &p_weights) {
+	for (const float weight : p_weights) {
+		if (!accept_number(layer_class_name, "mesh_weights", weight, 0.0, 1e6)) {
+			return;
+		}
+	}
+	mesh_weights_ = p_weights;
+	changed();
+}
+
+PackedFloat32Array ScatterLayer::get_mesh_weights() const { return mesh_weights_; }
+
+bool ScatterLayer::fit_to_meshes() {
+	Extent drawn;
+	Extent solid;
+	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
+		if (const Ref<Mesh> mesh = meshes_.mesh(entry); mesh.is_valid()) {
+			const AABB box = mesh->get_aabb();
+			drawn.add(box.position);
+			drawn.add(box.position + box.size);
+		}
+	}
+	const std::vector<std::vector<BodyPart>> bodies = meshes_.bodies();
+	for (const std::vector<BodyPart> &parts : bodies) {
+		for (const BodyPart &part : parts) {
+			const glm::vec3 reach = 0.5F * part.size;
+			solid.add(to_engine(part.origin - reach));
+			solid.add(to_engine(part.origin + reach));
+			for (const glm::vec3 &corner : part.corners) {
+				solid.add(to_engine(corner));
+			}
+		}
+	}
+	if (!meshes_.has_mesh()) {
+		return false;
+	}
+	settings_.set.radius = std::clamp(2.0 * drawn.radius, least_size, max_radius);
+	gameplay_.instance_radius = std::max(solid.radius > 0.0 ? solid.radius : drawn.radius, least_size);
+	gameplay_.instance_height = std::max(drawn.top, least_size);
+	if (solid.radius > 0.0) {
+		gameplay_.collision.shape = BodyShape::model;
+	}
+	changed();
+	return true;
+}
+
+void ScatterLayer::bind_meshes() {
+	bind_guarded<&ScatterLayer::set_meshes>(D_METHOD("set_meshes", "meshes"));
+	bind_guarded<&ScatterLayer::get_meshes>(D_METHOD("get_meshes"));
+	// By its type in text, which has room for several classes; scripts see an array of no type.
+	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "meshes", PROPERTY_HINT_TYPE_STRING,
+						 vformat("%d/%d:Mesh,PackedScene,ScatterModel", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
+			"set_meshes", "get_meshes");
+	bind_guarded<&ScatterLayer::set_mesh_weights>(D_METHOD("set_mesh_weights", "weights"));
+	bind_guarded<&ScatterLayer::get_mesh_weights>(D_METHOD("get_mesh_weights"));
+	ADD_PROPERTY(PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "mesh_weights"), "set_mesh_weights", "get_mesh_weights");
+	bind_guarded<&ScatterLayer::reload_scenes>(D_METHOD("reload_scenes", "paths"));
+	bind_guarded<&ScatterLayer::fit_to_meshes>(D_METHOD("fit_to_meshes"));
+}
+
+} // namespace thicket

@@ -1,0 +1,189 @@
+extends "models_harness.gd"
+## Models on a layer: entries of its meshes, LODs by distance, bodies, sizes, and what is refused.
+
+const RADIUS := 6.0
+
+
+## A layer whose instances are sparse enough that bodies do not overlap.
+func make_model_layer(entries: Array) -> ScatterLayer:
+	var layer := make_layer(RADIUS)
+	layer.meshes = entries
+	return layer
+
+
+func test_instances_are_those_of_a_plain_mesh() -> void:
+	var viewer := make_viewer()
+	var plain := make_model_layer([BoxMesh.new(), BoxMesh.new()])
+	plain.mesh_weights = [1.0, 3.0]
+	var scatter := make_scatter([plain], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	var tiles := scatter.get_shown_tiles(0)
+	var digests := tiles.map(func(tile: Vector2i) -> int: return scatter.get_tile(0, tile).get_digest())
+	var model := ScatterModel.new()
+	model.scene = pack(make_tree())
+	plain.meshes = [pack(make_tree()), model]
+	await settle(scatter)
+	check(tiles.size() > 10 and scatter.get_shown_tiles(0) == tiles, "tiles")
+	for index in tiles.size():
+		var tile := scatter.get_tile(0, tiles[index])
+		check_equal(tile.get_digest(), digests[index], "digest of tile %s" % tiles[index])
+		check_equal(tile.get_mesh(1), model.get_mesh(), "what is drawn")
+		check_equal(tile.get_mesh(0).get_surface_count(), 2, "of the scene: all its parts")
+
+
+func test_entries() -> void:
+	var model := ScatterModel.new()
+	model.scene = pack(make_tree())
+	var scene := pack(make_tree())
+	var mesh := BoxMesh.new()
+	var layer := make_model_layer([mesh, scene, model, null])
+	check_equal(layer.meshes, [mesh, scene, model, null], "what was set is read back")
+	layer.meshes = [mesh, ImageTexture.new()]
+	check_error(["ScatterLayer.meshes[1]", "ImageTexture"], "another resource")
+	layer.meshes = ["res://tree.glb"]
+	check_error(["ScatterLayer.meshes[0]", "no resource"], "a text")
+	layer.meshes = [mesh, PackedScene.new()]
+	check_error(["ScatterModel.scene", "it is empty"], "an empty scene")
+	check_equal(layer.meshes, [mesh, scene, model, null], "the list stays")
+	var many := []
+	many.resize(257)
+	layer.meshes = many
+	check_error(["ScatterLayer.meshes", "257"], "too many")
+	check(layer.meshes.is_read_only(), "a list that cannot be changed in place")
+	var typed: Array[Mesh] = [mesh]
+	layer.meshes = typed
+	check_equal(layer.meshes.size(), 1, "a typed list is taken")
+
+	# A layer that is being loaded has no list yet: what cannot be drawn is not lost, and is told.
+	var loaded := ScatterLayer.new()
+	var empty := PackedScene.new()
+	loaded.meshes = [empty]
+	check_error(["ScatterModel.scene", "it is empty"], "an empty scene while loading")
+	check_equal(loaded.meshes, [empty], "it stays in the list")
+	var scatter := make_scatter([loaded], ScatterTerrainFlat.new(), make_viewer())
+	var told := "\n".join(scatter.get_problems())
+	check("ScatterLayer.meshes[0], a scene without a file, has nothing to draw" in told, "warned: " + told)
+
+
+func test_lods_of_models_and_of_meshes_beside_each_other() -> void:
+	var viewer := make_viewer()
+	var model := ScatterModel.new()
+	model.scene = pack(make_tree())
+	model.scene = null
+	model.lods[1].distance = 20.0
+	model.lods[2].distance = 50.0
+	var near := BoxMesh.new()
+	var far := BoxMesh.new()
+	var layer := make_model_layer([near, model])
+	layer.lod_distances = [35.0]
+	layer.lod_meshes = [far, null]
+	layer.tile_size = 8.0
+	layer.view_distance = 80.0
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	var seen := {}
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		var shown := scatter.get_tile(0, tile)
+		for entry in 2:
+			var multimesh := shown.get_multimesh(entry)
+			if multimesh.is_valid():
+				seen[[entry, RenderingServer.multimesh_get_mesh(multimesh)]] = true
+	if DisplayServer.get_name() != "headless": # Which keeps no meshes.
+		check_equal(seen.size(), 5, "two meshes of the one, three of the other")
+	check_no_error("LODs")
+
+
+func test_bodies_are_those_of_the_scene() -> void:
+	var packed := pack(make_tree())
+	var layer := make_model_layer([packed])
+	layer.collision_shape = ScatterLayer.COLLISION_MODEL
+	layer.collision_distance = 30.0
+	layer.min_scale = 0.7
+	layer.max_scale = 1.6
+	layer.min_tilt_degrees = 0.0
+	layer.max_tilt_degrees = 20.0
+	var viewer := make_viewer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	await physics_frame
+	var found := scatter.query_sphere(Vector3.ZERO, 22.0)
+	check(found.size() > 20, "%d instances" % found.size())
+	# The scene itself, far from all that is scattered, and rays at it from all sides in the instance's own space.
+	var alone := packed.instantiate() as Node3D
+	root.add_child(alone)
+	alone.position = Vector3(0, 500, 0)
+	await physics_frame
+	await physics_frame
+	var random := RandomNumberGenerator.new()
+	random.seed = 5
+	var hits := 0
+	var differ := 0
+	for index in mini(found.size(), 40):
+		var at := found.get_transform(index)
+		var size := at.basis.get_scale().x
+		for ray in 30:
+			var from := Vector3(random.randf_range(-4, 4), random.randf_range(0.2, 6), random.randf_range(-4, 4))
+			var to := Vector3(random.randf_range(-0.6, 0.6), random.randf_range(0.2, 5), random.randf_range(-0.6, 0.6))
+			var expected := cast(alone.position + from, alone.position + to)
+			var got := cast(at * from, at * to)
+			if got and scatter.get_body_instance(got["rid"]) != found.get_id(index):
+				continue # A neighbor stands in the way.
+			hits += int(not expected.is_empty())
+			if expected.is_empty() != got.is_empty():
+				differ += 1 # It grazes a body whose size is rounded.
+			elif expected:
+				var apart := (at.affine_inverse() * (got["position"] as Vector3)).distance_to(expected["position"] - alone.position)
+				differ += int(apart > 0.08)
+	check(hits > 400, "%d hits" % hits)
+	check(differ < hits / 40, "%d of %d rays differ" % [differ, hits])
+
+
+func cast(from: Vector3, to: Vector3) -> Dictionary:
+	return root.world_3d.direct_space_state.intersect_ray(PhysicsRayQueryParameters3D.create(from, to))
+
+
+func test_sizes_follow_from_the_meshes() -> void:
+	var layer := ScatterLayer.new()
+	check(not layer.fit_to_meshes(), "nothing without meshes")
+	check_equal(layer.radius, 2.0, "nothing was changed")
+	layer.meshes = [pack(make_tree())]
+	layer.fit_to_meshes()
+	var box := layer_box(layer)
+	var reach := maxf(maxf(-box.position.x, box.end.x), maxf(-box.position.z, box.end.z))
+	check(is_equal_approx(layer.radius, 2.0 * reach), "as far apart as it is wide: %f" % layer.radius)
+	check(is_equal_approx(layer.instance_height, box.end.y), "as high: %f" % layer.instance_height)
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "with its own shapes")
+	check(layer.instance_radius < reach and layer.instance_radius > 1.0, "as thick as they are: %f" % layer.instance_radius)
+	layer = ScatterLayer.new()
+	layer.meshes = [box_of(Vector3(1.0, 0.5, 3.0))]
+	layer.fit_to_meshes()
+	check(is_equal_approx(layer.radius, 3.0), "a mesh: %f" % layer.radius)
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "which has no shapes")
+
+
+func box_of(size: Vector3) -> BoxMesh:
+	return box(size, null)
+
+
+func layer_box(layer: ScatterLayer) -> AABB:
+	var model := ScatterModel.new()
+	model.scene = layer.meshes[0]
+	return model.get_mesh().get_aabb()
+
+
+func test_a_reimported_scene_is_drawn_as_it_is_now() -> void:
+	ResourceSaver.save(pack(make_tree()), "user://oak.tscn")
+	var layer := make_model_layer([load("user://oak.tscn")])
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
+	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "before")
+	var other := Node3D.new()
+	put_mesh(box_of(Vector3.ONE * 3.0), "Block", other, other)
+	ResourceSaver.save(pack(other), "user://oak.tscn")
+	layer.reload_scenes(["user://elm.tscn"])
+	await settle(scatter)
+	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "another file changed")
+	layer.reload_scenes(["user://oak.tscn"])
+	await settle(scatter)
+	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "after")
