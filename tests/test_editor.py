@@ -116,7 +116,7 @@ def test_without_the_library_the_plugin_is_silent(godot, plain_project):
 
 @pytest.mark.parametrize(
     "name",
-    ["added", "brush", "preset", "gizmos", "region", "neighbors", "region_layers", "layer", "inspector", "help"],
+    ["added", "brush", "preset", "gizmos", "region", "neighbors", "region_layers", "dropped", "layer", "inspector", "help"],
 )
 def test_pictures(designer, name):
     """The editor drew something: many shades, none of them most of the picture."""

@@ -297,6 +297,19 @@ func test_layers_to_choose_from() -> void:
 	select(scatter)
 
 
+## What is dropped on the inspector becomes layers, and meshes of a layer.
+func test_drops() -> void:
+	var part := preload("res://tests/mesh_drops.gd").new()
+	part.plugin = plugin
+	part.scatter = scatter
+	add_child(part)
+	select(scatter)
+	await frames(2)
+	await part.drop()
+	part.queue_free()
+	select(scatter)
+
+
 ## A cancelled bake leaves nothing; a finished one holds what stands.
 func test_bake() -> void:
 	select(scatter)

@@ -1,14 +1,21 @@
 @tool
 extends EditorInspectorPlugin
-## Where a layer or a region names layers, the inspector offers those of its scatter to choose from.
+## Where a layer or a region names layers, the inspector offers those of its scatter to choose from; and layers and scatters take what is
+## dropped on them.
 
 const Choice := preload("res://addons/thicket/editor/layer_choice.gd")
 const Choices := preload("res://addons/thicket/editor/layer_choices.gd")
+const Drop := preload("res://addons/thicket/editor/mesh_drop.gd")
 const Spacing := preload("res://addons/thicket/editor/spacing_editor.gd")
 
 
 func _can_handle(object: Object) -> bool:
-	return object.is_class("ScatterLayer") or object.is_class("ScatterRegion3D")
+	return ["ScatterLayer", "ScatterRegion3D", "TerrainScatter3D"].any(object.is_class)
+
+
+func _parse_begin(object: Object) -> void:
+	if object.is_class("ScatterLayer") or object.is_class("TerrainScatter3D"):
+		add_custom_control(Drop.new(object))
 
 
 func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: PropertyHint, _hint_string: String,

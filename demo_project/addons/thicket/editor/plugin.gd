@@ -43,10 +43,13 @@ func _enter_tree() -> void:
 	add_node_3d_gizmo_plugin(_regions)
 	add_node_3d_gizmo_plugin(_extent)
 	add_inspector_plugin(_inspector)
+	EditorInterface.get_resource_filesystem().resources_reimported.connect(_reload_scenes)
+	scene_saved.connect(_on_scene_saved)
 
 
 func _exit_tree() -> void:
 	_edit(null)
+	EditorInterface.get_resource_filesystem().resources_reimported.disconnect(_reload_scenes)
 	remove_inspector_plugin(_inspector)
 	remove_node_3d_gizmo_plugin(_extent)
 	remove_node_3d_gizmo_plugin(_regions)
@@ -168,6 +171,23 @@ func _add_preset(name: String) -> void:
 	if is_instance_valid(_scatter):
 		Presets.add(name, _scatter, get_undo_redo())
 		toolbar.show_layers(_scatter)
+
+
+func _on_scene_saved(path: String) -> void:
+	_reload_scenes([path])
+
+
+## Plants whose files have changed are drawn as they are now.
+func _reload_scenes(paths: PackedStringArray) -> void:
+	var roots: Array = [EditorInterface.get_edited_scene_root()]
+	if EditorInterface.has_method(&"get_open_scene_roots"): # Since 4.5: those in other tabs, too.
+		roots = EditorInterface.call(&"get_open_scene_roots")
+	for root: Node in roots.filter(is_instance_valid):
+		for scatter: Node in root.find_children("*", "TerrainScatter3D", true, false) + [root]:
+			if scatter.is_class("TerrainScatter3D"):
+				for layer: Resource in scatter.get(&"layers"):
+					if layer != null:
+						layer.call(&"reload_scenes", paths)
 
 
 func _open_bake() -> void:

@@ -1,0 +1,79 @@
+@tool
+extends "res://tests/layer_choices.gd"
+## Scenes dropped on a scatter and on a layer, and a scene that is saved while it is scattered; undone at the end.
+
+const PINE := "res://pine.tscn"
+
+
+## A trunk and a crown, and a shape for the trunk.
+func save_pine(crown_size: float) -> void:
+	var pine := Node3D.new()
+	pine.name = "Pine"
+	for part: Array in [["Trunk", CylinderMesh.new(), 1.0], ["Crown", SphereMesh.new(), 3.0]]:
+		var instance := MeshInstance3D.new()
+		instance.name = part[0]
+		instance.mesh = part[1]
+		instance.mesh.material = StandardMaterial3D.new()
+		instance.position.y = part[2]
+		pine.add_child(instance)
+		instance.owner = pine
+	(pine.get_node("Crown") as MeshInstance3D).scale = Vector3.ONE * crown_size
+	var shape := CollisionShape3D.new()
+	shape.shape = CylinderShape3D.new()
+	pine.add_child(shape)
+	shape.owner = pine
+	var packed := PackedScene.new()
+	packed.pack(pine)
+	pine.free()
+	ResourceSaver.save(packed, PINE)
+
+
+## The field of the inspector on which scenes are dropped.
+func field() -> Control:
+	for control: Control in EditorInterface.get_inspector().find_children("*", "PanelContainer", true, false):
+		if control.get_script() != null and control.get_script().resource_path.ends_with("mesh_drop.gd"):
+			return control
+	check(false, "the inspector has a field to drop on")
+	return null
+
+
+func files(paths: PackedStringArray) -> Dictionary:
+	return {"type": "files", "files": paths}
+
+
+func drop() -> void:
+	save_pine(2.0)
+	var filesystem := EditorInterface.get_resource_filesystem()
+	filesystem.update_file(PINE)
+	await frames(5)
+	await inspect(scatter)
+	check(field()._can_drop_data(Vector2.ZERO, files([PINE])), "a scene may be dropped")
+	check(not field()._can_drop_data(Vector2.ZERO, files([PINE, "res://terrain/valley.tres"])), "not with what is no mesh")
+	check(not field()._can_drop_data(Vector2.ZERO, {"type": "nodes", "nodes": []}), "nodes may not")
+	var before: Array = scatter.layers
+	field()._drop_data(Vector2.ZERO, files([PINE]))
+	check_equal(scatter.layers.size(), before.size() + 1, "a layer more")
+	var layer: Resource = scatter.layers[before.size()]
+	check_equal(layer.resource_name, "Pine", "named after its file")
+	check(is_equal_approx(layer.radius, 2.0), "as far apart as the crown is wide: %f" % layer.radius)
+	check_equal(layer.collision_shape, 5, "with the scene's shape")
+	await settle(scatter)
+	check(instances(scatter, before.size()).size() > 100, "pines stand")
+	var mesh: Mesh = scatter.get_tile(before.size(), scatter.get_shown_tiles(before.size())[0]).get_mesh(0)
+	check_equal(mesh.get_surface_count(), 2, "trunk and crown are one")
+	await picture("dropped")
+
+	await inspect(layer)
+	field()._drop_data(Vector2.ZERO, files([PINE]))
+	check_equal(layer.meshes.size(), 2, "on a layer it joins the meshes")
+	check(is_equal_approx(layer.radius, 2.0), "whose radius stays")
+	await undo_last(layer)
+	check_equal(layer.meshes.size(), 1, "undone")
+
+	save_pine(4.0)
+	addon().scene_saved.emit(PINE)
+	await settle(scatter)
+	mesh = scatter.get_tile(before.size(), scatter.get_shown_tiles(before.size())[0]).get_mesh(0)
+	check(is_equal_approx(mesh.get_aabb().size.x, 4.0), "a scene that was saved is drawn as it is now: %s" % mesh.get_aabb())
+	history(scatter).undo()
+	check_equal(scatter.layers, before, "undone")
