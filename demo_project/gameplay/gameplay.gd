@@ -42,7 +42,7 @@ func _process(_delta: float) -> void:
 	_looking.visible = not tree.is_empty()
 	if tree.is_empty():
 		return
-	var mesh := world.layers[tree.layer].meshes[tree.mesh]
+	var mesh: Mesh = world.layers[tree.layer].meshes[tree.mesh]
 	if _highlight.mesh != mesh:
 		_highlight.mesh = mesh
 		_highlight.material_override = _glow_of(mesh)

@@ -65,6 +65,26 @@ func test_entries() -> void:
 	check("ScatterLayer.meshes[0], a scene without a file, has nothing to draw" in told, "warned: " + told)
 
 
+## Two scenes that inherit from each other, which the engine does not load, in words of its own.
+func test_a_circle_of_scenes() -> void:
+	for name: String in ["one", "other"]:
+		var file := FileAccess.open("user://%s.tscn" % name, FileAccess.WRITE)
+		file.store_string('[gd_scene load_steps=2 format=3]\n\n[ext_resource type="PackedScene" path="user://%s.tscn" id="1"]\n\n'
+				% ("other" if name == "one" else "one"))
+		file.store_string('[node name="Tree" instance=ExtResource("1")]\n')
+	var scene := pack(make_tree())
+	var layer := make_model_layer([scene, load("user://one.tscn")])
+	check(not errors.take().is_empty(), "the engine says why it does not load it")
+	check(layer.meshes[0] == scene and layer.meshes[1] == null, "nothing is drawn for it")
+	var model := ScatterModel.new()
+	model.scene = scene
+	model.scene.take_over_path("user://one.tscn")
+	check(not model.reload(), "a model whose file has become one")
+	var told := errors.take()
+	check(told.has("ScatterModel.scene: user://one.tscn cannot be loaded."), "told: %s" % told)
+	check_equal(model.lods.size(), 3, "the model stays")
+
+
 func test_lods_of_models_and_of_meshes_beside_each_other() -> void:
 	var viewer := make_viewer()
 	var model := ScatterModel.new()

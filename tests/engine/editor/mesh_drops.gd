@@ -37,7 +37,7 @@ func field() -> Control:
 	return null
 
 
-func files(paths: PackedStringArray) -> Dictionary:
+func dragged(paths: PackedStringArray) -> Dictionary:
 	return {"type": "files", "files": paths}
 
 
@@ -47,15 +47,15 @@ func drop() -> void:
 	filesystem.update_file(PINE)
 	await frames(5)
 	await inspect(scatter)
-	check(field()._can_drop_data(Vector2.ZERO, files([PINE])), "a scene may be dropped")
-	check(not field()._can_drop_data(Vector2.ZERO, files([PINE, "res://terrain/valley.tres"])), "not with what is no mesh")
+	check(field()._can_drop_data(Vector2.ZERO, dragged([PINE])), "a scene may be dropped")
+	check(not field()._can_drop_data(Vector2.ZERO, dragged([PINE, "res://terrain/valley.tres"])), "not with what is no mesh")
 	check(not field()._can_drop_data(Vector2.ZERO, {"type": "nodes", "nodes": []}), "nodes may not")
 	var before: Array = scatter.layers
-	field()._drop_data(Vector2.ZERO, files([PINE]))
+	field()._drop_data(Vector2.ZERO, dragged([PINE]))
 	check_equal(scatter.layers.size(), before.size() + 1, "a layer more")
 	var layer: Resource = scatter.layers[before.size()]
 	check_equal(layer.resource_name, "Pine", "named after its file")
-	check(is_equal_approx(layer.radius, 2.0), "as far apart as the crown is wide: %f" % layer.radius)
+	check(absf(layer.radius - 2.0) < 0.01, "as far apart as the crown is wide: %f" % layer.radius)
 	check_equal(layer.collision_shape, 5, "with the scene's shape")
 	await settle(scatter)
 	check(instances(scatter, before.size()).size() > 100, "pines stand")
@@ -64,9 +64,9 @@ func drop() -> void:
 	await picture("dropped")
 
 	await inspect(layer)
-	field()._drop_data(Vector2.ZERO, files([PINE]))
+	field()._drop_data(Vector2.ZERO, dragged([PINE]))
 	check_equal(layer.meshes.size(), 2, "on a layer it joins the meshes")
-	check(is_equal_approx(layer.radius, 2.0), "whose radius stays")
+	check(absf(layer.radius - 2.0) < 0.01, "whose radius stays")
 	await undo_last(layer)
 	check_equal(layer.meshes.size(), 1, "undone")
 
@@ -74,6 +74,6 @@ func drop() -> void:
 	addon().scene_saved.emit(PINE)
 	await settle(scatter)
 	mesh = scatter.get_tile(before.size(), scatter.get_shown_tiles(before.size())[0]).get_mesh(0)
-	check(is_equal_approx(mesh.get_aabb().size.x, 4.0), "a scene that was saved is drawn as it is now: %s" % mesh.get_aabb())
+	check(absf(mesh.get_aabb().size.x - 4.0) < 0.01, "a scene that was saved is drawn as it is now: %s" % mesh.get_aabb())
 	history(scatter).undo()
 	check_equal(scatter.layers, before, "undone")
