@@ -207,3 +207,38 @@ func test_a_reimported_scene_is_drawn_as_it_is_now() -> void:
 	layer.reload_scenes(["user://oak.tscn"])
 	await settle(scatter)
 	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "after")
+
+
+## The root of a scene, whose making does something.
+class Meddler extends Node3D:
+	static var deed: Callable
+
+	func _init() -> void:
+		if deed.is_valid():
+			deed.call()
+
+
+func test_scripts_in_a_scene_may_do_anything_while_it_is_read() -> void:
+	var root_node := Meddler.new()
+	put_mesh(box_of(Vector3.ONE), "Stone", root_node, root_node)
+	var meddling := pack(root_node)
+	var scatter := make_scatter([make_model_layer([BoxMesh.new()])], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var layer := scatter.layers[0]
+	Meddler.deed = func() -> void: layer.meshes = []
+	layer.meshes = [meddling]
+	check_equal(layer.meshes, [meddling], "the call from outside has the last word")
+	await settle(scatter)
+	Meddler.deed = func() -> void: scatter.free()
+	layer.reload_scenes([""]) # No file: nothing is read.
+	layer.meshes = [SphereMesh.new()]
+	layer.meshes = [meddling]
+	check(not is_instance_valid(scatter) and layer.meshes.size() == 1, "the node is gone, the layer is not")
+	var model := ScatterModel.new()
+	Meddler.deed = func() -> void:
+		Meddler.deed = Callable()
+		model.scene = pack(make_tree())
+	model.scene = meddling
+	check_equal(model.scene, meddling, "a model that gets another scene meanwhile")
+	check_equal(model.get_mesh().get_surface_count(), 1, "has what was read last")
+	Meddler.deed = Callable()

@@ -79,7 +79,8 @@ bool LayerMeshes::reload(const PackedStringArray &p_paths) {
 	const std::vector<Ref<ScatterModel>> models = models_; // Reading a scene runs its scripts.
 	for (const Ref<ScatterModel> &model : models) {
 		const Ref<PackedScene> scene = model.is_valid() ? model->get_scene() : Ref<PackedScene>();
-		if (scene.is_valid() && p_paths.has(scene->get_path())) {
+		const String path = scene.is_valid() ? scene->get_path() : String();
+		if (!path.is_empty() && p_paths.has(path)) {
 			any = true;
 			model->reload();
 		}
