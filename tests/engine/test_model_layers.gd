@@ -181,6 +181,35 @@ func test_sizes_follow_from_the_meshes() -> void:
 	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "which has no shapes")
 
 
+## What a game changes, and what is baked, is whole models.
+func test_changes_and_bakes() -> void:
+	var layer := make_model_layer([pack(make_tree()), BoxMesh.new()])
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
+	var digest := scatter.get_tile(0, tile).get_digest()
+	var id := scatter.get_tile(0, tile).get_ids(0)[0]
+	check(scatter.remove_instance(id), "a tree is felled")
+	var added := scatter.add_instance(0, Transform3D(Basis(), scatter.get_tile(0, tile).get_origin()), 0)
+	await settle(scatter)
+	check(added != 0 and scatter.get_tile(0, tile).get_ids(0).has(added), "another is planted")
+	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "a whole one")
+	check(scatter.restore_instance(id) and scatter.remove_instance(added), "all as before")
+	await settle(scatter)
+	check_equal(scatter.get_tile(0, tile).get_digest(), digest, "to the bit")
+	var bake: RefCounted = load("res://addons/thicket/bake.gd").new()
+	check_equal(bake.begin(scatter, Rect2(0, 0, 32, 32), "res://baked", "models"), OK, "begun")
+	while bake.step(100.0):
+		await process_frame
+	check_equal(bake.problem, "", "no problem")
+	var scene := (load("res://baked/models.tscn") as PackedScene).instantiate()
+	var surfaces := scene.get_children().map(func(node: MultiMeshInstance3D) -> int: return node.multimesh.mesh.get_surface_count())
+	surfaces.sort()
+	check_equal(surfaces, [1, 2], "the box, and all of the tree")
+	scene.free()
+
+
 func box_of(size: Vector3) -> BoxMesh:
 	return box(size, null)
 
