@@ -157,6 +157,30 @@ TEST_CASE("links: by index and by identity, and the larger of what is said twice
 	CHECK(problems(layers, 2, "the layer itself") == 1);
 }
 
+TEST_CASE("links: the layers that colors and variations follow are earlier ones, and nobody's neighbors") {
+	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern"), layer_named("moss")};
+	layers[0].color_layer = "moss";
+	layers[1].color_layer = "oak";
+	layers[1].variation_layer = "fern";
+	layers[2].variation_layer = "fern";
+	const std::vector<SharedLayer> result = linked(layers);
+	CHECK(result[0]->instance_data.color.layer == nullptr);
+	CHECK(result[1]->instance_data.color.layer == result[0]);
+	CHECK(result[1]->instance_data.variation.layer == nullptr);
+	CHECK(result[2]->instance_data.variation.layer == result[1]);
+	CHECK(result[2]->neighbors.empty());
+	CHECK(linked(layers, result) == result);
+	CHECK(problems(layers, 0, "color_source_layer is \"moss\", which does not stand before") == 1);
+	CHECK(problems(layers, 1, "variation_source_layer is \"fern\", which does not stand before") == 1);
+	CHECK(problems(layers, 2, "") == 0);
+	layers[2].color_layer = "elm";
+	CHECK(problems(layers, 2, "color_source_layer is \"elm\", and no layer has that name") == 1);
+	layers[0].settings.rules.density = 0.5;
+	const std::vector<SharedLayer> later = linked(layers, result);
+	CHECK(later[1] != result[1]);
+	CHECK(later[1]->instance_data.color.layer == later[0]);
+}
+
 TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused one keeps what it had") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern")};
 	NamedLayer &fern = layers[1];

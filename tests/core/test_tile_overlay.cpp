@@ -108,6 +108,8 @@ TEST_CASE("overlay: what is removed or hidden is gone, and the rest keeps its or
 TEST_CASE("overlay: hand-placed instances stand first, in the tile of their place alone, as they were placed") {
 	LayerSettings layer = rich_layer();
 	layer.instance_data.use_custom_data = true;
+	layer.instance_data.variation.kind = SourceKind::height;
+	layer.instance_data.variation.max = 40.0;
 	const auto tile = shared_tile(layer);
 	InstanceState state;
 	std::uint64_t inside = 0;
@@ -126,6 +128,7 @@ TEST_CASE("overlay: hand-placed instances stand first, in the tile of their plac
 	CHECK(world_position(*tile, *shown[1], 0) == glm::dvec3(10.5, 20.0, 30.25));
 	CHECK(std::vector<float>(shown[1]->buffer.begin(), shown[1]->buffer.begin() + 3) ==
 			std::vector<float>{0.0f, 0.0f, 2.0f});
+	CHECK(shown[1]->buffer[transform_floats] == 0.5f); // Of its height.
 	CHECK(shown[1]->buffer[transform_floats + 3] == 2.0f);
 	CHECK(shown[1]->max_scale >= 2.0f);
 	CHECK(visible_prefix(shown[1]->ranks, 1e-9) >= 1);

@@ -34,8 +34,8 @@ void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettin
 		}
 		floats[static_cast<std::size_t>(4 * row + 3)] = position[row];
 	}
-	write_instance_data(
-			layer.instance_data, layer.set.seed, id, 0, largest_scale(added.basis), floats.subspan(transform_floats));
+	write_instance_data(layer.instance_data, layer.set.seed, id, 0, largest_scale(added.basis),
+			floats.subspan(transform_floats), shares_by_hand(layer.instance_data, added.position));
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = 0;
 }

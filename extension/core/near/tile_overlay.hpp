@@ -23,7 +23,7 @@ using OverlaidMeshes = std::vector<std::shared_ptr<const MeshInstances>>;
 
 /// Replaces `r_meshes` by what is drawn of each mesh of a tile: what was placed by hand in the half-open `rect` of the tile, by id, then what its rules give,
 /// in the same order and with the same bits, without what is removed or hidden. Hand-placed instances have thinning rank 0: no
-/// density above 0 takes them away. A mesh to which nothing applies is the tile's own; no copy is made of it.
+/// density above 0 takes them away; of what their color follows, see share_by_hand. A mesh to which nothing applies is the tile's own; no copy is made of it.
 /// Where memory does not suffice, `r_meshes` stays as it was.
 Status overlaid(const std::shared_ptr<const TileInstances> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay, OverlaidMeshes &r_meshes);

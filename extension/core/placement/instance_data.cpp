@@ -22,37 +22,70 @@ std::span<float> write_four(std::initializer_list<float> values, std::span<float
 /// All of a word as a float from 0 to 1.
 float unit_float(std::uint32_t word) { return static_cast<float>(unit_interval(word)); }
 
-} // namespace
-
-Status validate(const InstanceData &data) {
+glm::vec4 color_of(const InstanceData &data, float share, std::uint32_t word) {
 	if (data.colors == nullptr) {
-		return {};
+		return glm::vec4(1.0f);
 	}
-	const auto count = static_cast<double>(data.colors->size());
+	const ColorTable &colors = *data.colors;
+	if (share < 0.0f) {
+		return colors[static_cast<std::size_t>(word * std::uint64_t{colors.size()} >> 32)];
+	}
+	const double along = mixed(data.color, share, unit_interval(word)) * static_cast<double>(colors.size());
+	return colors[std::min(static_cast<std::size_t>(along), colors.size() - 1)];
+}
+
+Status validate_colors(const ColorTable &colors) {
+	const auto count = static_cast<double>(colors.size());
 	Status status = check_range("colors", count, 1.0, double{max_colors});
-	for (std::size_t i = 0; status.ok() && i < data.colors->size(); ++i) {
+	for (std::size_t i = 0; status.ok() && i < colors.size(); ++i) {
 		for (int channel = 0; status.ok() && channel < 4; ++channel) {
-			status = check_range("colors", double{(*data.colors)[i][channel]}, 0.0, double{max_color});
+			status = check_range("colors", double{colors[i][channel]}, 0.0, double{max_color});
 		}
 	}
 	return status;
 }
 
+} // namespace
+
+Status validate(const InstanceData &data) {
+	constexpr SourceNames color{"color_source_min", "color_source_max", "color_randomness"};
+	constexpr SourceNames variation{"variation_source_min", "variation_source_max", "variation_randomness"};
+	return first_failure(data.colors != nullptr ? validate_colors(*data.colors) : Status{},
+			data.use_colors ? validate(data.color, color) : Status{},
+			data.use_custom_data ? validate(data.variation, variation) : Status{});
+}
+
+std::array<const InstanceSource *, 2> distance_sources(const InstanceData &data) {
+	const auto looking = [](const InstanceSource &source, bool known) {
+		return known && source.kind == SourceKind::distance ? &source : nullptr;
+	};
+	return {looking(data.color, data.color_is_known()), looking(data.variation, data.variation_is_known())};
+}
+
+InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position) {
+	InstanceShares shares;
+	if (data.color_is_known()) {
+		shares.color = share_by_hand(data.color, position);
+	}
+	if (data.variation_is_known()) {
+		shares.variation = share_by_hand(data.variation, position);
+	}
+	return shares;
+}
+
 void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank,
-		float scale, std::span<float> r_floats) {
+		float scale, std::span<float> r_floats, const InstanceShares &shares) {
 	if (!data.use_colors && !data.use_custom_data) {
 		return;
 	}
 	const auto random = instance_random(seed, id, Draw::mesh);
 	if (data.use_colors) {
-		glm::vec4 color(1.0f);
-		if (data.colors != nullptr) {
-			color = (*data.colors)[static_cast<std::size_t>(random[3] * std::uint64_t{data.colors->size()} >> 32)];
-		}
+		const glm::vec4 color = color_of(data, shares.color, random[3]);
 		r_floats = write_four({color.r, color.g, color.b, color.a}, r_floats);
 	}
 	if (data.use_custom_data) {
-		write_four({unit_float(random[1]), unit_float(random[2]), unit_float(rank), scale}, r_floats);
+		const double variation = mixed(data.variation, shares.variation, unit_interval(random[1]));
+		write_four({static_cast<float>(variation), unit_float(random[2]), unit_float(rank), scale}, r_floats);
 	}
 }
 

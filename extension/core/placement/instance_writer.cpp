@@ -43,7 +43,8 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 	const std::span<float> floats = r_mesh.floats_of(at);
 	const auto transform = floats.first<transform_floats>();
 	const float scale = write_transform(layer.placement, layer.set.seed, id, ground.normal, position, transform);
-	write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats));
+	write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats),
+			points.shares_of(point));
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = rank;
 	const glm::vec3 stands{transform[3], transform[7], transform[11]};

@@ -17,14 +17,21 @@
 
 namespace thicket {
 
-/// The points of a tile, and which of them stand. All spans but the last two have an entry for each point; `standing` holds
-/// indices into them, and `thinning_ranks` an entry for each of those.
+/// The points of a tile, and which of them stand. `standing` holds indices of points, `thinning_ranks` an entry for each of
+/// those; all others have an entry for each point.
 struct StandingPoints {
 	std::span<const glm::dvec2> positions; ///< World meters.
 	std::span<const Ground> ground;
 	std::span<const std::uint64_t> ids;
 	std::span<const std::uint32_t> standing;
 	std::span<const std::uint32_t> thinning_ranks;
+	std::span<const float> color_shares{};     ///< Of points that stand; empty for colors that are random.
+	std::span<const float> variation_shares{}; ///< The same for the variation.
+
+	InstanceShares shares_of(std::uint32_t point) const {
+		return {color_shares.empty() ? unknown_share : color_shares[point],
+				variation_shares.empty() ? unknown_share : variation_shares[point]};
+	}
 };
 
 /// The last step of a tile: gives every point that stands a mesh, a transform and a look, in the order in which a layer thins. Keeps

@@ -52,11 +52,11 @@ struct LayerSettings {
 Status validate(const LayerSettings &layer);
 
 /// How far, in meters, a change of the ground, a mask or a shape may reach for the instances of a valid layer: the distances
-/// of its neighbors' chains and edge feathers, added up.
+/// of its neighbors' chains, of what its sources look at, and of edge feathers, added up.
 double reach(const LayerSettings &layer);
 
 /// About how many points a square tile of `tile_size` meters of a valid layer takes to make: those of the layer, and of its
-/// neighbors in all the surroundings from which they count. What memory and time grow with.
+/// neighbors and of layers that its sources look at in all the surroundings from which they count. What memory and time grow with.
 double points_to_sample(const LayerSettings &layer, double tile_size);
 
 } // namespace thicket

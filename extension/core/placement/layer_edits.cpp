@@ -27,9 +27,16 @@ bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 	return a.set == b.set && without_edits(a.rules) == without_edits(b.rules);
 }
 
-/// What decides how an instance looks where it stands.
+/// What decides how an instance looks where it stands, without the layers that its sources look at.
 bool same_look(const LayerSettings &a, const LayerSettings &b) {
-	return a.placement == b.placement && a.instance_data == b.instance_data && a.mesh_weights == b.mesh_weights;
+	const auto without_layers = [](const InstanceData &data) {
+		InstanceData result = data;
+		result.color.layer = nullptr;
+		result.variation.layer = nullptr;
+		return result;
+	};
+	return a.placement == b.placement && without_layers(a.instance_data) == without_layers(b.instance_data) &&
+			a.mesh_weights == b.mesh_weights;
 }
 
 bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::vector<Rect> &r_areas) {
@@ -99,6 +106,14 @@ const EditedArea &EditSearch::find_edits(const LayerSettings &before, const Laye
 	}
 	EditedArea area = find_standing(before, after);
 	area.everywhere = area.everywhere || !same_look(before, after);
+	const auto was = distance_sources(before.instance_data);
+	const auto is = distance_sources(after.instance_data);
+	for (std::size_t i = 0; i < is.size() && !area.everywhere; ++i) {
+		area.everywhere = (was[i] == nullptr) != (is[i] == nullptr);
+		if (!area.everywhere && is[i] != nullptr) {
+			area.add(find_standing(*was[i]->layer, *is[i]->layer), is[i]->max);
+		}
+	}
 	return found_.emplace(pair, std::move(area)).first->second;
 }
 

@@ -29,7 +29,7 @@ Rect grown(const Rect &area, double distance);
 
 /// Tells from the settings of layers before and after, on the same ground, where their instances may have changed:
 /// under the shapes and the pixels of masks that are not the same as before, and as far around as a layer looks for its
-/// edge or for the instances of other layers. Remembers what it found, so that layers which share neighbors cost
+/// edge or for the instances of other layers, as a rule or for the look of its own. Remembers what it found, so that layers which share neighbors cost
 /// little more than one; so the settings must live as long as the search.
 class EditSearch {
 public:

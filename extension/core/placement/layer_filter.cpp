@@ -105,7 +105,7 @@ double LayerFilter::edge_factor(std::size_t point, std::span<const Ground> probe
 
 double LayerFilter::neighbor_density(std::size_t neighbor, glm::dvec2 position) const {
 	const Neighbor &rule = layer_->neighbors[neighbor];
-	const double squared = neighbors_[neighbor]->grid_.nearest_squared(position, rule.distance);
+	const double squared = neighbors_[neighbor]->nearest_squared(position, rule.distance);
 	if (rule.curve == nullptr) {
 		return squared < rule.distance * rule.distance ? 0.0 : 1.0;
 	}

@@ -38,6 +38,12 @@ public:
 	/// Prepares the points that stand for layers that look at them, from at most `distance` meters away.
 	void index_standing(double distance);
 
+	/// The square of the distance to the nearest point that stands, if it is below `distance` meters, at most those of
+	/// index_standing; the square of `distance` otherwise. `position` lies as far within the window at least.
+	double nearest_squared(glm::dvec2 position, double distance) const {
+		return grid_.nearest_squared(position, distance);
+	}
+
 	const LayerSettings &settings() const { return *layer_; }
 	const Rect &window() const { return window_; }
 	std::size_t sampled() const { return sampled_; }

@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 namespace thicket {
@@ -15,6 +16,11 @@ Status check(const Neighbor &neighbor) {
 	}
 	return first_failure(check_positive("neighbor distance", neighbor.distance),
 			check_range("neighbor distance", neighbor.distance, 0.0, max_neighbor_distance));
+}
+
+/// What layers that are looked at look like does not matter.
+std::array<const InstanceSource *, 2> distance_sources_at(const LayerSettings &layer, std::size_t depth) {
+	return depth == 0 ? distance_sources(layer.instance_data) : std::array<const InstanceSource *, 2>{};
 }
 
 Status too_deep(std::size_t depth) {
@@ -52,6 +58,11 @@ void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 			add(*layer.neighbors[i].layer, depth + 1);
 		}
 	}
+	for (const InstanceSource *source : distance_sources_at(layer, depth)) {
+		if (status_.ok() && source != nullptr) {
+			add(*source->layer, depth + 1);
+		}
+	}
 	if (status_.ok() && size_ == nodes_.size()) {
 		status_ = {ErrorCode::out_of_range, "neighbors of neighbors", static_cast<double>(size_ + 1)};
 	}
@@ -68,11 +79,19 @@ void LayerGraph::find_margins() {
 			status_ = too_deep(node.depth);
 			return;
 		}
-		for (const Neighbor &neighbor : node.layer->neighbors) {
-			Node &other = nodes_[index_of(neighbor.layer.get())];
-			other.margin = std::max(other.margin, node.margin + neighbor.distance);
-			other.asked_from = std::max(other.asked_from, neighbor.distance);
+		const auto look = [this, &node](const LayerSettings *layer, double distance) {
+			Node &other = nodes_[index_of(layer)];
+			other.margin = std::max(other.margin, node.margin + distance);
+			other.asked_from = std::max(other.asked_from, distance);
 			other.depth = std::max(other.depth, node.depth + 1);
+		};
+		for (const Neighbor &neighbor : node.layer->neighbors) {
+			look(neighbor.layer.get(), neighbor.distance);
+		}
+		for (const InstanceSource *source : distance_sources_at(*node.layer, node.depth)) {
+			if (source != nullptr) {
+				look(source->layer.get(), source->max);
+			}
 		}
 	}
 }

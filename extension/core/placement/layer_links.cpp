@@ -30,14 +30,18 @@ std::size_t find(Links layers, const LayerReference &reference) {
 struct Found {
 	std::map<std::size_t, double> spacing;
 	std::size_t proximity_layer = 0; ///< The number of layers for none.
+	std::size_t color_layer = 0;     ///< The same.
+	std::size_t variation_layer = 0; ///< The same.
 };
 
 std::vector<Found> find_all(Links layers) {
 	std::vector<Found> result;
 	for (const LayerLinks *layer : layers) {
 		Found &found = result.emplace_back();
-		found.proximity_layer = layer != nullptr ? find(layers, layer->proximity_layer) : layers.size();
 		if (layer != nullptr) {
+			found.proximity_layer = find(layers, layer->proximity_layer);
+			found.color_layer = find(layers, layer->color_layer);
+			found.variation_layer = find(layers, layer->variation_layer);
 			for (const auto &[reference, distance] : layer->spacing) {
 				double &meters = found.spacing[find(layers, reference)];
 				meters = std::max(meters, distance);
@@ -72,6 +76,11 @@ std::vector<Neighbor> neighbors(
 	return result;
 }
 
+/// The layer that stands at `index`, if that is before those that are not linked yet.
+SharedLayer layer_at(std::span<const LinkedLayer> earlier, std::size_t index) {
+	return index < earlier.size() ? earlier[index].settings : nullptr;
+}
+
 /// How a problem speaks of a layer that a property refers to.
 std::string quoted(const LayerReference &reference) {
 	if (!reference.name.empty()) {
@@ -102,7 +111,10 @@ std::vector<LinkedLayer> link_layers(
 			continue;
 		}
 		LayerSettings settings = *layers[i].settings;
-		settings.neighbors = neighbors(links, found, i, result);
+		const std::span<const LinkedLayer> earlier = std::span(result).first(i);
+		settings.neighbors = neighbors(links, found, i, earlier);
+		settings.instance_data.color.layer = layer_at(earlier, found[i].color_layer);
+		settings.instance_data.variation.layer = layer_at(earlier, found[i].variation_layer);
 		out.status = validate(settings);
 		if (out.status.ok() && check) {
 			out.status = check(settings, i);
@@ -128,15 +140,18 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 			problems.push_back("spacing names the layer itself; its own instances keep its radius.");
 		}
 	}
-	if (!layer.proximity_layer.empty()) {
-		const std::size_t other = find(layers, layer.proximity_layer);
-		const std::string start = "proximity_layer is " + quoted(layer.proximity_layer);
-		if (other == layers.size()) {
-			problems.push_back(std::string(start).append(nobody(layer.proximity_layer)));
-		} else if (other >= index) {
+	const auto check_earlier = [&](const std::string &property, const LayerReference &reference) {
+		const std::size_t other = find(layers, reference);
+		const std::string start = property + " is " + quoted(reference);
+		if (!reference.empty() && other == layers.size()) {
+			problems.push_back(std::string(start).append(nobody(reference)));
+		} else if (!reference.empty() && other >= index) {
 			problems.push_back(start + ", which does not stand before this layer in the list: it has no effect.");
 		}
-	}
+	};
+	check_earlier("proximity_layer", layer.proximity_layer);
+	check_earlier("color_source_layer", layer.color_layer);
+	check_earlier("variation_source_layer", layer.variation_layer);
 	if (!layer.name.empty() && find(layers, layer.name) != index) {
 		problems.push_back("has the same name as another: \"" + layer.name + "\" means the first of them.");
 	}

@@ -43,12 +43,16 @@ struct LayerLinks {
 	double proximity_distance = 0.0;                   ///< Meters; 0 for none.
 	std::shared_ptr<const CurveTable> proximity_curve; ///< See Neighbor::curve; without one, proximity does not count.
 
+	/// Layers whose distance the colors, and the variations, follow; empty for none. Only ones that stand before it count.
+	LayerReference color_layer;
+	LayerReference variation_layer;
+
 	friend bool operator==(const LayerLinks &, const LayerLinks &) = default;
 };
 
 /// A layer as it is described before others are known. Both pointers are null for a layer that is not there.
 struct UnlinkedLayer {
-	const LayerSettings *settings = nullptr; ///< Without neighbors.
+	const LayerSettings *settings = nullptr; ///< Without neighbors and layers of sources.
 	const LayerLinks *links = nullptr;
 };
 
@@ -56,14 +60,15 @@ using SharedLayer = std::shared_ptr<const LayerSettings>;
 
 /// What came of a layer's references.
 struct LinkedLayer {
-	SharedLayer settings; ///< With its neighbors; null for a layer that is not there.
+	SharedLayer settings; ///< With its neighbors and layers of sources; null for a layer that is not there.
 	Status status;        ///< Why the layer kept the settings that it had before.
 };
 
 /// A further reason to refuse a layer, with its neighbors, at an index of the list.
 using LayerCheck = std::function<Status(const LayerSettings &layer, std::size_t index)>;
 
-/// Turns references into pointers: every layer gets those before it as neighbors that it refers to, or that refer to it.
+/// Turns references into pointers: every layer gets those before it as neighbors that it refers to, or that refer to it, and
+/// those before it that its sources look at.
 /// Layers that are not there keep their index and are nobody's neighbors. What comes out equal to `before`, the layers of
 /// the last call by index, is the same pointer; what is refused (too many neighbors, too long a chain, a distance out of
 /// range, or by `check`) keeps its settings from there.
@@ -71,7 +76,7 @@ std::vector<LinkedLayer> link_layers(
 		std::span<const UnlinkedLayer> layers, std::span<const SharedLayer> before, const LayerCheck &check = {});
 
 /// What is likely not meant by a layer's name and references, a sentence each: references to no layer or to the layer itself,
-/// proximity to a layer that does not stand before it, a name that an earlier layer has. `layers[index]` must not be
+/// proximity to a layer, or a color that follows one, that does not stand before it, a name that an earlier layer has. `layers[index]` must not be
 /// null, others may be.
 std::vector<std::string> name_problems(std::span<const LayerLinks *const> layers, std::size_t index);
 

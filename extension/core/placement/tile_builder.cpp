@@ -2,6 +2,7 @@
 
 #include "core/base/guard.hpp"
 #include "core/placement/instance_writer.hpp"
+#include "core/placement/source_shares.hpp"
 #include "core/placement/tile_filter.hpp"
 
 #include <algorithm>
@@ -44,6 +45,7 @@ struct TileBuilder::Workspace {
 	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
 
 	TileFilter filter;
+	SourceShares shares;
 	InstanceWriter writer;
 
 	// Of the last successful `find_points`.
@@ -126,9 +128,12 @@ Status TileBuilder::Workspace::place(
 	const glm::dvec2 center = rect.center();
 	const glm::dvec3 origin{center.x, origin_height(known.last(origin_probes.size())), center.y};
 	const std::size_t first = queries[filter.size() - 1].first;
-	const StandingPoints points{own.positions(), known.subspan(first, own.positions().size()), own.ids(),
-			own.standing(), own.thinning_ranks()};
-	const Status status = writer.write(own.settings(), points, origin, r_tile, cancel);
+	StandingPoints points{own.positions(), known.subspan(first, own.positions().size()), own.ids(), own.standing(),
+			own.thinning_ranks()};
+	Status status = shares.find(filter, points, cancel);
+	if (status.ok()) {
+		status = writer.write(own.settings(), points, origin, r_tile, cancel);
+	}
 	if (status.ok()) {
 		r_tile.counts = {own.sampled(), own.positions().size(), own.standing().size()};
 	}

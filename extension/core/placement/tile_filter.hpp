@@ -29,6 +29,9 @@ public:
 	std::size_t size() const { return graph_.nodes().size(); }
 	const LayerFilter &layer(std::size_t index) const { return *layers_[index]; }
 
+	/// That of a layer which the layer itself looks at.
+	const LayerFilter &layer_of(const LayerSettings *settings) const { return layer(graph_.index_of(settings)); }
+
 	/// That of the layer itself: the last.
 	const LayerFilter &own() const { return layer(size() - 1); }
 

@@ -4,6 +4,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <algorithm>
 #include <span>
 
 namespace thicket {
@@ -25,5 +26,8 @@ protected:
 	DensityField(DensityField &&) = default;
 	DensityField &operator=(DensityField &&) = default;
 };
+
+/// What a field says, held to [0, 1]; NAN is 0.
+inline double unit_density(float value) { return value > 0.0f ? std::min(double{value}, 1.0) : 0.0; }
 
 } // namespace thicket

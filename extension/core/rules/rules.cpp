@@ -25,9 +25,6 @@ bool is_ground(const Ground &ground) {
 			std::isfinite(ground.normal.z) && ground.normal.y > 0.0f;
 }
 
-/// What a source says is held to [0, 1]; NAN is 0.
-double unit_density(float value) { return value > 0.0f ? std::min(double{value}, 1.0) : 0.0; }
-
 Status multiply(const DensityField &field, std::span<const glm::dvec2> positions, std::span<double> r_densities,
 		std::span<float> scratch) {
 	const Status status = field.sample(positions, scratch);

@@ -1,0 +1,61 @@
+#include "core/placement/instance_source.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+
+namespace thicket {
+
+namespace {
+
+Status validate_range(const InstanceSource &source, const SourceNames &names) {
+	Status status = first_failure(check_range(names.min, source.min, -max_source_value, max_source_value),
+			check_range(names.max, source.max, -max_source_value, max_source_value),
+			check_order(names.max, source.min, source.max));
+	if (status.ok() && source.kind == SourceKind::distance) {
+		status = first_failure(
+				check_positive(names.max, source.max), check_range(names.max, source.max, 0.0, max_source_distance));
+	}
+	return status;
+}
+
+} // namespace
+
+Status validate(const InstanceSource &source, const SourceNames &names) {
+	const Status status = check_range(names.randomness, source.randomness, 0.0, 1.0);
+	return status.ok() && source.kind != SourceKind::random ? validate_range(source, names) : status;
+}
+
+float share_of(const InstanceSource &source, double value) {
+	// The end first: where the range is a step, what lies on it lies beyond it.
+	if (value >= source.max) {
+		return 1.0f;
+	}
+	return value > source.min ? static_cast<float>((value - source.min) / (source.max - source.min)) : 0.0f;
+}
+
+float share_by_hand(const InstanceSource &source, glm::dvec3 position) {
+	const glm::dvec2 place{position.x, position.z};
+	float density = 0.0f;
+	switch (source.kind) {
+		case SourceKind::height: return share_of(source, position.y);
+		case SourceKind::rank: return share_of(source, 0.0);
+		case SourceKind::noise:
+			return source.noise != nullptr && source.noise->sample({&place, 1}, {&density, 1}).ok()
+					? share_of(source, unit_density(density))
+					: unknown_share;
+		default: return unknown_share;
+	}
+}
+
+double mixed(const InstanceSource &source, float share, double random) {
+	if (share < 0.0f) {
+		return random;
+	}
+	return std::min(double{share} * (1.0 - source.randomness) + random * source.randomness, 1.0);
+}
+
+} // namespace thicket

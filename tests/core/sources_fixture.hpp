@@ -1,0 +1,80 @@
+#pragma once
+
+// What the tests of sources of colors and variations share.
+
+#include "core/placement/layer.hpp"
+#include "tile_fixture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+namespace thicket::test {
+
+inline constexpr std::size_t colors = 1000;
+inline constexpr double farthest = 9.0; ///< Meters, of the sources that are distances.
+
+/// Colors that tell where on the gradient they are, all of them halves.
+inline std::shared_ptr<const ColorTable> palette() {
+	ColorTable table;
+	for (std::size_t i = 0; i < colors; ++i) {
+		table.emplace_back(static_cast<float>(i), 0.25f, 0.5f, 1.0f);
+	}
+	return std::make_shared<const ColorTable>(std::move(table));
+}
+
+/// A noise for which both ends of 0 to 1 are too near, and which has holes.
+class Waves final : public DensityField {
+public:
+	static float at(glm::dvec2 position) {
+		const double along = position.x * 0.125 + position.y * 0.03125;
+		const double part = along - std::floor(along);
+		return part < 0.05 ? std::nanf("") : static_cast<float>(1.5 * part - 0.25);
+	}
+
+	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override {
+		std::transform(positions.begin(), positions.end(), r_density.begin(), at);
+		return {};
+	}
+};
+
+inline std::shared_ptr<const LayerSettings> oaks() {
+	auto layer = std::make_shared<LayerSettings>();
+	layer->set = {.seed = 99, .radius = 9.0, .levels = 1, .layer = 7};
+	layer->rules.density = 0.7;
+	layer->rules.max_slope_degrees = 70.0;
+	return layer;
+}
+
+inline InstanceSource source_of(SourceKind kind) {
+	InstanceSource source{.kind = kind};
+	switch (kind) {
+		case SourceKind::height: source.min = 20.0, source.max = 70.0; break;
+		case SourceKind::slope: source.min = 25.0, source.max = 48.0; break;
+		case SourceKind::noise: source.min = 0.1, source.max = 0.8; break;
+		case SourceKind::rank: source.min = 0.0, source.max = 0.9; break;
+		case SourceKind::distance: source.min = 1.0, source.max = farthest; break;
+		case SourceKind::random: break;
+	}
+	source.noise = std::make_shared<const Waves>();
+	source.layer = oaks();
+	return source;
+}
+
+inline const std::vector<SourceKind> kinds{
+		SourceKind::height, SourceKind::slope, SourceKind::noise, SourceKind::rank, SourceKind::distance};
+
+/// A layer whose colors and variations follow two sources.
+inline LayerSettings following(const InstanceSource &color, const InstanceSource &variation) {
+	LayerSettings layer = rich_layer();
+	layer.instance_data = {true, palette(), true, {color}, {variation}};
+	return layer;
+}
+
+/// What is expected of share_of, but for steps.
+inline double share(const InstanceSource &source, double value) {
+	return std::clamp((value - source.min) / (source.max - source.min), 0.0, 1.0);
+}
+
+} // namespace thicket::test

@@ -1,0 +1,208 @@
+// Colors and variations that follow height, slope, noise, rank or the distance to another layer, in whole tiles.
+
+#include "core/base/trigonometry.hpp"
+#include "core/placement/layer_edits.hpp"
+#include "sources_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+struct Seen {
+	std::size_t color = 0;
+	float variation = 0.0f;
+	std::uint32_t rank = 0;
+
+	friend bool operator==(const Seen &, const Seen &) = default;
+};
+
+using Look = std::map<std::uint64_t, Seen>;
+
+Look look_of(const TileInstances &tile) {
+	Look result;
+	for (const MeshInstances &mesh : tile.meshes) {
+		REQUIRE(mesh.stride == 20);
+		for (std::size_t i = 0; i < mesh.size(); ++i) {
+			const float *floats = mesh.buffer.data() + i * mesh.stride;
+			result[mesh.ids[i]] = {static_cast<std::size_t>(floats[12]), floats[16], mesh.ranks[i]};
+		}
+	}
+	return result;
+}
+
+/// The points of a set by id, as exactly as the set says.
+std::map<std::uint64_t, glm::dvec2> points_of(const PointSet &set, const Rect &rect) {
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	REQUIRE(sampler.sample(set, rect, points).ok());
+	std::map<std::uint64_t, glm::dvec2> result;
+	for (const SamplePoint &point : points) {
+		result.emplace(point.id, point.position);
+	}
+	return result;
+}
+
+/// Where the instances of a layer stand.
+std::vector<glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
+	const auto points = points_of(layer.set, rect);
+	std::vector<glm::dvec2> result;
+	for (const auto &[id, transform] : transforms_of(built(layer, terrain, rect))) {
+		result.push_back(points.at(id));
+	}
+	return result;
+}
+
+/// What a source finds at an instance, without anything of what is tested.
+class Finder {
+public:
+	explicit Finder(const Terrain &terrain, const Rect &rect) :
+			terrain_(terrain), oaks_(places(*oaks(), terrain, grown(rect, 2.0 * farthest))) {}
+
+	double at(SourceKind kind, glm::dvec2 position, std::uint32_t rank) const {
+		const Ground ground = terrain_.at(position);
+		const float noise = Waves::at(position);
+		switch (kind) {
+			case SourceKind::height: return double{ground.height};
+			case SourceKind::slope: return slope_degrees(ground.normal);
+			case SourceKind::noise: return std::isnan(noise) ? 0.0 : std::clamp(double{noise}, 0.0, 1.0);
+			case SourceKind::rank: return rank * 0x1p-32;
+			case SourceKind::distance: return distance(position);
+			default: return 0.0;
+		}
+	}
+
+private:
+	double distance(glm::dvec2 position) const {
+		double nearest = 1e9;
+		for (const glm::dvec2 oak : oaks_) {
+			nearest = std::min(nearest, glm::distance(position, oak));
+		}
+		return nearest;
+	}
+
+	const Terrain &terrain_;
+	std::vector<glm::dvec2> oaks_;
+};
+
+} // namespace
+
+TEST_CASE("sources: colors and variations are what each source says at the instance") {
+	const Heightfield terrain = hills();
+	const Finder finder(terrain, tile_of_hills);
+	const auto points = points_of(rich_layer().set, tile_of_hills);
+	for (std::size_t i = 0; i < kinds.size(); ++i) {
+		const InstanceSource color = source_of(kinds[i]);
+		const InstanceSource variation = source_of(kinds[(i + 2) % kinds.size()]);
+		CAPTURE(i);
+		const Look look = look_of(built(following(color, variation), terrain, tile_of_hills));
+		CHECK(look.size() > 500);
+		std::size_t first = 0;
+		std::size_t between = 0;
+		for (const auto &[id, seen] : look) {
+			const double expected = share(color, finder.at(color.kind, points.at(id), seen.rank));
+			const double along = std::min(expected * colors, colors - 1.0);
+			CHECK(std::abs(static_cast<double>(seen.color) + 0.5 - along) <= 0.5 + 1e-3);
+			first += seen.color == 0 ? 1 : 0;
+			between += seen.color > 0 && seen.color < colors - 1 ? 1 : 0;
+			const double other = share(variation, finder.at(variation.kind, points.at(id), seen.rank));
+			CHECK(std::abs(double{seen.variation} - other) < 1e-3);
+		}
+		CHECK(between > 100); // The range is met, and its lower end, too.
+		CHECK((first > 10 || kinds[i] == SourceKind::rank));
+	}
+}
+
+TEST_CASE("sources: nothing else of a tile follows them") {
+	const Heightfield terrain = hills();
+	const TileInstances before = built(following({}, {}), terrain, tile_of_hills);
+	for (const SourceKind kind : kinds) {
+		const TileInstances after = built(following(source_of(kind), source_of(kind)), terrain, tile_of_hills);
+		CHECK(digest(after) != digest(before));
+		for (std::size_t mesh = 0; mesh < before.meshes.size(); ++mesh) {
+			CHECK(after.meshes[mesh].ids == before.meshes[mesh].ids);
+			for (std::size_t i = 0; i < before.meshes[mesh].size(); ++i) {
+				const float *was = before.meshes[mesh].buffer.data() + i * 20;
+				const float *is = after.meshes[mesh].buffer.data() + i * 20;
+				CHECK(std::equal(was, was + 12, is));
+				CHECK(std::equal(was + 17, was + 20, is + 17)); // Wind phase, rank and scale.
+			}
+		}
+	}
+}
+
+TEST_CASE("sources: what is random alone has the bits of a layer without sources") {
+	const Heightfield terrain = hills();
+	const std::uint64_t plain = digest(built(following({}, {}), terrain, tile_of_hills));
+	for (const SourceKind kind : kinds) {
+		InstanceSource source = source_of(kind);
+		source.randomness = 1.0;
+		CHECK(digest(built(following(source, source), terrain, tile_of_hills)) == plain);
+	}
+	for (const SourceKind kind : {SourceKind::noise, SourceKind::distance}) {
+		InstanceSource source{.kind = kind}; // Of a noise and of a layer that are not there.
+		CHECK(digest(built(following(source, source), terrain, tile_of_hills)) == plain);
+	}
+}
+
+TEST_CASE("sources: some randomness spreads over its part of the gradient, evenly") {
+	const Heightfield terrain = hills();
+	InstanceSource source = source_of(SourceKind::height);
+	const Look sharp = look_of(built(following(source, {}), terrain, tile_of_hills));
+	source.randomness = 0.2;
+	const Look spread = look_of(built(following(source, {}), terrain, tile_of_hills));
+	double sum = 0.0;
+	for (const auto &[id, seen] : spread) {
+		const double apart =
+				static_cast<double>(seen.color) / colors - 0.8 * static_cast<double>(sharp.at(id).color) / colors;
+		CHECK(apart > -2e-3);
+		CHECK(apart < 0.2 + 2e-3);
+		sum += apart;
+	}
+	CHECK(sum / static_cast<double>(spread.size()) == doctest::Approx(0.1).epsilon(0.1));
+}
+
+TEST_CASE("sources: tiles of any size and order, and threads, give the same looks") {
+	const Heightfield terrain = hills();
+	for (std::size_t i = 0; i < kinds.size(); ++i) {
+		CAPTURE(i);
+		InstanceSource color = source_of(kinds[i]);
+		color.randomness = 0.3;
+		const LayerSettings layer = following(color, source_of(kinds[(i + 1) % kinds.size()]));
+		const TileInstances tile = built(layer, terrain, tile_of_hills);
+		const Look whole = look_of(tile);
+		for (const glm::dvec2 size : {glm::dvec2(128.0, 11.0), glm::dvec2(23.5, 40.0)}) {
+			Look together;
+			for (double y = tile_of_hills.max.y; y > tile_of_hills.min.y; y -= size.y) {
+				for (double x = tile_of_hills.min.x; x < tile_of_hills.max.x; x += size.x) {
+					const Rect part{{x, std::max(y - size.y, tile_of_hills.min.y)},
+							{std::min(x + size.x, tile_of_hills.max.x), y}};
+					together.merge(look_of(built(layer, terrain, part)));
+				}
+			}
+			CHECK(together == whole);
+		}
+		check_on_threads(layer, terrain, digest(tile));
+	}
+}
+
+TEST_CASE("sources: ground in two steps gives the tile that one step gives") {
+	const Heightfield terrain = hills();
+	const LayerSettings layer = following(source_of(SourceKind::distance), source_of(SourceKind::slope));
+	TileBuilder builder;
+	REQUIRE(builder.find_points(layer, tile_of_hills).ok());
+	std::vector<Ground> ground(builder.positions().size());
+	REQUIRE(terrain.sample(builder.positions(), ground).ok());
+	TileInstances tile;
+	REQUIRE(builder.place(ground, tile).ok());
+	CHECK(digest(tile) == digest(built(layer, terrain, tile_of_hills)));
+}
