@@ -129,6 +129,7 @@ def assert_passed(done):
         "test_state_handlers",
         "test_edits",
         "test_neighbors",
+        "test_sources",
         "test_build_rect",
         pytest.param("test_response", marks=pytest.mark.alone),
     ],

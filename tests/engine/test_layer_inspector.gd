@@ -38,6 +38,14 @@ func test_inspector_hides_what_does_not_apply() -> void:
 		"mask_texture_channel": ["mask_texture", GradientTexture2D.new()], "clump_coverage": ["clump_size", 9.0],
 		"clump_softness": ["clump_size", 9.0], "proximity_distance": ["proximity_layer", "Oaks"],
 		"proximity_curve": ["proximity_layer", "Oaks"], "color_gradient": ["use_colors", true],
+		"color_source": ["use_colors", true], "color_source_layer": ["color_source", ScatterLayer.SOURCE_DISTANCE],
+		"color_source_noise": ["color_source", ScatterLayer.SOURCE_NOISE], "color_source_min": ["color_source", ScatterLayer.SOURCE_HEIGHT],
+		"color_source_max": ["color_source", ScatterLayer.SOURCE_RANK], "color_randomness": ["color_source", ScatterLayer.SOURCE_SLOPE],
+		"variation_source": ["use_custom_data", true], "variation_source_layer": ["variation_source", ScatterLayer.SOURCE_DISTANCE],
+		"variation_source_noise": ["variation_source", ScatterLayer.SOURCE_NOISE],
+		"variation_source_min": ["variation_source", ScatterLayer.SOURCE_HEIGHT],
+		"variation_source_max": ["variation_source", ScatterLayer.SOURCE_RANK],
+		"variation_randomness": ["variation_source", ScatterLayer.SOURCE_SLOPE],
 		"visibility_range_begin_margin": ["visibility_range_begin", 5.0], "visibility_range_end_margin": ["visibility_range_end", 5.0],
 		"visibility_range_fade_mode": ["visibility_range_end", 5.0], "lod_meshes": ["lod_distances", PackedFloat32Array([9.0])],
 		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_compensation": ["thin_density", 0.5],
@@ -63,10 +71,29 @@ func test_inspector_hides_what_does_not_apply() -> void:
 	check("scale_curve" in shown_properties(bare), "what is set stays in sight, though it is not used")
 
 
+## The range of a source has the source's unit.
+func test_inspector_shows_the_unit_of_a_source() -> void:
+	var units := {
+		ScatterLayer.SOURCE_HEIGHT: "suffix:m", ScatterLayer.SOURCE_SLOPE: "degrees", ScatterLayer.SOURCE_NOISE: "0,1",
+		ScatterLayer.SOURCE_RANK: "0,1", ScatterLayer.SOURCE_DISTANCE: "suffix:m",
+	}
+	for start: String in ["color", "variation"]:
+		var layer := make_layer()
+		var told: Array[int] = [0]
+		layer.property_list_changed.connect(func() -> void: told[0] += 1)
+		for source: ScatterLayer.ValueSource in units:
+			layer.set(start + "_source", source)
+			for property in layer.get_property_list():
+				if property["name"] in [start + "_source_min", start + "_source_max"]:
+					check(units[source] in property["hint_string"], "%s of %d: %s" % [property["name"], source, property["hint_string"]])
+		check_equal(told[0], units.size(), "the inspector is told of each source")
+
+
 ## Every property is found where a designer looks for it, and every number says its unit.
 func test_inspector() -> void:
 	var group := ""
 	var subgroup := ""
+	var start := ""
 	var places := {}
 	for property: Dictionary in ClassDB.class_get_property_list("ScatterLayer", true):
 		var name: String = property["name"]
@@ -75,7 +102,10 @@ func test_inspector() -> void:
 			subgroup = ""
 		elif property["usage"] & PROPERTY_USAGE_SUBGROUP:
 			subgroup = name
+			start = property["hint_string"]
 		elif property["usage"] & PROPERTY_USAGE_EDITOR:
+			if not name.begins_with(start) and not start.begins_with(name): # Where the inspector ends a subgroup, too.
+				subgroup = ""
 			places[name] = group + "/" + subgroup
 			var hint: String = property["hint_string"]
 			if name.ends_with("_degrees") or name == "slope_falloff":
@@ -90,6 +120,8 @@ func test_inspector() -> void:
 			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
 			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
 			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"],
+			["color_gradient", "Drawing/Color"], ["color_randomness", "Drawing/Color"], ["use_custom_data", "Drawing/"],
+			["variation_source", "Drawing/Variation"], ["variation_source_noise", "Drawing/Variation"],
 			["instance_radius", "Gameplay/"], ["regrowth_time", "Gameplay/"], ["collision_shape", "Gameplay/Collision"],
 			["physics_material", "Gameplay/Collision"], ["scene", "Gameplay/Scene"], ["scene_distance", "Gameplay/Scene"],
 			["view_distance", "Distance/"], ["lod_meshes", "Distance/LOD"], ["thin_end", "Distance/Thinning"],

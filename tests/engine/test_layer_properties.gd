@@ -10,6 +10,10 @@ var defaults := {
 	"clump_size": 0.0, "clump_coverage": 0.5, "clump_softness": 0.25, "edge_feather": 0.0, "proximity_layer": "",
 	"proximity_distance": 5.0, "proximity_curve": null, "scale_curve": null, "min_tilt_degrees": 0.0,
 	"max_tilt_degrees": 0.0, "offset_along_normal": 0.0, "use_colors": false, "color_gradient": null,
+	"color_source": ScatterLayer.SOURCE_RANDOM, "color_source_layer": "", "color_source_noise": null,
+	"color_source_min": 0.0, "color_source_max": 1.0, "color_randomness": 0.0,
+	"variation_source": ScatterLayer.SOURCE_RANDOM, "variation_source_layer": "", "variation_source_noise": null,
+	"variation_source_min": 0.0, "variation_source_max": 1.0, "variation_randomness": 0.0,
 	"use_custom_data": false, "layer_id": -1, "instance_radius": 0.5, "instance_height": 2.0, "regrowth_time": 0.0,
 	"collision_shape": ScatterLayer.COLLISION_NONE, "collision_distance": 40.0, "collision_layer": 1, "collision_mask": 1,
 	"physics_material": null, "scene": null, "scene_distance": 20.0,
@@ -22,6 +26,7 @@ var sources := {
 	"mask": ["ScatterMask", "background", 0.5], "mask_texture": ["GradientTexture2D", "width", 16],
 	"proximity_curve": ["Curve", "max_domain", 9.0], "scale_curve": ["Curve", "max_domain", 2.0],
 	"color_gradient": ["Gradient", "colors", PackedColorArray([Color.RED, Color.BLUE])],
+	"color_source_noise": ["FastNoiseLite", "frequency", 0.5], "variation_source_noise": ["FastNoiseLite", "frequency", 0.5],
 	"physics_material": ["PhysicsMaterial", "friction", 0.25],
 }
 
@@ -59,7 +64,19 @@ func full_layer() -> ScatterLayer:
 	layer.offset_along_normal = -0.25
 	layer.use_colors = true
 	layer.color_gradient = Gradient.new()
+	layer.color_source = ScatterLayer.SOURCE_HEIGHT
+	layer.color_source_layer = "Oaks"
+	layer.color_source_noise = FastNoiseLite.new()
+	layer.color_source_min = -20.0
+	layer.color_source_max = 350.0
+	layer.color_randomness = 0.25
 	layer.use_custom_data = true
+	layer.variation_source = ScatterLayer.SOURCE_DISTANCE
+	layer.variation_source_layer = "Stones"
+	layer.variation_source_noise = FastNoiseLite.new()
+	layer.variation_source_min = 0.5
+	layer.variation_source_max = 12.0
+	layer.variation_randomness = 0.125
 	layer.layer_id = 32767
 	layer.instance_radius = 0.4
 	layer.instance_height = 12.0
@@ -168,6 +185,15 @@ func test_refused() -> void:
 		refuse(layer, property, 1 << 32, ["range"])
 	for number: int in [-1, 6, 1 << 40]:
 		refuse(layer, "collision_shape", number, ["range"])
+	for property: String in ["color_source", "variation_source"]:
+		for number: int in [-1, 6, 1 << 40]:
+			refuse(layer, property, number, ["range"])
+		for number: float in [NAN, INF, 1000001.0, -1000001.0]:
+			refuse(layer, property + "_min", number)
+			refuse(layer, property + "_max", number)
+	for property: String in ["color_randomness", "variation_randomness"]:
+		refuse(layer, property, -0.1, ["range"])
+		refuse(layer, property, 1.1, ["range"])
 	refuse(layer, "ground_textures", PackedInt32Array([1, -1]), ["-1"])
 	refuse(layer, "ground_textures", PackedInt32Array([256]), ["256"])
 	var many := PackedInt32Array()
@@ -279,6 +305,44 @@ func warns_of_gameplay() -> void:
 	scatter.layers = [bare]
 	check("no mesh to make it of" in "\n".join(scatter.get_problems()), "a hull of no mesh")
 	scatter.free()
+
+
+## A layer that has all that a source needs, of a kind and a range.
+func follow(layer: ScatterLayer, source: ScatterLayer.ValueSource, to := 90.0) -> void:
+	layer.use_colors = true
+	layer.color_gradient = Gradient.new()
+	layer.color_source = source
+	layer.color_source_max = to
+
+
+func test_warnings_of_sources() -> void:
+	for source: ScatterLayer.ValueSource in [ScatterLayer.SOURCE_HEIGHT, ScatterLayer.SOURCE_SLOPE, ScatterLayer.SOURCE_RANK]:
+		warns(func(layer: ScatterLayer) -> void: follow(layer, source), "")
+	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_HEIGHT, 1.0), "0 to 1 meters of height")
+	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_SLOPE, 1.0), "0 to 1 degrees of slope")
+	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_RANK, 1.0), "")
+	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_NOISE, 1.0), "there is no noise")
+	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_DISTANCE), "names no layer")
+	warns(func(layer: ScatterLayer) -> void:
+		follow(layer, ScatterLayer.SOURCE_DISTANCE)
+		layer.color_source_layer = "Oaks", "\"Oaks\", and no layer has that name")
+	warns(func(layer: ScatterLayer) -> void:
+		follow(layer, ScatterLayer.SOURCE_HEIGHT)
+		layer.color_randomness = 1.0, "the randomness is 1")
+	warns(func(layer: ScatterLayer) -> void:
+		follow(layer, ScatterLayer.SOURCE_HEIGHT)
+		layer.color_source_layer = "Oaks", "color_source_layer is not used: the source is not Distance")
+	warns(func(layer: ScatterLayer) -> void: layer.color_source_noise = FastNoiseLite.new(), "color_source_noise is not used")
+	warns(func(layer: ScatterLayer) -> void: layer.color_source = ScatterLayer.SOURCE_RANK, "without use_colors")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.use_colors = true
+		layer.color_source = ScatterLayer.SOURCE_RANK, "without color_gradient")
+	warns(func(layer: ScatterLayer) -> void: layer.variation_source = ScatterLayer.SOURCE_RANK, "without use_custom_data")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.use_custom_data = true
+		layer.variation_source = ScatterLayer.SOURCE_RANK, "")
+	warns(func(layer: ScatterLayer) -> void:
+		follow(layer, ScatterLayer.SOURCE_HEIGHT, -5.0), "color_source_max ends before it starts")
 
 
 func test_warnings() -> void:

@@ -37,7 +37,11 @@ var changes := {
 	"height_offset": [0.5, MADE], "offset_along_normal": [0.25, MADE],
 	"meshes": [[SphereMesh.new(), BoxMesh.new()] as Array[Mesh], MADE],
 	"mesh_weights": [PackedFloat32Array([1.0, 4.0]), MADE],
-	"use_colors": [true, MADE], "color_gradient": [Gradient.new(), MADE], "use_custom_data": [true, MADE],
+	"use_colors": [false, MADE], "color_gradient": [to_red(), MADE], "use_custom_data": [false, MADE],
+	"color_source": [ScatterLayer.SOURCE_HEIGHT, MADE], "color_source_layer": ["", MADE], "color_source_min": [1.0, MADE],
+	"color_source_max": [9.0, MADE], "color_source_noise": [FastNoiseLite.new()], "color_randomness": [0.5, MADE],
+	"variation_source": [ScatterLayer.SOURCE_RANK, MADE], "variation_source_layer": ["Oaks"], "variation_source_min": [0.25, MADE],
+	"variation_source_max": [0.75, MADE], "variation_source_noise": [FastNoiseLite.new(), MADE], "variation_randomness": [0.5, MADE],
 	"lod_meshes": [[SphereMesh.new(), null] as Array[Mesh], MADE],
 	"lod_distances": [PackedFloat32Array([30.0]), REDRAWN],
 	"thin_begin": [5.0, REDRAWN], "thin_end": [60.0, REDRAWN], "thin_density": [0.25, REDRAWN],
@@ -68,6 +72,12 @@ func picture(color: Color) -> ImageTexture:
 	image.fill(Color(1.0, 0.75, 0.5))
 	image.set_pixel(0, 0, color)
 	return ImageTexture.create_from_image(image)
+
+
+func to_red() -> Gradient:
+	var gradient := Gradient.new()
+	gradient.set_color(1, Color.RED)
+	return gradient
 
 
 func slippery() -> PhysicsMaterial:
@@ -102,6 +112,14 @@ func make_ferns() -> ScatterLayer:
 	layer.proximity_layer = "Oaks"
 	layer.proximity_distance = 25.0
 	layer.max_scale = 2.0
+	layer.use_colors = true
+	layer.color_gradient = Gradient.new()
+	layer.color_source = ScatterLayer.SOURCE_DISTANCE
+	layer.color_source_layer = "Oaks"
+	layer.color_source_max = 12.0
+	layer.use_custom_data = true
+	layer.variation_source = ScatterLayer.SOURCE_NOISE
+	layer.variation_source_noise = FastNoiseLite.new()
 	layer.max_tilt_degrees = 5.0
 	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
 	layer.collision_distance = DISTANCE
@@ -144,7 +162,10 @@ func seen(scatter: TerrainScatter3D) -> Dictionary:
 
 ## Whether an instance that is removed comes back.
 func regrows(scatter: TerrainScatter3D) -> bool:
-	var id: int = instances(scatter, FERNS).keys()[0]
+	var id := 0
+	for tile: Vector2i in scatter.get_shown_tiles(FERNS):
+		for ids: PackedInt64Array in tile_ids(scatter, FERNS, tile):
+			id = ids[0] if id == 0 and not ids.is_empty() else id
 	check(scatter.remove_instance(id), "an instance is removed")
 	await create_timer(0.2).timeout
 	var back := scatter.has_instance(id)

@@ -99,6 +99,10 @@ std::shared_ptr<const DensityField> noise_field(const Ref<Noise> &p_noise, std::
 	return p_noise.is_valid() ? std::make_shared<NoiseField>(p_noise, std::move(curve)) : nullptr;
 }
 
+std::shared_ptr<const DensityField> plain_noise_field(const Ref<Noise> &p_noise) {
+	return noise_field(noise_copy(p_noise), nullptr);
+}
+
 ChannelPixels channel_pixels(const Ref<Image> &p_image, ImageChannel channel) {
 	ChannelPixels result;
 	if (p_image.is_null() || p_image->get_width() <= 0 || p_image->get_height() <= 0) {

@@ -25,7 +25,7 @@ inline constexpr std::size_t curve_stretches = 512;
 /// A curve over its own domain, held to 0 to 1. Null for none, for one without points, and for an empty domain.
 std::shared_ptr<const CurveTable> curve_table(const godot::Ref<godot::Curve> &p_curve);
 
-/// The colors of a gradient from its start to its end, for equal shares of the instances. Null for none.
+/// The colors of a gradient from its start to its end, in equal steps. Null for none.
 std::shared_ptr<const ColorTable> color_table(const godot::Ref<godot::Gradient> &p_gradient);
 
 /// A copy that nobody else has, so that it does not matter what happens to the noise afterwards. Null for no noise.
@@ -35,6 +35,9 @@ godot::Ref<godot::Noise> noise_copy(const godot::Ref<godot::Noise> &p_noise);
 /// the noise any more; see `noise_copy`. Null for no noise.
 std::shared_ptr<const DensityField> noise_field(
 		const godot::Ref<godot::Noise> &p_noise, std::shared_ptr<const CurveTable> curve);
+
+/// A copy of the noise as a density, 0.5 + 0.5 times its value. Null for no noise.
+std::shared_ptr<const DensityField> plain_noise_field(const godot::Ref<godot::Noise> &p_noise);
 
 /// What of an image's pixels is a density. The values are those that scenes store.
 enum class ImageChannel : std::uint8_t { red, green, blue, alpha, luminance };

@@ -107,6 +107,16 @@ public:
 		COLLISION_MODEL,  ///< The shapes of the instance's model.
 	};
 
+	/// SourceKind, for scripts: what a number of an instance's look follows.
+	enum ValueSource : std::int64_t {
+		SOURCE_RANDOM,
+		SOURCE_HEIGHT,
+		SOURCE_SLOPE,
+		SOURCE_NOISE,
+		SOURCE_RANK,
+		SOURCE_DISTANCE,
+	};
+
 	// The properties that scatter_layer_properties.hpp makes of one line each.
 	template <const auto &property>
 	void set_number(double p_value);
@@ -174,6 +184,17 @@ public:
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
 
+	/// What an instance's place on the gradient follows, and what its variation; and for a distance, the layer that is meant, as
+	/// for set_proximity_layer.
+	void set_color_source(ValueSource p_source);
+	ValueSource get_color_source() const;
+	void set_color_source_layer(const godot::Variant &p_layer);
+	godot::Variant get_color_source_layer() const;
+	void set_variation_source(ValueSource p_source);
+	ValueSource get_variation_source() const;
+	void set_variation_source_layer(const godot::Variant &p_layer);
+	godot::Variant get_variation_source_layer() const;
+
 	/// What replaces the meshes from each of the LOD distances on: a row of entries for the meshes, then the row of
 	/// the next distance. Null for the finer mesh; at most max_lods rows of max_meshes.
 	void set_lod_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
@@ -229,6 +250,7 @@ private:
 	static auto &part(Self &self);
 
 	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
+	InstanceData instance_data() const;
 	LayerGameplay gameplay() const;
 	LodSettings lod() const;
 	template <const auto &property>
@@ -239,6 +261,8 @@ private:
 	void watch_mask(bool p_watch);
 	bool stores(const ScatterLayer *p_layer) const;
 	godot::Variant accept_reference(const char *p_property, const godot::Variant &p_reference) const;
+	void set_reference(
+			const char *p_property, const godot::Variant &p_layer, godot::Variant &r_stored, LayerReference &r_linked);
 	void changed();
 	std::uint64_t hidden_properties() const;
 
@@ -248,6 +272,7 @@ private:
 	void add_neighbor_problems(godot::PackedStringArray &r_problems) const;
 	void add_lod_problems(godot::PackedStringArray &r_problems) const;
 	void add_mesh_problems(godot::PackedStringArray &r_problems) const;
+	void add_source_problems(godot::PackedStringArray &r_problems) const;
 	void add_gameplay_problems(godot::PackedStringArray &r_problems) const;
 
 	template <const auto &property>
@@ -266,6 +291,7 @@ private:
 	static void bind_placement();
 	static void bind_meshes();
 	static void bind_drawing();
+	static void bind_sources();
 	static void bind_lod();
 	static void bind_gameplay();
 
@@ -288,6 +314,8 @@ private:
 	godot::PackedInt32Array ground_textures_;
 	godot::Dictionary spacing_property_; ///< As stored_reference has the keys; read-only.
 	godot::Variant proximity_layer_ = godot::String();
+	godot::Variant color_source_layer_ = godot::String();
+	godot::Variant variation_source_layer_ = godot::String();
 
 	LayerMeshes meshes_;
 	godot::PackedFloat32Array mesh_weights_;
@@ -304,3 +332,4 @@ private:
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskChannel)
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskEdge)
 VARIANT_ENUM_CAST(thicket::ScatterLayer::CollisionShape)
+VARIANT_ENUM_CAST(thicket::ScatterLayer::ValueSource)

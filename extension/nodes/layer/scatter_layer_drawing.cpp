@@ -30,11 +30,6 @@ constexpr NumberProperty render_layers{
 constexpr NumberProperty visibility_range_fade_mode{"visibility_range_fade_mode",
 		&LayerDrawing::visibility_range_fade_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Self,Dependencies"};
 
-constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &InstanceData::use_colors};
-constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &InstanceData::use_custom_data};
-
-constexpr ResourceProperty color_gradient{"color_gradient", &InstanceData::colors, color_table};
-
 } // namespace
 
 void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
@@ -51,13 +46,11 @@ void ScatterLayer::bind_drawing() {
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "material_override", PROPERTY_HINT_RESOURCE_TYPE,
 						 "BaseMaterial3D,ShaderMaterial"),
 			"set_material_override", "get_material_override");
-	bind_switch<use_colors>();
-	bind_resource<color_gradient>();
-	bind_switch<use_custom_data>();
 	bind_integer<cast_shadow>();
 	bind_integer<gi_mode>();
 	bind_integer<render_layers>();
 	bind_number<extra_cull_margin>();
+	bind_sources();
 	ADD_SUBGROUP("Visibility Range", "visibility_range_");
 	bind_number<visibility_range_begin>();
 	bind_number<visibility_range_begin_margin>();

@@ -39,7 +39,40 @@ constexpr std::array hideable{
 		"collision_mask",
 		"physics_material",
 		"scene_distance",
+		"color_source",
+		"color_source_layer",
+		"color_source_noise",
+		"color_source_min",
+		"color_source_max",
+		"color_randomness",
+		"variation_source",
+		"variation_source_layer",
+		"variation_source_noise",
+		"variation_source_min",
+		"variation_source_max",
+		"variation_randomness",
 };
+
+/// Where in hidden_properties() the sources are.
+constexpr unsigned color_source_bits = 58;
+constexpr unsigned variation_source_bits = 61;
+static_assert(hideable.size() <= color_source_bits);
+
+/// How the inspector shows the ends of a source's range.
+const char *range_hint(SourceKind kind) {
+	switch (kind) {
+		case SourceKind::height: return "-1000,9000,0.1,or_less,or_greater,suffix:m";
+		case SourceKind::slope: return "0,90,0.1,degrees";
+		case SourceKind::distance: return "0,200,0.01,or_greater,suffix:m";
+		default: return "0,1,0.001";
+	}
+}
+
+/// Whether a property with that start is an end of a source's range.
+bool is_range(const StringName &p_name, const char *p_start) {
+	return p_name == StringName(String(p_start) + "_source_min") ||
+			p_name == StringName(String(p_start) + "_source_max");
+}
 
 } // namespace
 
@@ -49,6 +82,8 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 	const bool colliding = gameplay_.collision.shape != BodyShape::none;
 	const bool from = drawing_.visibility_range_begin > 0.0;
 	const bool to = drawing_.visibility_range_end > 0.0;
+	const SourceKind color = settings_.instance_data.color.kind;
+	const SourceKind variation = settings_.instance_data.variation.kind;
 	// What is set stays in sight although it is not used: a warning speaks of it.
 	const std::array<bool, hideable.size()> shown{
 			meshes_.size() > 1 || mesh_weights_.size() > 0,
@@ -74,8 +109,22 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 			colliding,
 			colliding || physics_material_.is_valid(),
 			scene_.is_valid(),
+			settings_.instance_data.use_colors || color != SourceKind::random,
+			color == SourceKind::distance || !links_.color_layer.empty(),
+			color == SourceKind::noise || resource("color_source_noise").is_valid(),
+			color != SourceKind::random,
+			color != SourceKind::random,
+			color != SourceKind::random,
+			settings_.instance_data.use_custom_data || variation != SourceKind::random,
+			variation == SourceKind::distance || !links_.variation_layer.empty(),
+			variation == SourceKind::noise || resource("variation_source_noise").is_valid(),
+			variation != SourceKind::random,
+			variation != SourceKind::random,
+			variation != SourceKind::random,
 	};
-	std::uint64_t hidden = 0;
+	// The units of the ranges follow from the sources, so a change of these has to be told, too.
+	std::uint64_t hidden = static_cast<std::uint64_t>(color) << color_source_bits |
+			static_cast<std::uint64_t>(variation) << variation_source_bits;
 	for (std::size_t i = 0; i < shown.size(); ++i) {
 		hidden |= std::uint64_t{!shown[i]} << i;
 	}
@@ -88,6 +137,11 @@ void ScatterLayer::_validate_property(PropertyInfo &p_property) const {
 		if (((hidden >> i) & 1U) != 0 && p_property.name == StringName(hideable[i])) {
 			p_property.usage &= ~static_cast<std::uint32_t>(PROPERTY_USAGE_EDITOR);
 		}
+	}
+	if (is_range(p_property.name, "color")) {
+		p_property.hint_string = range_hint(settings_.instance_data.color.kind);
+	} else if (is_range(p_property.name, "variation")) {
+		p_property.hint_string = range_hint(settings_.instance_data.variation.kind);
 	}
 }
 

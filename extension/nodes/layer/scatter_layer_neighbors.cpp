@@ -44,7 +44,7 @@ bool ScatterLayer::stores(const ScatterLayer *p_layer) const {
 		return held.is_valid() && (held.ptr() == p_layer || held->stores(p_layer));
 	};
 	const Array references = spacing_property_.keys();
-	bool found = is_stored(proximity_layer_);
+	bool found = is_stored(proximity_layer_) || is_stored(color_source_layer_) || is_stored(variation_source_layer_);
 	for (int64_t i = 0; !found && i < references.size(); ++i) {
 		found = is_stored(references[i]);
 	}
@@ -104,24 +104,35 @@ Dictionary ScatterLayer::get_spacing() const {
 	return result;
 }
 
-void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
+/// Sets a property that names one layer, or none.
+void ScatterLayer::set_reference(
+		const char *p_property, const Variant &p_layer, Variant &r_stored, LayerReference &r_linked) {
 	Variant stored = String();
 	if (p_layer.get_type() != Variant::NIL) {
-		stored = accept_reference("proximity_layer", p_layer);
+		stored = accept_reference(p_property, p_layer);
 	}
-	if (stored.get_type() != Variant::NIL && core_reference(stored) != links_.proximity_layer) {
-		proximity_layer_ = stored;
-		links_.proximity_layer = core_reference(stored);
+	if (stored.get_type() != Variant::NIL && core_reference(stored) != r_linked) {
+		r_stored = stored;
+		r_linked = core_reference(stored);
 		changed();
 	}
+}
+
+void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
+	set_reference("proximity_layer", p_layer, proximity_layer_, links_.proximity_layer);
 }
 
 Variant ScatterLayer::get_proximity_layer() const { return stored_reference(proximity_layer_); }
 
 void ScatterLayer::rename_references(const String &p_from, const String &p_to) {
-	if (is_named(proximity_layer_, p_from)) {
-		set_proximity_layer(p_from.is_empty() ? proximity_layer_ : Variant(p_to));
-	}
+	const auto follow = [&](const Variant &p_stored, void (ScatterLayer::*set)(const Variant &)) {
+		if (is_named(p_stored, p_from)) {
+			(this->*set)(p_from.is_empty() ? Variant(p_stored) : Variant(p_to));
+		}
+	};
+	follow(proximity_layer_, &ScatterLayer::set_proximity_layer);
+	follow(color_source_layer_, &ScatterLayer::set_color_source_layer);
+	follow(variation_source_layer_, &ScatterLayer::set_variation_source_layer);
 	const Dictionary spacing = spacing_property_;
 	const Array references = spacing.keys();
 	Dictionary renamed; // Anew, so that the order in the inspector stays.

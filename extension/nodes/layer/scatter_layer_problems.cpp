@@ -108,6 +108,7 @@ PackedStringArray ScatterLayer::problems() {
 	add_mask_problems(result);
 	add_neighbor_problems(result);
 	add_mesh_problems(result);
+	add_source_problems(result);
 	add_lod_problems(result);
 	add_gameplay_problems(result);
 	return result;

@@ -56,6 +56,7 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 
 LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) const {
 	LayerSettings result = settings_;
+	result.instance_data = instance_data();
 	result.set.seed = seed;
 	result.set.layer = static_cast<std::uint16_t>(own_id() >= 0 ? static_cast<std::size_t>(own_id()) : index);
 	if (tables_.noise != nullptr) {
@@ -98,6 +99,12 @@ LayerGameplay ScatterLayer::gameplay() const {
 LayerLinks ScatterLayer::links() {
 	refresh();
 	LayerLinks result = links_;
+	if (instance_data().color.kind != SourceKind::distance) {
+		result.color_layer = {};
+	}
+	if (instance_data().variation.kind != SourceKind::distance) {
+		result.variation_layer = {};
+	}
 	result.name = get_name().utf8().get_data();
 	result.identity = get_instance_id();
 	if (result.proximity_curve == nullptr) {

@@ -37,6 +37,18 @@ EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now
 	return area;
 }
 
+/// Why a layer takes more points than it may, though its own tiles are small enough: the property that looks too far.
+const char *far_looking_property(const LayerSettings &layer, double tile_size) {
+	LayerSettings plain = layer;
+	plain.instance_data = {};
+	if (points_to_sample(plain, tile_size) > ScatterLayer::max_tile_points) {
+		return "spacing";
+	}
+	const auto [color, variation] = distance_sources(layer.instance_data);
+	const bool by_color = color != nullptr && (variation == nullptr || color->max >= variation->max);
+	return by_color ? "color_source_max" : "variation_source_max";
+}
+
 } // namespace
 
 void LayerList::clear() {
@@ -77,9 +89,11 @@ std::vector<LinkedLayer> LayerList::link() const {
 		before.push_back(layer != nullptr ? layer->settings : nullptr);
 	}
 	return link_layers(layers, before, [this](const LayerSettings &layer, std::size_t index) {
-		const double points = points_to_sample(layer, entries_[index].unlinked->range.tile_size);
-		return points > ScatterLayer::max_tile_points ? Status{ErrorCode::too_many_points, "spacing", points}
-													  : Status{};
+		const double tile_size = entries_[index].unlinked->range.tile_size;
+		const double points = points_to_sample(layer, tile_size);
+		return points > ScatterLayer::max_tile_points
+				? Status{ErrorCode::too_many_points, far_looking_property(layer, tile_size), points}
+				: Status{};
 	});
 }
 

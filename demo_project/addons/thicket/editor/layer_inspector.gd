@@ -22,7 +22,7 @@ func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: P
 		_usage: int, _wide: bool) -> bool:
 	var editor: EditorProperty
 	match name:
-		"proximity_layer":
+		"proximity_layer", "color_source_layer", "variation_source_layer":
 			editor = Choice.new()
 		"spacing":
 			editor = Spacing.new()

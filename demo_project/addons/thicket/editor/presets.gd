@@ -7,7 +7,7 @@ const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
 
 
 ## New layers of a preset, as an array that fits the scatter's, whose index there starts at [param first_index]; names
-## that [param taken] holds get a number, and so do their mentions in spacing and proximity. Empty if there is no such preset.
+## that [param taken] holds get a number, and so do their mentions in other layers. Empty if there is no such preset.
 static func layers(name: String, taken: PackedStringArray, first_index := 0) -> Array:
 	var scene := load(FOLDER + name + ".tscn") as PackedScene
 	if scene == null:
@@ -94,7 +94,8 @@ static func _rename(new_layers: Array, taken: PackedStringArray, first_index: in
 		for key: Variant in spacing:
 			renamed[_renamed(key, names, first_index)] = spacing[key]
 		layer.set(&"spacing", renamed)
-		layer.set(&"proximity_layer", _renamed(layer.get(&"proximity_layer"), names, first_index))
+		for property: StringName in [&"proximity_layer", &"color_source_layer", &"variation_source_layer"]:
+			layer.set(property, _renamed(layer.get(property), names, first_index))
 
 
 ## What a layer is referred to by in the scatter: its new name, its new index, or itself.

@@ -1,0 +1,310 @@
+extends "edits_harness.gd"
+## Colors and variations that follow height, slope, noise, rank or the distance to another layer: read back from the buffers,
+## and compared with what stands there.
+
+const STRIDE := 20
+const STEP := 0.0027 # Of a gradient of 256 colors, as halves.
+
+
+## Waves on one side, a plane that rises by a half on the other.
+class Banks extends ScatterTerrain:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(-0.5 * at.x if at.x < 0.0 else 4.0 * sin(at.x * 0.1) * cos(at.y * 0.07))
+		return heights
+
+	func _is_thread_safe() -> bool:
+		return true
+
+
+## The instances of a layer on show: where they stand in the world, red of the color, and custom data.
+class Seen:
+	var place: Vector3
+	var color: float
+	var custom: Color
+
+
+## From black to white, so that a color says where on the gradient it is.
+func gray() -> Gradient:
+	var gradient := Gradient.new()
+	gradient.colors = PackedColorArray([Color.BLACK, Color.WHITE])
+	return gradient
+
+
+func make_colored(radius := 1.5) -> ScatterLayer:
+	var layer := named_layer("fern", 2, radius)
+	layer.use_colors = true
+	layer.use_custom_data = true
+	layer.color_gradient = gray()
+	return layer
+
+
+func seen_in(tile: ScatterTile) -> Dictionary[int, Seen]:
+	var result: Dictionary[int, Seen] = {}
+	for mesh in tile.get_mesh_count():
+		var buffer := tile.get_buffer(mesh)
+		var ids := tile.get_ids(mesh)
+		for index in ids.size():
+			var at := index * STRIDE
+			var seen := Seen.new()
+			seen.place = tile.get_origin() + Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
+			seen.color = buffer[at + 12]
+			seen.custom = Color(buffer[at + 16], buffer[at + 17], buffer[at + 18], buffer[at + 19])
+			result[ids[index]] = seen
+	return result
+
+
+func seen(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Seen]:
+	var result: Dictionary[int, Seen] = {}
+	for tile: Vector2i in scatter.get_shown_tiles(layer):
+		result.merge(seen_in(scatter.get_tile(layer, tile)))
+	return result
+
+
+## Checks colors and variations of all instances against a function of them. `slack` is how far off its share may be.
+func check_shares(all: Dictionary[int, Seen], share: Callable, what: String, slack := 0.0) -> void:
+	var worst := 0.0
+	var least := 1.0
+	var most := 0.0
+	for id in all:
+		var expected := clampf(share.call(all[id]), 0.0, 1.0)
+		worst = maxf(worst, maxf(absf(all[id].color - expected) - STEP, absf(all[id].custom.r - expected) - 0.001))
+		least = minf(least, expected)
+		most = maxf(most, expected)
+	check(all.size() > 300, "%s: %d stand" % [what, all.size()])
+	check(worst <= slack, "%s: off by %f" % [what, worst])
+	check(least < 0.1 and most > 0.9, "%s: from %f to %f" % [what, least, most])
+
+
+func set_source(layer: ScatterLayer, source: ScatterLayer.ValueSource, from: float, to: float) -> void:
+	layer.color_source = source
+	layer.color_source_min = from
+	layer.color_source_max = to
+	layer.variation_source = source
+	layer.variation_source_min = from
+	layer.variation_source_max = to
+
+
+func test_sources_of_the_ground_and_of_ranks() -> void:
+	var layer := make_colored()
+	layer.height_offset = 0.0
+	var scatter := make_scatter([layer], Banks.new(), make_viewer())
+	set_source(layer, ScatterLayer.SOURCE_HEIGHT, -3.0, 20.0)
+	await settle(scatter)
+	check_shares(seen(scatter, 0), func(one: Seen) -> float: return (one.place.y + 3.0) / 23.0, "height", 1e-4)
+	layer.height_offset = 2.0
+	await settle(scatter)
+	check_shares(seen(scatter, 0), func(one: Seen) -> float: return (one.place.y + 1.0) / 23.0, "the ground's height", 1e-4)
+	set_source(layer, ScatterLayer.SOURCE_SLOPE, 2.0, 20.0)
+	await settle(scatter)
+	var ground := func(one: Seen) -> float:
+		var normal := scatter.terrain.get_normal(one.place)
+		return (rad_to_deg(normal.angle_to(Vector3.UP)) - 2.0) / 18.0
+	check_shares(seen(scatter, 0), ground, "slope", 1e-3)
+	for one: Seen in seen(scatter, 0).values():
+		if one.place.x < -2.0 and one.color < 0.99:
+			check(false, "steep at %s: %f" % [one.place, one.color])
+	set_source(layer, ScatterLayer.SOURCE_RANK, 0.25, 1.0)
+	await settle(scatter)
+	check_shares(seen(scatter, 0), func(one: Seen) -> float: return (one.custom.b - 0.25) / 0.75, "rank", 1e-3)
+
+
+func test_a_noise() -> void:
+	var layer := make_colored()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	set_source(layer, ScatterLayer.SOURCE_NOISE, 0.3, 0.7)
+	await settle(scatter)
+	var random := seen(scatter, 0)
+	check("there is no noise" in "\n".join(scatter.get_problems()), "a warning: %s" % scatter.get_problems())
+	var noise := FastNoiseLite.new()
+	noise.frequency = 0.03
+	layer.color_source_noise = noise
+	layer.variation_source_noise = noise
+	await settle(scatter)
+	var share := func(one: Seen) -> float:
+		return (0.5 + 0.5 * noise.get_noise_2d(one.place.x, one.place.z) - 0.3) / 0.4
+	check_shares(seen(scatter, 0), share, "noise", 1e-4)
+	check_equal(scatter.get_problems(), PackedStringArray(), "no problem")
+	var before := digests(scatter, 0)
+	noise.frequency = 0.05
+	await settle(scatter)
+	check_shares(seen(scatter, 0), share, "the same noise, edited", 1e-4)
+	check(digests(scatter, 0) != before, "other colors")
+	layer.color_source_noise = null
+	layer.variation_source_noise = null
+	await settle(scatter)
+	var again := seen(scatter, 0)
+	for id in random:
+		if again[id].color != random[id].color:
+			check(false, "random colors are another's")
+			break
+
+
+## Oaks, and ferns whose look follows them, on a terrain that may be asked on any thread, or on the main one.
+func make_followed(terrain: ScatterTerrain) -> TerrainScatter3D:
+	var oak := named_layer("oak", 1, 9.0)
+	oak.density = 0.7
+	oak.view_distance = 100.0
+	oak.mask = make_mask()
+	var fern := make_colored(3.0)
+	set_source(fern, ScatterLayer.SOURCE_DISTANCE, 1.0, 8.0)
+	fern.color_source_layer = "oak"
+	fern.variation_source_layer = "oak"
+	return make_scatter([oak, fern], terrain, make_viewer())
+
+
+func distance_share(oaks: PackedVector2Array) -> Callable:
+	return func(one: Seen) -> float: return (nearest(Vector2(one.place.x, one.place.z), oaks) - 1.0) / 7.0
+
+
+func test_the_distance_to_another_layer() -> void:
+	var told: Array[Dictionary] = []
+	for terrain: ScatterTerrain in [Mound.new(), MainMound.new()]:
+		var scatter := make_followed(terrain)
+		await settle(scatter)
+		check_equal(scatter.get_problems(), PackedStringArray(), "no problem")
+		var oaks := map_positions(scatter, OAK)
+		check_shares(seen(scatter, FERN), distance_share(oaks), "distance", 1e-4)
+		told.push_back(digests(scatter, FERN))
+		# Windows, and tiles of another size, have the same colors.
+		var built := seen_in(scatter.build_rect(FERN, Rect2(-17.0, 3.0, 40.0, 21.0)))
+		var shown := seen(scatter, FERN)
+		scatter.layers[FERN].tile_size = 21.0
+		await settle(scatter)
+		var small := seen(scatter, FERN)
+		for id in built:
+			if built[id].color != shown[id].color or small[id].color != shown[id].color or small[id].custom != shown[id].custom:
+				check(false, "a window has other colors: %f, %f, %f" % [built[id].color, small[id].color, shown[id].color])
+				break
+		check(built.size() > 40, "%d in the window" % built.size())
+		scatter.free()
+	check(told[0] == told[1], "the same tiles, wherever the ground is asked")
+
+
+func test_an_edit_of_the_other_layer_stays_local() -> void:
+	var scatter := make_followed(Mound.new())
+	var fern := scatter.layers[FERN]
+	var shown := Shown.new(scatter)
+	await settle(scatter)
+	for spot: Vector2 in [Vector2(10, 12), Vector2(-33, 20), Vector2(0, -31)]:
+		var before := digests(scatter, FERN)
+		shown.take()
+		var area := scatter.layers[OAK].mask.paint(spot, 7.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
+		await settle(scatter)
+		var made: Dictionary = shown.take()[FERN]
+		for tile: Vector2i in scatter.get_shown_tiles(FERN):
+			check_equal(made.has(tile), tile_rect(scatter, FERN, tile).intersects(area.grow(8.0)), "tile %s is made anew" % tile)
+			if not made.has(tile):
+				check_equal(scatter.get_tile(FERN, tile).get_digest(), before[tile], "tile %s" % tile)
+		check_shares(seen(scatter, FERN), distance_share(map_positions(scatter, OAK)), "after an edit", 1e-4)
+	var whole := digests(scatter, FERN)
+	scatter.layers[OAK].min_scale = 0.5
+	await settle(scatter)
+	check(shown.take()[FERN].is_empty() and digests(scatter, FERN) == whole, "how the oaks look does not matter")
+	fern.color_source = ScatterLayer.SOURCE_RANDOM
+	fern.variation_source = ScatterLayer.SOURCE_RANDOM
+	await settle(scatter)
+	shown.take()
+	scatter.layers[OAK].mask.paint(Vector2.ZERO, 7.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
+	scatter.layers[OAK].density = 0.5
+	fern.color_source_min = 2.0
+	fern.color_randomness = 0.5
+	await settle(scatter)
+	check(shown.take()[FERN].is_empty(), "nor do oaks that nothing follows, nor a range of nothing")
+
+
+func test_references() -> void:
+	var scatter := make_followed(ScatterTerrainFlat.new())
+	var oak := scatter.layers[OAK]
+	var fern := scatter.layers[FERN]
+	await settle(scatter)
+	var followed := digests(scatter, FERN)
+	for reference: Variant in [oak, 0, &"oak"]:
+		fern.color_source_layer = reference
+		fern.variation_source_layer = reference
+		await settle(scatter)
+		check(digests(scatter, FERN) == followed, "the same by %s" % [reference])
+	oak.resource_name = "elm"
+	check_equal([fern.color_source_layer, fern.variation_source_layer], ["elm", "elm"], "it follows a renamed layer")
+	check_equal(scatter.get_problems(), PackedStringArray(), "no problem")
+	for bad: Variant in [2.5, BoxMesh.new()]:
+		fern.color_source_layer = bad
+		check_error(["ScatterLayer.color_source_layer", "A layer is meant by"], "%s" % [bad])
+		fern.variation_source_layer = bad
+		check_error(["ScatterLayer.variation_source_layer", "A layer is meant by"], "%s" % [bad])
+	check_equal(fern.color_source_layer, "elm", "what was there stays")
+	fern.color_source_layer = null
+	check_equal(fern.color_source_layer, "", "none")
+	check("color_source is Distance, but names no layer" in "\n".join(scatter.get_problems()), "a warning")
+	scatter.layers = [fern, oak]
+	var problems := "\n".join(scatter.get_problems())
+	check("variation_source_layer is \"elm\", which does not stand before" in problems, "another: %s" % problems)
+	fern.color_source_layer = "ash"
+	check("color_source_layer is \"ash\", and no layer has that name" in "\n".join(scatter.get_problems()), "a third")
+	fern.resource_name = ""
+	fern.color_source_layer = ""
+	oak.resource_name = ""
+	oak.color_source_layer = fern
+	fern.variation_source_layer = oak
+	check_error(["ScatterLayer.variation_source_layer", "circle"], "layers without names in a circle")
+
+
+func test_ranges_that_cannot_be() -> void:
+	var scatter := make_followed(ScatterTerrainFlat.new())
+	var fern := scatter.layers[FERN]
+	await settle(scatter)
+	var before := digests(scatter, FERN)
+	fern.color_source_max = 0.5
+	await settle(scatter)
+	check_error(["layers[1]: ScatterLayer.color_source_max", "0.5"], "it ends before it starts")
+	fern.color_source_max = 1001.0
+	await settle(scatter)
+	check_error(["layers[1]: ScatterLayer.color_source_max", "range", "1001"], "too far")
+	fern.color_source_max = 900.0
+	scatter.layers[OAK].radius = 0.25
+	scatter.layers[OAK].tile_size = 10.0
+	scatter.layers[OAK].view_distance = 5.0
+	await settle(scatter)
+	check_error(["layers[1]: ScatterLayer.color_source_max", "points"], "too many oaks as far as that")
+	check(digests(scatter, FERN) == before, "what stood stays")
+	scatter.layers[OAK].radius = 9.0
+	fern.color_source_max = 8.0
+	await settle(scatter)
+	check(digests(scatter, FERN) == before, "all is well again")
+	check_no_error("and nothing is said")
+
+
+## What is placed by hand has what its position tells.
+func test_hand_placed() -> void:
+	var layer := make_colored()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	set_source(layer, ScatterLayer.SOURCE_HEIGHT, 0.0, 10.0)
+	await settle(scatter)
+	var id := scatter.add_instance(0, Transform3D(Basis.IDENTITY, Vector3(3.0, 7.5, 4.0)))
+	await settle(scatter)
+	await frames(3)
+	var buffer: PackedFloat32Array = scatter.get_tile(0, Vector2i.ZERO).get_buffer(0)
+	var ids: PackedInt64Array = scatter.get_tile(0, Vector2i.ZERO).get_ids(0)
+	var at := ids.find(id) * STRIDE
+	if check(at >= 0, "it stands"):
+		check(absf(buffer[at + 12] - 0.75) < STEP and absf(buffer[at + 16] - 0.75) < 0.001, "at 7.5 of 10 m: %f, %f" % [buffer[at + 12], buffer[at + 16]])
+	set_source(layer, ScatterLayer.SOURCE_SLOPE, 0.0, 45.0)
+	await settle(scatter)
+	var all := seen_in(scatter.get_tile(0, Vector2i.ZERO))
+	check(all[id].color > 0.0 and all.values().all(func(one: Seen) -> bool: return one.color < 0.01 or one == all[id]),
+			"a random color on level ground: %f" % all[id].color)
+
+
+func test_some_randomness() -> void:
+	var layer := make_colored()
+	set_source(layer, ScatterLayer.SOURCE_HEIGHT, -3.0, 20.0)
+	layer.color_randomness = 0.25
+	var scatter := make_scatter([layer], Banks.new(), make_viewer())
+	await settle(scatter)
+	var offsets := PackedFloat64Array()
+	for one: Seen in seen(scatter, 0).values():
+		offsets.push_back(one.color - 0.75 * clampf((one.place.y + 3.0) / 23.0, 0.0, 1.0))
+	offsets.sort()
+	check(offsets[0] > -STEP and offsets[-1] < 0.25 + STEP, "within a quarter: %f to %f" % [offsets[0], offsets[-1]])
+	check(absf(offsets[offsets.size() / 2] - 0.125) < 0.02, "evenly: %f" % offsets[offsets.size() / 2])
