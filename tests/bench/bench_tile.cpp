@@ -55,6 +55,18 @@ LayerSettings feathered() {
 	return layer;
 }
 
+/// A meadow with colors, random or following what is found where its plants stand.
+LayerSettings colored(SourceKind kind, double to = 1.0) {
+	LayerSettings layer = meadow(1);
+	layer.set.radius = 1.0;
+	layer.instance_data.use_colors = true;
+	layer.instance_data.colors = std::make_shared<const ColorTable>(256, glm::vec4(0.5f));
+	layer.instance_data.color.kind = kind;
+	layer.instance_data.color.max = to;
+	layer.instance_data.color.layer = std::make_shared<LayerSettings>(forest(1));
+	return layer;
+}
+
 /// The same walk over tiles of 64 radii for both contenders.
 struct Walk {
 	int index = 0;
@@ -110,4 +122,8 @@ int main(int argument_count, char **arguments) {
 	}
 	compare("spaced from a forest, a third of its radius", spaced(), hills, effort);
 	compare("meadow with edge_feather", feathered(), hills, effort);
+	compare("meadow of random colors", colored(SourceKind::random), hills, effort);
+	compare("meadow of colors over slope", colored(SourceKind::slope, 45.0), hills, effort);
+	compare("meadow of colors over 10 m from a forest", colored(SourceKind::distance, 10.0), hills, effort);
+	compare("meadow of colors over 100 m from a forest", colored(SourceKind::distance, 100.0), hills, effort);
 }

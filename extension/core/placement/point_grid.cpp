@@ -13,6 +13,12 @@ namespace {
 /// More cells than this help nobody: they would be empty.
 constexpr double max_cells_on_side = 2048.0;
 
+/// Where points are evenly spread, a cell holds four of them, or fewer.
+constexpr double spacings_per_cell = 2.0;
+
+/// Up to so many cells on a side, all of them are searched: their order would cost more than it spares.
+constexpr int few_cells = 6;
+
 } // namespace
 
 glm::ivec2 PointGrid::cell_of(glm::dvec2 position) const {
@@ -23,7 +29,9 @@ glm::ivec2 PointGrid::cell_of(glm::dvec2 position) const {
 void PointGrid::set(std::span<const glm::dvec2> points, const Rect &area, double cell_size) {
 	area_ = area;
 	const glm::dvec2 size = area.size();
-	cells_per_meter_ = std::min(1.0 / cell_size, max_cells_on_side / std::max(size.x, size.y));
+	const double spacing = std::sqrt(size.x * size.y / std::max(1.0, static_cast<double>(points.size())));
+	cells_per_meter_ = std::min(std::max(1.0 / cell_size, 1.0 / (spacings_per_cell * spacing)),
+			max_cells_on_side / std::max(size.x, size.y));
 	cells_ = glm::ivec2(glm::ceil(size * cells_per_meter_)) + 1;
 	const auto count = static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y);
 	begin_.assign(count + 1, 0);
@@ -46,6 +54,46 @@ void PointGrid::set(std::span<const glm::dvec2> points, const Rect &area, double
 	}
 }
 
+/// The smaller of `nearest` and the squares of the distances to the points of some cells of a row.
+double PointGrid::nearest_in_row(glm::dvec2 position, int y, int first, int last, double nearest) const {
+	const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(cells_.x);
+	const std::uint32_t begin = begin_[row + static_cast<std::size_t>(first)];
+	const std::uint32_t end = begin_[row + static_cast<std::size_t>(last) + 1];
+	for (std::uint32_t i = begin; i < end; ++i) {
+		const glm::dvec2 apart = points_[i] - position;
+		nearest = std::min(nearest, apart.x * apart.x + apart.y * apart.y);
+	}
+	return nearest;
+}
+
+/// The same for all cells from `first` to `last`, in rings around the position, until no further one can hold a nearer point.
+double PointGrid::nearest_outwards(glm::dvec2 position, glm::ivec2 first, glm::ivec2 last, double nearest) const {
+	const glm::ivec2 own = cell_of(position);
+	const glm::ivec2 most = glm::max(own - first, last - own);
+	for (int ring = 0; ring <= std::max(most.x, most.y); ++ring) {
+		// What lies in this ring is a cell less away than the ring says; one more leaves no question about rounding.
+		const double beyond = static_cast<double>(ring - 2) / cells_per_meter_;
+		if (ring > 2 && beyond * beyond >= nearest) {
+			break;
+		}
+		const glm::ivec2 low = glm::max(own - ring, first);
+		const glm::ivec2 high = glm::min(own + ring, last);
+		for (int y = low.y; y <= high.y; ++y) {
+			if (y == own.y - ring || y == own.y + ring) {
+				nearest = nearest_in_row(position, y, low.x, high.x, nearest);
+				continue;
+			}
+			if (own.x - ring >= first.x) {
+				nearest = nearest_in_row(position, y, own.x - ring, own.x - ring, nearest);
+			}
+			if (own.x + ring <= last.x) {
+				nearest = nearest_in_row(position, y, own.x + ring, own.x + ring, nearest);
+			}
+		}
+	}
+	return nearest;
+}
+
 double PointGrid::nearest_squared(glm::dvec2 position, double distance) const {
 	double nearest = distance * distance;
 	if (points_.empty()) {
@@ -54,14 +102,11 @@ double PointGrid::nearest_squared(glm::dvec2 position, double distance) const {
 	// A cell more than the distance needs on each side costs little and leaves no question about rounding.
 	const glm::ivec2 first = glm::max(cell_of(position - distance) - 1, glm::ivec2(0));
 	const glm::ivec2 last = glm::min(cell_of(position + distance) + 1, cells_ - 1);
+	if (last.x - first.x >= few_cells || last.y - first.y >= few_cells) {
+		return nearest_outwards(position, first, last, nearest);
+	}
 	for (int y = first.y; y <= last.y; ++y) {
-		const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(cells_.x);
-		const std::uint32_t begin = begin_[row + static_cast<std::size_t>(first.x)];
-		const std::uint32_t end = begin_[row + static_cast<std::size_t>(last.x) + 1];
-		for (std::uint32_t i = begin; i < end; ++i) {
-			const glm::dvec2 apart = points_[i] - position;
-			nearest = std::min(nearest, apart.x * apart.x + apart.y * apart.y);
-		}
+		nearest = nearest_in_row(position, y, first.x, last.x, nearest);
 	}
 	return nearest;
 }

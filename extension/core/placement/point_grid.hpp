@@ -14,7 +14,8 @@ namespace thicket {
 /// Points in buckets, to find the nearest. Keeps its memory for the next set of points.
 class PointGrid {
 public:
-	/// Takes points that lie in `area`; `cell_size` (meters, above 0) is about the distance that will be asked for.
+	/// Takes points that lie in `area`; `cell_size` (meters, above 0) is about the distance that will be asked for. Where the
+	/// points are denser, cells are smaller, so that a long distance does not cost its square.
 	void set(std::span<const glm::dvec2> points, const Rect &area, double cell_size);
 
 	/// The square of the distance to the nearest point that is closer than `distance` meters; the square of `distance` if
@@ -23,6 +24,8 @@ public:
 
 private:
 	glm::ivec2 cell_of(glm::dvec2 position) const;
+	double nearest_in_row(glm::dvec2 position, int y, int first, int last, double nearest) const;
+	double nearest_outwards(glm::dvec2 position, glm::ivec2 first, glm::ivec2 last, double nearest) const;
 
 	Rect area_;
 	double cells_per_meter_ = 1.0;

@@ -1,0 +1,58 @@
+// The nearest of many points, against a look at all of them.
+
+#include "core/placement/point_grid.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+double nearest_of_all(const std::vector<glm::dvec2> &points, glm::dvec2 position, double distance) {
+	double nearest = distance * distance;
+	for (const glm::dvec2 point : points) {
+		const glm::dvec2 apart = point - position;
+		nearest = std::min(nearest, apart.x * apart.x + apart.y * apart.y);
+	}
+	return nearest;
+}
+
+std::vector<glm::dvec2> scattered(std::mt19937 &random, const Rect &area, int count) {
+	std::uniform_real_distribution<double> x(area.min.x, area.max.x);
+	std::uniform_real_distribution<double> y(area.min.y, area.max.y);
+	std::vector<glm::dvec2> points;
+	for (int i = 0; i < count; ++i) {
+		points.emplace_back(x(random), y(random));
+	}
+	return points;
+}
+
+} // namespace
+
+TEST_CASE("point grid: the nearest of many points, to the bit, at any distance and density") {
+	std::mt19937 random(3);
+	PointGrid grid;
+	for (const Rect &area : {Rect{{-50.0, -20.0}, {70.0, 110.0}}, Rect{{1e6, 1e6}, {1e6 + 400.0, 1e6 + 9.0}},
+				 Rect{{-5e6, 5e6}, {-5e6 + 60.0, 5e6 + 60.0}}}) {
+		for (const int count : {0, 1, 7, 300, 5000}) {
+			std::vector<glm::dvec2> points = scattered(random, area, count);
+			// The same again in a corner, close together.
+			for (int i = 0; i < count; ++i) {
+				points.push_back(area.min + (points[static_cast<std::size_t>(i)] - area.min) * 0.01);
+			}
+			for (const double cell : {0.5, 20.0, 1000.0}) {
+				grid.set(points, area, cell);
+				for (const glm::dvec2 position :
+						scattered(random, {area.min - 3.0 * cell / 20.0, area.max + 3.0 * cell / 20.0}, 40)) {
+					for (const double distance : {0.1 * cell, cell}) {
+						REQUIRE(grid.nearest_squared(position, distance) == nearest_of_all(points, position, distance));
+					}
+				}
+			}
+		}
+	}
+}
