@@ -56,7 +56,8 @@ std::shared_ptr<const ShapeSet> some_shape_set() {
 	return set;
 }
 
-/// A layer that uses every kind of rule: curves, textures, mask, shapes, feather and neighbors that have neighbors.
+/// A layer that uses every kind of rule: curves, textures, mask, shapes, feather and neighbors that have neighbors; and looks that
+/// follow a noise and another layer.
 LayerSettings demanding_layer() {
 	auto curve = std::make_shared<CurveTable>();
 	REQUIRE(curve->set(0.0, 90.0, std::vector<float>{1.0f, 0.5f, 0.9f}).ok());
@@ -76,6 +77,14 @@ LayerSettings demanding_layer() {
 	layer.rules.shapes = some_shape_set();
 	layer.neighbors = {{std::make_shared<LayerSettings>(bushes), 5.0, curve},
 			{std::make_shared<LayerSettings>(stones), 4.0, nullptr}};
+	layer.instance_data.use_colors = true;
+	layer.instance_data.colors = std::make_shared<const ColorTable>(5, glm::vec4(1.0f));
+	layer.instance_data.color.kind = SourceKind::distance;
+	layer.instance_data.color.max = 7.0;
+	layer.instance_data.color.layer = std::make_shared<LayerSettings>(stones);
+	layer.instance_data.use_custom_data = true;
+	layer.instance_data.variation.kind = SourceKind::noise;
+	layer.instance_data.variation.noise = layer.rules.fields[0];
 	return layer;
 }
 

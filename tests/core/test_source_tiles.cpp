@@ -3,6 +3,7 @@
 #include "core/base/trigonometry.hpp"
 #include "core/base/word_hash.hpp"
 #include "core/placement/layer_edits.hpp"
+#include "allocation_count.hpp"
 #include "sources_fixture.hpp"
 
 #include <doctest/doctest.h>
@@ -10,8 +11,11 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <span>
 #include <vector>
 
 using namespace thicket;
@@ -206,6 +210,45 @@ TEST_CASE("sources: looks are the same bits on every machine") {
 		hash.add(digest(built(layer, terrain, tile_of_hills)));
 	}
 	CHECK(hash.value() == 7585625650852969798u);
+}
+
+TEST_CASE("sources: nothing is allocated once warm") {
+	const Heightfield terrain = hills();
+	const LayerSettings layer = following(source_of(SourceKind::noise), source_of(SourceKind::distance));
+	TileBuilder builder;
+	TileInstances tile;
+	for (int repeat = 0; repeat < 2; ++repeat) {
+		REQUIRE(builder.build(layer, terrain, tile_of_hills, tile).ok());
+	}
+	const std::size_t before = allocation_count();
+	const Status status = builder.build(layer, terrain, tile_of_hills, tile);
+	const std::size_t after = allocation_count();
+	CHECK(status.ok());
+	CHECK(after == before);
+}
+
+TEST_CASE("sources: cancelling ends the look at them") {
+	class Cancelling final : public DensityField {
+	public:
+		explicit Cancelling(std::atomic<bool> &cancel) : cancel_(cancel) {}
+
+		Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override {
+			CHECK(positions.size() == r_density.size());
+			CHECK_FALSE(cancel_.exchange(true)); // Nobody asks again.
+			return {};
+		}
+
+	private:
+		std::atomic<bool> &cancel_;
+	};
+	std::atomic<bool> cancel = false;
+	InstanceSource source = source_of(SourceKind::noise);
+	source.noise = std::make_shared<const Cancelling>(cancel);
+	LayerSettings layer = following(source, {});
+	layer.set.radius = 0.8;
+	const Heightfield terrain = hills();
+	TileInstances tile;
+	CHECK(TileBuilder().build(layer, terrain, tile_of_hills, tile, &cancel).code == ErrorCode::cancelled);
 }
 
 TEST_CASE("sources: ground in two steps gives the tile that one step gives") {

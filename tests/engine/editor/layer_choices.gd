@@ -54,6 +54,16 @@ func choose() -> void:
 	check_equal(fern.proximity_layer, "Birch", "another is chosen")
 	await undo_last(fern)
 	check_equal(fern.proximity_layer, "Spruce", "undone")
+	for start: StringName in [&"color_source", &"variation_source"]:
+		fern.set(start, 5) # Distance.
+		await frames(3)
+		choice = property_editor(start + "_layer").find_children("*", "OptionButton", true, false)[0]
+		choice.item_selected.emit(1)
+		check_equal(fern.get(start + "_layer"), "Posts", start + " follows a layer")
+		await undo_last(fern)
+		check_equal(fern.get(start + "_layer"), "", "undone")
+		fern.set(start, 0)
+	await frames(3)
 	var spacing := property_editor(&"spacing")
 	EditorInterface.get_inspector().ensure_control_visible(spacing)
 	await picture("neighbors")
