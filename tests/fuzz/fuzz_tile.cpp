@@ -82,6 +82,26 @@ void read_surroundings(LayerSettings &r_layer, Bytes &r_bytes) {
 	}
 }
 
+/// A color and a variation that follow something, for some layers.
+void read_look(LayerSettings &r_layer, Bytes &r_bytes) {
+	const auto read_source = [&](InstanceSource &r_source) {
+		r_source.kind = static_cast<SourceKind>(r_bytes.below(6));
+		r_source.min = r_bytes.number(-50.0, 50.0);
+		r_source.max = r_bytes.number(0.5, 60.0);
+		r_source.randomness = r_bytes.number(0.0, 1.0);
+		r_source.layer = r_layer.neighbors.empty() ? nullptr : r_layer.neighbors.back().layer;
+	};
+	if (r_bytes.chance(2)) {
+		r_layer.instance_data.use_colors = true;
+		r_layer.instance_data.colors = std::make_shared<ColorTable>(1 + r_bytes.below(5), glm::vec4(0.5f));
+		read_source(r_layer.instance_data.color);
+	}
+	if (r_bytes.chance(2)) {
+		r_layer.instance_data.use_custom_data = true;
+		read_source(r_layer.instance_data.variation);
+	}
+}
+
 LayerSettings read_layer(Bytes &r_bytes) {
 	LayerSettings layer;
 	layer.set = {
@@ -104,6 +124,7 @@ LayerSettings read_layer(Bytes &r_bytes) {
 		weight = static_cast<float>(r_bytes.number(0.0, 3.0));
 	}
 	read_surroundings(layer, r_bytes);
+	read_look(layer, r_bytes);
 	return layer;
 }
 
@@ -112,10 +133,16 @@ void check_tile(const LayerSettings &layer, const TileInstances &tile) {
 	std::size_t placed = 0;
 	for (const MeshInstances &mesh : tile.meshes) {
 		placed += mesh.size();
-		promise(mesh.buffer.size() == 12 * mesh.size() && mesh.ranks.size() == mesh.size(), "buffers fit each other");
+		const std::size_t stride = floats_per_instance(layer.instance_data);
+		promise(mesh.buffer.size() == stride * mesh.size() && mesh.ranks.size() == mesh.size(),
+				"buffers fit each other");
 		promise(std::is_sorted(mesh.ranks.begin(), mesh.ranks.end()), "ranks ascend");
 		promise(std::all_of(mesh.buffer.begin(), mesh.buffer.end(), [](float value) { return std::isfinite(value); }),
 				"transforms are finite");
+		for (std::size_t i = 0; layer.instance_data.use_custom_data && i < mesh.size(); ++i) {
+			const float variation = mesh.buffer[(i + 1) * stride - 4];
+			promise(variation >= 0.0f && variation <= 1.0f, "a variation is 0 to 1");
+		}
 	}
 	promise(placed == tile.counts.placed && tile.counts.placed <= tile.counts.dense &&
 					tile.counts.dense <= tile.counts.sampled,
@@ -135,8 +162,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	check_field(field, bytes);
 
 	const std::atomic<bool> raised{true};
-	const double expected = rect.size().x * rect.size().y * point_density(layer.set);
-	const bool small = expected < 20000.0 && std::max(rect.size().x, rect.size().y) < 1000.0 * layer.set.radius;
+	const double side = std::max(rect.size().x, rect.size().y);
+	const bool small = points_to_sample(layer, side) < 200000.0 && side < 1000.0 * layer.set.radius;
 	TileInstances tile, again;
 	const Status status = builder.build(layer, field, rect, tile, small ? nullptr : &raised);
 	if (status.ok()) {

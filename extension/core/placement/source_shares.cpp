@@ -12,7 +12,7 @@ namespace thicket {
 namespace {
 
 /// Points between two looks at the cancel flag: about a millisecond of work.
-constexpr std::size_t batch = 2048;
+constexpr std::size_t batch = 512;
 
 } // namespace
 
