@@ -200,6 +200,38 @@ TEST_CASE("sources: tiles of any size and order, and threads, give the same look
 	}
 }
 
+TEST_CASE("sources: the other layer gives way to its own neighbors first, which changes what is near") {
+	const Heightfield terrain = hills();
+	auto stones = std::make_shared<LayerSettings>();
+	stones->set = {.seed = 5, .radius = 6.0, .levels = 1, .layer = 9};
+	auto kept_away = std::make_shared<LayerSettings>(*oaks());
+	kept_away->neighbors = {{stones, 4.0, nullptr}};
+	InstanceSource source = source_of(SourceKind::distance);
+	const Look free = look_of(built(following(source, {}), terrain, tile_of_hills));
+	source.layer = kept_away;
+	const LayerSettings layer = following(source, {});
+	CHECK(reach(layer) == farthest + 4.0);
+	const Look look = look_of(built(layer, terrain, tile_of_hills));
+	CHECK(look != free);
+	const std::vector<glm::dvec2> standing = places(*kept_away, terrain, grown(tile_of_hills, 2.0 * farthest));
+	CHECK(standing.size() < places(*oaks(), terrain, grown(tile_of_hills, 2.0 * farthest)).size());
+	const auto points = points_of(layer.set, tile_of_hills);
+	Look together;
+	for (double y = tile_of_hills.min.y; y < tile_of_hills.max.y; y += 16.0) {
+		const Rect part{{tile_of_hills.min.x, y}, {tile_of_hills.max.x, y + 16.0}};
+		together.merge(look_of(built(layer, terrain, part)));
+	}
+	CHECK(together == look);
+	for (const auto &[id, seen] : look) {
+		double nearest = farthest;
+		for (const glm::dvec2 other : standing) {
+			nearest = std::min(nearest, glm::distance(points.at(id), other));
+		}
+		const double along = std::min(share(source, nearest) * colors, colors - 1.0);
+		CHECK(std::abs(static_cast<double>(seen.color) + 0.5 - along) <= 0.5 + 1e-3);
+	}
+}
+
 TEST_CASE("sources: looks are the same bits on every machine") {
 	const Heightfield terrain = hills();
 	WordHash hash;
