@@ -255,7 +255,7 @@ def test_generator_writes_what_it_lists_and_only_changes(tmp_path, build_dir):
     ("before", "after", "words"),
     [
         ("", '[classes.Time]\nmethods = ["get_ticks_msec"]', ["Time"]),
-        ('"get_faces",', '"get_faces", "surface_get_material",', ["Mesh", "surface_get_material"]),
+        ('"get_faces",', '"get_faces", "generate_triangle_mesh",', ["Mesh", "generate_triangle_mesh"]),
         ('enums = ["Error",', 'enums = ["Error", "Side",', ["Side"]),
     ],
 )

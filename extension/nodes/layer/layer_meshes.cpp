@@ -17,7 +17,7 @@ bool LayerMeshes::set_entries(const Array &p_entries) {
 	Array entries;
 	std::vector<Ref<ScatterModel>> models;
 	for (int64_t index = 0; index < p_entries.size(); ++index) {
-		const Variant entry = p_entries[index];
+		const Variant &entry = p_entries[index];
 		Object *object = entry.get_validated_object();
 		Ref<ScatterModel> model(Object::cast_to<ScatterModel>(object));
 		const Ref<PackedScene> scene(Object::cast_to<PackedScene>(object));
