@@ -10,9 +10,6 @@ namespace thicket {
 
 namespace {
 
-/// A finer mesh comes back at this share of the distance at which it went.
-constexpr double hysteresis = 0.95;
-
 /// How many of the steps from thin_begin to thin_end lie at or before a distance.
 double steps_done(const LodSettings &settings, double distance) {
 	if (distance >= settings.thin_end) {
@@ -48,7 +45,7 @@ Status validate(const LodSettings &settings) {
 std::size_t lod_at(const LodSettings &settings, double distance, std::size_t shown) {
 	std::size_t lod = 0;
 	for (const double begin : settings.lod_distances) {
-		if (distance < (lod < shown ? hysteresis * begin : begin)) {
+		if (distance < (lod < shown ? lod_hysteresis * begin : begin)) {
 			break;
 		}
 		++lod;
@@ -84,7 +81,7 @@ double distance_margin(const LodSettings &settings, double distance) {
 	};
 	for (const double begin : settings.lod_distances) {
 		keep_from(begin);
-		keep_from(hysteresis * begin);
+		keep_from(lod_hysteresis * begin);
 	}
 	if (thins(settings)) {
 		keep_from(settings.thin_begin);

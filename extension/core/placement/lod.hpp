@@ -12,7 +12,11 @@ inline constexpr std::size_t max_lods = 15;           ///< Meshes for the distan
 inline constexpr double max_lod_distance = 1e6;       ///< Meters.
 inline constexpr double max_scale_compensation = 4.0; ///< What is left makes up for 15 in 16 that are gone, at most.
 
-/// How a layer's tiles are drawn with distance. Distances are meters from a viewer to the tile's box, 0 inside it.
+inline constexpr double lod_hysteresis =
+		0.95; ///< A finer mesh comes back at this share of the distance at which it went.
+
+/// How a layer's tiles and their cells are drawn with distance. Distances are meters from a viewer to the box of what is drawn
+/// as one, 0 inside it.
 struct LodSettings {
 	/// Where the next coarser mesh begins, ascending, 0 to max_lod_distance; at most max_lods.
 	std::vector<double> lod_distances;
@@ -33,7 +37,7 @@ struct LodSettings {
 Status validate(const LodSettings &settings);
 
 /// The mesh for a distance: 0 near by, i from lod_distances[i - 1] on. `shown` is the one that is shown now: it gives way to
-/// a finer one only 5 % nearer than where it began, so that who walks to and fro sees no flicker. For a tile that is not
+/// a finer one only 5 % nearer than where it began, so that who walks to and fro sees no flicker. For what is not
 /// shown yet, pass 0.
 std::size_t lod_at(const LodSettings &settings, double distance, std::size_t shown);
 

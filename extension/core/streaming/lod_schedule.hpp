@@ -40,6 +40,9 @@ public:
 	/// How many visits are to come.
 	std::size_t size() const { return visits_.size(); }
 
+	/// Meters that count as gone by the viewers so far: no viewer has moved farther between two calls than this has grown.
+	double traveled() const { return traveled_; }
+
 	/// From the nearest viewer to a box. Meters, infinite without viewers.
 	double distance_to(glm::dvec3 min, glm::dvec3 max) const;
 
