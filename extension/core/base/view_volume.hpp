@@ -1,0 +1,56 @@
+#pragma once
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+
+namespace thicket {
+
+/// What a camera sees: the space between six planes. World meters.
+class ViewVolume {
+public:
+	/// The corners of the near side, in turn, then those of the far side, in the same turn: of a perspective or orthogonal camera.
+	explicit ViewVolume(const std::array<glm::dvec3, 8> &corners) {
+		glm::dvec3 middle(0.0);
+		for (const glm::dvec3 &corner : corners) {
+			middle += corner / 8.0;
+		}
+		constexpr std::array<std::array<std::size_t, 3>, 6> sides{
+				{{0, 1, 2}, {4, 5, 6}, {0, 1, 5}, {1, 2, 6}, {2, 3, 7}, {3, 0, 4}}};
+		for (std::size_t side = 0; side < sides.size(); ++side) {
+			const auto &[a, b, c] = sides[side];
+			// The far corners make long edges, and a normal from these that is as exact as can be.
+			Plane &plane = planes_[side];
+			plane.normal = glm::cross(corners[b] - corners[a], corners[c] - corners[a]);
+			plane.offset = glm::dot(plane.normal, corners[c]);
+			if (glm::dot(plane.normal, middle) < plane.offset) {
+				plane.normal = -plane.normal;
+				plane.offset = -plane.offset;
+			}
+		}
+	}
+
+	/// False if a box lies outside of one of the planes altogether, which is how renderers cull. A box beside an edge may count as seen.
+	bool touches(glm::dvec3 min, glm::dvec3 max) const {
+		for (const Plane &plane : planes_) {
+			const glm::dvec3 inmost{plane.normal.x > 0.0 ? max.x : min.x, plane.normal.y > 0.0 ? max.y : min.y,
+					plane.normal.z > 0.0 ? max.z : min.z};
+			if (glm::dot(plane.normal, inmost) < plane.offset) {
+				return false;
+			}
+		}
+		return true;
+	}
+
+private:
+	/// What is seen lies on the side to which the normal points.
+	struct Plane {
+		glm::dvec3 normal{0.0};
+		double offset = 0.0;
+	};
+	std::array<Plane, 6> planes_;
+};
+
+} // namespace thicket
