@@ -218,6 +218,11 @@ def test_pictures_of_models(godot_xvfb, project, renderer):
     assert_passed(godot_xvfb([*arguments, "--script", ENGINE / "test_model_pictures.gd"]))
 
 
+def test_draw_cells(godot_xvfb, project):
+    """What is drawn of tiles in cells, and that no picture shows how they are divided."""
+    assert_passed(godot_xvfb(["--verbose", "--path", project, "--script", ENGINE / "test_draw_cells.gd"]))
+
+
 def test_the_harness_can_fail(godot, project):
     done = godot(["--path", project, "--script", ENGINE / "failing.gd"])
     assert done.returncode == 1

@@ -49,7 +49,7 @@ var changes := {
 	"material_override": [StandardMaterial3D.new(), REDRAWN],
 	"cast_shadow": [GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, REDRAWN],
 	"gi_mode": [GeometryInstance3D.GI_MODE_DYNAMIC, REDRAWN], "render_layers": [2, REDRAWN],
-	"lod_bias": [2.0, REDRAWN], "extra_cull_margin": [3.0, REDRAWN],
+	"draw_cell_size": [16.0, REDRAWN], "lod_bias": [2.0, REDRAWN], "extra_cull_margin": [3.0, REDRAWN],
 	"visibility_range_begin": [1.0, REDRAWN], "visibility_range_begin_margin": [2.0, REDRAWN],
 	"visibility_range_end": [90.0, REDRAWN], "visibility_range_end_margin": [3.0, REDRAWN],
 	"visibility_range_fade_mode": [GeometryInstance3D.VISIBILITY_RANGE_FADE_SELF, REDRAWN],

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/placement/cell_choice.hpp"
 #include "core/placement/lod.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/layer_links.hpp"
@@ -32,6 +33,8 @@ struct LayerDrawing {
 	/// Meters at scale 1 from the origin of each mesh to its farthest corner, whichever of its LODs is drawn, enlarged as much as
 	/// thinning may enlarge it.
 	std::vector<float> mesh_reach;
+
+	double draw_cell_size = 0.0; ///< Meters; 0 for what fits the models. LayerSnapshot::cells has what follows from it.
 
 	godot::Ref<godot::Material> material_override; ///< Null for the meshes' own.
 	std::int64_t cast_shadow = 1;
@@ -103,6 +106,7 @@ struct LayerSnapshot {
 	StreamLayer range;
 	LayerDrawing drawing;
 	LodSettings lod;
+	CellSettings cells;
 	LayerGameplay gameplay;
 	LayerLinks links; ///< Its name, and what it says of other layers by name.
 

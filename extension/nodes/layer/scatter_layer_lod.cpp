@@ -12,6 +12,8 @@ namespace {
 
 constexpr NumberProperty view_distance{"view_distance", &StreamLayer::view_distance, 0.0, farthest_view,
 		PROPERTY_HINT_RANGE, "0,4096,0.1,or_greater,exp,suffix:m"};
+constexpr NumberProperty draw_cell_size{"draw_cell_size", &LayerDrawing::draw_cell_size, 0.0, max_tile_size,
+		PROPERTY_HINT_RANGE, "0,1024,0.1,or_greater,exp,suffix:m", 1.0};
 constexpr NumberProperty lod_bias{
 		"lod_bias", &LayerDrawing::lod_bias, 1e-3, 128.0, PROPERTY_HINT_RANGE, "0.001,128,0.001,exp"};
 constexpr NumberProperty thin_begin{"thin_begin", &LodSettings::thin_begin, 0.0, max_lod_distance, PROPERTY_HINT_RANGE,
@@ -71,6 +73,7 @@ void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
 void ScatterLayer::bind_lod() {
 	ADD_GROUP("Distance", "");
 	bind_number<view_distance>();
+	bind_number<draw_cell_size>();
 	ADD_SUBGROUP("LOD", "lod_");
 	bind_guarded<&ScatterLayer::set_lod_distances>(D_METHOD("set_lod_distances", "distances"));
 	bind_guarded<&ScatterLayer::get_lod_distances>(D_METHOD("get_lod_distances"));

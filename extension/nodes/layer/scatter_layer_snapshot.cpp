@@ -37,6 +37,14 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	}
 }
 
+/// How finely the tiles are divided near viewers. Rules do not count: a slider that moves one uploads nothing anew for this.
+CellSettings cells_of(const LayerSettings &settings, double tile_size, const LayerDrawing &drawing) {
+	const float reach = drawing.mesh_reach.empty() ? 0.0F : std::ranges::max(drawing.mesh_reach);
+	const double density = point_density(settings.set) / std::max(static_cast<double>(drawing.meshes.size()), 1.0);
+	const double chosen = drawing.draw_cell_size;
+	return {tile_size, cells_across(tile_size, chosen > 0.0 ? chosen : usual_cell_size(reach, density))};
+}
+
 } // namespace
 
 LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
@@ -49,6 +57,7 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	result.drawing.material_override = material_override_;
 	meshes_.draw(lod_meshes_, lod_distances_, result.drawing, result.lod);
 	add_boxes(result.lod, result.drawing);
+	result.cells = cells_of(*result.settings, result.range.tile_size, result.drawing);
 	result.gameplay = gameplay();
 	result.links = links();
 	return result;

@@ -6,12 +6,13 @@ using namespace godot;
 
 namespace thicket {
 
+AABB box_around(glm::vec3 min, glm::vec3 max, float margin) {
+	return AABB(to_engine(min - margin), to_engine(max - min + 2.0F * margin));
+}
+
 MeshUpload to_upload(const MeshInstances &mesh, float reach) {
-	const float margin = reach * mesh.max_scale;
-	const glm::vec3 min = mesh.min - margin;
-	const glm::vec3 size = mesh.max - mesh.min + 2.0F * margin;
 	MeshUpload upload;
-	upload.aabb = AABB(to_engine(min), to_engine(size));
+	upload.aabb = box_around(mesh.min, mesh.max, reach * mesh.max_scale);
 	upload.buffer = packed_floats(mesh.buffer);
 	return upload;
 }

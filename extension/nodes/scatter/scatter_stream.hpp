@@ -85,10 +85,11 @@ private:
 		ask_ground, ///< Asks a script for the ground of a tile.
 		upload,     ///< Uploads a part of a tile, and shows it with its last part.
 		free,       ///< Frees what is shown no longer.
-		lod,        ///< Draws a tile as its distance asks for.
+		lod,        ///< Draws some tiles as their distances ask for.
+		divide,     ///< Draws a tile in cells, or as a whole again.
 		rings,      ///< Lets bodies come and go.
 	};
-	static constexpr std::size_t step_kinds = 5;
+	static constexpr std::size_t step_kinds = 6;
 
 	std::size_t jobs_per_worker() const;
 	void request_tiles(std::span<const Viewer> viewers);
@@ -129,6 +130,7 @@ private:
 	StreamFigures figures_;
 	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.
 	Step next_step_ = Step::ask_ground;
+	std::uint32_t divide_turns_ = 0;
 	std::uint64_t usual_job_microseconds_ = 10'000; ///< Of one tile, smoothed; a guess until there were some.
 };
 

@@ -12,6 +12,10 @@ namespace thicket {
 
 namespace {
 
+/// While tiles wait to be shown, what is shown is divided otherwise in each of so many turns: the picture is as good meanwhile, and only
+/// takes more triangles.
+constexpr std::uint32_t divide_turn = 32;
+
 /// The usual time of a step, after another one. A step in which the machine did something else counts as a slow one
 /// only, or a single such would hold up the stream for many frames.
 std::chrono::steady_clock::duration smoothed(
@@ -78,7 +82,7 @@ bool ScatterStream::upload_step() {
 		}
 	}
 	if (uploads_.state() == UploadQueue::State::uploading) {
-		display_.upload_part(uploads_.current());
+		display_.upload_some(uploads_.current());
 		uploads_.part_uploaded();
 	}
 	if (uploads_.state() == UploadQueue::State::complete) {
@@ -116,6 +120,8 @@ bool ScatterStream::do_step(Step step) {
 		case Step::upload: return upload_step();
 		case Step::free: return display_.free_step();
 		case Step::lod: return display_.lod_step();
+		case Step::divide:
+			return (uploads_.size() == 0 || ++divide_turns_ % divide_turn == 0) && display_.divide_step();
 		case Step::rings: return ring_step();
 	}
 	return false;

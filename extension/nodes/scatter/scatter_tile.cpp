@@ -21,7 +21,7 @@ Ref<ScatterTile> ScatterTile::built(TileInstances tile, const std::vector<Ref<Me
 	result->origin_ = to_engine(shared->origin, offset);
 	for (std::size_t mesh = 0; mesh < shared->meshes.size(); ++mesh) {
 		result->parts_.push_back({mesh < meshes.size() ? meshes[mesh] : Ref<Mesh>(),
-				std::shared_ptr<const MeshInstances>(shared, &shared->meshes[mesh]), RID()});
+				std::shared_ptr<const MeshInstances>(shared, &shared->meshes[mesh]), {}});
 	}
 	return result;
 }
@@ -36,8 +36,10 @@ Ref<ScatterTile> ScatterTile::shown(
 	result->tile_ = shown->tile;
 	result->origin_ = to_engine(shown->tile->origin, offset);
 	for (const DisplayedTile::Part &part : shown->parts) {
-		result->parts_.push_back({part.lods.empty() ? Ref<Mesh>() : part.lods.front(), part.shown,
-				part.visual ? part.visual->multimesh() : RID()});
+		result->parts_.push_back({part.cells.empty() ? Ref<Mesh>() : part.lods.front(), part.shown, {}});
+		for (const DisplayedTile::Cell &cell : part.cells) {
+			result->parts_.back().multimeshes.push_back(cell.visual.multimesh());
+		}
 	}
 	result->display_ = display;
 	result->layer_ = layer;
@@ -72,8 +74,8 @@ PackedFloat32Array ScatterTile::get_buffer(int64_t p_index) const {
 	const DisplayedTile *now = display != nullptr ? display->find(layer_, number_) : nullptr;
 	const auto index = static_cast<std::size_t>(p_index);
 	const bool same = now != nullptr && index < now->parts.size() && now->parts[index].shown == part->instances;
-	return same && now->parts[index].visual ? now->parts[index].visual->read_back()
-											: packed_floats(part->instances->buffer);
+	return same && !now->parts[index].cells.empty() ? read_back(now->parts[index])
+													: packed_floats(part->instances->buffer);
 }
 
 PackedInt64Array ScatterTile::get_ids(int64_t p_index) const {
@@ -83,7 +85,17 @@ PackedInt64Array ScatterTile::get_ids(int64_t p_index) const {
 
 RID ScatterTile::get_multimesh(int64_t p_index) const {
 	const Part *part = find("get_multimesh", p_index);
-	return part != nullptr ? part->multimesh : RID();
+	return part != nullptr && part->multimeshes.size() == 1 ? part->multimeshes.front() : RID();
+}
+
+TypedArray<RID> ScatterTile::get_multimeshes(int64_t p_index) const {
+	TypedArray<RID> result;
+	if (const Part *part = find("get_multimeshes", p_index)) {
+		for (const RID &multimesh : part->multimeshes) {
+			result.push_back(multimesh);
+		}
+	}
+	return result;
 }
 
 int64_t ScatterTile::get_digest() const {
@@ -114,6 +126,7 @@ void ScatterTile::_bind_methods() {
 	bind_guarded<&Self::get_buffer>(D_METHOD("get_buffer", "index"));
 	bind_guarded<&Self::get_ids>(D_METHOD("get_ids", "index"));
 	bind_guarded<&Self::get_multimesh>(D_METHOD("get_multimesh", "index"));
+	bind_guarded<&Self::get_multimeshes>(D_METHOD("get_multimeshes", "index"));
 	bind_guarded<&Self::get_digest>(D_METHOD("get_digest"));
 }
 

@@ -10,6 +10,7 @@
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/rid.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
 #include <godot_cpp/variant/vector3.hpp>
 
 #include <glm/vec2.hpp>
@@ -48,8 +49,11 @@ public:
 	godot::PackedFloat32Array get_buffer(int64_t p_index) const;
 	godot::PackedInt64Array get_ids(int64_t p_index) const;
 
-	/// Invalid where nothing is drawn.
+	/// Invalid where nothing is drawn, and where there are several.
 	godot::RID get_multimesh(int64_t p_index) const;
+
+	/// One of a tile that is drawn as a whole, else one for each cell in which instances stand. None where nothing is drawn.
+	godot::TypedArray<godot::RID> get_multimeshes(int64_t p_index) const;
 
 	/// Of all of it, to the last bit; 0 for a tile that was not shown.
 	int64_t get_digest() const;
@@ -61,7 +65,7 @@ private:
 	struct Part {
 		godot::Ref<godot::Mesh> mesh;
 		std::shared_ptr<const MeshInstances> instances;
-		godot::RID multimesh;
+		std::vector<godot::RID> multimeshes;
 	};
 
 	const Part *find(const char *p_method, int64_t p_index) const;

@@ -190,6 +190,7 @@ void TerrainScatter3D::emit_events() {
 DrawLimits TerrainScatter3D::draw_limits() const {
 	DrawLimits limits;
 	limits.quality = quality_;
+	limits.max_multimeshes = static_cast<std::uint64_t>(max_multimeshes_);
 	if (in_editor()) {
 		limits.max_instances = static_cast<std::uint64_t>(preview_instances_);
 	}

@@ -12,6 +12,7 @@
 #include "nodes/scatter/scatter_viewers.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
+#include <godot_cpp/classes/camera3d.hpp>
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/variant/callable.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
@@ -82,6 +83,11 @@ public:
 	void set_preview_instances(int64_t p_count);
 	int64_t get_preview_instances() const { return preview_instances_; }
 
+	/// The most multimeshes on show, 0 to 1e6: with so many, no tile is divided for drawing any more, the farthest first. Tiles that are
+	/// drawn as a whole are shown beyond that.
+	void set_max_multimeshes(int64_t p_count);
+	int64_t get_max_multimeshes() const { return max_multimeshes_; }
+
 	/// Node3Ds of this group are near: bodies and scenes stand around them as around viewers.
 	void set_interaction_group(const godot::StringName &p_group) { interaction_group_ = p_group; }
 	godot::StringName get_interaction_group() const { return interaction_group_; }
@@ -92,6 +98,9 @@ public:
 	/// True when every wanted tile is shown, and all else has followed: bodies, scenes, and what was changed.
 	bool is_settled() const;
 	godot::Dictionary get_stats() const;
+
+	/// What is drawn now: all of it, or what a camera may see.
+	godot::Dictionary get_draw_stats(godot::Camera3D *p_camera) const;
 
 	/// What keeps the node from showing what it should, a sentence each; the editor shows them as warnings.
 	godot::PackedStringArray get_problems() const;
@@ -233,6 +242,7 @@ private:
 	int64_t frame_budget_usec_ = 500;
 	double quality_ = 1.0;
 	int64_t preview_instances_ = 250000;
+	int64_t max_multimeshes_ = 8192;
 	glm::dvec3 world_offset_{0.0}; ///< Of the engine's origin in the world, meters.
 
 	Host host_{*this};

@@ -41,6 +41,8 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::get_quality>(D_METHOD("get_quality"));
 	bind_guarded<&Self::set_preview_instances>(D_METHOD("set_preview_instances", "count"));
 	bind_guarded<&Self::get_preview_instances>(D_METHOD("get_preview_instances"));
+	bind_guarded<&Self::set_max_multimeshes>(D_METHOD("set_max_multimeshes", "count"));
+	bind_guarded<&Self::get_max_multimeshes>(D_METHOD("get_max_multimeshes"));
 	bind_guarded<&Self::mark_dirty>(D_METHOD("_mark_dirty"));
 	bind_guarded<&Self::mark_ground_dirty>(D_METHOD("_mark_ground_dirty"));
 	bind_guarded<&Self::mark_ground_edited>(D_METHOD("_mark_ground_edited", "rect"));
@@ -50,6 +52,7 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::regenerate>(D_METHOD("regenerate"));
 	bind_guarded<&Self::is_settled>(D_METHOD("is_settled"));
 	bind_guarded<&Self::get_stats>(D_METHOD("get_stats"));
+	bind_guarded<&Self::get_draw_stats>(D_METHOD("get_draw_stats", "camera"), DEFVAL(Variant()));
 	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
 	bind_guarded<&Self::get_shown_tiles>(D_METHOD("get_shown_tiles", "layer"));
 	bind_guarded<&Self::get_tile>(D_METHOD("get_tile", "layer", "tile"));
@@ -74,6 +77,8 @@ void TerrainScatter3D::bind_streaming() {
 			PropertyInfo(Variant::FLOAT, "quality", PROPERTY_HINT_RANGE, "0,1,0.01"), "set_quality", "get_quality");
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "preview_instances", PROPERTY_HINT_RANGE, "0,2000000,1000,or_greater"),
 			"set_preview_instances", "get_preview_instances");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "max_multimeshes", PROPERTY_HINT_RANGE, "0,65536,1,or_greater"),
+			"set_max_multimeshes", "get_max_multimeshes");
 }
 
 void TerrainScatter3D::bind_changes() {

@@ -12,6 +12,7 @@
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/memory.hpp>
 
+#include <optional>
 #include <utility>
 
 using namespace godot;
@@ -114,6 +115,12 @@ void TerrainScatter3D::set_preview_instances(int64_t p_count) {
 	}
 }
 
+void TerrainScatter3D::set_max_multimeshes(int64_t p_count) {
+	if (accept_number(class_name, "max_multimeshes", static_cast<double>(p_count), 0.0, 1e6)) {
+		max_multimeshes_ = p_count;
+	}
+}
+
 int64_t TerrainScatter3D::get_body_instance(const RID &p_body) const {
 	return script_id(gameplay_->collision().instance_of(p_body));
 }
@@ -190,6 +197,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["tiles"] = number(display().tile_count());
 	stats["instances"] = number(display().instance_count());
 	stats["drawn"] = number(display().drawn_count());
+	stats["multimeshes"] = number(display().multimesh_count());
 	stats["uploads"] = number(display().upload_count());
 	stats["redrawn"] = number(display().redrawn_count());
 	stats["waiting"] = number(counts.waiting);
@@ -204,6 +212,26 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["tiles_made"] = number(figures.tiles_made);
 	stats["points_sampled"] = number(figures.points_sampled);
 	stats["worker_usec"] = number(figures.worker_microseconds);
+	return stats;
+}
+
+Dictionary TerrainScatter3D::get_draw_stats(Camera3D *p_camera) const {
+	std::optional<ViewVolume> view;
+	if (p_camera != nullptr) {
+		if (!p_camera->is_inside_tree()) {
+			ERR_PRINT("TerrainScatter3D.get_draw_stats: the camera is not in the tree.");
+			return Dictionary();
+		}
+		view = view_of(*p_camera, world_offset_);
+	}
+	DrawCounter counter(view);
+	display().count_drawn(counter);
+	const DrawFigures &figures = counter.figures();
+	Dictionary stats;
+	stats["multimeshes"] = static_cast<int64_t>(figures.multimeshes);
+	stats["instances"] = static_cast<int64_t>(figures.instances);
+	stats["triangles"] = static_cast<int64_t>(figures.triangles);
+	stats["draw_calls"] = static_cast<int64_t>(figures.draw_calls);
 	return stats;
 }
 

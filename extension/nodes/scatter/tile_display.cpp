@@ -1,5 +1,6 @@
 #include "nodes/scatter/tile_display.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -16,6 +17,11 @@ std::vector<Ref<Mesh>> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
 		lods.push_back(drawing.lod_meshes[at].is_valid() ? drawing.lod_meshes[at] : lods.back());
 	}
 	return lods;
+}
+
+/// The same, and none for a mesh of which nothing is drawn.
+std::vector<Ref<Mesh>> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
+	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<Ref<Mesh>>();
 }
 
 } // namespace
@@ -42,6 +48,11 @@ void TileDisplay::set_world_offset(glm::dvec3 offset) {
 	for (TileVisual &visual : leaving_) {
 		visual.set_offset(offset);
 	}
+	for (DisplayedTile::Part &part : division_ ? std::span(division_->parts) : std::span<DisplayedTile::Part>()) {
+		for (DisplayedTile::Cell &cell : part.cells) {
+			cell.visual.set_offset(offset);
+		}
+	}
 }
 
 void TileDisplay::set_visible(bool visible) {
@@ -60,8 +71,8 @@ void TileDisplay::set_layers(const std::vector<SharedSnapshot> &layers) {
 	for (std::size_t index = 0; index < layers.size(); ++index) {
 		const SharedSnapshot before = index < layers_.size() ? layers_[index] : nullptr;
 		const SharedSnapshot &now = layers[index];
-		const bool same =
-				before != nullptr && now != nullptr && before->drawing == now->drawing && before->lod == now->lod;
+		const bool same = before != nullptr && now != nullptr && before->drawing == now->drawing &&
+				before->lod == now->lod && before->cells == now->cells;
 		if (before != now && !same) {
 			drawing_versions_[index] = ++last_version_;
 			changed = true;
@@ -69,6 +80,7 @@ void TileDisplay::set_layers(const std::vector<SharedSnapshot> &layers) {
 	}
 	layers_ = layers;
 	if (changed) {
+		cancel_division();
 		visit_all();
 	}
 }
@@ -82,33 +94,41 @@ std::uint64_t TileDisplay::drawing_version(std::uint32_t layer) const {
 	return layer < drawing_versions_.size() ? drawing_versions_[layer] : 0;
 }
 
-void TileDisplay::draw_part(const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing,
-		const MeshUpload &upload, DisplayedTile::Part &r_part) {
-	VisualContext context = context_;
-	context.origin = tile.tile->origin;
-	r_part.lods = lods_of(drawing, mesh);
-	r_part.visual.emplace(context, tile.settings->instance_data, drawing.meshes[mesh], upload);
-	r_part.visual->apply(drawing);
-	++upload_count_;
-}
-
 void TileDisplay::begin(TileUpload &r_upload) const {
 	static const auto nothing = std::make_shared<const TileInstances>();
 	const TileJob &job = *r_upload.job;
+	const TileKey &key = job.request.key;
 	DisplayedTile &tile = r_upload.tile;
 	tile.tile = job.tile != nullptr ? job.tile : nothing; // One that could not be made is empty.
 	tile.settings = job.layer->settings;
 	tile.mesh_reach = job.layer->drawing.mesh_reach;
 	tile.rect = job.request.rect;
-	tile.drawing_version = drawing_version(job.request.key.layer);
+	tile.drawing_version = drawing_version(key.layer);
 	r_upload.shown = overlay(tile);
 	r_upload.overlay_version = overlay_version_;
 	if (r_upload.shown.size() != tile.tile->meshes.size()) {
 		tile.tile = nullptr; // There is no memory for now, so it is begun again later.
+		return;
 	}
+	const LayerSnapshot *layer = layer_at(key.layer);
+	std::vector<std::size_t> sizes;
+	for (std::size_t mesh = 0; mesh < r_upload.shown.size(); ++mesh) {
+		const MeshInstances &shown = *r_upload.shown[mesh];
+		if (layer != nullptr && layer->drawing.draws(mesh) && shown.size() > 0) {
+			tile.grow(box_around(shown.min, shown.max, tile.reach_of(mesh) * shown.max_scale));
+			sizes.push_back(shown.size());
+		}
+	}
+	const auto standing = tiles_.find(order(key));
+	const std::uint32_t across = division_of(key, tile, standing != tiles_.end() ? standing->second.across : 0);
+	std::uint64_t multimeshes = multimeshes_;
+	for (const std::size_t size : sizes) {
+		multimeshes += std::min(size, std::size_t{across} * across);
+	}
+	tile.across = multimeshes <= limits_.max_multimeshes ? across : 1; // Else it may be divided once it is on show.
 }
 
-void TileDisplay::upload_part(TileUpload &r_upload) {
+void TileDisplay::upload_some(TileUpload &r_upload) {
 	if (!r_upload.is_begun()) {
 		begin(r_upload);
 	}
@@ -117,27 +137,40 @@ void TileDisplay::upload_part(TileUpload &r_upload) {
 	}
 	const TileJob &job = *r_upload.job;
 	DisplayedTile &tile = r_upload.tile;
-	const std::size_t mesh = tile.parts.size();
-	DisplayedTile::Part part;
-	part.shown = r_upload.shown[mesh];
 	const LayerSnapshot *layer = layer_at(job.request.key.layer);
-	if (layer != nullptr && layer->drawing.draws(mesh) && part.shown->size() > 0) {
-		const bool own = part.shown.get() == &job.tile->meshes[mesh];
-		const MeshUpload upload = own ? job.uploads[mesh] : to_upload(*part.shown, tile.reach_of(mesh));
-		draw_part(tile, mesh, layer->drawing, upload, part);
-		tile.grow(upload.aabb);
+	if (!r_upload.has_open_part()) {
+		const std::size_t mesh = tile.parts.size();
+		DisplayedTile::Part part;
+		if (!begin_part(tile, r_upload.shown[mesh], drawn_lods(layer, mesh), tile.across, part)) {
+			return; // There is no memory for now.
+		}
+		tile.parts.push_back(std::move(part));
 	}
-	tile.parts.push_back(std::move(part));
+	DisplayedTile::Part &part = tile.parts.back();
+	const std::size_t mesh = tile.parts.size() - 1;
+	const bool own = part.division.empty() && part.shown.get() == &job.tile->meshes[mesh];
+	if (layer == nullptr) {
+		part.lods.clear(); // It went meanwhile: nothing more is drawn of it.
+	} else if (own && r_upload.has_open_part()) {
+		part.cells.push_back(make_cell(tile, part, layer->drawing, job.uploads[mesh]));
+	} else {
+		upload_cells(tile, mesh, layer->drawing, part);
+	}
 }
 
 void TileDisplay::show(TileUpload upload) {
 	const TileKey key = upload.job->request.key;
 	DisplayedTile &tile = tiles_[order(key)];
 	uncount(tile);
-	upload.tile.lod = tile.lod;
+	upload.tile.set_lod(tile.finest_lod());
 	upload.tile.is_cut = tile.is_cut;
+	upload.tile.to_divide = tile.to_divide;
+	if (division_ && division_->key == key) {
+		cancel_division();
+	}
 	// The old visuals go now: for as long as both were visible, each instance would be drawn twice.
 	tile = std::move(upload.tile);
+	note_division(order(key), tile);
 	if (upload.overlay_version != overlay_version_) {
 		patch(key, tile);
 	}
@@ -149,10 +182,15 @@ void TileDisplay::show(TileUpload upload) {
 
 void TileDisplay::leave(DisplayedTile &&tile) {
 	for (DisplayedTile::Part &part : tile.parts) {
-		if (part.visual) {
-			leaving_.push_back(std::move(*part.visual));
-		}
+		leave(std::move(part.cells));
 	}
+}
+
+void TileDisplay::leave(std::vector<DisplayedTile::Cell> &&cells) {
+	for (DisplayedTile::Cell &cell : cells) {
+		leaving_.push_back(std::move(cell.visual));
+	}
+	cells.clear();
 }
 
 bool TileDisplay::holds(const TileKey &key) const { return tiles_.contains(order(key)); }
@@ -162,10 +200,18 @@ bool TileDisplay::drop(const TileKey &key) {
 	if (found == tiles_.end()) {
 		return false;
 	}
+	if (division_ && division_->key == key) {
+		cancel_division();
+	}
+	if (found->second.to_divide) {
+		std::erase(to_divide_, key);
+	}
 	uncount(found->second);
 	leave(std::move(found->second));
+	divided_.erase(found->first);
 	tiles_.erase(found);
 	schedule_.remove(key);
+	multimeshes_gone();
 	return true;
 }
 
@@ -179,8 +225,12 @@ bool TileDisplay::free_step() {
 
 void TileDisplay::clear() {
 	leaving_.clear();
+	division_.reset();
+	to_divide_.clear();
+	denied_.clear();
+	divided_.clear();
 	tiles_.clear();
-	instances_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = 0;
+	instances_ = multimeshes_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = 0;
 	schedule_.clear();
 	cut_.clear();
 	share_ = 1.0;

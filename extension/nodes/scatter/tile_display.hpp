@@ -3,7 +3,8 @@
 #include "core/near/tile_overlay.hpp"
 #include "core/streaming/lod_schedule.hpp"
 #include "core/streaming/tile_streamer.hpp"
-#include "nodes/scatter/tile_visual.hpp"
+#include "nodes/scatter/displayed_tile.hpp"
+#include "nodes/scatter/draw_figures.hpp"
 #include "nodes/scatter/upload_queue.hpp"
 
 #include <cstddef>
@@ -11,6 +12,8 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <span>
 #include <tuple>
 #include <unordered_set>
@@ -22,6 +25,7 @@ namespace thicket {
 struct DrawLimits {
 	double quality = 1.0;                                                    ///< Share of every tile, 0 to 1.
 	std::uint64_t max_instances = std::numeric_limits<std::uint64_t>::max(); ///< Of all tiles together.
+	std::uint64_t max_multimeshes = 8192; ///< Of all tiles together: no tile is divided for drawing beyond that.
 
 	friend bool operator==(const DrawLimits &, const DrawLimits &) = default;
 };
@@ -69,14 +73,18 @@ public:
 	/// The viewers in this frame: what is drawn of a tile depends on its distance to the nearest.
 	void set_viewers(std::span<const Viewer> viewers);
 
-	/// Draws one tile as its distance, its layer and the limits say, without an upload. False if all tiles are.
+	/// Draws some tiles as their distances, their layers and the limits say, without an upload. False if all tiles are.
 	bool lod_step();
 
-	/// True if `lod_step` would find nothing to do.
-	bool settled() const { return schedule_.settled(); }
+	/// Works on one tile that is to be drawn in cells, in others, or as a whole again: uploads some cells, hidden, or shows them all and
+	/// hides what they stand for, so that no frame has an instance twice or not at all. False if no tile is.
+	bool divide_step();
 
-	/// Uploads one part of a tile that is not complete.
-	void upload_part(TileUpload &r_upload);
+	/// True if neither of these two would find anything to do.
+	bool settled() const;
+
+	/// Uploads some more of a tile that is not complete.
+	void upload_some(TileUpload &r_upload);
 
 	/// Shows a complete tile, in place of the one with its key.
 	void show(TileUpload upload);
@@ -104,6 +112,12 @@ public:
 	/// Instances that are drawn when in sight, at most as many as the limits allow.
 	std::uint64_t drawn_count() const { return drawn_; }
 
+	/// Multimeshes on show: one for each mesh of a tile that is drawn as a whole, more for a tile in cells.
+	std::uint64_t multimesh_count() const { return multimeshes_; }
+
+	/// Adds up what is drawn now.
+	void count_drawn(DrawCounter &r_counter) const;
+
 	/// Buffers handed to the renderer since the display was new or cleared.
 	std::uint64_t upload_count() const { return upload_count_; }
 
@@ -120,20 +134,54 @@ private:
 	static Order order(const TileKey &key);
 	static TileKey key_of(const Order &order);
 	void leave(DisplayedTile &&tile);
+	void leave(std::vector<DisplayedTile::Cell> &&cells);
 	void count(const DisplayedTile &tile);
 	void uncount(const DisplayedTile &tile);
 	void visit_all();
 	void apply_drawing(const TileKey &key, DisplayedTile &r_tile);
 	void refine(const TileKey &key, DisplayedTile &r_tile);
-	bool draw_lod(const LodSettings &lod, double distance, DisplayedTile &r_tile);
+	double distance_to(const DisplayedTile &tile) const;
+	bool draw_whole(const LodSettings &lod, double distance, DisplayedTile &r_tile);
+	bool draw_cells(const LodSettings &lod, DisplayedTile &r_tile, double &r_margin);
+	bool draw_cell(const LodSettings &lod, double distance, DisplayedTile::Part &r_part, std::size_t cell);
 	void begin(TileUpload &r_upload) const;
-	void draw_part(const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, const MeshUpload &upload,
-			DisplayedTile::Part &r_part);
+	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const MeshInstances> shown,
+			std::vector<godot::Ref<godot::Mesh>> lods, std::uint32_t across, DisplayedTile::Part &r_part) const;
+	DisplayedTile::Cell make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
+			const LayerDrawing &drawing, const MeshUpload &upload);
+	void upload_cells(
+			const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, DisplayedTile::Part &r_part);
 	const LayerSnapshot *layer_at(std::uint32_t index) const;
 	std::uint64_t drawing_version(std::uint32_t layer) const;
 	void redraw(const TileKey &key, DisplayedTile &r_tile);
+	bool patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
+			DisplayedTile::Part &r_part, std::shared_ptr<const MeshInstances> shown);
 	void patch(const TileKey &key, DisplayedTile &r_tile);
 	std::vector<std::shared_ptr<const MeshInstances>> overlay(const DisplayedTile &tile) const;
+
+	// How tiles are divided into cells.
+
+	/// A tile on show that is being divided otherwise: as much of it as is uploaded, hidden.
+	struct Division {
+		TileKey key;
+		std::uint32_t across = 1;
+		std::vector<DisplayedTile::Part> parts;
+	};
+	struct FartherCells {
+		const Order *farthest = nullptr; ///< The tile in cells that is farthest from the viewers; null for none.
+		std::uint64_t spare = 0;         ///< Multimeshes that would go if all such tiles were drawn as a whole.
+	};
+	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const;
+	void choose_division(const TileKey &key, DisplayedTile &r_tile);
+	bool begin_division();
+	bool begin_division_of(const TileKey &key, DisplayedTile &r_tile);
+	bool over_limit() const { return multimeshes_ > limits_.max_multimeshes && !divided_.empty(); }
+	FartherCells cells_beyond(double distance) const;
+	void continue_division();
+	void finish_division(DisplayedTile &r_tile);
+	void cancel_division();
+	void note_division(const Order &at, const DisplayedTile &tile);
+	void multimeshes_gone();
 
 	VisualContext context_;
 	bool visible_ = true;
@@ -143,6 +191,7 @@ private:
 	std::map<Order, DisplayedTile> tiles_;
 	std::vector<TileVisual> leaving_;
 	std::uint64_t instances_ = 0;
+	std::uint64_t multimeshes_ = 0;
 	std::uint64_t upload_count_ = 0;
 	std::uint64_t redrawn_count_ = 0;
 
@@ -153,6 +202,11 @@ private:
 	std::uint64_t drawn_ = 0;
 	std::uint64_t wanted_ = 0;
 	std::vector<TileKey> cut_; ///< Tiles that the limit cut short, to be visited once more. Each once.
+
+	std::optional<Division> division_; ///< Under way.
+	std::vector<TileKey> to_divide_;   ///< Tiles that are to be divided otherwise. Each once.
+	std::vector<TileKey> denied_;      ///< Those for which there was no room.
+	std::set<Order> divided_;          ///< Tiles on show in cells.
 
 	const InstanceState *state_ = nullptr;
 	std::unordered_set<std::uint64_t> hidden_;

@@ -92,24 +92,73 @@ void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 		mark(key.layer, r_tile.rect); // No memory for now: it stays on show as it is until there is.
 		return;
 	}
+	if (division_ && division_->key == key) {
+		cancel_division(); // What it has uploaded is out of date.
+	}
+	r_tile.look_at_all = true;
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
-		const std::shared_ptr<const MeshInstances> before = std::exchange(part.shown, shown[mesh]);
-		if (before == part.shown || same(*before, *part.shown)) {
-			continue;
+		if (part.shown == shown[mesh] || same(*part.shown, *shown[mesh])) {
+			part.shown = shown[mesh];
+		} else if (!patch_part(r_tile, mesh, layer, part, shown[mesh])) {
+			mark(key.layer, r_tile.rect); // As above.
+			return;
 		}
-		const MeshUpload upload = to_upload(*part.shown, r_tile.reach_of(mesh));
-		if (part.visual) {
-			part.visual->set_instances(upload);
-			++upload_count_;
-		} else if (layer != nullptr && layer->drawing.draws(mesh)) {
-			draw_part(r_tile, mesh, layer->drawing, upload, part);
-			part.visual->set_visible(visible_);
-		}
-		if (part.visual) {
-			r_tile.grow(upload.aabb);
+		for (const DisplayedTile::Cell &cell : part.cells) {
+			r_tile.min = glm::min(r_tile.min, cell.min);
+			r_tile.max = glm::max(r_tile.max, cell.max);
 		}
 	}
+}
+
+/// Shows other instances of a mesh. A cell that has what it had is not uploaded anew. False without the memory for it.
+bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
+		DisplayedTile::Part &r_part, std::shared_ptr<const MeshInstances> shown) {
+	DisplayedTile::Part next;
+	if (!begin_part(tile, std::move(shown), r_part.lods, tile.across, next)) {
+		return false;
+	}
+	if (layer == nullptr || next.lods.empty()) {
+		r_part.shown = next.shown;
+		return true;
+	}
+	const bool whole = tile.across == 1;
+	std::size_t before = 0;
+	std::vector<DisplayedTile::Cell> gone;
+	const std::size_t count = whole ? std::max(next.cell_count(), r_part.cells.size()) : next.division.cells.size();
+	for (std::size_t at = 0; at < count; ++at) {
+		while (!whole && before < r_part.cells.size() &&
+				r_part.division.cells[before].number < next.division.cells[at].number) {
+			gone.push_back(std::move(r_part.cells[before++]));
+		}
+		const bool stands = before < r_part.cells.size() &&
+				(whole || r_part.division.cells[before].number == next.division.cells[at].number);
+		const bool unchanged = stands && !whole &&
+				same_instances(*r_part.shown, r_part.division.order_of(r_part.division.cells[before]), *next.shown,
+						next.division.order_of(next.division.cells[at]));
+		if (unchanged) {
+			next.cells.push_back(std::move(r_part.cells[before++]));
+			continue;
+		}
+		const MeshUpload upload = to_upload(next, at, tile.reach_of(mesh));
+		if (stands) {
+			next.cells.push_back(std::move(r_part.cells[before++]));
+			next.cells.back().set_instances(upload);
+			++upload_count_;
+		} else {
+			next.cells.push_back(make_cell(tile, next, layer->drawing, upload));
+			next.cells.back().visual.set_visible(visible_);
+		}
+	}
+	while (before < r_part.cells.size()) {
+		gone.push_back(std::move(r_part.cells[before++]));
+	}
+	for (DisplayedTile::Cell &cell : gone) {
+		cell.visual.set_visible(false);
+	}
+	leave(std::move(gone));
+	r_part = std::move(next);
+	return true;
 }
 
 } // namespace thicket

@@ -6,8 +6,6 @@
 #include <godot_cpp/variant/basis.hpp>
 #include <godot_cpp/variant/transform3d.hpp>
 
-#include <glm/common.hpp>
-
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -101,8 +99,8 @@ void TileVisual::free() {
 
 void TileVisual::apply(const LayerDrawing &drawing) {
 	// Every member is named, so that nobody adds one without a look at this function.
-	const auto &[meshes, lod_meshes, boxes, mesh_reach, material, cast_shadow, gi_mode, render_layers, lod_bias, margin,
-			begin, begin_margin, end, end_margin, fade_mode] = drawing;
+	const auto &[meshes, lod_meshes, boxes, mesh_reach, cell_size, material, cast_shadow, gi_mode, render_layers,
+			lod_bias, margin, begin, begin_margin, end, end_margin, fade_mode] = drawing;
 	RenderingServer *server = RenderingServer::get_singleton();
 	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(render_layers));
 	server->instance_geometry_set_cast_shadows_setting(
@@ -163,28 +161,6 @@ PackedFloat32Array TileVisual::read_back() const {
 		buffer.resize(floats);
 	}
 	return buffer;
-}
-
-void DisplayedTile::grow(const AABB &box) {
-	const Vector3 end = box.position + box.size;
-	min = glm::min(min, glm::vec3(box.position.x, box.position.y, box.position.z));
-	max = glm::max(max, glm::vec3(end.x, end.y, end.z));
-}
-
-void DisplayedTile::set_visible(bool visible) {
-	for (Part &part : parts) {
-		if (part.visual) {
-			part.visual->set_visible(visible);
-		}
-	}
-}
-
-void DisplayedTile::set_offset(glm::dvec3 offset) {
-	for (Part &part : parts) {
-		if (part.visual) {
-			part.visual->set_offset(offset);
-		}
-	}
 }
 
 } // namespace thicket

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/base/rect.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/scatter/mesh_upload.hpp"
 
@@ -10,10 +9,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <memory>
-#include <optional>
-#include <vector>
 
 namespace thicket {
 
@@ -25,7 +20,7 @@ struct VisualContext {
 	std::uint64_t node_id = 0; ///< Of the node it belongs to: a click in the editor selects that.
 };
 
-/// The instances of one mesh in a tile that is shown: a MultiMesh and an instance of the RenderingServer, freed with the object.
+/// The instances of one mesh in a tile or in a cell of it: a MultiMesh and an instance of the RenderingServer, freed with the object.
 ///
 /// Holds its mesh and its material: an outdated tile is drawn as it was until its successor is there, whatever the
 /// layer has let go of. The instance stands at the tile's center, from where the engine measures visibility ranges.
@@ -80,36 +75,6 @@ private:
 	float scale_ = 1.0F;
 	glm::dvec3 origin_{0.0}; ///< In the world.
 	glm::dvec3 offset_{0.0}; ///< Of the engine's origin in the world.
-};
-
-/// What is drawn of one tile.
-struct DisplayedTile {
-	/// The instances of one mesh. No visual where there are no instances or no mesh.
-	struct Part {
-		std::optional<TileVisual> visual;
-		std::vector<godot::Ref<godot::Mesh>> lods;  ///< Of a visual: the mesh, then the coarser ones. None is null.
-		std::shared_ptr<const MeshInstances> shown; ///< The tile's own, or what is left and added by the overlay.
-		std::size_t drawn = 0;                      ///< How many of them the visual draws,
-		std::uint64_t wanted = 0;                   ///< and would draw without a limit for all tiles together.
-	};
-
-	std::shared_ptr<const TileInstances> tile; ///< What the layer's rules give.
-	SharedLayer settings;                      ///< That it was made by.
-	std::vector<float> mesh_reach;             ///< Of the meshes that it was made for, as LayerDrawing has it.
-	Rect rect;
-	std::vector<Part> parts;
-
-	glm::vec3 min{std::numeric_limits<float>::max()};  ///< The box around all that is drawn, relative to the origin;
-	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inside out where nothing is.
-	std::size_t lod = 0;
-	std::uint64_t drawing_version = 0; ///< Of what the layer said when it was last drawn.
-	bool is_cut = false;               ///< The limit for all tiles together cuts it short.
-
-	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
-	bool draws_anything() const { return min.x <= max.x; }
-	void grow(const godot::AABB &box);
-	void set_visible(bool visible);
-	void set_offset(glm::dvec3 offset);
 };
 
 } // namespace thicket

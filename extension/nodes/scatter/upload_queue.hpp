@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/scatter/tile_visual.hpp"
+#include "nodes/scatter/displayed_tile.hpp"
 #include "nodes/scatter/tile_workers.hpp"
 
 #include <cstddef>
@@ -21,7 +21,10 @@ struct TileUpload {
 	std::uint64_t overlay_version = 0;                       ///< Of what lay over all tiles when it was begun.
 
 	bool is_begun() const { return tile.tile != nullptr; }
-	bool is_complete() const { return is_begun() && tile.parts.size() >= shown.size(); }
+	bool is_complete() const { return is_begun() && tile.parts.size() >= shown.size() && !has_open_part(); }
+
+	/// The last of the parts has cells that are not uploaded yet.
+	bool has_open_part() const { return !tile.parts.empty() && tile.parts.back().is_open(); }
 };
 
 /// The finished tiles that wait for their upload, and the current one, which is uploaded part by part over several frames. Knows

@@ -1,0 +1,115 @@
+#include "nodes/scatter/displayed_tile.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+glm::vec3 vector(const Vector3 &p_vector) {
+	return {static_cast<float>(p_vector.x), static_cast<float>(p_vector.y), static_cast<float>(p_vector.z)};
+}
+
+} // namespace
+
+void DisplayedTile::Cell::set_box(const AABB &box) {
+	min = vector(box.position);
+	max = vector(box.position + box.size);
+}
+
+void DisplayedTile::Cell::set_instances(const MeshUpload &upload) {
+	visual.set_instances(upload);
+	set_box(upload.aabb);
+}
+
+void DisplayedTile::grow(const AABB &box) {
+	min = glm::min(min, vector(box.position));
+	max = glm::max(max, vector(box.position + box.size));
+}
+
+void DisplayedTile::set_visible(bool visible) {
+	for (Part &part : parts) {
+		for (Cell &cell : part.cells) {
+			cell.visual.set_visible(visible);
+		}
+	}
+}
+
+void DisplayedTile::set_offset(glm::dvec3 offset) {
+	for (Part &part : parts) {
+		for (Cell &cell : part.cells) {
+			cell.visual.set_offset(offset);
+		}
+	}
+}
+
+std::size_t DisplayedTile::finest_lod() const {
+	constexpr auto none = std::numeric_limits<std::size_t>::max();
+	std::size_t finest = none;
+	for (const Part &part : parts) {
+		for (const Cell &cell : part.cells) {
+			finest = std::min(finest, cell.lod);
+		}
+	}
+	return finest != none ? finest : 0;
+}
+
+void DisplayedTile::set_lod(std::size_t lod) {
+	for (Part &part : parts) {
+		for (Cell &cell : part.cells) {
+			cell.lod = lod;
+		}
+	}
+}
+
+std::size_t DisplayedTile::cell_count() const {
+	std::size_t count = 0;
+	for (const Part &part : parts) {
+		count += part.cells.size();
+	}
+	return count;
+}
+
+std::size_t DisplayedTile::most_cells(std::uint32_t across_then) const {
+	std::size_t count = 0;
+	for (const Part &part : parts) {
+		count += part.lods.empty() ? 0 : std::min(part.shown->size(), std::size_t{across_then} * across_then);
+	}
+	return count;
+}
+
+MeshUpload to_upload(const DisplayedTile::Part &part, std::size_t cell, float reach) {
+	if (part.division.empty()) {
+		return to_upload(*part.shown, reach);
+	}
+	const DrawCell &drawn = part.division.cells[cell];
+	MeshUpload upload;
+	upload.aabb = box_around(drawn.min, drawn.max, reach * part.shown->max_scale);
+	const auto floats = static_cast<int64_t>(drawn.size() * part.shown->stride);
+	upload.buffer.resize(floats);
+	gather(*part.shown, part.division.order_of(drawn), {upload.buffer.ptrw(), static_cast<std::size_t>(floats)});
+	return upload;
+}
+
+PackedFloat32Array read_back(const DisplayedTile::Part &part) {
+	if (part.division.empty()) {
+		return part.cells.front().visual.read_back();
+	}
+	const std::size_t stride = part.shown->stride;
+	const std::size_t floats = part.shown->size() * stride;
+	PackedFloat32Array result;
+	result.resize(static_cast<int64_t>(floats));
+	for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {
+		const PackedFloat32Array buffer = part.cells[cell].visual.read_back();
+		const std::span<const float> read(buffer.ptr(), static_cast<std::size_t>(buffer.size()));
+		const std::span<const std::uint32_t> order = part.division.order_of(part.division.cells[cell]);
+		spread(read, order.first(std::min(order.size(), read.size() / stride)), stride, {result.ptrw(), floats});
+	}
+	return result;
+}
+
+} // namespace thicket

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "core/base/view_volume.hpp"
+
+#include <godot_cpp/classes/mesh.hpp>
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+namespace godot {
+class Camera3D;
+} // namespace godot
+
+namespace thicket {
+
+/// What a renderer is given for one picture, shadows not counted.
+struct DrawFigures {
+	std::uint64_t multimeshes = 0;
+	std::uint64_t instances = 0;
+	std::uint64_t triangles = 0;
+	std::uint64_t draw_calls = 0;
+};
+
+/// Adds up what is drawn: all of it, or what a view may see.
+class DrawCounter {
+public:
+	explicit DrawCounter(const std::optional<ViewVolume> &view) : view_(view) {}
+
+	/// Some instances of a mesh, in a box of world meters.
+	void add(const godot::Ref<godot::Mesh> &mesh, std::uint64_t instances, glm::dvec3 min, glm::dvec3 max);
+	const DrawFigures &figures() const { return figures_; }
+
+private:
+	struct MeshFigures {
+		std::uint64_t triangles = 0;
+		std::uint64_t surfaces = 0;
+	};
+	static MeshFigures figures_of(const godot::Ref<godot::Mesh> &mesh);
+
+	std::optional<ViewVolume> view_;
+	std::map<std::uint64_t, MeshFigures> meshes_; ///< By instance id of the engine.
+	DrawFigures figures_;
+};
+
+/// What a camera in the tree sees. `offset` is where the engine's origin is in the world, meters.
+ViewVolume view_of(const godot::Camera3D &camera, glm::dvec3 offset);
+
+} // namespace thicket

@@ -1,0 +1,389 @@
+extends "picture_harness.gd"
+## Tiles in cells: what is near is drawn finer than what is made, and each frame has every instance once. Read back from a renderer
+## that keeps what it is given, so not --headless.
+
+const TILE := 128.0
+const CELL := 32.0
+const REACH := 0.8660254 ## Of a cube of 1 m, from its middle to a corner.
+const WHOLE := 32        ## Multimeshes of the island's 16 tiles of two meshes.
+
+
+## Ground of one square alone, so that all instances stay on show wherever the viewer goes.
+class Island extends ScatterTerrain:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(0.0 if absf(at.x) < 256.0 and absf(at.y) < 256.0 else NAN)
+		return heights
+
+	func _is_thread_safe() -> bool:
+		return true
+
+
+## Two meshes, and from 60 m on others.
+func make_forest() -> ScatterLayer:
+	var layer := make_layer(4.0)
+	layer.tile_size = TILE
+	layer.view_distance = 600.0
+	layer.draw_cell_size = CELL
+	layer.meshes = [BoxMesh.new(), BoxMesh.new()]
+	layer.lod_meshes = [BoxMesh.new(), BoxMesh.new()]
+	layer.lod_distances = PackedFloat32Array([60.0])
+	return layer
+
+
+func multimeshes_of(scatter: TerrainScatter3D, tile: Vector2i) -> Array:
+	var shown := scatter.get_tile(0, tile)
+	return range(shown.get_mesh_count()).map(shown.get_multimeshes)
+
+
+func is_in_cells(scatter: TerrainScatter3D, tile: Vector2i) -> bool:
+	return multimeshes_of(scatter, tile).any(func(of_mesh: Array) -> bool: return of_mesh.size() > 1)
+
+
+func tiles_in_cells(scatter: TerrainScatter3D) -> Array[Vector2i]:
+	return scatter.get_shown_tiles(0).filter(func(tile: Vector2i) -> bool: return is_in_cells(scatter, tile))
+
+
+func multimesh_count(scatter: TerrainScatter3D) -> int:
+	var count := 0
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		for of_mesh: Array in multimeshes_of(scatter, tile):
+			count += of_mesh.size()
+	return count
+
+
+func visible_count(multimesh: RID) -> int:
+	var count := RenderingServer.multimesh_get_visible_instances(multimesh)
+	return RenderingServer.multimesh_get_instance_count(multimesh) if count < 0 else count
+
+
+func drawn_of_all(scatter: TerrainScatter3D) -> int:
+	var sum := 0
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		for of_mesh: Array in multimeshes_of(scatter, tile):
+			for multimesh: RID in of_mesh:
+				sum += visible_count(multimesh)
+	return sum
+
+
+## Around the island, empty tiles come and go.
+func island_digests(scatter: TerrainScatter3D) -> Dictionary:
+	var result := {}
+	for tile in island_tiles():
+		result[tile] = scatter.get_tile(0, tile).get_digest()
+	return result
+
+
+func island_tiles() -> Array[Vector2i]:
+	var tiles: Array[Vector2i] = []
+	for x in range(-2, 2):
+		for y in range(-2, 2):
+			tiles.push_back(Vector2i(x, y))
+	return tiles
+
+
+## The island's tiles, made at once and never drawn.
+func built_digests(scatter: TerrainScatter3D) -> Dictionary:
+	var result := {}
+	for tile in island_tiles():
+		result[tile] = scatter.build_rect(0, Rect2(Vector2(tile) * TILE, Vector2.ONE * TILE)).get_digest()
+	return result
+
+
+## The box around the instances of a buffer, as far as their meshes reach.
+func box_of(buffer: PackedFloat32Array, stride: int, origin: Vector3) -> AABB:
+	var box := AABB(Vector3(buffer[3], buffer[7], buffer[11]), Vector3.ZERO)
+	for at in range(0, buffer.size(), stride):
+		box = box.expand(Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11]))
+	return AABB(box.position + origin, box.size).grow(REACH)
+
+
+func distance_to(box: AABB, at: Vector3) -> float:
+	return at.distance_to(at.clamp(box.position, box.end))
+
+
+func test_near_tiles_are_in_cells_and_far_ones_whole_wherever_the_viewer_goes() -> void:
+	var viewer := make_viewer(Vector3(200.0, 2.0, 200.0))
+	var scatter := make_scatter([make_forest()], Island.new(), viewer)
+	await settle(scatter)
+	var exact := built_digests(scatter)
+	for corner: Vector2i in [Vector2i(1, 1), Vector2i(-2, 1), Vector2i(-2, -2), Vector2i(1, 1)]:
+		viewer.global_position = Vector3(corner.x + 0.5, 0.0, corner.y + 0.5) * TILE
+		await settle(scatter)
+		var in_cells := tiles_in_cells(scatter)
+		check(corner in in_cells, "the viewer's tile %s is in cells: %s" % [corner, in_cells])
+		check(not Vector2i(-1 - corner.x, -1 - corner.y) in in_cells, "the opposite one is whole: %s" % [in_cells])
+		check(in_cells.size() < 6, "few are in cells: %s" % [in_cells])
+		check_equal(island_digests(scatter), exact, "what the renderer holds")
+		check_equal(scatter.get_stats()["multimeshes"], multimesh_count(scatter), "multimeshes in the figures")
+		check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn in the figures")
+	var uploads: int = scatter.get_stats()["uploads"]
+	for step in 40: # To and fro by less than a tenth of a tile.
+		viewer.global_position.x += 10.0 if step % 2 == 0 else -10.0
+		await frames(2)
+	await settle(scatter)
+	check(scatter.get_stats()["uploads"] - uploads <= 3 * 2 * 16, "few uploads for steps to and fro")
+	uploads = scatter.get_stats()["uploads"]
+	for step in 40:
+		viewer.global_position.x += 10.0 if step % 2 == 0 else -10.0
+		await frames(2)
+	await settle(scatter)
+	check_equal(scatter.get_stats()["uploads"], uploads, "uploads once both ends were seen")
+
+
+func test_cells_have_what_stands_in_them_and_nothing_else() -> void:
+	var viewer := make_viewer(Vector3(64.0, 2.0, 64.0))
+	var scatter := make_scatter([make_forest()], Island.new(), viewer)
+	await settle(scatter)
+	var tile := scatter.get_tile(0, Vector2i.ZERO)
+	for mesh in 2:
+		check_equal(tile.get_multimesh(mesh), RID(), "the one multimesh of mesh %d" % mesh)
+		var count := 0
+		var seen := {}
+		for multimesh: RID in tile.get_multimeshes(mesh):
+			var buffer := RenderingServer.multimesh_get_buffer(multimesh)
+			var cell := Vector2i(((Vector2(buffer[3], buffer[11]) + Vector2.ONE * TILE * 0.5) / CELL).floor())
+			for at in range(0, buffer.size(), 12):
+				var its := Vector2i(((Vector2(buffer[at + 3], buffer[at + 11]) + Vector2.ONE * TILE * 0.5) / CELL).floor())
+				if its != cell:
+					check(false, "an instance of cell %s is drawn in %s" % [its, cell])
+				count += 1
+			check(not cell in seen, "cell %s comes once" % cell)
+			seen[cell] = true
+			var box := box_of(buffer, 12, Vector3.ZERO)
+			check(RenderingServer.multimesh_get_custom_aabb(multimesh).grow(0.01).encloses(box), "the box of cell %s" % cell)
+			check(box.size.x < CELL + 2.0 and box.size.z < CELL + 2.0, "cell %s is not larger than that" % cell)
+		check_equal(count, tile.get_ids(mesh).size(), "instances in the cells of mesh %d" % mesh)
+		check(seen.size() > 12, "cells of mesh %d: %d" % [mesh, seen.size()])
+	var far := scatter.get_tile(0, Vector2i(-2, -2))
+	check_equal(far.get_multimeshes(0), [far.get_multimesh(0)] as Array[RID], "a far tile has one")
+	check(far.get_multimesh(0).is_valid(), "and it is valid")
+	check_equal(scatter.get_tile(0, Vector2i(100, 0)).get_mesh_count(), 0, "a tile that is not there")
+	scatter.get_tile(0, Vector2i.ZERO).get_multimeshes(2)
+	check_error(["get_multimeshes", "index", "2"], "an index that is not there")
+
+
+func test_each_cell_has_the_mesh_and_the_thinning_of_its_own_distance() -> void:
+	var layer := make_forest()
+	layer.use_custom_data = true
+	layer.thin_begin = 20.0
+	layer.thin_end = 120.0
+	layer.thin_density = 0.25
+	var viewer := make_viewer(Vector3(4.0, 2.0, 4.0))
+	var scatter := make_scatter([layer], Island.new(), viewer)
+	await settle(scatter)
+	var meshes := {}
+	for tile: Vector2i in tiles_in_cells(scatter):
+		var shown := scatter.get_tile(0, tile)
+		meshes[tile] = {}
+		for multimesh: RID in shown.get_multimeshes(0):
+			var buffer := RenderingServer.multimesh_get_buffer(multimesh)
+			var distance := distance_to(box_of(buffer, 16, shown.get_origin()), viewer.global_position)
+			var mesh := RenderingServer.multimesh_get_mesh(multimesh)
+			meshes[tile][mesh] = true
+			if absf(distance - 58.5) > 3.0:
+				var expected: Mesh = layer.meshes[0] if distance < 60.0 else layer.lod_meshes[0]
+				check(mesh == expected.get_rid(), "the mesh of a cell of %s at %f m" % [tile, distance])
+			var density := 1.0 - 0.75 * clampf((distance - 20.0) / 100.0, 0.0, 1.0)
+			var ranks := range(14, buffer.size(), 16).map(func(index: int) -> float: return buffer[index])
+			var fewest := ranks.filter(func(rank: float) -> bool: return rank < density - 0.02).size()
+			var most := ranks.filter(func(rank: float) -> bool: return rank < density + 0.02).size()
+			var drawn := visible_count(multimesh)
+			check(drawn >= fewest and drawn <= most, "%f m: %d drawn, %d to %d" % [distance, drawn, fewest, most])
+	check_equal(meshes[Vector2i.ZERO].size(), 2, "meshes in the viewer's tile")
+	check(scatter.get_stats()["drawn"] < scatter.get_stats()["instances"], "something is thinned")
+	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn in the figures")
+	scatter.quality = 0.5
+	await frames(20)
+	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn at half the quality")
+
+
+## Every instance adds as much light to the picture, wherever it stands: one that is drawn twice or not at all shows.
+func test_no_frame_has_an_instance_twice_or_not_at_all() -> void:
+	var material := StandardMaterial3D.new()
+	material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
+	material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
+	material.blend_mode = BaseMaterial3D.BLEND_MODE_ADD
+	material.albedo_color = Color(0.2, 0.2, 0.2)
+	var layer := make_forest()
+	var plane := PlaneMesh.new()
+	plane.size = Vector2.ONE * 3.0
+	layer.meshes = [plane, plane.duplicate()]
+	layer.lod_meshes = [plane.duplicate(), plane.duplicate()]
+	layer.material_override = material
+	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	var viewer := make_viewer(Vector3(-200.0, 2.0, -180.0))
+	var camera := look_down()
+	camera.projection = Camera3D.PROJECTION_ORTHOGONAL
+	camera.size = 540.0
+	camera.position = Vector3(0.0, 300.0, 0.0)
+	var scatter := make_scatter([layer], Island.new(), viewer)
+	scatter.frame_budget_usec = 200 # So that changes take several frames.
+	await settle(scatter)
+	await frames(4)
+	var whole := await light()
+	check(whole.get_data().count(0) < whole.get_data().size() / 2, "there is something to see")
+	var counts := {}
+	var differing := 0
+	for step in 80:
+		viewer.global_position += Vector3(5.0, 0.0, 4.5)
+		if (await light()).get_data() != whole.get_data():
+			differing += 1
+		counts[scatter.get_stats()["multimeshes"]] = true
+	check_equal(differing, 0, "frames with another picture")
+	check(counts.size() > 3, "tiles were divided on the way: %s" % [counts.keys()])
+
+
+func light() -> Image:
+	await RenderingServer.frame_post_draw
+	var image := root.get_texture().get_image()
+	image.convert(Image.FORMAT_L8)
+	return image
+
+
+func test_a_change_uploads_the_cell_that_it_is_in() -> void:
+	var viewer := make_viewer(Vector3(64.0, 2.0, 64.0))
+	var scatter := make_scatter([make_forest()], Island.new(), viewer)
+	await settle(scatter)
+	var before := island_digests(scatter)
+	var multimeshes := multimeshes_of(scatter, Vector2i.ZERO)
+	var id: int = tile_ids(scatter, 0, Vector2i.ZERO)[0][5]
+	var uploads: int = scatter.get_stats()["uploads"]
+	check(scatter.remove_instance(id), "there is one to remove")
+	await frames(2)
+	check_equal(scatter.get_stats()["uploads"] - uploads, 1, "uploads for one that is gone")
+	check(not id in tile_ids(scatter, 0, Vector2i.ZERO)[0], "it is gone")
+	check_equal(tile_buffers(scatter, 0, Vector2i.ZERO)[0].size(), 12 * tile_ids(scatter, 0, Vector2i.ZERO)[0].size(), "floats")
+	check_equal(multimeshes_of(scatter, Vector2i.ZERO), multimeshes, "the multimeshes are the same")
+	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn")
+	check(scatter.restore_instance(id), "it comes back")
+	await frames(2)
+	check_equal(scatter.get_stats()["uploads"] - uploads, 2, "uploads for it and back")
+	check_equal(island_digests(scatter), before, "all as it was")
+	# A cell that loses all it has, and gets something again.
+	var lone: RID = multimeshes[0][0]
+	var floats := RenderingServer.multimesh_get_buffer(lone)
+	var places := range(0, floats.size(), 12).map(func(at: int) -> Vector3: return Vector3(floats[at + 3], 0.0, floats[at + 11]))
+	var origin := scatter.get_tile(0, Vector2i.ZERO).get_origin()
+	for place: Vector3 in places:
+		for gone in scatter.remove_in_sphere(place + origin, 0.5):
+			check(true, "%d is gone" % gone)
+	await frames(2)
+	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size() - 1, "an empty cell draws nothing")
+	var added := scatter.add_instance(0, Transform3D(Basis(), places[0] + origin), 0)
+	await frames(2)
+	check(added in tile_ids(scatter, 0, Vector2i.ZERO)[0], "one that was placed by hand is drawn")
+	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size(), "in a cell again")
+	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn")
+
+
+func test_the_limit_of_multimeshes_holds_and_near_tiles_come_first() -> void:
+	var layer := make_forest()
+	layer.lod_distances = PackedFloat32Array([120.0])
+	var viewer := make_viewer(Vector3(-200.0, 2.0, -200.0))
+	var scatter := make_scatter([layer], Island.new(), viewer)
+	await settle(scatter)
+	var most: int = scatter.get_stats()["multimeshes"]
+	check(most > 100, "without a limit there are %d" % most)
+	var exact := island_digests(scatter)
+	scatter.max_multimeshes = 80
+	await settle(scatter)
+	check(scatter.get_stats()["multimeshes"] in range(60, 81), "with one, %s" % scatter.get_stats()["multimeshes"])
+	check_nearest_in_cells(scatter, Vector2i(-2, -2))
+	check_equal(island_digests(scatter), exact, "what the renderer holds")
+	for step in 100:
+		viewer.global_position += Vector3(4.0, 0.0, 4.0)
+		await frames(1)
+		if scatter.get_stats()["multimeshes"] > 80:
+			check(false, "%d multimeshes on the way" % scatter.get_stats()["multimeshes"])
+	await settle(scatter)
+	check_nearest_in_cells(scatter, Vector2i(1, 1))
+	scatter.max_multimeshes = 0
+	await settle(scatter)
+	check_equal(scatter.get_stats()["multimeshes"], WHOLE, "multimeshes of whole tiles")
+	check_equal(island_digests(scatter), exact, "what the renderer holds of whole tiles")
+	scatter.max_multimeshes = -1
+	check_error(["max_multimeshes", "-1"], "a limit below 0")
+	check_equal(scatter.max_multimeshes, 0, "the limit that stays")
+
+
+## There is room for one tile near the viewer, and for a farther one if that has few cells.
+func check_nearest_in_cells(scatter: TerrainScatter3D, nearest: Vector2i) -> void:
+	var in_cells := tiles_in_cells(scatter)
+	check(nearest in in_cells and in_cells.size() < 4, "%s is in cells, and few others: %s" % [nearest, in_cells])
+	check(multimeshes_of(scatter, nearest)[0].size() > 12, "in small ones")
+
+
+func test_settings_of_cells() -> void:
+	var layer := make_forest()
+	var viewer := make_viewer(Vector3(64.0, 2.0, 64.0))
+	var scatter := make_scatter([layer], Island.new(), viewer)
+	await settle(scatter)
+	var made: int = scatter.get_stats()["tiles_made"]
+	var exact := island_digests(scatter)
+	for wanted: Array in [[64.0, 4], [128.0, 1], [1000.0, 1], [0.0, 25], [32.0, 16]]: # Small models: 24 m, rounded.
+		layer.draw_cell_size = wanted[0]
+		await settle(scatter)
+		var count: int = multimeshes_of(scatter, Vector2i.ZERO)[0].size()
+		check_equal(count, wanted[1], "cells of a mesh for a size of %f" % wanted[0])
+		check_equal(island_digests(scatter), exact, "what the renderer holds")
+	check_equal(scatter.get_stats()["tiles_made"], made, "tiles made for other cells")
+	for bad: float in [-1.0, 0.5, INF, NAN, 1e10]:
+		layer.draw_cell_size = bad
+		check_error(["draw_cell_size"], "a size of %f" % bad)
+	check_equal(layer.draw_cell_size, 32.0, "the size that stays")
+	# While a tile is being divided, its layer may go, or change what it draws.
+	scatter.frame_budget_usec = 1
+	layer.draw_cell_size = 16.0
+	await frames(3)
+	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	await frames(3)
+	scatter.world_offset = Vector3(100.0, 0.0, 0.0)
+	await frames(3)
+	scatter.visible = false
+	await frames(3)
+	scatter.layers = []
+	await frames(3)
+	scatter.visible = true
+	scatter.world_offset = Vector3.ZERO
+	scatter.frame_budget_usec = 20000
+	scatter.layers = [layer]
+	await settle(scatter)
+	check_equal(island_digests(scatter), exact, "after all of that")
+
+
+func test_figures_of_what_is_drawn() -> void:
+	var layer := make_forest()
+	layer.meshes = [BoxMesh.new(), null]
+	layer.lod_meshes = [null, null]
+	var scatter := make_scatter([layer], Island.new(), make_viewer(Vector3(64.0, 2.0, 64.0)))
+	await settle(scatter)
+	var all := scatter.get_draw_stats()
+	var stats := scatter.get_stats()
+	check_equal(all["instances"], stats["drawn"], "instances")
+	check_equal(all["triangles"], 12 * stats["drawn"], "triangles of boxes")
+	check_equal(all["draw_calls"], stats["multimeshes"], "draw calls of meshes with one surface")
+	var surfaces := ArrayMesh.new()
+	var arrays := BoxMesh.new().get_mesh_arrays()
+	surfaces.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+	surfaces.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+	surfaces.add_surface_from_arrays(Mesh.PRIMITIVE_LINES, arrays)
+	layer.meshes = [surfaces, null]
+	await settle(scatter)
+	var more := scatter.get_draw_stats()
+	check_equal(more["triangles"], 24 * stats["drawn"], "triangles of a mesh of three surfaces, one of them lines")
+	check_equal(more["draw_calls"], 3 * more["multimeshes"], "draw calls of it")
+	var camera := look_down()
+	camera.far = 100.0
+	await frames(2)
+	var below := scatter.get_draw_stats(camera)
+	check(below["triangles"] > 0 and below["triangles"] < more["triangles"] / 3, "below the camera: %s" % below)
+	camera.rotation_degrees.x = 90.0
+	check_equal(scatter.get_draw_stats(camera)["draw_calls"], 0, "draw calls for a look into the sky")
+	scatter.visible = false
+	check_equal(scatter.get_draw_stats()["draw_calls"], 0, "draw calls of a hidden node")
+	var outside := Camera3D.new()
+	check_equal(scatter.get_draw_stats(outside), {}, "figures for a camera outside of the tree")
+	check_error(["get_draw_stats", "camera"], "a camera outside of the tree")
+	outside.free()
