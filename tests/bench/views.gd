@@ -1,0 +1,48 @@
+extends "bench.gd"
+## What the views of the demo's first scene cost the renderer: visits its stops and takes the triangles and draw calls of what is in
+## sight, with tiles drawn in cells near the viewer and with all of them drawn as a whole. Prints rows of a Markdown table.
+##   tools/godot --headless --path demo_project --script tests/bench/views.gd [-- STOP,STOP]
+##
+## The numbers depend on the scene alone, not on the machine. Shadows, ground and sky are not counted; nothing is drawn for this.
+
+const STOPS := ["forest", "walk", "ridge", "overview"]
+const SIZE := Vector2i(1920, 1080)
+
+var _demo: Node3D
+
+
+func run() -> String:
+	var only := OS.get_cmdline_user_args()
+	var wanted: PackedStringArray = only[0].split(",") if only.size() > 0 else PackedStringArray(STOPS)
+	root.size = SIZE
+	_demo = (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
+	root.add_child(_demo)
+	await process_frame
+	scatter = _demo.get(&"scatter")
+	for stop: Dictionary in _demo.call(&"stops"):
+		if stop.name in wanted:
+			_demo.call(&"place", stop)
+			var failure := await _compare(stop.name)
+			if failure != "":
+				return failure
+	scatter = null # It goes with the demo.
+	_demo.queue_free()
+	return ""
+
+
+func _compare(stop: String) -> String:
+	var most := scatter.max_multimeshes
+	for cells: bool in [false, true]:
+		scatter.max_multimeshes = most if cells else 0
+		var failure := await idle()
+		if failure != "":
+			return failure
+		_print(stop, "in cells" if cells else "whole")
+	return ""
+
+
+func _print(stop: String, how: String) -> void:
+	var seen := scatter.get_draw_stats(_demo.get(&"camera"))
+	for figure: String in ["triangles", "draw_calls"]:
+		print("| view %s, tiles %s: %s in sight | %d | exact | 1 |" % [stop, how, figure.replace("_", " "), seen[figure]])
+	print("| view %s, tiles %s: multimeshes on show | %d | exact | 1 |" % [stop, how, scatter.get_stats().multimeshes])
