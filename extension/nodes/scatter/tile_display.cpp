@@ -119,9 +119,10 @@ void TileDisplay::begin(TileUpload &r_upload) const {
 			sizes.push_back(shown.size());
 		}
 	}
-	const auto standing = tiles_.find(order(key));
-	const std::uint32_t across = division_of(key, tile, standing != tiles_.end() ? standing->second.across : 0);
-	std::uint64_t multimeshes = multimeshes_;
+	const auto found = tiles_.find(order(key));
+	const DisplayedTile *standing = found != tiles_.end() ? &found->second : nullptr;
+	const std::uint32_t across = division_of(key, tile, standing != nullptr ? standing->across : 0);
+	std::uint64_t multimeshes = multimeshes_ - (standing != nullptr ? standing->cell_count() : 0);
 	for (const std::size_t size : sizes) {
 		multimeshes += std::min(size, std::size_t{across} * across);
 	}
