@@ -25,7 +25,6 @@ struct DisplayedTile {
 		std::size_t lod = 0;
 		std::size_t drawn = 0;    ///< How many of the instances the visual draws,
 		std::uint64_t wanted = 0; ///< and would draw without a limit for all tiles together.
-		double due = 0.0;         ///< LodSchedule::traveled from which it may have to be drawn otherwise.
 
 		void set_box(const godot::AABB &box);
 		void set_instances(const MeshUpload &upload);
@@ -36,6 +35,7 @@ struct DisplayedTile {
 		std::vector<Cell>
 				cells;      ///< One for the whole tile, or as `division` has them; none where there is nothing to draw.
 		DrawCells division; ///< Of `shown`; empty for a tile that is drawn as a whole.
+		std::vector<double> due; ///< Of each cell, LodSchedule::traveled from which it may have to be drawn otherwise.
 		std::vector<godot::Ref<godot::Mesh>>
 				lods; ///< The mesh, then the coarser ones, none null; empty if there is no mesh.
 		std::shared_ptr<const MeshInstances> shown; ///< The tile's own, or what is left and added by the overlay.

@@ -108,6 +108,8 @@ private:
 	bool upload_step();
 	void finish_upload();
 	bool do_step(Step step);
+	bool may_divide() const;
+	static Step after(Step step);
 	bool work_until(Clock::time_point deadline);
 
 	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0'); ///< Goes with this object.
@@ -130,7 +132,7 @@ private:
 	StreamFigures figures_;
 	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.
 	Step next_step_ = Step::ask_ground;
-	std::uint32_t divide_turns_ = 0;
+	std::uint32_t uploads_since_divide_ = 0;
 	std::uint64_t usual_job_microseconds_ = 10'000; ///< Of one tile, smoothed; a guess until there were some.
 };
 

@@ -12,9 +12,9 @@ namespace thicket {
 
 namespace {
 
-/// While tiles wait to be shown, what is shown is divided otherwise in each of so many turns: the picture is as good meanwhile, and only
+/// While tiles wait to be shown, what is shown is divided otherwise only after so many uploads: the picture is as good meanwhile, and
 /// takes more triangles.
-constexpr std::uint32_t divide_turn = 32;
+constexpr std::uint32_t uploads_before_divide = 32;
 
 /// The usual time of a step, after another one. A step in which the machine did something else counts as a slow one
 /// only, or a single such would hold up the stream for many frames.
@@ -82,8 +82,9 @@ bool ScatterStream::upload_step() {
 		}
 	}
 	if (uploads_.state() == UploadQueue::State::uploading) {
-		display_.upload_some(uploads_.current());
+		display_.upload_some(uploads_.current(), uploads_.size() > 1);
 		uploads_.part_uploaded();
+		++uploads_since_divide_;
 	}
 	if (uploads_.state() == UploadQueue::State::complete) {
 		finish_upload();
@@ -114,14 +115,21 @@ bool ScatterStream::ring_step() {
 	return moved;
 }
 
+bool ScatterStream::may_divide() const {
+	return display_.has_divisions() && (uploads_.size() == 0 || uploads_since_divide_ >= uploads_before_divide);
+}
+
+ScatterStream::Step ScatterStream::after(Step step) {
+	return static_cast<Step>((static_cast<std::size_t>(step) + 1) % step_kinds);
+}
+
 bool ScatterStream::do_step(Step step) {
 	switch (step) {
 		case Step::ask_ground: return ground_step(positions_at_once(false)) > 0;
 		case Step::upload: return upload_step();
 		case Step::free: return display_.free_step();
 		case Step::lod: return display_.lod_step();
-		case Step::divide:
-			return (uploads_.size() == 0 || ++divide_turns_ % divide_turn == 0) && display_.divide_step();
+		case Step::divide: uploads_since_divide_ = 0; return display_.divide_step();
 		case Step::rings: return ring_step();
 	}
 	return false;
@@ -135,6 +143,11 @@ bool ScatterStream::work_until(Clock::time_point deadline) {
 	std::size_t in_vain = 0; // So many kinds in a row had nothing to do.
 	Clock::time_point before = Clock::now();
 	while (in_vain < step_kinds) {
+		if (next_step_ == Step::divide && !may_divide()) { // Not to be weighed against the time that is left, either.
+			next_step_ = after(next_step_);
+			++in_vain;
+			continue;
+		}
 		Clock::duration &usual = usual_step_[static_cast<std::size_t>(next_step_)];
 		if (!first && before + usual > deadline) {
 			return true;
@@ -143,7 +156,7 @@ bool ScatterStream::work_until(Clock::time_point deadline) {
 		if (alive.expired()) {
 			return false;
 		}
-		next_step_ = static_cast<Step>((static_cast<std::size_t>(next_step_) + 1) % step_kinds);
+		next_step_ = after(next_step_);
 		in_vain = done ? 0 : in_vain + 1;
 		if (done) {
 			const Clock::time_point now = Clock::now();

@@ -94,7 +94,7 @@ std::uint64_t TileDisplay::drawing_version(std::uint32_t layer) const {
 	return layer < drawing_versions_.size() ? drawing_versions_[layer] : 0;
 }
 
-void TileDisplay::begin(TileUpload &r_upload) const {
+void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	static const auto nothing = std::make_shared<const TileInstances>();
 	const TileJob &job = *r_upload.job;
 	const TileKey &key = job.request.key;
@@ -126,12 +126,13 @@ void TileDisplay::begin(TileUpload &r_upload) const {
 	for (const std::size_t size : sizes) {
 		multimeshes += std::min(size, std::size_t{across} * across);
 	}
-	tile.across = multimeshes <= limits_.max_multimeshes ? across : 1; // Else it may be divided once it is on show.
+	const bool may_be_divided = multimeshes <= limits_.max_multimeshes && (standing != nullptr || !others_wait);
+	tile.across = may_be_divided ? across : 1; // Else it may be divided once it is on show.
 }
 
-void TileDisplay::upload_some(TileUpload &r_upload) {
+void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 	if (!r_upload.is_begun()) {
-		begin(r_upload);
+		begin(r_upload, others_wait);
 	}
 	if (!r_upload.is_begun() || r_upload.is_complete()) {
 		return;

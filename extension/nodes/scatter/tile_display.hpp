@@ -80,11 +80,15 @@ public:
 	/// hides what they stand for, so that no frame has an instance twice or not at all. False if no tile is.
 	bool divide_step();
 
+	/// True if there is one.
+	bool has_divisions() const { return division_ || !to_divide_.empty() || over_limit(); }
+
 	/// True if neither of these two would find anything to do.
 	bool settled() const;
 
-	/// Uploads some more of a tile that is not complete.
-	void upload_some(TileUpload &r_upload);
+	/// Uploads some more of a tile that is not complete. While `others_wait`, one that replaces none begins as a whole, and is divided
+	/// once there is time for it.
+	void upload_some(TileUpload &r_upload, bool others_wait);
 
 	/// Shows a complete tile, in place of the one with its key.
 	void show(TileUpload upload);
@@ -144,7 +148,7 @@ private:
 	bool draw_whole(const LodSettings &lod, double distance, DisplayedTile &r_tile);
 	bool draw_cells(const LodSettings &lod, DisplayedTile &r_tile, double &r_margin);
 	bool draw_cell(const LodSettings &lod, double distance, DisplayedTile::Part &r_part, std::size_t cell);
-	void begin(TileUpload &r_upload) const;
+	void begin(TileUpload &r_upload, bool others_wait) const;
 	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const MeshInstances> shown,
 			std::vector<godot::Ref<godot::Mesh>> lods, std::uint32_t across, DisplayedTile::Part &r_part) const;
 	DisplayedTile::Cell make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,

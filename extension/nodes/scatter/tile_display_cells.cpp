@@ -76,7 +76,7 @@ void TileDisplay::choose_division(const TileKey &key, DisplayedTile &r_tile) {
 	}
 }
 
-bool TileDisplay::settled() const { return schedule_.settled() && !division_ && to_divide_.empty() && !over_limit(); }
+bool TileDisplay::settled() const { return schedule_.settled() && !has_divisions(); }
 
 bool TileDisplay::divide_step() {
 	if (!division_ && !begin_division()) {

@@ -18,7 +18,7 @@ namespace {
 constexpr double min_margin = 1e-3;
 
 /// The same for a tile in cells, of which one or another is always near a change: a share of a cell's size.
-constexpr double min_cells_margin = 1.0 / 16.0;
+constexpr double min_cells_margin = 1.0 / 8.0;
 
 /// Multimeshes that a step looks at, or some more: a few microseconds. A tile that is looked at is seldom drawn otherwise.
 constexpr std::size_t cells_per_step = 32;
@@ -159,15 +159,16 @@ bool TileDisplay::draw_cells(const LodSettings &lod, DisplayedTile &r_tile, doub
 	bool whole = true;
 	r_margin = std::numeric_limits<double>::infinity();
 	for (DisplayedTile::Part &part : r_tile.parts) {
+		part.due.resize(part.cells.size()); // Apart from the cells, because most visits look at nothing else.
 		for (std::size_t at = 0; at < part.cells.size(); ++at) {
-			DisplayedTile::Cell &cell = part.cells[at];
-			if (r_tile.look_at_all || cell.due <= now) {
+			if (r_tile.look_at_all || part.due[at] <= now) {
+				const DisplayedTile::Cell &cell = part.cells[at];
 				const double distance =
 						schedule_.distance_to(origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max));
 				whole = draw_cell(lod, distance, part, at) && whole;
-				cell.due = now + distance_margin(lod, distance);
+				part.due[at] = now + distance_margin(lod, distance);
 			}
-			r_margin = std::min(r_margin, cell.due - now);
+			r_margin = std::min(r_margin, part.due[at] - now);
 		}
 	}
 	r_margin = std::max(r_margin, min_cells_margin * r_tile.rect.size().x / r_tile.across);
