@@ -32,7 +32,8 @@ ZIG = Path(libraries.zig_program())
 BUILT = REPO / "build/golden"
 GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
 
-# What the digests come from; streaming decides nothing that is drawn. The room that takes longest to compile goes first.
+# What the digests come from; streaming and impostor decide nothing that stands anywhere. The room that takes longest to
+# compile goes first.
 ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near"]
 COMMON = ["-std=c++20", "-ffp-contract=off", "-DHWY_STATIC_DEFINE"]
 # Where a release is built its warnings stop it, and -O3 sees others than -O2.

@@ -15,6 +15,7 @@ ROOMS = {
     "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state"],
     "core/near": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state", "core/query"],
     "core/streaming": ["core/base"],
+    "core/impostor": ["core/base"],
     "bindings": [],
     "nodes": ["core", "bindings"],
 }

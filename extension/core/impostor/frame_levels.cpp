@@ -1,0 +1,112 @@
+#include "core/impostor/frame_levels.hpp"
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <cstddef>
+
+namespace thicket {
+
+namespace {
+
+std::size_t place_of(int x, int y, int side) {
+	return static_cast<std::size_t>(y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(x);
+}
+
+/// The mean of what is covered. Normals that cancel out leave any of theirs.
+class Mean {
+public:
+	void add(const glm::vec3 &color, const glm::vec3 &normal, float depth, float coverage) {
+		sum_.color += color * coverage;
+		sum_.normal += normal * coverage;
+		sum_.depth += depth * coverage;
+		sum_.coverage += coverage;
+		any_normal_ = coverage > 0.0F ? normal : any_normal_;
+	}
+
+	/// `most` is the coverage of a pixel that is all covered.
+	FramePixel of(float most) const {
+		if (sum_.coverage <= 0.0F) {
+			return {};
+		}
+		const float length = std::sqrt(glm::dot(sum_.normal, sum_.normal));
+		return {sum_.color / sum_.coverage, length > 1e-3F * sum_.coverage ? sum_.normal / length : any_normal_,
+				sum_.depth / sum_.coverage, sum_.coverage / most};
+	}
+
+private:
+	FramePixel sum_;
+	glm::vec3 any_normal_{0.0F};
+};
+
+} // namespace
+
+FrameLevels::FrameLevels(int side) : side_(side) {
+	for (int at = side; at > 0; at /= 2) {
+		levels_.emplace_back(static_cast<std::size_t>(at) * static_cast<std::size_t>(at));
+	}
+}
+
+void FrameLevels::take(const FrameRaster &raster) {
+	average(raster);
+	for (int level = 1; level < count(); ++level) {
+		shrink(level);
+	}
+	for (int level = count() - 1; level-- > 0;) {
+		fill_holes(level);
+	}
+}
+
+void FrameLevels::average(const FrameRaster &raster) {
+	const int ratio = raster.side() / side_;
+	const auto all = static_cast<float>(ratio * ratio);
+	for (int y = 0; y < side_; ++y) {
+		for (int x = 0; x < side_; ++x) {
+			Mean mean;
+			for (int row = y * ratio; row < (y + 1) * ratio; ++row) {
+				for (int column = x * ratio; column < (x + 1) * ratio; ++column) {
+					const FrameSample &sample = raster.samples()[place_of(column, row, raster.side())];
+					if (sample.is_covered()) {
+						mean.add(sample.color, sample.normal, sample.depth, 1.0F);
+					}
+				}
+			}
+			levels_[0][place_of(x, y, side_)] = mean.of(all);
+		}
+	}
+}
+
+void FrameLevels::shrink(int level) {
+	const int to = side(level);
+	const int from = side(level - 1);
+	const std::vector<FramePixel> &finer = levels_[static_cast<std::size_t>(level - 1)];
+	for (int y = 0; y < to; ++y) {
+		for (int x = 0; x < to; ++x) {
+			Mean mean;
+			for (const int row : {2 * y, 2 * y + 1}) {
+				for (const int column : {2 * x, 2 * x + 1}) {
+					const FramePixel &pixel = finer[place_of(column, row, from)];
+					mean.add(pixel.color, pixel.normal, pixel.depth, pixel.coverage);
+				}
+			}
+			levels_[static_cast<std::size_t>(level)][place_of(x, y, to)] = mean.of(4.0F);
+		}
+	}
+}
+
+/// From the next coarser level, which has no holes any more.
+void FrameLevels::fill_holes(int level) {
+	const int at = side(level);
+	const std::vector<FramePixel> &coarser = levels_[static_cast<std::size_t>(level + 1)];
+	for (int y = 0; y < at; ++y) {
+		for (int x = 0; x < at; ++x) {
+			FramePixel &pixel = levels_[static_cast<std::size_t>(level)][place_of(x, y, at)];
+			if (pixel.coverage <= 0.0F) {
+				pixel = coarser[place_of(x / 2, y / 2, at / 2)];
+				pixel.coverage = 0.0F;
+			}
+		}
+	}
+}
+
+} // namespace thicket

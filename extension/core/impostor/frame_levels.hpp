@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/impostor/frame_raster.hpp"
+
+#include <glm/vec3.hpp>
+
+#include <vector>
+
+namespace thicket {
+
+/// A pixel of a picture.
+struct FramePixel {
+	glm::vec3 color{0.0F}; ///< In linear light.
+	glm::vec3 normal{0.0F};
+	float depth = 0.0F;    ///< In radii.
+	float coverage = 0.0F; ///< 0 to 1.
+};
+
+/// A picture and its mip maps, made of samples. Pixels where there is nothing take over what is near, from coarser levels, so that no
+/// filter mixes in a color of nowhere.
+class FrameLevels {
+public:
+	/// `side` in pixels, a power of two. Throws std::bad_alloc where memory ends.
+	explicit FrameLevels(int side);
+
+	/// Takes a picture whose side is a multiple of this one's.
+	void take(const FrameRaster &raster);
+
+	int count() const { return static_cast<int>(levels_.size()); }
+	int side(int level) const { return side_ >> level; }
+	/// Row by row from the top.
+	const std::vector<FramePixel> &level(int level) const { return levels_[static_cast<std::size_t>(level)]; }
+
+private:
+	void average(const FrameRaster &raster);
+	void shrink(int level);
+	void fill_holes(int level);
+
+	int side_;
+	std::vector<std::vector<FramePixel>> levels_;
+};
+
+} // namespace thicket

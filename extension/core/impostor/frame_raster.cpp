@@ -1,0 +1,150 @@
+#include "core/impostor/frame_raster.hpp"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+constexpr std::int64_t unit = 256; // Steps of a sample.
+
+/// Twice the area of a triangle in the picture, where y goes down: positive if its corners go round clockwise.
+template <class Corner>
+std::int64_t double_area_of(const Corner &a, const Corner &b, const Corner &c) {
+	return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+/// The first sample whose middle is not before a coordinate.
+int first_sample(std::int64_t coordinate) { return static_cast<int>((coordinate + unit / 2 - 1) >> 8); }
+
+template <class Value>
+Value mixed(std::span<const Value> values, const std::array<std::size_t, 3> &vertices, glm::vec3 weights) {
+	return values[vertices[0]] * weights.x + values[vertices[1]] * weights.y + values[vertices[2]] * weights.z;
+}
+
+glm::vec3 unit_vector(glm::vec3 vector) {
+	const float length = std::sqrt(glm::dot(vector, vector));
+	return length > 0.0F ? vector / length : glm::vec3(0.0F, 1.0F, 0.0F);
+}
+
+} // namespace
+
+FrameRaster::FrameRaster(int side) :
+		side_(side), samples_(static_cast<std::size_t>(side) * static_cast<std::size_t>(side)) {}
+
+void FrameRaster::clear() { std::ranges::fill(samples_, FrameSample()); }
+
+void FrameRaster::draw(const ImpostorSurface &surface, std::span<const glm::vec4> tints, const FrameView &view) {
+	pixel_area_ = 2.0 * static_cast<double>(unit * unit) * view.samples * view.samples;
+	project(surface.positions, view);
+	for (std::size_t first = 0; first + 2 < surface.indices.size(); first += 3) {
+		if (Triangle triangle; set_up(surface, first, triangle)) {
+			fill(surface, tints, triangle);
+		}
+	}
+}
+
+void FrameRaster::project(std::span<const glm::vec3> positions, const FrameView &view) {
+	corners_.clear();
+	corners_.reserve(positions.size());
+	const float half = 0.5F * static_cast<float>(side_);
+	const auto step_of = [&](float radii) {
+		// Positive for the cast, which cuts towards 0. Vertices that no triangle uses may lie far outside.
+		return static_cast<std::int64_t>(std::clamp((radii + 1.0F) * half, 0.0F, 2.0F * half) * 256.0F + 0.5F);
+	};
+	for (const glm::vec3 &position : positions) {
+		const glm::vec3 at = (position - view.center) / view.radius;
+		corners_.push_back({step_of(glm::dot(at, view.axes.right)), step_of(-glm::dot(at, view.axes.up)),
+				std::clamp(glm::dot(at, view.axes.toward), -1.0F, 1.0F)});
+	}
+}
+
+/// False for a triangle that has no area, or shows the side that is not drawn.
+bool FrameRaster::set_up(const ImpostorSurface &surface, std::size_t first_index, Triangle &r_triangle) const {
+	std::array<std::size_t, 3> &vertices = r_triangle.vertices;
+	std::copy_n(surface.indices.begin() + static_cast<std::ptrdiff_t>(first_index), 3, vertices.begin());
+	const std::int64_t area = double_area_of(corners_[vertices[0]], corners_[vertices[1]], corners_[vertices[2]]);
+	r_triangle.shows_back = area < 0;
+	if (area == 0 || surface.material.culled == (r_triangle.shows_back ? CulledSide::back : CulledSide::front)) {
+		return false;
+	}
+	r_triangle.double_area = std::abs(area);
+	if (r_triangle.shows_back) {
+		std::swap(vertices[1], vertices[2]);
+	}
+	if (surface.normals.empty()) {
+		const glm::vec3 &a = surface.positions[vertices[0]];
+		// Towards the viewer, as the corners go round clockwise now; `shade` turns the back's normal.
+		const glm::vec3 toward =
+				unit_vector(glm::cross(surface.positions[vertices[2]] - a, surface.positions[vertices[1]] - a));
+		r_triangle.flat_normal = r_triangle.shows_back ? -toward : toward;
+	}
+	if (surface.material.texture != nullptr && !surface.uvs.empty()) {
+		const glm::vec2 &a = surface.uvs[vertices[0]];
+		const glm::dvec2 right = surface.uvs[vertices[1]] - a;
+		const glm::dvec2 left = surface.uvs[vertices[2]] - a;
+		const glm::dvec2 size = surface.material.texture->size();
+		const double texels = std::abs(right.x * left.y - right.y * left.x) * size.x * size.y;
+		r_triangle.texture_level =
+				surface.material.texture->level_for(texels * pixel_area_ / static_cast<double>(r_triangle.double_area));
+	}
+	return true;
+}
+
+void FrameRaster::fill(const ImpostorSurface &surface, std::span<const glm::vec4> tints, const Triangle &triangle) {
+	const std::array<Corner, 3> corner{
+			corners_[triangle.vertices[0]], corners_[triangle.vertices[1]], corners_[triangle.vertices[2]]};
+	const auto [left, right] = std::minmax({corner[0].x, corner[1].x, corner[2].x});
+	const auto [top, bottom] = std::minmax({corner[0].y, corner[1].y, corner[2].y});
+	const int first_x = first_sample(left);
+	const int end_x = std::min(first_sample(right + 1), side_);
+	const int end_y = std::min(first_sample(bottom + 1), side_);
+	const float scale = 1.0F / static_cast<float>(triangle.double_area);
+	for (int y = first_sample(top); y < end_y; ++y) {
+		const Corner at{first_x * unit + unit / 2, y * unit + unit / 2};
+		std::int64_t a = double_area_of(corner[1], corner[2], at);
+		std::int64_t b = double_area_of(corner[2], corner[0], at);
+		std::int64_t c = double_area_of(corner[0], corner[1], at);
+		FrameSample *sample = samples_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
+				static_cast<std::size_t>(first_x);
+		for (int x = first_x; x < end_x; ++x, ++sample) {
+			if ((a | b | c) >= 0) { // No sign bit in any.
+				const glm::vec3 weights =
+						glm::vec3(static_cast<float>(a), static_cast<float>(b), static_cast<float>(c)) * scale;
+				const float depth =
+						corner[0].depth * weights.x + corner[1].depth * weights.y + corner[2].depth * weights.z;
+				if (depth > sample->depth) {
+					shade(surface, tints, triangle, weights, depth, *sample);
+				}
+			}
+			a -= (corner[2].y - corner[1].y) * unit;
+			b -= (corner[0].y - corner[2].y) * unit;
+			c -= (corner[1].y - corner[0].y) * unit;
+		}
+	}
+}
+
+/// Writes a sample, unless the surface is transparent there.
+void FrameRaster::shade(const ImpostorSurface &surface, std::span<const glm::vec4> tints, const Triangle &triangle,
+		glm::vec3 weights, float depth, FrameSample &r_sample) const {
+	const ImpostorMaterial &material = surface.material;
+	glm::vec4 color = mixed(tints, triangle.vertices, weights);
+	if (material.texture != nullptr && !surface.uvs.empty()) {
+		color *= material.texture->sample(
+				mixed(std::span(surface.uvs), triangle.vertices, weights), triangle.texture_level);
+	}
+	if (material.alpha_threshold > 0.0F && color.a < material.alpha_threshold) {
+		return;
+	}
+	const glm::vec3 normal = surface.normals.empty()
+			? triangle.flat_normal
+			: unit_vector(mixed(std::span(surface.normals), triangle.vertices, weights));
+	// Rounding must not make a sample look empty.
+	r_sample = {std::max(depth, -1.0F), glm::vec3(color), triangle.shows_back ? -normal : normal};
+}
+
+} // namespace thicket

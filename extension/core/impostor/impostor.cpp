@@ -1,0 +1,147 @@
+#include "core/impostor/impostor.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/guard.hpp"
+#include "core/impostor/frame_levels.hpp"
+#include "core/impostor/frame_raster.hpp"
+#include "core/impostor/impostor_atlas.hpp"
+#include "core/impostor/srgb.hpp"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+Status check_surfaces(std::span<const ImpostorSurface> surfaces) {
+	std::size_t indices = 0;
+	for (const ImpostorSurface &surface : surfaces) {
+		if (const Status status = surface.check(); !status.ok()) {
+			return status;
+		}
+		indices += surface.indices.size();
+	}
+	return indices == 0 ? Status{ErrorCode::missing, "surfaces"} : Status();
+}
+
+/// Box and ball of all corners of triangles.
+void measure(std::span<const ImpostorSurface> surfaces, Impostor &r_impostor) {
+	bool first = true;
+	const auto each_corner = [&](auto &&visit) {
+		for (const ImpostorSurface &surface : surfaces) {
+			for (const std::uint32_t index : surface.indices) {
+				visit(surface.positions[index]);
+			}
+		}
+	};
+	each_corner([&](const glm::vec3 &corner) {
+		r_impostor.min = first ? corner : glm::min(r_impostor.min, corner);
+		r_impostor.max = first ? corner : glm::max(r_impostor.max, corner);
+		first = false;
+	});
+	r_impostor.center = (r_impostor.min + r_impostor.max) * 0.5F;
+	float square = 0.0F;
+	each_corner([&](const glm::vec3 &corner) {
+		const glm::vec3 arm = corner - r_impostor.center;
+		square = glm::max(square, glm::dot(arm, arm));
+	});
+	r_impostor.radius = std::sqrt(square);
+}
+
+/// What the texture of a surface is multiplied by, at each of its vertices.
+std::vector<glm::vec4> tints_of(const ImpostorSurface &surface) {
+	const ImpostorMaterial &material = surface.material;
+	std::vector<glm::vec4> tints(surface.positions.size(), material.albedo);
+	if (material.vertex_colors == VertexColors::unused || surface.colors.empty()) {
+		return tints;
+	}
+	const SrgbCurve &curve = SrgbCurve::get();
+	for (std::size_t at = 0; at < tints.size(); ++at) {
+		glm::vec4 color = surface.colors[at];
+		if (material.vertex_colors == VertexColors::srgb) {
+			color = {curve.linear(color.r), curve.linear(color.g), curve.linear(color.b), color.a};
+		}
+		tints[at] *= color;
+	}
+	return tints;
+}
+
+Status take_pictures(std::span<const ImpostorSurface> surfaces, const Progress &progress, Impostor &r_impostor) {
+	const ImpostorSettings &settings = r_impostor.settings;
+	std::vector<std::vector<glm::vec4>> tints;
+	for (const ImpostorSurface &surface : surfaces) {
+		tints.push_back(tints_of(surface));
+	}
+	FrameRaster raster(settings.frame_size * settings.samples);
+	FrameLevels frame(settings.frame_size);
+	ImpostorAtlas atlas(settings);
+	const int count = settings.frames * settings.frames;
+	for (int at = 0; at < count; ++at) {
+		if (progress.cancelled()) {
+			return {ErrorCode::cancelled, "impostor"};
+		}
+		const int column = at % settings.frames;
+		const int row = at / settings.frames;
+		const glm::vec2 place = glm::vec2(static_cast<float>(2 * column), static_cast<float>(2 * row)) /
+						static_cast<float>(settings.frames - 1) -
+				1.0F;
+		const FrameView view{picture_axes(octahedral_direction(place, settings.span)), r_impostor.center,
+				r_impostor.radius, settings.samples};
+		raster.clear();
+		for (std::size_t surface = 0; surface < surfaces.size(); ++surface) {
+			raster.draw(surfaces[surface], tints[surface], view);
+		}
+		frame.take(raster);
+		atlas.put(column, row, frame);
+		if (progress.report) {
+			progress.report(static_cast<double>(at + 1) / count, static_cast<std::uint64_t>(at) + 1);
+		}
+	}
+	atlas.finish();
+	r_impostor.albedo = std::move(atlas.albedo());
+	r_impostor.normal = std::move(atlas.normal());
+	return {};
+}
+
+} // namespace
+
+Status validate(const ImpostorSettings &settings) {
+	const Status status =
+			first_failure(check_range("frames", settings.frames, min_impostor_frames, max_impostor_frames),
+					check_range("frame_size", settings.frame_size, min_frame_size, max_frame_size),
+					check_range("samples", settings.samples, 1.0, max_impostor_samples));
+	if (status.ok() && (settings.frame_size & (settings.frame_size - 1)) != 0) {
+		return {ErrorCode::out_of_range, "frame_size", static_cast<double>(settings.frame_size)};
+	}
+	const int side = settings.frames * settings.frame_size;
+	return status.ok() && side > max_atlas_side
+			? Status{ErrorCode::out_of_range, "frames", static_cast<double>(settings.frames)}
+			: status;
+}
+
+Status bake_impostor(std::span<const ImpostorSurface> surfaces, const ImpostorSettings &settings,
+		const Progress &progress, Impostor &r_impostor) {
+	if (const Status status = first_failure(validate(settings), check_surfaces(surfaces)); !status.ok()) {
+		return status;
+	}
+	return guarded("impostor", static_cast<double>(settings.frames) * settings.frame_size, [&]() -> Status {
+		Impostor made;
+		made.settings = settings;
+		measure(surfaces, made);
+		if (!(made.radius > 0.0F)) {
+			return {ErrorCode::not_positive, "radius", made.radius};
+		}
+		const Status status = take_pictures(surfaces, progress, made);
+		if (status.ok()) {
+			r_impostor = std::move(made);
+		}
+		return status;
+	});
+}
+
+} // namespace thicket

@@ -1,0 +1,75 @@
+#include "core/impostor/impostor_surface.hpp"
+
+#include "core/base/check.hpp"
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+constexpr double farthest_vertex = 1e6; // Meters.
+
+template <class Vector>
+Status check_vectors(const char *property, std::span<const Vector> vectors, std::size_t count, double largest) {
+	if (!vectors.empty() && vectors.size() != count) {
+		return {ErrorCode::wrong_size, property, static_cast<double>(vectors.size())};
+	}
+	for (const Vector &vector : vectors) {
+		for (int axis = 0; axis < Vector::length(); ++axis) {
+			if (const Status status = check_range(property, vector[axis], -largest, largest); !status.ok()) {
+				return status;
+			}
+		}
+	}
+	return {};
+}
+
+} // namespace
+
+void ImpostorSurface::transform(const glm::mat3 &basis, glm::vec3 offset) {
+	for (glm::vec3 &position : positions) {
+		position = basis * position + offset;
+	}
+	// The cofactors: the inverse transposed, but for a factor whose sign is the determinant's, and there for flat bases too.
+	const glm::mat3 cofactors(
+			glm::cross(basis[1], basis[2]), glm::cross(basis[2], basis[0]), glm::cross(basis[0], basis[1]));
+	const bool mirrors = glm::dot(basis[0], cofactors[0]) < 0.0F;
+	for (glm::vec3 &normal : normals) {
+		const glm::vec3 turned = mirrors ? -(cofactors * normal) : cofactors * normal;
+		const float length = std::sqrt(glm::dot(turned, turned));
+		normal = length > 0.0F ? turned / length : normal;
+	}
+	for (std::size_t at = 0; mirrors && at + 2 < indices.size(); at += 3) {
+		std::swap(indices[at + 1], indices[at + 2]);
+	}
+}
+
+Status ImpostorSurface::check() const {
+	if (indices.size() % 3 != 0) {
+		return {ErrorCode::wrong_size, "indices", static_cast<double>(indices.size())};
+	}
+	for (const std::uint32_t index : indices) {
+		if (index >= positions.size()) {
+			return {ErrorCode::out_of_range, "indices", static_cast<double>(index)};
+		}
+	}
+	const std::size_t count = positions.size();
+	Status status = first_failure(check_vectors<glm::vec3>("vertices", positions, count, farthest_vertex),
+			check_vectors<glm::vec3>("normals", normals, count, farthest_vertex),
+			check_vectors<glm::vec2>("uvs", uvs, count, farthest_vertex),
+			check_vectors<glm::vec4>("colors", colors, count, farthest_vertex),
+			check_range("alpha_threshold", material.alpha_threshold, 0.0, 1.0));
+	for (int channel = 0; channel < 4 && status.ok(); ++channel) {
+		status = check_range("albedo", material.albedo[channel], 0.0, farthest_vertex);
+	}
+	return status;
+}
+
+} // namespace thicket

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+namespace thicket {
+
+/// What directions the square of an octahedral map stands for.
+enum class OctahedralSpan : bool {
+	hemisphere, ///< Those that do not point down.
+	sphere,     ///< All.
+};
+
+/// The unit direction that a place in the square [-1, 1] x [-1, 1] stands for; up is y, in the middle of the square. A place
+/// outside the square gives some direction. Octahedral and hemi-octahedral map of Cigolle et al., *A Survey of Efficient
+/// Representations for Independent Unit Vectors*, 2014, section 3, with y up.
+glm::vec3 octahedral_direction(glm::vec2 place, OctahedralSpan span);
+
+/// The axes of a picture that is taken from a direction: unit vectors, at right angles to each other.
+struct PictureAxes {
+	glm::vec3 right;
+	glm::vec3 up;
+	glm::vec3 toward; ///< To the viewer.
+};
+
+/// The axes for a unit direction towards the viewer. `up` leans to y; where the viewer is right above or below, `right` is x.
+PictureAxes picture_axes(glm::vec3 toward);
+
+} // namespace thicket

@@ -1,0 +1,104 @@
+#include "core/impostor/surface_texture.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/guard.hpp"
+#include "core/impostor/srgb.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+/// A coordinate in pixels, in [0, count). What is too far away for a float to tell pixels apart, or not finite, is 0.
+float wrapped(float coordinate, int count) {
+	constexpr float farthest = 1e6F;
+	if (!(coordinate > -farthest && coordinate < farthest)) {
+		return 0.0F;
+	}
+	const auto whole = static_cast<int>(coordinate);
+	const float part = coordinate - static_cast<float>(whole);
+	const float unit = part < 0.0F ? part + 1.0F : part;
+	return std::min(unit * static_cast<float>(count), static_cast<float>(count) - 1e-3F);
+}
+
+} // namespace
+
+std::size_t SurfaceTexture::Level::place(int x, int y) const {
+	return first + 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+}
+
+Status SurfaceTexture::set(int width, int height, std::span<const std::uint8_t> rgba) {
+	const Status sides = first_failure(check_range("texture", width, 1.0, max_texture_side),
+			check_range("texture", height, 1.0, max_texture_side));
+	const std::size_t count = 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+	if (!sides.ok() || rgba.size() != count) {
+		return sides.ok() ? Status{ErrorCode::wrong_size, "texture", static_cast<double>(rgba.size())} : sides;
+	}
+	return guarded("texture", static_cast<double>(count), [&] {
+		SurfaceTexture made;
+		made.levels_.assign(1, {width, height, 0});
+		made.pixels_.assign(rgba.begin(), rgba.end());
+		while (width > 1 || height > 1) {
+			const Level from = made.levels_.back();
+			width = std::max(width / 2, 1);
+			height = std::max(height / 2, 1);
+			made.levels_.push_back({width, height, made.pixels_.size()});
+			made.pixels_.reserve(
+					made.pixels_.size() + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+			for (int y = 0; y < height; ++y) {
+				for (int x = 0; x < width; ++x) {
+					const int right = std::min(2 * x + 1, from.width - 1);
+					const int below = std::min(2 * y + 1, from.height - 1);
+					const std::array<std::size_t, 4> pixels{from.place(2 * x, 2 * y), from.place(right, 2 * y),
+							from.place(2 * x, below), from.place(right, below)};
+					for (std::size_t channel = 0; channel < 4; ++channel) {
+						int sum = 2; // To round.
+						for (const std::size_t pixel : pixels) {
+							sum += made.pixels_[pixel + channel];
+						}
+						made.pixels_.push_back(static_cast<std::uint8_t>(sum / 4));
+					}
+				}
+			}
+		}
+		*this = std::move(made);
+	});
+}
+
+int SurfaceTexture::level_for(double area) const {
+	int level = 0;
+	while (area >= 4.0 && level + 1 < static_cast<int>(levels_.size())) {
+		area *= 0.25;
+		++level;
+	}
+	return level;
+}
+
+glm::vec4 SurfaceTexture::pixel(const Level &level, int x, int y) const {
+	const std::uint8_t *bytes = pixels_.data() + level.place(x, y);
+	const SrgbCurve &curve = SrgbCurve::get();
+	return {curve.linear(bytes[0]), curve.linear(bytes[1]), curve.linear(bytes[2]),
+			static_cast<float>(bytes[3]) * (1.0F / 255.0F)};
+}
+
+glm::vec4 SurfaceTexture::sample(glm::vec2 uv, int level) const {
+	const Level &of = levels_[static_cast<std::size_t>(level)];
+	const float x = wrapped(uv.x, of.width) + static_cast<float>(of.width) - 0.5F; // Above 0, for the casts.
+	const float y = wrapped(uv.y, of.height) + static_cast<float>(of.height) - 0.5F;
+	const auto column = static_cast<int>(x);
+	const auto row = static_cast<int>(y);
+	const float right = x - static_cast<float>(column);
+	const float below = y - static_cast<float>(row);
+	const int left_column = column % of.width;
+	const int right_column = (column + 1) % of.width;
+	const int top_row = row % of.height;
+	const int low_row = (row + 1) % of.height;
+	const glm::vec4 top = pixel(of, left_column, top_row) * (1.0F - right) + pixel(of, right_column, top_row) * right;
+	const glm::vec4 low = pixel(of, left_column, low_row) * (1.0F - right) + pixel(of, right_column, low_row) * right;
+	return top * (1.0F - below) + low * below;
+}
+
+} // namespace thicket

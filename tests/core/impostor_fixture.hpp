@@ -1,0 +1,55 @@
+#pragma once
+
+#include "core/impostor/impostor.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace thicket::test {
+
+/// A triangle or more of one color, without normals. Clockwise seen from its front.
+inline ImpostorSurface triangles(
+		std::vector<glm::vec3> corners, glm::vec4 color, CulledSide culled = CulledSide::back) {
+	ImpostorSurface surface;
+	surface.positions = std::move(corners);
+	for (std::uint32_t at = 0; at < surface.positions.size(); ++at) {
+		surface.indices.push_back(at);
+	}
+	surface.material.albedo = color;
+	surface.material.culled = culled;
+	return surface;
+}
+
+/// An upright square at a z that faces +z, with texture coordinates, v going down.
+inline ImpostorSurface square(float half, float z, glm::vec4 color) {
+	ImpostorSurface surface;
+	surface.positions = {{-half, half, z}, {half, half, z}, {half, -half, z}, {-half, -half, z}};
+	surface.normals.assign(4, {0.0F, 0.0F, 1.0F});
+	surface.uvs = {{0.0F, 0.0F}, {1.0F, 0.0F}, {1.0F, 1.0F}, {0.0F, 1.0F}};
+	surface.indices = {0, 1, 2, 0, 2, 3};
+	surface.material.albedo = color;
+	return surface;
+}
+
+inline Impostor baked(const std::vector<ImpostorSurface> &surfaces, const ImpostorSettings &settings) {
+	Impostor impostor;
+	REQUIRE(bake_impostor(surfaces, settings, {}, impostor).ok());
+	return impostor;
+}
+
+/// A pixel of the finest level of one of the atlases, by the frame's column and row and the place in the frame.
+inline std::array<int, 4> pixel_of(
+		const Impostor &impostor, const std::vector<std::uint8_t> &atlas, glm::ivec2 frame, glm::ivec2 at) {
+	const ImpostorSettings &settings = impostor.settings;
+	const int side = settings.frames * settings.frame_size;
+	const glm::ivec2 place = frame * settings.frame_size + at;
+	const std::size_t first = 4 * static_cast<std::size_t>(place.y * side + place.x);
+	return {atlas[first], atlas[first + 1], atlas[first + 2], atlas[first + 3]};
+}
+
+} // namespace thicket::test
