@@ -111,6 +111,9 @@ StringName enum_class_name(std::string_view p_cpp_name) {
 	const std::size_t last = p_cpp_name.rfind("::");
 	const std::size_t before = last == std::string_view::npos ? last : p_cpp_name.rfind("::", last - 1);
 	std::string name(before == std::string_view::npos ? p_cpp_name : p_cpp_name.substr(before + 2));
+	if (const std::string_view engine = "godot::"; name.starts_with(engine)) {
+		name.erase(0, engine.size()); // One of no class: Error.
+	}
 	if (const std::size_t scope = name.find("::"); scope != std::string::npos) {
 		name.replace(scope, 2, 1, '.');
 	}
