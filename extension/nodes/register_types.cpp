@@ -6,6 +6,7 @@
 #include "nodes/gameplay/scatter_instances.hpp"
 #include "nodes/gameplay/scatter_request.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
+#include "nodes/impostor/impostor_baker.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 #include "nodes/model/scatter_lod.hpp"
@@ -34,6 +35,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	}
 	GDREGISTER_CLASS(PoissonPoints);
 	GDREGISTER_CLASS(PoissonSampler);
+	GDREGISTER_CLASS(ImpostorBaker);
 	GDREGISTER_CLASS(ScatterTerrain);
 	GDREGISTER_CLASS(ScatterTerrainFlat);
 	GDREGISTER_CLASS(ScatterTerrainHeightmap);

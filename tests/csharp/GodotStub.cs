@@ -30,6 +30,12 @@ namespace Godot
 		public Basis Basis;
 		public Vector3 Origin;
 		public Transform3D(Basis basis, Vector3 origin) { Basis = basis; Origin = origin; }
+		public Transform3D(
+			float xx, float yx, float zx, float xy, float yy, float zy, float xz, float yz, float zz, float ox, float oy, float oz)
+		{
+			Basis = default;
+			Origin = new Vector3(ox, oy, oz);
+		}
 		public static Transform3D Identity => default;
 	}
 	public struct Aabb { public Aabb(Vector3 position, Vector3 size) { } }

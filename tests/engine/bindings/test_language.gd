@@ -2,8 +2,8 @@ extends "../harness.gd"
 ## What scripts see of our classes through the bindings: calls, properties, references, overrides, signals, threads.
 
 const OURS: PackedStringArray = [
-	"PoissonPoints", "PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainHeightmap",
-	"TerrainScatter3D",
+	"ImpostorBaker", "PoissonPoints", "PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterTerrain", "ScatterTerrainFlat",
+	"ScatterTerrainHeightmap", "TerrainScatter3D",
 ]
 
 ## Nothing until it is set: as a default it says so, as a value it would be wrong.
