@@ -131,6 +131,7 @@ def assert_passed(done):
         "test_neighbors",
         "test_sources",
         "test_build_rect",
+        "test_impostors",
         pytest.param("test_response", marks=pytest.mark.alone),
     ],
 )

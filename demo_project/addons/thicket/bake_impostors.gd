@@ -1,0 +1,156 @@
+extends RefCounted
+## Bakes the impostors of a layer: one for each of its meshes, as a last LOD, each in a file of its own. The editor's button does
+## this; here it is for scripts, headless too:
+## [codeblock]
+## var bake := preload("res://addons/thicket/bake_impostors.gd").new()
+## if bake.begin(layer, "res://forest_impostors", "oaks") == OK:
+##     while bake.step():
+##         await get_tree().process_frame
+##     layer.lod_meshes = bake.lod_meshes
+##     layer.lod_distances = bake.lod_distances
+## [/codeblock]
+## Nothing is written before all of them are baked, and the layer stays as it is: what it should have is in [member lod_meshes] and
+## [member lod_distances].
+
+const Impostor := preload("res://addons/thicket/impostor.gd")
+
+## How each impostor is baked; set it up before [method begin].
+var impostor := Impostor.new()
+## What went wrong, in a sentence; empty while nothing has.
+var problem := ""
+## What could not be taken over from materials, in sentences.
+var warnings := PackedStringArray()
+## From 0 to 1.
+var progress := 0.0
+## The layer's LODs with the impostors as their last row, once [method step] has returned false without a [member problem]. A row of
+## impostors that was the last one before is replaced.
+var lod_meshes: Array[Mesh] = []
+## The distances to go with them, in meters.
+var lod_distances := PackedFloat32Array()
+## The files that were written.
+var files := PackedStringArray()
+
+var _layer: Resource
+var _stem := ""
+var _baked: Array[Mesh] = []
+var _running := false
+
+
+## Begins to bake the impostors of [param layer] into [param folder], which is made if need be; names of files begin with
+## [param name]. Returns an error, and says why in [member problem], where that cannot be.
+func begin(layer: Resource, folder: String, name: String) -> Error:
+	cancel()
+	problem = ""
+	progress = 0.0
+	warnings.clear()
+	files.clear()
+	lod_meshes = []
+	lod_distances = PackedFloat32Array()
+	_baked = []
+	_layer = layer
+	if name.is_empty() or not name.is_valid_filename():
+		return _refuse(ERR_INVALID_PARAMETER, "'%s' is no name for a file." % name)
+	if _meshes().filter(func(mesh: Mesh) -> bool: return mesh != null).is_empty():
+		return _refuse(ERR_UNCONFIGURED, "The layer has no mesh to bake.")
+	var error := DirAccess.make_dir_recursive_absolute(folder)
+	if error != OK:
+		return _refuse(error, "Cannot make the folder %s: %s." % [folder, error_string(error)])
+	_stem = folder.path_join(name)
+	impostor.material_override = layer.get(&"material_override")
+	_running = true
+	return _begin_next()
+
+
+## Looks whether there is something to go on with, which takes a moment after each impostor and none while one is baked on another
+## thread. Returns true while there is more to do; false at the end, after [method cancel], and where something went wrong.
+func step() -> bool:
+	if not _running:
+		return false
+	progress = (_baked.size() + impostor.get_progress()) / _meshes().size()
+	if impostor.is_baking():
+		return true
+	var baked := impostor.finish()
+	if baked == null:
+		problem = impostor.problem
+		_running = false
+		return false
+	_baked.append(baked)
+	if _begin_next() != OK:
+		_running = false
+		return false
+	if _baked.size() < _meshes().size():
+		return true
+	_running = false
+	if _save():
+		_set_lods()
+		progress = 1.0
+	return false
+
+
+## Gives up what has been begun. Without effect when nothing is under way.
+func cancel() -> void:
+	if _running:
+		impostor.cancel()
+		_running = false
+
+
+func _meshes() -> Array:
+	return _layer.get(&"meshes")
+
+
+func _refuse(error: Error, why: String) -> Error:
+	problem = why
+	return error
+
+
+## A missing mesh draws nothing, and so has no impostor.
+func _begin_next() -> Error:
+	var meshes := _meshes()
+	while _baked.size() < meshes.size() and meshes[_baked.size()] == null:
+		_baked.append(null)
+	if _baked.size() == meshes.size():
+		return OK
+	var error := impostor.begin([meshes[_baked.size()]])
+	warnings.append_array(impostor.warnings)
+	return OK if error == OK else _refuse(error, impostor.problem)
+
+
+func _save() -> bool:
+	for index in _baked.size():
+		if _baked[index] == null:
+			continue
+		var path := "%s_impostor_%d.res" % [_stem, index]
+		var error := ResourceSaver.save(_baked[index], path)
+		if error != OK:
+			problem = "Cannot write %s: %s." % [path, error_string(error)]
+			return false
+		_baked[index].take_over_path(path)
+		files.append(path)
+	return true
+
+
+## An instance may be larger than its mesh, and all meshes change at one distance: the largest decides.
+func _set_lods() -> void:
+	var count := _baked.size()
+	var distance := 0.0
+	for mesh in _baked:
+		distance = maxf(distance, Impostor.switch_distance(mesh) if mesh != null else 0.0)
+	distance *= maxf(_layer.get(&"max_scale"), 0.01)
+	var distances: PackedFloat32Array = _layer.get(&"lod_distances")
+	var meshes: Array[Mesh] = []
+	meshes.assign(_layer.get(&"lod_meshes"))
+	meshes.resize(distances.size() * count)
+	if not distances.is_empty() and _is_impostor_row(meshes.slice(-count)):
+		distances.resize(distances.size() - 1)
+		meshes.resize(distances.size() * count)
+	# Distances ascend: a level that begins farther away than the impostor would stays where it is.
+	if not distances.is_empty():
+		distance = maxf(distance, distances[-1] * 1.25)
+	distances.append(snappedf(distance, 1.0))
+	meshes.append_array(_baked)
+	lod_meshes = meshes
+	lod_distances = distances
+
+
+static func _is_impostor_row(row: Array[Mesh]) -> bool:
+	return row.any(func(mesh: Mesh) -> bool: return mesh != null and Impostor.switch_distance(mesh) > 0.0)

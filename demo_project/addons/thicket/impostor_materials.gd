@@ -1,0 +1,175 @@
+extends RefCounted
+## Reads from materials what [ImpostorBaker] needs to know of them, and sums up what holds for a whole impostor.
+
+# ImpostorBaker's, whose constants are not there while the library is missing.
+const CULL_BACK := 0
+const CULL_FRONT := 1
+const CULL_DISABLED := 2
+const VERTEX_COLOR_UNUSED := 0
+const VERTEX_COLOR_LINEAR := 1
+const VERTEX_COLOR_SRGB := 2
+
+## What a surface is drawn with.
+class Look:
+	var arrays: Array
+	var albedo := Color.WHITE
+	var texture: Image
+	var alpha_threshold := 0.0
+	var cull_mode := CULL_BACK
+	var vertex_colors := VERTEX_COLOR_UNUSED
+	var roughness := 1.0
+	var specular := 0.5
+	var backlight := Color.BLACK
+
+# Names that shaders give to what a material has by itself, the usual ones first.
+const COLORS: Array[StringName] = [&"albedo", &"albedo_color", &"base_color", &"color", &"tint"]
+const TEXTURES: Array[StringName] = [
+	&"texture_albedo", &"albedo_texture", &"albedo_map", &"base_color_texture", &"main_texture", &"diffuse_texture",
+]
+const THRESHOLDS: Array[StringName] = [
+	&"alpha_scissor_threshold", &"alpha_scissor", &"alpha_threshold", &"alpha_cutoff",
+]
+## Where a material is transparent by degrees, an impostor is from here on.
+const HALF := 0.5
+
+var stand_ins: Dictionary[Material, BaseMaterial3D] = {}
+var warnings := PackedStringArray()
+
+## Of all triangles, in square meters; those that follow are sums over it.
+var area := 0.0
+var roughness := 0.0
+var specular := 0.0
+var backlight := Color(0.0, 0.0, 0.0, 0.0)
+
+var _images: Dictionary[Texture2D, Image] = {}
+
+
+## How to draw a surface that has these arrays and a material, or none.
+func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
+	var look := Look.new()
+	look.arrays = arrays
+	var known: Material = stand_ins.get(material, material)
+	if known is BaseMaterial3D:
+		_read_material(known as BaseMaterial3D, look)
+	elif known is ShaderMaterial:
+		_read_shader(known as ShaderMaterial, look)
+	elif known != null:
+		_warn("%s is baked white: its colors are not known." % _name_of(known))
+	var size := _area_of(arrays, transform)
+	area += size
+	roughness += size * look.roughness
+	specular += size * look.specular
+	backlight += look.backlight * size
+	return look
+
+
+func _read_material(material: BaseMaterial3D, look: Look) -> void:
+	look.albedo = material.albedo_color
+	look.texture = _image_of(material.albedo_texture, material)
+	look.cull_mode = [CULL_BACK, CULL_FRONT, CULL_DISABLED][material.cull_mode]
+	match material.transparency:
+		BaseMaterial3D.TRANSPARENCY_DISABLED:
+			look.alpha_threshold = 0.0
+		BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR:
+			look.alpha_threshold = clampf(material.alpha_scissor_threshold, 0.0, 1.0)
+		_:
+			look.alpha_threshold = HALF
+	if material.vertex_color_use_as_albedo:
+		look.vertex_colors = VERTEX_COLOR_SRGB if material.vertex_color_is_srgb else VERTEX_COLOR_LINEAR
+	look.roughness = material.roughness
+	look.specular = material.metallic_specular
+	if material.backlight_enabled:
+		look.backlight = material.backlight
+	if material.uv1_triplanar:
+		_warn("%s is baked with the mesh's own texture coordinates: it is triplanar." % _name_of(material))
+	var uvs: Variant = look.arrays[Mesh.ARRAY_TEX_UV]
+	if uvs != null and (material.uv1_scale != Vector3.ONE or material.uv1_offset != Vector3.ZERO):
+		var scale := Vector2(material.uv1_scale.x, material.uv1_scale.y)
+		var moved := Transform2D(0.0, scale, 0.0, Vector2(material.uv1_offset.x, material.uv1_offset.y))
+		look.arrays = look.arrays.duplicate()
+		look.arrays[Mesh.ARRAY_TEX_UV] = moved * (uvs as PackedVector2Array)
+
+
+## A shader of the user's own: what its parameters are called, and what its modes say.
+func _read_shader(material: ShaderMaterial, look: Look) -> void:
+	if material.shader == null:
+		return
+	var color: Variant = _parameter(material, COLORS, TYPE_COLOR)
+	var texture: Variant = _parameter(material, TEXTURES, TYPE_OBJECT)
+	var threshold: Variant = _parameter(material, THRESHOLDS, TYPE_FLOAT)
+	var code := material.shader.code
+	look.albedo = color if color != null else Color.WHITE
+	look.texture = _image_of(texture as Texture2D, material)
+	if threshold != null:
+		look.alpha_threshold = clampf(threshold, 0.0, 1.0)
+	elif code.contains("ALPHA") or code.contains("discard"):
+		look.alpha_threshold = HALF
+	if code.contains("cull_disabled"):
+		look.cull_mode = CULL_DISABLED
+	elif code.contains("cull_front"):
+		look.cull_mode = CULL_FRONT
+	if look.arrays[Mesh.ARRAY_COLOR] != null and _has_word(code, "COLOR"):
+		look.vertex_colors = VERTEX_COLOR_LINEAR
+	var rough: Variant = _parameter(material, [&"roughness"], TYPE_FLOAT)
+	look.roughness = clampf(rough, 0.0, 1.0) if rough != null else look.roughness
+	var shine: Variant = _parameter(material, [&"specular"], TYPE_FLOAT)
+	look.specular = clampf(shine, 0.0, 1.0) if shine != null else look.specular
+	var through: Variant = _parameter(material, [&"backlight"], TYPE_COLOR)
+	look.backlight = through if through != null else look.backlight
+	if color == null and texture == null:
+		_warn("%s is baked white: its shader has no parameter with a usual name of a color or a texture (%s, %s). Set stand_ins."
+				% [_name_of(material), COLORS[0], TEXTURES[0]])
+
+
+## The first parameter that is set, or has a default that is known, of the type; null if there is none.
+func _parameter(material: ShaderMaterial, names: Array[StringName], type: Variant.Type) -> Variant:
+	for name in names:
+		# A material keeps what was set for another shader. What an include has cannot be told from here.
+		if not _has_word(material.shader.code, name) and not material.shader.code.contains("#include"):
+			continue
+		var value: Variant = material.get_shader_parameter(name)
+		if value == null:
+			value = RenderingServer.shader_get_parameter_default(material.shader.get_rid(), name)
+		if value is Vector3:
+			value = Color(value.x, value.y, value.z)
+		if typeof(value) == type and (type != TYPE_OBJECT or value is Texture2D):
+			return value
+	return null
+
+
+static func _has_word(code: String, word: String) -> bool:
+	return RegEx.create_from_string("\\b%s\\b" % word).search(code) != null
+
+
+func _image_of(texture: Texture2D, material: Material) -> Image:
+	if texture == null:
+		return null
+	if not _images.has(texture):
+		_images[texture] = texture.get_image()
+	if _images[texture] == null or _images[texture].is_empty():
+		_warn("%s is baked without its texture, whose pixels cannot be read." % _name_of(material))
+		return null
+	return _images[texture]
+
+
+func _warn(sentence: String) -> void:
+	if not warnings.has(sentence):
+		warnings.append(sentence)
+
+
+static func _name_of(material: Material) -> String:
+	if not material.resource_name.is_empty():
+		return "The material '%s'" % material.resource_name
+	return "The material %s" % (material.resource_path if not material.resource_path.is_empty() else material.get_class())
+
+
+static func _area_of(arrays: Array, transform: Transform3D) -> float:
+	var vertices: PackedVector3Array = transform * (arrays[Mesh.ARRAY_VERTEX] as PackedVector3Array)
+	var indices := PackedInt32Array(range(vertices.size()))
+	if arrays[Mesh.ARRAY_INDEX] != null:
+		indices = arrays[Mesh.ARRAY_INDEX]
+	var sum := 0.0
+	for at in range(0, indices.size() - 2, 3):
+		var corner := vertices[indices[at]]
+		sum += 0.5 * (vertices[indices[at + 1]] - corner).cross(vertices[indices[at + 2]] - corner).length()
+	return sum

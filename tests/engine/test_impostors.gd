@@ -1,0 +1,163 @@
+extends "harness.gd"
+## Impostors without a renderer: what is baked, stored, refused, and put into a layer.
+
+const Bake := preload("res://addons/thicket/bake_impostors.gd")
+const Impostor := preload("res://addons/thicket/impostor.gd")
+const Models := preload("impostor_models.gd")
+
+
+## One that is baked in a moment.
+func small() -> Impostor:
+	var impostor := Impostor.new()
+	impostor.frames = 4
+	impostor.frame_size = 32
+	impostor.samples = 2
+	return impostor
+
+
+## The atlas's pixel in the middle of the picture that is taken along -z, from the front, with hemi-octahedral frames.
+func front_pixel(mesh: Mesh, texture: StringName) -> Color:
+	var material := mesh.surface_get_material(0) as ShaderMaterial
+	var image := (material.get_shader_parameter(texture) as Texture2D).get_image()
+	var side: int = material.get_shader_parameter(&"impostor_frame_size")
+	var last: int = material.get_shader_parameter(&"impostor_frames") - 1
+	return image.get_pixel(last * side + side / 2, side / 2)
+
+
+func painted(color: Color) -> StandardMaterial3D:
+	var material := StandardMaterial3D.new()
+	material.albedo_color = color
+	return material
+
+
+func test_an_impostor_is_two_triangles_with_the_models_box() -> void:
+	var impostor := small()
+	var tree := Models.tree()
+	var mesh := impostor.bake([tree])
+	check(impostor.problem.is_empty() and impostor.warnings.is_empty(), impostor.problem + " ".join(impostor.warnings))
+	check_equal(mesh.get_faces().size(), 6, "corners")
+	check(mesh.get_aabb().is_equal_approx(tree.get_aabb()), "box %s of %s" % [mesh.get_aabb(), tree.get_aabb()])
+	var path := "user://impostor.res"
+	check_equal(ResourceSaver.save(mesh, path), OK, "saving")
+	var loaded := ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as Mesh
+	for texture: StringName in [&"impostor_albedo", &"impostor_normal"]:
+		var before := (mesh.surface_get_material(0) as ShaderMaterial).get_shader_parameter(texture) as Texture2D
+		var after := (loaded.surface_get_material(0) as ShaderMaterial).get_shader_parameter(texture) as Texture2D
+		check_equal(after.get_image().get_data(), before.get_image().get_data(), "%s, stored and loaded" % texture)
+		check(before.get_image().has_mipmaps(), "mip maps of %s" % texture)
+	check_equal(Impostor.switch_distance(loaded), Impostor.switch_distance(mesh), "distance, stored and loaded")
+	check(Impostor.switch_distance(mesh) > 50.0, "distance: %f" % Impostor.switch_distance(mesh))
+	check_equal(Impostor.switch_distance(tree), 0.0, "distance of no impostor")
+	DirAccess.remove_absolute(path)
+
+
+func test_parts_stand_where_their_transforms_say() -> void:
+	var impostor := small()
+	var box := BoxMesh.new()
+	var mesh := impostor.bake([box, box], [Transform3D.IDENTITY, Transform3D(Basis.from_scale(Vector3(1, 2, 1)), Vector3(0, 3, 0))])
+	check(mesh.get_aabb().is_equal_approx(AABB(Vector3(-0.5, -0.5, -0.5), Vector3(1.0, 4.5, 1.0))), str(mesh.get_aabb()))
+	check(front_pixel(mesh, &"impostor_normal").b > 0.9, "the front's normal: %s" % front_pixel(mesh, &"impostor_normal"))
+
+
+func test_materials_are_read() -> void:
+	var impostor := small()
+	var box := BoxMesh.new()
+	box.material = painted(Color(0.8, 0.4, 0.2))
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color8(204, 102, 51)), "the color")
+	var image := Image.create_empty(64, 64, false, Image.FORMAT_RGBA8)
+	image.fill(Color(0.0, 0.0, 1.0))
+	(box.material as StandardMaterial3D).albedo_texture = ImageTexture.create_from_image(image)
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "times the texture")
+	image.fill(Color(0.0, 0.0, 1.0, 0.2))
+	(box.material as StandardMaterial3D).albedo_texture = ImageTexture.create_from_image(image)
+	check_equal(front_pixel(impostor.bake([box]), &"impostor_albedo").a, 1.0, "alpha of what is opaque")
+	(box.material as StandardMaterial3D).transparency = BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR
+	check_equal(front_pixel(impostor.bake([box]), &"impostor_albedo").a, 0.0, "alpha of what is not")
+	impostor.material_override = painted(Color.GREEN)
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.GREEN), "the override")
+
+
+func test_shaders_are_read_by_usual_names_or_told_of() -> void:
+	var impostor := small()
+	var box := BoxMesh.new()
+	var material := ShaderMaterial.new()
+	material.resource_name = "Leaves"
+	material.shader = Shader.new()
+	material.shader.code = "shader_type spatial; uniform vec4 albedo : source_color; void fragment() { ALBEDO = albedo.rgb; }"
+	material.set_shader_parameter(&"albedo", Color.RED)
+	box.material = material
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.RED), "the parameter")
+	check(impostor.warnings.is_empty(), str(impostor.warnings))
+	material.shader.code = "shader_type spatial; void fragment() { ALBEDO = vec3(UV, 0.0); }"
+	impostor.bake([box])
+	check_equal(impostor.warnings.size(), 1, "warnings")
+	check("'Leaves'" in impostor.warnings[0] and "stand_ins" in impostor.warnings[0], impostor.warnings[0])
+	impostor.stand_ins = {material: painted(Color.BLUE)}
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.BLUE), "the stand-in")
+	check(impostor.warnings.is_empty(), str(impostor.warnings))
+
+
+func test_bad_input() -> void:
+	var impostor := small()
+	check(impostor.bake([]) == null and "no triangles" in impostor.problem, impostor.problem)
+	check(impostor.bake([null]) == null and "missing" in impostor.problem, impostor.problem)
+	impostor.frame_size = 100
+	check(impostor.bake([BoxMesh.new()]) == null and "frame_size" in impostor.problem, impostor.problem)
+	check_error(["ImpostorBaker.frame_size is out of range, got 100"], "frame_size")
+	var baker := ImpostorBaker.new()
+	var error: Error = baker.bake()
+	check_equal(error, ERR_INVALID_DATA, "baking nothing")
+	check_error(["ImpostorBaker.surfaces is missing"], "nothing")
+	check_equal(baker.add_surface([PackedInt32Array()]), ERR_INVALID_DATA, "no vertices")
+	check_error(["ImpostorBaker.arrays"], "no vertices")
+	var arrays := BoxMesh.new().get_mesh_arrays()
+	check_equal(baker.add_surface(arrays, Transform3D.IDENTITY, Color.WHITE, null, 2.0), ERR_INVALID_DATA, "alpha_threshold")
+	check_error(["ImpostorBaker.alpha_threshold is out of range, got 2"], "alpha_threshold")
+	arrays[Mesh.ARRAY_INDEX][0] = 1000
+	check_equal(baker.add_surface(arrays), ERR_INVALID_DATA, "indices")
+	check_error(["ImpostorBaker.indices is out of range, got 1000"], "indices")
+	check(baker.get_albedo_image() == null and baker.get_normal_image() == null, "no images")
+
+
+func test_a_bake_can_be_cancelled() -> void:
+	var impostor := Impostor.new()
+	check_equal(impostor.begin([Models.stone()]), OK, "begun")
+	check(impostor.is_baking(), "it is under way")
+	impostor.cancel()
+	check(not impostor.is_baking() and impostor.finish() == null, "it is over")
+	check_equal(impostor.begin([Models.stone()]), OK, "begun again, and let go of")
+
+
+func run_to_end(bake: Bake) -> void:
+	while bake.step():
+		await process_frame
+
+
+func test_a_layer_gets_a_last_lod() -> void:
+	var layer := make_layer()
+	layer.meshes = [Models.stone(), null, BoxMesh.new()]
+	layer.max_scale = 2.0
+	layer.lod_distances = PackedFloat32Array([5.0])
+	layer.lod_meshes = [BoxMesh.new()]
+	var bake := Bake.new()
+	bake.impostor = small()
+	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "begun: " + bake.problem)
+	await run_to_end(bake)
+	check_equal(bake.problem, "", "problem")
+	check_equal(bake.progress, 1.0, "progress")
+	check_equal(bake.files, PackedStringArray(["user://impostors/stones_impostor_0.res", "user://impostors/stones_impostor_2.res"]), "files")
+	check_equal(bake.lod_meshes.size(), 6, "two rows of three")
+	check(bake.lod_meshes[0] == layer.lod_meshes[0] and bake.lod_meshes[4] == null, "the row that was there, and the missing mesh")
+	check_equal(bake.lod_distances.size(), 2, "distances")
+	var expected := 2.0 * maxf(Impostor.switch_distance(bake.lod_meshes[3]), Impostor.switch_distance(bake.lod_meshes[5]))
+	check(absf(bake.lod_distances[1] - expected) <= 0.5, "%f, not %f" % [bake.lod_distances[1], expected])
+	layer.lod_meshes = bake.lod_meshes
+	layer.lod_distances = bake.lod_distances
+	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "begun again")
+	await run_to_end(bake)
+	check_equal(bake.lod_meshes.size(), 6, "the row of impostors is replaced")
+	check_equal(bake.begin(layer, "user://impostors", "a/b"), ERR_INVALID_PARAMETER, "a name that is none")
+	layer.meshes = []
+	check_equal(bake.begin(layer, "user://impostors", "stones"), ERR_UNCONFIGURED, "no mesh")
+	for file in bake.files:
+		DirAccess.remove_absolute(file)
