@@ -107,6 +107,21 @@ def test_bake(godot, plain_project):
     assert "leaked" not in printed, printed
 
 
+def test_one_click_bakes_impostors(godot, plain_project):
+    """Checks in impostors.gd."""
+    addon = plain_project / "addons/thicket"
+    (addon / "bin").symlink_to(DEMO / "addons/thicket/bin")
+    shutil.copy(DEMO / "addons/thicket/thicket.gdextension", addon)
+    shutil.copytree(STEPS, plain_project / "tests")
+    settings = plain_project / "project.godot"
+    settings.write_text(settings.read_text().replace("cfg\")", 'cfg", "res://tests/plugin.cfg")'))
+    (plain_project / ".godot").mkdir()
+    (plain_project / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
+    done = godot(["--editor", "--path", plain_project, "--", "impostors"], timeout=120)
+    printed = done.stdout + done.stderr
+    assert PASSED.search(printed) and not complaints(printed), printed[-6000:]
+
+
 def test_without_the_library_the_plugin_is_silent(godot, plain_project):
     """As in a checkout that is not built yet: the editor reads all scripts, and none of them complains."""
     done = godot(["--editor", "--path", plain_project, "--quit-after", "60"], timeout=120)

@@ -1,11 +1,12 @@
 @tool
 extends EditorInspectorPlugin
 ## Where a layer or a region names layers, the inspector offers those of its scatter to choose from; and layers and scatters take what is
-## dropped on them.
+## dropped on them. Above a layer's LODs is a button that bakes impostors.
 
 const Choice := preload("res://addons/thicket/editor/layer_choice.gd")
 const Choices := preload("res://addons/thicket/editor/layer_choices.gd")
 const Drop := preload("res://addons/thicket/editor/mesh_drop.gd")
+const Impostors := preload("res://addons/thicket/editor/impostor_button.gd")
 const Spacing := preload("res://addons/thicket/editor/spacing_editor.gd")
 
 
@@ -28,6 +29,8 @@ func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: P
 			editor = Spacing.new()
 		"layers" when object.is_class("ScatterRegion3D"):
 			editor = Choices.new()
+		"lod_distances" when object.is_class("ScatterLayer"):
+			add_custom_control(Impostors.new(object as Resource))
 	if editor != null:
 		add_property_editor(name, editor)
 	return editor != null

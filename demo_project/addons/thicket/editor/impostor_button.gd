@@ -1,0 +1,94 @@
+@tool
+extends VBoxContainer
+## A button in a layer's inspector: bakes an impostor of each of its meshes into files beside the scene, and makes them the layer's
+## last LOD, with undo.
+
+const Job := preload("res://addons/thicket/bake_impostors.gd")
+
+## It is over: the layer has its impostors, or [member job] says why not.
+signal finished(written: bool)
+
+## What bakes, or has baked last.
+var job := Job.new()
+
+var _layer: Resource
+var _button := Button.new()
+var _bar := ProgressBar.new()
+
+
+func _init(layer: Resource = null) -> void:
+	_layer = layer
+	_button.text = "Bake Impostors"
+	_button.tooltip_text = "Bakes pictures of each mesh from all around, which are drawn on two triangles, as the last LOD."
+	_button.pressed.connect(press)
+	add_child(_button)
+	add_child(_bar)
+	_bar.hide()
+	set_process(false)
+
+
+## Bakes; while it does, gives up.
+func press() -> void:
+	if is_processing():
+		job.cancel()
+		_end(false, "Cancelled: no impostor was baked.")
+		return
+	var path := _place()
+	if path.is_empty():
+		_end(false, "Save the scene first: impostors go into files beside it.")
+	elif job.begin(_layer, path.get_base_dir(), path.get_file()) != OK:
+		_end(false, job.problem)
+	else:
+		_button.text = "Cancel"
+		_bar.show()
+		set_process(true)
+
+
+func _process(_delta: float) -> void:
+	var more := job.step()
+	_bar.value = job.progress * 100.0
+	if more:
+		return
+	if not job.problem.is_empty():
+		_end(false, job.problem)
+		return
+	for warning in job.warnings:
+		_toast(warning)
+	var undo := EditorInterface.get_editor_undo_redo()
+	undo.create_action("Bake Impostors", UndoRedo.MERGE_DISABLE, _layer)
+	for property: StringName in [&"lod_distances", &"lod_meshes"]:
+		undo.add_do_property(_layer, property, job.get(property))
+		undo.add_undo_property(_layer, property, _layer.get(property))
+	undo.commit_action()
+	EditorInterface.get_resource_filesystem().scan()
+	_end(true, "")
+
+
+func _exit_tree() -> void:
+	job.cancel()
+	set_process(false)
+
+
+## Where files go, and how their names begin: beside the scene, or the file that the layer has of its own. Empty for no place.
+func _place() -> String:
+	var root := EditorInterface.get_edited_scene_root()
+	var owner := _layer.resource_path.get_slice("::", 0)
+	if owner.is_empty() and root != null:
+		owner = root.scene_file_path
+	if owner.is_empty():
+		return ""
+	var name := _layer.resource_name.to_snake_case().validate_filename()
+	return "%s_%s" % [owner.get_basename(), name if not name.is_empty() else "layer"]
+
+
+func _end(written: bool, problem: String) -> void:
+	set_process(false)
+	_bar.hide()
+	_button.text = "Bake Impostors"
+	if not problem.is_empty():
+		_toast(problem)
+	finished.emit(written)
+
+
+static func _toast(sentence: String) -> void:
+	EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)

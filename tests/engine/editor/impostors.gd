@@ -1,0 +1,58 @@
+@tool
+extends "res://tests/steps.gd"
+## One click bakes a layer's impostors: files beside the scene, a last LOD, undo; without a place for files, a sentence.
+
+const SCENE := "res://wood.tscn"
+
+
+func test_one_click() -> void:
+	var root := Node3D.new()
+	root.name = "Wood"
+	var scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	scatter.name = "Scatter"
+	root.add_child(scatter)
+	scatter.owner = root
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.resource_name = "Old Oaks"
+	layer.set(&"meshes", [BoxMesh.new()] as Array[Mesh])
+	scatter.set(&"layers", [layer])
+	var packed := PackedScene.new()
+	packed.pack(root)
+	root.free()
+	ResourceSaver.save(packed, SCENE)
+	scatter = (await open(SCENE)).get_node("Scatter")
+	layer = scatter.get(&"layers")[0]
+	EditorInterface.edit_resource(layer)
+	await frames(5)
+	var found := EditorInterface.get_inspector().find_children("*", "VBoxContainer", true, false).filter(
+			func(box: Node) -> bool: return box.has_method(&"press"))
+	if not check(found.size() == 1, "the inspector has %d buttons" % found.size()):
+		return
+	var button: Node = found[0]
+	button.job.impostor.frames = 3
+	button.job.impostor.frame_size = 16
+	button.press()
+	check(button.is_processing(), "it bakes: " + button.job.problem)
+	var job: RefCounted = button.job
+	await until(func() -> bool: return job.progress == 1.0 or not job.problem.is_empty(), "baked")
+	check_equal(job.problem, "", "problem")
+	check_equal(job.files, PackedStringArray(["res://wood_old_oaks_impostor_0.res"]), "beside the scene")
+	check_equal(layer.get(&"lod_meshes").size(), 1, "the layer's LODs")
+	check_equal(layer.get(&"lod_distances").size(), 1, "and their distances")
+	check_equal(layer.get(&"lod_meshes")[0].resource_path, "res://wood_old_oaks_impostor_0.res", "the file is what the layer holds")
+	var manager := plugin.get_undo_redo()
+	manager.get_history_undo_redo(manager.get_object_history_id(layer)).undo()
+	check_equal([layer.get(&"lod_meshes").size(), layer.get(&"lod_distances").size()], [0, 0], "undone")
+
+
+func test_a_layer_of_no_file() -> void:
+	var root := EditorInterface.get_edited_scene_root()
+	root.scene_file_path = ""
+	var button: Node = load("res://addons/thicket/editor/impostor_button.gd").new(ClassDB.instantiate(&"ScatterLayer"))
+	plugin.add_child(button)
+	button.press()
+	check(not button.is_processing(), "nothing is begun")
+	root.scene_file_path = SCENE
+	button.press()
+	check(not button.is_processing() and "no mesh" in button.job.problem, button.job.problem)
+	button.free()
