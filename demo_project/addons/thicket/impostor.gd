@@ -24,8 +24,8 @@ const DETAIL := 1.75
 var frames := 16
 ## Pixels on a side of a picture: a power of two, 16 to 512. The side of the atlas, [code]frames * frame_size[/code], is 8192 at most.
 var frame_size := 128
-## Samples on a side of a pixel, 1 to 8.
-var samples := 4
+## Samples on a side of a pixel, 1 to 8. Time grows with their square.
+var samples := 2
 ## Also from below, for what floats or can be looked at from underneath; the same pictures are shared out over more directions then.
 var full_sphere := false
 ## Replaces all materials; as [member ScatterLayer.material_override].

@@ -17,7 +17,7 @@ namespace thicket {
 struct ImpostorSettings {
 	int frames = 16;      ///< Pictures on a side of the atlas, min_impostor_frames to max_impostor_frames.
 	int frame_size = 128; ///< Pixels on a side of a picture: a power of two, min_frame_size to max_frame_size.
-	int samples = 4;      ///< On a side of a pixel, 1 to max_impostor_samples.
+	int samples = 2;      ///< On a side of a pixel, 1 to max_impostor_samples.
 	OctahedralSpan span = OctahedralSpan::hemisphere;
 };
 
