@@ -3,8 +3,8 @@ extends RefCounted
 ## [ArrayMesh].
 ##
 ## All levels share one vertex array and one surface; a level is an index list, which the engine picks by distance, for
-## the instances of a MultiMesh as well. Vertex data as the demo's shaders read it: COLOR.rgb albedo (handed over
-## linear, stored as sRGB for the sake of 8 bits), COLOR.a ambient occlusion 0..1, UV into [code]leaf_atlas.gd[/code],
+## the instances of a MultiMesh as well. Vertex data as the demo's shaders read it: COLOR.rgb albedo
+## (sRGB), COLOR.a ambient occlusion 0..1, UV into [code]leaf_atlas.gd[/code],
 ## UV2.x sway 0..1 (how far the wind moves the vertex), UV2.y a phase 0..1 that differs from twig to twig.
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
@@ -34,7 +34,7 @@ func begin_level() -> void:
 func vertex(position: Vector3, normal: Vector3, color: Color, uv: Vector2, uv2: Vector2) -> int:
 	_vertices.append(position)
 	_normals.append(normal.normalized())
-	_colors.append(color.linear_to_srgb())
+	_colors.append(color)
 	_uvs.append(uv)
 	_uv2s.append(uv2)
 	return _vertices.size() - 1
