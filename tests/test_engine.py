@@ -212,11 +212,25 @@ def test_look(godot_xvfb, project):
     assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_look.gd"]))
 
 
-@pytest.mark.parametrize("renderer", [("opengl3", "gl_compatibility"), ("vulkan", "forward_plus"), ("vulkan", "mobile")])
+RENDERERS = {
+    "compatibility": [],
+    "forward_plus": ["--rendering-method", "forward_plus", "--rendering-driver", "vulkan"],
+    "mobile": ["--rendering-method", "mobile", "--rendering-driver", "vulkan"],
+}
+
+
+@pytest.mark.parametrize("renderer", RENDERERS)
 def test_pictures_of_models(godot_xvfb, project, renderer):
     """In each of the renderers, drawn in software."""
-    arguments = ["--rendering-driver", renderer[0], "--rendering-method", renderer[1], "--path", project]
-    assert_passed(godot_xvfb([*arguments, "--script", ENGINE / "test_model_pictures.gd"]))
+    arguments = [*RENDERERS[renderer], "--path", project, "--script", ENGINE / "test_model_pictures.gd"]
+    assert_passed(godot_xvfb(arguments))
+
+
+@pytest.mark.parametrize("renderer", RENDERERS)
+def test_foliage(godot_xvfb, project, renderer):
+    """The add-on's material in each renderer: it compiles, fades, sways, bends, tints, and casts shadows."""
+    script = ENGINE / "test_foliage.gd"
+    assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=120))
 
 
 def test_draw_cells(godot_xvfb, project):

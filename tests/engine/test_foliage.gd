@@ -1,0 +1,211 @@
+extends "picture_harness.gd"
+## What the add-on's foliage material draws. Run in each of the three renderers.
+
+const SHADER := "res://addons/thicket/shaders/foliage.gdshader"
+const READY := "res://addons/thicket/shaders/foliage.tres"
+
+var camera: Camera3D
+
+
+## A view along -z, as high and wide as it says, without light and on black.
+func look(size := 4.0) -> void:
+	root.size = Vector2i(128, 128)
+	root.msaa_3d = Viewport.MSAA_DISABLED
+	var environment := Environment.new()
+	environment.background_mode = Environment.BG_COLOR
+	environment.background_color = Color.BLACK
+	environment.ambient_light_source = Environment.AMBIENT_SOURCE_COLOR
+	environment.ambient_light_color = Color.WHITE
+	camera = Camera3D.new()
+	camera.environment = environment
+	camera.projection = Camera3D.PROJECTION_ORTHOGONAL
+	camera.size = size
+	root.add_child(camera)
+	camera.position = Vector3(0.0, 1.0, 10.0)
+	camera.make_current()
+
+
+func material(parameters: Dictionary) -> ShaderMaterial:
+	var made := (load(READY) as ShaderMaterial).duplicate() as ShaderMaterial
+	made.set_shader_parameter(&"wind_strength", 0.0)
+	for parameter: StringName in parameters:
+		made.set_shader_parameter(parameter, parameters[parameter])
+	return made
+
+
+## A pane 1 m wide and 2 m high that stands at a place.
+func pane(of: ShaderMaterial, at := Vector3.ZERO) -> MeshInstance3D:
+	var mesh := QuadMesh.new()
+	mesh.size = Vector2(1.0, 2.0)
+	mesh.center_offset = Vector3(0.0, 1.0, 0.0)
+	mesh.material = of
+	var made := MeshInstance3D.new()
+	made.mesh = mesh
+	root.add_child(made)
+	made.position = at
+	return made
+
+
+func picture() -> Image:
+	await frames(2)
+	await RenderingServer.frame_post_draw
+	return root.get_texture().get_image()
+
+
+func lit(image: Image) -> Array[Vector2i]:
+	var found: Array[Vector2i] = []
+	for y in image.get_height():
+		for x in image.get_width():
+			if image.get_pixel(x, y).get_luminance() > 0.05:
+				found.append(Vector2i(x, y))
+	return found
+
+
+func test_it_compiles_and_its_parameters_are_there() -> void:
+	var names := PackedStringArray()
+	for parameter: Dictionary in (load(SHADER) as Shader).get_shader_uniform_list():
+		names.append(parameter.name)
+	for wanted: String in ["wind_strength", "wind_sway", "wind_flutter", "bend_reach", "bend_bodies", "ground_strength",
+			"backlight", "scatter_lod_range"]:
+		check(wanted in names, "%s among %s" % [wanted, names])
+	look()
+	pane(material({}))
+	var share: float = lit(await picture()).size() / 16384.0
+	check(absf(share - 0.125) < 0.01, "the pane covers an eighth of the picture, not %f" % share)
+
+
+func test_two_levels_cover_each_pixel_once() -> void:
+	look()
+	var near := pane(material({&"scatter_lod_range": Vector4(-2.0, -1.0, 8.0, 13.0)}))
+	var far := pane(material({&"scatter_lod_range": Vector4(8.0, 13.0, 1e9, 2e9)}))
+	far.visible = false
+	near.visible = true
+	for away: float in [7.0, 8.5, 10.0, 11.25, 12.7, 14.0]:
+		camera.position = Vector3(0.0, 1.0, sqrt(away * away - 1.0))
+		near.visible = true
+		far.visible = false
+		var first: Array[Vector2i] = lit(await picture())
+		near.visible = false
+		far.visible = true
+		var second: Array[Vector2i] = lit(await picture())
+		var seen := {}
+		for pixel in first + second:
+			seen[pixel] = true
+		check_equal(first.size() + second.size(), seen.size(), "pixels at %.1f m, none of them drawn twice" % away)
+		check_equal(seen.size(), 32 * 64, "pixels at %.1f m, all of them drawn" % away)
+		var expected := clampf(1.0 - (away - 8.0) / 5.0, 0.0, 1.0)
+		check(absf(first.size() / 2048.0 - expected) < 0.07, "share of the near level at %.1f m" % away)
+
+
+func test_wind_moves_the_top_and_at_no_strength_nothing() -> void:
+	look()
+	var parameters := {&"wind_sway": 0.5, &"sway_height": 2.0, &"wind_direction": Vector2(1.0, 0.0)}
+	var standing := pane(material(parameters))
+	var before: Array[Vector2i] = lit(await picture())
+	await create_timer(0.5).timeout
+	check_equal(lit(await picture()), before, "pixels half a second later without wind")
+	parameters[&"wind_strength"] = 1.0
+	(standing.mesh as QuadMesh).material = material(parameters)
+	var moved := 0
+	for look_number in 3:
+		await create_timer(0.3).timeout
+		var now: Array[Vector2i] = lit(await picture())
+		moved = maxi(moved, absi(now[0].x - before[0].x))
+		check(absi(now[-1].x - before[-1].x) <= 1, "the foot stays")
+	check(moved >= 2, "the top moves by %d pixels" % moved)
+
+
+func test_a_body_bends_what_is_near_and_nothing_else() -> void:
+	look(8.0)
+	var bodies := PackedVector4Array()
+	bodies.resize(16)
+	bodies[0] = Vector4(-2.6, 2.0, 0.0, 1.0)
+	var parameters := {&"sway_height": 2.0, &"bend_bodies": bodies, &"bend_count": 0}
+	var plants := [pane(material(parameters), Vector3(-2.0, 0.0, 0.0)), pane(material(parameters), Vector3(2.0, 0.0, 0.0))]
+	var before: Array[Vector2i] = lit(await picture())
+	parameters[&"bend_count"] = 1
+	for plant: MeshInstance3D in plants:
+		(plant.mesh as QuadMesh).material = material(parameters)
+	var after: Array[Vector2i] = lit(await picture())
+	var half := func(pixels: Array[Vector2i], left: bool) -> Array:
+		return pixels.filter(func(pixel: Vector2i) -> bool: return (pixel.x < 64) == left)
+	check_equal(half.call(after, false), half.call(before, false), "pixels of the plant that is far from the body")
+	check(half.call(after, true) != half.call(before, true), "the plant beside the body bends")
+	var right := func(pixels: Array) -> int: return pixels.map(func(pixel: Vector2i) -> int: return pixel.x).max()
+	check(right.call(half.call(after, true)) > right.call(half.call(before, true)), "away from the body")
+
+
+func test_tint_takes_the_grounds_color_at_the_foot() -> void:
+	look()
+	pane(material({&"ground_strength": 1.0, &"ground_color": Color.RED, &"ground_height": 1.0}))
+	var image: Image = await picture()
+	var foot := image.get_pixel(64, 94)
+	var top := image.get_pixel(64, 40)
+	check(foot.r > 2.0 * foot.g and foot.r > 0.2, "the foot is red: %s" % foot)
+	check(absf(top.r - top.g) < 0.02 and top.g > 0.2, "the top is not: %s" % top)
+
+
+func test_colors_are_alike_in_all_renderers() -> void:
+	look()
+	pane(material({&"albedo": Color(0.5, 0.5, 0.5), &"backlight": 0.0}))
+	var seen: float = (await picture()).get_pixel(64, 64).r
+	check(absf(seen - 0.5) < 0.05, "half gray in white light is half gray, not %f" % seen)
+
+
+func test_coverage_holds_with_distance() -> void:
+	var image := Image.create_empty(256, 256, false, Image.FORMAT_RGBA8)
+	image.fill(Color(1.0, 1.0, 1.0, 0.0))
+	for y in range(0, 256, 8):
+		for x in range(0, 256, 8):
+			image.fill_rect(Rect2i(x, y, 6, 6), Color.WHITE)
+	image.generate_mipmaps()
+	look(3.0)
+	pane(material({&"albedo_texture": ImageTexture.create_from_image(image)}))
+	var near: float = lit(await picture()).size() / 16384.0 * 9.0
+	camera.size = 24.0
+	var far: float = lit(await picture()).size() / 16384.0 * 576.0
+	check(far > 0.8 * near and far < 2.0 * near, "near %f m² are covered, far %f m²" % [near, far])
+
+
+func test_shadows_are_there_while_it_fades() -> void:
+	look()
+	camera.environment.ambient_light_energy = 0.2
+	camera.rotation_degrees.x = -60.0
+	camera.position = Vector3(0.0, 9.0, 5.0)
+	var ground := MeshInstance3D.new()
+	ground.mesh = PlaneMesh.new()
+	(ground.mesh as PlaneMesh).size = Vector2(20.0, 20.0)
+	root.add_child(ground)
+	var sun := DirectionalLight3D.new()
+	sun.rotation_degrees = Vector3(-40.0, 20.0, 0.0)
+	root.add_child(sun)
+	var plant := pane(material({&"scatter_lod_range": Vector4(-2.0, -1.0, 11.0, 13.0)}))
+	plant.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_SHADOWS_ONLY
+	var dark := func(image: Image) -> int:
+		var open := image.get_pixel(4, 64).get_luminance()
+		var count := 0
+		for y in image.get_height():
+			for x in image.get_width():
+				count += int(image.get_pixel(x, y).get_luminance() < 0.8 * open)
+		return count
+	check_equal(dark.call(await picture()), 0, "dark pixels without shadows")
+	sun.shadow_enabled = true
+	var shadow: int = dark.call(await picture())
+	check(shadow > 300, "a shadow of %d pixels, though the light is far away" % shadow)
+	plant.mesh.material = material({&"scatter_lod_range": Vector4(-2.0, -1.0, 5.0, 6.0)})
+	check_equal(dark.call(await picture()), 0, "dark pixels of what is out of sight")
+
+
+func test_the_world_node_hands_on_wind_and_bodies() -> void:
+	var world: Node = (load("res://addons/thicket/shaders/foliage_world.gd") as GDScript).new()
+	var one := material({})
+	world.set(&"materials", [null, one] as Array[ShaderMaterial])
+	world.set(&"wind_strength", 0.5)
+	for number in 20:
+		make_viewer(Vector3(number, 0.0, 0.0)).add_to_group(&"scatter_interaction")
+	root.add_child(world)
+	await frames(2)
+	check_equal(one.get_shader_parameter(&"wind_strength"), 0.5, "strength of the wind")
+	check_equal(one.get_shader_parameter(&"bend_count"), 16, "bodies, of 20")
+	var told: PackedVector4Array = one.get_shader_parameter(&"bend_bodies")
+	check_equal(told[3], Vector4(3.0, 0.0, 0.0, 0.6), "a body's place and radius")
