@@ -9,7 +9,11 @@ const KINDS: PackedStringArray = [
 ]
 const BARK := Color(0.24, 0.17, 0.12)
 
-static var _shared_material: StandardMaterial3D
+const FOLIAGE := preload("res://addons/thicket/shaders/foliage.tres")
+## Plants, and the meters of each at which its sway is full; what is not here is stone.
+const SWAY_HEIGHTS := {"spruce": 8.0, "birch": 7.0, "bush": 1.2, "fern": 0.6, "grass": 0.5, "flower": 0.45}
+
+static var _materials := {}
 
 ## One of [constant KINDS]; another name prints an error and changes nothing.
 @export_enum("spruce", "birch", "bush", "fern", "grass", "flower", "boulder", "rock", "pebble") var kind := "":
@@ -37,7 +41,7 @@ func _build() -> void:
 	call("_build_" + kind)
 	_tool.index()
 	clear_surfaces()
-	_tool.set_material(_material())
+	_tool.set_material(_material_of(kind))
 	_tool.commit(self)
 	_tool = null
 	_random = null
@@ -186,11 +190,26 @@ func _vertex(position: Vector3, normal: Vector3, color: Color) -> void:
 	_tool.add_vertex(position)
 
 
-static func _material() -> StandardMaterial3D:
-	if _shared_material == null:
-		_shared_material = StandardMaterial3D.new()
-		_shared_material.vertex_color_use_as_albedo = true
-		_shared_material.vertex_color_is_srgb = true
-		_shared_material.roughness = 1.0
-		_shared_material.metallic_specular = 0.2
-	return _shared_material
+static func _material_of(what: String) -> Material:
+	if not _materials.has(what):
+		_materials[what] = _plant_material(SWAY_HEIGHTS[what]) if what in SWAY_HEIGHTS else _stone_material()
+	return _materials[what]
+
+
+## The add-on's material, with a sway of the plant's size.
+static func _plant_material(height: float) -> ShaderMaterial:
+	var material := FOLIAGE.duplicate() as ShaderMaterial
+	material.set_shader_parameter(&"sway_height", height)
+	material.set_shader_parameter(&"wind_sway", 0.03 + 0.015 * height)
+	material.set_shader_parameter(&"wind_flutter", 0.015)
+	material.set_shader_parameter(&"bend_reach", minf(0.3, 0.3 * height))
+	return material
+
+
+static func _stone_material() -> StandardMaterial3D:
+	var material := StandardMaterial3D.new()
+	material.vertex_color_use_as_albedo = true
+	material.vertex_color_is_srgb = true
+	material.roughness = 1.0
+	material.metallic_specular = 0.2
+	return material
