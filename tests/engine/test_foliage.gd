@@ -74,6 +74,17 @@ func test_it_compiles_and_its_parameters_are_there() -> void:
 	check(absf(share - 0.125) < 0.01, "the pane covers an eighth of the picture, not %f" % share)
 
 
+func test_the_tutorials_shader_draws() -> void:
+	var page := FileAccess.get_file_as_string("res://addons/thicket/tutorials/foliage_material.md")
+	var shader := Shader.new()
+	shader.code = page.get_slice("```glsl\n", 1).get_slice("```", 0)
+	var made := ShaderMaterial.new()
+	made.shader = shader
+	look()
+	pane(made)
+	check_equal(lit(await picture()).size(), 32 * 64, "pixels of the pane")
+
+
 func test_two_levels_cover_each_pixel_once() -> void:
 	look()
 	var near := pane(material({&"scatter_lod_range": Vector4(-2.0, -1.0, 8.0, 13.0)}))
