@@ -65,7 +65,25 @@ func near_tree() -> PackedScene:
 
 
 func test_a_wood_of_scenes_and_a_wood_of_models() -> void:
-	var packed := near_tree()
+	await compare(near_tree())
+
+
+## Leaves that cast no shadow, and a large sheet that casts nothing else: another mesh than the one that is drawn.
+func test_shadows_are_those_of_the_scene() -> void:
+	var tree := make_tree()
+	tree.get_node("LOD1").free()
+	tree.get_node("LOD2").free()
+	(tree.get_node("LOD0/Crown/Leaves") as MeshInstance3D).cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	var sheet := put_mesh(box(Vector3(4.0, 0.1, 4.0), null), "Sheet", tree, tree, Transform3D(Basis(), Vector3(0.0, 5.0, 0.0)))
+	sheet.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_SHADOWS_ONLY
+	var plain: Image = await compare(near_tree())
+	await clean()
+	var other: Image = await compare(pack(tree))
+	check(difference(plain, other) > 0.02, "other shadows: %f" % difference(plain, other))
+
+
+## Checks that what is scattered of a scene looks as the scenes do, and returns the picture.
+func compare(packed: PackedScene) -> Image:
 	var camera := make_stage()
 	var empty: Image = await take_picture()
 	var scatter := make_wood(packed, camera)
@@ -81,6 +99,7 @@ func test_a_wood_of_scenes_and_a_wood_of_models() -> void:
 	check(standing.size() > 10 and difference(empty, instanced) > 0.1, "trees are in the picture: %f" % difference(empty, instanced))
 	var share := difference(scattered, instanced)
 	check(share < MOST_DIFFERENT, "%f of the pixels differ" % share)
+	return scattered
 
 
 func test_scenes_near_by_take_the_place_of_their_models_unseen() -> void:

@@ -13,6 +13,12 @@ using namespace godot;
 
 namespace thicket {
 
+namespace {
+
+MeshShadow shadow_of(const DrawnLod &lod) { return {lod.shadow, lod.cast_shadow}; }
+
+} // namespace
+
 bool LayerMeshes::set_entries(const Array &p_entries) {
 	Array entries;
 	std::vector<Ref<ScatterModel>> models;
@@ -123,6 +129,7 @@ void LayerMeshes::draw(const TypedArray<Mesh> &p_meshes, const PackedFloat32Arra
 	for (std::size_t entry = 0; entry < size(); ++entry) {
 		lods.push_back(lods_of(entry, p_meshes, p_distances));
 		r_drawing.meshes.push_back(lods.back().empty() ? Ref<Mesh>() : lods.back().front().mesh);
+		r_drawing.shadows.push_back(lods.back().empty() ? MeshShadow() : shadow_of(lods.back().front()));
 		for (std::size_t lod = 1; lod < lods.back().size(); ++lod) {
 			distances.insert(lods.back()[lod].distance);
 		}
@@ -133,11 +140,12 @@ void LayerMeshes::draw(const TypedArray<Mesh> &p_meshes, const PackedFloat32Arra
 		}
 		r_lod.lod_distances.push_back(distance);
 		for (const std::vector<DrawnLod> &of : lods) {
-			Ref<Mesh> begins;
+			const DrawnLod *begins = nullptr;
 			for (std::size_t lod = 1; lod < of.size(); ++lod) {
-				begins = of[lod].distance == distance ? of[lod].mesh : begins;
+				begins = of[lod].distance == distance ? &of[lod] : begins;
 			}
-			r_drawing.lod_meshes.push_back(begins);
+			r_drawing.lod_meshes.push_back(begins != nullptr ? begins->mesh : Ref<Mesh>());
+			r_drawing.lod_shadows.push_back(begins != nullptr ? shadow_of(*begins) : MeshShadow());
 		}
 	}
 }

@@ -20,12 +20,29 @@
 
 namespace thicket {
 
+/// What casts the shadow of a mesh while that is drawn.
+struct MeshShadow {
+	godot::Ref<godot::Mesh> mesh; ///< In place of the mesh that is drawn; null for that itself.
+	std::int64_t setting = -1;    ///< GeometryInstance3D.ShadowCastingSetting; -1 for the layer's.
+
+	friend bool operator==(const MeshShadow &, const MeshShadow &) = default;
+};
+
+/// A mesh as it is drawn.
+struct MeshLook {
+	godot::Ref<godot::Mesh> mesh; ///< Never null.
+	MeshShadow shadow;
+};
+
 /// What is drawn for the instances of a layer, and how the renderer draws it. The numbers of enumerations are the engine's.
 struct LayerDrawing {
 	std::vector<godot::Ref<godot::Mesh>> meshes; ///< Nothing is drawn for a null entry.
 
 	/// A row of entries, one for each of the meshes, for each LOD distance. A null entry means the next finer mesh.
 	std::vector<godot::Ref<godot::Mesh>> lod_meshes;
+
+	std::vector<MeshShadow> shadows;     ///< Of each of the meshes,
+	std::vector<MeshShadow> lod_shadows; ///< and of the lod_meshes that are not null.
 
 	/// The box of each of the meshes when the snapshot was made: another box means another mesh, though the resource is the same.
 	std::vector<godot::AABB> boxes;
@@ -54,7 +71,8 @@ struct LayerDrawing {
 
 	/// True if the renderer is given the same meshes: a tile of the one may stand for a tile of the other.
 	bool same_meshes(const LayerDrawing &other) const {
-		return meshes == other.meshes && lod_meshes == other.lod_meshes;
+		return meshes == other.meshes && lod_meshes == other.lod_meshes && shadows == other.shadows &&
+				lod_shadows == other.lod_shadows;
 	}
 
 	friend bool operator==(const LayerDrawing &, const LayerDrawing &) = default;

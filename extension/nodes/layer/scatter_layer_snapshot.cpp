@@ -26,11 +26,13 @@ AABB box_of(const Ref<Mesh> &mesh) { return mesh.is_valid() ? mesh->get_aabb() :
 void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	for (const Ref<Mesh> &mesh : r_drawing.meshes) {
 		r_drawing.boxes.push_back(box_of(mesh));
-		r_drawing.mesh_reach.push_back(reach_of(r_drawing.boxes.back()));
+		const Ref<Mesh> &shadow = r_drawing.shadows[r_drawing.boxes.size() - 1].mesh;
+		r_drawing.mesh_reach.push_back(std::max(reach_of(r_drawing.boxes.back()), reach_of(box_of(shadow))));
 	}
 	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {
 		float &reach = r_drawing.mesh_reach[index % r_drawing.meshes.size()];
-		reach = std::max(reach, reach_of(box_of(r_drawing.lod_meshes[index])));
+		reach = std::max({reach, reach_of(box_of(r_drawing.lod_meshes[index])),
+				reach_of(box_of(r_drawing.lod_shadows[index].mesh))});
 	}
 	for (float &reach : r_drawing.mesh_reach) {
 		reach *= static_cast<float>(compensating_scale(lod, lod.thin_density));

@@ -74,10 +74,19 @@ std::size_t DisplayedTile::cell_count() const {
 	return count;
 }
 
-std::size_t DisplayedTile::most_cells(std::uint32_t across_then) const {
+std::size_t DisplayedTile::multimesh_count() const {
 	std::size_t count = 0;
 	for (const Part &part : parts) {
-		count += part.lods.empty() ? 0 : std::min(part.shown->size(), std::size_t{across_then} * across_then);
+		count += part.cells.size() * part.multimeshes_of_a_cell();
+	}
+	return count;
+}
+
+std::size_t DisplayedTile::most_multimeshes(std::uint32_t across_then) const {
+	std::size_t count = 0;
+	for (const Part &part : parts) {
+		const std::size_t cells = std::min(part.shown->size(), std::size_t{across_then} * across_then);
+		count += part.lods.empty() ? 0 : cells * part.multimeshes_of_a_cell();
 	}
 	return count;
 }

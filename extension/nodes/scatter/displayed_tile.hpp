@@ -36,8 +36,7 @@ struct DisplayedTile {
 				cells;      ///< One for the whole tile, or as `division` has them; none where there is nothing to draw.
 		DrawCells division; ///< Of `shown`; empty for a tile that is drawn as a whole.
 		std::vector<double> due; ///< Of each cell, LodSchedule::traveled from which it may have to be drawn otherwise.
-		std::vector<godot::Ref<godot::Mesh>>
-				lods; ///< The mesh, then the coarser ones, none null; empty if there is no mesh.
+		std::vector<MeshLook> lods;                 ///< The mesh, then the coarser ones; empty if there is no mesh.
 		std::shared_ptr<const MeshInstances> shown; ///< The tile's own, or what is left and added by the overlay.
 
 		/// How many cells it has once all are uploaded.
@@ -45,6 +44,9 @@ struct DisplayedTile {
 			return lods.empty() || shown->size() == 0 ? 0 : division.empty() ? 1 : division.cells.size();
 		}
 		bool is_open() const { return cells.size() < cell_count(); }
+
+		/// How many multimeshes a cell takes.
+		std::size_t multimeshes_of_a_cell() const { return casts_by_other_meshes(lods) ? 2 : 1; }
 		std::span<const std::uint32_t> ranks_of(std::size_t cell) const {
 			return division.empty() ? std::span(shown->ranks) : division.ranks_of(division.cells[cell]);
 		}
@@ -75,8 +77,9 @@ struct DisplayedTile {
 	void set_lod(std::size_t lod);
 	std::size_t cell_count() const;
 
-	/// How many there would be, at most, in another division.
-	std::size_t most_cells(std::uint32_t across_then) const;
+	/// How many multimeshes its cells have, and would have, at most, in another division.
+	std::size_t multimesh_count() const;
+	std::size_t most_multimeshes(std::uint32_t across_then) const;
 };
 
 /// The instances of a part in one of its cells as the renderer takes them. `reach` as in to_upload.

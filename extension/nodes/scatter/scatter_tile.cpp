@@ -36,7 +36,7 @@ Ref<ScatterTile> ScatterTile::shown(
 	result->tile_ = shown->tile;
 	result->origin_ = to_engine(shown->tile->origin, offset);
 	for (const DisplayedTile::Part &part : shown->parts) {
-		result->parts_.push_back({part.cells.empty() ? Ref<Mesh>() : part.lods.front(), part.shown, {}});
+		result->parts_.push_back({part.cells.empty() ? Ref<Mesh>() : part.lods.front().mesh, part.shown, {}});
 		for (const DisplayedTile::Cell &cell : part.cells) {
 			result->parts_.back().multimeshes.push_back(cell.visual.multimesh());
 		}

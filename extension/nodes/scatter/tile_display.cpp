@@ -10,18 +10,19 @@ namespace thicket {
 
 namespace {
 
-/// The mesh near by, then those for the distance, none of them null.
-std::vector<Ref<Mesh>> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
-	std::vector<Ref<Mesh>> lods{drawing.meshes[mesh]};
+/// The mesh near by, then those for the distance.
+std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
+	std::vector<MeshLook> lods{{drawing.meshes[mesh], drawing.shadows[mesh]}};
 	for (std::size_t at = mesh; at < drawing.lod_meshes.size(); at += drawing.meshes.size()) {
-		lods.push_back(drawing.lod_meshes[at].is_valid() ? drawing.lod_meshes[at] : lods.back());
+		const bool other = drawing.lod_meshes[at].is_valid();
+		lods.push_back(other ? MeshLook{drawing.lod_meshes[at], drawing.lod_shadows[at]} : lods.back());
 	}
 	return lods;
 }
 
 /// The same, and none for a mesh of which nothing is drawn.
-std::vector<Ref<Mesh>> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
-	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<Ref<Mesh>>();
+std::vector<MeshLook> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
+	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<MeshLook>();
 }
 
 } // namespace
@@ -111,20 +112,20 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 		return;
 	}
 	const LayerSnapshot *layer = layer_at(key.layer);
-	std::vector<std::size_t> sizes;
+	std::vector<std::pair<std::size_t, std::size_t>> sizes; // Instances, and multimeshes of a cell.
 	for (std::size_t mesh = 0; mesh < r_upload.shown.size(); ++mesh) {
 		const MeshInstances &shown = *r_upload.shown[mesh];
 		if (layer != nullptr && layer->drawing.draws(mesh) && shown.size() > 0) {
 			tile.grow(box_around(shown.min, shown.max, tile.reach_of(mesh) * shown.max_scale));
-			sizes.push_back(shown.size());
+			sizes.emplace_back(shown.size(), casts_by_other_meshes(lods_of(layer->drawing, mesh)) ? 2 : 1);
 		}
 	}
 	const auto found = tiles_.find(order(key));
 	const DisplayedTile *standing = found != tiles_.end() ? &found->second : nullptr;
 	const std::uint32_t across = division_of(key, tile, standing != nullptr ? standing->across : 0);
-	std::uint64_t multimeshes = multimeshes_ - (standing != nullptr ? standing->cell_count() : 0);
-	for (const std::size_t size : sizes) {
-		multimeshes += std::min(size, std::size_t{across} * across);
+	std::uint64_t multimeshes = multimeshes_ - (standing != nullptr ? standing->multimesh_count() : 0);
+	for (const auto &[instances, multimeshes_of_a_cell] : sizes) {
+		multimeshes += std::min(instances, std::size_t{across} * across) * multimeshes_of_a_cell;
 	}
 	const bool may_be_divided = multimeshes <= limits_.max_multimeshes && (standing != nullptr || !others_wait);
 	tile.across = may_be_divided ? across : 1; // Else it may be divided once it is on show.

@@ -149,8 +149,8 @@ private:
 	bool draw_cells(const LodSettings &lod, DisplayedTile &r_tile, double &r_margin);
 	bool draw_cell(const LodSettings &lod, double distance, DisplayedTile::Part &r_part, std::size_t cell);
 	void begin(TileUpload &r_upload, bool others_wait) const;
-	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const MeshInstances> shown,
-			std::vector<godot::Ref<godot::Mesh>> lods, std::uint32_t across, DisplayedTile::Part &r_part) const;
+	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const MeshInstances> shown, std::vector<MeshLook> lods,
+			std::uint32_t across, DisplayedTile::Part &r_part) const;
 	DisplayedTile::Cell make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
 			const LayerDrawing &drawing, const MeshUpload &upload);
 	void upload_cells(

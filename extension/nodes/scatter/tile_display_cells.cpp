@@ -23,7 +23,7 @@ constexpr double gives_way = 1.1;
 
 /// Makes a part ready for its cells to be uploaded. False without the memory for it.
 bool TileDisplay::begin_part(const DisplayedTile &tile, std::shared_ptr<const MeshInstances> shown,
-		std::vector<Ref<Mesh>> lods, std::uint32_t across, DisplayedTile::Part &r_part) const {
+		std::vector<MeshLook> lods, std::uint32_t across, DisplayedTile::Part &r_part) const {
 	r_part.shown = std::move(shown);
 	r_part.lods = std::move(lods);
 	if (across == 1 || r_part.lods.empty()) {
@@ -38,7 +38,7 @@ DisplayedTile::Cell TileDisplay::make_cell(const DisplayedTile &tile, const Disp
 		const LayerDrawing &drawing, const MeshUpload &upload) {
 	VisualContext context = context_;
 	context.origin = tile.tile->origin;
-	DisplayedTile::Cell cell{TileVisual(context, tile.settings->instance_data, part.lods.front(), upload)};
+	DisplayedTile::Cell cell{TileVisual(context, tile.settings->instance_data, part.lods, upload)};
 	cell.visual.apply(drawing);
 	cell.set_box(upload.aabb);
 	++upload_count_;
@@ -116,8 +116,8 @@ bool TileDisplay::begin_division() {
 /// Divides a tile that waits, or makes room for it. False if it is to stay as it is: it waits no longer.
 bool TileDisplay::begin_division_of(const TileKey &key, DisplayedTile &r_tile) {
 	const std::uint32_t across = division_of(key, r_tile, r_tile.across);
-	const std::uint64_t rest = multimeshes_ - r_tile.cell_count();
-	const std::uint64_t then = rest + r_tile.most_cells(across);
+	const std::uint64_t rest = multimeshes_ - r_tile.multimesh_count();
+	const std::uint64_t then = rest + r_tile.most_multimeshes(across);
 	const bool grows = across > r_tile.across && then > limits_.max_multimeshes;
 	if (grows) {
 		const FartherCells farther = cells_beyond(gives_way * distance_to(r_tile));
@@ -146,7 +146,7 @@ TileDisplay::FartherCells TileDisplay::cells_beyond(double distance) const {
 		const DisplayedTile &tile = tiles_.at(at);
 		const double its = distance_to(tile);
 		if (its > distance) {
-			result.spare += tile.cell_count() - std::min(tile.cell_count(), tile.most_cells(1));
+			result.spare += tile.multimesh_count() - std::min(tile.multimesh_count(), tile.most_multimeshes(1));
 		}
 		if (its > farthest) {
 			farthest = its;

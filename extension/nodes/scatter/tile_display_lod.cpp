@@ -28,7 +28,7 @@ constexpr std::size_t cells_per_step = 32;
 void TileDisplay::count(const DisplayedTile &tile) {
 	for (const DisplayedTile::Part &part : tile.parts) {
 		instances_ += part.shown->size();
-		multimeshes_ += part.cells.size();
+		multimeshes_ += part.cells.size() * part.multimeshes_of_a_cell();
 		for (const DisplayedTile::Cell &cell : part.cells) {
 			drawn_ += cell.drawn;
 			wanted_ += cell.wanted;
@@ -39,7 +39,7 @@ void TileDisplay::count(const DisplayedTile &tile) {
 void TileDisplay::uncount(const DisplayedTile &tile) {
 	for (const DisplayedTile::Part &part : tile.parts) {
 		instances_ -= part.shown->size();
-		multimeshes_ -= part.cells.size();
+		multimeshes_ -= part.cells.size() * part.multimeshes_of_a_cell();
 		for (const DisplayedTile::Cell &cell : part.cells) {
 			drawn_ -= cell.drawn;
 			wanted_ -= cell.wanted;
@@ -52,7 +52,7 @@ void TileDisplay::count_drawn(DrawCounter &r_counter) const {
 		const glm::dvec3 origin = tile.tile->origin;
 		for (const DisplayedTile::Part &part : tile.parts) {
 			for (const DisplayedTile::Cell &cell : part.cells) {
-				const Ref<Mesh> &mesh = part.lods[std::min(cell.lod, part.lods.size() - 1)];
+				const Ref<Mesh> &mesh = part.lods[std::min(cell.lod, part.lods.size() - 1)].mesh;
 				r_counter.add(
 						mesh, visible_ ? cell.drawn : 0, origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max));
 			}
@@ -188,7 +188,7 @@ bool TileDisplay::draw_cell(
 	cell.drawn = static_cast<std::size_t>(std::min(due, room));
 	drawn_ += cell.drawn;
 	cell.lod = lod_at(lod, distance, cell.lod);
-	cell.visual.set_mesh(r_part.lods[std::min(cell.lod, r_part.lods.size() - 1)]);
+	cell.visual.set_look(r_part.lods[std::min(cell.lod, r_part.lods.size() - 1)]);
 	cell.visual.set_scale(static_cast<float>(compensating_scale(lod, density)));
 	cell.visual.set_drawn(cell.drawn);
 	return cell.drawn == due;

@@ -25,17 +25,28 @@ constexpr auto everything = std::numeric_limits<std::size_t>::max();
 
 } // namespace
 
-TileVisual::TileVisual(const VisualContext &context, const InstanceData &data, const Ref<Mesh> &mesh,
-		const MeshUpload &upload) : data_(data), mesh_(mesh) {
+bool casts_by_other_meshes(std::span<const MeshLook> looks) {
+	return std::ranges::any_of(looks, [](const MeshLook &look) { return look.shadow.mesh.is_valid(); });
+}
+
+TileVisual::TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshLook> looks,
+		const MeshUpload &upload) : data_(data) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	multimesh_ = server->multimesh_create();
+	const MeshLook &look = looks.front();
+	drawn_by_ = {server->multimesh_create(), RID(), look.mesh};
+	if (casts_by_other_meshes(looks)) {
+		shadow_by_ = {server->multimesh_create(), RID(), look.shadow.mesh.is_valid() ? look.shadow.mesh : look.mesh};
+	}
 	set_instances(upload);
-	instance_ = server->instance_create2(multimesh_, context.scenario);
-	server->instance_set_visible(instance_, false);
+	for_each_handle([&](Handle &handle) {
+		handle.instance = server->instance_create2(handle.multimesh, context.scenario);
+		server->instance_set_visible(handle.instance, false);
+		server->instance_attach_object_instance_id(handle.instance, context.node_id);
+	});
 	origin_ = context.origin;
 	offset_ = context.offset;
-	move_instance();
-	server->instance_attach_object_instance_id(instance_, context.node_id);
+	move_instances();
+	set_look(look);
 }
 
 TileVisual::~TileVisual() { free(); }
@@ -48,9 +59,12 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 		data_ = other.data_;
 		instances_ = other.instances_;
 		capacity_ = other.capacity_;
-		multimesh_ = std::exchange(other.multimesh_, RID());
-		instance_ = std::exchange(other.instance_, RID());
-		mesh_ = std::move(other.mesh_);
+		drawn_by_ = std::exchange(other.drawn_by_, Handle());
+		shadow_by_ = std::exchange(other.shadow_by_, Handle());
+		layer_shadow_ = other.layer_shadow_;
+		look_shadow_ = other.look_shadow_;
+		casts_apart_ = other.casts_apart_;
+		visible_ = other.visible_;
 		material_ = std::move(other.material_);
 		drawn_ = other.drawn_;
 		scale_ = other.scale_;
@@ -63,9 +77,11 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 void TileVisual::allocate(int64_t instances) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	capacity_ = instances;
-	server->multimesh_allocate_data(multimesh_, static_cast<int32_t>(capacity_),
-			RenderingServer::MULTIMESH_TRANSFORM_3D, data_.use_colors, data_.use_custom_data);
-	server->multimesh_set_mesh(multimesh_, mesh_->get_rid());
+	for_each_handle([&](Handle &handle) {
+		server->multimesh_allocate_data(handle.multimesh, static_cast<int32_t>(capacity_),
+				RenderingServer::MULTIMESH_TRANSFORM_3D, data_.use_colors, data_.use_custom_data);
+		server->multimesh_set_mesh(handle.multimesh, handle.mesh->get_rid());
+	});
 }
 
 void TileVisual::set_instances(const MeshUpload &upload) {
@@ -75,87 +91,140 @@ void TileVisual::set_instances(const MeshUpload &upload) {
 	if (instances_ > capacity_) {
 		allocate(instances_);
 	}
-	// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
-	server->multimesh_set_custom_aabb(multimesh_, upload.aabb);
 	PackedFloat32Array buffer = upload.buffer;
 	if (instances_ < capacity_) {
 		// The renderer wants all that it has room for. What is left over is never drawn.
 		buffer.resize(capacity_ * stride);
 		std::fill(buffer.ptrw() + instances_ * stride, buffer.ptrw() + capacity_ * stride, 0.0F);
 	}
-	server->multimesh_set_buffer(multimesh_, buffer);
+	for_each_handle([&](Handle &handle) {
+		// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
+		server->multimesh_set_custom_aabb(handle.multimesh, upload.aabb);
+		server->multimesh_set_buffer(handle.multimesh, buffer);
+	});
 	drawn_ = everything;
 	set_drawn(static_cast<std::size_t>(instances_));
 }
 
 void TileVisual::free() {
-	for (RID *rid : {&instance_, &multimesh_}) {
-		if (rid->is_valid()) {
-			RenderingServer::get_singleton()->free_rid(*rid);
-			*rid = RID();
+	for_each_handle([](Handle &handle) {
+		for (const RID &rid : {handle.instance, handle.multimesh}) {
+			if (rid.is_valid()) {
+				RenderingServer::get_singleton()->free_rid(rid);
+			}
 		}
-	}
+		handle = {};
+	});
 }
 
 void TileVisual::apply(const LayerDrawing &drawing) {
 	// Every member is named, so that nobody adds one without a look at this function.
-	const auto &[meshes, lod_meshes, boxes, mesh_reach, cell_size, material, cast_shadow, gi_mode, render_layers,
-			lod_bias, margin, begin, begin_margin, end, end_margin, fade_mode] = drawing;
+	const auto &[meshes, lod_meshes, shadows, lod_shadows, boxes, mesh_reach, cell_size, material, cast_shadow, gi_mode,
+			render_layers, lod_bias, margin, begin, begin_margin, end, end_margin, fade_mode] = drawing;
 	RenderingServer *server = RenderingServer::get_singleton();
-	server->instance_set_layer_mask(instance_, static_cast<uint32_t>(render_layers));
-	server->instance_geometry_set_cast_shadows_setting(
-			instance_, static_cast<RenderingServer::ShadowCastingSetting>(cast_shadow));
-	server->instance_geometry_set_flag(instance_, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, gi_mode == gi_static);
-	server->instance_geometry_set_flag(instance_, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, gi_mode == gi_dynamic);
-	server->instance_geometry_set_lod_bias(instance_, static_cast<float>(lod_bias));
-	server->instance_set_extra_visibility_margin(instance_, static_cast<float>(margin));
-	server->instance_geometry_set_material_override(instance_, material.is_valid() ? material->get_rid() : RID());
+	const bool is_static = gi_mode == gi_static;
+	const bool is_dynamic = gi_mode == gi_dynamic;
+	const RID material_rid = material.is_valid() ? material->get_rid() : RID();
+	for (const RID &instance : {drawn_by_.instance, shadow_by_.instance}) {
+		if (!instance.is_valid()) {
+			continue;
+		}
+		server->instance_set_layer_mask(instance, static_cast<uint32_t>(render_layers));
+		server->instance_geometry_set_flag(instance, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, is_static);
+		server->instance_geometry_set_flag(instance, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, is_dynamic);
+		server->instance_geometry_set_lod_bias(instance, static_cast<float>(lod_bias));
+		server->instance_set_extra_visibility_margin(instance, static_cast<float>(margin));
+		server->instance_geometry_set_material_override(instance, material_rid);
+		server->instance_geometry_set_visibility_range(instance, static_cast<float>(begin), static_cast<float>(end),
+				static_cast<float>(begin_margin), static_cast<float>(end_margin),
+				static_cast<RenderingServer::VisibilityRangeFadeMode>(fade_mode));
+	}
 	material_ = material; // Only now: what it held before must not go while the instance names it.
-	server->instance_geometry_set_visibility_range(instance_, static_cast<float>(begin), static_cast<float>(end),
-			static_cast<float>(begin_margin), static_cast<float>(end_margin),
-			static_cast<RenderingServer::VisibilityRangeFadeMode>(fade_mode));
+	layer_shadow_ = cast_shadow;
+	apply_shadows();
+}
+
+/// Where another mesh casts the shadow, that does nothing else, and the mesh that is drawn casts none.
+void TileVisual::apply_shadows() {
+	RenderingServer *server = RenderingServer::get_singleton();
+	const std::int64_t setting = look_shadow_ >= 0 ? look_shadow_ : layer_shadow_;
+	const auto engine_setting = static_cast<RenderingServer::ShadowCastingSetting>(setting);
+	server->instance_geometry_set_cast_shadows_setting(
+			drawn_by_.instance, casts_apart_ ? RenderingServer::SHADOW_CASTING_SETTING_OFF : engine_setting);
+	if (shadow_by_.instance.is_valid()) {
+		const bool casts = casts_apart_ && setting != RenderingServer::SHADOW_CASTING_SETTING_OFF;
+		server->instance_geometry_set_cast_shadows_setting(
+				shadow_by_.instance, RenderingServer::SHADOW_CASTING_SETTING_SHADOWS_ONLY);
+		server->instance_set_visible(shadow_by_.instance, visible_ && casts);
+	}
 }
 
 void TileVisual::set_visible(bool visible) {
-	RenderingServer::get_singleton()->instance_set_visible(instance_, visible);
+	visible_ = visible;
+	RenderingServer::get_singleton()->instance_set_visible(drawn_by_.instance, visible);
+	if (shadow_by_.instance.is_valid()) {
+		apply_shadows();
+	}
 }
 
 void TileVisual::set_offset(glm::dvec3 offset) {
 	if (offset_ != offset) {
 		offset_ = offset;
-		move_instance();
+		move_instances();
 	}
 }
 
-void TileVisual::move_instance() {
+void TileVisual::move_instances() {
 	const glm::dvec3 at = origin_ - offset_;
-	const Vector3 position(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z));
-	RenderingServer::get_singleton()->instance_set_transform(instance_, Transform3D(Basis(), position));
+	const Transform3D transform(
+			Basis(), Vector3(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z)));
+	for_each_handle([&](const Handle &handle) {
+		RenderingServer::get_singleton()->instance_set_transform(handle.instance, transform);
+	});
 }
 
-void TileVisual::set_mesh(const Ref<Mesh> &mesh) {
-	if (mesh_ != mesh) {
-		RenderingServer::get_singleton()->multimesh_set_mesh(multimesh_, mesh->get_rid());
-		mesh_ = mesh; // Only now: see above.
+void TileVisual::set_mesh(const Ref<Mesh> &mesh, Handle &r_handle) {
+	if (r_handle.mesh != mesh) {
+		RenderingServer::get_singleton()->multimesh_set_mesh(r_handle.multimesh, mesh->get_rid());
+		r_handle.mesh = mesh; // Only now: see above.
+	}
+}
+
+void TileVisual::set_look(const MeshLook &look) {
+	set_mesh(look.mesh, drawn_by_);
+	const bool casts_apart = look.shadow.mesh.is_valid() && shadow_by_.multimesh.is_valid();
+	if (casts_apart) {
+		set_mesh(look.shadow.mesh, shadow_by_);
+	}
+	if (casts_apart != casts_apart_ || look.shadow.setting != look_shadow_) {
+		casts_apart_ = casts_apart;
+		look_shadow_ = look.shadow.setting;
+		apply_shadows();
 	}
 }
 
 void TileVisual::set_drawn(std::size_t count) {
 	if (drawn_ != count) {
-		RenderingServer::get_singleton()->multimesh_set_visible_instances(multimesh_, static_cast<int32_t>(count));
+		for_each_handle([count](const Handle &handle) {
+			RenderingServer::get_singleton()->multimesh_set_visible_instances(
+					handle.multimesh, static_cast<int32_t>(count));
+		});
 		drawn_ = count;
 	}
 }
 
 void TileVisual::set_scale(float scale) {
 	if (scale_ != scale) {
-		RenderingServer::get_singleton()->instance_geometry_set_shader_parameter(instance_, "scatter_scale", scale);
+		for_each_handle([scale](const Handle &handle) {
+			RenderingServer::get_singleton()->instance_geometry_set_shader_parameter(
+					handle.instance, "scatter_scale", scale);
+		});
 		scale_ = scale;
 	}
 }
 
 PackedFloat32Array TileVisual::read_back() const {
-	PackedFloat32Array buffer = RenderingServer::get_singleton()->multimesh_get_buffer(multimesh_);
+	PackedFloat32Array buffer = RenderingServer::get_singleton()->multimesh_get_buffer(drawn_by_.multimesh);
 	const int64_t floats = instances_ * static_cast<int64_t>(floats_per_instance(data_));
 	if (buffer.size() > floats) {
 		buffer.resize(floats);
