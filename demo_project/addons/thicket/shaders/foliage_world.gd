@@ -21,7 +21,8 @@ const MOST_BODIES := 16
 
 
 func _process(_delta: float) -> void:
-	var bodies := _bodies()
+	# What is set in the editor would be saved with the materials: bodies are a game's.
+	var bodies := [0, PackedVector4Array()] if Engine.is_editor_hint() else _bodies()
 	for material in materials:
 		if material == null:
 			continue
