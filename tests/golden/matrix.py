@@ -65,6 +65,7 @@ NATIVE = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(),
 
 # Processors with fused multiply-add offer a temptation; the others here have it anyway, or never.
 LEVELS = {level: [level] for level in ("-O0", "-O1", "-O2", "-O3", "-Os")} | {"-O3 fused": ["-O3", "-march=x86-64-v3"]}
+ZIG_LEVELS = LEVELS | {"-O3 fused": ["-O3", "-march=x86_64_v3"]}  # It has names of its own for processors.
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,10 @@ class Cell:
     @property
     def name(self) -> str:
         return f"{self.platform.name} {self.compiler} {self.level}"
+
+    @property
+    def optimization(self) -> list[str]:
+        return (ZIG_LEVELS if self.compiler == "zig" else LEVELS)[self.level]
 
     @property
     def native(self) -> bool:
@@ -144,7 +149,7 @@ def absence(cell: Cell) -> str:
 def flags_of(cell: Cell) -> list[str]:
     release = RELEASE if cell.level.startswith("-O3") else []
     includes = ["-Iextension", "-I.", "-isystem", str(HIGHWAY), *([] if cell.own else ["-isystem", header_folder()])]
-    return [*COMMON, *includes, *cell.platform.flags, *LEVELS[cell.level], *release]
+    return [*COMMON, *includes, *cell.platform.flags, *cell.optimization, *release]
 
 
 def sources(cell: Cell) -> list[Path]:
@@ -208,7 +213,7 @@ def program_of(cell: Cell, pool: ThreadPoolExecutor) -> Path:
     if not program.is_file() or program.stat().st_mtime < max(each.stat().st_mtime for each in objects):
         static = [] if cell.own else ["-static"]
         linked = program.with_name(f"partial{cell.platform.suffix}")
-        call([*compiler_of(cell)[0], *LEVELS[cell.level], *static, *map(str, objects), "-o", str(linked)])
+        call([*compiler_of(cell)[0], *cell.optimization, *static, *map(str, objects), "-o", str(linked)])
         linked.replace(program)
     return program
 
