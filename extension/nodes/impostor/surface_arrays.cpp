@@ -1,5 +1,7 @@
 #include "nodes/impostor/surface_arrays.hpp"
 
+#include "nodes/common/surface_streams.hpp"
+
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/core/object.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
@@ -17,13 +19,6 @@ using namespace godot;
 namespace thicket {
 
 namespace {
-
-// Mesh.ArrayType.
-constexpr int64_t array_vertex = 0;
-constexpr int64_t array_normal = 1;
-constexpr int64_t array_color = 3;
-constexpr int64_t array_tex_uv = 4;
-constexpr int64_t array_index = 12;
 
 /// Copies one of the arrays, if it is there.
 template <class Packed, class Element, class Convert>
@@ -60,14 +55,16 @@ Status read_arrays(const Array &p_arrays, ImpostorSurface &r_surface) {
 		return static_cast<std::uint32_t>(p_index);
 	};
 	for (const Status &status : {
+				 read<PackedVector3Array>(p_arrays, SurfaceStream::positions, Variant::PACKED_VECTOR3_ARRAY,
+						 r_surface.positions, vector_of),
 				 read<PackedVector3Array>(
-						 p_arrays, array_vertex, Variant::PACKED_VECTOR3_ARRAY, r_surface.positions, vector_of),
-				 read<PackedVector3Array>(
-						 p_arrays, array_normal, Variant::PACKED_VECTOR3_ARRAY, r_surface.normals, vector_of),
-				 read<PackedColorArray>(p_arrays, array_color, Variant::PACKED_COLOR_ARRAY, r_surface.colors, color_of),
-				 read<PackedVector2Array>(p_arrays, array_tex_uv, Variant::PACKED_VECTOR2_ARRAY, r_surface.uvs, uv_of),
+						 p_arrays, SurfaceStream::normals, Variant::PACKED_VECTOR3_ARRAY, r_surface.normals, vector_of),
+				 read<PackedColorArray>(
+						 p_arrays, SurfaceStream::colors, Variant::PACKED_COLOR_ARRAY, r_surface.colors, color_of),
+				 read<PackedVector2Array>(
+						 p_arrays, SurfaceStream::uvs, Variant::PACKED_VECTOR2_ARRAY, r_surface.uvs, uv_of),
 				 read<PackedInt32Array>(
-						 p_arrays, array_index, Variant::PACKED_INT32_ARRAY, r_surface.indices, index_of),
+						 p_arrays, SurfaceStream::indices, Variant::PACKED_INT32_ARRAY, r_surface.indices, index_of),
 		 }) {
 		if (!status.ok()) {
 			return status;

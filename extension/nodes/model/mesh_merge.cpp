@@ -1,6 +1,7 @@
 #include "nodes/model/mesh_merge.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/surface_streams.hpp"
 
 #include <godot_cpp/classes/array_mesh.hpp>
 #include <godot_cpp/classes/rendering_server.hpp>
@@ -26,21 +27,9 @@ namespace thicket {
 
 namespace {
 
-// Of Mesh.ArrayType: which stream of vertices is where in a surface's arrays.
-constexpr int64_t positions_at = 0;
-constexpr int64_t normals_at = 1;
-constexpr int64_t tangents_at = 2;
-constexpr int64_t bones_at = 10;
-constexpr int64_t weights_at = 11;
-constexpr int64_t indices_at = 12;
-
 // Of Mesh.ArrayFormat: which streams there are, but for bones and weights, and how custom ones are stored.
-constexpr std::uint64_t streams_mask = (std::uint64_t{1} << bones_at) - 1;
+constexpr std::uint64_t streams_mask = (std::uint64_t{1} << SurfaceStream::bones) - 1;
 constexpr std::uint64_t custom_mask = ((std::uint64_t{1} << 12U) - 1) << 13U;
-
-// Of Mesh.PrimitiveType: strips cannot be joined.
-constexpr int64_t line_strip = 2;
-constexpr int64_t triangle_strip = 4;
 
 /// An index buffer for the engine's automatic choice.
 struct IndexLod {
@@ -63,7 +52,8 @@ struct Surface {
 	std::vector<Piece> pieces;
 
 	bool takes(const Surface &other) const {
-		const bool in_strips = primitive == line_strip || primitive == triangle_strip;
+		const bool in_strips =
+				primitive == SurfacePrimitive::line_strip || primitive == SurfacePrimitive::triangle_strip;
 		return material == other.material && primitive == other.primitive && format == other.format && !in_strips;
 	}
 };
@@ -91,17 +81,17 @@ void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 	const glm::dmat3 basis = to_core(p_transform.basis);
 	const glm::dmat3 for_normals = glm::transpose(glm::inverse(basis));
 	const glm::dvec3 origin = to_core(p_transform.origin);
-	PackedVector3Array positions = r_arrays[positions_at];
+	PackedVector3Array positions = r_arrays[SurfaceStream::positions];
 	std::for_each_n(positions.ptrw(), positions.size(),
 			[&](Vector3 &position) { position = to_engine(basis * to_core(position) + origin); });
-	r_arrays[positions_at] = positions;
-	PackedVector3Array normals = r_arrays[normals_at];
+	r_arrays[SurfaceStream::positions] = positions;
+	PackedVector3Array normals = r_arrays[SurfaceStream::normals];
 	std::for_each_n(normals.ptrw(), normals.size(),
 			[&](Vector3 &normal) { normal = to_engine(glm::normalize(for_normals * to_core(normal))); });
 	if (normals.size() > 0) {
-		r_arrays[normals_at] = normals;
+		r_arrays[SurfaceStream::normals] = normals;
 	}
-	PackedFloat32Array tangents = r_arrays[tangents_at];
+	PackedFloat32Array tangents = r_arrays[SurfaceStream::tangents];
 	float *tangent = tangents.ptrw();
 	for (int64_t at = 0; at + 3 < tangents.size(); at += 4) {
 		const glm::dvec3 turned = glm::normalize(basis * glm::dvec3{tangent[at], tangent[at + 1], tangent[at + 2]});
@@ -110,12 +100,12 @@ void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 		}
 	}
 	if (tangents.size() > 0) {
-		r_arrays[tangents_at] = tangents;
+		r_arrays[SurfaceStream::tangents] = tangents;
 	}
 }
 
 PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
-	PackedInt32Array indices = p_arrays[indices_at];
+	PackedInt32Array indices = p_arrays[SurfaceStream::indices];
 	if (indices.size() == 0) {
 		indices.resize(vertices);
 		for (int32_t at = 0; at < vertices; ++at) {
@@ -165,11 +155,12 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 	if (result.arrays.is_empty()) {
 		return result;
 	}
-	result.arrays[bones_at] = Variant();
-	result.arrays[weights_at] = Variant();
+	result.arrays[SurfaceStream::bones] = Variant();
+	result.arrays[SurfaceStream::weights] = Variant();
 	transform_streams(part.transform, result.arrays);
 	Piece piece;
-	piece.vertices = static_cast<int32_t>(static_cast<PackedVector3Array>(result.arrays[positions_at]).size());
+	piece.vertices =
+			static_cast<int32_t>(static_cast<PackedVector3Array>(result.arrays[SurfaceStream::positions]).size());
 	piece.indices = indices_of(result.arrays, piece.vertices);
 	const Array lods = stored.get("lods", Array()); // There is none where nothing was generated.
 	for (int64_t lod = 0; lod < lods.size(); ++lod) {
@@ -191,7 +182,7 @@ void add(Surface surface, std::vector<Surface> &r_surfaces) {
 		r_surfaces.push_back(std::move(surface));
 		return;
 	}
-	for (int64_t stream = 0; stream < bones_at; ++stream) {
+	for (int64_t stream = 0; stream < SurfaceStream::bones; ++stream) {
 		append_stream(surface.arrays[stream], taker->arrays[stream]);
 	}
 	taker->pieces.push_back(std::move(surface.pieces.front()));
@@ -226,7 +217,7 @@ void add_to_mesh(Surface &r_surface, ArrayMesh &r_mesh) {
 	for (const double edge_length : edge_lengths) {
 		lods[edge_length] = joined_indices(r_surface, edge_length);
 	}
-	r_surface.arrays[indices_at] = joined_indices(r_surface, -1.0);
+	r_surface.arrays[SurfaceStream::indices] = joined_indices(r_surface, -1.0);
 	r_mesh.call("add_surface_from_arrays", r_surface.primitive, r_surface.arrays, TypedArray<Array>(), lods,
 			static_cast<int64_t>(r_surface.format & custom_mask));
 	r_mesh.surface_set_material(r_mesh.get_surface_count() - 1, r_surface.material);

@@ -1,6 +1,7 @@
 #include "nodes/scatter/draw_figures.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/surface_streams.hpp"
 
 #include <godot_cpp/classes/array_mesh.hpp>
 #include <godot_cpp/classes/camera3d.hpp>
@@ -16,18 +17,10 @@ namespace thicket {
 
 namespace {
 
-/// Entries of what Mesh.surface_get_arrays returns.
-constexpr int64_t array_vertex = 0;
-constexpr int64_t array_index = 12;
-
-/// Mesh.PrimitiveType.
-constexpr int64_t primitive_triangles = 3;
-constexpr int64_t primitive_triangle_strip = 4;
-
 std::uint64_t triangles_of(int64_t primitive, int64_t corners) {
 	switch (primitive) {
-		case primitive_triangles: return static_cast<std::uint64_t>(corners / 3);
-		case primitive_triangle_strip: return static_cast<std::uint64_t>(corners > 2 ? corners - 2 : 0);
+		case SurfacePrimitive::triangles: return static_cast<std::uint64_t>(corners / 3);
+		case SurfacePrimitive::triangle_strip: return static_cast<std::uint64_t>(corners > 2 ? corners - 2 : 0);
 		default: return 0; // Points and lines.
 	}
 }
@@ -35,12 +28,12 @@ std::uint64_t triangles_of(int64_t primitive, int64_t corners) {
 /// Of a mesh that is no ArrayMesh, which makes triangles only.
 std::uint64_t triangles_of(const Mesh &mesh, int32_t surface) {
 	const Array arrays = mesh.surface_get_arrays(surface);
-	if (arrays.size() <= array_index) {
+	if (arrays.size() <= SurfaceStream::indices) {
 		return 0;
 	}
-	const PackedInt32Array indices = arrays[array_index];
-	const PackedVector3Array vertices = arrays[array_vertex];
-	return triangles_of(primitive_triangles, indices.size() > 0 ? indices.size() : vertices.size());
+	const PackedInt32Array indices = arrays[SurfaceStream::indices];
+	const PackedVector3Array vertices = arrays[SurfaceStream::positions];
+	return triangles_of(SurfacePrimitive::triangles, indices.size() > 0 ? indices.size() : vertices.size());
 }
 
 } // namespace

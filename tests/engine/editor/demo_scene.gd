@@ -286,26 +286,23 @@ func drag(region: Node3D, handle: int, to: Vector3, property: StringName, expect
 
 ## Where a layer or a region names layers, there is a list to choose from.
 func test_layers_to_choose_from() -> void:
-	var part := preload("res://tests/layer_choices.gd").new()
-	part.plugin = plugin
-	part.scatter = scatter
-	add_child(part)
-	select(scatter)
-	await frames(2)
-	await part.choose()
-	part.queue_free()
-	select(scatter)
+	await run_part(preload("res://tests/layer_choices.gd").new(), &"choose")
 
 
 ## What is dropped on the inspector becomes layers, and meshes of a layer.
 func test_drops() -> void:
-	var part := preload("res://tests/mesh_drops.gd").new()
-	part.plugin = plugin
-	part.scatter = scatter
+	await run_part(preload("res://tests/mesh_drops.gd").new(), &"drop")
+
+
+## Calls a method of a part that works on the scatter.
+func run_part(part: Node, method: StringName) -> void:
+	part.set(&"plugin", plugin)
+	part.set(&"scatter", scatter)
 	add_child(part)
 	select(scatter)
 	await frames(2)
-	await part.drop()
+	@warning_ignore("redundant_await")
+	await part.call(method)
 	part.queue_free()
 	select(scatter)
 
