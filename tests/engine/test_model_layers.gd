@@ -181,6 +181,24 @@ func test_sizes_follow_from_the_meshes() -> void:
 	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "which has no shapes")
 
 
+## A last LOD that the layer adds to those of a model, as the bake of impostors does.
+func test_lods_of_the_layer_come_on_top() -> void:
+	var model := ScatterModel.new()
+	model.scene = pack(make_tree())
+	var far := QuadMesh.new()
+	var layer := make_model_layer([model])
+	layer.lod_distances = [40.0]
+	layer.lod_meshes = [far]
+	layer.tile_size = 16.0
+	layer.view_distance = 90.0
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var triangles: int = scatter.get_draw_stats()["triangles"]
+	layer.lod_meshes = []
+	await settle(scatter)
+	check(triangles < scatter.get_draw_stats()["triangles"], "far trees are quads: %d triangles" % triangles)
+
+
 ## What a game changes, and what is baked, is whole models.
 func test_changes_and_bakes() -> void:
 	var layer := make_model_layer([pack(make_tree()), BoxMesh.new()])

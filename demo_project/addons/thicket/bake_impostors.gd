@@ -31,6 +31,7 @@ var lod_distances := PackedFloat32Array()
 var files := PackedStringArray()
 
 var _layer: Resource
+var _meshes: Array[Mesh] = [] # Of its entries, null for those of which nothing is drawn.
 var _stem := ""
 var _baked: Array[Mesh] = []
 var _running := false
@@ -50,7 +51,8 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	_layer = layer
 	if name.is_empty() or not name.is_valid_filename():
 		return _refuse(ERR_INVALID_PARAMETER, "'%s' is no name for a file." % name)
-	if _meshes().filter(func(mesh: Mesh) -> bool: return mesh != null).is_empty():
+	_meshes.assign(layer.get(&"meshes").map(_mesh_of))
+	if not _meshes.any(func(mesh: Mesh) -> bool: return mesh != null):
 		return _refuse(ERR_UNCONFIGURED, "The layer has no mesh to bake.")
 	var error := DirAccess.make_dir_recursive_absolute(folder)
 	if error != OK:
@@ -66,7 +68,7 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 func step() -> bool:
 	if not _running:
 		return false
-	progress = (_baked.size() + impostor.get_progress()) / _meshes().size()
+	progress = (_baked.size() + impostor.get_progress()) / _meshes.size()
 	if impostor.is_baking():
 		return true
 	var baked := impostor.finish()
@@ -78,7 +80,7 @@ func step() -> bool:
 	if _begin_next() != OK:
 		_running = false
 		return false
-	if _baked.size() < _meshes().size():
+	if _baked.size() < _meshes.size():
 		return true
 	_running = false
 	if _save():
@@ -94,8 +96,15 @@ func cancel() -> void:
 		_running = false
 
 
-func _meshes() -> Array:
-	return _layer.get(&"meshes")
+## What is baked of an entry of [member ScatterLayer.meshes]: itself, or the finest LOD of a scene or a model; null for nothing.
+static func _mesh_of(entry: Resource) -> Mesh:
+	if entry == null or entry is Mesh:
+		return entry
+	var model := entry
+	if entry is PackedScene:
+		model = ClassDB.instantiate(&"ScatterModel") as Resource
+		model.set(&"scene", entry)
+	return model.call(&"get_mesh")
 
 
 func _refuse(error: Error, why: String) -> Error:
@@ -105,12 +114,11 @@ func _refuse(error: Error, why: String) -> Error:
 
 ## A missing mesh draws nothing, and so has no impostor.
 func _begin_next() -> Error:
-	var meshes := _meshes()
-	while _baked.size() < meshes.size() and meshes[_baked.size()] == null:
+	while _baked.size() < _meshes.size() and _meshes[_baked.size()] == null:
 		_baked.append(null)
-	if _baked.size() == meshes.size():
+	if _baked.size() == _meshes.size():
 		return OK
-	var error := impostor.begin([meshes[_baked.size()]])
+	var error := impostor.begin([_meshes[_baked.size()]])
 	warnings.append_array(impostor.warnings)
 	return OK if error == OK else _refuse(error, impostor.problem)
 

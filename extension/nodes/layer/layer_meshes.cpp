@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 using namespace godot;
@@ -16,6 +17,28 @@ namespace thicket {
 namespace {
 
 MeshShadow shadow_of(const DrawnLod &lod) { return {lod.shadow, lod.cast_shadow}; }
+
+/// Adds a distance with what entries are drawn by from there on, null for those that stay. Nothing where all stay, and beyond max_lods.
+void add_row(
+		std::span<const std::vector<DrawnLod>> lods, double distance, LayerDrawing &r_drawing, LodSettings &r_lod) {
+	std::vector<const DrawnLod *> row;
+	for (const std::vector<DrawnLod> &of : lods) {
+		const DrawnLod *begins = nullptr;
+		for (std::size_t lod = 1; lod < of.size(); ++lod) {
+			begins = of[lod].distance == distance ? &of[lod] : begins;
+		}
+		row.push_back(begins);
+	}
+	const bool changes = std::ranges::any_of(row, [](const DrawnLod *begins) { return begins != nullptr; });
+	if (!changes || r_lod.lod_distances.size() == max_lods) {
+		return;
+	}
+	r_lod.lod_distances.push_back(distance);
+	for (const DrawnLod *begins : row) {
+		r_drawing.lod_meshes.push_back(begins != nullptr ? begins->mesh : Ref<Mesh>());
+		r_drawing.lod_shadows.push_back(begins != nullptr ? shadow_of(*begins) : MeshShadow());
+	}
+}
 
 } // namespace
 
@@ -105,27 +128,27 @@ bool LayerMeshes::has_mesh() const {
 
 std::vector<DrawnLod> LayerMeshes::lods_of(
 		std::size_t entry, const TypedArray<Mesh> &p_meshes, const PackedFloat32Array &p_distances) const {
+	std::vector<DrawnLod> result;
 	if (models_[entry].is_valid()) {
-		return models_[entry]->drawn_lods();
+		result = models_[entry]->drawn_lods();
+	} else if (const Ref<Mesh> near_by = mesh(entry); near_by.is_valid()) {
+		result.push_back({0.0, near_by, {}, ScatterLod::CAST_SHADOW_LAYER});
 	}
-	const Ref<Mesh> near_by = mesh(entry);
-	if (near_by.is_null()) {
-		return {};
-	}
-	std::vector<DrawnLod> result{{0.0, near_by, {}, ScatterLod::CAST_SHADOW_LAYER}};
 	for (int64_t row = 0; row < p_distances.size(); ++row) {
 		const int64_t at = row * entries_.size() + static_cast<int64_t>(entry);
-		if ((row + 1) * entries_.size() <= p_meshes.size() && Ref<Mesh>(p_meshes[at]).is_valid()) { // Whole rows only.
+		const bool whole = (row + 1) * entries_.size() <= p_meshes.size();
+		if (!result.empty() && whole && Ref<Mesh>(p_meshes[at]).is_valid()) {
 			result.push_back({p_distances.ptr()[row], Ref<Mesh>(p_meshes[at]), {}, ScatterLod::CAST_SHADOW_LAYER});
 		}
 	}
+	std::ranges::stable_sort(result, {}, &DrawnLod::distance);
 	return result;
 }
 
 void LayerMeshes::draw(const TypedArray<Mesh> &p_meshes, const PackedFloat32Array &p_distances, LayerDrawing &r_drawing,
 		LodSettings &r_lod) const {
 	std::vector<std::vector<DrawnLod>> lods;
-	std::set<double> distances(p_distances.ptr(), p_distances.ptr() + p_distances.size());
+	std::set<double> distances;
 	for (std::size_t entry = 0; entry < size(); ++entry) {
 		lods.push_back(lods_of(entry, p_meshes, p_distances));
 		r_drawing.meshes.push_back(lods.back().empty() ? Ref<Mesh>() : lods.back().front().mesh);
@@ -135,18 +158,7 @@ void LayerMeshes::draw(const TypedArray<Mesh> &p_meshes, const PackedFloat32Arra
 		}
 	}
 	for (const double distance : distances) {
-		if (r_lod.lod_distances.size() == max_lods) {
-			break;
-		}
-		r_lod.lod_distances.push_back(distance);
-		for (const std::vector<DrawnLod> &of : lods) {
-			const DrawnLod *begins = nullptr;
-			for (std::size_t lod = 1; lod < of.size(); ++lod) {
-				begins = of[lod].distance == distance ? &of[lod] : begins;
-			}
-			r_drawing.lod_meshes.push_back(begins != nullptr ? begins->mesh : Ref<Mesh>());
-			r_drawing.lod_shadows.push_back(begins != nullptr ? shadow_of(*begins) : MeshShadow());
-		}
+		add_row(lods, distance, r_drawing, r_lod);
 	}
 }
 

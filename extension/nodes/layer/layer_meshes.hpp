@@ -16,7 +16,7 @@
 namespace thicket {
 
 /// What stands at the instances of a layer: the entries of ScatterLayer.meshes, each a Mesh, a PackedScene, a ScatterModel or null, and what replaces
-/// those that are meshes with distance.
+/// them with distance.
 class LayerMeshes {
 public:
 	/// Takes over a list, whose scenes are read. False, with an error, for an entry of another kind, and where a scene has nothing to draw: then

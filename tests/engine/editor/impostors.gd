@@ -22,6 +22,7 @@ func test_one_click() -> void:
 	ResourceSaver.save(packed, SCENE)
 	scatter = (await open(SCENE)).get_node("Scatter")
 	layer = scatter.get(&"layers")[0]
+	var version := history(scatter).get_version()
 	EditorInterface.edit_resource(layer)
 	await frames(5)
 	var found := EditorInterface.get_inspector().find_children("*", "VBoxContainer", true, false).filter(
@@ -29,6 +30,7 @@ func test_one_click() -> void:
 	if not check(found.size() == 1, "the inspector has %d buttons" % found.size()):
 		return
 	var button: Node = found[0]
+	check(not button.is_processing() and history(scatter).get_version() == version, "nothing happens before it is pressed")
 	button.job.impostor.frames = 3
 	button.job.impostor.frame_size = 16
 	button.press()

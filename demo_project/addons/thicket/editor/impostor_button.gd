@@ -24,7 +24,10 @@ func _init(layer: Resource = null) -> void:
 	add_child(_button)
 	add_child(_bar)
 	_bar.hide()
-	set_process(false)
+
+
+func _ready() -> void:
+	set_process(false) # The engine turns it on for every script that has a _process.
 
 
 ## Bakes; while it does, gives up.
