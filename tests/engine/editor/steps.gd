@@ -125,10 +125,10 @@ func picture(picture_name: String, window := get_window()) -> void:
 	if DisplayServer.get_name() == "headless":
 		return
 	await frames(4)
-	RenderingServer.render_loop_enabled = true
-	await RenderingServer.frame_post_draw
-	await RenderingServer.frame_post_draw
-	RenderingServer.render_loop_enabled = false
+	# The editor draws only what has changed, so waiting for it to draw may never end.
+	for pass_index in 2:
+		RenderingServer.force_draw()
+		await get_tree().process_frame
 	window.get_texture().get_image().save_png("res://pictures_of_tests/%s.png" % picture_name)
 
 
