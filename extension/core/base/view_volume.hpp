@@ -8,6 +8,12 @@
 
 namespace thicket {
 
+/// How near and how far a box is from the viewer that is nearest to it. Meters.
+struct DistanceRange {
+	double near = 0.0;
+	double far = 0.0;
+};
+
 /// What a camera sees: the space between six planes. World meters.
 class ViewVolume {
 public:

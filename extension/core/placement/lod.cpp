@@ -39,7 +39,8 @@ Status validate(const LodSettings &settings) {
 	return first_failure(check_range("thin_begin", settings.thin_begin, 0.0, max_lod_distance),
 			check_range("thin_end", settings.thin_end, 0.0, max_lod_distance),
 			check_order("thin_end", settings.thin_begin, settings.thin_end),
-			check_range("thin_density", settings.thin_density, 0.0, 1.0));
+			check_range("thin_density", settings.thin_density, 0.0, 1.0),
+			check_range("lod_fade", settings.fade, 0.0, max_lod_fade));
 }
 
 std::size_t lod_at(const LodSettings &settings, double distance, std::size_t shown) {

@@ -12,6 +12,9 @@ inline constexpr std::size_t max_lods = 15;           ///< Meshes for the distan
 inline constexpr double max_lod_distance = 1e6;       ///< Meters.
 inline constexpr double max_scale_compensation = 4.0; ///< What is left makes up for 15 in 16 that are gone, at most.
 
+inline constexpr double max_lod_fade = 0.5;
+inline constexpr double usual_lod_fade = 0.1;
+
 inline constexpr double lod_hysteresis =
 		0.95; ///< A finer mesh comes back at this share of the distance at which it went.
 
@@ -29,6 +32,10 @@ struct LodSettings {
 
 	/// Enlarges what is left of thinned instances, so that they cover as much as all of them did.
 	bool scale_compensation = false;
+
+	/// The share of a distance, up to it, over which a mesh becomes the next one, or the last one goes at `sight_end`; 0 for at once.
+	double fade = usual_lod_fade;
+	double sight_end = 0.0; ///< Where nothing is drawn any more. Meters; 0 for nowhere.
 
 	friend bool operator==(const LodSettings &, const LodSettings &) = default;
 };

@@ -1,5 +1,7 @@
 #include "core/streaming/lod_schedule.hpp"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -70,13 +72,17 @@ std::optional<TileKey> LodSchedule::next() {
 	return key;
 }
 
-double LodSchedule::distance_to(glm::dvec3 min, glm::dvec3 max) const {
-	double nearest = std::numeric_limits<double>::infinity();
+DistanceRange LodSchedule::distances_to(glm::dvec3 min, glm::dvec3 max) const {
+	constexpr double nowhere = std::numeric_limits<double>::infinity();
+	DistanceRange nearest{nowhere, nowhere};
 	for (const Viewer &viewer : viewers_) {
 		const glm::dvec3 at = position_of(viewer);
-		const glm::dvec3 outside{std::max({min.x - at.x, at.x - max.x, 0.0}),
-				std::max({min.y - at.y, at.y - max.y, 0.0}), std::max({min.z - at.z, at.z - max.z, 0.0})};
-		nearest = std::min(nearest, length(outside));
+		const glm::dvec3 before = min - at;
+		const glm::dvec3 behind = at - max;
+		const double near = length(glm::max(glm::max(before, behind), glm::dvec3(0.0)));
+		if (near < nearest.near) {
+			nearest = {near, length(glm::max(glm::abs(before), glm::abs(behind)))};
+		}
 	}
 	return nearest;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/view_volume.hpp"
 #include "core/streaming/tile_streamer.hpp"
 
 #include <glm/vec3.hpp>
@@ -43,8 +44,9 @@ public:
 	/// Meters that count as gone by the viewers so far: no viewer has moved farther between two calls than this has grown.
 	double traveled() const { return traveled_; }
 
-	/// From the nearest viewer to a box. Meters, infinite without viewers.
-	double distance_to(glm::dvec3 min, glm::dvec3 max) const;
+	/// From the viewer that is nearest to a box to the nearest and to the farthest point of it. Meters, infinite without viewers.
+	DistanceRange distances_to(glm::dvec3 min, glm::dvec3 max) const;
+	double distance_to(glm::dvec3 min, glm::dvec3 max) const { return distances_to(min, max).near; }
 
 private:
 	struct Visit {

@@ -1,0 +1,135 @@
+#include "core/placement/lod_span.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <random>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+constexpr LodStep sharp{false, false};
+constexpr LodStep soft{false, true};
+constexpr LodStep again{true, true};
+
+LodSettings settings_of(std::vector<double> distances, double fade, double sight_end = 0.0) {
+	LodSettings settings;
+	settings.lod_distances = std::move(distances);
+	settings.fade = fade;
+	settings.sight_end = sight_end;
+	return settings;
+}
+
+/// How much of an instance a mesh draws, as scatter_fade_shares has it: what has come, less what has gone.
+double share_of(const FadeRange &range, double away) {
+	const auto part = [away](double begin, double end) {
+		return std::clamp((away - begin) / std::max(end - begin, 1e-4), 0.0, 1.0);
+	};
+	return part(range.x, range.y) - part(range.z, range.w);
+}
+
+/// All meshes together, of an instance in a box that is drawn so.
+double drawn_share(const LodSettings &settings, const std::vector<LodStep> &steps, const LodSpan &span, double away) {
+	double sum = 0.0;
+	for (std::size_t from = span.first; from <= span.last;) {
+		std::size_t to = from;
+		while (to < span.last && steps[to + 1].same) {
+			++to;
+		}
+		const LodEnd end = to < span.last ? LodEnd::next : span.ends ? LodEnd::sight : LodEnd::stays;
+		sum += share_of(fade_range(settings, from, to, from > span.first, end), away);
+		from = to + 1;
+	}
+	return sum;
+}
+
+} // namespace
+
+TEST_CASE("lod span: without a fade, and where a mesh cannot, all of a box changes as lod_at says") {
+	const LodSettings none = settings_of({20.0, 50.0, 51.0}, 0.0);
+	const LodSettings some = settings_of({20.0, 50.0, 51.0}, 0.2);
+	LodSpan shown[2];
+	std::mt19937 random(3);
+	for (int step = 0; step < 2000; ++step) {
+		const double near = 0.04 * static_cast<double>(random() % 2000);
+		const std::size_t expected = lod_at(none, near, shown[0].first);
+		shown[0] = lod_span(none, std::vector<LodStep>(4, soft), {near, near + 30.0}, shown[0]);
+		shown[1] = lod_span(some, std::vector<LodStep>(4, sharp), {near, near + 30.0}, shown[1]);
+		for (const LodSpan &span : shown) {
+			CHECK(span == LodSpan{expected, expected, false});
+		}
+	}
+	CHECK(lod_span({}, std::vector<LodStep>(1, soft), {5.0, 1e5}, {}) == LodSpan{});
+	CHECK(lod_span(some, {}, {5.0, 1e5}, {}) == LodSpan{});
+}
+
+TEST_CASE("lod span: wherever the viewer goes, each instance is drawn once, with sight's end and without") {
+	const std::vector<std::vector<LodStep>> kinds{{soft, soft, soft, soft}, {soft, soft, again, soft},
+			{soft, again, sharp, soft}, {sharp, soft, soft, again}, {soft, sharp, soft, soft}};
+	std::mt19937 random(5);
+	for (const std::vector<LodStep> &steps : kinds) {
+		for (const double sight_end : {0.0, 90.0}) {
+			const LodSettings settings = settings_of({20.0, 40.0, 60.0}, 0.2, sight_end);
+			LodSpan shown;
+			double near = 0.0;
+			for (int step = 0; step < 3000; ++step) {
+				near = std::clamp(near + 0.01 * (static_cast<double>(random() % 401) - 200.0), 0.0, 100.0);
+				const double far = near + 1.0 + static_cast<double>(step % 40);
+				shown = lod_span(settings, steps, {near, far}, shown);
+				REQUIRE(shown.first <= shown.last);
+				REQUIRE(shown.last < steps.size());
+				for (const double along : {0.0, 0.3, 0.7, 1.0}) {
+					const double away = near + along * (far - near);
+					const bool fades_out = sight_end > 0.0 && steps[shown.last].fades;
+					const double expected = fades_out ? std::clamp((90.0 - away) / 18.0, 0.0, 1.0) : 1.0;
+					CHECK(drawn_share(settings, steps, shown, away) == doctest::Approx(expected).epsilon(1e-4));
+				}
+			}
+		}
+	}
+}
+
+TEST_CASE("lod span: a mesh is there for every instance that is as far away as it is for") {
+	const LodSettings settings = settings_of({20.0, 40.0, 60.0}, 0.2);
+	const std::vector<LodStep> steps(4, soft);
+	for (double near = 0.0; near < 80.0; near += 0.5) {
+		const LodSpan span = lod_span(settings, steps, {near, near + 5.0}, {3, 3, false});
+		for (std::size_t lod = 0; lod < 4; ++lod) {
+			const double begin = lod > 0 ? 0.8 * settings.lod_distances[lod - 1] : 0.0;
+			const double end = lod < 3 ? settings.lod_distances[lod] : 1e9;
+			const bool needed = near < end && near + 5.0 > begin;
+			CHECK((!needed || (lod >= span.first && lod <= span.last)));
+		}
+		CHECK(span.last - span.first <= 1);
+	}
+}
+
+TEST_CASE("lod span: within the margin nothing changes, and who walks to and fro sees no change") {
+	const LodSettings settings = settings_of({20.0, 40.0}, 0.1, 80.0);
+	const std::vector<LodStep> steps(3, soft);
+	std::mt19937 random(7);
+	for (int step = 0; step < 2000; ++step) {
+		const double near = 0.05 * static_cast<double>(random() % 2000);
+		const DistanceRange distance{near, near + 8.0};
+		const LodSpan shown = lod_span(settings, steps, distance, {});
+		const LodSpan settled = lod_span(settings, steps, distance, shown);
+		CHECK(settled == shown);
+		const double margin = 0.999 * span_margin(settings, steps, distance);
+		for (const double moved : {-margin, margin}) {
+			CHECK(lod_span(settings, steps, {near + moved, near + 8.0 + moved}, shown) == shown);
+		}
+	}
+	LodSpan shown = lod_span(settings, steps, {20.1, 21.0}, {});
+	int changes = 0;
+	for (int step = 0; step < 40; ++step) {
+		const double near = step % 2 == 0 ? 20.45 : 20.95;
+		const LodSpan next = lod_span(settings, steps, {near, near + 1.0}, shown);
+		changes += next == shown ? 0 : 1;
+		shown = next;
+	}
+	CHECK(changes <= 1);
+}
