@@ -233,6 +233,13 @@ def test_foliage(godot_xvfb, project, renderer):
     assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=120))
 
 
+@pytest.mark.parametrize("renderer", RENDERERS)
+def test_cross_fade(godot_xvfb, project, renderer):
+    """LODs become each other pixel by pixel, and sight ends softly."""
+    script = ENGINE / "test_cross_fade.gd"
+    assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=240))
+
+
 def test_draw_cells(godot_xvfb, project):
     """What is drawn of tiles in cells, and that no picture shows how they are divided."""
     assert_passed(godot_xvfb(["--verbose", "--path", project, "--script", ENGINE / "test_draw_cells.gd"]))

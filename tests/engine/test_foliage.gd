@@ -33,6 +33,20 @@ func material(parameters: Dictionary) -> ShaderMaterial:
 	return made
 
 
+## As ScatterLayer has meshes that fade: with the range in CUSTOM3 of each vertex.
+func faded(plain: Mesh, range_of_lod: Vector4) -> ArrayMesh:
+	var arrays := plain.surface_get_arrays(0)
+	var stream := PackedFloat32Array()
+	for vertex in (arrays[Mesh.ARRAY_VERTEX] as PackedVector3Array).size():
+		stream.append_array([range_of_lod.x, range_of_lod.y, range_of_lod.z, range_of_lod.w])
+	arrays[Mesh.ARRAY_CUSTOM3] = stream
+	var made := ArrayMesh.new()
+	made.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], {},
+			Mesh.ARRAY_CUSTOM_RGBA_FLOAT << Mesh.ARRAY_FORMAT_CUSTOM3_SHIFT)
+	made.surface_set_material(0, plain.surface_get_material(0))
+	return made
+
+
 ## A pane 1 m wide and 2 m high that stands at a place.
 func pane(of: ShaderMaterial, at := Vector3.ZERO) -> MeshInstance3D:
 	var mesh := QuadMesh.new()
@@ -66,7 +80,7 @@ func test_it_compiles_and_its_parameters_are_there() -> void:
 	for parameter: Dictionary in (load(SHADER) as Shader).get_shader_uniform_list():
 		names.append(parameter.name)
 	for wanted: String in ["wind_strength", "wind_sway", "wind_flutter", "bend_reach", "bend_bodies", "ground_strength",
-			"backlight", "scatter_lod_range"]:
+			"backlight", "scatter_cross_fade"]:
 		check(wanted in names, "%s among %s" % [wanted, names])
 	look()
 	pane(material({}))
@@ -87,8 +101,10 @@ func test_the_tutorials_shader_draws() -> void:
 
 func test_two_levels_cover_each_pixel_once() -> void:
 	look()
-	var near := pane(material({&"scatter_lod_range": Vector4(-2.0, -1.0, 8.0, 13.0)}))
-	var far := pane(material({&"scatter_lod_range": Vector4(8.0, 13.0, 1e9, 2e9)}))
+	var near := pane(material({}))
+	var far := pane(material({}))
+	near.mesh = faded(near.mesh, Vector4(-2.0, -1.0, 8.0, 13.0))
+	far.mesh = faded(far.mesh, Vector4(8.0, 13.0, 1e9, 2e9))
 	far.visible = false
 	near.visible = true
 	for away: float in [7.0, 8.5, 10.0, 11.25, 12.7, 14.0]:
@@ -194,7 +210,9 @@ func test_shadows_are_there_while_it_fades() -> void:
 	var sun := DirectionalLight3D.new()
 	sun.rotation_degrees = Vector3(-40.0, 20.0, 0.0)
 	root.add_child(sun)
-	var plant := pane(material({&"scatter_lod_range": Vector4(-2.0, -1.0, 11.0, 13.0)}))
+	var plant := pane(material({}))
+	var plain := plant.mesh
+	plant.mesh = faded(plain, Vector4(-2.0, -1.0, 11.0, 13.0))
 	plant.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_SHADOWS_ONLY
 	var dark := func(image: Image) -> int:
 		var open := image.get_pixel(4, 64).get_luminance()
@@ -207,7 +225,7 @@ func test_shadows_are_there_while_it_fades() -> void:
 	sun.shadow_enabled = true
 	var shadow: int = dark.call(await picture())
 	check(shadow > 300, "a shadow of %d pixels, though the light is far away" % shadow)
-	plant.mesh.material = material({&"scatter_lod_range": Vector4(-2.0, -1.0, 5.0, 6.0)})
+	plant.mesh = faded(plain, Vector4(-2.0, -1.0, 5.0, 6.0))
 	check_equal(dark.call(await picture()), 0, "dark pixels of what is out of sight")
 
 

@@ -11,6 +11,7 @@ struct SurfaceStream {
 	static constexpr std::int64_t tangents = 2;
 	static constexpr std::int64_t colors = 3;
 	static constexpr std::int64_t uvs = 4;
+	static constexpr std::int64_t custom3 = 9;
 	static constexpr std::int64_t bones = 10;
 	static constexpr std::int64_t weights = 11;
 	static constexpr std::int64_t indices = 12;

@@ -32,6 +32,7 @@ struct MeshShadow {
 struct MeshLook {
 	godot::Ref<godot::Mesh> mesh; ///< Never null.
 	MeshShadow shadow;
+	bool fades = false; ///< All its materials can: they include scatter_fade.gdshaderinc.
 };
 
 /// What is drawn for the instances of a layer, and how the renderer draws it. The numbers of enumerations are the engine's.
@@ -43,6 +44,12 @@ struct LayerDrawing {
 
 	std::vector<MeshShadow> shadows;     ///< Of each of the meshes,
 	std::vector<MeshShadow> lod_shadows; ///< and of the lod_meshes that are not null.
+
+	std::vector<bool> fades;     ///< Whether all materials of each of the meshes can fade,
+	std::vector<bool> lod_fades; ///< and of each of the lod_meshes.
+
+	/// What is known of the surfaces of all that can fade: others mean that the resources are the same and have changed.
+	std::vector<std::uint64_t> surfaces;
 
 	/// The box of each of the meshes when the snapshot was made: another box means another mesh, though the resource is the same.
 	std::vector<godot::AABB> boxes;

@@ -16,6 +16,7 @@ constexpr NumberProperty draw_cell_size{"draw_cell_size", &LayerDrawing::draw_ce
 		PROPERTY_HINT_RANGE, "0,1024,0.1,or_greater,exp,suffix:m", 1.0};
 constexpr NumberProperty lod_bias{
 		"lod_bias", &LayerDrawing::lod_bias, 1e-3, 128.0, PROPERTY_HINT_RANGE, "0.001,128,0.001,exp"};
+constexpr NumberProperty lod_fade{"lod_fade", &LodSettings::fade, 0.0, max_lod_fade, PROPERTY_HINT_RANGE, "0,0.5,0.01"};
 constexpr NumberProperty thin_begin{"thin_begin", &LodSettings::thin_begin, 0.0, max_lod_distance, PROPERTY_HINT_RANGE,
 		"0,4096,0.01,or_greater,exp,suffix:m"};
 constexpr NumberProperty thin_end{"thin_end", &LodSettings::thin_end, 0.0, max_lod_distance, PROPERTY_HINT_RANGE,
@@ -84,6 +85,7 @@ void ScatterLayer::bind_lod() {
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lod_meshes", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:Mesh", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_lod_meshes", "get_lod_meshes");
+	bind_number<lod_fade>();
 	bind_number<lod_bias>();
 	ADD_SUBGROUP("Thinning", "thin_");
 	bind_number<thin_density>();

@@ -2,6 +2,7 @@
 // lists.
 
 #include "nodes/layer/layer_reference.hpp"
+#include "nodes/layer/mesh_fades.hpp"
 
 #include <godot_cpp/core/object.hpp>
 
@@ -59,6 +60,8 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	result.drawing.material_override = material_override_;
 	meshes_.draw(lod_meshes_, lod_distances_, result.drawing, result.lod);
 	add_boxes(result.lod, result.drawing);
+	result.lod.sight_end = result.range.view_distance;
+	add_fades(result.drawing);
 	result.cells = cells_of(*result.settings, result.range.tile_size, result.drawing);
 	result.gameplay = gameplay();
 	result.links = links();

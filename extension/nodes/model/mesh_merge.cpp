@@ -30,6 +30,8 @@ namespace {
 // Of Mesh.ArrayFormat: which streams there are, but for bones and weights, and how custom ones are stored.
 constexpr std::uint64_t streams_mask = (std::uint64_t{1} << SurfaceStream::bones) - 1;
 constexpr std::uint64_t custom_mask = ((std::uint64_t{1} << 12U) - 1) << 13U;
+constexpr std::uint64_t custom3_bit = std::uint64_t{1} << 9U;
+constexpr std::uint64_t custom3_of_floats = std::uint64_t{7} << 22U; // Four a vertex.
 
 /// An index buffer for the engine's automatic choice.
 struct IndexLod {
@@ -157,7 +159,9 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 	}
 	result.arrays[SurfaceStream::bones] = Variant();
 	result.arrays[SurfaceStream::weights] = Variant();
-	transform_streams(part.transform, result.arrays);
+	if (part.transform != Transform3D()) {
+		transform_streams(part.transform, result.arrays);
+	}
 	Piece piece;
 	piece.vertices =
 			static_cast<int32_t>(static_cast<PackedVector3Array>(result.arrays[SurfaceStream::positions]).size());
@@ -248,6 +252,43 @@ Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
 		add_to_mesh(surface, *mesh.ptr());
 	}
 	return mesh;
+}
+
+std::vector<Ref<Mesh>> faded_meshes(const Ref<Mesh> &mesh, std::span<const glm::vec4> values) {
+	std::vector<Surface> surfaces;
+	for (int32_t index = 0; index < mesh->get_surface_count(); ++index) {
+		Surface surface = surface_of({mesh, Transform3D(), {}}, index);
+		if (!surface.pieces.empty() && surface.pieces.front().vertices > 0) {
+			surface.format |= custom3_of_floats;
+			surfaces.push_back(std::move(surface));
+		}
+	}
+	std::vector<Ref<Mesh>> result;
+	for (const glm::vec4 &value : values) {
+		Ref<ArrayMesh> copy(memnew(ArrayMesh));
+		for (Surface &surface : surfaces) {
+			PackedFloat32Array stream;
+			stream.resize(int64_t{4} * surface.pieces.front().vertices);
+			for (int64_t at = 0; at < stream.size(); ++at) {
+				stream.ptrw()[at] = value[static_cast<glm::length_t>(at % 4)];
+			}
+			surface.arrays[SurfaceStream::custom3] = stream;
+			add_to_mesh(surface, *copy.ptr());
+		}
+		result.push_back(surfaces.empty() ? Ref<Mesh>() : Ref<Mesh>(copy));
+	}
+	return result;
+}
+
+bool uses_custom3(const Ref<Mesh> &mesh) {
+	Ref<ArrayMesh> arrays = mesh; // No other kind of mesh does.
+	for (int32_t index = 0; arrays.is_valid() && index < arrays->get_surface_count(); ++index) {
+		const auto format = static_cast<int64_t>(arrays->call("surface_get_format", index));
+		if ((static_cast<std::uint64_t>(format) & custom3_bit) != 0) {
+			return true;
+		}
+	}
+	return false;
 }
 
 } // namespace thicket

@@ -4,6 +4,8 @@
 #include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/variant/transform3d.hpp>
 
+#include <glm/vec4.hpp>
+
 #include <span>
 #include <vector>
 
@@ -21,5 +23,13 @@ struct MeshPart {
 /// each material and format of vertices. LODs that surfaces have for the engine's automatic choice are kept. Bones and blend shapes are not: a mesh
 /// stands in its rest pose. Null if the parts have no surface.
 godot::Ref<godot::Mesh> merged_mesh(std::span<const MeshPart> parts);
+
+/// A copy of a mesh for each of some values, which all its vertices have in CUSTOM3; as above without bones and blend shapes. Null where the mesh has no
+/// surface.
+std::vector<godot::Ref<godot::Mesh>> faded_meshes(
+		const godot::Ref<godot::Mesh> &mesh, std::span<const glm::vec4> values);
+
+/// True if the vertices of a mesh have something in CUSTOM3.
+bool uses_custom3(const godot::Ref<godot::Mesh> &mesh);
 
 } // namespace thicket

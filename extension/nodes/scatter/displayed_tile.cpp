@@ -22,7 +22,7 @@ void DisplayedTile::Cell::set_box(const AABB &box) {
 }
 
 void DisplayedTile::Cell::set_instances(const MeshUpload &upload) {
-	visual.set_instances(upload);
+	for_each_visual([&](TileVisual &each) { each.set_instances(upload); });
 	set_box(upload.aabb);
 }
 
@@ -34,7 +34,7 @@ void DisplayedTile::grow(const AABB &box) {
 void DisplayedTile::set_visible(bool visible) {
 	for (Part &part : parts) {
 		for (Cell &cell : part.cells) {
-			cell.visual.set_visible(visible);
+			cell.for_each_visual([visible](TileVisual &visual) { visual.set_visible(visible); });
 		}
 	}
 }
@@ -42,9 +42,17 @@ void DisplayedTile::set_visible(bool visible) {
 void DisplayedTile::set_offset(glm::dvec3 offset) {
 	for (Part &part : parts) {
 		for (Cell &cell : part.cells) {
-			cell.visual.set_offset(offset);
+			cell.for_each_visual([&offset](TileVisual &visual) { visual.set_offset(offset); });
 		}
 	}
+}
+
+std::size_t DisplayedTile::Part::multimesh_count() const {
+	std::size_t visuals = 0;
+	for (const Cell &cell : cells) {
+		visuals += 1 + cell.others.size();
+	}
+	return visuals * multimeshes_of_a_cell();
 }
 
 std::size_t DisplayedTile::finest_lod() const {
@@ -62,6 +70,7 @@ void DisplayedTile::set_lod(std::size_t lod) {
 	for (Part &part : parts) {
 		for (Cell &cell : part.cells) {
 			cell.lod = lod;
+			cell.span = {lod, lod, false};
 		}
 	}
 }
@@ -77,7 +86,7 @@ std::size_t DisplayedTile::cell_count() const {
 std::size_t DisplayedTile::multimesh_count() const {
 	std::size_t count = 0;
 	for (const Part &part : parts) {
-		count += part.cells.size() * part.multimeshes_of_a_cell();
+		count += part.multimesh_count();
 	}
 	return count;
 }

@@ -2,6 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/placement/draw_cells.hpp"
+#include "core/placement/lod_span.hpp"
 #include "nodes/scatter/tile_visual.hpp"
 
 #include <glm/vec3.hpp>
@@ -11,6 +12,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace thicket {
@@ -19,15 +21,30 @@ namespace thicket {
 struct DisplayedTile {
 	/// The instances of one mesh that are drawn, counted and culled as one. All that the renderer has of them is reached through here.
 	struct Cell {
-		TileVisual visual;
+		explicit Cell(TileVisual its_visual) : visual(std::move(its_visual)) {}
+
+		TileVisual visual; ///< Of the first of the LODs that are drawn.
+
+		/// Of the LODs that follow, while some of the instances are as far away as those are for; all of them draw the same instances.
+		std::vector<TileVisual> others;
 		glm::vec3 min{0.0f}; ///< The box around what is drawn, relative to the tile's origin.
 		glm::vec3 max{0.0f};
-		std::size_t lod = 0;
+		LodSpan span;             ///< The LODs that are wanted,
+		std::size_t lod = 0;      ///< and the one that is drawn alone as long as not all of these have a visual.
+		float scale = 1.0F;       ///< What TileVisual::set_scale was told.
 		std::size_t drawn = 0;    ///< How many of the instances the visual draws,
 		std::uint64_t wanted = 0; ///< and would draw without a limit for all tiles together.
 
 		void set_box(const godot::AABB &box);
 		void set_instances(const MeshUpload &upload);
+
+		template <class Work>
+		void for_each_visual(const Work &work) {
+			work(visual);
+			for (TileVisual &other : others) {
+				work(other);
+			}
+		}
 	};
 
 	/// The instances of one mesh.
@@ -47,6 +64,7 @@ struct DisplayedTile {
 
 		/// How many multimeshes a cell takes.
 		std::size_t multimeshes_of_a_cell() const { return casts_by_other_meshes(lods) ? 2 : 1; }
+		std::size_t multimesh_count() const;
 		std::span<const std::uint32_t> ranks_of(std::size_t cell) const {
 			return division.empty() ? std::span(shown->ranks) : division.ranks_of(division.cells[cell]);
 		}
@@ -65,6 +83,7 @@ struct DisplayedTile {
 	bool look_at_all = true;                           ///< At the next visit, also at cells that are not due.
 	bool is_cut = false;                               ///< The limit for all tiles together cuts it short.
 	bool to_divide = false;                            ///< It waits to be divided otherwise.
+	bool to_fade = false;                              ///< It waits for visuals of LODs that are wanted.
 
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 	bool draws_anything() const { return min.x <= max.x; }

@@ -87,9 +87,10 @@ private:
 		free,       ///< Frees what is shown no longer.
 		lod,        ///< Draws some tiles as their distances ask for.
 		divide,     ///< Draws a tile in cells, or as a whole again.
+		fade,       ///< Prepares what is to fade in.
 		rings,      ///< Lets bodies come and go.
 	};
-	static constexpr std::size_t step_kinds = 6;
+	static constexpr std::size_t step_kinds = 7;
 
 	std::size_t jobs_per_worker() const;
 	void request_tiles(std::span<const Viewer> viewers);

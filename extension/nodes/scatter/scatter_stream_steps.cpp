@@ -130,6 +130,7 @@ bool ScatterStream::do_step(Step step) {
 		case Step::free: return display_.free_step();
 		case Step::lod: return display_.lod_step();
 		case Step::divide: uploads_since_divide_ = 0; return display_.divide_step();
+		case Step::fade: return display_.fade_step();
 		case Step::rings: return ring_step();
 	}
 	return false;

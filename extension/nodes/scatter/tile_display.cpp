@@ -10,17 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// The mesh near by, then those for the distance.
-std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
-	std::vector<MeshLook> lods{{drawing.meshes[mesh], drawing.shadows[mesh]}};
-	for (std::size_t at = mesh; at < drawing.lod_meshes.size(); at += drawing.meshes.size()) {
-		const bool other = drawing.lod_meshes[at].is_valid();
-		lods.push_back(other ? MeshLook{drawing.lod_meshes[at], drawing.lod_shadows[at]} : lods.back());
-	}
-	return lods;
-}
-
-/// The same, and none for a mesh of which nothing is drawn.
+/// As the layer says; none for a mesh of which nothing is drawn.
 std::vector<MeshLook> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
 	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<MeshLook>();
 }
@@ -51,7 +41,7 @@ void TileDisplay::set_world_offset(glm::dvec3 offset) {
 	}
 	for (DisplayedTile::Part &part : division_ ? std::span(division_->parts) : std::span<DisplayedTile::Part>()) {
 		for (DisplayedTile::Cell &cell : part.cells) {
-			cell.visual.set_offset(offset);
+			cell.for_each_visual([&offset](TileVisual &visual) { visual.set_offset(offset); });
 		}
 	}
 }
@@ -80,6 +70,7 @@ void TileDisplay::set_layers(const std::vector<SharedSnapshot> &layers) {
 		}
 	}
 	layers_ = layers;
+	fades_.set_layers(layers_);
 	if (changed) {
 		cancel_division();
 		visit_all();
@@ -168,6 +159,7 @@ void TileDisplay::show(TileUpload upload) {
 	upload.tile.set_lod(tile.finest_lod());
 	upload.tile.is_cut = tile.is_cut;
 	upload.tile.to_divide = tile.to_divide;
+	upload.tile.to_fade = tile.to_fade;
 	if (division_ && division_->key == key) {
 		cancel_division();
 	}
@@ -191,7 +183,7 @@ void TileDisplay::leave(DisplayedTile &&tile) {
 
 void TileDisplay::leave(std::vector<DisplayedTile::Cell> &&cells) {
 	for (DisplayedTile::Cell &cell : cells) {
-		leaving_.push_back(std::move(cell.visual));
+		cell.for_each_visual([this](TileVisual &visual) { leaving_.push_back(std::move(visual)); });
 	}
 	cells.clear();
 }
@@ -208,6 +200,9 @@ bool TileDisplay::drop(const TileKey &key) {
 	}
 	if (found->second.to_divide) {
 		std::erase(to_divide_, key);
+	}
+	if (found->second.to_fade) {
+		std::erase(to_fade_, key);
 	}
 	uncount(found->second);
 	leave(std::move(found->second));
@@ -230,6 +225,7 @@ void TileDisplay::clear() {
 	leaving_.clear();
 	division_.reset();
 	to_divide_.clear();
+	to_fade_.clear();
 	denied_.clear();
 	divided_.clear();
 	tiles_.clear();

@@ -5,6 +5,7 @@
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/scatter/displayed_tile.hpp"
 #include "nodes/scatter/draw_figures.hpp"
+#include "nodes/scatter/lod_fades.hpp"
 #include "nodes/scatter/upload_queue.hpp"
 
 #include <cstddef>
@@ -83,6 +84,10 @@ public:
 	/// True if there is one.
 	bool has_divisions() const { return division_ || !to_divide_.empty() || over_limit(); }
 
+	/// Uploads some visuals of LODs that are to fade in, or makes what fades. False if there are none.
+	bool fade_step();
+	bool has_fades() const { return !to_fade_.empty() || !fades_.is_made(); }
+
 	/// True if neither of these two would find anything to do.
 	bool settled() const;
 
@@ -144,13 +149,33 @@ private:
 	void visit_all();
 	void apply_drawing(const TileKey &key, DisplayedTile &r_tile);
 	void refine(const TileKey &key, DisplayedTile &r_tile);
-	double distance_to(const DisplayedTile &tile) const;
-	bool draw_whole(const LodSettings &lod, double distance, DisplayedTile &r_tile);
-	bool draw_cells(const LodSettings &lod, DisplayedTile &r_tile, double &r_margin);
-	bool draw_cell(const LodSettings &lod, double distance, DisplayedTile::Part &r_part, std::size_t cell);
+	DistanceRange distances_to(const DisplayedTile &tile) const;
+	double distance_to(const DisplayedTile &tile) const { return distances_to(tile).near; }
+
+	/// What is drawn of the instances of a mesh at any distance.
+	struct Drawing {
+		const LodSettings &lod;
+		const LodChain &chain;
+		bool fades; ///< The chain is of what the tile is drawn by, and made.
+
+		double margin(const DistanceRange &distance) const;
+	};
+	Drawing drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const;
+	bool draw_whole(const TileKey &key, const DistanceRange &distance, DisplayedTile &r_tile, double &r_margin);
+	bool draw_cells(const TileKey &key, DisplayedTile &r_tile, double &r_margin);
+	bool draw_cell(
+			const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell);
+	void show_lods(const Drawing &drawing, const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell);
+	void add_other(const TileKey &key, const DisplayedTile &tile, std::size_t mesh, DisplayedTile::Part &r_part,
+			std::size_t cell);
+	bool wants_visuals(const TileKey &key, const DisplayedTile &tile) const;
+	bool upload_others(const TileKey &key, DisplayedTile &r_tile);
+	bool upload_others(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
 	void begin(TileUpload &r_upload, bool others_wait) const;
 	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const MeshInstances> shown, std::vector<MeshLook> lods,
 			std::uint32_t across, DisplayedTile::Part &r_part) const;
+	TileVisual make_visual(const DisplayedTile &tile, const DisplayedTile::Part &part, const LayerDrawing &drawing,
+			const MeshUpload &upload);
 	DisplayedTile::Cell make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
 			const LayerDrawing &drawing, const MeshUpload &upload);
 	void upload_cells(
@@ -211,6 +236,9 @@ private:
 	std::vector<TileKey> to_divide_;   ///< Tiles that are to be divided otherwise. Each once.
 	std::vector<TileKey> denied_;      ///< Those for which there was no room.
 	std::set<Order> divided_;          ///< Tiles on show in cells.
+
+	LodFades fades_;
+	std::vector<TileKey> to_fade_; ///< Tiles that wait for visuals of LODs. Each once.
 
 	const InstanceState *state_ = nullptr;
 	std::unordered_set<std::uint64_t> hidden_;

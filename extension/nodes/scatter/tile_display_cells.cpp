@@ -34,14 +34,20 @@ bool TileDisplay::begin_part(const DisplayedTile &tile, std::shared_ptr<const Me
 	return status.ok();
 }
 
-DisplayedTile::Cell TileDisplay::make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
+TileVisual TileDisplay::make_visual(const DisplayedTile &tile, const DisplayedTile::Part &part,
 		const LayerDrawing &drawing, const MeshUpload &upload) {
 	VisualContext context = context_;
 	context.origin = tile.tile->origin;
-	DisplayedTile::Cell cell{TileVisual(context, tile.settings->instance_data, part.lods, upload)};
-	cell.visual.apply(drawing);
-	cell.set_box(upload.aabb);
+	TileVisual visual(context, tile.settings->instance_data, part.lods, upload);
+	visual.apply(drawing);
 	++upload_count_;
+	return visual;
+}
+
+DisplayedTile::Cell TileDisplay::make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
+		const LayerDrawing &drawing, const MeshUpload &upload) {
+	DisplayedTile::Cell cell(make_visual(tile, part, drawing, upload));
+	cell.set_box(upload.aabb);
 	return cell;
 }
 
@@ -76,7 +82,7 @@ void TileDisplay::choose_division(const TileKey &key, DisplayedTile &r_tile) {
 	}
 }
 
-bool TileDisplay::settled() const { return schedule_.settled() && !has_divisions(); }
+bool TileDisplay::settled() const { return schedule_.settled() && !has_divisions() && !has_fades(); }
 
 bool TileDisplay::divide_step() {
 	if (!division_ && !begin_division()) {
@@ -169,7 +175,9 @@ void TileDisplay::continue_division() {
 		return !next.parts.empty() && next.parts.back().is_open();
 	};
 	if (!is_open() && next.parts.size() == tile.parts.size()) {
-		finish_division(tile);
+		if (upload_others(next.key, tile, next.parts)) {
+			finish_division(tile);
+		}
 		return;
 	}
 	if (!is_open()) {

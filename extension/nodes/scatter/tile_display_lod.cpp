@@ -28,7 +28,7 @@ constexpr std::size_t cells_per_step = 32;
 void TileDisplay::count(const DisplayedTile &tile) {
 	for (const DisplayedTile::Part &part : tile.parts) {
 		instances_ += part.shown->size();
-		multimeshes_ += part.cells.size() * part.multimeshes_of_a_cell();
+		multimeshes_ += part.multimesh_count();
 		for (const DisplayedTile::Cell &cell : part.cells) {
 			drawn_ += cell.drawn;
 			wanted_ += cell.wanted;
@@ -39,7 +39,7 @@ void TileDisplay::count(const DisplayedTile &tile) {
 void TileDisplay::uncount(const DisplayedTile &tile) {
 	for (const DisplayedTile::Part &part : tile.parts) {
 		instances_ -= part.shown->size();
-		multimeshes_ -= part.cells.size() * part.multimeshes_of_a_cell();
+		multimeshes_ -= part.multimesh_count();
 		for (const DisplayedTile::Cell &cell : part.cells) {
 			drawn_ -= cell.drawn;
 			wanted_ -= cell.wanted;
@@ -52,9 +52,13 @@ void TileDisplay::count_drawn(DrawCounter &r_counter) const {
 		const glm::dvec3 origin = tile.tile->origin;
 		for (const DisplayedTile::Part &part : tile.parts) {
 			for (const DisplayedTile::Cell &cell : part.cells) {
-				const Ref<Mesh> &mesh = part.lods[std::min(cell.lod, part.lods.size() - 1)].mesh;
-				r_counter.add(
-						mesh, visible_ ? cell.drawn : 0, origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max));
+				const std::size_t drawn = visible_ ? cell.drawn : 0;
+				const glm::dvec3 min = origin + glm::dvec3(cell.min);
+				const glm::dvec3 max = origin + glm::dvec3(cell.max);
+				r_counter.add(cell.visual.mesh(), drawn, min, max);
+				for (const TileVisual &other : cell.others) {
+					r_counter.add(other.mesh(), drawn, min, max);
+				}
 			}
 		}
 	}
@@ -110,14 +114,14 @@ void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
 	++redrawn_count_;
 	for (DisplayedTile::Part &part : r_tile.parts) {
 		for (DisplayedTile::Cell &cell : part.cells) {
-			cell.visual.apply(layers_[key.layer]->drawing);
+			cell.for_each_visual([&](TileVisual &visual) { visual.apply(layers_[key.layer]->drawing); });
 		}
 	}
 }
 
-double TileDisplay::distance_to(const DisplayedTile &tile) const {
+DistanceRange TileDisplay::distances_to(const DisplayedTile &tile) const {
 	const glm::dvec3 origin = tile.tile->origin;
-	return schedule_.distance_to(origin + glm::dvec3(tile.min), origin + glm::dvec3(tile.max));
+	return schedule_.distances_to(origin + glm::dvec3(tile.min), origin + glm::dvec3(tile.max));
 }
 
 /// Draws a tile as its layer says for its distance, and schedules the next visit to it.
@@ -128,45 +132,68 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 		return;
 	}
 	apply_drawing(key, r_tile);
-	const double distance = distance_to(r_tile);
-	double margin = distance_margin(layer->lod, distance);
-	const bool whole =
-			r_tile.across > 1 ? draw_cells(layer->lod, r_tile, margin) : draw_whole(layer->lod, distance, r_tile);
+	const DistanceRange distance = distances_to(r_tile);
+	double margin = std::numeric_limits<double>::infinity();
+	const bool whole = r_tile.across > 1 ? draw_cells(key, r_tile, margin) : draw_whole(key, distance, r_tile, margin);
 	r_tile.look_at_all = false;
 	if (!whole && !std::exchange(r_tile.is_cut, true)) {
 		cut_.push_back(key);
 	}
+	if (wants_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {
+		to_fade_.push_back(key);
+	}
 	choose_division(key, r_tile);
-	schedule_.add(key, std::max(std::min(margin, division_margin(layer->cells, layer->lod, distance)), min_margin));
+	schedule_.add(
+			key, std::max(std::min(margin, division_margin(layer->cells, layer->lod, distance.near)), min_margin));
 }
 
-/// Draws the mesh and the share of the instances that the distance of the tile asks for. False if the limit for all tiles cuts them
-/// short.
-bool TileDisplay::draw_whole(const LodSettings &lod, double distance, DisplayedTile &r_tile) {
+/// How far viewers may move until the instances may have to be drawn otherwise.
+double TileDisplay::Drawing::margin(const DistanceRange &distance) const {
+	const double margin = distance_margin(lod, distance.near);
+	return fades ? std::min(margin, span_margin(lod, chain.steps(), distance)) : margin;
+}
+
+TileDisplay::Drawing TileDisplay::drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const {
+	static const LodChain none{LayerDrawing(), LodSettings(), 0};
+	const LodChain *chain = fades_.find(key.layer, mesh);
+	const bool fades = chain != nullptr && chain->is_made() && chain->is_of(tile.parts[mesh].lods);
+	return {layers_[key.layer]->lod, fades ? *chain : none, fades};
+}
+
+/// Draws the meshes and the share of the instances that the distance of the tile asks for. False if the limit for all tiles cuts them
+/// short. `r_margin` gets how far viewers may move until that changes.
+bool TileDisplay::draw_whole(
+		const TileKey &key, const DistanceRange &distance, DisplayedTile &r_tile, double &r_margin) {
 	bool whole = true;
-	for (DisplayedTile::Part &part : r_tile.parts) {
+	r_margin = distance_margin(layers_[key.layer]->lod, distance.near);
+	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
+		DisplayedTile::Part &part = r_tile.parts[mesh];
 		for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {
-			whole = draw_cell(lod, distance, part, cell) && whole;
+			const Drawing drawing = drawing_of(key, r_tile, mesh);
+			whole = draw_cell(drawing, distance, part, cell) && whole;
+			r_margin = std::min(r_margin, drawing.margin(distance));
 		}
 	}
 	return whole;
 }
 
-/// The same for each cell whose turn it is. `r_margin` gets how far viewers may move until it is the next one's.
-bool TileDisplay::draw_cells(const LodSettings &lod, DisplayedTile &r_tile, double &r_margin) {
+/// The same for each cell whose turn it is.
+bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &r_margin) {
 	const double now = schedule_.traveled();
 	const glm::dvec3 origin = r_tile.tile->origin;
 	bool whole = true;
 	r_margin = std::numeric_limits<double>::infinity();
-	for (DisplayedTile::Part &part : r_tile.parts) {
+	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
+		DisplayedTile::Part &part = r_tile.parts[mesh];
+		const Drawing drawing = drawing_of(key, r_tile, mesh);
 		part.due.resize(part.cells.size()); // Apart from the cells, because most visits look at nothing else.
 		for (std::size_t at = 0; at < part.cells.size(); ++at) {
 			if (r_tile.look_at_all || part.due[at] <= now) {
 				const DisplayedTile::Cell &cell = part.cells[at];
-				const double distance =
-						schedule_.distance_to(origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max));
-				whole = draw_cell(lod, distance, part, at) && whole;
-				part.due[at] = now + distance_margin(lod, distance);
+				const DistanceRange distance =
+						schedule_.distances_to(origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max));
+				whole = draw_cell(drawing, distance, part, at) && whole;
+				part.due[at] = now + drawing.margin(distance);
 			}
 			r_margin = std::min(r_margin, part.due[at] - now);
 		}
@@ -176,10 +203,10 @@ bool TileDisplay::draw_cells(const LodSettings &lod, DisplayedTile &r_tile, doub
 }
 
 bool TileDisplay::draw_cell(
-		const LodSettings &lod, double distance, DisplayedTile::Part &r_part, std::size_t cell_index) {
+		const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell_index) {
 	DisplayedTile::Cell &cell = r_part.cells[cell_index];
 	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
-	const double density = thinned_density(lod, distance);
+	const double density = thinned_density(drawing.lod, distance.near);
 	wanted_ -= std::exchange(cell.wanted, visible_prefix(ranks, density * limits_.quality));
 	wanted_ += cell.wanted;
 	drawn_ -= cell.drawn;
@@ -187,10 +214,11 @@ bool TileDisplay::draw_cell(
 	const std::uint64_t room = limits_.max_instances - std::min(limits_.max_instances, drawn_);
 	cell.drawn = static_cast<std::size_t>(std::min(due, room));
 	drawn_ += cell.drawn;
-	cell.lod = lod_at(lod, distance, cell.lod);
-	cell.visual.set_look(r_part.lods[std::min(cell.lod, r_part.lods.size() - 1)]);
-	cell.visual.set_scale(static_cast<float>(compensating_scale(lod, density)));
-	cell.visual.set_drawn(cell.drawn);
+	cell.scale = static_cast<float>(compensating_scale(drawing.lod, density));
+	cell.lod = lod_at(drawing.lod, distance.near, cell.lod);
+	cell.span = drawing.fades ? lod_span(drawing.lod, drawing.chain.steps(), distance, cell.span)
+							  : LodSpan{cell.lod, cell.lod, false};
+	show_lods(drawing, r_part, cell);
 	return cell.drawn == due;
 }
 

@@ -154,7 +154,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 		gone.push_back(std::move(r_part.cells[before++]));
 	}
 	for (DisplayedTile::Cell &cell : gone) {
-		cell.visual.set_visible(false);
+		cell.for_each_visual([](TileVisual &visual) { visual.set_visible(false); });
 	}
 	leave(std::move(gone));
 	r_part = std::move(next);

@@ -1,0 +1,99 @@
+#include "nodes/layer/mesh_fades.hpp"
+
+#include "nodes/model/mesh_merge.hpp"
+
+#include <godot_cpp/classes/array_mesh.hpp>
+#include <godot_cpp/classes/shader.hpp>
+#include <godot_cpp/classes/shader_material.hpp>
+#include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+
+#include <cstdint>
+#include <map>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Remembers what it has found out of materials, which meshes share.
+class FadeFinder {
+public:
+	explicit FadeFinder(const Ref<Material> &material_override) : override_(material_override) {}
+
+	bool fades(const Ref<Mesh> &mesh);
+	std::vector<std::uint64_t> surfaces;
+
+private:
+	static bool has_fade(const Ref<ShaderMaterial> &material);
+	bool fades(const Ref<Material> &material);
+
+	Ref<Material> override_;
+	std::map<std::uint64_t, bool> known_;
+};
+
+bool FadeFinder::has_fade(const Ref<ShaderMaterial> &material) {
+	const StringName name("scatter_cross_fade");
+	const Ref<Shader> shader = material.is_valid() ? material->get_shader() : Ref<Shader>();
+	if (shader.is_null()) {
+		return false;
+	}
+	const Array uniforms = shader->get_shader_uniform_list(false);
+	for (int64_t at = 0; at < uniforms.size(); ++at) {
+		const Dictionary uniform = uniforms[at];
+		if (StringName(uniform["name"]) == name) {
+			const Variant set = material->get_shader_parameter(name);
+			return set.get_type() != Variant::BOOL || static_cast<bool>(set);
+		}
+	}
+	return false;
+}
+
+bool FadeFinder::fades(const Ref<Material> &material) {
+	if (material.is_null()) {
+		return false;
+	}
+	const std::uint64_t id = material->get_instance_id();
+	const auto found = known_.find(id);
+	if (found != known_.end()) {
+		return found->second;
+	}
+	return known_[id] = has_fade(material);
+}
+
+bool FadeFinder::fades(const Ref<Mesh> &mesh) {
+	const int32_t count = mesh.is_valid() ? mesh->get_surface_count() : 0;
+	bool all = count > 0;
+	std::vector<std::uint64_t> ids;
+	for (int32_t surface = 0; surface < count && all; ++surface) {
+		const Ref<Material> material = override_.is_valid() ? override_ : mesh->surface_get_material(surface);
+		all = fades(material);
+		ids.push_back(all ? material->get_instance_id() : 0);
+		if (const Ref<ArrayMesh> arrays = mesh; arrays.is_valid()) {
+			ids.push_back(static_cast<std::uint64_t>(arrays->surface_get_array_len(surface)));
+		}
+	}
+	if (!all || uses_custom3(mesh)) {
+		return false;
+	}
+	surfaces.insert(surfaces.end(), ids.begin(), ids.end());
+	return true;
+}
+
+} // namespace
+
+void add_fades(LayerDrawing &r_drawing) {
+	FadeFinder finder(r_drawing.material_override);
+	r_drawing.fades.clear();
+	r_drawing.lod_fades.clear();
+	for (const Ref<Mesh> &mesh : r_drawing.meshes) {
+		r_drawing.fades.push_back(finder.fades(mesh));
+	}
+	for (const Ref<Mesh> &mesh : r_drawing.lod_meshes) {
+		r_drawing.lod_fades.push_back(finder.fades(mesh));
+	}
+	r_drawing.surfaces = std::move(finder.surfaces);
+}
+
+} // namespace thicket

@@ -1,0 +1,267 @@
+extends "picture_harness.gd"
+## LODs that cross-fade, drawn from where the viewer is. Run in each of the three renderers.
+
+const FLIGHT := 60       ## Pictures of a flight,
+const STEP := 0.4        ## meters apart.
+const MOST_CHANGE := 0.2 ## Of an 8 by 8 block of the picture from one to the next, 0 to 1.
+
+var camera: Camera3D
+
+
+## A shader that adds light, so that what is drawn twice is brighter, or one that covers what is behind.
+func material(light: float, fades := true, adds := true) -> ShaderMaterial:
+	var shader := Shader.new()
+	shader.code = """
+		shader_type spatial;
+		render_mode unshaded, cull_disabled, shadows_disabled%s;
+		#include "res://addons/thicket/shaders/scatter_fade.gdshaderinc"
+		uniform float light;
+		varying flat vec2 fade;
+		void vertex() {
+			fade = scatter_fade_shares(CUSTOM3, MODEL_MATRIX[3].xyz, MAIN_CAM_INV_VIEW_MATRIX[3].xyz);
+			VERTEX = scatter_fade_collapsed(VERTEX, fade);
+		}
+		void fragment() {
+			if (scatter_fade_hides(fade, FRAGCOORD.xy)) {
+				discard;
+			}
+			ALBEDO = vec3(light);
+		}
+	""" % (", blend_add, depth_draw_never" if adds else "")
+	var made := ShaderMaterial.new()
+	made.shader = shader
+	made.set_shader_parameter(&"light", light)
+	if not fades:
+		made.set_shader_parameter(&"scatter_cross_fade", false)
+	return made
+
+
+func plane(of: Material, size := 3.0) -> PlaneMesh:
+	var mesh := PlaneMesh.new()
+	mesh.size = Vector2.ONE * size
+	mesh.material = of
+	return mesh
+
+
+func make_wood(lods: Array[Mesh], distances: Array) -> ScatterLayer:
+	var layer := make_layer(4.0)
+	layer.tile_size = 64.0
+	layer.draw_cell_size = 16.0
+	layer.view_distance = 300.0
+	layer.meshes = [lods[0]]
+	layer.lod_meshes = lods.slice(1)
+	layer.lod_distances = PackedFloat32Array(distances)
+	return layer
+
+
+## Looks ahead and down, from a place along the flight.
+func fly_to(index: int) -> void:
+	camera.position = Vector3(7.0 + STEP * index, 12.0, 3.0)
+
+
+func stage() -> void:
+	root.size = Vector2i(160, 120)
+	root.msaa_3d = Viewport.MSAA_DISABLED
+	var environment := Environment.new()
+	environment.background_mode = Environment.BG_COLOR
+	environment.background_color = Color.BLACK
+	camera = Camera3D.new()
+	camera.environment = environment
+	camera.far = 200.0
+	camera.rotation_degrees = Vector3(-22.0, -90.0, 0.0)
+	root.add_child(camera)
+	camera.make_current()
+	fly_to(0)
+
+
+func picture() -> Image:
+	await frames(1)
+	await RenderingServer.frame_post_draw
+	var image := root.get_texture().get_image()
+	image.convert(Image.FORMAT_L8)
+	return image
+
+
+func flight_of(layer: ScatterLayer) -> Array[Image]:
+	fly_to(0)
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	await settle(scatter)
+	var pictures: Array[Image] = []
+	for index in FLIGHT:
+		fly_to(index)
+		pictures.append(await picture())
+	scatter.queue_free()
+	await frames(2)
+	return pictures
+
+
+## The largest change of the mean of an 8 by 8 block from a picture to the next.
+func largest_change(pictures: Array[Image]) -> float:
+	var largest := 0.0
+	var before: Image = null
+	for image in pictures:
+		var blocks := image.duplicate() as Image
+		for half in 3:
+			blocks.shrink_x2()
+		for x in 20:
+			for y in 15:
+				if before != null:
+					largest = maxf(largest, absf(blocks.get_pixel(x, y).r - before.get_pixel(x, y).r))
+		before = blocks
+	return largest
+
+
+func pixels_that_differ(a: Image, b: Image) -> int:
+	var one := a.get_data()
+	var other := b.get_data()
+	var count := 0
+	for index in one.size():
+		count += int(absi(one[index] - other[index]) > 2)
+	return count
+
+
+## Three LODs that look alike are as one mesh, in each picture of a flight: nothing is drawn twice or missing.
+func test_every_pixel_is_drawn_once() -> void:
+	stage()
+	var light := material(0.3)
+	var alone: Array[Image] = await flight_of(make_wood([plane(light)], []))
+	var lods: Array[Mesh] = [plane(light), plane(light), plane(light)]
+	var fading: Array[Image] = await flight_of(make_wood(lods, [25.0, 50.0]))
+	check(alone[0].get_data().count(0) < alone[0].get_data().size() * 3 / 4, "there is something to see")
+	var worst := 0
+	for index in FLIGHT:
+		worst = maxi(worst, pixels_that_differ(alone[index], fading[index]))
+	check(worst <= 4, "at most %d of %d pixels differ" % [worst, alone[0].get_data().size()])
+
+
+func test_nothing_pops_and_without_a_fade_it_would() -> void:
+	stage()
+	# They leave no gap on the ground, so that the movement alone changes little, and each has a height of its own, so that it does not matter
+	# which is drawn first.
+	var lods: Array[Mesh] = [plane(material(0.9, true, false), 12.0), plane(material(0.1, true, false), 12.0)]
+	for lod: PlaneMesh in lods:
+		lod.center_offset.y = 1.0
+	var layer := make_wood(lods, [40.0])
+	layer.min_scale = 0.8
+	layer.max_scale = 1.2
+	layer.lod_fade = 0.4
+	var faded := largest_change(await flight_of(layer))
+	layer.lod_fade = 0.0
+	var sharp := largest_change(await flight_of(layer))
+	check(faded < MOST_CHANGE, "a block changes by %.2f at most" % faded)
+	check(sharp > 2.5 * MOST_CHANGE, "without a fade a block changes by %.2f" % sharp)
+
+
+func test_it_ends_softly_where_sight_ends() -> void:
+	stage()
+	camera.rotation_degrees.x = -90.0
+	camera.position = Vector3(0.0, 70.0, 0.0)
+	var layer := make_wood([plane(material(0.5), 4.0)], [])
+	layer.view_distance = 90.0
+	layer.lod_fade = 0.5
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	await settle(scatter)
+	var below := (await picture()).get_region(Rect2i(70, 50, 20, 20))
+	camera.position.y = 84.0
+	await settle(scatter)
+	var fading := (await picture()).get_region(Rect2i(70, 50, 20, 20))
+	camera.position.y = 88.0
+	await settle(scatter)
+	var nearly_gone := (await picture()).get_region(Rect2i(70, 50, 20, 20))
+	var lit := func(image: Image) -> int: return image.get_data().size() - image.get_data().count(0)
+	check(lit.call(below) > 60, "%d pixels near by" % lit.call(below))
+	check(lit.call(fading) < 0.6 * lit.call(below), "%d of %d pixels close to the end" % [lit.call(fading), lit.call(below)])
+	check(lit.call(nearly_gone) < 0.4 * lit.call(below), "%d pixels at the end" % lit.call(nearly_gone))
+	check(lit.call(fading) > lit.call(nearly_gone), "they go bit by bit")
+
+
+## Two LODs take a second multimesh where both are drawn, and nowhere else. A material that cannot fade takes none.
+func test_only_what_fades_is_drawn_twice() -> void:
+	stage()
+	var counts := {}
+	for kind: String in ["fades", "is told not to", "cannot", "at once"]:
+		var of: Material = material(0.3, kind != "is told not to")
+		if kind == "cannot":
+			of = StandardMaterial3D.new()
+		var layer := make_wood([plane(of), plane(of)], [40.0])
+		layer.lod_fade = 0.0 if kind == "at once" else 0.2
+		layer.view_distance = 100.0
+		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+		await settle(scatter)
+		counts[kind] = scatter.get_stats()["multimeshes"]
+		if kind == "fades":
+			layer.lod_fade = 0.0
+			await settle(scatter)
+			check(scatter.get_stats()["multimeshes"] < counts[kind], "without a fade they go again")
+			layer.lod_fade = 0.2
+			await settle(scatter)
+			var again: int = scatter.get_stats()["multimeshes"] - counts[kind]
+			check(absi(again) <= 8, "with it they come again, but for %d that are about to come or go" % again)
+			scatter.max_multimeshes = 30
+			await settle(scatter)
+			check(scatter.get_stats()["multimeshes"] <= 30, "never more than max_multimeshes")
+		scatter.queue_free()
+		await frames(2)
+	check(counts["fades"] > counts["cannot"] + 8, "more multimeshes where it fades: %s" % counts)
+	check(counts["fades"] < 2 * counts["cannot"], "not everywhere: %s" % counts)
+	check_equal(counts["is told not to"], counts["cannot"], "multimeshes if scatter_cross_fade is off")
+	check_equal(counts["at once"], counts["cannot"], "multimeshes with lod_fade 0")
+
+
+## What a game removes goes from both LODs, and what is hidden stays hidden.
+func test_changes_reach_both_lods() -> void:
+	stage()
+	camera.rotation_degrees.x = -90.0
+	camera.position = Vector3(0.0, 35.0, 0.0)
+	var light := material(0.5)
+	var layer := make_wood([plane(light), plane(light)], [40.0])
+	layer.lod_fade = 0.4
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	await settle(scatter)
+	var before := await picture()
+	check(before.get_data().count(0) < before.get_data().size(), "there is something to see")
+	scatter.remove_in_sphere(Vector3.ZERO, 80.0)
+	await frames(4)
+	var after := await picture()
+	check_equal(after.get_data().count(0), after.get_data().size(), "dark pixels once all are gone")
+	scatter.state.clear()
+	await settle(scatter)
+	check(pixels_that_differ(await picture(), before) <= 4, "all are back")
+	scatter.visible = false
+	await frames(2)
+	var hidden := await picture()
+	check_equal(hidden.get_data().count(0), hidden.get_data().size(), "dark pixels of a hidden node")
+	scatter.visible = true
+	await frames(2)
+	check(pixels_that_differ(await picture(), before) <= 4, "all are seen again")
+
+
+## A mesh that holds data of its own in CUSTOM3 is left alone.
+func test_a_mesh_with_custom_data_of_its_own_changes_at_once() -> void:
+	stage()
+	var arrays := plane(null).get_mesh_arrays()
+	var floats := PackedFloat32Array()
+	floats.resize(16)
+	arrays[Mesh.ARRAY_CUSTOM3] = floats
+	var mesh := ArrayMesh.new()
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], {},
+			Mesh.ARRAY_CUSTOM_RGBA_FLOAT << Mesh.ARRAY_FORMAT_CUSTOM3_SHIFT)
+	mesh.surface_set_material(0, material(0.3))
+	var layer := make_wood([mesh, mesh.duplicate()], [40.0])
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	await settle(scatter)
+	var drawn := {}
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		for multimesh: RID in scatter.get_tile(0, tile).get_multimeshes(0):
+			drawn[RenderingServer.multimesh_get_mesh(multimesh)] = true
+	check_equal(drawn.size(), 2, "the meshes that are drawn")
+	check(drawn.has(mesh.get_rid()), "the mesh itself")
+
+
+func test_a_bad_fade_is_refused() -> void:
+	var layer := make_layer()
+	layer.lod_fade = 0.3
+	for bad: float in [-0.1, 0.6, NAN, INF]:
+		layer.lod_fade = bad
+		check_error(["lod_fade"], "lod_fade %f" % bad)
+	check(absf(layer.lod_fade - 0.3) < 1e-6, "the last good one stays")
