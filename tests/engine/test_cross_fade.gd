@@ -265,3 +265,43 @@ func test_a_bad_fade_is_refused() -> void:
 		layer.lod_fade = bad
 		check_error(["lod_fade"], "lod_fade %f" % bad)
 	check(absf(layer.lod_fade - 0.3) < 1e-6, "the last good one stays")
+
+
+## A model whose second LOD has a density draws that share of its instances, and the others fade away.
+func test_a_lod_draws_its_share() -> void:
+	stage()
+	var mesh := plane(material(0.5))
+	var model := ScatterModel.new()
+	for density: float in [1.0, 0.25]:
+		var lod := ScatterLod.new()
+		lod.mesh = mesh
+		lod.density = density
+		lod.distance = 0.0 if density == 1.0 else 40.0
+		model.lods = model.lods + ([lod] as Array[ScatterLod])
+	model.lods[1].density = 1.5
+	check_error(["density", "1.5"], "a share above 1")
+	check_equal(model.lods[1].density, 0.25, "the last good one")
+	var layer := make_wood([mesh], [])
+	layer.meshes = [model]
+	layer.view_distance = 100.0
+	camera.rotation_degrees.x = -90.0
+	for fade: float in [0.0, 0.3]:
+		layer.lod_fade = fade
+		camera.position = Vector3(0.0, 20.0, 0.0)
+		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+		await settle(scatter)
+		var lit := func(image: Image) -> int: return image.get_data().size() - image.get_data().count(0)
+		var near: int = lit.call(await picture())
+		check(near > 1000, "%d pixels near by" % near)
+		camera.position.y = 60.0
+		await settle(scatter)
+		var far: float = lit.call(await picture()) * 9.0 # As large as near by.
+		layer.meshes = [mesh]
+		await settle(scatter)
+		var all: float = lit.call(await picture()) * 9.0
+		check(absf(far / all - 0.25) < 0.08, "fade %.1f: %.2f of the pixels far away" % [fade, far / all])
+		layer.meshes = [model]
+		await settle(scatter)
+		check(scatter.get_stats()["drawn"] < 0.4 * scatter.get_stats()["instances"], "few are drawn: %s" % scatter.get_stats())
+		scatter.queue_free()
+		await frames(2)

@@ -32,7 +32,8 @@ struct MeshShadow {
 struct MeshLook {
 	godot::Ref<godot::Mesh> mesh; ///< Never null.
 	MeshShadow shadow;
-	bool fades = false; ///< All its materials can: they include scatter_fade.gdshaderinc.
+	double density = 1.0; ///< Share of the instances, 0 to 1.
+	bool fades = false;   ///< All its materials can: they include scatter_fade.gdshaderinc.
 };
 
 /// What is drawn for the instances of a layer, and how the renderer draws it. The numbers of enumerations are the engine's.
@@ -44,6 +45,9 @@ struct LayerDrawing {
 
 	std::vector<MeshShadow> shadows;     ///< Of each of the meshes,
 	std::vector<MeshShadow> lod_shadows; ///< and of the lod_meshes that are not null.
+
+	std::vector<double> densities;     ///< As MeshLook has it, of each of the meshes,
+	std::vector<double> lod_densities; ///< and of the lod_meshes that are not null.
 
 	std::vector<bool> fades;     ///< Whether all materials of each of the meshes can fade,
 	std::vector<bool> lod_fades; ///< and of each of the lod_meshes.

@@ -40,6 +40,13 @@ void ScatterLod::set_distance(double p_distance) {
 	}
 }
 
+void ScatterLod::set_density(double p_density) {
+	if (accept_number(class_name, "density", p_density, 0.0, 1.0) && density_ != p_density) {
+		density_ = p_density;
+		emit_changed();
+	}
+}
+
 void ScatterLod::set_cast_shadow(CastShadow p_setting) {
 	if (accept_number(class_name, "cast_shadow", static_cast<double>(p_setting), CAST_SHADOW_LAYER,
 				CAST_SHADOW_SHADOWS_ONLY) &&
@@ -55,6 +62,8 @@ void ScatterLod::_bind_methods() {
 	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh"));
 	bind_guarded<&Self::set_distance>(D_METHOD("set_distance", "distance"));
 	bind_guarded<&Self::get_distance>(D_METHOD("get_distance"));
+	bind_guarded<&Self::set_density>(D_METHOD("set_density", "density"));
+	bind_guarded<&Self::get_density>(D_METHOD("get_density"));
 	bind_guarded<&Self::set_cast_shadow>(D_METHOD("set_cast_shadow", "setting"));
 	bind_guarded<&Self::get_cast_shadow>(D_METHOD("get_cast_shadow"));
 	bind_guarded<&Self::set_shadow_mesh>(D_METHOD("set_shadow_mesh", "mesh"));
@@ -62,6 +71,8 @@ void ScatterLod::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "mesh", PROPERTY_HINT_RESOURCE_TYPE, "Mesh"), "set_mesh", "get_mesh");
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "distance", PROPERTY_HINT_RANGE, "0,4096,0.1,or_greater,exp,suffix:m"),
 			"set_distance", "get_distance");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::FLOAT, "density", PROPERTY_HINT_RANGE, "0,1,0.001"), "set_density", "get_density");
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "cast_shadow", PROPERTY_HINT_ENUM,
 						 "As the Layer:-1,Off:0,On:1,Double-Sided:2,Shadows Only:3"),
 			"set_cast_shadow", "get_cast_shadow");

@@ -40,6 +40,10 @@ public:
 	void set_shadow_mesh(const godot::Ref<godot::Mesh> &p_mesh);
 	godot::Ref<godot::Mesh> get_shadow_mesh() const { return shadow_mesh_; }
 
+	/// Share of the instances that are drawn while this LOD is, 0 to 1.
+	void set_density(double p_density);
+	double get_density() const { return density_; }
+
 	static constexpr const char *class_name = "ScatterLod";
 
 protected:
@@ -51,6 +55,7 @@ private:
 	godot::Ref<godot::Mesh> mesh_;
 	godot::Ref<godot::Mesh> shadow_mesh_;
 	double distance_ = 0.0;
+	double density_ = 1.0;
 	CastShadow cast_shadow_ = CAST_SHADOW_LAYER;
 };
 

@@ -31,6 +31,7 @@ struct DisplayedTile {
 		glm::vec3 max{0.0f};
 		LodSpan span;             ///< The LODs that are wanted,
 		std::size_t lod = 0;      ///< and the one that is drawn alone as long as not all of these have a visual.
+		double density = 1.0;     ///< What is left by thinning, quality and the limit for all tiles, whatever the LOD.
 		float scale = 1.0F;       ///< What TileVisual::set_scale was told.
 		std::size_t drawn = 0;    ///< How many of the instances the visual draws,
 		std::uint64_t wanted = 0; ///< and would draw without a limit for all tiles together.

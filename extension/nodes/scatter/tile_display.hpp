@@ -165,7 +165,10 @@ private:
 	bool draw_cells(const TileKey &key, DisplayedTile &r_tile, double &r_margin);
 	bool draw_cell(
 			const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell);
-	void show_lods(const Drawing &drawing, const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell);
+	static const MeshLook &first_look(
+			const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell);
+	void show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks, const DisplayedTile::Part &part,
+			DisplayedTile::Cell &r_cell);
 	void add_other(const TileKey &key, const DisplayedTile &tile, std::size_t mesh, DisplayedTile::Part &r_part,
 			std::size_t cell);
 	bool wants_visuals(const TileKey &key, const DisplayedTile &tile) const;

@@ -30,8 +30,20 @@ private:
 
 } // namespace
 
-/// Draws the LODs that are wanted, if all of them have a visual; else the one that is to be drawn alone.
-void TileDisplay::show_lods(const Drawing &drawing, const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell) {
+/// What the visual is drawn by that each cell has: the first of the LODs that are wanted, if all of them have a visual; else the one that is to be
+/// drawn alone.
+const MeshLook &TileDisplay::first_look(
+		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
+	if (!drawing.fades) {
+		return part.lods[std::min(cell.lod, part.lods.size() - 1)];
+	}
+	const bool complete = cell.others.size() >= drawing.chain.looks_beyond_first(cell.span);
+	return complete ? drawing.chain.look(cell.span, 0) : drawing.chain.only_look(cell.span, cell.lod);
+}
+
+/// Draws these looks, and lets go of visuals that are wanted no longer. `ranks` are those of the cell.
+void TileDisplay::show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks,
+		const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell) {
 	const std::size_t others = drawing.fades ? drawing.chain.looks_beyond_first(r_cell.span) : 0;
 	while (r_cell.others.size() > others) {
 		r_cell.others.back().set_visible(false);
@@ -39,23 +51,21 @@ void TileDisplay::show_lods(const Drawing &drawing, const DisplayedTile::Part &p
 		r_cell.others.pop_back();
 		multimeshes_ -= part.multimeshes_of_a_cell();
 	}
-	const bool complete = r_cell.others.size() == others;
-	if (!drawing.fades) {
-		r_cell.visual.set_look(part.lods[std::min(r_cell.lod, part.lods.size() - 1)]);
-	} else if (!complete) {
-		r_cell.visual.set_look(drawing.chain.only_look(r_cell.span, r_cell.lod));
-	} else {
-		r_cell.visual.set_look(drawing.chain.look(r_cell.span, 0));
-	}
+	const MeshLook &first = first_look(drawing, part, r_cell);
+	r_cell.visual.set_look(first);
 	r_cell.visual.set_scale(r_cell.scale);
 	r_cell.visual.set_drawn(r_cell.drawn);
+	const bool complete = r_cell.others.size() == others;
+	const bool cut = r_cell.drawn < visible_prefix(ranks, r_cell.density * first.density);
 	for (std::size_t index = 0; index < r_cell.others.size(); ++index) {
 		TileVisual &other = r_cell.others[index];
 		if (complete) {
-			other.set_look(drawing.chain.look(r_cell.span, index + 1));
+			const MeshLook &look = drawing.chain.look(r_cell.span, index + 1);
+			const std::size_t due = visible_prefix(ranks, r_cell.density * look.density);
+			other.set_look(look);
+			other.set_drawn(cut ? std::min(due, r_cell.drawn) : due);
 		}
 		other.set_scale(r_cell.scale);
-		other.set_drawn(r_cell.drawn);
 		other.set_visible(visible_ && complete);
 	}
 }
@@ -67,7 +77,7 @@ bool TileDisplay::wants_visuals(const TileKey &key, const DisplayedTile &tile) c
 		const DisplayedTile::Part &part = tile.parts[mesh];
 		const bool room = multimeshes_ + part.multimeshes_of_a_cell() <= limits_.max_multimeshes;
 		const auto lacks = [&drawing](const DisplayedTile::Cell &cell) {
-			return cell.drawn > 0 && cell.others.size() < drawing.chain.looks_beyond_first(cell.span);
+			return cell.density > 0.0 && cell.others.size() < drawing.chain.looks_beyond_first(cell.span);
 		};
 		if (drawing.fades && room && std::ranges::any_of(part.cells, lacks)) {
 			return true;
@@ -85,7 +95,7 @@ bool TileDisplay::upload_others(const TileKey &key, DisplayedTile &r_tile) {
 		const std::size_t more = part.multimeshes_of_a_cell();
 		for (std::size_t at = 0; drawing.fades && at < part.cells.size(); ++at) {
 			DisplayedTile::Cell &cell = part.cells[at];
-			const std::size_t wanted = cell.drawn > 0 ? drawing.chain.looks_beyond_first(cell.span) : 0;
+			const std::size_t wanted = cell.density > 0.0 ? drawing.chain.looks_beyond_first(cell.span) : 0;
 			while (cell.others.size() < wanted && multimeshes_ + more <= limits_.max_multimeshes) {
 				if (limit.is_reached()) {
 					return false;
@@ -93,7 +103,7 @@ bool TileDisplay::upload_others(const TileKey &key, DisplayedTile &r_tile) {
 				add_other(key, r_tile, mesh, part, at);
 				multimeshes_ += more;
 				limit.add(part.ranks_of(at).size());
-				show_lods(drawing, part, cell);
+				show_lods(drawing, part.ranks_of(at), part, cell);
 			}
 		}
 	}

@@ -52,12 +52,11 @@ void TileDisplay::count_drawn(DrawCounter &r_counter) const {
 		const glm::dvec3 origin = tile.tile->origin;
 		for (const DisplayedTile::Part &part : tile.parts) {
 			for (const DisplayedTile::Cell &cell : part.cells) {
-				const std::size_t drawn = visible_ ? cell.drawn : 0;
 				const glm::dvec3 min = origin + glm::dvec3(cell.min);
 				const glm::dvec3 max = origin + glm::dvec3(cell.max);
-				r_counter.add(cell.visual.mesh(), drawn, min, max);
+				r_counter.add(cell.visual.mesh(), visible_ ? cell.drawn : 0, min, max);
 				for (const TileVisual &other : cell.others) {
-					r_counter.add(other.mesh(), drawn, min, max);
+					r_counter.add(other.mesh(), visible_ ? other.drawn() : 0, min, max);
 				}
 			}
 		}
@@ -206,19 +205,21 @@ bool TileDisplay::draw_cell(
 		const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell_index) {
 	DisplayedTile::Cell &cell = r_part.cells[cell_index];
 	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
-	const double density = thinned_density(drawing.lod, distance.near);
-	wanted_ -= std::exchange(cell.wanted, visible_prefix(ranks, density * limits_.quality));
-	wanted_ += cell.wanted;
-	drawn_ -= cell.drawn;
-	const std::uint64_t due = visible_prefix(ranks, density * limits_.quality * share_);
-	const std::uint64_t room = limits_.max_instances - std::min(limits_.max_instances, drawn_);
-	cell.drawn = static_cast<std::size_t>(std::min(due, room));
-	drawn_ += cell.drawn;
-	cell.scale = static_cast<float>(compensating_scale(drawing.lod, density));
+	const double thinned = thinned_density(drawing.lod, distance.near);
+	cell.scale = static_cast<float>(compensating_scale(drawing.lod, thinned));
+	cell.density = thinned * limits_.quality * share_;
 	cell.lod = lod_at(drawing.lod, distance.near, cell.lod);
 	cell.span = drawing.fades ? lod_span(drawing.lod, drawing.chain.steps(), distance, cell.span)
 							  : LodSpan{cell.lod, cell.lod, false};
-	show_lods(drawing, r_part, cell);
+	const double of_lod = first_look(drawing, r_part, cell).density;
+	wanted_ -= std::exchange(cell.wanted, visible_prefix(ranks, thinned * limits_.quality * of_lod));
+	wanted_ += cell.wanted;
+	drawn_ -= cell.drawn;
+	const std::uint64_t due = visible_prefix(ranks, cell.density * of_lod);
+	const std::uint64_t room = limits_.max_instances - std::min(limits_.max_instances, drawn_);
+	cell.drawn = static_cast<std::size_t>(std::min(due, room));
+	drawn_ += cell.drawn;
+	show_lods(drawing, ranks, r_part, cell);
 	return cell.drawn == due;
 }
 

@@ -119,9 +119,9 @@ void TileVisual::free() {
 
 void TileVisual::apply(const LayerDrawing &drawing) {
 	// Every member is named, so that nobody adds one without a look at this function.
-	const auto &[meshes, lod_meshes, shadows, lod_shadows, fades, lod_fades, surfaces, boxes, mesh_reach, cell_size,
-			material, cast_shadow, gi_mode, render_layers, lod_bias, margin, begin, begin_margin, end, end_margin,
-			fade_mode] = drawing;
+	const auto &[meshes, lod_meshes, shadows, lod_shadows, densities, lod_densities, fades, lod_fades, surfaces, boxes,
+			mesh_reach, cell_size, material, cast_shadow, gi_mode, render_layers, lod_bias, margin, begin, begin_margin,
+			end, end_margin, fade_mode] = drawing;
 	RenderingServer *server = RenderingServer::get_singleton();
 	const bool is_static = gi_mode == gi_static;
 	const bool is_dynamic = gi_mode == gi_dynamic;

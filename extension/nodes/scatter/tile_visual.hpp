@@ -63,6 +63,7 @@ public:
 	godot::PackedFloat32Array read_back() const;
 
 	godot::RID multimesh() const { return drawn_by_.multimesh; }
+	std::size_t drawn() const { return drawn_; }
 	const godot::Ref<godot::Mesh> &mesh() const { return drawn_by_.mesh; }
 
 private:
