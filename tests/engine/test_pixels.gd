@@ -121,6 +121,97 @@ func test_boxes_around_tiles_hold_their_meshes() -> void:
 	check(not seen_at.call(60.0), "boxes end somewhere")
 
 
+## Up to which height the renderer takes something of a node for in sight, in meters.
+func top_of(scatter: TerrainScatter3D) -> float:
+	var low := 0.0
+	var high := 100.0
+	while high - low > 1e-3:
+		var middle := 0.5 * (low + high)
+		var box := AABB(Vector3(-10.0, middle, -10.0), Vector3(20.0, 100.0, 20.0))
+		if scatter.get_instance_id() in RenderingServer.instances_cull_aabb(box, root.world_3d.scenario):
+			low = middle
+		else:
+			high = middle
+	return low
+
+
+func foliage(parameters: Dictionary) -> ShaderMaterial:
+	var material := (load("res://addons/thicket/shaders/foliage.tres") as ShaderMaterial).duplicate() as ShaderMaterial
+	for parameter: StringName in parameters:
+		material.set_shader_parameter(parameter, parameters[parameter])
+	return material
+
+
+## The same for a new node whose layer `edit` has changed: the renderer rounds a box up where it grows.
+func top_with(edit: Callable) -> float:
+	var scatter := make_view()
+	edit.call(scatter.layers[0])
+	await settle(scatter)
+	var top := top_of(scatter)
+	scatter.free()
+	return top
+
+
+func test_boxes_of_plants_hold_their_sway() -> void:
+	var still: float = await top_with(func(_layer: ScatterLayer) -> void: pass)
+	var grown_by := func(wanted: float, what: String, edit: Callable) -> void:
+		var grown: float = await top_with(edit) - still
+		check(absf(grown - wanted) < 0.01, "%s: %f m instead of %f" % [what, grown, wanted])
+	var sways_by := func(wanted: float, what: String, material: Material) -> void:
+		await grown_by.call(wanted, what, func(layer: ScatterLayer) -> void: layer.material_override = material)
+	var swaying := {&"wind_sway": 1.0, &"wind_flutter": 0.25, &"bend_reach": 0.5}
+	await sways_by.call((0.12 + 0.03) * 2.0 + 0.4, "the shader's own numbers", foliage({}))
+	await sways_by.call(3.0, "what a material says", foliage(swaying))
+	await sways_by.call(5.5, "a stronger wind", foliage(swaying.merged({&"wind_strength": 4.0})))
+	await sways_by.call(0.0, "numbers that move nothing",
+			foliage({&"wind_sway": -1.0, &"wind_flutter": NAN, &"bend_reach": -1.0}))
+	await sways_by.call(0.0, "another material", plain(RED))
+	await grown_by.call(4.5, "and a margin of the layer's own", func(layer: ScatterLayer) -> void:
+		layer.material_override = foliage(swaying)
+		layer.extra_cull_margin = 1.5)
+	await grown_by.call(3.0, "the mesh of an LOD", func(layer: ScatterLayer) -> void:
+		var coarse := BoxMesh.new()
+		coarse.material = foliage(swaying)
+		layer.lod_meshes = [coarse]
+		layer.lod_distances = PackedFloat32Array([1000.0]))
+
+
+func test_boxes_follow_a_sway_when_the_layer_changes() -> void:
+	var scatter := make_view()
+	var layer := scatter.layers[0] as ScatterLayer
+	layer.material_override = foliage({})
+	await settle(scatter)
+	var top := top_of(scatter)
+	var uploads: int = scatter.get_stats().uploads
+	layer.material_override.set_shader_parameter(&"bend_reach", 30.0)
+	await settle(scatter)
+	check_equal(top_of(scatter), top, "the material tells nobody, so the top")
+	layer.emit_changed()
+	await settle(scatter)
+	check(top_of(scatter) > 30.0, "the layer looks at it again")
+	check_equal(scatter.get_stats().uploads, uploads, "uploads: a margin needs none")
+
+
+func test_materials_of_a_layer() -> void:
+	var scatter := make_view()
+	var layer := scatter.layers[0] as ScatterLayer
+	var near: Material = (layer.meshes[0] as BoxMesh).material
+	var coarse := BoxMesh.new()
+	coarse.material = foliage({})
+	var lod := ScatterLod.new()
+	lod.mesh = BoxMesh.new()
+	lod.shadow_mesh = BoxMesh.new()
+	(lod.shadow_mesh as BoxMesh).material = plain(GREEN)
+	var model := ScatterModel.new()
+	model.lods = [lod]
+	layer.meshes = [layer.meshes[0], null, model, layer.meshes[0]]
+	layer.lod_meshes = [coarse, null, null, coarse]
+	layer.lod_distances = PackedFloat32Array([50.0])
+	check_equal(layer.get_materials(), [near, coarse.material, lod.shadow_mesh.material] as Array[Material], "materials")
+	layer.material_override = plain(GREEN)
+	check_equal(layer.get_materials(), [layer.material_override] as Array[Material], "materials, overridden")
+
+
 func picture() -> Image:
 	await frames(3)
 	await RenderingServer.frame_post_draw

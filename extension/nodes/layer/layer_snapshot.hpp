@@ -69,7 +69,7 @@ struct LayerDrawing {
 	std::int64_t gi_mode = 1;
 	std::int64_t render_layers = 1;
 	double lod_bias = 1.0;
-	double extra_cull_margin = 0.0;
+	double extra_cull_margin = 0.0; ///< Meters; in a snapshot, sway_reach of the materials is added to the property.
 	double visibility_range_begin = 0.0;
 	double visibility_range_begin_margin = 0.0;
 	double visibility_range_end = 0.0;

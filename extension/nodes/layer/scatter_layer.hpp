@@ -184,6 +184,9 @@ public:
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
 
+	/// The materials that instances are drawn with, each once: see materials_of.
+	godot::TypedArray<godot::Material> get_materials() const;
+
 	/// What an instance's place on the gradient follows, and what its variation; and for a distance, the layer that is meant, as
 	/// for set_proximity_layer.
 	void set_color_source(ValueSource p_source);

@@ -1,5 +1,6 @@
 // How it is drawn: the properties of the group Drawing.
 
+#include "nodes/layer/layer_materials.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 using namespace godot;
@@ -8,7 +9,7 @@ namespace thicket {
 
 namespace {
 
-constexpr NumberProperty extra_cull_margin{"extra_cull_margin", &LayerDrawing::extra_cull_margin, 0.0, 16384.0,
+constexpr NumberProperty extra_cull_margin{"extra_cull_margin", &LayerDrawing::extra_cull_margin, 0.0, max_cull_margin,
 		PROPERTY_HINT_RANGE, "0,16384,0.01,exp,suffix:m"};
 constexpr NumberProperty visibility_range_begin{"visibility_range_begin", &LayerDrawing::visibility_range_begin, 0.0,
 		farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,exp,suffix:m"};
@@ -39,6 +40,18 @@ void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
 
 Ref<Material> ScatterLayer::get_material_override() const { return material_override_; }
 
+TypedArray<Material> ScatterLayer::get_materials() const {
+	LayerDrawing drawing;
+	LodSettings lod;
+	drawing.material_override = material_override_;
+	meshes_.draw(lod_meshes_, lod_distances_, drawing, lod);
+	TypedArray<Material> result;
+	for (const Ref<Material> &material : materials_of(drawing)) {
+		result.push_back(material);
+	}
+	return result;
+}
+
 void ScatterLayer::bind_drawing() {
 	ADD_GROUP("Drawing", "");
 	bind_guarded<&ScatterLayer::set_material_override>(D_METHOD("set_material_override", "material"));
@@ -46,6 +59,7 @@ void ScatterLayer::bind_drawing() {
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "material_override", PROPERTY_HINT_RESOURCE_TYPE,
 						 "BaseMaterial3D,ShaderMaterial"),
 			"set_material_override", "get_material_override");
+	bind_guarded<&ScatterLayer::get_materials>(D_METHOD("get_materials"));
 	bind_integer<cast_shadow>();
 	bind_integer<gi_mode>();
 	bind_integer<render_layers>();

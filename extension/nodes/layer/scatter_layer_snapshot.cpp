@@ -1,6 +1,7 @@
 // What a layer is at this moment: the parts in which its single properties are kept, and what is made of its resources and
 // lists.
 
+#include "nodes/layer/layer_materials.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/mesh_fades.hpp"
 
@@ -40,6 +41,12 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	}
 }
 
+/// To the margin, and not to the boxes: distances are measured to those, and how far a plant may lean changes none.
+void add_sway(LayerDrawing &r_drawing) {
+	r_drawing.extra_cull_margin =
+			std::min(r_drawing.extra_cull_margin + sway_reach(materials_of(r_drawing)), max_cull_margin);
+}
+
 /// How finely the tiles are divided near viewers. Rules do not count: a slider that moves one uploads nothing anew for this.
 CellSettings cells_of(const LayerSettings &settings, double tile_size, const LayerDrawing &drawing) {
 	const float reach = drawing.mesh_reach.empty() ? 0.0F : std::ranges::max(drawing.mesh_reach);
@@ -62,6 +69,7 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	add_boxes(result.lod, result.drawing);
 	result.lod.sight_end = result.range.view_distance;
 	add_fades(result.drawing);
+	add_sway(result.drawing);
 	result.cells = cells_of(*result.settings, result.range.tile_size, result.drawing);
 	result.gameplay = gameplay();
 	result.links = links();

@@ -1,0 +1,92 @@
+#include "nodes/layer/layer_materials.hpp"
+
+#include <godot_cpp/classes/rendering_server.hpp>
+#include <godot_cpp/classes/shader.hpp>
+#include <godot_cpp/classes/shader_material.hpp>
+#include <godot_cpp/core/object.hpp>
+#include <godot_cpp/variant/string_name.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr double strongest_wind = 2.0; ///< The end of the range of wind_strength, in the shader and in FoliageWorld.
+
+void add_materials(const Ref<Mesh> &mesh, std::vector<Ref<Material>> &r_materials) {
+	const int32_t surfaces = mesh.is_valid() ? mesh->get_surface_count() : 0;
+	for (int32_t surface = 0; surface < surfaces; ++surface) {
+		const Ref<Material> material = mesh->surface_get_material(surface);
+		if (material.is_valid() && std::ranges::find(r_materials, material) == r_materials.end()) {
+			r_materials.push_back(material);
+		}
+	}
+}
+
+bool is_number(const Variant &p_value) {
+	return p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
+}
+
+/// What a material says of a uniform of its shader, 0 or more; 0 for one that is no number.
+double parameter(const ShaderMaterial &material, const Variant &p_default, const StringName &p_name) {
+	const Variant own = material.get_shader_parameter(p_name);
+	return std::max(0.0, static_cast<double>(is_number(own) ? own : p_default)); // This order turns NAN into 0.
+}
+
+double sway_reach_of(const ShaderMaterial &material) {
+	constexpr std::array names{"wind_sway", "wind_flutter", "bend_reach", "wind_strength"};
+	const Ref<Shader> shader = material.get_shader();
+	if (shader.is_null()) {
+		return 0.0;
+	}
+	std::array<double, names.size()> values{};
+	for (std::size_t at = 0; at < names.size(); ++at) {
+		const Variant by_shader =
+				RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), names[at]);
+		if (!is_number(by_shader)) {
+			return 0.0; // Another shader.
+		}
+		values[at] = parameter(material, by_shader, names[at]);
+	}
+	const auto [sway, flutter, bend, strength] = values;
+	return (sway + flutter) * std::max(strength, strongest_wind) + bend;
+}
+
+} // namespace
+
+std::vector<Ref<Material>> materials_of(const LayerDrawing &drawing) {
+	std::vector<Ref<Material>> materials;
+	if (drawing.material_override.is_valid()) {
+		materials.push_back(drawing.material_override);
+		return materials;
+	}
+	for (const std::vector<Ref<Mesh>> *meshes : {&drawing.meshes, &drawing.lod_meshes}) {
+		for (const Ref<Mesh> &mesh : *meshes) {
+			add_materials(mesh, materials);
+		}
+	}
+	for (const std::vector<MeshShadow> *shadows : {&drawing.shadows, &drawing.lod_shadows}) {
+		for (const MeshShadow &shadow : *shadows) {
+			add_materials(shadow.mesh, materials);
+		}
+	}
+	return materials;
+}
+
+double sway_reach(std::span<const Ref<Material>> materials) {
+	double farthest = 0.0;
+	for (const Ref<Material> &material : materials) {
+		if (const auto *swaying = Object::cast_to<ShaderMaterial>(material.ptr())) {
+			farthest = std::max(farthest, sway_reach_of(*swaying));
+		}
+	}
+	return std::min(farthest, max_cull_margin);
+}
+
+} // namespace thicket
