@@ -82,6 +82,58 @@ func test_shadows_are_those_of_the_scene() -> void:
 	check(difference(plain, other) > 0.02, "other shadows: %f" % difference(plain, other))
 
 
+## A layer of small boxes all of which are so far away that their second LOD is drawn, which looks as the first one does.
+func make_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShadow) -> TerrainScatter3D:
+	var camera := make_stage()
+	camera.look_at_from_position(Vector3(-4, 9, -4), Vector3.ZERO)
+	var mesh := box(Vector3(0.4, 0.6, 0.4), null)
+	var model := ScatterModel.new()
+	var near := ScatterLod.new()
+	near.mesh = mesh
+	var far := ScatterLod.new()
+	far.mesh = mesh
+	far.distance = lod_distance
+	far.cast_shadow = shadow
+	model.lods = [near, far]
+	var layer := make_layer(radius)
+	layer.meshes = [model]
+	layer.view_distance = 20.0
+	return make_scatter([layer], ScatterTerrainFlat.new(), camera)
+
+
+## How much of the picture of such a layer its shadows change.
+func shadow_of_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShadow,
+		by_layer := GeometryInstance3D.SHADOW_CASTING_SETTING_ON) -> float:
+	var scatter := make_meadow(radius, lod_distance, shadow)
+	var layer := scatter.layers[0] as ScatterLayer
+	layer.cast_shadow = by_layer
+	await settle(scatter)
+	var cast: Image = await take_picture()
+	var made: int = scatter.get_stats().tiles_made
+	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	((layer.meshes[0] as ScatterModel).lods[1] as ScatterLod).cast_shadow = ScatterLod.CAST_SHADOW_LAYER
+	await settle(scatter)
+	if shadow == ScatterLod.CAST_SHADOW_LAYER:
+		check_equal(scatter.get_stats().tiles_made, made, "tiles made, the layer's shadows are another matter")
+	var without: Image = await take_picture()
+	await clean()
+	return difference(cast, without)
+
+
+func test_far_lods_of_a_dense_layer_cast_no_shadow_unless_somebody_says_so() -> void:
+	var by_itself := ScatterLod.CAST_SHADOW_LAYER
+	check_equal(await shadow_of_meadow(0.8, 7.0, by_itself), 0.0, "shadow of a meadow")
+	var shadows := {
+		"of an LOD that begins near": await shadow_of_meadow(0.8, 5.0, by_itself),
+		"of a layer that is not dense": await shadow_of_meadow(0.9, 7.0, by_itself),
+		"of an LOD that is to cast one": await shadow_of_meadow(0.8, 7.0, ScatterLod.CAST_SHADOW_ON),
+		"of a layer that says more than on":
+			await shadow_of_meadow(0.8, 7.0, by_itself, GeometryInstance3D.SHADOW_CASTING_SETTING_DOUBLE_SIDED),
+	}
+	for what: String in shadows:
+		check(shadows[what] > 0.05, "the shadow %s changes %f of the picture" % [what, shadows[what]])
+
+
 ## Checks that what is scattered of a scene looks as the scenes do, and returns the picture.
 func compare(packed: PackedScene) -> Image:
 	var camera := make_stage()

@@ -23,7 +23,19 @@ namespace thicket {
 /// What casts the shadow of a mesh while that is drawn.
 struct MeshShadow {
 	godot::Ref<godot::Mesh> mesh; ///< In place of the mesh that is drawn; null for that itself.
-	std::int64_t setting = -1;    ///< GeometryInstance3D.ShadowCastingSetting; -1 for the layer's.
+	std::int64_t setting = -1;    ///< GeometryInstance3D.ShadowCastingSetting, or one of these:
+
+	static constexpr std::int64_t as_layer = -1;
+	static constexpr std::int64_t as_layer_unless_on =
+			-2; ///< None where the layer says no more than "on", its default.
+
+	/// The setting for a layer with this one.
+	std::int64_t setting_in(std::int64_t layer_setting) const {
+		constexpr std::int64_t off = 0;
+		constexpr std::int64_t on = 1;
+		const bool left_out = setting == as_layer_unless_on && layer_setting == on;
+		return left_out ? off : setting < 0 ? layer_setting : setting;
+	}
 
 	friend bool operator==(const MeshShadow &, const MeshShadow &) = default;
 };

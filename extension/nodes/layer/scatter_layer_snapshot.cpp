@@ -1,6 +1,8 @@
 // What a layer is at this moment: the parts in which its single properties are kept, and what is made of its resources and
 // lists.
 
+#include "core/model/lod_shadow.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/layer/layer_materials.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/mesh_fades.hpp"
@@ -41,6 +43,20 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	}
 }
 
+/// Shadows of LODs of which nobody says whether they cast one: see casts_shadow. A mesh that was given for the shadow says so.
+void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
+	const double density = point_density(settings.set) * settings.rules.density;
+	for (std::size_t index = 0; index < r_drawing.lod_shadows.size(); ++index) {
+		MeshShadow &shadow = r_drawing.lod_shadows[index];
+		const std::size_t entries = r_drawing.meshes.size();
+		const glm::dvec3 size = to_core(r_drawing.boxes[index % entries].size) * double{settings.placement.max_scale};
+		const bool open = shadow.setting == MeshShadow::as_layer && shadow.mesh.is_null();
+		if (open && !casts_shadow({size, density, lod.lod_distances[index / entries]})) {
+			shadow.setting = MeshShadow::as_layer_unless_on;
+		}
+	}
+}
+
 /// To the margin, and not to the boxes: distances are measured to those, and how far a plant may lean changes none.
 void add_sway(LayerDrawing &r_drawing) {
 	r_drawing.extra_cull_margin =
@@ -69,6 +85,7 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	add_boxes(result.lod, result.drawing);
 	result.lod.sight_end = result.range.view_distance;
 	add_fades(result.drawing);
+	leave_out_shadows(*result.settings, result.lod, result.drawing);
 	add_sway(result.drawing);
 	result.cells = cells_of(*result.settings, result.range.tile_size, result.drawing);
 	result.gameplay = gameplay();

@@ -148,7 +148,7 @@ void TileVisual::apply(const LayerDrawing &drawing) {
 /// Where another mesh casts the shadow, that does nothing else, and the mesh that is drawn casts none.
 void TileVisual::apply_shadows() {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const std::int64_t setting = look_shadow_ >= 0 ? look_shadow_ : layer_shadow_;
+	const std::int64_t setting = MeshShadow{{}, look_shadow_}.setting_in(layer_shadow_);
 	const auto engine_setting = static_cast<RenderingServer::ShadowCastingSetting>(setting);
 	server->instance_geometry_set_cast_shadows_setting(
 			drawn_by_.instance, casts_apart_ ? RenderingServer::SHADOW_CASTING_SETTING_OFF : engine_setting);

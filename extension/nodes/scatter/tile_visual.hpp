@@ -95,7 +95,7 @@ private:
 	Handle drawn_by_;
 	Handle shadow_by_;              ///< Of another mesh that casts the shadow, if any of the looks has one.
 	std::int64_t layer_shadow_ = 1; ///< GeometryInstance3D.ShadowCastingSetting, of the layer;
-	std::int64_t look_shadow_ = -1; ///< of the look, -1 for the layer's.
+	std::int64_t look_shadow_ = -1; ///< of the look, as MeshShadow has it.
 	bool casts_apart_ = false;      ///< The look that is drawn has a mesh of its own for the shadow.
 	bool visible_ = false;
 	godot::Ref<godot::Material> material_;

@@ -1,0 +1,52 @@
+// Which levels of detail cast a shadow by themselves.
+
+#include "core/model/lod_shadow.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+using namespace thicket;
+
+namespace {
+
+constexpr glm::dvec3 grass{0.3, 0.5, 0.3};
+constexpr glm::dvec3 spruce{4.0, 12.0, 4.0};
+constexpr double meadow = 6.8; // A radius of 0.32 m.
+constexpr double forest = 0.02;
+
+} // namespace
+
+TEST_CASE("lod shadows: dense and small, only what begins near casts one") {
+	CHECK(casts_shadow({grass, meadow, 0.0}));
+	CHECK(casts_shadow({grass, meadow, 4.9}));
+	CHECK_FALSE(casts_shadow({grass, meadow, 5.0}));
+	CHECK_FALSE(casts_shadow({grass, meadow, 60.0}));
+}
+
+TEST_CASE("lod shadows: what is not dense, or not small, casts that of each of its meshes") {
+	CHECK(casts_shadow({grass, 0.99, 60.0}));
+	CHECK_FALSE(casts_shadow({grass, 1.0, 60.0}));
+	CHECK(casts_shadow({{1.0, 2.0, 1.0}, meadow, 60.0}));
+	CHECK_FALSE(casts_shadow({{1.0, 1.99, 1.0}, meadow, 60.0}));
+	CHECK(casts_shadow({spruce, forest, 60.0}));
+	CHECK(casts_shadow({spruce, forest, 1500.0}));
+}
+
+TEST_CASE("lod shadows: none where a shadow is thinner than a pixel of its map") {
+	CHECK(casts_shadow({spruce, forest, 2048.0}));
+	CHECK_FALSE(casts_shadow({spruce, forest, 2049.0}));
+	CHECK_FALSE(casts_shadow({{0.1, 6.0, 0.1}, forest, 60.0})); // A pole, however tall,
+	CHECK(casts_shadow({{0.1, 0.1, 6.0}, forest, 50.0}));
+	CHECK(casts_shadow({{1.0, 0.0, 1.0}, forest, 500.0})); // but a leaf on a pond is as wide as it is.
+	CHECK_FALSE(casts_shadow({{1.0, 0.0, 1.0}, forest, 513.0}));
+	CHECK(casts_shadow({{0.0, 0.0, 0.0}, forest, 0.0}));
+}
+
+TEST_CASE("lod shadows: numbers that say nothing leave the shadow") {
+	constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+	CHECK(casts_shadow({{nan, nan, nan}, meadow, 60.0}));
+	CHECK(casts_shadow({grass, forest, nan}));
+	CHECK(casts_shadow({grass, nan, 60.0}));
+	CHECK(casts_shadow({{-1.0, -1.0, -1.0}, meadow, 60.0}));
+}
