@@ -238,6 +238,52 @@ def test_cross_fade(godot_xvfb, project, renderer):
     """LODs become each other pixel by pixel, and sight ends softly."""
     script = ENGINE / "test_cross_fade.gd"
     assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=240))
+FOLIAGE_SCENE = """[gd_scene format=3]
+
+[ext_resource type="Script" path="res://addons/thicket/shaders/foliage_world.gd" id="1"]
+
+[ext_resource type="Script" path="res://foliage_in_editor.gd" id="2"]
+
+[ext_resource type="Shader" path="res://addons/thicket/shaders/foliage.gdshader" id="3"]
+
+[sub_resource type="ShaderMaterial" id="found"]
+shader = ExtResource("3")
+
+[sub_resource type="ShaderMaterial" id="listed"]
+shader = ExtResource("3")
+shader_parameter/wind_strength = 0.75
+
+[sub_resource type="BoxMesh" id="box"]
+
+[sub_resource type="ScatterLayer" id="layer"]
+meshes = [SubResource("box")]
+material_override = SubResource("found")
+
+[node name="Root" type="Node3D"]
+
+[node name="Scatter" type="TerrainScatter3D" parent="."]
+layers = Array[ScatterLayer]([SubResource("layer")])
+
+[node name="World" type="Node3D" parent="."]
+script = ExtResource("1")
+materials = Array[ShaderMaterial]([SubResource("listed")])
+wind_strength = 0.5
+
+[node name="Watcher" type="Node" parent="."]
+script = ExtResource("2")
+"""
+
+
+def test_foliage_in_the_editor(godot_xvfb, project):
+    """The wind blows there, and no material is changed by it."""
+    (project / "foliage_in_editor.gd").write_text((ENGINE / "foliage_in_editor.gd").read_text())
+    (project / "foliage.tscn").write_text(FOLIAGE_SCENE)
+    done = godot_xvfb(["--editor", "--path", project, "foliage.tscn", "--quit-after", "20000"], timeout=120)
+    printed = done.stdout + done.stderr
+    assert "shown: [0.5, 0.5]\n" in printed, printed
+    assert re.search(r"^kept: \[(1.0|<null>), 0.75\]$", printed, re.MULTILINE), printed  # 1.0 is the shader's.
+    assert re.search(r"^without the world: \[(1.0|<null>), 0.75\]$", printed, re.MULTILINE), printed
+    assert done.returncode == 0, printed
 
 
 def test_draw_cells(godot_xvfb, project):

@@ -242,3 +242,95 @@ func test_the_world_node_hands_on_wind_and_bodies() -> void:
 	check_equal(one.get_shader_parameter(&"bend_count"), 16, "bodies, of 20")
 	var told: PackedVector4Array = one.get_shader_parameter(&"bend_bodies")
 	check_equal(told[3], Vector4(3.0, 0.0, 0.0, 0.6), "a body's place and radius")
+
+
+func world_node() -> Node:
+	var world: Node = (load("res://addons/thicket/shaders/foliage_world.gd") as GDScript).new()
+	world.set(&"wind_strength", 0.5)
+	return world
+
+
+func bush(of: Material) -> QuadMesh:
+	var mesh := QuadMesh.new()
+	mesh.material = of
+	return mesh
+
+
+## Which of them have the world's wind, after a frame in which it could look for them.
+func blown(them: Array) -> Array:
+	for one: ShaderMaterial in them:
+		one.set_shader_parameter(&"wind_strength", 0.0)
+	await frames(2)
+	return them.map(func(one: ShaderMaterial) -> bool: return one.get_shader_parameter(&"wind_strength") == 0.5)
+
+
+func test_the_world_node_finds_the_materials_of_scatters() -> void:
+	var plain := ShaderMaterial.new()
+	plain.shader = Shader.new()
+	plain.shader.code = "shader_type spatial; uniform float wind_strength = 1.0;"
+	var near := material({})
+	var far := material({})
+	var lod := ScatterLod.new()
+	lod.mesh = bush(near)
+	var model := ScatterModel.new()
+	model.lods = [lod]
+	var layer := make_layer(2.0)
+	layer.meshes = [model, bush(plain), null]
+	layer.lod_meshes = [bush(far), null, null]
+	layer.lod_distances = PackedFloat32Array([50.0])
+	var scatter := make_scatter([layer, null], ScatterTerrainFlat.new(), make_viewer(Vector3.ZERO))
+	var world := world_node()
+	root.add_child(world)
+	check_equal(await blown([near, far, plain]), [true, true, false], "of a model, of an LOD, and one with another shader")
+
+	var override := material({})
+	layer.material_override = override
+	check_equal(await blown([near, far, override]), [false, false, true], "with an override, it alone is drawn")
+	layer.material_override = null
+	lod.mesh = bush(override)
+	check_equal(await blown([near, far, override]), [false, true, true], "with another mesh in the model")
+
+	var late := material({})
+	var other := make_layer(3.0)
+	other.meshes = [bush(late)]
+	scatter.layers.append(other)
+	check_equal(await blown([override, late]), [true, true], "a layer that a script has appended")
+	world.set(&"include_scatters", false)
+	check_equal(await blown([override, late]), [false, false], "not asked to include scatters")
+	check(not layer.changed.is_connected(world.get(&"_on_layer_changed") as Callable), "it listens to no layer any more")
+	world.set(&"include_scatters", true)
+	check_equal(await blown([override, late]), [true, true], "asked to again")
+	root.remove_child(scatter)
+	check_equal(await blown([override, late]), [false, false], "a scatter outside of the tree")
+	root.add_child(scatter)
+	check_equal(await blown([override, late]), [true, true], "back again")
+	root.remove_child(world)
+	check_equal(await blown([override, late]), [false, false], "the world itself outside of the tree")
+	scatter.free()
+	root.add_child(world)
+	check_equal(await blown([override, late]), [false, false], "a scatter that was freed meanwhile")
+
+
+func test_the_world_node_reaches_the_presets() -> void:
+	var meadow := (load("res://addons/thicket/presets/meadow.tscn") as PackedScene).instantiate() as TerrainScatter3D
+	root.add_child(world_node())
+	root.add_child(meadow)
+	var found: Array = meadow.layers.map(func(layer: ScatterLayer) -> Material: return layer.get_materials()[0])
+	check_equal(await blown(found), [true, true, true], "bush, flowers and grass")
+
+
+## Without the node's looking for them, nothing of a layer is asked.
+func test_the_world_node_looks_again_only_after_a_change() -> void:
+	var layer := make_layer(2.0)
+	var first := material({})
+	layer.meshes = [bush(first)]
+	make_scatter([layer], ScatterTerrainFlat.new(), make_viewer(Vector3.ZERO))
+	root.add_child(world_node())
+	check_equal(await blown([first]), [true], "found")
+	var second := material({})
+	layer.set_block_signals(true)
+	layer.material_override = second
+	layer.set_block_signals(false)
+	check_equal(await blown([first, second]), [true, false], "nobody was told that the layer has changed")
+	layer.emit_changed()
+	check_equal(await blown([first, second]), [false, true], "now it was")
