@@ -238,6 +238,8 @@ def test_cross_fade(godot_xvfb, project, renderer):
     """LODs become each other pixel by pixel, and sight ends softly."""
     script = ENGINE / "test_cross_fade.gd"
     assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=240))
+
+
 FOLIAGE_SCENE = """[gd_scene format=3]
 
 [ext_resource type="Script" path="res://addons/thicket/shaders/foliage_world.gd" id="1"]

@@ -3,10 +3,10 @@
 #include "nodes/model/mesh_merge.hpp"
 
 #include <godot_cpp/classes/array_mesh.hpp>
+#include <godot_cpp/classes/rendering_server.hpp>
 #include <godot_cpp/classes/shader.hpp>
 #include <godot_cpp/classes/shader_material.hpp>
-#include <godot_cpp/variant/array.hpp>
-#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/variant.hpp>
 
 #include <cstdint>
 #include <map>
@@ -39,15 +39,10 @@ bool FadeFinder::has_fade(const Ref<ShaderMaterial> &material) {
 	if (shader.is_null()) {
 		return false;
 	}
-	const Array uniforms = shader->get_shader_uniform_list(false);
-	for (int64_t at = 0; at < uniforms.size(); ++at) {
-		const Dictionary uniform = uniforms[at];
-		if (StringName(uniform["name"]) == name) {
-			const Variant set = material->get_shader_parameter(name);
-			return set.get_type() != Variant::BOOL || static_cast<bool>(set);
-		}
-	}
-	return false;
+	const Variant by_shader = RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), name);
+	const Variant own = material->get_shader_parameter(name);
+	return by_shader.get_type() == Variant::BOOL &&
+			static_cast<bool>(own.get_type() == Variant::BOOL ? own : by_shader);
 }
 
 bool FadeFinder::fades(const Ref<Material> &material) {
