@@ -7,8 +7,8 @@ const LOW := Color(0.08, 0.15, 0.035, 0.5)
 const HIGH := Color(0.25, 0.37, 0.09, 1.0)
 
 
-## Fills [param mesh] with the fern that [param variant] names.
-static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+## The fern that [param variant] names.
+static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 900 + variant
 	var builder := Builder.new()
@@ -16,7 +16,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	_fronds(builder, 9, 4, rng)
 	builder.begin_level()
 	_fronds(builder, 6, 2, rng)
-	builder.commit(mesh, PackedFloat32Array([22.0]), material)
+	builder.end(PackedFloat32Array([22.0]))
+	return builder
 
 
 static func _fronds(builder: Builder, count: int, segments: int, rng: RandomNumberGenerator) -> void:

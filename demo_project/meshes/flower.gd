@@ -7,8 +7,8 @@ const PETALS: Array[Color] = [Color(0.85, 0.83, 0.76), Color(0.86, 0.6, 0.06), C
 const HEART := Color(0.7, 0.42, 0.03)
 
 
-## Fills [param mesh] with the flowers that [param variant] names.
-static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+## The flowers that [param variant] names.
+static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 1100 + variant
 	var color := PETALS[variant % PETALS.size()]
@@ -17,7 +17,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	_flowers(builder, 9, 6, 0.05, color, rng)
 	builder.begin_level()
 	_flowers(builder, 5, 4, 0.075, color, rng)
-	builder.commit(mesh, PackedFloat32Array([16.0]), material)
+	builder.end(PackedFloat32Array([16.0]))
+	return builder
 
 
 static func _flowers(builder: Builder, count: int, petals: int, size: float, color: Color,

@@ -7,8 +7,8 @@ const HIGH := Color(0.3, 0.4, 0.1, 1.0)
 const DRY := Color(0.5, 0.44, 0.2, 1.0)
 
 
-## Fills [param mesh] with the tuft that [param variant] names; odd ones are lower and denser, and carry no dry stalks.
-static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+## The tuft that [param variant] names; odd ones are lower and denser, and carry no dry stalks.
+static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 700 + variant
 	var lush := variant % 2 == 1
@@ -19,7 +19,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	_blades(builder, 14, 0.4 if lush else 0.6, 0.026, false, 0, rng)
 	builder.begin_level()
 	_blades(builder, 6, 0.38 if lush else 0.55, 0.05, false, 0, rng)
-	builder.commit(mesh, PackedFloat32Array([18.0, 40.0]), material)
+	builder.end(PackedFloat32Array([18.0, 40.0]))
+	return builder
 
 
 static func _blades(builder: Builder, count: int, height: float, width: float, bent: bool, stalks: int,

@@ -1,8 +1,8 @@
 extends RefCounted
-## Collects the triangles of one plant or stone, level of detail by level of detail, and writes them into an
-## [ArrayMesh].
+## Collects the triangles of one plant or stone, level of detail by level of detail, and makes meshes of them: one for each level, or
+## one with all levels.
 ##
-## All levels share one vertex array and one surface; a level is an index list, which the engine picks by distance, for
+## In one mesh all levels share one vertex array and one surface; a level is an index list, which the engine picks by distance, for
 ## the instances of a MultiMesh as well. Vertex data as the demo's shaders read it: COLOR.rgb albedo
 ## (sRGB), COLOR.a ambient occlusion 0..1, UV into [code]leaf_atlas.gd[/code],
 ## UV2.x sway 0..1 (how far the wind moves the vertex), UV2.y a phase 0..1 that differs from twig to twig.
@@ -23,6 +23,7 @@ var _colors := PackedColorArray()
 var _uvs := PackedVector2Array()
 var _uv2s := PackedVector2Array()
 var _levels: Array[PackedInt32Array] = []
+var _distances := PackedFloat32Array()
 
 
 ## Starts the next coarser level; the first call starts level 0.
@@ -124,12 +125,63 @@ func cone(base: Vector3, radius: float, height: float, sides: int, notch: float,
 		triangle(apex, first + i, first + (i + 1) % sides)
 
 
-## Writes the collected levels as one surface. [param distances] are the meters (at 1280 pixels of width and an instance
-## scale of 1) beyond which level 1, 2, ... are drawn; one fewer than the levels. Levels finer than the mesh's
-## [code]finest_level[/code] are left out, but never the last.
-func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) -> void:
+## Says beyond which distances level 1, 2, ... are drawn, in meters; one fewer than the levels.
+func end(distances: PackedFloat32Array) -> void:
 	assert(distances.size() == _levels.size() - 1)
-	var finest := mini(mesh.get(&"finest_level"), _levels.size() - 1)
+	_distances = distances
+
+
+## The number of levels.
+func level_count() -> int:
+	return _levels.size()
+
+
+## The distance from which a level is drawn, meters.
+func distance(level: int) -> float:
+	return _distances[level - 1] if level > 0 else 0.0
+
+
+## A level as a mesh of its own.
+func mesh_of(level: int, material: Material) -> ArrayMesh:
+	var arrays := _arrays()
+	var of_old := {}
+	var picked := PackedInt32Array()
+	var indices := PackedInt32Array()
+	for index in _levels[level]:
+		if not of_old.has(index):
+			of_old[index] = picked.size()
+			picked.append(index)
+		indices.append(of_old[index])
+	for stream in Mesh.ARRAY_INDEX:
+		if arrays[stream] != null:
+			var all: Variant = arrays[stream]
+			var some: Variant = all.duplicate()
+			some.resize(picked.size())
+			for at in picked.size():
+				some[at] = all[picked[at]]
+			arrays[stream] = some
+	arrays[Mesh.ARRAY_INDEX] = indices
+	var mesh := ArrayMesh.new()
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+	mesh.surface_set_material(0, material)
+	return mesh
+
+
+## Writes the levels as one surface, for the engine to choose from: those distances are for 1280 pixels of width and an instance
+## scale of 1. Levels finer than [param finest] are left out, but never the last.
+func commit(mesh: ArrayMesh, finest: int, material: Material) -> void:
+	finest = mini(finest, _levels.size() - 1)
+	var arrays := _arrays()
+	arrays[Mesh.ARRAY_INDEX] = _levels[finest]
+	var lods := {}
+	for i in range(finest, _distances.size()):
+		lods[_distances[i] * EDGE_PER_METER] = _levels[i + 1]
+	mesh.clear_surfaces()
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], lods)
+	mesh.surface_set_material(0, material)
+
+
+func _arrays() -> Array:
 	var arrays: Array = []
 	arrays.resize(Mesh.ARRAY_MAX)
 	arrays[Mesh.ARRAY_VERTEX] = _vertices
@@ -137,13 +189,7 @@ func commit(mesh: ArrayMesh, distances: PackedFloat32Array, material: Material) 
 	arrays[Mesh.ARRAY_COLOR] = _colors
 	arrays[Mesh.ARRAY_TEX_UV] = _uvs
 	arrays[Mesh.ARRAY_TEX_UV2] = _uv2s
-	arrays[Mesh.ARRAY_INDEX] = _levels[finest]
-	var lods := {}
-	for i in range(finest, distances.size()):
-		lods[distances[i] * EDGE_PER_METER] = _levels[i + 1]
-	mesh.clear_surfaces()
-	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], lods)
-	mesh.surface_set_material(0, material)
+	return arrays
 
 
 ## Unit icosphere: points and clockwise faces.

@@ -9,8 +9,8 @@ const LOW := Color(0.1, 0.175, 0.04)
 const HIGH := Color(0.29, 0.375, 0.11)
 
 
-## Fills [param mesh] with the tree that [param variant] names.
-static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+## The tree that [param variant] names.
+static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 100 + variant
 	var clumps := _clumps(rng, variant)
@@ -35,7 +35,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	_far_crown(builder, 1.05, rng)
 	builder.begin_level()
 	_far_crown(builder, 1.28, rng)
-	builder.commit(mesh, PackedFloat32Array([55.0, 140.0, 360.0, 850.0]), material)
+	builder.end(PackedFloat32Array([80.0, 190.0, 420.0, 900.0]))
+	return builder
 
 
 ## Center and radius of the crown's clumps, as Vector4(x, y, z, radius).

@@ -5,18 +5,17 @@ const Atlas := preload("res://meshes/leaf_atlas.gd")
 const PLANT := preload("res://shaders/plant.gdshader")
 const STONE := preload("res://shaders/stone.gdshader")
 
-## What differs from the shader's defaults: sway in meters, range in meters where instances shrink away (0: never), and
-## how much light leaves let through.
+## What differs from the shader's defaults: sway in meters, and how much light leaves let through.
 const SETTINGS := {
-	&"oak": {"sway": 0.16, "translucency": 0.5, "tint_range": 0.42, "fade_end": 1500.0},
-	&"spruce": {"sway": 0.14, "translucency": 0.22, "tint_range": 0.26, "fade_end": 1500.0},
-	&"shrub": {"sway": 0.05, "translucency": 0.5, "tint_range": 0.4, "fade_end": 320.0},
-	&"fern": {"sway": 0.05, "translucency": 0.6, "tint_range": 0.25, "fade_end": 75.0},
-	&"grass": {"sway": 0.09, "translucency": 0.6, "tint_range": 0.3, "fade_end": 70.0},
-	&"flower": {"sway": 0.07, "translucency": 0.5, "tint_range": 0.12, "fade_end": 75.0},
-	&"reed": {"sway": 0.14, "translucency": 0.5, "tint_range": 0.25, "fade_end": 150.0},
-	&"stone": {"fade_end": 480.0},
-	&"stump": {"tint_range": 0.2, "fade_end": 200.0},
+	&"oak": {"sway": 0.16, "translucency": 0.5, "tint_range": 0.42},
+	&"spruce": {"sway": 0.14, "translucency": 0.22, "tint_range": 0.26},
+	&"shrub": {"sway": 0.05, "translucency": 0.5, "tint_range": 0.4},
+	&"fern": {"sway": 0.05, "translucency": 0.6, "tint_range": 0.25},
+	&"grass": {"sway": 0.09, "translucency": 0.6, "tint_range": 0.3},
+	&"flower": {"sway": 0.07, "translucency": 0.5, "tint_range": 0.12},
+	&"reed": {"sway": 0.14, "translucency": 0.5, "tint_range": 0.25},
+	&"stone": {},
+	&"stump": {"tint_range": 0.2},
 }
 
 static var _made := {}

@@ -6,6 +6,7 @@ extends ArrayMesh
 ## The surfaces are never saved, so a scene that uses it stays small. Equal settings give equal meshes, on every
 ## machine.
 
+const Builder := preload("res://meshes/mesh_builder.gd")
 const Materials := preload("res://meshes/plant_materials.gd")
 const SPECIES := {
 	&"oak": preload("res://meshes/oak.gd"),
@@ -60,4 +61,4 @@ func _request_build() -> void:
 
 func _build() -> void:
 	_requested = false
-	SPECIES[StringName(species)].build(self, variant, Materials.of(StringName(species)))
+	SPECIES[StringName(species)].build(variant).commit(self, finest_level, Materials.of(StringName(species)))

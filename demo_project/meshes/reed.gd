@@ -7,8 +7,8 @@ const HIGH := Color(0.36, 0.42, 0.13, 1.0)
 const HEAD := Color(0.2, 0.1, 0.045, 1.0)
 
 
-## Fills [param mesh] with the stand that [param variant] names.
-static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+## The stand that [param variant] names.
+static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 1500 + variant
 	var builder := Builder.new()
@@ -20,7 +20,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	_heads(builder, 2, rng)
 	builder.begin_level()
 	_blades(builder, 5, 0.055, rng)
-	builder.commit(mesh, PackedFloat32Array([25.0, 60.0]), material)
+	builder.end(PackedFloat32Array([25.0, 60.0]))
+	return builder
 
 
 static func _blades(builder: Builder, count: int, width: float, rng: RandomNumberGenerator) -> void:

@@ -8,8 +8,8 @@ const LOW := Color(0.11, 0.2, 0.045)
 const HIGH := Color(0.34, 0.41, 0.13)
 
 
-## Fills [param mesh] with the shrub that [param variant] names.
-static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+## The shrub that [param variant] names.
+static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 500 + variant
 	var clumps: Array[Vector4] = []
@@ -28,7 +28,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	builder.begin_level()
 	builder.blob(Vector3(0.0, 0.7, 0.0), Vector3(1.1, 0.85, 1.1), 0, 0.15, Color(LOW, 0.5), HIGH * 0.8,
 			Vector2(0.2, 0.5), rng)
-	builder.commit(mesh, PackedFloat32Array([28.0, 85.0]), material)
+	builder.end(PackedFloat32Array([40.0, 110.0]))
+	return builder
 
 
 static func _leaves(builder: Builder, clumps: Array[Vector4], count: int, size: float,

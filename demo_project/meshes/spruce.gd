@@ -10,8 +10,8 @@ const HIGH := Color(0.3, 0.41, 0.17)
 const HEIGHT := 21.0
 
 
-## Fills [param mesh] with the tree that [param variant] names.
-static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+## The tree that [param variant] names.
+static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 300 + variant
 	var builder := Builder.new()
@@ -32,7 +32,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 	_tiers(builder, 2, 5, slim * 0.95, LOW * 0.9, HIGH * 0.75, rng)
 	builder.begin_level()
 	_tiers(builder, 1, 4, slim * 0.95, LOW * 0.9, HIGH * 0.75, rng)
-	builder.commit(mesh, PackedFloat32Array([55.0, 140.0, 360.0, 850.0]), material)
+	builder.end(PackedFloat32Array([80.0, 190.0, 420.0, 900.0]))
+	return builder
 
 
 ## The crown's radius in meters at a height 0..1 of the tree.

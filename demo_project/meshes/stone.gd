@@ -6,13 +6,14 @@ const ROCK_LOW := Color(0.16, 0.155, 0.145, 0.6)
 const ROCK_HIGH := Color(0.44, 0.42, 0.385, 1.0)
 
 
-## Fills [param mesh] with the stone that [param variant] names.
-static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+## The stone that [param variant] names.
+static func build(variant: int) -> Builder:
 	var builder := Builder.new()
 	for level in 3:
 		builder.begin_level()
 		_rock(builder, 2 - level, variant)
-	builder.commit(mesh, PackedFloat32Array([25.0, 70.0]), material)
+	builder.end(PackedFloat32Array([25.0, 70.0]))
+	return builder
 
 
 ## An icosphere cut by a few random planes: the cuts are the stone's faces.

@@ -12,8 +12,8 @@ const WOOD := Color(0.56, 0.4, 0.22)
 const RING := Color(0.38, 0.25, 0.13)
 
 
-## Fills [param mesh] with the stump that [param variant] names.
-static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
+## The stump that [param variant] names.
+static func build(variant: int) -> Builder:
 	var kind := variant % RADII.size()
 	var builder := Builder.new()
 	for sides: int in [12, 7, 4]:
@@ -23,7 +23,8 @@ static func build(mesh: ArrayMesh, variant: int, material: Material) -> void:
 		builder.tube(Vector3(0.0, 0.12, 0.0), Vector3(0.0, HEIGHT, 0.0), RADII[kind] * 1.15, RADII[kind], sides,
 				BARKS[kind], 0.0, 0.0)
 		_top(builder, RADII[kind], sides)
-	builder.commit(mesh, PackedFloat32Array([18.0, 60.0]), material)
+	builder.end(PackedFloat32Array([18.0, 60.0]))
+	return builder
 
 
 ## The cut, with a few rings of the tree's years.

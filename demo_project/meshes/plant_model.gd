@@ -1,0 +1,51 @@
+@tool
+extends ScatterModel
+## A plant or stone whose levels of detail are meshes of their own, which a scene stores as a species and a variant and which builds
+## itself when it is loaded.
+
+const Plant := preload("res://meshes/plant_mesh.gd")
+const Materials := preload("res://meshes/plant_materials.gd")
+
+## The builder to use, one of the keys of [constant Plant.SPECIES].
+@export_enum("oak", "spruce", "shrub", "fern", "grass", "flower", "reed", "stone", "stump") var species := "oak":
+	set(value):
+		if not Plant.SPECIES.has(StringName(value)):
+			push_error("species must be one of %s, got '%s'" % [", ".join(Plant.SPECIES.keys()), value])
+			return
+		species = value
+		_request_build()
+
+## Which individual of the species, 0 or more.
+@export_range(0, 15) var variant := 0:
+	set(value):
+		variant = clampi(value, 0, 15)
+		_request_build()
+
+var _requested := false
+
+
+func _init() -> void:
+	_request_build()
+
+
+func _validate_property(property: Dictionary) -> void:
+	if property.name == "lods":
+		property.usage &= ~PROPERTY_USAGE_STORAGE
+
+
+func _request_build() -> void:
+	if not _requested:
+		_requested = true
+		_build.call_deferred()
+
+
+func _build() -> void:
+	_requested = false
+	var builder := Plant.SPECIES[StringName(species)].build(variant) as Plant.Builder
+	var built: Array[ScatterLod] = []
+	for level in builder.level_count():
+		var lod := ScatterLod.new()
+		lod.mesh = builder.mesh_of(level, Materials.of(StringName(species)))
+		lod.distance = builder.distance(level)
+		built.append(lod)
+	lods = built
