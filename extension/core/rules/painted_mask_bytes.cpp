@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 // Format 1, all numbers little-endian:
 //   "TMSK", u32 version, f64 pixel size in meters, u8 background;
@@ -67,7 +68,7 @@ private:
 			return nullptr;
 		}
 		auto block = std::make_shared<Block>();
-		std::ranges::copy(pixels, block->begin());
+		std::memcpy(block->data(), pixels.data(), block->size());
 		return block;
 	}
 
