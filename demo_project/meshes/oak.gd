@@ -33,9 +33,7 @@ static func build(variant: int) -> Builder:
 	_stem(builder)
 	_crown(builder, clumps.slice(2), 1, 2.3, rng)
 	_far_crown(builder, 1.05, rng)
-	builder.begin_level()
-	_far_crown(builder, 1.28, rng)
-	builder.end(PackedFloat32Array([80.0, 190.0, 420.0, 900.0]))
+	builder.end(PackedFloat32Array([80.0, 220.0, 500.0]))
 	return builder
 
 

@@ -30,9 +30,7 @@ static func build(variant: int) -> Builder:
 	_tiers(builder, 3, 6, slim * 0.8, LOW * 0.6, LOW.lerp(HIGH, 0.5), rng)
 	builder.begin_level()
 	_tiers(builder, 2, 5, slim * 0.95, LOW * 0.9, HIGH * 0.75, rng)
-	builder.begin_level()
-	_tiers(builder, 1, 4, slim * 0.95, LOW * 0.9, HIGH * 0.75, rng)
-	builder.end(PackedFloat32Array([80.0, 190.0, 420.0, 900.0]))
+	builder.end(PackedFloat32Array([80.0, 220.0, 500.0]))
 	return builder
 
 
