@@ -26,7 +26,7 @@ done
 scons -Q -j"$(nproc)" extension >&2
 import_demo >&2
 tools/godot --xvfb --path demo_project --script "$PWD/tests/bench/streaming.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/views.gd" </dev/null | grep '^|'
+tools/godot --xvfb --path demo_project --script "$PWD/tests/bench/views.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/response.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/gameplay.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/collision.gd" </dev/null | grep '^|'

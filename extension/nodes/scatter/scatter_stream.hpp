@@ -110,6 +110,7 @@ private:
 	void finish_upload();
 	bool do_step(Step step);
 	bool may_divide() const;
+	bool may_fade() const;
 	static Step after(Step step);
 	bool work_until(Clock::time_point deadline);
 
@@ -134,6 +135,7 @@ private:
 	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.
 	Step next_step_ = Step::ask_ground;
 	std::uint32_t uploads_since_divide_ = 0;
+	std::uint32_t uploads_since_fade_ = 0;
 	std::uint64_t usual_job_microseconds_ = 10'000; ///< Of one tile, smoothed; a guess until there were some.
 };
 

@@ -16,6 +16,9 @@ namespace {
 /// takes more triangles.
 constexpr std::uint32_t uploads_before_divide = 32;
 
+/// The same for what is to fade in: LODs change at once meanwhile.
+constexpr std::uint32_t uploads_before_fade = 8;
+
 /// The usual time of a step, after another one. A step in which the machine did something else counts as a slow one
 /// only, or a single such would hold up the stream for many frames.
 std::chrono::steady_clock::duration smoothed(
@@ -85,6 +88,7 @@ bool ScatterStream::upload_step() {
 		display_.upload_some(uploads_.current(), uploads_.size() > 1);
 		uploads_.part_uploaded();
 		++uploads_since_divide_;
+		++uploads_since_fade_;
 	}
 	if (uploads_.state() == UploadQueue::State::complete) {
 		finish_upload();
@@ -119,6 +123,10 @@ bool ScatterStream::may_divide() const {
 	return display_.has_divisions() && (uploads_.size() == 0 || uploads_since_divide_ >= uploads_before_divide);
 }
 
+bool ScatterStream::may_fade() const {
+	return display_.has_fades() && (uploads_.size() == 0 || uploads_since_fade_ >= uploads_before_fade);
+}
+
 ScatterStream::Step ScatterStream::after(Step step) {
 	return static_cast<Step>((static_cast<std::size_t>(step) + 1) % step_kinds);
 }
@@ -130,7 +138,7 @@ bool ScatterStream::do_step(Step step) {
 		case Step::free: return display_.free_step();
 		case Step::lod: return display_.lod_step();
 		case Step::divide: uploads_since_divide_ = 0; return display_.divide_step();
-		case Step::fade: return display_.fade_step();
+		case Step::fade: uploads_since_fade_ = 0; return display_.fade_step();
 		case Step::rings: return ring_step();
 	}
 	return false;
@@ -144,7 +152,8 @@ bool ScatterStream::work_until(Clock::time_point deadline) {
 	std::size_t in_vain = 0; // So many kinds in a row had nothing to do.
 	Clock::time_point before = Clock::now();
 	while (in_vain < step_kinds) {
-		if (next_step_ == Step::divide && !may_divide()) { // Not to be weighed against the time that is left, either.
+		const bool waits = (next_step_ == Step::divide && !may_divide()) || (next_step_ == Step::fade && !may_fade());
+		if (waits) { // Not to be weighed against the time that is left, either.
 			next_step_ = after(next_step_);
 			++in_vain;
 			continue;
