@@ -128,3 +128,20 @@ TEST_CASE("lod schedule: with the margins of LOD no change is ever missed, and f
 	CHECK(looks > 100);
 	CHECK(looks < 4000 * 40 / 4);
 }
+
+TEST_CASE("lod schedule: a viewer who jumps is another one, and meters count as before") {
+	LodSchedule schedule;
+	std::vector<Viewer> viewers{{{0.0, 0.0}, 0.0, 2.0}};
+	schedule.move(viewers);
+	viewers[0].position.x = 9e5;
+	CHECK_FALSE(schedule.move(viewers));
+	for (const double far : {1e20, -1e20, 2e7, 0.0}) {
+		viewers[0].position.x = far;
+		CHECK(schedule.move(viewers));
+	}
+	schedule.add(key_of(0), 0.5);
+	CHECK(schedule.settled());
+	viewers[0].position.x = 0.6;
+	CHECK_FALSE(schedule.move(viewers));
+	CHECK(schedule.next().has_value());
+}

@@ -63,6 +63,7 @@ TEST_CASE("lod span: without a fade, and where a mesh cannot, all of a box chang
 			CHECK(span == LodSpan{expected, expected, false});
 		}
 	}
+	CHECK(span_margin(settings_of({}, 0.2, 90.0), std::vector<LodStep>(1, sharp), {0.0, 5.0}) > 1e300);
 	CHECK(lod_span({}, std::vector<LodStep>(1, soft), {5.0, 1e5}, {}) == LodSpan{});
 	CHECK(lod_span(some, {}, {5.0, 1e5}, {}) == LodSpan{});
 }

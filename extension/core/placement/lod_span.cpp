@@ -77,7 +77,7 @@ double span_margin(const LodSettings &settings, std::span<const LodStep> steps, 
 			keep_from(distance.far, begin);
 		}
 	}
-	if (settings.fade > 0.0 && settings.sight_end > 0.0 && !steps.empty()) {
+	if (settings.fade > 0.0 && settings.sight_end > 0.0 && std::ranges::any_of(steps, &LodStep::fades)) {
 		keep_from(distance.far, settings.sight_end * (1.0 - settings.fade) * coarser_comes);
 		keep_from(distance.far, settings.sight_end * (1.0 - settings.fade) * coarser_goes);
 	}

@@ -14,6 +14,9 @@ namespace {
 
 glm::dvec3 position_of(const Viewer &viewer) { return {viewer.position.x, viewer.height, viewer.position.y}; }
 
+/// Meters in one frame. Who goes farther is another viewer, lest the sum of all ways lose the meters that tiles count in.
+constexpr double farthest_step = 1e7;
+
 double length(glm::dvec3 v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
 auto ordered(const TileKey &key) { return std::tie(key.layer, key.grid, key.tile.x, key.tile.y); }
@@ -27,12 +30,13 @@ bool LodSchedule::VisitOrder::operator()(const Visit &a, const Visit &b) const {
 }
 
 bool LodSchedule::move(std::span<const Viewer> viewers) {
-	const bool others = viewers.size() != viewers_.size();
+	bool others = viewers.size() != viewers_.size();
 	double farthest = 0.0;
 	for (std::size_t i = 0; !others && i < viewers.size(); ++i) {
 		farthest = std::max(farthest, length(position_of(viewers[i]) - position_of(viewers_[i])));
 	}
-	traveled_ += farthest;
+	others = others || !(farthest <= farthest_step);
+	traveled_ += others ? 0.0 : farthest;
 	viewers_.assign(viewers.begin(), viewers.end());
 	return others;
 }
