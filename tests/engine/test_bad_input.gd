@@ -61,7 +61,7 @@ func test_layer_numbers() -> void:
 			refuse(layer, property["name"], value, "must be finite")
 		refuse(layer, property["name"], 1e300, "is out of range")
 		refuse(layer, property["name"], -1e300)
-	check_equal(numbers, 45, "numbers of a layer")
+	check_equal(numbers, 46, "numbers of a layer")
 	for property in ["radius", "tile_size", "proximity_distance", "min_scale", "max_scale", "lod_bias"]:
 		refuse(layer, property, 0.0, "must be positive")
 		refuse(layer, property, -3.0, "must be positive")

@@ -53,6 +53,7 @@ func load_demo() -> void:
 
 func test_forest_along_a_path() -> void:
 	load_demo()
+	await frames(1) # Its plants are built in the first frame.
 	check_equal(scatter.get_problems(), PackedStringArray(), "warnings of the demo")
 	check(scatter.layers.size() >= 4, "layers of the demo")
 	var viewer := make_viewer()
