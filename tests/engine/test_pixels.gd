@@ -192,6 +192,33 @@ func test_boxes_follow_a_sway_when_the_layer_changes() -> void:
 	check_equal(scatter.get_stats().uploads, uploads, "uploads: a margin needs none")
 
 
+func test_nothing_is_left_of_tiles_once_all_is_settled() -> void:
+	var scatter := make_view()
+	var layer := scatter.layers[0] as ScatterLayer
+	layer.view_distance = 90.0
+	layer.tile_size = 4.0
+	layer.draw_cell_size = 1.0
+	scatter.frame_budget_usec = 100
+	var viewer := Node3D.new()
+	root.add_child(viewer)
+	viewer.position.x = -60.0 # The tiles around it stay.
+	scatter.viewers = [scatter.get_path_to(viewer)]
+	await settle(scatter)
+	check(await share(RED) > 0.05, "red while the viewer sees as far")
+	scatter.viewer_distance_scales = [0.0] # Nothing new is to be made, which would take time.
+	await frames(2)
+	while not scatter.is_settled():
+		await process_frame
+	RenderingServer.force_draw(false)
+	var image := root.get_texture().get_image()
+	var red := 0
+	for x in image.get_width():
+		for y in image.get_height():
+			red += int(image.get_pixel(x, y).r > 0.5)
+	check_equal(red, 0, "red pixels, as soon as all is settled")
+	viewer.free()
+
+
 func test_materials_of_a_layer() -> void:
 	var scatter := make_view()
 	var layer := scatter.layers[0] as ScatterLayer

@@ -15,6 +15,9 @@ std::vector<MeshLook> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
 	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<MeshLook>();
 }
 
+/// Visuals that a step hides at most: some ten microseconds.
+constexpr std::size_t hidden_per_step = 16;
+
 } // namespace
 
 TileDisplay::Order TileDisplay::order(const TileKey &key) {
@@ -213,16 +216,26 @@ bool TileDisplay::drop(const TileKey &key) {
 	return true;
 }
 
+/// Hides first, which is quick: what has gone must not be seen for as long as it takes to free all of it.
 bool TileDisplay::free_step() {
+	if (leaving_hidden_ < leaving_.size()) {
+		const std::size_t end = std::min(leaving_.size(), leaving_hidden_ + hidden_per_step);
+		for (; leaving_hidden_ < end; ++leaving_hidden_) {
+			leaving_[leaving_hidden_].set_visible(false);
+		}
+		return true;
+	}
 	if (leaving_.empty()) {
 		return false;
 	}
 	leaving_.pop_back();
+	leaving_hidden_ = leaving_.size();
 	return true;
 }
 
 void TileDisplay::clear() {
 	leaving_.clear();
+	leaving_hidden_ = 0;
 	division_.reset();
 	to_divide_.clear();
 	to_fade_.clear();

@@ -88,7 +88,7 @@ public:
 	bool fade_step();
 	bool has_fades() const { return !to_fade_.empty() || !fades_.is_made(); }
 
-	/// True if neither of these two would find anything to do.
+	/// True if none of these three would find anything to do, and nothing that has gone is still seen.
 	bool settled() const;
 
 	/// Uploads some more of a tile that is not complete. While `others_wait`, one that replaces none begins as a whole, and is divided
@@ -104,7 +104,7 @@ public:
 	/// True if the tile of this key is shown.
 	bool holds(const TileKey &key) const;
 
-	/// Takes a tile away. What it holds is freed step by step, by `free_step`. False if it is not shown.
+	/// Takes a tile away. What it holds is hidden and then freed step by step, by `free_step`. False if it is not shown.
 	bool drop(const TileKey &key);
 	bool free_step();
 
@@ -222,6 +222,7 @@ private:
 	std::uint64_t last_version_ = 0;
 	std::map<Order, DisplayedTile> tiles_;
 	std::vector<TileVisual> leaving_;
+	std::size_t leaving_hidden_ = 0; ///< So many of them, from the first on, are hidden.
 	std::uint64_t instances_ = 0;
 	std::uint64_t multimeshes_ = 0;
 	std::uint64_t upload_count_ = 0;

@@ -82,7 +82,9 @@ void TileDisplay::choose_division(const TileKey &key, DisplayedTile &r_tile) {
 	}
 }
 
-bool TileDisplay::settled() const { return schedule_.settled() && !has_divisions() && !has_fades(); }
+bool TileDisplay::settled() const {
+	return schedule_.settled() && !has_divisions() && !has_fades() && leaving_hidden_ == leaving_.size();
+}
 
 bool TileDisplay::divide_step() {
 	if (!division_ && !begin_division()) {
