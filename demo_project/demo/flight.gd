@@ -11,7 +11,7 @@ const SPEED := 100.0
 const STOPS: Array[Dictionary] = [
 	{"name": "overview", "eye": Vector3(2350.0, 280.0, 150.0), "heading": 301.0, "pitch": -11.0},
 	{"name": "forest", "eye": Vector3(1620.0, 26.0, -1180.0), "heading": 325.0, "pitch": -3.0},
-	{"name": "walk", "eye": Vector3(1866.0, 1.75, -947.0), "heading": 300.0, "pitch": -1.0},
+	{"name": "walk", "eye": Vector3(418.0, 1.75, -1200.0), "heading": 330.0, "pitch": 1.0},
 	{"name": "ridge", "eye": Vector3(1046.0, 26.0, -2000.0), "heading": 200.0, "pitch": -6.0},
 	{"name": "stones", "eye": Vector3(-12552.5, 1.75, 10573.5), "heading": 337.0, "pitch": -7.0},
 	{"name": "tiles", "eye": Vector3(1900.0, 150.0, -700.0), "heading": 318.0, "pitch": -28.0, "tiles": true},

@@ -131,9 +131,6 @@ func _enlarge_map(large: bool) -> void:
 
 ## The glow with the leaves and the wind of a tree's own material.
 static func _glow_of(mesh: Mesh) -> ShaderMaterial:
-	var own := mesh.surface_get_material(0) as ShaderMaterial
-	var glow := ShaderMaterial.new()
+	var glow := mesh.surface_get_material(0).duplicate() as ShaderMaterial
 	glow.shader = HIGHLIGHT
-	for parameter: StringName in [&"atlas", &"sway"]:
-		glow.set_shader_parameter(parameter, own.get_shader_parameter(parameter))
 	return glow

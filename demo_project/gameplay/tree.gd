@@ -57,10 +57,8 @@ func fall(direction: Vector3, ground: ScatterTerrain) -> void:
 
 ## The material of a felled tree, with all else as it was.
 func _wear(standing: ShaderMaterial) -> void:
-	_material = ShaderMaterial.new()
+	_material = standing.duplicate()
 	_material.shader = FELLED
-	for parameter: StringName in [&"atlas", &"sway", &"translucency", &"tint_range"]:
-		_material.set_shader_parameter(parameter, standing.get_shader_parameter(parameter))
 	_material.set_shader_parameter(&"rooted", _standing.origin)
 	_material.set_shader_parameter(&"cut_height", Stump.HEIGHT)
 	_body.material_override = _material

@@ -27,7 +27,6 @@ static func _fronds(builder: Builder, count: int, segments: int, rng: RandomNumb
 		var side := out.cross(Vector3.UP)
 		var length := rng.randf_range(0.6, 0.85)
 		var rise := rng.randf_range(0.45, 0.75)
-		var phase := rng.randf()
 		var previous := Vector2i(-1, -1)
 		for k in segments + 1:
 			var t := float(k) / segments
@@ -36,9 +35,8 @@ static func _fronds(builder: Builder, count: int, segments: int, rng: RandomNumb
 			var u := Atlas.FROND.position.x + Atlas.FROND.size.x * t
 			var normal := Vector3.UP + out * (t - 0.2)
 			var a := builder.vertex(position + side * 0.2, normal + side * 0.3, color,
-					Vector2(u, Atlas.FROND.position.y), Vector2(t * 0.6, phase))
-			var b := builder.vertex(position - side * 0.2, normal - side * 0.3, color, Vector2(u, Atlas.FROND.end.y),
-					Vector2(t * 0.6, phase))
+					Vector2(u, Atlas.FROND.position.y))
+			var b := builder.vertex(position - side * 0.2, normal - side * 0.3, color, Vector2(u, Atlas.FROND.end.y))
 			if previous.x >= 0:
 				builder.quad(previous.x, a, b, previous.y)
 			previous = Vector2i(a, b)

@@ -28,30 +28,26 @@ static func _flowers(builder: Builder, count: int, petals: int, size: float, col
 		var root := Vector3(cos(angle), 0.0, sin(angle)) * 0.42 * sqrt((i + 0.5) / count)
 		var lean := Vector3(rng.randf_range(-0.12, 0.12), 0.0, rng.randf_range(-0.12, 0.12))
 		var head := root + Vector3.UP * rng.randf_range(0.32, 0.6) + lean
-		var phase := rng.randf()
 		var side := Vector3(cos(angle * 3.0), 0.0, sin(angle * 3.0)) * 0.008
-		var a := builder.vertex(root - side, Vector3.UP, STEM * 0.6, Builder.OPAQUE_UV, Vector2(0.0, phase))
-		var b := builder.vertex(root + side, Vector3.UP, STEM * 0.6, Builder.OPAQUE_UV, Vector2(0.0, phase))
-		var c := builder.vertex(head, Vector3.UP, STEM, Builder.OPAQUE_UV, Vector2(0.8, phase))
+		var a := builder.vertex(root - side, Vector3.UP, STEM * 0.6, Builder.OPAQUE_UV)
+		var b := builder.vertex(root + side, Vector3.UP, STEM * 0.6, Builder.OPAQUE_UV)
+		var c := builder.vertex(head, Vector3.UP, STEM, Builder.OPAQUE_UV)
 		builder.triangle(a, c, b)
-		_head(builder, head, (Vector3.UP + lean * 5.0).normalized(), petals, size * rng.randf_range(0.8, 1.2), color,
-				phase)
+		_head(builder, head, (Vector3.UP + lean * 5.0).normalized(), petals, size * rng.randf_range(0.8, 1.2), color)
 
 
-static func _head(builder: Builder, head: Vector3, axis: Vector3, petals: int, size: float, color: Color,
-		phase: float) -> void:
+static func _head(builder: Builder, head: Vector3, axis: Vector3, petals: int, size: float, color: Color) -> void:
 	var right := axis.cross(Vector3.FORWARD).normalized()
 	var forward := right.cross(axis)
-	var sway := Vector2(0.8, phase)
 	for i in petals:
 		var angle := TAU * i / petals
 		var out := right * cos(angle) + forward * sin(angle)
 		var wing := right * cos(angle + 1.57) + forward * sin(angle + 1.57)
-		var root := builder.vertex(head, Vector3.UP, HEART, Builder.OPAQUE_UV, sway)
+		var root := builder.vertex(head, Vector3.UP, HEART, Builder.OPAQUE_UV)
 		var left := builder.vertex(head + (out * 0.75 + wing * 0.45) * size, Vector3.UP + out * 0.3, color,
-				Builder.OPAQUE_UV, sway)
+				Builder.OPAQUE_UV)
 		var tip := builder.vertex(head + out * size + axis * size * 0.25, Vector3.UP + out * 0.3, color,
-				Builder.OPAQUE_UV, sway)
+				Builder.OPAQUE_UV)
 		var other := builder.vertex(head + (out * 0.75 - wing * 0.45) * size, Vector3.UP + out * 0.3, color,
-				Builder.OPAQUE_UV, sway)
+				Builder.OPAQUE_UV)
 		builder.quad(root, left, tip, other)

@@ -36,24 +36,24 @@ static func _blades(builder: Builder, count: int, height: float, width: float, b
 			tall *= 1.35
 			lean *= 0.35
 			tip_color = DRY
-		_blade(builder, root, lean, tall, width * rng.randf_range(0.8, 1.25), tip_color, bent, rng.randf())
+		_blade(builder, root, lean, tall, width * rng.randf_range(0.8, 1.25), tip_color, bent)
 
 
 static func _blade(builder: Builder, root: Vector3, lean: Vector3, tall: float, width: float, tip_color: Color,
-		bent: bool, phase: float) -> void:
+		bent: bool) -> void:
 	var side := lean.cross(Vector3.UP).normalized() * width
 	var normal := Vector3.UP + lean * 0.35
 	var base := root + Vector3.DOWN * 0.06
 	var tip := root + Vector3.UP * tall * (1.0 - 0.35 * lean.length()) + lean * tall
-	var a := builder.vertex(base - side, normal, LOW, Builder.OPAQUE_UV, Vector2(0.0, phase))
-	var b := builder.vertex(base + side, normal, LOW, Builder.OPAQUE_UV, Vector2(0.0, phase))
-	var c := builder.vertex(tip, normal, tip_color, Builder.OPAQUE_UV, Vector2(1.0, phase))
+	var a := builder.vertex(base - side, normal, LOW, Builder.OPAQUE_UV)
+	var b := builder.vertex(base + side, normal, LOW, Builder.OPAQUE_UV)
+	var c := builder.vertex(tip, normal, tip_color, Builder.OPAQUE_UV)
 	if not bent:
 		builder.triangle(a, c, b)
 		return
 	var middle := root + Vector3.UP * tall * 0.58 + lean * tall * 0.3
 	var color := LOW.lerp(tip_color, 0.5)
-	var d := builder.vertex(middle - side * 0.8, normal, color, Builder.OPAQUE_UV, Vector2(0.4, phase))
-	var e := builder.vertex(middle + side * 0.8, normal, color, Builder.OPAQUE_UV, Vector2(0.4, phase))
+	var d := builder.vertex(middle - side * 0.8, normal, color, Builder.OPAQUE_UV)
+	var e := builder.vertex(middle + side * 0.8, normal, color, Builder.OPAQUE_UV)
 	builder.quad(a, d, e, b)
 	builder.triangle(d, c, e)

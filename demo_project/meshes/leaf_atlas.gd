@@ -1,16 +1,24 @@
 extends RefCounted
-## Draws the leaves of all plants into one small texture, once a run: our own work, made of ellipses and strokes.
+## Draws the leaves and the bark of all plants into one small texture, once a run: our own work, made of ellipses, strokes and noise.
 ##
-## Five regions: broad leaves, a conifer's twig (stem on the left, tip on the right), a fern's frond (the same way),
-## bark (up is up), and opaque white. The color is a brightness that the vertex color tints; alpha is for scissoring.
+## Broad leaves, a conifer's twig (stem on the left, tip on the right), a fern's frond (the same way), opaque white, and columns of
+## bark that repeat from top to bottom, so that a trunk of any length has bark of one size. The color is a brightness that the
+## vertex color tints; alpha is for scissoring.
 
-const SIZE := 512
-const BROADLEAF := Rect2(0.0, 0.0, 0.5, 0.5)
-const TWIG := Rect2(0.5, 0.0, 0.5, 0.5)
-const FROND := Rect2(0.0, 0.5, 0.5, 0.5)
-const BARK := Rect2(0.5625, 0.5625, 0.21875, 0.40625)
+const SIZE := Vector2i(1248, 512)
+## Leaves are squares of so many texels.
+const CELL := 256
+const BROADLEAF := Rect2(0.0, 0.0, 256.0 / 1248.0, 0.5)
+const TWIG := Rect2(256.0 / 1248.0, 0.0, 256.0 / 1248.0, 0.5)
+const FROND := Rect2(0.0, 0.5, 256.0 / 1248.0, 0.5)
 ## A texel that is opaque and white, for what has no texture.
-const OPAQUE_UV := Vector2(0.890625, 0.890625)
+const OPAQUE_UV := Vector2(384.0 / 1248.0, 0.75)
+## Columns around a trunk: furrows as of oaks, scales as of spruces.
+const BARKS: Array[Rect2] = [Rect2(560.0 / 1248.0, 0.0, 288.0 / 1248.0, 1.0), Rect2(912.0 / 1248.0, 0.0, 288.0 / 1248.0, 1.0)]
+## How long the column is that fits once around a trunk.
+const BARK_LENGTH := 512.0 / 288.0
+## Texels by which a column goes on at its sides, and after which transparent ones follow as far: mipmaps mix nothing else in.
+const MARGIN := 16
 
 static var _texture: ImageTexture
 
@@ -25,11 +33,11 @@ static func texture() -> ImageTexture:
 
 
 static func _draw() -> Image:
-	var image := Image.create_empty(SIZE, SIZE, false, Image.FORMAT_RGBA8)
+	var image := Image.create_empty(SIZE.x, SIZE.y, false, Image.FORMAT_RGBA8)
 	image.fill(Color(0.72, 0.72, 0.72, 0.0))
-	# Margins around what is opaque keep mipmaps from carrying it into the regions beside it.
-	image.fill_rect(Rect2i(OPAQUE_UV * SIZE - Vector2(16.0, 16.0), Vector2(32.0, 32.0)), Color.WHITE)
-	_draw_bark(image)
+	var white := Vector2i(OPAQUE_UV * Vector2(SIZE))
+	image.fill_rect(Rect2i(white - Vector2i(16, 16), Vector2i(32, 32)), Color.WHITE)
+	_draw_barks(image)
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 11
 	_draw_broadleaf(image, rng)
@@ -38,36 +46,68 @@ static func _draw() -> Image:
 	return image
 
 
-## Furrows along the trunk.
-static func _draw_bark(image: Image) -> void:
-	var noise := FastNoiseLite.new()
-	noise.seed = 5
-	noise.noise_type = FastNoiseLite.TYPE_SIMPLEX_SMOOTH
-	noise.fractal_octaves = 3
-	noise.frequency = 1.0
-	var area := Rect2i(BARK.position * SIZE, BARK.size * SIZE)
-	for y in area.size.y:
-		for x in area.size.x:
-			# Left and right borders meet around the trunk.
-			var around := TAU * x / area.size.x
-			var furrow := noise.get_noise_3d(cos(around) * 2.2, sin(around) * 2.2, y * 0.012)
-			var grain := noise.get_noise_3d(cos(around) * 7.0, sin(around) * 7.0, y * 0.08 + 9.0)
-			var value := clampf(0.78 + 0.45 * furrow + 0.25 * grain, 0.3, 1.0)
-			image.set_pixel(area.position.x + x, area.position.y + y, Color(value, value, value, 1.0))
+## Cracks between plates, long on an oak and round on a spruce, lit from one side as if they were deep.
+static func _draw_barks(image: Image) -> void:
+	var furrows := FastNoiseLite.new()
+	furrows.seed = 5
+	furrows.noise_type = FastNoiseLite.TYPE_SIMPLEX_SMOOTH
+	furrows.fractal_type = FastNoiseLite.FRACTAL_RIDGED
+	furrows.fractal_octaves = 3
+	furrows.frequency = 0.034
+	_draw_bark(image, BARKS[0], furrows, 144, 1.0)
+	var scales := FastNoiseLite.new()
+	scales.seed = 6
+	scales.noise_type = FastNoiseLite.TYPE_CELLULAR
+	scales.cellular_return_type = FastNoiseLite.RETURN_DISTANCE2_SUB
+	scales.fractal_type = FastNoiseLite.FRACTAL_NONE
+	scales.frequency = 0.06
+	_draw_bark(image, BARKS[1], scales, 256, -1.0)
+
+
+## [param cracks] is high where cracks are if [param sign] is 1, low if it is -1; it is stretched along the trunk from [param rows]
+## rows.
+static func _draw_bark(image: Image, column: Rect2, cracks: FastNoiseLite, rows: int, sign: float) -> void:
+	var wide := int(column.size.x * SIZE.x)
+	var plates := cracks.get_seamless_image(wide, rows)
+	plates.resize(wide, SIZE.y, Image.INTERPOLATE_BILINEAR)
+	var deep := plates.get_data()
+	var fine := FastNoiseLite.new()
+	fine.seed = 9
+	fine.frequency = 0.12
+	var grain := fine.get_seamless_image(wide, SIZE.y).get_data()
+	var bytes := PackedByteArray()
+	bytes.resize(wide * SIZE.y * 4)
+	bytes.fill(255)
+	for y in SIZE.y:
+		var row := y * wide
+		for x in wide:
+			var here := deep[row + x] * sign
+			var slant := deep[row + (x + 2) % wide] * sign - here
+			var value := 0.86 - 0.0021 * (here + (255.0 if sign < 0.0 else 0.0)) + 0.005 * slant + 0.0014 * (grain[row + x] - 128.0)
+			var byte := clampi(int(value * 255.0), 40, 255)
+			var at := 4 * (row + x)
+			bytes[at] = byte
+			bytes[at + 1] = byte
+			bytes[at + 2] = byte
+	var drawn := Image.create_from_data(wide, SIZE.y, false, Image.FORMAT_RGBA8, bytes)
+	var left := int(column.position.x * SIZE.x)
+	image.blit_rect(drawn, Rect2i(0, 0, wide, SIZE.y), Vector2i(left, 0))
+	image.blit_rect(drawn, Rect2i(wide - MARGIN, 0, MARGIN, SIZE.y), Vector2i(left - MARGIN, 0))
+	image.blit_rect(drawn, Rect2i(0, 0, MARGIN, SIZE.y), Vector2i(left + wide, 0))
 
 
 ## A roundish spray of pointed leaves, dark ones first, so that it has depth.
 static func _draw_broadleaf(image: Image, rng: RandomNumberGenerator) -> void:
-	var bounds := Rect2i(0, 0, SIZE / 2, SIZE / 2)
-	var center := Vector2(SIZE, SIZE) * 0.25
+	var bounds := Rect2i(0, 0, CELL, CELL)
+	var center := Vector2(CELL, CELL) * 0.5
 	var count := 120
 	for i in count:
 		var depth := float(i) / count
 		var angle := rng.randf() * TAU
-		var distance := sqrt(rng.randf()) * SIZE * 0.2
+		var distance := sqrt(rng.randf()) * CELL * 0.4
 		var root := center + Vector2.from_angle(angle) * distance
 		var direction := Vector2.from_angle(angle + rng.randf_range(-0.9, 0.9))
-		var length := SIZE * rng.randf_range(0.055, 0.085)
+		var length := CELL * rng.randf_range(0.11, 0.17)
 		var shade := lerpf(0.5, 1.0, depth) * rng.randf_range(0.85, 1.0)
 		_stroke(image, bounds, root - direction * length * 0.5, root + direction * length * 0.5, length * 0.24, shade,
 				true)
@@ -75,8 +115,8 @@ static func _draw_broadleaf(image: Image, rng: RandomNumberGenerator) -> void:
 
 ## A drooping conifer twig: side shoots along a stem, needles along the shoots.
 static func _draw_twig(image: Image, rng: RandomNumberGenerator) -> void:
-	var bounds := Rect2i(SIZE / 2, 0, SIZE / 2, SIZE / 2)
-	var half := SIZE * 0.5
+	var bounds := Rect2i(CELL, 0, CELL, CELL)
+	var half := float(CELL)
 	var root := Vector2(half * 1.01, half * 0.5)
 	var tip := Vector2(half * 1.9, half * 0.5)
 	_stroke(image, bounds, root, root.lerp(tip, 0.9), 3.0, 0.35, false)
@@ -106,8 +146,8 @@ static func _needles(image: Image, bounds: Rect2i, from: Vector2, to: Vector2, r
 
 ## A fern's frond: leaflets in pairs, longest in the lower third.
 static func _draw_frond(image: Image, rng: RandomNumberGenerator) -> void:
-	var bounds := Rect2i(0, SIZE / 2, SIZE / 2, SIZE / 2)
-	var half := SIZE * 0.5
+	var bounds := Rect2i(0, CELL, CELL, CELL)
+	var half := float(CELL)
 	var root := Vector2(half * 0.01, half * 1.5)
 	var tip := Vector2(half * 0.97, half * 1.5)
 	_stroke(image, bounds, root, tip, 2.6, 0.55, false)

@@ -4,8 +4,7 @@ extends RefCounted
 ##
 ## In one mesh all levels share one vertex array and one surface; a level is an index list, which the engine picks by distance, for
 ## the instances of a MultiMesh as well. Vertex data as the demo's shaders read it: COLOR.rgb albedo
-## (sRGB), COLOR.a ambient occlusion 0..1, UV into [code]leaf_atlas.gd[/code],
-## UV2.x sway 0..1 (how far the wind moves the vertex), UV2.y a phase 0..1 that differs from twig to twig.
+## (sRGB), UV into [code]leaf_atlas.gd[/code].
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 
@@ -17,11 +16,13 @@ const EDGE_PER_METER := 0.00177
 ## For what has no texture: stones, blades and petals, the dark inside of a crown.
 const OPAQUE_UV := Atlas.OPAQUE_UV
 
+## How bright a vertex is that no sky reaches.
+const ENCLOSED := 0.45
+
 var _vertices := PackedVector3Array()
 var _normals := PackedVector3Array()
 var _colors := PackedColorArray()
 var _uvs := PackedVector2Array()
-var _uv2s := PackedVector2Array()
 var _levels: Array[PackedInt32Array] = []
 var _distances := PackedFloat32Array()
 
@@ -31,13 +32,13 @@ func begin_level() -> void:
 	_levels.append(PackedInt32Array())
 
 
-## Adds a vertex and returns its index. [param normal] need not be of unit length.
-func vertex(position: Vector3, normal: Vector3, color: Color, uv: Vector2, uv2: Vector2) -> int:
+## Adds a vertex and returns its index. [param normal] need not be of unit length. The alpha of [param color] is how open to the sky
+## the vertex is, 0..1: what is not is darker.
+func vertex(position: Vector3, normal: Vector3, color: Color, uv: Vector2) -> int:
 	_vertices.append(position)
 	_normals.append(normal.normalized())
-	_colors.append(color)
+	_colors.append(Color(color * lerpf(ENCLOSED, 1.0, clampf(color.a, 0.0, 1.0)), 1.0))
 	_uvs.append(uv)
-	_uv2s.append(uv2)
 	return _vertices.size() - 1
 
 
@@ -63,29 +64,31 @@ func triangle_count(level: int) -> int:
 
 ## Adds a flat leaf card with its own normal direction at the center; [param bulge] bends the corner normals outwards
 ## from it (0 flat, 1 strongly), so that a crown of cards is lit as a round body.
-func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color, sway: Vector2,
+func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color,
 		bulge := 0.45) -> void:
 	var corners: Array[int] = []
 	for corner: Vector2 in [Vector2(-1, -1), Vector2(1, -1), Vector2(1, 1), Vector2(-1, 1)]:
 		var offset := right * corner.x + up * corner.y
 		var uv := region.position + region.size * (corner * Vector2(0.5, -0.5) + Vector2(0.5, 0.5))
-		corners.append(vertex(center + offset, normal.normalized() + offset.normalized() * bulge, color, uv, sway))
+		corners.append(vertex(center + offset, normal.normalized() + offset.normalized() * bulge, color, uv))
 	quad(corners[0], corners[3], corners[2], corners[1])
 
 
-## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, as a trunk or branch in bark.
-func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, sides: int, color: Color, sway_from: float,
-		sway_to: float) -> void:
+## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, as a trunk or branch in the bark of that
+## index of [code]leaf_atlas.gd[/code].
+func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, sides: int, color: Color, bark: int) -> void:
 	var axis := (to - from).normalized()
 	var right := axis.cross(Vector3.FORWARD if absf(axis.z) < 0.9 else Vector3.RIGHT).normalized()
 	var forward := right.cross(axis)
 	var first := _vertices.size()
+	var column := Atlas.BARKS[bark]
+	var length := from.distance_to(to) / (PI * (from_radius + to_radius) * Atlas.BARK_LENGTH)
 	for i in sides + 1:
 		var angle := TAU * i / sides
 		var out := right * cos(angle) + forward * sin(angle)
-		var u := Atlas.BARK.position.x + Atlas.BARK.size.x * i / sides
-		vertex(from + out * from_radius, out, color, Vector2(u, Atlas.BARK.end.y), Vector2(sway_from, 0.5))
-		vertex(to + out * to_radius, out, color, Vector2(u, Atlas.BARK.position.y), Vector2(sway_to, 0.5))
+		var u := column.position.x + column.size.x * i / sides
+		vertex(from + out * from_radius, out, color, Vector2(u, length))
+		vertex(to + out * to_radius, out, color, Vector2(u, 0.0))
 	for i in sides:
 		var a := first + 2 * i
 		quad(a, a + 1, a + 3, a + 2)
@@ -94,7 +97,7 @@ func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, side
 ## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, flatter below than above, its
 ## radii varied by up to [param roughness] (0..1). Vertex colors run from [param low] at the bottom to [param high] at
 ## the top.
-func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color, sway: Vector2,
+func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color,
 		rng: RandomNumberGenerator) -> void:
 	var sphere := _icosphere(subdivisions)
 	var points: PackedVector3Array = sphere[0]
@@ -104,7 +107,7 @@ func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, 
 		var lump := 1.0 + roughness * (rng.randf() * 2.0 - 1.0)
 		var shade := low.lerp(high, clampf(point.y * 0.5 + 0.5 + rng.randf_range(-0.12, 0.12), 0.0, 1.0))
 		var flat := Vector3(point.x, point.y * 0.65 if point.y < 0.0 else point.y, point.z)
-		vertex(center + flat * radii * lump, point / radii, shade, OPAQUE_UV, sway)
+		vertex(center + flat * radii * lump, point / radii, shade, OPAQUE_UV)
 	for i in range(0, faces.size(), 3):
 		triangle(first + faces[i], first + faces[i + 1], first + faces[i + 2])
 
@@ -112,15 +115,15 @@ func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, 
 ## Adds a cone (a conifer's tier) with a star-shaped skirt: its apex up, every second rim point pulled in by [param
 ## notch].
 func cone(base: Vector3, radius: float, height: float, sides: int, notch: float, droop: float, low: Color, high: Color,
-		sway: Vector2, turn: float) -> void:
-	var apex := vertex(base + Vector3.UP * height, Vector3.UP, high, OPAQUE_UV, sway)
+		turn: float) -> void:
+	var apex := vertex(base + Vector3.UP * height, Vector3.UP, high, OPAQUE_UV)
 	var first := _vertices.size()
 	for i in sides:
 		var angle := turn + TAU * i / sides
 		var out := Vector3(cos(angle), 0.0, sin(angle))
 		var reach := radius * (1.0 - (notch if i % 2 == 1 else 0.0))
 		var drop := droop * (1.0 if i % 2 == 0 else 0.4)
-		vertex(base + out * reach + Vector3.DOWN * drop, out + Vector3.UP * 0.55, low, OPAQUE_UV, sway)
+		vertex(base + out * reach + Vector3.DOWN * drop, out + Vector3.UP * 0.55, low, OPAQUE_UV)
 	for i in sides:
 		triangle(apex, first + i, first + (i + 1) % sides)
 
@@ -188,7 +191,6 @@ func _arrays() -> Array:
 	arrays[Mesh.ARRAY_NORMAL] = _normals
 	arrays[Mesh.ARRAY_COLOR] = _colors
 	arrays[Mesh.ARRAY_TEX_UV] = _uvs
-	arrays[Mesh.ARRAY_TEX_UV2] = _uv2s
 	return arrays
 
 

@@ -3,7 +3,7 @@ extends RefCounted
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
-const BARK := Color(0.21, 0.175, 0.14)
+const BARK := Color(0.37, 0.3, 0.225)
 const CORE := Color(0.1, 0.165, 0.045, 0.5)
 const LOW := Color(0.1, 0.175, 0.04)
 const HIGH := Color(0.29, 0.375, 0.11)
@@ -56,25 +56,25 @@ static func _clumps(rng: RandomNumberGenerator, variant: int) -> Array[Vector4]:
 
 static func _trunk(builder: Builder, clumps: Array[Vector4], sides: int) -> void:
 	var fork := Vector3(0.12, 5.2, -0.1)
-	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 0.5, 0.0), 0.72, 0.46, sides, BARK * 0.85, 0.0, 0.0)
-	builder.tube(Vector3(0.0, 0.5, 0.0), fork, 0.46, 0.32, sides, BARK, 0.0, 0.04)
-	builder.tube(fork, Vector3(0.0, 11.0, 0.0), 0.3, 0.1, maxi(3, sides - 2), BARK * 0.8, 0.04, 0.2)
+	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 0.5, 0.0), 0.72, 0.46, sides, BARK * 0.85, 0)
+	builder.tube(Vector3(0.0, 0.5, 0.0), fork, 0.46, 0.32, sides, BARK, 0)
+	builder.tube(fork, Vector3(0.0, 11.0, 0.0), 0.3, 0.1, maxi(3, sides - 2), BARK * 0.8, 0)
 	for i in mini(clumps.size(), 6):
 		var clump := clumps[i]
 		var end := Vector3(clump.x, clump.y, clump.z)
 		var start := fork + Vector3.UP * (0.3 * i - 0.5)
-		builder.tube(start, start.lerp(end, 0.85), 0.2, 0.06, maxi(3, sides - 3), BARK * 0.8, 0.04, 0.25)
+		builder.tube(start, start.lerp(end, 0.85), 0.2, 0.06, maxi(3, sides - 3), BARK * 0.8, 0)
 
 
 ## The trunk as it is seen from far away.
 static func _stem(builder: Builder) -> void:
-	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 6.5, 0.0), 0.5, 0.3, 3, BARK, 0.0, 0.04)
+	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 6.5, 0.0), 0.5, 0.3, 3, BARK, 0)
 
 
 ## A crown of twenty faces.
 static func _far_crown(builder: Builder, size: float, rng: RandomNumberGenerator) -> void:
 	builder.blob(Vector3(0.0, 9.2, 0.0), Vector3(3.9, 4.4, 3.9) * size, 0, 0.16, Color(LOW * 0.75, 0.5),
-			LOW.lerp(HIGH, 0.62), Vector2(0.2, 0.5), rng)
+			LOW.lerp(HIGH, 0.62), rng)
 
 
 ## Leaf sprays around each clump, on the sides that are seen: not towards the crown's heart.
@@ -99,8 +99,7 @@ static func _crown(builder: Builder, clumps: Array[Vector4], cards: int, size: f
 			var depth := clampf(from_heart.length() / 5.6, 0.0, 1.0)
 			var color := LOW.lerp(HIGH, clampf(0.12 + 0.95 * height * depth + rng.randf_range(-0.1, 0.18), 0.0, 1.0))
 			color.a = clampf(0.2 + 0.5 * depth + 0.35 * height, 0.0, 1.0)
-			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color,
-					Vector2(0.3 + 0.4 * depth, rng.randf()))
+			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color)
 
 
 ## Dark round bodies that fill the crown behind the leaves.
@@ -109,8 +108,7 @@ static func _cores(builder: Builder, clumps: Array[Vector4], size: float, low: C
 	for clump in clumps:
 		var radius := clump.w * size
 		var radii := Vector3(radius, radius * 0.9, radius)
-		builder.blob(Vector3(clump.x * 0.85, clump.y, clump.z * 0.85), radii, 0, 0.15, low, high, Vector2(0.25, 0.5),
-				rng)
+		builder.blob(Vector3(clump.x * 0.85, clump.y, clump.z * 0.85), radii, 0, 0.15, low, high, rng)
 
 
 ## The i-th of n directions spread over the sphere.

@@ -33,14 +33,13 @@ static func _blades(builder: Builder, count: int, width: float, rng: RandomNumbe
 		var side := Vector3(-sin(heading + 1.0), 0.0, cos(heading + 1.0)) * width * rng.randf_range(0.8, 1.2)
 		var tall := rng.randf_range(1.3, 2.0)
 		var normal := Vector3.UP * 0.6 + lean + side.cross(Vector3.UP).normalized() * 0.4
-		var phase := rng.randf()
 		var middle := root + Vector3.UP * tall * 0.6 + lean * 0.3
 		var color := LOW.lerp(HIGH, rng.randf_range(0.4, 0.7))
-		var a := builder.vertex(root + Vector3.DOWN * 0.5 - side, normal, LOW, Builder.OPAQUE_UV, Vector2(0.0, phase))
-		var b := builder.vertex(root + Vector3.DOWN * 0.5 + side, normal, LOW, Builder.OPAQUE_UV, Vector2(0.0, phase))
-		var c := builder.vertex(middle + side, normal, color, Builder.OPAQUE_UV, Vector2(0.4, phase))
-		var d := builder.vertex(middle - side, normal, color, Builder.OPAQUE_UV, Vector2(0.4, phase))
-		var tip := builder.vertex(root + Vector3.UP * tall + lean, normal, HIGH, Builder.OPAQUE_UV, Vector2(1.0, phase))
+		var a := builder.vertex(root + Vector3.DOWN * 0.5 - side, normal, LOW, Builder.OPAQUE_UV)
+		var b := builder.vertex(root + Vector3.DOWN * 0.5 + side, normal, LOW, Builder.OPAQUE_UV)
+		var c := builder.vertex(middle + side, normal, color, Builder.OPAQUE_UV)
+		var d := builder.vertex(middle - side, normal, color, Builder.OPAQUE_UV)
+		var tip := builder.vertex(root + Vector3.UP * tall + lean, normal, HIGH, Builder.OPAQUE_UV)
 		builder.quad(a, d, c, b)
 		builder.triangle(d, tip, c)
 
@@ -51,18 +50,16 @@ static func _heads(builder: Builder, count: int, rng: RandomNumberGenerator) -> 
 		var angle := rng.randf() * TAU
 		var root := Vector3(cos(angle), 0.0, sin(angle)) * rng.randf_range(0.05, 0.25)
 		var top := root * 1.4 + Vector3.UP * rng.randf_range(1.7, 2.1)
-		var phase := rng.randf()
 		for turn: float in [0.0, PI * 0.5]:
 			var side := Vector3(cos(angle + turn), 0.0, sin(angle + turn))
-			_slat(builder, root, top + Vector3.DOWN * 0.3, side * 0.006, LOW, HIGH, Vector2(0.0, 0.8), phase)
-			_slat(builder, top + Vector3.DOWN * 0.3, top, side * 0.022, HEAD, HEAD, Vector2(0.8, 1.0), phase)
+			_slat(builder, root, top + Vector3.DOWN * 0.3, side * 0.006, LOW, HIGH)
+			_slat(builder, top + Vector3.DOWN * 0.3, top, side * 0.022, HEAD, HEAD)
 
 
-static func _slat(builder: Builder, from: Vector3, to: Vector3, side: Vector3, low: Color, high: Color, sway: Vector2,
-		phase: float) -> void:
+static func _slat(builder: Builder, from: Vector3, to: Vector3, side: Vector3, low: Color, high: Color) -> void:
 	var normal := side.cross(Vector3.UP).normalized() + Vector3.UP * 0.5
-	var a := builder.vertex(from - side, normal, low, Builder.OPAQUE_UV, Vector2(sway.x, phase))
-	var b := builder.vertex(to - side, normal, high, Builder.OPAQUE_UV, Vector2(sway.y, phase))
-	var c := builder.vertex(to + side, normal, high, Builder.OPAQUE_UV, Vector2(sway.y, phase))
-	var d := builder.vertex(from + side, normal, low, Builder.OPAQUE_UV, Vector2(sway.x, phase))
+	var a := builder.vertex(from - side, normal, low, Builder.OPAQUE_UV)
+	var b := builder.vertex(to - side, normal, high, Builder.OPAQUE_UV)
+	var c := builder.vertex(to + side, normal, high, Builder.OPAQUE_UV)
+	var d := builder.vertex(from + side, normal, low, Builder.OPAQUE_UV)
 	builder.quad(a, b, c, d)

@@ -26,8 +26,7 @@ static func build(variant: int) -> Builder:
 	_leaves(builder, clumps, 5, 0.6, rng)
 	_cores(builder, clumps, 0.8, CORE, LOW, rng)
 	builder.begin_level()
-	builder.blob(Vector3(0.0, 0.7, 0.0), Vector3(1.1, 0.85, 1.1), 0, 0.15, Color(LOW, 0.5), HIGH * 0.8,
-			Vector2(0.2, 0.5), rng)
+	builder.blob(Vector3(0.0, 0.7, 0.0), Vector3(1.1, 0.85, 1.1), 0, 0.15, Color(LOW, 0.5), HIGH * 0.8, rng)
 	builder.end(PackedFloat32Array([40.0, 110.0]))
 	return builder
 
@@ -49,12 +48,11 @@ static func _leaves(builder: Builder, clumps: Array[Vector4], count: int, size: 
 			color.a = clampf(0.3 + 0.75 * height, 0.0, 1.0)
 			var normal := position * Vector3(1.0, 0.8, 1.0) + Vector3.UP * 0.4 + out * 0.3
 			var extent := size * rng.randf_range(0.85, 1.25)
-			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color,
-					Vector2(0.15 + 0.3 * height, rng.randf()))
+			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color)
 
 
 static func _cores(builder: Builder, clumps: Array[Vector4], size: float, low: Color, high: Color,
 		rng: RandomNumberGenerator) -> void:
 	for clump in clumps:
 		var radii := Vector3(clump.w, clump.w * 0.9, clump.w) * size
-		builder.blob(Vector3(clump.x, clump.y, clump.z), radii, 0, 0.12, low, high, Vector2(0.12, 0.5), rng)
+		builder.blob(Vector3(clump.x, clump.y, clump.z), radii, 0, 0.12, low, high, rng)

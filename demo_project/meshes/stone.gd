@@ -39,7 +39,7 @@ static func _rock(builder: Builder, subdivisions: int, variant: int) -> void:
 				normal = plane.normal
 		var shade := ROCK_LOW.lerp(ROCK_HIGH, clampf(cut.y * 0.6 + 0.55 + rng.randf_range(-0.12, 0.12), 0.0, 1.0))
 		var index := builder.vertex(cut * stretch + Vector3.UP * 0.12, normal.lerp(point, 0.3) / stretch, shade,
-				Builder.OPAQUE_UV, Vector2.ZERO)
+				Builder.OPAQUE_UV)
 		if first < 0:
 			first = index
 	for i in range(0, faces.size(), 3):

@@ -5,7 +5,7 @@ extends RefCounted
 const Builder := preload("res://meshes/mesh_builder.gd")
 ## Meters from the ground to the cut.
 const HEIGHT := 0.5
-const BARKS: Array[Color] = [Color(0.21, 0.175, 0.14), Color(0.22, 0.16, 0.12)]
+const BARKS: Array[Color] = [Color(0.37, 0.3, 0.225), Color(0.39, 0.27, 0.195)]
 ## Radii of the trunks at the cut, in meters.
 const RADII: Array[float] = [0.46, 0.34]
 const WOOD := Color(0.56, 0.4, 0.22)
@@ -19,9 +19,9 @@ static func build(variant: int) -> Builder:
 	for sides: int in [12, 7, 4]:
 		builder.begin_level()
 		builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 0.12, 0.0), RADII[kind] * 1.9, RADII[kind] * 1.15, sides,
-				BARKS[kind] * 0.8, 0.0, 0.0)
+				BARKS[kind] * 0.8, kind)
 		builder.tube(Vector3(0.0, 0.12, 0.0), Vector3(0.0, HEIGHT, 0.0), RADII[kind] * 1.15, RADII[kind], sides,
-				BARKS[kind], 0.0, 0.0)
+				BARKS[kind], kind)
 		_top(builder, RADII[kind], sides)
 	builder.end(PackedFloat32Array([18.0, 60.0]))
 	return builder
@@ -37,7 +37,7 @@ static func _top(builder: Builder, radius: float, sides: int) -> void:
 		for i in sides + 1:
 			var angle := TAU * i / sides
 			var out := Vector3(cos(angle), 0.0, sin(angle)) * radius * (ring + 0.001) / rings
-			outer.append(builder.vertex(out + Vector3.UP * HEIGHT, Vector3.UP, color, Builder.OPAQUE_UV, Vector2.ZERO))
+			outer.append(builder.vertex(out + Vector3.UP * HEIGHT, Vector3.UP, color, Builder.OPAQUE_UV))
 		for i in (sides if ring > 0 else 0):
 			builder.quad(inner[i], outer[i], outer[i + 1], inner[i + 1])
 		inner = outer

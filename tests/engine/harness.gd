@@ -212,8 +212,10 @@ func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
 func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
 	var origin := scatter.get_tile(layer, tile).get_origin()
+	var of := scatter.layers[layer]
+	var floats := 12 + 4 * int(of.use_colors) + 4 * int(of.use_custom_data)
 	for buffer: PackedFloat32Array in tile_buffers(scatter, layer, tile):
-		for at in range(0, buffer.size(), 12):
+		for at in range(0, buffer.size(), floats):
 			result.push_back(Transform3D(
 					Vector3(buffer[at], buffer[at + 4], buffer[at + 8]),
 					Vector3(buffer[at + 1], buffer[at + 5], buffer[at + 9]),
