@@ -13,7 +13,7 @@ const STOPS: Array[Dictionary] = [
 	{"name": "forest", "eye": Vector3(1620.0, 26.0, -1180.0), "heading": 325.0, "pitch": -3.0},
 	{"name": "walk", "eye": Vector3(418.0, 1.75, -1200.0), "heading": 330.0, "pitch": 1.0},
 	{"name": "ridge", "eye": Vector3(1046.0, 26.0, -2000.0), "heading": 200.0, "pitch": -6.0},
-	{"name": "stones", "eye": Vector3(-12552.5, 1.75, 10573.5), "heading": 337.0, "pitch": -7.0},
+	{"name": "stones", "eye": Vector3(-12552.5, 1.75, 10573.5), "heading": 45.0, "pitch": -7.0},
 	{"name": "tiles", "eye": Vector3(1900.0, 150.0, -700.0), "heading": 318.0, "pitch": -28.0, "tiles": true},
 ]
 

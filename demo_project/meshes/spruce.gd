@@ -19,8 +19,8 @@ static func build(variant: int) -> Builder:
 	var slim := 1.0 - 0.13 * (variant % 3)
 	builder.begin_level()
 	_trunk(builder, 6)
-	_boughs(builder, 19, 7, slim, true, rng)
-	_tiers(builder, 5, 7, slim * 0.5, DARK, DARK, rng)
+	_boughs(builder, 21, 9, slim, true, rng)
+	_tiers(builder, 6, 7, slim * 0.4, DARK, DARK, rng)
 	builder.begin_level()
 	_trunk(builder, 4)
 	_boughs(builder, 14, 6, slim * 1.04, false, rng)
@@ -73,7 +73,7 @@ static func _boughs(builder: Builder, whorls: int, count: int, slim: float, bent
 static func _bough(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, share: float, bent: bool,
 		rng: RandomNumberGenerator) -> void:
 	var side := out.cross(Vector3.UP).rotated(out, rng.randf_range(-0.25, 0.25))
-	var width := reach * minf(0.6 * share, 0.6) + 0.3
+	var width := reach * minf(0.55 * share, 0.5) + 0.26
 	var sag := lerpf(-0.36, 0.5, along) * reach
 	var stations: Array[Vector3] = [start, start + out * reach + Vector3.UP * (sag + 0.1 * reach)]
 	if bent:
