@@ -373,6 +373,29 @@ def test_pictures_differ(pictures):
             assert np.abs(pictures[first] - pictures[second]).mean() > 10.0, f"{first} and {second} show the same"
 
 
+@pytest.mark.full
+@pytest.mark.parametrize("method", ["forward_plus", "mobile"])
+def test_other_renderers_show_the_same_afternoon(godot_xvfb, imported_demo, pictures, tmp_path, method):
+    """Forward+ and Mobile light in linear space; materials, light and haze look as they do in the Compatibility renderer."""
+    stops = ["overview", "forest", "walk"]
+    renderer = ["--rendering-driver", "vulkan", "--rendering-method", method, "--resolution", "640x360"]
+    arguments = ["--path", imported_demo, *renderer, "--", f"--screenshots={tmp_path}", f"--stops={','.join(stops)}"]
+    done = godot_xvfb(arguments, timeout=900)
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    assert not complaints(printed), complaints(printed)
+
+    def coarse(image: Image.Image) -> np.ndarray:
+        return np.asarray(image.convert("RGB").resize((64, 36), Image.Resampling.BOX), np.float64)
+
+    for name in stops:
+        here = coarse(Image.fromarray(pictures[name].astype(np.uint8)))
+        there = Image.open(tmp_path / f"{name}.png")
+        assert not is_a_picture(np.asarray(there.convert("RGB"), np.float64)), name
+        apart = np.abs(coarse(there) - here).mean()
+        assert apart < 20.0, f"{name}: colors differ by {apart:.1f} of 255"
+
+
 def test_a_picture_that_is_none_would_be_noticed():
     noise = np.random.default_rng(1).uniform(0, 255, (720, 1280, 3))
     ramp = np.broadcast_to(np.linspace(60, 200, 1280)[None, :, None], (720, 1280, 3))

@@ -11,7 +11,7 @@ const NoiseTexture := preload("res://terrain/noise_texture.gd")
 ## How many times as bright as in the Compatibility renderer, in linear space.
 const SUN := 1.8
 const AMBIENT := 1.4
-const FOG := 1.25
+const FOG := 1.7
 
 
 func _ready() -> void:
