@@ -48,7 +48,7 @@ struct RegionSizes {
 	double width = 4.0;
 };
 
-/// A part of the world that includes layers of the TerrainScatter3D above it, or excludes them.
+/// A part of the world that excludes layers of the TerrainScatter3D above it, or includes them.
 /// It counts while it is in the tree and not hidden. Only the tiles that it touches are made anew when it changes.
 class ScatterRegion3D : public godot::Node3D {
 	GDCLASS(ScatterRegion3D, godot::Node3D)
@@ -134,7 +134,7 @@ private:
 	static void bind_number();
 
 	Shape shape_ = SHAPE_BOX;
-	bool exclude_ = false;
+	bool exclude_ = true;
 	bool ignore_height_ = false;
 	godot::Array layers_; ///< As stored_reference has them.
 	godot::Vector3 size_{10.0F, 10.0F, 10.0F};

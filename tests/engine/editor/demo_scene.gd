@@ -132,6 +132,7 @@ func test_undo_redo() -> void:
 	check(instances(scatter, 0) == before, "undone: the same instances as before")
 	check(digests(scatter, 0) == before_digests, "to the bit")
 	check(scatter.layers[0].mask == null, "and no mask")
+	check(not FileAccess.file_exists(MASK), "and no file of a mask")
 	history(scatter).redo()
 	await settle(scatter)
 	check(instances(scatter, 0) == painted, "redone: the same as painted")
@@ -167,17 +168,18 @@ func test_paint_and_smooth() -> void:
 	await settle(scatter)
 	var full := instances(scatter, 1)
 	var at := Vector2(LOOKED_AT.x, LOOKED_AT.y + 10.0)
+	addon().toolbar.set_brush_on(true)
 	addon().toolbar.choose_mode(2)
 	await stroke([on_ground(at.x, at.y)])
 	check(layer.mask == null, "there is nothing to smooth")
-	addon().toolbar.choose_mode(0)
-	await stroke([on_ground(at.x, at.y)])
+	await ask_first(layer, at, full)
+	addon().first_stroke.get_ok_button().pressed.emit()
 	await settle(scatter)
 	var kept := instances(scatter, 1)
 	check(kept.size() > 30 and kept.size() < 120, "%d of %d stand where it is painted" % [kept.size(), full.size()])
 	for id: int in kept:
 		check(Vector2(kept[id].x, kept[id].z).distance_to(at) < 9.0 and kept[id] == full[id], "under the brush, not moved")
-	check_equal(layer.mask.resource_path, "res://demo_stakes_mask.res", "the mask's file")
+	check(layer.mask.resource_path.begins_with("res://demo_stakes_mask"), "the mask has a file: %s" % layer.mask.resource_path)
 	addon().toolbar.choose_mode(2)
 	var rim := at + Vector2(8.0, 0.0)
 	var sharp: float = layer.mask.sample(rim - Vector2(2.0, 0.0)) - layer.mask.sample(rim + Vector2(2.0, 0.0))
@@ -191,6 +193,68 @@ func test_paint_and_smooth() -> void:
 	check(instances(scatter, 1) == full, "painting is undone")
 	scatter.layers = old
 	addon().toolbar.show_layers(scatter)
+
+
+## Painting a layer that stands everywhere asks first: nothing changes by that, nor when it is dismissed, and "Not here" erases.
+func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
+	var dialog: ConfirmationDialog = addon().first_stroke
+	for answer: String in ["dismiss", "erase", "paint"]:
+		addon().toolbar.choose_mode(0)
+		await stroke([on_ground(at.x, at.y)])
+		check(dialog.visible and layer.mask == null, "the first stroke asks, to %s" % answer)
+		check("%d on show" % full.size() in dialog.dialog_text, "how many would go: %s" % dialog.dialog_text)
+		if answer == "dismiss":
+			await picture("first_stroke", dialog)
+			dialog.get_cancel_button().pressed.emit()
+			await settle(scatter)
+			check(layer.mask == null and instances(scatter, 1) == full, "dismissed, nothing has changed")
+		elif answer == "erase":
+			dialog.custom_action.emit(&"erase")
+			await settle(scatter)
+			var left := instances(scatter, 1)
+			check(left.size() < full.size() - 30 and left.size() > full.size() / 2, "%d of %d are left" % [left.size(), full.size()])
+			check_equal(addon().toolbar.brush.mode, 1, "the brush goes on to erase")
+			await until(addon().mask_overlay.is_shown, "the mask is seen while the brush is on")
+			await picture("mask")
+			var file: String = layer.mask.resource_path
+			check(FileAccess.file_exists(file), "the mask has a file")
+			history(scatter).undo()
+			check(layer.mask == null and not FileAccess.file_exists(file), "undone, and no file is left behind")
+			history(scatter).redo()
+			check(layer.mask != null and FileAccess.file_exists(file), "redone, with its file")
+			check(ResourceLoader.load(file, "", ResourceLoader.CACHE_MODE_IGNORE).sample(at) < 0.01, "which holds the stroke")
+			history(scatter).undo()
+			check(layer.mask == null and not FileAccess.file_exists(file), "undone again")
+			await settle(scatter)
+
+
+## A stroke that cannot be made says why and keeps the button; another selection puts the brush away.
+func test_brush_in_the_way() -> void:
+	addon().toolbar.set_brush_on(true)
+	await frames(2)
+	var press := _button(Vector2(300.0, 200.0), true, false)
+	var stop := EditorPlugin.AFTER_GUI_INPUT_STOP
+	scatter.terrain = null
+	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a terrain")
+	check("terrain" in addon()._cursor.problem, "why: '%s'" % addon()._cursor.problem)
+	await picture("no_terrain")
+	scatter.terrain = ground
+	var layers: Array = scatter.layers
+	scatter.layers = []
+	addon().toolbar.show_layers(scatter)
+	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a layer")
+	check("layer" in addon()._cursor.problem, "why: '%s'" % addon()._cursor.problem)
+	scatter.layers = layers
+	addon().toolbar.show_layers(scatter)
+	check_equal(addon()._forward_3d_gui_input(camera(), _button(Vector2(300.0, -20000.0), true, false)), stop, "the sky")
+	check("ground" in addon()._cursor.problem, "why: '%s'" % addon()._cursor.problem)
+	check(EditorInterface.get_selection().get_selected_nodes() == [scatter], "the selection stays")
+	select(EditorInterface.get_edited_scene_root())
+	await frames(2)
+	check(not addon().toolbar.is_brush_on(), "deselecting puts the brush away")
+	select(scatter)
+	await frames(2)
+	check(not addon().toolbar.is_brush_on(), "and it does not come back by itself")
 
 
 ## A preset adds its layers with undo; added again, the names differ and the rules name the new ones.
@@ -212,6 +276,15 @@ func test_presets() -> void:
 	await picture("preset")
 	history(scatter).undo()
 	check_equal(scatter.layers.size(), 1, "undone")
+	var flat: Resource = ClassDB.instantiate(&"ScatterTerrainFlat")
+	scatter.terrain = flat
+	addon().toolbar.preset_chosen.emit("scree")
+	check(not addon()._fresh.is_empty(), "what is new waits until it stands")
+	await settle(scatter)
+	await until(func() -> bool: return addon()._fresh.is_empty(), "what stands nowhere is told")
+	await picture("missing")
+	history(scatter).undo()
+	scatter.terrain = ground
 	for preset in ["meadow", "scree"]:
 		addon().toolbar.preset_chosen.emit(preset)
 		check(scatter.layers.size() > 3 and scatter.get_problems().is_empty(), "%s: %s" % [preset, scatter.get_problems()])

@@ -29,6 +29,7 @@ var _layer: Resource
 var _mask: Resource
 var _stroke_mode := Mode.PAINT
 var _is_new := false
+var _scene_path := ""
 var _before: Dictionary[Vector2i, PackedByteArray] = {}
 var _last := Vector2.ZERO
 
@@ -53,6 +54,7 @@ func begin(scatter: Node3D, layer: Resource, scene_path: String, stroke_mode: Mo
 		_is_new = true
 		layer.set(&"mask", mask)
 	_scatter = scatter
+	_scene_path = scene_path
 	_layer = layer
 	_mask = mask
 	_stroke_mode = stroke_mode
@@ -94,6 +96,9 @@ func finish(undo_redo: EditorUndoRedoManager) -> void:
 			undo_redo.add_undo_property(_layer, &"mask", null)
 		undo_redo.add_do_method(self, &"restore", _mask, after)
 		undo_redo.add_undo_method(self, &"restore", _mask, before)
+		if _is_new:
+			undo_redo.add_do_method(files, &"keep", _mask, _scene_path)
+			undo_redo.add_undo_method(files, &"drop", _mask, _scene_path)
 		undo_redo.commit_action(false)
 	_before.clear()
 	_scatter = null

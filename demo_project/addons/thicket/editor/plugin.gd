@@ -6,7 +6,9 @@ const Bake := preload("res://addons/thicket/editor/bake_dialog.gd")
 const Brush := preload("res://addons/thicket/editor/brush.gd")
 const Cursor := preload("res://addons/thicket/editor/brush_cursor.gd")
 const ExtentGizmos := preload("res://addons/thicket/editor/extent_gizmos.gd")
+const FirstStroke := preload("res://addons/thicket/editor/first_stroke.gd")
 const LayerInspector := preload("res://addons/thicket/editor/layer_inspector.gd")
+const MaskOverlay := preload("res://addons/thicket/editor/mask_overlay.gd")
 const Presets := preload("res://addons/thicket/editor/presets.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
@@ -19,6 +21,10 @@ const RADIUS_STEP := 1.15
 var toolbar: Toolbar
 ## Asks what to bake, and bakes.
 var bake: Bake
+## Asks what painting a layer that stands everywhere means.
+var first_stroke: FirstStroke
+## What is painted on the chosen layer.
+var mask_overlay := MaskOverlay.new()
 
 var _cursor := Cursor.new()
 var _regions := RegionGizmos.new()
@@ -28,6 +34,9 @@ var _scatter: Node3D
 var _shown: Array = []
 var _tiles := 0
 var _since_redraw := 0.0
+var _watched_mask: Resource
+var _mask_version := 0
+var _fresh: Array = [] ## Layers of a preset, until they stand or it was told why they do not.
 
 
 func _enter_tree() -> void:
@@ -39,12 +48,16 @@ func _enter_tree() -> void:
 	toolbar.hide()
 	bake = Bake.new()
 	EditorInterface.get_base_control().add_child(bake)
+	first_stroke = FirstStroke.new()
+	first_stroke.chosen.connect(_stroke_once)
+	EditorInterface.get_base_control().add_child(first_stroke)
 	_regions.undo_redo = get_undo_redo()
 	add_node_3d_gizmo_plugin(_regions)
 	add_node_3d_gizmo_plugin(_extent)
 	add_inspector_plugin(_inspector)
 	EditorInterface.get_resource_filesystem().resources_reimported.connect(_reload_scenes)
 	scene_saved.connect(_on_scene_saved)
+	scene_closed.connect(toolbar.brush.files.on_scene_closed)
 
 
 func _exit_tree() -> void:
@@ -56,6 +69,7 @@ func _exit_tree() -> void:
 	remove_control_from_container(CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
 	toolbar.queue_free()
 	bake.queue_free()
+	first_stroke.queue_free()
 
 
 func _handles(object: Object) -> bool:
@@ -66,6 +80,9 @@ func _edit(object: Object) -> void:
 	toolbar.brush.finish(get_undo_redo())
 	var last := _scatter
 	_scatter = object as Node3D
+	if _scatter != last:
+		toolbar.set_brush_on(false) # A click on another node must not paint.
+		_fresh.clear()
 	_extent.scatter = _scatter
 	_cursor.hide()
 	for node: Node3D in [last, _scatter]:
@@ -90,7 +107,9 @@ func _process(delta: float) -> void:
 	if _since_redraw < REDRAW_SECONDS:
 		return
 	_since_redraw = 0.0
+	_update_mask_overlay()
 	if is_instance_valid(_scatter):
+		_tell_of_fresh_layers()
 		var shown := _state(_scatter)
 		if shown != _shown:
 			_shown = shown
@@ -113,7 +132,7 @@ func _state(scatter: Node3D) -> Array:
 
 
 func _forward_3d_gui_input(camera: Camera3D, event: InputEvent) -> int:
-	if not is_instance_valid(_scatter) or not toolbar.is_brush_on() or _scatter.get(&"terrain") == null:
+	if not is_instance_valid(_scatter) or not toolbar.is_brush_on():
 		return AFTER_GUI_INPUT_PASS
 	if event is InputEventKey:
 		return _on_key(event as InputEventKey)
@@ -132,10 +151,12 @@ func _forward_3d_gui_input(camera: Camera3D, event: InputEvent) -> int:
 	var button := mouse as InputEventMouseButton
 	if button == null or button.button_index != MOUSE_BUTTON_LEFT or button.alt_pressed:
 		return AFTER_GUI_INPUT_PASS
+	# The button is the brush's, even where there is nothing to paint: a box to select with would lose the selection.
 	if not button.pressed:
 		toolbar.brush.finish(get_undo_redo())
-	elif at.is_finite():
-		_begin_stroke(Vector2(at.x, at.z), button)
+	else:
+		_cursor.problem = _begin_stroke(at, button)
+		update_overlays()
 	return AFTER_GUI_INPUT_STOP
 
 
@@ -151,29 +172,103 @@ func _on_key(key: InputEventKey) -> int:
 	return AFTER_GUI_INPUT_STOP
 
 
-func _begin_stroke(at: Vector2, button: InputEventMouseButton) -> void:
+## The layer to paint; null for none.
+func _layer() -> Resource:
 	var layers: Array = _scatter.get(&"layers")
 	var index := toolbar.layer_index()
-	if index < 0 or index >= layers.size() or layers[index] == null:
-		return
+	return layers[index] if index >= 0 and index < layers.size() else null
+
+
+## Begins a stroke at a place on the ground. Returns why it cannot, in a sentence.
+func _begin_stroke(at: Vector3, button: InputEventMouseButton) -> String:
+	var layer := _layer()
+	if _scatter.get(&"terrain") == null:
+		return "There is no ground to paint on: give %s a terrain." % _scatter.name
+	if layer == null:
+		return "There is nothing to paint: give %s a layer." % _scatter.name
+	if not at.is_finite():
+		return "There is no ground below the brush."
 	var mode := toolbar.brush.mode
 	if button.shift_pressed:
 		mode = Brush.Mode.SMOOTH
 	elif button.ctrl_pressed:
 		mode = Brush.Mode.ERASE
-	var scene := EditorInterface.get_edited_scene_root().scene_file_path
-	var problem := toolbar.brush.begin(_scatter, layers[index], scene, mode, at)
-	if not problem.is_empty():
-		EditorInterface.get_editor_toaster().push_toast(problem, EditorToaster.SEVERITY_WARNING)
+	var on_map := Vector2(at.x, at.z)
+	if mode == Brush.Mode.PAINT and layer.get(&"mask") == null:
+		first_stroke.ask(layer.resource_name, _on_show(toolbar.layer_index()), on_map)
+		return ""
+	return toolbar.brush.begin(_scatter, layer, _scene(), mode, on_map)
+
+
+## A single dab, as the first of a layer; the brush goes on as it began.
+func _stroke_once(mode: int, at: Vector2) -> void:
+	if not is_instance_valid(_scatter) or _layer() == null:
+		return
+	toolbar.choose_mode(mode)
+	_cursor.problem = toolbar.brush.begin(_scatter, _layer(), _scene(), mode as Brush.Mode, at)
+	toolbar.brush.finish(get_undo_redo())
+	update_overlays()
+
+
+func _scene() -> String:
+	return EditorInterface.get_edited_scene_root().scene_file_path
+
+
+## How many instances of a layer are on show.
+func _on_show(index: int) -> int:
+	var count := 0
+	for tile: Vector2i in _scatter.call(&"get_shown_tiles", index):
+		var shown: RefCounted = _scatter.call(&"get_tile", index, tile)
+		for mesh: int in shown.call(&"get_mesh_count"):
+			count += (shown.call(&"get_ids", mesh) as PackedInt64Array).size()
+	return count
+
+
+## The veil of the chosen layer's mask, while the brush is on.
+func _update_mask_overlay() -> void:
+	var mask: Resource = _layer().get(&"mask") if is_instance_valid(_scatter) and _layer() != null else null
+	if not toolbar.is_brush_on() or mask != null and _scatter.get(&"terrain") == null:
+		mask = null
+	if mask != _watched_mask:
+		if _watched_mask != null:
+			_watched_mask.disconnect(&"area_changed", _on_mask_changed)
+		if mask != null:
+			mask.connect(&"area_changed", _on_mask_changed)
+		_watched_mask = mask
+	if mask == null:
+		mask_overlay.hide()
+		return
+	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
+	var away := Cursor.distance_to_ground(camera, _scatter.get(&"terrain"))
+	mask_overlay.show(_scatter, mask, camera.global_position - camera.global_basis.z * away, away, _mask_version)
+
+
+func _on_mask_changed(_rect: Rect2) -> void:
+	_mask_version += 1
 
 
 func _add_preset(name: String) -> void:
 	if is_instance_valid(_scatter):
+		var before: Array = _scatter.get(&"layers").duplicate()
 		Presets.add(name, _scatter, get_undo_redo())
 		toolbar.show_layers(_scatter)
+		_fresh = _scatter.get(&"layers").filter(func(layer: Resource) -> bool: return not before.has(layer))
+
+
+## Once all is there: which layers of the preset stand nowhere in sight, and what they ask for.
+func _tell_of_fresh_layers() -> void:
+	if _fresh.is_empty() or not _scatter.call(&"is_settled"):
+		return
+	var layers: Array = _scatter.get(&"layers")
+	var missing := _fresh.filter(func(layer: Resource) -> bool: return layer in layers and _on_show(layers.find(layer)) == 0)
+	_fresh.clear()
+	var sentence := Presets.why_missing(missing)
+	if not sentence.is_empty():
+		EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)
 
 
 func _on_scene_saved(path: String) -> void:
+	toolbar.brush.files.on_scene_saved(path)
 	_reload_scenes([path])
 
 

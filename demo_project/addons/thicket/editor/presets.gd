@@ -42,6 +42,24 @@ static func add(name: String, scatter: Node3D, undo_redo: EditorUndoRedoManager)
 	undo_redo.commit_action()
 
 
+## What new layers ask for that stand nowhere, in a sentence; empty for none.
+static func why_missing(missing: Array) -> String:
+	if missing.is_empty():
+		return ""
+	var parts := PackedStringArray()
+	for layer: Resource in missing:
+		var asks := PackedStringArray()
+		var least: float = layer.get(&"min_slope_degrees")
+		if least > 0.0:
+			asks.append("slopes from %.0f degrees" % least)
+		if not (layer.get(&"ground_textures") as PackedInt32Array).is_empty():
+			asks.append("its ground textures")
+		if layer.get(&"proximity_layer"):
+			asks.append("%s near by" % layer.get(&"proximity_layer"))
+		parts.append("%s (needs %s)" % [layer.resource_name, ", ".join(asks)] if not asks.is_empty() else layer.resource_name)
+	return "Nothing stands here of %s." % ", ".join(parts)
+
+
 ## A copy of a resource and of those in it, without their paths; files of their own are shared. What is used twice is
 ## copied once.
 static func _copy(resource: Resource, copies: Dictionary[Resource, Resource]) -> Resource:

@@ -11,8 +11,8 @@ signal bake_requested
 signal brush_changed
 
 const MODE_TIPS: PackedStringArray = [
-	"Paint: more of the layer. The first stroke on a layer without a mask takes it away everywhere else.",
-	"Erase: less of the layer (or hold Ctrl). The first stroke leaves it everywhere else.",
+	"Paint: more of the layer. The first stroke on a layer that stands everywhere asks what you mean.",
+	"Erase: less of the layer (or hold Ctrl).",
 	"Smooth: even out what is painted (or hold Shift).",
 ]
 
@@ -74,7 +74,6 @@ func show_layers(scatter: Node3D) -> void:
 	var again := _layers.get_item_index(chosen)
 	if again >= 0:
 		_layers.select(again)
-	_on.disabled = _layers.item_count == 0
 
 
 ## The index of the layer to paint in the scatter's list; -1 for none.
@@ -84,7 +83,7 @@ func layer_index() -> int:
 
 ## Whether the left button paints.
 func is_brush_on() -> bool:
-	return _on.button_pressed and not _on.disabled
+	return _on.button_pressed
 
 
 ## Switches the brush on or off.

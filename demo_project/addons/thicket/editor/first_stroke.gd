@@ -1,0 +1,34 @@
+@tool
+extends ConfirmationDialog
+## Asks what the first stroke with Paint on a layer without a mask means: the layer stands everywhere, so there is nothing to add.
+
+## What was chosen, by the brush's mode, for the stroke that began at world x and z.
+signal chosen(mode: int, at: Vector2)
+
+const Brush := preload("res://addons/thicket/editor/brush.gd")
+const TEXT := "%s stands wherever its rules let it, so there is nothing to add.\n
+Only here: it stands where you paint, and nowhere else. %s
+Not here: it stays, and you take it away where you paint."
+
+var _at := Vector2.ZERO
+
+
+func _init() -> void:
+	title = "The first stroke on a layer"
+	ok_button_text = "Only here"
+	confirmed.connect(_choose.bind(Brush.Mode.PAINT))
+	add_button("Not here", true, "erase")
+	custom_action.connect(func(_action: StringName) -> void: _choose(Brush.Mode.ERASE))
+
+
+## Opens for a layer of a name, of which so many instances are on show.
+func ask(layer_name: String, instances: int, at: Vector2) -> void:
+	_at = at
+	var gone := "All others of the %d on show go." % instances if instances > 0 else ""
+	dialog_text = TEXT % [layer_name if layer_name else "The layer", gone]
+	popup_centered()
+
+
+func _choose(mode: int) -> void:
+	hide()
+	chosen.emit(mode, _at)
