@@ -4,6 +4,7 @@ extends "terrain_harness.gd"
 ## Behaves like Terrain3D's data: heights and normals with a round hole, textures by halves, told edits.
 class Terrain3DLikeData extends Object:
 	signal maps_edited(area: AABB)
+	signal maps_changed
 	var lift := 0.0
 
 	func is_hole(at: Vector3) -> bool:
@@ -25,6 +26,11 @@ class Terrain3DLike extends Node3D:
 	func _notification(what: int) -> void:
 		if what == NOTIFICATION_EXIT_TREE:
 			data.free()
+
+
+## The same with posts that are farther apart.
+class SparseTerrain3DLike extends Terrain3DLike:
+	var vertex_spacing := 4.0
 
 
 ## Behaves like HTerrain's data: an image of heights, asked in its own pixels, clamped at its border.
@@ -49,12 +55,27 @@ class HTerrainLikeData extends Resource:
 		return lift + 0.5 * clampf(at.x, 0.0, SIZE - 1.0)
 
 
+## Tells of edits as HTerrain does since July 2026.
+class LaterHTerrainLikeData extends Resource:
+	signal region_changed(rect: Rect2i, channel: int, index: int)
+	var lift := 7.0
+
+	func get_map_count(_map_type: int) -> int:
+		return 0
+
+	func get_resolution() -> int:
+		return HTerrainLikeData.SIZE
+
+	func get_interpolated_height_at(at: Vector3) -> float:
+		return lift + 0.5 * clampf(at.x, 0.0, HTerrainLikeData.SIZE - 1.0)
+
+
 class HTerrainLike extends Node3D:
 	signal transform_changed(to: Transform3D)
 	var map_scale := Vector3(2.0, 3.0, 2.0)
-	var _data := HTerrainLikeData.new()
+	var _data: Resource = HTerrainLikeData.new()
 
-	func get_data() -> HTerrainLikeData:
+	func get_data() -> Resource:
 		return _data
 
 	func get_internal_transform() -> Transform3D:
@@ -110,6 +131,20 @@ func test_terrain3d_like() -> void:
 	terrain.terrain_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	node.data.maps_edited.emit(AABB(Vector3(1.0, -5.0, 2.0), Vector3(3.0, 50.0, 4.0)))
 	check_equal(rects, [Rect2(1.0, 2.0, 3.0, 4.0)] as Array[Rect2], "the edited area")
+
+
+func test_edits_of_sparse_terrain3d_like() -> void:
+	var node := SparseTerrain3DLike.new()
+	var scatter := make_on(node)
+	await settle(scatter)
+	var rects: Array[Rect2] = []
+	scatter.terrain.terrain_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
+	node.data.maps_edited.emit(AABB(Vector3(1.0, -5.0, 2.0), Vector3(3.0, 50.0, 4.0)))
+	check_equal(rects, [Rect2(-7.0, -6.0, 19.0, 20.0)] as Array[Rect2], "the edited area and two posts around it")
+	var count := digests(scatter, 0).size()
+	node.data.lift = 3.0
+	var made := await made_again(scatter, func() -> void: node.data.maps_changed.emit())
+	check_equal(made.size(), count, "what a script has changed somewhere makes all anew")
 
 
 func test_textures_of_terrain3d_like() -> void:
@@ -177,6 +212,39 @@ func test_hterrain_like() -> void:
 	node.transform_changed.emit(node.get_internal_transform())
 	await settle(slow)
 	check(all_transforms(slow)[0].origin.y > stand[0].origin.y + 40.0, "follows the moved node")
+
+
+func test_later_hterrain_like() -> void:
+	var node := HTerrainLike.new()
+	node._data = LaterHTerrainLikeData.new()
+	var scatter := make_on(node)
+	await settle(scatter)
+	var rects: Array[Rect2] = []
+	scatter.terrain.terrain_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
+	node._data.region_changed.emit(Rect2i(32, 32, 4, 4), 0, 0)
+	if check_equal(rects.size(), 1, "an edit"):
+		var world := node.get_internal_transform() * Vector3(34, 0, 34)
+		check(rects[0].has_point(Vector2(world.x, world.z)), "%s is in %s" % [world, rects[0]])
+		check(rects[0].size.x > 8.0 and rects[0].size.x < 30.0, "the edited area is small: %s" % rects[0])
+
+
+func test_a_node_that_has_other_data_is_asked_again() -> void:
+	for how: String in ["regenerate", "terrain_changed"]:
+		var node := HTerrainLike.new()
+		var scatter := make_on(node)
+		await settle(scatter)
+		var before := all_transforms(scatter)
+		node._data = LaterHTerrainLikeData.new()
+		if how == "regenerate":
+			scatter.regenerate()
+		else:
+			scatter.terrain.terrain_changed.emit(Rect2())
+		await settle(scatter)
+		var after := all_transforms(scatter)
+		var higher := after[0].origin.y - before[0].origin.y
+		check(after.size() == before.size() and absf(higher - 7.0 * node.map_scale.y) < 0.01, "%s: %f m higher" % [how, higher])
+		scatter.free()
+		node.free()
 
 
 func test_holes_and_textures_of_hterrain_like() -> void:

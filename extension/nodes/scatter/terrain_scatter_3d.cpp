@@ -244,7 +244,17 @@ void TerrainScatter3D::mark_ground_dirty() {
 	mark_dirty();
 }
 
+void TerrainScatter3D::regenerate() {
+	if (terrain_.is_valid()) {
+		terrain_->look_again();
+	}
+	mark_ground_dirty();
+}
+
 void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
+	if (terrain_.is_valid()) {
+		terrain_->look_again();
+	}
 	const Rect rect = world_rect(p_rect);
 	ground_change_.everywhere = ground_change_.everywhere || !rect.finite();
 	ground_change_.add(rect, slope_margin);

@@ -93,7 +93,7 @@ public:
 	godot::StringName get_interaction_group() const { return interaction_group_; }
 
 	/// Makes all tiles anew; what stands stays until its successor is ready.
-	void regenerate() { mark_ground_dirty(); }
+	void regenerate();
 
 	/// True when every wanted tile is shown, and all else has followed: bodies, scenes, and what was changed.
 	bool is_settled() const;

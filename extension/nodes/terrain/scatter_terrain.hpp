@@ -78,6 +78,9 @@ public:
 	/// all other ground is the world's.
 	void set_world_offset(const godot::Node3D *p_host, glm::dvec3 offset);
 
+	/// The ground may be another one than it was found to be, and nothing has told so.
+	virtual void look_again() {}
+
 	/// Height in meters of the ground above or below a world position; NAN where there is none.
 	double get_height(const godot::Vector3 &p_global_position);
 

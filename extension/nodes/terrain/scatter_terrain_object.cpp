@@ -3,6 +3,7 @@
 #include "nodes/common/convert.hpp"
 #include "nodes/common/watch.hpp"
 
+#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
@@ -12,6 +13,17 @@
 using namespace godot;
 
 namespace thicket {
+
+namespace {
+
+/// Heights between posts, and slopes, depend on so many posts around them.
+constexpr real_t posts_around = 2;
+
+Rect2 grown(const Rect2 &rect, real_t by) {
+	return {rect.position.x - by, rect.position.y - by, rect.size.x + 2 * by, rect.size.y + 2 * by};
+}
+
+} // namespace
 
 std::shared_ptr<const Terrain> ScatterTerrainObject::make_snapshot(const GroundHost &host) {
 	find();
@@ -118,7 +130,7 @@ void ScatterTerrainObject::unfollow() {
 	followed_source_ = Variant();
 }
 
-// Of edits only Terrain3D (maps_edited) and HTerrain (the other two) tell, each in its own way.
+// Of edits only Terrain3D (maps_edited in the editor, maps_changed) and HTerrain (the other two) tell, each in its own way.
 void ScatterTerrainObject::connect_signals(bool p_connect) {
 	const auto set = [this, p_connect](Object *object, const StringName &signal, const StringName &method) {
 		if (object != nullptr && object->has_signal(signal)) {
@@ -136,6 +148,7 @@ void ScatterTerrainObject::connect_signals(bool p_connect) {
 	}
 	if (!map || !p_connect) {
 		set(source, "maps_edited", "_area_edited");
+		set(source, "maps_changed", "_maps_changed");
 	}
 }
 
@@ -190,23 +203,45 @@ void ScatterTerrainObject::emit_area(const Rect2 &p_rect) {
 		}
 	}
 	const Ref<ScatterTerrain> held(this); // Who hears of it may let go of it.
+	const bool told_before = std::exchange(telling_, true);
 	for (const glm::dvec2 corner : corners) {
 		emit_terrain_changed(Rect2(to_engine(corner), p_rect.size));
 	}
+	telling_ = told_before;
 }
 
 void ScatterTerrainObject::area_edited(const AABB &p_area) {
-	emit_area(Rect2(p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z));
+	const Object *node = followed_node_.get_validated_object();
+	const Variant spacing = node != nullptr ? node->get("vertex_spacing") : Variant();
+	const real_t margin = is_number(spacing) ? posts_around * std::max<real_t>(spacing, 0) : 0;
+	emit_area(grown({p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z}, margin));
 }
 
-void ScatterTerrainObject::map_edited(int64_t p_x, int64_t p_z, int64_t p_width, int64_t p_depth, int64_t p_channel) {
+/// In the editor it comes beside the area of each stroke, and would make all ground anew each time.
+void ScatterTerrainObject::maps_changed() {
+	if (!Engine::get_singleton()->is_editor_hint()) {
+		change();
+	}
+}
+
+/// HTerrain up to 1.8 tells x, z, width, depth and the channel; later ones a Rect2i, the channel and the index of the map.
+void ScatterTerrainObject::map_edited(const Variant &p_x, const Variant &p_z, const Variant &p_width,
+		const Variant &p_depth, const Variant &p_channel) {
+	Rect2 edited;
+	const bool is_rect = p_x.get_type() == Variant::RECT2I && is_number(p_z);
+	if (is_rect) {
+		const Rect2i rect = p_x;
+		edited = {static_cast<real_t>(rect.position.x), static_cast<real_t>(rect.position.y),
+				static_cast<real_t>(rect.size.x), static_cast<real_t>(rect.size.y)};
+	} else if (is_number(p_x) && is_number(p_z) && is_number(p_width) && is_number(p_depth) && is_number(p_channel)) {
+		edited = {p_x, p_z, p_width, p_depth};
+	} else {
+		change(); // Told in another way: anything may have changed.
+		return;
+	}
 	if (ground_ != nullptr && ground_->map() != nullptr) {
-		// Heights between posts and slopes depend on the posts around them.
-		constexpr real_t margin = 2;
-		const Rect2 part(static_cast<real_t>(p_x) - margin, static_cast<real_t>(p_z) - margin,
-				static_cast<real_t>(p_width) + 2 * margin, static_cast<real_t>(p_depth) + 2 * margin);
-		stale_ = stale_ || TerrainMap::copies(p_channel);
-		emit_area(ground_->map()->world_rect(part));
+		stale_ = stale_ || TerrainMap::copies(is_rect ? p_z : p_channel);
+		emit_area(ground_->map()->world_rect(grown(edited, posts_around)));
 	}
 }
 
@@ -236,7 +271,9 @@ void ScatterTerrainObject::_bind_methods() {
 	bind_guarded<&Self::node_gone>(D_METHOD("_node_gone"));
 	bind_guarded<&Self::node_moved>(D_METHOD("_node_moved", "transform"));
 	bind_guarded<&Self::area_edited>(D_METHOD("_area_edited", "area"));
-	bind_guarded<&Self::map_edited>(D_METHOD("_map_edited", "x", "z", "width", "depth", "channel"));
+	bind_guarded<&Self::maps_changed>(D_METHOD("_maps_changed"));
+	bind_guarded<&Self::map_edited>(D_METHOD("_map_edited", "x", "z", "width", "depth", "channel"), DEFVAL(Variant()),
+			DEFVAL(Variant()), DEFVAL(Variant()), DEFVAL(Variant()));
 	ADD_PROPERTY(PropertyInfo(Variant::NODE_PATH, "node", PROPERTY_HINT_NODE_PATH_VALID_TYPES, "Node"), "set_node",
 			"get_node");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "thread_safe"), "set_thread_safe", "is_thread_safe");

@@ -24,6 +24,7 @@ class ScatterTerrainObject : public ScatterTerrain {
 public:
 	bool has_textures() const override { return ground_ != nullptr && ground_->has_textures(); }
 	bool is_available() const override;
+	void look_again() override { stale_ = stale_ || !telling_; }
 
 	/// From the TerrainScatter3D that uses this ground; of several, from the first.
 	void set_node(const godot::NodePath &p_node);
@@ -57,7 +58,9 @@ private:
 	void node_moved(const godot::Transform3D &p_transform);
 	void emit_area(const godot::Rect2 &p_rect);
 	void area_edited(const godot::AABB &p_area);
-	void map_edited(int64_t p_x, int64_t p_z, int64_t p_width, int64_t p_depth, int64_t p_channel);
+	void maps_changed();
+	void map_edited(const godot::Variant &p_x, const godot::Variant &p_z, const godot::Variant &p_width,
+			const godot::Variant &p_depth, const godot::Variant &p_channel);
 
 	godot::NodePath node_;
 	bool thread_safe_ = false;
@@ -74,6 +77,7 @@ private:
 	std::vector<Given> given_;                                       ///< All of that node; closed when it is gone.
 	bool stale_ = true;                                              ///< The node has to be looked for.
 	bool finding_ = false; ///< It is being looked for, which may run its script.
+	bool telling_ = false; ///< What is told of an edit is known here already.
 	godot::String problem_;
 	godot::String reported_; ///< The problem that was printed last.
 	godot::Variant followed_node_;
