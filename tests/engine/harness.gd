@@ -208,12 +208,16 @@ func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
 	return result
 
 
+## How many floats an instance of a layer has in a buffer.
+func floats_of(layer: ScatterLayer) -> int:
+	return 12 + 4 * int(layer.use_colors) + 4 * int(layer.use_custom_data)
+
+
 ## What stands in a tile according to the RenderingServer: world transforms, all meshes in a row.
 func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
 	var origin := scatter.get_tile(layer, tile).get_origin()
-	var of := scatter.layers[layer]
-	var floats := 12 + 4 * int(of.use_colors) + 4 * int(of.use_custom_data)
+	var floats := floats_of(scatter.layers[layer])
 	for buffer: PackedFloat32Array in tile_buffers(scatter, layer, tile):
 		for at in range(0, buffer.size(), floats):
 			result.push_back(Transform3D(
