@@ -66,7 +66,7 @@ inline void disturb(InstanceState &r_state, StateRandom &random) {
 	const std::vector<std::uint64_t> added = r_state.added_ids();
 	const std::uint64_t placed = added.empty() ? point : added[random() % added.size()];
 	const std::uint64_t any = random() % 2 != 0 ? point : placed;
-	switch (random() % 8) {
+	switch (random() % 9) {
 		case 0:
 		case 1:
 			r_state.remove(any, random() % 2 != 0 ? r_state.time() + static_cast<double>(random() % 50) : 0.0);
@@ -84,6 +84,14 @@ inline void disturb(InstanceState &r_state, StateRandom &random) {
 		case 6:
 			REQUIRE(r_state.set_data(any, StateBytes(random() % 4, static_cast<std::uint8_t>(random()))).ok());
 			break;
+		case 7: {
+			std::vector<InstanceChange> changes;
+			std::uint64_t id = 0;
+			const AddedInstance to = instance_at(near() * 20.0, near() * 20.0, layer_of(any));
+			const bool stood = is_added(any) || !r_state.removed(any);
+			REQUIRE(r_state.move(any, to, id, changes).ok() == stood);
+			break;
+		}
 		default: {
 			std::vector<InstanceChange> changes;
 			REQUIRE(r_state.advance(static_cast<double>(random() % 5), changes).ok());

@@ -109,6 +109,45 @@ TEST_CASE("state: the id of a hand-placed instance is a function of the instance
 	CHECK(id == 0x8001a05597e0f7bb);
 }
 
+TEST_CASE("state: many instances are placed as they would be one by one, or not at all") {
+	std::vector<AddedInstance> all;
+	for (int i = 0; i < 3000; ++i) {
+		all.push_back(instance_at(
+				i % 700, -0.0, static_cast<std::uint16_t>(i % 3))); // Many alike: their ids follow one another.
+	}
+	InstanceState one_by_one;
+	std::vector<std::uint64_t> expected;
+	expected.push_back(added_to(one_by_one, all[0]));
+	InstanceState state;
+	added_to(state, all[0]);
+	for (const AddedInstance &instance : all) {
+		expected.push_back(added_to(one_by_one, instance));
+	}
+	std::vector<std::uint64_t> ids;
+	std::vector<InstanceChange> changes;
+	REQUIRE(state.add_all(all, ids, changes).ok());
+	CHECK(ids == std::vector<std::uint64_t>(expected.begin() + 1, expected.end()));
+	CHECK(state.digest() == one_by_one.digest());
+	REQUIRE(changes.size() == all.size());
+	for (std::size_t i = 0; i < all.size(); ++i) {
+		REQUIRE(changes[i].id == ids[i]);
+		REQUIRE(changes[i].kind == InstanceChangeKind::added);
+		REQUIRE(changes[i].added == all[i]);
+	}
+	const std::uint64_t before = state.digest();
+	const std::uint64_t revision = state.revision();
+	all[17].position.y = std::nan("");
+	changes.clear();
+	const Status refused = state.add_all(all, ids, changes);
+	CHECK(refused.code == ErrorCode::not_finite);
+	CHECK(ids.size() == 17);
+	CHECK(changes.empty());
+	CHECK(state.digest() == before);
+	CHECK(state.revision() == revision);
+	REQUIRE(state.add_all({}, ids, changes).ok());
+	CHECK(ids.empty());
+}
+
 TEST_CASE("state: a hand-placed instance that cannot be is refused by its property") {
 	InstanceState state;
 	const auto refused = [&state](const AddedInstance &instance, const char *property, ErrorCode code) {
@@ -342,4 +381,121 @@ TEST_CASE("state: layers keep to their point sets") {
 	unknown.remove(point_id(1, 0, 0));
 	CHECK(state.load(bytes_of(unknown), changes).ok());
 	CHECK(bytes_of(state) == bytes_of(unknown));
+}
+
+TEST_CASE("state: what is placed by hand stands in any set of points") {
+	InstanceState state;
+	REQUIRE(state.claim(1, 10).ok());
+	const std::uint64_t placed = added_to(state, instance_at(1.0, 2.0));
+	REQUIRE(state.set_data(placed, StateBytes{1}).ok());
+	CHECK_FALSE(state.is_foreign(1, 20));
+	CHECK(state.claim(1, 20).ok());
+	CHECK(state.stamp(1) == 20);
+
+	// Points of another set bring hand-placed ones of theirs along, and what is placed alone goes anywhere.
+	InstanceState other;
+	REQUIRE(other.claim(1, 30).ok());
+	const std::uint64_t elsewhere = added_to(other, instance_at(5.0, 6.0));
+	Changes changes;
+	CHECK(state.merge(other, changes).ok());
+	CHECK(state.apply(diff_of(other, 0), changes).ok());
+	CHECK(state.added(elsewhere) != nullptr);
+	CHECK(state.stamp(1) == 20);
+	for (const std::uint64_t point : {point_id(1, 0, 0), point_id(1, 3, 3)}) {
+		REQUIRE(other.set_data(point, StateBytes{1}).ok());
+		CHECK(other.is_foreign(1, 20));
+		CHECK(state.apply(bytes_of(other), changes).code == ErrorCode::foreign);
+		CHECK(other.claim(1, 20).code == ErrorCode::foreign);
+		REQUIRE(other.set_data(point, {}).ok());
+		CHECK(other.claim(1, 30).ok());
+	}
+}
+
+TEST_CASE("state: a hand-placed instance that moves keeps its id and its data") {
+	InstanceState state;
+	const std::uint64_t placed = added_to(state, instance_at(1.0, 2.0));
+	REQUIRE(state.set_data(placed, StateBytes{7}).ok());
+	AddedInstance to = instance_at(700.0, -900.0);
+	to.basis[2][0] = -0.3f;
+	std::uint64_t id = 0;
+	Changes changes;
+	REQUIRE(state.move(placed, to, id, changes).ok());
+	CHECK(id == placed);
+	CHECK(*state.added(placed) == to);
+	CHECK(state.data(placed).size() == 1);
+	REQUIRE(changes.size() == 2);
+	CHECK(changes[0].kind == InstanceChangeKind::left);
+	CHECK(changes[0].added == instance_at(1.0, 2.0));
+	CHECK(changes[1].kind == InstanceChangeKind::moved);
+	CHECK(changes[1].added == to);
+	std::vector<std::uint64_t> found;
+	REQUIRE(state.added_in(1, {{0.0, 0.0}, {10.0, 10.0}}, found).ok());
+	CHECK(found.empty());
+	REQUIRE(state.added_in(1, {{690.0, -910.0}, {710.0, -890.0}}, found).ok());
+	CHECK(found == std::vector<std::uint64_t>{placed});
+	// One that is placed where it stood gets another id, and moving to where it stands changes nothing.
+	CHECK(added_to(state, instance_at(1.0, 2.0)) != placed);
+	const std::uint64_t revision = state.revision();
+	changes.clear();
+	REQUIRE(state.move(placed, to, id, changes).ok());
+	CHECK(changes.empty());
+	CHECK(state.revision() == revision);
+}
+
+TEST_CASE("state: a point that moves is removed, and a hand-placed one is there for it") {
+	InstanceState state;
+	const std::uint64_t point = point_id(1, 4, 5);
+	REQUIRE(state.set_data(point, StateBytes{7, 8}).ok());
+	std::uint64_t id = 0;
+	Changes changes;
+	REQUIRE(state.move(point, instance_at(9.0, 9.0), id, changes).ok());
+	CHECK(is_added(id));
+	CHECK(layer_of(id) == 1);
+	CHECK(state.removed(point));
+	CHECK(state.data(point).empty());
+	CHECK(state.data(id).size() == 2);
+	CHECK(*state.added(id) == instance_at(9.0, 9.0));
+
+	const StateBytes before = bytes_of(state);
+	changes.clear();
+	std::uint64_t untouched = 5;
+	CHECK(state.move(point, instance_at(1.0, 1.0), untouched, changes).code == ErrorCode::missing);
+	CHECK(state.move(id, instance_at(1.0, 1.0, 2), untouched, changes).code == ErrorCode::missing);
+	CHECK(state.move(id + 1, instance_at(1.0, 1.0), untouched, changes).code == ErrorCode::missing);
+	AddedInstance nowhere = instance_at(1.0, 1.0);
+	nowhere.position.y = std::numeric_limits<double>::infinity();
+	CHECK_FALSE(state.move(id, nowhere, untouched, changes).ok());
+	CHECK(changes.empty());
+	CHECK(untouched == 5);
+	CHECK(bytes_of(state) == before);
+}
+
+TEST_CASE("state: a diff of ids takes back whatever was done to them, to the bit") {
+	StateRandom random(11);
+	for (int trial = 0; trial < 300; ++trial) {
+		InstanceState state;
+		disturb(state, random, 20);
+		REQUIRE(state.claim(1, 7).ok());
+		const StateBytes before = bytes_of(state);
+		std::vector<std::uint64_t> ids = state.added_ids();
+		const std::vector<std::uint64_t> removed = state.removed_ids();
+		ids.insert(ids.end(), removed.begin(), removed.end());
+		ids.insert(ids.end(), 2, point_id(1, 50, 50));
+		ids.push_back(~std::uint64_t{0});
+		StateBytes diff;
+		REQUIRE(state.diff_of(ids, diff).ok());
+		Changes changes;
+		std::uint64_t id = 0;
+		REQUIRE(state.set_data(point_id(1, 50, 50), StateBytes{3}).ok());
+		for (const std::uint64_t one : ids) {
+			if (random() % 2 != 0) {
+				state.remove(one);
+				state.restore(one);
+			} else if (is_added(one)) {
+				static_cast<void>(state.move(one, instance_at(1e4, 1e4, layer_of(one)), id, changes));
+			}
+		}
+		REQUIRE(state.apply(diff, changes).ok());
+		REQUIRE(bytes_of(state) == before);
+	}
 }

@@ -34,6 +34,11 @@ struct Told {
 					REQUIRE(placed);
 					REQUIRE(added.emplace(change.id, change.added).second);
 					break;
+				case InstanceChangeKind::left: REQUIRE(added.at(change.id) == change.added); break;
+				case InstanceChangeKind::moved:
+					REQUIRE(added.contains(change.id));
+					added[change.id] = change.added;
+					break;
 				case InstanceChangeKind::data: break;
 			}
 		}

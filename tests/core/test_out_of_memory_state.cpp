@@ -95,7 +95,13 @@ TEST_CASE("out of memory: a single change of a state happens or does not") {
 				fail_change("id", seed, disturbances, [id](Game &game) { return game.state.remove(id).status; });
 				fail_change(
 						"data", seed, disturbances, [id](Game &game) { return game.state.set_data(id, some_bytes); });
+				fail_change("instance", seed, disturbances, [id](Game &game) {
+					return game.state.move(id, instance_at(700.0, 80.0, layer_of(id)), game.id, game.changes);
+				});
 			}
+			fail_change("instance", seed, disturbances, [](Game &game) {
+				return game.state.move(point_id(9, 1, 1), instance_at(70.0, 80.0, 9), game.id, game.changes);
+			});
 			fail_change("instance", seed, disturbances,
 					[](Game &game) { return game.state.add(instance_at(70.0, 80.0, 5), game.id); });
 			fail_change("data", seed, disturbances,

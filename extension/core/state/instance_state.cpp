@@ -6,6 +6,7 @@
 #include "core/state/instance_state_content.hpp"
 
 #include <algorithm>
+#include <unordered_set>
 
 namespace thicket {
 
@@ -28,6 +29,17 @@ std::uint64_t hash_of(const AddedInstance &instance) {
 		}
 	}
 	return split_mix(hash.value()) & cell_mask;
+}
+
+/// The id of an instance without signed zeros, the next free one where that is taken.
+template <typename Taken>
+std::uint64_t free_id(const AddedInstance &placed, const Taken &taken) {
+	const std::uint64_t prefix = added_bit | std::uint64_t{placed.layer} << layer_shift;
+	std::uint64_t id = prefix | hash_of(placed);
+	while (id == IdTable::none || taken(id)) {
+		id = prefix | ((id + 1) & cell_mask);
+	}
+	return id;
 }
 
 bool is_of(std::uint64_t id, int layer) { return layer < 0 || layer_of(id) == layer; }
@@ -134,7 +146,7 @@ Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp) {
 		return status;
 	}
 	Content::Layer &own = content_->layers[layer];
-	if (own.holds_any() && own.stamp != 0 && own.stamp != stamp) {
+	if (own.is_foreign(stamp)) {
 		return {ErrorCode::foreign, "layer", static_cast<double>(layer)};
 	}
 	own.stamp = stamp;
@@ -152,6 +164,11 @@ void InstanceState::release_claims() {
 std::uint64_t InstanceState::stamp(std::uint16_t layer) const {
 	const auto own = content_->layers.find(layer);
 	return own != content_->layers.end() ? own->second.stamp : 0;
+}
+
+bool InstanceState::is_foreign(std::uint16_t layer, std::uint64_t stamp) const {
+	const auto own = content_->layers.find(layer);
+	return own != content_->layers.end() && own->second.is_foreign(stamp);
 }
 
 StateChange InstanceState::remove(std::uint64_t id, double until) {
@@ -176,13 +193,60 @@ Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 		return status;
 	}
 	const AddedInstance placed = without_signed_zeros(instance);
-	const std::uint64_t prefix = added_bit | std::uint64_t{placed.layer} << layer_shift;
-	std::uint64_t id = prefix | hash_of(placed);
-	while (id == IdTable::none || content_->added.contains(id)) {
-		id = prefix | ((id + 1) & cell_mask);
-	}
+	const std::uint64_t id = free_id(placed, [this](std::uint64_t any) { return content_->added.contains(any); });
 	const Status status = content_->change_one(id, {.instance = &placed}, "instance", 1.0).status;
 	r_id = status.ok() ? id : r_id;
+	return status;
+}
+
+Status InstanceState::add_all(std::span<const AddedInstance> instances, std::vector<std::uint64_t> &r_ids,
+		std::vector<InstanceChange> &r_changes) {
+	r_ids.clear();
+	return guarded("instances", static_cast<double>(instances.size()), [&]() -> Status {
+		std::vector<AddedInstance> placed;
+		std::unordered_set<std::uint64_t> new_ids;
+		placed.reserve(instances.size());
+		new_ids.reserve(instances.size());
+		r_ids.reserve(instances.size());
+		for (const AddedInstance &instance : instances) {
+			if (const Status status = validate(instance); !status.ok()) {
+				return status;
+			}
+			placed.push_back(without_signed_zeros(instance));
+			r_ids.push_back(free_id(placed.back(),
+					[&](std::uint64_t any) { return content_->added.contains(any) || new_ids.contains(any); }));
+			new_ids.insert(r_ids.back());
+		}
+		const auto each = [&](const auto &use) {
+			for (std::size_t at = 0; at < placed.size(); ++at) {
+				use(r_ids[at], Content::Entry{.instance = &placed[at]});
+			}
+		};
+		content_->change_all(each, r_changes);
+		return {};
+	});
+}
+
+Status InstanceState::move(
+		std::uint64_t id, const AddedInstance &instance, std::uint64_t &r_id, std::vector<InstanceChange> &r_changes) {
+	if (const Status status = validate(instance); !status.ok()) {
+		return status;
+	}
+	const bool by_hand = is_added(id);
+	if (layer_of(id) != instance.layer || (by_hand ? added(id) == nullptr : removed(id))) {
+		return {ErrorCode::missing, "id"};
+	}
+	const AddedInstance placed = without_signed_zeros(instance);
+	const std::uint64_t to =
+			by_hand ? id : free_id(placed, [this](std::uint64_t any) { return content_->added.contains(any); });
+	const auto each = [&](const auto &use) {
+		use(to, Content::Entry{.instance = &placed, .data = data(id)});
+		if (!by_hand) {
+			use(id, Content::Entry{.removed = true});
+		}
+	};
+	const Status status = guarded("instance", 1.0, [&] { content_->change_all(each, r_changes); });
+	r_id = status.ok() ? to : r_id;
 	return status;
 }
 

@@ -47,6 +47,8 @@ enum class InstanceChangeKind : std::uint8_t {
 	removed,  ///< A point of the set, or a hand-placed one: then `added` holds what it was.
 	restored, ///< A point of the set stands again, as far as its layer's rules let it.
 	added,    ///< Placed by hand.
+	left,     ///< Hand-placed, and about to stand elsewhere: `added` holds what it was. The next change is its `moved`.
+	moved,    ///< The same one stands as `added` says.
 	data,     ///< Its data have changed.
 };
 
@@ -72,7 +74,8 @@ struct StateChange {
 /// saved. What an id was before the state was loaded or cleared is not remembered, nor more than the last changes where ids come and go
 /// for ever (as many as the state holds, and 65536): a peer that asks for older ones gets all there is. Not thread safe.
 ///
-/// Layers are stamped with what names their point set (see `claim`), because ids mean nothing in another set. Clocks are those of one
+/// Layers are stamped with what names their point set (see `claim`), because ids of points mean nothing in another set; what is placed by
+/// hand stands in any. Clocks are those of one
 /// world: what comes from another state turns this one's forward, never back.
 ///
 /// Where memory does not suffice, a call says so by its status and leaves the state as it was, to the bit, and the lists that it
@@ -120,7 +123,7 @@ public:
 	double time() const;
 
 	/// Stamps a layer with a number that names its point set (see stamp_of). Refuses, as `layer`, a layer above max_state_layer, and one
-	/// of which something is held under another stamp. From then on nothing of another stamp is taken in for it.
+	/// of which points are held under another stamp. From then on no points of another stamp are taken in for it.
 	Status claim(std::uint16_t layer, std::uint64_t stamp);
 
 	/// Keeps stamps only of layers of which something is held, so that a state without a world takes in any other.
@@ -128,6 +131,9 @@ public:
 
 	/// The stamp of a layer; 0 for none.
 	std::uint64_t stamp(std::uint16_t layer) const;
+
+	/// Whether points of a layer are held under a stamp that is not this one, as `claim` would say.
+	bool is_foreign(std::uint16_t layer, std::uint64_t stamp) const;
 
 	/// Removes an instance, for ever or (`until` above 0, at most max_state_time) until the clock reaches that time. A hand-placed one is
 	/// gone with its data, and `until` does not count. False if it was removed before (a new `until` is taken over) or was never placed.
@@ -139,6 +145,18 @@ public:
 	/// Places an instance by hand. Its id is a function of the instance, so that peers who place the same get the same id; one that
 	/// is taken gives the next free id. Refuses what AddedInstance refuses, naming it, and leaves everything as it was.
 	Status add(const AddedInstance &instance, std::uint64_t &r_id);
+
+	/// Places many instances, as `add` would one after the other, with the same ids; all of them, or none. Replaces `r_ids` by the ids
+	/// in the order of the instances. After a refusal it holds those of the instances before the one that was refused, which were not
+	/// placed either: their number is its index. Adds the changes.
+	Status add_all(std::span<const AddedInstance> instances, std::vector<std::uint64_t> &r_ids,
+			std::vector<InstanceChange> &r_changes);
+
+	/// Moves an instance to where `instance` stands, with its data. A hand-placed one keeps its id; a point of the set is removed for
+	/// ever, and a hand-placed one is there for it. `r_id` becomes the id it has then. Refuses what `add` refuses, and as `id` an instance
+	/// of another layer, a hand-placed one that there is not and a point that is removed; then everything is as it was. Adds the changes.
+	Status move(std::uint64_t id, const AddedInstance &instance, std::uint64_t &r_id,
+			std::vector<InstanceChange> &r_changes);
 
 	/// Replaces the data of an instance; no bytes for none. Refuses more than max_instance_data bytes as `data`, and a hand-placed
 	/// instance that there is not as `id`.
@@ -161,6 +179,9 @@ public:
 
 	/// Replaces `r_bytes` by what has changed since a revision of this state, restored ids included, for `apply`.
 	Status diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes) const;
+
+	/// Replaces `r_bytes` by what is held of some ids now, for `apply`, which makes them again what they were: for steps of undo.
+	Status diff_of(std::span<const std::uint64_t> ids, std::vector<std::uint8_t> &r_bytes) const;
 
 	/// Takes over what `diff_since` of another state gave: those ids become what they are there, all others stay. A diff that had to give
 	/// all there is, and what `save` gave, replaces everything. Refuses as `load` does.

@@ -86,7 +86,7 @@ void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, Roo
 	}
 }
 
-/// False if the instance that is there will go, with its data.
+/// False if the instance that is there will go, with its data. One that stays, elsewhere, keeps them.
 bool InstanceState::Content::plan_added(std::uint64_t id, const AddedInstance *to, Room &r_room) {
 	const auto own = added.find(id);
 	const bool was = own != added.end();
@@ -100,7 +100,7 @@ bool InstanceState::Content::plan_added(std::uint64_t id, const AddedInstance *t
 		r_room.added.emplace(id, *to);
 		r_room.grid.insert(id, square_position(*to));
 	}
-	return !was;
+	return !was || to != nullptr;
 }
 
 void InstanceState::Content::make_room(const Room &room, std::vector<InstanceChange> &r_changes) {
@@ -144,12 +144,15 @@ void InstanceState::Content::change_added(
 	if (was ? to != nullptr && *to == own->second : to == nullptr) {
 		return;
 	}
+	const bool moves = was && to != nullptr;
 	if (was) {
-		r_changes.push_back({id, InstanceChangeKind::removed, take_away(id)});
+		r_changes.push_back({id, moves ? InstanceChangeKind::left : InstanceChangeKind::removed, take_away(id)});
 	}
 	if (to != nullptr) {
 		place(id, r_room);
-		r_changes.push_back({id, InstanceChangeKind::added, *to});
+		r_changes.push_back({id, moves ? InstanceChangeKind::moved : InstanceChangeKind::added, *to});
+	} else {
+		data.erase(id);
 	}
 	note(id);
 }
@@ -168,7 +171,6 @@ AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
 	layer.grid.erase(id, square_position(instance));
 	--layer.added;
 	layer.max_scale = layer.added > 0 ? layer.max_scale : 0.0;
-	layer.with_data -= data.erase(id);
 	return instance;
 }
 
@@ -179,15 +181,14 @@ void InstanceState::Content::change_data(
 	if (was ? std::ranges::equal(own->second, to) : to.empty()) {
 		return;
 	}
-	Layer &layer = layers[layer_of(id)];
-	if (to.empty()) {
+	if (was) {
 		data.erase(own);
-		--layer.with_data;
-	} else if (was) {
-		own->second = std::move(r_room.data.extract(id).mapped());
-	} else {
+	}
+	if (!to.empty()) {
 		data.insert(r_room.data.extract(id));
-		++layer.with_data;
+	}
+	if (!is_added(id)) {
+		layers[layer_of(id)].with_data += to.empty() ? -std::size_t{1} : std::size_t{was ? 0U : 1U};
 	}
 	note(id);
 	const auto placed = added.find(id);
@@ -227,7 +228,7 @@ Status InstanceState::Content::check_stamps(const StateRecord &record, bool repl
 			continue;
 		}
 		const Layer &layer = own->second;
-		const bool counts = layer.claimed || (!replaced && layer.holds_any());
+		const bool counts = record.holds_points(number) && (layer.claimed || (!replaced && layer.holds_points()));
 		if (counts && stamp != 0 && layer.stamp != 0 && layer.stamp != stamp) {
 			return {ErrorCode::foreign, "layer", static_cast<double>(number)};
 		}
@@ -244,8 +245,10 @@ void InstanceState::Content::make_room_for_stamps(const StateRecord &record) {
 
 void InstanceState::Content::take_stamps(const StateRecord &record) {
 	for (const auto &[number, stamp] : record.stamps) {
-		if (stamp != 0) {
-			layers[number].stamp = stamp;
+		Layer &layer = layers[number];
+		const bool counts = record.holds_points(number) || layer.stamp == 0 || !(layer.claimed || layer.holds_points());
+		if (stamp != 0 && counts) {
+			layer.stamp = stamp;
 		}
 	}
 }

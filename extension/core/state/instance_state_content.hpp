@@ -26,11 +26,13 @@ struct InstanceState::Content {
 		bool claimed = false;
 		std::size_t removed = 0;
 		std::size_t added = 0;
-		std::size_t with_data = 0;
-		double max_scale = 0.0; ///< Of the hand-placed ones since there were none.
+		std::size_t with_data = 0; ///< Points that have data, removed or not.
+		double max_scale = 0.0;    ///< Of the hand-placed ones since there were none.
 		AddedGrid grid;
 
-		bool holds_any() const { return removed + added + with_data > 0; }
+		bool holds_points() const { return removed + with_data > 0; }
+		bool holds_any() const { return holds_points() || added > 0; }
+		bool is_foreign(std::uint64_t to) const { return holds_points() && stamp != 0 && stamp != to; }
 	};
 
 	/// A point of a set that grows again.
@@ -87,8 +89,8 @@ struct InstanceState::Content {
 	/// Moves the clock to a later time and restores what is due by then; or throws std::bad_alloc and changes nothing.
 	void move_clock(double to, std::vector<InstanceChange> &r_changes);
 
-	/// Refuses, as `layer`, stamps that are not those of this state's layers that are claimed or, unless everything is replaced, hold
-	/// something.
+	/// Refuses, as `layer`, stamps of points that are not those of this state's layers that are claimed or, unless everything is
+	/// replaced, hold points.
 	Status check_stamps(const StateRecord &record, bool replaced) const;
 
 	/// All ids of which anything is said here, ascending.

@@ -35,6 +35,16 @@ Status InstanceState::diff_since(std::uint64_t revision, std::vector<std::uint8_
 	});
 }
 
+Status InstanceState::diff_of(std::span<const std::uint64_t> ids, std::vector<std::uint8_t> &r_bytes) const {
+	return guarded_answer("ids", static_cast<double>(ids.size()), r_bytes, [&] {
+		std::vector<std::uint64_t> once(ids.begin(), ids.end());
+		std::ranges::sort(once);
+		once.erase(std::unique(once.begin(), once.end()), once.end());
+		std::erase(once, IdTable::none);
+		write(content_->record_of(std::move(once), false), r_bytes);
+	});
+}
+
 Status InstanceState::apply(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes) {
 	StateRecord record;
 	if (const Status status = read(bytes, record); !status.ok()) {

@@ -235,6 +235,13 @@ std::map<std::uint16_t, std::uint64_t> StateRecord::layers() const {
 	return found;
 }
 
+bool StateRecord::holds_points(std::uint16_t layer) const {
+	return std::ranges::any_of(std::array{&removed, &standing}, [layer](const Codes *codes) {
+		const auto first = std::ranges::lower_bound(*codes, layer, {}, layer_of);
+		return first != codes->end() && layer_of(*first) == layer;
+	});
+}
+
 bool StateRecord::names(std::uint64_t id) const {
 	const std::uint64_t code = code_of(id);
 	return std::ranges::any_of(std::array{&removed, &standing, &gone, &added},

@@ -45,6 +45,9 @@ struct StateRecord {
 	/// The layers of all ids.
 	std::map<std::uint16_t, std::uint64_t> layers() const;
 
+	/// Whether anything is said of points of a layer.
+	bool holds_points(std::uint16_t layer) const;
+
 	/// Whether anything is said of an id.
 	bool names(std::uint64_t id) const;
 
