@@ -1,9 +1,9 @@
 #include "core/terrain/heightfield.hpp"
 
-#include "core/base/bilinear.hpp"
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
+#include "core/terrain/smooth_patch.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,47 +14,6 @@
 namespace thicket {
 
 namespace {
-
-/// Values at the four posts of a patch, in the order (column, row) (column + 1, row) (column, row + 1) (both + 1).
-using Patch = std::array<double, 4>;
-
-double bilinear(const Patch &patch, double x, double y) {
-	return thicket::bilinear(patch[0], patch[1], patch[2], patch[3], x, y);
-}
-
-/// The indices of four posts in a line about a patch: before it, its two and behind it, held inside the field; and what
-/// turns the difference of the neighbors of its first and of its second post into a gradient per post.
-struct Line {
-	std::array<std::size_t, 4> index;
-	double first_weight;
-	double second_weight;
-};
-
-Line line_about(int patch, int posts) {
-	const int before = std::max(patch - 1, 0);
-	const int behind = std::min(patch + 2, posts - 1);
-	return {
-			{static_cast<std::size_t>(before), static_cast<std::size_t>(patch), static_cast<std::size_t>(patch) + 1,
-					static_cast<std::size_t>(behind)},
-			before == patch ? 1.0 : 0.5,
-			behind == patch + 1 ? 1.0 : 0.5,
-	};
-}
-
-/// The gradient per post at `post`, between its neighbors. Posts of meters may be holes: one that is missing is left out, as
-/// on the border.
-template <typename Post>
-double difference(double behind, double before, double post, double weight) {
-	if constexpr (std::is_floating_point_v<Post>) {
-		if (std::isnan(before)) {
-			return behind - post;
-		}
-		if (std::isnan(behind)) {
-			return post - before;
-		}
-	}
-	return (behind - before) * weight;
-}
 
 Status check(const HeightfieldFrame &frame, std::size_t posts) {
 	if (const Status status = validate(frame); !status.ok()) {
@@ -175,35 +134,17 @@ Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 po
 	const double x = along_posts.x - column;
 	const double y = along_posts.y - row;
 
-	const Line across = line_about(column, frame_.posts.x);
-	const Line along = line_about(row, frame_.posts.y);
 	const auto stride = static_cast<std::size_t>(frame_.posts.x);
-	// The post at a column and a row of the 4 x 4 about the patch; its corners are never asked for.
-	const auto post = [&](std::size_t i, std::size_t j) {
-		return static_cast<double>(posts[along.index[j] * stride + across.index[i]]);
-	};
-
-	const Patch steps{post(1, 1), post(2, 1), post(1, 2), post(2, 2)};
-	const double height = base_ + bilinear(steps, x, y) * meters_per_step_;
-	if constexpr (std::is_floating_point_v<Post>) {
-		if (std::isnan(height)) {
-			return {};
-		}
+	constexpr bool may_be_missing = std::is_floating_point_v<Post>;
+	const SmoothPatch patch = smooth_patch<may_be_missing>(frame_.posts, {column, row}, {x, y}, [&](int i, int j) {
+		return static_cast<double>(posts[static_cast<std::size_t>(j) * stride + static_cast<std::size_t>(i)]);
+	});
+	const double height = base_ + patch.height * meters_per_step_;
+	if (may_be_missing && std::isnan(height)) {
+		return {};
 	}
-	const Patch slope_x{
-			difference<Post>(steps[1], post(0, 1), steps[0], across.first_weight),
-			difference<Post>(post(3, 1), steps[0], steps[1], across.second_weight),
-			difference<Post>(steps[3], post(0, 2), steps[2], across.first_weight),
-			difference<Post>(post(3, 2), steps[2], steps[3], across.second_weight),
-	};
-	const Patch slope_y{
-			difference<Post>(steps[2], post(1, 0), steps[0], along.first_weight),
-			difference<Post>(steps[3], post(2, 0), steps[1], along.first_weight),
-			difference<Post>(post(1, 3), steps[0], steps[2], along.second_weight),
-			difference<Post>(post(2, 3), steps[1], steps[3], along.second_weight),
-	};
-	const double gradient_x = bilinear(slope_x, x, y) * meters_per_step_ * posts_per_meter_.x;
-	const double gradient_y = bilinear(slope_y, x, y) * meters_per_step_ * posts_per_meter_.y;
+	const double gradient_x = patch.gradient.x * meters_per_step_ * posts_per_meter_.x;
+	const double gradient_y = patch.gradient.y * meters_per_step_ * posts_per_meter_.y;
 	const double to_unit = 1.0 / std::sqrt(gradient_x * gradient_x + gradient_y * gradient_y + 1.0);
 	return {
 			static_cast<float>(height),

@@ -1,13 +1,14 @@
 #include "core/terrain/triangle_terrain.hpp"
 
+#include "core/base/bvh_order.hpp"
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
 #include "core/base/orientation.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace thicket {
@@ -18,39 +19,6 @@ glm::dvec2 from_above(glm::dvec3 corner) { return {corner.x, corner.z}; }
 
 double area_from_above(const std::array<glm::dvec3, 3> &corners) {
 	return orientation(from_above(corners[0]), from_above(corners[1]), from_above(corners[2]));
-}
-
-/// What the order of a triangle is found by.
-struct Key {
-	glm::dvec2 position; ///< Three times its middle.
-	std::uint32_t triangle;
-};
-
-/// Puts triangles that lie near each other next to each other: the lower ones along the longer axis into the first half_runs
-/// leaves of the tree, the others behind them, and so on within both. One order whatever the library's nth_element.
-void arrange(std::span<Key> keys, std::size_t half_runs) {
-	if (half_runs == 0) {
-		return;
-	}
-	const std::size_t half = half_runs * Bvh::leaf_size;
-	if (keys.size() <= half) {
-		arrange(keys, half_runs / 2);
-		return;
-	}
-	glm::dvec2 min = keys.front().position;
-	glm::dvec2 max = min;
-	for (const Key &key : keys) {
-		min = {std::min(min.x, key.position.x), std::min(min.y, key.position.y)};
-		max = {std::max(max.x, key.position.x), std::max(max.y, key.position.y)};
-	}
-	const int axis = max.x - min.x >= max.y - min.y ? 0 : 1;
-	std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(half), keys.end(),
-			[axis](const Key &a, const Key &b) {
-				return a.position[axis] < b.position[axis] ||
-						(a.position[axis] == b.position[axis] && a.triangle < b.triangle);
-			});
-	arrange(keys.first(half), half_runs / 2);
-	arrange(keys.subspan(half), half_runs / 2);
 }
 
 Status check_corners(std::span<const glm::dvec3> corners) {
@@ -91,7 +59,7 @@ void TriangleTerrain::take(std::span<const glm::dvec3> corners) {
 		const std::size_t first = std::size_t{index} * 3;
 		return Triangle{{corners[first], corners[first + 1], corners[first + 2]}, index};
 	};
-	std::vector<Key> keys;
+	std::vector<BvhKey> keys; // By three times the triangles' middles.
 	keys.reserve(corners.size() / 3);
 	for (std::uint32_t i = 0; i < corners.size() / 3; ++i) {
 		const auto &[a, b, c] = triangle(i).corners;
@@ -100,12 +68,10 @@ void TriangleTerrain::take(std::span<const glm::dvec3> corners) {
 		}
 	}
 	tree_ = Bvh(keys.size());
-	if (!tree_.empty()) {
-		arrange(keys, std::bit_ceil(tree_.nodes(0)) / 2);
-	}
+	put_in_order(tree_, keys);
 	triangles_.reserve(keys.size());
-	for (const Key &key : keys) {
-		triangles_.push_back(triangle(key.triangle));
+	for (const BvhKey &key : keys) {
+		triangles_.push_back(triangle(key.item));
 	}
 }
 
@@ -130,6 +96,7 @@ void TriangleTerrain::build_boxes() {
 	});
 	const Box &all = boxes_[tree_.index_of(tree_.root())];
 	area_ = {all.min, all.max};
+	top_ = all.top;
 }
 
 TriangleTerrain::Box TriangleTerrain::around(const Triangle &triangle) {
@@ -147,14 +114,16 @@ Status TriangleTerrain::sample(std::span<const glm::dvec2> positions, std::span<
 	if (positions.size() != r_ground.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
 	}
+	Top top;
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		r_ground[i] = ground_at(positions[i]);
+		const bool found = find_top(positions[i], -std::numeric_limits<double>::infinity(), top);
+		r_ground[i] = found ? Ground{static_cast<float>(top.height), top.normal} : Ground{};
 	}
 	return {};
 }
 
-Ground TriangleTerrain::ground_at(glm::dvec2 position) const {
-	Hit hit;
+bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) const {
+	Hit hit{nullptr, least};
 	BvhStack<Bvh::Node> stack;
 	const auto push = [&](Bvh::Node node) {
 		if (boxes_[tree_.index_of(node)].holds(position)) {
@@ -166,7 +135,7 @@ Ground TriangleTerrain::ground_at(glm::dvec2 position) const {
 	}
 	while (!stack.empty()) {
 		const Bvh::Node node = stack.pop();
-		if (hit.triangle != nullptr && boxes_[tree_.index_of(node)].top < hit.height) {
+		if (boxes_[tree_.index_of(node)].top < hit.height) {
 			continue;
 		}
 		if (node.level == 0) {
@@ -186,7 +155,11 @@ Ground TriangleTerrain::ground_at(glm::dvec2 position) const {
 		}
 		push(first);
 	}
-	return hit.triangle != nullptr ? ground_of(hit) : Ground{};
+	if (hit.triangle == nullptr) {
+		return false;
+	}
+	r_top = {hit.height, normal_of(*hit.triangle)};
+	return true;
 }
 
 /// Keeps the higher one of `r_hit` and the triangle, if that lies above or below `position`.
@@ -203,15 +176,15 @@ void TriangleTerrain::meet(const Triangle &triangle, glm::dvec2 position, Hit &r
 	}
 	const double mean = (part_a * a.y + part_b * b.y + part_c * c.y) / (part_a + part_b + part_c);
 	const double height = std::clamp(mean, std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}));
-	const bool higher = r_hit.triangle == nullptr || height > r_hit.height ||
-			(height == r_hit.height && triangle.index < r_hit.triangle->index);
+	const bool higher = height > r_hit.height ||
+			(height == r_hit.height && (r_hit.triangle == nullptr || triangle.index < r_hit.triangle->index));
 	if (higher) {
 		r_hit = {&triangle, height};
 	}
 }
 
-Ground TriangleTerrain::ground_of(const Hit &hit) {
-	const auto &corners = hit.triangle->corners;
+glm::vec3 TriangleTerrain::normal_of(const Triangle &triangle) {
+	const auto &corners = triangle.corners;
 	// Areas along the axes rather than a cross product, which is noise where the triangle is narrow.
 	const auto area_along = [&](int x, int y) {
 		return orientation(
@@ -221,7 +194,7 @@ Ground TriangleTerrain::ground_of(const Hit &hit) {
 	const double longest = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
 	normal /= normal.y < 0.0 ? -longest : longest; // Or the squares of a tiny triangle's areas would vanish.
 	const double to_unit = 1.0 / std::sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
-	return {static_cast<float>(hit.height), glm::vec3(normal * to_unit)};
+	return glm::vec3(normal * to_unit);
 }
 
 } // namespace thicket

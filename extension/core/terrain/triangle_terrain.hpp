@@ -28,8 +28,23 @@ public:
 	/// the first in `corners`; the height is exact to a float's rounding.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
+	/// The ground at one position, with its height before it is rounded.
+	struct Top {
+		double height = 0.0;
+		glm::vec3 normal{0.0f, 1.0f, 0.0f};
+	};
+
+	/// False if there is no ground, or none at `least` meters or above. Exactly what `sample` finds otherwise.
+	bool find_top(glm::dvec2 position, double least, Top &r_top) const;
+
 	/// The rectangle around all triangles but those on edge, from corner to corner; empty for none. Its far borders have ground.
 	const Rect &area() const { return area_; }
+
+	/// False if all triangles are on edge, or there are none.
+	bool has_ground() const { return !triangles_.empty(); }
+
+	/// The height of the highest corner, in meters. Not without ground.
+	double top() const { return top_; }
 
 	static constexpr double max_extent = 1e7;
 	static constexpr std::size_t max_triangles = std::size_t{1} << 24;
@@ -61,13 +76,13 @@ private:
 	static Box around(const Triangle &triangle);
 	static Box around(const Box &a, const Box &b);
 	static void meet(const Triangle &triangle, glm::dvec2 position, Hit &r_hit);
-	static Ground ground_of(const Hit &hit);
+	static glm::vec3 normal_of(const Triangle &triangle);
 
 	void take(std::span<const glm::dvec3> corners);
 	void build_boxes();
-	Ground ground_at(glm::dvec2 position) const;
 
 	Rect area_;
+	double top_ = 0.0;
 	std::vector<Triangle> triangles_; ///< In the order of the tree.
 	Bvh tree_;
 	std::vector<Box> boxes_; ///< By the tree's slots.

@@ -1,0 +1,187 @@
+#include "core/terrain/map_field.hpp"
+
+#include "core/base/bilinear.hpp"
+#include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
+#include "core/terrain/smooth_patch.hpp"
+
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+constexpr int textures_per_splat = 4;
+
+Status check_layer(const char *name, const PixelGrid &layer, glm::ivec2 posts) {
+	return layer.empty() || layer.size() == posts
+			? Status{}
+			: Status{ErrorCode::wrong_size, name, static_cast<double>(layer.size().x)};
+}
+
+Status check(const MapLayers &layers) {
+	const glm::ivec2 posts = layers.heights.size();
+	if (posts.x < 2 || posts.y < 2) {
+		return {ErrorCode::wrong_size, "height map", static_cast<double>(std::min(posts.x, posts.y))};
+	}
+	Status status = first_failure(check_layer("color map", layers.colors, posts),
+			check_layer("splat index map", layers.indices, posts),
+			check_layer("splat weight map", layers.weights, posts));
+	for (const PixelGrid &splat : layers.splats) {
+		status = first_failure(status, check_layer("splat map", splat, posts));
+	}
+	if (status.ok() && layers.indices.empty() != layers.weights.empty()) {
+		return {ErrorCode::missing, layers.indices.empty() ? "splat index map" : "splat weight map", 0.0};
+	}
+	return status;
+}
+
+Status check(const MapPlace &place) {
+	const double area = std::abs(glm::determinant(place.to_world));
+	return first_failure(check_range("area between posts", area, MapField::min_area, 1e12),
+			check_range("x of the map", place.origin.x, -1e12, 1e12),
+			check_range("height of the map", place.origin.y, -1e12, 1e12),
+			check_range("z of the map", place.origin.z, -1e12, 1e12),
+			check_range("height scale of the map", place.height_scale, -1e6, 1e6));
+}
+
+/// For each splat, the channels of it that are among some textures, a bit each.
+std::vector<unsigned> channels_of(std::span<const std::int32_t> textures, std::size_t splats) {
+	std::vector<unsigned> channels(splats);
+	for (const std::int32_t texture : textures) {
+		const std::int32_t splat = texture / textures_per_splat;
+		if (texture >= 0 && static_cast<std::size_t>(splat) < splats) {
+			channels[static_cast<std::size_t>(splat)] |= 1u << static_cast<unsigned>(texture % textures_per_splat);
+		}
+	}
+	return channels;
+}
+
+/// Of a value that each post has.
+template <class ValueOf>
+double interpolated(glm::ivec2 patch, glm::dvec2 part, ValueOf value_of) {
+	return bilinear(value_of(patch.x, patch.y), value_of(patch.x + 1, patch.y), value_of(patch.x, patch.y + 1),
+			value_of(patch.x + 1, patch.y + 1), part.x, part.y);
+}
+
+} // namespace
+
+Status MapField::set(const MapPlace &place, const MapLayers &layers) {
+	if (const Status status = first_failure(check(place), check(layers)); !status.ok()) {
+		return status;
+	}
+	return guarded("splat maps", static_cast<double>(layers.splats.size()), [&] {
+		layers_ = MapLayers(layers);
+		place_ = place;
+		to_map_ = glm::inverse(place.to_world);
+	});
+}
+
+MapField MapField::at_offset(glm::dvec3 offset) const {
+	MapField field = *this;
+	field.place_.origin += offset;
+	return field;
+}
+
+bool MapField::find_patch(glm::dvec2 position, glm::ivec2 &r_patch, glm::dvec2 &r_part) const {
+	const glm::dvec2 at = to_map_ * (position - glm::dvec2(place_.origin.x, place_.origin.z));
+	const glm::dvec2 last(posts() - 1);
+	if (!(at.x >= 0.0 && at.y >= 0.0 && at.x <= last.x && at.y <= last.y)) {
+		return false; // NAN, too.
+	}
+	r_patch = {std::min(static_cast<int>(at.x), posts().x - 2), std::min(static_cast<int>(at.y), posts().y - 2)};
+	r_part = at - glm::dvec2(r_patch);
+	return true;
+}
+
+Ground MapField::ground_at(glm::dvec2 position) const {
+	glm::ivec2 patch{0};
+	glm::dvec2 part{0.0};
+	if (layers_.heights.empty() || !find_patch(position, patch, part)) {
+		return {};
+	}
+	const auto alpha = [this](int column, int row) -> double {
+		return layers_.colors.pixel(column, row)[3];
+	};
+	if (!layers_.colors.empty() && interpolated(patch, part, alpha) < 127.5) {
+		return {};
+	}
+	const SmoothPatch surface = smooth_patch<true>(posts(), patch, part,
+			[this](int column, int row) { return post_height(layers_.heights.pixel(column, row), layers_.format); });
+	if (!std::isfinite(surface.height)) {
+		return {};
+	}
+	const glm::dvec2 gradient = glm::transpose(to_map_) * surface.gradient * place_.height_scale;
+	const double to_unit = 1.0 / std::sqrt(gradient.x * gradient.x + gradient.y * gradient.y + 1.0);
+	return {
+			static_cast<float>(place_.origin.y + place_.height_scale * surface.height),
+			{
+					static_cast<float>(-gradient.x * to_unit),
+					static_cast<float>(to_unit),
+					static_cast<float>(-gradient.y * to_unit),
+			},
+	};
+}
+
+Status MapField::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+	if (positions.size() != r_ground.size()) {
+		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+	}
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		r_ground[i] = ground_at(positions[i]);
+	}
+	return {};
+}
+
+double MapField::splat_at(int column, int row, std::span<const unsigned> channels) const {
+	int sum = 0;
+	for (std::size_t splat = 0; splat < channels.size(); ++splat) {
+		for (unsigned channel = 0; channels[splat] >> channel != 0; ++channel) {
+			if ((channels[splat] >> channel & 1u) != 0) {
+				sum += layers_.splats[splat].pixel(column, row)[channel];
+			}
+		}
+	}
+	return std::min(sum / 255.0, 1.0);
+}
+
+double MapField::indexed_at(int column, int row, std::span<const std::int32_t> textures) const {
+	const std::uint8_t *index = layers_.indices.pixel(column, row);
+	const std::uint8_t *weight = layers_.weights.pixel(column, row);
+	const std::array<int, 3> parts{weight[0], weight[1], std::max(255 - weight[0] - weight[1], 0)};
+	int sum = 0;
+	for (std::size_t i = 0; i < parts.size(); ++i) {
+		if (std::ranges::find(textures, std::int32_t{index[i]}) != textures.end()) {
+			sum += parts[i];
+		}
+	}
+	return std::min(sum / 255.0, 1.0);
+}
+
+Status MapField::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+		std::span<Ground> r_ground) const {
+	if (positions.size() != r_ground.size()) {
+		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+	}
+	if (!layers_.has_textures()) {
+		return {};
+	}
+	return guarded("splat maps", static_cast<double>(layers_.splats.size()), [&] {
+		const std::vector<unsigned> channels = channels_of(textures, layers_.splats.size());
+		const auto share = [&](int column, int row) {
+			return layers_.indices.empty() ? splat_at(column, row, channels) : indexed_at(column, row, textures);
+		};
+		for (std::size_t i = 0; i < positions.size(); ++i) {
+			glm::ivec2 patch{0};
+			glm::dvec2 part{0.0};
+			const bool inside = find_patch(positions[i], patch, part);
+			r_ground[i].weight = inside ? static_cast<float>(interpolated(patch, part, share)) : 0.0F;
+		}
+	});
+}
+
+} // namespace thicket

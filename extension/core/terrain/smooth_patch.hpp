@@ -1,0 +1,88 @@
+#pragma once
+
+#include "core/base/bilinear.hpp"
+#include "core/base/floating_point.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace thicket {
+
+/// A height on a grid of posts and how it rises there, in the posts' unit, per post along x and along y.
+struct SmoothPatch {
+	double height;
+	glm::dvec2 gradient;
+};
+
+/// The indices of four posts in a line about a patch: before it, its two and behind it, held inside the grid; and what
+/// turns the difference of the neighbors of its first and of its second post into a gradient per post.
+struct PostLine {
+	std::array<int, 4> index;
+	double first_weight;
+	double second_weight;
+
+	/// About the patch between the posts `patch` and `patch` + 1, of `posts` in all.
+	static constexpr PostLine about(int patch, int posts) {
+		const int before = std::max(patch - 1, 0);
+		const int behind = std::min(patch + 2, posts - 1);
+		return {{before, patch, patch + 1, behind}, before == patch ? 1.0 : 0.5, behind == patch + 1 ? 1.0 : 0.5};
+	}
+};
+
+/// The gradient per post at `post`, between its neighbors. If posts may be NAN, for holes, one that is missing is left out, as on
+/// the border.
+template <bool may_be_missing>
+double post_gradient(double behind, double before, double post, double weight) {
+	if constexpr (may_be_missing) {
+		if (std::isnan(before)) {
+			return behind - post;
+		}
+		if (std::isnan(behind)) {
+			return post - before;
+		}
+	}
+	return (behind - before) * weight;
+}
+
+/// The surface between four posts: bilinear heights, and for the slope the gradients of the four posts by central
+/// differences (one-sided on the border of `posts` columns and rows), weighted bilinearly. `post(column, row)` is a double;
+/// the first of the four is at `patch`, and `part` is the way from it to the others, 0 to 1. If posts may be NAN, the height is
+/// NAN where one of the four is, and then the gradient says nothing.
+template <bool may_be_missing, class Post>
+SmoothPatch smooth_patch(glm::ivec2 posts, glm::ivec2 patch, glm::dvec2 part, Post post) {
+	const PostLine across = PostLine::about(patch.x, posts.x);
+	const PostLine along = PostLine::about(patch.y, posts.y);
+	// Of the 4 x 4 about the patch. The corners are never asked for.
+	const auto near = [&](std::size_t i, std::size_t j) -> double {
+		return post(across.index[i], along.index[j]);
+	};
+	const auto between = [part](const std::array<double, 4> &four) {
+		return bilinear(four[0], four[1], four[2], four[3], part.x, part.y);
+	};
+	const std::array<double, 4> heights{near(1, 1), near(2, 1), near(1, 2), near(2, 2)};
+	const double height = between(heights);
+	if constexpr (may_be_missing) {
+		if (std::isnan(height)) {
+			return {height, {0.0, 0.0}};
+		}
+	}
+	constexpr auto gradient = post_gradient<may_be_missing>;
+	const std::array<double, 4> rise_x{
+			gradient(heights[1], near(0, 1), heights[0], across.first_weight),
+			gradient(near(3, 1), heights[0], heights[1], across.second_weight),
+			gradient(heights[3], near(0, 2), heights[2], across.first_weight),
+			gradient(near(3, 2), heights[2], heights[3], across.second_weight),
+	};
+	const std::array<double, 4> rise_y{
+			gradient(heights[2], near(1, 0), heights[0], along.first_weight),
+			gradient(heights[3], near(2, 0), heights[1], along.first_weight),
+			gradient(near(1, 3), heights[0], heights[2], along.second_weight),
+			gradient(near(2, 3), heights[1], heights[3], along.second_weight),
+	};
+	return {height, {between(rise_x), between(rise_y)}};
+}
+
+} // namespace thicket

@@ -1,0 +1,134 @@
+#include "core/terrain/pixel_grid.hpp"
+#include "refusal.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+SharedBytes shared(const std::shared_ptr<Bytes> &bytes) { return {bytes, *bytes}; }
+
+/// Wider than a block and not a multiple of one, on both axes.
+const glm::ivec2 size{300, 200};
+constexpr int pixel_bytes = 3;
+
+std::shared_ptr<Bytes> random_bytes(unsigned seed) {
+	auto bytes = std::make_shared<Bytes>(static_cast<std::size_t>(size.x) * size.y * pixel_bytes);
+	std::mt19937 random(seed);
+	for (std::uint8_t &byte : *bytes) {
+		byte = static_cast<std::uint8_t>(random());
+	}
+	return bytes;
+}
+
+PixelGrid grid_of(const std::shared_ptr<Bytes> &bytes) {
+	PixelGrid grid;
+	REQUIRE(grid.set(size, pixel_bytes, shared(bytes)).ok());
+	return grid;
+}
+
+bool same_pixels(const PixelGrid &grid, const Bytes &bytes) {
+	for (int row = 0; row < size.y; ++row) {
+		for (int column = 0; column < size.x; ++column) {
+			const std::size_t at = (static_cast<std::size_t>(row) * size.x + column) * pixel_bytes;
+			if (!std::equal(grid.pixel(column, row), grid.pixel(column, row) + pixel_bytes, bytes.data() + at)) {
+				return false;
+			}
+		}
+	}
+	return true;
+}
+
+/// The same pixels in the plain image.
+void paint(Bytes &bytes, const PixelRect &rect, const Bytes &image) {
+	for (int row = rect.min.y; row < rect.max.y; ++row) {
+		const std::ptrdiff_t at = (static_cast<std::ptrdiff_t>(row) * size.x + rect.min.x) * pixel_bytes;
+		std::copy_n(image.begin() + at, rect.size().x * pixel_bytes, bytes.begin() + at);
+	}
+}
+
+} // namespace
+
+TEST_CASE("pixel grid: shares bytes until it is patched, and patches like an image") {
+	const auto bytes = random_bytes(1);
+	const PixelGrid first = grid_of(bytes);
+	CHECK(first.pixel(0, 0) == bytes->data()); // Not a copy.
+	CHECK(same_pixels(first, *bytes));
+	PixelGrid patched = first;
+	Bytes painted = *bytes;
+	std::mt19937 random(2);
+	for (int i = 0; i < 40; ++i) {
+		const glm::ivec2 min{static_cast<int>(random() % 299), static_cast<int>(random() % 199)};
+		const glm::ivec2 room = size - min;
+		const PixelRect rect{min, min + 1 + glm::ivec2(random() % room.x, random() % room.y)};
+		const auto other = random_bytes(100 + static_cast<unsigned>(i));
+		REQUIRE(patched.patch(rect, *other).ok());
+		paint(painted, rect, *other);
+		CHECK(same_pixels(patched, painted));
+	}
+	CHECK(same_pixels(first, *bytes)); // Another value.
+}
+
+TEST_CASE("pixel grid: keeps alive what it shares") {
+	auto bytes = random_bytes(3);
+	const std::weak_ptr<Bytes> watched = bytes;
+	PixelGrid grid = grid_of(bytes);
+	bytes.reset();
+	CHECK_FALSE(watched.expired());
+	grid = {};
+	CHECK(watched.expired());
+}
+
+TEST_CASE("pixel grid: finds the rectangle of what differs") {
+	const auto bytes = random_bytes(4);
+	const PixelGrid before = grid_of(bytes);
+	CHECK(before.difference(before).empty());
+	CHECK(before.difference(grid_of(std::make_shared<Bytes>(*bytes))).empty()); // Other memory, the same pixels.
+	std::mt19937 random(5);
+	for (int i = 0; i < 60; ++i) {
+		auto changed = std::make_shared<Bytes>(*bytes);
+		PixelRect expected{size, glm::ivec2(0)};
+		PixelGrid patched = before;
+		for (unsigned pixel = 0; pixel < 1 + random() % 4; ++pixel) {
+			const glm::ivec2 at{static_cast<int>(random() % 300), static_cast<int>(random() % 200)};
+			const std::size_t byte = (static_cast<std::size_t>(at.y) * size.x + at.x) * pixel_bytes + random() % 3;
+			(*changed)[byte] = static_cast<std::uint8_t>((*bytes)[byte] + 1);
+			REQUIRE(patched.patch({at, at + 1}, *changed).ok());
+			expected = {glm::min(expected.min, at), glm::max(expected.max, at + 1)};
+		}
+		CHECK(grid_of(changed).difference(before) == expected);
+		CHECK(before.difference(patched) == expected);
+		CHECK(patched.difference(grid_of(changed)).empty());
+	}
+	PixelGrid other;
+	REQUIRE(other.set({200, 300}, pixel_bytes, shared(bytes)).ok());
+	CHECK(other.difference(before) == PixelRect{glm::ivec2(0), glm::ivec2(300)});
+}
+
+TEST_CASE("pixel grid: refuses what does not fit, and stays what it was") {
+	const auto bytes = random_bytes(6);
+	PixelGrid grid = grid_of(bytes);
+	CHECK_FALSE(grid.set({0, 5}, 1, shared(bytes)).ok());
+	CHECK_FALSE(grid.set({5, PixelGrid::max_side + 1}, 1, shared(bytes)).ok());
+	CHECK_FALSE(grid.set({5, 5}, 0, shared(bytes)).ok());
+	CHECK_FALSE(grid.set({5, 5}, PixelGrid::max_pixel_bytes + 1, shared(bytes)).ok());
+	CHECK(grid.set({300, 201}, 3, shared(bytes)).code == ErrorCode::wrong_size);
+	const Bytes black(bytes->size());
+	CHECK_FALSE(grid.patch({{5, 5}, {5, 6}}, black).ok());
+	CHECK_FALSE(grid.patch({{-1, 5}, {0, 6}}, black).ok());
+	CHECK_FALSE(grid.patch({{300, 5}, {301, 6}}, black).ok());
+	CHECK(grid.patch({{5, 5}, {6, 7}}, std::span(black).first(black.size() - 1)).code == ErrorCode::wrong_size);
+	CHECK_FALSE(PixelGrid().patch({{0, 0}, {1, 1}}, black).ok());
+	CHECK(same_pixels(grid, *bytes));
+}
