@@ -1,5 +1,6 @@
 // What holds for every rule alike: it takes points away and changes nothing else, in tiles of whatever size and order.
 
+#include "core/placement/place_explainer.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/rules/image_mask.hpp"
 #include "core/terrain/heightfield.hpp"
@@ -8,12 +9,16 @@
 
 #include <doctest/doctest.h>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
+#include <random>
 #include <span>
 #include <string>
 #include <utility>
@@ -64,6 +69,21 @@ std::shared_ptr<const LayerSettings> trees() {
 	return layer;
 }
 
+/// Two biomes and a gap, with wavering borders that are soft.
+std::shared_ptr<const BiomeMap> biome_map() {
+	const std::array<std::uint8_t, 6> pixels{0, 1, no_biome, 1, 1, 0};
+	auto map = std::make_shared<BiomeMap>();
+	REQUIRE(map->set({3, 2}, pixels, {{-60.0, 10.0}, {60.0, 110.0}}, BiomeEdge::clamp, {9.0, 12.0, 25.0, 5}).ok());
+	return map;
+}
+
+std::shared_ptr<const BiomeDensity> biome_density() {
+	PerBiome<float> densities{};
+	densities[0] = 0.3F;
+	densities[1] = 1.0F;
+	return std::make_shared<BiomeDensity>(biome_map(), densities);
+}
+
 struct NamedRule {
 	std::string name;
 	std::function<void(LayerSettings &)> add;
@@ -105,6 +125,21 @@ const std::vector<NamedRule> every_rule{
 					layer.rules.mask = mask;
 				}},
 		{"clumps", [](LayerSettings &layer) { layer.rules.clumping = {18.0, 0.5, 0.4}; }},
+		{"biome", [](LayerSettings &layer) { layer.rules.biome = biome_density(); }},
+		{"water depth",
+				[](LayerSettings &layer) {
+					layer.rules.water = std::make_shared<WaterLevels>(55.0);
+					layer.rules.min_water_depth = -30.0;
+					layer.rules.max_water_depth = 10.0;
+					layer.rules.water_depth_falloff = 8.0;
+				}},
+		{"water of biomes",
+				[](LayerSettings &layer) {
+					PerBiome<double> levels{};
+					levels.fill(no_water);
+					levels[1] = 60.0;
+					layer.rules.water = std::make_shared<WaterLevels>(biome_map(), levels);
+				}},
 		{"ground textures", [](LayerSettings &layer) { layer.rules.ground_textures = {1}; }},
 		{"edge feather",
 				[](LayerSettings &layer) {
@@ -148,6 +183,74 @@ std::map<std::uint64_t, std::pair<glm::ivec3, std::uint32_t>> places(
 bool near(const std::pair<glm::ivec3, std::uint32_t> &a, const std::pair<glm::ivec3, std::uint32_t> &b) {
 	const glm::ivec3 apart = glm::abs(a.first - b.first);
 	return std::max({apart.x, apart.y, apart.z}) <= 1 && a.second == b.second;
+}
+
+/// The ground for the positions of a probe or an explainer.
+std::vector<Ground> ground_for(const auto &asker, const Terrain &terrain) {
+	std::vector<Ground> ground(asker.positions().size());
+	REQUIRE(ask_ground(terrain, asker.positions(), asker.queries(), ground).ok());
+	return ground;
+}
+
+std::vector<SamplePoint> points_of(const PointSet &set, const Rect &rect) {
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	REQUIRE(sampler.sample(set, rect, points).ok());
+	return points;
+}
+
+/// The thinning ranks of all that stands, by id.
+std::map<std::uint64_t, std::uint32_t> ranks_of(const TileInstances &tile) {
+	std::map<std::uint64_t, std::uint32_t> ranks;
+	for (const MeshInstances &mesh : tile.meshes) {
+		for (std::size_t i = 0; i < mesh.size(); ++i) {
+			ranks[mesh.ids[i]] = mesh.ranks[i];
+		}
+	}
+	return ranks;
+}
+
+/// A layer under all rules of the list with these names.
+LayerSettings under(std::span<const char *const> names) {
+	LayerSettings layer = plain_layer();
+	for (const NamedRule &rule : every_rule) {
+		if (std::ranges::find(names, rule.name) != names.end()) {
+			rule.add(layer);
+		}
+	}
+	return layer;
+}
+
+/// Checks of every point of the set in tile_of_hills that its factors give the density by which its tile was made, and that one of them
+/// says so where nothing stands. Returns how many points do not stand.
+std::size_t check_factors(const LayerSettings &layer, const Terrain &terrain) {
+	const auto standing = ranks_of(built(layer, terrain, tile_of_hills));
+	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
+	std::vector<glm::dvec2> places;
+	for (const SamplePoint &point : points) {
+		places.push_back(point.position);
+	}
+	DensityProbe probe;
+	REQUIRE(probe.find(layer, places).ok());
+	REQUIRE(probe.look(ground_for(probe, terrain)).ok());
+	std::vector<RuleFactor> factors;
+	std::size_t gone = 0;
+	for (std::size_t i = 0; i < points.size(); ++i) {
+		REQUIRE(probe.factors_at(i, factors).ok());
+		const double density = product_of(factors);
+		REQUIRE(density == probe.density_at(i));
+		const auto found = standing.find(points[i].id);
+		REQUIRE(stands(points[i].rank, density) == (found != standing.end()));
+		if (found != standing.end()) {
+			REQUIRE(thinning_rank(points[i].rank, density) == found->second);
+			continue;
+		}
+		++gone;
+		const RuleFactor *least = strictest(factors);
+		REQUIRE(least != nullptr);
+		REQUIRE((density > 0.0 || least->density <= 0.0));
+	}
+	return gone;
 }
 
 } // namespace
@@ -205,4 +308,78 @@ TEST_CASE("every rule: all of them at once, on several threads, give one digest"
 	const TileInstances tile = built(layer, terrain, tile_of_hills);
 	CHECK(size_of(tile) > 20);
 	check_on_threads(layer, terrain, digest(tile));
+	LayerSettings wet = plain_layer();
+	for (const NamedRule &rule : every_rule) {
+		if (rule.name == "biome" || rule.name == "water of biomes" || rule.name == "edge feather") {
+			rule.add(wet);
+		}
+	}
+	const TileInstances shore = built(wet, terrain, tile_of_hills);
+	CHECK(size_of(shore) > 20);
+	check_on_threads(wet, terrain, digest(shore));
+}
+
+TEST_CASE("every rule: its factors give the density by which tiles are made, to the bit") {
+	const TexturedHills terrain;
+	for (const NamedRule &rule : every_rule) {
+		CAPTURE(rule.name);
+		LayerSettings layer = plain_layer();
+		rule.add(layer);
+		CHECK(check_factors(layer, terrain) > 50);
+	}
+	constexpr std::array many{"density", "height falloff", "density over height", "density over slope", "field", "mask",
+			"clumps", "ground textures", "edge feather", "path", "proximity"};
+	CHECK(check_factors(under(many), terrain) > 1000);
+	CHECK(check_factors(plain_layer(), terrain) == 0);
+}
+
+TEST_CASE("every rule: a place is explained by the nearest point of the set, as it stands in its tile") {
+	const TexturedHills terrain;
+	constexpr std::array some{"slope falloff", "mask", "edge feather", "path", "spacing"};
+	const LayerSettings layer = under(some);
+	const auto standing = ranks_of(built(layer, terrain, tile_of_hills));
+	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
+	std::mt19937 random(7);
+	std::uniform_real_distribution<double> along(4.0, 124.0);
+	PlaceExplainer explainer;
+	PlaceExplanation explanation;
+	std::size_t here = 0;
+	for (int i = 0; i < 1000; ++i) {
+		const glm::dvec2 place = tile_of_hills.min + glm::dvec2(along(random), along(random));
+		REQUIRE(explainer.find(layer, place).ok());
+		REQUIRE(explainer.explain(ground_for(explainer, terrain), explanation).ok());
+		const auto nearest = std::ranges::min_element(
+				points, {}, [&](const SamplePoint &point) { return glm::distance(point.position, place); });
+		REQUIRE(explanation.point == *nearest);
+		REQUIRE(explanation.distance == doctest::Approx(glm::distance(nearest->position, place)));
+		REQUIRE(explanation.distance <= layer.set.radius);
+		REQUIRE(explanation.stands() == standing.contains(nearest->id));
+		REQUIRE(explanation.place.density == product_of(explanation.place.factors));
+		REQUIRE(explanation.place.ground.height == terrain.at(place).height);
+		here += explanation.stands() ? 1 : 0;
+	}
+	CHECK(here > 50);
+	CHECK(here < 950);
+}
+
+TEST_CASE("every rule: a place that cannot be explained is refused by name") {
+	const TexturedHills terrain;
+	PlaceExplainer explainer;
+	const double nan = std::numeric_limits<double>::quiet_NaN();
+	CHECK(std::string(explainer.find(plain_layer(), {0.0, nan}).property) == "place");
+	CHECK(explainer.find(plain_layer(), {1e12, 0.0}).code == ErrorCode::out_of_range);
+	LayerSettings wrong = plain_layer();
+	wrong.rules.density = 2.0;
+	CHECK(std::string(explainer.find(wrong, {0.0, 0.0}).property) == "density");
+	DensityProbe probe;
+	CHECK(probe.look({}).code == ErrorCode::missing);
+	CHECK(probe.find(plain_layer(), {}).code == ErrorCode::missing);
+	LayerSettings near_grass = plain_layer();
+	auto grass = std::make_shared<LayerSettings>(plain_layer());
+	grass->set.radius = 0.01;
+	near_grass.neighbors = {{grass, 1.0, nullptr}};
+	const std::array<glm::dvec2, 2> far_apart{glm::dvec2(0.0), glm::dvec2(100.0)};
+	CHECK(probe.find(near_grass, far_apart).code == ErrorCode::too_many_points);
+	REQUIRE(probe.find(plain_layer(), far_apart).ok());
+	CHECK(probe.look({}).code == ErrorCode::wrong_size);
 }

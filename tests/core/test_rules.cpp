@@ -41,9 +41,9 @@ PreparedRules prepared(const Rules &rules) {
 	return result;
 }
 
-double density_on(const Rules &rules, const Ground &ground) { return prepared(rules).ground_density(ground); }
+double density_on(const Rules &rules, const Ground &ground) { return prepared(rules).ground_density(ground, {}); }
 
-bool allowed(const PreparedRules &rules, const Ground &ground) { return rules.ground_density(ground) > 0.0; }
+bool allowed(const PreparedRules &rules, const Ground &ground) { return rules.ground_density(ground, {}) > 0.0; }
 
 /// The density on level ground of no height, at one place.
 double density_at(const Rules &rules, glm::dvec2 position) {
@@ -216,8 +216,8 @@ TEST_CASE("rules: narrowing any limit only takes instances away") {
 		for (int i = 0; i < 2000; ++i) {
 			const Ground ground = inclined(90.0 * unit(random), static_cast<float>(250.0 * unit(random) - 125.0));
 			const auto rank = static_cast<std::uint32_t>(random());
-			const bool passes_wide = stands(rank, wide.density * a.ground_density(ground));
-			const bool passes_narrow = stands(rank, narrow.density * b.ground_density(ground));
+			const bool passes_wide = stands(rank, wide.density * a.ground_density(ground, {}));
+			const bool passes_narrow = stands(rank, narrow.density * b.ground_density(ground, {}));
 			CHECK_FALSE((passes_narrow && !passes_wide));
 			lost += passes_wide && !passes_narrow ? 1 : 0;
 		}

@@ -82,6 +82,34 @@ void read_surroundings(LayerSettings &r_layer, Bytes &r_bytes) {
 	}
 }
 
+/// Biomes and water, for some layers; a map that is refused leaves the layer without.
+void read_biomes(LayerSettings &r_layer, Bytes &r_bytes) {
+	r_layer.rules.min_water_depth = r_bytes.chance(2) ? -unlimited_height : r_bytes.number(-100.0, 0.0);
+	r_layer.rules.max_water_depth = r_bytes.number(0.0, 100.0);
+	r_layer.rules.water_depth_falloff = r_bytes.number(0.0, 50.0);
+	const auto map = std::make_shared<BiomeMap>();
+	const glm::ivec2 size{static_cast<int>(r_bytes.below(20)), static_cast<int>(r_bytes.below(20))};
+	std::vector<std::uint8_t> pixels(static_cast<std::size_t>(size.x * size.y));
+	for (std::uint8_t &pixel : pixels) {
+		pixel = static_cast<std::uint8_t>(r_bytes.below(4));
+	}
+	const Rect area{{r_bytes.number(-200.0, 0.0), r_bytes.number(-200.0, 0.0)},
+			{r_bytes.number(0.5, 200.0), r_bytes.number(0.5, 200.0)}};
+	const BiomeBorders borders{r_bytes.number(0.0, 30.0), r_bytes.number(0.0, 30.0), r_bytes.number(1.0, 90.0), 1};
+	if (!r_bytes.chance(2) || !map->set(size, pixels, area, static_cast<BiomeEdge>(r_bytes.below(2)), borders).ok()) {
+		return;
+	}
+	PerBiome<float> densities{};
+	PerBiome<double> levels{};
+	levels.fill(no_water);
+	for (std::size_t biome = 0; biome < 4; ++biome) {
+		densities[biome] = static_cast<float>(unit_density(static_cast<float>(r_bytes.number(0.0, 1.0))));
+		levels[biome] = r_bytes.number(-100.0, 900.0);
+	}
+	r_layer.rules.biome = std::make_shared<BiomeDensity>(map, densities);
+	r_layer.rules.water = std::make_shared<WaterLevels>(map, levels);
+}
+
 /// A color and a variation that follow something, for some layers.
 void read_look(LayerSettings &r_layer, Bytes &r_bytes) {
 	const auto read_source = [&](InstanceSource &r_source) {
@@ -124,6 +152,7 @@ LayerSettings read_layer(Bytes &r_bytes) {
 		weight = static_cast<float>(r_bytes.number(0.0, 3.0));
 	}
 	read_surroundings(layer, r_bytes);
+	read_biomes(layer, r_bytes);
 	read_look(layer, r_bytes);
 	return layer;
 }

@@ -22,6 +22,8 @@ bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 		Rules result = rules;
 		result.mask = nullptr;
 		result.shapes = nullptr;
+		result.biome = nullptr;
+		result.water = nullptr;
 		return result;
 	};
 	return a.set == b.set && without_edits(a.rules) == without_edits(b.rules);
@@ -53,12 +55,19 @@ bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::v
 	return area.empty() || area.finite();
 }
 
-/// Edits of the layer's own mask and shapes.
+/// Whether it matters to a layer where water is.
+bool minds_water(const Rules &rules) {
+	return rules.min_water_depth > -unlimited_height || rules.max_water_depth < unlimited_height;
+}
+
+/// Edits of the layer's own mask and shapes, of its biomes and of the water.
 EditedArea own_edits(const Rules &before, const Rules &after) {
 	std::vector<Rect> areas;
 	EditedArea result;
 	result.everywhere = !find_shape_edits(before.shapes.get(), after.shapes.get(), areas) ||
-			!find_mask_edits(before.mask.get(), after.mask.get(), areas);
+			!find_mask_edits(before.mask.get(), after.mask.get(), areas) ||
+			!find_biome_edits(before.biome.get(), after.biome.get(), areas) ||
+			(minds_water(after) && !find_biome_edits(before.water.get(), after.water.get(), areas));
 	for (const Rect &area : areas) {
 		result.add(area, after.edge_feather);
 	}

@@ -26,42 +26,66 @@ void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *c
 
 Status LayerFilter::sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel) {
 	window_ = window;
-	if (const Status status = sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}});
+	if (rules_.closed_in(window)) {
+		points_.clear();
+	} else if (const Status status = sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}});
 			!status.ok()) {
 		return status;
 	}
+	if (const Status status = ask_position(); !status.ok()) {
+		return status;
+	}
+	keep_points(false);
+	return look_around();
+}
+
+Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window) {
+	window_ = window;
+	points_.clear();
+	for (const glm::dvec2 place : places) {
+		points_.push_back({.position = place, .id = points_.size(), .rank = 0, .level = 0});
+	}
+	if (const Status status = ask_position(); !status.ok()) {
+		return status;
+	}
+	keep_points(true);
+	return look_around();
+}
+
+/// Asks the rules of position about all points.
+Status LayerFilter::ask_position() {
 	sampled_ = points_.size();
 	sampled_positions_.resize(sampled_);
 	sampled_densities_.resize(sampled_);
 	std::transform(points_.begin(), points_.end(), sampled_positions_.begin(),
 			[](const SamplePoint &point) { return point.position; });
-	if (const Status status = rules_.place_densities(sampled_positions_, sampled_densities_, scratch_); !status.ok()) {
-		return status;
-	}
-	keep_dense();
-	near_shapes_.clear();
-	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
-		// Probes lie outside the window, too.
-		const double around = rules_.rules().edge_feather;
-		throw_if_out_of_memory(shapes->near({window.min - around, window.max + around}, near_shapes_));
-	}
-	return open_probes();
+	return rules_.place_densities(sampled_positions_, sampled_densities_, scratch_);
 }
 
-/// Splits the points that the rules of position let pass into one array for each part.
-void LayerFilter::keep_dense() {
+/// Splits the points, or those that the rules of position let pass, into one array for each part.
+void LayerFilter::keep_points(bool all) {
 	positions_.clear();
 	ids_.clear();
 	ranks_.clear();
 	densities_.clear();
 	for (std::size_t i = 0; i < sampled_; ++i) {
-		if (stands(points_[i].rank, sampled_densities_[i])) {
+		if (all || stands(points_[i].rank, sampled_densities_[i])) {
 			positions_.push_back(points_[i].position);
 			ids_.push_back(points_[i].id);
 			ranks_.push_back(points_[i].rank);
 			densities_.push_back(sampled_densities_[i]);
 		}
 	}
+}
+
+Status LayerFilter::look_around() {
+	near_shapes_.clear();
+	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
+		// Probes lie outside the window, too.
+		const double around = rules_.rules().edge_feather;
+		throw_if_out_of_memory(shapes->near({window_.min - around, window_.max + around}, near_shapes_));
+	}
+	return open_probes();
 }
 
 Status LayerFilter::open_probes() {
@@ -90,42 +114,68 @@ void LayerFilter::add_positions(std::vector<glm::dvec2> &r_positions) const {
 }
 
 bool LayerFilter::probe_allows(std::size_t probe, const Ground &ground) const {
-	return probe_open_[probe] != 0 && rules_.ground_density(ground) > 0.0 &&
+	return probe_open_[probe] != 0 && rules_.ground_density(ground, probes_[probe]) > 0.0 &&
 			rules_.shape_density(near_shapes_, probes_[probe], ground) > 0.0;
 }
 
-double LayerFilter::edge_factor(std::size_t point, std::span<const Ground> probe_ground) const {
+template <class Record>
+double LayerFilter::edge_density_at(
+		std::size_t point, std::span<const Ground> probe_ground, const Record &record) const {
 	std::size_t allowed = 0;
 	for (std::size_t i = 0; i < edge_probes; ++i) {
 		const std::size_t probe = point * edge_probes + i;
 		allowed += probe_allows(probe, probe_ground[probe]) ? 1 : 0;
 	}
-	return edge_density(allowed);
+	const double share = static_cast<double>(allowed) / static_cast<double>(edge_probes);
+	return record(RuleKind::edge_feather, share, edge_density(allowed));
 }
 
-double LayerFilter::neighbor_density(std::size_t neighbor, glm::dvec2 position) const {
+template <class Record>
+double LayerFilter::neighbor_density(std::size_t neighbor, glm::dvec2 position, const Record &record) const {
 	const Neighbor &rule = layer_->neighbors[neighbor];
 	const double squared = neighbors_[neighbor]->nearest_squared(position, rule.distance);
-	if (rule.curve == nullptr) {
-		return squared < rule.distance * rule.distance ? 0.0 : 1.0;
-	}
-	return rule.curve->at(std::sqrt(squared));
+	const double distance = Record::complete || rule.curve != nullptr ? std::sqrt(squared) : 0.0;
+	const double density = rule.curve != nullptr      ? rule.curve->at(distance)
+			: squared < rule.distance * rule.distance ? 0.0
+													  : 1.0;
+	return record(RuleKind::neighbor, distance, density, static_cast<std::uint32_t>(neighbor));
 }
 
-/// The product of all rules, in the order of what they cost; a point that has fallen below its rank is not asked further.
-double LayerFilter::density_at(std::size_t point, std::span<const Ground> ground) const {
+/// In the order of what the rules cost; a point that has fallen below its rank is not asked further.
+template <class Record>
+double LayerFilter::product(std::size_t point, std::span<const Ground> ground, const Record &record) const {
 	const Ground &here = ground[point];
-	double density = densities_[point] * rules_.ground_density(here);
-	if (stands(ranks_[point], density)) {
-		density *= rules_.shape_density(near_shapes_, positions_[point], here);
+	double density = densities_[point] * rules_.ground_density(here, positions_[point], record);
+	if (Record::complete && !std::isfinite(here.height)) {
+		return density; // 0, and without ground there is nothing that the others could tell.
 	}
-	for (std::size_t i = 0; i < neighbors_.size() && stands(ranks_[point], density); ++i) {
-		density *= neighbor_density(i, positions_[point]);
+	const auto goes_on = [&] {
+		return Record::complete || stands(ranks_[point], density);
+	};
+	if (goes_on()) {
+		density *= rules_.shape_density(near_shapes_, positions_[point], here, record);
 	}
-	if (!probe_open_.empty() && stands(ranks_[point], density)) {
-		density *= edge_factor(point, ground.subspan(positions_.size()));
+	for (std::size_t i = 0; i < neighbors_.size() && goes_on(); ++i) {
+		density *= neighbor_density(i, positions_[point], record);
+	}
+	if (!probe_open_.empty() && goes_on()) {
+		density *= edge_density_at(point, ground.subspan(positions_.size()), record);
 	}
 	return density;
+}
+
+double LayerFilter::density_at(std::size_t point, std::span<const Ground> ground) const {
+	return product(point, ground, NoRecord());
+}
+
+Status LayerFilter::factors_at(
+		std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const {
+	const RuleRecord record(r_factors);
+	const Status status = rules_.place_factors(positions_[point], record);
+	if (status.ok()) {
+		product(point, ground, record);
+	}
+	return status;
 }
 
 Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {

@@ -28,12 +28,23 @@ public:
 	/// `cancel` is raised.
 	Status sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel);
 
+	/// In place of `sample`: places of the caller's, in `window`, that need not be points of the set. All of them stay, by their index as
+	/// id, with the rank 0.
+	Status take(std::span<const glm::dvec2> places, const Rect &window);
+
 	/// Where the ground has to be known: the points' positions, then edge_probes for each point if the layer looks at its edge.
 	void add_positions(std::vector<glm::dvec2> &r_positions) const;
 	std::size_t position_count() const { return positions_.size() + probe_open_.size(); }
 
 	/// Finds out which points stand; `ground` has one entry for each of these positions. The neighbors have been filtered before.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
+
+	/// The product of all rules at a point or place, in the order of what they cost; `ground` as above. Once it has fallen to the point's
+	/// rank, no further rule is asked.
+	double density_at(std::size_t point, std::span<const Ground> ground) const;
+
+	/// The same with all factors, whatever the rank. Throws std::bad_alloc. Adds to `r_factors`.
+	Status factors_at(std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const;
 
 	/// Prepares the points that stand for layers that look at them, from at most `distance` meters away.
 	void index_standing(double distance);
@@ -55,12 +66,17 @@ public:
 	std::span<const std::uint32_t> thinning_ranks() const { return thinning_ranks_; }
 
 private:
-	void keep_dense();
+	Status ask_position();
+	void keep_points(bool all);
+	Status look_around();
 	Status open_probes();
 	bool probe_allows(std::size_t probe, const Ground &ground) const;
-	double edge_factor(std::size_t point, std::span<const Ground> probe_ground) const;
-	double neighbor_density(std::size_t neighbor, glm::dvec2 position) const;
-	double density_at(std::size_t point, std::span<const Ground> ground) const;
+	template <class Record>
+	double neighbor_density(std::size_t neighbor, glm::dvec2 position, const Record &record) const;
+	template <class Record>
+	double edge_density_at(std::size_t point, std::span<const Ground> probe_ground, const Record &record) const;
+	template <class Record>
+	double product(std::size_t point, std::span<const Ground> ground, const Record &record) const;
 
 	const LayerSettings *layer_ = nullptr;
 	PreparedRules rules_;

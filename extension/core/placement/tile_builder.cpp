@@ -13,17 +13,10 @@ namespace thicket {
 
 namespace {
 
-/// Positions in one call of the terrain: the ground of a batch is far below a millisecond of work.
-constexpr std::size_t batch = 2048;
-
 /// Where the height of a tile's origin is taken from, in tile sizes from its center. Several positions, because one may be
 /// a hole.
 constexpr std::array<glm::dvec2, 5> origin_probes{
 		{{0.0, 0.0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
-
-bool raised(const std::atomic<bool> *cancel) { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
-
-constexpr Status cancelled{ErrorCode::cancelled, "tile", 0.0};
 
 /// The mean of the heights that there are, in whole meters; 0 for none.
 double origin_height(std::span<const Ground> ground) {
@@ -59,51 +52,16 @@ struct TileBuilder::Workspace {
 	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel);
 	Status place(std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel);
 	void gather_positions();
-	Status ask_all(const Terrain &terrain, const std::atomic<bool> *cancel);
-	Status ask(const Terrain &terrain, const GroundQuery &query, const std::atomic<bool> *cancel);
 };
 
 void TileBuilder::Workspace::gather_positions() {
 	positions.clear();
 	queries.clear();
-	for (std::size_t i = 0; i < filter.size(); ++i) {
-		const LayerFilter &layer = filter.layer(i);
-		queries.push_back({positions.size(), layer.position_count(), layer.settings().rules.ground_textures});
-		layer.add_positions(positions);
-	}
+	filter.add_queries(positions, queries);
 	queries.push_back({positions.size(), origin_probes.size(), {}});
 	for (const glm::dvec2 probe : origin_probes) {
 		positions.push_back(rect.center() + probe * rect.size());
 	}
-}
-
-Status TileBuilder::Workspace::ask(const Terrain &terrain, const GroundQuery &query, const std::atomic<bool> *cancel) {
-	for (std::size_t done = 0; done < query.count; done += batch) {
-		if (raised(cancel)) {
-			return cancelled;
-		}
-		const std::size_t count = std::min(batch, query.count - done);
-		const auto where = std::span<const glm::dvec2>(positions).subspan(query.first + done, count);
-		const auto there = std::span(ground).subspan(query.first + done, count);
-		Status status = terrain.sample(where, there);
-		if (status.ok() && !query.textures.empty()) {
-			status = terrain.weigh(where, query.textures, there);
-		}
-		if (!status.ok()) {
-			return status;
-		}
-	}
-	return {};
-}
-
-Status TileBuilder::Workspace::ask_all(const Terrain &terrain, const std::atomic<bool> *cancel) {
-	ground.assign(positions.size(), Ground{});
-	for (const GroundQuery &query : queries) {
-		if (const Status status = ask(terrain, query, cancel); !status.ok()) {
-			return status;
-		}
-	}
-	return {};
 }
 
 Status TileBuilder::Workspace::find_points(
@@ -150,8 +108,10 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 	if (const Status status = find_points(layer, rect, cancel); !status.ok()) {
 		return status;
 	}
-	const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()),
-			[&] { return workspace_->ask_all(terrain, cancel); });
+	const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()), [&] {
+		workspace_->ground.assign(workspace_->positions.size(), Ground{});
+		return ask_ground(terrain, workspace_->positions, workspace_->queries, workspace_->ground, cancel);
+	});
 	return status.ok() ? place(workspace_->ground, r_tile, cancel) : status;
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/placement/ground_query.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/tile_instances.hpp"
 #include "core/sampling/tile_sampler.hpp"
@@ -17,13 +18,6 @@
 #include <vector>
 
 namespace thicket {
-
-/// Positions whose ground is asked for together: `count` of TileBuilder::positions(), from `first` on.
-struct GroundQuery {
-	std::size_t first = 0;
-	std::size_t count = 0;
-	std::span<const std::int32_t> textures; ///< Those whose weight has to be known; none: the weight stays 1.
-};
 
 /// Makes tiles: sample, filter, place. The layers that the layer's rules look at are sampled and filtered in as much of
 /// their surroundings as that takes, anew for each tile, so that no tile depends on another. The object is a reusable

@@ -20,32 +20,71 @@ void TileFilter::set(const LayerSettings &layer) {
 	}
 }
 
+Status TileFilter::sample_layer(std::size_t index, const Rect &rect, const std::atomic<bool> *cancel) {
+	// A part in a thousand more, so that rounding far from the origin leaves out nobody who is near enough.
+	const double margin = 1.001 * graph_.nodes()[index].margin;
+	return layers_[index]->sample(sampler_, {rect.min - margin, rect.max + margin}, cancel);
+}
+
 Status TileFilter::sample(const Rect &rect, const std::atomic<bool> *cancel) {
 	for (std::size_t i = 0; i < size(); ++i) {
-		// A part in a thousand more, so that rounding far from the origin leaves out nobody who is near enough.
-		const double margin = 1.001 * graph_.nodes()[i].margin;
-		const Rect window{rect.min - margin, rect.max + margin};
-		if (const Status status = layers_[i]->sample(sampler_, window, cancel); !status.ok()) {
+		if (const Status status = sample_layer(i, rect, cancel); !status.ok()) {
 			return status;
 		}
 	}
 	return {};
 }
 
-Status TileFilter::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
-	std::size_t first = 0;
-	for (std::size_t i = 0; i < size(); ++i) {
-		LayerFilter &layer = *layers_[i];
-		const std::size_t count = layer.position_count();
-		if (const Status status = layer.filter(ground.subspan(first, count), cancel); !status.ok()) {
+Status TileFilter::sample_around(
+		std::span<const glm::dvec2> places, const Rect &rect, const std::atomic<bool> *cancel) {
+	for (std::size_t i = 0; i + 1 < size(); ++i) {
+		if (const Status status = sample_layer(i, rect, cancel); !status.ok()) {
 			return status;
 		}
-		if (i + 1 < size()) {
-			layer.index_standing(graph_.nodes()[i].asked_from);
+	}
+	return layers_[size() - 1]->take(places, rect);
+}
+
+double TileFilter::points_around(const Rect &rect) const {
+	double points = 0.0;
+	for (const LayerGraph::Node &node : graph_.nodes().first(size() - 1)) {
+		const glm::dvec2 sides = rect.size() + 2.0 * node.margin;
+		points += sides.x * sides.y * point_density(node.layer->set);
+	}
+	return points;
+}
+
+void TileFilter::add_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const {
+	for (std::size_t i = 0; i < size(); ++i) {
+		const LayerFilter &each = layer(i);
+		r_queries.push_back({r_positions.size(), each.position_count(), each.settings().rules.ground_textures});
+		each.add_positions(r_positions);
+	}
+}
+
+Status TileFilter::filter_neighbors(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
+	std::size_t first = 0;
+	for (std::size_t i = 0; i + 1 < size(); ++i) {
+		LayerFilter &each = *layers_[i];
+		const std::size_t count = each.position_count();
+		if (const Status status = each.filter(ground.subspan(first, count), cancel); !status.ok()) {
+			return status;
 		}
+		each.index_standing(graph_.nodes()[i].asked_from);
 		first += count;
 	}
 	return {};
+}
+
+Status TileFilter::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
+	if (const Status status = filter_neighbors(ground, cancel); !status.ok()) {
+		return status;
+	}
+	std::size_t first = 0;
+	for (std::size_t i = 0; i + 1 < size(); ++i) {
+		first += layer(i).position_count();
+	}
+	return layers_[size() - 1]->filter(ground.subspan(first, own().position_count()), cancel);
 }
 
 } // namespace thicket

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/placement/ground_query.hpp"
 #include "core/placement/layer_filter.hpp"
 #include "core/placement/layer_graph.hpp"
 
@@ -22,8 +23,22 @@ public:
 	/// Samples all layers, each in the window that `rect` of the layer itself needs.
 	Status sample(const Rect &rect, const std::atomic<bool> *cancel);
 
+	/// In place of `sample`: places of the caller's for the layer itself (see LayerFilter::take), and the points of the others that
+	/// matter there. `rect` holds all places.
+	Status sample_around(
+			std::span<const glm::dvec2> places, const Rect &rect, const std::atomic<bool> *cancel = nullptr);
+
+	/// About how many points of other layers that is.
+	double points_around(const Rect &rect) const;
+
+	/// Where the ground has to be known: the positions of all layers, one after the other. Adds to both.
+	void add_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
+
 	/// Filters all layers; `ground` holds the ground of their positions, one layer after the other.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
+
+	/// All but the layer itself.
+	Status filter_neighbors(std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr);
 
 	/// The filters of all layers, in the order of the graph.
 	std::size_t size() const { return graph_.nodes().size(); }
@@ -38,6 +53,8 @@ public:
 	const SampleStats &sample_stats() const { return sampler_.stats(); }
 
 private:
+	Status sample_layer(std::size_t index, const Rect &rect, const std::atomic<bool> *cancel);
+
 	LayerSettings layer_;
 	LayerGraph graph_{layer_};
 	std::vector<std::unique_ptr<LayerFilter>> layers_; ///< The first size() are in use; the rest keep their memory.

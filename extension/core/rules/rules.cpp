@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace thicket {
 
@@ -20,16 +21,13 @@ Status check_height(const char *property, double height) {
 	return check_range(property, height, std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
 }
 
-bool is_ground(const Ground &ground) {
-	return std::isfinite(ground.height) && std::isfinite(ground.normal.x) && std::isfinite(ground.normal.y) &&
-			std::isfinite(ground.normal.z) && ground.normal.y > 0.0f;
-}
-
+template <class Record>
 Status multiply(const DensityField &field, std::span<const glm::dvec2> positions, std::span<double> r_densities,
-		std::span<float> scratch) {
+		std::span<float> scratch, const Record &record, RuleKind rule, std::size_t index) {
 	const Status status = field.sample(positions, scratch);
 	for (std::size_t i = 0; status.ok() && i < positions.size(); ++i) {
-		r_densities[i] *= unit_density(scratch[i]);
+		const double density = unit_density(scratch[i]);
+		r_densities[i] *= record(rule, density, density, static_cast<std::uint32_t>(index));
 	}
 	return status;
 }
@@ -46,8 +44,17 @@ Status validate(const Rules &rules) {
 			check_height("min_height", rules.min_height), check_height("max_height", rules.max_height),
 			check_order("max_height", rules.min_height, rules.max_height),
 			check_range("height_falloff", rules.height_falloff, 0.0, std::numeric_limits<double>::max()),
+			check_height("min_water_depth", rules.min_water_depth),
+			check_height("max_water_depth", rules.max_water_depth),
+			check_order("max_water_depth", rules.min_water_depth, rules.max_water_depth),
+			check_range("water_depth_falloff", rules.water_depth_falloff, 0.0, std::numeric_limits<double>::max()),
 			validate(rules.clumping), check_range("edge_feather", rules.edge_feather, 0.0, max_edge_feather),
 			null_field ? Status{ErrorCode::missing, "fields", 0.0} : Status{});
+}
+
+bool is_ground(const Ground &ground) {
+	return std::isfinite(ground.height) && std::isfinite(ground.normal.x) && std::isfinite(ground.normal.y) &&
+			std::isfinite(ground.normal.z) && ground.normal.y > 0.0f;
 }
 
 PreparedRange::PreparedRange(double min, bool min_open, double max, bool max_open, double falloff) :
@@ -83,62 +90,119 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 			rules.max_slope_degrees >= max_slope, rules.slope_falloff);
 	height_ = PreparedRange(rules.min_height, rules.min_height <= -unlimited_height, rules.max_height,
 			rules.max_height >= unlimited_height, rules.height_falloff);
+	water_depth_ = PreparedRange(rules.min_water_depth, rules.min_water_depth <= -unlimited_height,
+			rules.max_water_depth, rules.max_water_depth >= unlimited_height, rules.water_depth_falloff);
 	clumps_.set(rules.clumping, seed);
 	return {};
 }
 
-Status PreparedRules::place_densities(
-		std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const {
-	std::fill(r_densities.begin(), r_densities.end(), rules_.density);
+template <class Record>
+Status PreparedRules::place_product(std::span<const glm::dvec2> positions, std::span<double> r_densities,
+		std::vector<float> &scratch, const Record &record) const {
+	std::fill(r_densities.begin(), r_densities.end(), record(RuleKind::density, rules_.density, rules_.density));
 	const auto count = static_cast<double>(positions.size());
 	if (const Status status = guarded("positions", count, [&] { scratch.resize(positions.size()); }); !status.ok()) {
 		return status;
 	}
-	for (const std::shared_ptr<const DensityField> &field : rules_.fields) {
-		if (const Status status = multiply(*field, positions, r_densities, scratch); !status.ok()) {
+	// One after the other: what rounding makes of a product depends on the order.
+	for (std::size_t field = 0; field < rules_.fields.size(); ++field) {
+		const Status status =
+				multiply(*rules_.fields[field], positions, r_densities, scratch, record, RuleKind::field, field);
+		if (!status.ok()) {
 			return status;
 		}
 	}
-	if (rules_.mask != nullptr) {
-		if (const Status status = multiply(*rules_.mask, positions, r_densities, scratch); !status.ok()) {
+	using KindOfField = std::pair<const DensityField *, RuleKind>;
+	for (const auto &[field, kind] :
+			{KindOfField{rules_.mask.get(), RuleKind::mask}, KindOfField{rules_.biome.get(), RuleKind::biome}}) {
+		if (field == nullptr) {
+			continue;
+		}
+		const Status status = multiply(*field, positions, r_densities, scratch, record, kind, no_index);
+		if (!status.ok()) {
 			return status;
 		}
 	}
 	// Clumps cost more than all else here, so only where anything is left.
 	for (std::size_t i = 0; clumps_.active() && i < positions.size(); ++i) {
-		if (r_densities[i] > 0.0) {
-			r_densities[i] *= clumps_.at(positions[i]);
+		if (Record::complete || r_densities[i] > 0.0) {
+			const double density = clumps_.at(positions[i]);
+			r_densities[i] *= record(RuleKind::clumping, density, density);
 		}
 	}
 	return {};
 }
 
-double PreparedRules::ground_density(const Ground &ground) const {
-	if (!is_ground(ground)) {
-		return 0.0;
+Status PreparedRules::place_densities(
+		std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const {
+	return place_product(positions, r_densities, scratch, NoRecord());
+}
+
+Status PreparedRules::place_factors(glm::dvec2 position, const RuleRecord &record) const {
+	double product = 0.0;
+	std::vector<float> scratch;
+	return place_product<RuleRecord>({&position, 1}, {&product, 1}, scratch, record);
+}
+
+/// Where there is no water, the depth is minus infinity.
+template <class Record>
+double PreparedRules::water_density(double height, glm::dvec2 position, const Record &record) const {
+	if (water_depth_.open()) {
+		return 1.0;
 	}
-	double density = height_.density(ground.height);
+	const double level = rules_.water != nullptr ? rules_.water->at(position) : no_water;
+	if (level <= no_water && rules_.min_water_depth <= -unlimited_height) {
+		return 1.0;
+	}
+	return record(RuleKind::water_depth, level - height, water_depth_.density(level - height));
+}
+
+template <class Record>
+double PreparedRules::ground_density(const Ground &ground, glm::dvec2 position, const Record &record) const {
+	if (!is_ground(ground)) {
+		return record(RuleKind::ground, ground.height, 0.0);
+	}
+	double density = 1.0;
+	if (!height_.open()) {
+		density = record(RuleKind::height, ground.height, height_.density(ground.height));
+	}
 	if (rules_.height_curve != nullptr) {
-		density *= rules_.height_curve->at(ground.height);
+		density *= record(RuleKind::height_curve, ground.height, rules_.height_curve->at(ground.height));
 	}
 	if (!rules_.ground_textures.empty()) {
-		density *= unit_density(ground.weight);
+		density *= record(RuleKind::ground_textures, ground.weight, unit_density(ground.weight));
+	}
+	if (Record::complete || density > 0.0) {
+		density *= water_density(ground.height, position, record);
 	}
 	// The angle costs more than all else here, so only where it is asked for.
-	if (density > 0.0 && (!slope_.open() || rules_.slope_curve != nullptr)) {
+	if ((Record::complete || density > 0.0) && (!slope_.open() || rules_.slope_curve != nullptr)) {
 		const double slope = slope_degrees(ground.normal);
-		density *= slope_.density(slope);
+		if (!slope_.open()) {
+			density *= record(RuleKind::slope, slope, slope_.density(slope));
+		}
 		if (rules_.slope_curve != nullptr) {
-			density *= rules_.slope_curve->at(slope);
+			density *= record(RuleKind::slope_curve, slope, rules_.slope_curve->at(slope));
 		}
 	}
 	return density;
 }
 
+template <class Record>
 double PreparedRules::shape_density(
-		std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground) const {
-	return rules_.shapes == nullptr ? 1.0
-									: rules_.shapes->density(near, {position.x, double{ground.height}, position.y});
+		std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground, const Record &record) const {
+	if (rules_.shapes == nullptr) {
+		return 1.0;
+	}
+	const ShapeEffect effect = rules_.shapes->effect(near, {position.x, double{ground.height}, position.y});
+	return record(RuleKind::shapes, effect.density(), effect.density(), effect.decisive());
 }
+
+template double PreparedRules::ground_density(const Ground &, glm::dvec2, const NoRecord &) const;
+template double PreparedRules::ground_density(const Ground &, glm::dvec2, const RuleRecord &) const;
+template double PreparedRules::shape_density(
+		std::span<const std::uint32_t>, glm::dvec2, const Ground &, const NoRecord &) const;
+template double PreparedRules::shape_density(
+		std::span<const std::uint32_t>, glm::dvec2, const Ground &, const RuleRecord &) const;
 
 } // namespace thicket

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "core/base/status.hpp"
+#include "core/rules/biome_rules.hpp"
 #include "core/rules/clump_noise.hpp"
 #include "core/rules/curve_table.hpp"
 #include "core/rules/density_field.hpp"
 #include "core/rules/painted_mask.hpp"
+#include "core/rules/rule_factors.hpp"
 #include "core/rules/shapes.hpp"
 #include "core/terrain/terrain.hpp"
 
@@ -36,6 +38,12 @@ struct Rules {
 	double max_height = unlimited_height;
 	double height_falloff = 0.0; ///< Meters, 0 or more; 0 is a sharp limit.
 
+	/// How deep the ground may lie below the water in meters, the limit included; above it, where the depth is negative, at
+	/// or below -unlimited_height everywhere. Where there is no water, the ground lies infinitely far above it.
+	double min_water_depth = -unlimited_height;
+	double max_water_depth = 0.0;     ///< unlimited_height and more for any depth.
+	double water_depth_falloff = 0.0; ///< Meters, 0 or more; 0 is a sharp limit.
+
 	std::shared_ptr<const CurveTable> height_curve{}; ///< Density over the height in world meters; null for none.
 	std::shared_ptr<const CurveTable> slope_curve{};  ///< Density over the slope in degrees; null for none.
 	std::vector<std::shared_ptr<const DensityField>> fields{}; ///< Densities over the plane, none of them null.
@@ -49,6 +57,9 @@ struct Rules {
 	// What a designer edits in place. Another one under a pointer here is an edit whose reach can be known.
 	std::shared_ptr<const PaintedMask> mask{}; ///< Null for none.
 	std::shared_ptr<const ShapeSet> shapes{};  ///< Null for none.
+	std::shared_ptr<const BiomeDensity>
+			biome{}; ///< The weight of the layer's biomes; null for a layer that stands in all.
+	std::shared_ptr<const WaterLevels> water{}; ///< Null for no water anywhere.
 
 	friend bool operator==(const Rules &, const Rules &) = default;
 };
@@ -57,6 +68,9 @@ inline constexpr double max_edge_feather = 1e3;
 
 /// Refuses what is not finite, outside the ranges above, a minimum above its maximum, or a field that is null.
 Status validate(const Rules &rules);
+
+/// Whether there is ground on which something may stand: with a height and a normal that are finite, and a normal that points up.
+bool is_ground(const Ground &ground);
 
 /// One range with its falloff, ready to be asked.
 class PreparedRange {
@@ -89,22 +103,40 @@ public:
 	const Rules &rules() const { return rules_; }
 
 	/// Replaces `r_densities` by the product of the rules that depend on the position alone, so that they can be asked before
-	/// the ground is known: density, fields, mask, clumping. `scratch` is working memory that is kept for the next time.
+	/// the ground is known: density, fields, mask, biome, clumping. `scratch` is working memory that is kept for the next time.
 	/// Fails as a field does.
 	Status place_densities(
 			std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const;
 
-	/// The product of the rules that look at the ground: limits, curves, textures. No ground (a height or a normal that is not
-	/// finite, a normal that does not point up) has a density of 0.
-	double ground_density(const Ground &ground) const;
+	/// The same for one position, with all factors. Throws std::bad_alloc.
+	Status place_factors(glm::dvec2 position, const RuleRecord &record) const;
+
+	/// True if no point of `rect` can stand, whatever else the rules say: none of the layer's biomes is there.
+	bool closed_in(const Rect &rect) const { return rules_.biome != nullptr && rules_.biome->none_in(rect); }
+
+	/// The product of the rules that look at the ground at a position: limits, curves, textures, depth of the water. No ground (a
+	/// height or a normal that is not finite, a normal that does not point up) has a density of 0.
+	/// `record` is told of all factors but those of rules that limit nothing; without ground there is no other.
+	template <class Record = NoRecord>
+	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const;
 
 	/// The factor of the shapes, given those near (ShapeSet::near); 1 for a layer without shapes.
-	double shape_density(std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground) const;
+	template <class Record = NoRecord>
+	double shape_density(std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground,
+			const Record &record = {}) const;
 
 private:
+	template <class Record>
+	Status place_product(std::span<const glm::dvec2> positions, std::span<double> r_densities,
+			std::vector<float> &scratch, const Record &record) const;
+
+	template <class Record>
+	double water_density(double height, glm::dvec2 position, const Record &record) const;
+
 	Rules rules_;
 	PreparedRange slope_;
 	PreparedRange height_;
+	PreparedRange water_depth_;
 	ClumpNoise clumps_;
 };
 

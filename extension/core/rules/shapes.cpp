@@ -57,19 +57,24 @@ Status ShapeSet::near(const Rect &area, std::vector<std::uint32_t> &r_near) cons
 	});
 }
 
-double ShapeSet::density(std::span<const std::uint32_t> near, glm::dvec3 position) const {
+ShapeEffect ShapeSet::effect(std::span<const std::uint32_t> near, glm::dvec3 position) const {
+	ShapeEffect effect{.included = includes_ ? 0.0 : 1.0};
 	if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
-		return 0.0;
+		effect.included = 0.0;
+		return effect;
 	}
-	double included = includes_ ? 0.0 : 1.0;
-	double excluded = 0.0;
 	for (const std::uint32_t index : near) {
-		double &strongest = shapes_[index].exclude ? excluded : included;
-		if (strongest < 1.0) {
-			strongest = std::max(strongest, influence(index, position));
+		const bool exclude = shapes_[index].exclude;
+		double &strongest = exclude ? effect.excluded : effect.included;
+		if (strongest >= 1.0) {
+			continue;
+		}
+		if (const double found = influence(index, position); found > strongest) {
+			strongest = found;
+			(exclude ? effect.excluding : effect.including) = index;
 		}
 	}
-	return included * (1.0 - excluded);
+	return effect;
 }
 
 double ShapeSet::influence(std::uint32_t index, glm::dvec3 position) const {

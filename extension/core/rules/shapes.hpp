@@ -3,6 +3,7 @@
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/rules/outline.hpp"
+#include "core/rules/rule_factors.hpp"
 #include "core/rules/shape.hpp"
 #include "core/rules/shape_volume.hpp"
 
@@ -13,6 +14,19 @@
 #include <vector>
 
 namespace thicket {
+
+/// What a set of shapes does at a position.
+struct ShapeEffect {
+	double included = 1.0;              ///< The largest influence of all including shapes; 1 if there are none.
+	double excluded = 0.0;              ///< The largest influence of all excluding ones.
+	std::uint32_t including = no_index; ///< The shapes whose influences these are; no_index for none.
+	std::uint32_t excluding = no_index;
+
+	double density() const { return included * (1.0 - excluded); }
+
+	/// The shape that says most: an excluding one, unless it takes less than the including ones lack.
+	std::uint32_t decisive() const { return excluded > 0.0 && excluded >= 1.0 - included ? excluding : including; }
+};
 
 /// The shapes that count for one layer. Immutable after `set`, so threads may share one.
 ///
@@ -36,7 +50,12 @@ public:
 
 	/// The factor 0 to 1 at a position on the ground (world meters, y up), among the shapes that `near` gave for an area that
 	/// holds it; 0 at a position that is not finite. The same bits whatever the area, and everywhere: no libm but square roots.
-	double density(std::span<const std::uint32_t> near, glm::dvec3 position) const;
+	double density(std::span<const std::uint32_t> near, glm::dvec3 position) const {
+		return effect(near, position).density();
+	}
+
+	/// The same, with the shapes that it comes from.
+	ShapeEffect effect(std::span<const std::uint32_t> near, glm::dvec3 position) const;
 
 	friend bool operator==(const ShapeSet &a, const ShapeSet &b) { return a.shapes_ == b.shapes_; }
 

@@ -1,0 +1,38 @@
+#include "core/placement/ground_query.hpp"
+
+#include <algorithm>
+
+namespace thicket {
+
+namespace {
+
+/// Positions in one call of the terrain.
+constexpr std::size_t batch = 2048;
+
+Status ask(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+		std::span<Ground> r_ground) {
+	const Status status = terrain.sample(positions, r_ground);
+	return status.ok() && !textures.empty() ? terrain.weigh(positions, textures, r_ground) : status;
+}
+
+} // namespace
+
+Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
+		std::span<Ground> r_ground, const std::atomic<bool> *cancel) {
+	for (const GroundQuery &query : queries) {
+		for (std::size_t done = 0; done < query.count; done += batch) {
+			if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
+				return {ErrorCode::cancelled, "tile", 0.0};
+			}
+			const std::size_t count = std::min(batch, query.count - done);
+			const Status status = ask(terrain, positions.subspan(query.first + done, count), query.textures,
+					r_ground.subspan(query.first + done, count));
+			if (!status.ok()) {
+				return status;
+			}
+		}
+	}
+	return {};
+}
+
+} // namespace thicket

@@ -1,0 +1,252 @@
+#include "core/rules/biome_map.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
+#include "core/base/split_mix.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+/// Pixels on a side of a block.
+constexpr int block = 8;
+
+/// Meters from the map; so far out the clamped border pixels end, which no world reaches.
+constexpr double beyond = 1e12;
+
+/// Where a place is asked, in units of the border's width: the 16 points of Hammersley's set, which fill a square evenly and share no
+/// coordinate, so that a straight border along an axis gives 16 different weights in equal steps.
+constexpr std::array<glm::dvec2, biome_taps> tap_offsets = [] {
+	std::array<glm::dvec2, biome_taps> offsets{};
+	for (unsigned i = 0; i < biome_taps; ++i) {
+		const unsigned reversed = (i & 1U) << 3U | (i & 2U) << 1U | (i & 4U) >> 1U | (i & 8U) >> 3U;
+		offsets[i] = {(i + 0.5) / biome_taps - 0.5, (reversed + 0.5) / biome_taps - 0.5};
+	}
+	return offsets;
+}();
+
+/// The whole part of `value`, held to the indices of `count` things; 0 for NAN.
+int held_index(double value, int count) {
+	if (!(value > 0.0)) {
+		return 0;
+	}
+	return value < static_cast<double>(count) ? static_cast<int>(value) : count - 1;
+}
+
+int blocks_for(int pixels) { return (pixels + block - 1) / block; }
+
+} // namespace
+
+Status validate(const BiomeBorders &borders) {
+	return first_failure(check_range("border_width", borders.width, 0.0, max_border_width),
+			check_range("border_noise", borders.noise, 0.0, max_border_noise),
+			check_range("border_noise_size", borders.noise_size, min_border_noise_size, max_border_noise_size));
+}
+
+Status BiomeMap::set(glm::ivec2 size, std::span<const std::uint8_t> pixels, const Rect &area, BiomeEdge edge,
+		const BiomeBorders &borders) {
+	if (const Status status = first_failure(check_range("size", size.x, 1, max_biome_map_pixels),
+				check_range("size", size.y, 1, max_biome_map_pixels), check_positive("rect", area.size().x),
+				check_positive("rect", area.size().y),
+				check_range("edge", static_cast<double>(edge), 0, static_cast<double>(BiomeEdge::clamp)),
+				validate(borders));
+			!status.ok()) {
+		return status;
+	}
+	if (pixels.size() != static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {
+		return {ErrorCode::wrong_size, "pixels", static_cast<double>(pixels.size())};
+	}
+	const auto bad =
+			std::ranges::find_if(pixels, [](std::uint8_t index) { return index >= max_biomes && index != no_biome; });
+	if (bad != pixels.end()) {
+		return {ErrorCode::out_of_range, "pixels", static_cast<double>(*bad)};
+	}
+	return guarded("pixels", static_cast<double>(pixels.size()), [&] {
+		BiomeMap next;
+		next.pixels_.assign(pixels.begin(), pixels.end());
+		next.size_ = size;
+		next.area_ = area;
+		next.edge_ = edge;
+		next.borders_ = borders;
+		// A hair more, for what rounding may do.
+		next.reach_ = 1.001 * (borders.noise + 0.5 * borders.width) + 1e-6;
+		next.find_blocks();
+		constexpr double small_part = 0.25;
+		for (std::size_t i = 0; i < next.noise_.size(); ++i) {
+			const double noise_size = i % 2 == 0 ? borders.noise_size : small_part * borders.noise_size;
+			// As soft as can be: even over [0, 1].
+			next.noise_[i].set({.size = noise_size, .coverage = 0.5, .softness = 1.0},
+					split_mix(split_mix(borders.seed) + i * split_mix_gamma));
+		}
+		*this = std::move(next);
+	});
+}
+
+glm::ivec2 BiomeMap::block_count() const { return {blocks_for(size_.x), blocks_for(size_.y)}; }
+
+void BiomeMap::find_blocks() {
+	const glm::ivec2 count = block_count();
+	blocks_.assign(static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y), 0);
+	for (int y = 0; y < size_.y; ++y) {
+		BiomeSet *row = blocks_.data() + static_cast<std::size_t>(y / block) * static_cast<std::size_t>(count.x);
+		for (int x = 0; x < size_.x; ++x) {
+			row[x / block] |= biome_bit(pixel(x, y));
+		}
+	}
+}
+
+BiomeSet BiomeMap::biomes_in(const Rect &rect) const {
+	const glm::dvec2 pixels_per_meter = glm::dvec2(size_) / area_.size();
+	const bool whole = !rect.finite() || rect.max.x < rect.min.x || rect.max.y < rect.min.y;
+	const Rect asked = whole ? Rect{area_.min - 1.0, area_.max + 1.0} : rect;
+	const glm::dvec2 from = (asked.min - reach_ - area_.min) * pixels_per_meter;
+	const glm::dvec2 to = (asked.max + reach_ - area_.min) * pixels_per_meter;
+	const bool outside = from.x < 0.0 || from.y < 0.0 || to.x >= size_.x || to.y >= size_.y;
+	BiomeSet result = outside && edge_ == BiomeEdge::nothing ? biome_bit(no_biome) : 0;
+	const bool none_inside = to.x < 0.0 || to.y < 0.0 || from.x > size_.x || from.y > size_.y;
+	if (none_inside && edge_ == BiomeEdge::nothing) {
+		return result;
+	}
+	const int first_x = held_index(from.x, size_.x) / block;
+	const int last_x = held_index(to.x, size_.x) / block;
+	const int last_y = held_index(to.y, size_.y) / block;
+	for (int y = held_index(from.y, size_.y) / block; y <= last_y; ++y) {
+		const BiomeSet *row = blocks_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(block_count().x);
+		for (int x = first_x; x <= last_x; ++x) {
+			result |= row[x];
+		}
+	}
+	return result;
+}
+
+/// How far the border is moved along an axis, from -1 to 1.
+double BiomeMap::waver(glm::dvec2 position, std::size_t axis) const {
+	constexpr double large_share = 0.7;
+	const double large = noise_[2 * axis].at(position);
+	const double small = noise_[2 * axis + 1].at(position);
+	return 2.0 * (large_share * large + (1.0 - large_share) * small) - 1.0;
+}
+
+std::uint8_t BiomeMap::pixel_at(glm::dvec2 position) const {
+	const glm::dvec2 at = (position - area_.min) * (glm::dvec2(size_) / area_.size());
+	const bool inside = at.x >= 0.0 && at.y >= 0.0 && at.x < size_.x && at.y < size_.y;
+	if (!inside && edge_ == BiomeEdge::nothing) {
+		return no_biome;
+	}
+	return pixel(held_index(at.x, size_.x), held_index(at.y, size_.y));
+}
+
+void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
+	if (!std::isfinite(position.x) || !std::isfinite(position.y)) {
+		r_taps.fill(no_biome);
+		return;
+	}
+	// Away from borders it is known without noise.
+	if (const BiomeSet near = biomes_in({position, position}); std::has_single_bit(near)) {
+		r_taps.fill(static_cast<std::uint8_t>(std::countr_zero(near)));
+		return;
+	}
+	glm::dvec2 moved = position;
+	if (borders_.noise > 0.0) {
+		moved += borders_.noise * glm::dvec2(waver(position, 0), waver(position, 1));
+	}
+	if (borders_.width <= 0.0) {
+		r_taps.fill(pixel_at(moved));
+		return;
+	}
+	for (std::size_t tap = 0; tap < biome_taps; ++tap) {
+		r_taps[tap] = pixel_at(moved + borders_.width * tap_offsets[tap]);
+	}
+}
+
+std::uint8_t BiomeMap::dominant_at(glm::dvec2 position) const {
+	BiomeTaps taps{};
+	taps_at(position, taps);
+	PerBiome<std::uint8_t> counts{};
+	for (const std::uint8_t biome : taps) {
+		++counts[biome];
+	}
+	return static_cast<std::uint8_t>(std::ranges::max_element(counts) - counts.begin());
+}
+
+bool BiomeMap::same_frame(const BiomeMap &other) const {
+	return size_ == other.size_ && area_.min == other.area_.min && area_.max == other.area_.max &&
+			edge_ == other.edge_ && borders_ == other.borders_;
+}
+
+bool operator==(const BiomeMap &a, const BiomeMap &b) { return a.same_frame(b) && a.pixels_ == b.pixels_; }
+
+/// Whether a value may be another somewhere in a block.
+bool BiomeMap::block_differs(const BiomeMap &before, const SameValue &same, glm::ivec2 at) const {
+	const std::size_t index =
+			static_cast<std::size_t>(at.y) * static_cast<std::size_t>(block_count().x) + static_cast<std::size_t>(at.x);
+	const BiomeSet now = blocks_[index];
+	bool differs = false;
+	for (BiomeSet left = before.blocks_[index]; left != 0; left &= left - 1) {
+		differs = differs || (now & ~same[static_cast<std::size_t>(std::countr_zero(left))]) != 0;
+	}
+	return differs;
+}
+
+/// The pixels among those of whole blocks at which a value is another, as the smallest rectangle.
+BiomeMap::Pixels BiomeMap::edited_pixels(const BiomeMap &before, const SameValue &same, const Pixels &among) const {
+	Pixels found{size_, {0, 0}};
+	for (int y = among.min.y; y < among.max.y; ++y) {
+		for (int x = among.min.x; x < among.max.x; ++x) {
+			if ((same[before.pixel(x, y)] & biome_bit(pixel(x, y))) == 0) {
+				found.min = glm::min(found.min, glm::ivec2(x, y));
+				found.max = glm::max(found.max, glm::ivec2(x + 1, y + 1));
+			}
+		}
+	}
+	return found;
+}
+
+/// The world outside which no position asks any of these pixels.
+Rect BiomeMap::reached_from(const Pixels &pixels) const {
+	const glm::dvec2 meters = area_.size() / glm::dvec2(size_);
+	Rect rect{
+			area_.min + glm::dvec2(pixels.min) * meters - reach_, area_.min + glm::dvec2(pixels.max) * meters + reach_};
+	for (int axis = 0; edge_ == BiomeEdge::clamp && axis < 2; ++axis) {
+		rect.min[axis] = pixels.min[axis] == 0 ? -beyond : rect.min[axis];
+		rect.max[axis] = pixels.max[axis] == size_[axis] ? beyond : rect.max[axis];
+	}
+	return rect;
+}
+
+bool BiomeMap::find_edits(const BiomeMap &before, const SameValue &same, std::vector<Rect> &r_areas) const {
+	if (!same_frame(before)) {
+		return false;
+	}
+	const glm::ivec2 count = block_count();
+	const glm::ivec2 part = (count + find_grid - 1) / find_grid; // In blocks.
+	for (int part_y = 0; part_y < count.y; part_y += part.y) {
+		for (int part_x = 0; part_x < count.x; part_x += part.x) {
+			Pixels found{size_, {0, 0}};
+			for (int y = part_y; y < std::min(part_y + part.y, count.y); ++y) {
+				for (int x = part_x; x < std::min(part_x + part.x, count.x); ++x) {
+					if (block_differs(before, same, {x, y})) {
+						const glm::ivec2 first(x * block, y * block);
+						const Pixels more = edited_pixels(before, same, {first, glm::min(first + block, size_)});
+						found.min = glm::min(found.min, more.min);
+						found.max = glm::max(found.max, more.max);
+					}
+				}
+			}
+			if (found.min.x < found.max.x) {
+				r_areas.push_back(reached_from(found));
+			}
+		}
+	}
+	return true;
+}
+
+} // namespace thicket

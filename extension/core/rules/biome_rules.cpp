@@ -1,0 +1,83 @@
+#include "core/rules/biome_rules.hpp"
+
+#include "core/base/floating_point.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+/// The smallest rectangle that holds all positions; one that is not finite if any of them is not.
+Rect bounds_of(std::span<const glm::dvec2> positions) {
+	Rect bounds{positions.front(), positions.front()};
+	for (const glm::dvec2 position : positions) {
+		// In this order a NAN stays.
+		bounds.min = {position.x < bounds.min.x || std::isnan(position.x) ? position.x : bounds.min.x,
+				position.y < bounds.min.y || std::isnan(position.y) ? position.y : bounds.min.y};
+		bounds.max = glm::max(bounds.max, position);
+	}
+	return bounds;
+}
+
+} // namespace
+
+BiomeDensity::BiomeDensity(std::shared_ptr<const BiomeMap> map, const PerBiome<float> &densities) :
+		map_(std::move(map)), densities_(densities) {
+	for (std::size_t biome = 0; biome < densities_.size(); ++biome) {
+		open_ |= densities_[biome] > 0.0F ? biome_bit(static_cast<std::uint8_t>(biome)) : 0;
+	}
+}
+
+Status BiomeDensity::sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const {
+	if (positions.size() != r_density.size()) {
+		return {ErrorCode::wrong_size, "density", static_cast<double>(r_density.size())};
+	}
+	if (positions.empty()) {
+		return {};
+	}
+	// Most tiles lie within one biome.
+	if (const Rect bounds = bounds_of(positions); bounds.finite()) {
+		const BiomeSet near = map_->biomes_in(bounds);
+		if ((near & open_) == 0 || std::has_single_bit(near)) {
+			std::ranges::fill(r_density, densities_[static_cast<std::size_t>(std::countr_zero(near))]);
+			return {};
+		}
+	}
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		BiomeTaps taps{};
+		map_->taps_at(positions[i], taps);
+		double sum = 0.0;
+		for (const std::uint8_t biome : taps) {
+			sum += double{densities_[biome]};
+		}
+		r_density[i] = static_cast<float>(sum / static_cast<double>(biome_taps));
+	}
+	return {};
+}
+
+WaterLevels::WaterLevels(std::shared_ptr<const BiomeMap> map, const PerBiome<double> &levels) : levels_(levels) {
+	if (std::ranges::any_of(levels, [&levels](double level) { return level != levels.front(); })) {
+		map_ = std::move(map);
+	}
+}
+
+double WaterLevels::at(glm::dvec2 position) const {
+	return map_ == nullptr ? levels_.front() : levels_[map_->dominant_at(position)];
+}
+
+bool WaterLevels::find_edits(const WaterLevels &before, std::vector<Rect> &r_areas) const {
+	const std::shared_ptr<const BiomeMap> &map = map_ != nullptr ? map_ : before.map_;
+	if (map == nullptr) {
+		return levels_ == before.levels_;
+	}
+	// A level that is the same everywhere is so on any map.
+	return map->find_edits(before.map_ != nullptr ? *before.map_ : *map, before.levels_, levels_, r_areas);
+}
+
+} // namespace thicket

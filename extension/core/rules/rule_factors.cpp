@@ -1,0 +1,34 @@
+#include "core/rules/rule_factors.hpp"
+
+#include "core/base/floating_point.hpp"
+
+#include <algorithm>
+
+namespace thicket {
+
+double product_of(std::span<const RuleFactor> factors) {
+	// The rules of the position and those of the ground are two products, because they are known at different times.
+	double of_position = 1.0;
+	double of_ground = 1.0;
+	for (const RuleFactor &factor : factors) {
+		if (factor.rule < RuleKind::ground) {
+			of_position *= factor.density;
+		} else if (factor.rule < RuleKind::shapes) {
+			of_ground *= factor.density;
+		}
+	}
+	double density = of_position * of_ground;
+	for (const RuleFactor &factor : factors) {
+		if (factor.rule >= RuleKind::shapes) {
+			density *= factor.density;
+		}
+	}
+	return density;
+}
+
+const RuleFactor *strictest(std::span<const RuleFactor> factors) {
+	const auto found = std::ranges::min_element(factors, {}, &RuleFactor::density);
+	return found != factors.end() && found->density < 1.0 ? &*found : nullptr;
+}
+
+} // namespace thicket

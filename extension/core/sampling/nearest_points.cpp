@@ -1,0 +1,123 @@
+#include "core/sampling/nearest_points.hpp"
+
+#include "core/base/floating_point.hpp"
+#include "core/base/guard.hpp"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace thicket {
+
+namespace {
+
+/// Points in square buckets with sides of a radius.
+class Buckets {
+public:
+	Buckets(const std::vector<SamplePoint> &points, const Rect &area, double side) :
+			points_(points), area_(area), side_(side) {
+		const glm::dvec2 count = glm::floor(area.size() / side) + 1.0;
+		across_ = static_cast<std::ptrdiff_t>(count.x);
+		down_ = static_cast<std::ptrdiff_t>(count.y);
+		first_.assign(static_cast<std::size_t>(across_ * down_), none);
+		next_.assign(points.size(), none);
+		for (std::size_t i = 0; i < points.size(); ++i) {
+			std::size_t &first = first_[bucket(points[i].position)];
+			next_[i] = first;
+			first = i;
+		}
+	}
+
+	/// The point nearest to a place that has one within a radius.
+	const SamplePoint &nearest(glm::dvec2 place) const {
+		double squared = std::numeric_limits<double>::infinity();
+		std::size_t best = 0;
+		const std::ptrdiff_t x = column(place.x - area_.min.x, across_);
+		const std::ptrdiff_t y = column(place.y - area_.min.y, down_);
+		for (std::ptrdiff_t row = std::max<std::ptrdiff_t>(y - 1, 0); row <= std::min(y + 1, down_ - 1); ++row) {
+			for (std::ptrdiff_t at = std::max<std::ptrdiff_t>(x - 1, 0); at <= std::min(x + 1, across_ - 1); ++at) {
+				for (std::size_t i = first_[static_cast<std::size_t>(row * across_ + at)]; i != none; i = next_[i]) {
+					const glm::dvec2 apart = points_[i].position - place;
+					const double found = glm::dot(apart, apart);
+					if (found < squared || (found == squared && points_[i].id < points_[best].id)) {
+						squared = found;
+						best = i;
+					}
+				}
+			}
+		}
+		return points_[best];
+	}
+
+private:
+	static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+
+	std::ptrdiff_t column(double along, std::ptrdiff_t count) const {
+		return std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(along / side_), 0, count - 1);
+	}
+
+	std::size_t bucket(glm::dvec2 position) const {
+		const glm::dvec2 along = position - area_.min;
+		return static_cast<std::size_t>(column(along.y, down_) * across_ + column(along.x, across_));
+	}
+
+	const std::vector<SamplePoint> &points_;
+	Rect area_;
+	double side_;
+	std::ptrdiff_t across_ = 1;
+	std::ptrdiff_t down_ = 1;
+	std::vector<std::size_t> first_; ///< Of each bucket, the first of its points,
+	std::vector<std::size_t> next_;  ///< and of each point the next one.
+};
+
+Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
+		std::vector<SamplePoint> &r_points) {
+	Rect area = enclosing_rect(places);
+	if (!area.finite()) {
+		return {ErrorCode::not_finite, "places", std::isfinite(area.min.x) ? area.min.y : area.min.x};
+	}
+	const glm::dvec2 reach(1.001 * set.radius); // A part in a thousand more for what is rounded.
+	area = {area.min - reach, area.max + reach};
+	std::vector<SamplePoint> points;
+	if (const Status status = sampler.sample(set, area, points); !status.ok()) {
+		return status;
+	}
+	if (points.empty()) {
+		return {ErrorCode::out_of_range, "places", places.front().x};
+	}
+	const Buckets buckets(points, area, reach.x);
+	r_points.reserve(places.size());
+	for (const glm::dvec2 place : places) {
+		r_points.push_back(buckets.nearest(place));
+	}
+	return {};
+}
+
+} // namespace
+
+Rect enclosing_rect(std::span<const glm::dvec2> places) {
+	Rect rect{places.front(), places.front()};
+	for (const glm::dvec2 place : places) {
+		if (!std::isfinite(place.x) || !std::isfinite(place.y)) {
+			return {place, place};
+		}
+		rect = {glm::min(rect.min, place), glm::max(rect.max, place)};
+	}
+	return rect;
+}
+
+Status nearest_points(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
+		std::vector<SamplePoint> &r_points) {
+	r_points.clear();
+	if (places.empty()) {
+		return {};
+	}
+	return guarded_answer("places", static_cast<double>(places.size()), r_points,
+			[&] { return find(sampler, set, places, r_points); });
+}
+
+} // namespace thicket

@@ -1,0 +1,308 @@
+// Biomes and water as rules of a layer, and what an edit of them touches.
+
+#include "core/placement/layer_edits.hpp"
+#include "core/placement/tile_builder.hpp"
+#include "core/terrain/flat_terrain.hpp"
+#include "tile_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+using Pixels = std::vector<std::uint8_t>;
+using SharedMap = std::shared_ptr<const BiomeMap>;
+
+/// 40 by 30 pixels of 8 meters about the origin: biome 0 to the left, 1 to the right, and what lies in `patch`.
+SharedMap map_with(std::uint8_t patch, const BiomeBorders &borders = {.width = 8.0, .noise = 10.0}) {
+	Pixels pixels;
+	for (int y = 0; y < 30; ++y) {
+		for (int x = 0; x < 40; ++x) {
+			const bool in_patch = x >= 28 && x < 34 && y >= 10 && y < 15;
+			pixels.push_back(in_patch ? patch : x < 20 ? 0 : 1);
+		}
+	}
+	auto map = std::make_shared<BiomeMap>();
+	REQUIRE(map->set({40, 30}, pixels, {{-160.0, -120.0}, {160.0, 120.0}}, BiomeEdge::nothing, borders).ok());
+	return map;
+}
+
+std::shared_ptr<const BiomeDensity> densities(SharedMap map, std::array<float, 3> values) {
+	PerBiome<float> result{};
+	std::ranges::copy(values, result.begin());
+	return std::make_shared<BiomeDensity>(std::move(map), result);
+}
+
+std::shared_ptr<const WaterLevels> levels(SharedMap map, std::array<double, 3> values, double elsewhere = no_water) {
+	PerBiome<double> result{};
+	result.fill(elsewhere);
+	std::ranges::copy(values, result.begin());
+	return std::make_shared<WaterLevels>(std::move(map), result);
+}
+
+LayerSettings grass() {
+	LayerSettings layer;
+	layer.set = {.seed = 3, .radius = 1.5, .levels = 1, .layer = 2};
+	return layer;
+}
+
+const FlatTerrain ground(0.0);
+
+/// Ground that rises to the right by a meter in ten.
+class Slope final : public Terrain {
+public:
+	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
+		for (std::size_t i = 0; i < positions.size(); ++i) {
+			r_ground[i].height = static_cast<float>(0.1 * positions[i].x);
+			r_ground[i].normal = {0.0F, 1.0F, 0.0F};
+		}
+		return {};
+	}
+};
+
+std::map<std::uint64_t, glm::dvec3> standing(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
+	const TileInstances tile = built(layer, terrain, rect);
+	std::map<std::uint64_t, glm::dvec3> result;
+	for (const MeshInstances &mesh : tile.meshes) {
+		for (std::size_t i = 0; i < mesh.size(); ++i) {
+			result[mesh.ids[i]] = world_position(tile, mesh, i);
+		}
+	}
+	return result;
+}
+
+constexpr Rect everything{{-200.0, -150.0}, {200.0, 150.0}};
+
+EditedArea edits(const LayerSettings &before, const LayerSettings &after) {
+	EditSearch search;
+	return search.find(before, after);
+}
+
+/// Every instance that is in one of two states only stands in the edited area.
+void check_reach(const LayerSettings &before, const LayerSettings &after, const Terrain &terrain, double most_part) {
+	const EditedArea area = edits(before, after);
+	REQUIRE_FALSE(area.everywhere);
+	const auto was = standing(before, terrain, everything);
+	const auto is = standing(after, terrain, everything);
+	std::size_t changed = 0;
+	const auto check = [&](const auto &from, const auto &other) {
+		for (const auto &[id, place] : from) {
+			if (!other.contains(id)) {
+				++changed;
+				CHECK(area.touches({{place.x, place.z}, {place.x, place.z}}));
+			}
+		}
+	};
+	check(was, is);
+	check(is, was);
+	CHECK(changed > 50);
+	double size = 0.0;
+	for (const Rect &rect : area.areas) {
+		size += rect.size().x * rect.size().y;
+	}
+	CHECK(size < most_part * 320.0 * 240.0);
+}
+
+} // namespace
+
+TEST_CASE("a layer's biome: it stands there alone, thinned by the density, and every point keeps its id") {
+	LayerSettings layer = grass();
+	const auto all = standing(layer, ground, everything);
+	layer.rules.biome = densities(map_with(2, {}), {1.0F, 0.0F, 0.25F});
+	const auto some = standing(layer, ground, everything);
+	std::size_t left = 0;
+	std::size_t patch = 0;
+	for (const auto &[id, place] : some) {
+		REQUIRE(all.contains(id));
+		CHECK(all.at(id) == place);
+		const bool in_patch = place.x >= 64.0 && place.x < 112.0 && place.z >= -40.0 && place.z < 0.0;
+		CHECK((in_patch || (place.x >= -160.0 && place.x < 0.0 && std::abs(place.z) <= 120.0)));
+		(in_patch ? patch : left) += 1;
+	}
+	const double per_area = static_cast<double>(left) / (160.0 * 240.0);
+	CHECK(static_cast<double>(patch) / (48.0 * 40.0) == doctest::Approx(0.25 * per_area).epsilon(0.15));
+}
+
+TEST_CASE("a layer's biome: layers of two biomes that share a border fill it together, once") {
+	const SharedMap map = map_with(1, {.width = 40.0});
+	const auto left = densities(map, {1.0F, 0.0F, 0.0F});
+	const auto right = densities(map, {0.0F, 1.0F, 0.0F});
+	const auto both = densities(map, {1.0F, 1.0F, 0.0F});
+	std::vector<glm::dvec2> positions;
+	for (double x = -40.0; x < 40.0; x += 0.37) {
+		positions.emplace_back(x, 1.5 * x);
+	}
+	const auto sampled = [&positions](const BiomeDensity &field) {
+		std::vector<float> result(positions.size(), -1.0F);
+		REQUIRE(field.sample(positions, result).ok());
+		return result;
+	};
+	const auto l = sampled(*left);
+	const auto r = sampled(*right);
+	const auto b = sampled(*both);
+	std::size_t mixed = 0;
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		CHECK(l[i] + r[i] == 1.0F);
+		CHECK(b[i] == 1.0F);
+		mixed += l[i] > 0.0F && l[i] < 1.0F ? 1 : 0;
+	}
+	CHECK(mixed > 80);
+}
+
+TEST_CASE("a layer's biome: one position alone, and one among many, get the same bits") {
+	const auto field = densities(map_with(2), {1.0F, 0.3F, 0.7F});
+	std::vector<glm::dvec2> positions;
+	for (int i = 0; i < 4000; ++i) {
+		positions.emplace_back(std::fmod(i * 17.317, 400.0) - 200.0, std::fmod(i * 7.931, 300.0) - 150.0);
+	}
+	std::vector<float> many(positions.size());
+	REQUIRE(field->sample(positions, many).ok());
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		float one = -1.0F;
+		REQUIRE(field->sample(std::span(positions).subspan(i, 1), {&one, 1}).ok());
+		CHECK(one == many[i]);
+	}
+	const glm::dvec2 nowhere(std::nan(""), 0.0);
+	float one = -1.0F;
+	REQUIRE(field->sample({&nowhere, 1}, {&one, 1}).ok());
+	CHECK(one == 0.0F);
+}
+
+TEST_CASE("a layer's biome: where it is not, no point is looked for") {
+	LayerSettings layer = grass();
+	layer.rules.biome = densities(map_with(1), {1.0F, 0.0F, 0.0F});
+	const TileInstances there = built(layer, ground, {{-100.0, 0.0}, {-60.0, 40.0}});
+	const TileInstances elsewhere = built(layer, ground, {{60.0, 0.0}, {100.0, 40.0}});
+	CHECK(there.counts.sampled > 300);
+	CHECK(elsewhere.counts.sampled == 0);
+}
+
+TEST_CASE("water: without any, layers stand as ever, and those of the water nowhere") {
+	LayerSettings layer = grass();
+	const std::size_t all = standing(layer, ground, everything).size();
+	layer.rules.max_water_depth = unlimited_height;
+	CHECK(standing(layer, ground, everything).size() == all);
+	layer.rules.min_water_depth = -0.5;
+	CHECK(standing(layer, ground, everything).empty());
+	layer.rules.water = std::make_shared<WaterLevels>(no_water);
+	CHECK(standing(layer, ground, everything).empty());
+}
+
+TEST_CASE("water: layers stay dry, others stand at the shore or in the depth they ask for") {
+	const Slope slope; // The shore of a level of 2 m is at x = 20.
+	LayerSettings layer = grass();
+	layer.rules.water = std::make_shared<WaterLevels>(2.0);
+	const auto bounds = [&](double min, double max) {
+		layer.rules.min_water_depth = min;
+		layer.rules.max_water_depth = max;
+		double first = 1e9;
+		double last = -1e9;
+		for (const auto &[id, place] : standing(layer, slope, everything)) {
+			first = std::min(first, place.x);
+			last = std::max(last, place.x);
+		}
+		return std::array{first, last};
+	};
+	const auto dry = bounds(-unlimited_height, 0.0);
+	CHECK(dry[0] == doctest::Approx(20.0).epsilon(0.02));
+	CHECK(dry[0] >= 20.0);
+	CHECK(dry[1] > 195.0);
+	const auto reeds = bounds(-0.5, 1.0);
+	CHECK(reeds[0] >= 10.0 - 1e-4);
+	CHECK(reeds[0] < 10.5);
+	CHECK(reeds[1] <= 25.0 + 1e-4);
+	CHECK(reeds[1] > 24.5);
+	const auto deep = bounds(5.0, unlimited_height);
+	CHECK(deep[0] < -195.0);
+	CHECK(deep[1] <= -30.0 + 1e-4);
+}
+
+TEST_CASE("water: a falloff thins towards the limit of the depth") {
+	const Slope slope;
+	LayerSettings layer = grass();
+	layer.rules.water = std::make_shared<WaterLevels>(0.0);
+	layer.rules.min_water_depth = -4.0; // 0 < x < 40
+	layer.rules.water_depth_falloff = 2.0;
+	std::array<std::size_t, 4> counts{};
+	for (const auto &[id, place] : standing(layer, slope, everything)) {
+		++counts[static_cast<std::size_t>(std::clamp(place.x / 10.0, 0.0, 3.0))];
+	}
+	const double half = static_cast<double>(counts[0] + counts[1]) / 2.0;
+	CHECK(counts[0] < counts[1]);
+	CHECK(counts[3] < counts[2]);
+	CHECK(static_cast<double>(counts[0]) == doctest::Approx(0.5 * half).epsilon(0.15));
+}
+
+TEST_CASE("water: a biome's own level counts where the biome has the greatest weight, also at its border") {
+	const SharedMap map = map_with(2);
+	const auto water = levels(map, {1.0, no_water, 7.0}, -3.0);
+	for (int i = 0; i < 4000; ++i) {
+		const glm::dvec2 at(std::fmod(i * 17.317, 400.0) - 200.0, std::fmod(i * 7.931, 300.0) - 150.0);
+		const std::uint8_t biome = map->dominant_at(at);
+		const double expected = biome == 0 ? 1.0 : biome == 1 ? no_water : biome == 2 ? 7.0 : -3.0;
+		CHECK(water->at(at) == expected);
+	}
+}
+
+TEST_CASE("water: limits are checked") {
+	Rules rules;
+	rules.min_water_depth = 1.0; // The maximum is 0.
+	CHECK(validate(rules).code == ErrorCode::inverted);
+	CHECK(validate(rules).property == std::string("max_water_depth"));
+	rules.max_water_depth = 2.0;
+	CHECK(validate(rules).ok());
+	rules.water_depth_falloff = -1.0;
+	CHECK(validate(rules).property == std::string("water_depth_falloff"));
+}
+
+TEST_CASE("edits of biomes: another pixel, density or biome changes nothing beyond where it lies") {
+	LayerSettings before = grass();
+	before.rules.edge_feather = 3.0;
+	LayerSettings after = before;
+	before.rules.biome = densities(map_with(1), {1.0F, 0.0F, 0.0F});
+	after.rules.biome = densities(map_with(0), {1.0F, 0.0F, 0.0F});
+	check_reach(before, after, ground, 0.2);
+	const SharedMap map = map_with(2);
+	before.rules.biome = densities(map, {1.0F, 0.0F, 0.0F});
+	after.rules.biome = densities(map, {1.0F, 0.0F, 0.8F});
+	check_reach(before, after, ground, 0.2);
+	CHECK(edits(after, after).empty());
+}
+
+TEST_CASE("edits of biomes: also through a layer that keeps away from those of a biome") {
+	LayerSettings trees = grass();
+	trees.set.layer = 1;
+	trees.set.radius = 5.0;
+	LayerSettings before = grass();
+	LayerSettings after = before;
+	trees.rules.biome = densities(map_with(1), {1.0F, 0.0F, 0.0F});
+	before.neighbors = {{std::make_shared<LayerSettings>(trees), 4.0, nullptr}};
+	trees.rules.biome = densities(map_with(0), {1.0F, 0.0F, 0.0F});
+	after.neighbors = {{std::make_shared<LayerSettings>(trees), 4.0, nullptr}};
+	check_reach(before, after, ground, 0.2);
+}
+
+TEST_CASE("edits of water: of a biome's in the biome alone, and of none for layers that it does not concern") {
+	const Slope slope;
+	const SharedMap map = map_with(2);
+	LayerSettings before = grass();
+	before.rules.water = levels(map, {no_water, no_water, no_water});
+	LayerSettings after = before;
+	after.rules.water = levels(map, {no_water, no_water, 9.0});
+	check_reach(before, after, slope, 0.2);
+	before.rules.max_water_depth = unlimited_height;
+	after.rules.max_water_depth = unlimited_height;
+	CHECK(edits(before, after).empty());
+	after.rules.max_water_depth = before.rules.max_water_depth = 0.0;
+	after.rules.water = std::make_shared<WaterLevels>(4.0);
+	before.rules.water = nullptr;
+	CHECK(edits(before, after).everywhere);
+}

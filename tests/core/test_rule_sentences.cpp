@@ -1,0 +1,101 @@
+// What a designer reads about a rule: the value, what is asked for, and which rule says no.
+
+#include "core/placement/rule_sentences.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+
+using namespace thicket;
+
+namespace {
+
+LayerSettings sloped() {
+	LayerSettings layer;
+	layer.rules.max_slope_degrees = 30.0;
+	return layer;
+}
+
+std::string said(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names = {}) {
+	return describe(factor, layer, names).sentence;
+}
+
+/// A place and a point 1.5 m from it, with a density each that the mask gives.
+PlaceExplanation explained(double at_place, double at_point, double rank) {
+	PlaceExplanation explanation;
+	explanation.place = {{}, at_place, {{RuleKind::mask, at_place, at_place, no_index}}};
+	explanation.at_point = {{}, at_point, {{RuleKind::mask, at_point, at_point, no_index}}};
+	explanation.point.rank = static_cast<std::uint32_t>(rank * 0x1p32);
+	explanation.distance = 1.5;
+	return explanation;
+}
+
+} // namespace
+
+TEST_CASE("rule sentences: a range says the value, what is asked for, and how much it leaves") {
+	LayerSettings layer = sloped();
+	const RuleSentence steep = describe({RuleKind::slope, 42.0, 0.0, no_index}, layer, {});
+	CHECK(steep.rule == "slope");
+	CHECK(steep.max == 30.0);
+	CHECK(steep.sentence == "Slope is 42°, the layer asks for 0° to 30°.");
+	CHECK(said({RuleKind::slope, 25.5, 0.45, no_index}, layer) ==
+			"Slope is 25.5°, the layer asks for 0° to 30°. Leaves 45 %.");
+	layer.rules.min_height = -2.0;
+	const RuleSentence low = describe({RuleKind::height, -12.3456, 0.0, no_index}, layer, {});
+	CHECK(low.sentence == "Height is -12.35 m, the layer asks for at least -2 m.");
+	CHECK(std::isinf(low.max));
+}
+
+TEST_CASE("rule sentences: a value just beyond a limit does not look like the limit") {
+	CHECK(said({RuleKind::slope, 30.0004, 0.0, no_index}, sloped()) ==
+			"Slope is 30.0004°, the layer asks for 0° to 30°.");
+	CHECK(number_text(1234.5) == "1234");
+	CHECK(number_text(-0.001) == "0");
+	CHECK(number_text(0.5) == "0.5");
+	CHECK(number_text(2.0, 2.0) == "2");
+	CHECK(number_text(2.004, 2.0) == "2.004");
+}
+
+TEST_CASE("rule sentences: other layers, regions and fields are called by their names") {
+	LayerSettings layer;
+	const auto other = std::make_shared<LayerSettings>();
+	layer.neighbors = {{other, 3.0, nullptr}};
+	const RuleNames names{{"noise"}, {"Oaks"}, {"Pond"}};
+	CHECK(said({RuleKind::neighbor, 1.2, 0.0, 0}, layer, names) == "Oaks stands 1.2 m away, the layer keeps 3 m.");
+	CHECK(said({RuleKind::neighbor, 3.0, 1.0, 0}, layer, names) == "No Oaks is nearer than the spacing of 3 m.");
+	CHECK(describe({RuleKind::field, 0.0, 0.0, 0}, layer, names).rule == "noise");
+	CHECK(describe({RuleKind::field, 0.0, 0.0, 7}, layer, names).rule == "field");
+	Shape pond;
+	pond.kind = ShapeKind::sphere;
+	pond.half_size = {5.0, 5.0, 5.0};
+	pond.exclude = true;
+	const auto shapes = std::make_shared<ShapeSet>();
+	REQUIRE(shapes->set({pond}).ok());
+	layer.rules.shapes = shapes;
+	CHECK(said({RuleKind::shapes, 0.0, 0.0, 0}, layer, names) == "Region Pond excludes the layer here.");
+	CHECK(said({RuleKind::shapes, 1.0, 1.0, no_index}, layer, names) == "No region takes anything away here.");
+}
+
+TEST_CASE("rule sentences: one rule says no, or the rank, or none") {
+	const LayerSettings layer;
+	const Verdict refused = judge(explained(0.0, 1.0, 0.0), layer, {});
+	CHECK(!refused.yes);
+	CHECK(refused.rule == "mask");
+	CHECK(refused.reason == "The painted mask leaves nothing here.");
+	const Verdict beside = judge(explained(1.0, 0.0, 0.0), layer, {});
+	CHECK(beside.rule == "mask");
+	CHECK(beside.reason.starts_with("May stand here, but the point of the set 1.5 m away may not: The painted mask"));
+	const Verdict late = judge(explained(0.5, 0.25, 0.75), layer, {});
+	CHECK(late.rule == "rank");
+	CHECK(late.reason ==
+			"Left out by the density: the point of the set 1.5 m away has the rank 0.75, the density there is 0.25. "
+			"The painted "
+			"mask leaves 25 % here.");
+	const Verdict stands = judge(explained(0.5, 0.5, 0.25), layer, {});
+	CHECK(stands.yes);
+	CHECK(stands.rule.empty());
+	CHECK(stands.reason == "Stands 1.5 m away.");
+}
