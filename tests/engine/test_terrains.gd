@@ -302,10 +302,11 @@ func test_meshes() -> void:
 	check_equal(rects.size(), 0, "nothing has changed")
 	instances[2].global_position = Vector3(0.0, 0.0, 5.0)
 	terrain.refresh()
-	if check_equal(rects.size(), 1, "a box was moved"):
+	if check_equal(rects.size(), 2, "a box was moved"):
 		var reach := 5.0 * (cos(0.6) + sin(0.6))
-		var around := Rect2(-reach, -reach, 20.0 + 2.0 * reach, 5.0 + 2.0 * reach)
-		check(rects[0].is_equal_approx(around), "area: %s" % rects[0])
+		for from: Vector2 in [Vector2(20.0, 0.0), Vector2(0.0, 5.0)]:
+			var around := Rect2(from.x - reach, from.y - reach, 2.0 * reach, 2.0 * reach)
+			check(rects.any(around.is_equal_approx), "%s is among the areas: %s" % [around, rects])
 	check(absf(terrain.get_height(Vector3(0.0, 0.0, 5.0)) - 5.0) < 1e-5, "the box is there now")
 	await settle(scatter)
 	var top := Vector3(0.0, 5.0, 5.0)
@@ -314,7 +315,7 @@ func test_meshes() -> void:
 	for instance in instances:
 		instance.free()
 	terrain.refresh()
-	check_equal(rects.size(), 2, "all are gone")
+	check(rects.size() > 2, "all are gone")
 	await settle(scatter)
 	check_equal(scatter.get_stats()["instances"], 0, "instances on no mesh")
 	check("\"ground\"" in "\n".join(scatter.get_problems()), "a warning of a group without meshes")

@@ -2,6 +2,7 @@
 
 #include <godot_cpp/classes/object.hpp>
 #include <godot_cpp/variant/string_name.hpp>
+#include <godot_cpp/variant/variant.hpp>
 
 namespace thicket {
 
@@ -10,5 +11,9 @@ namespace thicket {
 /// loaded anew.
 void watch(godot::Object *p_source, const godot::StringName &p_signal, godot::Object *p_watcher,
 		const godot::StringName &p_method, bool p_watch);
+
+/// The same; the method is given `p_argument` behind those of the signal. A method hears one source with one argument only.
+void watch(godot::Object *p_source, const godot::StringName &p_signal, godot::Object *p_watcher,
+		const godot::StringName &p_method, bool p_watch, const godot::Variant &p_argument);
 
 } // namespace thicket

@@ -4,6 +4,7 @@
 #include "nodes/common/convert.hpp"
 #include "nodes/terrain/given_normal.hpp"
 
+#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 using namespace godot;
 
@@ -56,6 +58,11 @@ std::shared_ptr<const Terrain> ScatterTerrain::snapshot(std::uint64_t host) {
 String ScatterTerrain::problem() {
 	const Ref<ScatterTerrain> held(this);
 	return find_problem();
+}
+
+String ScatterTerrain::remark() {
+	const Ref<ScatterTerrain> held(this);
+	return find_remark();
 }
 
 bool ScatterTerrain::is_main_thread_only() {
@@ -216,6 +223,19 @@ void ScatterTerrain::set_world_offset(const Node3D *p_host, glm::dvec3 offset) {
 		const GroundHost host = *found;
 		offset_changed(host);
 	}
+}
+
+void ScatterTerrain::follow_scene() {
+	const std::uint64_t frame = Engine::get_singleton()->get_process_frames();
+	if (std::exchange(followed_frame_, frame) != frame) {
+		const Ref<ScatterTerrain> held(this);
+		follow();
+	}
+}
+
+bool ScatterTerrain::read_again() {
+	const Ref<ScatterTerrain> held(this);
+	return distrust();
 }
 
 void ScatterTerrain::emit_terrain_changed(const Rect2 &p_rect) { emit_signal("terrain_changed", p_rect); }

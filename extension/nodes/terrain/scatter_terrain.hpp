@@ -16,6 +16,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -33,6 +34,12 @@ struct GroundHost {
 	glm::dvec3 offset{0.0}; ///< Where the engine's origin is in the world, in meters: world = engine + offset.
 };
 
+/// How much a ground does to follow the scene.
+struct GroundFigures {
+	std::size_t checks = 0;  ///< Nodes that were looked at in the last frame.
+	std::uint64_t reads = 0; ///< Meshes or shapes that were read since the ground was made.
+};
+
 /// The ground that layers stand on. Extend it in a script by `_get_heights`, or use one of the shipped kinds.
 ///
 /// All public methods may run a script, which may do anything, even let go of the terrain: they keep it until they return.
@@ -47,6 +54,9 @@ public:
 
 	/// What keeps this ground from being used, in one sentence; empty when nothing does.
 	godot::String problem();
+
+	/// What should be known of a ground that can be used, in one sentence; empty for nothing.
+	godot::String remark();
 
 	/// False when this ground tells no textures apart, so that layers which ask for some stand everywhere.
 	virtual bool has_textures() const;
@@ -81,6 +91,18 @@ public:
 	/// The ground may be another one than it was found to be, and nothing has told so.
 	virtual void look_again() {}
 
+	/// To be called in every frame of a host: ground that is found in the scene looks whether it is as it was, and tells what is not.
+	void follow_scene();
+
+	/// True while something is known to have changed in the scene that the ground does not show yet.
+	virtual bool is_behind() const { return false; }
+
+	virtual GroundFigures figures() const { return {}; }
+
+	/// Looks at all ground anew, in portions, and tells where it is not as it was. False for ground that cannot tell: anything may
+	/// be another.
+	bool read_again();
+
 	/// Height in meters of the ground above or below a world position; NAN where there is none.
 	double get_height(const godot::Vector3 &p_global_position);
 
@@ -98,12 +120,17 @@ protected:
 	/// What the public methods of these names do. A script's are asked here.
 	virtual std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host);
 	virtual godot::String find_problem();
+	virtual godot::String find_remark() { return {}; }
 	virtual bool only_on_main_thread();
 	virtual Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
 			std::span<const std::int32_t> textures, std::span<Ground> r_ground);
 
 	/// Called after a host has come or gone. `first`: another one is the first now.
 	virtual void hosts_changed(bool /*first*/) {}
+
+	/// What the public methods do, at most once a frame.
+	virtual void follow() {}
+	virtual bool distrust() { return false; }
 
 	/// Called after the offset of a host has become another one.
 	virtual void offset_changed(const GroundHost &) {}
@@ -129,6 +156,7 @@ private:
 	Ground ground_at(const godot::Vector3 &p_global_position);
 
 	std::vector<GroundHost> hosts_;
+	std::uint64_t followed_frame_ = ~std::uint64_t{0}; ///< The engine's frame of the last `follow`.
 };
 
 /// A ground as one of its hosts uses it.

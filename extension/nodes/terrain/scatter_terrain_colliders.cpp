@@ -1,6 +1,7 @@
 #include "nodes/terrain/scatter_terrain_colliders.hpp"
 
 #include "nodes/common/property_check.hpp"
+#include "nodes/terrain/collider_shapes.hpp"
 
 #include <godot_cpp/classes/physics_direct_space_state3d.hpp>
 #include <godot_cpp/classes/physics_ray_query_parameters3d.hpp>
@@ -82,7 +83,8 @@ private:
 		if (id != collider_id_) {
 			const Object *collider = hit[collider_key_];
 			collider_id_ = id;
-			collider_is_scatter_ = collider != nullptr && collider->get_class() == String("TerrainScatter3D");
+			collider_is_scatter_ = collider != nullptr &&
+					(collider->is_class("TerrainScatter3D") || belongs_to_scatter(Object::cast_to<Node>(collider)));
 		}
 		return collider_is_scatter_;
 	}
@@ -141,6 +143,7 @@ void ScatterTerrainColliders::set_collision_mask(int64_t p_mask) {
 	if (accept_number(class_name, "collision_mask", static_cast<double>(p_mask), 0.0,
 				std::numeric_limits<std::uint32_t>::max())) {
 		collision_mask_ = p_mask;
+		start_over();
 		emit_changed();
 	}
 }
@@ -183,6 +186,8 @@ void ScatterTerrainColliders::_bind_methods() {
 	bind_guarded<&Self::get_ray_bottom>(D_METHOD("get_ray_bottom"));
 	bind_guarded<&Self::set_rays_per_frame>(D_METHOD("set_rays_per_frame", "rays"));
 	bind_guarded<&Self::get_rays_per_frame>(D_METHOD("get_rays_per_frame"));
+	bind_guarded<&Self::source_changed>(D_METHOD("_source_changed", "source"));
+	bind_guarded<&Self::node_added>(D_METHOD("_node_added", "node"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "collision_mask", PROPERTY_HINT_LAYERS_3D_PHYSICS), "set_collision_mask",
 			"get_collision_mask");
 	ADD_PROPERTY(

@@ -1,6 +1,5 @@
 #include "nodes/terrain/scatter_terrain_meshes.hpp"
 
-#include "core/base/split_mix.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
 
@@ -10,11 +9,8 @@
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
 
-#include <glm/common.hpp>
-
 #include <algorithm>
-#include <bit>
-#include <limits>
+#include <set>
 #include <utility>
 
 using namespace godot;
@@ -25,144 +21,165 @@ namespace {
 
 constexpr const char *class_name = "ScatterTerrainMeshes";
 
-/// Adds a mesh's triangles as they stand in the world, in which the engine's origin is at `offset`.
-void add_triangles(const MeshInstance3D &instance, glm::dvec3 offset, std::vector<glm::dvec3> &r_corners) {
-	const Transform3D frame = instance.get_global_transform();
-	const glm::dmat3 basis = to_core(frame.basis);
-	const glm::dvec3 origin = to_world(frame.origin, offset);
-	const PackedVector3Array faces = instance.get_mesh()->get_faces();
-	for (const Vector3 &corner : faces) {
-		r_corners.push_back(origin + basis * to_core(corner));
-	}
-}
-
-std::uint64_t digest_of(std::span<const glm::dvec3> corners) {
-	std::uint64_t digest = corners.size();
-	for (const glm::dvec3 &corner : corners) {
-		for (const double coordinate : {corner.x, corner.y, corner.z}) {
-			digest = split_mix(digest + split_mix_gamma) ^ std::bit_cast<std::uint64_t>(coordinate);
-		}
-	}
-	return digest;
-}
-
-constexpr Rect nowhere{
-		glm::dvec2{std::numeric_limits<double>::max()}, glm::dvec2{std::numeric_limits<double>::lowest()}};
-
-Rect area_of(std::span<const glm::dvec3> corners) {
-	Rect area = nowhere;
-	for (const glm::dvec3 &corner : corners) {
-		area.min = glm::min(area.min, glm::dvec2{corner.x, corner.z});
-		area.max = glm::max(area.max, glm::dvec2{corner.x, corner.z});
-	}
-	return area;
-}
-
-void join(Rect &r_area, const Rect &other) {
-	r_area.min = glm::min(r_area.min, other.min);
-	r_area.max = glm::max(r_area.max, other.max);
-}
-
-/// Adds where a mesh has come, gone or changed.
-void add_changes(const ScatterTerrainMeshes::Parts &before, const ScatterTerrainMeshes::Parts &now, Rect &r_changed) {
-	for (const auto &[id, part] : before) {
-		const auto same = now.find(id);
-		if (same == now.end() || same->second.digest != part.digest) {
-			join(r_changed, part.area);
-		}
-	}
-}
-
 } // namespace
 
 std::shared_ptr<const Terrain> ScatterTerrainMeshes::make_snapshot(const GroundHost &host) {
-	if (stale_ && first_node() != nullptr && first_node()->is_inside_tree()) {
+	if (stale_ && is_in_scene()) {
 		read();
 	} else if (host.node != nullptr && !worlds_.contains(host.id)) {
-		add_world(host, worlds_);
+		const auto same = std::ranges::find_if(hosts(),
+				[&](const GroundHost &other) { return other.offset == host.offset && worlds_.contains(other.id); });
+		World world;
+		if (same != hosts().end()) {
+			world = worlds_[same->id];
+		} else {
+			read_world(host, world);
+		}
+		worlds_[host.id] = world;
 	}
 	const auto found = worlds_.find(host.id);
-	const std::shared_ptr<const World> &world = found != worlds_.end() ? found->second : last_;
-	return world != nullptr ? world->ground : nullptr;
+	return found != worlds_.end() ? found->second.ground : last_;
 }
 
 String ScatterTerrainMeshes::find_problem() {
 	if (String(group_).is_empty()) {
 		return "ScatterTerrainMeshes.group is missing: name a group of MeshInstance3Ds that are ground.";
 	}
-	if (first_node() != nullptr && first_node()->is_inside_tree() && instances().empty()) {
+	const auto has_mesh = [this](const Variant &node) {
+		Object *source = nullptr;
+		return look()(node, source).source != 0;
+	};
+	if (is_in_scene() && std::ranges::none_of(members(), has_mesh)) {
 		return vformat("ScatterTerrainMeshes.group: no MeshInstance3D in the scene belongs to \"%s\".", group_);
 	}
 	return {};
 }
 
-std::vector<Variant> ScatterTerrainMeshes::instances() const {
+bool ScatterTerrainMeshes::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
+
+/// All instances of the group, with meshes and without.
+std::vector<Variant> ScatterTerrainMeshes::members() const {
 	std::vector<Variant> result;
 	if (String(group_).is_empty()) {
 		return result;
 	}
-	const Ref<World3D> world = first_node()->get_world_3d();
 	const TypedArray<Node> nodes = first_node()->get_tree()->get_nodes_in_group(group_);
 	for (int64_t index = 0; index < nodes.size(); ++index) {
-		auto *instance = Object::cast_to<MeshInstance3D>(nodes[index].get_validated_object());
-		if (instance != nullptr && instance->get_mesh().is_valid() && instance->get_world_3d() == world) {
+		if (Object::cast_to<MeshInstance3D>(nodes[index].get_validated_object()) != nullptr) {
 			result.push_back(nodes[index]);
 		}
 	}
 	return result;
 }
 
-/// False, with an error, for what is refused. A mesh may be a script's, which makes it now and may free instances.
-bool ScatterTerrainMeshes::read_world(glm::dvec3 offset, World &r_world) const {
-	std::vector<glm::dvec3> corners;
-	for (const Variant &node : instances()) {
-		const auto *instance = Object::cast_to<MeshInstance3D>(node.get_validated_object());
-		if (instance == nullptr || !instance->is_inside_tree()) {
-			continue;
+GroundWatch::Look ScatterTerrainMeshes::look() const {
+	return [group = group_, world = first_node()->get_world_3d()](const Variant &p_node, Object *&r_source) {
+		const auto *instance = Object::cast_to<MeshInstance3D>(p_node.get_validated_object());
+		if (instance == nullptr || !instance->is_inside_tree() || !instance->is_in_group(group)) {
+			return GroundSight{};
 		}
-		const std::uint64_t id = instance->get_instance_id();
-		const std::size_t first = corners.size();
-		add_triangles(*instance, offset, corners);
-		const auto added = std::span<const glm::dvec3>(corners).subspan(first);
-		if (!added.empty()) {
-			r_world.parts[id] = {digest_of(added), area_of(added)};
+		const Ref<Mesh> mesh = instance->get_mesh();
+		if (mesh.is_null() || !(instance->get_world_3d() == world)) {
+			return GroundSight{};
 		}
-	}
-	const auto ground = std::make_shared<TriangleTerrain>();
-	const Status status = ground->set(corners);
-	report(class_name, status);
-	r_world.ground = ground;
-	return status.ok();
+		r_source = mesh.ptr();
+		return GroundSight{instance->get_global_transform(), mesh->get_instance_id()};
+	};
 }
 
-/// Adds the world of a host: that of another host whose offset is the same, or one that is read now. False for what is refused.
-bool ScatterTerrainMeshes::add_world(const GroundHost &host, Worlds &r_worlds) {
-	for (const GroundHost &other : hosts()) {
-		if (other.offset == host.offset && r_worlds.contains(other.id)) {
-			r_worlds[host.id] = r_worlds[other.id];
-			return true;
+/// Watches who belongs to the group now. `changed`: those who do so since the last look are still to be read.
+void ScatterTerrainMeshes::list_members(bool changed) {
+	listed_ = first_node()->get_tree()->get_node_count_in_group(group_);
+	std::set<std::uint64_t> found;
+	for (const Variant &node : members()) {
+		const std::uint64_t id = node.get_validated_object()->get_instance_id();
+		found.insert(id);
+		watch_.add(id, node, look(), changed);
+	}
+	for (const std::uint64_t id : watch_.ids()) {
+		if (!found.contains(id)) {
+			watch_.remove(id);
 		}
 	}
-	const auto made = std::make_shared<World>();
-	if (!read_world(host.offset, *made)) {
+}
+
+/// False for a node that gives no ground now. A mesh may be a script's, which makes it now and may do anything.
+bool ScatterTerrainMeshes::read_mesh(const Variant &p_node, GroundSight &r_sight, PackedVector3Array &r_faces) {
+	Object *source = nullptr;
+	r_sight = look()(p_node, source);
+	const Ref<Mesh> mesh(Object::cast_to<Mesh>(source));
+	if (mesh.is_null()) {
 		return false;
 	}
-	r_worlds[host.id] = made;
+	r_sight.version = watch_.version(r_sight.source);
+	++figures_.reads;
+	r_faces = mesh->get_faces();
 	return true;
 }
 
-/// Reads the meshes for all hosts. What is refused leaves the ground as it was.
+/// What is refused is told, and left out.
+void ScatterTerrainMeshes::read_world(const GroundHost &host, World &r_world) {
+	for (const Variant &node : members()) {
+		const Object *instance = node.get_validated_object();
+		MeshReading reading;
+		if (instance == nullptr || !is_in_scene() || !read_mesh(node, reading.sight, reading.faces)) {
+			continue;
+		}
+		reading.id = instance->get_instance_id();
+		reading.offset = host.offset;
+		reading.build();
+		report(class_name, reading.status);
+		if (reading.part != nullptr) {
+			r_world.parts[reading.id] = reading.part;
+		}
+	}
+	close(r_world);
+}
+
+/// Makes the ground of a world from its parts. The last one stays if there is no memory.
+void ScatterTerrainMeshes::close(World &r_world) {
+	std::vector<TriangleParts::Part> parts;
+	parts.reserve(r_world.parts.size());
+	for (const auto &[id, part] : r_world.parts) {
+		parts.push_back(part->ground);
+	}
+	const auto ground = std::make_shared<TriangleParts>();
+	const Status status = ground->set(parts);
+	report(class_name, status);
+	if (status.ok()) {
+		r_world.ground = ground;
+	}
+}
+
+/// Reads the meshes for all hosts.
 void ScatterTerrainMeshes::read() {
 	stale_ = false;
+	forget_work();
+	list_members(false);
 	const std::vector<GroundHost> wanted(hosts().begin(), hosts().end());
 	Worlds worlds;
 	for (const GroundHost &host : wanted) {
-		if (!add_world(host, worlds)) {
-			return;
+		const auto same = std::ranges::find_if(wanted,
+				[&](const GroundHost &other) { return other.offset == host.offset && worlds.contains(other.id); });
+		if (same != wanted.end()) {
+			worlds[host.id] = worlds[same->id];
+		} else if (is_in_scene()) {
+			World world;
+			read_world(host, world);
+			worlds[host.id] = std::move(world);
 		}
 	}
-	last_ = worlds[wanted.front().id];
+	watch_.forget_changes();
 	worlds_ = std::move(worlds);
+	last_ = worlds_.contains(wanted.front().id) ? worlds_[wanted.front().id].ground : last_;
+}
+
+void ScatterTerrainMeshes::forget_work() {
+	++run_;
+	queue_.clear();
+	readings_.clear();
+	gone_.clear();
+	builder_.cancel();
 }
 
 void ScatterTerrainMeshes::hosts_changed(bool first) {
@@ -170,35 +187,50 @@ void ScatterTerrainMeshes::hosts_changed(bool first) {
 	std::erase_if(worlds_, [this](const auto &world) {
 		return std::ranges::find(hosts(), world.first, &GroundHost::id) == hosts().end();
 	});
+	if (first) {
+		forget_work();
+		watch_.clear();
+	}
 }
 
+/// The scene may have moved along, or may not.
+void ScatterTerrainMeshes::offset_changed(const GroundHost &) { watch_.touch_all(false); }
+
 void ScatterTerrainMeshes::refresh() {
-	if (stale_ || first_node() == nullptr || !first_node()->is_inside_tree()) {
+	if (stale_ || !is_in_scene()) {
 		stale_ = true;
 		return;
 	}
-	const Ref<ScatterTerrain> held(this); // Who hears of changes may let go of it.
-	const auto before = worlds_;
+	const bool was_empty = is_empty();
+	const Worlds before = worlds_;
 	read();
-	std::vector<Rect> told;
+	std::vector<Rect> areas;
 	for (const auto &[host, world] : before) {
 		const auto now = worlds_.find(host);
-		Rect changed = nowhere;
 		if (now != worlds_.end()) {
-			add_changes(world->parts, now->second->parts, changed);
-			add_changes(now->second->parts, world->parts, changed);
-		}
-		const auto is_same = [&changed](const Rect &other) {
-			return other.min == changed.min && other.max == changed.max;
-		};
-		if (!changed.empty() && std::ranges::none_of(told, is_same)) {
-			told.push_back(changed);
+			add_changes(world.parts, now->second.parts, areas);
 		}
 	}
-	for (const Rect &changed : told) {
-		emit_terrain_changed(to_engine(changed));
+	tell(areas, was_empty);
+}
+
+bool ScatterTerrainMeshes::is_empty() const {
+	return std::ranges::all_of(worlds_, [](const auto &world) { return world.second.parts.empty(); });
+}
+
+/// Tells where the ground is not as it was. Where it comes from nothing, or has all gone, problems come and go as well.
+void ScatterTerrainMeshes::tell(const std::vector<Rect> &areas, bool was_empty) {
+	const Ref<ScatterTerrain> held(this); // Who hears of changes may let go of it.
+	const bool turned = was_empty != is_empty();
+	for (const Rect &area : areas) {
+		emit_terrain_changed(to_engine(area));
+	}
+	if (turned) {
+		emit_changed();
 	}
 }
+
+void ScatterTerrainMeshes::source_changed(int64_t p_source) { watch_.source_changed(core_id(p_source)); }
 
 void ScatterTerrainMeshes::set_group(const StringName &p_group) {
 	group_ = p_group;
@@ -213,6 +245,7 @@ void ScatterTerrainMeshes::_bind_methods() {
 	bind_guarded<&Self::set_group>(D_METHOD("set_group", "group"));
 	bind_guarded<&Self::get_group>(D_METHOD("get_group"));
 	bind_guarded<&Self::refresh>(D_METHOD("refresh"));
+	bind_guarded<&Self::source_changed>(D_METHOD("_source_changed", "source"));
 	ADD_PROPERTY(PropertyInfo(Variant::STRING_NAME, "group"), "set_group", "get_group");
 }
 

@@ -1,29 +1,17 @@
 #include "nodes/terrain/scatter_terrain_object.hpp"
 
 #include "nodes/common/convert.hpp"
-#include "nodes/common/watch.hpp"
 
-#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 using namespace godot;
 
 namespace thicket {
-
-namespace {
-
-/// Heights between posts, and slopes, depend on so many posts around them.
-constexpr real_t posts_around = 2;
-
-Rect2 grown(const Rect2 &rect, real_t by) {
-	return {rect.position.x - by, rect.position.y - by, rect.size.x + 2 * by, rect.size.y + 2 * by};
-}
-
-} // namespace
 
 std::shared_ptr<const Terrain> ScatterTerrainObject::make_snapshot(const GroundHost &host) {
 	find();
@@ -31,7 +19,8 @@ std::shared_ptr<const Terrain> ScatterTerrainObject::make_snapshot(const GroundH
 		ERR_PRINT(problem_);
 	}
 	reported_ = problem_;
-	return thread_safe_ ? ground_for(host) : nullptr;
+	missed_ = missed_ || !is_available();
+	return only_on_main_thread() ? nullptr : ground_for(host);
 }
 
 String ScatterTerrainObject::find_problem() {
@@ -39,18 +28,30 @@ String ScatterTerrainObject::find_problem() {
 	return problem_;
 }
 
-bool ScatterTerrainObject::is_available() const {
-	return ground_ != nullptr && ground_->is_open() && ground_->source() != nullptr;
+String ScatterTerrainObject::find_remark() {
+	find();
+	return remark_;
 }
 
-std::shared_ptr<const ObjectGround> ScatterTerrainObject::ground_for(const GroundHost &host) const {
+bool ScatterTerrainObject::has_textures() const {
+	return copy_ != nullptr ? copy_->has_textures() : ground_ != nullptr && ground_->has_textures();
+}
+
+bool ScatterTerrainObject::is_available() const {
+	return copy_ != nullptr ? present_ : ground_ != nullptr && ground_->is_open() && ground_->source() != nullptr;
+}
+
+std::shared_ptr<const Terrain> ScatterTerrainObject::ground_for(const GroundHost &host) const {
 	const auto found = grounds_.find(host.id);
-	return found != grounds_.end() ? found->second : ground_;
+	if (found != grounds_.end()) {
+		return found->second;
+	}
+	return copy_ != nullptr ? copy_->at_offset(host.offset) : std::shared_ptr<const Terrain>(ground_);
 }
 
 Status ScatterTerrainObject::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
 		std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
-	const std::shared_ptr<const ObjectGround> ground = ground_for(host); // Whoever is asked may change the property.
+	const std::shared_ptr<const Terrain> ground = ground_for(host); // Whoever is asked may change the property.
 	if (ground == nullptr) {
 		return {ErrorCode::missing, "ScatterTerrainObject.node", 0.0};
 	}
@@ -58,7 +59,7 @@ Status ScatterTerrainObject::sample_for(const GroundHost &host, std::span<const 
 	return status.ok() && !textures.empty() ? ground->weigh(positions, textures, r_ground) : status;
 }
 
-/// Looks for the node, and for what may be asked of it. That may run its script, which may do anything: change the path, free
+/// Looks for the node, and for what may be had of it. That may run its script, which may do anything: change the path, free
 /// the node or the host, or ask for the ground. Then the next call looks again.
 void ScatterTerrainObject::find() {
 	const Node3D *from = first_node();
@@ -66,94 +67,143 @@ void ScatterTerrainObject::find() {
 		return;
 	}
 	stale_ = false;
-	const Variant target(String(node_).is_empty() ? nullptr : from->get_node_or_null(node_));
-	std::shared_ptr<ObjectGround> found;
-	if (target.get_validated_object() != nullptr) {
-		finding_ = true;
-		found = ObjectGround::of(target);
-		finding_ = false;
-	}
+	finding_ = true;
+	const Found found = look();
+	finding_ = false;
 	if (!stale_) {
-		take(target, found);
+		take(found);
 	}
 }
 
-void ScatterTerrainObject::take(const Variant &p_target, const std::shared_ptr<ObjectGround> &found) {
-	Node *target = cast_to<Node>(p_target.get_validated_object());
+ScatterTerrainObject::Found ScatterTerrainObject::look() const {
+	const Node3D *from = first_node();
+	Found found;
+	found.target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
+	if (found.target.get_validated_object() != nullptr) {
+		found.attempt = copy_ground(found.target);
+		if (found.attempt.copy == nullptr) {
+			found.ground = ObjectGround::of(found.target);
+		}
+		found.glance = glance_at(found.target, found.ground == nullptr || found.ground->source() == nullptr);
+	}
+	return found;
+}
+
+void ScatterTerrainObject::take(const Found &found) {
+	Node *target = cast_to<Node>(found.target.get_validated_object());
 	const bool in_tree = target != nullptr && target->is_inside_tree();
-	const bool usable = found != nullptr && in_tree && found->source() != nullptr;
-	problem_ = problem_of(in_tree ? target : nullptr, usable);
-	if (!usable || followed_node_.get_validated_object() != target) {
+	const bool copied = found.attempt.copy != nullptr;
+	const bool usable = in_tree && (copied || (found.ground != nullptr && found.ground->source() != nullptr));
+	const bool was_usable = is_available();
+	problem_ = problem_of(found, in_tree, usable);
+	remark_ = {};
+	glance_ = found.glance;
+	if (!usable || copied || followed_node_.get_validated_object() != target) {
 		close();
 	}
-	if (usable) {
-		ground_ = found;
-		grounds_.clear();
-		std::erase_if(given_, [](const Given &given) { return given.ground.expired(); });
-		for (const GroundHost &host : hosts()) {
-			const std::shared_ptr<ObjectGround> ground = found->at_offset(host.offset);
-			grounds_[host.id] = ground;
-			given_.push_back({host.id, ground});
+	present_ = usable && copied;
+	if (present_) {
+		take_copy(found);
+	} else if (usable) {
+		give(found.ground);
+		if (found.attempt.plugin != GroundPlugin::none) {
+			remark_ = vformat(
+					"ScatterTerrainObject.node: \"%s\" is like %s, but %s. So its ground is not copied but asked "
+					"for place by place, which is slow.",
+					node_, String(name_of(found.attempt.plugin)), found.attempt.refusal);
 		}
 	}
-	if (target != nullptr) {
-		follow(target); // Also one that is of no use: it may be, once it is back.
+	if (usable && !was_usable && missed_ && !told_) {
+		changes_.everywhere = true;
+	}
+	missed_ = missed_ && !usable;
+	told_ = false;
+	const String recognized = !usable ? String()
+			: copied                  ? copy_->description()
+									  : vformat("%s, asked place by place", target->get_class());
+	if (target != nullptr) { // Also one that is of no use: it may be, once it is back.
+		const bool asked = usable && !copied;
+		follow_node(target, asked ? ground_->source() : found.attempt.data.get_validated_object());
+	}
+	set_recognized(recognized);
+}
+
+/// How far the engine's origin has moved in the world since it was at `before` for the hosts. None if not by the same for all.
+std::optional<glm::dvec3> ScatterTerrainObject::shift_since(std::span<const glm::dvec3> before) const {
+	if (before.size() != offsets_.size()) {
+		return glm::dvec3(0.0); // Hosts have come or gone: those ask by themselves.
+	}
+	std::optional<glm::dvec3> shift = glm::dvec3(0.0);
+	for (std::size_t i = 0; i < before.size() && shift; ++i) {
+		const glm::dvec3 moved = offsets_[i] - before[i];
+		shift = i == 0 || moved == *shift ? std::optional(moved) : std::nullopt;
+	}
+	return shift;
+}
+
+/// What has become another ground since the last copy is told, if it is not known to be another one altogether.
+void ScatterTerrainObject::take_copy(const Found &found) {
+	const std::shared_ptr<const GroundCopy> before = std::exchange(copy_, found.attempt.copy);
+	ground_ = nullptr;
+	grounds_.clear();
+	for (const GroundHost &host : hosts()) {
+		grounds_[host.id] = copy_->at_offset(host.offset);
+	}
+	const std::vector<glm::dvec3> offsets = std::exchange(offsets_, host_offsets());
+	if (before != nullptr && !told_) {
+		const std::optional<glm::dvec3> shift = shift_since(offsets);
+		changes_.everywhere = changes_.everywhere || !shift;
+		changes_.add(copy_->changes_since(*before, shift.value_or(glm::dvec3(0.0))));
+	}
+	edited_ = false;
+	edits_.clear();
+	if (const String remark = copy_->remark(); !remark.is_empty()) {
+		remark_ = vformat("ScatterTerrainObject.node: \"%s\" (%s) %s", node_, String(name_of(copy_->plugin())), remark);
 	}
 }
 
-String ScatterTerrainObject::problem_of(const Node *p_target, bool p_usable) const {
-	if (p_usable) {
+void ScatterTerrainObject::give(const std::shared_ptr<ObjectGround> &ground) {
+	copy_ = nullptr;
+	ground_ = ground;
+	grounds_.clear();
+	std::erase_if(given_, [](const Given &given) { return given.ground.expired(); });
+	for (const GroundHost &host : hosts()) {
+		const std::shared_ptr<ObjectGround> given = ground->at_offset(host.offset);
+		grounds_[host.id] = given;
+		given_.push_back({host.id, given});
+	}
+}
+
+String ScatterTerrainObject::problem_of(const Found &found, bool in_tree, bool usable) const {
+	if (usable) {
 		return {};
 	}
 	if (String(node_).is_empty()) {
 		return "ScatterTerrainObject.node is missing: choose a node that has get_height(), like Terrain3D or HTerrain.";
 	}
-	if (p_target == nullptr) {
+	if (!in_tree) {
 		return vformat("ScatterTerrainObject.node: there is no node at \"%s\" from the TerrainScatter3D.", node_);
+	}
+	if (found.attempt.plugin != GroundPlugin::none) {
+		return vformat("ScatterTerrainObject.node: \"%s\" (%s) %s.", node_, String(name_of(found.attempt.plugin)),
+				found.attempt.refusal);
 	}
 	return vformat("ScatterTerrainObject.node: \"%s\" (%s) has no get_height(), nor data with get_height(), nor "
 				   "get_data() with get_interpolated_height_at(). A script must be a @tool script to be asked in the "
 				   "editor.",
-			node_, p_target->get_class());
+			node_, found.target.get_validated_object()->get_class());
 }
 
-void ScatterTerrainObject::follow(Node *p_target) {
-	unfollow();
-	followed_node_ = Variant(p_target);
-	followed_source_ = is_available() ? Variant(ground_->source()) : Variant();
-	connect_signals(true);
-}
-
-void ScatterTerrainObject::unfollow() {
-	connect_signals(false);
-	followed_node_ = Variant();
-	followed_source_ = Variant();
-}
-
-// Of edits only Terrain3D (maps_edited in the editor, maps_changed) and HTerrain (the other two) tell, each in its own way.
-void ScatterTerrainObject::connect_signals(bool p_connect) {
-	const auto set = [this, p_connect](Object *object, const StringName &signal, const StringName &method) {
-		if (object != nullptr && object->has_signal(signal)) {
-			watch(object, signal, this, method, p_connect);
-		}
-	};
-	Object *node = followed_node_.get_validated_object();
-	Object *source = followed_source_.get_validated_object();
-	set(node, "tree_exiting", "_node_gone");
-	set(node, "tree_entered", "_change");
-	const bool map = ground_ != nullptr && ground_->map() != nullptr;
-	if (map || !p_connect) {
-		set(node, "transform_changed", "_node_moved");
-		set(source, "region_changed", "_map_edited");
-	}
-	if (!map || !p_connect) {
-		set(source, "maps_edited", "_area_edited");
-		set(source, "maps_changed", "_maps_changed");
+void ScatterTerrainObject::set_recognized(const String &p_recognized) {
+	if (!(recognized_ == p_recognized)) {
+		recognized_ = p_recognized;
+		notify_property_list_changed();
 	}
 }
 
-// Tiles under way may hold one that has been replaced.
+// Tiles under way may hold an object that has been replaced. A copy they may keep.
 void ScatterTerrainObject::close() {
+	present_ = false;
 	if (ground_ != nullptr) {
 		ground_->close();
 	}
@@ -161,87 +211,6 @@ void ScatterTerrainObject::close() {
 		if (const std::shared_ptr<ObjectGround> ground = given.ground.lock()) {
 			ground->close();
 		}
-	}
-}
-
-void ScatterTerrainObject::offset_changed(const GroundHost &host) {
-	for (const Given &given : std::vector(given_)) {
-		const std::shared_ptr<ObjectGround> ground = given.host == host.id ? given.ground.lock() : nullptr;
-		if (ground != nullptr) {
-			ground->set_offset(host.offset);
-		}
-	}
-}
-
-void ScatterTerrainObject::hosts_changed(bool) {
-	stale_ = true;
-	if (hosts().empty()) {
-		unfollow();
-		close(); // Nobody tells any more when the node goes.
-	}
-}
-
-void ScatterTerrainObject::change() {
-	stale_ = true;
-	emit_changed();
-}
-
-void ScatterTerrainObject::node_gone() {
-	close();
-	change();
-}
-
-void ScatterTerrainObject::node_moved(const Transform3D &) { change(); }
-
-/// An area of the engine's space was edited. It may be elsewhere in the world for each host.
-void ScatterTerrainObject::emit_area(const Rect2 &p_rect) {
-	std::vector<glm::dvec2> corners;
-	for (const GroundHost &host : hosts()) {
-		const glm::dvec2 corner = to_core(p_rect.position) + glm::dvec2(host.offset.x, host.offset.z);
-		if (std::ranges::find(corners, corner) == corners.end()) {
-			corners.push_back(corner);
-		}
-	}
-	const Ref<ScatterTerrain> held(this); // Who hears of it may let go of it.
-	const bool told_before = std::exchange(telling_, true);
-	for (const glm::dvec2 corner : corners) {
-		emit_terrain_changed(Rect2(to_engine(corner), p_rect.size));
-	}
-	telling_ = told_before;
-}
-
-void ScatterTerrainObject::area_edited(const AABB &p_area) {
-	const Object *node = followed_node_.get_validated_object();
-	const Variant spacing = node != nullptr ? node->get("vertex_spacing") : Variant();
-	const real_t margin = is_number(spacing) ? posts_around * std::max<real_t>(spacing, 0) : 0;
-	emit_area(grown({p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z}, margin));
-}
-
-/// In the editor it comes beside the area of each stroke, and would make all ground anew each time.
-void ScatterTerrainObject::maps_changed() {
-	if (!Engine::get_singleton()->is_editor_hint()) {
-		change();
-	}
-}
-
-/// HTerrain up to 1.8 tells x, z, width, depth and the channel; later ones a Rect2i, the channel and the index of the map.
-void ScatterTerrainObject::map_edited(const Variant &p_x, const Variant &p_z, const Variant &p_width,
-		const Variant &p_depth, const Variant &p_channel) {
-	Rect2 edited;
-	const bool is_rect = p_x.get_type() == Variant::RECT2I && is_number(p_z);
-	if (is_rect) {
-		const Rect2i rect = p_x;
-		edited = {static_cast<real_t>(rect.position.x), static_cast<real_t>(rect.position.y),
-				static_cast<real_t>(rect.size.x), static_cast<real_t>(rect.size.y)};
-	} else if (is_number(p_x) && is_number(p_z) && is_number(p_width) && is_number(p_depth) && is_number(p_channel)) {
-		edited = {p_x, p_z, p_width, p_depth};
-	} else {
-		change(); // Told in another way: anything may have changed.
-		return;
-	}
-	if (ground_ != nullptr && ground_->map() != nullptr) {
-		stale_ = stale_ || TerrainMap::copies(is_rect ? p_z : p_channel);
-		emit_area(ground_->map()->world_rect(grown(edited, posts_around)));
 	}
 }
 
@@ -261,21 +230,30 @@ void ScatterTerrainObject::set_thread_safe(bool p_thread_safe) {
 
 bool ScatterTerrainObject::is_thread_safe() const { return thread_safe_; }
 
+String ScatterTerrainObject::get_recognized() const { return recognized_; }
+
 void ScatterTerrainObject::_bind_methods() {
 	using Self = ScatterTerrainObject;
 	bind_guarded<&Self::set_node>(D_METHOD("set_node", "node"));
 	bind_guarded<&Self::get_node>(D_METHOD("get_node"));
 	bind_guarded<&Self::set_thread_safe>(D_METHOD("set_thread_safe", "thread_safe"));
 	bind_guarded<&Self::is_thread_safe>(D_METHOD("is_thread_safe"));
+	bind_guarded<&Self::get_recognized>(D_METHOD("get_recognized"));
 	bind_guarded<&Self::change>(D_METHOD("_change"));
+	bind_guarded<&Self::poll>(D_METHOD("_poll"));
 	bind_guarded<&Self::node_gone>(D_METHOD("_node_gone"));
 	bind_guarded<&Self::node_moved>(D_METHOD("_node_moved", "transform"));
 	bind_guarded<&Self::area_edited>(D_METHOD("_area_edited", "area"));
 	bind_guarded<&Self::maps_changed>(D_METHOD("_maps_changed"));
 	bind_guarded<&Self::map_edited>(D_METHOD("_map_edited", "x", "z", "width", "depth", "channel"), DEFVAL(Variant()),
 			DEFVAL(Variant()), DEFVAL(Variant()), DEFVAL(Variant()));
+	bind_guarded<&Self::source_edited>(
+			D_METHOD("_source_edited", "first", "second"), DEFVAL(Variant()), DEFVAL(Variant()));
 	ADD_PROPERTY(PropertyInfo(Variant::NODE_PATH, "node", PROPERTY_HINT_NODE_PATH_VALID_TYPES, "Node"), "set_node",
 			"get_node");
+	ADD_PROPERTY(PropertyInfo(Variant::STRING, "recognized", PROPERTY_HINT_NONE, "",
+						 PROPERTY_USAGE_EDITOR | PROPERTY_USAGE_READ_ONLY),
+			"", "get_recognized");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "thread_safe"), "set_thread_safe", "is_thread_safe");
 }
 

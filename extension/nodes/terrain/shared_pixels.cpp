@@ -1,0 +1,52 @@
+#include "nodes/terrain/shared_pixels.hpp"
+
+#include "nodes/terrain/image_posts.hpp"
+
+#include <godot_cpp/classes/object.hpp>
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/core/object.hpp>
+#include <godot_cpp/variant/packed_byte_array.hpp>
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+Ref<Image> image_in(const Variant &p_value) {
+	const Ref<Image> image = Object::cast_to<Image>(p_value.get_validated_object());
+	return has_content(image) ? image : Ref<Image>();
+}
+
+bool share_pixels(const Ref<Image> &p_image, int pixel_bytes, PixelGrid &r_pixels) {
+	const auto bytes = std::make_shared<PackedByteArray>(p_image->get_data());
+	SharedBytes shared{bytes, {bytes->ptr(), static_cast<std::size_t>(bytes->size())}};
+	return r_pixels.set({p_image->get_width(), p_image->get_height()}, pixel_bytes, std::move(shared)).ok();
+}
+
+bool share_pixels_as(const Ref<Image> &p_image, Image::Format format, int pixel_bytes, PixelGrid &r_pixels) {
+	Ref<Image> image = p_image;
+	if (image->get_format() != format) {
+		image = p_image->duplicate();
+		if (image->is_compressed() && image->decompress() != OK) {
+			return false;
+		}
+		image->convert(format);
+		if (image->get_format() != format) {
+			return false;
+		}
+	}
+	return share_pixels(image, pixel_bytes, r_pixels);
+}
+
+bool patch_pixels(const Ref<Image> &p_image, const PixelRect &rect, PixelGrid &r_pixels) {
+	if (glm::ivec2(p_image->get_width(), p_image->get_height()) != r_pixels.size()) {
+		return false;
+	}
+	const PackedByteArray bytes = p_image->get_data(); // Shared only for as long as this takes.
+	return r_pixels.patch(rect, {bytes.ptr(), static_cast<std::size_t>(bytes.size())}).ok();
+}
+
+} // namespace thicket

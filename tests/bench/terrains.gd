@@ -1,0 +1,147 @@
+extends SceneTree
+## How long a view takes to fill on the ground of terrain plug-ins, as against a ScatterTerrainHeightmap of the same heights.
+## Prints rows of a Markdown table.
+##   tools/godot --headless --path demo_project --script tests/bench/terrains.gd [-- ROUNDS]
+##
+## Contenders take turns in each round, and ratios are of the same round, so that a busy machine disturbs all alike. The plug-ins
+## are the doubles of the tests. Where they are asked place by place, that is in GDScript: Terrain3D's own methods are quicker.
+
+const Terrain3D := preload("../engine/terrain3d_harness.gd")
+const HTerrain := preload("../engine/hterrain_harness.gd")
+
+const SIDE := 513
+const RADIUS := 0.5
+const VIEW := 150.0
+const DEFAULT_ROUNDS := 9
+
+var _heights := Image.create_empty(SIDE, SIDE, false, Image.FORMAT_RF)
+var _viewer := Node3D.new()
+
+
+func _initialize() -> void:
+	_run.call_deferred()
+
+
+func _run() -> void:
+	RenderingServer.render_loop_enabled = false
+	root.add_child(_viewer)
+	var noise := FastNoiseLite.new()
+	noise.frequency = 0.01
+	for row in SIDE:
+		for column in SIDE:
+			_heights.set_pixel(column, row, Color(20.0 * noise.get_noise_2d(column, row), 0.0, 0.0))
+	var arguments := OS.get_cmdline_user_args()
+	var rounds := maxi(1, arguments[0].to_int()) if arguments.size() > 0 else DEFAULT_ROUNDS
+	await _fill(_make_heightmap) # Once, so that what is made at the first time is there.
+	var base: Array[float] = []
+	var contenders: Dictionary[String, Callable] = {
+		"Terrain3D": _make_terrain3d, "HTerrain": _make_hterrain, "HTerrain, with holes": _make_hterrain.bind(true),
+	}
+	var times: Dictionary[String, Array] = {"ScatterTerrainHeightmap": base}
+	for round in rounds:
+		base.push_back(await _fill(_make_heightmap))
+		for named in contenders:
+			times.get_or_add(named, []).push_back(await _fill(contenders[named]))
+	for named in times:
+		_report(named, times[named], base)
+	_report("HTerrain, asked place by place", [await _fill(_make_asked)], [await _fill(_make_heightmap)])
+	quit()
+
+
+## Seconds until all tiles about the viewer are shown.
+func _fill(make: Callable) -> float:
+	var nodes: Array[Node] = []
+	var terrain: ScatterTerrain = make.call(nodes)
+	var layer := ScatterLayer.new()
+	layer.radius = RADIUS
+	layer.tile_size = 32.0
+	layer.view_distance = VIEW
+	layer.max_slope_degrees = 40.0
+	layer.meshes = [BoxMesh.new()]
+	var scatter := TerrainScatter3D.new()
+	scatter.layers = [layer]
+	scatter.terrain = terrain
+	scatter.frame_budget_usec = 1_000_000
+	root.add_child(scatter)
+	scatter.viewers = [scatter.get_path_to(_viewer)]
+	var start := Time.get_ticks_usec()
+	await process_frame
+	await process_frame
+	while not scatter.is_settled():
+		await process_frame
+	var seconds := (Time.get_ticks_usec() - start) / 1e6
+	assert(scatter.get_stats()["instances"] > 10_000)
+	scatter.free()
+	for node in nodes:
+		node.free()
+	return seconds
+
+
+func _make_heightmap(_nodes: Array[Node]) -> ScatterTerrain:
+	var terrain := ScatterTerrainHeightmap.new()
+	terrain.heights_in_meters = true
+	terrain.image = _heights
+	terrain.rect = Rect2(-256.0, -256.0, 512.0, 512.0)
+	return terrain
+
+
+func _on(node: Node, nodes: Array[Node]) -> ScatterTerrainObject:
+	node.name = "Ground"
+	root.add_child(node)
+	nodes.push_back(node)
+	var terrain := ScatterTerrainObject.new()
+	terrain.node = node.get_path()
+	return terrain
+
+
+func _make_terrain3d(nodes: Array[Node]) -> ScatterTerrain:
+	var node := Terrain3D.Terrain3DDouble.new()
+	var data := node.make_data()
+	data.region_size = 256
+	for at: Vector2i in [Vector2i(-1, -1), Vector2i(0, -1), Vector2i(-1, 0), Vector2i(0, 0)]:
+		var region := Terrain3D.Terrain3DRegionDouble.new(at, 256)
+		region.maps[0].blit_rect(_heights, Rect2i((at + Vector2i.ONE) * 256, Vector2i(256, 256)), Vector2i.ZERO)
+		data.add_region(region, false)
+	return _on(node, nodes)
+
+
+func _make_hterrain(nodes: Array[Node], holes := false) -> ScatterTerrain:
+	var data := HTerrain.HTerrainMasterData.new()
+	data.resolution = SIDE
+	data.maps[0] = [_heights.duplicate()]
+	if holes:
+		data.add_map(HTerrain.CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE)
+	var node := HTerrain.HTerrainDouble.new()
+	node.set_data(data)
+	return _on(node, nodes)
+
+
+## The older way: HTerrain's `get_interpolated_height_at` for each place, on the main thread.
+func _make_asked(nodes: Array[Node]) -> ScatterTerrain:
+	_make_hterrain(nodes)
+	var asked := Asked.new()
+	asked.name = "Asked"
+	asked.of = nodes[0]
+	root.add_child(asked)
+	nodes.push_back(asked)
+	var terrain := ScatterTerrainObject.new()
+	terrain.node = asked.get_path()
+	return terrain
+
+
+class Asked extends Node3D:
+	var of: Node3D
+
+	func get_height(at: Vector3) -> float:
+		return of.ground_at(at)
+
+
+func _report(named: String, times: Array, base: Array) -> void:
+	var ratios: Array[float] = []
+	for round in times.size():
+		ratios.push_back(times[round] / base[round])
+	times = times.duplicate()
+	times.sort()
+	ratios.sort()
+	print("| first fill on %s | %.2f s | %.2f to %.2f times the heightmap's, median %.2f | %d |" % [
+		named, times[floori(times.size() / 2.0)], ratios[0], ratios[-1], ratios[floori(ratios.size() / 2.0)], times.size()])

@@ -1,0 +1,176 @@
+extends "terrain3d_harness.gd"
+## Terrain3D's ground, copied: heights, holes, normals and textures as it has them, and no call for a single place.
+
+func test_heights_holes_and_normals_are_its_own() -> void:
+	for spacing: float in [1.0, 2.5, 0.5]:
+		var node := make_terrain3d(spacing)
+		for post: Vector2 in [Vector2(5.0, 7.0), Vector2(-20.0, 3.0), Vector2(-1.0, -1.0)]:
+			node.data.set_control(Vector3(post.x + 0.5, 0.0, post.y + 0.5) * spacing, HOLE)
+		var scatter := make_on(node)
+		var random := RandomNumberGenerator.new()
+		random.seed = 5
+		var wrong := 0
+		var holes := 0
+		for i in 3000:
+			var at := Vector3(random.randf_range(-68.0, 68.0), 0.0, random.randf_range(-68.0, 68.0)) * spacing
+			if i % 3 == 0:
+				at = Vector3(random.randf_range(2.0, 8.0), 0.0, random.randf_range(4.0, 10.0)) * spacing
+			var height := scatter.terrain.get_height(at)
+			if node.data.is_open(at):
+				holes += int(node.data.region_at(at) != null)
+				wrong += int(not is_nan(height))
+			elif is_nan(node.data.height_at(at)):
+				wrong += int(not is_nan(height))
+			else:
+				wrong += int(not (absf(height - node.data.height_at(at)) < 1e-4))
+				var normal := node.data.get_normal(at)
+				if normal.is_finite():
+					wrong += int(not (scatter.terrain.get_normal(at).distance_to(normal) < 1e-3))
+		check_equal(wrong, 0, "places that differ, at a spacing of %s m" % spacing)
+		check(holes > 50, "holes were met %d times" % holes)
+		scatter.free()
+		node.free()
+
+
+func test_no_place_is_asked_for() -> void:
+	for thread_safe: bool in [false, true]:
+		var node := make_terrain3d()
+		var scatter := make_on(node, thread_safe)
+		await settle(scatter)
+		check_ground(scatter, node, "thread_safe %s" % thread_safe)
+		check_equal(node.data.asked, 0, "calls for single places")
+		var terrain: ScatterTerrainObject = scatter.terrain
+		for word: String in ["Terrain3D", "4 regions", "64 x 64"]:
+			check(word in terrain.recognized, "'%s' in '%s'" % [word, terrain.recognized])
+		check_equal(scatter.get_problems().size(), 0, "nothing to say: %s" % [scatter.get_problems()])
+		scatter.free()
+		node.free()
+
+
+func test_the_same_instances_as_when_it_is_asked() -> void:
+	var node := make_terrain3d()
+	for row in 40:
+		for column in 40:
+			var control := control_of(3, 7, (row * 37 + column * 11) % 256) if column % 3 else AUTO
+			node.data.set_control(Vector3(column - 19.5, 0.0, row - 19.5), control)
+	node.material.parameters["auto_slope"] = 1.5
+	root.add_child(node)
+	for textures: Array in [[], [0], [1], [3], [7, 1], [20]]:
+		var found: Array[Dictionary] = []
+		for bulk: bool in [true, false]:
+			var asked := Asked.new()
+			asked.of = node
+			var layer := make_layer(1.0)
+			layer.view_distance = 24.0
+			layer.max_slope_degrees = 60.0
+			layer.layer_id = 2
+			layer.ground_textures = PackedInt32Array(textures)
+			var scatter := make_on(node if bulk else asked, false, layer)
+			await settle(scatter)
+			found.push_back(by_id(scatter))
+			scatter.free()
+			asked.free()
+		var differ := 0
+		for id: int in found[0]:
+			differ += int(not found[1].has(id) or found[1][id].distance_to(found[0][id]) > 0.01)
+		check(differ <= 2, "%s: %d of %d instances differ" % [textures, differ, found[0].size()])
+		check(absi(found[0].size() - found[1].size()) <= 2, "%s: as many: %d, %d" % [textures, found[0].size(), found[1].size()])
+		check_equal(found[0].is_empty(), textures == [20], "%s: instances" % [textures])
+
+
+func test_without_the_auto_shader() -> void:
+	var node := make_terrain3d()
+	node.material.auto = false
+	var layer := make_layer()
+	layer.ground_textures = PackedInt32Array([1])
+	for row in 128:
+		for column in 128:
+			node.data.regions[Vector2i(floori((column - 64) / 64.0), floori((row - 64) / 64.0))].maps[CONTROL].set_pixel(
+					column % 64, row % 64, Color(as_float(AUTO), 0.0, 0.0))
+	var scatter := make_on(node, false, layer)
+	await settle(scatter)
+	check_equal(all_transforms(scatter).size(), 0, "without the auto shader all is of texture 0")
+	node.material.auto = true
+	node.material_changed.emit()
+	await settle(scatter)
+	check(all_transforms(scatter).size() > 100, "with it level ground is of texture 1")
+
+
+func test_empty() -> void:
+	var node := Terrain3DDouble.new()
+	var scatter := make_on(node)
+	await settle(scatter)
+	check_equal(scatter.get_stats()["instances"], 0, "instances without a region")
+	check("no regions" in "\n".join(scatter.get_problems()), "said: %s" % [scatter.get_problems()])
+	check_no_error("an empty terrain")
+	var region := Terrain3DRegionDouble.new()
+	fill_region(region)
+	node.data.add_region(region)
+	await settle(scatter)
+	check_ground(scatter, node, "with its first region")
+	check_equal(scatter.get_problems().size(), 0, "nothing to say any more")
+
+
+func test_wrong_maps_are_named_and_it_is_asked_instead() -> void:
+	var small := Image.create_empty(32, 32, false, Image.FORMAT_RF)
+	var gray := Image.create_empty(64, 64, false, Image.FORMAT_L8)
+	var wrong: Dictionary[String, Image] = {"height map of a region": small, "format": gray, "no height map": null}
+	for words: String in wrong:
+		var node := make_terrain3d()
+		var scatter := make_on(node)
+		await settle(scatter)
+		var region := Terrain3DRegionDouble.new(Vector2i(9, 9))
+		region.maps[HEIGHT] = wrong[words]
+		node.data.add_region(region)
+		await settle(scatter)
+		var problems := "\n".join(scatter.get_problems())
+		check(words in problems and "place by place" in problems, "%s: %s" % [words, problems])
+		check("place by place" in (scatter.terrain as ScatterTerrainObject).recognized, "recognized")
+		check_ground(scatter, node, words)
+		check(node.data.asked > 500, "it is asked")
+		node.data.remove_region(region)
+		await settle(scatter)
+		check_equal(scatter.get_problems().size(), 0, "%s: good again: %s" % [words, scatter.get_problems()])
+		node.data.asked = 0
+		scatter.regenerate()
+		await settle(scatter)
+		check_ground(scatter, node, words + ": good again")
+		check_equal(node.data.asked, 0, "calls for single places")
+		check_no_error(words)
+		scatter.free()
+		node.free()
+
+
+func test_wrong_answers() -> void:
+	var node := make_terrain3d()
+	var wrong := WrongTerrain3D.new()
+	root.add_child(wrong)
+	var scatter := make_on(wrong)
+	for answer: Variant in [null, 5, "regions", [null], [node], [Vector2i.ZERO]]:
+		wrong.data.answer = answer
+		scatter.regenerate()
+		await settle(scatter)
+		var problems := "\n".join(scatter.get_problems())
+		check("like Terrain3D" in problems, "an answer of %s: %s" % [answer, problems])
+		check_no_error("an answer of %s" % [answer])
+	check(scatter.get_stats()["instances"] > 500, "it is asked for heights instead")
+	node.free()
+
+
+class WrongData extends Object:
+	var answer: Variant = null
+
+	func get_regions_active() -> Variant:
+		return answer
+
+	func get_height(at: Vector3) -> float:
+		return 0.1 * at.x
+
+
+class WrongTerrain3D extends Node3D:
+	var data := WrongData.new()
+	var vertex_spacing := 1.0
+
+	func _notification(what: int) -> void:
+		if what == NOTIFICATION_PREDELETE:
+			data.free()
