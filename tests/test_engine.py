@@ -101,6 +101,10 @@ def assert_passed(done):
         "test_bad_input",
         "test_changes",
         "test_queries",
+        "test_explain",
+        "test_navigation",
+        "test_import_instances",
+        "test_import_tables",
         "test_scenes",
         "test_scenes_meddled",
         "test_lifetime",
@@ -118,6 +122,11 @@ def assert_passed(done):
         "test_world_offset",
         "test_terrains",
         "test_terrain_objects",
+        "test_terrain_likes",
+        "test_terrain3d",
+        "test_terrain3d_changes",
+        "test_hterrain",
+        "test_hterrain_changes",
         "test_terrain_calls",
         "test_heightmaps",
         "test_layer_rules",
@@ -129,6 +138,8 @@ def assert_passed(done):
         "test_state_handlers",
         "test_edits",
         "test_neighbors",
+        "test_biomes",
+        "test_water",
         "test_sources",
         "test_build_rect",
         "test_impostors",
@@ -145,7 +156,7 @@ def threadless_project(tmp_path_factory) -> Path:
     return new_project(tmp_path_factory.mktemp("threadless"), "[threading]\nworker_pool/max_threads=0\n")
 
 
-@pytest.mark.parametrize("script", ["test_streaming", "test_terrain_calls", "test_state"])
+@pytest.mark.parametrize("script", ["test_streaming", "test_terrain_calls", "test_state", "test_ground_follows"])
 def test_without_threads(godot, threadless_project, script):
     """The main thread makes the tiles, a few in each frame, and all comes out the same."""
     assert_passed(godot(["--verbose", "--path", threadless_project, "--script", ENGINE / f"{script}.gd"], timeout=600))
@@ -161,7 +172,7 @@ def test_what_asks_for_too_much_memory_is_told_and_the_engine_goes_on(godot, pro
     assert_passed(godot(["--verbose", "--path", project, "--script", script], preexec_fn=with_little_memory))
 
 
-@pytest.mark.parametrize("script", ["test_collision", "test_collision_contacts"])
+@pytest.mark.parametrize("script", ["test_collision", "test_collision_contacts", "test_ground_follows"])
 @pytest.mark.parametrize("physics", ["project", "jolt_project"])
 def test_bodies(godot, request, physics, script):
     folder = request.getfixturevalue(physics)

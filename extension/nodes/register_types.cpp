@@ -1,5 +1,7 @@
 #include "nodes/register_types.hpp"
 
+#include "nodes/biome/scatter_biome.hpp"
+#include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/sampler/poisson_points.hpp"
 #include "nodes/sampler/poisson_sampler.hpp"
 #include "nodes/common/precision.hpp"
@@ -19,6 +21,7 @@
 #include "nodes/terrain/scatter_terrain_meshes.hpp"
 #include "nodes/terrain/scatter_terrain_noise.hpp"
 #include "nodes/terrain/scatter_terrain_object.hpp"
+#include "nodes/scatter/scatter_explanation.hpp"
 #include "nodes/scatter/scatter_tile.hpp"
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -51,8 +54,11 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterLod);
 	GDREGISTER_CLASS(ScatterModel);
 	GDREGISTER_CLASS(ScatterLayer);
+	GDREGISTER_CLASS(ScatterBiome);
+	GDREGISTER_CLASS(ScatterBiomeMap);
 	GDREGISTER_CLASS(ScatterRegion3D);
 	GDREGISTER_CLASS(ScatterTile);
+	GDREGISTER_CLASS(ScatterExplanation);
 	GDREGISTER_CLASS(TerrainScatter3D);
 }
 

@@ -61,7 +61,7 @@ func test_layer_numbers() -> void:
 			refuse(layer, property["name"], value, "must be finite")
 		refuse(layer, property["name"], 1e300, "is out of range")
 		refuse(layer, property["name"], -1e300)
-	check_equal(numbers, 46, "numbers of a layer")
+	check_equal(numbers, 49, "numbers of a layer")
 	for property in ["radius", "tile_size", "proximity_distance", "min_scale", "max_scale", "lod_bias"]:
 		refuse(layer, property, 0.0, "must be positive")
 		refuse(layer, property, -3.0, "must be positive")
@@ -127,7 +127,7 @@ func test_tiny_radius_for_the_tile() -> void:
 
 
 func test_inverted_ranges_keep_what_stands() -> void:
-	for range_name: String in ["height", "slope_degrees", "scale", "yaw_degrees"]:
+	for range_name: String in ["height", "water_depth", "slope_degrees", "scale", "yaw_degrees"]:
 		var layer := make_layer()
 		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
 		await settle(scatter)

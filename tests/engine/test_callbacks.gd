@@ -63,6 +63,9 @@ var calls: Dictionary[String, Callable] = {
 		scatter.remove_instance(id)
 		scatter.restore_instance(id),
 	"instance_added": func() -> void: scatter.add_instance(0, Transform3D(Basis(), Vector3(3, 0, 3))),
+	"instance_moved": func() -> void:
+		var id := scatter.add_instance(0, Transform3D(Basis(), Vector3(3, 0, 3)))
+		scatter.set_instance_transform(id, Transform3D(Basis(), Vector3(-3, 0, 3))),
 	"instance_data_changed": func() -> void: scatter.set_instance_data(a_near_id(), "data"),
 	"instances_changed": func() -> void: scatter.remove_instance(a_near_id()),
 	"changed": func() -> void: scatter.remove_instance(a_near_id()),

@@ -6,7 +6,7 @@ class Told:
 	var events: Array[Array] = []
 
 	func _init(scatter: TerrainScatter3D) -> void:
-		for event: String in ["instance_removed", "instance_restored", "instance_added", "instance_data_changed"]:
+		for event: String in ["instance_removed", "instance_restored", "instance_added", "instance_moved", "instance_data_changed"]:
 			scatter.connect(event, func(id: int, layer: int, at: Transform3D) -> void: events.push_back([event, id, layer, at]))
 
 	func take() -> Array[Array]:
@@ -128,6 +128,141 @@ func test_hand_placed_instances() -> void:
 	check(digests(scatter, 0) == before, "then all is as it was, to the bit")
 	check(not scatter.has_instance(id) and not scatter.restore_instance(id), "it does not come back")
 	check(scatter.add_instance(0, at, 1) == id, "placed again it has the same id")
+
+
+## The instance whose body a ray from above meets at a place; 0 for none.
+func body_at(scatter: TerrainScatter3D, place: Vector3) -> int:
+	var ray := PhysicsRayQueryParameters3D.create(place + Vector3(0.0, 20.0, 0.0), place)
+	var hit := root.world_3d.direct_space_state.intersect_ray(ray)
+	return scatter.get_body_instance(hit.rid) if not hit.is_empty() else 0
+
+
+func test_a_hand_placed_instance_moves() -> void:
+	var scatter := make_wood(true)
+	scatter.layers[0].collision_shape = ScatterLayer.COLLISION_CYLINDER
+	await settle(scatter)
+	var at := Transform3D(Basis(), Vector3(10.25, 1.5, 12.5))
+	# Into another tile, leaning, with numbers that are no round ones.
+	var to := Transform3D(Basis.from_euler(Vector3(0.3, 1.1, -0.2)).scaled(Vector3(1.1, 1.7, 0.9)), Vector3(-21.7, 0.1, 23.3))
+	for place in [at, to]:
+		scatter.remove_in_sphere(place.origin, 6.0, [0])
+	var id := scatter.add_instance(0, at, 1)
+	scatter.set_instance_data(id, "sown")
+	await settle(scatter)
+	var told := Told.new(scatter)
+	check_equal(body_at(scatter, at.origin), id, "its body")
+	check_equal(scatter.set_instance_transform(id, to), id, "its id stays")
+	check_equal(told.take(), [["instance_moved", id, 0, to]], "one signal")
+	var found := scatter.get_instance(id)
+	check(found.transform == to and found.mesh == 1 and found.data == "sown", "it stands there to the bit, with its mesh and data")
+	check(not (scatter.query_rect(Rect2(10, 12, 1, 1), [0]).ids as PackedInt64Array).has(id), "and not here")
+	await frames(2)
+	check(instances(scatter, 0)[id].is_equal_approx(to), "the picture follows")
+	await settle(scatter)
+	check_equal([body_at(scatter, at.origin), body_at(scatter, to.origin)], [0, id], "its body went along")
+	var loaded := ScatterState.new()
+	check_equal(loaded.from_bytes(scatter.state.to_bytes()), OK, "saved")
+	var other := make_wood(true)
+	await settle(other)
+	other.state = loaded
+	check(other.get_instance(id).transform == to, "and loaded, to the bit")
+	check_equal(scatter.set_instance_transform(id - 1, to), 0, "one that does not stand")
+	check_equal(scatter.set_instance_transform(id, Transform3D(Basis(), Vector3(0, INF, 0))), 0, "no such place")
+	check_error(["set_instance_transform", "position"], "a place that is not finite")
+	check(scatter.get_instance(id).transform == to, "leaves it where it was")
+
+
+func test_an_instance_of_rules_moves() -> void:
+	var scatter := make_wood(true)
+	scatter.layers[0].regrowth_time = 5.0
+	await settle(scatter)
+	var id := id_near(instances(scatter, 0), Vector3(5.0, 0.0, 5.0))
+	scatter.set_instance_data(id, {"age": 3})
+	var before := scatter.get_instance(id)
+	var told := Told.new(scatter)
+	var batches: Array[PackedInt64Array] = []
+	scatter.state.instances_changed.connect(func(ids: PackedInt64Array) -> void: batches.push_back(ids))
+	var to := before.transform.translated(Vector3(1.25, 0.0, -0.5))
+	var moved := scatter.set_instance_transform(id, to)
+	check(moved < 0, "it has an id of its own")
+	check_equal(batches.size(), 1, "changes are told at once")
+	var signals := told.take().map(func(event: Array) -> Array: return [event[0], event[1]])
+	check_equal(signals.slice(0, 2), [["instance_added", moved], ["instance_data_changed", moved]], "signals of the one that stands")
+	check_equal(signals.slice(2), [["instance_removed", id], ["instance_data_changed", id]], "and of the one that is gone")
+	check(not scatter.has_instance(id) and scatter.state.is_removed(id), "the other is removed")
+	var after := scatter.get_instance(moved)
+	check(after.transform == to and after.mesh == before.mesh, "as it was, elsewhere")
+	check_equal([after.data, scatter.get_instance_data(id)], [{"age": 3}, null], "data go along")
+	scatter.state.advance(100.0)
+	check(scatter.state.is_removed(id), "and it does not grow again where it was")
+
+
+## A diff of ids takes a step back, whatever it was.
+func test_a_step_of_undo() -> void:
+	var scatter := make_wood()
+	await settle(scatter)
+	var planted := scatter.add_instance(0, Transform3D(Basis(), Vector3(4, 0, 4)))
+	scatter.set_instance_data(planted, 7)
+	var standing := id_near(instances(scatter, 0), Vector3(-5.0, 0.0, 5.0))
+	await settle(scatter)
+	var bytes := scatter.state.to_bytes()
+	var picture := digests(scatter, 0)
+	var state := scatter.state
+	var steps: Array[Callable] = [
+		func() -> PackedInt64Array: scatter.set_instance_transform(planted, Transform3D(Basis(), Vector3(9, 1, 9))); return [planted],
+		func() -> PackedInt64Array: scatter.remove_instance(planted); return [planted],
+		func() -> PackedInt64Array: scatter.remove_instance(standing); return [standing],
+		func() -> PackedInt64Array: return [standing, scatter.set_instance_transform(standing, Transform3D())],
+		func() -> PackedInt64Array: return [scatter.add_instance(0, Transform3D(Basis(), Vector3(4, 0, 4)))],
+	]
+	for index in steps.size():
+		var before := state.diff_of([planted, standing])
+		var ids: PackedInt64Array = steps[index].call()
+		check(state.to_bytes() != bytes, "step %d does something" % index)
+		var after := state.diff_of(ids)
+		var changed := state.to_bytes()
+		for again in 2:
+			check_equal(state.apply_diff(ScatterState.new().diff_of(ids)), OK, "what was not there goes")
+			check_equal(state.apply_diff(before), OK, "back")
+			check(state.to_bytes() == bytes, "step %d is undone, to the byte" % index)
+			check_equal(state.apply_diff(after), OK, "and forth")
+			check(state.to_bytes() == changed, "step %d is redone" % index)
+		state.apply_diff(ScatterState.new().diff_of(ids))
+		state.apply_diff(before)
+	await frames(2)
+	check(digests(scatter, 0) == picture, "the picture is as it was, to the bit")
+
+
+func test_another_radius_keeps_what_is_placed_by_hand() -> void:
+	var scatter := make_wood()
+	await settle(scatter)
+	var id := scatter.add_instance(0, Transform3D(Basis(), Vector3(4, 0, 4)))
+	scatter.layers[0].radius = 2.0
+	scatter.seed = 99
+	await settle(scatter)
+	check(scatter.has_instance(id) and instances(scatter, 0).has(id), "it stands")
+	check(scatter.get_problems().is_empty(), "and is no problem: %s" % scatter.get_problems())
+	scatter.remove_instance(id_near(instances(scatter, 1), Vector3.ZERO))
+	scatter.seed = 98
+	await settle(scatter)
+	check(not scatter.get_problems().is_empty(), "what is removed means another")
+	check(scatter.has_instance(id), "but what is placed stands")
+
+
+func test_what_is_built_at_once_follows() -> void:
+	var scatter := make_wood()
+	await settle(scatter)
+	var rect := Rect2(-20, -20, 40, 40)
+	var full := scatter.build_rect(0, rect)
+	var gone := id_near(instances(scatter, 0), Vector3.ZERO)
+	scatter.remove_instance(gone)
+	var id := scatter.add_instance(0, Transform3D(Basis(), Vector3(4, 0, 4)))
+	scatter.add_instance(0, Transform3D(Basis(), Vector3(40, 0, 4)))
+	var ids: PackedInt64Array = scatter.build_rect(0, rect).get_ids(0)
+	check(not ids.has(gone) and ids[0] == id and ids.size() == full.get_ids(0).size(), "without what is removed, with what is placed there")
+	scatter.remove_instance(id)
+	scatter.restore_instance(gone)
+	check_equal(scatter.build_rect(0, rect).get_digest(), full.get_digest(), "to the bit")
 
 
 func test_many_are_placed_in_one_tile() -> void:

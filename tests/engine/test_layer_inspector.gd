@@ -51,7 +51,7 @@ func test_inspector_hides_what_does_not_apply() -> void:
 		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_compensation": ["thin_density", 0.5],
 		"collision_distance": ["collision_shape", ScatterLayer.COLLISION_BOX], "collision_layer": ["collision_shape", ScatterLayer.COLLISION_BOX],
 		"collision_mask": ["collision_shape", ScatterLayer.COLLISION_BOX], "physics_material": ["collision_shape", ScatterLayer.COLLISION_BOX],
-		"scene_distance": ["scene", scene_of_a_node()],
+		"affect_navigation_mesh": ["collision_shape", ScatterLayer.COLLISION_BOX], "scene_distance": ["scene", scene_of_a_node()],
 	}
 	for name: String in uses:
 		var layer := make_layer()

@@ -67,6 +67,23 @@ func test_a_deleted_layer_moves_no_other() -> void:
 		scatter.free()
 
 
+## What the editor's panel hides, or shows otherwise, is of no consequence in a game.
+func test_a_game_knows_no_previews() -> void:
+	var scatter := make_scatter([make_layer(4.0), make_layer(6.0)], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var counts := [scatter.get_shown_count(0), scatter.get_shown_count(1)]
+	check(counts[0] > counts[1] and counts[1] > 10, "on show: %s" % [counts])
+	check_equal(counts[0] + counts[1], scatter.get_stats()["instances"], "all of them")
+	scatter.call(&"_set_preview_hidden", scatter.layers)
+	scatter.call(&"_set_preview_stand_in", scatter.layers[0], make_layer(20.0))
+	await settle(scatter)
+	check_equal([scatter.get_shown_count(0), scatter.get_shown_count(scatter.layers[1])], counts, "the same")
+	check_equal(scatter.get_stats()["drawn"], counts[0] + counts[1], "and all drawn")
+	check_equal(scatter.get_shown_count("nobody"), 0, "of no layer")
+	check_error(["get_shown_count", "nobody"], "a layer that is not there")
+	scatter.free()
+
+
 func test_layers_get_ids_when_they_join() -> void:
 	var pinned := make_layer()
 	pinned.layer_id = 1

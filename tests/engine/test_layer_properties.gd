@@ -16,7 +16,7 @@ var defaults := {
 	"variation_source_min": 0.0, "variation_source_max": 1.0, "variation_randomness": 0.0,
 	"use_custom_data": false, "layer_id": -1, "instance_radius": 0.5, "instance_height": 2.0, "regrowth_time": 0.0,
 	"collision_shape": ScatterLayer.COLLISION_NONE, "collision_distance": 40.0, "collision_layer": 1, "collision_mask": 1,
-	"physics_material": null, "scene": null, "scene_distance": 20.0,
+	"physics_material": null, "affect_navigation_mesh": true, "scene": null, "scene_distance": 20.0,
 }
 
 ## The resources that a layer's rules are made of, by their properties, and something to change in each.
@@ -86,6 +86,7 @@ func full_layer() -> ScatterLayer:
 	layer.collision_layer = 0xffffffff
 	layer.collision_mask = 6
 	layer.physics_material = PhysicsMaterial.new()
+	layer.affect_navigation_mesh = false
 	layer.scene = scene_of_a_node()
 	layer.scene_distance = 15.0
 	return layer
@@ -289,6 +290,10 @@ func warns_of_gameplay() -> void:
 		layer.instance_height = 0.5, "two times instance_radius")
 	warns(func(layer: ScatterLayer) -> void:
 		layer.collision_shape = ScatterLayer.COLLISION_BOX
+		layer.collision_distance = 0.0, "")
+	warns(func(layer: ScatterLayer) -> void:
+		layer.collision_shape = ScatterLayer.COLLISION_BOX
+		layer.affect_navigation_mesh = false
 		layer.collision_distance = 0.0, "collision_distance is 0")
 	warns(func(layer: ScatterLayer) -> void:
 		layer.collision_shape = ScatterLayer.COLLISION_BOX

@@ -23,6 +23,7 @@ var changes := {
 	"density_over_height": [make_line(Vector2(-9, 0), Vector2(9, 1)), MADE],
 	"min_slope_degrees": [1.0, MADE], "max_slope_degrees": [40.0, MADE], "slope_falloff": [3.0, MADE],
 	"density_over_slope": [make_line(Vector2(0, 0.5), Vector2(90, 1)), MADE],
+	"min_water_depth": [-1.0, MADE], "max_water_depth": [2.0, MADE], "water_depth_falloff": [3.0, MADE],
 	"ground_textures": [PackedInt32Array([3]), MADE],
 	"noise": [FastNoiseLite.new(), MADE], "noise_curve": [make_line(Vector2(-1, 1), Vector2(1, 0)), MADE],
 	"mask": [half_mask(), MADE], "mask_texture": [picture(Color.BLUE), MADE],
@@ -57,6 +58,7 @@ var changes := {
 	"instance_radius": [0.3, BODIES, HITS], "instance_height": [1.0, BODIES, HITS], "regrowth_time": [0.05, REGROWN],
 	"collision_shape": [ScatterLayer.COLLISION_BOX, BODIES], "collision_distance": [12.0, BODIES],
 	"collision_layer": [4, BODIES], "collision_mask": [8, BODIES], "physics_material": [slippery(), BODIES],
+	"affect_navigation_mesh": [false], # Asked for by the bake of a navigation mesh alone, see test_navigation.gd.
 	"scene": [scene_of(Marker3D.new()), SCENES], "scene_distance": [4.0, SCENES],
 }
 

@@ -65,10 +65,6 @@ AddedInstance to_added(const Transform3D &p_transform, glm::dvec3 offset) {
 	return added;
 }
 
-PlacedInstance to_placed(const AddedInstance &added, std::uint64_t id, std::uint32_t layer) {
-	return {id, layer, added.mesh, added.position, added.basis};
-}
-
 std::function<bool(const PlacedInstance &)> to_predicate(
 		const char *p_method, const Callable &p_predicate, glm::dvec3 offset) {
 	if (p_predicate.is_null()) {

@@ -21,8 +21,6 @@ namespace thicket {
 /// Between the world's space and the engine's, as in convert.hpp.
 godot::Transform3D to_engine(const PlacedInstance &instance, glm::dvec3 offset);
 AddedInstance to_added(const godot::Transform3D &p_transform, glm::dvec3 offset);
-PlacedInstance to_placed(const AddedInstance &added, std::uint64_t id, std::uint32_t layer);
-
 /// A predicate of a script, (id: int, layer: int, transform: Transform3D) -> bool, as QueryFilter::accepts; none for a null one.
 /// One that cannot be called lets nothing pass and prints one error.
 std::function<bool(const PlacedInstance &)> to_predicate(

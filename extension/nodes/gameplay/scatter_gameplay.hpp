@@ -12,6 +12,9 @@
 
 #include <godot_cpp/variant/callable.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_int32_array.hpp>
+#include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/rect2.hpp>
 
 #include <array>
@@ -57,6 +60,8 @@ protected:
 	GameplayHost(const GameplayHost &) = default;
 	GameplayHost &operator=(const GameplayHost &) = default;
 };
+
+struct NavigationBake;
 
 /// What a game asks of a TerrainScatter3D and changes about it, and the bodies and scenes that stand near by. Main thread only.
 ///
@@ -130,6 +135,10 @@ public:
 	godot::Ref<ScatterRequest> request_sphere(
 			const godot::Vector3 &p_center, double p_radius, const godot::Variant &p_layers);
 
+	/// Adds to the source geometry of a navigation mesh what stands in the box that is baked, of the layers that affect navigation.
+	/// Runs scripts.
+	void add_obstructions(const NavigationBake &bake);
+
 	// Changes. False, or 0, for what does not stand, stands already, or is refused.
 
 	void set_state(const godot::Ref<ScatterState> &p_state);
@@ -142,6 +151,12 @@ public:
 	godot::PackedInt64Array remove_in_sphere(const godot::Vector3 &p_center, double p_radius,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	int64_t add_instance(const godot::Variant &p_layer, const godot::Transform3D &p_transform, int64_t p_mesh);
+
+	/// Many of them, 12 floats each as in the buffer of a MultiMesh; a mesh for each, or none for the first. All, or none.
+	godot::PackedInt64Array add_instances(const godot::Variant &p_layer, const godot::PackedFloat32Array &p_transforms,
+			const godot::PackedInt32Array &p_meshes);
+	godot::PackedInt64Array remove_instances(const godot::PackedInt64Array &p_ids);
+	int64_t set_instance_transform(int64_t p_id, const godot::Transform3D &p_transform);
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
 	godot::Variant get_instance_data(int64_t p_id) const;
 
@@ -172,12 +187,16 @@ private:
 	godot::Ref<ScatterRequest> request(const char *p_method, const Area &area, const godot::Variant &p_layers);
 	void give_up_requests();
 
+	void add_obstructions(
+			const NavigationBake &bake, const Rect &ground, std::uint32_t layer, const SharedSnapshot &snapshot);
 	std::vector<std::uint64_t> remove_all(std::span<const PlacedInstance> instances);
+	bool find_layer_to_add_to(const char *p_method, const godot::Variant &p_layer, std::uint32_t &r_layer);
 	void claim_layers();
 	Status claim(std::uint32_t layer);
 	std::int64_t layer_index_of(std::uint64_t id) const;
 	Rect area_of(std::uint64_t id, glm::dvec3 position, std::uint32_t layer) const;
 	bool stands_no_longer(std::uint64_t id) const;
+	const PlacedInstance *find_leaving(std::uint64_t id);
 	void tell(const InstanceChange &change);
 	void tell_backlog(std::chrono::steady_clock::time_point deadline);
 	bool still_true(const InstanceChange &change) const;
@@ -190,6 +209,8 @@ private:
 	InstanceWorld world_;
 	godot::Ref<ScatterState> state_;
 	std::deque<Untold> backlog_;
+	std::span<const PlacedInstance>
+			leaving_; ///< What is being removed by this node and was not told yet, in the order of telling.
 
 	QueryRequests requests_;
 	std::map<std::int64_t, godot::Ref<ScatterRequest>> open_; ///< By their numbers in requests_.

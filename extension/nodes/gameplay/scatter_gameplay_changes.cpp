@@ -2,14 +2,14 @@
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
-#include "core/placement/layer.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
-#include "nodes/layer/layer_reference.hpp"
 
+#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/memory.hpp>
 
+#include <unordered_set>
 #include <utility>
 
 using namespace godot;
@@ -26,10 +26,26 @@ const char *signal_of(InstanceChangeKind kind) {
 		case InstanceChangeKind::removed: return "instance_removed";
 		case InstanceChangeKind::restored: return "instance_restored";
 		case InstanceChangeKind::added: return "instance_added";
+		case InstanceChangeKind::left: break;
+		case InstanceChangeKind::moved: return "instance_moved";
 		case InstanceChangeKind::data: return "instance_data_changed";
 	}
-	return "";
+	return ""; // Nobody is told.
 }
+
+/// Sets a value until it is left, also by an exception.
+template <typename T>
+class Meanwhile {
+public:
+	Meanwhile(T &r_variable, T value) : variable_(r_variable), before_(std::exchange(r_variable, value)) {}
+	~Meanwhile() { variable_ = before_; }
+	Meanwhile(const Meanwhile &) = delete;
+	Meanwhile &operator=(const Meanwhile &) = delete;
+
+private:
+	T &variable_;
+	T before_;
+};
 
 std::size_t size_of(const Ref<ScatterState> &p_state) {
 	return p_state.is_valid() ? p_state->state().removed_count() + p_state->state().added_count() : 0;
@@ -51,8 +67,7 @@ std::int64_t ScatterGameplay::layer_index_of(std::uint64_t id) const {
 Status ScatterGameplay::check_state(const ScatterState &state) const {
 	for (std::size_t index = 0; index < world_.layers().size(); ++index) {
 		const QueryLayer &layer = world_.layers()[index];
-		const std::uint64_t stamp = state.state().stamp(layer.set.layer);
-		if (layer.wanted && stamp != 0 && stamp != stamp_of(layer.set)) {
+		if (layer.wanted && state.state().is_foreign(layer.set.layer, stamp_of(layer.set))) {
 			return {ErrorCode::foreign, "state of layer", static_cast<double>(index)};
 		}
 	}
@@ -69,7 +84,8 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 			return;
 		}
 	}
-	const Ref<ScatterState> before = std::exchange(state_, p_state);
+	const bool copied = p_state.is_valid() && p_state->is_designed() && !Engine::get_singleton()->is_editor_hint();
+	const Ref<ScatterState> before = std::exchange(state_, copied ? p_state->copy() : p_state);
 	if (before.is_valid()) {
 		before->remove_listener(this);
 	}
@@ -138,8 +154,12 @@ std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedIns
 		const double regrowth = layers_[static_cast<std::size_t>(index)]->gameplay.regrowth_time;
 		removals.push_back({instance.id, regrowth > 0.0 ? state_->get_time() + regrowth : 0.0});
 	}
+	if (removals.empty()) {
+		return {};
+	}
 	const Ref<ScatterState> state = state_;
-	return removals.empty() ? std::vector<std::uint64_t>() : state->remove_all(removals);
+	const Meanwhile leaving(leaving_, instances);
+	return state->remove_all(removals);
 }
 
 bool ScatterGameplay::restore_instance(int64_t p_id) {
@@ -151,32 +171,22 @@ bool ScatterGameplay::restore_instance(int64_t p_id) {
 	return state.is_valid() && state->restore(p_id);
 }
 
-int64_t ScatterGameplay::add_instance(const Variant &p_layer, const Transform3D &p_transform, int64_t p_mesh) {
-	if (!prepare("add_instance")) {
+int64_t ScatterGameplay::set_instance_transform(int64_t p_id, const Transform3D &p_transform) {
+	const std::vector<PlacedInstance> found = find_by_id("set_instance_transform", p_id, false);
+	const std::int64_t layer = found.empty() || !alive() ? -1 : layer_index_of(core_id(p_id));
+	if (layer < 0) {
 		return 0;
 	}
-	std::uint32_t layer = 0;
-	if (const String problem = find_layer(host_->layers(), p_layer, layer); !problem.is_empty()) {
-		ERR_PRINT(String("TerrainScatter3D.add_instance: ") + problem);
-		return 0;
-	}
-	Status status;
-	if (layer >= world_.layers().size() || !world_.layers()[layer].wanted) {
-		status = {ErrorCode::out_of_range, "layer", static_cast<double>(layer)};
-	} else if (p_mesh < 0 || p_mesh >= static_cast<int64_t>(max_meshes)) {
-		status = {ErrorCode::out_of_range, "mesh", static_cast<double>(p_mesh)};
-	} else {
-		status = claim(layer);
-	}
+	Status status = claim(static_cast<std::uint32_t>(layer));
 	std::uint64_t id = 0;
 	if (status.ok()) {
-		AddedInstance added = to_added(p_transform, offset_);
-		added.layer = world_.layers()[layer].set.layer;
-		added.mesh = static_cast<std::uint8_t>(p_mesh);
+		AddedInstance moved = to_added(p_transform, offset_);
+		moved.layer = layer_of(core_id(p_id));
+		moved.mesh = static_cast<std::uint8_t>(found.front().mesh);
 		const Ref<ScatterState> state = state_;
-		status = state->add(added, id);
+		status = state->move(core_id(p_id), moved, id);
 	}
-	report("TerrainScatter3D.add_instance", status);
+	report("TerrainScatter3D.set_instance_transform", status);
 	return status.ok() ? script_id(id) : 0;
 }
 
@@ -209,7 +219,16 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 		return;
 	}
 	if (changes->size() > most_at_once) {
-		collision_.drop_if([this](std::uint64_t id) { return stands_no_longer(id); });
+		std::unordered_set<std::uint64_t> moved;
+		for (const InstanceChange &change : *changes) {
+			if (change.kind == InstanceChangeKind::left) {
+				moved.insert(change.id);
+			}
+		}
+		collision_.drop_if([this, &moved](std::uint64_t id) { return stands_no_longer(id) || moved.contains(id); });
+		if (!moved.empty()) {
+			scenes_.drop_if([&moved](std::uint64_t id) { return moved.contains(id); });
+		}
 		host_->redraw_all_later();
 		return;
 	}
@@ -244,7 +263,9 @@ bool ScatterGameplay::still_true(const InstanceChange &change) const {
 	switch (change.kind) {
 		case InstanceChangeKind::removed: return stands_no_longer(change.id);
 		case InstanceChangeKind::restored:
-		case InstanceChangeKind::added: return !stands_no_longer(change.id);
+		case InstanceChangeKind::added:
+		case InstanceChangeKind::moved: return !stands_no_longer(change.id);
+		case InstanceChangeKind::left: return false;
 		case InstanceChangeKind::data: return true;
 	}
 	return false;
@@ -266,23 +287,36 @@ void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadlin
 	}
 }
 
+/// Where an instance stood that this node removes at the moment. It was asked for once, and need not be again. Changes are told in the
+/// order of the instances; what was changed by handlers meanwhile comes after them.
+const PlacedInstance *ScatterGameplay::find_leaving(std::uint64_t id) {
+	while (!leaving_.empty() && leaving_.front().id != id) {
+		leaving_ = leaving_.subspan(1);
+	}
+	return leaving_.empty() ? nullptr : &leaving_.front();
+}
+
 /// Only where it is known where the instance stands: changes that come from elsewhere make no tiles. Runs scripts.
 void ScatterGameplay::tell(const InstanceChange &change) {
-	const std::int64_t index = layer_index_of(change.id);
-	std::vector<PlacedInstance> found;
-	if (index >= 0 && is_added(change.id) && change.kind != InstanceChangeKind::data) {
-		found.push_back(to_placed(change.added, change.id, static_cast<std::uint32_t>(index)));
-	} else if (index >= 0) {
+	const std::int64_t index = change.kind != InstanceChangeKind::left ? layer_index_of(change.id) : -1;
+	if (index < 0) {
+		return;
+	}
+	Transform3D transform;
+	if (is_added(change.id) && change.kind != InstanceChangeKind::data) {
+		transform = to_engine(change.added.basis, change.added.position, offset_);
+	} else if (const PlacedInstance *leaving = find_leaving(change.id)) {
+		transform = to_engine(*leaving, offset_);
+	} else {
+		std::vector<PlacedInstance> found;
 		const Status status = world_.ask_known(
 				[&](const InstanceQuery &query) { return query.by_id_even_removed(change.id, found); });
-		if (!status.ok()) {
+		if (!status.ok() || found.empty()) {
 			return;
 		}
+		transform = to_engine(found.front(), offset_);
 	}
-	if (!found.empty()) {
-		host_->node()->emit_signal(signal_of(change.kind), script_id(change.id),
-				static_cast<int64_t>(found.front().layer), to_engine(found.front(), offset_));
-	}
+	host_->node()->emit_signal(signal_of(change.kind), script_id(change.id), index, transform);
 }
 
 } // namespace thicket

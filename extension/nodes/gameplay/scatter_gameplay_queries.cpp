@@ -22,7 +22,11 @@ namespace {
 
 std::string name_of(const char *p_method) { return std::string("TerrainScatter3D.") + p_method; }
 
-void report_query(const char *p_method, const Status &status) { report(name_of(p_method).c_str(), status); }
+void report_query(const char *p_method, const Status &status) {
+	if (!status.ok()) {
+		report(name_of(p_method).c_str(), status);
+	}
+}
 
 } // namespace
 

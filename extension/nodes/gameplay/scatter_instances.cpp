@@ -1,5 +1,6 @@
 #include "nodes/gameplay/scatter_instances.hpp"
 
+#include "nodes/common/bind_value.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
@@ -26,13 +27,6 @@ Array cached(std::optional<Array> &r_cache, const std::vector<PlacedInstance> &f
 		r_cache = values;
 	}
 	return *r_cache;
-}
-
-/// A property that scripts read only.
-void bind_value(const char *p_class, const PropertyInfo &p_info, const char *p_getter) {
-	PropertyInfo info = p_info;
-	info.usage = PROPERTY_USAGE_NONE;
-	ClassDB::add_property(p_class, info, "", p_getter);
 }
 
 } // namespace

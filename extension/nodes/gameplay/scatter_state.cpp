@@ -6,6 +6,7 @@
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/core/memory.hpp>
 
 #include <algorithm>
 #include <string>
@@ -93,17 +94,16 @@ void ScatterState::tell(std::vector<InstanceChange> changes) {
 void ScatterState::tell_now(const SharedChanges &changes) {
 	for (const std::shared_ptr<StateListener> &listener : listeners()) {
 		const auto same = [&listener](const std::weak_ptr<StateListener> &other) {
-			return other.lock() == listener;
+			return !other.owner_before(listener) && !listener.owner_before(other);
 		};
 		if (std::ranges::any_of(listeners_, same)) { // A handler may have taken it away.
 			listener->tell_changes(changes);
 		}
 	}
-	std::vector<std::uint64_t> ids;
-	for (const InstanceChange &change : *changes) {
-		ids.push_back(change.id);
-	}
-	emit_signal("instances_changed", packed_ids(ids));
+	const auto id_of = [](const InstanceChange &change) {
+		return script_id(change.id);
+	};
+	emit_signal("instances_changed", packed<PackedInt64Array>(std::span(*changes), id_of));
 	emit_changed();
 }
 
@@ -178,6 +178,20 @@ Status ScatterState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 	return status;
 }
 
+Status ScatterState::add_all(std::span<const AddedInstance> instances, std::vector<std::uint64_t> &r_ids) {
+	std::vector<InstanceChange> changes;
+	const Status status = state_.add_all(instances, r_ids, changes);
+	tell(std::move(changes));
+	return status;
+}
+
+Status ScatterState::move(std::uint64_t id, const AddedInstance &instance, std::uint64_t &r_id) {
+	std::vector<InstanceChange> changes;
+	const Status status = state_.move(id, instance, r_id, changes);
+	tell(std::move(changes));
+	return status;
+}
+
 bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 	PackedByteArray bytes;
 	const std::uint64_t revision = state_.revision();
@@ -238,6 +252,16 @@ PackedByteArray ScatterState::diff_since(int64_t p_revision) const {
 	return packed_bytes(bytes);
 }
 
+PackedByteArray ScatterState::diff_of(const PackedInt64Array &p_ids) const {
+	std::vector<std::uint64_t> ids;
+	for (int64_t index = 0; index < p_ids.size(); ++index) {
+		ids.push_back(core_id(p_ids[index]));
+	}
+	std::vector<std::uint8_t> bytes;
+	told("diff_of", state_.diff_of(ids, bytes));
+	return packed_bytes(bytes);
+}
+
 Error ScatterState::apply_diff(const PackedByteArray &p_diff) {
 	std::vector<InstanceChange> changes;
 	const Error error = told("apply_diff", state_.apply(span_of(p_diff), changes));
@@ -292,6 +316,12 @@ PackedByteArray ScatterState::get_data() const {
 	return blank ? PackedByteArray() : to_bytes();
 }
 
+Ref<ScatterState> ScatterState::copy() const {
+	const Ref<ScatterState> result(memnew(ScatterState));
+	result->set_data(get_data());
+	return result;
+}
+
 void ScatterState::_bind_methods() {
 	using Self = ScatterState;
 	bind_guarded<&Self::remove>(D_METHOD("remove", "id", "until"), DEFVAL(0.0));
@@ -306,6 +336,7 @@ void ScatterState::_bind_methods() {
 	bind_guarded<&Self::from_bytes>(D_METHOD("from_bytes", "bytes"));
 	bind_guarded<&Self::to_bytes>(D_METHOD("to_bytes"));
 	bind_guarded<&Self::diff_since>(D_METHOD("diff_since", "revision"));
+	bind_guarded<&Self::diff_of>(D_METHOD("diff_of", "ids"));
 	bind_guarded<&Self::apply_diff>(D_METHOD("apply_diff", "diff"));
 	bind_guarded<&Self::merge>(D_METHOD("merge", "other"));
 	bind_guarded<&Self::clear>(D_METHOD("clear"));
@@ -313,10 +344,13 @@ void ScatterState::_bind_methods() {
 	bind_guarded<&Self::get_digest>(D_METHOD("get_digest"));
 	bind_guarded<&Self::get_time>(D_METHOD("get_time"));
 	bind_guarded<&Self::advance>(D_METHOD("advance", "seconds"));
+	bind_guarded<&Self::set_designed>(D_METHOD("set_designed", "designed"));
+	bind_guarded<&Self::is_designed>(D_METHOD("is_designed"));
 	bind_guarded<&Self::set_data>(D_METHOD("set_data", "bytes"));
 	bind_guarded<&Self::get_data>(D_METHOD("get_data"));
 	ADD_PROPERTY(PropertyInfo(Variant::PACKED_BYTE_ARRAY, "data", PROPERTY_HINT_NONE, "", PROPERTY_USAGE_STORAGE),
 			"set_data", "get_data");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "designed"), "set_designed", "is_designed");
 	ADD_SIGNAL(MethodInfo("instances_changed", PropertyInfo(Variant::PACKED_INT64_ARRAY, "ids")));
 }
 

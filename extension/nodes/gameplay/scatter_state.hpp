@@ -72,6 +72,9 @@ public:
 
 	/// For a peer that knows this state as it was at `revision`.
 	godot::PackedByteArray diff_since(int64_t p_revision) const;
+
+	/// What is held of some instances now, as a diff that makes them so again.
+	godot::PackedByteArray diff_of(const godot::PackedInt64Array &p_ids) const;
 	godot::Error apply_diff(const godot::PackedByteArray &p_diff);
 	godot::Error merge(const godot::Ref<ScatterState> &p_other);
 	void clear();
@@ -90,11 +93,24 @@ public:
 	void set_data(const godot::PackedByteArray &p_bytes);
 	godot::PackedByteArray get_data() const;
 
+	/// Whether a designer has made it, so that a running game changes a copy.
+	void set_designed(bool p_designed) { designed_ = p_designed; }
+	bool is_designed() const { return designed_; }
+
+	/// The same content, of no file and not a designer's.
+	godot::Ref<ScatterState> copy() const;
+
 	void _reset_state() override { clear(); }
 
 	// For nodes.
 	const InstanceState &state() const { return state_; }
 	Status add(const AddedInstance &instance, std::uint64_t &r_id);
+
+	/// See InstanceState::add_all. Tells of all of them after that.
+	Status add_all(std::span<const AddedInstance> instances, std::vector<std::uint64_t> &r_ids);
+
+	/// See InstanceState::move.
+	Status move(std::uint64_t id, const AddedInstance &instance, std::uint64_t &r_id);
 
 	/// Removes all of them, then tells of all of them. The ids of those that stood.
 	std::vector<std::uint64_t> remove_all(std::span<const Removal> removals);
@@ -116,6 +132,7 @@ private:
 	std::vector<std::weak_ptr<StateListener>> listeners_;
 	std::deque<SharedChanges> untold_;
 	bool telling_ = false;
+	bool designed_ = false;
 	std::uint64_t frame_ = std::numeric_limits<std::uint64_t>::max(); ///< The last in which a node moved the clock on.
 };
 

@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace thicket {
@@ -112,6 +113,7 @@ struct LayerCollision {
 	std::int64_t mask = 1;
 	double friction = 1.0;                    ///< Negative for a rough material, as StaticBody3D hands it over.
 	double bounce = 0.0;                      ///< Negative for one that absorbs.
+	bool affects_navigation = true;           ///< Navigation meshes are baked around what collides.
 	std::vector<std::vector<BodyPart>> parts; ///< Of the model of each of the meshes, if that is the shape.
 
 	friend bool operator==(const LayerCollision &, const LayerCollision &) = default;
@@ -149,7 +151,8 @@ struct LayerSnapshot {
 	LodSettings lod;
 	CellSettings cells;
 	LayerGameplay gameplay;
-	LayerLinks links; ///< Its name, and what it says of other layers by name.
+	LayerLinks links;                     ///< Its name, and what it says of other layers by name.
+	std::vector<std::string> field_names; ///< The property behind each of settings->rules.fields.
 
 	/// Settings count as equal only if they are the same object.
 	friend bool operator==(const LayerSnapshot &, const LayerSnapshot &) = default;

@@ -22,7 +22,7 @@ bool LayerWatch::differs(const TypedArray<ScatterLayer> &p_layers) const {
 	return !same;
 }
 
-bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers) {
+bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_count) {
 	const bool changed = differs(p_layers);
 	if (changed) {
 		const std::vector<Seen> before = seen_;
@@ -38,7 +38,7 @@ bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers) {
 		}
 		listen(true);
 	}
-	give_ids();
+	give_ids(own_count);
 	return changed;
 }
 
@@ -49,7 +49,7 @@ void LayerWatch::listen(bool p_listen) const {
 	}
 }
 
-void LayerWatch::give_ids() {
+void LayerWatch::give_ids(std::size_t own_count) {
 	if (std::exchange(giving_ids_, true)) {
 		return; // A layer told that it has an id.
 	}
@@ -59,18 +59,21 @@ void LayerWatch::give_ids() {
 			taken.insert(seen.layer->own_id());
 		}
 	}
+	ids_.insert(taken.begin(), taken.end());
 	const std::vector<Seen> layers = seen_; // Who hears of an id may change the list.
 	for (std::size_t index = 0; taken.count(-1) > 0 && index < layers.size(); ++index) {
 		const Ref<ScatterLayer> &layer = layers[index].layer;
 		if (layer.is_null() || layer->own_id() >= 0) {
 			continue;
 		}
+		const std::set<int64_t> &others = index < own_count ? taken : ids_;
 		auto id = static_cast<int64_t>(index);
-		if (taken.count(id) > 0 || id > max_state_layer) {
-			for (id = 0; taken.count(id) > 0; ++id) {}
+		if (others.count(id) > 0 || id > max_state_layer) {
+			for (id = 0; others.count(id) > 0; ++id) {}
 		}
 		if (id <= max_state_layer) {
 			taken.insert(id);
+			ids_.insert(id);
 			layer->take_id(id);
 		}
 	}

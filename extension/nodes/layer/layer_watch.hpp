@@ -6,6 +6,9 @@
 #include <godot_cpp/variant/string.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
 
+#include <cstddef>
+#include <cstdint>
+#include <set>
 #include <vector>
 
 namespace thicket {
@@ -28,8 +31,9 @@ public:
 
 	/// Takes in the list: listens to the layers that are new, and no longer to those that are gone, and gives each layer
 	/// whose layer_id is -1 one of its own: its index if no other layer has that, else the lowest that none has. Layers
-	/// emit `changed` for it. Returns what `differs` would have returned.
-	bool look(const godot::TypedArray<ScatterLayer> &p_layers);
+	/// from `own_count` on come and go with biomes: they get ids that none has had, so that one which comes back has kept its
+	/// own. Layers emit `changed` for it. Returns what `differs` would have returned.
+	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count);
 
 	/// Makes all layers of the list follow when one of them was renamed, and returns the renames. Nothing follows while the
 	/// new name is empty or another layer has it, so that a name may be typed letter by letter; and nothing follows
@@ -44,10 +48,11 @@ private:
 
 	bool is_taken(const godot::String &p_name, const Seen &by_other_than) const;
 	void listen(bool p_listen) const;
-	void give_ids();
+	void give_ids(std::size_t own_count);
 
 	godot::Object *node_;
 	std::vector<Seen> seen_;
+	std::set<std::int64_t> ids_; ///< That any layer has had.
 	bool giving_ids_ = false;
 };
 

@@ -237,6 +237,9 @@ public:
 	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
 	Status check();
 
+	/// True if the layer stands nowhere unless there is water.
+	bool needs_water() const { return settings_.rules.min_water_depth > -unlimited_height; }
+
 	/// What is likely not meant, for the editor's warnings.
 	godot::PackedStringArray problems();
 
@@ -255,6 +258,7 @@ private:
 	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
 	InstanceData instance_data() const;
 	LayerGameplay gameplay() const;
+	std::vector<std::string> field_names() const;
 	LodSettings lod() const;
 	template <const auto &property>
 	void remake();

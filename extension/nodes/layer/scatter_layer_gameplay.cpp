@@ -33,6 +33,9 @@ constexpr NumberProperty collision_layer{
 constexpr NumberProperty collision_mask{
 		"collision_mask", &LayerCollision::mask, 0, all_physics_layers, PROPERTY_HINT_LAYERS_3D_PHYSICS};
 
+constexpr SwitchProperty affect_navigation_mesh{
+		"affect_navigation_mesh", "get_affect_navigation_mesh", &LayerCollision::affects_navigation};
+
 } // namespace
 
 void ScatterLayer::set_collision_shape(CollisionShape p_shape) {
@@ -80,7 +83,7 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 		}
 		return;
 	}
-	if (gameplay_.collision.distance <= 0.0) {
+	if (gameplay_.collision.distance <= 0.0 && !gameplay_.collision.affects_navigation) {
 		r_problems.push_back("ScatterLayer.collision_shape is not used: collision_distance is 0.");
 	}
 	if (gameplay_.collision.layer == 0 && gameplay_.collision.mask == 0) {
@@ -120,6 +123,7 @@ void ScatterLayer::bind_gameplay() {
 	bind_guarded<&ScatterLayer::get_physics_material>(D_METHOD("get_physics_material"));
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "physics_material", PROPERTY_HINT_RESOURCE_TYPE, "PhysicsMaterial"),
 			"set_physics_material", "get_physics_material");
+	bind_switch<affect_navigation_mesh>();
 	ADD_SUBGROUP("Scene", "");
 	bind_guarded<&ScatterLayer::set_scene>(D_METHOD("set_scene", "scene"));
 	bind_guarded<&ScatterLayer::get_scene>(D_METHOD("get_scene"));

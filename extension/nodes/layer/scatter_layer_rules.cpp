@@ -20,6 +20,12 @@ constexpr NumberProperty max_height{"max_height", &Rules::max_height, -unlimited
 		PROPERTY_HINT_RANGE, "-1000,9000,0.1,or_less,or_greater,suffix:m"};
 constexpr NumberProperty height_falloff{"height_falloff", &Rules::height_falloff, 0.0, unlimited_height,
 		PROPERTY_HINT_RANGE, "0,1000,0.01,or_greater,exp,suffix:m"};
+constexpr NumberProperty min_water_depth{"min_water_depth", &Rules::min_water_depth, -unlimited_height,
+		unlimited_height, PROPERTY_HINT_RANGE, "-100,100,0.01,or_less,or_greater,suffix:m"};
+constexpr NumberProperty max_water_depth{"max_water_depth", &Rules::max_water_depth, -unlimited_height,
+		unlimited_height, PROPERTY_HINT_RANGE, "-100,100,0.01,or_less,or_greater,suffix:m"};
+constexpr NumberProperty water_depth_falloff{"water_depth_falloff", &Rules::water_depth_falloff, 0.0, unlimited_height,
+		PROPERTY_HINT_RANGE, "0,100,0.01,or_greater,exp,suffix:m"};
 constexpr NumberProperty clump_size{"clump_size", &Clumping::size, 0.0, max_clump_size, PROPERTY_HINT_RANGE,
 		"0,1000,0.01,or_greater,exp,suffix:m", min_clump_size};
 constexpr NumberProperty clump_coverage{
@@ -64,6 +70,10 @@ void ScatterLayer::bind_rules() {
 	bind_number<max_slope_degrees>();
 	bind_number<slope_falloff>();
 	bind_resource<density_over_slope>();
+	ADD_SUBGROUP("Water", "");
+	bind_number<min_water_depth>();
+	bind_number<max_water_depth>();
+	bind_number<water_depth_falloff>();
 	ADD_SUBGROUP("Ground", "");
 	bind_guarded<&ScatterLayer::set_ground_textures>(D_METHOD("set_ground_textures", "textures"));
 	bind_guarded<&ScatterLayer::get_ground_textures>(D_METHOD("get_ground_textures"));

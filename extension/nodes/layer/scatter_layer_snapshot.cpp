@@ -90,6 +90,7 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	result.cells = cells_of(*result.settings, result.range.tile_size, result.drawing);
 	result.gameplay = gameplay();
 	result.links = links();
+	result.field_names = field_names();
 	return result;
 }
 
@@ -112,6 +113,18 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) cons
 		result.mesh_weights.push_back(mesh < mesh_weights_.size() ? mesh_weights_[mesh] : 1.0F);
 	}
 	return result;
+}
+
+/// In the order of the fields in `settings`.
+std::vector<std::string> ScatterLayer::field_names() const {
+	std::vector<std::string> names;
+	if (tables_.noise != nullptr) {
+		names.emplace_back("noise");
+	}
+	if (tables_.image != nullptr) {
+		names.emplace_back("mask_texture");
+	}
+	return names;
 }
 
 LodSettings ScatterLayer::lod() const {

@@ -113,6 +113,16 @@ std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<Scatter
 	return last;
 }
 
+std::vector<std::string> RegionRegister::names_for(const TypedArray<ScatterLayer> &p_layers, std::size_t index) const {
+	std::vector<std::string> names;
+	for (const Entry &entry : entries_) {
+		if (entry.counts_for(p_layers, index)) {
+			names.emplace_back(String(entry.node->get_name()).utf8().get_data());
+		}
+	}
+	return names;
+}
+
 void RegionRegister::rename_layer(const String &from, const String &to) const {
 	const std::vector<Entry> entries = entries_; // A region tells its node, which marks the entries.
 	for (const Entry &entry : entries) {

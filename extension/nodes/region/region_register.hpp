@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace thicket {
@@ -40,6 +41,9 @@ public:
 	/// The shapes that count for the layer at this index of the node's list; null for none. The same pointer as last time
 	/// while nothing has changed.
 	std::shared_ptr<const ShapeSet> set_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index);
+
+	/// The names of the regions whose shapes these are, in the same order.
+	std::vector<std::string> names_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 
 	/// A layer that was named `from` is now named `to`: regions that speak of it follow.
 	void rename_layer(const godot::String &from, const godot::String &to) const;

@@ -1,9 +1,12 @@
 #include "nodes/scatter/build_at_once.hpp"
 
 #include "core/base/guard.hpp"
+#include "core/near/tile_overlay.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace thicket {
@@ -18,21 +21,50 @@ Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const H
 		return builder.build(layer, *ground, rect, r_tile);
 	}
 	Status status = builder.find_points(layer, rect);
-	std::vector<Ground> answers(status.ok() ? builder.positions().size() : 0);
-	for (std::size_t i = 0; status.ok() && i < builder.queries().size(); ++i) {
-		const GroundQuery &query = builder.queries()[i];
-		status = terrain.sample_now(builder.positions().subspan(query.first, query.count), query.textures,
-				std::span(answers).subspan(query.first, query.count));
+	std::vector<Ground> answers;
+	if (status.ok()) {
+		status = ask_at_once(nullptr, terrain, builder.positions(), builder.queries(), answers);
 	}
 	return status.ok() ? builder.place(answers, r_tile) : status;
 }
 
 } // namespace
 
+Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::span<const glm::dvec2> positions,
+		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers) {
+	r_answers.assign(positions.size(), Ground{});
+	if (ground != nullptr) {
+		return ask_ground(*ground, positions, queries, r_answers);
+	}
+	for (const GroundQuery &query : queries) {
+		const Status status = terrain.sample_now(positions.subspan(query.first, query.count), query.textures,
+				std::span(r_answers).subspan(query.first, query.count));
+		if (!status.ok()) {
+			return status;
+		}
+	}
+	return {};
+}
+
 Status build_at_once(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
 		TileInstances &r_tile) {
 	return guarded("rect", std::max(rect.size().x, rect.size().y),
 			[&] { return build_in_steps(layer, ground, terrain, rect, r_tile); });
+}
+
+Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, TileInstances &r_tile) {
+	return guarded("rect", std::max(rect.size().x, rect.size().y), [&] {
+		const auto tile = std::make_shared<TileInstances>(std::move(r_tile));
+		OverlaidMeshes meshes;
+		const Status status = overlaid(tile, layer, rect, {.state = &state}, meshes);
+		for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
+			if (meshes[mesh].get() != &tile->meshes[mesh]) {
+				tile->meshes[mesh] = *meshes[mesh];
+			}
+		}
+		r_tile = std::move(*tile);
+		return status;
+	});
 }
 
 } // namespace thicket

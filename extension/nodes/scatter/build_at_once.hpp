@@ -3,13 +3,26 @@
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/placement/tile_builder.hpp"
+#include "core/state/instance_state.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <span>
+#include <vector>
 
 namespace thicket {
 
-/// All steps of a tile on this thread, the main one. `ground` is what `terrain` gave for workers; where it is null, the terrain itself is
-/// asked, there and then.
+/// The ground of some positions on this thread, the main one. `ground` is what `terrain` gave for workers; where it is null, the terrain
+/// itself is asked, there and then: a script may do anything meanwhile. Replaces `r_answers`. Throws std::bad_alloc.
+Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::span<const glm::dvec2> positions,
+		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
+
+/// All steps of a tile on this thread; the ground as above.
 Status build_at_once(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
 		TileInstances &r_tile);
+
+/// Lays over a finished rectangle what a game has changed there, as in the picture. After an error the tile is unspecified.
+Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, TileInstances &r_tile);
 
 } // namespace thicket

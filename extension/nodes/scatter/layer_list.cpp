@@ -13,13 +13,10 @@ namespace thicket {
 
 namespace {
 
-/// Adds the shapes that count for a layer, which the layer itself does not know.
-void set_shapes(LayerSnapshot &r_layer, const std::shared_ptr<const ShapeSet> &shapes) {
-	if (r_layer.settings->rules.shapes != shapes) {
-		const auto settings = std::make_shared<LayerSettings>(*r_layer.settings);
-		settings->rules.shapes = shapes;
-		r_layer.settings = settings;
-	}
+/// The same object as before, if it says the same.
+template <class Values>
+std::shared_ptr<const Values> kept(const std::shared_ptr<const Values> &before, Values now) {
+	return before != nullptr && *before == now ? before : std::make_shared<const Values>(std::move(now));
 }
 
 /// Where the tiles of a layer are not what they were, because it says something else or the ground has changed.
@@ -54,10 +51,12 @@ const char *far_looking_property(const LayerSettings &layer, double tile_size) {
 void LayerList::clear() {
 	entries_.clear();
 	snapshots_.clear();
+	water_ = nullptr;
 }
 
-void LayerList::complain(std::size_t index, const Status &status) {
-	const std::string owner = "layers[" + std::to_string(index) + "]: ScatterLayer";
+void LayerList::complain(std::size_t index, bool own, const Status &status) {
+	const std::string place = std::to_string(index);
+	const std::string owner = (own ? "layers[" + place + "]" : "get_layer(" + place + ")") + ": ScatterLayer";
 	const String complaint = status.ok() ? String() : sentence(owner.c_str(), status);
 	if (!complaint.is_empty() && !(complaint == entries_[index].complaint)) {
 		ERR_PRINT(complaint);
@@ -78,23 +77,58 @@ Status LayerList::read(Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::ui
 	return status;
 }
 
-std::vector<LinkedLayer> LayerList::link() const {
+/// Adds what a layer itself does not know: the shapes and the biomes that count for it, and the water.
+void LayerList::add_world(std::size_t index, const NodeLayers &layers, const LayerWorld &world) {
+	LayerSnapshot &layer = *entries_[index].unlinked;
+	const SharedSnapshot was = before(index);
+	const auto settings = std::make_shared<LayerSettings>(*layer.settings);
+	Rules &rules = settings->rules;
+	rules.shapes = world.regions.set_for(layers.by_index(), index);
+	rules.water = water_;
+	rules.biome = nullptr;
+	if (index >= layers.own_count()) {
+		const Ref<ScatterLayer> resource = layers.by_index()[static_cast<int64_t>(index)];
+		rules.biome = kept(was != nullptr ? was->settings->rules.biome : nullptr,
+				BiomeDensity(world.biomes->map(), world.biomes->densities_of(resource)));
+	}
+	layer.settings = settings;
+}
+
+/// Where there are biomes it is always known, so that a change of one biome's water is one there and nowhere else.
+void LayerList::find_water(const LayerWorld &world) {
+	if (world.biomes.is_valid()) {
+		water_ = kept(water_, WaterLevels(world.biomes->map(), world.biomes->water_levels(world.water_level)));
+	} else if (world.water_level > no_water) {
+		water_ = kept(water_, WaterLevels(world.water_level));
+	} else {
+		water_ = nullptr;
+	}
+}
+
+/// Layers give way to those before them in `order`; what comes out is by index.
+std::vector<LinkedLayer> LayerList::link(const std::vector<std::size_t> &order) const {
 	std::vector<UnlinkedLayer> layers;
-	for (const Entry &entry : entries_) {
+	std::vector<SharedLayer> before_all;
+	for (const std::size_t index : order) {
+		const Entry &entry = entries_[index];
 		layers.push_back(entry.unlinked ? UnlinkedLayer{entry.unlinked->settings.get(), &entry.unlinked->links}
 										: UnlinkedLayer{});
+		const SharedSnapshot was = before(index);
+		before_all.push_back(was != nullptr ? was->settings : nullptr);
 	}
-	std::vector<SharedLayer> before;
-	for (const SharedSnapshot &layer : snapshots_) {
-		before.push_back(layer != nullptr ? layer->settings : nullptr);
-	}
-	return link_layers(layers, before, [this](const LayerSettings &layer, std::size_t index) {
-		const double tile_size = entries_[index].unlinked->range.tile_size;
+	const auto check = [this, &order](const LayerSettings &layer, std::size_t at) {
+		const double tile_size = entries_[order[at]].unlinked->range.tile_size;
 		const double points = points_to_sample(layer, tile_size);
 		return points > ScatterLayer::max_tile_points
 				? Status{ErrorCode::too_many_points, far_looking_property(layer, tile_size), points}
 				: Status{};
-	});
+	};
+	std::vector<LinkedLayer> linked = link_layers(layers, before_all, check);
+	std::vector<LinkedLayer> result(entries_.size());
+	for (std::size_t at = 0; at < order.size(); ++at) {
+		result[order[at]] = std::move(linked[at]);
+	}
+	return result;
 }
 
 /// What a layer says from now on, given what came of its names.
@@ -111,24 +145,30 @@ SharedSnapshot LayerList::next(std::size_t index, const LinkedLayer &linked) con
 	return was != nullptr && *was == now ? was : std::make_shared<const LayerSnapshot>(std::move(now));
 }
 
-std::vector<EditedArea> LayerList::update(const TypedArray<ScatterLayer> &p_layers, std::uint64_t seed,
-		const EditedArea &ground_change, RegionRegister &regions) {
-	const auto count = static_cast<std::size_t>(p_layers.size());
+std::vector<EditedArea> LayerList::update(
+		const NodeLayers &layers, const LayerWorld &world, const EditedArea &ground_change) {
+	const auto count = static_cast<std::size_t>(layers.by_index().size());
 	entries_.resize(count);
+	find_water(world);
 	std::vector<Status> statuses;
 	for (std::size_t index = 0; index < count; ++index) {
-		const Ref<ScatterLayer> layer = p_layers[static_cast<int64_t>(index)];
-		statuses.push_back(read(entries_[index], layer, seed, index));
+		const Ref<ScatterLayer> layer = layers.by_index()[static_cast<int64_t>(index)];
+		const Ref<ScatterLayer> shown = world.previews.shown(layer);
+		statuses.push_back(read(entries_[index], shown, world.seed, index));
 		if (std::optional<LayerSnapshot> &unlinked = entries_[index].unlinked) {
-			set_shapes(*unlinked, regions.set_for(p_layers, index));
+			if (shown != layer) {
+				unlinked->links.identity = layer->get_instance_id(); // Others may hold the layer itself.
+			}
+			add_world(index, layers, world);
 		}
 	}
 	std::vector<EditedArea> areas;
 	std::vector<SharedSnapshot> snapshots;
 	EditSearch search; // Compares with settings of `snapshots_`, which have to live as long.
-	const std::vector<LinkedLayer> linked = link();
+	const std::vector<LinkedLayer> linked = link(layers.order());
 	for (std::size_t index = 0; index < count; ++index) {
-		complain(index, linked[index].status.ok() ? statuses[index] : linked[index].status);
+		const bool own = index < layers.own_count();
+		complain(index, own, linked[index].status.ok() ? statuses[index] : linked[index].status);
 		snapshots.push_back(next(index, linked[index]));
 		areas.push_back(outdated_area(before(index), snapshots.back(), ground_change, search));
 	}

@@ -14,7 +14,7 @@ namespace thicket {
 namespace {
 
 /// What is wrong with one layer, whatever the others are.
-void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterTerrain> &p_terrain,
+void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterTerrain> &p_terrain, bool has_water,
 		PackedStringArray &r_problems) {
 	for (const String &problem : layer.problems()) {
 		r_problems.push_back(p_where + problem);
@@ -23,6 +23,11 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 			!p_terrain->has_textures()) {
 		r_problems.push_back(
 				p_where + String("ScatterLayer.ground_textures has no effect: the terrain has no textures."));
+	}
+	if (layer.needs_water() && !has_water) {
+		r_problems.push_back(p_where +
+				String("nothing stands: min_water_depth asks for water, and there is none. Set "
+					   "TerrainScatter3D.water_enabled."));
 	}
 }
 
@@ -33,11 +38,13 @@ void add_terrain_problems(const Ref<ScatterTerrain> &p_terrain, PackedStringArra
 		r_problems.push_back("No terrain: set TerrainScatter3D.terrain to a ScatterTerrain to show anything.");
 	} else if (const String problem = p_terrain->problem(); !problem.is_empty()) {
 		r_problems.push_back(problem);
+	} else if (const String remark = p_terrain->remark(); !remark.is_empty()) {
+		r_problems.push_back(remark);
 	}
 }
 
-void add_layer_problems(
-		const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterTerrain> &p_terrain, PackedStringArray &r_problems) {
+void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterTerrain> &p_terrain, bool has_water,
+		PackedStringArray &r_problems) {
 	if (p_layers.is_empty()) {
 		r_problems.push_back("No layers: add a ScatterLayer to TerrainScatter3D.layers.");
 	}
@@ -58,7 +65,7 @@ void add_layer_problems(
 			r_problems.push_back(where + String("empty, shows nothing."));
 			continue;
 		}
-		add_problems_of(*layer.ptr(), where, p_terrain, r_problems);
+		add_problems_of(*layer.ptr(), where, p_terrain, has_water, r_problems);
 		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(index))) {
 			r_problems.push_back(where + String::utf8(problem.c_str()));
 		}

@@ -8,9 +8,10 @@
 
 namespace thicket {
 
-/// Adds what keeps a node's terrain and layers from showing what they should, a sentence each.
+/// Adds what keeps a node's terrain and layers from showing what they should, a sentence each. The layers are in the order in
+/// which they give way to each other; `has_water` says whether there is any water.
 void add_terrain_problems(const godot::Ref<ScatterTerrain> &p_terrain, godot::PackedStringArray &r_problems);
 void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterTerrain> &p_terrain,
-		godot::PackedStringArray &r_problems);
+		bool has_water, godot::PackedStringArray &r_problems);
 
 } // namespace thicket

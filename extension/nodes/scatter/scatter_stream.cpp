@@ -2,9 +2,8 @@
 
 #include "core/base/tile_grid.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/threads.hpp"
 
-#include <godot_cpp/classes/os.hpp>
-#include <godot_cpp/classes/project_settings.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
@@ -27,12 +26,6 @@ constexpr std::size_t max_jobs_per_worker = 64;
 
 /// Meters that a viewer may move before the work that waits is sorted anew.
 constexpr double sort_distance = 4.0;
-
-/// Whether the engine has threads to work on. Builds for the web may have none, and a project may forbid them.
-bool has_threads() {
-	const Variant most = ProjectSettings::get_singleton()->get_setting("threading/worker_pool/max_threads", -1);
-	return OS::get_singleton()->has_feature("threads") && static_cast<int64_t>(most) != 0;
-}
 
 /// 0 where the main thread has to make the tiles.
 std::size_t worker_count() {

@@ -90,6 +90,7 @@ void TerrainScatter3D::start() {
 	display().set_scenario(get_world_3d()->get_scenario(), get_instance_id());
 	display().set_visible(is_visible_in_tree());
 	gameplay()->start(in_editor() ? RID() : get_world_3d()->get_space(), get_instance_id());
+	navigation_.start(this, "_parse_navigation");
 	set_process_internal(true);
 	if (!std::exchange(running_, true) && terrain_.is_valid()) {
 		terrain_->enter(this, world_offset_);
@@ -101,6 +102,7 @@ void TerrainScatter3D::stop() {
 	if (!std::exchange(running_, false)) {
 		return;
 	}
+	navigation_.stop();
 	if (terrain_.is_valid()) {
 		terrain_->leave(this);
 	}
@@ -117,6 +119,12 @@ void TerrainScatter3D::process_frame() {
 	const auto start = Clock::now();
 	const std::shared_ptr<ScatterStream> stream = stream_;
 	const Presence here(gameplay_);
+	if (terrain_.is_valid()) {
+		terrain_->follow_scene();
+		if (!here) {
+			return;
+		}
+	}
 	if (regions_.paths_changed()) {
 		mark_edited();
 	}
@@ -193,12 +201,14 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 	limits.max_multimeshes = static_cast<std::uint64_t>(max_multimeshes_);
 	if (in_editor()) {
 		limits.max_instances = static_cast<std::uint64_t>(preview_instances_);
+		limits.hidden_layers = previews_.hidden(all_layers());
 	}
 	return limits;
 }
 
 bool TerrainScatter3D::is_settled() const {
-	return !dirty_ && !layer_watch_->differs(layers_) &&
+	const bool behind = (terrain_.is_valid() && terrain_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
+	return !dirty_ && !behind && !layer_watch_->differs(all_layers()) &&
 			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && gameplay_->settled()));
 }
 
@@ -210,8 +220,8 @@ void TerrainScatter3D::mark_edited() {
 void TerrainScatter3D::mark_dirty() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<LayerWatch> watch = layer_watch_;
-	const TypedArray<ScatterLayer> layers = layers_;
-	watch->look(layers); // Layers that get an id tell scripts, which may free this node.
+	const TypedArray<ScatterLayer> layers = all_layers();
+	watch->look(layers, node_layers_.own_count()); // Layers that get an id tell scripts, which may free this node.
 	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
 		return;
@@ -222,8 +232,9 @@ void TerrainScatter3D::mark_dirty() {
 	mark_edited();
 	update_configuration_warnings();
 	PackedStringArray names;
-	for (int64_t index = 0; index < layers_.size(); ++index) {
-		const Ref<ScatterLayer> layer = layers_[index];
+	const TypedArray<ScatterLayer> named = all_layers();
+	for (int64_t index = 0; index < named.size(); ++index) {
+		const Ref<ScatterLayer> layer = named[index];
 		names.push_back(layer.is_valid() ? layer->get_name() : String());
 	}
 	if (!(names == layer_names_)) {
@@ -232,9 +243,13 @@ void TerrainScatter3D::mark_dirty() {
 	}
 }
 
-/// Scripts share the list, and may change it without its setter.
+/// Scripts share the lists of layers and biomes, and may change them without a setter.
 void TerrainScatter3D::notice_layers() {
-	if (layer_watch_->differs(layers_)) {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {
+		biomes->notice(); // Tells scripts, which may free this node.
+	}
+	if (gameplay->alive() && layer_watch_->differs(all_layers())) {
 		mark_dirty();
 	}
 }
@@ -249,6 +264,12 @@ void TerrainScatter3D::regenerate() {
 		terrain_->look_again();
 	}
 	mark_ground_dirty();
+}
+
+void TerrainScatter3D::refresh_ground() {
+	if (terrain_.is_null() || !terrain_->read_again()) {
+		regenerate();
+	}
 }
 
 void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
@@ -278,7 +299,7 @@ void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 
 String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 	std::uint32_t index = 0;
-	return find_layer(layers_, p_reference, index);
+	return find_layer(all_layers(), p_reference, index);
 }
 
 /// Settings that were changed in this frame count from now on. Refused where there is nothing to ask.
@@ -315,16 +336,36 @@ void TerrainScatter3D::refresh() {
 		return;
 	}
 	regions_.update(std::exchange(recentered_, false));
-	if (!grounded || layers_.is_empty()) {
+	if (!grounded || all_layers().is_empty()) {
 		layer_list_.clear();
 		gameplay->clear();
 		stream->stop();
 		return;
 	}
-	const std::vector<EditedArea> outdated =
-			layer_list_.update(layers_, static_cast<std::uint64_t>(seed_), ground_change, regions_);
+	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(), ground_change);
 	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
 	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, {terrain_, get_instance_id()}});
+}
+
+/// The engine's call for each node that a navigation mesh is baked from.
+void TerrainScatter3D::parse_navigation(
+		const Ref<NavigationMesh> &p_mesh, const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, Node *p_node) {
+	NavigationBake bake;
+	if (!navigation_.visit(p_mesh, p_geometry, p_node, this, bake)) {
+		return;
+	}
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	navigation_.set_busy(true);
+	gameplay->add_obstructions(bake);
+	if (gameplay->alive()) {
+		navigation_.set_busy(false);
+	}
+}
+
+LayerWorld TerrainScatter3D::layer_world() {
+	static const LayerPreviews none;
+	return {static_cast<std::uint64_t>(seed_), water_enabled_ ? water_level_ : no_water, biomes_, regions_,
+			in_editor() ? previews_ : none};
 }
 
 /// A tile for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.

@@ -1,12 +1,17 @@
 #pragma once
 
+#include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/gameplay/navigation_parse.hpp"
 #include "nodes/gameplay/scatter_gameplay.hpp"
 #include "nodes/layer/layer_watch.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/region/region_register.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
+#include "nodes/scatter/layer_explainer.hpp"
 #include "nodes/scatter/layer_list.hpp"
+#include "nodes/scatter/layer_previews.hpp"
+#include "nodes/scatter/node_layers.hpp"
 #include "nodes/scatter/scatter_stream.hpp"
 #include "nodes/scatter/scatter_tile.hpp"
 #include "nodes/scatter/scatter_viewers.hpp"
@@ -52,6 +57,23 @@ public:
 	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 	godot::TypedArray<ScatterLayer> get_layers() const { return layers_; }
 
+	/// Further layers, and where each of them stands; null for none.
+	void set_biomes(const godot::Ref<ScatterBiomeMap> &p_biomes);
+	godot::Ref<ScatterBiomeMap> get_biomes() const { return biomes_; }
+
+	/// All layers, the node's own and those of its biomes, by the index that signals and answers give. Null for an empty entry;
+	/// null with an error for an index that no layer has.
+	int64_t get_layer_count() const { return all_layers().size(); }
+	godot::Ref<ScatterLayer> get_layer(int64_t p_index) const;
+
+	/// Whether there is water below water_level, for the rules of layers. It is not drawn.
+	void set_water_enabled(bool p_enabled);
+	bool is_water_enabled() const { return water_enabled_; }
+
+	/// World meters, ScatterBiome::max_water_level either way.
+	void set_water_level(double p_level);
+	double get_water_level() const { return water_level_; }
+
 	/// Null: nothing is shown.
 	void set_terrain(const godot::Ref<ScatterTerrain> &p_terrain);
 	godot::Ref<ScatterTerrain> get_terrain() const { return terrain_; }
@@ -95,6 +117,10 @@ public:
 	/// Makes all tiles anew; what stands stays until its successor is ready.
 	void regenerate();
 
+	/// Looks at the ground again, in portions, and makes anew what stands where it is another. Ground that cannot tell where that is
+	/// counts as another everywhere.
+	void refresh_ground();
+
 	/// True when every wanted tile is shown, and all else has followed: bodies, scenes, and what was changed.
 	bool is_settled() const;
 	godot::Dictionary get_stats() const;
@@ -111,12 +137,35 @@ public:
 	/// The tiles of a layer that are shown; `p_layer` is a layer reference, see find_layer.
 	godot::TypedArray<godot::Vector2i> get_shown_tiles(const godot::Variant &p_layer) const;
 
+	/// The instances of a layer that are on show.
+	int64_t get_shown_count(const godot::Variant &p_layer) const;
+
+	// For the add-on's tools in the editor; see LayerPreviews.
+
+	void set_preview_hidden(const godot::TypedArray<ScatterLayer> &p_layers) { previews_.set_hidden(p_layers); }
+	void set_preview_stand_in(const godot::Ref<ScatterLayer> &p_layer, const godot::Ref<ScatterLayer> &p_stand_in);
+
 	/// What is drawn of a tile; an empty one for a tile that is not shown.
 	godot::Ref<ScatterTile> get_tile(const godot::Variant &p_layer, const godot::Vector2i &p_tile);
 
 	/// What stands in a half-open rectangle of world x and z, made at once on the calling thread, the main one. Empty, with an error,
 	/// for a layer that does not exist and a rectangle that the core refuses.
 	godot::Ref<ScatterTile> build_rect(const godot::Variant &p_layer, const godot::Rect2 &p_rect);
+
+	// Why something stands somewhere or does not. To be called on the main thread.
+
+	/// Explains a place, by x and z, for each of some layers (see find_layers); empty, with an error, for a layer that is not there and a
+	/// place that is not finite.
+	godot::TypedArray<ScatterExplanation> explain_position(
+			const godot::Vector3 &p_position, const godot::Variant &p_layers);
+
+	/// In the middle of each field of a grid over a rectangle, row by row: the density that the layer's rules give, 0 to 1; the slope of
+	/// the ground in degrees, NAN for none; the rank of the nearest point of the layer's set, 0 to 1.
+	godot::PackedFloat32Array get_density_map(
+			const godot::Variant &p_layer, const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
+	godot::PackedFloat32Array get_slope_map(const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
+	godot::PackedFloat32Array get_rank_map(
+			const godot::Variant &p_layer, const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
 
 	// Gameplay; see ScatterGameplay.
 
@@ -156,6 +205,16 @@ public:
 	int64_t add_instance(const godot::Variant &p_layer, const godot::Transform3D &p_transform, int64_t p_mesh) {
 		return gameplay()->add_instance(p_layer, p_transform, p_mesh);
 	}
+	godot::PackedInt64Array add_instances(const godot::Variant &p_layer, const godot::PackedFloat32Array &p_transforms,
+			const godot::PackedInt32Array &p_meshes) {
+		return gameplay()->add_instances(p_layer, p_transforms, p_meshes);
+	}
+	godot::PackedInt64Array remove_instances(const godot::PackedInt64Array &p_ids) {
+		return gameplay()->remove_instances(p_ids);
+	}
+	int64_t set_instance_transform(int64_t p_id, const godot::Transform3D &p_transform) {
+		return gameplay()->set_instance_transform(p_id, p_transform);
+	}
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data) {
 		return gameplay()->set_instance_data(p_id, p_data);
 	}
@@ -187,7 +246,7 @@ private:
 	public:
 		explicit Host(TerrainScatter3D &node) : node_(node) {}
 		godot::Node3D *node() override { return &node_; }
-		godot::TypedArray<ScatterLayer> layers() const override { return node_.layers_; }
+		godot::TypedArray<ScatterLayer> layers() const override { return node_.all_layers(); }
 		Status prepare() override { return node_.prepare(); }
 		void set_overlay(const InstanceState *state) override { node_.display().set_state(state); }
 		void redraw(std::uint32_t layer, const Rect &area) override;
@@ -201,6 +260,7 @@ private:
 	};
 
 	static void bind_streaming();
+	static void bind_places();
 	static void bind_queries();
 	static void bind_changes();
 	static void bind_signals();
@@ -226,15 +286,37 @@ private:
 	void mark_area_edited(const godot::Rect2 &) { mark_edited(); }
 	void schedule_patch();
 	void patch_now();
+	void parse_navigation(const godot::Ref<godot::NavigationMesh> &p_mesh,
+			const godot::Ref<godot::NavigationMeshSourceGeometryData3D> &p_geometry, godot::Node *p_node);
 	void recycle_scenes() { gameplay()->recycle_scenes(); }
 	void watch_terrain(bool p_watch);
+
+	/// As scripts have left them: they share the lists.
+	const godot::TypedArray<ScatterLayer> &all_layers() const {
+		node_layers_.update(layers_, biomes_.ptr());
+		return node_layers_.by_index();
+	}
+	LayerWorld layer_world();
 	void adopt_terrain();
 	TileMaker tile_maker() const;
 	DrawLimits draw_limits() const;
+	godot::String ground_problem();
+	LayerExplainer layer_explainer() const;
+	void explain_layer(const godot::Ref<ScatterLayer> &p_layer, const std::shared_ptr<ScatterGameplay> &gameplay,
+			LayerExplanation &r_explanation);
+	void explain_changes(const LayerSnapshot &layer, LayerExplanation &r_explanation) const;
+	void explain_drawing(const LayerSnapshot &layer, LayerExplanation &r_explanation) const;
+	template <class Ask>
+	godot::PackedFloat32Array map_of(const char *p_method, const godot::Variant *p_layer, const godot::Rect2 &p_rect,
+			const godot::Vector2i &p_size, const Ask &ask);
 	bool find_layer_index(const char *p_method, const godot::Variant &p_layer, std::uint32_t &r_index) const;
 
 	int64_t seed_ = 0;
 	godot::TypedArray<ScatterLayer> layers_;
+	godot::Ref<ScatterBiomeMap> biomes_;
+	mutable NodeLayers node_layers_; ///< Follows `layers_` and `biomes_`: see all_layers.
+	bool water_enabled_ = false;
+	double water_level_ = 0.0;
 	std::shared_ptr<LayerWatch> layer_watch_ = std::make_shared<LayerWatch>(this);
 	godot::Ref<ScatterTerrain> terrain_;
 	ViewerSettings viewers_;
@@ -248,7 +330,9 @@ private:
 	Host host_{*this};
 	std::shared_ptr<ScatterGameplay> gameplay_ = std::make_shared<ScatterGameplay>(host_);
 	std::shared_ptr<ScatterStream> stream_ = std::make_shared<ScatterStream>(gameplay_->world());
+	NavigationParse navigation_;
 	LayerList layer_list_;
+	LayerPreviews previews_;
 	RegionRegister regions_;
 	godot::PackedStringArray layer_names_; ///< By index, as regions were told of them last.
 	std::shared_ptr<const Terrain> ground_;

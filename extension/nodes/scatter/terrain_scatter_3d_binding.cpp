@@ -12,10 +12,12 @@ namespace thicket {
 
 // Makes these complete before a method that gives one is named: for WebAssembly, clang 19 else declares it as one that gives
 // nothing, and the linker puts a function that traps in its place.
-static_assert(std::is_destructible_v<TypedArray<Vector2i>> && std::is_destructible_v<Ref<ScatterTile>>);
+static_assert(std::is_destructible_v<TypedArray<Vector2i>> && std::is_destructible_v<Ref<ScatterTile>> &&
+		std::is_destructible_v<TypedArray<ScatterExplanation>>);
 
 void TerrainScatter3D::_bind_methods() {
 	bind_streaming();
+	bind_places();
 	bind_changes();
 	bind_queries();
 	bind_signals();
@@ -23,6 +25,8 @@ void TerrainScatter3D::_bind_methods() {
 
 void TerrainScatter3D::bind_streaming() {
 	using Self = TerrainScatter3D;
+	bind_guarded<&Self::set_biomes>(D_METHOD("set_biomes", "biomes"));
+	bind_guarded<&Self::get_biomes>(D_METHOD("get_biomes"));
 	bind_guarded<&Self::set_seed>(D_METHOD("set_seed", "seed"));
 	bind_guarded<&Self::get_seed>(D_METHOD("get_seed"));
 	bind_guarded<&Self::set_terrain>(D_METHOD("set_terrain", "terrain"));
@@ -49,12 +53,17 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::mark_area_edited>(D_METHOD("_mark_area_edited", "rect"));
 	bind_guarded<&Self::patch_now>(D_METHOD("_patch"));
 	bind_guarded<&Self::process_frame>(D_METHOD("_process_frame"));
+	bind_guarded<&Self::parse_navigation>(D_METHOD("_parse_navigation", "mesh", "geometry", "node"));
+	bind_guarded<&Self::set_preview_hidden>(D_METHOD("_set_preview_hidden", "layers"));
+	bind_guarded<&Self::set_preview_stand_in>(D_METHOD("_set_preview_stand_in", "layer", "stand_in"));
 	bind_guarded<&Self::regenerate>(D_METHOD("regenerate"));
+	bind_guarded<&Self::refresh_ground>(D_METHOD("refresh_ground"));
 	bind_guarded<&Self::is_settled>(D_METHOD("is_settled"));
 	bind_guarded<&Self::get_stats>(D_METHOD("get_stats"));
 	bind_guarded<&Self::get_draw_stats>(D_METHOD("get_draw_stats", "camera"), DEFVAL(Variant()));
 	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
 	bind_guarded<&Self::get_shown_tiles>(D_METHOD("get_shown_tiles", "layer"));
+	bind_guarded<&Self::get_shown_count>(D_METHOD("get_shown_count", "layer"));
 	bind_guarded<&Self::get_tile>(D_METHOD("get_tile", "layer", "tile"));
 	bind_guarded<&Self::build_rect>(D_METHOD("build_rect", "layer", "rect"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
@@ -63,6 +72,8 @@ void TerrainScatter3D::bind_streaming() {
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:ScatterLayer", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_layers", "get_layers");
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "biomes", PROPERTY_HINT_RESOURCE_TYPE, "ScatterBiomeMap"), "set_biomes",
+			"get_biomes");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "viewers", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:Node3D", Variant::NODE_PATH, PROPERTY_HINT_NODE_PATH_VALID_TYPES)),
 			"set_viewers", "get_viewers");
@@ -81,6 +92,21 @@ void TerrainScatter3D::bind_streaming() {
 			"set_max_multimeshes", "get_max_multimeshes");
 }
 
+void TerrainScatter3D::bind_places() {
+	using Self = TerrainScatter3D;
+	bind_guarded<&Self::get_layer_count>(D_METHOD("get_layer_count"));
+	bind_guarded<&Self::get_layer>(D_METHOD("get_layer", "index"));
+	bind_guarded<&Self::set_water_enabled>(D_METHOD("set_water_enabled", "enabled"));
+	bind_guarded<&Self::is_water_enabled>(D_METHOD("is_water_enabled"));
+	bind_guarded<&Self::set_water_level>(D_METHOD("set_water_level", "level"));
+	bind_guarded<&Self::get_water_level>(D_METHOD("get_water_level"));
+	ADD_GROUP("Water", "water_");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "water_enabled"), "set_water_enabled", "is_water_enabled");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "water_level", PROPERTY_HINT_RANGE,
+						 "-1000,9000,0.01,or_less,or_greater,suffix:m"),
+			"set_water_level", "get_water_level");
+}
+
 void TerrainScatter3D::bind_changes() {
 	using Self = TerrainScatter3D;
 	bind_guarded<&Self::set_state>(D_METHOD("set_state", "state"));
@@ -92,6 +118,10 @@ void TerrainScatter3D::bind_changes() {
 	bind_guarded<&Self::remove_in_sphere>(D_METHOD("remove_in_sphere", "center", "radius", "layers", "predicate"),
 			DEFVAL(Array()), DEFVAL(Callable()));
 	bind_guarded<&Self::add_instance>(D_METHOD("add_instance", "layer", "transform", "mesh"), DEFVAL(0));
+	bind_guarded<&Self::add_instances>(
+			D_METHOD("add_instances", "layer", "transforms", "meshes"), DEFVAL(PackedInt32Array()));
+	bind_guarded<&Self::remove_instances>(D_METHOD("remove_instances", "ids"));
+	bind_guarded<&Self::set_instance_transform>(D_METHOD("set_instance_transform", "id", "transform"));
 	bind_guarded<&Self::set_instance_data>(D_METHOD("set_instance_data", "id", "data"));
 	bind_guarded<&Self::get_instance_data>(D_METHOD("get_instance_data", "id"));
 	bind_guarded<&Self::get_scene>(D_METHOD("get_scene", "id"));
@@ -114,6 +144,10 @@ void TerrainScatter3D::bind_queries() {
 			D_METHOD("query_ray", "from", "to", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
 	bind_guarded<&Self::query_nearest>(D_METHOD("query_nearest", "position", "max_distance", "layers", "predicate"),
 			DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::explain_position>(D_METHOD("explain_position", "position", "layers"), DEFVAL(Array()));
+	bind_guarded<&Self::get_density_map>(D_METHOD("get_density_map", "layer", "rect", "size"));
+	bind_guarded<&Self::get_slope_map>(D_METHOD("get_slope_map", "rect", "size"));
+	bind_guarded<&Self::get_rank_map>(D_METHOD("get_rank_map", "layer", "rect", "size"));
 	bind_guarded<&Self::get_instance>(D_METHOD("get_instance", "id"));
 	bind_guarded<&Self::has_instance>(D_METHOD("has_instance", "id"));
 	bind_guarded<&Self::get_body_instance>(D_METHOD("get_body_instance", "body"));
@@ -126,7 +160,8 @@ void TerrainScatter3D::bind_signals() {
 		ADD_SIGNAL(MethodInfo(name, PropertyInfo(Variant::INT, "layer"), PropertyInfo(Variant::VECTOR2I, "tile")));
 	}
 	ADD_SIGNAL(MethodInfo("settled"));
-	for (const char *name : {"instance_removed", "instance_restored", "instance_added", "instance_data_changed"}) {
+	for (const char *name :
+			{"instance_removed", "instance_restored", "instance_added", "instance_moved", "instance_data_changed"}) {
 		ADD_SIGNAL(MethodInfo(name, PropertyInfo(Variant::INT, "id"), PropertyInfo(Variant::INT, "layer"),
 				PropertyInfo(Variant::TRANSFORM3D, "transform")));
 	}

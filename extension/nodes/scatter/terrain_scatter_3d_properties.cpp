@@ -36,6 +36,37 @@ void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
 	mark_dirty();
 }
 
+void TerrainScatter3D::set_biomes(const Ref<ScatterBiomeMap> &p_biomes) {
+	if (biomes_ == p_biomes) {
+		return;
+	}
+	watch(biomes_.ptr(), "changed", this, "_mark_dirty", false);
+	biomes_ = p_biomes;
+	watch(biomes_.ptr(), "changed", this, "_mark_dirty", true);
+	mark_dirty();
+}
+
+Ref<ScatterLayer> TerrainScatter3D::get_layer(int64_t p_index) const {
+	std::uint32_t layer = 0;
+	return find_layer_index("get_layer", p_index, layer) ? Ref<ScatterLayer>(all_layers()[p_index])
+														 : Ref<ScatterLayer>();
+}
+
+void TerrainScatter3D::set_water_enabled(bool p_enabled) {
+	if (std::exchange(water_enabled_, p_enabled) != p_enabled) {
+		notify_property_list_changed();
+		mark_dirty();
+	}
+}
+
+void TerrainScatter3D::set_water_level(double p_level) {
+	constexpr double limit = ScatterBiome::max_water_level;
+	if (accept_number(class_name, "water_level", p_level, -limit, limit) &&
+			std::exchange(water_level_, p_level) != p_level) {
+		mark_dirty();
+	}
+}
+
 void TerrainScatter3D::watch_terrain(bool p_watch) {
 	watch(terrain_.ptr(), "changed", this, "_mark_ground_dirty", p_watch);
 	watch(terrain_.ptr(), "terrain_changed", this, "_mark_ground_edited", p_watch);
@@ -130,7 +161,7 @@ Node3D *TerrainScatter3D::get_scene(int64_t p_id) const { return gameplay_->scen
 Node3D *TerrainScatter3D::take_scene(int64_t p_id) { return gameplay()->scenes().take(core_id(p_id)); }
 
 bool TerrainScatter3D::find_layer_index(const char *p_method, const Variant &p_layer, std::uint32_t &r_index) const {
-	const String problem = find_layer(layers_, p_layer, r_index);
+	const String problem = find_layer(all_layers(), p_layer, r_index);
 	if (!problem.is_empty()) {
 		ERR_PRINT(String(class_name) + String(".") + String(p_method) + String(": ") + problem);
 	}
@@ -146,6 +177,17 @@ TypedArray<Vector2i> TerrainScatter3D::get_shown_tiles(const Variant &p_layer) c
 		}
 	}
 	return result;
+}
+
+int64_t TerrainScatter3D::get_shown_count(const Variant &p_layer) const {
+	std::uint32_t layer = 0;
+	return find_layer_index("get_shown_count", p_layer, layer) ? static_cast<int64_t>(display().instance_count(layer))
+															   : 0;
+}
+
+void TerrainScatter3D::set_preview_stand_in(const Ref<ScatterLayer> &p_layer, const Ref<ScatterLayer> &p_stand_in) {
+	previews_.set_stand_in(p_layer, p_stand_in);
+	mark_edited();
 }
 
 Ref<ScatterTile> TerrainScatter3D::get_tile(const Variant &p_layer, const Vector2i &p_tile) {
@@ -182,6 +224,9 @@ Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect
 		const std::shared_ptr<const Terrain> ground = ground_;
 		status = build_at_once(*snapshot->settings, ground.get(), terrain, to_world(p_rect, offset), tile);
 	}
+	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
+		status = lay_over(*snapshot->settings, to_world(p_rect, offset), state->state(), tile);
+	}
 	report("TerrainScatter3D.build_rect", status);
 	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.meshes, offset)
 					   : Ref<ScatterTile>(memnew(ScatterTile));
@@ -211,6 +256,9 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["bodies_pooled"] = number(gameplay_->collision().pooled_count());
 	stats["tiles_made"] = number(figures.tiles_made);
 	stats["points_sampled"] = number(figures.points_sampled);
+	const GroundFigures ground = terrain_.is_valid() ? terrain_->figures() : GroundFigures();
+	stats["ground_checks"] = number(ground.checks);
+	stats["ground_reads"] = number(ground.reads);
 	stats["worker_usec"] = number(figures.worker_microseconds);
 	return stats;
 }
@@ -238,7 +286,19 @@ Dictionary TerrainScatter3D::get_draw_stats(Camera3D *p_camera) const {
 PackedStringArray TerrainScatter3D::get_problems() const {
 	PackedStringArray problems;
 	add_terrain_problems(terrain_, problems);
-	add_layer_problems(layers_, terrain_, problems);
+	TypedArray<ScatterLayer> layers;
+	const TypedArray<ScatterLayer> &by_index = all_layers();
+	for (const std::size_t index : node_layers_.order()) {
+		layers.push_back(by_index[static_cast<int64_t>(index)]);
+	}
+	bool has_water = water_enabled_;
+	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {
+		has_water = has_water || biomes->has_own_water();
+		for (const String &problem : biomes->problems(layers_)) {
+			problems.push_back(problem);
+		}
+	}
+	add_layer_problems(layers, terrain_, has_water, problems);
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {
 		if (const Status status = gameplay_->check_state(*state.ptr()); !status.ok()) {
 			problems.push_back(

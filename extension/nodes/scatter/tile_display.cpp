@@ -262,13 +262,26 @@ const DisplayedTile *TileDisplay::find(std::uint32_t layer, glm::ivec2 tile) con
 }
 
 std::vector<glm::ivec2> TileDisplay::tiles(std::uint32_t layer) const {
-	constexpr auto lowest = std::numeric_limits<std::int32_t>::min();
 	std::vector<glm::ivec2> result;
-	auto at = tiles_.lower_bound({layer, lowest, lowest, std::numeric_limits<std::int64_t>::min()});
-	for (; at != tiles_.end() && std::get<0>(at->first) == layer; ++at) {
+	for (auto at = first_of(layer); at != tiles_.end() && std::get<0>(at->first) == layer; ++at) {
 		result.emplace_back(std::get<1>(at->first), std::get<2>(at->first));
 	}
 	return result;
+}
+
+std::uint64_t TileDisplay::instance_count(std::uint32_t layer) const {
+	std::uint64_t result = 0;
+	for (auto at = first_of(layer); at != tiles_.end() && std::get<0>(at->first) == layer; ++at) {
+		for (const DisplayedTile::Part &part : at->second.parts) {
+			result += part.shown->size();
+		}
+	}
+	return result;
+}
+
+std::map<TileDisplay::Order, DisplayedTile>::const_iterator TileDisplay::first_of(std::uint32_t layer) const {
+	constexpr auto lowest = std::numeric_limits<std::int32_t>::min();
+	return tiles_.lower_bound({layer, lowest, lowest, std::numeric_limits<std::int64_t>::min()});
 }
 
 } // namespace thicket

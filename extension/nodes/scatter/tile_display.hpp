@@ -27,6 +27,12 @@ struct DrawLimits {
 	double quality = 1.0;                                                    ///< Share of every tile, 0 to 1.
 	std::uint64_t max_instances = std::numeric_limits<std::uint64_t>::max(); ///< Of all tiles together.
 	std::uint64_t max_multimeshes = 8192; ///< Of all tiles together: no tile is divided for drawing beyond that.
+	std::vector<bool> hidden_layers;      ///< By index; nothing is drawn of these. Missing ones are drawn.
+
+	/// The share of a layer's tiles that is drawn, whatever the distance.
+	double share(std::size_t layer) const {
+		return layer < hidden_layers.size() && hidden_layers[layer] ? 0.0 : quality;
+	}
 
 	friend bool operator==(const DrawLimits &, const DrawLimits &) = default;
 };
@@ -118,8 +124,16 @@ public:
 	std::size_t tile_count() const { return tiles_.size(); }
 	std::uint64_t instance_count() const { return instances_; }
 
+	/// The same of one layer.
+	std::uint64_t instance_count(std::uint32_t layer) const;
+
 	/// Instances that are drawn when in sight, at most as many as the limits allow.
 	std::uint64_t drawn_count() const { return drawn_; }
+
+	/// The share of a layer's instances that is drawn this far from a viewer (meters), all limits counted: 0 to 1.
+	double drawn_share(const LodSettings &lod, double distance) const {
+		return thinned_density(lod, distance) * limits_.quality * share_;
+	}
 
 	/// Multimeshes on show: one for each mesh of a tile that is drawn as a whole, more for a tile in cells.
 	std::uint64_t multimesh_count() const { return multimeshes_; }
@@ -142,6 +156,7 @@ private:
 	};
 	static Order order(const TileKey &key);
 	static TileKey key_of(const Order &order);
+	std::map<Order, DisplayedTile>::const_iterator first_of(std::uint32_t layer) const;
 	void leave(DisplayedTile &&tile);
 	void leave(std::vector<DisplayedTile::Cell> &&cells);
 	void count(const DisplayedTile &tile);
@@ -156,7 +171,8 @@ private:
 	struct Drawing {
 		const LodSettings &lod;
 		const LodChain &chain;
-		bool fades; ///< The chain is of what the tile is drawn by, and made.
+		bool fades;   ///< The chain is of what the tile is drawn by, and made.
+		double share; ///< As DrawLimits has it for the layer.
 
 		double margin(const DistanceRange &distance) const;
 	};

@@ -156,7 +156,7 @@ TileDisplay::Drawing TileDisplay::drawing_of(const TileKey &key, const Displayed
 	static const LodChain none{LayerDrawing(), LodSettings(), 0};
 	const LodChain *chain = fades_.find(key.layer, mesh);
 	const bool fades = chain != nullptr && chain->is_made() && chain->is_of(tile.parts[mesh].lods);
-	return {layers_[key.layer]->lod, fades ? *chain : none, fades};
+	return {layers_[key.layer]->lod, fades ? *chain : none, fades, limits_.share(key.layer)};
 }
 
 /// Draws the meshes and the share of the instances that the distance of the tile asks for. False if the limit for all tiles cuts them
@@ -207,12 +207,12 @@ bool TileDisplay::draw_cell(
 	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
 	const double thinned = thinned_density(drawing.lod, distance.near);
 	cell.scale = static_cast<float>(compensating_scale(drawing.lod, thinned));
-	cell.density = thinned * limits_.quality * share_;
+	cell.density = thinned * drawing.share * share_;
 	cell.lod = lod_at(drawing.lod, distance.near, cell.lod);
 	cell.span = drawing.fades ? lod_span(drawing.lod, drawing.chain.steps(), distance, cell.span)
 							  : LodSpan{cell.lod, cell.lod, false};
 	const double of_lod = first_look(drawing, r_part, cell).density;
-	wanted_ -= std::exchange(cell.wanted, visible_prefix(ranks, thinned * limits_.quality * of_lod));
+	wanted_ -= std::exchange(cell.wanted, visible_prefix(ranks, thinned * drawing.share * of_lod));
 	wanted_ += cell.wanted;
 	drawn_ -= cell.drawn;
 	const std::uint64_t due = visible_prefix(ranks, cell.density * of_lod);

@@ -1,0 +1,81 @@
+#include "nodes/biome/biome_image.hpp"
+
+#include <godot_cpp/core/object.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+int byte_of(float channel) { return static_cast<int>(std::lround(255.0F * std::clamp(channel, 0.0F, 1.0F))); }
+
+std::uint8_t nearest(const std::uint8_t *rgb, std::span<const BiomeColor> colors) {
+	std::uint8_t result = no_biome;
+	int least = std::numeric_limits<int>::max();
+	for (const BiomeColor &color : colors) {
+		const int red = rgb[0] - color.red;
+		const int green = rgb[1] - color.green;
+		const int blue = rgb[2] - color.blue;
+		const int squared = red * red + green * green + blue * blue;
+		if (squared < least) {
+			least = squared;
+			result = color.index;
+		}
+	}
+	return result;
+}
+
+} // namespace
+
+BiomeColor biome_color(std::uint8_t index, const Color &p_color) {
+	return {index, byte_of(p_color.r), byte_of(p_color.g), byte_of(p_color.b)};
+}
+
+ColorPixels color_pixels(const Ref<Image> &p_image) {
+	ColorPixels result;
+	if (p_image.is_null() || p_image->get_width() <= 0 || p_image->get_height() <= 0) {
+		return result;
+	}
+	const Ref<Image> image = p_image->duplicate();
+	if (image->is_compressed() && image->decompress() != OK) {
+		return result;
+	}
+	image->clear_mipmaps();
+	image->convert(Image::FORMAT_RGBA8);
+	const PackedByteArray bytes = image->get_data();
+	const glm::ivec2 size{image->get_width(), image->get_height()};
+	if (bytes.size() == int64_t{4} * size.x * size.y) {
+		result = {size, bytes};
+	}
+	return result;
+}
+
+std::vector<std::uint8_t> biomes_of(
+		const ColorPixels &pixels, BiomePixels mode, std::span<const BiomeColor> colors, std::size_t count) {
+	constexpr std::uint8_t half = 128;
+	std::vector<std::uint8_t> result(static_cast<std::size_t>(pixels.size.x) * static_cast<std::size_t>(pixels.size.y));
+	const std::uint8_t *pixel = pixels.bytes.ptr();
+	const std::uint8_t *known = nullptr; // Neighbors are mostly alike.
+	std::uint8_t known_biome = no_biome;
+	for (std::uint8_t &biome : result) {
+		if (mode == BiomePixels::indices) {
+			biome = *pixel < count ? *pixel : no_biome;
+		} else if (known != nullptr && std::equal(pixel, pixel + 4, known)) {
+			biome = known_biome;
+		} else {
+			biome = pixel[3] < half ? no_biome : nearest(pixel, colors);
+			known = pixel;
+			known_biome = biome;
+		}
+		pixel += 4;
+	}
+	return result;
+}
+
+} // namespace thicket

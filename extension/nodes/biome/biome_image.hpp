@@ -1,0 +1,47 @@
+#pragma once
+
+#include "core/rules/biome_map.hpp"
+
+#include <godot_cpp/classes/image.hpp>
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/variant/color.hpp>
+#include <godot_cpp/variant/packed_byte_array.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// How pixels stand for biomes. The values are those that scenes store.
+enum class BiomePixels : std::uint8_t {
+	colors,  ///< By the nearest color; none where the pixel is more transparent than not.
+	indices, ///< By the value of the red channel; none where no biome has that index.
+};
+
+/// Red, green and blue, 0 to 255.
+struct BiomeColor {
+	std::uint8_t index = 0;
+	int red = 0;
+	int green = 0;
+	int blue = 0;
+};
+
+/// The color in the steps in which images have it.
+BiomeColor biome_color(std::uint8_t index, const godot::Color &p_color);
+
+/// An image in bytes: red, green, blue and alpha of each pixel, row by row.
+struct ColorPixels {
+	glm::ivec2 size{0}; ///< 0 where there is no image, or one that cannot be read.
+	godot::PackedByteArray bytes;
+};
+
+/// Reads any format that the engine can convert.
+ColorPixels color_pixels(const godot::Ref<godot::Image> &p_image);
+
+/// The biome of each pixel: of those with a color, in the order of their indices, the first among the nearest; or one of the
+/// first `count`. In whole numbers.
+std::vector<std::uint8_t> biomes_of(
+		const ColorPixels &pixels, BiomePixels mode, std::span<const BiomeColor> colors, std::size_t count);
+
+} // namespace thicket

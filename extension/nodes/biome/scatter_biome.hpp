@@ -1,0 +1,64 @@
+#pragma once
+
+#include "nodes/common/guard.hpp"
+#include "nodes/layer/scatter_layer.hpp"
+
+#include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/variant/color.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
+
+#include <cstdint>
+
+namespace thicket {
+
+/// What grows in one kind of land: a meadow, a forest, a swamp. Settings only; a ScatterBiomeMap says where it lies.
+///
+/// `changed` is emitted by every setter. The array of layers is shared with scripts, and what they do to it counts.
+class ScatterBiome : public godot::Resource {
+	GDCLASS(ScatterBiome, godot::Resource)
+	THICKET_GUARDED_METHODS
+
+public:
+	/// The water in the biome.
+	enum WaterMode : std::int64_t {
+		WATER_MODE_INHERIT, ///< That of the node.
+		WATER_MODE_OWN,     ///< At a level of its own.
+		WATER_MODE_NONE,
+	};
+
+	/// Null entries stand for nothing. A layer may be in several biomes.
+	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
+	godot::TypedArray<ScatterLayer> get_layers() const { return layers_; }
+
+	/// Of the pixels of a map that stand for this biome.
+	void set_color(const godot::Color &p_color);
+	godot::Color get_color() const { return color_; }
+
+	/// Of all its layers, 0 to 1.
+	void set_density(double p_density);
+	double get_density() const { return density_; }
+
+	void set_water_mode(WaterMode p_mode);
+	WaterMode get_water_mode() const { return water_mode_; }
+
+	/// World meters, max_water_level either way.
+	void set_water_level(double p_level);
+	double get_water_level() const { return water_level_; }
+
+	static constexpr double max_water_level = 1e6;
+
+protected:
+	static void _bind_methods();
+	void _validate_property(godot::PropertyInfo &p_property) const;
+
+private:
+	godot::TypedArray<ScatterLayer> layers_;
+	godot::Color color_{1.0F, 1.0F, 1.0F};
+	double density_ = 1.0;
+	WaterMode water_mode_ = WATER_MODE_INHERIT;
+	double water_level_ = 0.0;
+};
+
+} // namespace thicket
+
+VARIANT_ENUM_CAST(thicket::ScatterBiome::WaterMode)

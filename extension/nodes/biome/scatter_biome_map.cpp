@@ -1,0 +1,382 @@
+#include "nodes/biome/scatter_biome_map.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/common/property_check.hpp"
+#include "nodes/common/watch.hpp"
+#include "nodes/terrain/image_posts.hpp"
+
+#include <godot_cpp/classes/image.hpp>
+#include <godot_cpp/classes/texture2d.hpp>
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "ScatterBiomeMap";
+
+/// The same biome everywhere.
+Status make_uniform(std::uint8_t biome, BiomeMap &r_map) {
+	const std::array<std::uint8_t, 1> pixel{biome};
+	return r_map.set({1, 1}, pixel, {{0.0, 0.0}, {1.0, 1.0}}, BiomeEdge::clamp, {});
+}
+
+bool is_in(const Ref<ScatterLayer> &p_layer, const TypedArray<ScatterLayer> &p_layers) {
+	bool found = false;
+	for (int64_t index = 0; index < p_layers.size() && !found; ++index) {
+		found = Ref<ScatterLayer>(p_layers[index]) == p_layer;
+	}
+	return found;
+}
+
+} // namespace
+
+void ScatterBiomeMap::set_biomes(const TypedArray<ScatterBiome> &p_biomes) {
+	if (p_biomes.size() > static_cast<int64_t>(max_biomes)) {
+		report(class_name, {ErrorCode::wrong_size, "biomes", static_cast<double>(p_biomes.size())});
+		return;
+	}
+	biomes_ = p_biomes;
+	outdate();
+}
+
+void ScatterBiomeMap::set_map_image(const Ref<Resource> &p_image) {
+	const Ref<Image> image = p_image;
+	const Ref<Texture2D> texture = p_image;
+	if (p_image.is_valid() && image.is_null() && texture.is_null()) {
+		report(class_name, {ErrorCode::missing, "map_image", 0.0});
+		return;
+	}
+	watch(image_.ptr(), "changed", this, "_image_changed", false);
+	image_ = p_image;
+	watch(image_.ptr(), "changed", this, "_image_changed", true);
+	image_changed();
+}
+
+void ScatterBiomeMap::set_map_rect(const Rect2 &p_rect) {
+	constexpr double limit = 1e9;
+	constexpr double min_side = 1e-3;
+	for (const real_t number : {p_rect.position.x, p_rect.position.y}) {
+		if (!accept_number(class_name, "map_rect", number, -limit, limit)) {
+			return;
+		}
+	}
+	for (const real_t number : {p_rect.size.x, p_rect.size.y}) {
+		if (!accept_number(class_name, "map_rect", number, min_side, limit)) {
+			return;
+		}
+	}
+	if (rect_ != p_rect) {
+		rect_ = p_rect;
+		outdate();
+	}
+}
+
+void ScatterBiomeMap::set_map_mode(MapMode p_mode) {
+	if (accept_number(class_name, "map_mode", static_cast<double>(p_mode), MAP_MODE_COLORS, MAP_MODE_INDICES)) {
+		mode_ = static_cast<BiomePixels>(p_mode);
+		outdate();
+	}
+}
+
+void ScatterBiomeMap::set_map_edge(MapEdge p_edge) {
+	if (accept_number(class_name, "map_edge", static_cast<double>(p_edge), MAP_EDGE_NOTHING, MAP_EDGE_CLAMP)) {
+		edge_ = static_cast<BiomeEdge>(p_edge);
+		outdate();
+	}
+}
+
+void ScatterBiomeMap::set_border(const char *p_name, double BiomeBorders::*number, double p_value) {
+	BiomeBorders next = borders_;
+	next.*number = p_value;
+	const Status status = validate(next);
+	report(class_name, status.ok() ? status : Status{status.code, p_name, p_value});
+	if (status.ok() && !(next == borders_)) {
+		borders_ = next;
+		outdate();
+	}
+}
+
+void ScatterBiomeMap::set_border_seed(int64_t p_seed) {
+	if (std::exchange(borders_.seed, static_cast<std::uint64_t>(p_seed)) != static_cast<std::uint64_t>(p_seed)) {
+		outdate();
+	}
+}
+
+void ScatterBiomeMap::image_changed() {
+	pixels_unread_ = true;
+	outdate();
+}
+
+void ScatterBiomeMap::outdate() {
+	outdated_ = true;
+	watch_biomes(false);
+	seen_.clear();
+	for (int64_t index = 0; index < biomes_.size(); ++index) {
+		seen_.push_back(look_at(biomes_[index]));
+	}
+	watch_biomes(true);
+	emit_changed();
+}
+
+ScatterBiomeMap::Seen ScatterBiomeMap::look_at(const Variant &p_biome) {
+	Seen seen{p_biome, {}};
+	if (seen.biome.is_valid()) {
+		const TypedArray<ScatterLayer> layers = seen.biome->get_layers();
+		for (int64_t index = 0; index < layers.size(); ++index) {
+			seen.layers.emplace_back(layers[index]);
+		}
+	}
+	return seen;
+}
+
+void ScatterBiomeMap::watch_biomes(bool p_watch) {
+	for (const Seen &seen : seen_) {
+		watch(seen.biome.ptr(), "changed", this, "_outdate", p_watch);
+	}
+}
+
+bool ScatterBiomeMap::differs() const {
+	bool same = static_cast<std::size_t>(biomes_.size()) == seen_.size();
+	for (std::size_t index = 0; same && index < seen_.size(); ++index) {
+		same = seen_[index] == look_at(biomes_[static_cast<int64_t>(index)]);
+	}
+	return !same;
+}
+
+void ScatterBiomeMap::notice() {
+	if (differs()) {
+		outdate();
+	}
+}
+
+std::size_t ScatterBiomeMap::biome_count() const {
+	return std::min(static_cast<std::size_t>(biomes_.size()), max_biomes);
+}
+
+const ScatterBiome *ScatterBiomeMap::biome(std::size_t index) const {
+	const Ref<ScatterBiome> entry = biomes_[static_cast<int64_t>(index)];
+	return entry.ptr();
+}
+
+std::vector<BiomeColor> ScatterBiomeMap::colors() const {
+	std::vector<BiomeColor> result;
+	for (std::size_t index = 0; index < biome_count(); ++index) {
+		if (const ScatterBiome *here = biome(index)) {
+			result.push_back(biome_color(static_cast<std::uint8_t>(index), here->get_color()));
+		}
+	}
+	return result;
+}
+
+Status ScatterBiomeMap::make(BiomeMap &r_map) {
+	if (image_.is_null()) {
+		return make_uniform(biome_count() > 0 ? 0 : no_biome, r_map);
+	}
+	if (std::exchange(pixels_unread_, false)) {
+		pixels_ = color_pixels(image_of(image_));
+	}
+	if (pixels_.size.x == 0) {
+		return make_uniform(no_biome, r_map);
+	}
+	for (const int side : {pixels_.size.x, pixels_.size.y}) {
+		if (side > max_biome_map_pixels) {
+			return {ErrorCode::out_of_range, "map_image", static_cast<double>(side)};
+		}
+	}
+	Status status = r_map.set(
+			pixels_.size, biomes_of(pixels_, mode_, colors(), biome_count()), to_core(rect_), edge_, borders_);
+	status.property = "map_image";
+	return status;
+}
+
+void ScatterBiomeMap::refresh() {
+	if (!std::exchange(outdated_, false)) {
+		return;
+	}
+	const auto next = std::make_shared<BiomeMap>();
+	status_ = make(*next);
+	if (status_.ok() && !(*next == *map_)) {
+		map_ = next;
+	}
+	const String complaint = status_.ok() ? String() : sentence(class_name, status_);
+	if (!complaint.is_empty() && !(complaint == complaint_)) {
+		ERR_PRINT(complaint);
+	}
+	complaint_ = complaint;
+}
+
+const std::shared_ptr<const BiomeMap> &ScatterBiomeMap::map() {
+	refresh();
+	return map_;
+}
+
+PerBiome<float> ScatterBiomeMap::densities_of(const Ref<ScatterLayer> &p_layer) const {
+	PerBiome<float> result{};
+	for (std::size_t index = 0; index < biome_count(); ++index) {
+		if (const ScatterBiome *here = biome(index); here != nullptr && is_in(p_layer, here->get_layers())) {
+			result[index] = static_cast<float>(here->get_density());
+		}
+	}
+	return result;
+}
+
+PerBiome<double> ScatterBiomeMap::water_levels(double node_level) const {
+	PerBiome<double> result{};
+	result.fill(node_level);
+	for (std::size_t index = 0; index < biome_count(); ++index) {
+		const ScatterBiome *here = biome(index);
+		if (here != nullptr && here->get_water_mode() != ScatterBiome::WATER_MODE_INHERIT) {
+			result[index] = here->get_water_mode() == ScatterBiome::WATER_MODE_OWN ? here->get_water_level() : no_water;
+		}
+	}
+	return result;
+}
+
+Ref<ScatterBiome> ScatterBiomeMap::get_biome_at(const Vector2 &p_position) {
+	const std::uint8_t index = map()->dominant_at(to_core(p_position));
+	return index < biome_count() ? Ref<ScatterBiome>(biomes_[index]) : Ref<ScatterBiome>();
+}
+
+PackedFloat32Array ScatterBiomeMap::get_weights_at(const Vector2 &p_position) {
+	BiomeTaps taps{};
+	map()->taps_at(to_core(p_position), taps);
+	std::vector<float> weights(biome_count(), 0.0F);
+	for (const std::uint8_t index : taps) {
+		if (index < weights.size()) {
+			weights[index] += 1.0F / static_cast<float>(biome_taps);
+		}
+	}
+	return packed_floats(weights);
+}
+
+bool ScatterBiomeMap::has_own_water() const {
+	bool found = false;
+	for (std::size_t index = 0; index < biome_count() && !found; ++index) {
+		const ScatterBiome *here = biome(index);
+		found = here != nullptr && here->get_water_mode() == ScatterBiome::WATER_MODE_OWN;
+	}
+	return found;
+}
+
+void ScatterBiomeMap::add_color_problems(PackedStringArray &r_problems) const {
+	const std::vector<BiomeColor> known = colors();
+	for (const BiomeColor &here : known) {
+		const auto first = std::ranges::find_if(known, [&here](const BiomeColor &other) {
+			return other.red == here.red && other.green == here.green && other.blue == here.blue;
+		});
+		if (first->index != here.index) {
+			r_problems.push_back(vformat(
+					"ScatterBiomeMap.biomes[%d] lies nowhere: biomes[%d] has the same color, and the first counts.",
+					static_cast<int64_t>(here.index), static_cast<int64_t>(first->index)));
+		}
+	}
+}
+
+void ScatterBiomeMap::add_layer_problems(const TypedArray<ScatterLayer> &p_own, PackedStringArray &r_problems) const {
+	for (int64_t index = 0; index < p_own.size(); ++index) {
+		const Ref<ScatterLayer> layer = p_own[index];
+		bool in_biome = false;
+		each_layers([&](const TypedArray<ScatterLayer> &p_layers) { in_biome = in_biome || is_in(layer, p_layers); });
+		if (layer.is_valid() && in_biome) {
+			r_problems.push_back(vformat("Layer %d: is one of a biome, too; it stands everywhere.", index));
+		}
+	}
+}
+
+PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_own) {
+	refresh();
+	PackedStringArray result;
+	if (biomes_.is_empty()) {
+		result.push_back("ScatterBiomeMap.biomes is empty: add a ScatterBiome.");
+	}
+	if (static_cast<std::size_t>(biomes_.size()) > max_biomes) {
+		result.push_back(vformat("ScatterBiomeMap.biomes has %d entries: only the first %d count.", biomes_.size(),
+				static_cast<int64_t>(max_biomes)));
+	}
+	const bool given = image_.is_valid();
+	if (!complaint_.is_empty()) {
+		result.push_back(complaint_);
+	} else if (given && pixels_.size.x == 0) {
+		result.push_back("ScatterBiomeMap.map_image is empty: there is no biome anywhere.");
+	} else if (!given && biomes_.size() > 1) {
+		result.push_back("ScatterBiomeMap.map_image is not set: the first biome is everywhere.");
+	}
+	if (given && mode_ == BiomePixels::colors) {
+		add_color_problems(result);
+	}
+	add_layer_problems(p_own, result);
+	return result;
+}
+
+void ScatterBiomeMap::_bind_methods() {
+	using Self = ScatterBiomeMap;
+	bind_guarded<&Self::set_biomes>(D_METHOD("set_biomes", "biomes"));
+	bind_guarded<&Self::get_biomes>(D_METHOD("get_biomes"));
+	bind_guarded<&Self::get_biome_at>(D_METHOD("get_biome_at", "position"));
+	bind_guarded<&Self::get_weights_at>(D_METHOD("get_weights_at", "position"));
+	bind_guarded<&Self::outdate>(D_METHOD("_outdate"));
+	bind_guarded<&Self::image_changed>(D_METHOD("_image_changed"));
+	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "biomes", PROPERTY_HINT_ARRAY_TYPE,
+						 vformat("%d/%d:ScatterBiome", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
+			"set_biomes", "get_biomes");
+	bind_map();
+	bind_borders();
+}
+
+void ScatterBiomeMap::bind_map() {
+	using Self = ScatterBiomeMap;
+	bind_guarded<&Self::set_map_image>(D_METHOD("set_map_image", "image"));
+	bind_guarded<&Self::get_map_image>(D_METHOD("get_map_image"));
+	bind_guarded<&Self::set_map_rect>(D_METHOD("set_map_rect", "rect"));
+	bind_guarded<&Self::get_map_rect>(D_METHOD("get_map_rect"));
+	bind_guarded<&Self::set_map_mode>(D_METHOD("set_map_mode", "mode"));
+	bind_guarded<&Self::get_map_mode>(D_METHOD("get_map_mode"));
+	bind_guarded<&Self::set_map_edge>(D_METHOD("set_map_edge", "edge"));
+	bind_guarded<&Self::get_map_edge>(D_METHOD("get_map_edge"));
+	ADD_GROUP("Map", "map_");
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "map_image", PROPERTY_HINT_RESOURCE_TYPE, "Image,Texture2D"),
+			"set_map_image", "get_map_image");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::RECT2, "map_rect", PROPERTY_HINT_NONE, "suffix:m"), "set_map_rect", "get_map_rect");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "map_mode", PROPERTY_HINT_ENUM, "Colors,Indices"), "set_map_mode",
+			"get_map_mode");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "map_edge", PROPERTY_HINT_ENUM, "Nothing,Clamp"), "set_map_edge",
+			"get_map_edge");
+	BIND_ENUM_CONSTANT(MAP_MODE_COLORS);
+	BIND_ENUM_CONSTANT(MAP_MODE_INDICES);
+	BIND_ENUM_CONSTANT(MAP_EDGE_NOTHING);
+	BIND_ENUM_CONSTANT(MAP_EDGE_CLAMP);
+}
+
+void ScatterBiomeMap::bind_borders() {
+	using Self = ScatterBiomeMap;
+	bind_guarded<&Self::set_border_width>(D_METHOD("set_border_width", "width"));
+	bind_guarded<&Self::get_border_width>(D_METHOD("get_border_width"));
+	bind_guarded<&Self::set_border_noise>(D_METHOD("set_border_noise", "noise"));
+	bind_guarded<&Self::get_border_noise>(D_METHOD("get_border_noise"));
+	bind_guarded<&Self::set_border_noise_size>(D_METHOD("set_border_noise_size", "size"));
+	bind_guarded<&Self::get_border_noise_size>(D_METHOD("get_border_noise_size"));
+	bind_guarded<&Self::set_border_seed>(D_METHOD("set_border_seed", "seed"));
+	bind_guarded<&Self::get_border_seed>(D_METHOD("get_border_seed"));
+	ADD_GROUP("Borders", "border_");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::FLOAT, "border_width", PROPERTY_HINT_RANGE, "0,500,0.01,or_greater,exp,suffix:m"),
+			"set_border_width", "get_border_width");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::FLOAT, "border_noise", PROPERTY_HINT_RANGE, "0,500,0.01,or_greater,exp,suffix:m"),
+			"set_border_noise", "get_border_noise");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "border_noise_size", PROPERTY_HINT_RANGE,
+						 "1,1000,0.01,or_greater,exp,suffix:m"),
+			"set_border_noise_size", "get_border_noise_size");
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "border_seed"), "set_border_seed", "get_border_seed");
+}
+
+} // namespace thicket

@@ -1,0 +1,149 @@
+#pragma once
+
+#include "core/rules/biome_rules.hpp"
+#include "nodes/biome/biome_image.hpp"
+#include "nodes/biome/scatter_biome.hpp"
+
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/rect2.hpp>
+#include <godot_cpp/variant/vector2.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace thicket {
+
+/// Biomes, and an image that says where each lies: BiomeMap as a resource of the engine. Several nodes may share one.
+///
+/// `changed` is emitted by every setter, and whenever a biome or the image emits it. The array of biomes, and the
+/// arrays of their layers, are shared with scripts: what they do to them counts from the next `notice`.
+class ScatterBiomeMap : public godot::Resource {
+	GDCLASS(ScatterBiomeMap, godot::Resource)
+	THICKET_GUARDED_METHODS
+
+public:
+	/// BiomePixels, for scripts.
+	enum MapMode : std::int64_t {
+		MAP_MODE_COLORS,
+		MAP_MODE_INDICES,
+	};
+
+	/// BiomeEdge, for scripts.
+	enum MapEdge : std::int64_t {
+		MAP_EDGE_NOTHING,
+		MAP_EDGE_CLAMP,
+	};
+
+	/// At most max_biomes. A null entry is land without a biome, and the indices of the others stay.
+	void set_biomes(const godot::TypedArray<ScatterBiome> &p_biomes);
+	godot::TypedArray<ScatterBiome> get_biomes() const { return biomes_; }
+
+	/// An Image or a Texture2D, read again when it is set; null for the first biome everywhere.
+	void set_map_image(const godot::Ref<godot::Resource> &p_image);
+	godot::Ref<godot::Resource> get_map_image() const { return image_; }
+
+	/// World meters that the image covers: x, and z as y. Its sides are at least 0.001.
+	void set_map_rect(const godot::Rect2 &p_rect);
+	godot::Rect2 get_map_rect() const { return rect_; }
+	void set_map_mode(MapMode p_mode);
+	MapMode get_map_mode() const { return static_cast<MapMode>(mode_); }
+	void set_map_edge(MapEdge p_edge);
+	MapEdge get_map_edge() const { return static_cast<MapEdge>(edge_); }
+
+	// As BiomeBorders has them.
+	void set_border_width(double p_width) { set_border("border_width", &BiomeBorders::width, p_width); }
+	double get_border_width() const { return borders_.width; }
+	void set_border_noise(double p_noise) { set_border("border_noise", &BiomeBorders::noise, p_noise); }
+	double get_border_noise() const { return borders_.noise; }
+	void set_border_noise_size(double p_size) { set_border("border_noise_size", &BiomeBorders::noise_size, p_size); }
+	double get_border_noise_size() const { return borders_.noise_size; }
+	void set_border_seed(int64_t p_seed);
+	int64_t get_border_seed() const { return static_cast<int64_t>(borders_.seed); }
+
+	/// The biome of the greatest weight at a place of the world (x, z); null for none.
+	godot::Ref<ScatterBiome> get_biome_at(const godot::Vector2 &p_position);
+
+	/// The weight of each biome there, 0 to 1; what is missing to 1 belongs to none.
+	godot::PackedFloat32Array get_weights_at(const godot::Vector2 &p_position);
+
+	/// Calls `take` with the layers of each biome.
+	template <class Take>
+	void each_layers(const Take &take) const {
+		for (std::size_t index = 0; index < biome_count(); ++index) {
+			if (const ScatterBiome *here = biome(index)) {
+				take(here->get_layers());
+			}
+		}
+	}
+
+	/// True if scripts have changed one of the arrays since the last `notice`.
+	bool differs() const;
+
+	/// Takes in the arrays as they are, and emits `changed` if they differ. Runs scripts then.
+	void notice();
+
+	/// The map as the image and the biomes are now; the last good one after an error, which is printed once. Never null. The same
+	/// object until it changes.
+	const std::shared_ptr<const BiomeMap> &map();
+
+	/// What a layer's biomes allow it, given by their density; 0 for those that do not have it.
+	PerBiome<float> densities_of(const godot::Ref<ScatterLayer> &p_layer) const;
+
+	/// Where the water stands in each biome, given that of the node (world meters or no_water).
+	PerBiome<double> water_levels(double node_level) const;
+
+	/// True if a biome has water at a level of its own.
+	bool has_own_water() const;
+
+	/// What is likely not meant, for the editor's warnings, by a node with these layers of its own.
+	godot::PackedStringArray problems(const godot::TypedArray<ScatterLayer> &p_own);
+
+protected:
+	static void _bind_methods();
+
+private:
+	/// A biome as it was last seen, with the layers that it had.
+	struct Seen {
+		godot::Ref<ScatterBiome> biome;
+		std::vector<godot::Ref<ScatterLayer>> layers;
+
+		friend bool operator==(const Seen &, const Seen &) = default;
+	};
+
+	static void bind_map();
+	static void bind_borders();
+	static Seen look_at(const godot::Variant &p_biome);
+	void set_border(const char *p_name, double BiomeBorders::*number, double p_value);
+	void watch_biomes(bool p_watch);
+	void outdate();
+	void image_changed();
+	void refresh();
+	void add_color_problems(godot::PackedStringArray &r_problems) const;
+	void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_own, godot::PackedStringArray &r_problems) const;
+	Status make(BiomeMap &r_map);
+	std::vector<BiomeColor> colors() const;
+	const ScatterBiome *biome(std::size_t index) const;
+	std::size_t biome_count() const;
+
+	godot::TypedArray<ScatterBiome> biomes_;
+	std::vector<Seen> seen_;
+	godot::Ref<godot::Resource> image_; ///< An Image or a Texture2D.
+	godot::Rect2 rect_{0.0F, 0.0F, 1000.0F, 1000.0F};
+	BiomePixels mode_ = BiomePixels::colors;
+	BiomeEdge edge_ = BiomeEdge::clamp;
+	BiomeBorders borders_{.width = 8.0, .noise = 12.0, .noise_size = 60.0};
+
+	std::shared_ptr<const BiomeMap> map_ = std::make_shared<const BiomeMap>();
+	ColorPixels pixels_;        ///< Of the image, as last read.
+	bool pixels_unread_ = true; ///< Asked of the renderer, which waits for it, only where they may be others.
+	bool outdated_ = true;      ///< `map_` is not what the properties say.
+	Status status_;             ///< What is wrong with them.
+	godot::String complaint_;   ///< The error that was printed last; empty while all is well.
+};
+
+} // namespace thicket
+
+VARIANT_ENUM_CAST(thicket::ScatterBiomeMap::MapMode)
+VARIANT_ENUM_CAST(thicket::ScatterBiomeMap::MapEdge)

@@ -1,0 +1,218 @@
+#include "nodes/gameplay/navigation_parse.hpp"
+
+#include "nodes/common/convert.hpp"
+
+#include <godot_cpp/classes/navigation_server3d.hpp>
+#include <godot_cpp/classes/scene_tree.hpp>
+#include <godot_cpp/core/object.hpp>
+#include <godot_cpp/variant/callable.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
+
+#include <algorithm>
+#include <set>
+#include <span>
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// A node that takes part in parses, and the method to call it by.
+struct Entry {
+	const NavigationParse *parse = nullptr;
+	Node3D *node = nullptr;
+	StringName method;
+};
+
+/// What the engine calls.
+struct Parser {
+	RID rid;
+	std::vector<Entry> nodes;
+
+	/// Has the engine call the first of the nodes, or nobody; `later` while it is calling.
+	void call_first(bool later) const {
+		NavigationServer3D *server = NavigationServer3D::get_singleton();
+		const Callable callback = nodes.empty() ? Callable() : Callable(nodes.front().node, nodes.front().method);
+		if (server != nullptr && later) {
+			server->call_deferred("source_geometry_parser_set_callback", rid, callback);
+		} else if (server != nullptr) {
+			server->source_geometry_parser_set_callback(rid, callback);
+		}
+	}
+};
+
+/// Never freed: names of the engine in it would outlive the engine. It is empty once all nodes are gone.
+Parser &shared_parser() {
+	static Parser *const parser = new Parser; // NOLINT
+	return *parser;
+}
+
+/// Meters: far enough from any region's origin for its axes to be read out of floats.
+constexpr real_t far_away = 1 << 20;
+
+/// What the first node is called for, the others are called for by it.
+void hand_on(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
+		const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, const Node *p_node) {
+	const std::vector<Entry> nodes = shared_parser().nodes;
+	if (nodes.empty() || nodes.front().parse != from) {
+		return;
+	}
+	for (const Entry &entry : std::span(nodes).subspan(1)) {
+		const auto here = [&entry](const Entry &other) {
+			return other.parse == entry.parse;
+		};
+		if (std::ranges::any_of(shared_parser().nodes, here)) { // A script may have taken it out of the tree.
+			entry.node->call(entry.method, p_mesh, p_geometry, p_node);
+		}
+	}
+}
+
+/// The node that the engine comes to last below this one.
+const Node *last_below(const Node *node) {
+	while (const int64_t count = node->get_child_count(true)) {
+		node = node->get_child(static_cast<int32_t>(count - 1), true);
+	}
+	return node;
+}
+
+const Node *member_of(const TypedArray<Node> &group, int64_t index) {
+	return Object::cast_to<Node>(group[index].operator Object *());
+}
+
+/// How often a node is come to: once for itself and for each node above it, as far as they are in the group.
+int visits_of(const Node *node, const TypedArray<Node> &group) {
+	std::set<const Node *> way;
+	for (; node != nullptr; node = node->get_parent()) {
+		way.insert(node);
+	}
+	int visits = 0;
+	for (int64_t index = 0; index < group.size(); ++index) {
+		visits += way.contains(member_of(group, index)) ? 1 : 0;
+	}
+	return visits;
+}
+
+/// From the engine's space to that of the bake, which the engine keeps to itself but applies to faces: so some are added, and taken
+/// away again.
+Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
+	const PackedFloat32Array vertices = r_geometry.get_vertices();
+	const PackedInt32Array indices = r_geometry.get_indices();
+	PackedVector3Array faces;
+	faces.resize(6);
+	Vector3 *corner = faces.ptrw();
+	corner[1] = Vector3(far_away, 0, 0);
+	corner[2] = Vector3(0, far_away, 0);
+	corner[3] = Vector3(0, 0, far_away);
+	r_geometry.add_faces(faces, Transform3D());
+	const PackedFloat32Array probed = r_geometry.get_vertices();
+	// The setter of indices wants no more of them than there are numbers in the vertices, which most meshes have not.
+	PackedFloat32Array room = vertices;
+	room.resize(std::max(vertices.size(), indices.size()));
+	r_geometry.set_vertices(room);
+	r_geometry.set_indices(indices);
+	r_geometry.set_vertices(vertices);
+	if (probed.size() < vertices.size() + 12) {
+		return {};
+	}
+	const float *at = probed.ptr() + vertices.size();
+	Transform3D space;
+	for (int axis = 0; axis < 3; ++axis) {
+		space.origin[axis] = at[axis];
+		space.basis.rows[axis] = Vector3((at[3 + axis] - at[axis]) / far_away, (at[6 + axis] - at[axis]) / far_away,
+				(at[9 + axis] - at[axis]) / far_away);
+	}
+	return space;
+}
+
+/// What is baked: the box that the mesh asks for, or else all that has been found.
+void find_box(const NavigationMesh &mesh, NavigationMeshSourceGeometryData3D &r_geometry, NavigationBake &r_bake) {
+	const AABB filter = mesh.get_filter_baking_aabb();
+	const bool filtered = filter.size.x > 0 && filter.size.y > 0 && filter.size.z > 0;
+	const AABB box = filtered ? filter : r_geometry.get_bounds();
+	r_bake.min = to_core(box.position) + (filtered ? to_core(mesh.get_filter_baking_aabb_offset()) : glm::dvec3(0.0));
+	r_bake.max = r_bake.min + to_core(box.size);
+}
+
+} // namespace
+
+void NavigationParse::start(Node3D *p_node, const StringName &p_method) {
+	Parser &parser = shared_parser();
+	const bool known = std::ranges::any_of(parser.nodes, [this](const Entry &entry) { return entry.parse == this; });
+	if (known || NavigationServer3D::get_singleton() == nullptr) {
+		return;
+	}
+	if (!parser.rid.is_valid()) {
+		parser.rid = NavigationServer3D::get_singleton()->source_geometry_parser_create();
+	}
+	parser.nodes.push_back({this, p_node, p_method});
+	if (parser.nodes.size() == 1) {
+		parser.call_first(false);
+	}
+}
+
+void NavigationParse::stop() {
+	Parser &parser = shared_parser();
+	geometry_ = 0;
+	const bool first = !parser.nodes.empty() && parser.nodes.front().parse == this;
+	std::erase_if(parser.nodes, [this](const Entry &entry) { return entry.parse == this; });
+	if (first) {
+		parser.call_first(busy_);
+	}
+}
+
+/// Which node will be the last, as the engine goes through them: depth first, or through a group in the order of the tree.
+void NavigationParse::begin(
+		const NavigationMesh &mesh, NavigationMeshSourceGeometryData3D &r_geometry, const Node &first) {
+	const NavigationMesh::SourceGeometryMode mode = mesh.get_source_geometry_mode();
+	const bool with_children = mode != NavigationMesh::SOURCE_GEOMETRY_GROUPS_EXPLICIT;
+	const Node *last = &first;
+	TypedArray<Node> group;
+	if (mode != NavigationMesh::SOURCE_GEOMETRY_ROOT_NODE_CHILDREN) {
+		group = first.get_tree()->get_nodes_in_group(mesh.get_source_group_name());
+		last = group.is_empty() ? last : member_of(group, group.size() - 1);
+	}
+	last = with_children ? last_below(last) : last;
+	visits_left_ = mode == NavigationMesh::SOURCE_GEOMETRY_GROUPS_WITH_CHILDREN ? visits_of(last, group) : 1;
+	geometry_ = r_geometry.get_instance_id();
+	first_ = first.get_instance_id();
+	last_ = last->get_instance_id();
+	found_ = false;
+	const Transform3D space = space_of(r_geometry);
+	basis_ = to_core(space.basis);
+	origin_ = to_core(space.origin);
+}
+
+bool NavigationParse::visit(const Ref<NavigationMesh> &p_mesh,
+		const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, const Node *p_node, const Node *p_own,
+		NavigationBake &r_bake) {
+	if (p_mesh.is_null() || p_geometry.is_null() || p_node == nullptr || !p_node->is_inside_tree()) {
+		return false;
+	}
+	hand_on(this, p_mesh, p_geometry, p_node);
+	const std::uint64_t node = p_node->get_instance_id();
+	if (geometry_ != p_geometry->get_instance_id() || node == first_) {
+		begin(*p_mesh.ptr(), *p_geometry.ptr(), *p_node);
+	}
+	found_ = found_ || p_node == p_own;
+	if (node != last_ || --visits_left_ > 0) {
+		return false;
+	}
+	geometry_ = 0;
+	if (!found_) {
+		return false;
+	}
+	r_bake.geometry = p_geometry;
+	r_bake.agent = {p_mesh->get_agent_height(), p_mesh->get_agent_max_slope(), p_mesh->get_cell_size(),
+			p_mesh->get_cell_height()};
+	if (p_mesh->get_parsed_geometry_type() != NavigationMesh::PARSED_GEOMETRY_MESH_INSTANCES) {
+		r_bake.collision_mask = p_mesh->get_collision_mask();
+	}
+	r_bake.basis = basis_;
+	r_bake.origin = origin_;
+	find_box(*p_mesh.ptr(), *p_geometry.ptr(), r_bake);
+	return true;
+}
+
+} // namespace thicket

@@ -1,0 +1,142 @@
+// Instances that are placed by hand through a ScatterGameplay, one or many at a time, and many that are taken away again.
+
+#include "nodes/gameplay/scatter_gameplay.hpp"
+
+#include "core/placement/layer.hpp"
+#include "nodes/common/property_check.hpp"
+#include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/layer/layer_reference.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr std::size_t transform_size = 12; ///< Floats.
+
+Status check_mesh(int64_t mesh) {
+	const bool known = mesh >= 0 && mesh < static_cast<int64_t>(max_meshes);
+	return known ? Status{} : Status{ErrorCode::out_of_range, "mesh", static_cast<double>(mesh)};
+}
+
+/// A transform of a buffer: three rows of a basis, each with a number of the origin after it.
+AddedInstance read_transform(const float *floats, glm::dvec3 offset) {
+	AddedInstance added;
+	for (int row = 0; row < 3; ++row) {
+		for (int column = 0; column < 3; ++column) {
+			added.basis[column][row] = floats[4 * row + column];
+		}
+		added.position[row] = offset[row] + floats[4 * row + 3];
+	}
+	return added;
+}
+
+void report_at(std::size_t index, const Status &status) {
+	report(("TerrainScatter3D.add_instances: transform " + std::to_string(index)).c_str(), status);
+}
+
+} // namespace
+
+/// False, with an error, for a layer that nothing can be added to. The state holds it to its points from now on.
+bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &p_layer, std::uint32_t &r_layer) {
+	if (!prepare(p_method)) {
+		return false;
+	}
+	const std::string name = std::string("TerrainScatter3D.") + p_method;
+	if (const String problem = find_layer(host_->layers(), p_layer, r_layer); !problem.is_empty()) {
+		ERR_PRINT(String((name + ": ").c_str()) + problem);
+		return false;
+	}
+	const bool wanted = r_layer < world_.layers().size() && world_.layers()[r_layer].wanted;
+	const Status status =
+			wanted ? claim(r_layer) : Status{ErrorCode::out_of_range, "layer", static_cast<double>(r_layer)};
+	report(name.c_str(), status);
+	return status.ok();
+}
+
+int64_t ScatterGameplay::add_instance(const Variant &p_layer, const Transform3D &p_transform, int64_t p_mesh) {
+	std::uint32_t layer = 0;
+	std::uint64_t id = 0;
+	Status status = check_mesh(p_mesh);
+	if (status.ok()) {
+		if (!find_layer_to_add_to("add_instance", p_layer, layer)) {
+			return 0;
+		}
+		AddedInstance added = to_added(p_transform, offset_);
+		added.layer = world_.layers()[layer].set.layer;
+		added.mesh = static_cast<std::uint8_t>(p_mesh);
+		const Ref<ScatterState> state = state_;
+		status = state->add(added, id);
+	}
+	report("TerrainScatter3D.add_instance", status);
+	return status.ok() ? script_id(id) : 0;
+}
+
+PackedInt64Array ScatterGameplay::add_instances(
+		const Variant &p_layer, const PackedFloat32Array &p_transforms, const PackedInt32Array &p_meshes) {
+	const auto floats = static_cast<std::size_t>(p_transforms.size());
+	const std::size_t count = floats / transform_size;
+	const bool one_mesh = p_meshes.size() == 0;
+	if (floats % transform_size != 0) {
+		report("TerrainScatter3D.add_instances", {ErrorCode::wrong_size, "transforms", static_cast<double>(floats)});
+		return {};
+	}
+	if (!one_mesh && p_meshes.size() != static_cast<int64_t>(count)) {
+		report("TerrainScatter3D.add_instances",
+				{ErrorCode::wrong_size, "meshes", static_cast<double>(p_meshes.size())});
+		return {};
+	}
+	std::uint32_t layer = 0;
+	if (!find_layer_to_add_to("add_instances", p_layer, layer)) {
+		return {};
+	}
+	std::vector<AddedInstance> added;
+	added.reserve(count);
+	for (std::size_t at = 0; at < count; ++at) {
+		const int64_t mesh = one_mesh ? 0 : p_meshes.ptr()[at];
+		if (const Status status = check_mesh(mesh); !status.ok()) {
+			report_at(at, status);
+			return {};
+		}
+		added.push_back(read_transform(p_transforms.ptr() + at * transform_size, offset_));
+		added.back().layer = world_.layers()[layer].set.layer;
+		added.back().mesh = static_cast<std::uint8_t>(mesh);
+	}
+	std::vector<std::uint64_t> ids;
+	const Ref<ScatterState> state = state_;
+	const Status status = state->add_all(added, ids);
+	if (!status.ok()) {
+		report_at(ids.size(), status);
+		return {};
+	}
+	return packed_ids(ids);
+}
+
+PackedInt64Array ScatterGameplay::remove_instances(const PackedInt64Array &p_ids) {
+	if (!prepare("remove_instances")) {
+		return {};
+	}
+	const Ref<ScatterState> state = state_;
+	std::vector<PlacedInstance> standing;
+	const auto find_all = [&](const InstanceQuery &query) -> Status {
+		std::vector<PlacedInstance> found;
+		for (const int64_t id : std::span(p_ids.ptr(), static_cast<std::size_t>(p_ids.size()))) {
+			if (const Status status = query.by_id(core_id(id), found); !status.ok()) {
+				return status;
+			}
+			standing.insert(standing.end(), found.begin(), found.end());
+		}
+		return {};
+	};
+	report("TerrainScatter3D.remove_instances", world_.ask(find_all));
+	return packed_ids(remove_all(standing));
+}
+
+} // namespace thicket

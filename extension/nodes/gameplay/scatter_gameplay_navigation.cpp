@@ -1,0 +1,118 @@
+// What a ScatterGameplay adds to the source geometry of a navigation mesh: all that stands in the area of the bake, loaded or not.
+
+#include "nodes/gameplay/scatter_gameplay.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/gameplay/navigation_parse.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/variant/packed_vector3_array.hpp>
+
+#include <glm/common.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <string>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// The rectangle of the engine's x and z in which the box of a bake lies.
+Rect ground_of(const NavigationBake &bake) {
+	const glm::dmat3 inverse = glm::inverse(bake.basis);
+	constexpr double infinity = std::numeric_limits<double>::infinity();
+	Rect rect{glm::dvec2(infinity), glm::dvec2(-infinity)};
+	for (unsigned corner = 0; corner < 8; ++corner) {
+		const glm::dvec3 at(corner & 1U ? bake.max.x : bake.min.x, corner & 2U ? bake.max.y : bake.min.y,
+				corner & 4U ? bake.max.z : bake.min.z);
+		const glm::dvec3 position = inverse * (at - bake.origin);
+		rect.min = glm::min(rect.min, glm::dvec2(position.x, position.z));
+		rect.max = glm::max(rect.max, glm::dvec2(position.x, position.z));
+	}
+	return rect;
+}
+
+bool obstructs(const LayerSnapshot *layer, const NavigationBake &bake) {
+	if (layer == nullptr) {
+		return false;
+	}
+	const LayerCollision &collision = layer->gameplay.collision;
+	return collision.shape != BodyShape::none && collision.affects_navigation &&
+			(!bake.collision_mask || (collision.layer & *bake.collision_mask) != 0);
+}
+
+/// Whether an obstruction has anything to do with what is baked.
+bool meets(const NavigationBake &bake, const Obstruction &obstruction) {
+	glm::dvec2 min = obstruction.outline.front();
+	glm::dvec2 max = min;
+	for (const glm::dvec2 corner : obstruction.outline) {
+		min = glm::min(min, corner);
+		max = glm::max(max, corner);
+	}
+	return min.x <= bake.max.x && max.x >= bake.min.x && min.y <= bake.max.z && max.y >= bake.min.z &&
+			obstruction.bottom <= bake.max.y && obstruction.top >= bake.min.y;
+}
+
+void add(const Obstruction &obstruction, NavigationMeshSourceGeometryData3D &r_geometry) {
+	const auto corner = [&obstruction](glm::dvec2 at) {
+		return to_engine(glm::dvec3(at.x, obstruction.bottom, at.y));
+	};
+	const auto outline = packed<PackedVector3Array>(std::span<const glm::dvec2>(obstruction.outline), corner);
+	// Not carved, which the engine does after it has kept the agent's radius from all that is in the way.
+	r_geometry.add_projected_obstruction(outline, static_cast<float>(obstruction.bottom),
+			static_cast<float>(obstruction.top - obstruction.bottom), false);
+}
+
+} // namespace
+
+void ScatterGameplay::add_obstructions(const NavigationBake &bake) {
+	const bool any = bake.max.x > bake.min.x && bake.max.z > bake.min.z;
+	if (!any || !alive() || !host_->prepare().ok()) {
+		return; // A node without layers or a ground has nothing in the way, and says so elsewhere.
+	}
+	const std::vector<SharedSnapshot> layers = layers_;
+	const Rect ground = ground_of(bake);
+	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
+		if (obstructs(layers[layer].get(), bake)) {
+			add_obstructions(bake, ground, layer, layers[layer]);
+		}
+	}
+}
+
+void ScatterGameplay::add_obstructions(
+		const NavigationBake &bake, const Rect &ground, std::uint32_t layer, const SharedSnapshot &snapshot) {
+	if (!alive() || layer >= layers_.size() || layers_[layer] != snapshot || layer >= world_.layers().size()) {
+		return; // A script that was asked for the ground has changed the list.
+	}
+	const QueryLayer &queried = world_.layers()[layer];
+	const InstanceShape shape = queried.shape;
+	const Ref<ScatterState> state = state_;
+	const double added_scale = state.is_valid() ? state->state().max_added_scale(queried.set.layer) : 0.0;
+	const double reach = obstruction_reach(shape, std::max(queried.max_scale, added_scale), bake.agent);
+	const glm::dvec3 offset = offset_;
+	const glm::dvec2 moved(offset.x, offset.z);
+	const Rect rect{ground.min + moved - reach, ground.max + moved + reach};
+	const QueryFilter filter{.layers = {layer}, .accepts = {}};
+	std::vector<PlacedInstance> found;
+	const Status status = world_.ask([&](const InstanceQuery &query) { return query.in_rect(rect, filter, found); });
+	if (!status.ok() && status.code != ErrorCode::cancelled) {
+		ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without what stands there of layer " +
+				std::to_string(layer) + ": " + describe(status) + ". Set its filter_baking_aabb to what it is for.")
+						.c_str()));
+	}
+	Obstruction obstruction;
+	for (const PlacedInstance &instance : found) {
+		const glm::dvec3 foot = bake.basis * (instance.position - offset) + bake.origin;
+		if (obstruct(bake.basis * glm::dmat3(instance.basis), foot, shape, bake.agent, obstruction) &&
+				meets(bake, obstruction)) {
+			add(obstruction, *bake.geometry.ptr());
+		}
+	}
+}
+
+} // namespace thicket

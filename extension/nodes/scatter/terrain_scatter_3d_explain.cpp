@@ -1,0 +1,246 @@
+// Why something stands at a place or does not, and what rules make of an area: for scripts and for the editor.
+
+#include "nodes/scatter/terrain_scatter_3d.hpp"
+
+#include "core/base/tile_grid.hpp"
+#include "core/placement/place_grid.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/common/property_check.hpp"
+#include "nodes/layer/layer_reference.hpp"
+#include "nodes/scatter/layer_explainer.hpp"
+#include "nodes/scatter/scatter_problems.hpp"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Says no, in one sentence, to what the rules say yes to.
+void refuse(const char *rule, const std::string &why, LayerExplanation &r_explanation) {
+	r_explanation.verdict = {false, rule, why};
+}
+
+std::string but_not_drawn(const LayerExplanation &explanation, const std::string &why) {
+	return "Stands " + distance_text(explanation.rules.distance) + ", but is not drawn: " + why;
+}
+
+bool draws_nothing(const LayerSnapshot &layer) {
+	const bool meshes =
+			std::ranges::any_of(layer.drawing.meshes, [](const Ref<Mesh> &mesh) { return mesh.is_valid(); });
+	return !meshes && layer.gameplay.scene.scene.is_null();
+}
+
+} // namespace
+
+/// What keeps all layers from standing anywhere, in one sentence; empty for nothing. Asks scripts.
+String TerrainScatter3D::ground_problem() {
+	const Ref<ScatterTerrain> terrain = terrain_;
+	PackedStringArray problems;
+	add_terrain_problems(terrain, problems);
+	if (problems.size() > 0) {
+		return problems.ptr()[0];
+	}
+	return terrain->is_available() ? String() : String("The ground is away for the time being.");
+}
+
+LayerExplainer TerrainScatter3D::layer_explainer() const {
+	return {layer_list_.snapshots(), ground_, {terrain_, get_instance_id()}, {}};
+}
+
+/// What a game has changed about the point, and one that was placed by hand near the place.
+void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanation &r_explanation) const {
+	const Ref<ScatterState> state = get_state();
+	if (state.is_null()) {
+		return;
+	}
+	const std::string where = distance_text(r_explanation.rules.distance);
+	if (r_explanation.stands && state->state().removed(r_explanation.rules.point.id)) {
+		r_explanation.stands = false;
+		if (r_explanation.verdict.yes) {
+			refuse("state", "Removed: the state has taken away what stood " + where + ".", r_explanation);
+		}
+	}
+	const double radius = layer.settings->set.radius;
+	const glm::dvec2 place(r_explanation.place.x, r_explanation.place.z);
+	std::vector<std::uint64_t> ids;
+	if (state->state().added_in(layer.settings->set.layer, {place - radius, place + radius}, ids).ok() &&
+			!ids.empty()) {
+		r_explanation.verdict.reason += ids.size() == 1
+				? " One was placed by hand near by."
+				: " " + std::to_string(ids.size()) + " were placed by hand near by.";
+	}
+}
+
+/// Whether a point that stands is drawn now, and else why not.
+void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanation &r_explanation) const {
+	if (!r_explanation.stands) {
+		return;
+	}
+	const auto hidden = [&](const char *rule, const std::string &why) {
+		if (r_explanation.verdict.yes) {
+			refuse(rule, but_not_drawn(r_explanation, why), r_explanation);
+		}
+	};
+	if (!is_inside_tree()) {
+		return hidden("visible", "the node is not in the scene tree.");
+	}
+	if (!is_visible_in_tree()) {
+		return hidden("visible", "the node is hidden.");
+	}
+	if (draws_nothing(layer)) {
+		return hidden("meshes", "the layer has no mesh.");
+	}
+	const glm::dvec2 point = r_explanation.rules.point.position;
+	const glm::ivec2 tile = tile_at(layer.range.tile_size, point);
+	const Rect area = tile_rect(layer.range.tile_size, tile);
+	const glm::dvec3 at(point.x, r_explanation.place.y, point.y);
+	constexpr double infinity = std::numeric_limits<double>::infinity();
+	double beyond = infinity; // Of what a viewer sees, in meters.
+	double away = infinity;
+	for (const Viewer &viewer : find_viewers(*this, viewers_, world_offset_)) {
+		const double sight = layer.range.view_distance * viewer.radius_scale;
+		beyond = std::min(beyond, std::sqrt(distance_squared(area, viewer.position)) - sight);
+		away = std::min(away, glm::distance(at, glm::dvec3(viewer.position.x, viewer.height, viewer.position.y)));
+	}
+	if (display().find(r_explanation.layer, tile) == nullptr) {
+		if (std::isinf(beyond)) {
+			return hidden("view_distance", "there is no viewer.");
+		}
+		return beyond > 0.0 ? hidden("view_distance",
+									  "the nearest viewer is " + distance_text(away) + ", the layer is seen from " +
+											  number_text(layer.range.view_distance, away) + " m.")
+							: hidden("loading", "its tile is still being made.");
+	}
+	const std::uint32_t rank = thinning_rank(r_explanation.rules.point.rank, r_explanation.rules.at_point.density);
+	if (const double share = display().drawn_share(layer.lod, away); !thicket::stands(rank, share)) {
+		return hidden("thinning",
+				"of the layer " + number_text(100.0 * share) +
+						" % is drawn so far away (thinning with distance, quality, preview_instances).");
+	}
+	r_explanation.shown = true;
+}
+
+TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 &p_position, const Variant &p_layers) {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const glm::dvec3 offset = world_offset_;
+	const TypedArray<ScatterLayer> layers = all_layers();
+	TypedArray<ScatterExplanation> result;
+	std::vector<std::uint32_t> indices;
+	if (const String problem = find_layers(layers, p_layers, indices); !problem.is_empty()) {
+		ERR_PRINT(String("TerrainScatter3D.explain_position: ") + problem);
+		return result;
+	}
+	const glm::dvec3 place = to_world(p_position, offset);
+	if (!std::isfinite(place.x) || !std::isfinite(place.z)) {
+		report("TerrainScatter3D.explain_position",
+				{ErrorCode::not_finite, "position", std::isfinite(place.x) ? place.z : place.x});
+		return result;
+	}
+	if (indices.empty()) {
+		std::ranges::transform(node_layers_.order(), std::back_inserter(indices),
+				[](std::size_t index) { return static_cast<std::uint32_t>(index); });
+	}
+	const Status ready = prepare();
+	const std::string problem = gameplay->alive() ? ground_problem().utf8().get_data() : "";
+	for (const std::uint32_t index : indices) {
+		LayerExplanation explanation;
+		explanation.layer = index;
+		explanation.place = place;
+		const Ref<ScatterLayer> layer = layers[index];
+		explanation.layer_name = layer.is_valid() ? String(layer->get_name()).utf8().get_data() : "";
+		if (!gameplay->alive()) {
+			return TypedArray<ScatterExplanation>(); // By a script that was asked for the ground.
+		}
+		if (!problem.empty() || !ready.ok()) {
+			refuse("ground", !problem.empty() ? problem : thicket::describe(ready), explanation);
+		} else {
+			explain_layer(layer, gameplay, explanation);
+		}
+		result.push_back(ScatterExplanation::of(std::move(explanation), offset));
+	}
+	return result;
+}
+
+/// Asks scripts for the ground, which may free this node.
+void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std::shared_ptr<ScatterGameplay> &gameplay,
+		LayerExplanation &r_explanation) {
+	LayerExplainer explainer = layer_explainer();
+	const SharedSnapshot layer =
+			r_explanation.layer < explainer.layers.size() ? explainer.layers[r_explanation.layer] : nullptr;
+	if (layer == nullptr) {
+		return refuse("layer",
+				p_layer.is_null() ? "The entry in the list of layers is empty." : "The layer's settings are refused.",
+				r_explanation);
+	}
+	explainer.shapes = regions_.names_for(all_layers(), r_explanation.layer);
+	const glm::dvec2 place(r_explanation.place.x, r_explanation.place.z);
+	const Status status = explainer.explain(r_explanation.layer, place, r_explanation);
+	if (!status.ok()) {
+		return refuse("layer", "Cannot be told: " + thicket::describe(status) + ".", r_explanation);
+	}
+	if (gameplay->alive()) {
+		explain_changes(*layer, r_explanation);
+		explain_drawing(*layer, r_explanation);
+	}
+}
+
+/// A number for each field of a grid over a rectangle, row by row, of a layer or (null) of the ground alone. Empty, with an error, for what is refused.
+template <class Ask>
+PackedFloat32Array TerrainScatter3D::map_of(
+		const char *p_method, const Variant *p_layer, const Rect2 &p_rect, const Vector2i &p_size, const Ask &ask) {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const glm::dvec3 offset = world_offset_;
+	std::uint32_t layer = 0;
+	if (p_layer != nullptr && !find_layer_index(p_method, *p_layer, layer)) {
+		return {};
+	}
+	std::vector<glm::dvec2> places;
+	std::vector<float> values;
+	Status status = grid_places(to_world(p_rect, offset), {p_size.x, p_size.y}, places);
+	if (status.ok()) {
+		status = prepare();
+	}
+	if (status.ok() && gameplay->alive()) {
+		const LayerExplainer explainer = layer_explainer();
+		const bool known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
+		status = !explainer.terrain.is_available() ? Status{ErrorCode::missing, "terrain"}
+				: p_layer != nullptr && !known     ? Status{ErrorCode::missing, "layer"}
+												   : ask(explainer, layer, places, values);
+	}
+	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
+	if (!status.ok()) {
+		return {};
+	}
+	return packed<PackedFloat32Array>(std::span<const float>(values), [](float value) { return value; });
+}
+
+PackedFloat32Array TerrainScatter3D::get_density_map(
+		const Variant &p_layer, const Rect2 &p_rect, const Vector2i &p_size) {
+	return map_of("get_density_map", &p_layer, p_rect, p_size,
+			[](const LayerExplainer &explainer, std::uint32_t layer, std::span<const glm::dvec2> places,
+					std::vector<float> &r_values) { return explainer.densities(layer, places, r_values); });
+}
+
+PackedFloat32Array TerrainScatter3D::get_slope_map(const Rect2 &p_rect, const Vector2i &p_size) {
+	return map_of("get_slope_map", nullptr, p_rect, p_size,
+			[](const LayerExplainer &explainer, std::uint32_t, std::span<const glm::dvec2> places,
+					std::vector<float> &r_values) { return explainer.slopes(places, r_values); });
+}
+
+PackedFloat32Array TerrainScatter3D::get_rank_map(const Variant &p_layer, const Rect2 &p_rect, const Vector2i &p_size) {
+	return map_of("get_rank_map", &p_layer, p_rect, p_size,
+			[](const LayerExplainer &explainer, std::uint32_t layer, std::span<const glm::dvec2> places,
+					std::vector<float> &r_values) { return explainer.ranks(layer, places, r_values); });
+}
+
+} // namespace thicket

@@ -1,0 +1,286 @@
+extends "rules_harness.gd"
+## Why something stands at a place or does not: what is explained is what stands.
+
+
+## A hillside under most rules, with trees that the layer keeps away from, and a clearing.
+func make_ruled() -> TerrainScatter3D:
+	var trees := make_layer(6.0)
+	trees.resource_name = "Trees"
+	var layer := make_layer(2.0)
+	layer.resource_name = "Ferns"
+	layer.progressive_levels = 3
+	layer.density = 0.8
+	layer.max_slope_degrees = 35.0
+	layer.slope_falloff = 10.0
+	layer.min_height = 5.0
+	layer.height_falloff = 20.0
+	layer.clump_size = 30.0
+	layer.clump_coverage = 0.7
+	layer.edge_feather = 3.0
+	layer.spacing = {"Trees": 1.5}
+	var scatter := make_scatter([trees, layer], hillside(), make_viewer(Vector3(-100, 0, 20)))
+	var clearing := ScatterRegion3D.new()
+	clearing.name = "Clearing"
+	clearing.exclude = true
+	clearing.shape = ScatterRegion3D.SHAPE_CYLINDER
+	clearing.radius = 25.0
+	clearing.height = 1000.0
+	clearing.position = Vector3(-90, 0, 30)
+	scatter.add_child(clearing)
+	return scatter
+
+
+## Places all over the hillside, wherever viewers are.
+func random_places(count: int) -> PackedVector3Array:
+	var random := RandomNumberGenerator.new()
+	random.seed = 11
+	var places := PackedVector3Array()
+	for index in count:
+		places.append(Vector3(random.randf_range(-150, 150), random.randf_range(-9, 9), random.randf_range(-150, 150)))
+	return places
+
+
+func product(explanation: ScatterExplanation) -> float:
+	var result := 1.0
+	for rule in explanation.get_rule_count():
+		result *= explanation.get_rule_density(rule)
+	return result
+
+
+func test_what_is_explained_is_what_stands() -> void:
+	var scatter := make_ruled()
+	await settle(scatter)
+	var standing := 0
+	var refused := 0
+	var wrong := 0
+	for place in random_places(1500):
+		var both := scatter.explain_position(place)
+		for explanation: ScatterExplanation in both:
+			var layer: ScatterLayer = scatter.layers[explanation.layer]
+			var fits := explanation.standing == scatter.has_instance(explanation.id)
+			fits = fits and explanation.distance <= layer.radius and explanation.allowed == (explanation.density > 0.0)
+			fits = fits and is_equal_approx(product(explanation), explanation.density)
+			fits = fits and explanation.standing == (explanation.rank < explanation.point_density)
+			fits = fits and (explanation.allowed and explanation.shown) == explanation.refused_by.is_empty()
+			fits = fits and is_equal_approx(explanation.position.y, scatter.terrain.get_height(place))
+			wrong += 0 if fits else 1
+			standing += 1 if explanation.standing else 0
+			refused += 0 if explanation.allowed else 1
+	check_equal(wrong, 0, "explanations that do not fit")
+	check(standing > 300 and standing < 2700 and refused > 300, "%d stand, %d are refused" % [standing, refused])
+
+
+## Of a point of the set itself, the answer is yes exactly where there is an instance.
+func test_of_points_the_answer_is_whether_there_is_an_instance() -> void:
+	var scatter := make_ruled()
+	await settle(scatter)
+	var shown := 0
+	for place in random_places(400):
+		var id := scatter.explain_position(place, "Ferns")[0].id
+		var at := scatter.explain_position(place, "Ferns")[0].point_position
+		var explanation := scatter.explain_position(at, "Ferns")[0]
+		if not (check_equal(explanation.id, id, "the point itself") and check(explanation.distance < 1e-3, "is where it is")):
+			return
+		check_equal(explanation.density > explanation.rank, scatter.has_instance(id), "stands: " + explanation.reason)
+		shown += 1 if explanation.refused_by.is_empty() else 0
+	check(shown > 5, "%d are on show" % shown)
+
+
+func test_each_rule_says_no_by_itself() -> void:
+	var noise := FastNoiseLite.new()
+	var black := ImageTexture.create_from_image(Image.create_empty(4, 4, false, Image.FORMAT_L8))
+	var mask := ScatterMask.new()
+	mask.background = 0.0
+	var nothing := make_line(Vector2(0, 0), Vector2(100, 0))
+	var cases := {
+		"slope": [{"max_slope_degrees": 10.0}, ["Slope is", "°", "0° to 10°"]],
+		"height": [{"min_height": 300.0}, ["Height is", "at least 300 m"]],
+		"density": [{"density": 0.0}, ["density is 0"]],
+		"noise": [{"noise": noise, "noise_curve": nothing}, ["noise leaves nothing"]],
+		"mask_texture": [{"mask_texture": black}, ["mask texture leaves nothing"]],
+		"mask": [{"mask": mask}, ["mask leaves nothing"]],
+		"clumps": [{"clump_size": 20.0, "clump_coverage": 0.0}, ["clumps"]],
+		"density_over_height": [{"density_over_height": nothing}, ["Density over height is 0 at"]],
+		"density_over_slope": [{"density_over_slope": nothing}, ["Density over slope is 0 at"]],
+		"spacing": [{"spacing": {"Trees": 8.0}}, ["Trees stands", "m away, the layer keeps 8 m"]],
+		"proximity": [{"proximity_layer": "Trees", "proximity_distance": 0.01}, ["No Trees within 0.01 m"]],
+	}
+	var trees := make_layer(4.0)
+	trees.resource_name = "Trees"
+	var scatter := make_scatter([trees, make_layer(2.0)], hillside(), make_viewer(Vector3(80, 0, 20)))
+	await settle(scatter)
+	for rule: String in cases:
+		var layer := make_layer(2.0)
+		for property: StringName in cases[rule][0]:
+			layer.set(property, cases[rule][0][property])
+		scatter.layers = [trees, layer]
+		var explanation := scatter.explain_position(Vector3(80, 0, 20), layer)[0]
+		check_equal(explanation.refused_by, StringName(rule), "who says no: " + explanation.reason)
+		for words: String in cases[rule][1]:
+			check(words in explanation.reason, "%s: '%s' in '%s'" % [rule, words, explanation.reason])
+		var names: Array = range(explanation.get_rule_count()).map(explanation.get_rule_name)
+		var index := names.find(StringName(rule))
+		check(index >= 0 and explanation.get_rule_density(index) == 0.0, "%s is among %s" % [rule, names])
+		check_equal([explanation.allowed, explanation.density], [false, 0.0], "nothing may stand by " + rule)
+	var steep := make_layer(2.0)
+	steep.max_slope_degrees = 10.0
+	scatter.layers = [steep]
+	var slope := scatter.explain_position(Vector3(80, 0, 20))[0]
+	check_equal([slope.get_rule_min(1), slope.get_rule_max(1)], [0.0, 10.0], "what is asked for")
+	var normal := scatter.terrain.get_normal(Vector3(80, 0, 20))
+	check(absf(slope.get_rule_value(1) - rad_to_deg(normal.angle_to(Vector3.UP))) < 0.1, "the slope itself")
+
+
+func test_regions_and_holes_are_named() -> void:
+	var scatter := make_ruled()
+	await settle(scatter)
+	var inside := scatter.explain_position(Vector3(-90, 0, 30), "Trees")[0]
+	check_equal([inside.refused_by, "Clearing excludes" in inside.reason], [&"regions", true], inside.reason)
+	var clearing: ScatterRegion3D = scatter.get_child(0)
+	clearing.exclude = false
+	var outside := scatter.explain_position(Vector3(-60, 0, -60), "Trees")[0]
+	check_equal([outside.refused_by, "Outside of all regions" in outside.reason], [&"regions", true], outside.reason)
+	var beyond := scatter.explain_position(Vector3(900, 0, 0), ["Trees"])[0]
+	check_equal([beyond.refused_by, beyond.reason], [&"ground", "There is no ground here."], "beyond the terrain")
+
+
+func test_what_a_game_and_the_view_take_away() -> void:
+	var layer := make_layer(2.0)
+	var viewer := make_viewer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+	var there := scatter.explain_position(Vector3(3, 0, 3))[0]
+	check_equal([there.refused_by, there.standing, there.shown], [&"", true, true], there.reason)
+	check("Stands" in there.reason and "m away" in there.reason, there.reason)
+	var here := scatter.explain_position(there.point_position)[0]
+	check_equal(here.reason, "Stands here.", "at the point itself")
+	scatter.remove_instance(there.id)
+	var gone := scatter.explain_position(Vector3(3, 0, 3))[0]
+	check_equal([gone.refused_by, gone.standing, gone.allowed], [&"state", false, true], gone.reason)
+	scatter.add_instance(0, Transform3D(Basis(), Vector3(3.2, 0, 3)))
+	check("One was placed by hand" in scatter.explain_position(Vector3(3, 0, 3))[0].reason, "a hand-placed one is told of")
+	scatter.restore_instance(there.id)
+	var far := scatter.explain_position(Vector3(2000, 0, 3))[0]
+	check_equal([far.refused_by, far.standing, far.shown], [&"view_distance", true, false], far.reason)
+	check("64 m" in far.reason, "what is seen: " + far.reason)
+	scatter.quality = 0.0
+	await settle(scatter)
+	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"thinning", "quality")
+	scatter.quality = 1.0
+	await settle(scatter)
+	scatter.hide()
+	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"visible", "hidden")
+	scatter.show()
+	layer.meshes = []
+	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"meshes", "without a mesh")
+	layer.meshes = [BoxMesh.new()]
+	layer.density = 0.5
+	await settle(scatter)
+	var left_out := 0
+	for place in random_places(60):
+		var explanation := scatter.explain_position(place * 0.2)[0]
+		if explanation.refused_by == &"rank":
+			left_out += 1
+			check(explanation.rank >= 0.5 and not explanation.standing and "rank" in explanation.reason, explanation.reason)
+	check(left_out > 15 and left_out < 45, "%d of 60 are left out by the density" % left_out)
+
+
+func test_asked_for_what_is_not_there() -> void:
+	var layer := make_layer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	for bad: Vector3 in [Vector3(NAN, 0, 0), Vector3(0, 0, INF)]:
+		check_equal(scatter.explain_position(bad).size(), 0, "an answer for %s" % bad)
+		check_error(["explain_position", "position must be finite"], "a position of %s" % bad)
+	check_equal(scatter.explain_position(Vector3(0, NAN, 0)).size(), 1, "the height does not matter")
+	check_equal(scatter.explain_position(Vector3.ZERO, "Oaks").size(), 0, "an answer for no layer")
+	check_error(["explain_position", "Oaks"], "a layer that is not there")
+	var far := scatter.explain_position(Vector3(1e12, 0, 0))[0]
+	check("out of range" in far.reason, "beyond the set's cells: " + far.reason)
+	scatter.layers = [layer, null]
+	check("empty" in scatter.explain_position(Vector3.ZERO)[1].reason, "an empty entry")
+	scatter.layers = []
+	check_equal(scatter.explain_position(Vector3.ZERO).size(), 0, "without layers")
+	scatter.layers = [layer]
+	scatter.terrain = null
+	var groundless := scatter.explain_position(Vector3.ZERO)[0]
+	check_equal([groundless.refused_by, "No terrain" in groundless.reason], [&"ground", true], groundless.reason)
+	scatter.terrain = ScatterTerrainHeightmap.new()
+	check_equal(scatter.explain_position(Vector3.ZERO)[0].refused_by, &"ground", "a terrain without heights")
+	check_error(["heightmap_path"], "which is told once")
+	var lonely := TerrainScatter3D.new()
+	lonely.layers = [layer]
+	lonely.terrain = ScatterTerrainFlat.new()
+	var outside := lonely.explain_position(Vector3(3, 0, 3))[0]
+	check_equal([outside.standing, outside.refused_by], [true, &"visible"], "outside of the tree: " + outside.reason)
+	lonely.free()
+	var explanation := ScatterExplanation.new()
+	check_equal([explanation.get_rule_count(), explanation.get_rule_sentence(0)], [0, ""], "a new one")
+	check_error(["get_rule_sentence", "index", 0], "a rule that is not there")
+
+
+func test_maps_hold_what_is_explained() -> void:
+	var scatter := make_ruled()
+	await settle(scatter)
+	var rect := Rect2(-150, -30, 90, 70)
+	var size := Vector2i(18, 14)
+	var density := scatter.get_density_map("Ferns", rect, size)
+	var slope := scatter.get_slope_map(rect, size)
+	var rank := scatter.get_rank_map("Ferns", rect, size)
+	check_equal([density.size(), slope.size(), rank.size()], [252, 252, 252], "sizes")
+	var wrong := 0
+	var some := 0
+	for index in density.size():
+		var field := Vector2(index % size.x + 0.5, index / size.x + 0.5)
+		var at := rect.position + field * rect.size / Vector2(size)
+		var explanation := scatter.explain_position(Vector3(at.x, 0, at.y), "Ferns")[0]
+		var normal := scatter.terrain.get_normal(Vector3(at.x, 0, at.y))
+		var fits := absf(density[index] - explanation.density) < 1e-4 and absf(rank[index] - explanation.rank) < 1e-4
+		fits = fits and absf(slope[index] - rad_to_deg(normal.angle_to(Vector3.UP))) < 0.2
+		wrong += 0 if fits else 1
+		some += 1 if density[index] > 0.0 else 0
+	check_equal(wrong, 0, "fields that differ")
+	check(some > 30 and some < 240, "%d fields have a density" % some)
+	check(is_nan(scatter.get_slope_map(Rect2(900, 0, 10, 10), Vector2i(1, 1))[0]), "no ground has no slope")
+	check_equal(scatter.get_density_map(0, Rect2(900, 0, 10, 10), Vector2i(1, 1))[0], 0.0, "and no density")
+	for bad: Array in [[Rect2(0, 0, NAN, 1), Vector2i(2, 2), "rect"], [Rect2(0, 0, -1, 1), Vector2i(2, 2), "rect"],
+			[Rect2(0, 0, 1, 1), Vector2i(0, 2), "size"], [Rect2(0, 0, 1, 1), Vector2i(5000, 1), "size"]]:
+		check_equal(scatter.get_slope_map(bad[0], bad[1]).size(), 0, "an answer for %s" % [bad])
+		check_error(["get_slope_map", bad[2]], "%s" % [bad])
+	check_equal(scatter.get_density_map("Oaks", rect, size).size(), 0, "no layer")
+	check_error(["get_density_map", "Oaks"], "a layer that is not there")
+	check_equal(scatter.get_rank_map("Ferns", Rect2(0, 0, 1e5, 1e5), size).size(), 0, "too many points")
+	check_error(["get_rank_map", "rect asks for too many points"], "a large rectangle")
+
+
+## A ground that is asked on the main thread, where its script may do anything.
+class RashGround extends ScatterTerrain:
+	var victim: Node
+
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		if victim != null:
+			victim.free()
+			victim = null
+		var heights := PackedFloat32Array()
+		heights.resize(positions.size())
+		return heights
+
+
+func test_a_ground_that_is_asked_on_the_main_thread() -> void:
+	var ground := RashGround.new()
+	var scatter := make_scatter([make_layer()], ground, make_viewer())
+	await settle(scatter)
+	var explanation := scatter.explain_position(Vector3(4, 0, 4))[0]
+	check_equal([explanation.refused_by, explanation.standing], [&"", true], explanation.reason)
+	check_equal(scatter.get_density_map(0, Rect2(0, 0, 9, 9), Vector2i(3, 3)), PackedFloat32Array([1, 1, 1, 1, 1, 1, 1, 1, 1]), "all of it")
+	for method: String in ["explain_position", "get_density_map", "get_slope_map"]:
+		var other := make_scatter([make_layer()], ground, make_viewer())
+		await settle(other)
+		ground.victim = other
+		match method:
+			"explain_position": other.explain_position(Vector3.ZERO)
+			"get_density_map": other.get_density_map(0, Rect2(0, 0, 9, 9), Vector2i(3, 3))
+			"get_slope_map": other.get_slope_map(Rect2(0, 0, 9, 9), Vector2i(3, 3))
+		ground.victim = null
+		check(was_kept_from_being_freed() or not is_instance_valid(other), "what %s does to the node" % method)

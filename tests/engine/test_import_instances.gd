@@ -1,0 +1,304 @@
+extends "import_harness.gd"
+## What people have, as hand-placed instances: exact to the float, whole or not at all.
+
+
+func test_add_instances_is_add_instance_many_times() -> void:
+	var layer := make_layer()
+	layer.density = 0.0
+	layer.meshes = [BoxMesh.new(), SphereMesh.new()]
+	var scatter := make_bare([layer])
+	var all := some_transforms(3000)
+	all[5] = all[4] # Where one id is taken, the next.
+	var meshes := PackedInt32Array()
+	for index in all.size():
+		meshes.push_back(index % 2)
+	meshes[5] = meshes[4]
+	var told: Array[int] = []
+	scatter.instance_added.connect(func(id: int, _layer: int, _at: Transform3D) -> void: told.push_back(id))
+	var ids := scatter.add_instances(layer, floats_of_transforms(all), meshes)
+	check_equal(ids.size(), all.size(), "all were placed")
+	var other := make_bare([layer])
+	for index in all.size():
+		var id := other.add_instance(0, all[index], meshes[index])
+		if id != ids[index]:
+			check(false, "the id of %d" % index)
+	check_equal(scatter.state.to_bytes(), other.state.to_bytes(), "the same state, to the byte")
+	check_placed(scatter, 0, all, "exact")
+	check_equal(scatter.get_instance(ids[7]).mesh, 1, "its mesh")
+	scatter.viewers = [scatter.get_path_to(make_viewer())]
+	await settle(scatter)
+	check_equal(PackedInt64Array(told), ids, "each is told once, in order")
+	var some := ids.slice(0, 2000)
+	some.push_back(some[0])
+	some.push_back(-12345)
+	check_equal(scatter.remove_instances(some), ids.slice(0, 2000), "those that stood are removed")
+	check_placed(scatter, 0, all.slice(2000), "the others stand")
+	var again := scatter.add_instances(0, floats_of_transforms(all.slice(0, 2000)), meshes.slice(0, 2000))
+	check_equal(again, ids.slice(0, 2000), "the same ids again")
+	var by_rule := make_layer()
+	var mixed := make_bare([by_rule])
+	var point := mixed.query_rect(Rect2(0, 0, 20, 20)).get_id(0)
+	var hand := mixed.add_instances(0, floats_of_transforms([Transform3D()]))[0]
+	check_equal(mixed.remove_instances(PackedInt64Array([point, hand])), PackedInt64Array([point, hand]), "points of the set, too")
+	check(mixed.state.is_removed(point) and not mixed.has_instance(hand), "removed")
+
+
+func test_add_instances_is_whole_or_nothing() -> void:
+	var scatter := make_bare([make_layer()])
+	var floats := floats_of_transforms(some_transforms(10))
+	scatter.add_instances(0, floats.slice(1))
+	check_error(["add_instances", "transforms", 119], "a float is missing")
+	scatter.add_instances(0, floats, PackedInt32Array([1]))
+	check_error(["add_instances", "meshes", 1], "one mesh for ten")
+	scatter.add_instances(7, floats)
+	check_error(["add_instances", "layer"], "no such layer")
+	scatter.add_instances(0, floats, PackedInt32Array([0, 0, 0, -1, 0, 0, 0, 0, 0, 0]))
+	check_error(["transform 3", "mesh", -1], "no such mesh")
+	for bad: float in [NAN, INF, 2e9]:
+		var broken := floats.duplicate()
+		broken[6 * 12 + 3] = bad
+		check(scatter.add_instances(0, broken).is_empty(), "nothing")
+		check_error(["transform 6", "position"], "a position of %s" % bad)
+	floats[12 + 1] = NAN
+	scatter.add_instances(0, floats)
+	check_error(["transform 1", "basis"], "a basis of NAN")
+	check(scatter.state == null or scatter.state.get_added_count() == 0, "nothing was placed")
+	check_equal(scatter.add_instances(0, PackedFloat32Array()), PackedInt64Array(), "none")
+	scatter.terrain = null
+	scatter.add_instances(0, PackedFloat32Array())
+	check_error(["add_instances", "terrain"], "without a ground")
+
+
+func test_multimeshes() -> void:
+	var box := BoxMesh.new()
+	box.resource_name = "Crate"
+	var ball := SphereMesh.new()
+	var layer := make_layer()
+	layer.density = 0.0
+	layer.meshes = [CylinderMesh.new(), box]
+	var scatter := make_bare([layer])
+	var top := Node3D.new()
+	top.name = "Old"
+	root.add_child(top)
+	var plain := some_transforms(50)
+	var moved := some_transforms(60)
+	var hidden := some_transforms(20)
+	top.add_child(make_multimesh(box, plain))
+	var node := make_multimesh(ball, moved, true)
+	node.transform = Transform3D(Basis.from_euler(Vector3(0.1, 0.7, -0.2)), Vector3(3, 1, -8))
+	node.name = "Balls"
+	top.add_child(node)
+	var cut := make_multimesh(ball, hidden)
+	cut.multimesh.visible_instance_count = 5
+	top.add_child(cut)
+	var red := make_multimesh(box, some_transforms(3))
+	red.material_override = StandardMaterial3D.new()
+	red.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	red.layers = 4
+	top.add_child(red)
+	top.add_child(MultiMeshInstance3D.new())
+	check_equal(ImportInstances.from_node(scatter, null, top), 118, "all that is drawn")
+	check_equal(scatter.layers.size(), 3, "two new layers")
+	check_placed(scatter, 0, plain, "the mesh of a layer")
+	check_equal(scatter.query_rect(Rect2(-100, -100, 200, 200), [0]).get_mesh(0), 1, "as that mesh")
+	var placed: Array[Transform3D] = []
+	for each in moved:
+		placed.push_back(node.global_transform * each)
+	check_placed(scatter, 1, placed + hidden.slice(0, 5), "a new layer")
+	check(scatter.layers[1].meshes == [ball] and scatter.layers[1].density == 0.0 and scatter.layers[1].layer_id >= 0, "with its mesh alone")
+	var painted := scatter.layers[2]
+	check(painted.material_override == red.material_override and painted.cast_shadow == 0 and painted.render_layers == 4, "drawn alike")
+	check_equal(painted.resource_name, "Crate", "named as its mesh")
+	var again := make_bare([layer])
+	check_equal(ImportInstances.from_node(again, "all", top), 0, "no such layer")
+	check_error(["add_instances", "all"], "no such layer")
+	layer.resource_name = "all"
+	check_equal(ImportInstances.from_node(again, "all", top), 118, "all into one layer")
+	check_equal(again.layers.size(), 1, "no new one")
+
+
+func test_what_cannot_be_imported_changes_nothing() -> void:
+	var layer := make_layer()
+	var scatter := make_bare([layer])
+	var top := Node3D.new()
+	root.add_child(top)
+	check_equal(ImportInstances.from_node(scatter, null, null), 0, "no node")
+	check_error(["no node"], "no node")
+	check_equal(ImportInstances.from_node(scatter, null, top), 0, "nothing in it")
+	check_error(["no instances"], "nothing in it")
+	top.add_child(make_multimesh(BoxMesh.new(), some_transforms(5)))
+	var bare := make_multimesh(null, some_transforms(5))
+	bare.name = "Bare"
+	top.add_child(bare)
+	check_equal(ImportInstances.from_node(scatter, null, top), 0, "one without a mesh")
+	check_error(["Bare", "mesh"], "one without a mesh")
+	bare.free()
+	var broken := make_multimesh(SphereMesh.new(), [Transform3D(Basis(), Vector3(2e9, 0, 0))])
+	top.add_child(broken)
+	check_equal(ImportInstances.from_node(scatter, null, top), 0, "one too far away")
+	check_error(["transform 0", "position"], "one too far away")
+	check_equal(scatter.layers, [layer] as Array[ScatterLayer], "the layers are what they were")
+	check_equal(scatter.state.get_added_count(), 0, "nothing is placed")
+
+
+## The nodes that ProtonScatter 4 leaves: an output with a node for each item.
+func proton_output(items: Array[Node]) -> Node3D:
+	var scatter := Node3D.new()
+	scatter.name = "Proton"
+	scatter.position = Vector3(10, 0, 0)
+	var source := MeshInstance3D.new() # Of an item: what is copied, no instance.
+	source.mesh = BoxMesh.new()
+	scatter.add_child(source)
+	var output := Marker3D.new()
+	output.name = "ScatterOutput"
+	scatter.add_child(output)
+	for item in items:
+		output.add_child(item)
+	root.add_child(scatter)
+	return scatter
+
+
+func test_proton_scatter() -> void:
+	var mesh := CylinderMesh.new()
+	var all := some_transforms(40)
+	var grass := Node3D.new()
+	grass.name = "Grass"
+	for chunk in 4:
+		var node := make_multimesh(mesh, all.slice(chunk * 10, chunk * 10 + 10))
+		node.name = "MultiMeshInstance3D_%d" % chunk
+		grass.add_child(node)
+	grass.add_child(StaticBody3D.new())
+	var rocks := Node3D.new()
+	rocks.name = "Rocks"
+	var rock := SphereMesh.new()
+	var copies := some_transforms(12)
+	for at in copies:
+		var body := StaticBody3D.new()
+		body.transform = at
+		var shown := MeshInstance3D.new()
+		shown.mesh = rock
+		body.add_child(shown)
+		rocks.add_child(body)
+	var scene := PackedScene.new()
+	var hut := Node3D.new()
+	hut.name = "Hut"
+	var walls := MeshInstance3D.new()
+	walls.mesh = BoxMesh.new()
+	hut.add_child(walls)
+	walls.owner = hut
+	scene.pack(hut)
+	hut.free()
+	ResourceSaver.save(scene, "user://thicket_hut.tscn")
+	var huts := Node3D.new()
+	huts.name = "Huts"
+	var places := some_transforms(3)
+	for at in places:
+		var copy: Node3D = (load("user://thicket_hut.tscn") as PackedScene).instantiate()
+		copy.transform = at
+		huts.add_child(copy)
+	var proton := proton_output([grass, rocks, huts])
+	var scatter := make_bare()
+	check_equal(ImportInstances.from_node(scatter, null, proton), 55, "all that it has made")
+	var names := scatter.layers.map(func(layer: ScatterLayer) -> String: return layer.resource_name)
+	check_equal(names, ["Grass", "Rocks", "Huts"], "a layer for each item")
+	var move := func(at: Transform3D) -> Transform3D: return proton.global_transform * at
+	check_placed(scatter, 0, Array(all.map(move), TYPE_TRANSFORM3D, "", null), "chunks")
+	check_placed(scatter, 1, Array(copies.map(move), TYPE_TRANSFORM3D, "", null), "copies of nodes")
+	check_placed(scatter, 2, Array(places.map(move), TYPE_TRANSFORM3D, "", null), "copies of scenes")
+	check((scatter.layers[2].meshes[0] as PackedScene).resource_path == "user://thicket_hut.tscn", "as scenes")
+	var particles := Node3D.new()
+	particles.name = "Sparks"
+	particles.add_child(GPUParticles3D.new())
+	check_equal(ImportInstances.from_node(scatter, null, proton_output([particles])), 0, "particles have no transforms")
+	check_error(["Sparks", "particles"], "particles")
+
+
+## As Terrain3D keeps instances: by region, mesh and cell, from the corner of the region.
+class Terrain3DDouble extends Node3D:
+	class Region extends RefCounted:
+		var location := Vector2i.ZERO
+		var region_size := 64
+		var instances := {}
+
+	class Data extends RefCounted:
+		var regions := {}
+
+		func get_region_locations() -> Array[Vector2i]:
+			return Array(regions.keys(), TYPE_VECTOR2I, "", null)
+
+		func get_region(location: Vector2i) -> Region:
+			return regions.get(location)
+
+	class MeshAsset extends RefCounted:
+		var name := "New Mesh"
+		var material_override: Material
+		var mesh: Mesh
+
+		func get_mesh(_lod := 0) -> Mesh:
+			return mesh
+
+	class Assets extends RefCounted:
+		var meshes: Array[MeshAsset] = []
+
+		func get_mesh_asset(id: int) -> MeshAsset:
+			return meshes[id] if id < meshes.size() else null
+
+	var data := Data.new()
+	var assets := Assets.new()
+	var vertex_spacing := 2.0
+
+	func add(location: Vector2i, mesh: int, cell: Vector2i, all: Array[Transform3D]) -> void:
+		if not data.regions.has(location):
+			data.regions[location] = Region.new()
+			data.regions[location].location = location
+		var instances: Dictionary = data.regions[location].instances
+		if not instances.has(mesh):
+			instances[mesh] = {}
+		instances[mesh][cell] = [all, PackedColorArray(), true]
+
+
+func test_terrain_3d() -> void:
+	var terrain := Terrain3DDouble.new()
+	for name: String in ["Birch", "Fern"]:
+		var asset := Terrain3DDouble.MeshAsset.new()
+		asset.name = name
+		asset.mesh = BoxMesh.new()
+		terrain.assets.meshes.push_back(asset)
+	terrain.assets.meshes[1].material_override = StandardMaterial3D.new()
+	var first := some_transforms(30)
+	var second := some_transforms(20)
+	terrain.add(Vector2i.ZERO, 0, Vector2i(0, 1), first.slice(0, 10))
+	terrain.add(Vector2i(-1, 1), 0, Vector2i(1, 1), first.slice(10))
+	terrain.add(Vector2i(-1, 1), 1, Vector2i(0, 0), second)
+	var drawn := make_multimesh(terrain.assets.meshes[0].mesh, first)
+	terrain.add_child(drawn) # What it draws of them.
+	terrain.position = Vector3(5, 5, 5) # Its instances do not follow.
+	root.add_child(terrain)
+	var scatter := make_bare()
+	check_equal(ImportInstances.from_node(scatter, null, terrain), 50, "all instances, once")
+	var corner := Vector3(-128, 0, 128)
+	var expected: Array[Transform3D] = first.slice(0, 10)
+	for at in first.slice(10):
+		expected.push_back(Transform3D(at.basis, at.origin + corner))
+	check_placed(scatter, "Birch", expected, "two regions")
+	var ferns: Array[Transform3D] = []
+	for at in second:
+		ferns.push_back(Transform3D(at.basis, at.origin + corner))
+	check_placed(scatter, "Fern", ferns, "the second mesh")
+	check(scatter.layers[1].material_override == terrain.assets.meshes[1].material_override, "with its material")
+	terrain.add(Vector2i.ZERO, 2, Vector2i.ZERO, some_transforms(1))
+	var before := scatter.state.get_added_count()
+	check_equal(ImportInstances.from_node(scatter, null, terrain), 0, "a mesh that is gone")
+	check_error(["mesh 2"], "a mesh that is gone")
+	check_equal(scatter.state.get_added_count(), before, "nothing more")
+
+
+func test_a_moved_world() -> void:
+	var scatter := make_bare([make_layer()])
+	scatter.layers[0].density = 0.0
+	scatter.world_offset = Vector3(65536, 0, -1024)
+	var all := some_transforms(200)
+	var top := make_multimesh(scatter.layers[0].meshes[0], all)
+	root.add_child(top)
+	check_equal(ImportInstances.from_node(scatter, 0, top), 200, "imported")
+	check_placed(scatter, 0, all, "where it is in the engine's space")

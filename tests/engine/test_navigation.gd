@@ -1,0 +1,365 @@
+extends "harness.gd"
+## Navigation meshes that the engine bakes leave out what a scatter has in their area, loaded or not.
+
+const CELL := 0.125  ## Meters.
+const AGENT := 0.5   ## Meters: the agent's radius.
+const TRUNK := 0.4   ## instance_radius.
+const SIDE := 48.0   ## Of the ground, around the origin.
+const ERROR := 0.2   ## Meters by which the outline of a baked mesh is simplified, and the corner of a cell.
+
+
+func solid_layer(radius := 5.0) -> ScatterLayer:
+	var layer := make_layer(radius)
+	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
+	layer.instance_radius = TRUNK
+	layer.instance_height = 4.0
+	return layer
+
+
+## A region with a flat ground below it, its top at height 0, and no scatter yet.
+func make_region(side := SIDE) -> NavigationRegion3D:
+	var mesh := NavigationMesh.new()
+	mesh.cell_size = CELL
+	mesh.cell_height = CELL
+	mesh.agent_radius = AGENT
+	mesh.agent_height = 1.5
+	mesh.agent_max_climb = 0.25
+	mesh.edge_max_error = 1.0
+	mesh.geometry_parsed_geometry_type = NavigationMesh.PARSED_GEOMETRY_STATIC_COLLIDERS
+	var region := NavigationRegion3D.new()
+	region.navigation_mesh = mesh
+	root.add_child(region)
+	NavigationServer3D.map_set_cell_size(region.get_navigation_map(), CELL)
+	NavigationServer3D.map_set_cell_height(region.get_navigation_map(), CELL)
+	region.add_child(make_floor(side))
+	return region
+
+
+func make_floor(side: float) -> StaticBody3D:
+	var box := BoxShape3D.new()
+	box.size = Vector3(side, 1, side)
+	var shape := CollisionShape3D.new()
+	shape.shape = box
+	var body := StaticBody3D.new()
+	body.name = "Floor"
+	body.position.y = -0.5
+	body.add_child(shape)
+	return body
+
+
+## A scatter below the region, of which nothing is loaded: its viewer is far away.
+func plant(region: NavigationRegion3D, layers: Array[ScatterLayer]) -> TerrainScatter3D:
+	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
+	scatter.reparent(region, false)
+	scatter.viewers = []
+	return scatter
+
+
+func bake(region: NavigationRegion3D) -> NavigationMesh:
+	region.bake_navigation_mesh(false)
+	return region.navigation_mesh
+
+
+## The obstructions that a parse gives.
+func obstructions(region: NavigationRegion3D) -> Array:
+	var data := NavigationMeshSourceGeometryData3D.new()
+	NavigationServer3D.parse_source_geometry_data(region.navigation_mesh, data, region)
+	return data.get_projected_obstructions()
+
+
+## Meters on the map from a position to the nearest polygon of a mesh; 0 on it.
+func clearance(mesh: NavigationMesh, at: Vector2) -> float:
+	var least := INF
+	var vertices := mesh.get_vertices()
+	for index in mesh.get_polygon_count():
+		var outline := PackedVector2Array()
+		for corner in mesh.get_polygon(index):
+			outline.push_back(Vector2(vertices[corner].x, vertices[corner].z))
+		if Geometry2D.is_point_in_polygon(at, outline):
+			return 0.0
+		for corner in outline.size():
+			var nearest := Geometry2D.get_closest_point_to_segment(at, outline[corner - 1], outline[corner])
+			least = minf(least, nearest.distance_to(at))
+	return least
+
+
+## Every instance is left out at its radius and the agent's, and no more than that and two cells. Returns how many there are.
+func check_left_out(mesh: NavigationMesh, found: ScatterInstances, what: String, radius := TRUNK, to_mesh := Transform3D.IDENTITY) -> int:
+	var seen := 0
+	for index in found.size():
+		var at := on_map(to_mesh * found.get_transform(index))
+		if maxf(absf(at.x), absf(at.y)) < SIDE * 0.5 - 2.5:
+			seen += 1
+			var free := clearance(mesh, at)
+			var asked := radius * found.get_transform(index).basis.get_scale().x + AGENT
+			check(free > asked - ERROR and free < asked * 1.04 + 2.0 * CELL + ERROR,
+					"%s: %.3f m free around %s, not %.3f" % [what, free, at, asked])
+	return seen
+
+
+func within(side := SIDE) -> Rect2:
+	return Rect2(-side / 2, -side / 2, side, side)
+
+
+func test_a_bake_leaves_out_every_trunk() -> void:
+	var region := make_region()
+	var scatter := plant(region, [solid_layer()])
+	var before := bake(region)
+	check(scatter.get_shown_tiles(0).is_empty(), "nothing is loaded")
+	var found := scatter.query_rect(within())
+	var seen := check_left_out(before, found, "unloaded")
+	check(seen > 40, "%d trunks" % seen)
+	check(clearance(before, Vector2(1.3, 1.7)) == 0.0 or found.size() > 0, "there is ground left")
+	var viewer := make_viewer()
+	scatter.viewers = [scatter.get_path_to(viewer)]
+	await settle(scatter)
+	check(not scatter.get_shown_tiles(0).is_empty(), "loaded")
+	var vertices := before.get_vertices()
+	check(bake(region).get_vertices() == vertices, "what is loaded makes no difference")
+	scatter.visible = false
+	check(bake(region).get_vertices() == vertices, "nor whether it is seen")
+
+
+func test_a_stem_thinner_than_a_cell_is_not_lost() -> void:
+	var layer := solid_layer()
+	layer.instance_radius = 0.01
+	var region := make_region()
+	var scatter := plant(region, [layer])
+	check(check_left_out(bake(region), scatter.query_rect(within()), "thin", 0.01) > 40, "thin stems")
+
+
+func test_paths_go_around() -> void:
+	var region := make_region()
+	var scatter := plant(region, [solid_layer()])
+	bake(region)
+	var found := scatter.query_rect(within())
+	var map := region.get_navigation_map()
+	var from := Vector3(-SIDE / 2 + 1, 0, -SIDE / 2 + 1)
+	await until(func() -> bool: return NavigationServer3D.map_get_path(map, from, -from, true).size() > 2, "there is a path")
+	var path := NavigationServer3D.map_get_path(map, from, -from, true)
+	check(path[-1].distance_to(-from) < 1.0, "it arrives: %s" % path[-1])
+	var least := INF
+	for index in found.size():
+		for step in range(1, path.size()):
+			var nearest := Geometry3D.get_closest_point_to_segment(found.get_position(index), path[step - 1], path[step])
+			least = minf(least, Vector2(nearest.x - found.get_position(index).x, nearest.z - found.get_position(index).z).length())
+	check(least > TRUNK + AGENT - ERROR, "it keeps %.3f m away" % least)
+	check(least < 4.0, "and passes by trees")
+
+
+func test_what_a_game_changes_counts() -> void:
+	var region := make_region()
+	var scatter := plant(region, [solid_layer()])
+	var found := scatter.query_sphere(Vector3.ZERO, 15.0)
+	var gone := on_map(found.get_transform(0))
+	check(clearance(bake(region), gone) > TRUNK, "it stands")
+	scatter.remove_instance(found.get_id(0))
+	check(clearance(bake(region), gone) == 0.0, "felled: its place is free")
+	scatter.restore_instance(found.get_id(0))
+	check(clearance(bake(region), gone) > TRUNK, "it stands again")
+	var id := scatter.add_instance(0, Transform3D(Basis(), Vector3(gone.x + 1.5, 0, gone.y)))
+	check(clearance(bake(region), gone + Vector2(1.5, 0)) > TRUNK, "placed by hand")
+	scatter.remove_instance(id)
+	check(clearance(bake(region), gone + Vector2(1.7, 0)) == 0.0, "and taken away")
+
+
+func test_scale_lean_and_height_count() -> void:
+	var layer := solid_layer()
+	layer.density = 0.0
+	layer.instance_height = 10.0
+	var region := make_region()
+	var scatter := plant(region, [layer])
+	scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3(4, 1, 4)), Vector3(-12, 0, 0)))
+	# It leans towards x: a meter for each meter of height.
+	scatter.add_instance(0, Transform3D(Basis(Vector3.BACK, -PI / 4), Vector3(0, 0, 0)))
+	scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3.ONE * 0.5), Vector3(12, 0, 0)))
+	scatter.add_instance(0, Transform3D(Basis(), Vector3(0, 3, 12)))   # An agent fits below,
+	scatter.add_instance(0, Transform3D(Basis(), Vector3(0, -12, -12))) # and stands above this one.
+	scatter.add_instance(0, Transform3D(Basis(), Vector3(12, 1, 12)))  # But not here.
+	var mesh := bake(region)
+	var wide := clearance(mesh, Vector2(-12, 0))
+	check(absf(wide - (4 * TRUNK + AGENT)) < 2 * CELL + ERROR, "scaled: %.3f m" % wide)
+	check(clearance(mesh, Vector2(-1.3, 0)) == 0.0, "free on the far side of what leans")
+	check(clearance(mesh, Vector2(1.4, 0)) > AGENT, "not where an agent would hit its head")
+	check(clearance(mesh, Vector2(6.0, 0)) == 0.0, "free where it is high up")
+	var small := clearance(mesh, Vector2(12, 0))
+	check(absf(small - (0.5 * TRUNK + AGENT)) < 2 * CELL + ERROR, "scaled down: %.3f m" % small)
+	check(clearance(mesh, Vector2(0, 12)) == 0.0, "too high to be in the way")
+	check(clearance(mesh, Vector2(0, -12)) == 0.0, "too deep")
+	check(clearance(mesh, Vector2(12, 12)) > TRUNK, "at head height")
+
+
+func test_slopes() -> void:
+	var region := make_region()
+	var body := region.get_node(^"Floor") as StaticBody3D
+	var shape := ConcavePolygonShape3D.new()
+	var rise := 0.5
+	var a := Vector3(-20, -20 * rise, -20)
+	var b := Vector3(20, 20 * rise, -20)
+	var c := Vector3(20, 20 * rise, 20)
+	var d := Vector3(-20, -20 * rise, 20)
+	shape.set_faces(PackedVector3Array([a, b, c, a, c, d]))
+	body.position = Vector3.ZERO
+	(body.get_child(0) as CollisionShape3D).shape = shape
+	var layer := solid_layer()
+	layer.instance_radius = 1.5
+	layer.instance_height = 0.3
+	layer.density = 0.0
+	var scatter := plant(region, [layer])
+	for x in range(-10, 11, 10):
+		scatter.add_instance(0, Transform3D(Basis(), Vector3(x, x * rise, 0)))
+	var mesh := bake(region)
+	for x in range(-10, 11, 10):
+		for angle in 16:
+			var side := Vector2.from_angle(angle * TAU / 16) * 1.4
+			check(clearance(mesh, Vector2(x, 0) + side) > 0.2, "a flat stone on a slope, at %s" % side)
+
+
+func test_the_area_is_that_of_the_bake() -> void:
+	var region := make_region()
+	var scatter := plant(region, [solid_layer()])
+	var all := obstructions(region).size()
+	var stands := scatter.query_rect(within()).size()
+	check(all >= stands and all < stands * 1.5, "%d for the %d on the ground" % [all, stands])
+	region.move_child(scatter, 0)
+	check_equal(obstructions(region).size(), all, "first among the children, before any ground")
+	var below := Node3D.new()
+	region.add_child(below)
+	below.add_child(Node.new())
+	check_equal(obstructions(region).size(), all, "with nodes after it")
+	region.navigation_mesh.filter_baking_aabb = AABB(Vector3(-5, -1, -5), Vector3(10, 4, 10))
+	var some := obstructions(region).size()
+	check(some > 0 and some <= scatter.query_rect(within(13)).size(), "%d in the box" % some)
+	region.navigation_mesh.filter_baking_aabb_offset = Vector3(3e4, 0, 0)
+	var far := obstructions(region).size()
+	check(far > 0 and far < 20, "%d in a box far from all ground" % far)
+	region.navigation_mesh.filter_baking_aabb_offset = Vector3(0, 50, 0)
+	check_equal(obstructions(region).size(), 0, "none in a box above the trees")
+	region.navigation_mesh.filter_baking_aabb = AABB()
+	region.get_node(^"Floor").free()
+	check_equal(obstructions(region).size(), 0, "none without a ground: never the endless world")
+	region.add_child(make_floor(1e5))
+	check_equal(obstructions(region).size(), 0, "none where they are too many")
+	check_error(["TerrainScatter3D", "navigation", "rect"], "and that is told")
+
+
+func test_source_geometry_modes() -> void:
+	var region := make_region()
+	var scatter := plant(region, [solid_layer()])
+	var all := obstructions(region).size()
+	var mesh := region.navigation_mesh
+	scatter.reparent(root, false)
+	check_equal(obstructions(region).size(), 0, "not below the region")
+	mesh.geometry_source_geometry_mode = NavigationMesh.SOURCE_GEOMETRY_GROUPS_EXPLICIT
+	mesh.geometry_source_group_name = "walls"
+	region.get_node(^"Floor").add_to_group("walls")
+	check_equal(obstructions(region).size(), 0, "not in the group")
+	scatter.add_to_group("walls")
+	check_equal(obstructions(region).size(), all, "in the group")
+	mesh.geometry_source_geometry_mode = NavigationMesh.SOURCE_GEOMETRY_GROUPS_WITH_CHILDREN
+	check_equal(obstructions(region).size(), all, "in the group, with children")
+	scatter.remove_from_group("walls")
+	region.add_to_group("walls")
+	scatter.reparent(region, false)
+	check_equal(obstructions(region).size(), all, "below one that is in the group")
+	scatter.add_to_group("walls")
+	check_equal(obstructions(region).size(), all, "both in the group: once")
+	scatter.remove_from_group("walls")
+	region.get_node(^"Floor").remove_from_group("walls")
+	region.position = Vector3(7, 0, -3)
+	region.rotation.y = 0.6
+	var turned := bake(region)
+	var found := scatter.query_rect(Rect2(-40, -40, 80, 80))
+	check(check_left_out(turned, found, "turned", TRUNK, region.global_transform.affine_inverse()) > 40, "a region that is turned")
+
+
+func test_layers_have_a_say() -> void:
+	var region := make_region()
+	var layer := solid_layer()
+	var grass := make_layer(1.0)
+	plant(region, [grass, layer])
+	var all := obstructions(region).size()
+	check(all > 40 and all < 150, "trees alone: %d" % all)
+	layer.affect_navigation_mesh = false
+	check_equal(obstructions(region).size(), 0, "a layer that has no part in it")
+	layer.affect_navigation_mesh = true
+	layer.collision_distance = 0.0
+	check_equal(obstructions(region).size(), all, "without bodies")
+	layer.collision_layer = 4
+	check_equal(obstructions(region).size(), all, "another physics layer")
+	region.navigation_mesh.geometry_collision_mask = 3
+	check_equal(obstructions(region).size(), 0, "that the bake does not ask for")
+	region.navigation_mesh.geometry_parsed_geometry_type = NavigationMesh.PARSED_GEOMETRY_MESH_INSTANCES
+	region.navigation_mesh.filter_baking_aabb = AABB(Vector3(-24, -1, -24), Vector3(48, 4, 48))
+	check_equal(obstructions(region).size(), all, "a mask means nothing where no bodies are asked for")
+
+
+func test_world_offset() -> void:
+	var region := make_region()
+	var scatter := plant(region, [solid_layer()])
+	scatter.world_offset = Vector3(81920, 0, -4096)
+	check(check_left_out(bake(region), scatter.query_rect(within()), "far away") > 40, "moved")
+
+
+func test_nodes_come_and_go_between_bakes() -> void:
+	var region := make_region()
+	region.navigation_mesh.filter_baking_aabb = AABB(Vector3(-24, -1, -24), Vector3(48, 4, 48))
+	var scatter := plant(region, [solid_layer()])
+	var other := plant(region, [solid_layer(7.0)])
+	var both := obstructions(region).size()
+	region.remove_child(other)
+	var one := obstructions(region).size()
+	check(one > 0 and one < both, "one of two left: %d of %d" % [one, both])
+	region.add_child(other)
+	check_equal(obstructions(region).size(), both, "and back")
+	scatter.free()
+	check_equal(obstructions(region).size(), both - one, "one freed")
+	other.layers = []
+	check_equal(obstructions(region).size(), 0, "without layers")
+	other.layers = [solid_layer()]
+	other.terrain = null
+	check_equal(obstructions(region).size(), 0, "without a ground")
+	other.free()
+	check(clearance(bake(region), Vector2.ZERO) == 0.0, "nothing is in the way")
+
+
+## A ground that takes its node out of the tree, or frees it, when it is asked.
+class Trap extends ScatterTerrain:
+	var node: TerrainScatter3D
+	var armed := false
+
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		if armed and node != null:
+			armed = false
+			node.get_parent().remove_child(node)
+			node.queue_free()
+		var heights := PackedFloat32Array()
+		heights.resize(positions.size())
+		return heights
+
+
+func test_a_script_may_free_the_node_in_a_bake() -> void:
+	var region := make_region()
+	var scatter := plant(region, [solid_layer()])
+	var trap := Trap.new()
+	scatter.terrain = trap
+	var all := obstructions(region).size()
+	check(all > 40, "the ground answers")
+	scatter.regenerate()
+	trap.node = scatter
+	trap.armed = true
+	obstructions(region)
+	check(not trap.armed, "it was asked")
+	await frames(2)
+	check(not is_instance_valid(scatter), "it is gone")
+	check(clearance(bake(region), Vector2.ZERO) == 0.0, "and bakes go on")
+
+
+func test_bakes_in_a_thread() -> void:
+	var region := make_region()
+	var scatter := plant(region, [solid_layer()])
+	var done: Array[bool] = [false]
+	region.bake_finished.connect(func() -> void: done[0] = true)
+	region.bake_navigation_mesh(true)
+	await until(func() -> bool: return done[0], "baked")
+	check(check_left_out(region.navigation_mesh, scatter.query_rect(within()), "threaded") > 40, "all are left out")

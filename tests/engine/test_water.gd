@@ -1,0 +1,145 @@
+extends "biomes_harness.gd"
+## Water: layers know how deep it is, that of the node and that of a biome.
+
+## Ground that rises from -12.8 m on the left to 12.8 m on the right: a meter in ten.
+func slope() -> ScatterTerrain:
+	var image := Image.create_empty(2, 2, false, Image.FORMAT_RF)
+	image.fill_rect(Rect2i(1, 0, 1, 2), Color(1, 0, 0))
+	var terrain := ScatterTerrainHeightmap.new()
+	terrain.image = image
+	terrain.rect = EXTENT
+	terrain.min_height = -12.8
+	terrain.max_height = 12.8
+	return terrain
+
+
+func make_shore() -> TerrainScatter3D:
+	var reeds := named("reeds", 2.0)
+	reeds.min_water_depth = -0.5
+	reeds.max_water_depth = 1.0
+	var lilies := named("lilies", 2.0)
+	lilies.min_water_depth = 0.5
+	lilies.max_water_depth = 2.0
+	var kelp := named("kelp", 2.0)
+	kelp.min_water_depth = 3.0
+	kelp.max_water_depth = 1e6
+	return make_scatter([named("grass", 2.0), reeds, lilies, kelp], slope(), make_viewer())
+
+
+## The least and the greatest height of the ground on which a layer stands.
+func heights(scatter: TerrainScatter3D, layer: String) -> Vector2:
+	var range := Vector2(INF, -INF)
+	for at: Vector2 in places_in(scatter, layer, Rect2(-100, -60, 200, 120)).values():
+		range = Vector2(minf(range.x, at.x / 10), maxf(range.y, at.x / 10))
+	return range
+
+
+func check_heights(scatter: TerrainScatter3D, layer: String, least: float, greatest: float) -> void:
+	var found := heights(scatter, layer)
+	check(found.x >= least - 1e-3 and found.y <= greatest + 1e-3, "%s within %s to %s: %s" % [layer, least, greatest, found])
+	check(found.x < least + 0.3 and found.y > greatest - 0.3, "%s all over %s to %s: %s" % [layer, least, greatest, found])
+
+
+func test_without_water_all_is_as_ever() -> void:
+	var scatter := make_shore()
+	await settle(scatter)
+	check_equal(scatter.water_enabled, false, "no water by default")
+	var everywhere := places_in(scatter, "grass", EXTENT)
+	check(everywhere.values().any(func(at: Vector2) -> bool: return at.x < -100), "grass below any sea")
+	for layer in ["reeds", "lilies", "kelp"]:
+		check_equal(places_in(scatter, layer, EXTENT).size(), 0, layer + " need water")
+	check_equal(scatter.get_problems().size(), 3, "told: %s" % scatter.get_problems())
+	check("water_enabled" in scatter.get_problems()[0], scatter.get_problems()[0])
+	scatter.water_enabled = true
+	scatter.water_level = -12.8
+	check_equal(places_in(scatter, "grass", EXTENT), everywhere, "nor below it")
+	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
+
+
+func test_layers_keep_to_their_depth_and_follow_the_level() -> void:
+	var scatter := make_shore()
+	scatter.water_enabled = true
+	for level: float in [0.0, 2.0, -4.0]:
+		scatter.water_level = level
+		await settle(scatter)
+		check_heights(scatter, "grass", level, 10.0)
+		check_heights(scatter, "reeds", level - 1.0, level + 0.5)
+		check_heights(scatter, "lilies", level - 2.0, level - 0.5)
+		check_heights(scatter, "kelp", -10.0, level - 3.0)
+		var shown := places(scatter, "reeds")
+		check(all_within(shown, func(at: Vector2) -> bool: return absf(at.x / 10 - level + 0.25) < 0.76), "what is shown follows")
+
+
+func test_what_stays_keeps_its_id() -> void:
+	var scatter := make_shore()
+	await settle(scatter)
+	var dry := places_in(scatter, "grass", EXTENT)
+	scatter.water_enabled = true
+	scatter.water_level = 1.0
+	var left := places_in(scatter, "grass", EXTENT)
+	check(left.size() < dry.size(), "fewer")
+	check(left.keys().all(func(id: int) -> bool: return dry[id] == left[id]), "none moved")
+
+
+func test_a_falloff_thins_towards_the_limit() -> void:
+	var scatter := make_shore()
+	scatter.water_enabled = true
+	var grass := scatter.layers[0]
+	grass.max_water_depth = -1.0
+	grass.water_depth_falloff = 4.0
+	var counts := [0, 0]
+	for at: Vector2 in places_in(scatter, "grass", Rect2(10, -60, 40, 120)).values():
+		counts[int((at.x - 10) / 20)] += 1
+	check(counts[0] > 20 and counts[0] < 0.5 * counts[1], "fewer at the water: %s" % [counts])
+	check_equal(places_in(scatter, "grass", Rect2(-50, -60, 59.9, 120)).size(), 0, "none nearer")
+
+
+func test_water_of_a_biome() -> void:
+	var scatter := make_shore()
+	var dry := make_biome(MEADOW, [])
+	dry.water_mode = ScatterBiome.WATER_MODE_NONE
+	var lake := make_biome(FOREST, [])
+	lake.water_mode = ScatterBiome.WATER_MODE_OWN
+	lake.water_level = 5.0
+	scatter.biomes = make_map([dry, lake, make_biome(SWAMP, [])])
+	scatter.water_enabled = true
+	scatter.water_level = -2.0
+	await settle(scatter)
+	var grass := places_in(scatter, "grass", EXTENT).values()
+	check(grass.any(func(at: Vector2) -> bool: return at.x < -80 and at.y < 64), "a dry land below the sea")
+	check(not grass.any(func(at: Vector2) -> bool: return at.x > 0 and at.x < 50 and at.y < 64), "a lake over the sea")
+	check(grass.any(func(at: Vector2) -> bool: return at.x > 0 and at.x < 50 and at.y > 64), "which ends with its biome")
+	check(not grass.any(func(at: Vector2) -> bool: return at.x < -20 and at.y > 64), "the sea everywhere else")
+	var reeds := places_in(scatter, "reeds", EXTENT).values()
+	check(reeds.any(func(at: Vector2) -> bool: return absf(at.x - 50) < 6 and at.y < 64), "reeds at the lake")
+
+
+func test_the_water_of_a_biome_changes_only_there() -> void:
+	var scatter := make_shore()
+	var lake := make_biome(SWAMP, [])
+	scatter.biomes = make_map([make_biome(MEADOW, []), make_biome(FOREST, []), lake])
+	await settle(scatter)
+	var shown := await shown_by(scatter, func() -> void:
+		lake.water_level = 3.0
+		lake.water_mode = ScatterBiome.WATER_MODE_OWN)
+	for layer: String in shown:
+		check(shown[layer].keys().all(func(tile: Vector2i) -> bool: return tile.y >= 1), "%s: %s" % [layer, shown[layer].keys()])
+	check(shown["grass"].size() > 2, "tiles of the swamp are made anew")
+	check_equal(scatter.get_problems().size(), 0, "there is water now: %s" % scatter.get_problems())
+
+
+func test_bad_input() -> void:
+	var scatter := make_shore()
+	for value: float in [NAN, INF, 2e6]:
+		scatter.water_level = value
+		check_error(["TerrainScatter3D.water_level"], str(value))
+		scatter.layers[0].max_water_depth = value
+		check_error(["ScatterLayer.max_water_depth"], str(value))
+	check_equal(scatter.water_level, 0.0, "as before")
+	scatter.water_enabled = true
+	await settle(scatter)
+	var grass := places(scatter, "grass")
+	scatter.layers[0].min_water_depth = 1.0
+	await settle(scatter)
+	check_error(["layers[0]: ScatterLayer.max_water_depth", 0], "a minimum above the maximum")
+	check_equal(places(scatter, "grass"), grass, "what stands stays")
