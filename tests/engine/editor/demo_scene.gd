@@ -67,7 +67,7 @@ func test_add() -> void:
 	await frames(3)
 	EditorInterface.set_main_screen_editor("3D")
 	check(addon().toolbar.visible, "the toolbar is there for a scatter")
-	check(not addon().toolbar.is_brush_on(), "without layers there is no brush")
+	check(not addon().toolbar.paint.is_on(), "without layers there is no brush")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Posts"
 	layer.radius = 1.5
@@ -97,9 +97,9 @@ func test_add() -> void:
 
 ## One stroke that erases is one step, and changes nothing beyond its reach.
 func test_stroke() -> void:
-	addon().toolbar.set_brush_on(true)
-	addon().toolbar.set_brush(6.0, 1.0, 0.8)
-	addon().toolbar.choose_mode(1)
+	addon().toolbar.paint.set_on(true)
+	addon().toolbar.paint.set_brush(6.0, 1.0, 0.8)
+	addon().toolbar.paint.choose_mode(1)
 	addon().toolbar.choose_layer(0)
 	var version := history(scatter).get_version()
 	var places := PackedVector3Array()
@@ -162,25 +162,25 @@ func test_paint_and_smooth() -> void:
 	var both := old.duplicate()
 	both.append(layer)
 	scatter.layers = both
-	addon().toolbar.show_layers(scatter)
+	addon().toolbar.update_layers()
 	addon().toolbar.choose_layer(1)
-	addon().toolbar.set_brush(8.0, 1.0, 1.0)
+	addon().toolbar.paint.set_brush(8.0, 1.0, 1.0)
 	await settle(scatter)
 	var full := instances(scatter, 1)
 	var at := Vector2(LOOKED_AT.x, LOOKED_AT.y + 10.0)
-	addon().toolbar.set_brush_on(true)
-	addon().toolbar.choose_mode(2)
+	addon().toolbar.paint.set_on(true)
+	addon().toolbar.paint.choose_mode(2)
 	await stroke([on_ground(at.x, at.y)])
 	check(layer.mask == null, "there is nothing to smooth")
 	await ask_first(layer, at, full)
-	addon().first_stroke.get_ok_button().pressed.emit()
+	addon().toolbar.paint.first_stroke.get_ok_button().pressed.emit()
 	await settle(scatter)
 	var kept := instances(scatter, 1)
 	check(kept.size() > 30 and kept.size() < 120, "%d of %d stand where it is painted" % [kept.size(), full.size()])
 	for id: int in kept:
 		check(Vector2(kept[id].x, kept[id].z).distance_to(at) < 9.0 and kept[id] == full[id], "under the brush, not moved")
 	check(layer.mask.resource_path.begins_with("res://demo_stakes_mask"), "the mask has a file: %s" % layer.mask.resource_path)
-	addon().toolbar.choose_mode(2)
+	addon().toolbar.paint.choose_mode(2)
 	var rim := at + Vector2(8.0, 0.0)
 	var sharp: float = layer.mask.sample(rim - Vector2(2.0, 0.0)) - layer.mask.sample(rim + Vector2(2.0, 0.0))
 	await stroke([on_ground(rim.x, rim.y), on_ground(rim.x, rim.y + 0.5), on_ground(rim.x, rim.y + 6.0)])
@@ -192,14 +192,14 @@ func test_paint_and_smooth() -> void:
 	await settle(scatter)
 	check(instances(scatter, 1) == full, "painting is undone")
 	scatter.layers = old
-	addon().toolbar.show_layers(scatter)
+	addon().toolbar.update_layers()
 
 
 ## Painting a layer that stands everywhere asks first: nothing changes by that, nor when it is dismissed, and "Not here" erases.
 func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
-	var dialog: ConfirmationDialog = addon().first_stroke
+	var dialog: ConfirmationDialog = addon().toolbar.paint.first_stroke
 	for answer: String in ["dismiss", "erase", "paint"]:
-		addon().toolbar.choose_mode(0)
+		addon().toolbar.paint.choose_mode(0)
 		await stroke([on_ground(at.x, at.y)])
 		check(dialog.visible and layer.mask == null, "the first stroke asks, to %s" % answer)
 		check("%d on show" % full.size() in dialog.dialog_text, "how many would go: %s" % dialog.dialog_text)
@@ -213,8 +213,8 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 			await settle(scatter)
 			var left := instances(scatter, 1)
 			check(left.size() < full.size() - 30 and left.size() > full.size() / 2, "%d of %d are left" % [left.size(), full.size()])
-			check_equal(addon().toolbar.brush.mode, 1, "the brush goes on to erase")
-			await until(addon().mask_overlay.is_shown, "the mask is seen while the brush is on")
+			check_equal(addon().toolbar.paint.brush.mode, 1, "the brush goes on to erase")
+			await until(addon().toolbar.paint.mask_overlay.is_shown, "the mask is seen while the brush is on")
 			await picture("mask")
 			var file: String = layer.mask.resource_path
 			check(FileAccess.file_exists(file), "the mask has a file")
@@ -230,31 +230,31 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 
 ## A stroke that cannot be made says why and keeps the button; another selection puts the brush away.
 func test_brush_in_the_way() -> void:
-	addon().toolbar.set_brush_on(true)
+	addon().toolbar.paint.set_on(true)
 	await frames(2)
 	var press := _button(Vector2(300.0, 200.0), true, false)
 	var stop := EditorPlugin.AFTER_GUI_INPUT_STOP
 	scatter.terrain = null
 	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a terrain")
-	check("terrain" in addon()._cursor.problem, "why: '%s'" % addon()._cursor.problem)
+	check("terrain" in addon().toolbar.paint.problem, "why: '%s'" % addon().toolbar.paint.problem)
 	await picture("no_terrain")
 	scatter.terrain = ground
 	var layers: Array = scatter.layers
 	scatter.layers = []
-	addon().toolbar.show_layers(scatter)
+	addon().toolbar.update_layers()
 	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a layer")
-	check("layer" in addon()._cursor.problem, "why: '%s'" % addon()._cursor.problem)
+	check("layer" in addon().toolbar.paint.problem, "why: '%s'" % addon().toolbar.paint.problem)
 	scatter.layers = layers
-	addon().toolbar.show_layers(scatter)
+	addon().toolbar.update_layers()
 	check_equal(addon()._forward_3d_gui_input(camera(), _button(Vector2(300.0, -20000.0), true, false)), stop, "the sky")
-	check("ground" in addon()._cursor.problem, "why: '%s'" % addon()._cursor.problem)
+	check("ground" in addon().toolbar.paint.problem, "why: '%s'" % addon().toolbar.paint.problem)
 	check(EditorInterface.get_selection().get_selected_nodes() == [scatter], "the selection stays")
 	select(EditorInterface.get_edited_scene_root())
 	await frames(2)
-	check(not addon().toolbar.is_brush_on(), "deselecting puts the brush away")
+	check(not addon().toolbar.paint.is_on(), "deselecting puts the brush away")
 	select(scatter)
 	await frames(2)
-	check(not addon().toolbar.is_brush_on(), "and it does not come back by itself")
+	check(not addon().toolbar.paint.is_on(), "and it does not come back by itself")
 
 
 ## A preset adds its layers with undo; added again, the names differ and the rules name the new ones.
@@ -279,9 +279,9 @@ func test_presets() -> void:
 	var flat: Resource = ClassDB.instantiate(&"ScatterTerrainFlat")
 	scatter.terrain = flat
 	addon().toolbar.preset_chosen.emit("scree")
-	check(not addon()._fresh.is_empty(), "what is new waits until it stands")
+	check(not addon()._fresh_layers._fresh.is_empty(), "what is new waits until it stands")
 	await settle(scatter)
-	await until(func() -> bool: return addon()._fresh.is_empty(), "what stands nowhere is told")
+	await until(func() -> bool: return addon()._fresh_layers._fresh.is_empty(), "what stands nowhere is told")
 	await picture("missing")
 	history(scatter).undo()
 	scatter.terrain = ground
@@ -321,11 +321,11 @@ func test_gizmos() -> void:
 	await picture("gizmos")
 	select(regions[2])
 	await picture("region")
-	drag(regions[0], 0, Vector3(10.0, 0.0, 0.0), &"size", Vector3(20.0, 8.0, 10.0))
-	drag(regions[0], 2, Vector3(0.0, 0.0, 4.0), &"size", Vector3(14.0, 8.0, 8.0))
+	drag(regions[0], 0, Vector3(10.0, 0.0, 0.0), &"size", Vector3(17.0, 8.0, 10.0))
+	drag(regions[0], 4, Vector3(0.0, 0.0, 4.0), &"size", Vector3(14.0, 8.0, 9.0))
 	drag(regions[1], 0, Vector3(5.0, 0.0, 0.0), &"radius", 5.0)
 	drag(regions[2], 0, Vector3(6.0, 0.0, 0.0), &"radius", 6.0)
-	drag(regions[2], 1, Vector3(0.0, 2.0, 0.0), &"height", 4.0)
+	drag(regions[2], 1, Vector3(0.0, 2.0, 0.0), &"height", 7.0)
 	var polygon: PackedVector2Array = regions[3].polygon
 	polygon[1] = Vector2(9.0, -7.0)
 	drag(regions[3], 1, Vector3(9.0, 0.0, -7.0), &"polygon", polygon)
@@ -342,6 +342,7 @@ func test_gizmos() -> void:
 func drag(region: Node3D, handle: int, to: Vector3, property: StringName, expected: Variant) -> void:
 	var gizmo := region.get_gizmos()[0] as EditorNode3DGizmo
 	var gizmos := gizmo.get_plugin()
+	gizmos._begin_handle_action(gizmo, handle, false)
 	var before_drag: Variant = gizmos._get_handle_value(gizmo, handle, false)
 	check(before_drag == region.get(property), "handle %d is about %s" % [handle, property])
 	gizmos._set_handle(gizmo, handle, false, camera(), camera().unproject_position(region.to_global(to)))

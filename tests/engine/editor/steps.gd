@@ -7,6 +7,8 @@ const PATIENCE_MSEC := 60000
 ## The plugin that runs this.
 var plugin: EditorPlugin
 
+var _mouse := Vector2.ZERO
+
 
 func check(condition: bool, message: String) -> bool:
 	plugin.checks += 1
@@ -94,6 +96,140 @@ func _button(at: Vector2, pressed: bool, with_control: bool) -> InputEventMouseB
 
 func _hand(event: InputEvent) -> void:
 	addon()._forward_3d_gui_input(camera(), event)
+
+
+## A click at a place of the window, as the mouse does it: it goes through all of the editor's GUI.
+func mouse_click(at: Vector2, index := MOUSE_BUTTON_LEFT, keys := 0) -> void:
+	Input.warp_mouse(at) # Some controls ask the system where the mouse is.
+	await mouse_to(at, 0)
+	await _press(at, index, true, keys)
+	await _press(at, index, false, keys)
+	await frames(2)
+
+
+## Drags with the left button from one place of the window to another.
+func mouse_drag(from: Vector2, to: Vector2) -> void:
+	Input.warp_mouse(from)
+	await mouse_to(from, 0)
+	await _press(from, MOUSE_BUTTON_LEFT, true, 0)
+	for step in 6:
+		Input.warp_mouse(from.lerp(to, (step + 1) / 6.0))
+		await mouse_to(from.lerp(to, (step + 1) / 6.0), MOUSE_BUTTON_MASK_LEFT)
+	await _press(to, MOUSE_BUTTON_LEFT, false, 0)
+	await frames(3)
+
+
+## Drags files of the FileSystem dock to a place of the window.
+func drag_files(paths: PackedStringArray, to: Vector2) -> void:
+	var dock := EditorInterface.get_file_system_dock()
+	var from := dock.get_global_transform_with_canvas() * (dock.size * 0.5)
+	await mouse_to(from, MOUSE_BUTTON_MASK_LEFT)
+	var preview := Label.new()
+	preview.text = ", ".join(paths)
+	dock.force_drag({"type": "files", "files": paths}, preview)
+	for step in 6:
+		await mouse_to(from.lerp(to, (step + 1) / 6.0), MOUSE_BUTTON_MASK_LEFT)
+	await _press(to, MOUSE_BUTTON_LEFT, false, 0)
+	await frames(3)
+
+
+func mouse_to(at: Vector2, buttons: int) -> void:
+	var motion := InputEventMouseMotion.new()
+	motion.position = at
+	motion.global_position = at
+	motion.relative = at - _mouse
+	_mouse = at
+	motion.button_mask = buttons
+	get_window().push_input(motion)
+	await get_tree().process_frame
+
+
+## The control of the 3D view that gets the mouse and the keys.
+func surface() -> Control:
+	var container := camera().get_viewport().get_parent()
+	for sibling: Node in container.get_parent().get_children():
+		if sibling is Control and sibling != container and (sibling as Control).focus_mode == Control.FOCUS_ALL:
+			return sibling
+	return null
+
+
+## Where a place of the world is in the editor's window.
+func on_screen(place: Vector3) -> Vector2:
+	return surface().get_global_transform() * camera().unproject_position(place)
+
+
+## Moves the mouse to a position of the window, as a real one does.
+func move_mouse(at: Vector2, held := 0, control := false, shift := false) -> void:
+	var motion := InputEventMouseMotion.new()
+	motion.position = at
+	motion.global_position = at
+	motion.button_mask = held
+	motion.ctrl_pressed = control
+	motion.shift_pressed = shift
+	get_window().push_input(motion)
+	await get_tree().process_frame
+
+
+## A key, pressed and released.
+func key(code: Key, keys := 0) -> void:
+	for pressed: bool in [true, false]:
+		var event := InputEventKey.new()
+		event.keycode = code
+		event.physical_keycode = code
+		event.pressed = pressed
+		event.ctrl_pressed = keys & KEY_MASK_CTRL
+		event.shift_pressed = keys & KEY_MASK_SHIFT
+		get_window().push_input(event)
+		await get_tree().process_frame
+	await frames(2)
+
+
+## As the keys do it.
+func undo() -> void:
+	await key(KEY_Z, KEY_MASK_CTRL)
+
+
+func redo() -> void:
+	await key(KEY_Z, KEY_MASK_CTRL | KEY_MASK_SHIFT)
+
+
+func _press(at: Vector2, index: MouseButton, pressed: bool, keys: int) -> void:
+	var event := InputEventMouseButton.new()
+	event.position = at
+	event.global_position = at
+	event.button_index = index
+	event.pressed = pressed
+	event.button_mask = MOUSE_BUTTON_MASK_LEFT if pressed else 0
+	event.ctrl_pressed = keys & KEY_MASK_CTRL
+	get_window().push_input(event)
+	await get_tree().process_frame
+
+
+## Presses or releases the left button at a position of the window.
+func press(at: Vector2, pressed: bool, control := false, shift := false, double := false) -> void:
+	var event := _button(at, pressed, control)
+	event.global_position = at
+	event.shift_pressed = shift
+	event.double_click = double
+	event.button_mask = MOUSE_BUTTON_MASK_LEFT if pressed else 0
+	get_window().push_input(event)
+	await get_tree().process_frame
+
+
+func click_at(at: Vector2, control := false, shift := false, double := false) -> void:
+	await move_mouse(at, 0, control, shift)
+	await press(at, true, control, shift, double)
+	await press(at, false, control, shift)
+
+
+## Drags with the left button from one position of the window to another.
+func drag_mouse(from: Vector2, to: Vector2, control := false, release := true) -> void:
+	await move_mouse(from, 0, control)
+	await press(from, true, control)
+	for step in 4:
+		await move_mouse(from.lerp(to, (step + 1) / 4.0), MOUSE_BUTTON_MASK_LEFT, control)
+	if release:
+		await press(to, false, control)
 
 
 ## What stands: the digest of each shown tile of a layer.

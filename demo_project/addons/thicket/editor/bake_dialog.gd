@@ -2,7 +2,9 @@
 extends ConfirmationDialog
 ## Asks what to bake of a scatter and where to, bakes over many frames, and shows how far it is.
 
+const HandEdits := preload("res://addons/thicket/editor/hand_edits.gd")
 const Job := preload("res://addons/thicket/bake.gd")
+const Replacement := preload("res://addons/thicket/editor/bake_replacement.gd")
 
 ## Milliseconds of a frame for baking.
 const SLICE_MSEC := 20.0
@@ -11,15 +13,21 @@ const SIDE := 256.0
 
 ## It is over: the bake is written, or given up, or has failed.
 signal finished(written: bool)
+## The rectangle is to be drawn in the view; [method take_drawn] gets it.
+signal drawing_requested
 
 ## What bakes, or has baked last.
 var job := Job.new()
+## How what stands by hand is taken away where the baked replaces it.
+var edits: HandEdits
 
 var _scatter: Node3D
 var _numbers: Array[SpinBox] = []
 var _folder := LineEdit.new()
 var _name := LineEdit.new()
 var _layers := VBoxContainer.new()
+var _draw := Button.new()
+var _replace := CheckBox.new()
 var _bar := ProgressBar.new()
 var _state := Label.new()
 var _form := GridContainer.new()
@@ -42,6 +50,10 @@ func _init() -> void:
 		spin.suffix = "m"
 		_numbers.append(spin)
 		_add_row(label, spin)
+	_draw.text = "Draw in the View"
+	_draw.tooltip_text = "Drag the rectangle over the ground, from corner to corner."
+	_draw.pressed.connect(func() -> void: hide(); drawing_requested.emit())
+	_add_row("", _draw)
 	var folder_row := HBoxContainer.new()
 	_folder.custom_minimum_size.x = 260.0
 	_folder.size_flags_horizontal = Control.SIZE_EXPAND_FILL
@@ -53,6 +65,9 @@ func _init() -> void:
 	_add_row("Folder", folder_row)
 	_add_row("Name", _name)
 	_add_row("Layers", _layers)
+	_replace.text = "Put it into the scene instead of the scatter"
+	_replace.tooltip_text = "Adds the baked scene below the scatter, and a region that keeps the baked layers out of the rectangle."
+	rows.add_child(_replace)
 	rows.add_child(_bar)
 	_state.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART
 	_state.custom_minimum_size = Vector2(380.0, 24.0)
@@ -75,9 +90,7 @@ func open(scatter: Node3D, around: Vector3) -> void:
 func fill(scatter: Node3D, rect: Rect2) -> void:
 	stop()
 	_scatter = scatter
-	var numbers: Array[float] = [rect.position.x, rect.position.y, rect.size.x, rect.size.y]
-	for index in 4:
-		_numbers[index].value = numbers[index]
+	_show(rect)
 	if _folder.text.is_empty():
 		_folder.text = "res://baked"
 	_name.text = String(scatter.name).to_snake_case()
@@ -95,6 +108,18 @@ func fill(scatter: Node3D, rect: Rect2) -> void:
 	_state.text = ""
 
 
+## The rectangle that was drawn in the view; an empty one if that was given up. Asks on.
+func take_drawn(rect: Rect2) -> void:
+	if rect.has_area():
+		_show(rect)
+	popup_centered()
+
+
+## Whether [method start] puts what it bakes into the scene.
+func choose_replacing(on: bool) -> void:
+	_replace.button_pressed = on
+
+
 ## Where files go, for [method start].
 func choose_folder(folder: String) -> void:
 	_folder.text = folder
@@ -104,15 +129,11 @@ func choose_folder(folder: String) -> void:
 func start() -> void:
 	if is_processing() or not is_instance_valid(_scatter):
 		return
-	var chosen := PackedInt32Array()
-	for box: CheckBox in _layers.get_children():
-		if box.button_pressed:
-			chosen.append(box.get_meta(&"index"))
+	var chosen := _chosen()
 	if chosen.is_empty():
 		_state.text = "Choose a layer."
 		return
-	var rect := Rect2(_numbers[0].value, _numbers[1].value, _numbers[2].value, _numbers[3].value)
-	if job.begin(_scatter, rect, _folder.text, _name.text, chosen) != OK:
+	if job.begin(_scatter, _rect(), _folder.text, _name.text, chosen) != OK:
 		_state.text = job.problem
 		finished.emit(false)
 		return
@@ -145,9 +166,31 @@ func _process(_delta: float) -> void:
 	if job.problem.is_empty():
 		_state.text = "%d instances in %s" % [job.instances, job.scene_path]
 		EditorInterface.get_resource_filesystem().scan()
+		if _replace.button_pressed:
+			var obstacle := Replacement.replace(edits, _scatter, job.scene_path, _rect(), _chosen())
+			_state.text += "" if obstacle.is_empty() else "\n" + obstacle
 	else:
 		_state.text = job.problem
 	finished.emit(job.problem.is_empty())
+
+
+func _show(rect: Rect2) -> void:
+	var numbers: Array[float] = [rect.position.x, rect.position.y, rect.size.x, rect.size.y]
+	for index in 4:
+		_numbers[index].value = numbers[index]
+
+
+func _rect() -> Rect2:
+	return Rect2(_numbers[0].value, _numbers[1].value, _numbers[2].value, _numbers[3].value)
+
+
+## The layers to bake, as indices in the scatter's list.
+func _chosen() -> PackedInt32Array:
+	var chosen := PackedInt32Array()
+	for box: CheckBox in _layers.get_children():
+		if box.button_pressed:
+			chosen.append(box.get_meta(&"index"))
+	return chosen
 
 
 func _add_row(text: String, control: Control) -> void:

@@ -1,16 +1,13 @@
 @tool
 extends RefCounted
-## Paints the density of a layer: a stroke is a row of dabs, and one step of undo.
-##
-## Of the mask under a stroke those blocks of pixels are kept that have changed, packed, as they were and as they are.
+## Paints the density of layers: a stroke is a row of dabs, and one step of undo, however many layers it is for.
 
-const MaskFiles := preload("res://addons/thicket/editor/mask_files.gd")
+const MaskStroke := preload("res://addons/thicket/editor/mask_stroke.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 ## As [code]ScatterMask.Mode[/code].
 enum Mode { PAINT, ERASE, SMOOTH }
 
-## Pixels along the side of a block that undo keeps.
-const BLOCK := 64
 ## Dabs are this part of the radius apart.
 const SPACING := 0.25
 
@@ -22,42 +19,44 @@ var strength := 0.5
 ## The part of the radius within which the strength is full, 0 to 1.
 var hardness := 0.5
 ## Where masks are kept.
-var files := MaskFiles.new()
+var files := SceneFiles.new()
 
 var _scatter: Node3D
-var _layer: Resource
-var _mask: Resource
+var _strokes: Array[MaskStroke] = []
+var _title := ""
 var _stroke_mode := Mode.PAINT
-var _is_new := false
 var _scene_path := ""
-var _before: Dictionary[Vector2i, PackedByteArray] = {}
 var _last := Vector2.ZERO
 
 
 ## True between [method begin] and [method finish].
 func is_painting() -> bool:
-	return _mask != null
+	return not _strokes.is_empty()
 
 
-## Starts a stroke on a layer of a scatter with a dab at world x and z. Without a mask the layer gets one: empty for
-## painting, so that the layer stands only where it is painted, and full for erasing. Returns what stands in the way, in
+## Starts a stroke on layers of a scatter with a dab at world x and z. Without a mask a layer gets one: empty for
+## painting, so that it stands only where it is painted, and full for erasing. Returns what stands in the way, in
 ## a sentence; empty if the stroke has begun.
-func begin(scatter: Node3D, layer: Resource, scene_path: String, stroke_mode: Mode, at: Vector2) -> String:
+func begin(scatter: Node3D, layers: Array[Resource], scene_path: String, stroke_mode: Mode, at: Vector2) -> String:
 	finish(null)
-	var mask: Resource = layer.get(&"mask")
-	if mask == null:
-		if stroke_mode == Mode.SMOOTH:
-			return "Nothing is painted on this layer yet."
-		mask = files.create(scene_path, layer, 0.0 if stroke_mode == Mode.PAINT else 1.0)
-		if mask == null:
-			return files.problem
-		_is_new = true
-		layer.set(&"mask", mask)
+	for layer in layers:
+		if layer.get(&"mask") == null and stroke_mode != Mode.SMOOTH:
+			var mask := ClassDB.instantiate(&"ScatterMask") as Resource
+			mask.set(&"background", 0.0 if stroke_mode == Mode.PAINT else 1.0)
+			if not files.create(scene_path, mask, layer.resource_name, "mask"):
+				_give_up(scene_path)
+				return files.problem
+			layer.set(&"mask", mask)
+			_stroke_of(mask).new_layers.append(layer)
+		elif layer.get(&"mask") != null:
+			_stroke_of(layer.get(&"mask"))
+	if _strokes.is_empty():
+		return "Nothing is painted on %s yet." % ("these layers" if layers.size() > 1 else "this layer")
 	_scatter = scatter
 	_scene_path = scene_path
-	_layer = layer
-	_mask = mask
 	_stroke_mode = stroke_mode
+	var verb: String = ["Paint", "Erase", "Smooth"][stroke_mode]
+	_title = "%s Density of %s" % [verb, layers[0].resource_name if layers.size() == 1 else "%d Layers" % layers.size()]
 	_last = at
 	_dab(at)
 	return ""
@@ -65,7 +64,7 @@ func begin(scatter: Node3D, layer: Resource, scene_path: String, stroke_mode: Mo
 
 ## Goes on to world x and z, with dabs on the way.
 func move(at: Vector2) -> void:
-	if _mask == null:
+	if not is_painting():
 		return
 	var step := maxf(radius * SPACING, 0.01)
 	var way := at - _last
@@ -78,59 +77,54 @@ func move(at: Vector2) -> void:
 
 ## Ends the stroke and makes it a step of undo, unless nothing has changed.
 func finish(undo_redo: EditorUndoRedoManager) -> void:
-	if _mask == null:
-		return
-	files.mark(_mask)
-	var before := {}
-	var after := {}
-	for block in _before:
-		var now: PackedByteArray = _mask.call(&"get_pixels", _pixels(block))
-		if now != _before[block]:
-			before[block] = _before[block].compress(FileAccess.COMPRESSION_ZSTD)
-			after[block] = now.compress(FileAccess.COMPRESSION_ZSTD)
-	if undo_redo != null and is_instance_valid(_scatter) and (_is_new or not after.is_empty()):
-		var name: String = ["Paint", "Erase", "Smooth"][_stroke_mode]
-		undo_redo.create_action("%s Density of %s" % [name, _layer.resource_name], UndoRedo.MERGE_DISABLE, _scatter)
-		if _is_new:
-			undo_redo.add_do_property(_layer, &"mask", _mask)
-			undo_redo.add_undo_property(_layer, &"mask", null)
-		undo_redo.add_do_method(self, &"restore", _mask, after)
-		undo_redo.add_undo_method(self, &"restore", _mask, before)
-		if _is_new:
-			undo_redo.add_do_method(files, &"keep", _mask, _scene_path)
-			undo_redo.add_undo_method(files, &"drop", _mask, _scene_path)
+	var befores: Array[Dictionary] = []
+	var afters: Array[Dictionary] = []
+	var changed := false
+	for stroke in _strokes:
+		files.mark(stroke.mask)
+		befores.append({})
+		afters.append({})
+		stroke.changes(befores[-1], afters[-1])
+		changed = changed or not stroke.new_layers.is_empty() or not afters[-1].is_empty()
+	if changed and undo_redo != null and is_instance_valid(_scatter):
+		undo_redo.create_action(_title, UndoRedo.MERGE_DISABLE, _scatter)
+		for index in _strokes.size():
+			var stroke := _strokes[index]
+			for layer in stroke.new_layers:
+				undo_redo.add_do_property(layer, &"mask", stroke.mask)
+				undo_redo.add_undo_property(layer, &"mask", null)
+			undo_redo.add_do_method(self, &"restore", stroke.mask, afters[index])
+			undo_redo.add_undo_method(self, &"restore", stroke.mask, befores[index])
+			if not stroke.new_layers.is_empty():
+				files.add_to_undo([stroke.mask], _scene_path, undo_redo)
 		undo_redo.commit_action(false)
-	_before.clear()
 	_scatter = null
-	_layer = null
-	_mask = null
-	_is_new = false
+	_strokes.clear()
 
 
 ## Puts packed blocks of pixels back; for undo.
 func restore(mask: Resource, blocks: Dictionary) -> void:
-	for block: Vector2i in blocks:
-		var packed: PackedByteArray = blocks[block]
-		mask.call(&"set_pixels", _pixels(block), packed.decompress(BLOCK * BLOCK, FileAccess.COMPRESSION_ZSTD))
+	MaskStroke.put(mask, blocks)
 	files.mark(mask)
 
 
+## Layers may share a mask, which is painted once.
+func _stroke_of(mask: Resource) -> MaskStroke:
+	for stroke in _strokes:
+		if stroke.mask == mask:
+			return stroke
+	_strokes.append(MaskStroke.new(mask))
+	return _strokes[-1]
+
+
+func _give_up(scene_path: String) -> void:
+	for stroke in _strokes:
+		for layer in stroke.new_layers:
+			layer.set(&"mask", null)
+			files.drop(stroke.mask, scene_path)
+	_strokes.clear()
+
+
 func _dab(at: Vector2) -> void:
-	var reach := Vector2(radius, radius)
-	var touched: Rect2i = _mask.call(&"get_pixel_rect", Rect2(at - reach, 2.0 * reach))
-	var first := _block_of(touched.position)
-	var last := _block_of(touched.end - Vector2i.ONE)
-	for y in range(first.y, last.y + 1):
-		for x in range(first.x, last.x + 1):
-			var block := Vector2i(x, y)
-			if not _before.has(block):
-				_before[block] = _mask.call(&"get_pixels", _pixels(block))
-	_mask.call(&"paint", at, radius, strength, hardness, _stroke_mode)
-
-
-static func _pixels(block: Vector2i) -> Rect2i:
-	return Rect2i(block * BLOCK, Vector2i(BLOCK, BLOCK))
-
-
-static func _block_of(pixel: Vector2i) -> Vector2i:
-	return Vector2i(floori(pixel.x / float(BLOCK)), floori(pixel.y / float(BLOCK)))
+	for stroke in _strokes:
+		stroke.dab(at, radius, strength, hardness, _stroke_mode)

@@ -9,6 +9,9 @@ const Brush := preload("res://addons/thicket/editor/brush.gd")
 const TEXT := "%s stands wherever its rules let it, so there is nothing to add.\n
 Only here: it stands where you paint, and nowhere else. %s
 Not here: it stays, and you take it away where you paint."
+const TEXT_OF_MANY := "%s stand wherever their rules let them, so there is nothing to add.\n
+Only here: they stand where you paint, and nowhere else. %s
+Not here: they stay, and you take them away where you paint."
 
 var _at := Vector2.ZERO
 
@@ -21,11 +24,12 @@ func _init() -> void:
 	custom_action.connect(func(_action: StringName) -> void: _choose(Brush.Mode.ERASE))
 
 
-## Opens for a layer of a name, of which so many instances are on show.
-func ask(layer_name: String, instances: int, at: Vector2) -> void:
+## Opens for layers of these names, of which so many instances are on show.
+func ask(names: PackedStringArray, instances: int, at: Vector2) -> void:
 	_at = at
 	var gone := "All others of the %d on show go." % instances if instances > 0 else ""
-	dialog_text = TEXT % [layer_name if layer_name else "The layer", gone]
+	var one := names[0] if names[0] else "The layer"
+	dialog_text = TEXT % [one, gone] if names.size() == 1 else TEXT_OF_MANY % [", ".join(names), gone]
 	popup_centered()
 
 

@@ -31,6 +31,12 @@ static func hit(terrain: Resource, from: Vector3, direction: Vector3) -> Vector3
 	return Vector3.INF
 
 
+## Meters to the ground along a ray, at most 1000; 100 where there is none.
+static func distance(terrain: Resource, from: Vector3, direction: Vector3) -> float:
+	var position := hit(terrain, from, direction)
+	return minf(position.distance_to(from), 1000.0) if position.is_finite() else 100.0
+
+
 static func _above(terrain: Resource, position: Vector3) -> float:
 	return position.y - float(terrain.call(&"get_height", position))
 

@@ -1,8 +1,9 @@
 @tool
 extends EditorNode3DGizmoPlugin
 ## Draws a [code]ScatterRegion3D[/code]: its body, its border on the ground, a second line where the falloff ends, and
-## handles for its sizes.
+## handles for its sizes. They snap as the editor does, and a face that is dragged leaves the one across where it is, unless Alt is held.
 
+const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundLines := preload("res://addons/thicket/editor/ground_lines.gd")
 const Outline := preload("res://addons/thicket/editor/region_outline.gd")
 
@@ -14,6 +15,10 @@ const PIECES := 400.0
 const AXES: Array[Vector3] = [Vector3.RIGHT, Vector3.UP, Vector3.BACK]
 
 var undo_redo: EditorUndoRedoManager
+
+# The region as it was when its handle was grabbed.
+var _start_transform := Transform3D.IDENTITY
+var _start_size := Vector3.ONE
 
 # Of regions that include, and of those that exclude.
 var _borders: Array[Material] = []
@@ -69,28 +74,37 @@ func _get_handle_value(gizmo: EditorNode3DGizmo, id: int, _secondary: bool) -> V
 	return gizmo.get_node_3d().get(_property(gizmo.get_node_3d(), id))
 
 
+func _begin_handle_action(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool) -> void:
+	var region := gizmo.get_node_3d()
+	_start_transform = region.transform
+	_start_size = region.get(&"size")
+	if region.get(&"shape") == Outline.Shape.CYLINDER:
+		_start_size = Vector3.ONE * float(region.get(&"height"))
+
+
 func _set_handle(gizmo: EditorNode3DGizmo, id: int, _secondary: bool, camera: Camera3D, point: Vector2) -> void:
 	var region := gizmo.get_node_3d()
-	var to_node := region.global_transform.affine_inverse()
+	var to_node := (_parent_transform(region) * _start_transform).affine_inverse()
 	var from := to_node * camera.project_ray_origin(point)
 	var to := to_node * (camera.project_ray_origin(point) + camera.project_ray_normal(point) * camera.far)
 	match region.get(&"shape"):
 		Outline.Shape.BOX:
-			var size: Vector3 = region.get(&"size")
-			size[id] = _length(2.0 * _along(AXES[id], from, to))
+			var size := _start_size
+			size[id / 2] = _drag_face(region, id / 2, 1.0 - 2.0 * (id % 2), from, to)
 			region.set(&"size", size)
 		Outline.Shape.SPHERE:
-			region.set(&"radius", _length(_along(Vector3.RIGHT, from, to)))
+			region.set(&"radius", _length(absf(_along(Vector3.RIGHT, from, to))))
 		Outline.Shape.CYLINDER:
 			if id == 0:
-				region.set(&"radius", _length(_along(Vector3.RIGHT, from, to)))
+				region.set(&"radius", _length(absf(_along(Vector3.RIGHT, from, to))))
 			else:
-				region.set(&"height", _length(2.0 * _along(Vector3.UP, from, to)))
+				region.set(&"height", _drag_face(region, Vector3.AXIS_Y, 1.0 if id == 1 else -1.0, from, to))
 		Outline.Shape.POLYGON:
 			var position: Variant = Plane(Vector3.UP, 0.0).intersects_segment(from, to)
 			if position is Vector3:
+				var corner := Vector2(position.x, position.z)
 				var polygon: PackedVector2Array = region.get(&"polygon")
-				polygon[id] = Vector2(position.x, position.z)
+				polygon[id] = corner.snapped(Vector2.ONE * EditorSnap.meters()) if EditorSnap.is_on() else corner
 				region.set(&"polygon", polygon)
 		Outline.Shape.PATH:
 			_drag_width(region, region.global_transform * from, region.global_transform * to)
@@ -101,11 +115,27 @@ func _commit_handle(gizmo: EditorNode3DGizmo, id: int, secondary: bool, restore:
 	var property := _property(region, id)
 	if cancel:
 		region.set(property, restore)
+		region.transform = _start_transform
 		return
 	undo_redo.create_action("Set %s of %s" % [_get_handle_name(gizmo, id, secondary), region.name])
 	undo_redo.add_do_property(region, property, region.get(property))
 	undo_redo.add_undo_property(region, property, restore)
+	if region.transform != _start_transform:
+		undo_redo.add_do_property(region, &"transform", region.transform)
+		undo_redo.add_undo_property(region, &"transform", _start_transform)
 	undo_redo.commit_action(false)
+
+
+## Drags the face of a box or a cylinder on one side of an axis: the face across stays where it is; with Alt, it moves alike. Returns the
+## length along the axis.
+func _drag_face(region: Node3D, axis: int, side: float, from: Vector3, to: Vector3) -> float:
+	var outwards := AXES[axis] * side
+	var both := Input.is_key_pressed(KEY_ALT)
+	var face := _along(outwards, from, to)
+	var length := _length(2.0 * face if both else face + 0.5 * _start_size[axis])
+	var shift := 0.0 if both else 0.5 * (length - _start_size[axis])
+	region.transform = _start_transform.translated_local(outwards * shift) if shift != 0.0 else _start_transform
+	return length
 
 
 static func _property(region: Node3D, id: int) -> StringName:
@@ -128,12 +158,14 @@ func _handles(region: Node3D) -> PackedVector3Array:
 	match region.get(&"shape"):
 		Outline.Shape.BOX:
 			for axis in 3:
-				positions.append(AXES[axis] * 0.5 * region.get(&"size")[axis])
+				for side: float in [0.5, -0.5]:
+					positions.append(AXES[axis] * side * region.get(&"size")[axis])
 		Outline.Shape.SPHERE:
 			positions.append(Vector3.RIGHT * region.get(&"radius"))
 		Outline.Shape.CYLINDER:
 			positions.append(Vector3.RIGHT * region.get(&"radius"))
-			positions.append(Vector3.UP * 0.5 * region.get(&"height"))
+			for side: float in [0.5, -0.5]:
+				positions.append(Vector3.UP * side * region.get(&"height"))
 		Outline.Shape.POLYGON:
 			for corner: Vector2 in region.get(&"polygon"):
 				positions.append(Vector3(corner.x, 0.0, corner.y))
@@ -166,11 +198,19 @@ static func _drag_width(region: Node3D, from: Vector3, to: Vector3) -> void:
 	region.set(&"width", _length(2.0 * nearest[0].distance_to(start[0])))
 
 
-## How far along an axis through the node's origin a ray comes nearest to it.
+## How far along an axis through the node's origin a ray comes nearest to it; less than 0 beyond the origin.
 static func _along(axis: Vector3, from: Vector3, to: Vector3) -> float:
-	return Geometry3D.get_closest_points_between_segments(Vector3.ZERO, axis * 1e5, from, to)[0].length()
+	# Not Geometry3D's segments: with their ends far away, 32 bits leave centimeters.
+	var direction := (to - from).normalized()
+	var cosine := axis.dot(direction)
+	return (axis.dot(from) - cosine * direction.dot(from)) / maxf(1.0 - cosine * cosine, 1e-6)
 
 
-## A length that a region takes, in steps of a centimeter.
+static func _parent_transform(region: Node3D) -> Transform3D:
+	var parent := region.get_parent_node_3d()
+	return parent.global_transform if parent != null and not region.top_level else Transform3D.IDENTITY
+
+
+## A length that a region takes, in steps of a centimeter, or of the editor's while that snaps.
 static func _length(length: float) -> float:
-	return clampf(snappedf(length, 0.01), 0.01, 1e6)
+	return clampf(snappedf(length, maxf(0.01, EditorSnap.meters()) if EditorSnap.is_on() else 0.01), 0.01, 1e6)

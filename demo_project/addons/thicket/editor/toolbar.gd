@@ -1,157 +1,138 @@
 @tool
 extends HBoxContainer
-## What stands above the 3D view while a scatter is selected: the brush and its settings, presets, bake.
+## What stands above the 3D view while a scatter is selected: its tools with their settings, the layer that they work on, presets, bake.
 
-const Brush := preload("res://addons/thicket/editor/brush.gd")
+const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
+const HandTool := preload("res://addons/thicket/editor/hand_tool.gd")
+const PaintTool := preload("res://addons/thicket/editor/paint_tool.gd")
+const PolygonTool := preload("res://addons/thicket/editor/polygon_tool.gd")
 const Presets := preload("res://addons/thicket/editor/presets.gd")
+const RectangleTool := preload("res://addons/thicket/editor/rectangle_tool.gd")
+const RegionMenu := preload("res://addons/thicket/editor/region_menu.gd")
+const ScatterTool := preload("res://addons/thicket/editor/scatter_tool.gd")
+const WhyTool := preload("res://addons/thicket/editor/why_tool.gd")
 
 signal preset_chosen(name: String)
 signal bake_requested
-## The brush was switched on or off, or one of its settings has changed.
-signal brush_changed
+signal import_requested
+## Tools work on other layers: [member chosen] has changed.
+signal layers_chosen
+## The view is to be drawn again.
+signal redraw_requested
 
-const MODE_TIPS: PackedStringArray = [
-	"Paint: more of the layer. The first stroke on a layer that stands everywhere asks what you mean.",
-	"Erase: less of the layer (or hold Ctrl).",
-	"Smooth: even out what is painted (or hold Shift).",
-]
+## The brush.
+var paint := PaintTool.new()
+## Plants and changes single instances.
+var hand := HandTool.new()
+## Says why something stands at a place or does not.
+var why := WhyTool.new()
+## Draws the outline of a region.
+var polygon := PolygonTool.new()
+## Draws the rectangle of a bake.
+var rectangle := RectangleTool.new()
+## All tools, in the order of their buttons.
+var tools: Array[ScatterTool] = [paint, hand, why, polygon, rectangle]
+## Adds regions.
+var regions := RegionMenu.new()
+## The layers that tools work on, the first of them before all others.
+var chosen: Array[Resource] = []
 
-var brush := Brush.new()
-
-var _on: Button
-var _layers: OptionButton
-var _modes: Array[Button] = []
-var _radius: EditorSpinSlider
-var _strength: EditorSpinSlider
-var _hardness: EditorSpinSlider
-var _settings: Array[Control] = []
+var _scatter: Node3D
+var _layers := OptionButton.new()
+var _buttons := ButtonGroup.new()
 
 
-func _init() -> void:
-	_on = _button("", "Paint", "Brush: paint where the layer stands, with the left button.")
-	_on.toggle_mode = true
-	_on.toggled.connect(_on_toggled)
-	_layers = OptionButton.new()
-	_layers.tooltip_text = "The layer to paint."
-	_layers.item_selected.connect(func(_index: int) -> void: brush_changed.emit())
-	_add_setting(_layers)
-	var group := ButtonGroup.new()
-	for mode in MODE_TIPS.size():
-		var button := Button.new()
-		button.text = ["Paint", "Erase", "Smooth"][mode]
-		button.theme_type_variation = &"FlatButton"
-		button.tooltip_text = MODE_TIPS[mode]
-		button.toggle_mode = true
-		button.button_group = group
-		button.button_pressed = mode == brush.mode
-		button.pressed.connect(_on_mode.bind(mode))
-		_modes.append(button)
-		_add_setting(button)
-	_radius = _slider("Radius", "Radius of the brush (keys [ and ]).", 0.25, 256.0, 0.25, brush.radius, "m")
-	_radius.exp_edit = true
-	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value; brush_changed.emit())
-	_strength = _slider("Strength", "How far one dab goes in its middle.", 1.0, 100.0, 1.0, brush.strength * 100.0, "%")
-	_strength.value_changed.connect(func(value: float) -> void: brush.strength = value * 0.01)
-	_hardness = _slider("Hardness", "The part of the radius that is painted in full.", 0.0, 100.0, 1.0,
-			brush.hardness * 100.0, "%")
-	_hardness.value_changed.connect(func(value: float) -> void: brush.hardness = value * 0.01; brush_changed.emit())
+func _init(undo_redo: EditorUndoRedoManager, marks: ScatterTool.Marks) -> void:
+	_buttons.allow_unpress = true
+	hand.edits.files = paint.brush.files
+	hand.edits.undo_redo = undo_redo
+	for tool in tools:
+		add_child(tool.button)
+		tool.undo_redo = undo_redo
+		tool.marks = marks
+		tool.button.button_group = _buttons
+		tool.button.toggled.connect(_on_toggled.bind(tool))
+		tool.redraw_requested.connect(redraw_requested.emit)
+	_layers.tooltip_text = "The layer that the tool works on."
+	_layers.item_selected.connect(func(_index: int) -> void: choose_layer(_layers.get_selected_id()))
+	add_child(_layers)
+	for tool in tools:
+		add_child(tool)
+		tool.hide()
+	_layers.hide()
 	add_child(VSeparator.new())
 	_add_presets()
-	var bake := _button("Bake", "Bake", "Write what stands in a rectangle as MultiMesh resources and a scene.")
-	bake.pressed.connect(func() -> void: bake_requested.emit())
-	_on_toggled(false)
+	_add_regions(undo_redo)
+	var bake := Controls.button("Bake", &"Bake", "Write what stands in a rectangle as MultiMesh resources and a scene.")
+	bake.pressed.connect(bake_requested.emit)
+	add_child(bake)
+	var imports := Controls.button("Import", &"Load",
+			"Make hand-placed instances of MultiMeshes, ProtonScatter's output, Terrain3D's instances or a table.")
+	imports.pressed.connect(import_requested.emit)
+	add_child(imports)
 
 
-## Shows the layers of a scatter; null for none. The chosen index stays if the list has it.
-func show_layers(scatter: Node3D) -> void:
-	var chosen := layer_index()
+## Gives all tools a scatter; null for none. Another one puts the tool that is on away, so that a click on another node cannot paint.
+func set_scatter(scatter: Node3D) -> void:
+	for tool in tools:
+		tool.finish()
+		if scatter != _scatter:
+			tool.set_on(false)
+		tool.scatter = scatter
+	_scatter = scatter
+	regions.scatter = scatter
+	update_layers()
+
+
+## Shows the layers that the scatter has now. The chosen ones stay if they are among them; else it is the first.
+func update_layers() -> void:
 	_layers.clear()
-	var layers: Array = scatter.get(&"layers") if scatter != null else []
+	var layers := _scatter_layers()
 	for index in layers.size():
 		var layer: Resource = layers[index]
 		if layer != null:
 			_layers.add_item(layer.resource_name if layer.resource_name else "Layer %d" % index, index)
-	var again := _layers.get_item_index(chosen)
-	if again >= 0:
-		_layers.select(again)
-
-
-## The index of the layer to paint in the scatter's list; -1 for none.
-func layer_index() -> int:
-	return _layers.get_selected_id() if _layers.selected >= 0 else -1
-
-
-## Whether the left button paints.
-func is_brush_on() -> bool:
-	return _on.button_pressed
-
-
-## Switches the brush on or off.
-func set_brush_on(on: bool) -> void:
-	_on.button_pressed = on
+	var left := chosen.filter(func(layer: Resource) -> bool: return layer in layers)
+	if left.is_empty():
+		left.assign(layers.filter(func(layer: Resource) -> bool: return layer != null).slice(0, 1))
+	choose_layers(left)
 
 
 ## Chooses the layer at an index in the scatter's list, if it is there.
 func choose_layer(index: int) -> void:
-	_layers.select(_layers.get_item_index(index))
-	brush_changed.emit()
+	var layers := _scatter_layers()
+	if index >= 0 and index < layers.size() and layers[index] != null:
+		choose_layers([layers[index]] as Array[Resource])
 
 
-## Chooses what the left button does.
-func choose_mode(mode: int) -> void:
-	_modes[mode].button_pressed = true
-	_on_mode(mode)
+## Chooses layers of the scatter, the first before all others.
+func choose_layers(layers: Array[Resource]) -> void:
+	var others := layers != chosen
+	chosen = layers
+	var index := _scatter_layers().find(chosen[0]) if not chosen.is_empty() else -1
+	_layers.select(_layers.get_item_index(index) if index >= 0 else -1)
+	for tool in tools:
+		if others and not tool.layers.is_empty():
+			tool.finish()
+		tool.layers = chosen
+		tool.layer_index = index
+		tool.layer = chosen[0] if index >= 0 else null
+	redraw_requested.emit()
+	if others:
+		layers_chosen.emit()
 
 
-## Sets the brush: meters, and two parts from 0 to 1.
-func set_brush(radius: float, strength: float, hardness: float) -> void:
-	_radius.value = radius
-	_strength.value = strength * 100.0
-	_hardness.value = hardness * 100.0
-
-
-## Makes the brush larger or smaller by a factor.
-func scale_radius(factor: float) -> void:
-	_radius.value = _radius.value * factor
+## The tool that is on; null for none.
+func active_tool() -> ScatterTool:
+	for tool in tools:
+		if tool.is_on():
+			return tool
+	return null
 
 
 func _notification(what: int) -> void:
-	# Icons come from the editor's theme, which is there once the toolbar is in the tree.
 	if what == NOTIFICATION_THEME_CHANGED:
-		for button: Button in find_children("*", "Button", true, false):
-			var icon: StringName = button.get_meta(&"icon", &"")
-			if icon and has_theme_icon(icon, &"EditorIcons"):
-				button.icon = get_theme_icon(icon, &"EditorIcons")
-
-
-func _button(text: String, icon: StringName, tip: String) -> Button:
-	var button := Button.new()
-	button.text = text
-	button.tooltip_text = tip
-	button.theme_type_variation = &"FlatButton"
-	button.set_meta(&"icon", icon)
-	add_child(button)
-	return button
-
-
-func _slider(label: String, tip: String, from: float, to: float, step: float, value: float,
-		suffix: String) -> EditorSpinSlider:
-	var slider := EditorSpinSlider.new()
-	slider.label = label
-	slider.min_value = from
-	slider.max_value = to
-	slider.step = step
-	slider.value = value
-	slider.suffix = suffix
-	slider.tooltip_text = tip
-	slider.custom_minimum_size.x = 138.0 * EditorInterface.get_editor_scale()
-	_add_setting(slider)
-	return slider
-
-
-func _add_setting(control: Control) -> void:
-	add_child(control)
-	_settings.append(control)
+		Controls.update_icons(self)
 
 
 func _add_presets() -> void:
@@ -165,12 +146,22 @@ func _add_presets() -> void:
 	add_child(menu)
 
 
-func _on_toggled(on: bool) -> void:
-	for control in _settings:
-		control.visible = on
-	brush_changed.emit()
+func _add_regions(undo_redo: EditorUndoRedoManager) -> void:
+	regions.undo_redo = undo_redo
+	regions.polygon_requested.connect(func(exclude: bool) -> void:
+		polygon.set_on(true)
+		polygon.exclude = exclude)
+	polygon.drawn.connect(regions.insert)
+	add_child(regions)
 
 
-func _on_mode(mode: int) -> void:
-	brush.mode = mode as Brush.Mode
-	brush_changed.emit()
+func _scatter_layers() -> Array:
+	return _scatter.get(&"layers") if is_instance_valid(_scatter) else []
+
+
+func _on_toggled(on: bool, tool: ScatterTool) -> void:
+	if not on:
+		tool.finish()
+	tool.visible = on
+	var active := active_tool()
+	_layers.visible = active != null and active.needs_layer

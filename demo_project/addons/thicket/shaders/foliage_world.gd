@@ -49,7 +49,7 @@ func _exit_tree() -> void:
 
 func _process(_delta: float) -> void:
 	for scatter in _scatters:
-		_is_stale = _is_stale or scatter.layers != _scatters[scatter]
+		_is_stale = _is_stale or _layers_of(scatter) != _scatters[scatter]
 	if _is_stale:
 		_find_materials()
 	var parameters := {&"wind_strength": wind_strength, &"wind_direction": wind_direction}
@@ -123,12 +123,21 @@ func _find_materials() -> void:
 	_layers.clear()
 	_found.clear()
 	for scatter: TerrainScatter3D in _scatters:
-		_scatters[scatter] = scatter.layers.duplicate()
-		for layer in scatter.layers:
+		var of_scatter := _layers_of(scatter)
+		_scatters[scatter] = of_scatter
+		for layer in of_scatter:
 			if layer and layer not in _layers:
 				_layers.append(layer)
 				layer.changed.connect(_on_layer_changed)
 				_add_materials(layer)
+
+
+## Its own and those of its biomes.
+func _layers_of(scatter: TerrainScatter3D) -> Array[ScatterLayer]:
+	var result: Array[ScatterLayer] = []
+	for index in scatter.get_layer_count():
+		result.append(scatter.get_layer(index))
+	return result
 
 
 func _add_materials(layer: ScatterLayer) -> void:

@@ -1,0 +1,134 @@
+@tool
+extends RefCounted
+## A veil of colors over the ground around a place. It is the renderer's alone: no node, and nothing in the scene. It is made in parts,
+## a few in each frame, and takes the place of the one before when all are there.
+
+## Quads along a side, and parts along a side.
+const QUADS := 48
+const PARTS := 4
+## The veil is as wide as the view is far from what it looks at, times this, in meters between these.
+const WIDTH := 2.0
+const WIDTHS := Vector2(24.0, 1200.0)
+## Meters above the ground, for each meter of a quad.
+const LIFT := 0.04
+
+var _meshes: Array[ArrayMesh] = [ArrayMesh.new(), ArrayMesh.new()] ## On show, and being made.
+var _material := StandardMaterial3D.new()
+var _instance := RID()
+var _asked: Array = []
+var _colors: Callable
+var _waiting: Array[Vector2i] = [] ## Parts that are still to be made.
+
+
+func _init() -> void:
+	_material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
+	_material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
+	_material.vertex_color_use_as_albedo = true
+	_material.vertex_color_is_srgb = true
+	_material.cull_mode = BaseMaterial3D.CULL_DISABLED
+
+
+func _notification(what: int) -> void:
+	if what == NOTIFICATION_PREDELETE and _instance.is_valid():
+		RenderingServer.free_rid(_instance)
+
+
+## Shows nothing.
+func hide() -> void:
+	_asked = []
+	_waiting.clear()
+	_take_off()
+
+
+## True if something is shown, or being made.
+func is_shown() -> bool:
+	return not _asked.is_empty()
+
+
+## True if nothing is being made.
+func is_complete() -> bool:
+	return _waiting.is_empty()
+
+
+## Begins a veil over the ground of a scatter around a place of it, seen from [param away] meters, with quads of at most
+## [param largest] meters; with the same ground, place and [param version] as last time, nothing. [param colors] is called with a
+## rectangle of world x and z and a size, and gives a color for the middle of each of the fields into which the size divides the
+## rectangle, row by row; or none if it cannot, and the veil ends there.
+func cover(scatter: Node3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
+	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
+	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4
+	var asked := [scatter, scatter.get(&"terrain"), middle, quad, version]
+	if asked == _asked:
+		return
+	_asked = asked
+	_colors = colors
+	_meshes[1].clear_surfaces()
+	_waiting.clear()
+	for z in PARTS:
+		for x in PARTS:
+			_waiting.append(Vector2i(x, z))
+
+
+## Makes parts until so many microseconds have passed, one at least.
+func work(microseconds: int) -> void:
+	if _waiting.is_empty():
+		return
+	var scatter: Variant = _asked[0]
+	if not is_instance_valid(scatter) or not scatter.is_inside_tree() or scatter.get(&"terrain") == null:
+		return hide()
+	var deadline := Time.get_ticks_usec() + microseconds
+	while not _waiting.is_empty():
+		var arrays := _part(_waiting.pop_front())
+		if arrays.is_empty(): # The same is not asked for again.
+			_waiting.clear()
+			return _take_off()
+		_meshes[1].add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+		_meshes[1].surface_set_material(_meshes[1].get_surface_count() - 1, _material)
+		if Time.get_ticks_usec() >= deadline:
+			break
+	if _waiting.is_empty():
+		_show()
+
+
+func _take_off() -> void:
+	if _instance.is_valid():
+		RenderingServer.instance_set_scenario(_instance, RID())
+
+
+func _show() -> void:
+	_meshes.reverse()
+	if not _instance.is_valid():
+		_instance = RenderingServer.instance_create()
+		RenderingServer.instance_geometry_set_cast_shadows_setting(_instance, RenderingServer.SHADOW_CASTING_SETTING_OFF)
+	RenderingServer.instance_set_base(_instance, _meshes[0].get_rid())
+	RenderingServer.instance_set_scenario(_instance, (_asked[0] as Node3D).get_world_3d().scenario)
+
+
+func _part(part: Vector2i) -> Array:
+	var terrain: Resource = _asked[1]
+	var quad: float = _asked[3]
+	const SIDE := QUADS / PARTS
+	var first: Vector2 = Vector2(_asked[2] - Vector2i(QUADS, QUADS) / 2 + part * SIDE) * quad
+	var size := Vector2i(SIDE + 1, SIDE + 1)
+	var colors: PackedColorArray = _colors.call(Rect2(first - Vector2.ONE * quad * 0.5, Vector2(size) * quad), size)
+	if colors.size() != size.x * size.y:
+		return []
+	var vertices := PackedVector3Array()
+	for z in size.y:
+		for x in size.x:
+			var at := first + Vector2(x, z) * quad
+			var height: float = terrain.call(&"get_height", Vector3(at.x, 0.0, at.y))
+			vertices.append(Vector3(at.x, (0.0 if is_nan(height) else height) + LIFT * quad, at.y))
+			if is_nan(height):
+				colors[z * size.x + x].a = 0.0
+	var indices := PackedInt32Array()
+	for z in SIDE:
+		for x in SIDE:
+			var corner := z * size.x + x
+			indices.append_array([corner, corner + 1, corner + size.x + 1, corner, corner + size.x + 1, corner + size.x])
+	var arrays: Array = []
+	arrays.resize(Mesh.ARRAY_MAX)
+	arrays[Mesh.ARRAY_VERTEX] = vertices
+	arrays[Mesh.ARRAY_COLOR] = colors
+	arrays[Mesh.ARRAY_INDEX] = indices
+	return arrays

@@ -1,0 +1,179 @@
+@tool
+extends HBoxContainer
+## How the hand plants and moves: steps to snap to, slopes to lean with, chance, and the mesh; the settings of the tool.
+
+const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
+
+## What will be planted next is another.
+signal changed
+
+const ANY_MESH := -1
+
+## What may be chosen in the menu, and what is at first.
+enum Way { ALIGN, RANDOM_TURN, RANDOM_SIZE }
+const WAY_NAMES: PackedStringArray = ["Lean with the Slope", "Random Turn", "Random Size"]
+const WAY_TIPS: PackedStringArray = [
+	"What is planted or moved stands upright on the slope of the ground.",
+	"What is planted is turned by chance, between the layer's smallest and largest yaw.",
+	"What is planted is scaled by chance, between the layer's smallest and largest scale.",
+]
+
+## The mesh of the next instance, an index of the layer's.
+var mesh := 0
+
+var _snap := CheckBox.new()
+var _grid: EditorSpinSlider
+var _degrees: EditorSpinSlider
+var _ways := MenuButton.new()
+var _choice := OptionButton.new()
+var _layer: Resource
+var _mesh_count := -1
+var _yaw := 0.0
+var _size := 1.0
+var _random := RandomNumberGenerator.new()
+
+
+func _init() -> void:
+	_snap.text = "Snap"
+	_snap.tooltip_text = "Snap places to the grid and turns to whole steps; hold Ctrl for the opposite."
+	_snap.toggled.connect(func(_on: bool) -> void: changed.emit())
+	add_child(_snap)
+	_grid = Controls.slider("Grid", "Meters from one place to the next, along x and z.", Vector3(0.05, 64.0, 0.05), 1.0, "m", 88.0)
+	add_child(_grid)
+	_degrees = Controls.slider("Turn", "Degrees of one turn (key R, with Shift the other way).", Vector3(1.0, 180.0, 1.0), 15.0, "°", 88.0)
+	add_child(_degrees)
+	_ways.text = "Planting"
+	_ways.tooltip_text = "How the next instance stands."
+	_ways.get_popup().hide_on_checkable_item_selection = false
+	for way in WAY_NAMES.size():
+		_ways.get_popup().add_check_item(WAY_NAMES[way])
+		_ways.get_popup().set_item_tooltip(way, WAY_TIPS[way])
+		_ways.get_popup().set_item_checked(way, way != Way.ALIGN)
+	_ways.get_popup().index_pressed.connect(func(way: int) -> void: _choose_way(way, not _is_way(way)))
+	add_child(_ways)
+	_choice.tooltip_text = "The mesh to plant; by chance, those with more weight in the layer come more often."
+	_choice.item_selected.connect(func(_index: int) -> void: roll(); changed.emit())
+	add_child(_choice)
+
+
+## Whether to snap to the grid, lean with slopes, and leave turn and size to chance.
+func choose(snap: bool, align: bool, random_turn: bool, random_size: bool) -> void:
+	_snap.button_pressed = snap
+	_choose_way(Way.ALIGN, align)
+	_choose_way(Way.RANDOM_TURN, random_turn)
+	_choose_way(Way.RANDOM_SIZE, random_size)
+	_yaw = 0.0
+	_size = 1.0
+	roll()
+
+
+## Sets the steps: meters and degrees.
+func set_steps(grid: float, degrees: float) -> void:
+	_grid.value = grid
+	_degrees.value = degrees
+
+
+## Takes the layer to plant of, with the number of its meshes.
+func set_layer(layer: Resource, mesh_count: int) -> void:
+	if layer == _layer and mesh_count == _mesh_count:
+		return
+	_layer = layer
+	_mesh_count = mesh_count
+	_choice.clear()
+	_choice.add_item("Any Mesh", ANY_MESH + 1)
+	for index in mesh_count:
+		_choice.add_item("Mesh %d" % index, index + 1)
+	_choice.visible = mesh_count > 1
+	roll()
+
+
+## Leaves to chance what is left to it, for the next instance.
+func roll() -> void:
+	if _layer == null:
+		return
+	if _is_way(Way.RANDOM_TURN):
+		_yaw = deg_to_rad(_random.randf_range(_layer.get(&"min_yaw_degrees"), _layer.get(&"max_yaw_degrees")))
+	if _is_way(Way.RANDOM_SIZE):
+		_size = _random.randf_range(_layer.get(&"min_scale"), _layer.get(&"max_scale"))
+	mesh = _choice.get_selected_id() - 1
+	if mesh == ANY_MESH:
+		var weights: PackedFloat32Array = _layer.get(&"mesh_weights")
+		weights.resize(maxi(1, _mesh_count))
+		for index in range((_layer.get(&"mesh_weights") as PackedFloat32Array).size(), weights.size()):
+			weights[index] = 1.0
+		mesh = maxi(0, _random.rand_weighted(weights))
+
+
+func turn(angle: float) -> void:
+	_yaw += angle
+
+
+func scale_by(factor: float) -> void:
+	_size = clampf(_size * factor, 0.01, 100.0)
+
+
+## Radians of one turn.
+func turn_step() -> float:
+	return deg_to_rad(_degrees.value)
+
+
+## Whether to snap, with or without Ctrl.
+func snaps(with_control: bool) -> bool:
+	return _snap.button_pressed != with_control
+
+
+## An angle in radians, to whole steps if it snaps.
+func snapped_turn(angle: float, with_control: bool) -> float:
+	return snappedf(angle, turn_step()) if snaps(with_control) else angle
+
+
+## A factor for a basis, so that the result is a whole number of tenths if it snaps.
+func snapped_size(basis: Basis, factor: float, with_control: bool) -> float:
+	var size := basis.y.length()
+	return snappedf(size * factor, 0.1) / size if snaps(with_control) and size > 0.0 else factor
+
+
+## How an instance stands that is planted at a place on the ground.
+func transform_at(place: Vector3, terrain: Resource, with_control: bool) -> Transform3D:
+	var at := _on_grid(place, terrain, with_control)
+	var up := _up(at, terrain)
+	var basis := Basis(Quaternion(Vector3.UP, up)) * Basis(Vector3.UP, _yaw)
+	at += Vector3.UP * float(_layer.get(&"height_offset")) + up * float(_layer.get(&"offset_along_normal"))
+	return Transform3D(basis * Basis.from_scale(Vector3.ONE * _size), at)
+
+
+## How an instance stands that is moved to above or below a place: as high over the ground as it was.
+func moved(from: Transform3D, place: Vector3, terrain: Resource, with_control: bool) -> Transform3D:
+	var to := _on_grid(place, terrain, with_control)
+	var below: float = terrain.call(&"get_height", from.origin)
+	var height: float = terrain.call(&"get_height", to)
+	to.y = from.origin.y if is_nan(below) or is_nan(height) else height + from.origin.y - below
+	var lean := Quaternion(_up(from.origin, terrain), _up(to, terrain)) if _is_way(Way.ALIGN) else Quaternion.IDENTITY
+	return Transform3D(Basis(lean) * from.basis if lean != Quaternion.IDENTITY else from.basis, to)
+
+
+func _on_grid(place: Vector3, terrain: Resource, with_control: bool) -> Vector3:
+	if not snaps(with_control):
+		return place
+	var at := Vector3(snappedf(place.x, _grid.value), place.y, snappedf(place.z, _grid.value))
+	var height: float = terrain.call(&"get_height", at)
+	if not is_nan(height):
+		at.y = height
+	return at
+
+
+func _up(at: Vector3, terrain: Resource) -> Vector3:
+	if not _is_way(Way.ALIGN):
+		return Vector3.UP
+	var normal: Vector3 = terrain.call(&"get_normal", at)
+	return normal.normalized() if normal.is_finite() and normal.y > 0.0 else Vector3.UP
+
+
+func _is_way(way: Way) -> bool:
+	return _ways.get_popup().is_item_checked(way)
+
+
+func _choose_way(way: Way, on: bool) -> void:
+	_ways.get_popup().set_item_checked(way, on)
+	roll()
+	changed.emit()

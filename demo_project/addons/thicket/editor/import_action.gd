@@ -1,0 +1,89 @@
+@tool
+extends RefCounted
+## An import of instances as one step of undo. What is placed is kept in the scatter's state, in a file beside the scene; a scatter without
+## such a state gets one.
+
+const ImportInstances := preload("res://addons/thicket/import_instances.gd")
+
+## Why [method run] could not, in a sentence.
+var problem := ""
+
+var _scatter: Node3D
+var _layer: Variant
+var _reading: ImportInstances.Reading
+var _files: RefCounted
+var _scene_path := ""
+var _layers_before: Array = []
+var _layers_after: Array = []
+var _state_before: Resource
+var _state: Resource
+var _ids := PackedInt64Array()
+
+
+## Imports what was read into a scatter; [param layer] as for [method ImportInstances.from_node]. [param files] keep states beside scenes
+## (scene_files.gd). Returns how many were placed; 0, with the reason in [member problem], if that cannot be.
+func run(scatter: Node3D, layer: Variant, reading: ImportInstances.Reading, files: RefCounted, scene_path: String,
+		undo_redo: EditorUndoRedoManager) -> int:
+	problem = ""
+	_scatter = scatter
+	_layer = layer
+	_reading = reading
+	_files = files
+	_scene_path = scene_path
+	_layers_before = scatter.get(&"layers").duplicate()
+	_state_before = scatter.get(&"state")
+	if not _find_state():
+		return 0
+	_ids = ImportInstances.place(scatter, layer, reading)
+	if _ids.is_empty():
+		problem = "Nothing was placed; the output says why."
+		_drop_state()
+		return 0
+	_layers_after = scatter.get(&"layers").duplicate()
+	_files.mark(_state)
+	undo_redo.create_action("Import %d Instances" % _ids.size(), UndoRedo.MERGE_DISABLE, scatter)
+	undo_redo.add_do_method(self, &"redo")
+	undo_redo.add_undo_method(self, &"undo")
+	undo_redo.commit_action(false)
+	return _ids.size()
+
+
+## For the history of undo.
+func undo() -> void:
+	_scatter.call(&"remove_instances", _ids)
+	if _layers_after != _layers_before:
+		_scatter.set(&"layers", _layers_before.duplicate())
+	_files.mark(_state)
+	_drop_state()
+
+
+## For the history of undo.
+func redo() -> void:
+	if _state != _state_before:
+		_scatter.set(&"state", _state)
+		_files.keep(_state, _scene_path)
+	if _layers_after != _layers_before:
+		_scatter.set(&"layers", _layers_after.duplicate())
+	_ids = ImportInstances.place(_scatter, _layer, _reading)
+	_files.mark(_state)
+
+
+## True if the scatter has a state in a file, now.
+func _find_state() -> bool:
+	_state = _state_before
+	if _state != null and not _state.resource_path.is_empty() and not "::" in _state.resource_path:
+		return true
+	_state = _state_before.duplicate() if _state_before != null else ClassDB.instantiate(&"ScatterState")
+	# A game changes copies of its own, and never what the designer has made.
+	_state.set(&"designed", true)
+	if not _files.create(_scene_path, _state, _scatter.name, "state"):
+		problem = _files.problem
+		return false
+	_scatter.set(&"state", _state)
+	return true
+
+
+func _drop_state() -> void:
+	if _state != _state_before:
+		_scatter.set(&"state", _state_before)
+		_files.drop(_state, _scene_path)

@@ -1,0 +1,49 @@
+@tool
+extends RefCounted
+## A mesh that is shown where an instance would stand. It is the renderer's alone: no node, and nothing in the scene.
+
+const COLOR := Color(0.3, 0.8, 1.0, 0.65)
+
+var _instance := RID()
+var _material := StandardMaterial3D.new()
+var _mesh: Mesh
+var _shown := false
+
+
+func _init() -> void:
+	_material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
+	_material.albedo_color = COLOR
+	_material.emission_enabled = true
+	_material.emission = Color(COLOR, 1.0) * 0.35
+
+
+func _notification(what: int) -> void:
+	if what == NOTIFICATION_PREDELETE and _instance.is_valid():
+		RenderingServer.free_rid(_instance)
+
+
+## Shows a mesh in the world of a scatter; without a mesh, nothing.
+func show(scatter: Node3D, mesh: Mesh, transform: Transform3D) -> void:
+	if mesh == null:
+		hide()
+		return
+	if not _instance.is_valid():
+		_instance = RenderingServer.instance_create()
+		RenderingServer.instance_geometry_set_cast_shadows_setting(_instance, RenderingServer.SHADOW_CASTING_SETTING_OFF)
+		RenderingServer.instance_geometry_set_material_override(_instance, _material.get_rid())
+	if mesh != _mesh:
+		_mesh = mesh # Held, or the renderer would draw what is freed.
+		RenderingServer.instance_set_base(_instance, mesh.get_rid())
+	RenderingServer.instance_set_scenario(_instance, scatter.get_world_3d().scenario)
+	RenderingServer.instance_set_transform(_instance, transform)
+	_shown = true
+
+
+func hide() -> void:
+	if _shown:
+		RenderingServer.instance_set_scenario(_instance, RID())
+	_shown = false
+
+
+func is_shown() -> bool:
+	return _shown

@@ -1,0 +1,71 @@
+@tool
+extends RefCounted
+## Deep copies of layers: what lies in a file of its own is shared, all else is the copy's own.
+
+
+## What copies may share though it is no file: it is what they are made of, not how they stand.
+const ASSETS: Array[StringName] = [&"Mesh", &"PackedScene", &"Material", &"Texture", &"ScatterModel", &"PhysicsMaterial"]
+
+
+## A copy of a layer, even of one that is a file. What [param copies] has is copied no more, and it takes what is copied: resources that are
+## used twice are copied once. [param with_assets] also copies what it is made of: meshes, materials and the like.
+static func of(layer: Resource, copies: Dictionary[Resource, Resource], with_assets := true) -> Resource:
+	if not copies.has(layer):
+		_copy_deep(layer, copies, with_assets)
+	return copies[layer]
+
+
+## A name that is not taken: itself, or with a number.
+static func free_name(name: String, taken: PackedStringArray) -> String:
+	var result := name
+	var number := 2
+	while taken.has(result):
+		result = "%s %d" % [name, number]
+		number += 1
+	return result
+
+
+## The names of layers; null entries have none.
+static func names(layers: Array) -> PackedStringArray:
+	var result := PackedStringArray()
+	for layer: Resource in layers:
+		if layer != null:
+			result.append(layer.resource_name)
+	return result
+
+
+static func is_file(resource: Resource) -> bool:
+	return not resource.resource_path.is_empty() and not "::" in resource.resource_path
+
+
+static func _copy_deep(resource: Resource, copies: Dictionary[Resource, Resource], with_assets: bool) -> void:
+	var copy := resource.duplicate(false)
+	copies[resource] = copy
+	for property in copy.get_property_list():
+		if property.usage & PROPERTY_USAGE_STORAGE and property.name != "script":
+			var value: Variant = copy.get(property.name)
+			if value is Resource or value is Array:
+				copy.set(property.name, _copy_value(value, copies, with_assets))
+			elif property.name == "spacing":
+				copy.set(property.name, _copy_keys(value, copies, with_assets))
+
+
+static func _copy_value(value: Variant, copies: Dictionary[Resource, Resource], with_assets: bool) -> Variant:
+	if value is Resource:
+		var resource := value as Resource
+		if not copies.has(resource) and not is_file(resource) and (with_assets or not ASSETS.any(resource.is_class)):
+			_copy_deep(resource, copies, with_assets)
+		return copies.get(resource, resource)
+	if value is Array:
+		var array: Array = value.duplicate()
+		for index in array.size():
+			array[index] = _copy_value(array[index], copies, with_assets)
+		return array
+	return value
+
+
+static func _copy_keys(dictionary: Dictionary, copies: Dictionary[Resource, Resource], with_assets: bool) -> Dictionary:
+	var result := {}
+	for key: Variant in dictionary:
+		result[_copy_value(key, copies, with_assets)] = dictionary[key]
+	return result

@@ -1,0 +1,90 @@
+@tool
+extends RefCounted
+## What a designer has noted on layers for the editor alone: hidden there, locked against tools, a color to find them by. The editor keeps
+## it for each scene, beside the scene and never in it.
+
+## A note on a layer is another one.
+signal changed
+
+const HIDDEN := &"hidden"
+const LOCKED := &"locked"
+const COLOR := &"color"
+
+var _notes: Dictionary[int, Dictionary] = {} ## By the layer's instance id.
+
+
+func is_hidden(layer: Resource) -> bool:
+	return _note(layer, HIDDEN, false)
+
+
+func is_locked(layer: Resource) -> bool:
+	return _note(layer, LOCKED, false)
+
+
+## The color that a layer is marked with; transparent for none.
+func color(layer: Resource) -> Color:
+	return _note(layer, COLOR, Color(0.0, 0.0, 0.0, 0.0))
+
+
+## Notes something on a layer, by one of the names above; null to forget it.
+func put(layer: Resource, name: StringName, value: Variant) -> void:
+	var notes: Dictionary = _notes.get_or_add(layer.get_instance_id(), {})
+	if value:
+		notes[name] = value
+	else:
+		notes.erase(name)
+	changed.emit()
+
+
+## The same for several layers, as one step of undo that leaves the scene as saved as it is.
+func put_undoable(layers: Array, name: StringName, value: Variant, scatter: Node3D, undo_redo: EditorUndoRedoManager) -> void:
+	var action: Array = ["Mark Layers", UndoRedo.MERGE_DISABLE, scatter, false]
+	if undo_redo.get_method_argument_count(&"create_action") > action.size(): # Since 4.5: nothing to save.
+		action.append(false)
+	undo_redo.create_action.callv(action)
+	for layer: Resource in layers:
+		undo_redo.add_do_method(self, &"put", layer, name, value)
+		undo_redo.add_undo_method(self, &"put", layer, name, _note(layer, name, null))
+	undo_redo.commit_action()
+
+
+## Forgets all.
+func clear() -> void:
+	_notes.clear()
+	changed.emit()
+
+
+## Hides in the view what is hidden of a scatter.
+func apply(scatter: Node3D) -> void:
+	if scatter.has_method(&"_set_preview_hidden"):
+		scatter.call(&"_set_preview_hidden", (scatter.get(&"layers") as Array).filter(
+				func(layer: Resource) -> bool: return layer != null and is_hidden(layer)))
+
+
+## All notes on the layers of some scatters of a scene, as the editor keeps them.
+func to_state(root: Node, scatters: Array[Node3D]) -> Dictionary:
+	var state := {}
+	for scatter in scatters:
+		var notes := {}
+		for layer: Resource in scatter.get(&"layers"):
+			if layer != null and _notes.get(layer.get_instance_id(), {}):
+				notes[layer.get(&"layer_id")] = _notes[layer.get_instance_id()].duplicate()
+		if notes:
+			state[String(root.get_path_to(scatter))] = notes
+	return state
+
+
+## Takes them back.
+func from_state(root: Node, state: Dictionary) -> void:
+	for path: String in state:
+		var scatter := root.get_node_or_null(path)
+		if scatter == null or not scatter.is_class("TerrainScatter3D"):
+			continue
+		for layer: Resource in scatter.get(&"layers"):
+			if layer != null and state[path].has(layer.get(&"layer_id")):
+				_notes[layer.get_instance_id()] = (state[path][layer.get(&"layer_id")] as Dictionary).duplicate()
+	changed.emit()
+
+
+func _note(layer: Resource, name: StringName, otherwise: Variant) -> Variant:
+	return _notes[layer.get_instance_id()].get(name, otherwise) if layer != null and _notes.has(layer.get_instance_id()) else otherwise

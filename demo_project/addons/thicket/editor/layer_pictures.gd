@@ -1,0 +1,46 @@
+@tool
+extends RefCounted
+## Pictures of what layers are made of, as the FileSystem dock has them.
+
+## There is a picture of a layer.
+signal made(layer: Resource, picture: Texture2D)
+
+var _asked: Dictionary[int, int] = {} ## By the layer's instance id, of what it was asked for last.
+
+
+## Asks for the picture of the first thing in a layer, unless that has been done. It comes later, or not at all.
+func ask(scatter: Node3D, layer: Resource) -> void:
+	var first: Resource = null
+	for mesh: Resource in layer.get(&"meshes"):
+		first = first if first != null else mesh
+	var of := hash([first.get_instance_id() if first != null else 0])
+	if _asked.get(layer.get_instance_id(), 0) == of or first == null:
+		return
+	_asked[layer.get_instance_id()] = of
+	var previewer := EditorInterface.get_resource_previewer()
+	if first is Mesh:
+		previewer.queue_edited_resource_preview(first, self, &"_on_preview", [layer, scatter])
+	elif not first.resource_path.is_empty():
+		previewer.queue_resource_preview(first.resource_path, self, &"_on_preview", [layer, scatter, first])
+
+
+func _on_preview(_path: String, preview: Texture2D, small: Texture2D, about: Array) -> void:
+	var layer: Resource = about[0]
+	var picture := preview if preview != null else small
+	if picture != null:
+		made.emit(layer, picture)
+	elif about.size() > 2 and is_instance_valid(about[1]):
+		_ask_for_drawn(about[1], layer)
+
+
+## A scene that was never saved in this editor has no picture: what is drawn of it has one.
+func _ask_for_drawn(scatter: Node3D, layer: Resource) -> void:
+	if not layer in scatter.get(&"layers"):
+		return
+	for tile: Vector2i in scatter.call(&"get_shown_tiles", layer):
+		var shown: RefCounted = scatter.call(&"get_tile", layer, tile)
+		if shown.call(&"get_mesh_count") > 0 and shown.call(&"get_mesh", 0) != null:
+			EditorInterface.get_resource_previewer().queue_edited_resource_preview(
+					shown.call(&"get_mesh", 0), self, &"_on_preview", [layer, scatter])
+			return
+	_asked.erase(layer.get_instance_id()) # Once there are tiles.

@@ -1,0 +1,159 @@
+@tool
+extends RefCounted
+## Finds what a scatter shares with others though a copy was meant (one that was duplicated or pasted shares its layers, its masks and its
+## state with the original, and its seed), and makes it the scatter's own. Layers that were saved as files are meant to be shared.
+
+const Copies := preload("res://addons/thicket/editor/layer_copies.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+
+## What a scatter shares.
+class Shared:
+	## Layers that are no files, and stand in another scatter as well.
+	var layers: Array[Resource] = []
+	## Layers that are files, and stand in another scatter of an open scene as well.
+	var files: Array[Resource] = []
+	## Files of masks that another scatter or another scene paints on.
+	var masks := PackedStringArray()
+	## The changes that the scatter and another one keep in one state.
+	var state := false
+	## The same seed, for the same layers: the same instances in the same places.
+	var seed := false
+	## Those that it is shared with, by name.
+	var others := PackedStringArray()
+
+	## True if it is likely not meant.
+	func is_by_accident() -> bool:
+		return not layers.is_empty() or not masks.is_empty()
+
+	## In a sentence.
+	func tell(name: String) -> String:
+		var parts := PackedStringArray()
+		if not layers.is_empty():
+			parts.append("its layers")
+		if not masks.is_empty():
+			parts.append("what is painted")
+		if state:
+			parts.append("its state")
+		if seed:
+			parts.append("its seed")
+		var what := " and ".join(PackedStringArray([", ".join(parts.slice(0, -1)), parts[-1]])) if parts.size() > 1 else parts[0]
+		var follows := ": both show the same instances" if seed and not layers.is_empty() else ""
+		return "%s shares %s with %s%s." % [name, what, ", ".join(others), follows]
+
+
+## What a scatter shares with others of the open scenes, and with scenes whose masks it paints on.
+static func find(scatter: Node3D) -> Shared:
+	var result := Shared.new()
+	var own: Array = scatter.get(&"layers").filter(func(layer: Resource) -> bool: return layer != null)
+	for other in open_scatters():
+		if other == scatter:
+			continue
+		var before := result.layers.size() + result.masks.size()
+		for layer: Resource in other.get(&"layers"):
+			if layer == null:
+				continue
+			if layer in own:
+				(result.files if Copies.is_file(layer) else result.layers).append(layer)
+			for mine: Resource in own:
+				var mask: Resource = mine.get(&"mask")
+				if mask != null and mask == layer.get(&"mask") and mine != layer and not result.masks.has(mask.resource_path):
+					result.masks.append(mask.resource_path)
+		if result.layers.size() + result.masks.size() > before:
+			result.others.append(other.name)
+			result.seed = result.seed or other.get(&"seed") == scatter.get(&"seed")
+			result.state = result.state or scatter.get(&"state") != null and other.get(&"state") == scatter.get(&"state")
+	_find_masks_of_other_scenes(scatter, own, result)
+	return result
+
+
+## All scatters of the scenes that are open in the editor; before 4.5, of the one that is edited.
+static func open_scatters() -> Array[Node3D]:
+	var roots: Array = [EditorInterface.get_edited_scene_root()]
+	if EditorInterface.has_method(&"get_open_scene_roots"):
+		roots = EditorInterface.call(&"get_open_scene_roots")
+	var result: Array[Node3D] = []
+	for root: Node in roots.filter(is_instance_valid):
+		result.append_array(scatters_of(root))
+	return result
+
+
+static func scatters_of(root: Node) -> Array[Node3D]:
+	var result: Array[Node3D] = []
+	for node: Node in [root] + root.find_children("*", "TerrainScatter3D", true, false):
+		if node.is_class("TerrainScatter3D"):
+			result.append(node as Node3D)
+	return result
+
+
+## Gives a scatter layers, masks and a state of its own, as one step of undo; and a seed that no other has, if [param new_seed]. Layers that
+## are files are copied if [param with_files]. Returns what stands in the way, in a sentence; empty if it is done.
+static func make_unique(scatter: Node3D, new_seed: bool, with_files: bool, files: SceneFiles, scene_path: String,
+		undo_redo: EditorUndoRedoManager) -> String:
+	var old: Array = scatter.get(&"layers")
+	var new := old.duplicate()
+	var copies: Dictionary[Resource, Resource] = {}
+	var masks: Dictionary[Resource, Resource] = {}
+	for layer: Resource in old: # First of all, so that they are not copied once more as what others mention.
+		if layer != null and Copies.is_file(layer) and not with_files:
+			copies[layer] = layer
+	for index in old.size():
+		if old[index] == null:
+			continue
+		new[index] = Copies.of(old[index], copies, false)
+		if new[index] != old[index] and not files.copy_mask(new[index], scene_path, masks):
+			return files.problem
+	undo_redo.create_action("Make %s Unique" % scatter.name, UndoRedo.MERGE_DISABLE, scatter)
+	undo_redo.add_do_property(scatter, &"layers", new)
+	undo_redo.add_undo_property(scatter, &"layers", old)
+	if new_seed:
+		undo_redo.add_do_property(scatter, &"seed", free_seed(scatter))
+		undo_redo.add_undo_property(scatter, &"seed", scatter.get(&"seed"))
+	_copy_state(scatter, new_seed, undo_redo)
+	for region: Node in scatter.find_children("*", "ScatterRegion3D", true, false):
+		var mentioned: Array = region.get(&"layers")
+		var followed := mentioned.map(func(layer: Variant) -> Variant: return copies.get(layer, layer) if layer is Resource else layer)
+		if followed != mentioned:
+			undo_redo.add_do_property(region, &"layers", followed)
+			undo_redo.add_undo_property(region, &"layers", mentioned)
+	files.add_to_undo(masks.values(), scene_path, undo_redo)
+	undo_redo.commit_action()
+	return ""
+
+
+## The smallest seed from 0 on that no other scatter of the open scenes has.
+static func free_seed(scatter: Node3D) -> int:
+	var taken := open_scatters().map(func(other: Node3D) -> int: return other.get(&"seed"))
+	if scatter != null:
+		taken.append(scatter.get(&"seed"))
+	var result := 0
+	while result in taken:
+		result += 1
+	return result
+
+
+## A state that lies in the scene is copied; one that is a file may be shared by many nodes, and is a game's own business. With another seed
+## there are other instances, of which nothing has been removed.
+static func _copy_state(scatter: Node3D, new_seed: bool, undo_redo: EditorUndoRedoManager) -> void:
+	var state: Resource = scatter.get(&"state")
+	if state == null or (Copies.is_file(state) and not new_seed):
+		return
+	undo_redo.add_do_property(scatter, &"state", null if new_seed else state.duplicate())
+	undo_redo.add_undo_property(scatter, &"state", state)
+
+
+## A mask that lies beside another scene, under the name that the brush gives, is that scene's.
+static func _find_masks_of_other_scenes(scatter: Node3D, own: Array, r_shared: Shared) -> void:
+	var scene := scatter.owner if scatter.owner != null else scatter
+	for layer: Resource in own:
+		var mask: Resource = layer.get(&"mask")
+		if mask == null or not Copies.is_file(mask) or Copies.is_file(layer) or r_shared.masks.has(mask.resource_path):
+			continue
+		var stem := mask.resource_path.get_basename()
+		if stem.begins_with(scene.scene_file_path.get_basename() + "_"):
+			continue
+		while "_" in stem.get_file():
+			stem = stem.get_base_dir().path_join(stem.get_file().rsplit("_", true, 1)[0])
+			if FileAccess.file_exists(stem + ".tscn") or FileAccess.file_exists(stem + ".scn"):
+				r_shared.masks.append(mask.resource_path)
+				r_shared.others.append((stem + ".tscn").get_file())
+				break

@@ -1,0 +1,358 @@
+@tool
+extends RefCounted
+## Makes hand-placed instances of a scatter out of what a scene or a file has: [MultiMeshInstance3D]s (so what ProtonScatter has made, and
+## what this add-on has baked), the copies of scenes that ProtonScatter makes in its other mode, the instances of a Terrain3D, and tables of
+## transforms. Every transform is taken over to the float. What was imported stays: hide or free it after that.
+##
+## Needs no editor:
+## [codeblock]
+## const ImportInstances := preload("res://addons/thicket/import_instances.gd")
+## ImportInstances.from_node($TerrainScatter3D, null, $OldTrees)
+## ImportInstances.from_csv($TerrainScatter3D, "Rocks", "res://rocks.csv")
+## [/codeblock]
+## An import is whole or nothing: where a part of it cannot be, an error says which, and nothing has changed.
+
+const Table := preload("res://addons/thicket/transform_table.gd")
+
+## Floats that a transform has: the rows of its basis, each with a number of the origin after it, as in [member MultiMesh.buffer].
+const FLOATS := 12
+## Where ProtonScatter puts what it has made.
+const PROTON_OUTPUT := "ScatterOutput"
+## Meters: a layer that has hand-placed instances alone looks for no other ones, the less often the larger its radius is.
+const LEAST_RADIUS := 2.0
+## What a layer takes over of a node that has drawn its mesh.
+const LOOK: Dictionary[StringName, StringName] = {
+	&"material_override": &"material_override", &"cast_shadow": &"cast_shadow", &"gi_mode": &"gi_mode", &"layers": &"render_layers",
+	&"lod_bias": &"lod_bias", &"extra_cull_margin": &"extra_cull_margin", &"visibility_range_begin": &"visibility_range_begin",
+	&"visibility_range_begin_margin": &"visibility_range_begin_margin", &"visibility_range_end": &"visibility_range_end",
+	&"visibility_range_end_margin": &"visibility_range_end_margin", &"visibility_range_fade_mode": &"visibility_range_fade_mode",
+}
+
+
+## Instances of one mesh or scene.
+class Batch:
+	var mesh: Resource ## Null for the first mesh of the layer that they are for.
+	var name := ""
+	var look: Dictionary[StringName, Variant] = {} ## Properties of a layer.
+	var transforms := PackedFloat32Array()
+
+	func size() -> int:
+		@warning_ignore("integer_division")
+		return transforms.size() / FLOATS
+
+
+## What a node or a file has, and what of it cannot be imported: a sentence each.
+class Reading:
+	var batches: Array[Batch] = []
+	var problems := PackedStringArray()
+
+	func size() -> int:
+		var sum := 0
+		for batch in batches:
+			sum += batch.size()
+		return sum
+
+	## The batch of a mesh that is drawn in a way.
+	func batch_of(mesh: Resource, name: String, look: Dictionary[StringName, Variant]) -> Batch:
+		for batch in batches:
+			if batch.mesh == mesh and batch.look == look:
+				return batch
+		var batch := Batch.new()
+		batch.mesh = mesh
+		batch.name = name
+		batch.look = look
+		batches.append(batch)
+		return batch
+
+
+## Imports what is in a node and below it. [param layer] is a [ScatterLayer], its name or its index, for all of it; with
+## [code]null[/code] each mesh gets the layer that has it, a new one where there is none. Returns how many instances were placed; 0,
+## with errors, for none.
+static func from_node(scatter: Node3D, layer: Variant, node: Node) -> int:
+	return _import(scatter, layer, read_node(node))
+
+
+## Imports a table, a line for each instance, into a layer: see [code]transform_table.gd[/code] for its columns. Returns as
+## [method from_node].
+static func from_csv(scatter: Node3D, layer: Variant, path: String) -> int:
+	return _import(scatter, layer, read_csv(path))
+
+
+## What is in a node and below it.
+static func read_node(node: Node) -> Reading:
+	var reading := Reading.new()
+	if node == null:
+		reading.problems.append("There is no node to import from.")
+		return reading
+	_read_below(node, reading)
+	reading.batches = reading.batches.filter(func(batch: Batch) -> bool: return batch.size() > 0)
+	if reading.size() == 0 and reading.problems.is_empty():
+		reading.problems.append("%s has no instances: no MultiMeshInstance3D, no output of ProtonScatter, no Terrain3D." % node.name)
+	return reading
+
+
+## What a table has.
+static func read_csv(path: String) -> Reading:
+	var reading := Reading.new()
+	var file := FileAccess.open(path, FileAccess.READ)
+	if file == null:
+		reading.problems.append("%s cannot be opened: %s." % [path, error_string(FileAccess.get_open_error())])
+		return reading
+	var table := Table.new()
+	table.read(file.get_as_text())
+	for problem in table.problems:
+		reading.problems.append("%s, %s" % [path, problem])
+	var batch := reading.batch_of(null, path.get_file().get_basename(), {})
+	batch.transforms = table.transforms
+	if table.problems.is_empty() and batch.size() == 0:
+		reading.problems.append("%s has no transforms." % path)
+	return reading
+
+
+## Places what was read, and adds the layers that are missing. Returns the ids; none, with an error, if that cannot be.
+static func place(scatter: Node3D, layer: Variant, reading: Reading) -> PackedInt64Array:
+	var before: Array = scatter.get(&"layers")
+	var layers := before.duplicate()
+	var chosen: Array[Variant] = []
+	for batch in reading.batches:
+		chosen.append(layer if layer != null else _layer_for(batch, layers))
+	if layers != before:
+		scatter.set(&"layers", layers)
+	var ids := PackedInt64Array()
+	for index in reading.batches.size():
+		var batch := reading.batches[index]
+		var meshes := PackedInt32Array()
+		meshes.resize(batch.size())
+		meshes.fill(_mesh_index(scatter, chosen[index], batch.mesh))
+		var added: PackedInt64Array = scatter.call(&"add_instances", chosen[index], batch.transforms, meshes)
+		ids.append_array(added)
+		if added.size() < batch.size():
+			scatter.call(&"remove_instances", ids)
+			scatter.set(&"layers", before)
+			return PackedInt64Array()
+	return ids
+
+
+## The layer of a list that has a mesh and draws it alike; else a new one at the end of the list.
+static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
+	for layer: Resource in r_layers:
+		if layer != null and (layer.get(&"meshes") as Array).has(batch.mesh) and \
+				layer.get(&"material_override") == batch.look.get(&"material_override"):
+			return layer
+	var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
+	layer.resource_name = _free_name(batch.name, r_layers)
+	layer.set(&"meshes", [batch.mesh])
+	for property: StringName in batch.look:
+		layer.set(property, batch.look[property])
+	layer.call(&"fit_to_meshes")
+	layer.set(&"radius", maxf(layer.get(&"radius"), LEAST_RADIUS))
+	layer.set(&"density", 0.0)
+	r_layers.append(layer)
+	return layer
+
+
+static func _free_name(name: String, layers: Array) -> String:
+	var taken := PackedStringArray()
+	for layer: Resource in layers:
+		if layer != null:
+			taken.append(layer.resource_name)
+	var found := name
+	var number := 2
+	while taken.has(found):
+		found = "%s %d" % [name, number]
+		number += 1
+	return found
+
+
+## Which of a layer's meshes a mesh is; the first if it is none of them.
+static func _mesh_index(scatter: Node3D, layer: Variant, mesh: Resource) -> int:
+	var layers: Array = scatter.get(&"layers")
+	var found: Resource = null
+	if layer is Resource:
+		found = layer
+	elif layer is int:
+		found = layers[layer] if layer >= 0 and layer < layers.size() else null
+	else:
+		for each: Resource in layers:
+			found = each if found == null and each != null and each.resource_name == str(layer) else found
+	return maxi((found.get(&"meshes") as Array).find(mesh), 0) if found != null else 0
+
+
+static func _import(scatter: Node3D, layer: Variant, reading: Reading) -> int:
+	if layer == null and reading.batches.any(func(batch: Batch) -> bool: return batch.mesh == null):
+		reading.problems.append("A table names no mesh: say which layer its instances are of.")
+	for problem in reading.problems:
+		push_error("Import of instances: " + problem)
+	return place(scatter, layer, reading).size() if reading.problems.is_empty() else 0
+
+
+static func _read_below(node: Node, r_reading: Reading) -> void:
+	if node is MultiMeshInstance3D:
+		_read_multimesh(node as MultiMeshInstance3D, r_reading)
+	if is_terrain_3d(node):
+		_read_terrain_3d(node, r_reading)
+		return # Its children draw the same instances.
+	for child in node.get_children():
+		if node.name == PROTON_OUTPUT and not child is MultiMeshInstance3D:
+			_read_proton_item(child, r_reading)
+		else:
+			_read_below(child, r_reading)
+
+
+static func _read_multimesh(node: MultiMeshInstance3D, r_reading: Reading) -> void:
+	var multimesh := node.multimesh
+	if multimesh == null or multimesh.instance_count == 0 or multimesh.visible_instance_count == 0:
+		return
+	if multimesh.mesh == null:
+		r_reading.problems.append("%s has no mesh." % node.name)
+	elif multimesh.transform_format != MultiMesh.TRANSFORM_3D:
+		r_reading.problems.append("%s has transforms in two dimensions." % node.name)
+	else:
+		var name := _name_of(multimesh.mesh, node)
+		_append(node, _buffer_of(multimesh), r_reading.batch_of(multimesh.mesh, name, _look_of(node)))
+
+
+## What a new layer is called: as the file of its mesh, the mesh, or the node.
+static func _name_of(mesh: Resource, node: Node) -> String:
+	if not mesh.resource_path.is_empty() and not "::" in mesh.resource_path:
+		return mesh.resource_path.get_file().get_basename()
+	var name := mesh.resource_name if not mesh.resource_name.is_empty() else String(node.name)
+	# Nodes that were not given a name, as ProtonScatter's, are all called alike; what they are below of is not.
+	var nameless := name.begins_with(node.get_class()) or name.begins_with("@" + node.get_class())
+	return String(node.get_parent().name) if nameless and node.get_parent() != null else name
+
+
+## What differs from how a mesh is drawn usually.
+static func _look_of(node: GeometryInstance3D) -> Dictionary[StringName, Variant]:
+	var look: Dictionary[StringName, Variant] = {}
+	for property: StringName in LOOK:
+		var value: Variant = node.get(property)
+		if value != ClassDB.class_get_property_default_value(node.get_class(), property):
+			look[LOOK[property]] = value
+	return look
+
+
+## The transforms of a multimesh, without colors and data.
+static func _buffer_of(multimesh: MultiMesh) -> PackedFloat32Array:
+	var count := multimesh.visible_instance_count if multimesh.visible_instance_count >= 0 else multimesh.instance_count
+	var stride := FLOATS + 4 * int(multimesh.use_colors) + 4 * int(multimesh.use_custom_data)
+	var buffer := multimesh.buffer
+	var result := PackedFloat32Array()
+	if buffer.size() < count * stride: # The renderer keeps none.
+		for index in count:
+			_append_transform(multimesh.get_instance_transform(index), result)
+	elif stride == FLOATS:
+		result = buffer.slice(0, count * FLOATS)
+	else:
+		for index in count:
+			result.append_array(buffer.slice(index * stride, index * stride + FLOATS))
+	return result
+
+
+## Adds transforms of a node's space to a batch, in that of the world.
+static func _append(node: Node3D, transforms: PackedFloat32Array, r_batch: Batch) -> void:
+	var space := _space_of(node)
+	if space == Transform3D.IDENTITY:
+		r_batch.transforms.append_array(transforms)
+		return
+	for at in range(0, transforms.size(), FLOATS):
+		_append_transform(space * Transform3D(
+				Vector3(transforms[at], transforms[at + 4], transforms[at + 8]),
+				Vector3(transforms[at + 1], transforms[at + 5], transforms[at + 9]),
+				Vector3(transforms[at + 2], transforms[at + 6], transforms[at + 10]),
+				Vector3(transforms[at + 3], transforms[at + 7], transforms[at + 11])), r_batch.transforms)
+
+
+static func _append_transform(transform: Transform3D, r_floats: PackedFloat32Array) -> void:
+	var x := transform.basis.x
+	var y := transform.basis.y
+	var z := transform.basis.z
+	var origin := transform.origin
+	r_floats.append_array(PackedFloat32Array([
+		x.x, y.x, z.x, origin.x, x.y, y.y, z.y, origin.y, x.z, y.z, z.z, origin.z,
+	]))
+
+
+## From a node's space to the world's, in a tree or not.
+static func _space_of(node: Node) -> Transform3D:
+	if not node is Node3D:
+		return Transform3D.IDENTITY
+	var node_3d := node as Node3D
+	if node_3d.is_inside_tree():
+		return node_3d.global_transform
+	var above := node_3d.get_parent()
+	return node_3d.transform if above == null or node_3d.top_level else _space_of(above) * node_3d.transform
+
+
+## An item of ProtonScatter: multimeshes, with bodies besides, or copies of a scene.
+static func _read_proton_item(item: Node, r_reading: Reading) -> void:
+	var drawn := false
+	for child in item.get_children():
+		drawn = drawn or child is MultiMeshInstance3D
+		if child is GPUParticles3D:
+			r_reading.problems.append("%s is made of particles, which keep no transforms: let ProtonScatter make instances." % item.name)
+			return
+	for child in item.get_children():
+		if drawn:
+			_read_below(child, r_reading)
+		elif child is Node3D:
+			_read_copy(child as Node3D, item.name, r_reading)
+
+
+## A copy of a scene is an instance of that; of any other node, each mesh in it is one.
+static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> void:
+	if not node.scene_file_path.is_empty():
+		var scene := load(node.scene_file_path) as PackedScene
+		if scene == null:
+			r_reading.problems.append("%s cannot be loaded." % node.scene_file_path)
+			return
+		_append_transform(_space_of(node), r_reading.batch_of(scene, item_name, {}).transforms)
+		return
+	var found := node.find_children("*", "MeshInstance3D", true, false)
+	if node is MeshInstance3D:
+		found.push_front(node)
+	for each: MeshInstance3D in found:
+		if each.mesh != null:
+			_append_transform(_space_of(each), r_reading.batch_of(each.mesh, item_name, _look_of(each)).transforms)
+
+
+## Whether a node keeps instances as Terrain3D does.
+static func is_terrain_3d(node: Node) -> bool:
+	var data: Variant = node.get(&"data")
+	var assets: Variant = node.get(&"assets")
+	return data is Object and is_instance_valid(data) and data.has_method(&"get_region_locations") and data.has_method(&"get_region") \
+			and assets is Object and is_instance_valid(assets) and assets.has_method(&"get_mesh_asset")
+
+
+## Each region has, for each mesh and each cell, transforms that count from the region's corner, colors, and whether they were changed.
+static func _read_terrain_3d(terrain: Node, r_reading: Reading) -> void:
+	var data: Object = terrain.get(&"data")
+	var spacing: Variant = terrain.get(&"vertex_spacing")
+	for location: Vector2i in data.call(&"get_region_locations"):
+		var region: Object = data.call(&"get_region", location)
+		if region == null:
+			continue
+		var side: float = float(region.get(&"region_size")) * (float(spacing) if spacing is float else 1.0)
+		var corner := Vector3(location.x * side, 0.0, location.y * side)
+		var instances: Dictionary = region.get(&"instances")
+		for mesh_id: int in instances:
+			var batch := _terrain_3d_batch(terrain, mesh_id, r_reading)
+			if batch == null:
+				return
+			var cells: Dictionary = instances[mesh_id]
+			for cell: Variant in cells:
+				for transform: Transform3D in cells[cell][0]:
+					_append_transform(Transform3D(transform.basis, transform.origin + corner), batch.transforms)
+
+
+static func _terrain_3d_batch(terrain: Node, mesh_id: int, r_reading: Reading) -> Batch:
+	var asset: Object = (terrain.get(&"assets") as Object).call(&"get_mesh_asset", mesh_id)
+	var mesh: Mesh = asset.call(&"get_mesh", 0) if asset != null else null
+	if mesh == null:
+		r_reading.problems.append("%s has instances of mesh %d, which is not there." % [terrain.name, mesh_id])
+		return null
+	var look: Dictionary[StringName, Variant] = {}
+	if asset.get(&"material_override") != null:
+		look[&"material_override"] = asset.get(&"material_override")
+	var name: Variant = asset.get(&"name")
+	return r_reading.batch_of(mesh, str(name) if name else _name_of(mesh, terrain), look)

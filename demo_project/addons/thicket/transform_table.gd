@@ -1,0 +1,158 @@
+@tool
+extends RefCounted
+## Reads transforms from a table in text: a line for each, values parted by commas, semicolons or tabs.
+##
+## Without a header, or with one whose names say nothing, the number of columns says what they are:
+## [br]- 3: a position, in meters;
+## [br]- 6: a position and a rotation, in degrees around x, y and z, as [member Node3D.rotation_degrees] has it;
+## [br]- 7: the same and a scale;
+## [br]- 9: the same with a scale for each axis;
+## [br]- 12: the rows of the basis, each with a number of the origin after it, as in [member MultiMesh.buffer].
+## [br]A header may name these, in any order: x, y, z (or position_x, ...), rotation_x, ... (or rx, ...), scale, or scale_x, ...
+## (or sx, ...). What is not there is a rotation of 0 or a scale of 1. Lines that are empty or begin with # are passed over.
+
+const FLOATS := 12
+const MOST_PROBLEMS := 5
+## Numbers beyond are taken for mistakes.
+const MOST := 1e9
+const PARTS: PackedStringArray = [
+	"position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z", "scale_x", "scale_y", "scale_z",
+]
+const SYNONYMS: Dictionary[String, String] = {
+	"x": "position_x", "y": "position_y", "z": "position_z", "rx": "rotation_x", "ry": "rotation_y", "rz": "rotation_z",
+	"sx": "scale_x", "sy": "scale_y", "sz": "scale_z",
+}
+const ONE_SCALE := "scale"
+const COUNTS: Array[int] = [3, 6, 7, 9, 12]
+
+## 12 floats for each line, as in [member MultiMesh.buffer]. None if there are problems.
+var transforms := PackedFloat32Array()
+## What is wrong, with line and value; the first few.
+var problems := PackedStringArray()
+
+var _separator := ","
+var _numbers := RegEx.new() ## A line of numbers, as nearly all are.
+## What each column is: an index in PARTS; -1 for the scale of all axes.
+var _columns: Array[int] = []
+var _names: PackedStringArray = []
+
+
+func read(text: String) -> void:
+	transforms = PackedFloat32Array()
+	problems = PackedStringArray()
+	_columns.clear()
+	_names.clear()
+	var lines := text.trim_prefix("\ufeff").split("\n")
+	for index in lines.size():
+		var line := lines[index].strip_edges()
+		if line.is_empty() or line.begins_with("#"):
+			continue
+		if _names.is_empty():
+			if _take_first(line, index + 1):
+				continue
+			if not problems.is_empty():
+				break
+		var values := _values_of(line, index + 1)
+		if not values.is_empty():
+			_append(values)
+		if problems.size() >= MOST_PROBLEMS:
+			break
+	if not problems.is_empty():
+		transforms = PackedFloat32Array()
+
+
+## Finds out what the columns are. True for a header, which has no transform.
+func _take_first(line: String, number: int) -> bool:
+	_separator = "\t" if "\t" in line else ";" if ";" in line else ","
+	var number_form := "\\s*[+-]?(\\d+\\.?\\d*|\\.\\d+)([eE][+-]?\\d+)?\\s*"
+	_numbers.compile("^%s(%s%s)*$" % [number_form, _separator, number_form])
+	var fields := _fields(line)
+	var header := fields.all(func(field: String) -> bool: return not field.is_valid_float())
+	var known := 0
+	for field in fields:
+		var part: String = SYNONYMS.get(field.to_lower(), field.to_lower())
+		known += int(PARTS.has(part) or part == ONE_SCALE)
+	if header and known > 0:
+		_take_names(fields, number)
+	elif COUNTS.has(fields.size()):
+		_take_count(fields.size())
+	else:
+		problems.append("line %d: %d columns, where 3, 6, 7, 9 or 12 are expected" % [number, fields.size()])
+	return header
+
+
+func _take_names(fields: Array[String], number: int) -> void:
+	for field in fields:
+		var part: String = SYNONYMS.get(field.to_lower(), field.to_lower())
+		if not PARTS.has(part) and part != ONE_SCALE:
+			problems.append("line %d: no column is called '%s'; known are %s and scale" % [number, field, ", ".join(PARTS)])
+		elif _names.has(part):
+			problems.append("line %d: '%s' comes twice" % [number, field])
+		_names.append(part)
+		_columns.append(PARTS.find(part))
+	for part in PARTS.slice(0, 3):
+		if not _names.has(part):
+			problems.append("line %d: there is no column '%s'" % [number, part])
+
+
+func _take_count(count: int) -> void:
+	for index in count:
+		_names.append("number %d" % (index + 1) if count == FLOATS else ONE_SCALE if count == 7 and index == 6 else PARTS[index])
+		_columns.append(-1 if _names[-1] == ONE_SCALE else index)
+
+
+func _fields(line: String) -> Array[String]:
+	var result: Array[String] = []
+	for field in line.split(_separator):
+		result.append(field.strip_edges().trim_prefix("\"").trim_suffix("\""))
+	return result
+
+
+## The numbers of a line; none, and a problem, for a line that has others than it should.
+func _values_of(line: String, number: int) -> PackedFloat64Array:
+	if _numbers.search(line) != null:
+		var values := line.split_floats(_separator)
+		var sorted := values.duplicate()
+		sorted.sort()
+		if values.size() == _columns.size() and sorted[0] >= -MOST and sorted[-1] <= MOST:
+			return values
+	return _values_one_by_one(line, number)
+
+
+## The same for a line with quotes in it, or with a mistake.
+func _values_one_by_one(line: String, number: int) -> PackedFloat64Array:
+	var fields := _fields(line)
+	if fields.size() != _columns.size():
+		problems.append("line %d: %d values, where %d are expected" % [number, fields.size(), _columns.size()])
+		return PackedFloat64Array()
+	var values := PackedFloat64Array()
+	for index in fields.size():
+		if not fields[index].is_valid_float():
+			problems.append("line %d: %s is '%s', which is no number" % [number, _names[index], fields[index]])
+			return PackedFloat64Array()
+		values.append(fields[index].to_float())
+		if not absf(values[-1]) <= MOST:
+			problems.append("line %d: %s is %s, which is beyond 10^9" % [number, _names[index], fields[index]])
+			return PackedFloat64Array()
+	return values
+
+
+func _append(values: PackedFloat64Array) -> void:
+	if _columns.size() == FLOATS:
+		transforms.append_array(PackedFloat32Array(Array(values)))
+		return
+	var parts := PackedFloat64Array([0, 0, 0, 0, 0, 0, 1, 1, 1])
+	for index in values.size():
+		if _columns[index] >= 0:
+			parts[_columns[index]] = values[index]
+		else:
+			parts[6] = values[index]
+			parts[7] = values[index]
+			parts[8] = values[index]
+	var turned := Basis.from_euler(Vector3(deg_to_rad(parts[3]), deg_to_rad(parts[4]), deg_to_rad(parts[5])))
+	var x := turned.x * parts[6]
+	var y := turned.y * parts[7]
+	var z := turned.z * parts[8]
+	transforms.append_array(PackedFloat32Array([
+		x.x, y.x, z.x, parts[0], x.y, y.y, z.y, parts[1], x.z, y.z, z.z, parts[2],
+	]))

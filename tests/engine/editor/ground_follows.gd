@@ -1,0 +1,267 @@
+@tool
+extends "res://tests/steps.gd"
+## What is selected becomes the ground at a click, undone and done again to the byte; what moves is followed in the editor as well.
+
+const SCENE := "res://meadow.tscn"
+const HILL := "res://hill.tscn"
+const MEADOW := 40.0
+
+var scatter: Node3D
+var meadow: MeshInstance3D
+var rock: MeshInstance3D
+var floor_body: StaticBody3D
+var hill: Node3D
+
+
+func buttons() -> Control:
+	return addon().ground_buttons
+
+
+func button(text: String) -> Button:
+	for found: Button in buttons().find_children("*", "Button", true, false):
+		if found.text == text:
+			return found
+	check(false, "there is a button %s" % text)
+	return null
+
+
+## A click with the left button of the mouse, as the window gets it.
+func click(text: String) -> void:
+	var on := button(text)
+	check(on.is_visible_in_tree() and not on.disabled, "%s can be clicked" % text)
+	var at := on.get_global_rect().get_center()
+	for pressed: bool in [true, false]:
+		var event := InputEventMouseButton.new()
+		event.button_index = MOUSE_BUTTON_LEFT
+		event.position = at
+		event.global_position = at
+		event.pressed = pressed
+		on.get_viewport().push_input(event)
+		await frames(2)
+
+
+func select(nodes: Array[Node]) -> void:
+	EditorInterface.get_selection().clear()
+	for node in nodes:
+		EditorInterface.get_selection().add_node(node)
+	await frames(3)
+
+
+func saved() -> String:
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+	return FileAccess.get_file_as_string(SCENE)
+
+
+func add(parent: Node, node: Node, node_name: String, root := parent) -> void:
+	node.name = node_name
+	parent.add_child(node)
+	node.owner = root
+
+
+func plane(size: float) -> MeshInstance3D:
+	var instance := MeshInstance3D.new()
+	instance.mesh = PlaneMesh.new()
+	(instance.mesh as PlaneMesh).size = Vector2(size, size)
+	instance.mesh.surface_set_material(0, StandardMaterial3D.new())
+	(instance.mesh.surface_get_material(0) as StandardMaterial3D).albedo_color = Color(0.45, 0.4, 0.3)
+	return instance
+
+
+func save_packed(root: Node, path: String) -> void:
+	var packed := PackedScene.new()
+	packed.pack(root)
+	ResourceSaver.save(packed, path)
+	root.free()
+
+
+## A scene such as people have before they have heard of groups: meshes, a body, an imported hill.
+func test_prepare() -> void:
+	var made_hill := Node3D.new()
+	made_hill.name = "Hill"
+	add(made_hill, plane(12.0), "Top")
+	(made_hill.get_node("Top") as Node3D).position.y = 3.0
+	save_packed(made_hill, HILL)
+	var root := Node3D.new()
+	root.name = "World"
+	add(root, plane(MEADOW), "Meadow")
+	add(root, plane(8.0), "Rock")
+	(root.get_node("Rock") as Node3D).position = Vector3(8.0, 2.0, 4.0)
+	var body := StaticBody3D.new()
+	add(root, body, "Floor")
+	var collision := CollisionShape3D.new()
+	collision.shape = BoxShape3D.new()
+	(collision.shape as BoxShape3D).size = Vector3(MEADOW, 2.0, MEADOW)
+	add(body, collision, "Shape", root)
+	body.collision_layer = 4
+	body.position.y = -6.0
+	add(root, (load(HILL) as PackedScene).instantiate(), "Hill")
+	(root.get_node("Hill") as Node3D).position = Vector3(-10.0, 0.0, -8.0)
+	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.set(&"radius", 1.0)
+	layer.set(&"tile_size", 16.0)
+	layer.set(&"view_distance", 100.0)
+	var post := CylinderMesh.new()
+	post.top_radius = 0.0
+	post.bottom_radius = 0.25
+	post.height = 1.0
+	post.radial_segments = 6
+	post.rings = 1
+	post.material = StandardMaterial3D.new()
+	(post.material as StandardMaterial3D).albedo_color = Color(0.2, 0.6, 0.15)
+	layer.set(&"height_offset", 0.5)
+	layer.set(&"meshes", [post] as Array[Mesh])
+	made.set(&"layers", [layer])
+	add(root, made, "Meadow Flowers")
+	var sun := DirectionalLight3D.new()
+	sun.rotation_degrees = Vector3(-50.0, 30.0, 0.0)
+	add(root, sun, "Sun")
+	save_packed(root, SCENE)
+	var opened := await open(SCENE)
+	EditorInterface.set_main_screen_editor("3D")
+	scatter = opened.get_node("Meadow Flowers")
+	meadow = opened.get_node("Meadow")
+	rock = opened.get_node("Rock")
+	floor_body = opened.get_node("Floor")
+	hill = opened.get_node("Hill")
+	scatter.set(&"viewers", [scatter.get_path_to(meadow)] as Array[NodePath])
+	await frames(5)
+
+
+func test_use_the_selected_mesh() -> void:
+	await select([])
+	check(not buttons().visible, "no buttons without a selection")
+	await select([opened_sun()])
+	check(not buttons().visible, "nor for a light")
+	var before := saved()
+	await select([meadow])
+	check(buttons().visible, "a mesh can be ground of the only scatter")
+	await click("Use as Ground")
+	var terrain: Resource = scatter.get(&"terrain")
+	if not check(terrain != null and terrain.is_class("ScatterTerrainMeshes"), "the scatter got a ground"):
+		return
+	check_equal(terrain.get(&"group"), &"meadow_flowers_ground", "its group")
+	await select([scatter])
+	await settle(scatter)
+	var stand := instances(scatter, 0)
+	check(stand.size() > 700, "%d instances on the meadow" % stand.size())
+	var after := saved()
+	check(after != before and "groups=[\"meadow_flowers_ground\"]" in after, "the group is saved")
+	await look_from(Vector3(0.0, 14.0, 34.0))
+	await picture("ground_meadow")
+	await undo()
+	check(scatter.get(&"terrain") == null and not meadow.is_in_group("meadow_flowers_ground"), "undone")
+	check_equal(saved(), before, "to the byte")
+	await redo()
+	check_equal(saved(), after, "done again, to the byte")
+	await settle(scatter)
+	check_equal(instances(scatter, 0), stand, "and the same stands")
+
+
+func opened_sun() -> Node:
+	return EditorInterface.get_edited_scene_root().get_node("Sun")
+
+
+func test_more_meshes_join_together_with_the_scatter_selected() -> void:
+	var before := saved()
+	await select([scatter, rock, hill])
+	check(buttons().visible, "with the scatter selected as well")
+	await click("Use as Ground")
+	check(rock.is_in_group("meadow_flowers_ground"), "the rock joins the group")
+	check(hill.get_node("Top").is_in_group("meadow_flowers_ground"), "so does the mesh of the hill's scene")
+	await select([scatter])
+	await settle(scatter)
+	var heights := instances(scatter, 0).values().map(func(at: Vector3) -> float: return snappedf(at.y, 0.01))
+	check(heights.count(2.5) > 30, "%d on the rock" % heights.count(2.5))
+	check(heights.count(3.5) > 80, "%d on the hill" % heights.count(3.5))
+	var after := saved()
+	check("[editable path=\"Hill\"]" in after, "the hill's nodes can be changed here")
+	await picture("ground_joined")
+	await undo()
+	check_equal(saved(), before, "undone to the byte")
+	await redo()
+	check_equal(saved(), after, "done again")
+	await select([rock])
+	var version := history(scatter).get_version()
+	await click("Use as Ground")
+	check_equal(history(scatter).get_version(), version, "what is ground already stays so")
+	await settle(scatter)
+
+
+## A mesh that is moved as the gizmo moves it, in steps that are one action in the end.
+func test_a_moved_mesh_is_followed() -> void:
+	var manager := plugin.get_undo_redo()
+	for step in 8:
+		rock.position.x = 8.0 - 2.0 * step
+		await frames(2)
+	manager.create_action("Transform")
+	manager.add_do_property(rock, &"position", Vector3(-8.0, 2.0, 6.0))
+	manager.add_undo_property(rock, &"position", Vector3(8.0, 2.0, 4.0))
+	manager.commit_action()
+	await settle(scatter)
+	check_on_rock("moved")
+	await picture("ground_moved")
+	await undo()
+	await settle(scatter)
+	check_on_rock("moved back")
+
+
+func check_on_rock(what: String) -> void:
+	var on_rock := instances(scatter, 0).values().filter(func(at: Vector3) -> bool: return absf(at.y - 2.5) < 0.01)
+	check(on_rock.size() > 30, "%s: %d on the rock" % [what, on_rock.size()])
+	check(on_rock.all(func(at: Vector3) -> bool:
+			return absf(at.x - rock.position.x) < 4.01 and absf(at.z - rock.position.z) < 4.01), what + ": none left in the air")
+
+
+## With the scatter alone selected the button asks for a node of the tree.
+func test_pick_in_the_tree() -> void:
+	await undo()
+	await undo()
+	check(scatter.get(&"terrain") == null, "no ground again")
+	await select([scatter])
+	check(not button("Refresh Ground").visible, "without a ground there is nothing to refresh")
+	await click("Use as Ground")
+	var dialogs := EditorInterface.get_base_control().get_window().find_children("*", "SceneTreeDialog", true, false).filter(
+			func(dialog: Window) -> bool: return dialog.visible)
+	if not check_equal(dialogs.size(), 1, "a dialog with the tree"):
+		return
+	await picture("ground_pick", dialogs[0])
+	dialogs[0].hide()
+	dialogs[0].emit_signal(&"selected", meadow.get_path())
+	await frames(3)
+	check(meadow.is_in_group("meadow_flowers_ground") and scatter.get(&"terrain") != null, "what is picked is the ground")
+	await undo()
+
+
+func test_use_a_body() -> void:
+	check(scatter.get(&"terrain") == null, "no ground again")
+	var before := saved()
+	await select([scatter, floor_body])
+	await click("Use as Ground")
+	var terrain: Resource = scatter.get(&"terrain")
+	if not check(terrain != null and terrain.is_class("ScatterTerrainColliders"), "rays"):
+		return
+	check_equal(terrain.get(&"collision_mask"), 4, "which meet the body's layer")
+	await select([scatter])
+	await settle(scatter)
+	check(instances(scatter, 0).size() > 700, "%d instances on the floor" % instances(scatter, 0).size())
+	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 4.5) < 0.01), "at its height")
+	floor_body.position.y = -3.0
+	await settle(scatter)
+	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 1.5) < 0.01), "a moved body is followed")
+	var made := [0]
+	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void: made[0] += 1)
+	await click("Refresh Ground")
+	await settle(scatter)
+	check_equal(made[0], scatter.get_shown_tiles(0).size(), "the button casts all rays again")
+	await picture("ground_body")
+	floor_body.position.y = -6.0
+	await undo()
+	check_equal(saved(), before, "undone to the byte")
+
+
+## Puts the editor's camera somewhere, looking at the middle of the meadow.
+func look_from(at: Vector3) -> void:
+	camera().global_position = at
+	camera().look_at(Vector3.ZERO)
+	await frames(2)

@@ -1,0 +1,337 @@
+@tool
+extends "res://tests/steps.gd"
+## Single instances by hand, with the mouse and the keys: planted, selected, moved, turned, scaled, deleted; undone and redone to the byte,
+## saved with the scene in a file of their own.
+
+const SCENE := "res://field.tscn"
+const STATE := "res://field_rocks_state.res"
+
+var scatter: Node3D
+var hand: Node
+
+
+## A flat field with a ramp of a mesh on it: rocks that stand by hand alone, and posts by their rules.
+func make_scene(path: String) -> void:
+	var root := Node3D.new()
+	root.name = "Field"
+	scatter = ClassDB.instantiate(&"TerrainScatter3D")
+	scatter.name = "Rocks"
+	var ground: Resource = ClassDB.instantiate(&"ScatterTerrainMeshes")
+	ground.set(&"group", &"ground")
+	scatter.set(&"terrain", ground)
+	var layers: Array = []
+	for name: String in ["Rock", "Post"]:
+		var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+		layer.resource_name = name
+		layer.set(&"view_distance", 30.0)
+		layer.set(&"tile_size", 16.0)
+		layer.set(&"radius", 1.5)
+		var mesh := BoxMesh.new()
+		mesh.size = Vector3(0.3, 0.4, 0.5) if name == "Rock" else Vector3(0.1, 0.5, 0.1)
+		layer.set(&"meshes", [mesh])
+		layer.set(&"instance_radius", 0.25)
+		layer.set(&"instance_height", 0.4)
+		layer.set(&"density", 0.0 if name == "Rock" else 1.0)
+		layers.append(layer)
+	scatter.set(&"layers", layers)
+	root.add_child(scatter)
+	scatter.owner = root
+	for part in 2:
+		var body := MeshInstance3D.new()
+		body.name = ["Ground", "Ramp"][part]
+		body.mesh = BoxMesh.new()
+		(body.mesh as BoxMesh).size = [Vector3(60.0, 1.0, 60.0), Vector3(3.0, 0.5, 3.0)][part]
+		body.position = [Vector3(0.0, -0.5, 0.0), Vector3(-2.5, 0.0, -1.0)][part]
+		body.rotation.z = [0.0, -0.4][part]
+		body.add_to_group(&"ground", true)
+		root.add_child(body)
+		body.owner = root
+	var packed := PackedScene.new()
+	packed.pack(root)
+	root.free()
+	ResourceSaver.save(packed, path)
+
+
+func select_scatter() -> void:
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(scatter)
+	EditorInterface.edit_node(scatter)
+	await frames(3)
+
+
+func bytes(path: String) -> PackedByteArray:
+	return FileAccess.get_file_as_bytes(path) if FileAccess.file_exists(path) else PackedByteArray()
+
+
+func placed() -> PackedInt64Array:
+	return scatter.get(&"state").get_added() if scatter.get(&"state") != null else PackedInt64Array()
+
+
+func transform_of(id: int) -> Transform3D:
+	var instance: RefCounted = scatter.get_instance(id)
+	return instance.transform if instance != null else Transform3D()
+
+
+func version() -> int:
+	return history(scatter).get_version()
+
+
+func test_a_scene_that_is_saved() -> void:
+	make_scene(SCENE)
+	scatter = (await open(SCENE)).get_node("Rocks")
+	EditorInterface.set_main_screen_editor("3D")
+	await select_scatter()
+	await settle(scatter)
+	# What the editor itself adds when it saves is there from here on.
+	EditorInterface.save_scene()
+	hand = addon().toolbar.hand
+	surface().grab_focus()
+	hand.set_on(true)
+	addon().toolbar.choose_layer(0)
+	hand.planting.choose(false, false, false, false)
+	hand.look()
+	# The row of the tool takes its place.
+	await frames(3)
+
+
+## A click plants: one step of undo, and the first one makes the file.
+func test_plant() -> void:
+	var scene := bytes(SCENE)
+	var before := version()
+	var at := Vector3(0.6, 0.0, 0.4)
+	await click_at(on_screen(at))
+	check_equal(hand.problem, "", "nothing in the way")
+	if not check(placed().size() == 1, "one stands: %s" % placed()):
+		return
+	check_equal(version(), before + 1, "one step of undo")
+	check(FileAccess.file_exists(STATE), "in a file: %s" % files("res://"))
+	check_equal(scatter.get(&"state").resource_path, STATE, "which the scatter refers to")
+	var stands := transform_of(placed()[0])
+	check(stands.origin.distance_to(at) < 0.02 and stands.basis.is_equal_approx(Basis()), "where it was clicked: %s" % stands)
+	check_equal(hand.selected, placed()[0], "it is selected")
+	await picture("hand_planted")
+	var id := placed()[0]
+	await undo()
+	check(scatter.get(&"state") == null and not FileAccess.file_exists(STATE), "undone, with its file")
+	check(not scatter.has_instance(id), "it is gone")
+	hand.look()
+	check_equal(hand.selected, 0, "and not selected any more")
+	EditorInterface.save_scene()
+	check(bytes(SCENE) == scene, "the scene is as it was, to the byte")
+	await redo()
+	check(placed() == PackedInt64Array([id]) and transform_of(id) == stands, "redone to the bit, under its id")
+	EditorInterface.save_scene()
+	check(FileAccess.file_exists(STATE), "saved with the scene")
+	var text := FileAccess.get_file_as_string(SCENE)
+	check(STATE in text and not "PackedByteArray" in text, "the scene refers to the file and holds no instance")
+	var saved := ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)
+	check(saved.get_added() == PackedInt64Array([id]) and saved.designed, "the file holds it")
+
+
+## Moved, turned and scaled by the mouse, then by keys: it keeps its id, and each is one step that undo takes back to the byte.
+func test_move_turn_scale() -> void:
+	var id := placed()[0]
+	var state := bytes(STATE)
+	var scene := bytes(SCENE)
+	var start := transform_of(id)
+	await key(KEY_ESCAPE)
+	check_equal(hand.selected, 0, "escape deselects")
+	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter], "and leaves the scatter selected")
+	await move_mouse(on_screen(Vector3(1.2, 0.0, 0.9)))
+	check(hand._ghost.is_shown(), "where nothing stands, the next one is seen")
+	await picture("hand_ghost")
+	await move_mouse(on_screen(start.origin + Vector3.UP * 0.2))
+	await click_at(on_screen(start.origin + Vector3.UP * 0.2))
+	check_equal(hand.selected, id, "a click on it selects it")
+	check_equal(placed().size(), 1, "and plants none")
+	var steps := version()
+	var grab := start.origin + Vector3.UP * 0.1
+	await drag_mouse(on_screen(start.origin), on_screen(start.origin + Vector3(-1.0, 0.0, 0.5)))
+	var moved := transform_of(id)
+	check(moved.origin.distance_to(start.origin + Vector3(-1.0, 0.0, 0.5)) < 0.05, "moved to %s" % moved.origin)
+	check(moved.basis == start.basis, "and not turned")
+	await drag_mouse(on_screen(moved.origin), on_screen(Vector3(-0.86, 0.0, 0.93)), true)
+	check(transform_of(id).origin.is_equal_approx(Vector3(-1.0, 0.0, 1.0)), "with Ctrl to the grid: %s" % transform_of(id).origin)
+	moved = transform_of(id)
+	await picture("hand_selected")
+	var frame: RefCounted = hand._frame
+	var knob: Vector3 = frame.handle_position(1)
+	var around := moved.origin + (knob - moved.origin).rotated(Vector3.UP, PI * 0.5)
+	await drag_mouse(on_screen(knob), on_screen(around))
+	var turned := transform_of(id)
+	check(turned.origin == moved.origin, "turned where it stands")
+	check(turned.basis.z.distance_to(Vector3.RIGHT) < 0.05, "turned: %s" % turned.basis)
+	var top: Vector3 = hand._frame.handle_position(2)
+	var middle := on_screen(turned.origin)
+	await drag_mouse(on_screen(top), middle + (on_screen(top) - middle) * 2.0)
+	check(absf(transform_of(id).basis.y.length() - 2.0) < 0.05, "twice as large: %s" % transform_of(id).basis.get_scale())
+	await key(KEY_R)
+	check(absf(transform_of(id).basis.z.angle_to(turned.basis.z) - deg_to_rad(15.0)) < 1e-3, "R turns by a step")
+	await key(KEY_R, KEY_MASK_SHIFT)
+	await key(KEY_BRACKETRIGHT)
+	await key(KEY_BRACKETLEFT)
+	check(transform_of(id).basis.y.length() < 2.05, "keys scale and turn back")
+	check_equal(placed(), PackedInt64Array([id]), "it is the same instance all the time")
+	check_equal(version(), steps + 8, "eight steps")
+	var last := transform_of(id)
+	EditorInterface.save_scene()
+	check(bytes(STATE) != state, "saved")
+	for step in 8:
+		await undo()
+	check(transform_of(id) == start, "undone to the bit")
+	EditorInterface.save_scene()
+	check(bytes(STATE) == state, "the file is as it was, to the byte")
+	check(bytes(SCENE) == scene, "and the scene")
+	for step in 8:
+		await redo()
+	check(transform_of(id) == last, "redone to the bit")
+
+
+## Given up with Escape, a drag leaves nothing; deleted with the key, the node stays and the instance goes.
+func test_give_up_and_delete() -> void:
+	var id := placed()[0]
+	await key(KEY_ESCAPE)
+	var stands := transform_of(id)
+	var steps := version()
+	await drag_mouse(on_screen(stands.origin), on_screen(stands.origin + Vector3(0.8, 0.0, 0.0)), false, false)
+	check(transform_of(id) != stands, "it follows the mouse")
+	await key(KEY_ESCAPE)
+	check(transform_of(id) == stands and version() == steps, "given up")
+	await press(on_screen(stands.origin), false)
+	await key(KEY_DELETE)
+	check(scatter.is_inside_tree() and placed().size() == 1, "with nothing selected, Delete deletes nothing")
+	await click_at(on_screen(stands.origin))
+	check_equal(hand.selected, id, "selected again")
+	await key(KEY_DELETE)
+	check(scatter.is_inside_tree() and placed().is_empty(), "deleted, and the node stays")
+	await undo()
+	check(transform_of(id) == stands, "undone")
+
+
+## One that stands by its rules is moved and deleted like any other, and undo has it back under its own id.
+func test_instances_of_rules() -> void:
+	addon().toolbar.choose_layer(1)
+	await settle(scatter)
+	hand.look()
+	var near: RefCounted = scatter.query_nearest(Vector3(0.5, 0.0, 0.5), 3.0, [1])
+	var id: int = near.id
+	var stands: Transform3D = near.transform
+	await click_at(on_screen(stands.origin + Vector3.UP * 0.1))
+	check_equal(hand.selected, id, "selected")
+	await key(KEY_ESCAPE)
+	await drag_mouse(on_screen(stands.origin), on_screen(stands.origin + Vector3(0.5, 0.0, 0.0)))
+	check(not scatter.has_instance(id) and hand.selected < 0, "it stands elsewhere, under an id of its own")
+	check(transform_of(hand.selected).origin.distance_to(stands.origin + Vector3(0.5, 0.0, 0.0)) < 0.05, "where it was dragged to")
+	check(transform_of(hand.selected).basis == stands.basis, "as it was turned")
+	await undo()
+	check(scatter.has_instance(id) and transform_of(id) == stands, "undone")
+	await click_at(on_screen(stands.origin + Vector3.UP * 0.1))
+	await key(KEY_DELETE)
+	check(not scatter.has_instance(id), "deleted")
+	await settle(scatter)
+	check(not instances(scatter, 1).has(id), "and not drawn")
+	check_equal(scatter.build_rect(1, Rect2(stands.origin.x - 0.01, stands.origin.z - 0.01, 0.02, 0.02)).is_empty(), true, "nor baked")
+	await undo()
+	await settle(scatter)
+	check(instances(scatter, 1).has(id), "undone")
+	await redo()
+	addon().toolbar.choose_layer(0)
+	hand.look()
+
+
+## Other ground: a ramp, with Align; a layer with another radius keeps what stands by hand.
+func test_on_a_ramp() -> void:
+	hand.planting.choose(false, true, false, false)
+	var at := Vector3(-2.5, 0.0, -1.0)
+	at.y = scatter.terrain.get_height(at)
+	await click_at(on_screen(at))
+	var id: int = hand.selected
+	check(id < 0 and transform_of(id).origin.distance_to(at) < 0.05, "on the ramp at %s: %s" % [at, transform_of(id).origin])
+	check(transform_of(id).basis.y.distance_to(scatter.terrain.get_normal(at)) < 0.01, "and leans with it")
+	check(at.y > 0.1, "which is high")
+	await picture("hand_ramp")
+	hand.planting.choose(true, false, false, false)
+	hand.planting.set_steps(0.25, 30.0)
+	await click_at(on_screen(Vector3(1.31, 0.0, -0.42)))
+	var on_grid := transform_of(hand.selected).origin
+	check(on_grid.distance_to(Vector3(1.25, 0.0, -0.5)) < 1e-4, "on the grid: %s" % on_grid)
+	var all := placed()
+	scatter.layers[0].radius = 2.5
+	await settle(scatter)
+	check(placed() == all and scatter.has_instance(id), "another radius leaves what was planted")
+	check(scatter.get_problems().is_empty(), "and is no problem: %s" % scatter.get_problems())
+
+
+## What cannot be done says why, keeps the button, and leaves nothing.
+func test_in_the_way() -> void:
+	hand.planting.choose(false, false, false, false)
+	var all := placed()
+	var steps := version()
+	var ground: Resource = scatter.terrain
+	var free := on_screen(Vector3(1.3, 0.0, 0.9))
+	scatter.terrain = null
+	await click_at(free)
+	check("terrain" in hand.problem, "without ground: '%s'" % hand.problem)
+	scatter.terrain = ground
+	var root := EditorInterface.get_edited_scene_root()
+	var state: Resource = scatter.state
+	scatter.state = null
+	root.scene_file_path = ""
+	var before := files("res://")
+	await click_at(free)
+	check("Save the scene" in hand.problem, "in a scene without a file: '%s'" % hand.problem)
+	check(files("res://") == before and scatter.state == null, "and nothing is made")
+	root.scene_file_path = SCENE
+	scatter.state = state
+	await click_at(on_screen(Vector3(0.0, 0.0, 0.0)) - Vector2(0.0, 20000.0))
+	check(placed() == all and version() == steps, "nothing was planted")
+	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter], "the scatter stays selected")
+
+
+## What the game will have to show.
+func test_saved_for_the_game() -> void:
+	EditorInterface.save_scene()
+	var text := FileAccess.get_file_as_string(SCENE)
+	check(text.length() < 6000 and not "PackedByteArray" in text, "the scene is small: %d" % text.length())
+	var noted := {}
+	for id in placed():
+		noted[id] = transform_of(id)
+	check_equal(noted.size(), 3, "three by hand")
+	FileAccess.open("res://noted.bin", FileAccess.WRITE).store_var([noted, scatter.state.get_removed(), scatter.state.get_digest()])
+	# As a part of another scene, whose file gets none of it.
+	var outer := Node3D.new()
+	outer.name = "Outer"
+	var inner: Node = (load(SCENE) as PackedScene).instantiate(PackedScene.GEN_EDIT_STATE_INSTANCE)
+	outer.add_child(inner)
+	inner.owner = outer
+	outer.set_editable_instance(inner, true)
+	var packed := PackedScene.new()
+	packed.pack(outer)
+	outer.free()
+	ResourceSaver.save(packed, "res://outer.tscn")
+	var opened := await open("res://outer.tscn")
+	check_equal(opened.get_node("Field/Rocks").state.get_added().size(), 3, "they stand there, too")
+	EditorInterface.mark_scene_as_unsaved()
+	EditorInterface.save_scene()
+	text = FileAccess.get_file_as_string("res://outer.tscn")
+	var holds := "PackedByteArray" in text or "ScatterState" in text
+	check(text.length() < 2000 and not holds, "the outer scene holds nothing of it:\n" + text)
+
+
+## A scene that is closed without being saved leaves no file behind.
+func test_closed_without_saving() -> void:
+	if not EditorInterface.has_method(&"close_scene"): # Since 4.5.
+		return
+	make_scene("res://lost.tscn")
+	scatter = (await open("res://lost.tscn")).get_node("Rocks")
+	await select_scatter()
+	await settle(scatter)
+	hand.set_on(true)
+	addon().toolbar.choose_layer(0)
+	surface().grab_focus()
+	await frames(3)
+	await click_at(on_screen(Vector3(0.6, 0.0, 0.4)))
+	var file := "res://lost_rocks_state.res"
+	check(FileAccess.file_exists(file), "planted: %s" % hand.problem)
+	EditorInterface.call(&"close_scene")
+	await until(func() -> bool: return not FileAccess.file_exists(file), "the file is gone")

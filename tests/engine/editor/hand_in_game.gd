@@ -1,0 +1,56 @@
+extends SceneTree
+## A game loads the scene that hand.gd has saved, and finds what was planted, to the bit. What it changes is its own.
+
+const SCENE := "res://field.tscn"
+
+var failures := 0
+
+
+func check(condition: bool, message: String) -> void:
+	if not condition:
+		failures += 1
+		print("FAILED: " + message)
+
+
+func settled(field: Node) -> Node3D:
+	root.add_child(field)
+	var scatter := field.get_node("Rocks") as Node3D
+	scatter.set(&"viewers", [scatter.get_path_to(field.get_node("Ramp"))] as Array[NodePath])
+	await process_frame
+	while not scatter.is_settled():
+		await process_frame
+	return scatter
+
+
+func _initialize() -> void:
+	var noted: Array = FileAccess.open("res://noted.bin", FileAccess.READ).get_var()
+	var first := await settled((load(SCENE) as PackedScene).instantiate())
+	var second := await settled((load(SCENE) as PackedScene).instantiate())
+	check(first.state.get_digest() == noted[2], "the state is the designer's")
+	var drawn := {}
+	for layer in 2:
+		for tile: Vector2i in first.get_shown_tiles(layer):
+			for id: int in first.get_tile(layer, tile).get_ids(0):
+				drawn[id] = true
+	for id: int in noted[0]:
+		check(first.get_instance(id) != null and first.get_instance(id).transform == noted[0][id], "%d stands as it was planted" % id)
+		check(drawn.has(id), "%d is drawn" % id)
+	for id: int in noted[1]:
+		check(not first.has_instance(id) and not drawn.has(id), "%d was deleted" % id)
+	# Each instance of the scene has its own, and so has the next game.
+	var planted: int = noted[0].keys()[0]
+	var designed: int = first.state.get_revision()
+	first.remove_instance(planted)
+	var grown: int = first.add_instance(0, Transform3D(Basis(), Vector3(4.0, 0.0, 4.0)))
+	check(second.has_instance(planted) and not second.has_instance(grown), "what one game changes is its own")
+	var saved: PackedByteArray = first.state.diff_since(designed)
+	check(saved.size() < 200, "a game's own changes are few bytes: %d" % saved.size())
+	first.get_parent().free()
+	var again := await settled((load(SCENE) as PackedScene).instantiate())
+	check(again.has_instance(planted), "the scene that is loaded again is as it was")
+	check(again.state.apply_diff(saved) == OK, "the save is taken in")
+	check(not again.has_instance(planted) and again.has_instance(grown), "and its changes are there")
+	for id: int in noted[0]:
+		check(id == planted or again.has_instance(id), "on top of the designer's")
+	print("hand in game: %d failed" % failures)
+	quit(mini(failures, 1))

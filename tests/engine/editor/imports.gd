@@ -1,0 +1,115 @@
+@tool
+extends "res://tests/steps.gd"
+## Instances are imported from a node of the scene and from a table, as one step of undo each; they are kept in a file beside the scene,
+## which holds none of them.
+
+const SCENE := "res://wood.tscn"
+const STATE := "res://wood_scatter_state.res"
+const COUNT := 500
+
+var _scene_before := ""
+
+
+func _make_scene() -> Node3D:
+	var root := Node3D.new()
+	root.name = "Wood"
+	var scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	scatter.name = "Scatter"
+	scatter.set(&"terrain", ClassDB.instantiate(&"ScatterTerrainFlat"))
+	root.add_child(scatter)
+	scatter.owner = root
+	var old := MultiMeshInstance3D.new()
+	old.name = "Old Trees"
+	old.multimesh = MultiMesh.new()
+	old.multimesh.transform_format = MultiMesh.TRANSFORM_3D
+	old.multimesh.mesh = CylinderMesh.new()
+	old.multimesh.instance_count = COUNT
+	var floats := PackedFloat32Array()
+	for index in COUNT:
+		floats.append_array([1, 0, 0, index % 25 * 3.3, 0, 1, 0, 0.1 * index, 0, 0, 1, index / 25 * 3.7])
+	old.multimesh.buffer = floats
+	root.add_child(old)
+	old.owner = root
+	var packed := PackedScene.new()
+	packed.pack(root)
+	root.free()
+	ResourceSaver.save(packed, SCENE)
+	var opened := await open(SCENE)
+	EditorInterface.save_scene() # As the editor writes it.
+	_scene_before = FileAccess.get_file_as_string(SCENE)
+	return opened.get_node(^"Scatter")
+
+
+func _standing(scatter: Node3D) -> PackedFloat32Array:
+	return scatter.query_rect(Rect2(-1000, -1000, 2000, 2000)).transforms
+
+
+func test_a_node() -> void:
+	var scatter: Node3D = await _make_scene()
+	var old: MultiMeshInstance3D = scatter.get_parent().get_node(^"Old Trees")
+	addon()._edit(scatter)
+	addon().toolbar.import_requested.emit()
+	var dialog: ConfirmationDialog = addon().imports
+	check(dialog.visible, "the button opens the dialog")
+	dialog.choose_node(old)
+	check("%d instances" % COUNT in dialog.said(), dialog.said())
+	await picture("import", dialog)
+	dialog.start()
+	check_equal(dialog.imported, COUNT, "imported: " + dialog.said())
+	check(not dialog.visible, "and closed")
+	check_equal(scatter.get(&"layers").size(), 1, "a layer for the mesh")
+	var layer: Resource = scatter.get(&"layers")[0]
+	check(layer.get(&"meshes") == [old.multimesh.mesh], "with it")
+	var sorted := _sorted(_standing(scatter))
+	check_equal(sorted, _sorted(old.multimesh.buffer), "to the float")
+	check(scatter.get(&"state") != null and scatter.get(&"state").resource_path == STATE, "kept in %s" % STATE)
+	history(scatter).undo()
+	check(scatter.get(&"layers").is_empty() and scatter.get(&"state") == null, "undone")
+	check(not FileAccess.file_exists(STATE), "with its file")
+	EditorInterface.save_scene()
+	check_equal(FileAccess.get_file_as_string(SCENE), _scene_before, "the scene as it was, to the byte")
+	history(scatter).redo()
+	check_equal(_sorted(_standing(scatter)), sorted, "done again")
+	EditorInterface.save_scene()
+	check(FileAccess.file_exists(STATE), "the state has its file")
+	var saved: Resource = ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)
+	check(saved != null and saved.get_added_count() == COUNT, "with all instances")
+	var text := FileAccess.get_file_as_string(SCENE)
+	check("wood_scatter_state.res" in text and text.length() < _scene_before.length() + 2000, "and the scene holds none of them")
+
+
+func test_a_table() -> void:
+	var scatter: Node3D = EditorInterface.get_edited_scene_root().get_node(^"Scatter")
+	var dialog: ConfirmationDialog = addon().imports
+	var file := FileAccess.open("res://rocks.csv", FileAccess.WRITE)
+	file.store_string("x,y,z,scale\n-10,2,-30,1.5\n-11,b,-30,2\n")
+	file.close()
+	addon().toolbar.import_requested.emit()
+	dialog.choose_table("res://rocks.csv")
+	check("line 3" in dialog.said() and "'b'" in dialog.said() and dialog.get_ok_button().disabled, dialog.said())
+	dialog.start()
+	check_equal(dialog.imported, 0, "a mistake in a line imports nothing")
+	file = FileAccess.open("res://rocks.csv", FileAccess.WRITE)
+	file.store_string("x,y,z,scale\n-10,2,-30,1.5\n-11,0,-30,2\n")
+	file.close()
+	dialog.choose_table("res://rocks.csv")
+	check("choose the layer" in dialog.said() and dialog.get_ok_button().disabled, dialog.said())
+	dialog.choose_layer(0)
+	check(not dialog.get_ok_button().disabled, dialog.said())
+	dialog.start()
+	check_equal(dialog.imported, 2, "imported: " + dialog.said())
+	check_equal(scatter.get(&"state").get_added_count(), COUNT + 2, "into the same state")
+	check_equal(scatter.get(&"layers").size(), 1, "and layer")
+	history(scatter).undo()
+	check_equal(scatter.get(&"state").get_added_count(), COUNT, "one step of undo")
+	history(scatter).redo()
+	check_equal(scatter.get(&"state").get_added_count(), COUNT + 2, "and redo")
+
+
+## Transforms in an order that says nothing of where they came from.
+func _sorted(floats: PackedFloat32Array) -> Array:
+	var result := []
+	for at in range(0, floats.size(), 12):
+		result.append(Array(floats.slice(at, at + 12)))
+	result.sort()
+	return result

@@ -1,0 +1,376 @@
+@tool
+extends "res://tests/steps.gd"
+## The panel with the layers of a scatter, worked with mouse and keys: from an empty scene to three species that keep apart, without
+## typing a name; marks, order, copies, deletion, strokes on several layers; and what undo and redo leave of the files.
+
+const LayersPanel := preload("res://addons/thicket/editor/layers_panel.gd")
+const SCENE := "res://wood.tscn"
+const MODELS: PackedStringArray = ["res://old_oak.res", "res://young_pine.res", "res://fern.tscn"]
+
+var root: Node
+var scatter: Node3D
+
+
+func panel() -> LayersPanel:
+	return addon().desk.panel
+
+
+func tree() -> Tree:
+	return panel().tree
+
+
+func names() -> PackedStringArray:
+	return PackedStringArray(scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name))
+
+
+func layer(title: String) -> Resource:
+	return scatter.layers[names().find(title)]
+
+
+## A button of the panel, by its text.
+func button(text: String) -> Button:
+	for found: Button in panel().find_children("*", "Button", true, false):
+		if found.text == text:
+			return found
+	check(false, "the panel has a button " + text)
+	return null
+
+
+## Where a cell of a layer's row is on the window.
+func cell(title: String, column: int, section := 0.5) -> Vector2:
+	var row: TreeItem = tree().row_of(layer(title))
+	var rect := tree().get_item_area_rect(row, column)
+	var at := rect.position + rect.size * Vector2(0.3 if column == 0 else 0.5, section)
+	return tree().get_global_transform_with_canvas() * at
+
+
+## The middle of a mark of a layer's row: 0 for color, 1 for lock, 2 for eye.
+func mark(title: String, index: int) -> Vector2:
+	var rect := tree().get_item_area_rect(tree().row_of(layer(title)), 2, index)
+	return tree().get_global_transform_with_canvas() * (rect.position + rect.size * 0.5)
+
+
+func middle(control: Control) -> Vector2:
+	return control.get_global_transform_with_canvas() * (control.size * 0.5)
+
+
+## The scene as it would be saved now, and the files beside it.
+func saved() -> Dictionary:
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+	var result := {}
+	for file in files("res://"):
+		if file.begins_with("wood"):
+			result[file] = FileAccess.get_file_as_bytes("res://" + file)
+	return result
+
+
+## Undoes and redoes the last step, and holds what is saved against what was saved before and after it.
+func check_undo(before: Dictionary, what: String) -> void:
+	var after := saved()
+	check(after != before, what + " changes what is saved")
+	await undo()
+	await frames(2)
+	check_same(saved(), before, what + " undone")
+	await redo()
+	await frames(2)
+	check_same(saved(), after, what + " redone")
+
+
+func check_same(got: Dictionary, expected: Dictionary, what: String) -> void:
+	check_equal(got.keys(), expected.keys(), what + ": files")
+	for file: String in expected:
+		if got.get(file) != expected[file]:
+			check(false, "%s: %s is another one:\n%s\n--- expected\n%s" % [what, file, (got[file] as PackedByteArray).get_string_from_utf8(),
+					(expected[file] as PackedByteArray).get_string_from_utf8()])
+
+
+func save_models() -> void:
+	var oak := CylinderMesh.new()
+	oak.top_radius = 2.0
+	oak.bottom_radius = 0.3
+	oak.height = 5.0
+	var pine := CylinderMesh.new()
+	pine.top_radius = 0.0
+	pine.bottom_radius = 1.5
+	pine.height = 6.0
+	for mesh: CylinderMesh in [oak, pine]:
+		mesh.radial_segments = 6
+		mesh.rings = 0
+	ResourceSaver.save(oak, MODELS[0])
+	ResourceSaver.save(pine, MODELS[1])
+	var fern := MeshInstance3D.new()
+	fern.name = "Fern"
+	fern.mesh = BoxMesh.new()
+	fern.mesh.size = Vector3(0.8, 0.3, 0.8)
+	var packed := PackedScene.new()
+	packed.pack(fern)
+	fern.free()
+	ResourceSaver.save(packed, MODELS[2])
+	for path in MODELS:
+		EditorInterface.get_resource_filesystem().update_file(path)
+
+
+func make_scene() -> void:
+	var new_root := Node3D.new()
+	new_root.name = "Wood"
+	var ground := MeshInstance3D.new()
+	ground.name = "Ground"
+	ground.mesh = PlaneMesh.new()
+	ground.mesh.size = Vector2(140.0, 140.0)
+	new_root.add_child(ground)
+	ground.owner = new_root
+	var packed := PackedScene.new()
+	packed.pack(new_root)
+	new_root.free()
+	ResourceSaver.save(packed, SCENE)
+	root = await open(SCENE)
+	EditorInterface.set_main_screen_editor("3D")
+	await frames(3)
+	# The editor writes numbers with fewer digits than a new scene has.
+	saved()
+
+
+## From an empty scene to three species that keep apart, with the mouse alone.
+func test_first_minute() -> void:
+	save_models()
+	await make_scene()
+	addon().make_bottom_panel_item_visible(panel())
+	await frames(3)
+	check(panel()._empty.text.contains("make a new one"), "without a scatter the panel says what to do")
+	await mouse_click(middle(button("New Scatter")))
+	scatter = root.get_node_or_null("Scatter")
+	if not check(scatter != null, "one click makes a scatter"):
+		return
+	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter] as Array[Node], "which is selected")
+	await look()
+	check(panel().notes._ground.is_visible_in_tree(), "that it has no ground is told")
+	await picture("panel_empty")
+	EditorInterface.edit_node(root.get_node("Ground"))
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(root.get_node("Ground"))
+	await look()
+	await mouse_click(middle(addon().ground_buttons._use))
+	check(scatter.terrain != null and scatter.terrain.is_class("ScatterTerrainMeshes"), "a click makes the selected mesh the ground")
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(scatter)
+	EditorInterface.edit_node(scatter)
+	await look()
+	check(not panel().notes._ground.visible, "which the panel no longer asks for")
+	await drag_files(MODELS, middle(tree()))
+	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "a layer for each file, the widest first")
+	await settle(scatter)
+	await look()
+	for index in 3:
+		var count: int = scatter.get_shown_count(index)
+		check(count > 100, "%s: %d instances" % [names()[index], count])
+		check_equal(tree().row_of(scatter.layers[index]).get_text(1), grouped(count), "told in its row")
+	check_apart("Old Oak", "Young Pine", 3.5)
+	check_apart("Old Oak", "Fern", 0.8)
+	check_apart("Young Pine", "Fern", 0.6)
+	check_equal(EditorInterface.get_inspector().get_edited_object(), scatter.layers[0], "the inspector shows the first")
+	check(addon().toolbar.visible, "and the tools stay")
+
+
+func grouped(number: int) -> String:
+	return load("res://addons/thicket/editor/preview_bar.gd").grouped(number)
+
+
+## All instances of two layers near the middle are so many meters apart.
+func check_apart(one: String, other: String, meters: float) -> void:
+	var near := 1e9
+	var around := Rect2(-30.0, -30.0, 60.0, 60.0)
+	var others := instances(scatter, names().find(other)).values()
+	for at: Vector3 in instances(scatter, names().find(one)).values():
+		if around.has_point(Vector2(at.x, at.z)):
+			for there: Vector3 in others:
+				near = minf(near, Vector2(at.x - there.x, at.z - there.z).length())
+	check(near >= meters - 0.01 and near < meters + 1.0, "%s and %s are %.2f m apart, not %.2f" % [one, other, near, meters])
+
+
+## The plugin looks some times a second.
+func look() -> void:
+	await get_tree().create_timer(0.6).timeout
+
+
+func test_choosing() -> void:
+	await mouse_click(cell("Young Pine", 0))
+	await frames(2)
+	check_equal(addon().toolbar.chosen, [layer("Young Pine")] as Array[Resource], "a click chooses the layer of the tools")
+	check_equal(addon().toolbar.paint.layer, layer("Young Pine"), "of each of them")
+	check_equal(EditorInterface.get_inspector().get_edited_object(), layer("Young Pine"), "and shows it in the inspector")
+	check(is_instance_valid(addon()._scatter) and panel()._scatter == scatter, "the scatter is still what is worked on")
+	addon().toolbar.choose_layer(2)
+	await frames(2)
+	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[Resource], "the toolbar's choice is the panel's")
+	await mouse_click(cell("Old Oak", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	await frames(2)
+	check_equal(addon().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[Resource], "Ctrl and a click choose one more")
+
+
+func test_marks() -> void:
+	var before := saved()
+	await mouse_click(cell("Fern", 0))
+	await mouse_click(mark("Fern", 2))
+	await settle(scatter)
+	check(addon().desk.marks.is_hidden(layer("Fern")), "the eye hides")
+	var drawn: int = scatter.get_stats().drawn
+	check_equal(drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "nothing is drawn of it")
+	check(scatter.get_shown_count(2) > 100, "it stands all the same")
+	await mouse_click(mark("Young Pine", 1))
+	check(addon().desk.marks.is_locked(layer("Young Pine")), "the lock locks")
+	panel()._colored = [layer("Old Oak")]
+	panel()._on_color(5)
+	await look()
+	await picture("panel_marks")
+	check_same(saved(), before, "marks are not in the scene")
+	await undo()
+	await undo()
+	await undo()
+	check(not addon().desk.marks.is_hidden(layer("Fern")), "undone")
+	await redo()
+	await redo()
+	check(addon().desk.marks.is_locked(layer("Young Pine")), "redone")
+	var state: Dictionary = addon()._get_state()
+	addon().desk.marks.put(layer("Fern"), &"hidden", null)
+	addon().desk.marks.put(layer("Young Pine"), &"locked", null)
+	addon()._set_state(state)
+	check(addon().desk.marks.is_hidden(layer("Fern")), "kept by the editor, for the scene")
+	check(addon().desk.marks.is_locked(layer("Young Pine")), "all of them")
+	addon().desk.marks.put(layer("Fern"), &"hidden", null)
+	addon().desk.marks.put(layer("Young Pine"), &"locked", null)
+	await settle(scatter)
+	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances, "all is drawn again")
+
+
+func test_order() -> void:
+	var before := saved()
+	var ids: Array = scatter.layers.map(func(each: Resource) -> int: return each.layer_id)
+	await mouse_drag(cell("Fern", 0), cell("Old Oak", 0, 0.1))
+	check_equal(names(), PackedStringArray(["Fern", "Old Oak", "Young Pine"]), "dragged to the front")
+	check_equal(scatter.layers.map(func(each: Resource) -> int: return each.layer_id), [ids[2], ids[0], ids[1]], "ids stay")
+	await check_undo(before, "the order")
+	await undo()
+	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "undone")
+
+
+## What names a layer by its index follows, and what names one that goes is told and comes back.
+func test_mentions() -> void:
+	layer("Fern").spacing = {0: 0.8, "Young Pine": 0.6}
+	layer("Fern").proximity_layer = 1
+	var before := saved()
+	await mouse_drag(cell("Young Pine", 0), cell("Old Oak", 0, 0.1))
+	check_equal(layer("Fern").spacing.keys(), [1, "Young Pine"], "an index follows")
+	check_equal(layer("Fern").proximity_layer, 0, "in all properties")
+	await check_undo(before, "a mention")
+	await undo()
+	await mouse_click(cell("Young Pine", 0))
+	await mouse_click(middle(button("Delete")))
+	check_equal(names(), PackedStringArray(["Old Oak", "Fern"]), "deleted")
+	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [[0], ""], "nobody mentions it any more")
+	await check_undo(before, "deletion")
+	await undo()
+	layer("Fern").spacing = {"Old Oak": 0.8, "Young Pine": 0.6}
+	layer("Fern").proximity_layer = ""
+
+
+func test_copies() -> void:
+	var before := saved()
+	await mouse_click(cell("Old Oak", 0))
+	await key(KEY_D, KEY_MASK_CTRL)
+	check_equal(names(), PackedStringArray(["Old Oak", "Old Oak 2", "Young Pine", "Fern"]), "a copy beside it")
+	await settle(scatter)
+	check(layer("Old Oak 2").layer_id != layer("Old Oak").layer_id, "with an id of its own")
+	check_equal(layer("Old Oak 2").meshes, layer("Old Oak").meshes, "of the same mesh")
+	await check_undo(before, "a copy")
+	panel().tree.rename(layer("Old Oak 2"))
+	panel()._on_renamed(layer("Old Oak 2"), "Beech")
+	await frames(3)
+	check_equal(names()[1], "Beech", "renamed")
+	panel()._on_renamed(layer("Beech"), "Fern")
+	check_equal(names()[1], "Fern 2", "never to a name that is taken")
+	await mouse_click(cell("Fern 2", 0))
+	await key(KEY_DELETE)
+	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "the key deletes")
+	for step in 4:
+		await undo()
+	check_same(saved(), before, "all undone")
+
+
+## One stroke on two layers is one step, and leaves a locked one as it is.
+func test_stroke_on_several_layers() -> void:
+	var before := saved()
+	await mouse_click(cell("Old Oak", 0))
+	await mouse_click(cell("Young Pine", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	await mouse_click(cell("Fern", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	addon().desk.marks.put(layer("Fern"), &"locked", true)
+	var paint: Node = addon().toolbar.paint
+	paint.set_on(true)
+	paint.choose_mode(1)
+	paint.set_brush(8.0, 1.0, 1.0)
+	var version := history(scatter).get_version()
+	await stroke([Vector3(-4.0, 0.0, 0.0), Vector3(4.0, 0.0, 0.0)])
+	check_equal(paint.problem, "", "a stroke is made")
+	check_equal(history(scatter).get_version(), version + 1, "one step")
+	check(layer("Old Oak").mask != null and layer("Young Pine").mask != null, "of both layers")
+	check(layer("Fern").mask == null, "and not of the locked one")
+	check(layer("Old Oak").mask.sample(Vector2.ZERO) == 0.0 and layer("Young Pine").mask.sample(Vector2.ZERO) == 0.0, "painted")
+	await settle(scatter)
+	await check_undo(before, "a stroke")
+	await undo()
+	check_same(saved(), before, "undone")
+	await mouse_click(cell("Fern", 0))
+	await stroke([Vector3.ZERO])
+	check(paint.problem.contains("locked"), "a locked layer says so: " + paint.problem)
+	addon().desk.marks.put(layer("Fern"), &"locked", null)
+	paint.set_on(false)
+
+
+## Each way to add is one step of undo that leaves the files as they were.
+func test_adding() -> void:
+	var before := saved()
+	await drag_files([MODELS[1]], cell("Old Oak", 0, 0.1))
+	check(names().size() == 4 and names().has("Young Pine 2"), "dropped on rows: %s" % [names()])
+	var apart: Array = layer("Young Pine 2").spacing.keys()
+	check(apart.has("Old Oak") and apart.has("Young Pine"), "apart from the others: %s" % [apart])
+	await check_undo(before, "a drop")
+	await undo()
+	var file: Resource = ClassDB.instantiate(&"ScatterLayer")
+	file.meshes = [BoxMesh.new()]
+	ResourceSaver.save(file, "res://stones.tres")
+	panel()._on_file("res://stones.tres")
+	check_equal(scatter.layers[2].resource_path, "res://stones.tres", "a layer that is a file comes before what is far smaller")
+	check_equal(scatter.layers[2].spacing, {}, "and is not changed")
+	panel()._on_file("res://stones.tres")
+	check_equal(scatter.layers.size(), 4, "once")
+	await undo()
+	panel()._on_add(panel().Add.FIRST_PRESET + 1)
+	check_equal(names().slice(3), PackedStringArray(["Bush", "Flowers", "Grass"]), "a preset")
+	await undo()
+	panel()._on_add(panel().Add.EMPTY)
+	check_equal(names()[2], "Layer", "an empty one")
+	await undo()
+	check_same(saved(), before, "all undone")
+	await mouse_click(middle(button("New Scatter")))
+	check(root.get_child_count() == 3 and root.get_child(2).terrain == scatter.terrain, "a second scatter on the same ground")
+	check(root.get_child(2).seed != scatter.seed, "with another seed")
+	await check_undo(before, "a scatter")
+	await undo()
+	EditorInterface.edit_node(scatter)
+	await look()
+
+
+## The editor keeps marks beside the scene, for the next time it is opened.
+func test_marks_are_kept() -> void:
+	addon().desk.marks.put(layer("Fern"), &"hidden", true)
+	saved()
+	scatter = null
+	EditorInterface.get_selection().clear()
+	EditorInterface.reload_scene_from_path(SCENE)
+	await frames(5)
+	root = EditorInterface.get_edited_scene_root()
+	scatter = root.get_node("Scatter")
+	EditorInterface.edit_node(scatter)
+	await settle(scatter)
+	await look()
+	check(addon().desk.marks.is_hidden(layer("Fern")), "what was hidden is hidden")
+	check_equal(scatter.get_stats().drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "in the view, too")

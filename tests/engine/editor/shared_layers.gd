@@ -1,0 +1,231 @@
+@tool
+extends "res://tests/steps.gd"
+## A scatter that was duplicated shares its layers, seed and masks with the original: that is told, and ended by one step. A change that would
+## show far more than there is asks first.
+
+const SCENE := "res://glade.tscn"
+const LAYER_FILE := "res://shared_moss.tres"
+
+var root: Node
+var scatter: Node3D
+var other: Node3D
+
+
+func panel() -> Control:
+	return addon().desk.panel
+
+
+func make_layer(title: String, radius: float, view: float) -> Resource:
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.resource_name = title
+	layer.meshes = [BoxMesh.new()]
+	layer.radius = radius
+	layer.view_distance = view
+	layer.tile_size = 32.0
+	return layer
+
+
+## Grass with a mask in a file, trees that keep away from it by what it is, and moss that is a file.
+func make_scene() -> void:
+	var new_root := Node3D.new()
+	new_root.name = "Glade"
+	var new: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	new.name = "Scatter"
+	new.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	var moss := make_layer("Moss", 6.0, 60.0)
+	ResourceSaver.save(moss, LAYER_FILE)
+	var layers: Array = new.layers.duplicate()
+	layers.append_array([make_layer("Grass", 2.0, 60.0), make_layer("Trees", 5.0, 60.0), load(LAYER_FILE)])
+	layers[1].spacing = {"Grass": 0.5}
+	new.layers = layers
+	new_root.add_child(new)
+	new.owner = new_root
+	var packed := PackedScene.new()
+	packed.pack(new_root)
+	new_root.free()
+	ResourceSaver.save(packed, SCENE)
+	root = await open(SCENE)
+	scatter = root.get_node("Scatter")
+	select(scatter)
+	EditorInterface.set_main_screen_editor("3D")
+	await settle(scatter)
+
+
+func select(node: Node) -> void:
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(node)
+	EditorInterface.edit_node(node)
+	await look()
+
+
+## The plugin looks some times a second.
+func look() -> void:
+	await get_tree().create_timer(1.5).timeout
+
+
+func saved() -> Dictionary:
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+	var result := {}
+	for file in files("res://"):
+		if file.begins_with("glade") or file.begins_with("shared"):
+			result[file] = FileAccess.get_file_as_bytes("res://" + file)
+	return result
+
+
+## As Ctrl+D in the Scene dock does it: what lies in the scene is shared.
+func duplicate_scatter() -> void:
+	var undo_redo := plugin.get_undo_redo()
+	other = scatter.duplicate()
+	undo_redo.create_action("Duplicate Node(s)", UndoRedo.MERGE_DISABLE, root)
+	undo_redo.add_do_method(root, &"add_child", other, true)
+	undo_redo.add_do_property(other, &"owner", root)
+	undo_redo.add_do_reference(other)
+	undo_redo.add_undo_method(root, &"remove_child", other)
+	undo_redo.commit_action()
+
+
+func test_a_duplicate_is_told() -> void:
+	await make_scene()
+	var paint: Node = addon().toolbar.paint
+	paint.set_on(true)
+	paint.set_brush(8.0, 1.0, 1.0)
+	paint.choose_mode(1)
+	addon().toolbar.choose_layer(0)
+	await stroke([Vector3.ZERO])
+	paint.set_on(false)
+	check(FileAccess.file_exists("res://glade_grass_mask.res"), "what is painted lies in a file")
+	saved()
+	check(not panel().notes._sharing.visible, "alone it shares nothing")
+	duplicate_scatter()
+	await look()
+	await select(other)
+	check(panel().notes._sharing.is_visible_in_tree(), "the panel tells what a duplicate shares")
+	var told: String = panel().notes._shared.tell(other.name)
+	check_equal(told, "Scatter2 shares its layers and its seed with Scatter: both show the same instances.", "told")
+	check(panel().notes.note_on(other.layers[2]).contains("shared_moss.tres"), "of a layer that is a file in its row alone")
+	await picture("panel_shared")
+
+
+func test_make_unique() -> void:
+	var before := saved()
+	panel().notes.ask_to_make_unique()
+	check(panel().notes.dialog.visible and panel().notes.dialog._files.visible, "a dialog asks what is meant")
+	await picture("make_unique", panel().notes.dialog)
+	panel().notes.dialog.get_ok_button().pressed.emit()
+	panel().notes.dialog.hide()
+	await look()
+	check(not panel().notes._sharing.visible, "nothing is shared any more that was not meant")
+	for index in 2:
+		check(other.layers[index] != scatter.layers[index], "layer %d is its own" % index)
+		check_equal(other.layers[index].resource_name, scatter.layers[index].resource_name, "of the same name")
+		check_equal(other.layers[index].layer_id, scatter.layers[index].layer_id, "and the same id")
+	check_equal(other.layers[2], scatter.layers[2], "what is a file stays shared")
+	check(other.seed != scatter.seed, "another seed")
+	check_equal(other.layers[0].mask.resource_path, "res://glade_grass_mask_2.res", "a mask in a file of its own")
+	check(other.layers[0].mask.sample(Vector2.ZERO) == 0.0, "painted as it was")
+	scatter.layers[1].radius = 9.0
+	check(other.layers[1].radius == 5.0, "a change changes one alone")
+	scatter.layers[1].radius = 5.0
+	var after := saved()
+	check(after.has("glade_grass_mask_2.res") and not before.has("glade_grass_mask_2.res"), "a file more")
+	await undo()
+	check_equal(other.layers, scatter.layers, "undone")
+	check_same(saved(), before, "undone")
+	await redo()
+	check_same(saved(), after, "redone")
+	await undo()
+	await undo()
+	check(not other.is_inside_tree(), "the duplicate is undone, too")
+
+
+func check_same(got: Dictionary, expected: Dictionary, what: String) -> void:
+	check_equal(got.keys(), expected.keys(), what + ": files")
+	for file: String in expected:
+		check(got.get(file) == expected[file], "%s: %s is as it was" % [what, file])
+
+
+## Shared layers in files are no accident.
+func test_files_are_meant() -> void:
+	other = ClassDB.instantiate(&"TerrainScatter3D")
+	var layers: Array = other.layers.duplicate()
+	layers.append(load(LAYER_FILE))
+	other.layers = layers
+	root.add_child(other)
+	await select(other)
+	check(not panel().notes._sharing.visible, "a layer that is a file may stand in two")
+	await select(scatter)
+	other.free()
+
+
+## A change that would show more than ten times as much asks, and the view stays; the layer has its value.
+func test_far_more() -> void:
+	var grass: Resource = scatter.layers[0]
+	var bar: Control = addon().desk.bar
+	var steps: RefCounted = addon().desk.steps
+	await settle(scatter)
+	await look()
+	var before: int = scatter.get_shown_count(0)
+	var ids := instances(scatter, 0)
+	check(before > 1000 and not bar.visible, "%d are on show" % before)
+	var undo_redo := plugin.get_undo_redo()
+	undo_redo.create_action("Set radius", UndoRedo.MERGE_DISABLE, grass)
+	undo_redo.add_do_property(grass, &"radius", 0.2)
+	undo_redo.add_undo_property(grass, &"radius", 2.0)
+	undo_redo.commit_action()
+	check(bar.visible, "it is asked first")
+	await settle(scatter)
+	await look()
+	check(instances(scatter, 0) == ids, "the view stays as it was")
+	check_equal(grass.radius, 0.2, "the layer has its value")
+	check(steps.held_of(scatter, grass).estimate() > 90.0 * before, "about a hundred times as many are told")
+	await picture("preview_asked")
+	check(EditorInterface.save_scene() == OK and FileAccess.get_file_as_string(SCENE).contains("radius = 0.2"), "which is saved")
+	await undo()
+	await settle(scatter)
+	check_equal(grass.radius, 2.0, "undone")
+	check(not bar.visible and instances(scatter, 0) == ids, "nothing is asked any more")
+	await redo()
+	check(bar.visible, "redone, it is asked again")
+	await mouse_click(bar._keep.get_global_transform_with_canvas() * (bar._keep.size * 0.5))
+	await look()
+	check(bar.visible and not bar._keep.visible and scatter.get_shown_count(0) == before, "kept")
+	grass.radius = 0.5
+	await look()
+	check(bar.visible, "nearer by, it is still far more")
+	await mouse_click(bar._show.get_global_transform_with_canvas() * (bar._show.size * 0.5))
+	var counts: Array[int] = []
+	await until(func() -> bool:
+		var count: int = scatter.get_shown_count(0)
+		if scatter.is_settled() and (counts.is_empty() or counts[-1] != count):
+			counts.append(count)
+		return not bar.visible, "all is shown")
+	await settle(scatter)
+	check(scatter.get_shown_count(0) > 14 * before, "all are shown in the end: %d of %d" % [scatter.get_shown_count(0), before])
+	check(counts.any(func(count: int) -> bool: return count > 2 * before and count < 6 * before), "step by step: %s" % [counts])
+
+
+## What is under way can be stopped; a change that shows no more asks nothing.
+func test_stop() -> void:
+	var trees: Resource = scatter.layers[1]
+	var bar: Control = addon().desk.bar
+	trees.spacing = {}
+	await settle(scatter)
+	await look()
+	var before: int = scatter.get_shown_count(1)
+	trees.radius = 4.0
+	check(not bar.visible, "somewhat more asks nothing")
+	await settle(scatter)
+	await look()
+	trees.radius = 0.25
+	check(bar.visible, "far more asks")
+	bar._show.pressed.emit()
+	bar._keep.pressed.emit()
+	await settle(scatter)
+	await look()
+	var kept: int = scatter.get_shown_count(1)
+	check(kept > before and kept < 20 * before and bar.visible, "stopped at %d" % kept)
+	check_equal(trees.radius, 0.25, "the value stays")
+	addon().desk.steps.clear()
+	check(not bar.visible, "without the plugin the layer is shown as it is")
+	trees.radius = 5.0
+	await settle(scatter)

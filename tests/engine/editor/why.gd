@@ -1,0 +1,162 @@
+@tool
+extends "res://tests/steps.gd"
+## The tool that says why something stands at a place or not: hovering, pinning, and the colors on the ground.
+
+const SCENE := "res://demo.tscn"
+
+var scatter: Node3D
+
+
+func make_layer(layer_name: String, radius: float, size: Vector3) -> Resource:
+	var mesh := BoxMesh.new()
+	mesh.size = size
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.resource_name = layer_name
+	layer.radius = radius
+	layer.view_distance = 70.0
+	layer.tile_size = 40.0
+	layer.meshes = [mesh]
+	return layer
+
+
+## Three layers on the demo's ground, one of which stands on gentle slopes only. Software takes long for the demo's own forest.
+func make_scatter() -> void:
+	var root := await open(SCENE)
+	root.get_node(^"Scatter").visible = false
+	root.get_node(^"Sun").shadow_enabled = false
+	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	made.name = "Hills"
+	made.terrain = root.get_node(^"Scatter").terrain
+	var trees := make_layer("Trees", 6.0, Vector3(0.6, 5.0, 0.6))
+	trees.max_slope_degrees = 18.0
+	trees.slope_falloff = 6.0
+	var stones := make_layer("Stones", 3.0, Vector3(1.2, 0.8, 1.0))
+	stones.min_slope_degrees = 14.0
+	var grass := make_layer("Grass", 2.0, Vector3(0.15, 0.6, 0.15))
+	grass.density = 0.5
+	grass.progressive_levels = 3
+	grass.clump_size = 14.0
+	grass.clump_coverage = 0.5
+	grass.spacing = {"Trees": 2.0}
+	made.layers = [trees, stones, grass]
+	root.add_child(made)
+	made.owner = root
+	scatter = made
+
+
+func tool() -> Control:
+	return addon().toolbar.why
+
+
+## Moves the mouse over a place of the 3D view, in its pixels, as a window hands it on.
+func hover(at: Vector2) -> void:
+	var motion := InputEventMouseMotion.new()
+	motion.position = view_origin() + at
+	motion.global_position = motion.position
+	get_tree().root.push_input(motion, true)
+	await frames(2)
+
+
+func click(at: Vector2) -> void:
+	for pressed: bool in [true, false]:
+		var button := _button(view_origin() + at, pressed, false)
+		button.global_position = button.position
+		get_tree().root.push_input(button, true)
+		await frames(1)
+
+
+func view_origin() -> Vector2:
+	return (EditorInterface.get_editor_viewport_3d(0).get_parent() as Control).get_global_rect().position
+
+
+func rows() -> Array:
+	return tool().panel.rows.map(func(row: Array) -> String: return row[1])
+
+
+func test_hover() -> void:
+	await make_scatter()
+	EditorInterface.set_main_screen_editor("3D")
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(scatter)
+	EditorInterface.edit_node(scatter)
+	await frames(3)
+	await settle(scatter)
+	tool().set_on(true)
+	addon().toolbar.choose_layer(0)
+	check(tool().visible, "the tool shows its settings")
+	var size := EditorInterface.get_editor_viewport_3d(0).get_visible_rect().size
+	var answers := {}
+	for step in 12:
+		await hover(Vector2(size.x * (0.2 + 0.05 * step), size.y * 0.6))
+		if not await until(func() -> bool: return rows().size() > 2, "an answer at step %d" % step):
+			return
+		await get_tree().create_timer(0.1).timeout
+		var at: Vector3 = tool()._cursor.on_ground
+		for explanation: RefCounted in scatter.explain_position(at):
+			var sign := "✓" if explanation.refused_by.is_empty() else "✗"
+			var line := "%s %s: %s" % [sign, explanation.layer_name, explanation.reason]
+			check(line in rows(), "'%s' is among %s" % [line, rows()])
+			answers["%s %s" % [sign, explanation.layer_name]] = true
+	check(answers.size() >= 4, "different places have different answers: %s" % [answers.keys()])
+	check(rows().any(func(row: String) -> bool: return "Slope is" in row), "the rules of the chosen layer are listed: %s" % [rows()])
+	await picture("why")
+
+
+func test_pin() -> void:
+	var size := EditorInterface.get_editor_viewport_3d(0).get_visible_rect().size
+	var at := Vector2(size.x * 0.45, size.y * 0.55)
+	await hover(at)
+	await click(at)
+	check(tool().pinned.is_finite(), "a click pins the answer")
+	var pinned := rows()
+	await hover(Vector2(size.x * 0.8, size.y * 0.8))
+	await get_tree().create_timer(0.2).timeout
+	check_equal(rows(), pinned, "it stays when the mouse goes")
+	check(EditorInterface.get_selection().get_selected_nodes() == [scatter], "the selection stays")
+	scatter.layers[0].max_slope_degrees = 0.01
+	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "0° to 0.01°" in row), "it follows the settings")
+	scatter.layers[0].max_slope_degrees = 18.0
+	await settle(scatter)
+	await picture("why_pinned")
+	await click(at)
+	check(not tool().pinned.is_finite(), "a click on the pin lets go of it")
+
+
+func test_colors() -> void:
+	for kind in [1, 2, 3]:
+		tool().choose_colors(kind)
+		await until(func() -> bool: return tool().overlay.is_shown() and tool().overlay.is_complete(), "colors of kind %d" % kind)
+		addon().update_overlays()
+		await picture(["", "why_density", "why_slope", "why_rank"][kind])
+	tool().choose_colors(1)
+	await until(tool().overlay.is_complete, "densities again")
+	var version: int = tool()._version
+	scatter.layers[0].density = 0.3
+	await until(func() -> bool: return tool()._version > version and tool().overlay.is_complete(), "colors follow the settings")
+	addon().toolbar.choose_layer(2)
+	tool().look()
+	check(not tool().overlay.is_complete(), "and the chosen layer")
+	tool().choose_colors(0)
+	check(not tool().overlay.is_shown(), "no colors")
+	tool().choose_colors(2)
+	tool().set_on(false)
+	check(not tool().overlay.is_shown() and tool().panel.rows.is_empty(), "all goes with the tool")
+
+
+## Without ground or layers it says so, and nothing is printed.
+func test_nothing_to_explain() -> void:
+	var terrain: Resource = scatter.terrain
+	var layers: Array = scatter.layers
+	tool().set_on(true)
+	tool().choose_colors(1)
+	scatter.terrain = null
+	await hover(Vector2(300, 300))
+	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "give Hills a terrain" in row), "no ground")
+	scatter.terrain = terrain
+	scatter.layers = []
+	addon().toolbar.update_layers()
+	await hover(Vector2(310, 400))
+	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "give Hills a layer" in row), "no layers")
+	scatter.layers = layers
+	addon().toolbar.update_layers()
+	tool().set_on(false)
