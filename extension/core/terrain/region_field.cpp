@@ -18,8 +18,6 @@ namespace thicket {
 
 namespace {
 
-constexpr int post_bytes = 4;
-
 /// As far as posts are counted, either side of 0.
 constexpr double max_post = static_cast<double>(RegionField::max_location) * PixelGrid::max_side;
 
