@@ -6,11 +6,16 @@ const Bake := preload("res://addons/thicket/editor/bake_dialog.gd")
 const ExtentGizmos := preload("res://addons/thicket/editor/extent_gizmos.gd")
 const FreshLayers := preload("res://addons/thicket/editor/fresh_layers.gd")
 const GroundButtons := preload("res://addons/thicket/editor/ground_buttons.gd")
+const HelpLinks := preload("res://addons/thicket/editor/help_links.gd")
 const Import := preload("res://addons/thicket/editor/import_dialog.gd")
 const LayerInspector := preload("res://addons/thicket/editor/layer_inspector.gd")
 const LayerDesk := preload("res://addons/thicket/editor/layer_desk.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
+const Tutorials := preload("res://addons/thicket/editor/tutorial_window.gd")
+
+## What opens the tutorials, in the menu Project > Tools.
+const TUTORIALS_ITEM := "Thicket Tutorials..."
 
 ## Seconds between two looks at what the extent and the tools show.
 const LOOK_SECONDS := 0.25
@@ -25,11 +30,14 @@ var desk: LayerDesk
 var bake: Bake
 ## Asks what to import, and imports.
 var imports: Import
+## The pages of the add-on's tutorials.
+var tutorials: Tutorials
 
 var _regions := RegionGizmos.new()
 var _extent := ExtentGizmos.new()
 var _inspector := LayerInspector.new()
 var _fresh_layers := FreshLayers.new()
+var _help_links: HelpLinks
 var _scatter: Node3D
 var _shown: Array = []
 var _tiles := 0
@@ -59,6 +67,10 @@ func _enter_tree() -> void:
 	imports.undo_redo = get_undo_redo()
 	imports.files = toolbar.paint.brush.files
 	EditorInterface.get_base_control().add_child(imports)
+	tutorials = Tutorials.new()
+	EditorInterface.get_base_control().add_child(tutorials)
+	_help_links = HelpLinks.new(tutorials)
+	add_tool_menu_item(TUTORIALS_ITEM, func() -> void: tutorials.open(tutorials.page if tutorials.page else Tutorials.PAGES[0]))
 	_regions.undo_redo = get_undo_redo()
 	add_node_3d_gizmo_plugin(_regions)
 	add_node_3d_gizmo_plugin(_extent)
@@ -71,6 +83,8 @@ func _enter_tree() -> void:
 func _exit_tree() -> void:
 	_edit(null)
 	EditorInterface.get_resource_filesystem().resources_reimported.disconnect(_reload_scenes)
+	remove_tool_menu_item(TUTORIALS_ITEM)
+	_help_links.leave()
 	remove_inspector_plugin(_inspector)
 	remove_node_3d_gizmo_plugin(_extent)
 	remove_node_3d_gizmo_plugin(_regions)
@@ -81,6 +95,7 @@ func _exit_tree() -> void:
 	ground_buttons.queue_free()
 	bake.queue_free()
 	imports.queue_free()
+	tutorials.queue_free()
 
 
 func _handles(object: Object) -> bool:
