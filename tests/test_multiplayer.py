@@ -23,8 +23,8 @@ PATIENCE = 100.0
 class Process:
     """An engine process whose lines can be waited for. None of them outlives the test."""
 
-    def __init__(self, arguments: list[str | Path]) -> None:
-        command = [str(part) for part in (REPO / "tools/godot", "--headless", *arguments)]
+    def __init__(self, arguments: list[str | Path], screen: str) -> None:
+        command = [str(part) for part in (REPO / "tools/godot", screen, *arguments)]
         self.printed = ""
         self._lines: Queue[str | None] = Queue()
         self._process = subprocess.Popen(
@@ -74,11 +74,11 @@ class Process:
 
 @contextmanager
 def processes() -> Iterator[Callable[..., Process]]:
-    """Starts engine processes, and ends those that are left."""
+    """Starts engine processes, without a screen or with `--xvfb`, and ends those that are left."""
     started: list[Process] = []
 
-    def start(*arguments: str | Path) -> Process:
-        started.append(Process(list(arguments)))
+    def start(*arguments: str | Path, screen: str = "--headless") -> Process:
+        started.append(Process(list(arguments), screen))
         return started[-1]
 
     try:

@@ -1,0 +1,206 @@
+@tool
+extends "res://tests/steps.gd"
+## What the steps of the tutorials need: scenes with a ground, buttons, pictures for the pages. res://pack/oak.glb is there already: see
+## tutorial_tree.gd.
+
+const LayersPanel := preload("res://addons/thicket/editor/layers_panel.gd")
+const OAK := "res://pack/oak.glb"
+const SIZE := Vector2i(1280, 800)
+## For pictures of the view alone, with all its tools.
+const WIDE := Vector2i(1720, 1060)
+## Pixels.
+const WIDTH := 960
+const STATE := """[editor_states]
+
+3D={
+"viewport_mode": 1,
+"viewports": [{
+"distance": %s,
+"position": Vector3%s,
+"x_rotation": %s,
+"y_rotation": %s
+}]
+}
+"""
+
+var root: Node
+var scatter: Node3D
+
+
+func panel() -> LayersPanel:
+	return addon().desk.panel
+
+
+func button(text: String) -> Button:
+	for found: Button in panel().find_children("*", "Button", true, false):
+		if found.text == text:
+			return found
+	check(false, "the panel has a button " + text)
+	return null
+
+
+func middle(control: Control) -> Vector2:
+	return control.get_global_transform_with_canvas() * (control.size * 0.5)
+
+
+func layer(title: String) -> Resource:
+	for found: Resource in scatter.layers:
+		if found.resource_name == title:
+			return found
+	check(false, "there is a layer " + title)
+	return null
+
+
+func on_ground(x: float, z: float) -> Vector3:
+	return Vector3(x, scatter.terrain.get_height(Vector3(x, 0.0, z)), z)
+
+
+func select(node: Node) -> void:
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(node)
+	EditorInterface.edit_node(node)
+	await frames(3)
+
+
+## The plugin looks some times a second.
+func look() -> void:
+	await get_tree().create_timer(0.6).timeout
+
+
+## A ground of 200 m with hills, as a mesh.
+func make_ground() -> void:
+	if ResourceLoader.exists("res://ground.res"):
+		return
+	var plane := PlaneMesh.new()
+	plane.size = Vector2(200.0, 200.0)
+	plane.subdivide_width = 79
+	plane.subdivide_depth = 79
+	var arrays := plane.get_mesh_arrays()
+	var hills := FastNoiseLite.new()
+	hills.seed = 3
+	hills.frequency = 0.008
+	for index in arrays[Mesh.ARRAY_VERTEX].size():
+		arrays[Mesh.ARRAY_VERTEX][index].y = 14.0 * hills.get_noise_2d(arrays[Mesh.ARRAY_VERTEX][index].x, arrays[Mesh.ARRAY_VERTEX][index].z)
+	var made := SurfaceTool.new()
+	made.create_from_arrays(arrays)
+	made.generate_normals()
+	var earth := StandardMaterial3D.new()
+	earth.albedo_color = Color(0.24, 0.27, 0.13)
+	earth.roughness = 1.0
+	made.set_material(earth)
+	ResourceSaver.save(made.commit(), "res://ground.res")
+
+
+## A new scene with the ground, opened; the camera looks at a place from so many meters.
+func open_new(path: String, place: Vector3, away: float, down: float, around: float) -> void:
+	make_ground()
+	var world := Node3D.new()
+	world.name = "World"
+	var ground := MeshInstance3D.new()
+	ground.name = "Ground"
+	ground.mesh = load("res://ground.res")
+	world.add_child(ground)
+	ground.owner = world
+	var packed := PackedScene.new()
+	packed.pack(world)
+	world.free()
+	ResourceSaver.save(packed, path)
+	await open_at(path, place, away, down, around)
+
+
+func open_at(path: String, place: Vector3, away: float, down: float, around: float) -> void:
+	var kept := FileAccess.open("res://.godot/editor/%s-editstate-%s.cfg" % [path.get_file(), path.md5_text()], FileAccess.WRITE)
+	kept.store_string(STATE % [away, place, down, around])
+	kept.close()
+	root = await open(path)
+	EditorInterface.set_main_screen_editor("3D")
+	get_window().size = SIZE
+	await frames(3)
+
+
+## A picture for a page: of the whole editor, or of the 3D view and what stands above it.
+func page_picture(title: String, of_view := false) -> void:
+	await picture(title)
+	var file := "res://pictures_of_tests/%s.png" % title
+	var image := Image.load_from_file(ProjectSettings.globalize_path(file))
+	if of_view:
+		image = image.get_region(Rect2i(EditorInterface.get_editor_main_screen().get_global_rect()))
+	image.resize(WIDTH, WIDTH * image.get_height() / image.get_width(), Image.INTERPOLATE_LANCZOS)
+	image.save_png(file)
+
+
+## The handles of the selected node go: the mouse selects, and does not move.
+func hide_handles() -> void:
+	surface().grab_focus()
+	await key(KEY_V)
+
+
+## Steps 3 and 4 of the first page.
+func add_scatter() -> void:
+	addon().make_bottom_panel_item_visible(panel())
+	await frames(3)
+	await mouse_click(middle(button("New Scatter")))
+	scatter = root.get_node_or_null("Scatter")
+	check(scatter != null, "New Scatter makes a node")
+	await look()
+	check(button("Use as Ground...").is_visible_in_tree(), "the panel asks for a ground")
+	await mouse_click(middle(button("Use as Ground...")))
+	var dialogs := get_tree().root.find_children("*", "SceneTreeDialog", true, false).filter(func(dialog: Window) -> bool: return dialog.visible)
+	if check_equal(dialogs.size(), 1, "the nodes to choose from"):
+		dialogs[0].emit_signal(&"selected", root.get_node("Ground").get_path())
+		dialogs[0].hide()
+		await frames(2)
+	check(scatter.terrain != null and scatter.get_problems().size() <= 1, "it has a ground: %s" % scatter.get_problems())
+	await select(scatter)
+
+
+## The file's own steps, in the import dialog, are two lines of its settings.
+func import_with(materials: Dictionary) -> void:
+	var chosen := {}
+	for title: String in materials:
+		chosen[title] = {"use_external/enabled": true, "use_external/path": materials[title]}
+	await import_as(OAK, {"_subresources": {"materials": chosen}})
+
+
+func import_as(path: String, parameters: Dictionary) -> void:
+	var settings := ConfigFile.new()
+	check_equal(settings.load(path + ".import"), OK, "%s was imported" % path)
+	for parameter: String in parameters:
+		settings.set_value("params", parameter, parameters[parameter])
+	settings.save(path + ".import")
+	RenderingServer.render_loop_enabled = true # The import makes a picture of a scene.
+	EditorInterface.get_resource_filesystem().reimport_files([path])
+	await frames(5)
+	RenderingServer.render_loop_enabled = false
+
+
+func foliage(path: String, parameters: Dictionary) -> Material:
+	DirAccess.copy_absolute("res://addons/thicket/shaders/foliage.tres", path)
+	var made := load(path) as ShaderMaterial
+	made.set_shader_parameter(&"albedo_texture", load("res://pack/oak.png"))
+	made.set_shader_parameter(&"sway_height", 14.0)
+	for parameter: StringName in parameters:
+		made.set_shader_parameter(parameter, parameters[parameter])
+	check_equal(ResourceSaver.save(made, path), OK, "a copy of the material")
+	return made
+
+
+func menu_of_regions(section: String, item: String) -> int:
+	var popup: PopupMenu = addon().toolbar.regions.get_popup()
+	var inside := false
+	for index in popup.item_count:
+		if popup.is_item_separator(index):
+			inside = popup.get_item_text(index) == section
+		elif inside and popup.get_item_text(index) == item:
+			return popup.get_item_id(index)
+	check(false, "%s has %s" % [section, item])
+	return -1
+
+
+## What tells one instance from another, of all layers within a circle of the map.
+func count_in(at: Vector2, radius: float, names: PackedStringArray) -> int:
+	var result := 0
+	for title in names:
+		for place: Vector3 in instances(scatter, scatter.layers.find(layer(title))).values():
+			result += int(Vector2(place.x, place.z).distance_to(at) < radius)
+	return result

@@ -1,0 +1,256 @@
+@tool
+extends "res://tests/tutorial_scenes.gd"
+## The steps of the tutorials, as their reader takes them, with the pictures that stand in the pages; the window that shows the pages, and
+## the links to them in the editor's help.
+
+const FOLDER := "res://addons/thicket/tutorials/"
+
+
+func test_first_forest() -> void:
+	await open_new("res://wood.tscn", Vector3(0.0, 3.0, 0.0), 62.0, 0.3, 0.6)
+	await add_scatter()
+	for item: String in ["Forest", "Meadow", "Scree"]:
+		var popup := panel()._add.get_popup()
+		check(range(popup.item_count).any(func(index: int) -> bool: return popup.get_item_text(index) == item), "Add Layer offers " + item)
+	panel()._on_add(panel().Add.FIRST_PRESET)
+	await settle(scatter)
+	await look()
+	check_equal(scatter.layers.size(), 6, "five kinds of plants, and stones")
+	for each: Resource in scatter.layers:
+		check(scatter.get_shown_count(each) > 10, "%d of %s" % [scatter.get_shown_count(each), each.resource_name])
+	var before: int = scatter.get_shown_count(0)
+	layer("Spruce").max_slope_degrees = 12.0
+	await settle(scatter)
+	check(scatter.get_shown_count(0) < before, "a rule takes some away: %d of %d" % [scatter.get_shown_count(0), before])
+	layer("Spruce").max_slope_degrees = 35.0
+	panel().choose([layer("Spruce")] as Array[Resource])
+	EditorInterface.inspect_object(layer("Spruce"), "", true)
+	await settle(scatter)
+	await look()
+	check(scatter.get_problems().is_empty(), "nothing to complain of: %s" % scatter.get_problems())
+	await hide_handles()
+	await page_picture("tutorial_first_forest")
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+
+
+func test_your_own_tree() -> void:
+	# As the editor does by itself, some time after a picture was first seen on a mesh.
+	await import_as("res://pack/oak.png", {"mipmaps/generate": true, "detect_3d/compress_to": 0})
+	await import_as(OAK, {}) # With a picture for the list.
+	await open_new("res://own.tscn", Vector3(0.0, 3.0, 0.0), 80.0, 0.3, 0.6)
+	await add_scatter()
+	await drag_files([OAK], middle(panel().tree))
+	await settle(scatter)
+	var oak := layer("Oak")
+	if oak == null:
+		return
+	check(oak.radius > 6.0 and oak.radius < 14.0, "as far apart as it is wide: %s m" % oak.radius)
+	var model: Resource = ClassDB.instantiate(&"ScatterModel")
+	model.scene = load(OAK)
+	check_equal(model.lods.size(), 3, "with its levels of detail")
+	check_equal(oak.collision_shape, ClassDB.class_get_integer_constant(&"ScatterLayer", &"COLLISION_MODEL"), "it brings its shape")
+	check(oak.get_materials().all(func(material: Material) -> bool: return material is StandardMaterial3D), "with the pack's materials")
+	var leaves := foliage("res://leaves.tres", {})
+	var bark := foliage("res://bark.tres", {&"wind_flutter": 0.0, &"backlight": 0.0})
+	await import_with({"Leaves": "res://leaves.tres", "Bark": "res://bark.tres"})
+	await settle(scatter)
+	var materials: Array = oak.get_materials()
+	check(materials.has(leaves) and materials.has(bark), "with the foliage materials after the import: %s" % [materials])
+	check(materials.all(func(material: Material) -> bool: return material is ShaderMaterial), "on all levels")
+	oak.min_scale = 0.8
+	oak.max_scale = 1.2
+	oak.height_offset = -0.1
+	var wind: Node3D = load("res://addons/thicket/shaders/foliage_world.gd").new()
+	wind.name = "FoliageWorld"
+	root.add_child(wind)
+	wind.owner = root
+	await settle(scatter)
+	EditorInterface.inspect_object(oak, "", true)
+	await look()
+	check(scatter.get_shown_count(0) > 100 and scatter.get_problems().is_empty(), "a wood: %s" % scatter.get_problems())
+	await hide_handles()
+	await page_picture("tutorial_your_own_tree")
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+
+
+func test_paint_and_shapes() -> void:
+	await open_at("res://wood.tscn", Vector3(0.0, 3.0, 0.0), 62.0, 0.3, 0.6)
+	var wood := FileAccess.get_file_as_string("res://wood.tscn")
+	var park := FileAccess.open("res://park.tscn", FileAccess.WRITE)
+	park.store_string(RegEx.create_from_string(" uid=\"uid://\\w+\"").sub(wood, "")) # Of the scene itself, which stands first.
+	park.close()
+	await open_at("res://park.tscn", Vector3(0.0, 0.0, 2.0), 72.0, 1.05, 0.6)
+	get_window().size = WIDE
+	addon().hide_bottom_panel()
+	scatter = root.get_node("Scatter")
+	for title: String in ["Spruce", "Birch"]: # A dense wood.
+		layer(title).clump_size = 0.0
+		layer(title).density = 1.0
+	await select(scatter)
+	await hide_handles()
+	await settle(scatter)
+	await add_regions()
+	await ask_at_the_first_stroke()
+	await erase_a_lane()
+	await page_picture("tutorial_paint_and_shapes", true)
+	await ask_why()
+	await page_picture("tutorial_why", true)
+	addon().toolbar.why.set_on(false)
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+	get_window().size = SIZE
+
+
+func add_regions() -> void:
+	var regions: Node = addon().toolbar.regions
+	regions._on_chosen(menu_of_regions("Nothing stands in", "Cylinder"))
+	await frames(3)
+	var clearing: Node3D = scatter.get_node("WithoutCylinder")
+	clearing.radius = 9.0
+	clearing.falloff = 1.5
+	clearing.ignore_height = true
+	clearing.position = on_ground(-16.0, -10.0)
+	await settle(scatter)
+	check_equal(count_in(Vector2(-16.0, -10.0), 7.0, ["Spruce", "Birch"]), 0, "the clearing")
+	await select(scatter)
+	regions._on_chosen(menu_of_regions("Nothing stands in", "Path"))
+	await frames(3)
+	var path: Path3D = scatter.get_node("WithoutPath/Path3D")
+	path.global_position = Vector3.ZERO
+	path.curve.clear_points()
+	for point: Vector2 in [Vector2(-40, 30), Vector2(-8, 14), Vector2(12, 12), Vector2(26, -12), Vector2(22, -60)]:
+		path.curve.add_point(on_ground(point.x, point.y), Vector3(-6, 0, 3), Vector3(6, 0, -3))
+	scatter.get_node("WithoutPath").width = 6.0
+	await select(scatter)
+	surface().grab_focus()
+	regions._on_chosen(menu_of_regions("Nothing stands in", "Polygon"))
+	await frames(3)
+	for corner: Vector2 in [Vector2(-2, -8), Vector2(8, -10), Vector2(10, 0), Vector2(-1, 2)]:
+		await click_at(on_screen(on_ground(corner.x, corner.y)))
+	await key(KEY_ENTER)
+	await frames(3)
+	check(scatter.has_node("WithoutPolygon"), "a polygon")
+	await select(scatter)
+	await settle(scatter)
+	check_equal(count_in(Vector2(4.0, -4.0), 2.5, ["Spruce", "Birch"]), 0, "nothing stands in it")
+
+
+## Ferns here only; then all as it was.
+func ask_at_the_first_stroke() -> void:
+	var toolbar: Node = addon().toolbar
+	toolbar.paint.set_on(true)
+	toolbar.choose_layers([layer("Fern")] as Array[Resource])
+	toolbar.paint.set_brush(5.0, 1.0, 0.6)
+	toolbar.paint.choose_mode(0)
+	await frames(3)
+	var places := PackedVector3Array()
+	for step in 6:
+		places.append(on_ground(-14.0 + 3.0 * step, 24.0))
+	await stroke(places)
+	await frames(2)
+	var question: ConfirmationDialog = toolbar.paint.first_stroke
+	check(question.visible and question.get_ok_button().text == "Only here", "it asks: %s" % question.dialog_text)
+	question.confirmed.emit()
+	question.hide()
+	await stroke(places)
+	await settle(scatter)
+	check(layer("Fern").mask != null and count_in(Vector2(40.0, 40.0), 15.0, ["Fern"]) == 0, "ferns here only")
+	check(count_in(Vector2(places[2].x, places[2].z), 4.0, ["Fern"]) > 3, "ferns where it was painted")
+	while history(scatter).has_undo() and layer("Fern").mask != null:
+		history(scatter).undo()
+	await settle(scatter)
+	check(count_in(Vector2(40.0, 40.0), 15.0, ["Fern"]) > 3, "undone")
+
+
+func erase_a_lane() -> void:
+	var toolbar: Node = addon().toolbar
+	toolbar.choose_layers([layer("Spruce"), layer("Birch")] as Array[Resource])
+	toolbar.paint.choose_mode(1)
+	await frames(3)
+	var places := PackedVector3Array()
+	for step in 9:
+		places.append(on_ground(-34.0 + 4.0 * step, 6.0 - 1.2 * step + 6.0 * sin(0.6 * step)))
+	await stroke(places)
+	await settle(scatter)
+	check_equal(count_in(Vector2(places[4].x, places[4].z), 3.0, ["Spruce", "Birch"]), 0, "a lane")
+	check_equal(count_in(Vector2(-16.0, -10.0), 7.0, ["Spruce", "Birch"]), 0, "and the clearing")
+	await look()
+
+
+## Why does no spruce stand in the clearing?
+func ask_why() -> void:
+	var why: Node = addon().toolbar.why
+	why.set_on(true)
+	addon().toolbar.choose_layers([layer("Spruce")] as Array[Resource])
+	why.choose_colors(1)
+	await look()
+	var at := on_screen(on_ground(-16.0, -10.0))
+	await move_mouse(at)
+	await click_at(at)
+	await until(func() -> bool: return why.overlay.is_complete() and why.panel.rows.size() > 6, "why")
+	check(why.panel.rows.any(func(row: Array) -> bool: return "WithoutCylinder" in str(row[1])), "%s" % [why.panel.rows])
+	addon().update_overlays()
+
+
+func texts_of(node: Node) -> Array[Node]:
+	return node.find_children("*", "RichTextLabel", true, false)
+
+
+func tutorial_text() -> RichTextLabel:
+	return texts_of(addon().tutorials)[0]
+
+
+## Every page is shown whole: its words without their signs, its pictures, and links that lead to others.
+func test_the_window() -> void:
+	var tutorials: Window = addon().tutorials
+	for page: String in tutorials.PAGES:
+		tutorials.open(page)
+		await frames(2)
+		var shown := tutorial_text().get_parsed_text()
+		var written := FileAccess.get_file_as_string(FOLDER + page)
+		check(shown.begins_with(tutorials.Text.title(written) + "\n"), "%s begins with its title" % page)
+		check(not shown.contains("**") and not shown.contains("](") and not shown.contains("```"), "%s has no signs of Markdown" % page)
+		check(not shown.contains("[lb]") and not shown.contains("[/"), "%s has no BBCode" % page)
+		for line: String in written.split("\n"):
+			if line.begins_with("\t") and line.length() > 20:
+				check(shown.contains(line.strip_edges()), "%s shows its code: %s" % [page, line])
+	var menus := get_tree().root.find_children("*", "PopupMenu", true, false).filter(func(menu: PopupMenu) -> bool:
+		return range(menu.item_count).any(func(index: int) -> bool: return menu.get_item_text(index) == "Thicket Tutorials..."))
+	check_equal(menus.size(), 1, "a menu opens it")
+	tutorials.open("first_forest.md")
+	check(tutorials.visible, "it is open")
+	tutorial_text().meta_clicked.emit("your_own_tree.md")
+	check_equal(tutorials.page, "your_own_tree.md", "a link leads to another page")
+	tutorials.open("first_forest.md")
+	await look()
+	await picture("tutorial_window", tutorials)
+	tutorials.hide()
+
+
+## The text of the editor's help that is open; null for none.
+func help() -> RichTextLabel:
+	var pages := EditorInterface.get_script_editor().find_children("*", "EditorHelp", true, false)
+	return texts_of(pages[0])[0] if not pages.is_empty() else null
+
+
+## A click on a link of the class reference opens the page, which the editor's help would not do by itself.
+func test_links_in_the_help() -> void:
+	EditorInterface.get_script_editor().goto_help("class_name:TerrainScatter3D")
+	EditorInterface.set_main_screen_editor("Script")
+	if not await until(func() -> bool: return help() != null and help().get_parsed_text().contains("Paint and shapes"), "the help has the links"):
+		return
+	var text := help()
+	await look()
+	var words := text.get_parsed_text()
+	var line := text.get_character_line(words.find("Paint and shapes"))
+	var scroll := text.get_line_offset(line) - 0.4 * text.size.y
+	text.get_v_scroll_bar().value = scroll
+	await frames(4)
+	var at := Vector2(text.get_theme_stylebox(&"normal").content_margin_left + 60.0,
+			text.get_line_offset(line) - text.get_v_scroll_bar().value + 14.0)
+	await picture("tutorial_help")
+	addon().tutorials.page = ""
+	await mouse_click(text.get_global_transform_with_canvas() * at)
+	check_equal(addon().tutorials.page, "paint_and_shapes.md", "a click opens it")
+	check(addon().tutorials.visible, "in its window")
+	addon().tutorials.hide()
+	EditorInterface.set_main_screen_editor("3D")

@@ -1,0 +1,38 @@
+extends RefCounted
+## Makes a picture of the game of a tutorial whose trees are plain cylinders: trees of a preset in their places, ground and sky.
+
+const SIZE := Vector2i(800, 600)
+
+
+static func take(game: Node3D, scatter: TerrainScatter3D, file: String) -> void:
+	var tree := game.get_tree()
+	tree.root.size = SIZE
+	var preset: Node = load("res://addons/thicket/presets/forest.tscn").instantiate()
+	var spruce: ScatterLayer = preset.layers[0]
+	scatter.layers[0].meshes = spruce.meshes + preset.layers[1].meshes
+	scatter.layers[0].min_scale = 1.1
+	scatter.layers[0].max_scale = 1.7
+	scatter.layers[0].max_yaw_degrees = 360.0
+	scatter.layers[0].view_distance = 400.0
+	preset.free()
+	var ground := MeshInstance3D.new()
+	ground.mesh = PlaneMesh.new()
+	ground.mesh.size = Vector2(1000.0, 1000.0)
+	ground.mesh.material = StandardMaterial3D.new()
+	ground.mesh.material.albedo_color = Color(0.3, 0.36, 0.17)
+	game.add_child(ground)
+	var air := WorldEnvironment.new()
+	air.environment = Environment.new()
+	air.environment.background_mode = Environment.BG_SKY
+	air.environment.sky = Sky.new()
+	air.environment.sky.sky_material = ProceduralSkyMaterial.new()
+	air.environment.ambient_light_source = Environment.AMBIENT_SOURCE_SKY
+	game.add_child(air)
+	for sun: DirectionalLight3D in game.find_children("*", "DirectionalLight3D", true, false):
+		sun.shadow_enabled = true
+	await tree.process_frame
+	while not scatter.is_settled():
+		await tree.process_frame
+	for frame in 4:
+		await RenderingServer.frame_post_draw
+	tree.root.get_texture().get_image().save_png(file)

@@ -1,0 +1,245 @@
+"""The add-on's tutorials: their links, pictures and names hold, their steps are taken in the editor and over the network, and the
+class reference leads to them. tests/test_readme.py runs their examples as they stand."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import socket
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from conftest import REPO, new_project
+from PIL import Image
+from test_editor import PASSED, PICTURES, STEPS, complaints, link_library, new_plain_project
+from test_multiplayer import processes
+
+ADDON = REPO / "demo_project/addons/thicket"
+FOLDER = ADDON / "tutorials"
+PAGES = {path.name: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.md"))}
+LINK = re.compile(r"(?<!!)\[[^\]]+\]\(([^)]+)\)")
+PICTURE = re.compile(r"!\[[^\]]+\]\(([^)]+)\)")
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+# What a page calls by the words of the engine's own editor, its inspector, or the keyboard.
+OF_THE_ENGINE = """Project | Project Settings | Plugins | Debug | Customize Run Instances... | Enable Multiple Instances | Override Main Run Args |
+    Launch Arguments | Run Current Scene | Materials | Use External | Path | Reimport | Root Scale | Path3D | Make Unique | Node | [ | ]"""
+
+
+def title(page: str) -> str:
+    return PAGES[page].splitlines()[0].removeprefix("# ")
+
+
+# --- What stands in the pages -------------------------------------------------------------------------------------------
+
+
+def test_the_window_offers_every_page():
+    source = (ADDON / "editor/tutorial_window.gd").read_text()
+    offered = re.findall(r'"(\w+\.md)"', source)
+    assert sorted(offered) == sorted(PAGES) and len(PAGES) == 7
+    assert offered[:5] == ["first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md"]
+
+
+def test_the_class_reference_leads_to_every_page():
+    """Links are paths of the add-on, under the page's own title; the node that everybody begins with has them all."""
+    linked: dict[str, set[str]] = {}
+    for path in (REPO / "extension/doc_classes").glob("*.xml"):
+        for link in ElementTree.parse(path).getroot().iterfind("tutorials/link"):
+            page = link.text.removeprefix("res://addons/thicket/tutorials/")
+            assert page in PAGES and link.get("title") == title(page), (path.name, link.text)
+            linked.setdefault(page, set()).add(path.stem)
+    for script in (ADDON / "shaders").glob("*.gd"):
+        for name, link in re.findall(r"^## @tutorial\((.+)\): (.+)$", script.read_text(), re.MULTILINE):
+            assert name == title(link.removeprefix("res://addons/thicket/tutorials/")), script.name
+    assert sorted(linked) == sorted(PAGES)
+    assert all("TerrainScatter3D" in classes for classes in linked.values()), linked
+
+
+def test_links_and_pictures_are_there():
+    used = set()
+    for page, text in PAGES.items():
+        for link in LINK.findall(FENCE.sub("", text)):
+            assert link in PAGES, f"{page} links to {link}"
+        for picture in PICTURE.findall(text):
+            used.add(picture)
+            with Image.open(FOLDER / picture) as image:
+                assert image.format == "JPEG" and image.width == 960, picture
+            assert (FOLDER / picture).stat().st_size <= 150_000, picture
+    assert used == {path.name for path in FOLDER.glob("*.jpg")}, "pictures that no page shows"
+    assert (FOLDER / ".gdignore").is_file(), "or projects of users would import the pictures"
+    for page in ("first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md"):
+        assert PICTURE.search(PAGES[page]) and "\n## If it goes wrong\n" in PAGES[page], page
+
+
+def test_readmes_lead_to_the_pages():
+    shipped = (REPO / "tools/package/README.md").read_text(encoding="utf-8")
+    readme = (REPO / "README.md").read_text(encoding="utf-8")
+    for page in PAGES:
+        assert f"tutorials/{page}" in shipped and f"tutorials/{page}" in readme, page
+    for text in (shipped, readme, (REPO / "demo_project/README.md").read_text(encoding="utf-8")):
+        named = re.findall(r"tutorials/(\w+\.md)", text)
+        assert named and set(named) <= set(PAGES), named
+
+
+def test_code_is_run():
+    """Blocks of GDScript are run by test_readme.py; the one shader is compiled by test_foliage.gd."""
+    kinds = [(page, kind) for page, text in PAGES.items() for kind, _ in FENCE.findall(text)]
+    assert {kind for _, kind in kinds} == {"gdscript", "glsl"}
+    assert [page for page, kind in kinds if kind == "glsl"] == ["your_own_tree.md"]
+    assert "tutorials/your_own_tree.md" in (REPO / "tests/engine/test_foliage.gd").read_text()
+    assert 'glob("*.md")' in (REPO / "tests/test_readme.py").read_text()
+
+
+def capitalized(name: str) -> str:
+    """As the inspector writes a property's name, but for case."""
+    return name.replace("_", " ").lower()
+
+
+def known_names() -> set[str]:
+    """What the editor's buttons and menus say, and the names that the inspector shows, in small letters."""
+    names = {word.strip().lower() for word in OF_THE_ENGINE.split("|")}
+    for script in (ADDON / "editor").glob("*.gd"):
+        names |= {text.lower() for text in re.findall(r'"((?:[^"\\]|\\.)*)"', script.read_text())}
+    for path in (REPO / "extension/doc_classes").glob("*.xml"):
+        root = ElementTree.parse(path).getroot()
+        names |= {capitalized(member.get("name")) for member in root.iterfind("members/member")}
+        for constant in root.iterfind("constants/constant"):
+            names.add(capitalized(constant.get("name").partition("_")[2]))
+    for source in (REPO / "extension/nodes").rglob("*.cpp"):
+        names |= {group.lower() for group in re.findall(r'ADD_(?:SUB)?GROUP\("([^"]+)"', source.read_text())}
+    for shader in (ADDON / "shaders").glob("*.gdshader*"):
+        names |= {capitalized(name) for name in re.findall(r"^uniform \w+ (\w+)", shader.read_text(errors="ignore"), re.MULTILINE)}
+    for name in re.findall(r"^@export[^\n]*? var (\w+)", (ADDON / "shaders/foliage_world.gd").read_text(), re.MULTILINE):
+        names.add(capitalized(name))
+    return names
+
+
+def test_names_that_pages_quote_are_in_the_editor():
+    """What stands in italics is what a button, a menu or the inspector says; so a renamed button is a failing test."""
+    names = known_names()
+    assert "use as ground..." in names and "use as grounds" not in names
+    for page, text in PAGES.items():
+        for quoted in re.findall(r"(?<![*\w])\*(?![*\s])([^*`\n]+(?:\n[^*`\n]+)?)\*(?!\*)", FENCE.sub("", text)):
+            for word in re.sub(r"\s+", " ", quoted).split(" > "):
+                assert word.lower() in names, f"{page}: *{word}* is nowhere in the editor"
+
+
+# --- Their steps --------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def editor(godot, godot_xvfb, tmp_path_factory) -> str:
+    """What is printed while the steps are taken in the editor, in a project with the add-on and a tree from a pack."""
+    folder = new_plain_project(tmp_path_factory.mktemp("tutorials"))
+    link_library(folder)
+    shutil.copytree(STEPS, folder / "tests")
+    shutil.copytree(REPO / "demo_project/meshes", folder / "meshes")
+    (folder / "shaders").mkdir()
+    for shader in (REPO / "demo_project/shaders").glob("stone.gdshader*"):
+        shutil.copy(shader, folder / "shaders")
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    (PICTURES / ".gdignore").touch()
+    (folder / "pictures_of_tests").symlink_to(PICTURES)
+    made = godot(["--path", folder, "--script", "res://tests/tutorial_tree.gd"], timeout=120)
+    assert "written" in made.stdout and not complaints(made.stdout + made.stderr), made.stdout + made.stderr
+    shutil.rmtree(folder / "meshes")
+    shutil.rmtree(folder / "shaders")
+    godot(["--path", folder, "--import"], timeout=120)
+    settings = folder / "project.godot"
+    text = settings.read_text().replace('cfg")', 'cfg", "res://tests/plugin.cfg")')
+    settings.write_text(text + '[rendering]\nrenderer/rendering_method="gl_compatibility"\n')
+    done = godot_xvfb(["--editor", "--path", folder, "--", "tutorials"], timeout=580)
+    return done.stdout + done.stderr
+
+
+def test_steps_in_the_editor(editor):
+    """Checks in tutorials.gd."""
+    assert PASSED.search(editor) and not complaints(editor), editor[-6000:]
+
+
+# What those do who run the scene of server.md. A player clicks on so many trees around a place that he sees, waits until so many are
+# felled, and takes a picture.
+PLAYER = """extends SceneTree
+
+func _initialize() -> void:
+	play.call_deferred()
+
+func play() -> void:
+	var arguments := OS.get_cmdline_user_args()
+	var game: Node3D = load("res://server.gd").new()
+	root.add_child(game)
+	if not game.forest.is_settled():
+		await game.forest.settled
+	if "--server" in arguments:
+		print("ready")
+		while not FileAccess.file_exists("res://over"):
+			await process_frame
+	else:
+		await take_part(game, arguments[0].to_int(), Vector3(arguments[1].to_float(), 0.0, 0.0), arguments[2].to_int())
+	print("digest ", game.forest.state.get_digest())
+	if arguments.size() > 3:
+		await load("res://view.gd").take(game, game.forest, arguments[3])
+		print("taken")
+	quit()
+
+func take_part(game: Node3D, clicks: int, around: Vector3, wanted: int) -> void:
+	while game.multiplayer.multiplayer_peer.get_connection_status() != MultiplayerPeer.CONNECTION_CONNECTED:
+		await process_frame
+	for number in clicks:
+		var tree: ScatterInstance = game.forest.query_nearest(around, 20.0, [],
+				func(id: int, _layer: int, _at: Transform3D) -> bool: return is_seen(game, id))
+		var click := InputEventMouseButton.new()
+		click.button_index = MOUSE_BUTTON_LEFT
+		click.pressed = true
+		click.position = root.get_camera_3d().unproject_position(tree.get_position() + Vector3.UP)
+		root.push_input(click, true)
+		while game.forest.has_instance(tree.id):
+			await process_frame
+	while game.forest.state.get_removed_count() < wanted:
+		await process_frame
+
+func is_seen(game: Node3D, id: int) -> bool:
+	var eye := root.get_camera_3d().global_position
+	var foot: Vector3 = game.forest.get_instance(id).get_position() + Vector3.UP
+	return game.forest.query_ray(eye, foot + eye.direction_to(foot)).get("id", 0) == id
+"""
+
+
+def write_game(folder: Path) -> None:
+    """The script of server.md, on a port that nobody has, and a player."""
+    code = dict(FENCE.findall(PAGES["server.md"]))["gdscript"]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    assert code.count("const PORT := 4433\n") == 1
+    (folder / "server.gd").write_text(code.replace("4433", str(port)))
+    (folder / "player.gd").write_text(PLAYER)
+    shutil.copy(REPO / "tests/engine/tutorial_view.gd", folder / "view.gd")
+
+
+def test_a_server_and_its_players(tmp_path):
+    """Players' clicks fell on the server and with each other; one who comes later has all of it; all agree to the bit."""
+    folder = new_project(tmp_path, '[rendering]\nrenderer/rendering_method="gl_compatibility"\n')
+    write_game(folder)
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    (PICTURES / ".gdignore").touch()
+    arguments = ["--path", folder, "--script", "res://player.gd", "--"]
+    digests = set()
+    with processes() as start:
+        server = start(*arguments, "--server")
+        server.wait_for("^ready$")
+        one = start(*arguments, "12", "-7", "24", PICTURES / "tutorial_server_one.png", screen="--xvfb")
+        other = start(*arguments, "12", "7", "24")
+        digests |= {process.wait_for(r"^digest (-?\d+)$").group(1) for process in (one, other)}
+        late = start(*arguments, "0", "0", "24", PICTURES / "tutorial_server_late.png", screen="--xvfb")
+        digests.add(late.wait_for(r"^digest (-?\d+)$").group(1))
+        for process in (one, late):
+            process.wait_for("^taken$")
+        (folder / "over").touch()
+        digests.add(server.wait_for(r"^digest (-?\d+)$").group(1))
+        other.end()
+        server.end()
+    assert len(digests) == 1
+    views = [np.asarray(Image.open(PICTURES / f"tutorial_server_{who}.png").convert("L"), np.int16) for who in ("one", "late")]
+    assert views[0].std() > 20 and np.abs(views[0] - views[1]).mean() < 1.0, "both see the same"

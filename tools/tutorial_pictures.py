@@ -1,0 +1,53 @@
+"""Makes small pictures of what was taken for the tutorials: see tools/tutorial_pictures.sh.
+
+    tutorial_pictures.py EDITOR GAME TUTORIALS
+
+Folders: of the pictures of the editor's tests, of those of the game, and of the pages.
+"""
+
+import io
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+WIDTH = 960
+MOST_BYTES = 150_000
+# Pixels between two views side by side.
+GAP = 8
+
+
+def side_by_side(left, right):
+    """Two views of one size as one picture."""
+    both = Image.new("RGB", (left.width * 2 + GAP * left.width * 2 // WIDTH, left.height), "white")
+    both.paste(left, (0, 0))
+    both.paste(right, (both.width - right.width, 0))
+    return both
+
+
+def write(image, path):
+    """As sharp as fits."""
+    image = image.convert("RGB")
+    if image.width != WIDTH:
+        image = image.resize((WIDTH, round(WIDTH * image.height / image.width)), Image.Resampling.LANCZOS)
+    for quality in range(92, 40, -4):
+        packed = io.BytesIO()
+        image.save(packed, "JPEG", quality=quality, optimize=True)
+        if packed.tell() <= MOST_BYTES:
+            path.write_bytes(packed.getvalue())
+            print(f"{path.name}: {image.width} by {image.height}, {packed.tell()} bytes")
+            return
+    raise SystemExit(f"{path.name} does not fit into {MOST_BYTES} bytes")
+
+
+def main():
+    editor, game, tutorials = map(Path, sys.argv[1:])
+    for name in ("first_forest", "your_own_tree", "paint_and_shapes", "why"):
+        write(Image.open(editor / f"tutorial_{name}.png"), tutorials / f"{name}.jpg")
+    write(Image.open(game / "falling.png"), tutorials / "game_that_fells.jpg")
+    views = [Image.open(editor / f"tutorial_server_{who}.png") for who in ("one", "late")]
+    write(side_by_side(*views), tutorials / "server.jpg")
+
+
+if __name__ == "__main__":
+    main()
