@@ -89,7 +89,7 @@ func test_it_compiles_and_its_parameters_are_there() -> void:
 
 
 func test_the_tutorials_shader_draws() -> void:
-	var page := FileAccess.get_file_as_string("res://addons/thicket/tutorials/foliage_material.md")
+	var page := FileAccess.get_file_as_string("res://addons/thicket/tutorials/your_own_tree.md")
 	var shader := Shader.new()
 	shader.code = page.get_slice("```glsl\n", 1).get_slice("```", 0)
 	var made := ShaderMaterial.new()

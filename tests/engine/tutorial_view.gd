@@ -14,6 +14,8 @@ static func take(game: Node3D, scatter: TerrainScatter3D, file: String) -> void:
 	scatter.layers[0].max_scale = 1.7
 	scatter.layers[0].max_yaw_degrees = 360.0
 	scatter.layers[0].view_distance = 400.0
+	for material: ShaderMaterial in scatter.layers[0].get_materials():
+		material.set_shader_parameter(&"wind_strength", 0.0) # Two pictures of the same are the same.
 	preset.free()
 	var ground := MeshInstance3D.new()
 	ground.mesh = PlaneMesh.new()

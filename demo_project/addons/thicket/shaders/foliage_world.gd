@@ -5,6 +5,8 @@ extends Node3D
 ##
 ## One node in a scene is enough. It works in the editor and in exported games, and asks for no project setting. In the
 ## editor it shows the wind and leaves the materials as they are, so that nothing is saved with them; bodies are a game's.
+##
+## @tutorial(Your own tree): res://addons/thicket/tutorials/your_own_tree.md
 
 ## As many bodies as the shader takes.
 const MOST_BODIES := 16
