@@ -143,3 +143,37 @@ func test_bad_input() -> void:
 	await settle(scatter)
 	check_error(["layers[0]: ScatterLayer.max_water_depth", 0], "a minimum above the maximum")
 	check_equal(places(scatter, "grass"), grass, "what stands stays")
+
+
+## Biome and water are among the rules that are explained: each with its value, and by name where it says no.
+func test_water_and_biomes_are_explained() -> void:
+	var map := three_biomes()
+	var scatter := make_world(map)
+	scatter.terrain = slope()
+	scatter.water_enabled = true
+	map.biomes[2].layers[0].min_water_depth = 0.5
+	map.biomes[2].layers[0].max_water_depth = 2.0
+	await settle(scatter)
+	var away := scatter.explain_position(Vector3(60, 0, 0), "grass")[0]
+	check_equal([away.refused_by, away.reason], [&"biome", "None of the layer's biomes is here."], "in the forest")
+	var dry := scatter.explain_position(Vector3(40, 0, 90), "reed")[0]
+	check_equal(dry.refused_by, &"water_depth", "4 m above the water: " + dry.reason)
+	check("Depth of the water is -4" in dry.reason and "0.5 m to 2 m" in dry.reason, dry.reason)
+	var rules := range(dry.get_rule_count()).map(dry.get_rule_name)
+	check(&"biome" in rules and &"water_depth" in rules, "both are told: %s" % [rules])
+	var depth := rules.find(&"water_depth")
+	check_equal([dry.get_rule_min(depth), dry.get_rule_max(depth)], [0.5, 2.0], "what is asked for")
+	check(absf(dry.get_rule_value(depth) + 4.0) < 0.01, "the depth: %f" % dry.get_rule_value(depth))
+	check_equal(dry.get_rule_density(rules.find(&"biome")), 1.0, "the weight of the swamp")
+	var wet := scatter.explain_position(Vector3(-10, 0, 90), "reed")[0]
+	check_equal(wet.allowed, true, "1 m deep in the swamp: " + wet.reason)
+	map.biomes[2].water_mode = ScatterBiome.WATER_MODE_NONE
+	await settle(scatter)
+	var none := scatter.explain_position(Vector3(-10, 0, 90), "reed")[0]
+	check_equal(none.refused_by, &"water_depth", "without water: " + none.reason)
+	check("There is no water here" in none.reason, none.reason)
+	map.border_width = 40.0
+	await settle(scatter)
+	var border := scatter.explain_position(Vector3(0.2, 0, 0), "fern")[0]
+	var weight: float = border.get_rule_density(range(border.get_rule_count()).map(border.get_rule_name).find(&"biome"))
+	check(absf(weight - map.get_weights_at(Vector2(0.2, 0))[1]) < 1e-4 and weight < 0.7, "a part of it at a border: %f" % weight)
