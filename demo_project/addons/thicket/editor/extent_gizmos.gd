@@ -3,6 +3,7 @@ extends EditorNode3DGizmoPlugin
 ## Draws how far the layers of the selected [code]TerrainScatter3D[/code] reach: a line around the tiles that stand.
 
 const GroundLines := preload("res://addons/thicket/editor/ground_lines.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 
 const COLOR := Color(0.99, 0.62, 0.5)
 const SIDES: Array[Vector2i] = [Vector2i.UP, Vector2i.RIGHT, Vector2i.DOWN, Vector2i.LEFT]
@@ -29,7 +30,7 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 		return
 	var edges: Array[PackedVector2Array] = []
 	var seen := {}
-	var layers: Array = scatter.get(&"layers")
+	var layers := ScatterLayers.of(scatter)
 	for index in layers.size():
 		if layers[index] == null:
 			continue

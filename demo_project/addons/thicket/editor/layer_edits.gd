@@ -4,6 +4,7 @@ extends RefCounted
 
 const Copies := preload("res://addons/thicket/editor/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 const NewLayers := preload("res://addons/thicket/editor/new_layers.gd")
 ## What names a single layer.
 const REFERENCES: Array[StringName] = [&"proximity_layer", &"color_source_layer", &"variation_source_layer"]
@@ -76,7 +77,7 @@ static func move(scatter: Node3D, layers: Array, to: int, undo_redo: EditorUndoR
 
 ## Gives a layer a name that no other has; who names it follows by itself.
 static func rename(scatter: Node3D, layer: Resource, name: String, undo_redo: EditorUndoRedoManager) -> void:
-	var others: Array = scatter.get(&"layers").filter(func(other: Resource) -> bool: return other != layer)
+	var others := ScatterLayers.of(scatter).filter(func(other: Resource) -> bool: return other != layer)
 	var free := Copies.free_name(name.strip_edges(), Copies.names(others))
 	if name.strip_edges().is_empty() or free == layer.resource_name:
 		return

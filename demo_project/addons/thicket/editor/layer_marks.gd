@@ -3,6 +3,8 @@ extends RefCounted
 ## What a designer has noted on layers for the editor alone: hidden there, locked against tools, a color to find them by. The editor keeps
 ## it for each scene, beside the scene and never in it.
 
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
+
 ## A note on a layer is another one.
 signal changed
 
@@ -57,7 +59,7 @@ func clear() -> void:
 ## Hides in the view what is hidden of a scatter.
 func apply(scatter: Node3D) -> void:
 	if scatter.has_method(&"_set_preview_hidden"):
-		scatter.call(&"_set_preview_hidden", (scatter.get(&"layers") as Array).filter(
+		scatter.call(&"_set_preview_hidden", ScatterLayers.of(scatter).filter(
 				func(layer: Resource) -> bool: return layer != null and is_hidden(layer)))
 
 
@@ -66,7 +68,7 @@ func to_state(root: Node, scatters: Array[Node3D]) -> Dictionary:
 	var state := {}
 	for scatter in scatters:
 		var notes := {}
-		for layer: Resource in scatter.get(&"layers"):
+		for layer: Resource in ScatterLayers.of(scatter):
 			if layer != null and _notes.get(layer.get_instance_id(), {}):
 				notes[layer.get(&"layer_id")] = _notes[layer.get_instance_id()].duplicate()
 		if notes:
@@ -80,7 +82,7 @@ func from_state(root: Node, state: Dictionary) -> void:
 		var scatter := root.get_node_or_null(path)
 		if scatter == null or not scatter.is_class("TerrainScatter3D"):
 			continue
-		for layer: Resource in scatter.get(&"layers"):
+		for layer: Resource in ScatterLayers.of(scatter):
 			if layer != null and state[path].has(layer.get(&"layer_id")):
 				_notes[layer.get_instance_id()] = (state[path][layer.get(&"layer_id")] as Dictionary).duplicate()
 	changed.emit()

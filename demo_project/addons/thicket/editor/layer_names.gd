@@ -2,6 +2,8 @@
 extends RefCounted
 ## The layers that an object of the edited scene may name: those of its scatter.
 
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
+
 
 ## The [code]TerrainScatter3D[/code] that a region stands below, or the first of the edited scene that has the layer;
 ## null for none.
@@ -17,7 +19,7 @@ static func scatter_of(object: Object) -> Node3D:
 	var scatters: Array = root.find_children("*", "TerrainScatter3D", true, false)
 	scatters.push_front(root)
 	for scatter: Node in scatters:
-		if scatter.is_class("TerrainScatter3D") and object in scatter.get(&"layers"):
+		if scatter.is_class("TerrainScatter3D") and object in ScatterLayers.of(scatter):
 			return scatter as Node3D
 	return null
 
@@ -28,7 +30,7 @@ static func others(object: Object, before := false) -> Array[Resource]:
 	var scatter := scatter_of(object)
 	if scatter == null:
 		return result
-	for layer: Resource in scatter.get(&"layers"):
+	for layer: Resource in ScatterLayers.of(scatter):
 		if before and layer == object:
 			break
 		if layer != null and layer != object:
@@ -46,7 +48,7 @@ static func layer_of(object: Object, value: Variant) -> Resource:
 	if value is Resource:
 		return value
 	var scatter := scatter_of(object)
-	var layers: Array = scatter.get(&"layers") if scatter != null else []
+	var layers: Array = ScatterLayers.of(scatter) if scatter != null else []
 	if value is int:
 		return layers[value] if value >= 0 and value < layers.size() else null
 	for layer: Resource in layers:
@@ -63,4 +65,4 @@ static func title(object: Object, value: Variant) -> String:
 	if layer.resource_name:
 		return layer.resource_name
 	var scatter := scatter_of(object)
-	return "Layer %d" % (scatter.get(&"layers") as Array).find(layer) if scatter != null else "Layer without a name"
+	return "Layer %d" % ScatterLayers.of(scatter).find(layer) if scatter != null else "Layer without a name"

@@ -2,6 +2,8 @@
 extends RefCounted
 ## Pictures of what layers are made of, as the FileSystem dock has them.
 
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
+
 ## There is a picture of a layer.
 signal made(layer: Resource, picture: Texture2D)
 
@@ -35,7 +37,7 @@ func _on_preview(_path: String, preview: Texture2D, small: Texture2D, about: Arr
 
 ## A scene that was never saved in this editor has no picture: what is drawn of it has one.
 func _ask_for_drawn(scatter: Node3D, layer: Resource) -> void:
-	if not layer in scatter.get(&"layers"):
+	if not layer in ScatterLayers.of(scatter):
 		return
 	for tile: Vector2i in scatter.call(&"get_shown_tiles", layer):
 		var shown: RefCounted = scatter.call(&"get_tile", layer, tile)

@@ -12,6 +12,7 @@ const Notes := preload("res://addons/thicket/editor/panel_notes.gd")
 const Pictures := preload("res://addons/thicket/editor/layer_pictures.gd")
 const Presets := preload("res://addons/thicket/editor/presets.gd")
 const PreviewBar := preload("res://addons/thicket/editor/preview_bar.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
 const Steps := preload("res://addons/thicket/editor/preview_steps.gd")
@@ -103,11 +104,12 @@ func choose(layers: Array[Resource]) -> void:
 func look() -> void:
 	if not is_instance_valid(_scatter):
 		_scatter = null
-	var layers: Array = _scatter.get(&"layers") if _scatter != null else []
-	var shown: Array = [_scatter, layers.duplicate(), Copies.names(layers)]
+	var layers: Array = ScatterLayers.of(_scatter) if _scatter != null else []
+	var biomes := PackedStringArray(layers.map(func(layer: Resource) -> String: return ScatterLayers.biome_name(_scatter, layer)))
+	var shown: Array = [_scatter, layers.duplicate(), Copies.names(layers), biomes]
 	if shown != _shown and not get_viewport().gui_is_dragging():
 		_shown = shown
-		tree.show_layers(layers)
+		tree.show_layers(layers, biomes)
 		_enable()
 	_empty.text = "" if not layers.is_empty() else "Drop meshes, scenes or layers here: a layer for each." if _scatter != null else (
 			"Select a scatter to see its layers, or make a new one.")
@@ -137,7 +139,7 @@ func add(resources: Array[Resource], at := -1) -> void:
 
 ## Adds copies of the chosen layers.
 func duplicate_chosen() -> void:
-	var chosen := tree.chosen_layers()
+	var chosen := _own_chosen()
 	if chosen.is_empty():
 		return
 	var copies := LayerEdits.copy(_scatter, chosen, _apart.button_pressed, _files, scene_path(), _undo_redo)
@@ -149,7 +151,7 @@ func duplicate_chosen() -> void:
 
 ## Deletes the chosen layers.
 func remove_chosen() -> void:
-	var chosen := tree.chosen_layers()
+	var chosen := _own_chosen()
 	if not chosen.is_empty():
 		var told := LayerEdits.remove(_scatter, chosen, _undo_redo)
 		if not told.is_empty():
@@ -224,9 +226,17 @@ func _notification(what: int) -> void:
 
 func _enable() -> void:
 	_add.disabled = _scatter == null
-	var none := _scatter == null or tree.chosen_layers().is_empty()
+	var none := _own_chosen().is_empty()
 	_copy.disabled = none
 	_remove.disabled = none
+
+
+## The chosen layers without those of biomes, which others may share: they come and go with their biome.
+func _own_chosen() -> Array[Resource]:
+	var result: Array[Resource] = []
+	if is_instance_valid(_scatter):
+		result = ScatterLayers.own(_scatter, tree.chosen_layers())
+	return result
 
 
 func _show_count(layer: Resource) -> int:

@@ -54,16 +54,20 @@ func _init() -> void:
 	button_clicked.connect(_on_button)
 
 
-## Shows these layers; rows of those that stay keep their pictures and stay chosen.
-func show_layers(layers: Array) -> void:
+## Shows the layers that a scatter has, and below the names of its biomes those that it has from them. Rows of layers that stay keep their
+## pictures and stay chosen.
+func show_layers(layers: Array, biomes: PackedStringArray) -> void:
 	var chosen := chosen_layers()
 	_layers = layers.duplicate()
 	_selecting = true
 	clear()
 	var root := create_item()
-	for layer: Resource in _layers:
-		if layer != null:
-			_add_row(root, layer)
+	var headings: Dictionary[String, TreeItem] = {"": root}
+	for index in _layers.size():
+		if _layers[index] != null:
+			if not headings.has(biomes[index]):
+				headings[biomes[index]] = _add_heading(root, biomes[index])
+			_add_row(headings[biomes[index]], _layers[index])
 	_selecting = false
 	choose(chosen)
 
@@ -88,7 +92,10 @@ func chosen_layers() -> Array[Resource]:
 func rows() -> Array[TreeItem]:
 	var result: Array[TreeItem] = []
 	if get_root() != null:
-		result = get_root().get_children()
+		for row in get_root().get_children():
+			if row.get_metadata(Column.NAME) != null:
+				result.append(row)
+			result.append_array(row.get_children()) # Those of a biome.
 	return result
 
 
@@ -142,14 +149,27 @@ func has_picture(layer: Resource) -> bool:
 	return _pictures.has(layer.get_instance_id())
 
 
-func _add_row(root: TreeItem, layer: Resource) -> void:
-	var row := create_item(root)
+## The name of a biome, above the rows of its layers.
+func _add_heading(root: TreeItem, title: String) -> TreeItem:
+	var heading := create_item(root)
+	heading.set_text(Column.NAME, title)
+	heading.set_tooltip_text(Column.NAME, "Layers of a biome: change which there are in the biome itself.")
+	for column in columns:
+		heading.set_selectable(column, false)
+		heading.set_custom_bg_color(column, get_theme_color(&"prop_subsection", &"Editor"))
+	return heading
+
+
+func _add_row(parent: TreeItem, layer: Resource) -> void:
+	var row := create_item(parent)
 	var title := layer.resource_name if layer.resource_name else "Layer %d" % _layers.find(layer)
 	row.set_metadata(Column.NAME, layer)
 	row.set_text(Column.NAME, title)
 	row.set_tooltip_text(Column.NAME, title + (" (%s)" % layer.resource_path if Copies.is_file(layer) else ""))
 	row.set_editable(Column.NAME, true)
-	row.set_icon_max_width(Column.NAME, roundi(PICTURE * EditorInterface.get_editor_scale()))
+	var side := roundi(PICTURE * EditorInterface.get_editor_scale())
+	row.set_icon_max_width(Column.NAME, side)
+	row.custom_minimum_height = side # Else rows move below the mouse as their pictures come.
 	row.set_icon(Column.NAME, _pictures.get(layer.get_instance_id(), get_theme_icon(&"MeshInstance3D", &"EditorIcons")))
 	row.set_text_alignment(Column.COUNT, HORIZONTAL_ALIGNMENT_RIGHT)
 	for column: int in [Column.COUNT, Column.MARKS]:
@@ -215,7 +235,7 @@ func _on_button(row: TreeItem, _column: int, id: int, _mouse_button: int) -> voi
 
 
 func _get_drag_data(_at: Vector2) -> Variant:
-	var chosen := chosen_layers()
+	var chosen := chosen_layers().filter(func(layer: Resource) -> bool: return _is_own(row_of(layer)))
 	if chosen.is_empty():
 		return null
 	var preview := Label.new()
@@ -239,9 +259,14 @@ func _drop_data(at: Vector2, data: Variant) -> void:
 		resources_dropped.emit(MeshDrop.taken(data, true), to)
 
 
-## The index in the scatter's list before which a drop goes; -1 where no row is.
+## True for the row of a layer in the scatter's own list.
+func _is_own(row: TreeItem) -> bool:
+	return row.get_parent() == get_root() and row.get_metadata(Column.NAME) != null
+
+
+## The index in the scatter's list before which a drop goes; -1 where no row of it is.
 func _place_at(at: Vector2) -> int:
 	var row := get_item_at_position(at)
-	if row == null:
+	if row == null or not _is_own(row):
 		return -1
 	return _layers.find(layer_of(row)) + (1 if get_drop_section_at_position(at) > 0 else 0)

@@ -11,6 +11,7 @@ const Import := preload("res://addons/thicket/editor/import_dialog.gd")
 const LayerInspector := preload("res://addons/thicket/editor/layer_inspector.gd")
 const LayerDesk := preload("res://addons/thicket/editor/layer_desk.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
 const Tutorials := preload("res://addons/thicket/editor/tutorial_window.gd")
 
@@ -152,12 +153,12 @@ func _set_state(state: Dictionary) -> void:
 ## What the extent and the toolbar show of a scatter.
 func _state(scatter: Node3D) -> Array:
 	var state: Array = [scatter, scatter.global_transform, scatter.get(&"terrain")]
-	for layer: Resource in scatter.get(&"layers"):
+	for layer: Resource in ScatterLayers.of(scatter):
 		state.append_array([layer, layer.resource_name if layer != null else ""])
 	# Tiles come and go as the camera moves; the line waits until they stay.
 	if scatter.call(&"is_settled"):
 		_tiles = 0
-		for index: int in scatter.get(&"layers").size():
+		for index: int in ScatterLayers.of(scatter).size():
 			_tiles = hash([_tiles, scatter.call(&"get_shown_tiles", index)])
 	state.append(_tiles)
 	return state
@@ -193,7 +194,7 @@ func _reload_scenes(paths: PackedStringArray) -> void:
 	for root: Node in roots.filter(is_instance_valid):
 		for scatter: Node in root.find_children("*", "TerrainScatter3D", true, false) + [root]:
 			if scatter.is_class("TerrainScatter3D"):
-				for layer: Resource in scatter.get(&"layers"):
+				for layer: Resource in ScatterLayers.of(scatter):
 					if layer != null:
 						layer.call(&"reload_scenes", paths)
 

@@ -3,6 +3,8 @@ extends RefCounted
 ## Stands between a change and the view: where a layer would show more than ten times as much as it does, the view keeps what it has, until
 ## the designer has been asked; then it grows in steps that can be stopped. The layer has its new values all the while, and so has the game.
 
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
+
 ## There is something else to tell, or nothing any more.
 signal told
 
@@ -74,10 +76,10 @@ func held_of(scatter: Node3D, layer: Resource) -> Watch:
 ## Looks after the layers of a scatter, some times a second; null for none. Those that were looked after before still are.
 func look(scatter: Node3D) -> void:
 	for watch: Watch in _watches.duplicate():
-		if not is_instance_valid(watch.scatter) or not watch.layer in watch.scatter.get(&"layers"):
+		if not is_instance_valid(watch.scatter) or not watch.layer in ScatterLayers.of(watch.scatter):
 			_forget(watch)
 	if is_instance_valid(scatter) and scatter.has_method(&"_set_preview_stand_in"):
-		for layer: Resource in scatter.get(&"layers"):
+		for layer: Resource in ScatterLayers.of(scatter):
 			if layer != null and not _watches.any(func(watch: Watch) -> bool: return watch.layer == layer and watch.scatter == scatter):
 				_begin(scatter, layer)
 	for watch in _watches:

@@ -4,6 +4,7 @@ extends "res://addons/thicket/editor/ground_veil.gd"
 
 enum Kind { NOTHING, DENSITY, SLOPE, RANK }
 
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 const NAMES: PackedStringArray = ["Nothing", "Density", "Slope", "Rank"]
 const TIPS: PackedStringArray = [
 	"No colors on the ground.",
@@ -28,7 +29,7 @@ var _name := ""
 ## Draws what is asked for of the layer at an index, around a place of the ground, seen from [param away] meters; called again with the
 ## same, it does nothing. [param version] tells one state of the settings from another.
 func show(scatter: Node3D, kind: Kind, layer: int, around: Vector3, away: float, version: int) -> void:
-	var layers: Array = scatter.get(&"layers")
+	var layers := ScatterLayers.of(scatter)
 	var chosen: Resource = layers[layer] if layer >= 0 and layer < layers.size() else null
 	if kind == Kind.NOTHING or (chosen == null and kind != Kind.SLOPE):
 		return hide()

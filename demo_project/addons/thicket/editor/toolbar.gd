@@ -9,6 +9,7 @@ const PolygonTool := preload("res://addons/thicket/editor/polygon_tool.gd")
 const Presets := preload("res://addons/thicket/editor/presets.gd")
 const RectangleTool := preload("res://addons/thicket/editor/rectangle_tool.gd")
 const RegionMenu := preload("res://addons/thicket/editor/region_menu.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 const ScatterTool := preload("res://addons/thicket/editor/scatter_tool.gd")
 const WhyTool := preload("res://addons/thicket/editor/why_tool.gd")
 
@@ -156,7 +157,7 @@ func _add_regions(undo_redo: EditorUndoRedoManager) -> void:
 
 
 func _scatter_layers() -> Array:
-	return _scatter.get(&"layers") if is_instance_valid(_scatter) else []
+	return ScatterLayers.of(_scatter) if is_instance_valid(_scatter) else []
 
 
 func _on_toggled(on: bool, tool: ScatterTool) -> void:

@@ -6,6 +6,7 @@ extends "res://addons/thicket/editor/scatter_tool.gd"
 const GroundCursor := preload("res://addons/thicket/editor/ground_cursor.gd")
 const GroundRay := preload("res://addons/thicket/editor/ground_ray.gd")
 const RuleOverlay := preload("res://addons/thicket/editor/rule_overlay.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 const WhyPanel := preload("res://addons/thicket/editor/why_panel.gd")
 
 ## Milliseconds between two explanations while the mouse moves.
@@ -134,7 +135,7 @@ func _explain(at: Vector3, at_once: bool) -> void:
 	_explained = at
 	if terrain() == null:
 		panel.tell("There is no ground: give %s a terrain." % scatter.name)
-	elif scatter.get(&"layers").is_empty():
+	elif ScatterLayers.of(scatter).is_empty():
 		panel.tell("There is nothing to explain: give %s a layer." % scatter.name)
 	elif not at.is_finite():
 		panel.rows.clear()

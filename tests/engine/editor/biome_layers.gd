@@ -1,0 +1,161 @@
+@tool
+extends "res://tests/steps.gd"
+## Layers of biomes in the panel and under the brush: listed below the name of their biome, chosen, hidden, painted and undone as the
+## scatter's own are, while which there are is the biome's business.
+
+const SCENE := "res://valley.tscn"
+
+var scatter: Node3D
+
+
+func tree() -> Tree:
+	return addon().desk.panel.tree
+
+
+func layer(title: String) -> Resource:
+	for index: int in scatter.get_layer_count():
+		if scatter.get_layer(index) != null and scatter.get_layer(index).resource_name == title:
+			return scatter.get_layer(index)
+	return null
+
+
+## The middle of a layer's name, or of a mark of its row, on the window.
+func place_of(title: String, mark := -1) -> Vector2:
+	var row: TreeItem = tree().row_of(layer(title))
+	var rect := tree().get_item_area_rect(row, 0) if mark < 0 else tree().get_item_area_rect(row, 2, mark)
+	return tree().get_global_transform_with_canvas() * (rect.position + rect.size * Vector2(0.3 if mark < 0 else 0.5, 0.5))
+
+
+func new_layer(title: String, radius: float) -> Resource:
+	var made: Resource = ClassDB.instantiate(&"ScatterLayer")
+	made.resource_name = title
+	made.radius = radius
+	made.meshes = [BoxMesh.new()]
+	return made
+
+
+func new_biome(title: String, color: Color, layers: Array) -> Resource:
+	var made: Resource = ClassDB.instantiate(&"ScatterBiome")
+	made.resource_name = title
+	made.color = color
+	for each: Resource in layers:
+		made.layers.push_back(each)
+	return made
+
+
+## A valley with meadow to the left and swamp to the right.
+func new_map() -> Resource:
+	var image := Image.create_empty(2, 1, false, Image.FORMAT_RGB8)
+	image.set_pixel(0, 0, Color.LIME)
+	image.set_pixel(1, 0, Color.RED)
+	var map: Resource = ClassDB.instantiate(&"ScatterBiomeMap")
+	map.map_rect = Rect2(-128.0, -128.0, 256.0, 256.0)
+	map.border_noise = 0.0
+	map.biomes.push_back(new_biome("Meadow", Color.LIME, [new_layer("Grass", 1.5)]))
+	map.biomes.push_back(new_biome("Swamp", Color.RED, [new_layer("Reed", 1.5), new_layer("Willow", 6.0)]))
+	map.map_image = image
+	return map
+
+
+func saved() -> Dictionary:
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+	var result := {}
+	for file in files("res://"):
+		if file.begins_with("valley"):
+			result[file] = FileAccess.get_file_as_bytes("res://" + file)
+	return result
+
+
+func look() -> void:
+	await get_tree().create_timer(0.6).timeout
+
+
+func test_biomes_are_listed() -> void:
+	var root := Node3D.new()
+	root.name = "Valley"
+	scatter = ClassDB.instantiate(&"TerrainScatter3D")
+	scatter.name = "Scatter"
+	scatter.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	scatter.layers = [new_layer("Rock", 5.0)]
+	scatter.biomes = new_map()
+	root.add_child(scatter)
+	scatter.owner = root
+	var packed := PackedScene.new()
+	packed.pack(root)
+	root.free()
+	ResourceSaver.save(packed, SCENE)
+	root = await open(SCENE)
+	EditorInterface.set_main_screen_editor("3D")
+	scatter = root.get_node("Scatter")
+	EditorInterface.get_selection().add_node(scatter)
+	EditorInterface.edit_node(scatter)
+	await settle(scatter)
+	await look()
+	var titles: Array = tree().rows().map(func(row: TreeItem) -> String: return row.get_text(0))
+	check_equal(titles, ["Rock", "Grass", "Reed", "Willow"], "a row for each layer")
+	check_equal(tree().row_of(layer("Rock")).get_parent(), tree().get_root(), "the scatter's own stands by itself")
+	for pair: Array in [["Grass", "Meadow"], ["Reed", "Swamp"], ["Willow", "Swamp"]]:
+		var row: TreeItem = tree().row_of(layer(pair[0]))
+		check_equal(row.get_parent().get_text(0), pair[1], pair[0] + " stands below its biome")
+		var count: int = scatter.get_shown_count(layer(pair[0]))
+		check(count > 20, "%s: %d instances" % [pair[0], count])
+		check_equal(row.get_text(1), load("res://addons/thicket/editor/preview_bar.gd").grouped(count), "told in its row")
+	await picture("biome_layers")
+
+
+func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
+	var before := saved()
+	await mouse_click(place_of("Reed"))
+	await frames(2)
+	check_equal(addon().toolbar.chosen, [layer("Reed")] as Array[Resource], "a click chooses it for tools")
+	check_equal(addon().toolbar.paint.layer, layer("Reed"), "for the brush, too")
+	check_equal(scatter.get_layer(addon().toolbar.paint.layer_index), layer("Reed"), "by the index that the scatter knows")
+	check(addon().desk.panel._remove.disabled and addon().desk.panel._copy.disabled, "which layers there are is the biome's business")
+	await key(KEY_DELETE)
+	check(layer("Reed") != null, "the key does not delete it")
+	await mouse_click(place_of("Reed", 2))
+	await settle(scatter)
+	check(addon().desk.marks.is_hidden(layer("Reed")), "the eye hides it")
+	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances - scatter.get_shown_count(layer("Reed")), "nothing of it is drawn")
+	var state: Dictionary = addon()._get_state()
+	addon().desk.marks.put(layer("Reed"), &"hidden", null)
+	addon()._set_state(state)
+	check(addon().desk.marks.is_hidden(layer("Reed")), "kept by the editor, for the scene")
+	addon().desk.marks.put(layer("Reed"), &"hidden", null)
+	await settle(scatter)
+	check_equal(saved(), before, "nothing of that is in the scene")
+
+
+func test_a_layer_of_a_biome_is_painted() -> void:
+	var before := saved()
+	await mouse_click(place_of("Reed"))
+	await frames(2)
+	var paint: Node = addon().toolbar.paint
+	paint.set_on(true)
+	paint.choose_mode(1)
+	paint.set_brush(8.0, 1.0, 1.0)
+	await stroke([Vector3(2.0, 0.0, 0.0), Vector3(6.0, 0.0, 0.0)])
+	check_equal(paint.problem, "", "a stroke is made")
+	check(layer("Reed").mask != null and layer("Willow").mask == null and layer("Rock").mask == null, "on this layer alone")
+	await settle(scatter)
+	check_equal(scatter.query_rect(Rect2(0.0, -3.0, 8.0, 6.0), layer("Reed")).size(), 0, "no reed is left there")
+	var after := saved()
+	check(after != before and after.size() == before.size() + 1, "the mask is a file beside the scene: %s" % [after.keys()])
+	await undo()
+	check_equal(saved(), before, "undone")
+	await redo()
+	check_equal(saved(), after, "redone")
+	await undo()
+	paint.set_on(false)
+
+
+## Another biome in one assignment: the panel shows its layers, and what was chosen of the old one is left.
+func test_a_biome_is_replaced() -> void:
+	await mouse_click(place_of("Reed"))
+	scatter.biomes.biomes[1] = new_biome("Dry Bed", Color.RED, [new_layer("Thistle", 2.0)])
+	await settle(scatter)
+	await look()
+	var titles: Array = tree().rows().map(func(row: TreeItem) -> String: return row.get_text(0))
+	check_equal(titles, ["Rock", "Grass", "Thistle"], "the rows follow")
+	check_equal(tree().row_of(layer("Thistle")).get_parent().get_text(0), "Dry Bed", "below its name")
+	check_equal(addon().toolbar.chosen, [layer("Rock")] as Array[Resource], "tools have a layer that is there")
