@@ -95,13 +95,19 @@ func test_a_duplicate_is_told() -> void:
 	paint.set_on(false)
 	check(FileAccess.file_exists("res://glade_grass_mask.res"), "what is painted lies in a file")
 	saved()
+	var edits: RefCounted = addon().toolbar.hand.edits
+	check(edits.begin(scatter, SCENE), "hand-placed instances go into a file: " + edits.problem)
+	check(edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0) != 0, "one is planted")
+	edits.commit("Plant")
+	scatter.remove_instance(scatter.query_rect(Rect2(20.0, 20.0, 10.0, 10.0), 0).ids[0])
+	saved()
 	check(not panel().notes._sharing.visible, "alone it shares nothing")
 	duplicate_scatter()
 	await look()
 	await select(other)
 	check(panel().notes._sharing.is_visible_in_tree(), "the panel tells what a duplicate shares")
 	var told: String = panel().notes._shared.tell(other.name)
-	check_equal(told, "Scatter2 shares its layers and its seed with Scatter: both show the same instances.", "told")
+	check_equal(told, "Scatter2 shares its layers, its state and its seed with Scatter: both show the same instances.", "told")
 	check(panel().notes.note_on(other.layers[2]).contains("shared_moss.tres"), "of a layer that is a file in its row alone")
 	await picture("panel_shared")
 
@@ -123,6 +129,9 @@ func test_make_unique() -> void:
 	check(other.seed != scatter.seed, "another seed")
 	check_equal(other.layers[0].mask.resource_path, "res://glade_grass_mask_2.res", "a mask in a file of its own")
 	check(other.layers[0].mask.sample(Vector2.ZERO) == 0.0, "painted as it was")
+	check_equal(other.state.resource_path, "res://glade_scatter_2_state.res", "what was made by hand is in a file of its own")
+	check_equal([other.state.get_added_count(), other.state.get_removed_count()], [1, 0], "planted ones stand with any seed, removals do not")
+	check_equal([scatter.state.get_added_count(), scatter.state.get_removed_count()], [1, 1], "the original keeps both")
 	scatter.layers[1].radius = 9.0
 	check(other.layers[1].radius == 5.0, "a change changes one alone")
 	scatter.layers[1].radius = 5.0
@@ -130,6 +139,7 @@ func test_make_unique() -> void:
 	check(after.has("glade_grass_mask_2.res") and not before.has("glade_grass_mask_2.res"), "a file more")
 	await undo()
 	check_equal(other.layers, scatter.layers, "undone")
+	check_equal(other.state, scatter.state, "the state, too")
 	check_same(saved(), before, "undone")
 	await redo()
 	check_same(saved(), after, "redone")

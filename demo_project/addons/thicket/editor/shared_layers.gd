@@ -102,20 +102,33 @@ static func make_unique(scatter: Node3D, new_seed: bool, with_files: bool, files
 		new[index] = Copies.of(old[index], copies, false)
 		if new[index] != old[index] and not files.copy_mask(new[index], scene_path, masks):
 			return files.problem
+	var states: Array[Resource] = []
+	if not _copy_state(scatter, new_seed, files, scene_path, states):
+		return files.problem
 	undo_redo.create_action("Make %s Unique" % scatter.name, UndoRedo.MERGE_DISABLE, scatter)
+	if states[0] != scatter.get(&"state"): # None meanwhile: a state fits one seed only.
+		undo_redo.add_do_property(scatter, &"state", null)
+		undo_redo.add_undo_property(scatter, &"state", null)
 	undo_redo.add_do_property(scatter, &"layers", new)
 	undo_redo.add_undo_property(scatter, &"layers", old)
 	if new_seed:
 		undo_redo.add_do_property(scatter, &"seed", free_seed(scatter))
 		undo_redo.add_undo_property(scatter, &"seed", scatter.get(&"seed"))
-	_copy_state(scatter, new_seed, undo_redo)
+	# A state is held against the seed that the scatter knew last; being asked for instances, it takes in the other one.
+	undo_redo.add_do_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
+	undo_redo.add_undo_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
+	undo_redo.add_do_property(scatter, &"state", states[0])
+	undo_redo.add_undo_property(scatter, &"state", scatter.get(&"state"))
 	for region: Node in scatter.find_children("*", "ScatterRegion3D", true, false):
 		var mentioned: Array = region.get(&"layers")
 		var followed := mentioned.map(func(layer: Variant) -> Variant: return copies.get(layer, layer) if layer is Resource else layer)
 		if followed != mentioned:
 			undo_redo.add_do_property(region, &"layers", followed)
 			undo_redo.add_undo_property(region, &"layers", mentioned)
-	files.add_to_undo(masks.values(), scene_path, undo_redo)
+	var made := masks.values()
+	if states[0] != scatter.get(&"state") and states[0] != null and Copies.is_file(states[0]):
+		made.append(states[0])
+	files.add_to_undo(made, scene_path, undo_redo)
 	undo_redo.commit_action()
 	return ""
 
@@ -131,14 +144,20 @@ static func free_seed(scatter: Node3D) -> int:
 	return result
 
 
-## A state that lies in the scene is copied; one that is a file may be shared by many nodes, and is a game's own business. With another seed
-## there are other instances, of which nothing has been removed.
-static func _copy_state(scatter: Node3D, new_seed: bool, undo_redo: EditorUndoRedoManager) -> void:
+## What was made by hand is the copy's own, in a file of its own if it lies in one; a state that a game writes may be shared by many nodes,
+## and stays. With another seed there are other instances, of which nothing has been removed; those placed by hand stand all the same.
+## False, with the reason in [code]files.problem[/code], if it cannot be written.
+static func _copy_state(scatter: Node3D, new_seed: bool, files: SceneFiles, scene_path: String, r_made: Array[Resource]) -> bool:
 	var state: Resource = scatter.get(&"state")
-	if state == null or (Copies.is_file(state) and not new_seed):
-		return
-	undo_redo.add_do_property(scatter, &"state", null if new_seed else state.duplicate())
-	undo_redo.add_undo_property(scatter, &"state", state)
+	if state == null or (Copies.is_file(state) and not state.get(&"designed")):
+		r_made.append(null if new_seed else state)
+		return true
+	var copy := state.duplicate()
+	if new_seed:
+		for id: int in state.call(&"get_removed"):
+			copy.call(&"restore", id)
+	r_made.append(copy)
+	return not Copies.is_file(state) or files.create(scene_path, copy, scatter.name, "state")
 
 
 ## A mask that lies beside another scene, under the name that the brush gives, is that scene's.
