@@ -81,6 +81,34 @@ func test_everything_comes_back() -> void:
 	check_equal(scatter.get_stats()["bodies"], bodies, "bodies, too")
 
 
+## So many that the picture follows over frames, and so few that only tiles near them are drawn anew.
+func test_many_changes_in_some_places() -> void:
+	var viewer := make_viewer()
+	var scatter := make_wood(viewer, false)
+	await settle(scatter)
+	var places: Array[Vector3] = [Vector3(-45.0, 0.0, 20.0), Vector3(50.0, 0.0, -50.0), Vector3(-40.0, 0.0, 45.0)]
+	var removed := PackedInt64Array()
+	for place in places: # No frame lies between them.
+		var ids := scatter.remove_in_sphere(place, 16.0)
+		check(ids.size() > 1024 and ids.size() < 16384, "%d removed" % ids.size())
+		removed.append_array(ids)
+	await settle(scatter)
+	var fresh := make_wood(viewer, false)
+	fresh.state = scatter.state
+	await settle(fresh)
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the picture")
+	var back := ScatterState.new()
+	back.from_bytes(scatter.state.to_bytes())
+	var revision := back.get_revision()
+	for id in removed:
+		back.restore(id)
+	check_equal(scatter.state.apply_diff(back.diff_since(revision)), OK, "all restored by a diff")
+	await settle(scatter)
+	fresh.state = null
+	await settle(fresh)
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the picture once all came back")
+
+
 func test_changes_outside_of_the_tree() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer, false)

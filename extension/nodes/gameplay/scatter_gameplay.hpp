@@ -48,6 +48,7 @@ public:
 	virtual void redraw_all() = 0;
 
 	/// The same over the next frames, under their budget.
+	virtual void redraw_later(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all_later() = 0;
 	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
 
@@ -175,6 +176,18 @@ private:
 		std::size_t told = 0;
 	};
 
+	/// Of the node, by what they tell of. They are kept, as making a name costs as much as a removal.
+	struct Signals {
+		const godot::StringName &of(InstanceChangeKind kind) const;
+
+		const godot::StringName none; ///< Nobody is told.
+		const godot::StringName removed = "instance_removed";
+		const godot::StringName restored = "instance_restored";
+		const godot::StringName added = "instance_added";
+		const godot::StringName moved = "instance_moved";
+		const godot::StringName data = "instance_data_changed";
+	};
+
 	SceneHost scene_host();
 	bool prepare(const char *p_method);
 	template <class Query>
@@ -196,11 +209,13 @@ private:
 	std::int64_t layer_index_of(std::uint64_t id) const;
 	Rect area_of(std::uint64_t id, glm::dvec3 position, std::uint32_t layer) const;
 	bool stands_no_longer(std::uint64_t id) const;
-	const PlacedInstance *find_leaving(std::uint64_t id);
+	void redraw_later(std::span<const InstanceChange> changes);
+	const PlacedInstance *find_changing(std::uint64_t id);
 	void tell(const InstanceChange &change);
 	void tell_backlog(std::chrono::steady_clock::time_point deadline);
 	bool still_true(const InstanceChange &change) const;
 
+	const Signals signals_;
 	GameplayHost *host_; ///< Null once the node is gone.
 	bool running_ = false;
 	std::uint64_t run_ = 0;
@@ -209,8 +224,8 @@ private:
 	InstanceWorld world_;
 	godot::Ref<ScatterState> state_;
 	std::deque<Untold> backlog_;
-	std::span<const PlacedInstance>
-			leaving_; ///< What is being removed by this node and was not told yet, in the order of telling.
+	/// What this node is removing or restoring and has not told yet, in the order of telling.
+	std::span<const PlacedInstance> changing_;
 
 	QueryRequests requests_;
 	std::map<std::int64_t, godot::Ref<ScatterRequest>> open_; ///< By their numbers in requests_.

@@ -9,6 +9,9 @@
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/memory.hpp>
 
+#include <glm/common.hpp>
+
+#include <map>
 #include <unordered_set>
 #include <utility>
 
@@ -20,18 +23,6 @@ namespace {
 
 /// Changes that are told before anybody looks at the clock.
 constexpr std::size_t told_in_a_row = 128;
-
-const char *signal_of(InstanceChangeKind kind) {
-	switch (kind) {
-		case InstanceChangeKind::removed: return "instance_removed";
-		case InstanceChangeKind::restored: return "instance_restored";
-		case InstanceChangeKind::added: return "instance_added";
-		case InstanceChangeKind::left: break;
-		case InstanceChangeKind::moved: return "instance_moved";
-		case InstanceChangeKind::data: return "instance_data_changed";
-	}
-	return ""; // Nobody is told.
-}
 
 /// Sets a value until it is left, also by an exception.
 template <typename T>
@@ -158,7 +149,7 @@ std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedIns
 		return {};
 	}
 	const Ref<ScatterState> state = state_;
-	const Meanwhile leaving(leaving_, instances);
+	const Meanwhile changing(changing_, instances);
 	return state->remove_all(removals);
 }
 
@@ -166,8 +157,9 @@ bool ScatterGameplay::restore_instance(int64_t p_id) {
 	if (state_.is_null() || !state_->is_removed(p_id)) {
 		return false;
 	}
-	find_by_id("restore_instance", p_id, true); // Its tile is known then, for the signal.
+	const std::vector<PlacedInstance> found = find_by_id("restore_instance", p_id, true);
 	const Ref<ScatterState> state = state_;
+	const Meanwhile changing(changing_, std::span(found));
 	return state.is_valid() && state->restore(p_id);
 }
 
@@ -229,7 +221,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 		if (!moved.empty()) {
 			scenes_.drop_if([&moved](std::uint64_t id) { return moved.contains(id); });
 		}
-		host_->redraw_all_later();
+		redraw_later(*changes);
 		return;
 	}
 	for (const InstanceChange &change : *changes) {
@@ -241,6 +233,27 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 				ring->drop(change.id);
 			}
 		}
+	}
+}
+
+/// Tiles that the changes may lie in follow over the next frames. To find the areas of very many would itself take too long.
+void ScatterGameplay::redraw_later(std::span<const InstanceChange> changes) {
+	if (changes.size() > most_at_once * 16) {
+		host_->redraw_all_later();
+		return;
+	}
+	std::map<std::uint32_t, Rect> bounds;
+	for (const InstanceChange &change : changes) {
+		const std::int64_t index = layer_index_of(change.id);
+		if (index >= 0 && change.kind != InstanceChangeKind::data) {
+			const auto layer = static_cast<std::uint32_t>(index);
+			const Rect area = area_of(change.id, change.added.position, layer);
+			Rect &bound = bounds.try_emplace(layer, area).first->second;
+			bound = {glm::min(bound.min, area.min), glm::max(bound.max, area.max)};
+		}
+	}
+	for (const auto &[layer, bound] : bounds) {
+		host_->redraw_later(layer, bound);
 	}
 }
 
@@ -287,13 +300,25 @@ void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadlin
 	}
 }
 
-/// Where an instance stood that this node removes at the moment. It was asked for once, and need not be again. Changes are told in the
-/// order of the instances; what was changed by handlers meanwhile comes after them.
-const PlacedInstance *ScatterGameplay::find_leaving(std::uint64_t id) {
-	while (!leaving_.empty() && leaving_.front().id != id) {
-		leaving_ = leaving_.subspan(1);
+/// Where an instance stands that this node removes or restores at the moment. It was asked for once, and need not be again. Changes
+/// are told in the order of the instances; what was changed by handlers meanwhile comes after them.
+const PlacedInstance *ScatterGameplay::find_changing(std::uint64_t id) {
+	while (!changing_.empty() && changing_.front().id != id) {
+		changing_ = changing_.subspan(1);
 	}
-	return leaving_.empty() ? nullptr : &leaving_.front();
+	return changing_.empty() ? nullptr : &changing_.front();
+}
+
+const StringName &ScatterGameplay::Signals::of(InstanceChangeKind kind) const {
+	switch (kind) {
+		case InstanceChangeKind::removed: return removed;
+		case InstanceChangeKind::restored: return restored;
+		case InstanceChangeKind::added: return added;
+		case InstanceChangeKind::left: break;
+		case InstanceChangeKind::moved: return moved;
+		case InstanceChangeKind::data: return data;
+	}
+	return none;
 }
 
 /// Only where it is known where the instance stands: changes that come from elsewhere make no tiles. Runs scripts.
@@ -305,8 +330,8 @@ void ScatterGameplay::tell(const InstanceChange &change) {
 	Transform3D transform;
 	if (is_added(change.id) && change.kind != InstanceChangeKind::data) {
 		transform = to_engine(change.added.basis, change.added.position, offset_);
-	} else if (const PlacedInstance *leaving = find_leaving(change.id)) {
-		transform = to_engine(*leaving, offset_);
+	} else if (const PlacedInstance *changing = find_changing(change.id)) {
+		transform = to_engine(*changing, offset_);
 	} else {
 		std::vector<PlacedInstance> found;
 		const Status status = world_.ask_known(
@@ -316,7 +341,7 @@ void ScatterGameplay::tell(const InstanceChange &change) {
 		}
 		transform = to_engine(found.front(), offset_);
 	}
-	host_->node()->emit_signal(signal_of(change.kind), script_id(change.id), index, transform);
+	host_->node()->emit_signal(signals_.of(change.kind), script_id(change.id), index, transform);
 }
 
 } // namespace thicket

@@ -74,8 +74,10 @@ void ScatterState::tell(std::vector<InstanceChange> changes) {
 		return;
 	}
 	const auto shared = std::make_shared<const std::vector<InstanceChange>>(std::move(changes));
-	for (const std::shared_ptr<StateListener> &listener : listeners()) {
-		listener->state_changed(shared);
+	for (const std::weak_ptr<StateListener> &listener : listeners_) { // None of them runs a script, so none leaves.
+		if (const std::shared_ptr<StateListener> held = listener.lock()) {
+			held->state_changed(shared);
+		}
 	}
 	untold_.push_back(shared);
 	if (telling_) {
@@ -103,7 +105,7 @@ void ScatterState::tell_now(const SharedChanges &changes) {
 	const auto id_of = [](const InstanceChange &change) {
 		return script_id(change.id);
 	};
-	emit_signal("instances_changed", packed<PackedInt64Array>(std::span(*changes), id_of));
+	emit_signal(instances_changed_, packed<PackedInt64Array>(std::span(*changes), id_of));
 	emit_changed();
 }
 

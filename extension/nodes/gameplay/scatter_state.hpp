@@ -133,6 +133,8 @@ private:
 	std::deque<SharedChanges> untold_;
 	bool telling_ = false;
 	bool designed_ = false;
+	const godot::StringName instances_changed_ =
+			"instances_changed"; ///< The signal: making a name costs as much as a removal.
 	std::uint64_t frame_ = std::numeric_limits<std::uint64_t>::max(); ///< The last in which a node moved the clock on.
 };
 

@@ -17,7 +17,9 @@ namespace thicket {
 bool LayerWatch::differs(const TypedArray<ScatterLayer> &p_layers) const {
 	bool same = p_layers.size() == static_cast<int64_t>(seen_.size());
 	for (std::size_t index = 0; same && index < seen_.size(); ++index) {
-		same = seen_[index].layer == Ref<ScatterLayer>(p_layers[static_cast<int64_t>(index)]);
+		const Object *layer =
+				p_layers[static_cast<int64_t>(index)]; // Every question comes here: no reference is counted.
+		same = layer == seen_[index].layer.ptr();
 	}
 	return !same;
 }

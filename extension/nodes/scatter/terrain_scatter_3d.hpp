@@ -251,6 +251,7 @@ private:
 		void set_overlay(const InstanceState *state) override { node_.display().set_state(state); }
 		void redraw(std::uint32_t layer, const Rect &area) override;
 		void redraw_all() override;
+		void redraw_later(std::uint32_t layer, const Rect &area) override { node_.display().mark_later(layer, area); }
 		void redraw_all_later() override { node_.display().mark_all_later(); }
 		void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) override;
 		void recycle_soon() override { node_.call_deferred("_recycle_scenes"); }

@@ -54,7 +54,8 @@ public:
 	/// Draws the tiles anew, one upload each, whose overlay has changed where it was marked. Call it before the frame is drawn.
 	void patch();
 
-	/// Every tile on show may have changed: it is drawn anew by `patch_step`, if it has.
+	/// The same for what `patch_step` draws anew, tile by tile, where it has changed.
+	void mark_later(std::uint32_t layer, const Rect &area);
 	void mark_all_later();
 
 	/// Draws one such tile. False if there is none.
@@ -264,7 +265,7 @@ private:
 	std::unordered_set<std::uint64_t> hidden_;
 	std::vector<Mark> marks_;
 	bool marked_all_ = false;
-	std::vector<TileKey> marked_later_;
+	std::set<Order> marked_later_;
 	std::uint64_t overlay_version_ = 0; ///< Rises with every `patch` that had marks.
 };
 

@@ -64,20 +64,28 @@ void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
 	refine(key, r_tile);
 }
 
+void TileDisplay::mark_later(std::uint32_t layer, const Rect &area) {
+	++overlay_version_;
+	for (const auto &[at, tile] : tiles_) {
+		if (key_of(at).layer == layer && meet(tile.rect, area)) {
+			marked_later_.insert(at);
+		}
+	}
+}
+
 void TileDisplay::mark_all_later() {
 	++overlay_version_;
-	marked_later_.clear();
 	for (const auto &[at, tile] : tiles_) {
-		marked_later_.push_back(key_of(at));
+		marked_later_.insert(at);
 	}
 }
 
 bool TileDisplay::patch_step() {
 	while (!marked_later_.empty()) {
-		const TileKey key = marked_later_.back();
-		marked_later_.pop_back();
-		if (const auto found = tiles_.find(order(key)); found != tiles_.end()) {
-			redraw(key, found->second);
+		const Order at = *marked_later_.begin();
+		marked_later_.erase(marked_later_.begin());
+		if (const auto found = tiles_.find(at); found != tiles_.end()) {
+			redraw(key_of(at), found->second);
 			return true;
 		}
 	}
