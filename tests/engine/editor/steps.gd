@@ -123,9 +123,6 @@ func mouse_drag(from: Vector2, to: Vector2) -> void:
 func drag_files(paths: PackedStringArray, to: Vector2) -> void:
 	var dock := EditorInterface.get_file_system_dock()
 	var from := dock.get_global_transform_with_canvas() * (dock.size * 0.5)
-	# Where a drop lands is asked of the system; once something is dragged, a motion of the pointer itself would end that.
-	Input.warp_mouse(to)
-	await frames(3)
 	await mouse_to(from, MOUSE_BUTTON_MASK_LEFT)
 	var preview := Label.new()
 	preview.text = ", ".join(paths)
