@@ -243,7 +243,7 @@ def desk_project(plain_project) -> Path:
     return plain_project
 
 
-@pytest.mark.parametrize("script", ["layers_panel", "shared_layers", "biome_layers"])
+@pytest.mark.parametrize("script", ["layers_panel", "shared_layers", "biome_layers", "undo_steps"])
 def test_layers_desk(godot, godot_xvfb, desk_project, script):
     """The panel with mouse and keys, what a duplicate shares, and questions before far more is shown: checks in the scripts."""
     godot(["--path", desk_project, "--import"], timeout=120)

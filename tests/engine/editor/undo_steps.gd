@@ -1,0 +1,308 @@
+@tool
+extends "res://tests/steps.gd"
+## What the plugin does to a scene, each as one step of undo: undone and redone, the saved scene and the files beside it are what they were,
+## to the byte. First each step alone, then all of them one by one, then all at once.
+
+const BakeReplacement := preload("res://addons/thicket/editor/bake_replacement.gd")
+const GroundButtons := preload("res://addons/thicket/editor/ground_buttons.gd")
+const LayerEdits := preload("res://addons/thicket/editor/layer_edits.gd")
+const MeshDrop := preload("res://addons/thicket/editor/mesh_drop.gd")
+const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
+const SpacingEditor := preload("res://addons/thicket/editor/spacing_editor.gd")
+const SCENE := "res://heath.tscn"
+const MOSS := "res://moss.tres"
+const TABLE := "res://stones.txt"
+
+var root: Node
+var scatter: Node3D
+var manager: EditorUndoRedoManager
+
+# What was saved before the first step, and after each.
+var _saved: Array[Dictionary] = []
+var _names := PackedStringArray()
+
+
+func make_layer(title: String, radius: float) -> Resource:
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.resource_name = title
+	layer.meshes = [BoxMesh.new()]
+	layer.meshes[0].size = Vector3(0.2, 0.4, 0.2)
+	layer.radius = radius
+	layer.view_distance = 40.0
+	layer.tile_size = 16.0
+	return layer
+
+
+func add(node: Node, title: String, parent: Node, owner_of_all: Node) -> Node:
+	node.name = title
+	parent.add_child(node)
+	node.owner = owner_of_all
+	return node
+
+
+## A mesh and a body that may be ground, old instances to import, regions of all shapes that mention layers, and a layer that is a file.
+func make_scene() -> void:
+	ResourceSaver.save(make_layer("Moss", 3.0), MOSS)
+	FileAccess.open(TABLE, FileAccess.WRITE).store_string("x,y,z,scale\n-10,0,-3,1.5\n-11,0,-3,2\n")
+	var heath := Node3D.new()
+	heath.name = "Heath"
+	var ground := add(MeshInstance3D.new(), "Ground", heath, heath) as MeshInstance3D
+	ground.mesh = PlaneMesh.new()
+	(ground.mesh as PlaneMesh).size = Vector2(60.0, 60.0)
+	var body := add(StaticBody3D.new(), "Floor", heath, heath)
+	var shape := add(CollisionShape3D.new(), "Shape", body, heath) as CollisionShape3D
+	shape.shape = BoxShape3D.new()
+	var old := add(MultiMeshInstance3D.new(), "Old", heath, heath) as MultiMeshInstance3D
+	old.multimesh = MultiMesh.new()
+	old.multimesh.transform_format = MultiMesh.TRANSFORM_3D
+	old.multimesh.mesh = CylinderMesh.new()
+	old.multimesh.instance_count = 20
+	for index in 20:
+		old.multimesh.set_instance_transform(index, Transform3D(Basis(), Vector3(0.7 * index, 0.0, 5.0)))
+	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	add(made, "Scatter", heath, heath)
+	made.position = Vector3(1.0, 0.0, 0.5)
+	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.layers = [make_layer("Grass", 1.5), make_layer("Trees", 4.0), load(MOSS)]
+	made.layers[1].spacing = {"Grass": 0.5, 2: 1.0}
+	made.layers[0].proximity_layer = 1
+	for kind in 4:
+		var region := add(ClassDB.instantiate(&"ScatterRegion3D"), "Region%d" % kind, made, heath) as Node3D
+		region.shape = kind
+		region.size = Vector3(2.0, 2.0, 2.0)
+		region.position = Vector3(4.0 * kind - 8.0, 0.0, -9.0)
+		region.polygon = PackedVector2Array([Vector2(-1, -1), Vector2(1, -1), Vector2(0, 1)])
+		region.layers = ["Grass", 1] if kind < 2 else []
+	var packed := PackedScene.new()
+	packed.pack(heath)
+	heath.free()
+	ResourceSaver.save(packed, SCENE)
+
+
+func select(node: Node) -> void:
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(node)
+	EditorInterface.edit_node(node)
+	await frames(3)
+
+
+## The scene as it would be saved now, and all files beside it.
+func saved() -> Dictionary:
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+	var result := {}
+	for file in files("res://"):
+		result[file] = FileAccess.get_file_as_bytes("res://" + file)
+	return result
+
+
+func check_same(got: Dictionary, expected: Dictionary, what: String) -> void:
+	check_equal(got.keys(), expected.keys(), what + ": files")
+	for file: String in expected:
+		if got.has(file) and got[file] != expected[file]:
+			check(false, "%s: %s is another one:\n%s\n--- expected\n%s" % [what, file, text_of(got[file]), text_of(expected[file])])
+
+
+func text_of(bytes: PackedByteArray) -> String:
+	return "%d bytes" % bytes.size() if bytes.has(0) else bytes.get_string_from_utf8()
+
+
+func layer(title: String) -> Resource:
+	for each: Resource in scatter.layers:
+		if each.resource_name == title:
+			return each
+	check(false, "there is a layer " + title)
+	return null
+
+
+## Does a step, undoes and redoes it.
+func step(what: String, done: Callable) -> void:
+	_names.append(what)
+	@warning_ignore("redundant_await")
+	await done.call()
+	await frames(3)
+	var after := saved()
+	check(after != _saved[-1], what + " changes what is saved")
+	await undo()
+	check_same(saved(), _saved[-1], what + ", undone")
+	await redo()
+	check_same(saved(), after, what + ", redone")
+	_saved.append(after)
+	await settle(scatter)
+
+
+func test_open() -> void:
+	make_scene()
+	root = await open(SCENE)
+	scatter = root.get_node("Scatter")
+	manager = plugin.get_undo_redo()
+	EditorInterface.set_main_screen_editor("3D")
+	await select(scatter)
+	await settle(scatter)
+	# What the editor itself adds when it saves is there from here on.
+	saved()
+	_saved.append(saved())
+
+
+func test_layers() -> void:
+	var panel: Control = addon().desk.panel
+	await step("New layers", panel.add.bind([make_layer("Heather", 1.0), SphereMesh.new()] as Array[Resource]))
+	await step("An empty layer", panel._on_add.bind(panel.Add.EMPTY))
+	await step("Meshes for it", func() -> void: MeshDrop.add(layer("Layer"), [BoxMesh.new()] as Array[Resource], manager))
+	await step("A preset", panel._on_add.bind(panel.Add.FIRST_PRESET + 1))
+	await step("A name", func() -> void: LayerEdits.rename(scatter, layer("Grass"), "Sedge", manager))
+	await step("A name of a file", func() -> void: LayerEdits.rename(scatter, layer("Moss"), "Lichen", manager))
+	await step("The order", func() -> void: LayerEdits.move(scatter, [layer("Trees")], 0, manager))
+	await step("A distance in the inspector", func() -> void:
+		EditorInterface.inspect_object(layer("Heather"), "", true)
+		await frames(4)
+		for property in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
+			if property is SpacingEditor:
+				property._set_distance(0.75, "Trees", false))
+	await step("Meshes for a file", func() -> void: MeshDrop.add(layer("Lichen"), [SphereMesh.new()] as Array[Resource], manager))
+	await select(scatter)
+
+
+func stroke_of(mode: int, titles: PackedStringArray, at: Vector2) -> void:
+	var layers: Array[Resource] = []
+	for title in titles:
+		layers.append(layer(title))
+	var brush: RefCounted = addon().toolbar.paint.brush
+	brush.radius = 4.0
+	check_equal(brush.begin(scatter, layers, SCENE, mode, at), "", "a stroke")
+	brush.move(at + Vector2(6.0, 0.0))
+	brush.finish(manager)
+
+
+func test_masks() -> void:
+	await step("The first stroke", stroke_of.bind(1, ["Sedge", "Trees"], Vector2(2.0, 3.0)))
+	await step("Another one", stroke_of.bind(1, ["Sedge"], Vector2(2.0, 8.0)))
+	await step("One that paints", stroke_of.bind(0, ["Sedge"], Vector2(0.0, 5.0)))
+	await step("One that smooths", stroke_of.bind(2, ["Sedge", "Trees"], Vector2(1.0, 3.0)))
+	await step("The first one that paints", stroke_of.bind(0, ["Heather"], Vector2(-5.0, 3.0)))
+	await step("The first one on a file", stroke_of.bind(1, ["Lichen"], Vector2(-5.0, 3.0)))
+	check(FileAccess.get_file_as_string(MOSS).contains("heath_lichen_mask.res"), "a layer that is a file is saved with its mask")
+	await step("A copy of what is painted", func() -> void:
+		addon().desk.panel.choose([layer("Sedge"), layer("Trees")] as Array[Resource])
+		addon().desk.panel.duplicate_chosen())
+	await step("A layer less", func() -> void: LayerEdits.remove(scatter, [layer("Trees")], manager))
+
+
+func by_hand(change: Callable) -> void:
+	var edits: RefCounted = addon().toolbar.hand.edits
+	check(edits.begin(scatter, SCENE), "by hand: " + edits.problem)
+	change.call(edits)
+	edits.commit("By Hand")
+
+
+func import_from(source: Variant, layer_index: int) -> void:
+	var dialog: ConfirmationDialog = addon().imports
+	dialog.fill(scatter, root)
+	if source is Node:
+		dialog.choose_node(source)
+	else:
+		dialog.choose_table(source)
+	dialog.choose_layer(layer_index)
+	dialog.start()
+	check(dialog.imported > 0, "imported: " + dialog.said())
+
+
+func test_instances() -> void:
+	var sedge: int = scatter.layers.find(layer("Sedge"))
+	var by_rules: int = scatter.query_nearest(Vector3(-8.0, 0.0, -3.0), 9.0, [sedge]).id
+	var planted := []
+	await step("A plant", by_hand.bind(func(edits: RefCounted) -> void:
+		planted.append(edits.add(sedge, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0))))
+	await step("Two plants", by_hand.bind(func(edits: RefCounted) -> void:
+		for x: float in [3.0, 4.0]:
+			edits.add(sedge, Transform3D(Basis(), Vector3(x, 0.0, 2.0)), 0)))
+	await step("A move", by_hand.bind(func(edits: RefCounted) -> void:
+		edits.set_transform(planted[0], Transform3D(Basis(Vector3.UP, 1.0), Vector3(1.5, 0.0, 2.5)))))
+	await step("A move of one of the rules", by_hand.bind(func(edits: RefCounted) -> void:
+		edits.set_transform(by_rules, Transform3D(Basis(), Vector3(-8.0, 0.5, -3.0)))))
+	await step("One less", by_hand.bind(func(edits: RefCounted) -> void: edits.remove(planted[0])))
+	await step("An import from a node", import_from.bind(root.get_node("Old"), -1))
+	await step("An import from a table", import_from.bind(TABLE, sedge))
+
+
+func drag_handle(region: Node3D, handle: int, to: Vector3) -> void:
+	var gizmo := region.get_gizmos()[0] as EditorNode3DGizmo
+	var gizmos := gizmo.get_plugin()
+	gizmos._begin_handle_action(gizmo, handle, false)
+	var restore: Variant = gizmos._get_handle_value(gizmo, handle, false)
+	gizmos._set_handle(gizmo, handle, false, camera(), camera().unproject_position(region.to_global(to)))
+	gizmos._commit_handle(gizmo, handle, false, restore, false)
+
+
+func test_regions() -> void:
+	var menu: Node = addon().toolbar.regions
+	for kind: int in [0, 1, 2, 4]:
+		await select(scatter)
+		await step("A region of shape %d" % kind, menu._on_chosen.bind(kind))
+	await select(scatter)
+	await step("A polygon", func() -> void:
+		var polygon: Node = addon().toolbar.polygon
+		menu._on_chosen(8)
+		polygon.corners = PackedVector3Array([Vector3(-1, 0, -1), Vector3(1, 0, -1), Vector3(0, 0, 1)])
+		polygon.close())
+	for kind in 4:
+		await select(scatter.get_node("Region%d" % kind))
+		var at: Vector3 = [Vector3(1.7, 0.0, 0.0), Vector3(6.0, 0.0, 0.0), Vector3(6.0, 0.0, 0.0), Vector3(-1.3, 0.0, -1.2)][kind]
+		await step("A handle of shape %d" % kind, drag_handle.bind(scatter.get_node("Region%d" % kind), 0, at))
+	await select(scatter)
+
+
+func test_files() -> void:
+	await step("Impostors", func() -> void:
+		var button: Node = load("res://addons/thicket/editor/impostor_button.gd").new(layer("Sedge"))
+		plugin.add_child(button)
+		button.job.impostor.frames = 3
+		button.job.impostor.frame_size = 16
+		button.press()
+		await until(func() -> bool: return not button.is_processing(), "baked")
+		check_equal(button.job.problem, "", "problem")
+		button.free())
+	await step("What is baked in its place", func() -> void:
+		var dialog: Node = addon().bake
+		dialog.choose_folder("res://baked")
+		dialog.fill(scatter, Rect2(0.0, 0.0, 6.0, 6.0))
+		dialog.choose_replacing(true)
+		dialog.start()
+		await until(func() -> bool: return not dialog.is_processing(), "baked")
+		check_equal(dialog.job.problem, "", "problem"))
+
+
+func test_nodes() -> void:
+	await step("A duplicate", func() -> void:
+		var other := scatter.duplicate()
+		manager.create_action("Duplicate", UndoRedo.MERGE_DISABLE, root)
+		manager.add_do_method(root, &"add_child", other, true)
+		manager.add_do_property(other, &"owner", root)
+		manager.add_do_reference(other)
+		manager.add_undo_method(root, &"remove_child", other)
+		manager.commit_action())
+	await step("The duplicate's own", func() -> void:
+		var other: Node3D = root.get_node("Scatter2")
+		check_equal(Shared.make_unique(other, true, true, addon().toolbar.paint.brush.files, SCENE, manager), "", "made unique"))
+	await step("A mesh as ground", func() -> void: GroundButtons.use(scatter, [root.get_node("Ground")] as Array[Node], manager))
+	await step("Another scatter", addon().desk.panel.add_scatter)
+	await step("A body as its ground", func() -> void: GroundButtons.use(root.get_child(-1), [root.get_node("Floor")] as Array[Node], manager))
+
+
+## All of them back and forth, saved after each.
+func test_all_one_by_one() -> void:
+	for index in range(_names.size() - 1, -1, -1):
+		await undo()
+		check_same(saved(), _saved[index], _names[index] + ", undone with all that follow")
+	for index in _names.size():
+		await redo()
+		check_same(saved(), _saved[index + 1], _names[index] + ", redone after all before it")
+
+
+## All of them back and forth, saved at the ends alone.
+func test_all_at_once() -> void:
+	for what in _names:
+		await undo()
+	check_same(saved(), _saved[0], "all undone")
+	for what in _names:
+		await redo()
+	check_same(saved(), _saved[-1], "all redone")
