@@ -14,6 +14,12 @@ extends RefCounted
 
 const Impostor := preload("res://addons/thicket/impostor.gd")
 
+## What lay in a file before an impostor was written into it.
+class Replaced:
+	var bytes: PackedByteArray
+	## What was loaded from it and is in use; null for nothing.
+	var resource: Resource
+
 ## How each impostor is baked; set it up before [method begin].
 var impostor := Impostor.new()
 ## What went wrong, in a sentence; empty while nothing has.
@@ -29,6 +35,8 @@ var lod_meshes: Array[Mesh] = []
 var lod_distances := PackedFloat32Array()
 ## The files that were written.
 var files := PackedStringArray()
+## What lay in those of them that were there before: for undo.
+var replaced: Dictionary[String, Replaced] = {}
 
 var _layer: Resource
 var _meshes: Array[Mesh] = [] # Of its entries, null for those of which nothing is drawn.
@@ -45,6 +53,7 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	progress = 0.0
 	warnings.clear()
 	files.clear()
+	replaced = {}
 	lod_meshes = []
 	lod_distances = PackedFloat32Array()
 	_baked = []
@@ -128,6 +137,10 @@ func _save() -> bool:
 		if _baked[index] == null:
 			continue
 		var path := "%s_impostor_%d.res" % [_stem, index]
+		if FileAccess.file_exists(path):
+			replaced[path] = Replaced.new()
+			replaced[path].bytes = FileAccess.get_file_as_bytes(path)
+			replaced[path].resource = load(path) if ResourceLoader.has_cached(path) else null
 		var error := ResourceSaver.save(_baked[index], path)
 		if error != OK:
 			problem = "Cannot write %s: %s." % [path, error_string(error)]

@@ -5,6 +5,7 @@ extends "res://tests/steps.gd"
 
 const BakeReplacement := preload("res://addons/thicket/editor/bake_replacement.gd")
 const GroundButtons := preload("res://addons/thicket/editor/ground_buttons.gd")
+const ImpostorButton := preload("res://addons/thicket/editor/impostor_button.gd")
 const LayerEdits := preload("res://addons/thicket/editor/layer_edits.gd")
 const MeshDrop := preload("res://addons/thicket/editor/mesh_drop.gd")
 const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
@@ -251,16 +252,21 @@ func test_regions() -> void:
 	await select(scatter)
 
 
+func bake_impostors(frames_a_side: int) -> void:
+	var button: Node = ImpostorButton.new(layer("Sedge"), addon().toolbar.paint.brush.files)
+	plugin.add_child(button)
+	button.job.impostor.frames = frames_a_side
+	button.job.impostor.frame_size = 16
+	button.press()
+	await until(func() -> bool: return not button.is_processing(), "baked")
+	check_equal(button.job.problem, "", "problem")
+	button.free()
+
+
 func test_files() -> void:
-	await step("Impostors", func() -> void:
-		var button: Node = load("res://addons/thicket/editor/impostor_button.gd").new(layer("Sedge"))
-		plugin.add_child(button)
-		button.job.impostor.frames = 3
-		button.job.impostor.frame_size = 16
-		button.press()
-		await until(func() -> bool: return not button.is_processing(), "baked")
-		check_equal(button.job.problem, "", "problem")
-		button.free())
+	await step("Impostors", bake_impostors.bind(3))
+	await step("Others in their files", bake_impostors.bind(4))
+	check_equal(layer("Sedge").lod_meshes[-1].resource_path, "res://heath_sedge_impostor_0.res", "which the layer refers to")
 	await step("What is baked in its place", func() -> void:
 		var dialog: Node = addon().bake
 		dialog.choose_folder("res://baked")

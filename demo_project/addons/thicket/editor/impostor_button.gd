@@ -4,6 +4,7 @@ extends VBoxContainer
 ## last LOD, with undo.
 
 const Job := preload("res://addons/thicket/bake_impostors.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 ## It is over: the layer has its impostors, or [member job] says why not.
 signal finished(written: bool)
@@ -12,12 +13,14 @@ signal finished(written: bool)
 var job := Job.new()
 
 var _layer: Resource
+var _files: SceneFiles
 var _button := Button.new()
 var _bar := ProgressBar.new()
 
 
-func _init(layer: Resource = null) -> void:
+func _init(layer: Resource = null, files: SceneFiles = null) -> void:
 	_layer = layer
+	_files = files
 	_button.text = "Bake Impostors"
 	_button.tooltip_text = "Bakes pictures of each mesh from all around, which are drawn on two triangles, as the last LOD."
 	_button.pressed.connect(press)
@@ -62,9 +65,28 @@ func _process(_delta: float) -> void:
 	for property: StringName in [&"lod_distances", &"lod_meshes"]:
 		undo.add_do_property(_layer, property, job.get(property))
 		undo.add_undo_property(_layer, property, _layer.get(property))
+	_add_files(undo)
 	undo.commit_action()
 	EditorInterface.get_resource_filesystem().scan()
 	_end(true, "")
+
+
+## New files come and go with the step that is being made; those that held something hold that again.
+func _add_files(undo: EditorUndoRedoManager) -> void:
+	var root := EditorInterface.get_edited_scene_root()
+	var new: Array[Mesh] = []
+	for mesh: Mesh in job.lod_meshes.slice(-_layer.get(&"meshes").size()):
+		if mesh == null:
+			continue
+		var path := mesh.resource_path
+		if job.replaced.has(path):
+			undo.add_do_method(_files, &"put", path, FileAccess.get_file_as_bytes(path), mesh)
+			undo.add_undo_method(_files, &"put", path, job.replaced[path].bytes, job.replaced[path].resource)
+		elif root != null: # Else no scene is saved that would refer to it.
+			new.append(mesh)
+	if not new.is_empty():
+		_files.adopt(new, root.scene_file_path)
+		_files.add_to_undo(new, root.scene_file_path, undo)
 
 
 func _exit_tree() -> void:

@@ -7,7 +7,14 @@ const Choice := preload("res://addons/thicket/editor/layer_choice.gd")
 const Choices := preload("res://addons/thicket/editor/layer_choices.gd")
 const Drop := preload("res://addons/thicket/editor/mesh_drop.gd")
 const Impostors := preload("res://addons/thicket/editor/impostor_button.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Spacing := preload("res://addons/thicket/editor/spacing_editor.gd")
+
+var _files: SceneFiles
+
+
+func _init(files: SceneFiles) -> void:
+	_files = files
 
 
 func _can_handle(object: Object) -> bool:
@@ -30,7 +37,7 @@ func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: P
 		"layers" when object.is_class("ScatterRegion3D"):
 			editor = Choices.new()
 		"lod_distances" when object.is_class("ScatterLayer"):
-			add_custom_control(Impostors.new(object as Resource))
+			add_custom_control(Impostors.new(object as Resource, _files))
 	if editor != null:
 		add_property_editor(name, editor)
 	return editor != null

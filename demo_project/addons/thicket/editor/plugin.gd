@@ -36,7 +36,7 @@ var tutorials: Tutorials
 
 var _regions := RegionGizmos.new()
 var _extent := ExtentGizmos.new()
-var _inspector := LayerInspector.new()
+var _inspector: LayerInspector
 var _fresh_layers := FreshLayers.new()
 var _help_links: HelpLinks
 var _scatter: Node3D
@@ -75,6 +75,7 @@ func _enter_tree() -> void:
 	_regions.undo_redo = get_undo_redo()
 	add_node_3d_gizmo_plugin(_regions)
 	add_node_3d_gizmo_plugin(_extent)
+	_inspector = LayerInspector.new(toolbar.paint.brush.files)
 	add_inspector_plugin(_inspector)
 	EditorInterface.get_resource_filesystem().resources_reimported.connect(_reload_scenes)
 	scene_saved.connect(_on_scene_saved)

@@ -44,6 +44,19 @@ func copy_mask(layer: Resource, scene_path: String, r_masks: Dictionary[Resource
 	return true
 
 
+## Takes in resources that others have just written to new files beside a scene: they go as those that [method create] gives a file.
+func adopt(resources: Array, scene_path: String) -> void:
+	for resource: Resource in resources:
+		_unsaved[resource.resource_path] = scene_path
+
+
+## Makes a file hold what it held at another time, and a resource, if there is one, what is loaded from it; for undo.
+func put(path: String, bytes: PackedByteArray, resource: Resource) -> void:
+	_store(path, bytes)
+	if resource != null:
+		resource.take_over_path(path)
+
+
 ## Has resources that were made for a scene come and go with the step of undo that is being made.
 func add_to_undo(resources: Array, scene_path: String, undo_redo: EditorUndoRedoManager) -> void:
 	for resource: Resource in resources:
@@ -110,19 +123,24 @@ func save() -> void:
 
 
 func _put_back(path: String) -> bool:
-	var file := FileAccess.open(path, FileAccess.WRITE) if _removed.has(path) else null
-	if file == null:
-		return false
-	file.store_buffer(_removed[path])
-	file.close()
-	EditorInterface.get_resource_filesystem().update_file(path)
-	return true
+	return _removed.has(path) and _store(path, _removed[path])
 
 
 func _remove(path: String) -> void:
 	_removed[path] = FileAccess.get_file_as_bytes(path)
 	DirAccess.remove_absolute(path)
 	EditorInterface.get_resource_filesystem().update_file(path)
+
+
+static func _store(path: String, bytes: PackedByteArray) -> bool:
+	var file := FileAccess.open(path, FileAccess.WRITE)
+	if file == null:
+		push_error("cannot write %s: %s" % [path, error_string(FileAccess.get_open_error())])
+		return false
+	file.store_buffer(bytes)
+	file.close()
+	EditorInterface.get_resource_filesystem().update_file(path)
+	return true
 
 
 static func _write(resource: Resource) -> void:
