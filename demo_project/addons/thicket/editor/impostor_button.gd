@@ -67,7 +67,8 @@ func _process(_delta: float) -> void:
 		undo.add_undo_property(_layer, property, _layer.get(property))
 	_add_files(undo)
 	undo.commit_action()
-	EditorInterface.get_resource_filesystem().scan()
+	for path in job.files: # No scan, on whose way undo might take a file away.
+		EditorInterface.get_resource_filesystem().update_file(path)
 	_end(true, "")
 
 
@@ -85,7 +86,8 @@ func _add_files(undo: EditorUndoRedoManager) -> void:
 		elif root != null: # Else no scene is saved that would refer to it.
 			new.append(mesh)
 	if not new.is_empty():
-		_files.adopt(new, root.scene_file_path)
+		if _layer.resource_path.is_empty() or "::" in _layer.resource_path: # Else the layer may be saved without the scene.
+			_files.adopt(new, root.scene_file_path)
 		_files.add_to_undo(new, root.scene_file_path, undo)
 
 
