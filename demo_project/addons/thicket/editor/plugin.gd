@@ -91,6 +91,7 @@ func _exit_tree() -> void:
 	remove_node_3d_gizmo_plugin(_extent)
 	remove_node_3d_gizmo_plugin(_regions)
 	remove_control_from_container(CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
+	_place_ground_buttons(false)
 	remove_control_from_container(CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 	desk.leave()
 	toolbar.queue_free()
@@ -117,8 +118,21 @@ func _edit(object: Object) -> void:
 
 func _make_visible(visible: bool) -> void:
 	toolbar.visible = visible
+	_place_ground_buttons(visible)
 	if not visible:
 		_edit(null)
+
+
+## Puts the buttons for the ground into the toolbar, where they wrap with the rest, or beside it.
+func _place_ground_buttons(in_toolbar: bool) -> void:
+	if in_toolbar == (ground_buttons.get_parent() == toolbar):
+		return
+	if in_toolbar:
+		remove_control_from_container(CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
+		toolbar.add_child(ground_buttons)
+	else:
+		toolbar.remove_child(ground_buttons)
+		add_control_to_container(CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 
 
 ## What is painted is written when the scene is.

@@ -1,5 +1,5 @@
 @tool
-extends HBoxContainer
+extends "res://addons/thicket/editor/wrapping_row.gd"
 ## What stands above the 3D view while a scatter is selected: its tools with their settings, the layer that they work on, presets, bake.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
@@ -44,6 +44,7 @@ var _buttons := ButtonGroup.new()
 
 
 func _init(undo_redo: EditorUndoRedoManager, marks: ScatterTool.Marks) -> void:
+	super()
 	_buttons.allow_unpress = true
 	hand.edits.files = paint.brush.files
 	hand.edits.undo_redo = undo_redo
@@ -131,7 +132,7 @@ func active_tool() -> ScatterTool:
 	return null
 
 
-func _notification(what: int) -> void:
+func _notification(what: int) -> void: # The base gets it, too.
 	if what == NOTIFICATION_THEME_CHANGED:
 		Controls.update_icons(self)
 

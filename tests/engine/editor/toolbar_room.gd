@@ -1,0 +1,105 @@
+@tool
+extends "res://tests/steps.gd"
+## The toolbar has room in a window of 1280 pixels, whichever tool is on: it goes on in further lines, and the docks stay where they are.
+
+const SCENE := "res://room.tscn"
+const NARROW := Vector2i(1280, 720)
+const WIDE := Vector2i(1900, 1000)
+
+var root: Node
+
+
+func select(node: Node) -> void:
+	EditorInterface.get_selection().clear()
+	if node != null:
+		EditorInterface.get_selection().add_node(node)
+		EditorInterface.edit_node(node)
+	await frames(8)
+
+
+func resize(size: Vector2i) -> void:
+	get_window().size = size
+	await until(func() -> bool: return get_window().size == size, "the window is %d wide" % size.x)
+	await frames(8)
+
+
+## The editor's own controls, which have no room to give.
+func asked_for() -> float:
+	return (EditorInterface.get_editor_main_screen() as Control).get_combined_minimum_size().x
+
+
+## All that can be seen of the toolbar stands in it, side by side or one below the other.
+func check_whole(what: String) -> void:
+	var bar: Control = addon().toolbar
+	var before := Rect2()
+	for control: Control in bar.find_children("*", "Control", true, false):
+		if control.is_visible_in_tree() and control.get_parent() == bar:
+			check(bar.get_global_rect().grow(1.0).encloses(control.get_global_rect()), "%s: %s stands in the toolbar" % [what, control])
+			check(not before.intersects(control.get_global_rect().abs()), "%s: %s stands on what is before it" % [what, control])
+			before = control.get_global_rect()
+			before.size = (before.size - Vector2.ONE).max(Vector2.ZERO)
+	check(EditorInterface.get_editor_main_screen().get_global_rect().grow(1.0).encloses(bar.get_global_rect()), what + ": in the view")
+
+
+func lines() -> int:
+	var tops := {}
+	for control: Control in addon().toolbar.get_children().filter(func(child: Node) -> bool: return child is Control and child.visible):
+		tops[control.position.y] = true
+	return tops.size()
+
+
+func test_narrow() -> void:
+	var room := Node3D.new()
+	room.name = "Room"
+	for made: Node3D in [ClassDB.instantiate(&"TerrainScatter3D"), MeshInstance3D.new()]:
+		made.name = "Scatter" if made.is_class("TerrainScatter3D") else "Mesh"
+		room.add_child(made)
+		made.owner = room
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.resource_name = "Spruce"
+	room.get_node("Scatter").layers = [layer]
+	room.get_node("Scatter").terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	(room.get_node("Mesh") as MeshInstance3D).mesh = PlaneMesh.new()
+	var packed := PackedScene.new()
+	packed.pack(room)
+	room.free()
+	ResourceSaver.save(packed, SCENE)
+	root = await open(SCENE)
+	EditorInterface.set_main_screen_editor("3D")
+	await resize(NARROW)
+	await select(null)
+	var alone := asked_for()
+	await select(root.get_node("Scatter"))
+	for tool: Node in addon().toolbar.tools:
+		tool.set_on(true)
+		await frames(8)
+		var name: String = tool.button.text
+		check(asked_for() <= alone + 40.0, "%s: the view asks for %d pixels, without a scatter for %d" % [name, asked_for(), alone])
+		var inspector := EditorInterface.get_inspector().get_global_rect()
+		check(Rect2(Vector2.ZERO, NARROW).encloses(inspector), "%s: the inspector is in the window: %s" % [name, inspector])
+		check(lines() > 1, name + ": in lines")
+		check_whole(name)
+	addon().toolbar.paint.set_on(true)
+	await frames(8)
+	await picture("toolbar_narrow")
+	addon().toolbar.paint.set_on(false)
+
+
+func test_wide() -> void:
+	await resize(WIDE)
+	check(lines() <= 2, "%d lines where there is room" % lines())
+	check_whole("wide")
+	await picture("toolbar_wide")
+
+
+## Beside other nodes' tools the buttons for the ground stand alone, and the editor's own panel is as it was.
+func test_another_node() -> void:
+	var ground: Control = addon().ground_buttons
+	var in_toolbar := ground.get_parent()
+	await select(root.get_node("Mesh"))
+	check(not addon().toolbar.visible and ground.is_visible_in_tree(), "the ground's buttons stay for a mesh")
+	check(in_toolbar == addon().toolbar and ground.get_parent() == addon().toolbar.get_parent(), "beside the toolbar")
+	check_equal((ground.get_parent().get_parent() as Control).size_flags_horizontal, Control.SIZE_FILL, "in a panel of their width")
+	await select(root.get_node("Scatter"))
+	check(ground.get_parent() == in_toolbar and ground.is_visible_in_tree(), "and come back")
+	await resize(Vector2i(1440, 900))
