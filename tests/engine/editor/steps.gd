@@ -100,16 +100,23 @@ func _hand(event: InputEvent) -> void:
 
 ## A click at a place of the window, as the mouse does it: it goes through all of the editor's GUI.
 func mouse_click(at: Vector2, index := MOUSE_BUTTON_LEFT, keys := 0) -> void:
-	Input.warp_mouse(at) # Some controls ask the system where the mouse is.
+	await _point(at)
 	await mouse_to(at, 0)
 	await _press(at, index, true, keys)
 	await _press(at, index, false, keys)
 	await frames(2)
 
 
+## Puts the system's pointer somewhere, as some controls ask where it is, and waits until the editor has heard of that: it would come
+## between a press and a release, or end a drag.
+func _point(at: Vector2) -> void:
+	Input.warp_mouse(at)
+	await get_tree().create_timer(0.15).timeout
+
+
 ## Drags with the left button from one place of the window to another.
 func mouse_drag(from: Vector2, to: Vector2) -> void:
-	Input.warp_mouse(from)
+	await _point(from)
 	await mouse_to(from, 0)
 	await _press(from, MOUSE_BUTTON_LEFT, true, 0)
 	for step in 6:
@@ -123,6 +130,7 @@ func mouse_drag(from: Vector2, to: Vector2) -> void:
 func drag_files(paths: PackedStringArray, to: Vector2) -> void:
 	var dock := EditorInterface.get_file_system_dock()
 	var from := dock.get_global_transform_with_canvas() * (dock.size * 0.5)
+	await _point(to) # Where a drop lands is asked of the system, and what the pointer itself does would end a drag.
 	await mouse_to(from, MOUSE_BUTTON_MASK_LEFT)
 	var preview := Label.new()
 	preview.text = ", ".join(paths)
