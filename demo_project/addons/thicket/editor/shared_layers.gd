@@ -16,6 +16,8 @@ class Shared:
 	var masks := PackedStringArray()
 	## The changes that the scatter and another one keep in one state.
 	var state := false
+	## True if those are made by hand, and not by a game.
+	var by_hand := false
 	## The same seed, for the same layers: the same instances in the same places.
 	var seed := false
 	## Those that it is shared with, by name.
@@ -23,7 +25,7 @@ class Shared:
 
 	## True if it is likely not meant.
 	func is_by_accident() -> bool:
-		return not layers.is_empty() or not masks.is_empty()
+		return not layers.is_empty() or not masks.is_empty() or by_hand
 
 	## In a sentence.
 	func tell(name: String) -> String:
@@ -41,10 +43,12 @@ class Shared:
 		return "%s shares %s with %s%s." % [name, what, ", ".join(others), follows]
 
 
-## What a scatter shares with others of the open scenes, and with scenes whose masks it paints on.
+## What a scatter shares with others of the open scenes, and with scenes whose masks it paints on or whose instances it plants.
 static func find(scatter: Node3D) -> Shared:
 	var result := Shared.new()
 	var own: Array = scatter.get(&"layers").filter(func(layer: Resource) -> bool: return layer != null)
+	var state: Resource = scatter.get(&"state")
+	var scenes := PackedStringArray()
 	for other in open_scatters():
 		if other == scatter:
 			continue
@@ -58,11 +62,15 @@ static func find(scatter: Node3D) -> Shared:
 				var mask: Resource = mine.get(&"mask")
 				if mask != null and mask == layer.get(&"mask") and mine != layer and not result.masks.has(mask.resource_path):
 					result.masks.append(mask.resource_path)
-		if result.layers.size() + result.masks.size() > before:
-			result.others.append(other.name)
+		var same_state: bool = state != null and other.get(&"state") == state
+		if result.layers.size() + result.masks.size() > before or same_state and state.get(&"designed"):
+			var there := _scene_of(other)
+			scenes.append(there.get_basename())
+			result.others.append(other.name if there == _scene_of(scatter) else StringName("%s of %s" % [other.name, there.get_file()]))
 			result.seed = result.seed or other.get(&"seed") == scatter.get(&"seed")
-			result.state = result.state or scatter.get(&"state") != null and other.get(&"state") == scatter.get(&"state")
-	_find_masks_of_other_scenes(scatter, own, result)
+			result.state = result.state or same_state
+			result.by_hand = result.by_hand or same_state and state.get(&"designed")
+	_find_files_of_other_scenes(scatter, own, scenes, result)
 	return result
 
 
@@ -160,19 +168,41 @@ static func _copy_state(scatter: Node3D, new_seed: bool, files: SceneFiles, scen
 	return not Copies.is_file(state) or files.create(scene_path, copy, scatter.name, "state")
 
 
-## A mask that lies beside another scene, under the name that the brush gives, is that scene's.
-static func _find_masks_of_other_scenes(scatter: Node3D, own: Array, r_shared: Shared) -> void:
-	var scene := scatter.owner if scatter.owner != null else scatter
+## A mask that lies beside another scene, under the name that the brush gives, is that scene's; a state that the hand has made, alike.
+static func _find_files_of_other_scenes(scatter: Node3D, own: Array, scenes: PackedStringArray, r_shared: Shared) -> void:
 	for layer: Resource in own:
 		var mask: Resource = layer.get(&"mask")
-		if mask == null or not Copies.is_file(mask) or Copies.is_file(layer) or r_shared.masks.has(mask.resource_path):
+		if mask == null or Copies.is_file(layer) or r_shared.masks.has(mask.resource_path):
 			continue
-		var stem := mask.resource_path.get_basename()
-		if stem.begins_with(scene.scene_file_path.get_basename() + "_"):
-			continue
-		while "_" in stem.get_file():
-			stem = stem.get_base_dir().path_join(stem.get_file().rsplit("_", true, 1)[0])
-			if FileAccess.file_exists(stem + ".tscn") or FileAccess.file_exists(stem + ".scn"):
-				r_shared.masks.append(mask.resource_path)
-				r_shared.others.append((stem + ".tscn").get_file())
-				break
+		var stem := _other_scene_of(mask, scatter)
+		if not stem.is_empty():
+			r_shared.masks.append(mask.resource_path)
+			_add_scene(stem, scenes, r_shared)
+	var state: Resource = scatter.get(&"state")
+	var keeper := _other_scene_of(state, scatter) if state != null and state.get(&"designed") else ""
+	if not keeper.is_empty():
+		r_shared.state = true
+		r_shared.by_hand = true
+		_add_scene(keeper, scenes, r_shared)
+
+
+## The scene that a file is named after, without its extension; empty for the scatter's own and for none.
+static func _other_scene_of(resource: Resource, scatter: Node3D) -> String:
+	var stem := resource.resource_path.get_basename()
+	if not Copies.is_file(resource) or stem.begins_with(_scene_of(scatter).get_basename() + "_"):
+		return ""
+	while "_" in stem.get_file():
+		stem = stem.get_base_dir().path_join(stem.get_file().rsplit("_", true, 1)[0])
+		if FileAccess.file_exists(stem + ".tscn") or FileAccess.file_exists(stem + ".scn"):
+			return stem
+	return ""
+
+
+static func _add_scene(stem: String, r_scenes: PackedStringArray, r_shared: Shared) -> void:
+	if not r_scenes.has(stem):
+		r_scenes.append(stem)
+		r_shared.others.append((stem + ".tscn").get_file())
+
+
+static func _scene_of(scatter: Node3D) -> String:
+	return (scatter.owner if scatter.owner != null else scatter).scene_file_path
