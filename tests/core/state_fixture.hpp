@@ -30,6 +30,12 @@ inline AddedInstance instance_at(double x, double z, std::uint16_t layer = 1) {
 	return instance;
 }
 
+inline std::uint64_t added_to(InstanceState &r_state, const AddedInstance &instance) {
+	std::uint64_t id = 0;
+	REQUIRE(r_state.add(instance, id).ok());
+	return id;
+}
+
 inline StateBytes bytes_of(const InstanceState &state) {
 	StateBytes bytes;
 	REQUIRE(state.save(bytes).ok());
