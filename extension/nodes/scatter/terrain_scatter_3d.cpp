@@ -10,10 +10,7 @@
 #include <godot_cpp/classes/world3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
 
-#include <glm/common.hpp>
-
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 using namespace godot;
@@ -23,18 +20,6 @@ namespace thicket {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// Meters around a change of the ground in which slopes may be others: heights are compared over less than that.
-constexpr double slope_margin = 1.0;
-
-/// A rectangle of the engine; all of the world for one without an area, or that is not finite.
-Rect world_rect(const Rect2 &p_rect) {
-	constexpr double infinity = std::numeric_limits<double>::infinity();
-	const glm::dvec2 corner{p_rect.position.x, p_rect.position.y};
-	const glm::dvec2 other = corner + glm::dvec2{p_rect.size.x, p_rect.size.y};
-	const Rect rect{glm::min(corner, other), glm::max(corner, other)};
-	return rect.empty() || !rect.finite() ? Rect{glm::dvec2(-infinity), glm::dvec2(infinity)} : rect;
-}
 
 bool in_editor() { return Engine::get_singleton()->is_editor_hint(); }
 
@@ -210,91 +195,6 @@ bool TerrainScatter3D::is_settled() const {
 	const bool behind = (terrain_.is_valid() && terrain_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
 	return !dirty_ && !behind && !layer_watch_->differs(all_layers()) &&
 			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && gameplay_->settled()));
-}
-
-void TerrainScatter3D::mark_edited() {
-	dirty_ = true;
-	was_settled_ = false;
-}
-
-void TerrainScatter3D::mark_dirty() {
-	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	const std::shared_ptr<LayerWatch> watch = layer_watch_;
-	const TypedArray<ScatterLayer> layers = all_layers();
-	watch->look(layers, node_layers_.own_count()); // Layers that get an id tell scripts, which may free this node.
-	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
-	if (!gameplay->alive()) {
-		return;
-	}
-	for (const LayerRename &rename : renames) {
-		regions_.rename_layer(rename.from, rename.to);
-	}
-	mark_edited();
-	update_configuration_warnings();
-	PackedStringArray names;
-	const TypedArray<ScatterLayer> named = all_layers();
-	for (int64_t index = 0; index < named.size(); ++index) {
-		const Ref<ScatterLayer> layer = named[index];
-		names.push_back(layer.is_valid() ? layer->get_name() : String());
-	}
-	if (!(names == layer_names_)) {
-		layer_names_ = names;
-		regions_.update_warnings(); // They may name layers.
-	}
-}
-
-/// Scripts share the lists of layers and biomes, and may change them without a setter.
-void TerrainScatter3D::notice_layers() {
-	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {
-		biomes->notice(); // Tells scripts, which may free this node.
-	}
-	if (gameplay->alive() && layer_watch_->differs(all_layers())) {
-		mark_dirty();
-	}
-}
-
-void TerrainScatter3D::mark_ground_dirty() {
-	ground_change_.everywhere = true;
-	mark_dirty();
-}
-
-void TerrainScatter3D::regenerate() {
-	if (terrain_.is_valid()) {
-		terrain_->look_again();
-	}
-	mark_ground_dirty();
-}
-
-void TerrainScatter3D::refresh_ground() {
-	if (terrain_.is_null() || !terrain_->read_again()) {
-		regenerate();
-	}
-}
-
-void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
-	if (terrain_.is_valid()) {
-		terrain_->look_again();
-	}
-	const Rect rect = world_rect(p_rect);
-	ground_change_.everywhere = ground_change_.everywhere || !rect.finite();
-	ground_change_.add(rect, slope_margin);
-	mark_edited();
-}
-
-void TerrainScatter3D::add_region(ScatterRegion3D *p_region) {
-	regions_.add(p_region);
-	mark_edited();
-}
-
-void TerrainScatter3D::remove_region(ScatterRegion3D *p_region) {
-	regions_.remove(p_region);
-	mark_edited();
-}
-
-void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
-	regions_.mark(p_region);
-	mark_edited();
 }
 
 String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
