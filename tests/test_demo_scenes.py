@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from conftest import REPO, run
 from PIL import Image
-from test_demo import DEMO, TERRAIN, complaints, is_a_picture, load_script
+from test_demo import DEMO, TERRAIN, complaints, is_a_picture
+from test_demo_terrain import load_script
 
 ENGINE = REPO / "tests/engine"
 SCENES = ["rules", "script_terrain", "gameplay"]

@@ -80,6 +80,7 @@ func test_hover() -> void:
 	EditorInterface.get_selection().add_node(scatter)
 	EditorInterface.edit_node(scatter)
 	await frames(3)
+	addon().hide_bottom_panel() # The view needs its room.
 	await settle(scatter)
 	tool().set_on(true)
 	addon().toolbar.choose_layer(0)
