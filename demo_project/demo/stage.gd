@@ -28,7 +28,7 @@ var _densities := PackedFloat64Array()
 func _ready() -> void:
 	camera.elevation = ground
 	_borders.follow(scatter, ground)
-	for layer: Resource in scatter.get(&"layers"):
+	for layer: Resource in layers():
 		_densities.append(layer.get(&"density"))
 	var arguments := _arguments()
 	if arguments.has("seed"):
@@ -80,6 +80,11 @@ func stops() -> Array[Dictionary]:
 	return []
 
 
+## The layers that + and - thin.
+func layers() -> Array:
+	return scatter.get(&"layers")
+
+
 ## How long the scene's flight takes; 0 for a scene without one.
 func flight_seconds() -> float:
 	return 0.0
@@ -116,9 +121,9 @@ func show_overlay(shown: bool) -> void:
 
 func _set_density(density: float) -> void:
 	_density = clampf(density, 0.0, 1.0)
-	var layers: Array = scatter.get(&"layers")
-	for i in layers.size():
-		layers[i].set(&"density", _densities[i] * _density)
+	var changed := layers()
+	for i in changed.size():
+		changed[i].set(&"density", _densities[i] * _density)
 
 
 func _take_screenshots(folder: String, only: String) -> void:

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Makes the ground of the demo's rules scene: a valley of 768 m with a lake, meadows, woods and a steep scree slope.
+"""Makes the ground of the demo's scenes of rules and biomes: a valley of 768 m with a lake, meadows, woods and a steep scree slope.
 
 Writes beside this script:
 - valley.r16       385 x 385 unsigned 16-bit little-endian posts, 2 m apart, row by row, rows from north to south, posts
                    from west to east: height = LOW + post / 65535 * (HIGH - LOW) meters. The lake's surface is at 0.
 - valley_soil.png  193 x 193 pixels, 4 m apart: how much of the ground is meadow (red), forest floor (green), rock (blue)
                    and sand (alpha), 0 to 255, together 255.
+- valley_biomes.png  48 x 48 pixels, 16 m wide: MEADOW and WOOD, with plain outlines, which the scatter lets waver.
 
 In the world +x is east, +z is south, y is up, and the map's center is the origin.
 
@@ -23,6 +24,9 @@ POSTS = 385
 SOIL_POSTS = 193
 LOW = -8.0
 HIGH = 120.0
+BIOME_PIXELS = 48
+MEADOW = (176, 196, 72)
+WOOD = (32, 84, 48)
 # x and z of the path's bends, from south to north, as in the scene.
 PATH = [(60, 384), (48, 300), (26, 220), (4, 150), (24, 92), (64, 40), (74, -18), (58, -78), (82, -140), (68, -215),
         (92, -295), (80, -384)]
@@ -110,6 +114,16 @@ def soils(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     return shares
 
 
+def biomes() -> Image.Image:
+    """Meadow in the middle of the valley and in a glade in the north, wood around them and as a tongue down to the lake."""
+    line = (np.arange(BIOME_PIXELS) + 0.5) / BIOME_PIXELS * SIZE - SIZE / 2.0
+    x, z = np.meshgrid(line, line)
+    meadow = np.hypot((x - 30.0) / 150.0, (z - 70.0) / 190.0) < 1.0
+    meadow |= np.hypot(x + 160.0, z + 170.0) < 55.0
+    meadow &= ~(np.hypot((x + 70.0) / 90.0, (z - 60.0) / 46.0) < 1.0)
+    return Image.fromarray(np.where(meadow[..., None], MEADOW, WOOD).astype(np.uint8), "RGB")
+
+
 def grid(posts: int) -> tuple[np.ndarray, np.ndarray]:
     """World x and z of posts by posts places, rows from north to south."""
     line = np.linspace(-SIZE / 2.0, SIZE / 2.0, posts)
@@ -133,6 +147,7 @@ def main() -> None:
     posts, soil = make()
     (folder / "valley.r16").write_bytes(posts)
     soil.save(folder / "valley_soil.png", optimize=True)
+    biomes().save(folder / "valley_biomes.png", optimize=True)
 
 
 if __name__ == "__main__":

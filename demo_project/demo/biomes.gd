@@ -1,0 +1,66 @@
+extends "res://demo/stage.gd"
+## The scene that shows biomes and water: a meadow and a wood by a coarse picture of the valley, with borders that waver, and a lake that
+## may rise: whoever keeps to dry land gives way, and reeds follow the shore.
+
+const ScatterGround := preload("res://demo/scatter_ground.gd")
+## Stops as in the other scenes; [code]water[/code] is the level of the lake, in meters.
+const STOPS: Array[Dictionary] = [
+	{"name": "biomes", "eye": Vector3(-20.0, 64.0, 215.0), "heading": 352.0, "pitch": -17.0},
+	{"name": "border", "eye": Vector3(-2.0, 2.4, 120.0), "heading": 320.0, "pitch": -4.0},
+	{"name": "waterline", "eye": Vector3(20.0, 7.0, 52.0), "heading": 318.0, "pitch": -12.0, "water": 0.0},
+	{"name": "high_water", "eye": Vector3(20.0, 7.0, 52.0), "heading": 318.0, "pitch": -12.0, "water": HIGH_WATER},
+]
+## Meters that the lake rises.
+const HIGH_WATER := 1.2
+
+@onready var _lake: Node3D = $Lake
+
+
+func _ready() -> void:
+	ground = ScatterGround.new($Scatter.terrain)
+	$Ground.soil = _soil($Ground.soil)
+	super()
+
+
+func stops() -> Array[Dictionary]:
+	return STOPS
+
+
+func layers() -> Array:
+	var found: Array = super().duplicate()
+	for biome: Resource in scatter.get(&"biomes").biomes:
+		found.append_array(biome.layers)
+	return found
+
+
+func own_key(keycode: Key) -> void:
+	if keycode == KEY_M:
+		raise_water(HIGH_WATER - _lake.global_position.y)
+
+
+func place(stop: Dictionary) -> void:
+	super(stop)
+	if stop.has("water"):
+		raise_water(stop.water)
+
+
+## Puts the surface of the lake at a height, in meters: what is drawn of it, and what the rules know of it.
+func raise_water(level: float) -> void:
+	_lake.global_position.y = level
+	$Ground.material.set_shader_parameter(&"water_level", level)
+	scatter.set(&"water_level", level)
+
+
+## The soils of the valley with its woods where the map of biomes has them: what stands there, and the floor, end at one border.
+func _soil(valley: Image) -> Image:
+	var map: Resource = $Scatter.biomes
+	var rect: Rect2 = $Ground.rect
+	var drawn: Image = valley.duplicate()
+	for y in drawn.get_height():
+		for x in drawn.get_width():
+			var at := rect.position + rect.size * Vector2(x, y) / Vector2(drawn.get_size() - Vector2i.ONE)
+			var share := drawn.get_pixel(x, y)
+			var plants := share.r + share.g
+			var wood: float = map.get_weights_at(at)[1]
+			drawn.set_pixel(x, y, Color(plants * (1.0 - wood), plants * wood, share.b, share.a))
+	return drawn
