@@ -39,8 +39,8 @@ ResolveResult BlockSampler::resolve(const CellRect &block, const std::atomic<boo
 
 glm::dvec2 BlockSampler::undecided_cell() const {
 	for (const LevelGrid &grid : levels()) {
-		if (!grid.chain.empty()) {
-			const glm::dvec2 cell(grid.cell_of(grid.chain.front()));
+		if (grid.undecided != LevelGrid::nowhere) {
+			const glm::dvec2 cell(grid.cell_of(grid.undecided));
 			return (cell + 0.5) * static_cast<double>(1u << grid.level);
 		}
 	}

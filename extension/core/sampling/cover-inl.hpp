@@ -12,13 +12,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-constexpr std::int32_t sub_bits = lattice_bits - 3;
 
 /// Distances are cut off here, where their squares still fit 31 bits and exceed radius^2.
 constexpr std::int32_t far = 23171;
@@ -48,6 +47,27 @@ HWY_INLINE V covered_parts(
 	return hn::IfThenElseZero(some, hn::BitCast(di, hn::And(above, below)));
 }
 
+/// One row of `covered_parts`, for processors without vectors.
+inline std::uint32_t covered_row(
+		std::int32_t row, std::int32_t px, std::int32_t py, int part_bits, std::int32_t columns) {
+	const hn::CappedTag<float, 1> df;
+	const std::int32_t last = (1 << part_bits) - 1;
+	const std::int32_t near_edge = (row << part_bits) - py;
+	const std::int32_t distance = std::max(std::abs(near_edge), std::abs(near_edge + last));
+	if (distance >= far) {
+		return 0;
+	}
+	const std::int32_t rest = static_cast<std::int32_t>(radius_squared) - 1 - distance * distance;
+	if (rest < 0) {
+		return 0;
+	}
+	const float root = hn::GetLane(hn::Sqrt(hn::Set(df, static_cast<float>(rest))));
+	const auto half = static_cast<std::int32_t>(root - 0.01f);
+	const std::int32_t from = std::max((px + last - half) >> part_bits, 0);
+	const std::int32_t to = std::min((px + 1 + half) >> part_bits, columns);
+	return from < to ? ~0u << from & ~0u >> (32 - to) : 0;
+}
+
 /// Turns eight rows of four bytes into four cells of eight bytes.
 HWY_INLINE void rows_to_cells(const std::uint32_t *HWY_RESTRICT rows, std::uint64_t *HWY_RESTRICT r_cells) {
 	const hn::FixedTag<std::uint8_t, 16> d8;
@@ -61,6 +81,16 @@ HWY_INLINE void rows_to_cells(const std::uint32_t *HWY_RESTRICT rows, std::uint6
 	hn::Store(hn::BitCast(d64, hn::InterleaveUpper(d32, low, high)), d64, r_cells + 2);
 }
 
+/// rows_to_cells within a vector of 8 or 16 rows.
+template <class D, class V>
+HWY_INLINE V turn_rows(D d, V rows) {
+	const hn::Repartition<std::uint8_t, D> d8;
+	alignas(16) static constexpr std::uint8_t turn[16] = {0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15};
+	alignas(64) static constexpr std::uint32_t pair[16] = {0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15};
+	const auto turned = hn::BitCast(d, hn::TableLookupBytes(hn::BitCast(d8, rows), hn::LoadDup128(d8, turn)));
+	return hn::TableLookupLanes(turned, hn::SetTableIndices(d, pair));
+}
+
 /// The sub-squares that a point's disk covers in the 16 cells of its neighborhood.
 struct Cover {
 	alignas(64) std::uint64_t cells[16];
@@ -69,54 +99,126 @@ struct Cover {
 HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 	const hn::CappedTag<std::int32_t, 16> di;
 	const hn::RebindToUnsigned<decltype(di)> du;
-	alignas(64) std::uint32_t rows[32];
-	for (std::size_t lane = 0; lane < 32; lane += hn::MaxLanes(di)) {
-		const auto bits = covered_parts(di, static_cast<std::int32_t>(lane), around.x, around.y, sub_bits, 32);
-		hn::Store(hn::BitCast(du, bits), du, rows + lane);
+	constexpr std::size_t lanes = hn::MaxLanes(di);
+	if constexpr (is_plain) {
+		for (std::int32_t row = 0; row < 32; ++row) {
+			const std::uint64_t bits = covered_row(row, around.x, around.y, sub_bits, 32);
+			for (std::int32_t column = 0; column < 4; ++column) {
+				std::uint64_t &cell = r_cover.cells[row / 8 * 4 + column];
+				const std::uint64_t part = bits >> (8 * column) & 0xff;
+				cell = row % 8 == 0 ? part : cell | part << (row % 8 * 8);
+			}
+		}
+		return;
 	}
-	for (int row = 0; row < 4; ++row) {
-		rows_to_cells(rows + 8 * row, r_cover.cells + 4 * row);
+	alignas(64) std::uint32_t rows[32];
+	for (std::size_t lane = 0; lane < 32; lane += lanes) {
+		const auto bits =
+				hn::BitCast(du, covered_parts(di, static_cast<std::int32_t>(lane), around.x, around.y, sub_bits, 32));
+		if constexpr (lanes >= 8) {
+			hn::Store(hn::BitCast(hn::RepartitionToWide<decltype(du)>(), turn_rows(du, bits)),
+					hn::RepartitionToWide<decltype(du)>(), r_cover.cells + lane / 2);
+		} else {
+			hn::Store(bits, du, rows + lane);
+		}
+	}
+	if constexpr (lanes < 8) {
+		for (int row = 0; row < 4; ++row) {
+			rows_to_cells(rows + 8 * row, r_cover.cells + 4 * row);
+		}
 	}
 }
 
-/// Which of the four children, of quadtree level `level` > 3, of the square with corner `origin` are known to be covered: the
-/// square is cut into parts, 8 x 8 where the lattice allows, and a part is covered when it lies in one disk. Slivers
-/// between disks end here that would be split many times.
-HWY_INLINE std::uint32_t covered_children(
-		const LevelGrid &grid, std::uint32_t cell, std::uint32_t level, CellPosition origin) {
-	const hn::CappedTag<std::int32_t, 8> di;
-	const hn::RebindToUnsigned<decltype(di)> du;
-	const std::uint32_t half = cell_size >> level;
-	const int part_bits = std::max(lattice_bits - static_cast<int>(level) - 2, 0);
-	const Neighborhood around(grid, cell, origin + half * (1 + cell_size));
-	// A disk that reaches the square comes within its half diagonal of the center.
-	const std::uint32_t reach = far + half + half / 2;
-	alignas(32) std::uint32_t rows[8] = {};
-	for (std::uint32_t near = points_near(grid, around, reach * reach); near != 0; near &= near - 1) {
-		const auto bit = static_cast<std::uint32_t>(std::countr_zero(near));
-		const CellPosition point = grid.point[around.first + (bit >> 2) * grid.stride + (bit & 3)];
-		// The point, seen from the square's corner.
-		const std::int32_t px = static_cast<std::int32_t>(block_x[bit] + position_x(point) + half) - around.x;
-		const std::int32_t py = static_cast<std::int32_t>(block_y[bit] + position_y(point) + half) - around.y;
-		for (std::size_t lane = 0; lane < 8; lane += hn::MaxLanes(di)) {
-			const auto bits = covered_parts(di, static_cast<std::int32_t>(lane), px, py, part_bits, 8);
-			hn::Store(hn::Or(hn::Load(du, rows + lane), hn::BitCast(du, bits)), du, rows + lane);
+/// Finds covered children of many squares of quadtree levels above 3: a square is cut into parts, 8 x 8 where the lattice
+/// allows, and a part is covered when it lies in one disk. Slivers between disks end here that would be split many times.
+template <std::uint32_t room>
+class DeepCover {
+public:
+	/// `child_level` is that of the children of the square with corner `origin`.
+	HWY_INLINE void add(const LevelGrid &grid, std::uint32_t cell, std::uint32_t child_level, CellPosition origin) {
+		const std::uint32_t half = cell_size >> child_level;
+		const Neighborhood around(grid, cell, origin + half * (1 + cell_size));
+		// A disk that reaches the square comes within its half diagonal of the center.
+		const std::uint32_t reach = far + half + half / 2;
+		squares_[count_] = {around.first, static_cast<std::int32_t>(half) - around.x,
+				static_cast<std::int32_t>(half) - around.y,
+				points_near(grid, around, static_cast<std::int32_t>(reach * reach)), child_level};
+		++count_;
+	}
+
+	/// Calls `found` with the index of each square and a bit for each of its children that is known to be covered.
+	template <class Found>
+	HWY_INLINE void finish(const LevelGrid &grid, const Found &found) {
+		const hn::CappedTag<std::int32_t, 8> di;
+		const hn::RebindToUnsigned<decltype(di)> du;
+		for (std::uint32_t i = 0; i < count_; ++i) {
+			const Square &square = squares_[i];
+			const int part_bits = std::max(lattice_bits - static_cast<int>(square.child_level) - 2, 0);
+			hn::Vec<decltype(du)> rows[8 / hn::MaxLanes(di)];
+			for (auto &row : rows) {
+				row = hn::Zero(du);
+			}
+			std::fill_n(rows_ + 8 * i, 8, 0u);
+			for (std::uint32_t near = square.near; near != 0; near &= near - 1) {
+				const auto bit = static_cast<std::uint32_t>(std::countr_zero(near));
+				const CellPosition point =
+						LevelGrid::position_of(grid.point[square.first + (bit >> 2) * grid.stride + (bit & 3)]);
+				// The point, seen from the square's corner.
+				const std::int32_t px = static_cast<std::int32_t>((bit & 3) * cell_size + position_x(point)) + square.x;
+				const std::int32_t py =
+						static_cast<std::int32_t>((bit >> 2) * cell_size + position_y(point)) + square.y;
+				if constexpr (is_plain) {
+					for (std::int32_t row = 0; row < 8; ++row) {
+						rows_[8 * i + static_cast<std::uint32_t>(row)] |= covered_row(row, px, py, part_bits, 8);
+					}
+					continue;
+				}
+				for (std::size_t part = 0; part < std::size(rows); ++part) {
+					const auto bits =
+							covered_parts(di, static_cast<std::int32_t>(part * hn::MaxLanes(di)), px, py, part_bits, 8);
+					rows[part] = hn::Or(rows[part], hn::BitCast(du, bits));
+				}
+			}
+			for (std::size_t part = 0; !is_plain && part < std::size(rows); ++part) {
+				hn::Store(rows[part], du, rows_ + 8 * i + part * hn::MaxLanes(di));
+			}
+		}
+		for (std::uint32_t i = 0; i < count_; ++i) {
+			found(i,
+					covered(rows_ + 8 * i, std::max(lattice_bits - static_cast<int>(squares_[i].child_level) - 2, 0),
+							cell_size >> squares_[i].child_level));
 		}
 	}
-	const std::uint32_t count = half >> part_bits;
-	std::uint32_t below = ~0u;
-	std::uint32_t above = ~0u;
-	for (std::uint32_t row = 0; row < count; ++row) {
-		below &= rows[row];
-		above &= rows[count + row];
-	}
-	const std::uint32_t left = (1u << count) - 1;
-	const std::uint32_t right = left << count;
-	const auto all = [](std::uint32_t bits, std::uint32_t wanted) {
-		return (bits & wanted) == wanted ? 1u : 0u;
+
+private:
+	struct Square {
+		std::uint32_t first;
+		std::int32_t x;
+		std::int32_t y;
+		std::uint32_t near;
+		std::uint32_t child_level;
 	};
-	return all(below, left) | all(below, right) << 1 | all(above, left) << 2 | all(above, right) << 3;
-}
+
+	static HWY_INLINE std::uint32_t covered(const std::uint32_t *rows, int part_bits, std::uint32_t half) {
+		const std::uint32_t count = half >> part_bits;
+		std::uint32_t below = ~0u;
+		std::uint32_t above = ~0u;
+		for (std::uint32_t row = 0; row < count; ++row) {
+			below &= rows[row];
+			above &= rows[count + row];
+		}
+		const std::uint32_t left = (1u << count) - 1;
+		const std::uint32_t right = left << count;
+		const auto all = [](std::uint32_t bits, std::uint32_t wanted) {
+			return (bits & wanted) == wanted ? 1u : 0u;
+		};
+		return all(below, left) | all(below, right) << 1 | all(above, left) << 2 | all(above, right) << 3;
+	}
+
+	std::uint32_t count_ = 0;
+	Square squares_[room];
+	alignas(64) std::uint32_t rows_[8 * room];
+};
 
 } // namespace thicket::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

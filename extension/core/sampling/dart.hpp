@@ -64,7 +64,8 @@ using DartKey = std::uint64_t;
 
 constexpr DartKey make_dart(TimeKey time, std::uint32_t level_position) { return DartKey{time} << 32 | level_position; }
 
-inline constexpr DartKey dart_never = ~DartKey{0};
+/// Later than every dart, as a signed number too.
+inline constexpr DartKey dart_never = ~DartKey{0} >> 1;
 
 constexpr TimeKey dart_time(DartKey dart) { return static_cast<TimeKey>(dart >> 32); }
 constexpr std::uint32_t dart_place(DartKey dart) { return static_cast<std::uint32_t>(dart); }

@@ -11,11 +11,15 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+/// Vectors are only emulated: what few of their lanes are needed for is done one by one.
+constexpr bool is_plain = HWY_TARGET == HWY_EMU128 || HWY_TARGET == HWY_SCALAR;
 
 /// High and low halves of the products of 32-bit lanes.
 template <class V>
@@ -77,34 +81,14 @@ HWY_INLINE auto exponentials(D d, V random) {
 	return hn::Sub(hn::Mul(hn::ConvertTo(df, exponent), hn::Set(df, 0.693147180559945f)), ln_mantissa);
 }
 
-/// child_dart of all four children.
-HWY_INLINE void child_darts(DartKey parent, DartKey *HWY_RESTRICT r_darts) {
-	const hn::CappedTag<std::uint64_t, 4> d64;
-	const hn::RepartitionToNarrow<decltype(d64)> d;
-	const hn::RebindToFloat<decltype(d)> df;
-	const std::uint32_t level = dart_level(dart_place(parent)) + 1;
-	const std::uint32_t width = cell_size >> level;
-	const std::uint32_t inside = (width - 1) | (width - 1) << lattice_bits;
-	const CellPosition origin = square_origin(dart_place(parent)) | level << (2 * lattice_bits);
-	alignas(32) static constexpr std::uint64_t steps[4] = {
-			split_mix_gamma, 2 * split_mix_gamma, 3 * split_mix_gamma, 4 * split_mix_gamma};
-	alignas(32) static constexpr std::uint64_t corners[4] = {0, 1, cell_size, 1 + cell_size};
-	for (std::size_t lane = 0; lane < 4; lane += hn::MaxLanes(d64)) {
-		auto random = hn::Add(hn::Set(d64, parent), hn::Load(d64, steps + lane));
-		random = hn::Xor(random, hn::ShiftRight<30>(random)) * hn::Set(d64, split_mix_mul_0);
-		random = hn::Xor(random, hn::ShiftRight<27>(random)) * hn::Set(d64, split_mix_mul_1);
-		random = hn::Xor(random, hn::ShiftRight<31>(random));
-		// Times live in the upper halves of the 64-bit lanes, as in the key; what the lower halves hold is replaced.
-		const auto wait =
-				hn::Mul(exponentials(d, hn::BitCast(d, random)), hn::Set(df, static_cast<float>(1u << (2 * level))));
-		const auto time = hn::BitCast(d, hn::Add(hn::BitCast(df, hn::Set(d, dart_time(parent))), wait));
-		const auto key = hn::Or(hn::And(time, hn::Set(d, ~tag_bits)), hn::Set(d, dart_time(parent) & tag_bits));
-		const auto corner = hn::Or(hn::Set(d64, origin),
-				hn::ShiftLeftSame(hn::Load(d64, corners + lane), lattice_bits - static_cast<int>(level)));
-		const auto position = hn::Or(corner, hn::And(random, hn::Set(d64, inside)));
-		hn::StoreU(hn::BitCast(d64, hn::OddEven(key, hn::BitCast(d, position))), d64, r_darts + lane);
+/// 0, 1, 2, 3, 4 again and again: the column's part of the tags of any five columns and those that follow.
+constexpr auto column_tags = [] {
+	std::array<std::uint32_t, 4 + hn::MaxLanes(hn::ScalableTag<std::uint32_t>())> tags{};
+	for (std::uint32_t column = 0; column < tags.size(); ++column) {
+		tags[column] = column % 5;
 	}
-}
+	return tags;
+}();
 
 /// Gives every cell its first dart, and the border its unknown time.
 HWY_INLINE void throw_base_darts(LevelGrid &grid) {
@@ -120,17 +104,22 @@ HWY_INLINE void throw_base_darts(LevelGrid &grid) {
 		std::uint32_t index = grid.index_of({grid.cells.min.x, y});
 		const std::uint32_t row_tag = 5 * mod_5(y);
 		std::fill_n(grid.open.data() + index, grid.cells.size().x, LevelGrid::all_open);
+		if constexpr (is_plain) {
+			for (std::int32_t x = grid.cells.min.x; x < grid.cells.max.x; ++x, ++index) {
+				const DartKey dart = grid.source.base_dart(x, y);
+				grid.time[index] = dart_time(dart);
+				grid.dart[index] = dart_place(dart);
+			}
+			continue;
+		}
 		for (std::int32_t x = grid.cells.min.x; x < grid.cells.max.x;
 				x += lanes, index += static_cast<std::uint32_t>(lanes)) {
 			const auto random = random_bits(d, hn::Iota(d, static_cast<std::uint32_t>(x)),
 					hn::Set(d, static_cast<std::uint32_t>(y)), hn::Set(d, grid.source.stream), hn::Zero(d),
 					grid.source.key);
 			const auto time = hn::BitCast(d, exponentials(d, random.first));
-			alignas(64) std::uint32_t tags[lanes];
-			for (std::int32_t lane = 0; lane < lanes; ++lane) {
-				tags[lane] = row_tag + mod_5(x + lane);
-			}
-			const auto key = hn::Or(hn::And(time, hn::Set(d, ~tag_bits)), hn::Load(d, tags));
+			const auto tag = hn::Add(hn::LoadU(d, column_tags.data() + mod_5(x)), hn::Set(d, row_tag));
+			const auto key = hn::Or(hn::And(time, hn::Set(d, ~tag_bits)), tag);
 			const auto position = hn::And(random.second, hn::Set(d, position_mask));
 			const std::int32_t rest = std::min(lanes, grid.cells.max.x - x);
 			if (rest == lanes) {

@@ -25,19 +25,26 @@ void LevelGrid::reset(const CellRect &p_cells) {
 		dart.resize(count);
 		point.resize(count);
 		waiting.resize(count);
+		requester.resize(count);
 		open.resize(count);
 	}
+	nobody = static_cast<std::uint32_t>(count) - 1;
+	time[nobody] = time_never;
+	dart[nobody] = 0;
+	waiting[nobody] = 0;
+	open[nobody] = 0;
 	if (coarser != nullptr) {
 		ready.assign(count, 0);
 	}
-	siblings.clear();
-	chain.clear();
+	waiting_squares.clear();
+	undecided = nowhere;
 	accepted = darts = squares = 0;
 }
 
 std::size_t LevelGrid::bytes() const {
 	return bytes_of(time) + bytes_of(dart) + bytes_of(point) + bytes_of(waiting) + bytes_of(open) + bytes_of(ready) +
-			siblings.bytes() + bytes_of(chain) + bytes_of(due);
+			waiting_squares.bytes() + bytes_of(requester) + bytes_of(wanted) + bytes_of(round) + bytes_of(listed) +
+			bytes_of(due);
 }
 
 } // namespace thicket

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "core/sampling/siblings.hpp"
+#include "core/sampling/waiting_squares.hpp"
+#include "core/sampling/work.hpp"
 
 #include <glm/vec2.hpp>
 
@@ -34,7 +35,36 @@ using RankFunction = std::uint32_t (*)(std::uint32_t levels, std::uint32_t level
 /// of `border` cells whose time is unknown: a chain that asks for one must start again in a larger grid.
 struct LevelGrid {
 	static constexpr std::int32_t border = 2; ///< Cells that a disk can reach beyond its own cell.
-	static constexpr std::uint32_t no_point = 0xffffffff;
+
+	/// A point's offset from the center of its cell: x in the low 16 bits, y in the high ones, both signed.
+	using PointOffset = std::int32_t;
+	static constexpr PointOffset no_point = 0x7fff7fff;
+
+	static constexpr PointOffset offset_of(CellPosition position) {
+		constexpr std::uint32_t half = cell_size / 2;
+		return static_cast<PointOffset>(
+				((position_x(position) - half) & 0xffffu) | (position_y(position) - half) << 16);
+	}
+	static constexpr CellPosition position_of(PointOffset offset) {
+		constexpr std::uint32_t half = cell_size / 2;
+		const auto bits = static_cast<std::uint32_t>(offset);
+		return ((bits + half) & cell_mask) | (((bits >> 16) + half) & cell_mask) << lattice_bits;
+	}
+
+	/// Who sees to it that a cell is looked at again.
+	enum Listing : std::uint8_t {
+		unlisted,
+		requested, ///< It stands in `wanted`, for a cell that it blocks.
+		in_region, ///< It belongs to the region that is being decided.
+	};
+
+	/// A cell whose darts are asked for up to a time, and a cell that had an earlier one in the way; `nobody` for none.
+	struct Wanted {
+		std::uint32_t cell;
+		TimeKey until;
+		std::uint32_t blocker;
+	};
+
 	static constexpr std::uint64_t all_open = ~std::uint64_t{0};
 
 	DartSource source{};
@@ -48,15 +78,23 @@ struct LevelGrid {
 
 	std::vector<TimeKey> time;          ///< Time of the cell's next dart; time_never once the cell is decided.
 	std::vector<std::uint32_t> dart;    ///< The next dart; the rank once a point stands.
-	std::vector<std::uint32_t> point;   ///< The accepted position, or no_point.
-	std::vector<std::uint32_t> waiting; ///< The cell's list in `siblings`.
+	std::vector<PointOffset> point;     ///< The accepted position, or no_point.
+	std::vector<std::uint32_t> waiting; ///< The cell's slot in `waiting_squares`; 0 for none.
 	std::vector<std::uint64_t> open;    ///< A bit for each of 8 x 8 sub-squares, by rows: not known to be covered.
 	/// All points of coarser levels near the cell stand. Not in use without a coarser level.
 	std::vector<std::uint8_t> ready;
 
-	SiblingPool siblings;
-	std::vector<std::uint32_t> chain; ///< Cells that wait for the one after them.
-	std::vector<std::uint32_t> due;   ///< Cells to look at in a pass.
+	WaitingSquares waiting_squares;
+	std::uint32_t nobody = 0; ///< An entry beyond all cells that throws no darts.
+
+	std::vector<Listing> listed;
+	std::vector<std::uint32_t> requester; ///< Of a requested cell: the cell that it blocks.
+	std::vector<Wanted> wanted;           ///< What the next round looks at.
+	std::vector<Wanted> round;            ///< What this round looks at.
+	std::vector<std::uint32_t> due;       ///< Cells to look at in a pass.
+	Splits splits;
+	std::uint32_t undecided = nowhere; ///< The cell that a dart outside the grid could decide.
+	static constexpr std::uint32_t nowhere = 0;
 
 	std::uint64_t accepted = 0;
 	std::uint64_t darts = 0;

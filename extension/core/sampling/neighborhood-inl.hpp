@@ -6,10 +6,13 @@
 #define THICKET_NEIGHBORHOOD_INL
 #endif
 
+#include "core/sampling/darts-inl.hpp"
 #include "core/sampling/level_grid.hpp"
+#include "core/sampling/plain_steps.hpp"
 
 #include <hwy/highway.h>
 
+#include <array>
 #include <cstring>
 #include <type_traits>
 
@@ -36,20 +39,26 @@ struct Neighborhood {
 	}
 };
 
-using BlockLanes = hn::CappedTag<std::uint32_t, 16>;
+using BlockLanes = hn::CappedTag<std::int32_t, 16>;
+using HalfLanes = hn::Repartition<std::int16_t, BlockLanes>; ///< x in the even lanes, y in the odd ones.
+using BlockWords = hn::Vec<BlockLanes>;
+using BlockHalves = hn::Vec<HalfLanes>;
+using BlockMask = hn::Mask<BlockLanes>;
 constexpr std::size_t block_lanes = hn::MaxLanes(BlockLanes());
+constexpr std::int32_t radius2 = static_cast<std::int32_t>(radius_squared);
 
-/// Corners of the 16 cells.
-alignas(64) constexpr std::uint32_t block_x[16] = {0, cell_size, 2 * cell_size, 3 * cell_size, 0, cell_size,
-		2 * cell_size, 3 * cell_size, 0, cell_size, 2 * cell_size, 3 * cell_size, 0, cell_size, 2 * cell_size,
-		3 * cell_size};
-alignas(64) constexpr std::uint32_t block_y[16] = {0, 0, 0, 0, cell_size, cell_size, cell_size, cell_size,
-		2 * cell_size, 2 * cell_size, 2 * cell_size, 2 * cell_size, 3 * cell_size, 3 * cell_size, 3 * cell_size,
-		3 * cell_size};
+/// Centers of the 16 cells, seen from the lowest cell's corner: x in the low half, y in the high one.
+alignas(64) constexpr auto block_centers = [] {
+	std::array<std::uint32_t, 16> centers{};
+	for (std::uint32_t cell = 0; cell < 16; ++cell) {
+		centers[cell] = ((cell & 3) * cell_size + cell_size / 2) | ((cell >> 2) * cell_size + cell_size / 2) << 16;
+	}
+	return centers;
+}();
 
 /// Loads rows of four cells into one vector, the lowest row first.
-template <class D>
-HWY_INLINE hn::Vec<D> load_rows(D d, const std::uint32_t *from, std::size_t stride) {
+template <class D, class T>
+HWY_INLINE hn::Vec<D> load_rows(D d, const T *from, std::size_t stride) {
 	constexpr std::size_t lanes = hn::MaxLanes(D());
 	if constexpr (lanes == 4) {
 		return hn::LoadU(d, from);
@@ -70,74 +79,87 @@ HWY_INLINE std::uint32_t bits_of(D d, M mask) {
 	return bits;
 }
 
-/// Lanes whose squared distance, at most 2^32, is below radius^2.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE auto within_radius(D d, V x, V y) {
-	return hn::Eq(hn::ShiftRight<2 * lattice_bits + 1>(hn::Add(hn::Mul(x, x), hn::Mul(y, y))), hn::Zero(d));
-}
-
-/// The points of some cells, seen from a disk's center.
-template <class V, class M>
-struct PointOffsets {
-	V x;
-	V y;
-	M stands; ///< False where the cell has no point, and the offset no meaning.
-};
-
-/// The points of the cells from `start` on, whose lower corners lie at (corner_x, corner_y) from the center.
-template <class V>
-HWY_INLINE auto offsets_of_points(const LevelGrid &grid, std::size_t start, V corner_x, V corner_y) {
+/// The cells' centers from `lane` on, seen from the disk's center. Offsets fit 16 bits but for one lane in thousands, which
+/// wraps to the other side, as far away.
+HWY_INLINE BlockHalves centers_from(const Neighborhood &around, std::size_t lane) {
 	const BlockLanes d;
-	const auto point = load_rows(d, grid.point.data() + start, grid.stride);
-	const auto stands = hn::Ne(point, hn::Set(d, LevelGrid::no_point));
-	return PointOffsets<V, decltype(stands)>{hn::Add(hn::And(point, hn::Set(d, cell_mask)), corner_x),
-			hn::Add(hn::ShiftRight<lattice_bits>(point), corner_y), stands};
+	const HalfLanes d16;
+	const auto centers = hn::Load(hn::RebindToUnsigned<BlockLanes>(), block_centers.data() + lane);
+	const auto disk = hn::Set(d, around.x | around.y << 16);
+	return hn::Sub(hn::BitCast(d16, centers), hn::BitCast(d16, disk));
 }
 
-/// What stands in a dart's way.
-struct Verdict {
-	bool conflict;    ///< An accepted point lies within the radius.
-	TimeKey earliest; ///< The earliest next dart among the other cells that the dart's disk reaches.
-};
+HWY_INLINE BlockWords squared_length(BlockHalves offset) {
+	return hn::WidenMulPairwiseAdd(BlockLanes(), offset, offset);
+}
+
+/// The cells, other than its own, that the disk of `around` reaches.
+HWY_INLINE BlockMask reached_cells(BlockHalves centers) {
+	const BlockLanes d;
+	const HalfLanes d16;
+	constexpr std::int16_t half = cell_size / 2;
+	const auto gap = hn::Max(
+			hn::Max(hn::SaturatedSub(centers, hn::Set(d16, half)), hn::SaturatedSub(hn::Set(d16, 1 - half), centers)),
+			hn::Zero(d16));
+	const auto distance2 = squared_length(gap);
+	return hn::And(hn::Lt(distance2, hn::Set(d, radius2)), hn::Gt(distance2, hn::Zero(d)));
+}
+
+/// Squared distances, as far as they fit, of the points of the cells; nonsense where there is none.
+HWY_INLINE BlockWords distances_to(BlockWords points, BlockHalves centers) {
+	const HalfLanes d16;
+	const auto offset = hn::SaturatedAdd(hn::BitCast(d16, points), centers);
+	return squared_length(hn::Max(offset, hn::Set(d16, -32767)));
+}
 
 /// Looks around a dart of `cell`.
-HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPosition position) {
+HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPosition position, TimeKey time) {
 	const BlockLanes d;
-	const hn::RebindToSigned<BlockLanes> di;
 	const Neighborhood around(grid, cell, position);
-	const auto never = hn::Set(di, static_cast<std::int32_t>(time_never));
-	const auto zero = hn::Zero(di);
-	auto earliest = never;
+	if constexpr (is_plain) {
+		return plain::look_around(grid, around.first, around.x, around.y, time);
+	}
 	bool conflict = false;
+	bool blocked = false;
 	for (std::size_t lane = 0; lane < 16; lane += block_lanes) {
 		const std::size_t start = around.first + lane / 4 * grid.stride;
-		// From the dart to the cells' lower corners, and to their nearest lattice points.
-		const auto corner_x = hn::Sub(hn::BitCast(di, hn::Load(d, block_x + lane)), hn::Set(di, around.x));
-		const auto corner_y = hn::Sub(hn::BitCast(di, hn::Load(d, block_y + lane)), hn::Set(di, around.y));
-		const auto last = hn::Set(di, 1 - side);
-		const auto gap_x = hn::Max(hn::Max(corner_x, hn::Sub(last, corner_x)), zero);
-		const auto gap_y = hn::Max(hn::Max(corner_y, hn::Sub(last, corner_y)), zero);
-		const auto reached = hn::RebindMask(di, within_radius(d, hn::BitCast(d, gap_x), hn::BitCast(d, gap_y)));
-		const auto own = hn::Eq(hn::Add(gap_x, gap_y), zero);
-		const auto times = hn::BitCast(di, load_rows(d, grid.time.data() + start, grid.stride));
-		// The cell's own entry is out of date while `settle` holds its dart.
-		earliest = hn::Min(earliest, hn::IfThenElse(hn::AndNot(own, reached), times, never));
-		const auto points = offsets_of_points(grid, start, hn::BitCast(d, corner_x), hn::BitCast(d, corner_y));
-		conflict |= !hn::AllFalse(d, hn::And(within_radius(d, points.x, points.y), points.stands));
+		const BlockHalves centers = centers_from(around, lane);
+		const auto times =
+				hn::BitCast(d, load_rows(hn::RebindToUnsigned<BlockLanes>(), grid.time.data() + start, grid.stride));
+		const auto earlier = hn::Lt(times, hn::Set(d, static_cast<std::int32_t>(time)));
+		blocked |= !hn::AllFalse(d, hn::And(earlier, reached_cells(centers)));
+		const auto points = load_rows(d, grid.point.data() + start, grid.stride);
+		const auto near = hn::Lt(distances_to(points, centers), hn::Set(d, radius2));
+		conflict |= !hn::AllFalse(d, hn::And(near, hn::Ne(points, hn::Set(d, LevelGrid::no_point))));
 	}
-	return {conflict, static_cast<TimeKey>(hn::GetLane(hn::MinOfLanes(di, earliest)))};
+	return {conflict, blocked};
+}
+
+/// The earliest next dart of the cells that the disk of a dart of `cell` reaches.
+HWY_INLINE TimeKey earliest_around(const LevelGrid &grid, std::uint32_t cell, CellPosition position) {
+	const BlockLanes d;
+	const Neighborhood around(grid, cell, position);
+	const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
+	auto earliest = never;
+	for (std::size_t lane = 0; lane < 16; lane += block_lanes) {
+		const std::size_t start = around.first + lane / 4 * grid.stride;
+		const auto times =
+				hn::BitCast(d, load_rows(hn::RebindToUnsigned<BlockLanes>(), grid.time.data() + start, grid.stride));
+		earliest = hn::Min(earliest, hn::IfThenElse(reached_cells(centers_from(around, lane)), times, never));
+	}
+	return static_cast<TimeKey>(hn::GetLane(hn::MinOfLanes(d, earliest)));
 }
 
 /// The points of the neighborhood whose squared distance to its center is below `limit`: a bit a cell.
-HWY_INLINE std::uint32_t points_near(const LevelGrid &grid, const Neighborhood &around, std::uint32_t limit) {
+HWY_INLINE std::uint32_t points_near(const LevelGrid &grid, const Neighborhood &around, std::int32_t limit) {
 	const BlockLanes d;
 	std::uint32_t near = 0;
 	for (std::size_t lane = 0; lane < 16; lane += block_lanes) {
-		const auto corner_x = hn::Sub(hn::Load(d, block_x + lane), hn::Set(d, static_cast<std::uint32_t>(around.x)));
-		const auto corner_y = hn::Sub(hn::Load(d, block_y + lane), hn::Set(d, static_cast<std::uint32_t>(around.y)));
-		const auto points = offsets_of_points(grid, around.first + lane / 4 * grid.stride, corner_x, corner_y);
-		const auto distance2 = hn::Add(hn::Mul(points.x, points.x), hn::Mul(points.y, points.y));
-		near |= bits_of(d, hn::And(hn::Lt(distance2, hn::Set(d, limit)), points.stands)) << lane;
+		const auto points = load_rows(d, grid.point.data() + around.first + lane / 4 * grid.stride, grid.stride);
+		const auto distance2 = distances_to(points, centers_from(around, lane));
+		near |= bits_of(d,
+						hn::And(hn::Lt(distance2, hn::Set(d, limit)), hn::Ne(points, hn::Set(d, LevelGrid::no_point))))
+				<< lane;
 	}
 	return near;
 }

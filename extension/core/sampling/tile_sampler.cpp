@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace thicket {
@@ -97,12 +98,17 @@ void TileSampler::Workspace::collect(
 	const LevelGrid &grid = blocks.finest();
 	const double unit = lattice_unit(set);
 	for (std::int32_t y = block.min.y; y < block.max.y; ++y) {
-		std::uint32_t index = grid.index_of({block.min.x, y});
-		for (std::int32_t x = block.min.x; x < block.max.x; ++x, ++index) {
-			const CellPosition position = grid.point[index];
-			if (position == LevelGrid::no_point) {
-				continue;
-			}
+		const std::uint32_t first = grid.index_of({block.min.x, y});
+		std::array<std::int32_t, widest_block> columns;
+		std::size_t count_of_points = 0;
+		for (std::int32_t column = 0; column < block.size().x; ++column) {
+			columns[count_of_points] = column;
+			count_of_points += grid.point[first + static_cast<std::uint32_t>(column)] != LevelGrid::no_point ? 1 : 0;
+		}
+		for (std::size_t i = 0; i < count_of_points; ++i) {
+			const std::int32_t x = block.min.x + columns[i];
+			const std::uint32_t index = first + static_cast<std::uint32_t>(columns[i]);
+			const CellPosition position = LevelGrid::position_of(grid.point[index]);
 			const std::int64_t lattice_x = std::int64_t{x} * cell_size + position_x(position);
 			const std::int64_t lattice_y = std::int64_t{y} * cell_size + position_y(position);
 			const glm::dvec2 world(static_cast<double>(lattice_x) * unit, static_cast<double>(lattice_y) * unit);

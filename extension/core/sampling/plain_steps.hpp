@@ -1,0 +1,136 @@
+#pragma once
+
+#include "core/sampling/level_grid.hpp"
+#include "core/sampling/work.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+
+// Steps of the resolver for processors without vectors, where it is faster to look at what is there than at all lanes. The same
+// bits as the vector forms of the same names.
+
+namespace thicket {
+
+/// What stands in a dart's way.
+struct Verdict {
+	bool conflict; ///< An accepted point lies within the radius.
+	bool blocked;  ///< One of the other cells that the dart's disk reaches has an earlier dart.
+};
+
+namespace plain {
+
+/// Distances are cut off here, where the sum of two squares still fits 31 bits and one of them exceeds radius^2.
+constexpr std::int32_t farthest = 23171;
+
+constexpr std::int32_t square(std::int32_t distance) {
+	const std::int32_t capped = std::min(std::abs(distance), farthest);
+	return capped * capped;
+}
+
+/// Looks around a dart at (x, y), seen from the corner of the lowest of the 4 x 4 cells that its disk can reach.
+inline Verdict look_around(const LevelGrid &grid, std::uint32_t lowest, std::int32_t x, std::int32_t y, TimeKey time) {
+	constexpr auto side = static_cast<std::int32_t>(cell_size);
+	constexpr auto radius2 = static_cast<std::int32_t>(radius_squared);
+	const auto gap = [](std::int32_t corner) {
+		return square(std::max({corner, 1 - side - corner, 0}));
+	};
+	const std::int32_t gaps[4] = {gap(-x), gap(side - x), gap(2 * side - x), gap(3 * side - x)};
+	Verdict verdict{false, false};
+	for (std::int32_t row = 0; row < 4; ++row) {
+		const std::int32_t gap_y = gap(row * side - y);
+		const std::uint32_t first = lowest + static_cast<std::uint32_t>(row) * grid.stride;
+		for (std::int32_t column = 0; column < 4; ++column) {
+			const std::uint32_t cell = first + static_cast<std::uint32_t>(column);
+			const std::int32_t away = gap_y + gaps[column];
+			if (away >= radius2) {
+				continue;
+			}
+			verdict.blocked |= grid.time[cell] < time && away > 0;
+			if (grid.point[cell] != LevelGrid::no_point) {
+				const CellPosition point = LevelGrid::position_of(grid.point[cell]);
+				const std::int32_t dx = column * side + static_cast<std::int32_t>(position_x(point)) - x;
+				const std::int32_t dy = row * side + static_cast<std::int32_t>(position_y(point)) - y;
+				if (square(dx) + square(dy) < radius2) {
+					verdict.conflict = true;
+					return verdict;
+				}
+			}
+		}
+	}
+	return verdict;
+}
+
+/// Takes what a new point covers of the 4 x 4 cells around it from what is open of them.
+inline void stamp(LevelGrid &grid, std::uint32_t lowest, const std::uint64_t *cover) {
+	for (std::uint32_t i = 0; i < 16; ++i) {
+		const std::uint32_t cell = lowest + i / 4 * grid.stride + i % 4;
+		grid.open[cell] &= ~cover[i];
+		if (grid.open[cell] == 0 && grid.time[cell] != time_unknown) {
+			grid.time[cell] = time_never;
+		}
+	}
+}
+
+/// The children, a bit each, of the square at `place` that have a sub-square that is not known to be covered.
+inline std::uint64_t open_children(std::uint32_t place, std::uint64_t open) {
+	const std::uint32_t level = dart_level(place);
+	if (level >= static_cast<std::uint32_t>(lattice_bits)) {
+		return 0;
+	}
+	constexpr std::uint64_t child_of[2] = {0x0f0f0f0f, 0x0303};
+	const std::uint32_t side = level < 3 ? 7u >> level : 0;
+	const std::uint64_t parts = open >> (sub_square_of(dart_position(place)) & ~(side | side << 3));
+	const std::uint64_t child = level < 2 ? child_of[level] : 1;
+	const std::uint32_t step = level < 3 ? 4u >> level : 0;
+	const auto bit = [&](std::uint32_t to, std::uint64_t value) {
+		return (parts >> to & child) != 0 ? value : 0;
+	};
+	return bit(0, 1) | bit(step, 2) | bit(8 * step, 4) | bit(9 * step, 8);
+}
+
+/// Sorts rejected cells by what becomes of their squares; see splits-inl.hpp.
+inline void sort_by_children(
+		const LevelGrid &grid, const Group &cells, Splits &r_splits, Group &r_deep, Group &r_spent) {
+	constexpr std::uint32_t first_deep = 3;
+	r_splits.count = 0;
+	for (std::uint32_t i = 0; i < cells.count; ++i) {
+		const Item item = cells.items[i];
+		const std::uint32_t cell = cell_of(item);
+		const std::uint64_t open = open_children(grid.dart[cell], grid.open[cell]);
+		if (open == 0) {
+			r_spent.add_if(item, grid.time[cell] != time_never);
+		} else if (dart_level(grid.dart[cell]) >= first_deep) {
+			r_deep.add_if(item, true);
+		} else {
+			r_splits.items[r_splits.count] = item;
+			r_splits.parent[r_splits.count] = make_dart(grid.time[cell], grid.dart[cell]);
+			r_splits.open[r_splits.count] = open;
+			++r_splits.count;
+		}
+	}
+}
+
+/// Throws the darts of the open children only.
+inline void throw_child_darts(Splits &splits) {
+	for (std::uint32_t i = 0; i < splits.count; ++i) {
+		DartKey *children = splits.children + i * Splits::stride;
+		std::fill_n(children, 4, dart_never);
+		std::uint32_t count = 0;
+		for (std::uint32_t child = 0; child < 4; ++child) {
+			if ((splits.open[i] >> child & 1) == 0) {
+				continue;
+			}
+			const DartKey dart = child_dart(splits.parent[i], child);
+			std::uint32_t at = count++;
+			for (; at > 0 && children[at - 1] > dart; --at) {
+				children[at] = children[at - 1];
+			}
+			children[at] = dart;
+		}
+	}
+}
+
+} // namespace plain
+
+} // namespace thicket

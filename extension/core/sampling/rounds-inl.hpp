@@ -1,0 +1,270 @@
+// Decides cells in rounds, many at a time. Compiled once for each instruction set, by resolver.cpp.
+#if defined(THICKET_ROUNDS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_ROUNDS_INL
+#undef THICKET_ROUNDS_INL
+#else
+#define THICKET_ROUNDS_INL
+#endif
+
+#include "core/sampling/splits-inl.hpp"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+HWY_BEFORE_NAMESPACE();
+namespace thicket::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// The neighbor that carries the tag of `key`, as an offset in cells.
+HWY_INLINE std::uint32_t tagged_neighbor(const LevelGrid &grid, std::uint32_t cell, TimeKey own, TimeKey key) {
+	static constexpr std::int8_t offset[9] = {1, 2, -2, -1, 0, 1, 2, -2, -1}; // of (difference mod 5), from -4
+	static constexpr std::uint8_t tag_x[32] = {
+			0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4};
+	static constexpr std::uint8_t tag_y[32] = {
+			0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 4, 4, 4, 4, 4};
+	const std::uint32_t from = own & tag_bits;
+	const std::uint32_t to = key & tag_bits;
+	const std::int32_t dx = offset[4 + tag_x[to] - tag_x[from]];
+	const std::int32_t dy = offset[4 + tag_y[to] - tag_y[from]];
+	return cell + static_cast<std::uint32_t>(dy * static_cast<std::int32_t>(grid.stride) + dx);
+}
+
+/// Marks what a new point's disk covers, and closes the cells that are left without an open sub-square.
+HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position) {
+	const Neighborhood around(grid, cell, position);
+	Cover cover;
+	cover_of(around, cover);
+	if constexpr (is_plain) {
+		plain::stamp(grid, around.first, cover.cells);
+		return;
+	}
+	const hn::CappedTag<std::uint64_t, 4> d;
+	const hn::Rebind<std::uint32_t, decltype(d)> d32;
+	for (std::uint32_t row = 0; row < 4; ++row) {
+		for (std::uint32_t lane = 0; lane < 4; lane += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
+			const std::uint32_t index = around.first + row * grid.stride + lane;
+			std::uint64_t *open = grid.open.data() + index;
+			const auto after = hn::AndNot(hn::Load(d, cover.cells + 4 * row + lane), hn::LoadU(d, open));
+			hn::StoreU(after, d, open);
+			// The border is closed from the start, at a time that stays unknown.
+			const auto time = hn::LoadU(d32, grid.time.data() + index);
+			const auto closed =
+					hn::And(hn::DemoteMaskTo(d32, d, hn::Eq(after, hn::Zero(d))), hn::Ne(time, hn::Zero(d32)));
+			hn::StoreU(hn::IfThenElse(closed, hn::Set(d32, time_never), time), d32, grid.time.data() + index);
+		}
+	}
+}
+
+HWY_INLINE void place_point(LevelGrid &grid, std::uint32_t cell, CellPosition position, std::uint32_t rank) {
+	grid.point[cell] = LevelGrid::offset_of(position);
+	grid.dart[cell] = rank;
+	stamp(grid, cell, position);
+}
+
+/// Decides what is wanted of a level. False when a dart outside its grid could be in the way.
+bool resolve_wanted(LevelGrid *levels, std::uint32_t level);
+
+HWY_INLINE void want(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
+	if (grid.listed[cell] == LevelGrid::unlisted) {
+		grid.listed[cell] = LevelGrid::requested;
+		grid.wanted.push_back({cell, until, grid.nobody});
+	}
+}
+
+/// Copies the point of a decided coarse cell, if it has one, to where it stands in the finer grid.
+HWY_INLINE void hand_down(const LevelGrid &coarse, glm::ivec2 cell, LevelGrid &grid) {
+	const std::uint32_t source = coarse.index_of(cell);
+	if (coarse.point[source] == LevelGrid::no_point) {
+		return;
+	}
+	const CellPosition position = LevelGrid::position_of(coarse.point[source]);
+	// A coarse unit is two fine ones.
+	const std::uint32_t x = 2 * position_x(position);
+	const std::uint32_t y = 2 * position_y(position);
+	const glm::ivec2 target = 2 * cell + glm::ivec2(x >> lattice_bits, y >> lattice_bits);
+	if (!grid.cells.contains(target)) {
+		return;
+	}
+	const std::uint32_t index = grid.index_of(target);
+	if (grid.point[index] == LevelGrid::no_point) {
+		place_point(grid, index, (x & cell_mask) | (y & cell_mask) << lattice_bits, coarse.dart[source]);
+	}
+}
+
+/// Brings all points of the coarser levels that can reach the cells of `region`, around which the coarser level is decided, into
+/// the grid.
+inline void make_region_ready(const LevelGrid &coarse, LevelGrid &grid, const CellRect &region) {
+	const CellRect parents = coarse_cells_around(region);
+	for (std::int32_t y = parents.min.y; y < parents.max.y; ++y) {
+		for (std::int32_t x = parents.min.x; x < parents.max.x; ++x) {
+			hand_down(coarse, {x, y}, grid);
+		}
+	}
+	for (std::int32_t y = region.min.y; y < region.max.y; ++y) {
+		std::fill_n(grid.ready.data() + grid.index_of({region.min.x, y}), region.size().x, std::uint8_t{1});
+	}
+}
+
+/// Brings the points of the coarser levels that can reach `cell`, and its siblings in the coarse cell, into the grid.
+inline bool make_ready(LevelGrid *levels, std::uint32_t level, std::uint32_t cell) {
+	LevelGrid &grid = levels[level];
+	LevelGrid &coarse = levels[level + 1];
+	const glm::ivec2 parent = grid.cell_of(cell) >> 1;
+	if (!coarse.cells.grown(-1).contains(parent)) {
+		return false;
+	}
+	for (std::int32_t y = parent.y - 1; y <= parent.y + 1; ++y) {
+		for (std::int32_t x = parent.x - 1; x <= parent.x + 1; ++x) {
+			if (coarse.time[coarse.index_of({x, y})] != time_never) {
+				want(coarse, coarse.index_of({x, y}), time_never - 1);
+			}
+		}
+	}
+	if (!resolve_wanted(levels, level + 1)) {
+		return false;
+	}
+	for (std::int32_t y = parent.y - 1; y <= parent.y + 1; ++y) {
+		for (std::int32_t x = parent.x - 1; x <= parent.x + 1; ++x) {
+			hand_down(coarse, {x, y}, grid);
+		}
+	}
+	for (const glm::ivec2 part : {glm::ivec2(0, 0), glm::ivec2(1, 0), glm::ivec2(0, 1), glm::ivec2(1, 1)}) {
+		if (grid.cells.contains(2 * parent + part)) {
+			grid.ready[grid.index_of(2 * parent + part)] = 1;
+		}
+	}
+	return true;
+}
+
+/// Takes a cell of no region off the list.
+HWY_INLINE void unlist(LevelGrid &grid, std::uint32_t cell) {
+	LevelGrid::Listing &listed = grid.listed[cell];
+	listed = listed == LevelGrid::requested ? LevelGrid::unlisted : listed;
+}
+
+/// Wants a cell outside the region that blocks another one.
+HWY_INLINE void request(LevelGrid &grid, std::uint32_t cell, std::uint32_t requester, TimeKey until) {
+	if (grid.listed[cell] == LevelGrid::unlisted) {
+		grid.listed[cell] = LevelGrid::requested;
+		grid.requester[cell] = requester;
+		grid.wanted.push_back({cell, until, grid.nobody});
+	}
+}
+
+/// True when the cell that a wanted one blocked has been decided by others: the chain then need not be followed.
+HWY_INLINE bool is_orphan(const LevelGrid &grid, const LevelGrid::Wanted &wanted) {
+	if (grid.listed[wanted.cell] != LevelGrid::requested || wanted.until == time_never - 1) {
+		return false;
+	}
+	const std::uint32_t requester = grid.requester[wanted.cell];
+	return grid.listed[requester] == LevelGrid::unlisted || grid.time[requester] != wanted.until;
+}
+
+/// Leaves a blocked cell for the next round, and wants what blocks it.
+HWY_INLINE bool wait(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
+	const TimeKey time = grid.time[cell];
+	const TimeKey earliest = earliest_around(grid, cell, dart_position(grid.dart[cell]));
+	if (earliest == time_unknown) {
+		grid.undecided = cell;
+		return false;
+	}
+	const std::uint32_t blocker = tagged_neighbor(grid, cell, time, earliest);
+	request(grid, blocker, cell, time);
+	grid.wanted.push_back({cell, until, blocker});
+	return true;
+}
+
+/// Decides a dart of each of the cells of `work`. None depends on another: a dart is accepted only when all other cells that its disk
+/// reaches have later ones, and a rejected one is rejected by a point that stands. Cells that are blocked go to grid.wanted,
+/// with what blocks them; those whose next dart is due stay in `work`. False when a dart outside the grid could be in the way.
+template <bool from_list>
+HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
+	LevelGrid &grid = levels[level];
+	Group accepted, blocked;
+	if (grid.coarser != nullptr) {
+		for (std::uint32_t i = 0; i < work.open.count; ++i) {
+			const std::uint32_t cell = cell_of(work.open.items[i]);
+			if (grid.ready[cell] == 0 && !make_ready(levels, level, cell)) {
+				grid.undecided = cell;
+				return false;
+			}
+		}
+	}
+	for (std::uint32_t i = 0; i < work.open.count; ++i) {
+		const Item item = work.open.items[i];
+		const std::uint32_t cell = cell_of(item);
+		const Verdict verdict = look_around(grid, cell, dart_position(grid.dart[cell]), grid.time[cell]);
+		work.covered.add_if(item, verdict.conflict);
+		accepted.add_if(item, !verdict.conflict & !verdict.blocked);
+		blocked.add_if(item, !verdict.conflict & verdict.blocked);
+	}
+	for (std::uint32_t i = 0; i < accepted.count; ++i) {
+		const std::uint32_t cell = cell_of(accepted.items[i]);
+		place_point(grid, cell, dart_position(grid.dart[cell]), grid.rank(grid.levels, grid.level, grid.time[cell]));
+	}
+	grid.darts += accepted.count;
+	grid.accepted += accepted.count;
+	for (std::uint32_t i = 0; i < blocked.count; ++i) {
+		const std::uint32_t cell = cell_of(blocked.items[i]);
+		if (grid.time[cell] == time_never) { // One of the new points covers it.
+			unlist(grid, cell);
+		} else if (!wait(grid, cell, until_of(blocked.items[i]))) {
+			return false;
+		}
+	}
+	Group rejected = work.covered;
+	work.covered.count = work.open.count = 0;
+	split_squares(grid, rejected, work);
+	if (from_list) {
+		for (std::uint32_t i = 0; i < accepted.count; ++i) {
+			unlist(grid, cell_of(accepted.items[i]));
+		}
+		for (std::uint32_t i = 0; i < rejected.count; ++i) {
+			if (grid.time[cell_of(rejected.items[i])] > until_of(rejected.items[i])) {
+				unlist(grid, cell_of(rejected.items[i]));
+			}
+		}
+	}
+	return true;
+}
+
+inline bool resolve_wanted(LevelGrid *levels, std::uint32_t level) {
+	LevelGrid &grid = levels[level];
+	if (grid.wanted.empty()) {
+		return true;
+	}
+	Work work;
+	while (!grid.wanted.empty() || work.count() != 0) {
+		std::swap(grid.wanted, grid.round);
+		grid.wanted.clear();
+		std::size_t next = 0;
+		do {
+			for (; work.count() < Group::most && next < grid.round.size(); ++next) {
+				const LevelGrid::Wanted wanted = grid.round[next];
+				const TimeKey time = grid.time[wanted.cell];
+				if (time > wanted.until || is_orphan(grid, wanted)) {
+					unlist(grid, wanted.cell);
+				} else if (grid.time[wanted.blocker] < time) {
+					grid.wanted.push_back(wanted);
+					request(grid, wanted.blocker, wanted.cell, time);
+				} else {
+					work.add_if(
+							make_item(wanted.cell, wanted.until), grid.open[wanted.cell], grid.dart[wanted.cell], true);
+				}
+			}
+			if (!decide<true>(levels, level, work)) {
+				return false;
+			}
+		} while (next < grid.round.size());
+	}
+	return true;
+}
+
+} // namespace thicket::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

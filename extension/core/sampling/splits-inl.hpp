@@ -1,0 +1,117 @@
+// What becomes of the squares of rejected darts. Compiled once for each instruction set, by resolver.cpp.
+#if defined(THICKET_SPLITS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_SPLITS_INL
+#undef THICKET_SPLITS_INL
+#else
+#define THICKET_SPLITS_INL
+#endif
+
+#include "core/sampling/children-inl.hpp"
+#include "core/sampling/cover-inl.hpp"
+#include "core/sampling/waiting-inl.hpp"
+
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include <bit>
+
+HWY_BEFORE_NAMESPACE();
+namespace thicket::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Sorts rejected cells by what becomes of their squares: those with open children are splits, or `r_deep` where more has to be
+/// looked at; cells whose square has none are `r_spent`, and cells that a new point closed are dropped.
+HWY_INLINE void sort_by_children(
+		const Columns &columns, std::uint32_t nobody, Group &cells, Splits &r_splits, Group &r_deep, Group &r_spent) {
+	const SplitLanes d;
+	const hn::RebindToSigned<SplitLanes> di;
+	const hn::Rebind<std::uint32_t, SplitLanes> d32;
+	const hn::Rebind<std::int32_t, SplitLanes> di32;
+	std::uint32_t splits = 0;
+	std::fill_n(cells.items + cells.count, hn::MaxLanes(d), make_item(nobody, 0));
+	for (std::uint32_t i = 0; i < cells.count; i += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
+		const auto items = hn::Load(d, cells.items + i);
+		const auto cell = hn::And(items, hn::Set(d, 0xffffffff));
+		const auto cell32 = hn::BitCast(di32, hn::TruncateTo(d32, cell));
+		const auto place = hn::PromoteTo(d, hn::GatherIndex(d32, columns.dart, cell32));
+		const auto time = hn::PromoteTo(d, hn::GatherIndex(d32, columns.time, cell32));
+		const auto open = open_children(place, hn::GatherIndex(d, columns.open, hn::BitCast(di, cell)));
+		const auto none = hn::Eq(open, hn::Zero(d));
+		const auto is_deep = hn::Gt(place, hn::Set(d, (3u << (2 * lattice_bits)) - 1));
+		const auto parent = hn::Or(hn::ShiftLeft<32>(time), place);
+		const auto split = hn::Not(hn::Or(none, is_deep));
+		hn::CompressStore(items, split, d, r_splits.items + splits);
+		hn::CompressStore(parent, split, d, r_splits.parent + splits);
+		splits += static_cast<std::uint32_t>(hn::CompressStore(open, split, d, r_splits.open + splits));
+		r_deep.count += static_cast<std::uint32_t>(
+				hn::CompressStore(items, hn::AndNot(none, is_deep), d, r_deep.items + r_deep.count));
+		// A cell that a new point closed is done with.
+		const auto spent = hn::And(none, hn::Ne(time, hn::Set(d, time_never)));
+		r_spent.count += static_cast<std::uint32_t>(hn::CompressStore(items, spent, d, r_spent.items + r_spent.count));
+	}
+	r_splits.count = splits;
+}
+
+/// Which children of the squares of the cells' rejected darts are not known to be covered. Cells whose square has none are
+/// `r_spent`.
+HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_splits, Group &r_spent) {
+	const Columns columns(grid);
+	DeepCover<Group::room> deep_cover;
+	Group deep;
+	for (std::uint32_t i = 0; i < cells.count; ++i) {
+		hwy::Prefetch(columns.slots + (columns.waiting[cell_of(cells.items[i])] & WaitingSquares::slot_mask));
+	}
+	if constexpr (is_plain || HWY_TARGET == HWY_SSE2) {
+		plain::sort_by_children(grid, cells, r_splits, deep, r_spent);
+	} else {
+		sort_by_children(columns, grid.nobody, cells, r_splits, deep, r_spent);
+	}
+	std::uint32_t splits = r_splits.count;
+	for (std::uint32_t i = 0; i < deep.count; ++i) {
+		const std::uint32_t cell = cell_of(deep.items[i]);
+		const std::uint32_t place = columns.dart[cell];
+		deep_cover.add(grid, cell, dart_level(place) + 1, square_origin(place));
+	}
+	deep_cover.finish(grid, [&](std::uint32_t i, std::uint32_t covered) {
+		const Item item = deep.items[i];
+		r_splits.items[splits] = item;
+		r_splits.parent[splits] = make_dart(columns.time[cell_of(item)], columns.dart[cell_of(item)]);
+		r_splits.open[splits] = covered ^ 15;
+		splits += covered != 15;
+		r_spent.add_if(item, covered == 15);
+	});
+	r_splits.count = splits;
+}
+
+/// Splits the squares of the cells' rejected darts. Each cell gets its next dart, or none; `r_work` is the cells whose next dart is
+/// due as well.
+HWY_INLINE void split_squares(LevelGrid &grid, Group &cells, Work &r_work) {
+	Splits &splits = grid.splits;
+	Group spent;
+	grid.waiting_squares.reserve(2 * cells.count);
+	find_open_children(grid, cells, splits, spent);
+	if constexpr (is_plain) {
+		plain::throw_child_darts(splits);
+	} else {
+		throw_child_darts(splits);
+	}
+	const Columns columns(grid);
+	Work next;
+	std::uint64_t squares = 0;
+	for (std::uint32_t i = 0; i < splits.count; ++i) {
+		squares += static_cast<std::uint64_t>(std::popcount(splits.open[i]));
+		advance<true>(grid, columns, splits.items[i], splits.children + i * Splits::stride, next);
+	}
+	for (std::uint32_t i = 0; i < spent.count; ++i) {
+		advance<false>(grid, columns, spent.items[i], nullptr, next);
+	}
+	r_work = next;
+	grid.darts += cells.count;
+	grid.squares += squares;
+}
+
+} // namespace thicket::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,81 @@
+#pragma once
+
+#include "core/sampling/dart.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+// Cells and squares that are worked on together: many independent ones at a time keep a processor busy, where one after the other
+// would wait for each branch and each load.
+
+namespace thicket {
+
+/// The depth of a cell's 8 x 8 sub-squares: bits of a position within one.
+inline constexpr std::int32_t sub_bits = lattice_bits - 3;
+
+constexpr std::uint32_t sub_square_of(CellPosition position) {
+	return (position_y(position) >> sub_bits) * 8 + (position_x(position) >> sub_bits);
+}
+
+/// A cell whose darts are asked for up to a time: the cell's index in the low half, the time above.
+using Item = std::uint64_t;
+constexpr Item make_item(std::uint32_t cell, TimeKey until) { return Item{until} << 32 | cell; }
+constexpr std::uint32_t cell_of(Item item) { return static_cast<std::uint32_t>(item); }
+constexpr TimeKey until_of(Item item) { return static_cast<TimeKey>(item >> 32); }
+
+/// Cells that are dealt with alike.
+struct Group {
+	static constexpr std::uint32_t most = 64;
+	static constexpr std::uint32_t room = most + 16; ///< Vectors read and write past the last one.
+
+	std::uint32_t count = 0;
+	alignas(64) Item items[room];
+
+	Group() = default;
+	Group(const Group &other) { *this = other; }
+	/// Only what it holds is copied.
+	Group &operator=(const Group &other) {
+		count = other.count;
+		std::copy_n(other.items, other.count, items);
+		return *this;
+	}
+
+	/// Without a branch, which would be a coin toss.
+	void add_if(Item item, bool condition) {
+		items[count] = item;
+		count += static_cast<std::uint32_t>(condition);
+	}
+};
+
+/// Cells whose next dart is due.
+struct Work {
+	Group covered; ///< A disk covers the dart's position.
+	Group open;
+
+	std::uint32_t count() const { return covered.count + open.count; }
+
+	/// A cell with its uncovered sub-squares and its next dart.
+	void add_if(Item item, std::uint64_t open_parts, std::uint32_t place, bool due) {
+		const bool is_open = (open_parts >> sub_square_of(dart_position(place)) & 1) != 0;
+		covered.add_if(item, due & !is_open);
+		open.add_if(item, due & is_open);
+	}
+};
+
+/// Squares that are about to be split, a column for each value.
+struct Splits {
+	static constexpr std::uint32_t room = Group::room;
+	/// From one split's children to the next's: four darts, and as many times dart_never as a vector may read on.
+	static constexpr std::size_t stride = 16;
+
+	std::uint32_t count = 0;
+	alignas(64) Item items[room];
+	alignas(64) DartKey parent[room];
+	alignas(64) std::uint64_t open[room];        ///< A bit for each child that is not known to be covered.
+	alignas(64) DartKey children[room * stride]; ///< Earliest first, dart_never where one is covered.
+
+	Splits() { std::fill_n(children, room * stride, dart_never); }
+};
+
+} // namespace thicket
