@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <limits>
 
 namespace thicket {
 
@@ -79,15 +81,58 @@ Status validate_rect(const PointSet &set, const Rect &rect) {
 	return {};
 }
 
+/// The blocks that a rectangle of cells is cut into, by rows.
+class BlockRange {
+public:
+	explicit BlockRange(const CellRect &cells) :
+			min_(cells.min), size_(glm::max(cells.size(), glm::ivec2(0))),
+			blocks_((size_ + std::int64_t{widest_block - 1}) / std::int64_t{widest_block}) {}
+
+	std::int64_t count() const { return blocks_.x * blocks_.y; }
+
+	CellRect block(std::int64_t index) const {
+		const glm::i64vec2 at(index % blocks_.x, index / blocks_.x);
+		return {corner(at), corner(at + std::int64_t{1})};
+	}
+
+private:
+	glm::ivec2 corner(const glm::i64vec2 &at) const { return min_ + glm::ivec2(size_ * at / blocks_); }
+
+	glm::ivec2 min_;
+	glm::i64vec2 size_;
+	glm::i64vec2 blocks_;
+};
+
+/// What workers share while they take one block after the other.
+struct Shared {
+	std::int64_t end = 0;
+	std::atomic<std::int64_t> next = 0;
+	std::atomic<std::int64_t> done = 0;
+	std::atomic<std::uint64_t> points = 0;
+};
+
+/// How a worker has ended.
+struct Ended {
+	std::int64_t block = std::numeric_limits<std::int64_t>::max(); ///< That could not be sampled.
+	Status status;
+};
+
 } // namespace
 
 struct TileSampler::Workspace {
-	explicit Workspace(const SampleMargins &margins) : blocks(margins) {}
+	explicit Workspace(const SampleMargins &margins) : margins(margins), blocks(margins) {}
 
+	SampleMargins margins;
 	BlockSampler blocks;
 	SampleStats stats;
+	std::vector<std::unique_ptr<Workspace>> others; ///< Of lent threads; kept for their memory.
 
-	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress);
+	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress,
+			LentThreads *threads);
+	Status sample_block(const PointSet &set, const Rect &rect, const CellRect &block, const std::atomic<bool> *cancel,
+			std::vector<SamplePoint> &r_points);
+	Status sample_together(const PointSet &set, const Rect &rect, const BlockRange &range, LentThreads &threads,
+			std::vector<SamplePoint> &r_points, const Progress &progress);
 	void collect(const PointSet &set, const Rect &rect, const CellRect &block, std::vector<SamplePoint> &r_points);
 	void count();
 	Status too_wide(const PointSet &set) const;
@@ -138,9 +183,87 @@ Status TileSampler::Workspace::too_wide(const PointSet &set) const {
 	return {ErrorCode::margin_too_wide, "rect", static_cast<double>(blocks.margin()), {set.seed, set.radius, position}};
 }
 
+/// Adds the points of a block.
+Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rect, const CellRect &block,
+		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
+	switch (blocks.resolve(block, cancel)) {
+		case ResolveResult::done: break;
+		case ResolveResult::cancelled: return {ErrorCode::cancelled, "sample", 0.0};
+		case ResolveResult::margin_too_small: return too_wide(set);
+	}
+	collect(set, rect, block, r_points);
+	count();
+	return {};
+}
+
+/// Some blocks for each worker, then the points of these in order, and so on: little is held twice.
+Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &rect, const BlockRange &range,
+		LentThreads &threads, std::vector<SamplePoint> &r_points, const Progress &progress) {
+	constexpr std::size_t blocks_each = 16;
+	while (others.size() < threads.count()) {
+		others.push_back(std::make_unique<Workspace>(margins));
+	}
+	for (const std::unique_ptr<Workspace> &other : others) {
+		other->blocks.prepare(set, rank_of);
+		other->stats = {};
+	}
+	std::vector<std::vector<SamplePoint>> parts(blocks_each * (others.size() + 1));
+	std::vector<Ended> ended(others.size() + 1);
+	Shared shared;
+	std::int64_t told = 0;
+	const auto tell = [&](std::int64_t done, std::uint64_t points) {
+		if (progress.report && done > told) {
+			told = done;
+			progress.report(static_cast<double>(done) / static_cast<double>(range.count()), points);
+		}
+	};
+	for (std::int64_t first = 0; first < range.count(); first = shared.end) {
+		shared.end = std::min(range.count(), first + static_cast<std::int64_t>(parts.size()));
+		shared.next = first;
+		shared.points = r_points.size();
+		threads.run([&](std::size_t index) {
+			Workspace &mine = index == 0 ? *this : *others[index - 1];
+			std::int64_t block = first;
+			const auto work = [&] {
+				Status status;
+				while (status.ok() && (block = shared.next++) < shared.end) {
+					std::vector<SamplePoint> &part = parts[static_cast<std::size_t>(block - first)];
+					part.clear();
+					status = mine.sample_block(set, rect, range.block(block), progress.cancel, part);
+					shared.points += part.size();
+					const std::int64_t done = ++shared.done;
+					if (index == 0 && status.ok()) {
+						tell(done, shared.points);
+					}
+				}
+				return status;
+			};
+			if (const Status status = guarded("rect", 0.0, work); !status.ok()) {
+				ended[index] = {block, status};
+				shared.next = shared.end;
+			}
+		});
+		// Blocks are begun in order, so this is the failure that a single worker would have met.
+		const auto failed = std::ranges::min_element(ended, {}, &Ended::block);
+		if (!failed->status.ok()) {
+			throw_if_out_of_memory(failed->status);
+			return failed->status;
+		}
+		for (std::int64_t block = first; block < shared.end; ++block) {
+			const std::vector<SamplePoint> &part = parts[static_cast<std::size_t>(block - first)];
+			r_points.insert(r_points.end(), part.begin(), part.end());
+		}
+		tell(shared.end, r_points.size());
+	}
+	for (const std::unique_ptr<Workspace> &other : others) {
+		stats.add(other->stats);
+	}
+	return {};
+}
+
 /// Of valid arguments. Throws std::bad_alloc.
-Status TileSampler::Workspace::sample(
-		const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress) {
+Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
+		const Progress &progress, LentThreads *threads) {
 	// One piece of memory for all that will come: to grow in the middle of a large call would hold up a cancel.
 	r_points.reserve(static_cast<std::size_t>(enough_points(set, rect)));
 	r_points.clear();
@@ -148,31 +271,33 @@ Status TileSampler::Workspace::sample(
 	if (rect.empty()) {
 		return {};
 	}
-	const CellRect cells = cells_of(rect, lattice_unit(set));
-	const glm::i64vec2 size(glm::max(cells.size(), glm::ivec2(0)));
-	const glm::i64vec2 count_of_blocks = (size + std::int64_t{widest_block - 1}) / std::int64_t{widest_block};
+	const BlockRange range(cells_of(rect, lattice_unit(set)));
 	blocks.prepare(set, rank_of);
-	const auto corner = [&](const glm::i64vec2 &index) {
-		return cells.min + glm::ivec2(size * index / count_of_blocks);
-	};
-	for (std::int64_t row = 0; row < count_of_blocks.y; ++row) {
-		for (std::int64_t column = 0; column < count_of_blocks.x; ++column) {
-			const CellRect block{corner({column, row}), corner({column + 1, row + 1})};
-			switch (blocks.resolve(block, progress.cancel)) {
-				case ResolveResult::done: break;
-				case ResolveResult::cancelled: return {ErrorCode::cancelled, "sample", 0.0};
-				case ResolveResult::margin_too_small: r_points.clear(); return too_wide(set);
-			}
-			collect(set, rect, block, r_points);
-			count();
-			if (progress.report) {
-				const auto done = static_cast<double>(row * count_of_blocks.x + column + 1);
-				progress.report(done / static_cast<double>(count_of_blocks.x * count_of_blocks.y), r_points.size());
+	Status status;
+	if (range.count() > 1 && threads != nullptr && threads->count() > 0) {
+		status = sample_together(set, rect, range, *threads, r_points, progress);
+	} else {
+		for (std::int64_t block = 0; status.ok() && block < range.count(); ++block) {
+			status = sample_block(set, rect, range.block(block), progress.cancel, r_points);
+			if (status.ok() && progress.report) {
+				progress.report(static_cast<double>(block + 1) / static_cast<double>(range.count()), r_points.size());
 			}
 		}
 	}
+	if (status.code == ErrorCode::margin_too_wide) {
+		r_points.clear();
+	}
 	stats.kept = r_points.size();
-	return {};
+	return status;
+}
+
+void SampleStats::add(const SampleStats &other) {
+	computed += other.computed;
+	darts += other.darts;
+	squares += other.squares;
+	cells += other.cells;
+	retries += other.retries;
+	workspace_bytes += other.workspace_bytes;
 }
 
 TileSampler::TileSampler(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
@@ -182,8 +307,8 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
-Status TileSampler::sample(
-		const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress) {
+Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
+		const Progress &progress, LentThreads *threads) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);
@@ -192,7 +317,7 @@ Status TileSampler::sample(
 		return status;
 	}
 	status = guarded("rect", enough_points(set, rect) * sizeof(SamplePoint),
-			[&] { return workspace_->sample(set, rect, r_points, progress); });
+			[&] { return workspace_->sample(set, rect, r_points, progress, threads); });
 	if (status.code == ErrorCode::out_of_memory) {
 		r_points.clear();
 	}

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/lent_threads.hpp"
 #include "core/base/progress.hpp"
 #include "core/base/rect.hpp"
 #include "core/sampling/point_set.hpp"
@@ -20,6 +21,9 @@ struct SampleStats {
 	std::uint64_t cells = 0;         ///< Cells initialized, margin included.
 	std::uint32_t retries = 0;       ///< Blocks that ran again with a wider margin.
 	std::size_t workspace_bytes = 0; ///< Workspace held, all levels.
+
+	/// What another worker has done of the same call.
+	void add(const SampleStats &other);
 };
 
 /// A window onto a fixed infinite Poisson-disk set: hierarchical dart throwing (White, Cline, Egbert 2007, sections 2
@@ -48,8 +52,10 @@ public:
 	/// a millisecond. After ErrorCode::margin_too_wide (the widest margin does not decide a point, and the status names seed,
 	/// radius and position) and after ErrorCode::out_of_memory (it names the bytes that the points of `rect` take) `r_points`
 	/// is empty. O(points) time; bounded memory, whatever the rectangle.
-	Status sample(
-			const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress = {});
+	///
+	/// A rectangle of several blocks (128 cells, or 90 radii, wide) is shared with `threads`, if there are any, for the same result.
+	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
+			const Progress &progress = {}, LentThreads *threads = nullptr);
 
 	const SampleStats &stats() const;
 

@@ -2,8 +2,12 @@
 
 #include <godot_cpp/classes/os.hpp>
 #include <godot_cpp/classes/project_settings.hpp>
+#include <godot_cpp/classes/worker_thread_pool.hpp>
 
+#include <algorithm>
 #include <cstdint>
+#include <thread>
+#include <vector>
 
 using namespace godot;
 
@@ -12,6 +16,39 @@ namespace thicket {
 bool has_threads() {
 	const Variant most = ProjectSettings::get_singleton()->get_setting("threading/worker_pool/max_threads", -1);
 	return OS::get_singleton()->has_feature("threads") && static_cast<int64_t>(most) != 0;
+}
+
+std::size_t spare_thread_count() {
+	if (!has_threads()) {
+		return 0;
+	}
+	const std::size_t cores = std::thread::hardware_concurrency();
+	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core stays with the thread that asks.
+}
+
+void EngineThreads::run(const std::function<void(std::size_t index)> &work) {
+	struct Task {
+		const std::function<void(std::size_t index)> *work;
+		std::size_t index;
+		std::int64_t number;
+
+		static void call(void *p_task) {
+			const Task &task = *static_cast<Task *>(p_task);
+			(*task.work)(task.index);
+		}
+	};
+	std::vector<Task> tasks;
+	for (std::size_t index = 1; index <= count_; ++index) {
+		tasks.push_back({&work, index, -1});
+	}
+	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
+	for (Task &task : tasks) {
+		task.number = pool->add_native_task(&Task::call, &task, true, "Thicket sampler");
+	}
+	work(0);
+	for (const Task &task : tasks) {
+		pool->wait_for_task_completion(task.number);
+	}
 }
 
 } // namespace thicket

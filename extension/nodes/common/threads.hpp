@@ -1,8 +1,26 @@
 #pragma once
 
+#include "core/base/lent_threads.hpp"
+
+#include <cstddef>
+#include <functional>
+
 namespace thicket {
 
 /// Whether the engine has threads to work on. Builds for the web may have none, and a project may forbid them.
 bool has_threads();
+
+/// How many to work on besides the one that asks: 0 to 8.
+std::size_t spare_thread_count();
+
+/// Threads of the engine's WorkerThreadPool, for a call that may come from any thread.
+class EngineThreads final : public LentThreads {
+public:
+	std::size_t count() const override { return count_; }
+	void run(const std::function<void(std::size_t index)> &work) override;
+
+private:
+	std::size_t count_ = spare_thread_count();
+};
 
 } // namespace thicket

@@ -2,6 +2,7 @@
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/threads.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
@@ -93,7 +94,8 @@ std::span<const SamplePoint> PoissonSampler::fetch(const Turn &p_turn, const Rec
 	if (!p_turn.granted()) {
 		return {};
 	}
-	const Status status = sampler_.sample(set_, p_rect, points_, {.cancel = &cancelled_, .report = {}});
+	EngineThreads threads;
+	const Status status = sampler_.sample(set_, p_rect, points_, {.cancel = &cancelled_, .report = {}}, &threads);
 	report(class_name, status);
 	return status.ok() ? std::span<const SamplePoint>(points_) : std::span<const SamplePoint>();
 }

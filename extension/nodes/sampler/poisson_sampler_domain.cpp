@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/threads.hpp"
 #include "nodes/sampler/script_progress.hpp"
 
 #include <godot_cpp/core/error_macros.hpp>
@@ -157,7 +158,8 @@ template <typename Writer>
 Status PoissonSampler::write_tiles(
 		const Rect &p_rect, const Progress &p_progress, Writer &r_writer, DomainStats &r_stats) {
 	const PointSet set = set_; // The script may change it meanwhile.
-	const Status status = sampler_.sample(set, p_rect, points_, p_progress);
+	EngineThreads threads;
+	const Status status = sampler_.sample(set, p_rect, points_, p_progress, &threads);
 	if (!status.ok()) {
 		return status;
 	}

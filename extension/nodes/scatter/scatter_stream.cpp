@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 
 using namespace godot;
@@ -26,15 +25,6 @@ constexpr std::size_t max_jobs_per_worker = 64;
 
 /// Meters that a viewer may move before the work that waits is sorted anew.
 constexpr double sort_distance = 4.0;
-
-/// 0 where the main thread has to make the tiles.
-std::size_t worker_count() {
-	if (!has_threads()) {
-		return 0;
-	}
-	const std::size_t cores = std::thread::hardware_concurrency();
-	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core stays with the main thread.
-}
 
 /// True if a tile made for one layer may be shown for the other until its own is there: the same points and meshes.
 bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
@@ -58,7 +48,7 @@ void report_tile(const TileKey &key, const Status &status) {
 
 } // namespace
 
-ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(worker_count()) {}
+ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(spare_thread_count()) {}
 
 /// What is under way and shows something that has changed since, or a tile of another size, is of no use to those who ask.
 void ScatterStream::mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated) {

@@ -1,0 +1,167 @@
+// A large rectangle is shared by threads that the caller lends: the same points in the same order, errors and progress as alone.
+
+#include "core/sampling/tile_sampler.hpp"
+#include "short_of_memory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <thread>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+class Threads final : public LentThreads {
+public:
+	explicit Threads(std::size_t count) : count_(count) {}
+
+	std::size_t count() const override { return count_; }
+
+	void run(const std::function<void(std::size_t)> &work) override {
+		++runs;
+		std::vector<std::jthread> threads;
+		for (std::size_t index = 1; index <= count_; ++index) {
+			threads.emplace_back(work, index);
+		}
+		work(0);
+	}
+
+	int runs = 0;
+
+private:
+	std::size_t count_;
+};
+
+/// Runs what is meant for other threads before or after the caller's part, or never.
+class OneByOne final : public LentThreads {
+public:
+	enum class Others { first, last, never };
+
+	explicit OneByOne(Others others) : others_(others) {}
+
+	std::size_t count() const override { return 2; }
+
+	void run(const std::function<void(std::size_t)> &work) override {
+		if (others_ == Others::first) {
+			work(2);
+			work(1);
+		}
+		work(0);
+		if (others_ == Others::last) {
+			work(1);
+			work(2);
+		}
+	}
+
+private:
+	Others others_;
+};
+
+constexpr Rect wide{{-500.0, 1000.0}, {400.0, 1900.0}}; ///< 100 blocks.
+
+struct Alone {
+	explicit Alone(const PointSet &set) { REQUIRE(sampler.sample(set, wide, points).ok()); }
+
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+};
+
+} // namespace
+
+TEST_CASE("sampler: lent threads change no point and no order") {
+	for (const std::uint32_t levels : {1u, 4u}) {
+		CAPTURE(levels);
+		const PointSet set{.seed = 12, .radius = 1.0, .levels = levels};
+		const Alone alone(set);
+		TileSampler sampler;
+		std::vector<SamplePoint> points;
+		for (const std::size_t count : {1, 3, 8}) {
+			CAPTURE(count);
+			Threads threads(count);
+			REQUIRE(sampler.sample(set, wide, points, {}, &threads).ok());
+			CHECK(threads.runs > 0);
+			CHECK(points == alone.points);
+			CHECK(sampler.stats().kept == points.size());
+			CHECK(sampler.stats().cells == alone.sampler.stats().cells);
+		}
+		for (const auto others : {OneByOne::Others::first, OneByOne::Others::last, OneByOne::Others::never}) {
+			OneByOne threads(others);
+			REQUIRE(sampler.sample(set, wide, points, {}, &threads).ok());
+			CHECK(points == alone.points);
+		}
+	}
+}
+
+TEST_CASE("sampler: threads are not asked for a single block") {
+	Threads threads(2);
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	REQUIRE(sampler.sample({.seed = 1}, {{0.0, 0.0}, {80.0, 80.0}}, points, {}, &threads).ok());
+	CHECK(threads.runs == 0);
+}
+
+TEST_CASE("sampler: with threads, the calling one hears how far all are, and may cancel") {
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	Threads threads(3);
+	double last = 0.0;
+	std::uint64_t found = 0;
+	const std::thread::id caller = std::this_thread::get_id();
+	const auto watch = [&](double fraction, std::uint64_t now) {
+		CHECK(std::this_thread::get_id() == caller);
+		CHECK(fraction > last);
+		CHECK(now >= found);
+		last = fraction;
+		found = now;
+	};
+	REQUIRE(sampler.sample({.seed = 1}, wide, points, {.cancel = nullptr, .report = watch}, &threads).ok());
+	CHECK(last == 1.0);
+	CHECK(found == points.size());
+	std::atomic<bool> cancel = false;
+	const auto stop = [&](double fraction, std::uint64_t) {
+		cancel = fraction > 0.3;
+	};
+	CHECK(sampler.sample({.seed = 1}, wide, points, {.cancel = &cancel, .report = stop}, &threads).code ==
+			ErrorCode::cancelled);
+	REQUIRE(sampler.sample({.seed = 12}, wide, points, {}, &threads).ok());
+	CHECK(points == Alone({.seed = 12}).points);
+}
+
+TEST_CASE("sampler: with threads, the first block that cannot be decided is told") {
+	constexpr SampleMargins none{.first = 0, .widest = 0};
+	TileSampler alone(none), together(none);
+	std::vector<SamplePoint> points(7);
+	const Status expected = alone.sample({.seed = 3}, wide, points);
+	Threads threads(3);
+	points.resize(7);
+	const Status status = together.sample({.seed = 3}, wide, points, {}, &threads);
+	CHECK(status.code == ErrorCode::margin_too_wide);
+	CHECK(status.site.position == expected.site.position);
+	CHECK(points.empty());
+}
+
+TEST_CASE("sampler: with threads, memory may end anywhere") {
+	// On one thread, so that each request is counted.
+	const Rect rect{{0.0, 0.0}, {200.0, 100.0}};
+	const PointSet set{.seed = 4};
+	std::vector<SamplePoint> expected;
+	REQUIRE(TileSampler().sample(set, rect, expected).ok());
+	struct Prepared {
+		TileSampler sampler;
+		std::vector<SamplePoint> points{7};
+	};
+	for (const auto others : {OneByOne::Others::first, OneByOne::Others::last}) {
+		test::fail_every_request(
+				"rect", [] { return Prepared(); },
+				[&](Prepared &prepared) {
+					OneByOne threads(others);
+					return prepared.sampler.sample(set, rect, prepared.points, {}, &threads);
+				},
+				[](const Prepared &prepared) { CHECK(prepared.points.empty()); },
+				[&](const Prepared &prepared) { CHECK(prepared.points == expected); });
+	}
+}
