@@ -3,6 +3,7 @@
 #include "core/base/tile_grid.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace thicket {
@@ -46,35 +47,69 @@ void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
 
 void InstanceWorld::clear() {
 	tiles_.clear();
+	forgotten_.clear();
+	idle_.clear();
+	look_from_.reset();
 	missing_.clear();
 	++edits_;
 	touch();
 }
 
 void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> instances) {
-	kept_since_forgetting_ += size_of(*instances);
-	tiles_.insert_or_assign(Key{layer, tile.x, tile.y}, Entry{std::move(instances), ++uses_});
+	const std::size_t size = size_of(*instances);
+	kept_since_looking_ += size;
+	tiles_.insert_or_assign(Key{layer, tile.x, tile.y}, Entry{std::move(instances), size, ++uses_});
 	touch();
-	if (kept_since_forgetting_ > max_idle_instances / 4) {
-		forget_idle();
+	if (!look_from_ && kept_since_looking_ > max_idle_instances / 4) {
+		kept_since_looking_ = 0;
+		idle_.clear();
+		idle_instances_ = 0;
+		look_from_ = tiles_.begin()->first;
+	}
+	if (look_from_) {
+		look_for_idle();
+	} else {
+		forget_some();
 	}
 }
 
-void InstanceWorld::forget_idle() {
-	kept_since_forgetting_ = 0;
-	std::size_t idle = 0;
-	std::vector<std::pair<std::uint64_t, Key>> oldest;
-	for (const auto &[key, entry] : tiles_) {
-		if (entry.tile.use_count() == 1) {
-			idle += size_of(*entry.tile);
-			oldest.emplace_back(entry.used, key);
+std::vector<std::shared_ptr<const TileInstances>> InstanceWorld::take_forgotten() {
+	return std::exchange(forgotten_, {});
+}
+
+/// Looks at some more tiles. All at once would hold up a frame.
+void InstanceWorld::look_for_idle() {
+	constexpr std::size_t most_at_once = 128;
+	auto next = tiles_.lower_bound(*look_from_);
+	for (std::size_t i = 0; i < most_at_once && next != tiles_.end(); ++i, ++next) {
+		if (next->second.tile.use_count() == 1) {
+			idle_.emplace_back(next->second.used, next->first);
+			idle_instances_ += next->second.size;
 		}
 	}
-	std::ranges::sort(oldest);
-	for (auto next = oldest.begin(); idle > max_idle_instances && next != oldest.end(); ++next) {
-		const auto found = tiles_.find(next->second);
-		idle -= size_of(*found->second.tile);
-		tiles_.erase(found);
+	look_from_ = next != tiles_.end() ? std::optional(next->first) : std::nullopt;
+	if (!look_from_) {
+		std::ranges::make_heap(idle_, std::greater<>());
+	}
+}
+
+/// Forgets the oldest of the idle tiles.
+void InstanceWorld::forget_some() {
+	constexpr std::size_t most_at_once = 2;
+	constexpr std::size_t most_kept = 64; // If nobody takes them.
+	if (forgotten_.size() > most_kept) {
+		forgotten_.clear();
+	}
+	for (std::size_t i = 0; i < most_at_once && idle_instances_ > max_idle_instances && !idle_.empty(); ++i) {
+		std::ranges::pop_heap(idle_, std::greater<>());
+		const auto [used, key] = idle_.back();
+		idle_.pop_back();
+		const auto found = tiles_.find(key);
+		if (found != tiles_.end() && found->second.used == used && found->second.tile.use_count() == 1) {
+			idle_instances_ -= found->second.size;
+			forgotten_.push_back(std::move(found->second.tile));
+			tiles_.erase(found);
+		}
 	}
 }
 

@@ -11,9 +11,11 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace thicket {
@@ -45,9 +47,12 @@ public:
 	}
 	void clear();
 
-	/// Takes a finished tile in. Those that nobody else holds are forgotten, the oldest first, once they are more than
-	/// `max_idle_instances` together.
+	/// Takes a finished tile in. Those that nobody else holds are forgotten, the oldest first and a few for each tile that comes, once
+	/// they have more than `max_idle_instances` together.
 	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> instances);
+
+	/// The tiles that were forgotten since the last call: to give back their memory takes some time, which another thread may have.
+	std::vector<std::shared_ptr<const TileInstances>> take_forgotten();
 
 	/// A known tile; null for one that is not.
 	std::shared_ptr<const TileInstances> find(const WorldTile &tile) const;
@@ -91,6 +96,7 @@ public:
 private:
 	struct Entry {
 		std::shared_ptr<const TileInstances> tile;
+		std::size_t size = 0;           ///< Instances.
 		mutable std::uint64_t used = 0; ///< When it was last asked for.
 		bool outdated = false;          ///< An edit has touched it: good enough for who is near, wrong for who asks.
 	};
@@ -125,7 +131,8 @@ private:
 
 	using Key = std::tuple<std::uint32_t, std::int32_t, std::int32_t>;
 
-	void forget_idle();
+	void look_for_idle();
+	void forget_some();
 
 	std::vector<QueryLayer> layers_;
 	std::map<Key, Entry> tiles_;
@@ -134,7 +141,12 @@ private:
 	std::uint64_t version_ = 1;
 	std::uint64_t edits_ = 0; ///< Rises with everything that makes tiles outdated.
 	mutable std::uint64_t uses_ = 0;
-	std::size_t kept_since_forgetting_ = 0;
+
+	std::size_t kept_since_looking_ = 0;              ///< Instances.
+	std::optional<Key> look_from_;                    ///< The first tile that is still to be looked at for idle ones.
+	std::vector<std::pair<std::uint64_t, Key>> idle_; ///< By when they were used last: a heap, once all were looked at.
+	std::size_t idle_instances_ = 0;
+	std::vector<std::shared_ptr<const TileInstances>> forgotten_;
 	mutable std::set<Key> missing_;
 };
 

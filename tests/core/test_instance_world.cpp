@@ -1,0 +1,88 @@
+// The tiles that a world knows: those that nobody needs are forgotten, a few at a time.
+
+#include "core/query/instance_world.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+std::vector<QueryLayer> layers_of(std::uint64_t seed) {
+	QueryLayer layer;
+	layer.set.seed = seed;
+	layer.tile_size = 10.0;
+	return {layer};
+}
+
+} // namespace
+
+TEST_CASE("instance world: the tiles that were not needed for longest are forgotten, few for each that comes") {
+	constexpr std::size_t instances = 1000; // Of a tile.
+	constexpr int tiles = 3000;
+	InstanceWorld world;
+	world.set_layers(layers_of(1));
+	std::vector<std::weak_ptr<const TileInstances>> made;
+	std::vector<std::shared_ptr<const TileInstances>> on_show;
+	const auto forgotten = [&made] {
+		return std::ranges::count_if(made, [](const auto &tile) { return tile.expired(); });
+	};
+	const auto known = [&world](int x) {
+		return world.find({0, {x, 0}}) != nullptr;
+	};
+	std::ptrdiff_t before = 0;
+	std::ptrdiff_t most = 0;
+	for (int x = 0; x < tiles; ++x) {
+		auto tile = std::make_shared<TileInstances>();
+		tile->meshes.resize(1);
+		tile->meshes[0].ids.resize(instances);
+		made.emplace_back(tile);
+		if (x < 50) {
+			on_show.push_back(tile);
+		}
+		world.keep(0, {x, 0}, std::move(tile));
+		for (const auto &gone : world.take_forgotten()) {
+			CHECK(gone.use_count() == 1);
+		}
+		REQUIRE(known(60) == (x >= 60)); // Asked for all the time.
+		most = std::max(most, forgotten() - before);
+		before = forgotten();
+	}
+	CHECK(most == 2);
+	const auto idle = static_cast<std::size_t>(tiles - before) - on_show.size();
+	CHECK(idle * instances > InstanceWorld::max_idle_instances / 2);
+	CHECK(idle * instances < InstanceWorld::max_idle_instances * 3 / 2);
+	CHECK(known(0));
+	CHECK(known(49));
+	CHECK_FALSE(known(50));
+	CHECK_FALSE(known(1000));
+	for (int x = tiles - 200; x < tiles; ++x) {
+		CHECK(known(x));
+	}
+}
+
+TEST_CASE("instance world: what was cleared or is wanted no longer may be forgotten at any time") {
+	InstanceWorld world;
+	for (int round = 0; round < 3; ++round) {
+		world.set_layers(layers_of(1));
+		for (int x = 0; x < 700; ++x) {
+			auto tile = std::make_shared<TileInstances>();
+			tile->meshes.resize(1);
+			tile->meshes[0].ids.resize(1000);
+			world.keep(0, {x, round}, std::move(tile));
+			if (x == 450 && round == 1) {
+				world.clear();
+			}
+			if (x == 650 && round == 2) {
+				world.set_layers(layers_of(2));
+			}
+		}
+		CHECK(world.find({0, {699, round}}) != nullptr);
+	}
+}
