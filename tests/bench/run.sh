@@ -2,7 +2,7 @@
 # Builds the benches for release, runs them, and prints one Markdown table. Arguments: [rounds = 9] [seconds = 0.25].
 # Times are processor time and contenders take turns within each round, so that a busy machine disturbs all alike; only
 # the main thread's share of a frame and the response to a change are time on the clock, which a busy machine lengthens.
-# Streaming, views, response, terrains, gameplay, collision, navigation, import and soak run in the engine, with the extension of
+# Streaming, flight, views, response, terrains, gameplay, collision, navigation, import and soak run in the engine, with the extension of
 # template_debug, as Godot's editor binary loads it.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -26,6 +26,7 @@ done
 scons -Q -j"$(nproc)" extension >&2
 import_demo >&2
 tools/godot --xvfb --path demo_project --script "$PWD/tests/bench/streaming.gd" </dev/null | grep '^|'
+tools/godot --headless --path demo_project --script "$PWD/tests/bench/flight.gd" </dev/null | grep '^|'
 tools/godot --xvfb --path demo_project --script "$PWD/tests/bench/views.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/response.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/terrains.gd" </dev/null | grep '^|'

@@ -352,3 +352,23 @@ func test_terrain_answers_scripts() -> void:
 	check(slope.angle_to(Cliff.new().get_normal(Vector3(-9.0, 0.0, 0.0))) < 0.001, "normal on a slope")
 	check(slope.angle_to(Cliff.new().get_normal(Vector3(-0.1, 0.0, 0.0))) < 0.001, "normal beside a hole")
 	check(is_nan(ScatterTerrain.new().get_height(Vector3.ZERO)), "no height without a script")
+
+
+func test_what_a_frame_was_spent_on() -> void:
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var seen := {}
+	var unlike := []
+	for frame in 200:
+		await process_frame
+		var stats := scatter.get_stats()
+		var parts: Dictionary = stats["frame_parts"]
+		var sum := 0
+		for part: String in parts:
+			sum += parts[part]
+			seen[part] = true
+		# Signals come after the end of the frame's time; each part is rounded down.
+		var spent: int = stats["frame_usec"]
+		if sum - parts.get("signals", 0) > spent + 1 or sum + 14 + 20 < spent:
+			unlike.push_back([parts, spent])
+	check(unlike.size() < 20, "not the time of the frame: %s" % [unlike]) # The machine may stop a thread between two looks at the clock.
+	check(seen.has("upload") and seen.has("made"), "seen: %s" % [seen.keys()])

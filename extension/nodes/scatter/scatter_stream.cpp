@@ -100,11 +100,13 @@ void ScatterStream::set_layers(
 bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	take_finished();
+	times_.spent_on(FramePart::made);
 	if (!viewers.empty()) {
 		request_tiles(viewers);
 		display_.set_viewers(viewers);
 	}
 	start_missing();
+	times_.spent_on(FramePart::wanted);
 	workers_.work_until(deadline);
 	return work_until(deadline);
 }
@@ -150,8 +152,10 @@ void ScatterStream::sort_work(std::span<const Viewer> viewers) {
 	if (same) {
 		return;
 	}
+	if (!workers_.sort(viewers)) {
+		return;
+	}
 	sorted_for_.assign(viewers.begin(), viewers.end());
-	workers_.sort(viewers);
 	sort_jobs(ask_ground_, viewers);
 }
 
@@ -216,6 +220,7 @@ void ScatterStream::take_finished() {
 			settle(job);
 		}
 	}
+	workers_.let_go(world_.take_forgotten());
 }
 
 /// An error of a tile that was made as its layer and the ground are now.

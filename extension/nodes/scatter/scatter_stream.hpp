@@ -2,6 +2,7 @@
 
 #include "core/near/near_queue.hpp"
 #include "core/placement/layer_edits.hpp"
+#include "nodes/scatter/frame_times.hpp"
 #include "nodes/scatter/tile_display.hpp"
 #include "nodes/scatter/tile_workers.hpp"
 #include "nodes/scatter/upload_queue.hpp"
@@ -72,6 +73,9 @@ public:
 	TileDisplay &display() { return display_; }
 	const TileDisplay &display() const { return display_; }
 
+	/// Of the node's whole frame, which begins and ends elsewhere.
+	FrameTimes &times() { return times_; }
+
 	/// Tiles that are made and not shown yet.
 	std::size_t upload_queue_size() const { return uploads_.size(); }
 	const StreamFigures &figures() const { return figures_; }
@@ -112,10 +116,12 @@ private:
 	bool may_divide() const;
 	bool may_fade() const;
 	static Step after(Step step);
+	static FramePart part_of(Step step);
 	bool work_until(Clock::time_point deadline);
 
 	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0'); ///< Goes with this object.
 	InstanceWorld &world_;
+	FrameTimes times_;
 	std::vector<NearRing *> rings_;
 	TileStreamer streamer_;
 	TileWorkers workers_;

@@ -131,6 +131,10 @@ ScatterStream::Step ScatterStream::after(Step step) {
 	return static_cast<Step>((static_cast<std::size_t>(step) + 1) % step_kinds);
 }
 
+FramePart ScatterStream::part_of(Step step) {
+	return static_cast<FramePart>(static_cast<std::size_t>(FramePart::ask_ground) + static_cast<std::size_t>(step));
+}
+
 bool ScatterStream::do_step(Step step) {
 	switch (step) {
 		case Step::ask_ground: return ground_step(positions_at_once(false)) > 0;
@@ -166,6 +170,7 @@ bool ScatterStream::work_until(Clock::time_point deadline) {
 		if (alive.expired()) {
 			return false;
 		}
+		times_.spent_on(part_of(next_step_));
 		next_step_ = after(next_step_);
 		in_vain = done ? 0 : in_vain + 1;
 		if (done) {

@@ -103,6 +103,7 @@ void TerrainScatter3D::process_frame() {
 	}
 	const auto start = Clock::now();
 	const std::shared_ptr<ScatterStream> stream = stream_;
+	stream->times().begin();
 	const Presence here(gameplay_);
 	if (terrain_.is_valid()) {
 		terrain_->follow_scene();
@@ -117,12 +118,14 @@ void TerrainScatter3D::process_frame() {
 	if (here && dirty_) {
 		refresh();
 	}
+	stream->times().spent_on(FramePart::follow);
 	if (here && terrain_.is_valid() && !layer_list_.snapshots().empty()) {
 		work(start);
 	}
 	if (here) {
 		frame_time_ = Clock::now() - start;
 		emit_events();
+		stream->times().spent_on(FramePart::signals);
 	}
 }
 
@@ -138,20 +141,22 @@ void TerrainScatter3D::work(Clock::time_point start) {
 		}
 	}
 	const std::vector<Viewer> viewers = find_viewers(*this, viewers_, world_offset_);
-	const auto look = Clock::now();
 	if (!in_editor()) {
 		gameplay->look_around(find_near_centers(*this, viewers, interaction_group_, world_offset_));
 	}
-	const auto left = std::chrono::duration_cast<std::chrono::microseconds>(budget - (Clock::now() - look));
+	stream->times().spent_on(FramePart::gameplay);
+	const auto left = std::chrono::duration_cast<std::chrono::microseconds>(start + budget - Clock::now());
 	stream->display().set_limits(draw_limits());
 	if (!stream->frame(viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0))) || !here) {
 		return;
 	}
 	gameplay->answer_requests();
 	gameplay->work_until(start + budget);
+	stream->times().spent_on(FramePart::told);
 	if (here) {
 		patch_in_steps(start + budget);
 		stream->display().patch();
+		stream->times().spent_on(FramePart::patched);
 	}
 }
 

@@ -301,6 +301,7 @@ private:
 	void adopt_terrain();
 	TileMaker tile_maker() const;
 	DrawLimits draw_limits() const;
+	static godot::Dictionary to_dictionary(const FrameTimes &times);
 	godot::String ground_problem();
 	LayerExplainer layer_explainer() const;
 	void explain_layer(const godot::Ref<ScatterLayer> &p_layer, const std::shared_ptr<ScatterGameplay> &gameplay,

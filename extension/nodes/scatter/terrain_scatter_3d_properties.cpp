@@ -12,6 +12,7 @@
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/memory.hpp>
 
+#include <array>
 #include <optional>
 #include <utility>
 
@@ -232,6 +233,19 @@ Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect
 					   : Ref<ScatterTile>(memnew(ScatterTile));
 }
 
+/// Microseconds, of the parts that took any.
+Dictionary TerrainScatter3D::to_dictionary(const FrameTimes &times) {
+	constexpr std::array<const char *, static_cast<std::size_t>(FramePart::count)> names{"follow", "gameplay", "made",
+			"wanted", "ask_ground", "upload", "free", "lod", "divide", "fade", "rings", "told", "patched", "signals"};
+	Dictionary parts;
+	for (std::size_t part = 0; part < names.size(); ++part) {
+		if (const std::int64_t spent = times.microseconds(static_cast<FramePart>(part)); spent > 0) {
+			parts[names[part]] = spent;
+		}
+	}
+	return parts;
+}
+
 Dictionary TerrainScatter3D::get_stats() const {
 	const StreamCounts counts = stream_->counts();
 	const StreamFigures &figures = stream_->figures();
@@ -252,6 +266,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["scenes_pooled"] = number(gameplay_->scenes().idle_count());
 	stats["frame_usec"] =
 			static_cast<int64_t>(std::chrono::duration_cast<std::chrono::microseconds>(frame_time_).count());
+	stats["frame_parts"] = to_dictionary(stream_->times());
 	stats["bodies"] = number(gameplay_->collision().body_count());
 	stats["bodies_pooled"] = number(gameplay_->collision().pooled_count());
 	stats["tiles_made"] = number(figures.tiles_made);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -42,28 +43,63 @@ TileWorkers::TileWorkers(std::size_t threads) : on_main_thread_(threads == 0) {
 
 TileWorkers::~TileWorkers() { stop(); }
 
+/// Takes the lock if it is to be had within some microseconds. A worker that holds it may have to wait for a core, and a frame must
+/// not wait for that.
+bool TileWorkers::lock_soon(std::unique_lock<std::mutex> &r_lock) {
+	constexpr int tries = 200;
+	for (int i = 0; i < tries && !r_lock.owns_lock(); ++i) {
+		static_cast<void>(r_lock.try_lock());
+	}
+	return r_lock.owns_lock();
+}
+
 void TileWorkers::push(std::shared_ptr<TileJob> job) {
-	{
-		const std::lock_guard lock(mutex_);
+	incoming_.push_back(std::move(job));
+	hand_over();
+}
+
+/// Queues what came, at once or with a later call.
+void TileWorkers::hand_over() {
+	std::unique_lock lock(mutex_, std::defer_lock);
+	if (lock_soon(lock)) {
 		// So that a worker takes no memory to hand in what it has done, and an error comes to who asks.
-		finished_.reserve(std::max(finished_.capacity(), finished_.size() + queue_.size() + workers_.size() + 1));
-		queue_.push_back(std::move(job));
+		const std::size_t jobs = finished_.size() + queue_.size() + incoming_.size() + workers_.size();
+		finished_.reserve(std::max(finished_.capacity(), jobs));
+		queue_.insert(queue_.end(), incoming_.begin(), incoming_.end());
+		incoming_.clear();
+		unneeded_.insert(unneeded_.end(), unneeded_here_.begin(), unneeded_here_.end());
+		unneeded_here_.clear();
+		waiting_ = queue_.size();
+		lock.unlock();
 	}
 	wake();
 }
 
-void TileWorkers::sort(std::span<const Viewer> viewers) {
-	const std::lock_guard lock(mutex_);
+bool TileWorkers::sort(std::span<const Viewer> viewers) {
+	std::unique_lock lock(mutex_, std::defer_lock);
+	if (!lock_soon(lock)) {
+		return false;
+	}
 	sort_jobs(queue_, viewers);
+	return true;
 }
 
 std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
-	wake();
+	hand_over();
 	std::vector<std::shared_ptr<TileJob>> taken;
-	const std::lock_guard lock(mutex_);
-	taken.reserve(queue_.size() + workers_.size()); // As in `push`.
-	taken.swap(finished_);
+	std::unique_lock lock(mutex_, std::defer_lock);
+	if (lock_soon(lock)) {
+		taken.reserve(queue_.size() + workers_.size()); // As in `hand_over`.
+		taken.swap(finished_);
+	}
 	return taken;
+}
+
+void TileWorkers::let_go(std::vector<std::shared_ptr<const TileInstances>> tiles) {
+	if (!on_main_thread_) {
+		unneeded_here_.insert(
+				unneeded_here_.end(), std::make_move_iterator(tiles.begin()), std::make_move_iterator(tiles.end()));
+	}
 }
 
 void TileWorkers::wake() {
@@ -71,11 +107,7 @@ void TileWorkers::wake() {
 		return;
 	}
 	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
-	std::size_t waiting = 0;
-	{
-		const std::lock_guard lock(mutex_);
-		waiting = queue_.size();
-	}
+	std::size_t waiting = waiting_;
 	for (const std::unique_ptr<Worker> &worker : workers_) {
 		if (waiting == 0) {
 			return;
@@ -94,9 +126,12 @@ void TileWorkers::wake() {
 }
 
 void TileWorkers::stop() {
+	incoming_.clear();
+	unneeded_here_.clear();
 	{
 		const std::lock_guard lock(mutex_);
 		queue_.clear();
+		waiting_ = 0;
 		for (const std::unique_ptr<Worker> &worker : workers_) {
 			if (worker->job != nullptr) {
 				worker->job->cancelled = true;
@@ -110,6 +145,7 @@ void TileWorkers::stop() {
 		}
 	}
 	finished_.clear();
+	unneeded_.clear();
 }
 
 void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
@@ -131,13 +167,16 @@ void TileWorkers::hand_in(Worker &worker) {
 }
 
 std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
+	std::vector<std::shared_ptr<const TileInstances>> unneeded; // They go once the lock is given back.
 	const std::lock_guard lock(mutex_);
+	unneeded.swap(unneeded_);
 	hand_in(worker);
 	if (queue_.empty()) {
 		return nullptr;
 	}
 	worker.job = std::move(queue_.front());
 	queue_.pop_front();
+	waiting_ = queue_.size();
 	return worker.job;
 }
 

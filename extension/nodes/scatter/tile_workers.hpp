@@ -69,12 +69,16 @@ public:
 	/// Queues a job. Jobs are worked on in the order in which they came, or as they were sorted since.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Sorts what waits; see sort_jobs.
-	void sort(std::span<const Viewer> viewers);
+	/// Sorts what waits; see sort_jobs. False if a worker is at it just now.
+	bool sort(std::span<const Viewer> viewers);
 
-	/// Takes out the jobs that are done or need ground, in the order in which they were finished. Cancelled ones come too.
+	/// Takes out the jobs that are done or need ground, in the order in which they were finished. Cancelled ones come too. Never waits
+	/// for a worker: what cannot be had at once comes in the next frame.
 	/// To be called in every frame: it also starts workers for jobs that wait.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
+
+	/// Lets go of tiles where that costs the main thread nothing: before the next job is worked on.
+	void let_go(std::vector<std::shared_ptr<const TileInstances>> tiles);
 
 	/// Without threads: makes tiles until the time is over, and one at least if any waits. A script that is asked for heights may
 	/// call anything but this meanwhile. With threads: does nothing.
@@ -96,6 +100,9 @@ private:
 		std::int64_t task = -1;       ///< The engine's task, -1 for none. Main thread only.
 	};
 
+	static bool lock_soon(std::unique_lock<std::mutex> &r_lock);
+	void hand_over();
+
 	/// Starts as many workers as there are jobs that wait.
 	void wake();
 	static void run(void *p_worker);
@@ -109,6 +116,12 @@ private:
 	std::mutex mutex_;
 	std::deque<std::shared_ptr<TileJob>> queue_;
 	std::vector<std::shared_ptr<TileJob>> finished_;
+	std::vector<std::shared_ptr<const TileInstances>> unneeded_;
+	std::atomic<std::size_t> waiting_ = 0; ///< The size of queue_.
+
+	// Of the main thread alone: what is still to be put into the queue, and among what is unneeded.
+	std::deque<std::shared_ptr<TileJob>> incoming_;
+	std::vector<std::shared_ptr<const TileInstances>> unneeded_here_;
 	std::vector<std::unique_ptr<Worker>> workers_;
 };
 
