@@ -40,7 +40,7 @@ def sources(*suffixes: str) -> list[Path]:
 def format_sources(check: bool) -> str:
     """Rewrites what is not formatted, or, to check, only tells which lines."""
     command = [tool("clang-format"), *(["--dry-run", "--Werror"] if check else ["-i"])]
-    done = subprocess.run([*command, *sources(".cpp", ".hpp")], capture_output=True, text=True, cwd=REPO, check=False)
+    done = subprocess.run([*command, *sources(".c", ".cpp", ".h", ".hpp")], capture_output=True, text=True, cwd=REPO, check=False)
     return done.stderr
 
 

@@ -12,11 +12,10 @@
 
 #include "core/placement/tile_builder.hpp"
 #include "core/sampling/domain/domain_sampler.hpp"
+#include "core/sampling/set_digest.hpp"
 #include "core/sampling/tile_sampler.hpp"
 #include "core/terrain/heightfield.hpp"
 
-#include <algorithm>
-#include <bit>
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
@@ -70,13 +69,6 @@ const std::vector<DomainCase> domain_cases = {
 				{.size = {100.0, 75.5}, .seed = 16, .method = DomainMethod::wavefront, .cell_size = 20.0}},
 };
 
-/// FNV-1a over the bytes of a word.
-void add(std::uint64_t &r_hash, std::uint64_t word) {
-	for (int byte = 0; byte < 8; ++byte) {
-		r_hash = (r_hash ^ (word >> (8 * byte) & 0xff)) * 0x100000001b3;
-	}
-}
-
 [[noreturn]] void fail(const std::string &why) {
 	std::fprintf(stderr, "golden: %s\n", why.c_str());
 	std::exit(EXIT_FAILURE);
@@ -88,24 +80,13 @@ void require(const Status &status) {
 	}
 }
 
-/// Over the points by ascending id, so that the order in which they come out may change: where they stand, and their
-/// ranks apart, which better tables of the same sets may change.
+/// In any order, so that the order in which they come out may change; ranks apart, which better tables may change.
 void digest_points(TileSampler &sampler, const Case &one, Digests &r_digests) {
 	std::vector<SamplePoint> points;
 	require(sampler.sample(one.set, one.rect, points));
-	std::sort(points.begin(), points.end(), [](const SamplePoint &a, const SamplePoint &b) { return a.id < b.id; });
-	std::uint64_t places = 0xcbf29ce484222325;
-	std::uint64_t ranks = places;
-	add(places, points.size());
-	for (const SamplePoint &point : points) {
-		add(places, point.id);
-		add(places, std::bit_cast<std::uint64_t>(point.position.x));
-		add(places, std::bit_cast<std::uint64_t>(point.position.y));
-		add(places, point.level);
-		add(ranks, point.rank);
-	}
-	r_digests.emplace_back(one.name, places);
-	r_digests.emplace_back(std::string(one.name) + ": ranks", ranks);
+	const SetDigest made = digest(points);
+	r_digests.emplace_back(one.name, made.places);
+	r_digests.emplace_back(std::string(one.name) + ": ranks", made.ranks);
 }
 
 /// Over the points in the order of their acceptance.
@@ -114,13 +95,7 @@ void digest_domain(const DomainCase &one, const char *precision, Digests &r_dige
 	DomainSampler<Real> sampler;
 	std::vector<glm::vec<2, Real>> points;
 	require(sampler.sample(one.request, points));
-	std::uint64_t places = 0xcbf29ce484222325;
-	add(places, points.size());
-	for (const glm::vec<2, Real> point : points) {
-		add(places, std::bit_cast<std::uint64_t>(static_cast<double>(point.x)));
-		add(places, std::bit_cast<std::uint64_t>(static_cast<double>(point.y)));
-	}
-	r_digests.emplace_back(std::string("domain, ") + one.name + ", " + precision, places);
+	r_digests.emplace_back(std::string("domain, ") + one.name + ", " + precision, digest(points));
 }
 
 std::uint64_t digest_tile(TileBuilder &builder, const LayerSettings &layer, glm::dvec2 corner) {

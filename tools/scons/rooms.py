@@ -16,6 +16,7 @@ ROOMS = {
     "core/near": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state", "core/query"],
     "core/streaming": ["core/base"],
     "core/impostor": ["core/base"],
+    "core/c_api": ["core/base", "core/sampling"],
     "bindings": [],
     "nodes": ["core", "bindings"],
 }

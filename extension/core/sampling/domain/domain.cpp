@@ -3,6 +3,9 @@
 #include "core/base/check.hpp"
 #include "core/sampling/point_set.hpp"
 
+#include <string>
+#include <string_view>
+
 namespace thicket {
 
 namespace {
@@ -28,6 +31,19 @@ Status validate_size(const DomainRequest &request) {
 double expected_points(const DomainRequest &request) {
 	const glm::dvec2 radii = request.size / request.radius + (request.toroidal ? 0.0 : 1.0);
 	return radii.x * radii.y * point_density({.radius = 1.0});
+}
+
+std::string describe(const DomainRequest &request, const Status &status) {
+	const std::string text = describe(status);
+	if (status.code != ErrorCode::out_of_range || std::string_view(status.property) != "size") {
+		return text;
+	}
+	if (request.toroidal && status.value < min_torus_radii * request.radius) {
+		return text + "; a toroidal domain measures at least " + std::to_string(static_cast<int>(min_torus_radii)) +
+				" radii on each axis";
+	}
+	return text + "; in single precision a domain measures at most " +
+			std::to_string(static_cast<int>(max_single_radii)) + " radii";
 }
 
 Status validate(const DomainRequest &request) {

@@ -6,6 +6,7 @@
 #include <glm/vec2.hpp>
 
 #include <cstdint>
+#include <string>
 
 namespace thicket {
 
@@ -44,6 +45,9 @@ inline constexpr double max_single_radii = 131072.0;
 
 /// Refuses what the docstrings above exclude.
 Status validate(const DomainRequest &request);
+
+/// One sentence about a request that was refused, as core/base/status.hpp has it, and which size would not have been.
+std::string describe(const DomainRequest &request, const Status &status);
 
 /// About how many points a maximal set has: by the density of a jammed set, over the domain and, unless it is a torus, half a
 /// radius around it.

@@ -1,0 +1,23 @@
+"""The C library: what extension/core/c_api/thicket.h declares, in build/<config>/c, as an archive and as a shared library."""
+
+import compilers
+import rooms
+
+# The room of the header and all that it includes.
+ROOMS = [*rooms.ROOMS["core/c_api"], "core/c_api"]
+
+
+def library(env, out, objects, highway):
+    """Nodes of the archive, of the shared library and of the header. Neither library needs another one of ours."""
+    parts = [*objects, highway[0].sources]
+    header = env.Install(out + "/c", "#extension/core/c_api/thicket.h")
+    archive = env.StaticLibrary(out + "/c/thicket_c", parts)
+    if env["platform"] == "web":
+        return [archive, header]  # Programs for the web are linked whole.
+    own = env.Clone()
+    if env["platform"] == "linux" and not compilers.is_msvc(env):
+        exports = env.File("#tools/scons/c_exports.map")
+        own.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
+        own.Depends(out + "/c/libthicket_c.so", exports)
+    shared = own.SharedLibrary(out + "/c/thicket_c", parts, SHLIBPREFIX="lib")
+    return [archive, shared, header]
