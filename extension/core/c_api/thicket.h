@@ -1,6 +1,6 @@
 #pragma once
 
-/* Thicket's points for every language: a plain C header (C11, and C++) over the core. README.md beside it shows how to build and link it.
+/* Thicket's points for every language: a plain C header (C11, or C++11 and later) over the core. README.md beside it shows how to build and link it.
  *
  * What it promises
  *
@@ -86,10 +86,10 @@ typedef enum thicket_method {
 /* The rectangle from (0, 0) up to, not including, (size_x, size_y), to be filled with a set of its own. What is 0 here is as it usually
  * is, but size, radius and method. All fields but cell_size name the outcome. */
 typedef struct thicket_domain {
-	double size_x;     /* Meters, positive; at least 4 radii where toroidal, up to 131072 radii in single precision. */
-	double size_y;     /* The same. */
-	double radius;     /* Meters, 0.001 to 1e6. */
-	double cell_size;  /* Width of an accelerator cell in radii, up to 1000; 0 for the method's own. Changes no point. */
+	double size_x;    /* Meters, positive; at least 4 radii where toroidal, up to 131072 radii in single precision. */
+	double size_y;    /* The same. */
+	double radius;    /* Meters, 0.001 to 1e6. */
+	double cell_size; /* Width of an accelerator cell in radii, up to 1000; 0 for the method's own. Changes no point. */
 	double darts_each;        /* THICKET_NAIVE: darts for each base square, 1 to 1e6; 0 for 100. */
 	uint64_t seed;            /* Any. */
 	int32_t method;           /* A thicket_method. */

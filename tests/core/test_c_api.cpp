@@ -1,0 +1,96 @@
+// The C library where memory ends: an error that says so, whichever request fails, and never an exception. tests/test_c_api.py has the rest.
+
+#include "allocation_count.hpp"
+#include "core/c_api/thicket.h"
+
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace {
+
+using Sampler = std::unique_ptr<thicket_sampler, decltype(&thicket_sampler_free)>;
+
+constexpr thicket_set some_set{.seed = 1, .radius = 1.0, .levels = 2, .layer = 0};
+constexpr thicket_rect some_rect{0.0, 0.0, 40.0, 30.0};
+
+/// Runs `work(sampler)` with memory that ends at its first request, its second, and so on, until it passes.
+template <typename Work>
+void fail_every_request(bool sampled_before, const Work &work) {
+	std::size_t failures = 0;
+	for (std::size_t allowed = 0; allowed < 10000; ++allowed) {
+		CAPTURE(allowed);
+		const Sampler sampler(thicket_sampler_new(), thicket_sampler_free);
+		REQUIRE(sampler);
+		if (sampled_before) {
+			REQUIRE(thicket_sample(sampler.get(), &some_set, &some_rect, nullptr, nullptr) == THICKET_OK);
+		}
+		const std::uint64_t before = thicket_count(sampler.get());
+		thicket_code code = THICKET_OK;
+		{
+			const AllocationLimit limit(allowed, AllocationLimit::Fails::all_later);
+			code = work(sampler.get());
+		}
+		if (code == THICKET_OK) {
+			CHECK(failures > 0);
+			return;
+		}
+		++failures;
+		REQUIRE(code == THICKET_OUT_OF_MEMORY);
+		const std::string message = thicket_message(sampler.get());
+		REQUIRE(message == "there is not even memory to say what went wrong");
+		CHECK(thicket_count(sampler.get()) == (sampled_before ? before : 0));
+		REQUIRE(work(sampler.get()) == THICKET_OK);
+	}
+	FAIL("it never passes");
+}
+
+} // namespace
+
+TEST_CASE("the C library where memory ends") {
+	fail_every_request(false,
+			[](thicket_sampler *sampler) { return thicket_sample(sampler, &some_set, &some_rect, nullptr, nullptr); });
+	fail_every_request(false, [](thicket_sampler *sampler) {
+		const thicket_domain domain{.size_x = 30.0,
+				.size_y = 20.0,
+				.radius = 1.0,
+				.cell_size = 0.0,
+				.darts_each = 0.0,
+				.seed = 2,
+				.method = THICKET_HIERARCHICAL,
+				.toroidal = 0,
+				.single_precision = 0};
+		return thicket_fill(sampler, &domain, nullptr, nullptr);
+	});
+	fail_every_request(true, [](thicket_sampler *sampler) {
+		std::uint64_t places = 0;
+		return thicket_digest(sampler, &places, nullptr);
+	});
+}
+
+TEST_CASE("a sampler in C where memory ends") {
+	for (std::size_t allowed = 0; allowed < 100; ++allowed) {
+		const AllocationLimit limit(allowed, AllocationLimit::Fails::all_later);
+		const Sampler sampler(thicket_sampler_new(), thicket_sampler_free);
+		if (sampler) {
+			CHECK(allowed > 0);
+			return;
+		}
+	}
+	FAIL("there never is one");
+}
+
+TEST_CASE("the C library names what there was no memory for") {
+	const Sampler sampler(thicket_sampler_new(), thicket_sampler_free);
+	REQUIRE(sampler);
+	{
+		// The first request alone fails: that of the points.
+		const AllocationLimit limit(0, AllocationLimit::Fails::one);
+		REQUIRE(thicket_sample(sampler.get(), &some_set, &some_rect, nullptr, nullptr) == THICKET_OUT_OF_MEMORY);
+	}
+	const std::string message = thicket_message(sampler.get());
+	CHECK(message.starts_with("rect needs more memory than there is, got "));
+}

@@ -1,0 +1,320 @@
+"""The C library: a program in C11 prints points, and all that extension/core/c_api/thicket.h promises holds through its shared
+library, as another language would call it."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from conftest import REPO, run
+from golden.cases import DOMAINS, SETS
+
+HEADER = REPO / "extension/core/c_api/thicket.h"
+STRICT = ["-Wall", "-Wextra", "-Werror", "-pedantic"]
+CODES = dict(re.findall(r"^\tTHICKET_(\w+) = (\d+)", HEADER.read_text(encoding="utf-8"), re.MULTILINE))
+METHODS = ["naive", "hierarchical", "accumulator", "wavefront"]
+PROGRESS = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_uint64)
+U64 = ctypes.c_uint64
+
+
+class Set(ctypes.Structure):
+    _fields_ = [("seed", U64), ("radius", ctypes.c_double), ("levels", ctypes.c_uint32), ("layer", ctypes.c_uint16)]
+
+
+class Rect(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_double) for name in ("min_x", "min_y", "max_x", "max_y")]
+
+
+class Point(ctypes.Structure):
+    _fields_ = [("x", ctypes.c_double), ("y", ctypes.c_double), ("id", U64), ("rank", ctypes.c_uint32), ("level", ctypes.c_uint32)]
+
+
+class Domain(ctypes.Structure):
+    _fields_ = [
+        *((name, ctypes.c_double) for name in ("size_x", "size_y", "radius", "cell_size", "darts_each")),
+        ("seed", U64),
+        *((name, ctypes.c_int32) for name in ("method", "toroidal", "single_precision")),
+    ]
+
+
+class Watch(ctypes.Structure):
+    _fields_ = [("progress", PROGRESS), ("user", ctypes.c_void_p)]
+
+
+def code(name: str) -> int:
+    return int(CODES[name])
+
+
+class Sampler:
+    """A sampler of the library; calls return the code."""
+
+    def __init__(self, library: ctypes.CDLL):
+        self.library = library
+        self.handle = ctypes.c_void_p(library.thicket_sampler_new())
+        assert self.handle.value
+
+    def sample(self, rect=(0.0, 0.0, 20.0, 20.0), watch: Watch | None = None, **names) -> int:
+        made = Set(**{"seed": 1, "radius": 1.0, "levels": 1, **names})
+        return self.library.thicket_sample(self.handle, ctypes.byref(made), ctypes.byref(Rect(*rect)), watch and ctypes.byref(watch), None)
+
+    def fill(self, size=(20.0, 20.0), watch: Watch | None = None, **names) -> int:
+        made = Domain(*size, **{"radius": 1.0, "method": 2, **names})
+        return self.library.thicket_fill(self.handle, ctypes.byref(made), watch and ctypes.byref(watch), None)
+
+    def count(self) -> int:
+        return self.library.thicket_count(self.handle)
+
+    def points(self, first: int, count: int) -> tuple[int, list[tuple]]:
+        room = (Point * max(count, 1))()
+        given = self.library.thicket_read_points(self.handle, U64(first), U64(count), room)
+        return given, [(p.x, p.y, p.id, p.rank, p.level) for p in room[:count]]
+
+    def positions(self, first: int, count: int) -> tuple[int, list[float]]:
+        room = (ctypes.c_double * max(2 * count, 1))()
+        return self.library.thicket_read_positions(self.handle, U64(first), U64(count), room), list(room)[: 2 * count]
+
+    def digest(self) -> tuple[int, int]:
+        places, ranks = U64(), U64()
+        assert self.library.thicket_digest(self.handle, ctypes.byref(places), ctypes.byref(ranks)) == 0
+        return places.value, ranks.value
+
+    def message(self) -> str:
+        return self.library.thicket_message(self.handle).decode()
+
+    def cancel(self) -> None:
+        self.library.thicket_cancel(self.handle)
+
+
+@pytest.fixture(scope="module")
+def folder(build_dir: Path) -> Path:
+    assert (build_dir / "c/thicket.h").is_file(), "the library is not built: scons c_library"
+    return build_dir / "c"
+
+
+@pytest.fixture(scope="module")
+def library(folder: Path) -> ctypes.CDLL:
+    loaded = ctypes.CDLL(str(folder / "libthicket_c.so"))
+    loaded.thicket_sampler_new.restype = ctypes.c_void_p
+    loaded.thicket_message.restype = ctypes.c_char_p
+    loaded.thicket_count.restype = U64
+    return loaded
+
+
+@pytest.fixture
+def sampler(library: ctypes.CDLL):
+    made = Sampler(library)
+    yield made
+    library.thicket_sampler_free(made.handle)
+
+
+@pytest.fixture(scope="module")
+def program(folder: Path, tmp_path_factory) -> Path:
+    made = tmp_path_factory.mktemp("c_api") / "points"
+    command = ["gcc", "-std=c11", *STRICT, f"-I{folder}", REPO / "tests/c_api/points.c", folder / "libthicket_c.a", "-lstdc++", "-lm", "-o", made]
+    done = run(command, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return made
+
+
+@pytest.mark.parametrize("one", SETS, ids=lambda one: one.name)
+def test_a_program_in_c_prints_points(program, one):
+    done = run([program, one.seed, repr(one.radius), one.levels, one.layer, *map(repr, one.rect)], timeout=60)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    *points, last = done.stdout.splitlines()
+    assert last == "digest {:016x} ranks {:016x}".format(*one.digests)
+    assert len(points) > 100
+    for x, y, *_ in map(str.split, points):
+        assert one.rect[0] <= float(x) < one.rect[2] and one.rect[1] <= float(y) < one.rect[3]
+
+
+def test_a_program_in_c_tells_what_was_wrong(program):
+    done = run([program, 1, -2.5, 1, 0, 0, 0, 9, 9], timeout=60)
+    assert done.returncode != 0
+    assert done.stderr == f"error {code('NOT_POSITIVE')}: radius must be positive, got -2.5\n"
+
+
+@pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["g++", "-xc++", "-std=c++11"], ["g++", "-xc++", "-std=c++20"]], ids=" ".join)
+def test_the_header_stands_alone(compiler, tmp_path):
+    unit = tmp_path / "unit.c"
+    unit.write_text('#include "thicket.h"\nint main(void) { return (int)thicket_c_version() - THICKET_C_VERSION; }\n')
+    done = run([*compiler, *STRICT, f"-I{HEADER.parent}", "-fsyntax-only", unit], timeout=60)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_library_shows_only_what_the_header_declares(folder):
+    listed = run(["nm", "-D", "--defined-only", folder / "libthicket_c.so"], timeout=60)
+    shown = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines()}
+    assert shown == set(re.findall(r"\b(thicket_\w+)\([^)]*\) THICKET_NOEXCEPT", HEADER.read_text(encoding="utf-8"), re.DOTALL))
+
+
+def test_versions_agree(library):
+    version = int(re.search(r"#define THICKET_C_VERSION (\d+)", HEADER.read_text(encoding="utf-8")).group(1))
+    assert library.thicket_c_version() == version
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize("one", DOMAINS, ids=lambda one: one.name)
+def test_domains(sampler, one, precision):
+    given = sampler.fill(
+        one.size,
+        radius=one.radius,
+        seed=one.seed,
+        method=METHODS.index(one.method) + 1,
+        toroidal=one.toroidal,
+        single_precision=precision == "single",
+        cell_size=one.cell_size,
+    )
+    assert given == 0, sampler.message()
+    assert sampler.digest() == (one.digest(precision), 0)
+    given, numbers = sampler.positions(0, sampler.count())
+    assert given == 0 and len(numbers) == 2 * sampler.count() > 200
+    assert all(0.0 <= x < one.size[0] for x in numbers[::2]) and all(0.0 <= y < one.size[1] for y in numbers[1::2])
+
+
+def test_parts_are_read_as_the_whole(sampler):
+    assert sampler.sample(levels=3) == 0 and sampler.message() == ""
+    count = sampler.count()
+    given, points = sampler.points(0, count)
+    assert given == 0 and len({point[2] for point in points}) == count > 200
+    assert sampler.points(7, 30) == (0, points[7:37])
+    assert sampler.positions(7, 30) == (0, [number for point in points[7:37] for number in point[:2]])
+    assert sampler.points(count, 0) == (0, [])
+    for first, asked, named in ((0, count + 1, "count"), (count + 1, 0, "first"), (1, 2**64 - 1, "count"), (2**64 - 1, 2, "first")):
+        given = sampler.library.thicket_read_points(sampler.handle, U64(first), U64(asked), None)
+        assert given == code("OUT_OF_RANGE") and sampler.message().startswith(f"{named} is out of range, got ")
+    assert sampler.count() == count, "a bad question takes no point away"
+
+
+REFUSED_SETS = [
+    ({"radius": -1.0}, "NOT_POSITIVE", "radius must be positive, got -1"),
+    ({"radius": float("nan")}, "NOT_FINITE", "radius must be finite, got nan"),
+    ({"radius": 2e6}, "OUT_OF_RANGE", "radius is out of range, got 2000000"),
+    ({"levels": 0}, "OUT_OF_RANGE", "levels is out of range, got 0"),
+    ({"levels": 9}, "OUT_OF_RANGE", "levels is out of range, got 9"),
+    ({"rect": (0.0, 0.0, float("inf"), 1.0)}, "NOT_FINITE", "rect must be finite, got inf"),
+    ({"rect": (0.0, 0.0, -3.0, 1.0)}, "INVERTED", "rect ends before it starts, got -3"),
+    ({"rect": (0.0, 0.0, 1e9, 1.0)}, "OUT_OF_RANGE", "rect is out of range, got 1e+09"),
+    ({"rect": (0.0, 0.0, 1e5, 1e5)}, "TOO_MANY_POINTS", "rect asks for too many points, got "),
+]
+
+
+@pytest.mark.parametrize(("wrong", "name", "sentence"), REFUSED_SETS)
+def test_bad_sets_are_refused(sampler, wrong, name, sentence):
+    assert sampler.sample() == 0
+    assert sampler.sample(**wrong) == code(name)
+    assert sampler.message().startswith(sentence)
+    assert sampler.count() == 0
+    assert sampler.sample() == 0 and sampler.count() > 200 and sampler.message() == ""
+
+
+REFUSED_DOMAINS = [
+    ({"size": (0.0, 5.0)}, "NOT_POSITIVE", "size must be positive, got 0"),
+    ({"size": (5.0, float("nan"))}, "NOT_FINITE", "size must be finite, got nan"),
+    ({"size": (1e6, 1e6)}, "TOO_MANY_POINTS", "size asks for too many points, got "),
+    ({"size": (3.0, 9.0), "toroidal": 1}, "OUT_OF_RANGE", "size is out of range, got 3; a toroidal domain measures at least 4 radii on each axis"),
+    (
+        {"size": (2e5, 9.0), "single_precision": 1},
+        "OUT_OF_RANGE",
+        "size is out of range, got 200000; in single precision a domain measures at most 131072 radii",
+    ),
+    ({"radius": 0.0}, "NOT_POSITIVE", "radius must be positive, got 0"),
+    ({"method": 0}, "OUT_OF_RANGE", "method is out of range, got 0"),
+    ({"method": 5}, "OUT_OF_RANGE", "method is out of range, got 5"),
+    ({"toroidal": 2}, "OUT_OF_RANGE", "toroidal is out of range, got 2"),
+    ({"single_precision": -1}, "OUT_OF_RANGE", "single_precision is out of range, got -1"),
+    ({"cell_size": 1001.0}, "OUT_OF_RANGE", "cell_size is out of range, got 1001"),
+    ({"darts_each": 0.5}, "OUT_OF_RANGE", "darts_each is out of range, got 0.5"),
+]
+
+
+@pytest.mark.parametrize(("wrong", "name", "sentence"), REFUSED_DOMAINS)
+def test_bad_domains_are_refused(sampler, wrong, name, sentence):
+    assert sampler.sample() == 0
+    assert sampler.fill(**wrong) == code(name)
+    assert sampler.message().startswith(sentence)
+    assert sampler.count() == 0
+    assert sampler.fill() == 0 and sampler.count() > 200
+
+
+def test_what_is_missing_is_named(sampler):
+    library, handle = sampler.library, sampler.handle
+    missing = code("MISSING")
+    some, count, rect = Set(1, 1.0, 1, 0), U64(77), Rect(0.0, 0.0, 9.0, 9.0)
+    for given, sentence in (
+        (lambda: library.thicket_sample(handle, None, ctypes.byref(rect), None, ctypes.byref(count)), "set is missing"),
+        (lambda: library.thicket_sample(handle, ctypes.byref(some), None, None, ctypes.byref(count)), "rect is missing"),
+        (lambda: library.thicket_fill(handle, None, None, ctypes.byref(count)), "domain is missing"),
+        (lambda: library.thicket_digest(handle, None, None), "r_places is missing"),
+    ):
+        assert given() == missing and sampler.message() == sentence
+    assert count.value == 77, "an error writes nothing"
+    assert sampler.fill() == 0
+    assert sampler.points(0, 1)[0] == missing and sampler.message() == "a call of thicket_sample before this one is missing"
+    assert library.thicket_read_positions(handle, U64(0), U64(1), None) == missing and sampler.message() == "buffer is missing"
+    assert library.thicket_sample(None, None, None, None, None) == missing
+    assert library.thicket_message(None) == b"sampler is missing" and library.thicket_count(None) == 0
+    library.thicket_cancel(None)
+    library.thicket_sampler_free(None)
+
+
+LONG = {"sample": lambda sampler, watch: sampler.sample((0.0, 0.0, 3000.0, 3000.0), watch), "fill": lambda sampler, watch: sampler.fill((3000.0, 3000.0), watch)}
+
+
+@pytest.mark.parametrize("work", LONG.values(), ids=LONG)
+def test_a_call_is_watched_and_ended(sampler, work: Callable):
+    """By what the progress function returns, and from another thread; and a call from within is refused."""
+    seen: list[tuple[float, int]] = []
+    inside: list = []
+
+    def progress(user, fraction, points):
+        seen.append((fraction, points))
+        if len(seen) == 3:
+            inside.extend([sampler.sample(), sampler.message(), sampler.count(), user])
+        return int(len(seen) == 5)
+
+    assert work(sampler, Watch(PROGRESS(progress), 4711)) == code("CANCELLED")
+    assert "was cancelled" in sampler.message() and sampler.count() == 0
+    assert len(seen) == 5 and seen == sorted(seen) and seen[-1][0] < 0.9
+    assert inside == [code("BUSY"), "another call of this sampler is under way", 0, 4711]
+
+    begun = threading.Event()
+
+    def begin(user, fraction, points):
+        begun.set()
+        return 0
+
+    canceller = threading.Thread(target=lambda: (begun.wait(), sampler.cancel()))
+    canceller.start()
+    assert work(sampler, Watch(PROGRESS(begin), None)) == code("CANCELLED")
+    canceller.join()
+    sampler.cancel()
+    assert sampler.sample() == 0 and sampler.count() > 200, "a cancel concerns no later call"
+
+
+def test_progress_ends_at_one(sampler):
+    seen: list[tuple[float, int]] = []
+    assert sampler.fill((300.0, 300.0), Watch(PROGRESS(lambda user, fraction, points: seen.append((fraction, points)) or 0), None)) == 0
+    assert seen[-1] == (1.0, sampler.count()) and seen == sorted(seen)
+
+
+def test_samplers_on_threads_agree(library):
+    """Each thread has its own; ctypes gives the interpreter's lock away during a call."""
+    digests: list = []
+
+    def work():
+        own = Sampler(library)
+        for _ in range(5):
+            assert own.sample((-60.0, -45.0, 70.0, 52.5)) == 0
+            digests.append(own.digest())
+        library.thicket_sampler_free(own.handle)
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert digests == [SETS[0].digests] * 20
