@@ -63,7 +63,7 @@ class Sampler:
 
     def fill(self, size=(20.0, 20.0), watch: Watch | None = None, **names) -> int:
         made = Domain(*size, **{"radius": 1.0, "method": 2, **names})
-        return self.library.thicket_fill(self.handle, ctypes.byref(made), watch and ctypes.byref(watch), None)
+        return self.library.thicket_sample_domain(self.handle, ctypes.byref(made), watch and ctypes.byref(watch), None)
 
     def count(self) -> int:
         return self.library.thicket_count(self.handle)
@@ -247,7 +247,7 @@ def test_what_is_missing_is_named(sampler):
     for given, sentence in (
         (lambda: library.thicket_sample(handle, None, ctypes.byref(rect), None, ctypes.byref(count)), "set is missing"),
         (lambda: library.thicket_sample(handle, ctypes.byref(some), None, None, ctypes.byref(count)), "rect is missing"),
-        (lambda: library.thicket_fill(handle, None, None, ctypes.byref(count)), "domain is missing"),
+        (lambda: library.thicket_sample_domain(handle, None, None, ctypes.byref(count)), "domain is missing"),
         (lambda: library.thicket_digest(handle, None, None), "r_places is missing"),
     ):
         assert given() == missing and sampler.message() == sentence

@@ -12,6 +12,7 @@
 #   setup_qemu       what runs programs for other processors, for the tests that compare them; skipped where it cannot be had
 #   setup_emulators  the same for Windows and for the web, and g++ for other processors (about 1.5 GB)
 #   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
+#   setup_wheel      what builds the Python package of the sampler, and NumPy for its tests, in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
 
@@ -37,10 +38,17 @@ say() {
 
 setup_compiler() {
 	local missing=()
-	command -v "${CXX:-g++}" >/dev/null || missing+=(g++)
 	command -v scons >/dev/null || missing+=(scons)
-	has_header glm/glm.hpp || missing+=(libglm-dev)
 	has_header doctest/doctest.h || missing+=(doctest-dev)
+	install_packages "to build" "${missing[@]}"
+	setup_core_sources
+}
+
+# What the core alone takes, however it is built.
+setup_core_sources() {
+	local missing=()
+	command -v "${CXX:-g++}" >/dev/null || missing+=(g++)
+	has_header glm/glm.hpp || missing+=(libglm-dev)
 	install_packages "to build" "${missing[@]}"
 	setup_highway
 }
@@ -199,6 +207,34 @@ setup_python() {
 # Prints the folder of the virtual environment.
 python_venv() {
 	echo "$(cache_folder)/venv"
+}
+
+# wheel_python: prints the version of the Python that the package is built for, as 3.12.
+wheel_python() {
+	"${PYTHON:-python3}" -c 'import sys; print("%d.%d" % sys.version_info[:2])'
+}
+
+# Prints the folder of the virtual environment in which the package is built.
+wheel_venv() {
+	echo "$(cache_folder)/wheel-python$(wheel_python)"
+}
+
+setup_wheel() {
+	local venv wanted numpy missing=()
+	venv=$(wheel_venv)
+	wanted=$(cat "$setup_repo/python/requirements.txt")
+	[[ ! -f $venv/complete || $(<"$venv/complete") != "$wanted" || ! -x $venv/bin/python ]] || return 0
+	"${PYTHON:-python3}" -c 'import venv, ensurepip' 2>/dev/null || missing+=(python3 python3-venv)
+	[[ -f $("${PYTHON:-python3}" -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h ]] || missing+=(python3-dev)
+	install_packages "to build the Python package" "${missing[@]}"
+	say "making a Python environment in $venv"
+	mkdir -p "$(cache_folder)"
+	"${PYTHON:-python3}" -m venv --clear "$venv"
+	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+		--requirement "$setup_repo/python/requirements.txt"
+	numpy=$(grep '^numpy==' "$setup_repo/tests/requirements.txt")
+	"$venv/bin/python" -m pip download --quiet --disable-pip-version-check --only-binary :all: --dest "$venv/wheels" "$numpy"
+	echo "$wanted" >"$venv/complete"
 }
 
 setup_godot() {

@@ -63,7 +63,7 @@ TEST_CASE("the C library where memory ends") {
 				.method = THICKET_HIERARCHICAL,
 				.toroidal = 0,
 				.single_precision = 0};
-		return thicket_fill(sampler, &domain, nullptr, nullptr);
+		return thicket_sample_domain(sampler, &domain, nullptr, nullptr);
 	});
 	fail_every_request(true, [](thicket_sampler *sampler) {
 		std::uint64_t places = 0;

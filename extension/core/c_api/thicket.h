@@ -127,14 +127,14 @@ THICKET_API thicket_code thicket_sample(thicket_sampler *sampler, const thicket_
 
 /* Fills a whole domain, with the points in the order of their acceptance. At most 1e9 points. The rest is as above;
  * these points have no ids, ranks and levels. Expected O(points). */
-THICKET_API thicket_code thicket_fill(thicket_sampler *sampler, const thicket_domain *domain,
+THICKET_API thicket_code thicket_sample_domain(thicket_sampler *sampler, const thicket_domain *domain,
 		const thicket_watch *watch, uint64_t *r_count) THICKET_NOEXCEPT;
 
 /* How many points the sampler holds. 0 for NULL, and while a call is under way. */
 THICKET_API uint64_t thicket_count(const thicket_sampler *sampler) THICKET_NOEXCEPT;
 
 /* Copies `count` points from number `first` on into `r_points`, which has room for them. Beyond those that there are, THICKET_OUT_OF_RANGE;
- * points of thicket_fill, THICKET_MISSING: then nothing is written. `r_points` may be NULL for no points. */
+ * points of thicket_sample_domain, THICKET_MISSING: then nothing is written. `r_points` may be NULL for no points. */
 THICKET_API thicket_code thicket_read_points(
 		thicket_sampler *sampler, uint64_t first, uint64_t count, thicket_point *r_points) THICKET_NOEXCEPT;
 
@@ -142,8 +142,8 @@ THICKET_API thicket_code thicket_read_points(
 THICKET_API thicket_code thicket_read_positions(
 		thicket_sampler *sampler, uint64_t first, uint64_t count, double *r_xy) THICKET_NOEXCEPT;
 
-/* The digest of the points that the sampler holds, whatever their order after thicket_sample, in their order after thicket_fill: equal
- * digests, equal points. `r_ranks` (may be NULL) gets that of the ranks, which a newer version may change; 0 after thicket_fill. */
+/* The digest of the points that the sampler holds, whatever their order after thicket_sample, in their order after thicket_sample_domain: equal
+ * digests, equal points. `r_ranks` (may be NULL) gets that of the ranks, which a newer version may change; 0 after thicket_sample_domain. */
 THICKET_API thicket_code thicket_digest(
 		thicket_sampler *sampler, uint64_t *r_places, uint64_t *r_ranks) THICKET_NOEXCEPT;
 

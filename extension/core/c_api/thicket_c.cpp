@@ -211,7 +211,7 @@ thicket_code thicket_sample(thicket_sampler *sampler, const thicket_set *set, co
 	});
 }
 
-thicket_code thicket_fill(thicket_sampler *sampler, const thicket_domain *domain, const thicket_watch *watch,
+thicket_code thicket_sample_domain(thicket_sampler *sampler, const thicket_domain *domain, const thicket_watch *watch,
 		std::uint64_t *r_count) noexcept {
 	thicket::DomainRequest request;
 	return call(

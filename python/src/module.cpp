@@ -1,0 +1,244 @@
+// The module thicket._core: the samplers of the core for Python. What stands here turns arguments and results, and nothing else.
+
+#include "docs.hpp"
+#include "watcher.hpp"
+
+#include "core/base/check.hpp"
+#include "core/sampling/domain/domain_sampler.hpp"
+#include "core/sampling/set_digest.hpp"
+#include "core/sampling/tile_sampler.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace nb = nanobind;
+
+namespace thicket::python {
+
+namespace {
+
+/// The points of a set in a rectangle. Arrays are views into `points`, and keep the object alive.
+struct Points {
+	std::vector<SamplePoint> points;
+};
+
+template <typename Number>
+using Column = nb::ndarray<nb::numpy, const Number, nb::ndim<1>>;
+template <typename Real>
+using Positions = nb::ndarray<nb::numpy, const Real, nb::shape<-1, 2>>;
+
+/// The member of all points, as an array whose entries stand as far apart as the points.
+template <typename Number>
+Column<Number> column(nb::handle_t<Points> self, const Number SamplePoint::*member) {
+	static_assert(sizeof(SamplePoint) % sizeof(Number) == 0);
+	static const SamplePoint none{};
+	const std::vector<SamplePoint> &points = nb::cast<const Points &>(self).points;
+	const Number *first = &((points.empty() ? none : points.front()).*member);
+	return Column<Number>(first, {points.size()}, self, {sizeof(SamplePoint) / sizeof(Number)});
+}
+
+Positions<double> positions(nb::handle_t<Points> self) {
+	static const SamplePoint none{};
+	const std::vector<SamplePoint> &points = nb::cast<const Points &>(self).points;
+	const double *first = &(points.empty() ? none : points.front()).position.x;
+	return Positions<double>(first, {points.size(), 2}, self, {sizeof(SamplePoint) / sizeof(double), 1});
+}
+
+/// Hands a list over to Python: the array owns it.
+template <typename Real>
+nb::object array_of(std::vector<glm::vec<2, Real>> &&list) {
+	static_assert(sizeof(glm::vec<2, Real>) == 2 * sizeof(Real));
+	auto own = std::make_unique<std::vector<glm::vec<2, Real>>>(std::move(list));
+	static const glm::vec<2, Real> none{0};
+	const Real *first = &(own->empty() ? none : own->front()).x;
+	const std::size_t count = own->size();
+	const nb::capsule owner(own.get(), [](void *held) noexcept { delete static_cast<std::vector<glm::vec<2, Real>> *>(held); });
+	own.release();
+	return nb::cast(Positions<Real>(first, {count, 2}, owner));
+}
+
+[[noreturn]] void refuse(const std::string &sentence) {
+	PyErr_SetString(PyExc_ValueError, sentence.c_str());
+	throw nb::python_error();
+}
+
+void require(const Status &status) {
+	if (!status.ok()) {
+		refuse(describe(status));
+	}
+}
+
+/// 64 bits, signed as the engine has them, or unsigned.
+std::uint64_t seed_of(nb::handle number) {
+	const nb::object whole = nb::steal(PyNumber_Index(number.ptr()));
+	if (!whole.is_valid()) {
+		throw nb::python_error();
+	}
+	int overflow = 0;
+	const long long seed = PyLong_AsLongLongAndOverflow(whole.ptr(), &overflow);
+	if (overflow == 0) {
+		return static_cast<std::uint64_t>(seed);
+	}
+	const unsigned long long large = overflow > 0 ? PyLong_AsUnsignedLongLong(whole.ptr()) : 0;
+	if (overflow < 0 || PyErr_Occurred() != nullptr) {
+		PyErr_Clear();
+		refuse("seed must have 64 bits, got " + std::string(nb::str(whole).c_str()));
+	}
+	return large;
+}
+
+/// A sampler with warm memory: that which this thread used before, unless a call of it is under way.
+class Lease {
+public:
+	Lease() : sampler_(std::move(spare())) {
+		if (!sampler_) {
+			sampler_ = std::make_unique<TileSampler>();
+		}
+	}
+	~Lease() { spare() = std::move(sampler_); }
+	Lease(const Lease &) = delete;
+	Lease &operator=(const Lease &) = delete;
+
+	TileSampler &sampler() { return *sampler_; }
+
+private:
+	static std::unique_ptr<TileSampler> &spare() {
+		thread_local std::unique_ptr<TileSampler> own;
+		return own;
+	}
+
+	std::unique_ptr<TileSampler> sampler_;
+};
+
+Points sample(const std::array<double, 4> &rect, double radius, nb::handle seed, std::int64_t levels, std::int64_t layer,
+		nb::object progress, const Cancel *cancel) {
+	require(first_failure(check_range("levels", static_cast<double>(levels), 1, max_levels),
+			check_range("layer", static_cast<double>(layer), 0, std::numeric_limits<std::uint16_t>::max())));
+	const PointSet set{.seed = seed_of(seed),
+			.radius = radius,
+			.levels = static_cast<std::uint32_t>(levels),
+			.layer = static_cast<std::uint16_t>(layer)};
+	Watcher watcher(std::move(progress), cancel);
+	Points made;
+	Status status;
+	{
+		const nb::gil_scoped_release unlocked;
+		Lease lease;
+		status = lease.sampler().sample(set, {{rect[0], rect[1]}, {rect[2], rect[3]}}, made.points, watcher.progress());
+	}
+	watcher.finish(status, describe(status), made.points.size());
+	return made;
+}
+
+constexpr std::array<std::pair<const char *, DomainMethod>, 4> methods{{{"naive", DomainMethod::naive},
+		{"hierarchical", DomainMethod::hierarchical}, {"accumulator", DomainMethod::accumulator},
+		{"wavefront", DomainMethod::wavefront}}};
+
+DomainMethod method_of(const std::string &name) {
+	std::string names;
+	for (const auto &[known, method] : methods) {
+		if (name == known) {
+			return method;
+		}
+		names += std::string(names.empty() ? "'" : ", '") + known + "'";
+	}
+	refuse("method must be one of " + names + ", got '" + name + "'");
+}
+
+template <typename Real>
+nb::object fill(const DomainRequest &request, Watcher &r_watcher) {
+	std::vector<glm::vec<2, Real>> points;
+	Status status;
+	{
+		const nb::gil_scoped_release unlocked;
+		status = DomainSampler<Real>().sample(request, points, r_watcher.progress());
+	}
+	r_watcher.finish(status, describe(request, status), points.size());
+	return array_of(std::move(points));
+}
+
+nb::object sample_domain(const std::array<double, 2> &size, double radius, nb::handle seed, const std::string &method,
+		bool toroidal, const std::string &precision, double cell_size, double darts_each, nb::object progress,
+		const Cancel *cancel) {
+	if (precision != "single" && precision != "double") {
+		refuse("precision must be 'single' or 'double', got '" + precision + "'");
+	}
+	const DomainRequest request{.size = {size[0], size[1]},
+			.radius = radius,
+			.seed = seed_of(seed),
+			.method = method_of(method),
+			.toroidal = toroidal,
+			.cell_size = cell_size,
+			.darts_each = darts_each};
+	Watcher watcher(std::move(progress), cancel);
+	return precision == "single" ? fill<float>(request, watcher) : fill<double>(request, watcher);
+}
+
+std::pair<std::uint64_t, std::uint64_t> digest_of_points(const Points &points) {
+	const nb::gil_scoped_release unlocked;
+	const SetDigest made = digest(std::span<const SamplePoint>(points.points));
+	return {made.places, made.ranks};
+}
+
+template <typename Real>
+std::uint64_t digest_of_domain(nb::ndarray<const Real, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu> positions) {
+	const auto *first = reinterpret_cast<const glm::vec<2, Real> *>(positions.data());
+	const std::size_t count = positions.shape(0);
+	const nb::gil_scoped_release unlocked;
+	return digest(std::span<const glm::vec<2, Real>>(first, count));
+}
+
+void bind_points(nb::module_ &module) {
+	nb::class_<Points>(module, "Points", doc::points)
+			.def("__len__", [](const Points &self) { return self.points.size(); })
+			.def("__repr__", [](const Points &self) { return "<thicket.Points of " + std::to_string(self.points.size()) + " points>"; })
+			.def_prop_ro("positions", &positions, nb::sig(doc::positions_type), doc::positions)
+			.def_prop_ro("ids", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::id); },
+					nb::sig("def ids(self) -> numpy.typing.NDArray[numpy.uint64]"), doc::ids)
+			.def_prop_ro("ranks", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::rank); },
+					nb::sig("def ranks(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::ranks)
+			.def_prop_ro("levels", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::level); },
+					nb::sig("def levels(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::levels)
+			.def("digest", &digest_of_points, doc::digest);
+}
+
+void bind_functions(nb::module_ &module) {
+	using nb::literals::operator""_a;
+	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a = 0, nb::kw_only(), "levels"_a = 1, "layer"_a = 0,
+			"progress"_a = nb::none(), "cancel"_a = nb::none(), nb::sig(doc::sample_type), doc::sample);
+	module.def("sample_domain", &sample_domain, "size"_a, "radius"_a, "seed"_a = 0, nb::kw_only(),
+			"method"_a = "hierarchical", "toroidal"_a = false, "precision"_a = "double", "cell_size"_a = 0.0,
+			"darts_each"_a = DomainRequest().darts_each, "progress"_a = nb::none(), "cancel"_a = nb::none(),
+			nb::sig(doc::sample_domain_type), doc::sample_domain);
+	module.def("domain_digest", &digest_of_domain<double>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_double));
+	module.def("domain_digest", &digest_of_domain<float>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_single), doc::domain_digest);
+}
+
+} // namespace
+
+} // namespace thicket::python
+
+NB_MODULE(_core, module) {
+	using namespace thicket::python;
+	module.doc() = "The samplers of Thicket's core; import thicket, which has the same names.";
+	nb::class_<Cancel>(module, "Cancel", doc::cancel)
+			.def(nb::init<>())
+			.def("cancel", &Cancel::cancel, doc::cancel_cancel)
+			.def_prop_ro("cancelled", &Cancel::cancelled, doc::cancel_cancelled);
+	nb::exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError).attr("__doc__") = "A call was ended by its Cancel.";
+	bind_points(module);
+	bind_functions(module);
+}

@@ -1,0 +1,70 @@
+#include "watcher.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace nb = nanobind;
+
+namespace thicket::python {
+
+namespace {
+
+/// With another thread at work, Python hands its lock over every 5 milliseconds: less often, where nobody waits for progress.
+constexpr std::chrono::milliseconds pause_told{15};
+constexpr std::chrono::milliseconds pause_untold{100};
+
+} // namespace
+
+Watcher::Watcher(nb::object callback, const Cancel *cancel) :
+		callback_(std::move(callback)), cancel_(cancel), due_(Clock::now() + pause_told) {
+	if (cancel_ != nullptr && cancel_->cancelled()) {
+		ended_.store(true, std::memory_order_relaxed);
+	}
+}
+
+Progress Watcher::progress() {
+	return {&ended_, [this](double fraction, std::uint64_t points) { update(fraction, points); }};
+}
+
+void Watcher::update(double fraction, std::uint64_t points) {
+	if (cancel_ != nullptr && cancel_->cancelled()) {
+		ended_.store(true, std::memory_order_relaxed);
+	}
+	if (ended_.load(std::memory_order_relaxed) || fraction >= 1.0 || Clock::now() < due_) {
+		return;
+	}
+	const nb::gil_scoped_acquire lock;
+	try {
+		if (PyErr_CheckSignals() != 0) {
+			throw nb::python_error();
+		}
+		fraction_ = std::max(fraction_, fraction);
+		tell(fraction_, points);
+	} catch (...) {
+		raised_ = std::current_exception();
+		ended_.store(true, std::memory_order_relaxed);
+	}
+	due_ = Clock::now() + (callback_.is_none() ? pause_untold : pause_told);
+}
+
+void Watcher::tell(double fraction, std::uint64_t points) {
+	if (!callback_.is_none()) {
+		callback_(fraction, points);
+	}
+}
+
+void Watcher::finish(const Status &status, const std::string &sentence, std::uint64_t points) {
+	if (raised_) {
+		std::rethrow_exception(std::exchange(raised_, nullptr));
+	}
+	if (status.code == ErrorCode::cancelled) {
+		throw Cancelled(sentence);
+	}
+	if (!status.ok()) {
+		PyErr_SetString(status.code == ErrorCode::out_of_memory ? PyExc_MemoryError : PyExc_ValueError, sentence.c_str());
+		throw nb::python_error();
+	}
+	tell(1.0, points);
+}
+
+} // namespace thicket::python
