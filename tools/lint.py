@@ -33,7 +33,7 @@ def tool(name: str) -> str:
 
 
 def sources(*suffixes: str) -> list[Path]:
-    found = [path for room in ("extension", "tests") for path in (REPO / room).rglob("*") if path.suffix in suffixes]
+    found = [path for room in ("extension", "tests", "python") for path in (REPO / room).rglob("*") if path.suffix in suffixes]
     return sorted(path for path in found if "node_modules" not in path.parts)
 
 

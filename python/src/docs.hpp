@@ -40,9 +40,10 @@ inline constexpr const char *cancel_cancel =
 
 inline constexpr const char *cancel_cancelled = R"(Whether cancel() was called.)";
 
-inline constexpr const char *sample_type =
-		"def sample(rect: collections.abc.Sequence[float], radius: float, seed: int = 0, *, levels: int = 1, layer: int = 0, "
-		"progress: collections.abc.Callable[[float, int], object] | None = None, cancel: Cancel | None = None) -> Points";
+inline constexpr const char *sample_type = "def sample(rect: collections.abc.Sequence[float], radius: float, seed: int "
+										   "= 0, *, levels: int = 1, layer: int = 0, "
+										   "progress: collections.abc.Callable[[float, int], object] | None = None, "
+										   "cancel: Cancel | None = None) -> Points";
 
 inline constexpr const char *sample =
 		R"(The points of an infinite Poisson-disk set in a rectangle: no two are closer than the radius, and none could be added.
@@ -68,7 +69,8 @@ Raises:
 
 inline constexpr const char *sample_domain_type =
 		"def sample_domain(size: collections.abc.Sequence[float], radius: float, seed: int = 0, *, "
-		"method: typing.Literal['naive', 'hierarchical', 'accumulator', 'wavefront'] = 'hierarchical', toroidal: bool = False, "
+		"method: typing.Literal['naive', 'hierarchical', 'accumulator', 'wavefront'] = 'hierarchical', toroidal: bool "
+		"= False, "
 		"precision: typing.Literal['single', 'double'] = 'double', cell_size: float = 0.0, darts_each: float = 100.0, "
 		"progress: collections.abc.Callable[[float, int], object] | None = None, cancel: Cancel | None = None) "
 		"-> typing.Annotated[numpy.typing.NDArray[numpy.floating], dict(shape=(None, 2))]";
@@ -102,9 +104,11 @@ Raises:
     Cancelled: by `cancel`.)";
 
 inline constexpr const char *domain_digest_double =
-		"def domain_digest(positions: typing.Annotated[numpy.typing.NDArray[numpy.float64], dict(shape=(None, 2), order='C')]) -> int";
+		"def domain_digest(positions: typing.Annotated[numpy.typing.NDArray[numpy.float64], dict(shape=(None, 2), "
+		"order='C')]) -> int";
 inline constexpr const char *domain_digest_single =
-		"def domain_digest(positions: typing.Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 2), order='C')]) -> int";
+		"def domain_digest(positions: typing.Annotated[numpy.typing.NDArray[numpy.float32], dict(shape=(None, 2), "
+		"order='C')]) -> int";
 
 inline constexpr const char *domain_digest =
 		R"(64 bits that tell whether two machines made the same domain: of the positions in their order.

@@ -40,20 +40,24 @@ using Column = nb::ndarray<nb::numpy, const Number, nb::ndim<1>>;
 template <typename Real>
 using Positions = nb::ndarray<nb::numpy, const Real, nb::shape<-1, 2>>;
 
+/// The first point, or one to point at where there is none: an array needs an address.
+const SamplePoint *first_of(const std::vector<SamplePoint> &points) {
+	static const SamplePoint none{};
+	return points.empty() ? &none : points.data();
+}
+
 /// The member of all points, as an array whose entries stand as far apart as the points.
 template <typename Number>
 Column<Number> column(nb::handle_t<Points> self, const Number SamplePoint::*member) {
 	static_assert(sizeof(SamplePoint) % sizeof(Number) == 0);
-	static const SamplePoint none{};
 	const std::vector<SamplePoint> &points = nb::cast<const Points &>(self).points;
-	const Number *first = &((points.empty() ? none : points.front()).*member);
+	const Number *first = &(first_of(points)->*member);
 	return Column<Number>(first, {points.size()}, self, {sizeof(SamplePoint) / sizeof(Number)});
 }
 
 Positions<double> positions(nb::handle_t<Points> self) {
-	static const SamplePoint none{};
 	const std::vector<SamplePoint> &points = nb::cast<const Points &>(self).points;
-	const double *first = &(points.empty() ? none : points.front()).position.x;
+	const double *first = &first_of(points)->position.x;
 	return Positions<double>(first, {points.size(), 2}, self, {sizeof(SamplePoint) / sizeof(double), 1});
 }
 
@@ -63,9 +67,10 @@ nb::object array_of(std::vector<glm::vec<2, Real>> &&list) {
 	static_assert(sizeof(glm::vec<2, Real>) == 2 * sizeof(Real));
 	auto own = std::make_unique<std::vector<glm::vec<2, Real>>>(std::move(list));
 	static const glm::vec<2, Real> none{0};
-	const Real *first = &(own->empty() ? none : own->front()).x;
+	const Real *first = own->empty() ? &none.x : &own->front().x;
 	const std::size_t count = own->size();
-	const nb::capsule owner(own.get(), [](void *held) noexcept { delete static_cast<std::vector<glm::vec<2, Real>> *>(held); });
+	const nb::capsule owner(
+			own.get(), [](void *held) noexcept { delete static_cast<std::vector<glm::vec<2, Real>> *>(held); });
 	own.release();
 	return nb::cast(Positions<Real>(first, {count, 2}, owner));
 }
@@ -79,6 +84,18 @@ void require(const Status &status) {
 	if (!status.ok()) {
 		refuse(describe(status));
 	}
+}
+
+/// That many numbers out of any sequence of Python, an array too; `words` says what they are.
+template <std::size_t count>
+std::array<double, count> numbers(nb::handle sequence, const char *words) {
+	std::array<double, count> found{};
+	if (nb::try_cast(sequence, found)) {
+		return found;
+	}
+	const std::string text = nb::cast<std::string>(nb::repr(sequence));
+	PyErr_SetString(PyExc_TypeError, (std::string(words) + ", got " + text).c_str());
+	throw nb::python_error();
 }
 
 /// 64 bits, signed as the engine has them, or unsigned.
@@ -123,7 +140,7 @@ private:
 	std::unique_ptr<TileSampler> sampler_;
 };
 
-Points sample(const std::array<double, 4> &rect, double radius, nb::handle seed, std::int64_t levels, std::int64_t layer,
+Points sample(nb::handle rect, double radius, nb::handle seed, std::int64_t levels, std::int64_t layer,
 		nb::object progress, const Cancel *cancel) {
 	require(first_failure(check_range("levels", static_cast<double>(levels), 1, max_levels),
 			check_range("layer", static_cast<double>(layer), 0, std::numeric_limits<std::uint16_t>::max())));
@@ -131,21 +148,23 @@ Points sample(const std::array<double, 4> &rect, double radius, nb::handle seed,
 			.radius = radius,
 			.levels = static_cast<std::uint32_t>(levels),
 			.layer = static_cast<std::uint16_t>(layer)};
+	const auto [min_x, min_y, max_x, max_y] =
+			numbers<4>(rect, "rect must be four numbers, (min_x, min_y, max_x, max_y)");
 	Watcher watcher(std::move(progress), cancel);
 	Points made;
 	Status status;
 	{
 		const nb::gil_scoped_release unlocked;
 		Lease lease;
-		status = lease.sampler().sample(set, {{rect[0], rect[1]}, {rect[2], rect[3]}}, made.points, watcher.progress());
+		status = lease.sampler().sample(set, {{min_x, min_y}, {max_x, max_y}}, made.points, watcher.progress());
 	}
 	watcher.finish(status, describe(status), made.points.size());
 	return made;
 }
 
-constexpr std::array<std::pair<const char *, DomainMethod>, 4> methods{{{"naive", DomainMethod::naive},
-		{"hierarchical", DomainMethod::hierarchical}, {"accumulator", DomainMethod::accumulator},
-		{"wavefront", DomainMethod::wavefront}}};
+constexpr std::array<std::pair<const char *, DomainMethod>, 4> methods{
+		{{"naive", DomainMethod::naive}, {"hierarchical", DomainMethod::hierarchical},
+				{"accumulator", DomainMethod::accumulator}, {"wavefront", DomainMethod::wavefront}}};
 
 DomainMethod method_of(const std::string &name) {
 	std::string names;
@@ -170,13 +189,13 @@ nb::object fill(const DomainRequest &request, Watcher &r_watcher) {
 	return array_of(std::move(points));
 }
 
-nb::object sample_domain(const std::array<double, 2> &size, double radius, nb::handle seed, const std::string &method,
-		bool toroidal, const std::string &precision, double cell_size, double darts_each, nb::object progress,
-		const Cancel *cancel) {
+nb::object sample_domain(nb::handle size, double radius, nb::handle seed, const std::string &method, bool toroidal,
+		const std::string &precision, double cell_size, double darts_each, nb::object progress, const Cancel *cancel) {
 	if (precision != "single" && precision != "double") {
 		refuse("precision must be 'single' or 'double', got '" + precision + "'");
 	}
-	const DomainRequest request{.size = {size[0], size[1]},
+	const auto [width, height] = numbers<2>(size, "size must be two numbers, (width, height)");
+	const DomainRequest request{.size = {width, height},
 			.radius = radius,
 			.seed = seed_of(seed),
 			.method = method_of(method),
@@ -204,13 +223,19 @@ std::uint64_t digest_of_domain(nb::ndarray<const Real, nb::shape<-1, 2>, nb::c_c
 void bind_points(nb::module_ &module) {
 	nb::class_<Points>(module, "Points", doc::points)
 			.def("__len__", [](const Points &self) { return self.points.size(); })
-			.def("__repr__", [](const Points &self) { return "<thicket.Points of " + std::to_string(self.points.size()) + " points>"; })
+			.def("__repr__",
+					[](const Points &self) {
+						return "<thicket.Points of " + std::to_string(self.points.size()) + " points>";
+					})
 			.def_prop_ro("positions", &positions, nb::sig(doc::positions_type), doc::positions)
-			.def_prop_ro("ids", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::id); },
+			.def_prop_ro(
+					"ids", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::id); },
 					nb::sig("def ids(self) -> numpy.typing.NDArray[numpy.uint64]"), doc::ids)
-			.def_prop_ro("ranks", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::rank); },
+			.def_prop_ro(
+					"ranks", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::rank); },
 					nb::sig("def ranks(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::ranks)
-			.def_prop_ro("levels", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::level); },
+			.def_prop_ro(
+					"levels", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::level); },
 					nb::sig("def levels(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::levels)
 			.def("digest", &digest_of_points, doc::digest);
 }
@@ -223,8 +248,10 @@ void bind_functions(nb::module_ &module) {
 			"method"_a = "hierarchical", "toroidal"_a = false, "precision"_a = "double", "cell_size"_a = 0.0,
 			"darts_each"_a = DomainRequest().darts_each, "progress"_a = nb::none(), "cancel"_a = nb::none(),
 			nb::sig(doc::sample_domain_type), doc::sample_domain);
-	module.def("domain_digest", &digest_of_domain<double>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_double));
-	module.def("domain_digest", &digest_of_domain<float>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_single), doc::domain_digest);
+	module.def(
+			"domain_digest", &digest_of_domain<double>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_double));
+	module.def("domain_digest", &digest_of_domain<float>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_single),
+			doc::domain_digest);
 }
 
 } // namespace
@@ -238,7 +265,8 @@ NB_MODULE(_core, module) {
 			.def(nb::init<>())
 			.def("cancel", &Cancel::cancel, doc::cancel_cancel)
 			.def_prop_ro("cancelled", &Cancel::cancelled, doc::cancel_cancelled);
-	nb::exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError).attr("__doc__") = "A call was ended by its Cancel.";
+	nb::exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError).attr("__doc__") =
+			"A call was ended by its Cancel.";
 	bind_points(module);
 	bind_functions(module);
 }

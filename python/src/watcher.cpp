@@ -61,7 +61,8 @@ void Watcher::finish(const Status &status, const std::string &sentence, std::uin
 		throw Cancelled(sentence);
 	}
 	if (!status.ok()) {
-		PyErr_SetString(status.code == ErrorCode::out_of_memory ? PyExc_MemoryError : PyExc_ValueError, sentence.c_str());
+		PyErr_SetString(
+				status.code == ErrorCode::out_of_memory ? PyExc_MemoryError : PyExc_ValueError, sentence.c_str());
 		throw nb::python_error();
 	}
 	tell(1.0, points);

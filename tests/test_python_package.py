@@ -1,0 +1,335 @@
+"""The Python package: built by its one command, installed without a network into an environment of its own, and looked at from here: the
+same digests as the core's, NumPy arrays without copies, other threads that run meanwhile, cancelling, and what is refused."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import inspect
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+from conftest import CACHE, REPO, run
+from golden.cases import DOMAINS, SETS
+
+VENV = REPO / "build/python/venv"
+PAGE = (REPO / "python/README.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def wheel() -> Path:
+    """What `bash python/build.sh` makes for this Python; it says which file that is."""
+    done = run(["bash", "python/build.sh"], timeout=1200, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
+    assert done.returncode == 0, done.stdout + done.stderr
+    return REPO / re.search(r"^thicket: (build/python/thicket-\S+\.whl)$", done.stderr, re.MULTILINE).group(1)
+
+
+@pytest.fixture(scope="module")
+def environment(wheel: Path) -> Path:
+    """The Python of an environment with the package and what that asks for, and nothing else; kept until the wheel changes."""
+    stamp, mark = VENV / "complete", hashlib.sha256(wheel.read_bytes()).hexdigest()
+    if not stamp.is_file() or stamp.read_text() != mark:
+        shutil.rmtree(VENV, ignore_errors=True)
+        wheels = CACHE / f"wheel-python{sys.version_info.major}.{sys.version_info.minor}/wheels"
+        for command in (
+            [sys.executable, "-m", "venv", VENV],
+            [VENV / "bin/python", "-m", "pip", "install", "--quiet", "--no-index", "--find-links", wheels, wheel],
+        ):
+            done = run(command, timeout=300)
+            assert done.returncode == 0, done.stdout + done.stderr
+        stamp.write_text(mark)
+    return VENV / "bin/python"
+
+
+@pytest.fixture(scope="module")
+def thicket(environment: Path) -> ModuleType:
+    """The package of that environment, imported here: it is for the same Python."""
+    done = run([environment, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], timeout=60)
+    sys.path.append(done.stdout.strip())
+    module = import_module("thicket")
+    assert Path(module.__file__).is_relative_to(VENV)
+    return module
+
+
+def script(environment: Path, text: str, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    return run([environment, "-c", text], timeout, cwd=VENV)
+
+
+def test_wheel(wheel):
+    """Named by what it runs on: from Python 3.12 on one wheel serves all later ones."""
+    tag = "cp312-abi3" if sys.version_info >= (3, 12) else "cp3{0}-cp3{0}".format(sys.version_info.minor)
+    assert f"-{tag}-" in wheel.name
+    version = re.search(r'^version="([^"]+)"', (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8"), re.MULTILINE)
+    assert wheel.name.startswith(f"thicket-{version.group(1)}-")
+
+
+@pytest.mark.parametrize("example", re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
+def test_examples_of_the_page_run(environment, example):
+    done = script(environment, example)
+    assert done.returncode == 0 and not done.stderr and re.search(r"\d", done.stdout), done.stdout + done.stderr
+
+
+def test_example_of_the_readme_runs(environment):
+    (example,) = re.findall(r"^```python\n(.*?)^```", (REPO / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    done = script(environment, example)
+    assert done.returncode == 0 and re.search(r"^\d{4} points", done.stdout), done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("one", SETS, ids=lambda one: one.name)
+def test_sets(thicket, one):
+    points = thicket.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer)
+    assert points.digest() == one.digests
+    count = len(points)
+    assert count > 100 and points.positions.shape == (count, 2) and points.positions.dtype == np.float64
+    for array, dtype in ((points.ids, np.uint64), (points.ranks, np.uint32), (points.levels, np.uint32)):
+        assert array.shape == (count,) and array.dtype == dtype
+    assert (points.positions >= one.rect[:2]).all() and (points.positions < one.rect[2:]).all()
+    assert len(np.unique(points.ids)) == count and (points.ids >> np.uint64(48) == one.layer).all()
+    # The coarsest level has its points farther apart than the small rectangles are wide.
+    assert set(range(min(one.levels, 4))) <= set(points.levels) <= set(range(one.levels))
+    assert (np.diff(points.levels[np.argsort(points.ranks)].astype(int)) <= 0).all(), "coarse levels come first"
+
+
+def test_no_two_points_are_too_close(thicket):
+    positions = thicket.sample((-1e6, 5e5, -1e6 + 60, 5e5 + 40), 1.0, 3, levels=3).positions
+    apart = np.hypot(*(positions[:, None] - positions[None, :]).transpose(2, 0, 1))
+    assert apart[~np.eye(len(positions), dtype=bool)].min() >= 1.0
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize("one", DOMAINS, ids=lambda one: one.name)
+def test_domains(thicket, one, precision):
+    positions = thicket.sample_domain(
+        one.size, one.radius, one.seed, method=one.method, toroidal=one.toroidal, precision=precision, cell_size=one.cell_size
+    )
+    assert thicket.domain_digest(positions) == one.digest(precision)
+    assert positions.dtype == {"single": np.float32, "double": np.float64}[precision]
+    assert positions.ndim == 2 and positions.shape[1] == 2 and positions.flags.c_contiguous
+    assert (positions >= 0).all() and (positions < one.size).all()
+
+
+def test_nothing_is_copied(thicket):
+    """All arrays are one piece of memory, which lives as long as one of them."""
+    points = thicket.sample((0, 0, 300, 300), 1.0)
+    start = points.positions.ctypes.data
+    assert points.positions.strides == (32, 8) and points.ids.strides == (32,) and points.ranks.strides == (32,)
+    assert [array.ctypes.data - start for array in (points.positions, points.ids, points.ranks, points.levels)] == [0, 16, 24, 28]
+    assert not points.positions.flags.owndata and not points.positions.flags.writeable
+    with pytest.raises(ValueError, match="read-only"):
+        points.positions[0] = 1.0
+    kept = points.ids
+    copied = kept.copy()
+    del points
+    others = [thicket.sample((0, 0, 300, 300), 1.0, seed) for seed in range(1, 4)]
+    assert (kept == copied).all() and all(len(other) for other in others)
+    domain = thicket.sample_domain((300, 300), 1.0)
+    assert not domain.flags.owndata and not domain.flags.writeable
+    tail = domain[-5:]
+    copied = tail.copy()
+    del domain
+    others = [thicket.sample_domain((300, 300), 1.0, seed) for seed in range(1, 4)]
+    assert (tail == copied).all()
+
+
+def test_memory_comes_back(environment):
+    """A hundred sets of three megabytes each leave less than ten."""
+    text = """
+import resource, thicket
+def work(count):
+    for seed in range(count):
+        thicket.sample((0, 0, 370, 370), 1.0, seed).ids
+        thicket.sample_domain((370, 370), 1.0, seed)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+print(work(3) + 10_000 > work(50))
+"""
+    done = script(environment, text)
+    assert done.stdout == "True\n", done.stdout + done.stderr
+
+
+def test_an_empty_rectangle_has_no_points(thicket):
+    points = thicket.sample((5, 5, 5, 9), 1.0)
+    assert len(points) == 0 and points.positions.shape == (0, 2) and points.ids.shape == points.ranks.shape == (0,)
+
+
+def test_seeds_are_any_64_bits(thicket):
+    def ids(seed):
+        return thicket.sample((0, 0, 9, 9), 1.0, seed).digest()
+
+    assert ids(-1) == ids(2**64 - 1) == ids(np.int64(-1)) and ids(-(2**63)) == ids(2**63) and ids(0) != ids(1)
+    for wrong in (2**64, -(2**63) - 1):
+        with pytest.raises(ValueError, match=f"^seed must have 64 bits, got {wrong}$"):
+            thicket.sample((0, 0, 9, 9), 1.0, wrong)
+    with pytest.raises(TypeError, match="integer"):
+        thicket.sample((0, 0, 9, 9), 1.0, 1.5)
+
+
+REFUSED = [
+    ("sample", {"radius": -1.0}, ValueError, "radius must be positive, got -1"),
+    ("sample", {"radius": float("nan")}, ValueError, "radius must be finite, got nan"),
+    ("sample", {"rect": (0, 0, float("inf"), 1)}, ValueError, "rect must be finite, got inf"),
+    ("sample", {"rect": (0, 0, 1, -2)}, ValueError, "rect ends before it starts, got -2"),
+    ("sample", {"rect": (0, 0, 1e9, 1)}, ValueError, "rect is out of range, got 1e+09"),
+    ("sample", {"rect": (0, 0, 1e5, 1e5)}, ValueError, "rect asks for too many points, got 6.9"),
+    ("sample", {"rect": (0, 0, 1)}, TypeError, "rect must be four numbers, (min_x, min_y, max_x, max_y), got (0, 0, 1)"),
+    ("sample", {"rect": "wide"}, TypeError, "rect must be four numbers, (min_x, min_y, max_x, max_y), got 'wide'"),
+    ("sample", {"levels": 0}, ValueError, "levels is out of range, got 0"),
+    ("sample", {"levels": 9}, ValueError, "levels is out of range, got 9"),
+    ("sample", {"layer": 65536}, ValueError, "layer is out of range, got 65536"),
+    ("sample_domain", {"size": (0, 1)}, ValueError, "size must be positive, got 0"),
+    ("sample_domain", {"size": (3, 9), "toroidal": True}, ValueError, "size is out of range, got 3; a toroidal domain measures at least 4 radii"),
+    ("sample_domain", {"size": (2e5, 9), "precision": "single"}, ValueError, "size is out of range, got 200000; in single precision"),
+    ("sample_domain", {"size": (1e6, 1e6)}, ValueError, "size asks for too many points, got "),
+    ("sample_domain", {"size": [1, 2, 3]}, TypeError, "size must be two numbers, (width, height), got [1, 2, 3]"),
+    ("sample_domain", {"method": "best"}, ValueError, "method must be one of 'naive', 'hierarchical', 'accumulator', 'wavefront', got 'best'"),
+    ("sample_domain", {"precision": "half"}, ValueError, "precision must be 'single' or 'double', got 'half'"),
+    ("sample_domain", {"cell_size": -1.0}, ValueError, "cell_size is out of range, got -1"),
+    ("sample_domain", {"darts_each": 0.0}, ValueError, "darts_each is out of range, got 0"),
+]
+
+
+@pytest.mark.parametrize(("name", "wrong", "error", "sentence"), REFUSED)
+def test_what_the_core_refuses_raises(thicket, name, wrong, error, sentence):
+    good = {"radius": 1.0, **({"rect": (0, 0, 9, 9)} if name == "sample" else {"size": (9, 9)})}
+    with pytest.raises(error) as raised:
+        getattr(thicket, name)(**{**good, **wrong})
+    assert str(raised.value).startswith(sentence)
+
+
+def test_what_has_no_digest_raises(thicket):
+    for wrong in (np.zeros((4, 3)), np.zeros((4, 2), int), np.zeros((2, 4)).T, [[1.0, 2.0]]):
+        with pytest.raises(TypeError):
+            thicket.domain_digest(wrong)
+
+
+def test_lack_of_memory_raises(environment):
+    text = """
+import resource, thicket
+resource.setrlimit(resource.RLIMIT_AS, (600_000_000, 600_000_000))
+for work in (lambda: thicket.sample((0, 0, 8000, 8000), 1.0), lambda: thicket.sample_domain((8000, 8000), 1.0)):
+    try:
+        work()
+    except MemoryError as error:
+        print(error)
+print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
+"""
+    done = script(environment, text)
+    assert re.fullmatch(r"rect needs more memory than there is, got \S+\nsize needs more memory than there is, got 8000\nTrue\n", done.stdout), (
+        done.stdout + done.stderr
+    )
+
+
+# A second or two of work, by each function.
+LONG = {
+    "sample": lambda thicket, **watched: thicket.sample((0, 0, 2500, 2500), 1.0, **watched),
+    "sample_domain": lambda thicket, **watched: thicket.sample_domain((1500, 1500), 1.0, **watched),
+}
+
+
+@pytest.mark.parametrize("work", LONG.values(), ids=LONG)
+def test_other_threads_run_meanwhile(thicket, work):
+    """If the call kept the interpreter's lock, there would be no tick between its begin and its end."""
+    ticks: list[float] = []
+    end = threading.Event()
+
+    def tick():
+        while not end.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    ticker = threading.Thread(target=tick)
+    ticker.start()
+    begun = time.perf_counter()
+    work(thicket)
+    took = time.perf_counter() - begun
+    end.set()
+    ticker.join()
+    middle = [each for each in ticks if begun + 0.1 * took < each < begun + 0.9 * took]
+    assert took > 0.2 and len(middle) > 20
+
+
+@pytest.mark.parametrize("work", LONG.values(), ids=LONG)
+def test_progress(thicket, work):
+    seen: list[tuple[float, int, int]] = []
+    made = work(thicket, progress=lambda fraction, points: seen.append((fraction, points, threading.get_ident())))
+    assert len(seen) > 5 and seen == sorted(seen) and seen[0][0] < 0.5
+    assert seen[-1][:2] == (1.0, len(made)) and {each[2] for each in seen} == {threading.get_ident()}
+
+
+@pytest.mark.parametrize("work", LONG.values(), ids=LONG)
+def test_cancel(thicket, work):
+    """From another thread, from within, and before; and what the progress function raises comes out."""
+    cancel, begun = thicket.Cancel(), threading.Event()
+    canceller = threading.Thread(target=lambda: (begun.wait(), cancel.cancel()))
+    canceller.start()
+    with pytest.raises(thicket.Cancelled, match="was cancelled"):
+        work(thicket, cancel=cancel, progress=lambda fraction, points: begun.set())
+    canceller.join()
+    assert cancel.cancelled
+    start = time.perf_counter()
+    with pytest.raises(thicket.Cancelled):
+        work(thicket, cancel=cancel)
+    assert time.perf_counter() - start < 0.2, "what is cancelled already ends at once"
+    calls: list[float] = []
+
+    def stop(fraction: float, points: int) -> None:
+        calls.append(fraction)
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        work(thicket, progress=stop)
+    assert len(calls) == 1
+    assert thicket.sample(SETS[0].rect, 1.0, 1).digest() == SETS[0].digests, "later calls are as ever"
+
+
+def test_a_progress_function_may_sample(thicket):
+    inside: list = []
+    LONG["sample"](thicket, progress=lambda fraction, points: inside.append(thicket.sample(SETS[0].rect, 1.0, 1).digest()))
+    assert set(inside) == {SETS[0].digests}
+
+
+def test_threads_agree(thicket):
+    digests: list = []
+    threads = [threading.Thread(target=lambda: digests.extend(thicket.sample(SETS[0].rect, 1.0, 1).digest() for _ in range(5))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert digests == [SETS[0].digests] * 20
+
+
+def test_control_c_ends_a_call(environment):
+    text = "import thicket; print('begun', flush=True)\ntry: thicket.sample((0, 0, 5000, 5000), 1.0)\nexcept KeyboardInterrupt: print('ended')"
+    process = subprocess.Popen([environment, "-c", text], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "begun\n"
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=20)[0] == "ended\n"
+
+
+def test_types_and_words(thicket):
+    """Every name has a docstring with units and errors where there are some, and stands in the stubs with the same arguments."""
+    folder = Path(thicket.__file__).parent
+    assert (folder / "py.typed").is_file() and (folder / "LICENSE").is_file()
+    stub = ast.parse((folder / "_core.pyi").read_text(encoding="utf-8"))
+    declared = {node.name: node for node in stub.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+    assert set(thicket.__all__) == set(declared)
+    for name in thicket.__all__:
+        assert len(inspect.getdoc(getattr(thicket, name))) > 20, name
+    for name in ("sample", "sample_domain"):
+        words = inspect.getdoc(getattr(thicket, name))
+        for argument in (*declared[name].args.args, *declared[name].args.kwonlyargs):
+            assert argument.annotation and re.search(rf"^ +(\w+, )*{argument.arg}[:,]", words, re.MULTILINE), argument.arg
+        assert "meters" in words and all(f"{error}:" in words for error in ("ValueError", "MemoryError", "Cancelled"))
+    for node in filter(lambda each: isinstance(each, ast.FunctionDef), declared["Points"].body):
+        assert node.returns and (node.name.startswith("__") or len(ast.get_docstring(node) or "") > 20), node.name
