@@ -137,6 +137,15 @@ def test_a_program_in_c_tells_what_was_wrong(program):
     assert done.stderr == f"error {code('NOT_POSITIVE')}: radius must be positive, got -2.5\n"
 
 
+def test_the_example_of_the_page_runs(folder, tmp_path):
+    (example,) = re.findall(r"^```c\n(.*?)^```", (HEADER.parent / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    source, made = tmp_path / "example.c", tmp_path / "example"
+    source.write_text(example)
+    done = run(["gcc", "-std=c11", *STRICT, f"-I{folder}", source, folder / "libthicket_c.a", "-lstdc++", "-lm", "-o", made], timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert re.match(r"3\d{3} points; the first at -?\d", run([made], timeout=60).stdout)
+
+
 @pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["g++", "-xc++", "-std=c++11"], ["g++", "-xc++", "-std=c++20"]], ids=" ".join)
 def test_the_header_stands_alone(compiler, tmp_path):
     unit = tmp_path / "unit.c"

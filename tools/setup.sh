@@ -209,7 +209,7 @@ python_venv() {
 	echo "$(cache_folder)/venv"
 }
 
-# wheel_python: prints the version of the Python that the package is built for, as 3.12.
+# Prints the version of the Python that the package is built for, as 3.12.
 wheel_python() {
 	"${PYTHON:-python3}" -c 'import sys; print("%d.%d" % sys.version_info[:2])'
 }
@@ -222,7 +222,8 @@ wheel_venv() {
 setup_wheel() {
 	local venv wanted numpy missing=()
 	venv=$(wheel_venv)
-	wanted=$(cat "$setup_repo/python/requirements.txt")
+	numpy=$(grep '^numpy==' "$setup_repo/tests/requirements.txt")
+	wanted=$(cat "$setup_repo/python/requirements.txt")$'\n'$numpy
 	[[ ! -f $venv/complete || $(<"$venv/complete") != "$wanted" || ! -x $venv/bin/python ]] || return 0
 	"${PYTHON:-python3}" -c 'import venv, ensurepip' 2>/dev/null || missing+=(python3 python3-venv)
 	[[ -f $("${PYTHON:-python3}" -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h ]] || missing+=(python3-dev)
@@ -232,7 +233,6 @@ setup_wheel() {
 	"${PYTHON:-python3}" -m venv --clear "$venv"
 	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
 		--requirement "$setup_repo/python/requirements.txt"
-	numpy=$(grep '^numpy==' "$setup_repo/tests/requirements.txt")
 	"$venv/bin/python" -m pip download --quiet --disable-pip-version-check --only-binary :all: --dest "$venv/wheels" "$numpy"
 	echo "$wanted" >"$venv/complete"
 }
@@ -398,6 +398,7 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	setup_clang
 	setup_mono
 	setup_python
+	setup_wheel
 	setup_godot
 	version=$("$setup_repo/tools/godot" --version | tail -n 1)
 	say "all there, Godot is $version"

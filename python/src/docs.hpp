@@ -40,10 +40,13 @@ inline constexpr const char *cancel_cancel =
 
 inline constexpr const char *cancel_cancelled = R"(Whether cancel() was called.)";
 
-inline constexpr const char *sample_type = "def sample(rect: collections.abc.Sequence[float], radius: float, seed: int "
-										   "= 0, *, levels: int = 1, layer: int = 0, "
-										   "progress: collections.abc.Callable[[float, int], object] | None = None, "
-										   "cancel: Cancel | None = None) -> Points";
+#define THICKET_NUMBERS "collections.abc.Sequence[float] | numpy.typing.NDArray[numpy.floating]"
+#define THICKET_WATCHED \
+	"progress: collections.abc.Callable[[float, int], object] | None = None, cancel: Cancel | None = None"
+
+inline constexpr const char *sample_type =
+		"def sample(rect: " THICKET_NUMBERS ", radius: float, seed: typing.SupportsIndex = 0, *, levels: int = 1, "
+		"layer: int = 0, " THICKET_WATCHED ") -> Points";
 
 inline constexpr const char *sample =
 		R"(The points of an infinite Poisson-disk set in a rectangle: no two are closer than the radius, and none could be added.
@@ -67,13 +70,20 @@ Raises:
     MemoryError: the points do not fit into the memory.
     Cancelled: by `cancel`.)";
 
-inline constexpr const char *sample_domain_type =
-		"def sample_domain(size: collections.abc.Sequence[float], radius: float, seed: int = 0, *, "
-		"method: typing.Literal['naive', 'hierarchical', 'accumulator', 'wavefront'] = 'hierarchical', toroidal: bool "
-		"= False, "
-		"precision: typing.Literal['single', 'double'] = 'double', cell_size: float = 0.0, darts_each: float = 100.0, "
-		"progress: collections.abc.Callable[[float, int], object] | None = None, cancel: Cancel | None = None) "
-		"-> typing.Annotated[numpy.typing.NDArray[numpy.floating], dict(shape=(None, 2))]";
+#define THICKET_DOMAIN(precision, number) \
+	"def sample_domain(size: " THICKET_NUMBERS ", radius: float, seed: typing.SupportsIndex = 0, *, " \
+	"method: typing.Literal['naive', 'hierarchical', 'accumulator', 'wavefront'] = 'hierarchical', toroidal: bool = " \
+	"False, " \
+	"precision: typing.Literal[" precision ", cell_size: float = 0.0, darts_each: float = 100.0, " THICKET_WATCHED \
+	") -> typing.Annotated[numpy.typing.NDArray[numpy." number "], dict(shape=(None, 2))]"
+
+// Which array comes depends on one argument's value: two types for one function.
+inline constexpr const char *sample_domain_double = THICKET_DOMAIN("'double'] = 'double'", "float64");
+inline constexpr const char *sample_domain_single = THICKET_DOMAIN("'single']", "float32");
+
+#undef THICKET_DOMAIN
+#undef THICKET_WATCHED
+#undef THICKET_NUMBERS
 
 inline constexpr const char *sample_domain =
 		R"(Fills the rectangle from (0, 0) up to, not including, (width, height) with a Poisson-disk set of its own.

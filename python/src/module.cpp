@@ -213,7 +213,8 @@ std::pair<std::uint64_t, std::uint64_t> digest_of_points(const Points &points) {
 }
 
 template <typename Real>
-std::uint64_t digest_of_domain(nb::ndarray<const Real, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu> positions) {
+std::uint64_t digest_of_domain(
+		const nb::ndarray<const Real, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu> &positions) {
 	const auto *first = reinterpret_cast<const glm::vec<2, Real> *>(positions.data());
 	const std::size_t count = positions.shape(0);
 	const nb::gil_scoped_release unlocked;
@@ -244,10 +245,14 @@ void bind_functions(nb::module_ &module) {
 	using nb::literals::operator""_a;
 	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a = 0, nb::kw_only(), "levels"_a = 1, "layer"_a = 0,
 			"progress"_a = nb::none(), "cancel"_a = nb::none(), nb::sig(doc::sample_type), doc::sample);
-	module.def("sample_domain", &sample_domain, "size"_a, "radius"_a, "seed"_a = 0, nb::kw_only(),
-			"method"_a = "hierarchical", "toroidal"_a = false, "precision"_a = "double", "cell_size"_a = 0.0,
-			"darts_each"_a = DomainRequest().darts_each, "progress"_a = nb::none(), "cancel"_a = nb::none(),
-			nb::sig(doc::sample_domain_type), doc::sample_domain);
+	// The first one takes every call; the second one is there for its type.
+	for (const auto &[type, words] :
+			{std::pair{doc::sample_domain_double, doc::sample_domain}, std::pair{doc::sample_domain_single, ""}}) {
+		module.def("sample_domain", &sample_domain, "size"_a, "radius"_a, "seed"_a = 0, nb::kw_only(),
+				"method"_a = "hierarchical", "toroidal"_a = false, "precision"_a = "double", "cell_size"_a = 0.0,
+				"darts_each"_a = DomainRequest().darts_each, "progress"_a = nb::none(), "cancel"_a = nb::none(),
+				nb::sig(type), words);
+	}
 	module.def(
 			"domain_digest", &digest_of_domain<double>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_double));
 	module.def("domain_digest", &digest_of_domain<float>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_single),

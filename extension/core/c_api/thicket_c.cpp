@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <cstring>
 #include <functional>
-#include <new>
+#include <memory>
 #include <span>
 #include <string>
 #include <variant>
@@ -181,7 +181,8 @@ std::uint32_t thicket_c_version(void) noexcept { return THICKET_C_VERSION; }
 
 thicket_sampler *thicket_sampler_new(void) noexcept {
 	thicket_sampler *made = nullptr;
-	const Status status = thicket::guarded("sampler", sizeof(thicket_sampler), [&] { made = new thicket_sampler; });
+	const Status status = thicket::guarded(
+			"sampler", sizeof(thicket_sampler), [&] { made = std::make_unique<thicket_sampler>().release(); });
 	return status.ok() ? made : nullptr;
 }
 

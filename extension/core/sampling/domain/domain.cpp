@@ -34,7 +34,7 @@ double expected_points(const DomainRequest &request) {
 }
 
 std::string describe(const DomainRequest &request, const Status &status) {
-	const std::string text = describe(status);
+	std::string text = describe(status);
 	if (status.code != ErrorCode::out_of_range || std::string_view(status.property) != "size") {
 		return text;
 	}
