@@ -320,7 +320,7 @@ def test_control_c_ends_a_call(environment):
 def test_types_and_words(thicket):
     """Every name has a docstring with units and errors where there are some, and stands in the stubs with the same arguments."""
     folder = Path(thicket.__file__).parent
-    assert (folder / "py.typed").is_file() and (folder / "LICENSE").is_file()
+    assert all((folder / name).is_file() for name in ("py.typed", "LICENSE", "licenses/highway", "licenses/nanobind"))
     stub = ast.parse((folder / "_core.pyi").read_text(encoding="utf-8"))
     declared = {node.name: node for node in stub.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
     assert set(thicket.__all__) == set(declared)
