@@ -186,6 +186,7 @@ REFUSED = [
     ("sample", {"levels": 0}, ValueError, "levels is out of range, got 0"),
     ("sample", {"levels": 9}, ValueError, "levels is out of range, got 9"),
     ("sample", {"layer": 65536}, ValueError, "layer is out of range, got 65536"),
+    ("sample", {"threads": -1}, ValueError, "threads is out of range, got -1"),
     ("sample_domain", {"size": (0, 1)}, ValueError, "size must be positive, got 0"),
     ("sample_domain", {"size": (3, 9), "toroidal": True}, ValueError, "size is out of range, got 3; a toroidal domain measures at least 4 radii"),
     ("sample_domain", {"size": (2e5, 9), "precision": "single"}, ValueError, "size is out of range, got 200000; in single precision"),
@@ -232,6 +233,7 @@ print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
 # A second or two of work, by each function.
 LONG = {
     "sample": lambda thicket, **watched: thicket.sample((0, 0, 2500, 2500), 1.0, **watched),
+    "sample by threads": lambda thicket, **watched: thicket.sample((0, 0, 4000, 2500), 1.0, threads=3, **watched),
     "sample_domain": lambda thicket, **watched: thicket.sample_domain((1500, 1500), 1.0, **watched),
 }
 
@@ -306,6 +308,14 @@ def test_threads_agree(thicket):
     for thread in threads:
         thread.join()
     assert digests == [SETS[0].digests] * 20
+
+
+def test_a_call_by_several_threads_gives_the_same(thicket):
+    for one in SETS:
+        alone = thicket.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer)
+        for threads in (0, 2, 5):
+            shared = thicket.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer, threads=threads)
+            assert shared.digest() == one.digests and (shared.ids == alone.ids).all()
 
 
 def test_control_c_ends_a_call(environment):

@@ -15,6 +15,16 @@ emscripten_root() {
 	echo "$(cache_folder)/emscripten-root"
 }
 
+# Prints the version of the Python that the package is built for, as 3.12.
+wheel_python() {
+	"${PYTHON:-python3}" -c 'import sys; print("%d.%d" % sys.version_info[:2])'
+}
+
+# Prints the folder of the virtual environment in which the package is built.
+wheel_venv() {
+	echo "$(cache_folder)/wheel-python$(wheel_python)"
+}
+
 # True for a program that says that it is Godot 4.4 or newer.
 is_new_godot() {
 	local version

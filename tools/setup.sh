@@ -209,16 +209,6 @@ python_venv() {
 	echo "$(cache_folder)/venv"
 }
 
-# Prints the version of the Python that the package is built for, as 3.12.
-wheel_python() {
-	"${PYTHON:-python3}" -c 'import sys; print("%d.%d" % sys.version_info[:2])'
-}
-
-# Prints the folder of the virtual environment in which the package is built.
-wheel_venv() {
-	echo "$(cache_folder)/wheel-python$(wheel_python)"
-}
-
 setup_wheel() {
 	local venv wanted numpy missing=()
 	venv=$(wheel_venv)

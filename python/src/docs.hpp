@@ -46,7 +46,7 @@ inline constexpr const char *cancel_cancelled = R"(Whether cancel() was called.)
 
 inline constexpr const char *sample_type =
 		"def sample(rect: " THICKET_NUMBERS ", radius: float, seed: typing.SupportsIndex = 0, *, levels: int = 1, "
-		"layer: int = 0, " THICKET_WATCHED ") -> Points";
+		"layer: int = 0, threads: int = 1, " THICKET_WATCHED ") -> Points";
 
 inline constexpr const char *sample =
 		R"(The points of an infinite Poisson-disk set in a rectangle: no two are closer than the radius, and none could be added.
@@ -61,6 +61,7 @@ Args:
     seed: any 64 bits, signed or not: -1 and 2**64 - 1 name the same set. Other seeds name unrelated sets.
     levels: of the progressive order, 1 to 8. 1 is plain dart throwing, and the quickest.
     layer: 0 to 65535; goes into the ids, and names another set.
+    threads: how many share a rectangle wider than 90 radii, 1 to 256; 0 for one on each core. Changes no point, nor their order.
     progress: called with the finished fraction (0 to 1, never falling) and the number of points so far, about every
         15 milliseconds, on the thread of the call, and with 1 at the end. What it raises ends the call.
     cancel: ends the call from another thread.

@@ -1,6 +1,7 @@
 // The module thicket._core: the samplers of the core for Python. What stands here turns arguments and results, and nothing else.
 
 #include "docs.hpp"
+#include "own_threads.hpp"
 #include "watcher.hpp"
 
 #include "core/base/check.hpp"
@@ -140,10 +141,13 @@ private:
 	std::unique_ptr<TileSampler> sampler_;
 };
 
+constexpr int max_threads = 256;
+
 Points sample(nb::handle rect, double radius, nb::handle seed, std::int64_t levels, std::int64_t layer,
-		nb::object progress, const Cancel *cancel) {
+		std::int64_t threads, nb::object progress, const Cancel *cancel) {
 	require(first_failure(check_range("levels", static_cast<double>(levels), 1, max_levels),
-			check_range("layer", static_cast<double>(layer), 0, std::numeric_limits<std::uint16_t>::max())));
+			check_range("layer", static_cast<double>(layer), 0, std::numeric_limits<std::uint16_t>::max()),
+			check_range("threads", static_cast<double>(threads), 0, max_threads)));
 	const PointSet set{.seed = seed_of(seed),
 			.radius = radius,
 			.levels = static_cast<std::uint32_t>(levels),
@@ -156,7 +160,9 @@ Points sample(nb::handle rect, double radius, nb::handle seed, std::int64_t leve
 	{
 		const nb::gil_scoped_release unlocked;
 		Lease lease;
-		status = lease.sampler().sample(set, {{min_x, min_y}, {max_x, max_y}}, made.points, watcher.progress());
+		OwnThreads others(threads > 0 ? static_cast<std::size_t>(threads) - 1 : OwnThreads::spare());
+		status =
+				lease.sampler().sample(set, {{min_x, min_y}, {max_x, max_y}}, made.points, watcher.progress(), &others);
 	}
 	watcher.finish(status, describe(status), made.points.size());
 	return made;
@@ -244,7 +250,8 @@ void bind_points(nb::module_ &module) {
 void bind_functions(nb::module_ &module) {
 	using nb::literals::operator""_a;
 	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a = 0, nb::kw_only(), "levels"_a = 1, "layer"_a = 0,
-			"progress"_a = nb::none(), "cancel"_a = nb::none(), nb::sig(doc::sample_type), doc::sample);
+			"threads"_a = 1, "progress"_a = nb::none(), "cancel"_a = nb::none(), nb::sig(doc::sample_type),
+			doc::sample);
 	// The first one takes every call; the second one is there for its type.
 	for (const auto &[type, words] :
 			{std::pair{doc::sample_domain_double, doc::sample_domain}, std::pair{doc::sample_domain_single, ""}}) {
