@@ -12,7 +12,7 @@ from test_demo import DEMO, TERRAIN, complaints, is_a_picture
 from test_demo_terrain import load_script
 
 ENGINE = REPO / "tests/engine"
-SCENES = ["rules", "script_terrain", "gameplay"]
+SCENES = ["rules", "biomes", "script_terrain", "gameplay"]
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 
 
@@ -36,7 +36,7 @@ def test_scene_runs_without_a_renderer(godot, imported_demo, scene):
     assert len(instances) >= 3 and min(map(int, instances)) > 5_000, done.stdout
 
 
-@pytest.mark.parametrize("scene", ["rules", "script_terrain"])
+@pytest.mark.parametrize("scene", ["rules", "biomes", "script_terrain"])
 def test_what_stands_in_the_scene(godot, imported_demo, scene):
     done = godot(["--verbose", "--path", imported_demo, "--script", ENGINE / f"test_demo_{scene}.gd"], timeout=300)
     printed = done.stdout + done.stderr
@@ -44,7 +44,7 @@ def test_what_stands_in_the_scene(godot, imported_demo, scene):
     assert "leaked" not in printed, printed[-4000:]
 
 
-@pytest.mark.parametrize(("scene", "stop"), [("rules", "valley"), ("script_terrain", "island")])
+@pytest.mark.parametrize(("scene", "stop"), [("rules", "valley"), ("biomes", "biomes"), ("script_terrain", "island")])
 def test_scene_is_a_picture(godot_xvfb, imported_demo, tmp_path, scene, stop):
     arguments = ["--path", imported_demo, "--resolution", "640x360", f"res://{scene}.tscn", "--"]
     done = godot_xvfb([*arguments, f"--screenshots={tmp_path}", f"--stops={stop}"], timeout=120)
@@ -109,6 +109,10 @@ def test_the_valley_is_what_its_script_makes():
     assert shares.shape == (valley.SOIL_POSTS, valley.SOIL_POSTS, 4)
     assert np.abs(shares - np.asarray(soil, int)).max() <= 1
     assert np.abs(shares.sum(axis=-1) - 255).max() <= 2
+    assert np.array_equal(np.asarray(Image.open(TERRAIN / "valley_biomes.png").convert("RGB")), np.asarray(valley.biomes()))
+    text = (DEMO / "biomes.tscn").read_text()
+    for color in (valley.MEADOW, valley.WOOD):
+        assert "color = Color({:.3g}, {:.3g}, {:.3g}, 1)".format(*(channel / 255 for channel in color)) in text
 
 
 def test_the_rules_scene_and_the_valley_agree():

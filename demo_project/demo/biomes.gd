@@ -7,8 +7,8 @@ const ScatterGround := preload("res://demo/scatter_ground.gd")
 const STOPS: Array[Dictionary] = [
 	{"name": "biomes", "eye": Vector3(-20.0, 64.0, 215.0), "heading": 352.0, "pitch": -17.0},
 	{"name": "border", "eye": Vector3(-2.0, 2.4, 120.0), "heading": 320.0, "pitch": -4.0},
-	{"name": "waterline", "eye": Vector3(20.0, 7.0, 52.0), "heading": 318.0, "pitch": -12.0, "water": 0.0},
-	{"name": "high_water", "eye": Vector3(20.0, 7.0, 52.0), "heading": 318.0, "pitch": -12.0, "water": HIGH_WATER},
+	{"name": "waterline", "eye": Vector3(4.0, 5.5, 24.0), "heading": 318.0, "pitch": -12.0, "water": 0.0},
+	{"name": "high_water", "eye": Vector3(4.0, 5.5, 24.0), "heading": 318.0, "pitch": -12.0, "water": HIGH_WATER},
 ]
 ## Meters that the lake rises.
 const HIGH_WATER := 1.2
