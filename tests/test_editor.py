@@ -243,7 +243,7 @@ def desk_project(plain_project) -> Path:
     return plain_project
 
 
-@pytest.mark.parametrize("script", ["layers_panel", "shared_layers", "biome_layers", "undo_steps", "toolbar_room", "pasted"])
+@pytest.mark.parametrize("script", ["layers_panel", "shared_layers", "biome_layers", "undo_steps", "toolbar_room", "pasted", "first_minute"])
 def test_layers_desk(godot, godot_xvfb, desk_project, script):
     """The panel with mouse and keys, what a duplicate shares, questions before far more is shown, undo of every step to the byte, the
     toolbar in a narrow window, a node pasted into another scene: checks in the scripts."""

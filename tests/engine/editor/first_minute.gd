@@ -1,0 +1,139 @@
+@tool
+extends "res://tests/steps.gd"
+## From an empty scene to three species that keep apart on a mesh ground, with the mouse alone: nothing is typed, and no call of a script
+## stands in for a click.
+
+const SCENE := "res://plot.tscn"
+const GROUND := "res://hill.tscn"
+const MODELS: PackedStringArray = ["res://old_oak.res", "res://young_pine.res", "res://fern.res"]
+
+var root: Node
+var _clicks := 0
+
+
+func panel() -> Control:
+	return addon().desk.panel
+
+
+func click(at: Vector2) -> void:
+	_clicks += 1
+	await mouse_click(at)
+
+
+func middle(control: Control) -> Vector2:
+	return control.get_global_transform_with_canvas() * (control.size * 0.5)
+
+
+func button(text: String, parent: Node = EditorInterface.get_base_control()) -> Button:
+	for found: Button in parent.find_children("*", "Button", true, false):
+		if found.text == text and found.is_visible_in_tree() and not found.disabled:
+			return found
+	check(false, "there is a button " + text)
+	return null
+
+
+## The middle of a node's row in the Scene dock.
+func row_of(title: String) -> Vector2:
+	for editor: Control in EditorInterface.get_base_control().find_children("*", "SceneTreeEditor", true, false):
+		var tree := editor.find_children("*", "Tree", true, false)[0] as Tree
+		var item := tree.get_root() if tree.is_visible_in_tree() else null
+		while item != null:
+			if item.get_text(0) == title:
+				var rect := tree.get_item_area_rect(item, 0)
+				return tree.get_global_transform_with_canvas() * (rect.position + rect.size * Vector2(0.4, 0.5))
+			item = item.get_next_in_tree()
+	check(false, "the Scene dock has a row " + title)
+	return Vector2.ZERO
+
+
+func save_packed(node: Node, path: String) -> void:
+	var packed := PackedScene.new()
+	packed.pack(node)
+	node.free()
+	ResourceSaver.save(packed, path)
+	EditorInterface.get_resource_filesystem().update_file(path)
+
+
+## What a designer has: a hill that someone has modeled, three plants, and an empty scene.
+func test_what_there_is() -> void:
+	var widths: Array[float] = [4.0, 3.0, 0.8]
+	for index in 3:
+		var mesh := CylinderMesh.new()
+		mesh.top_radius = 0.0 if index == 1 else 0.5 * widths[index]
+		mesh.bottom_radius = 0.5 * widths[index] if index == 1 else 0.1
+		mesh.height = [5.0, 6.0, 0.5][index]
+		mesh.radial_segments = 6
+		mesh.rings = 0
+		mesh.material = StandardMaterial3D.new()
+		(mesh.material as StandardMaterial3D).albedo_color = [Color(0.4, 0.55, 0.15), Color(0.1, 0.35, 0.2), Color(0.5, 0.7, 0.2)][index]
+		ResourceSaver.save(mesh, MODELS[index])
+		EditorInterface.get_resource_filesystem().update_file(MODELS[index])
+	var hill := MeshInstance3D.new()
+	hill.name = "Hill"
+	var sphere := SphereMesh.new()
+	sphere.is_hemisphere = true
+	sphere.radius = 70.0
+	sphere.height = 9.0
+	sphere.material = StandardMaterial3D.new()
+	(sphere.material as StandardMaterial3D).albedo_color = Color(0.4, 0.36, 0.26)
+	hill.mesh = sphere
+	save_packed(hill, GROUND)
+	var plot := Node3D.new()
+	plot.name = "Plot"
+	save_packed(plot, SCENE)
+	root = await open(SCENE)
+	EditorInterface.set_main_screen_editor("3D")
+	addon().make_bottom_panel_item_visible(panel())
+	await frames(10)
+
+
+func test_first_minute() -> void:
+	await drag_files([GROUND], row_of("Plot"))
+	if not check(root.has_node("Hill"), "the hill is dropped into the scene"):
+		return
+	await click(middle(button("New Scatter")))
+	var scatter: Node3D = root.get_node_or_null("Scatter")
+	if not check(scatter != null, "a scatter"):
+		return
+	await click(row_of("Hill"))
+	await click(middle(button("Use as Ground")))
+	check(scatter.terrain != null and scatter.terrain.is_class("ScatterTerrainMeshes"), "the hill is its ground")
+	await click(row_of("Scatter"))
+	await get_tree().create_timer(0.6).timeout # The panel looks some times a second.
+	await drag_files(MODELS, middle(panel().tree))
+	check_equal(scatter.layers.size(), 3, "three species")
+	await settle(scatter)
+	check_equal(_clicks, 4, "clicks, beside two drops")
+	check(scatter.get_problems().is_empty(), "nothing in the way: %s" % scatter.get_problems())
+	check_species(scatter)
+	await picture("first_minute")
+	await key(KEY_S, KEY_MASK_CTRL)
+	await until(func() -> bool: return "ScatterTerrainMeshes" in FileAccess.get_file_as_string(SCENE), "saved with Ctrl+S")
+	var text := FileAccess.get_file_as_string(SCENE)
+	check(text.length() < 5000 and not "MultiMesh" in text, "a small scene: %d bytes" % text.length())
+	var steps := 0
+	while root.get_child_count() > 0 and steps < 6:
+		await undo()
+		steps += 1
+	check(steps == 4 and root.get_child_count() == 0, "four steps of undo lead back to the empty scene: %d" % steps)
+
+
+## All of them stand on the hill, and those of one or of two species keep apart.
+func check_species(scatter: Node3D) -> void:
+	var all: Array[PackedVector2Array] = []
+	for index in 3:
+		var places := PackedVector2Array()
+		for at: Vector3 in instances(scatter, index).values():
+			check(absf(at.y - scatter.terrain.get_height(at)) < 0.3, "%s at %s is on the hill" % [scatter.layers[index].resource_name, at])
+			if Vector2(at.x, at.z).length() < 25.0:
+				places.append(Vector2(at.x, at.z))
+		check(places.size() > 10, "%d of %s near the top" % [places.size(), scatter.layers[index].resource_name])
+		all.append(places)
+	for one in 3:
+		for other in range(one, 3):
+			var apart: float = scatter.layers[one].radius if one == other else scatter.layers[other].spacing.get(scatter.layers[one].resource_name, 0.0)
+			var nearest := INF
+			for a in all[one]:
+				for b in all[other]:
+					nearest = minf(nearest, a.distance_to(b) if a != b else INF)
+			check(apart > 0.3 and nearest >= apart - 0.01, "%d and %d are %.2f m apart, not %.2f" % [one, other, nearest, apart])
