@@ -68,15 +68,20 @@ func test_what_there_is() -> void:
 		(mesh.material as StandardMaterial3D).albedo_color = [Color(0.4, 0.55, 0.15), Color(0.1, 0.35, 0.2), Color(0.5, 0.7, 0.2)][index]
 		ResourceSaver.save(mesh, MODELS[index])
 		EditorInterface.get_resource_filesystem().update_file(MODELS[index])
-	var hill := MeshInstance3D.new()
+	var hill := Node3D.new()
 	hill.name = "Hill"
+	var top := MeshInstance3D.new()
+	top.name = "Top"
+	top.position.y = -9.0
+	hill.add_child(top)
+	top.owner = hill
 	var sphere := SphereMesh.new()
 	sphere.is_hemisphere = true
 	sphere.radius = 70.0
 	sphere.height = 9.0
 	sphere.material = StandardMaterial3D.new()
 	(sphere.material as StandardMaterial3D).albedo_color = Color(0.4, 0.36, 0.26)
-	hill.mesh = sphere
+	top.mesh = sphere
 	save_packed(hill, GROUND)
 	var plot := Node3D.new()
 	plot.name = "Plot"
