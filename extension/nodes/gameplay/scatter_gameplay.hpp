@@ -50,6 +50,9 @@ public:
 	/// The same over the next frames, under their budget.
 	virtual void redraw_later(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all_later() = 0;
+
+	/// Lets go of something large on another thread.
+	virtual void let_go(std::shared_ptr<const void> unneeded) = 0;
 	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
 
 	/// Calls ScatterGameplay::recycle_scenes before this frame is drawn and before bodies move again.

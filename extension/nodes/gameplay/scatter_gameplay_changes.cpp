@@ -22,7 +22,7 @@ namespace thicket {
 namespace {
 
 /// Changes that are told before anybody looks at the clock.
-constexpr std::size_t told_in_a_row = 128;
+constexpr std::size_t told_in_a_row = 16;
 
 /// Sets a value until it is left, also by an exception.
 template <typename T>
@@ -289,6 +289,7 @@ void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadlin
 		const SharedChanges changes = backlog_.front().changes;
 		const InstanceChange &change = (*changes)[backlog_.front().told++];
 		if (backlog_.front().told == changes->size()) {
+			host_->let_go(backlog_.front().changes);
 			backlog_.pop_front();
 		}
 		if (still_true(change)) {

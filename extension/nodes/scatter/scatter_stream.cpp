@@ -220,7 +220,9 @@ void ScatterStream::take_finished() {
 			settle(job);
 		}
 	}
-	workers_.let_go(world_.take_forgotten());
+	for (std::shared_ptr<const TileInstances> &tile : world_.take_forgotten()) {
+		workers_.let_go(std::move(tile));
+	}
 }
 
 /// An error of a tile that was made as its layer and the ground are now.

@@ -73,6 +73,9 @@ public:
 	TileDisplay &display() { return display_; }
 	const TileDisplay &display() const { return display_; }
 
+	/// See TileWorkers::let_go.
+	void let_go(std::shared_ptr<const void> unneeded) { workers_.let_go(std::move(unneeded)); }
+
 	/// Of the node's whole frame, which begins and ends elsewhere.
 	FrameTimes &times() { return times_; }
 

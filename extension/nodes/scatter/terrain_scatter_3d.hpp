@@ -253,6 +253,7 @@ private:
 		void redraw_all() override;
 		void redraw_later(std::uint32_t layer, const Rect &area) override { node_.display().mark_later(layer, area); }
 		void redraw_all_later() override { node_.display().mark_all_later(); }
+		void let_go(std::shared_ptr<const void> unneeded) override { node_.stream_->let_go(std::move(unneeded)); }
 		void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) override;
 		void recycle_soon() override { node_.call_deferred("_recycle_scenes"); }
 

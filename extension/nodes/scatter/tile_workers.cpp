@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -95,10 +94,9 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 	return taken;
 }
 
-void TileWorkers::let_go(std::vector<std::shared_ptr<const TileInstances>> tiles) {
+void TileWorkers::let_go(std::shared_ptr<const void> unneeded) {
 	if (!on_main_thread_) {
-		unneeded_here_.insert(
-				unneeded_here_.end(), std::make_move_iterator(tiles.begin()), std::make_move_iterator(tiles.end()));
+		unneeded_here_.push_back(std::move(unneeded));
 	}
 }
 
@@ -167,7 +165,7 @@ void TileWorkers::hand_in(Worker &worker) {
 }
 
 std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
-	std::vector<std::shared_ptr<const TileInstances>> unneeded; // They go once the lock is given back.
+	std::vector<std::shared_ptr<const void>> unneeded; // They go once the lock is given back.
 	const std::lock_guard lock(mutex_);
 	unneeded.swap(unneeded_);
 	hand_in(worker);

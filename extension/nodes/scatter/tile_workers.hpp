@@ -77,8 +77,8 @@ public:
 	/// To be called in every frame: it also starts workers for jobs that wait.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 
-	/// Lets go of tiles where that costs the main thread nothing: before the next job is worked on.
-	void let_go(std::vector<std::shared_ptr<const TileInstances>> tiles);
+	/// Lets go of something large where that costs the main thread nothing: before the next job is worked on.
+	void let_go(std::shared_ptr<const void> unneeded);
 
 	/// Without threads: makes tiles until the time is over, and one at least if any waits. A script that is asked for heights may
 	/// call anything but this meanwhile. With threads: does nothing.
@@ -116,12 +116,12 @@ private:
 	std::mutex mutex_;
 	std::deque<std::shared_ptr<TileJob>> queue_;
 	std::vector<std::shared_ptr<TileJob>> finished_;
-	std::vector<std::shared_ptr<const TileInstances>> unneeded_;
+	std::vector<std::shared_ptr<const void>> unneeded_;
 	std::atomic<std::size_t> waiting_ = 0; ///< The size of queue_.
 
 	// Of the main thread alone: what is still to be put into the queue, and among what is unneeded.
 	std::deque<std::shared_ptr<TileJob>> incoming_;
-	std::vector<std::shared_ptr<const TileInstances>> unneeded_here_;
+	std::vector<std::shared_ptr<const void>> unneeded_here_;
 	std::vector<std::unique_ptr<Worker>> workers_;
 };
 

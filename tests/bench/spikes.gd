@@ -1,0 +1,123 @@
+extends "bench.gd"
+## What single events cost the main thread at most in one frame, until all has followed: bodies that come near many instances, very many
+## changes at once, a jump, a changed layer. Prints rows of a Markdown table.
+##   tools/godot --headless --path demo_project --script tests/bench/spikes.gd [-- ROUNDS]
+##
+## Of some rounds the lowest counts: a busy machine lengthens single frames.
+
+const DEFAULT_ROUNDS := 3
+const MILLION := 1000000
+const BODIES := 64
+
+var _viewer := Node3D.new()
+var _group: Array[Node3D] = []
+var _near: ScatterLayer
+var _call_usec := 0.0
+
+
+func run() -> String:
+	var rounds := rounds_or(DEFAULT_ROUNDS)
+	make_scatter(demo_terrain(), _layers(), _viewer)
+	_viewer.position = Vector3(310.0, 100.0, -270.0)
+	var failure := await idle()
+	var far := _far_state()
+	var events := {
+		"%d bodies far apart come" % BODIES: [_add_bodies, _remove_bodies],
+		"a diff of 10^6 changes": [_apply.bind(far), _forget],
+		"a new state of 10^6 removals": [_take.bind(far), _forget],
+		"a jump of 10 km": [_jump.bind(10000.0), _jump.bind(-10000.0)],
+		"a changed rule of a layer": [_change.bind(0.5), _change.bind(1.0)],
+	}
+	for what: String in events:
+		var longest := []
+		var calls := []
+		var parts := {}
+		for round in rounds:
+			for way: int in [0, 1]:
+				var stats: Dictionary = await _watch(events[what][way])
+				if way == 0:
+					if longest.is_empty() or stats.frame_usec < longest.min():
+						parts = stats.frame_parts
+					longest.push_back(stats.frame_usec)
+					calls.push_back(_call_usec)
+		row(what + ": the call", [calls.min()], "µs")
+		print("| %s: the longest frame | %d µs | %s | %d |" % [what, longest.min(), parts, rounds])
+	return failure
+
+
+func _layers() -> Array[ScatterLayer]:
+	var layers: Array[ScatterLayer] = []
+	for numbers: Array in [[4.0, 64.0, 400.0], [1.0, 32.0, 200.0], [0.45, 32.0, 120.0]]:
+		var layer := ScatterLayer.new()
+		layer.radius = numbers[0]
+		layer.tile_size = numbers[1]
+		layer.view_distance = numbers[2]
+		layer.instance_radius = 0.1
+		layer.instance_height = 1.0
+		layer.meshes = [BoxMesh.new()]
+		layers.push_back(layer)
+	_near = layers[1]
+	_near.collision_shape = ScatterLayer.COLLISION_CYLINDER
+	_near.collision_distance = 20.0
+	return layers
+
+
+## The longest frame from an event until all has followed.
+func _watch(event: Callable) -> Dictionary:
+	await idle()
+	_call_usec = time_of(event)
+	var longest := {}
+	var quiet := 0
+	while quiet < 5:
+		await process_frame
+		quiet = quiet + 1 if scatter.is_settled() else 0
+		var stats := scatter.get_stats()
+		if longest.is_empty() or stats.frame_usec > longest.frame_usec:
+			longest = stats
+	return longest
+
+
+func _add_bodies() -> void:
+	for index in BODIES:
+		var body := Node3D.new()
+		@warning_ignore("integer_division")
+		body.position = Vector3(index % 8 * 500.0 - 1750.0, 0.0, index / 8 * 500.0 - 1750.0)
+		body.add_to_group("scatter_interaction")
+		root.add_child(body)
+		_group.push_back(body)
+
+
+func _remove_bodies() -> void:
+	for body in _group:
+		body.queue_free()
+	_group.clear()
+
+
+## Removals all over a layer, of which few are near.
+func _far_state() -> ScatterState:
+	var state := ScatterState.new()
+	var some: int = scatter.query_rect(Rect2(300.0, -280.0, 20.0, 20.0), [1]).ids[0]
+	for index in MILLION:
+		state.remove((some & ~0xffffffffffff) | (index * 7919 << 3))
+	return state
+
+
+func _apply(far: ScatterState) -> void:
+	scatter.state = ScatterState.new()
+	scatter.state.apply_diff(far.diff_since(0))
+
+
+func _take(far: ScatterState) -> void:
+	scatter.state = far
+
+
+func _forget() -> void:
+	scatter.state = null
+
+
+func _jump(way: float) -> void:
+	_viewer.position.x += way
+
+
+func _change(density: float) -> void:
+	_near.density = density
