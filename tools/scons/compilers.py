@@ -1,6 +1,7 @@
 """What each compiler is told: g++ and clang as they come, zig's clang for any platform, emscripten, and Microsoft's."""
 
 import os
+import re
 
 import libraries
 import platforms
@@ -99,6 +100,18 @@ def configure_gnu(env, release):
         env.Append(CCFLAGS=["-g0"], LINKFLAGS=["-s"])
     else:
         env.Append(CCFLAGS=["-g1"])
+
+
+# Code that runs when a property is set or a scene is read: there is much of it, and its speed is nobody's matter.
+RARE = re.compile(r"extension/nodes/(?:biome|impostor|layer|model|region)/|_(?:binding|explain|properties|types)\.cpp$")
+
+
+def object_of(env, source):
+    """The object of a source of the extension, small where that is what matters."""
+    if not RARE.search(str(source)) or is_msvc(env):
+        return source
+    flags = ["-Os" if flag in ("-O2", "-O3") else flag for flag in env["CCFLAGS"]]
+    return env.SharedObject(source, CCFLAGS=flags)
 
 
 def configure_msvc(env, release):
