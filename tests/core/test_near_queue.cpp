@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <set>
 #include <utility>
@@ -83,7 +85,7 @@ struct Follower {
 	/// How many have come and gone.
 	int follow() {
 		int steps = 0;
-		for (NearQueue::Leaving leaving; queue.next_leaving(leaving); ++steps) {
+		for (Leaving leaving; queue.next_leaving(leaving); ++steps) {
 			CHECK(held.erase(leaving.id) == 1);
 		}
 		for (PlacedInstance instance; queue.next_entering(instance); ++steps) {
@@ -142,7 +144,7 @@ TEST_CASE("near queue: what stands no longer is gone, what stands otherwise has 
 	flat.world.touch();
 	CHECK_FALSE(follower.queue.settled());
 	follower.look({}, flat.world);
-	NearQueue::Leaving gone;
+	Leaving gone;
 	REQUIRE(follower.queue.next_gone(gone));
 	CHECK(gone.id == felled);
 	follower.held.erase(felled);
@@ -198,6 +200,103 @@ TEST_CASE("near queue: what is released comes again") {
 	CHECK_FALSE(follower.queue.next_entering(instance));
 	follower.queue.release_layer(0);
 	follower.held.clear();
+	follower.look({}, flat.world);
+	CHECK(follower.follow() > 100);
+}
+
+TEST_CASE("near queue: very many centers are looked at in turns, though the world changes in every frame") {
+	FlatWorld flat;
+	flat.load(12);
+	Follower follower;
+	std::vector<glm::dvec3> centers;
+	for (int index = 0; index < 49; ++index) {
+		centers.emplace_back(index % 7 * 100.0 - 300.0, 0.0, index / 7 * 100.0 - 300.0);
+	}
+	std::set<std::uint64_t> near;
+	for (const glm::dvec3 &center : centers) {
+		near.merge(flat.within(center, NearQueue::enter_share * distance));
+	}
+	CHECK(near.size() > 5 * NearQueue::max_looked);
+	int frames = 0;
+	int most = 0;
+	const auto follow = [&](bool restless) {
+		if (restless) {
+			flat.world.touch();
+		}
+		follower.queue.look_around(centers, flat.world);
+		most = std::max(most, follower.follow());
+		++frames;
+	};
+	while (follower.held.size() < near.size() && frames < 100) {
+		follow(true);
+	}
+	CHECK(follower.held == near);
+	CHECK(frames > 5);
+	CHECK(most < static_cast<int>(NearQueue::max_looked + NearQueue::max_looked / 2));
+	while (!follower.queue.settled() && frames < 200) {
+		follow(false);
+	}
+	CHECK(frames < 200);
+
+	// One walks alone; the others' cells are not looked at, and it is followed at once.
+	for (int step = 0; step < 20; ++step) {
+		centers[8].x += 1.0;
+		follow(false);
+		const std::set<std::uint64_t> here = flat.within(centers[8], distance);
+		CHECK(std::includes(follower.held.begin(), follower.held.end(), here.begin(), here.end()));
+	}
+	centers.clear();
+	for (int frame = 0; frame < 100; ++frame) {
+		follow(false);
+	}
+	CHECK(follower.held.empty());
+	CHECK(follower.queue.settled());
+}
+
+TEST_CASE("near queue: another distance keeps what is near") {
+	FlatWorld flat;
+	flat.load(3);
+	Follower follower;
+	const glm::dvec3 center{-7.0, 0.0, 5.0};
+	follower.look(center, flat.world);
+	follower.follow();
+	for (const double other : {9.0, 50.0, 2.0, distance}) {
+		const std::set<std::uint64_t> before = follower.held;
+		follower.queue.set_distances(std::array{other});
+		CHECK_FALSE(follower.queue.settled());
+		std::set<std::uint64_t> left;
+		std::size_t entered = 0;
+		for (int frame = 0; frame < 10; ++frame) {
+			follower.look(center, flat.world);
+			for (Leaving leaving; follower.queue.next_leaving(leaving);) {
+				CHECK(left.insert(leaving.id).second);
+			}
+			for (PlacedInstance instance; follower.queue.next_entering(instance); ++entered) {
+				CHECK_FALSE(before.contains(instance.id));
+				follower.held.insert(instance.id);
+			}
+		}
+		for (const std::uint64_t id : left) {
+			CHECK(follower.held.erase(id) == 1);
+		}
+		const std::set<std::uint64_t> enter = flat.within(center, NearQueue::enter_share * other);
+		const std::set<std::uint64_t> reach = flat.within(center, NearQueue::leave_share * other);
+		CHECK(std::includes(follower.held.begin(), follower.held.end(), enter.begin(), enter.end()));
+		CHECK(std::includes(reach.begin(), reach.end(), follower.held.begin(), follower.held.end()));
+		CHECK((left.empty() || entered == 0));
+		CHECK(follower.queue.settled());
+	}
+}
+
+TEST_CASE("near queue: centers that are no positions have nothing near them") {
+	FlatWorld flat;
+	flat.load(1);
+	Follower follower;
+	for (const double wrong : {std::nan(""), std::numeric_limits<double>::infinity(), -1e300}) {
+		follower.look({wrong, 0.0, 1.0}, flat.world);
+		follower.look({1.0, 0.0, wrong}, flat.world);
+		CHECK(follower.follow() == 0);
+	}
 	follower.look({}, flat.world);
 	CHECK(follower.follow() > 100);
 }

@@ -1,113 +1,140 @@
 #include "core/near/near_queue.hpp"
 
+#include "core/base/guard.hpp"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <new>
 
 namespace thicket {
 
 namespace {
 
-/// Centers nearer to each other than this share of the distance are asked for together.
-constexpr double crowd_share = 0.5;
+/// Cells that are smaller than this would be many for little, meters.
+constexpr double least_side = 4.0;
 
-double squared(glm::dvec3 a, glm::dvec3 b) { return glm::dot(a - b, a - b); }
+/// Nothing stands farther from the origin than this, meters; NAN is no position either.
+bool possible(glm::dvec3 center) { return std::abs(center.x) < 1e12 && std::abs(center.z) < 1e12; }
 
 } // namespace
 
-bool NearQueue::Layer::outdated(std::span<const glm::dvec3> now, std::uint64_t world_version) {
-	if (!wanted()) {
-		return stale;
-	}
-	if (stale || again || ++frames >= look_frames || version != world_version || now.size() != centers.size()) {
-		return true;
-	}
-	const double slack = look_share * distance;
-	for (std::size_t i = 0; i < now.size(); ++i) {
-		if (squared(now[i], centers[i]) > slack * slack) {
-			return true;
-		}
-	}
-	return false;
+NearQueue::Key NearQueue::Layer::key(glm::dvec3 position) const {
+	return {static_cast<std::int64_t>(std::floor(position.x / side)),
+			static_cast<std::int64_t>(std::floor(position.z / side))};
 }
 
-void NearQueue::Layer::forget_changes() {
-	changes = {};
-	left = 0;
-	entered = 0;
-	stale = true;
+/// Gives the cells another size. What is held stays held. False where memory does not suffice: they stay as they are.
+bool NearQueue::Layer::divide(double new_side) {
+	Layer next;
+	next.side = new_side;
+	const Status status = guarded("distance", new_side, [&] {
+		for (const auto &[from, cell] : cells) {
+			for (const PlacedInstance &instance : cell.held()) {
+				if (!next.cells[next.key(instance.position)].hold(instance)) {
+					throw std::bad_alloc();
+				}
+			}
+		}
+	});
+	if (status.ok()) {
+		side = new_side;
+		cells = std::move(next.cells);
+	}
+	return status.ok();
+}
+
+/// Tells each cell which centers reach it; those that nobody reaches, and that hold nothing, go.
+void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
+	stale = true; // Should memory not suffice.
+	for (auto &[at, cell] : cells) {
+		cell.forget_centers();
+	}
+	const glm::dvec3 reach(leave_share * distance);
+	for (const glm::dvec3 &center : now) {
+		if (distance == 0.0 || !possible(center)) {
+			continue;
+		}
+		const Key first = key(center - reach);
+		const Key last = key(center + reach);
+		for (std::int64_t x = first.first; x <= last.first; ++x) {
+			for (std::int64_t z = first.second; z <= last.second; ++z) {
+				cells[{x, z}].add_center(center);
+			}
+		}
+	}
+	std::erase_if(cells, [](const auto &entry) { return entry.second.idle(); });
+	centers.assign(now.begin(), now.end());
+	stale = false;
 }
 
 void NearQueue::set_distances(std::span<const double> distances) {
+	ready_.clear();
 	layers_.resize(distances.size());
 	for (std::size_t i = 0; i < distances.size(); ++i) {
-		layers_[i].stale = layers_[i].stale || layers_[i].distance != distances[i];
-		layers_[i].distance = distances[i];
+		Layer &layer = layers_[i];
+		if (layer.distance == distances[i]) {
+			continue;
+		}
+		layer.distance = distances[i];
+		layer.stale = true;
+		if (layer.distance > 0.0) {
+			layer.divide(std::max(least_side, leave_share * layer.distance));
+		}
+		for (auto &[at, cell] : layer.cells) {
+			cell.forget_changes();
+		}
 	}
 }
 
 void NearQueue::look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
 	world_ = &world;
-	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
-		if (layers_[layer].outdated(centers, world.version())) {
-			look(layer, centers, world);
+	ready_.clear();
+	outdated_.clear();
+	looked_ = 0;
+	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
+		Layer &layer = layers_[index];
+		if (layer.stale || !same_within(layer.slack(), centers, layer.centers)) {
+			layer.find_cells(centers);
 		}
-	}
-}
-
-void NearQueue::look(std::uint32_t layer, std::span<const glm::dvec3> centers, const InstanceWorld &world) {
-	Layer &of = layers_[layer];
-	find_standing(layer, centers, world);
-	of.near.look(centers, {enter_share * of.distance, leave_share * of.distance}, standing_, of.changes);
-	of.left = 0;
-	of.entered = 0;
-	of.stale = of.again = false;
-	of.frames = 0;
-	of.version = world.version();
-	of.centers.assign(centers.begin(), centers.end());
-	of.away.clear();
-	for (const PlacedInstance &instance : of.changes.enter) {
-		double nearest = std::numeric_limits<double>::infinity();
-		for (const glm::dvec3 &center : centers) {
-			nearest = std::min(nearest, squared(center, instance.position));
-		}
-		of.away.push_back(nearest);
-	}
-}
-
-void NearQueue::find_standing(std::uint32_t layer, std::span<const glm::dvec3> centers, const InstanceWorld &world) {
-	standing_.clear();
-	const double distance = layers_[layer].distance;
-	if (distance == 0.0 || layer >= world.layers().size()) {
-		return;
-	}
-	// Of a crowd only one asks, for the others too.
-	const double crowd = crowd_share * distance;
-	covered_.assign(centers.size(), false);
-	for (std::size_t i = 0; i < centers.size(); ++i) {
-		if (covered_[i]) {
-			continue;
-		}
-		double farthest = 0.0;
-		for (std::size_t k = i + 1; k < centers.size(); ++k) {
-			const double apart = squared(centers[i], centers[k]);
-			if (apart <= crowd * crowd) {
-				covered_[k] = true;
-				farthest = std::max(farthest, apart);
+		for (auto &[key, cell] : layer.cells) {
+			cell.begin_frame();
+			const bool outdated = cell.outdated(layer.slack(), world.version());
+			if (outdated || cell.due()) {
+				outdated_.push_back({index, key, &cell, !outdated});
 			}
 		}
-		world.known_near(layer, {centers[i].x, centers[i].z}, leave_share * distance + std::sqrt(farthest), standing_);
+	}
+	std::ranges::stable_sort(
+			outdated_, {}, [](const Visit &visit) { return std::pair(visit.due, visit.cell->looked); });
+	for (const Visit &visit : outdated_) {
+		if (looked_ >= max_looked) {
+			break;
+		}
+		look(visit);
+	}
+	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
+		for (auto &[key, cell] : layers_[index].cells) {
+			if (cell.fresh(world.version()) && (cell.any_leaving() || cell.any_entering())) {
+				ready_.push_back({index, key, &cell, false});
+			}
+		}
 	}
 }
 
-bool NearQueue::next(bool (Layer::*any)() const, Leaving &r_leaving) {
-	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
-		Layer &of = layers_[layer];
-		if (!of.stale && (of.*any)()) {
-			r_leaving = {layer, of.changes.leave[of.left++]};
-			of.near.release(r_leaving.id);
+void NearQueue::look(const Visit &visit) {
+	const Layer &layer = layers_[visit.layer];
+	const glm::dvec2 corner = layer.side * glm::dvec2(visit.key.first, visit.key.second);
+	const NearRange range{enter_share * layer.distance, leave_share * layer.distance};
+	looked_ += visit.cell->look(visit.layer, {corner, corner + layer.side}, range, *world_, standing_);
+	visit.cell->looked = ++looks_;
+}
+
+bool NearQueue::next(bool (NearCell::*any)() const, Leaving &r_leaving) {
+	for (const Visit &visit : ready_) {
+		if ((visit.cell->*any)()) {
+			r_leaving = {visit.layer, visit.cell->take_leaving()};
 			return true;
 		}
 	}
@@ -115,76 +142,65 @@ bool NearQueue::next(bool (Layer::*any)() const, Leaving &r_leaving) {
 }
 
 bool NearQueue::next_changed(PlacedInstance &r_instance) {
-	for (Layer &layer : layers_) {
-		NearChanges &changes = layer.changes;
-		const auto first = changes.enter.begin() + static_cast<std::ptrdiff_t>(layer.entered);
-		const auto held = std::find_if(first, changes.enter.end(),
-				[&layer](const PlacedInstance &instance) { return layer.near.holds(instance.id); });
-		if (layer.stale || held == changes.enter.end()) {
-			continue;
-		}
-		r_instance = *held;
-		layer.near.hold(r_instance);
-		layer.away.erase(layer.away.begin() + (held - changes.enter.begin()));
-		changes.enter.erase(held);
-		const auto leaves = std::find(
-				changes.leave.begin() + static_cast<std::ptrdiff_t>(layer.left), changes.leave.end(), r_instance.id);
-		if (leaves != changes.leave.end()) {
-			changes.gone -= leaves - changes.leave.begin() < static_cast<std::ptrdiff_t>(changes.gone) ? 1 : 0;
-			changes.leave.erase(leaves);
-		}
-		return true;
-	}
-	return false;
+	return std::ranges::any_of(
+			ready_, [&r_instance](const Visit &visit) { return visit.cell->take_changed(r_instance); });
 }
 
-bool NearQueue::next_gone(Leaving &r_leaving) { return next(&Layer::any_gone, r_leaving); }
+bool NearQueue::next_gone(Leaving &r_leaving) { return next(&NearCell::any_gone, r_leaving); }
 
-bool NearQueue::next_leaving(Leaving &r_leaving) { return next(&Layer::any_leaving, r_leaving); }
+bool NearQueue::next_leaving(Leaving &r_leaving) { return next(&NearCell::any_leaving, r_leaving); }
 
 bool NearQueue::next_entering(PlacedInstance &r_instance) {
-	Layer *nearest = nullptr;
-	for (Layer &layer : layers_) {
-		const bool candidate = !layer.stale && layer.any_entering();
-		if (candidate && (nearest == nullptr || layer.away[layer.entered] < nearest->away[nearest->entered])) {
-			nearest = &layer;
+	NearCell *nearest = nullptr;
+	for (const Visit &visit : ready_) {
+		if (visit.cell->any_entering() && (nearest == nullptr || visit.cell->away() < nearest->away())) {
+			nearest = visit.cell;
 		}
 	}
 	if (nearest == nullptr) {
 		return false;
 	}
-	r_instance = nearest->changes.enter[nearest->entered++];
-	nearest->near.hold(r_instance);
+	r_instance = nearest->take_entering();
 	return true;
 }
 
 bool NearQueue::settled() const {
-	return std::none_of(layers_.begin(), layers_.end(), [this](const Layer &layer) {
-		const bool outdated = world_ == nullptr || layer.version != world_->version();
-		return layer.wanted() &&
-				(layer.stale || layer.again || outdated || layer.any_leaving() || layer.any_entering());
+	return std::ranges::none_of(layers_, [this](const Layer &layer) {
+		const bool wanted = layer.distance > 0.0 || !layer.cells.empty();
+		return wanted &&
+				(world_ == nullptr || layer.stale || std::ranges::any_of(layer.cells, [this](const auto &entry) {
+					return !entry.second.settled(world_->version());
+				}));
 	});
 }
 
 bool NearQueue::holds(std::uint32_t layer, std::uint64_t id) const {
-	return layer < layers_.size() && layers_[layer].near.holds(id);
+	return layer < layers_.size() &&
+			std::ranges::any_of(layers_[layer].cells, [id](const auto &entry) { return entry.second.holds(id); });
 }
 
 void NearQueue::release(std::uint32_t layer, std::uint64_t id) {
-	layers_[layer].near.release(id);
-	layers_[layer].again = true;
+	for (auto &[key, cell] : layers_[layer].cells) {
+		if (cell.holds(id)) {
+			cell.release(id);
+		}
+	}
 }
 
 void NearQueue::release(std::uint64_t id) {
+	ready_.clear();
 	for (Layer &layer : layers_) {
-		layer.near.release(id);
-		layer.forget_changes();
+		for (auto &[key, cell] : layer.cells) {
+			cell.release(id);
+			cell.forget_changes();
+		}
 	}
 }
 
 void NearQueue::release_layer(std::uint32_t layer) {
-	layers_[layer].near.clear();
-	layers_[layer].forget_changes();
+	ready_.clear();
+	layers_[layer].cells.clear();
+	layers_[layer].stale = true;
 }
 
 } // namespace thicket

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/near/near_set.hpp"
+#include "core/near/near_cell.hpp"
 #include "core/query/instance_world.hpp"
 
 #include <glm/vec3.hpp>
@@ -8,7 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace thicket {
@@ -17,7 +19,8 @@ namespace thicket {
 /// frees what stands for it; the queue counts it as held, or not, from then on.
 ///
 /// Distances are meters in space, from the nearest center to the instance's position. Everything within a layer's distance
-/// comes; what is held leaves beyond `leave_share` of it.
+/// comes; what is held leaves beyond `leave_share` of it. Where very much is near, only some cells are looked at in a frame, those
+/// first that wait longest, and only what was found in the world as it is now comes and goes.
 class NearQueue {
 public:
 	/// What a center may move, as a share of the distance, before anybody looks again.
@@ -27,21 +30,15 @@ public:
 	/// Apart from `enter_share`, so that nobody who walks to and fro makes something come and go.
 	static constexpr double leave_share = 1.125;
 
-	/// A look at least every so many frames: tiles that are missed have to be missed again.
-	static constexpr int look_frames = 32;
+	/// After so many instances no other cell is looked at in a frame: about half a millisecond.
+	static constexpr std::size_t max_looked = 2048;
 
 	/// The distance of each layer, 0 for nothing. What is held of layers that are no more has to be released before.
 	void set_distances(std::span<const double> distances);
 
-	/// Finds out anew what has to come and go in layers for which a center has moved far enough, or the world has changed. To be
+	/// Finds out anew what has to come and go in cells for which a center has moved far enough, or the world has changed. To be
 	/// called in every frame. The world is remembered until `forget_world`.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
-
-	/// Something that is held and has to go.
-	struct Leaving {
-		std::uint32_t layer = 0;
-		std::uint64_t id = 0;
-	};
 
 	/// Takes out what is held and stands otherwise than it did: it stays held, as it stands now. False for none.
 	bool next_changed(PlacedInstance &r_instance);
@@ -49,13 +46,13 @@ public:
 	/// Takes out what stands no longer, or not as it did: to be done before anything enters. False for none.
 	bool next_gone(Leaving &r_leaving);
 
-	/// Takes out what stands no longer or is too far away, of each layer the farthest first. False for none.
+	/// Takes out what stands no longer or is too far away, of each cell the farthest first. False for none.
 	bool next_leaving(Leaving &r_leaving);
 
 	/// Takes out the nearest that is to come, which is held from then on. False for none.
 	bool next_entering(PlacedInstance &r_instance);
 
-	/// True if there is nothing to take out, and the world is as it was at the last look.
+	/// True if there is nothing to take out, and the world is as it was at the last look at every cell.
 	bool settled() const;
 
 	bool holds(std::uint32_t layer, std::uint64_t id) const;
@@ -71,36 +68,38 @@ public:
 	void forget_world() { world_ = nullptr; }
 
 private:
+	using Key = std::pair<std::int64_t, std::int64_t>;
+
 	struct Layer {
 		double distance = 0.0;
-		NearSet near;
-		NearChanges changes;
-		std::vector<double> away; ///< Squared distances of changes.enter.
-		std::size_t left = 0;     ///< How many of changes.leave are out.
-		std::size_t entered = 0;
+		double side = 0.0; ///< Of a cell, meters.
+		std::map<Key, NearCell> cells;
+		bool stale = true;               ///< The cells that are near have to be found anew.
+		std::vector<glm::dvec3> centers; ///< As of then.
 
-		bool stale = true;  ///< `changes` are of no use any more,
-		bool again = false; ///< or still are; in both cases the layer has to be looked at, whatever has moved.
-		int frames = 0;     ///< Since the last look.
-		std::uint64_t version = 0;
-		std::vector<glm::dvec3> centers; ///< As of the last look.
-
-		bool outdated(std::span<const glm::dvec3> now, std::uint64_t world_version);
-		bool wanted() const { return distance > 0.0 || near.size() > 0; }
-		bool any_gone() const { return left < changes.gone; }
-		bool any_leaving() const { return left < changes.leave.size(); }
-		bool any_entering() const { return entered < changes.enter.size(); }
-		void forget_changes();
+		double slack() const { return look_share * distance; }
+		Key key(glm::dvec3 position) const;
+		bool divide(double new_side);
+		void find_cells(std::span<const glm::dvec3> now);
 	};
 
-	void look(std::uint32_t layer, std::span<const glm::dvec3> centers, const InstanceWorld &world);
-	void find_standing(std::uint32_t layer, std::span<const glm::dvec3> centers, const InstanceWorld &world);
-	bool next(bool (Layer::*any)() const, Leaving &r_leaving);
+	struct Visit {
+		std::uint32_t layer = 0;
+		Key key;
+		NearCell *cell = nullptr;
+		bool due = false; ///< It can wait for those that are outdated.
+	};
+
+	void look(const Visit &visit);
+	bool next(bool (NearCell::*any)() const, Leaving &r_leaving);
 
 	const InstanceWorld *world_ = nullptr;
 	std::vector<Layer> layers_;
+	std::vector<Visit> outdated_;
+	std::vector<Visit> ready_; ///< Cells with something to take out, found in the world as it was at `look_around`.
 	std::vector<PlacedInstance> standing_;
-	std::vector<bool> covered_;
+	std::uint64_t looks_ = 0;
+	std::size_t looked_ = 0; ///< Instances, in this frame.
 };
 
 /// Keeps something standing for every instance that is near: a body, a scene. Works in small steps under the budget of the frame,

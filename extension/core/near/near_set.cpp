@@ -56,6 +56,20 @@ bool NearSet::hold(const PlacedInstance &instance) {
 	return guarded("instance", 1.0, [&] { held_.insert_or_assign(instance.id, held); }).ok();
 }
 
+std::vector<PlacedInstance> NearSet::held() const {
+	std::vector<PlacedInstance> result;
+	for (const auto &[id, held] : held_) {
+		PlacedInstance instance;
+		instance.id = id;
+		instance.layer = held.layer;
+		instance.mesh = held.mesh;
+		instance.position = held.position;
+		instance.basis = held.basis;
+		result.push_back(instance);
+	}
+	return result;
+}
+
 void NearChanges::clear() {
 	enter.clear();
 	leave.clear();

@@ -46,6 +46,9 @@ public:
 	bool hold(const PlacedInstance &instance);
 
 	void release(std::uint64_t id) { held_.erase(id); }
+
+	/// All that is held, in no order.
+	std::vector<PlacedInstance> held() const;
 	std::size_t size() const { return held_.size(); }
 	void clear() { held_.clear(); }
 

@@ -134,13 +134,11 @@ std::vector<WorldTile> InstanceWorld::take_missing() {
 	return result;
 }
 
-void InstanceWorld::known_near(
-		std::uint32_t layer, glm::dvec2 center, double distance, std::vector<PlacedInstance> &r_found) const {
+void InstanceWorld::known_in(std::uint32_t layer, const Rect &rect, std::vector<PlacedInstance> &r_found) const {
 	std::vector<PlacedInstance> found;
 	const QueryFilter filter{.layers = {layer}, .accepts = {}};
-	const Rect around{center - distance, center + distance};
 	NearSource source(*this);
-	if (InstanceQuery{layers_, source, state_}.in_rect(around, filter, found).ok()) {
+	if (InstanceQuery{layers_, source, state_}.in_rect(rect, filter, found).ok()) {
 		r_found.insert(r_found.end(), found.begin(), found.end());
 	}
 }

@@ -37,7 +37,7 @@ public:
 	/// The layers as they are from now on. Tiles of a layer whose set or tile size is another are forgotten.
 	void set_layers(std::vector<QueryLayer> layers);
 
-	/// The tiles that an edit touches are known no longer. For `known_near` they stand until their successors are there, or all that is
+	/// The tiles that an edit touches are known no longer. For `known_in` they stand until their successors are there, or all that is
 	/// near would vanish for some frames.
 	void invalidate(std::uint32_t layer, const EditedArea &area);
 	void set_maker(TileMaker maker) { maker_ = std::move(maker); }
@@ -64,10 +64,8 @@ public:
 	std::span<const QueryLayer> layers() const { return layers_; }
 	const InstanceState *state() const { return state_; }
 
-	/// What stands within the square of `distance` meters around a position, in tiles that are known. Those that are not are missed.
-	/// Adds to `r_found`.
-	void known_near(
-			std::uint32_t layer, glm::dvec2 center, double distance, std::vector<PlacedInstance> &r_found) const;
+	/// What stands within a rectangle, meters of the world, in tiles that are known. Those that are not are missed. Adds to `r_found`.
+	void known_in(std::uint32_t layer, const Rect &rect, std::vector<PlacedInstance> &r_found) const;
 
 	/// Wants a tile that is not known.
 	void miss(const WorldTile &tile) const;
@@ -110,7 +108,7 @@ private:
 		const InstanceWorld &world_;
 	};
 
-	/// For `known_near`.
+	/// For `known_in`.
 	class NearSource : public TileSource {
 	public:
 		explicit NearSource(const InstanceWorld &world) : world_(world) {}

@@ -87,14 +87,14 @@ void CollisionRing::look_around(std::span<const glm::dvec3> centers, const Insta
 		++frame_;
 		tidy_pool();
 		queue_.look_around(centers, world);
-		for (NearQueue::Leaving gone; queue_.next_gone(gone);) {
+		for (Leaving gone; queue_.next_gone(gone);) {
 			fall(gone.layer, gone.id);
 		}
 	}
 }
 
 bool CollisionRing::step() {
-	NearQueue::Leaving leaving;
+	Leaving leaving;
 	const bool left = queue_.next_leaving(leaving);
 	if (left) {
 		fall(leaving.layer, leaving.id);

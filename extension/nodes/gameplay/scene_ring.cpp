@@ -62,7 +62,7 @@ bool SceneRing::step() {
 		return true;
 	}
 	// What leaves goes first: what comes can use its scene.
-	for (NearQueue::Leaving leaving; queue_.next_leaving(leaving);) {
+	for (Leaving leaving; queue_.next_leaving(leaving);) {
 		if (leave({leaving.id, leaving.layer})) {
 			return true;
 		}
