@@ -4,6 +4,8 @@
 #include <godot_cpp/core/script_virtual.hpp>
 #include <godot_cpp/godot.hpp>
 
+#include <memory>
+
 namespace godot {
 
 using internal::library;
@@ -107,6 +109,26 @@ bool call_script_method(GodotObject *p_owner, const StringName &p_name, const Va
 	return error.error == GDEXTENSION_CALL_OK;
 }
 
+bool take_arguments(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
+		const std::vector<Variant> &p_defaults, std::span<GDExtensionConstVariantPtr> r_values,
+		GDExtensionCallError &r_error) {
+	const std::size_t wanted = r_values.size();
+	const auto given = static_cast<std::size_t>(p_count);
+	r_error = {GDEXTENSION_CALL_OK, 0, static_cast<int32_t>(wanted)};
+	if (given > wanted) {
+		r_error.error = GDEXTENSION_CALL_ERROR_TOO_MANY_ARGUMENTS;
+		return false;
+	}
+	if (given + p_defaults.size() < wanted) {
+		r_error.error = GDEXTENSION_CALL_ERROR_TOO_FEW_ARGUMENTS;
+		return false;
+	}
+	for (std::size_t i = 0; i < wanted; ++i) {
+		r_values[i] = i < given ? p_args[i] : &p_defaults[p_defaults.size() - wanted + i];
+	}
+	return true;
+}
+
 StringName enum_class_name(std::string_view p_cpp_name) {
 	const std::size_t last = p_cpp_name.rfind("::");
 	const std::size_t before = last == std::string_view::npos ? last : p_cpp_name.rfind("::", last - 1);
@@ -123,6 +145,14 @@ StringName enum_class_name(std::string_view p_cpp_name) {
 } // namespace internal
 
 using namespace internal;
+
+MethodDefinition define_method(const StringName &p_name, std::initializer_list<const char *> p_arguments) {
+	MethodDefinition result{p_name, {}};
+	for (const char *name : p_arguments) {
+		result.arguments.push_back(StringName(name));
+	}
+	return result;
+}
 
 PropertyInfo::PropertyInfo(Variant::Type p_type, const StringName &p_name, PropertyHint p_hint,
 		const String &p_hint_string, uint32_t p_usage, const StringName &p_class_name) :
@@ -169,32 +199,41 @@ void ClassDB::unregister_classes() {
 	}
 }
 
-void ClassDB::add_method(MethodDescription p_method, std::unique_ptr<MethodBind> p_bind) {
-	for (std::size_t i = 0; i < p_method.arguments.size() && i < p_method.definition.arguments.size(); ++i) {
-		p_method.arguments[i].name = p_method.definition.arguments[i];
+void ClassDB::add_method(const StringName &p_class, const MethodDefinition &p_definition,
+		const MethodDescription &p_method, const MethodPointer &p_pointer, std::initializer_list<Variant> p_defaults) {
+	auto bind = std::make_unique<MethodBind>(MethodBind{p_pointer, p_defaults});
+	std::vector<PropertyInfo> arguments;
+	std::vector<GDExtensionClassMethodArgumentMetadata> metadata;
+	for (const DescribedType &type : p_method.arguments) {
+		arguments.push_back(type.info());
+		metadata.push_back(type.metadata);
 	}
-	std::vector<GDExtensionPropertyInfo> arguments = native(p_method.arguments);
-	GDExtensionPropertyInfo result = p_method.result._native();
+	for (std::size_t i = 0; i < arguments.size() && i < p_definition.arguments.size(); ++i) {
+		arguments[i].name = p_definition.arguments[i];
+	}
+	std::vector<GDExtensionPropertyInfo> native_arguments = native(arguments);
+	const PropertyInfo result = p_method.result.info();
+	GDExtensionPropertyInfo native_result = result._native();
 	std::vector<GDExtensionVariantPtr> defaults;
-	for (Variant &value : p_method.defaults) {
+	for (Variant &value : bind->defaults) {
 		defaults.push_back(&value);
 	}
 	GDExtensionClassMethodInfo info{};
-	info.name = p_method.definition.name._native_ptr();
-	info.method_userdata = p_bind.get();
+	info.name = p_definition.name._native_ptr();
+	info.method_userdata = bind.get();
 	info.call_func = p_method.call;
 	info.ptrcall_func = p_method.ptrcall;
 	info.method_flags = p_method.flags;
 	info.has_return_value = p_method.returns;
-	info.return_value_info = &result;
-	info.return_value_metadata = p_method.result_metadata;
+	info.return_value_info = &native_result;
+	info.return_value_metadata = p_method.result.metadata;
 	info.argument_count = static_cast<uint32_t>(arguments.size());
-	info.arguments_info = arguments.data();
-	info.arguments_metadata = p_method.metadata.data();
+	info.arguments_info = native_arguments.data();
+	info.arguments_metadata = metadata.data();
 	info.default_argument_count = static_cast<uint32_t>(defaults.size());
 	info.default_arguments = defaults.data();
-	gdextension_interface::classdb_register_extension_class_method(library, p_method.class_name._native_ptr(), &info);
-	find_record(p_method.class_name)->methods.push_back(std::move(p_bind));
+	gdextension_interface::classdb_register_extension_class_method(library, p_class._native_ptr(), &info);
+	find_record(p_class)->methods.push_back(std::move(bind));
 }
 
 void ClassDB::bind_integer_constant(

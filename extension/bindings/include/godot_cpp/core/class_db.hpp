@@ -9,7 +9,7 @@
 #include <godot_cpp/variant/typed_array.hpp>
 #include <godot_cpp/variant/typed_dictionary.hpp>
 
-#include <memory>
+#include <initializer_list>
 
 namespace godot {
 
@@ -34,21 +34,6 @@ struct ClassDescription {
 	void (*bind)();
 };
 
-/// A method of ours as `classdb_register_extension_class_method` takes it.
-struct MethodDescription {
-	const StringName &class_name;
-	const MethodDefinition &definition;
-	std::vector<Variant> defaults; ///< Of the last arguments.
-	std::vector<PropertyInfo> arguments;
-	std::vector<GDExtensionClassMethodArgumentMetadata> metadata;
-	bool returns;
-	PropertyInfo result;
-	GDExtensionClassMethodArgumentMetadata result_metadata;
-	uint32_t flags;
-	GDExtensionClassMethodCall call;
-	GDExtensionClassMethodPtrCall ptrcall;
-};
-
 } // namespace internal
 
 /// Makes our classes known to the engine.
@@ -62,15 +47,8 @@ public:
 	/// `p_defaults` are for the last arguments, each in a DEFVAL.
 	template <typename M, typename... Defaults>
 	static void bind_method(const MethodDefinition &p_definition, M p_method, const Defaults &...p_defaults) {
-		using Sign = internal::Signature<M>;
-		using Bind = internal::MethodBindOf<M>;
-		const std::vector<Variant> defaults{Variant(p_defaults)...};
-		add_method({Sign::Owner::get_class_static(), p_definition, defaults, Sign::arguments(), Sign::metadata(),
-						   Sign::returns, internal::Marshal<typename Sign::Result>::info(),
-						   internal::Marshal<typename Sign::Result>::metadata,
-						   Sign::is_const ? METHOD_FLAG_NORMAL | METHOD_FLAG_CONST : uint32_t{METHOD_FLAG_NORMAL},
-						   Bind::call, Bind::ptrcall},
-				std::make_unique<Bind>(p_method, defaults));
+		add_method(internal::Signature<M>::Owner::get_class_static(), p_definition,
+				internal::MethodCalls<M>::describe(), internal::MethodPointer(p_method), {Variant(p_defaults)...});
 	}
 
 	/// A constant of an enumeration, which is named as "Class.Enum".
@@ -103,7 +81,9 @@ private:
 	}
 
 	static void add_class(const internal::ClassDescription &p_class);
-	static void add_method(internal::MethodDescription p_method, std::unique_ptr<internal::MethodBind> p_bind);
+	static void add_method(const StringName &p_class, const MethodDefinition &p_definition,
+			const internal::MethodDescription &p_method, const internal::MethodPointer &p_pointer,
+			std::initializer_list<Variant> p_defaults);
 };
 
 } // namespace godot

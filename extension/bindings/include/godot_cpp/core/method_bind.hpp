@@ -2,7 +2,12 @@
 
 #include <godot_cpp/core/signature.hpp>
 
-#include <string>
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <initializer_list>
+#include <span>
+#include <type_traits>
 #include <vector>
 
 namespace godot {
@@ -13,48 +18,77 @@ struct MethodDefinition {
 	std::vector<StringName> arguments;
 };
 
+MethodDefinition define_method(const StringName &p_name, std::initializer_list<const char *> p_arguments);
+
 template <typename... Args>
 MethodDefinition D_METHOD(const StringName &p_name, const Args &...p_arguments) {
-	return {p_name, {StringName(p_arguments)...}};
+	return define_method(p_name, {p_arguments...});
 }
 
 namespace internal {
 
-/// A method that was registered: what the engine hands back with every call.
-class MethodBind {
+/// A pointer to a member function of any class. All are of one type here, or each would need a class of its own to be kept.
+class MethodPointer {
 public:
-	MethodBind() = default;
-	MethodBind(const MethodBind &) = delete;
-	MethodBind &operator=(const MethodBind &) = delete;
-	virtual ~MethodBind() = default;
+	template <typename M>
+	explicit MethodPointer(M p_method) {
+		static_assert(sizeof(M) <= sizeof(bytes_) && std::is_trivially_copyable_v<M>);
+		std::memcpy(bytes_.data(), &p_method, sizeof(M));
+	}
+
+	template <typename M>
+	M as() const {
+		M method;
+		std::memcpy(&method, bytes_.data(), sizeof(M));
+		return method;
+	}
+
+private:
+	std::array<std::byte, 3 * sizeof(void *)> bytes_{};
 };
 
+/// A method that was registered: what the engine hands back with every call.
+struct MethodBind {
+	MethodPointer method;
+	std::vector<Variant> defaults; ///< Of the last arguments.
+};
+
+/// What the engine is told of a method, and how it reaches it.
+struct MethodDescription {
+	std::span<const DescribedType> arguments;
+	DescribedType result;
+	bool returns;
+	uint32_t flags;
+	GDExtensionClassMethodCall call;
+	GDExtensionClassMethodPtrCall ptrcall;
+};
+
+/// How the engine calls a method whose pointer has this type.
 template <typename M>
-class MethodBindOf final : public MethodBind {
+struct MethodCalls {
 	using Sign = Signature<M>;
 	using Owner = typename Sign::Owner;
 
-public:
-	MethodBindOf(M p_method, std::vector<Variant> p_defaults) : method_(p_method), defaults_(std::move(p_defaults)) {}
+	static MethodDescription describe() {
+		return {Sign::arguments, described_type<typename Sign::Result>, Sign::returns,
+				Sign::is_const ? METHOD_FLAG_NORMAL | METHOD_FLAG_CONST : uint32_t{METHOD_FLAG_NORMAL}, call, ptrcall};
+	}
 
-	/// For `GDExtensionClassMethodInfo`.
 	static void call(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstVariantPtr *p_args,
 			GDExtensionInt p_given, GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
-		const auto &bind = *static_cast<const MethodBindOf *>(p_bind);
-		Sign::call(self(p_instance), bind.method_, p_args, p_given, bind.defaults_, r_result, *r_error);
+		const auto &bind = *static_cast<const MethodBind *>(p_bind);
+		Sign::call(self(p_instance), bind.method.template as<M>(), p_args, p_given, bind.defaults, r_result, *r_error);
 	}
 	static void ptrcall(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstTypePtr *p_args,
 			GDExtensionTypePtr r_result) {
-		Sign::ptrcall(self(p_instance), static_cast<const MethodBindOf *>(p_bind)->method_, p_args, r_result);
+		Sign::ptrcall(
+				self(p_instance), static_cast<const MethodBind *>(p_bind)->method.template as<M>(), p_args, r_result);
 	}
 
 private:
 	static Owner *self(GDExtensionClassInstancePtr p_instance) {
 		return static_cast<Owner *>(static_cast<Wrapped *>(p_instance));
 	}
-
-	M method_;
-	std::vector<Variant> defaults_; ///< Of the last arguments.
 };
 
 } // namespace internal

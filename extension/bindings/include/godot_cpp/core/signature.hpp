@@ -3,10 +3,26 @@
 #include <godot_cpp/core/marshal.hpp>
 
 #include <array>
+#include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
 namespace godot::internal {
+
+/// How scripts see a type.
+struct DescribedType {
+	PropertyInfo (*info)();
+	GDExtensionClassMethodArgumentMetadata metadata;
+};
+
+template <typename T>
+inline constexpr DescribedType described_type{&Marshal<T>::info, Marshal<T>::metadata};
+
+/// The values of a call: those that were given, then `p_defaults` for the last ones. False, and why, for a wrong number.
+bool take_arguments(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
+		const std::vector<Variant> &p_defaults, std::span<GDExtensionConstVariantPtr> r_values,
+		GDExtensionCallError &r_error);
 
 template <typename M>
 struct Signature;
@@ -20,10 +36,7 @@ struct Signature<R (C::*)(Args...)> {
 
 	using Result = std::conditional_t<returns, std::decay_t<R>, bool>; // bool stands in where nothing is returned.
 
-	static std::vector<PropertyInfo> arguments() { return {Marshal<std::decay_t<Args>>::info()...}; }
-	static std::vector<GDExtensionClassMethodArgumentMetadata> metadata() {
-		return {Marshal<std::decay_t<Args>>::metadata...};
-	}
+	static constexpr std::array<DescribedType, sizeof...(Args)> arguments{described_type<std::decay_t<Args>>...};
 
 	/// A pointer call: arguments are of the types that were registered.
 	template <typename M>
@@ -36,23 +49,11 @@ struct Signature<R (C::*)(Args...)> {
 	template <typename M>
 	static void call(C *p_self, M p_method, const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
 			const std::vector<Variant> &p_defaults, void *r_result, GDExtensionCallError &r_error) {
-		constexpr std::size_t wanted = sizeof...(Args);
-		const auto given = static_cast<std::size_t>(p_count);
-		r_error = {GDEXTENSION_CALL_OK, 0, static_cast<int32_t>(wanted)};
-		if (given > wanted) {
-			r_error.error = GDEXTENSION_CALL_ERROR_TOO_MANY_ARGUMENTS;
-			return;
+		std::array<GDExtensionConstVariantPtr, sizeof...(Args)> values{};
+		if (take_arguments(p_args, p_count, p_defaults, values, r_error)) {
+			call(p_self, p_method, values.data(), static_cast<Variant *>(r_result), r_error,
+					std::index_sequence_for<Args...>());
 		}
-		if (given + p_defaults.size() < wanted) {
-			r_error.error = GDEXTENSION_CALL_ERROR_TOO_FEW_ARGUMENTS;
-			return;
-		}
-		std::array<GDExtensionConstVariantPtr, wanted> values{};
-		for (std::size_t i = 0; i < wanted; ++i) {
-			values[i] = i < given ? p_args[i] : &p_defaults[p_defaults.size() - wanted + i];
-		}
-		call(p_self, p_method, values.data(), static_cast<Variant *>(r_result), r_error,
-				std::index_sequence_for<Args...>());
 	}
 
 private:
