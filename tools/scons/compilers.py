@@ -59,6 +59,8 @@ def configure(env):
     env.Append(CPPDEFINES=["NDEBUG" if release else "DEBUG_ENABLED"])
     if env["target"] == "editor":
         env.Append(CPPDEFINES=["TOOLS_ENABLED"])
+    if env["ship"]:
+        env.Append(CPPDEFINES=["THICKET_SHIPPED"])
     if env["precision"] == "double":
         env.Append(CPPDEFINES=["REAL_T_IS_DOUBLE"])
     env.Append(CPPDEFINES=list(platforms.PLATFORMS[env["platform"]].defines))
@@ -95,7 +97,7 @@ def configure_gnu(env, release):
         return
     env.Append(CCFLAGS=["-O3" if release else "-O2"])
     if env["ship"]:
-        env.Append(CCFLAGS=["-g1", "-gdwarf-4"])
+        env.Append(CCFLAGS=["-g1", "-gdwarf-4", "-ffunction-sections", "-fdata-sections"])
     elif release or env["use_zig"]:
         env.Append(CCFLAGS=["-g0"], LINKFLAGS=["-s"])
     else:
@@ -103,7 +105,13 @@ def configure_gnu(env, release):
 
 
 # Code that runs when a property is set or a scene is read: there is much of it, and its speed is nobody's matter.
-RARE = re.compile(r"extension/nodes/(?:biome|impostor|layer|model|region)/|_(?:binding|explain|properties|types)\.cpp$")
+RARE = re.compile(
+    r"extension/nodes/(?:biome|impostor|layer|model|region|sampler)/"
+    r"|extension/nodes/gameplay/(?:collision_shapes|instance_answers|navigation_parse|scatter_gameplay_navigation|scatter_instances|scatter_request)"
+    r"|extension/nodes/scatter/(?:build_at_once|draw_figures|layer_|node_layers|scatter_explanation|scatter_problems|scatter_tile)"
+    r"|extension/nodes/terrain/scatter_terrain"
+    r"|_(?:binding|explain|properties|types)\.cpp$"
+)
 
 
 def object_of(env, source):
@@ -138,7 +146,7 @@ def shared_flags(env):
         # Godot sees its entry and nothing that could be taken for its own.
         exports = env.File("#tools/scons/exports.map")
         env.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
-        env.Append(LINKFLAGS=["-Wl,-z,relro", "-Wl,-z,now", "-Wl,-z,noexecstack", "-Wl,--build-id=sha1"])
+        env.Append(LINKFLAGS=["-Wl,-z,relro", "-Wl,-z,now", "-Wl,-z,noexecstack", "-Wl,--build-id=sha1", "-Wl,--gc-sections"])
     if platform == "windows":
         # Else a library's time of birth is written into it.
         env.Append(LINKFLAGS=["-Wl,/Brepro" if env["use_zig"] else "-Wl,--no-insert-timestamp"])

@@ -1,5 +1,6 @@
 #include "core/sampling/domain/thrower.hpp"
 
+#define THICKET_SELDOM_RUN
 #include "core/sampling/instruction_sets.hpp"
 
 #undef HWY_TARGET_INCLUDE
