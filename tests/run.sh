@@ -13,6 +13,7 @@ setup_baselines
 setup_clang
 setup_mono
 setup_python
+setup_bake
 setup_wheel
 setup_godot
 setup_qemu

@@ -12,6 +12,7 @@
 #   setup_qemu       what runs programs for other processors, for the tests that compare them; skipped where it cannot be had
 #   setup_emulators  the same for Windows and for the web, and g++ for other processors (about 1.5 GB)
 #   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
+#   setup_bake       the Python packages that bake worlds and read what was baked, in the cache folder
 #   setup_wheel      what builds the Python package of the sampler, and NumPy for its tests, in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
@@ -209,6 +210,26 @@ python_venv() {
 	echo "$(cache_folder)/venv"
 }
 
+# Prints the folder of the virtual environment with the packages of tools/bake/requirements.txt.
+bake_venv() {
+	echo "$(cache_folder)/bake-venv"
+}
+
+setup_bake() {
+	local venv wanted missing=()
+	venv=$(bake_venv)
+	wanted=$(cat "$setup_repo/tools/bake/requirements.txt")
+	[[ ! -f $venv/complete || $(<"$venv/complete") != "$wanted" || ! -x $venv/bin/python ]] || return 0
+	python3 -c 'import venv, ensurepip' 2>/dev/null || missing+=(python3 python3-venv)
+	install_packages "to bake" "${missing[@]}"
+	say "making a Python environment in $venv"
+	mkdir -p "$(cache_folder)"
+	python3 -m venv --clear "$venv"
+	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+		--requirement "$setup_repo/tools/bake/requirements.txt"
+	echo "$wanted" >"$venv/complete"
+}
+
 setup_wheel() {
 	local venv wanted numpy missing=()
 	venv=$(wheel_venv)
@@ -388,6 +409,7 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	setup_clang
 	setup_mono
 	setup_python
+	setup_bake
 	setup_wheel
 	setup_godot
 	version=$("$setup_repo/tools/godot" --version | tail -n 1)

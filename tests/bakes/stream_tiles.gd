@@ -1,0 +1,68 @@
+extends SceneTree
+## Walks through an exported world with a camera, and prints which tiles are shown at each stop. Arguments: the scene's path, then one for each step:
+##   X,Z        go there, in the engine's meters, and wait until nothing more comes or goes
+##   offset=X   move the engine's origin to this x in the world, and the camera with it
+##   far=M      set view_distance
+##   other=PATH give the node another index
+
+var _world: Node3D
+var _camera := Camera3D.new()
+var _most := 0 # Tiles that came in one frame.
+var _came := 0
+var _failed: Array[Vector2i] = []
+
+
+func _initialize() -> void:
+	root.add_child(_camera)
+	var arguments := OS.get_cmdline_user_args()
+	_world = (load(arguments[0]) as PackedScene).instantiate()
+	_world.tile_shown.connect(func(_tile: Vector2i) -> void: _came += 1)
+	_world.tile_failed.connect(func(tile: Vector2i) -> void: _failed.append(tile))
+	_world.frame_budget_usec = 1
+	_world.view_distance = 30.0
+	root.add_child(_world)
+	for argument in arguments.slice(1):
+		var value := argument.get_slice("=", 1)
+		if argument.begins_with("offset="):
+			_camera.position.x -= value.to_float() - _world.world_offset.x
+			_world.world_offset = Vector3(value.to_float(), _world.world_offset.y, _world.world_offset.z)
+		elif argument.begins_with("far="):
+			_world.view_distance = value.to_float()
+		elif argument.begins_with("other="):
+			_world.index = load(value)
+		else:
+			_camera.position = Vector3(argument.get_slice(",", 0).to_float(), 920.0, argument.get_slice(",", 1).to_float())
+		await _settle()
+		_tell()
+	_world.queue_free()
+	await process_frame
+	await process_frame
+	print("stream: done")
+	quit()
+
+
+func _settle() -> void:
+	_most = 0
+	for frame in 600:
+		_came = 0
+		await process_frame
+		_most = maxi(_most, _came)
+		if frame > 2 and _world.is_settled():
+			return
+	print("stream: never settled")
+
+
+func _tell() -> void:
+	var tiles: Array = []
+	var drawn := 0
+	var places: Dictionary = {}
+	for tile: Vector2i in _world.get_shown_tiles():
+		tiles.append([tile.x, tile.y])
+		var node: Node3D = _world.get_tile(tile)
+		places["%d,%d" % [tile.x, tile.y]] = [node.global_position.x, node.global_position.y, node.global_position.z]
+		for child: MultiMeshInstance3D in node.get_children():
+			drawn += child.multimesh.instance_count if not "_LOD1" in child.name else 0
+	print("stop ", JSON.stringify({
+		"tiles": tiles, "instances": _world.get_instance_count(), "drawn": drawn, "places": places, "most": _most,
+		"failed": _failed.map(func(tile: Vector2i) -> Array: return [tile.x, tile.y]), "children": _world.get_child_count(),
+	}))

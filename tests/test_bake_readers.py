@@ -1,0 +1,347 @@
+"""What reads a baked world: scenes for Godot and the node that streams them, glTF, and maps."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ADDON, CACHE, REPO, run
+from scipy.spatial.transform import Rotation
+
+PYTHON = CACHE / "bake-venv/bin/python"
+BAKES = REPO / "tests/bakes"
+TOOLS = REPO / "tools/bake"
+COMPLAINT = re.compile(r"^(?:SCRIPT |USER )?(?:ERROR|WARNING)\b.*", re.MULTILINE)
+ROCK = """[gd_scene load_steps=3 format=3]
+[sub_resource type="StandardMaterial3D" id="gray"]
+albedo_color = Color(0.5, 0.25, 0.5, 1)
+[sub_resource type="BoxMesh" id="box"]
+material = SubResource("gray")
+[node name="Rock" type="Node3D"]
+transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 5, 0, 0)
+[node name="Low" type="MeshInstance3D" parent="."]
+mesh = SubResource("box")
+[node name="High" type="MeshInstance3D" parent="."]
+transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0)
+mesh = SubResource("box")
+[node name="Hidden" type="MeshInstance3D" parent="."]
+transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 9, 0)
+visible = false
+mesh = SubResource("box")
+[node name="Rock_LOD1" type="MeshInstance3D" parent="."]
+transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 20, 0)
+mesh = SubResource("box")
+"""
+
+
+def new_game(folder: Path) -> Path:
+    """A project that has no extension, only the two scripts that stream a world, and the models of the small bake."""
+    scripts = folder / "addons/thicket"
+    scripts.mkdir(parents=True)
+    (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Baked"\n')
+    for name in ("baked_world.gd", "baked_world_index.gd"):
+        shutil.copy(ADDON / name, scripts)
+    (folder / "oak.tres").write_text('[gd_resource type="CylinderMesh" format=3]\n[resource]\nheight = 6.0\n')
+    (folder / "far.tres").write_text('[gd_resource type="BoxMesh" format=3]\n[resource]\nsize = Vector3(1, 6, 1)\n')
+    (folder / "rock.tscn").write_text(ROCK)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def game(tmp_path_factory) -> Path:
+    return new_game(tmp_path_factory.mktemp("game"))
+
+
+@pytest.fixture(scope="module")
+def bake(tmp_path_factory, godot, game) -> Path:
+    """A small bake; see tests/bakes/make_bake.py for what is in it."""
+    folder = tmp_path_factory.mktemp("bakes") / "small"
+    done = run([PYTHON, BAKES / "make_bake.py", folder], timeout=60)
+    assert done.returncode == 0, f"{done.stderr}\nthe Python packages come from tools/setup.sh, setup_bake"
+    (folder / "models").mkdir()
+    done = godot(["--path", game, "--script", BAKES / "make_models.gd", "--", folder / "models/2_0.res"], timeout=60)
+    assert (folder / "models/2_0.res").is_file(), done.stdout + done.stderr
+    return folder
+
+
+@pytest.fixture(scope="module")
+def expected(bake) -> dict[str, np.ndarray]:
+    """The columns of all tiles."""
+    return dict(np.load(bake / "expected.npz"))
+
+
+@pytest.fixture
+def copy(bake, tmp_path) -> Path:
+    """The small bake, to be damaged."""
+    return Path(shutil.copytree(bake, tmp_path / "copy"))
+
+
+def reader(name: str, *arguments: str | Path, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    return run([PYTHON, TOOLS / f"to_{name}.py", *arguments], timeout)
+
+
+def refused(name: str, *arguments: str | Path) -> str:
+    """What a reader says that refuses: a sentence, and no traceback."""
+    done = reader(name, *arguments)
+    assert done.returncode == 1 and "Traceback" not in done.stderr, done.stdout + done.stderr
+    return done.stderr
+
+
+def manifest_of(folder: Path) -> dict:
+    return json.loads((folder / "manifest.json").read_text())
+
+
+def edit_manifest(folder: Path, **values: object) -> None:
+    (folder / "manifest.json").write_text(json.dumps({**manifest_of(folder), **values}))
+
+
+# What is wrong with a bake, whoever reads it
+
+
+def test_a_folder_without_a_bake_is_refused(tmp_path):
+    assert f"{tmp_path} is no bake: there is no manifest.json" in refused("maps", tmp_path, tmp_path / "maps")
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ({"version": 2}, "version is not 1, the one that is known here; it is 2"),
+        ({"format": "other"}, "is not the manifest of a bake"),
+        ({"rect": [0, 0, -5, 5]}, "rect is no rectangle; it is [0, 0, -5, 5]"),
+        ({"tile_size": 0}, "tile_size is no length; it is 0"),
+        ({"layers": [{"index": 0}]}, "has something in it that cannot be read: KeyError('radius')"),
+        ({"tiles": {"0,0": {"file": "../../other", "rows": 1, "digest": ""}}}, "the file of tile 0,0 lies outside of the bake"),
+    ],
+)
+def test_a_manifest_without_sense_is_refused(copy, tmp_path, values, says):
+    edit_manifest(copy, **values)
+    assert says in refused("maps", copy, tmp_path / "maps")
+
+
+def test_damaged_tiles_are_refused(copy, tmp_path):
+    """Missing, cut off, or not the one that the manifest means: each is told with the file's name."""
+    first, second = (copy / f"tiles/tile_{x}_-20002.parquet" for x in (60000, 60001))
+    whole = first.read_bytes()
+    for damage in (lambda: first.unlink(), lambda: first.write_bytes(whole[: len(whole) // 2]), lambda: shutil.copy(copy / "tiles/tile_60002_-20001.parquet", first)):
+        damage()
+        said = refused("maps", copy, tmp_path / "maps")
+        assert "tile_60000_-20002.parquet" in said or "tile 60000,-20002 cannot be read" in said, said
+        assert "bake again, which makes only what is missing" in said
+    first.write_bytes(whole)
+    broken = bytearray(second.read_bytes())
+    broken[100:2000] = bytes(1900)
+    second.write_bytes(broken)
+    assert "tile_60001_-20002.parquet is damaged" in refused("gltf", copy, tmp_path / "gltf", "--stand-ins")
+
+
+# Scenes for Godot
+
+
+@pytest.fixture(scope="module")
+def world(bake, game) -> Path:
+    """The bake as scenes in the game's project, by the command that the page names."""
+    done = run(["bash", "demo_project/bake_export.sh", bake, "godot", game / "world"], timeout=120, cwd=REPO)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "res://world/baked_world.scn streams 2640 instances in 11 tiles" in done.stderr, done.stderr
+    return game / "world"
+
+
+@pytest.fixture(scope="module")
+def nodes(godot, game, world) -> list[dict]:
+    """What stands in the scenes of the tiles, as the engine has loaded them."""
+    done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://world/baked_world.res"], timeout=60)
+    found = [json.loads(line) for line in re.findall(r"^node (.*)$", done.stdout, re.MULTILINE)]
+    assert done.returncode == 0 and found and not COMPLAINT.findall(done.stdout + done.stderr), done.stdout + done.stderr
+    for node in found:
+        stride = 12 + 4 * node["colors"] + 4 * node["custom"]
+        node["rows"] = np.frombuffer(base64.b64decode(node["buffer"]), np.float32).reshape(-1, stride)
+    return found
+
+
+def transforms_of(rows: dict[str, np.ndarray]) -> np.ndarray:
+    """n by 3 by 4 in double precision: a basis, and a position of the world."""
+    turn = Rotation.from_quat(np.stack([rows[name] for name in ("qx", "qy", "qz", "qw")], axis=1)).as_matrix()
+    scale = np.stack([rows[f"scale_{axis}"] for axis in "xyz"], axis=1).astype(np.float64)
+    place = np.stack([rows[axis] for axis in "xyz"], axis=1)
+    return np.concatenate([turn * scale[:, None, :], place[:, :, None]], axis=2)
+
+
+def select(rows: dict[str, np.ndarray], which: np.ndarray) -> dict[str, np.ndarray]:
+    return {name: values[which] for name, values in rows.items()}
+
+
+def of_tile(rows: dict[str, np.ndarray], tile: list[int], layer: int, model: int) -> dict[str, np.ndarray]:
+    """The rows of a model in a tile, by rank."""
+    here = (rows["tile_x"] == tile[0]) & (rows["tile_z"] == tile[1]) & (rows["layer"] == layer) & (rows["model"] == model)
+    found = select(rows, here)
+    return select(found, np.lexsort((found["id"], found["rank"])))
+
+
+def sorted_rows(rows: np.ndarray) -> np.ndarray:
+    return rows[np.lexsort(rows[:, [3, 11]].T)]
+
+
+def test_scenes_hold_every_instance_where_it_was_baked(nodes, expected):
+    """Three million meters from the origin to a hundredth of a millimeter, with colors and custom data; each level of detail has all of them."""
+    seen = 0
+    for tile in sorted({tuple(node["tile"]) for node in nodes}):
+        for layer, model, name, levels in ((0, 0, "Oak_0", ["_LOD0", "_LOD1"]), (0, 1, "Oak_1", [""]), (2, 0, "Grass_0", [""])):
+            wanted = of_tile(expected, list(tile), layer, model)
+            for level in levels:
+                here = [node for node in nodes if tuple(node["tile"]) == tile and node["name"].startswith(name) and node["name"].endswith(level)]
+                rows = np.concatenate([node["rows"] for node in here])
+                center = np.array(here[0]["center"])
+                want = transforms_of(wanted)
+                want[:, :, 3] -= center
+                order, want_order = np.lexsort(rows[:, [3, 11]].T), np.lexsort(want.reshape(-1, 12)[:, [3, 11]].T)
+                assert np.abs(rows[order, :12] - want.reshape(-1, 12)[want_order]).max() < 1e-5
+                assert np.abs(rows[:, [3, 11]]).max() < 25.1
+                if layer == 0:
+                    colors = wanted["color"].astype("<u4").view(np.uint8).reshape(-1, 4) / 255
+                    custom = np.stack([wanted["variation"], wanted["wind_phase"], wanted["rank"] / 2**32, np.abs(wanted["scale_x"])], axis=1)
+                    assert np.abs(rows[order, 12:16] - colors[want_order]).max() < 1e-3
+                    assert np.abs(rows[order, 16:20] - custom[want_order]).max() < 2e-3
+                else:
+                    assert not here[0]["colors"] and not here[0]["custom"]
+                    # The front of a buffer is the thinned tile.
+                    assert np.array_equal(order.argsort(), want_order.argsort())
+                seen += len(rows) if level != "_LOD1" else 0
+    empty_models = int(((expected["layer"] == 2) & (expected["model"] == 1)).sum())
+    assert empty_models > 0 and seen == len(expected["id"]) - empty_models
+
+
+def test_meshes_are_named_or_copied_once(nodes, world, bake):
+    """A mesh of the project by its path, the bake's own once, and a scene as one mesh of its visible parts."""
+    meshes = {node["name"].split("_")[0] + "_" + node["name"].split("_")[1] + node["name"][-5:] * ("LOD" in node["name"]): node["mesh"] for node in nodes}
+    assert meshes["Oak_0_LOD0"] == "res://oak.tres" and meshes["Oak_0_LOD1"] == "res://far.tres"
+    assert meshes["Grass_0"] == "res://world/models/2_0.res"
+    assert (world / "models/2_0.res").read_bytes() == (bake / "models/2_0.res").read_bytes()
+    assert len(list((world / "models").iterdir())) == 2
+    rock = next(node for node in nodes if node["name"] == "Oak_1")
+    assert rock["mesh"].startswith("res://world/models/") and rock["surfaces"] == 1 and rock["height"] == pytest.approx(3.0)
+
+
+def test_levels_of_detail_leave_no_gap_and_never_come_too_early(nodes):
+    """A level begins where the one before ends, measured from the same middle; and nothing nearer than 40 m has the coarse one."""
+    fine = {(*node["tile"], node["name"][:-5]): node for node in nodes if node["name"].endswith("_LOD0")}
+    coarse = {(*node["tile"], node["name"][:-5]): node for node in nodes if node["name"].endswith("_LOD1")}
+    assert fine.keys() == coarse.keys() and len(fine) >= 11
+    for key, near in fine.items():
+        far = coarse[key]
+        assert near["begin"] == 0 and near["end"] == far["begin"] and far["end"] == 0
+        assert near["box"] == far["box"]
+        box = np.reshape(near["box"], (2, 3))
+        middle = box.mean(axis=0)
+        places = near["rows"][:, [3, 7, 11]]
+        assert np.linalg.norm(places - middle, axis=1).max() <= near["end"] - 40 + 1e-3
+        assert ((places > box[0]) & (places < box[1])).all()
+    grass = [node for node in nodes if node["name"] == "Grass_0"]
+    assert all(70 < node["end"] < 70 + 50 for node in grass)
+
+
+def test_an_export_replaces_an_earlier_one_and_nothing_else(bake, game, world, tmp_path):
+    """What is no export stays; a folder outside of a project, and one without the scripts, are refused."""
+    foreign = game / "mine"
+    foreign.mkdir()
+    (foreign / "tiles.txt").write_text("mine")
+    assert "has files in it that no export has written" in refused("godot", bake, foreign)
+    assert [file.name for file in foreign.iterdir()] == ["tiles.txt"]
+    assert "lies in no project of Godot" in refused("godot", bake, tmp_path / "out")
+    bare = tmp_path / "bare"
+    bare.mkdir()
+    (bare / "project.godot").write_text("config_version=5\n")
+    assert "has no addons/thicket/baked_world.gd: copy the add-on, or these two scripts alone" in refused("godot", bake, bare / "out")
+    assert "--cell is -1.0, where meters above 0 are expected" in refused("godot", bake, game / "again", "--cell", "-1")
+    again = game / "again"
+    shutil.copytree(world, again)
+    (again / "tiles/tile_1_1.scn").write_bytes(b"of an earlier bake")
+    assert reader("godot", bake, again).returncode == 0
+    assert sorted(file.name for file in (again / "tiles").iterdir()) == sorted(file.name for file in (world / "tiles").iterdir())
+
+
+def test_a_model_that_cannot_be_had_is_named(copy, game):
+    layers = manifest_of(copy)["layers"]
+    layers[0]["models"][1]["path"] = "res://gone.tscn"
+    edit_manifest(copy, layers=layers)
+    assert "res://gone.tscn cannot be loaded: is it in the project?" in refused("godot", copy, game / "without")
+    assert not (game / "without/baked_world.res").exists()
+    layers[0]["models"][1]["path"] = "models/gone.res"
+    edit_manifest(copy, layers=layers)
+    assert f"{copy} has no models/gone.res, which its manifest names" in refused("godot", copy, game / "without")
+
+
+# The node that streams
+
+
+def stops_of(godot, game: Path, *steps: str) -> tuple[list[dict], str]:
+    """What is shown after each step, and what was printed. See tests/bakes/stream_tiles.gd."""
+    done = godot(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0 and "stream: done" in done.stdout and "never settled" not in done.stdout, printed[-4000:]
+    assert "leaked" not in printed, printed[-4000:]
+    return [json.loads(line) for line in re.findall(r"^stop (.*)$", done.stdout, re.MULTILINE)], printed
+
+
+def distance(tile: str, place: tuple[float, float]) -> float:
+    """Meters from a place of the world to a tile's square."""
+    low = np.array([int(part) * 50.0 for part in tile.split(",")])
+    return float(np.linalg.norm(np.clip(place, low, low + 50) - place))
+
+
+def test_tiles_come_and_go_with_the_camera(godot, game, world, bake):
+    """Exactly those that are nearer than asked come, those that fall behind by a quarter tile go, and each has what the manifest says."""
+    tiles = {key: entry for key, entry in manifest_of(bake)["tiles"].items() if entry["rows"]}
+    walk = [(20.0, -80.0), (120.0, -80.0), (170.0, 20.0), (5000.0, 0.0)]
+    stops, printed = stops_of(godot, game, *(f"{x},{z}" for x, z in walk))
+    assert not COMPLAINT.findall(printed), printed[-4000:]
+    before: set[str] = set()
+    for (x, z), stop in zip(walk, stops, strict=True):
+        here = (3_000_000.0 + x, -1_000_000.0 + z)
+        shown = {f"{i},{j}" for i, j in stop["tiles"]}
+        near = {key for key in tiles if distance(key, here) <= 30}
+        kept = {key for key in before if distance(key, here) <= 30 + 12.5}
+        assert shown == near | kept
+        assert stop["children"] == len(shown)
+        assert stop["instances"] == sum(tiles[key]["rows"] for key in shown)
+        assert 0 <= stop["instances"] - stop["drawn"] <= 0.05 * stop["instances"]  # Those of the empty model.
+        for key, place in stop["places"].items():
+            i, j = (int(part) for part in key.split(","))
+            assert place[0] == (i + 0.5) * 50 - 3_000_000 and place[2] == (j + 0.5) * 50 + 1_000_000
+        before = shown
+    assert 2 <= len(stops[0]["tiles"]) < len(tiles) and not stops[3]["tiles"]
+
+
+def test_work_in_a_frame_is_bounded(godot, game, world):
+    """With hardly any budget, one tile a frame, however many are ready."""
+    stops, _ = stops_of(godot, game, "90,-40", "far=200")
+    assert stops[1]["most"] == 1 and len(stops[1]["tiles"]) == 11
+
+
+def test_the_world_moves_with_the_origin(godot, game, world):
+    stops, printed = stops_of(godot, game, "90,-40", "offset=3000064")
+    assert not COMPLAINT.findall(printed)
+    assert stops[0]["tiles"] == stops[1]["tiles"]
+    for key, place in stops[0]["places"].items():
+        assert stops[1]["places"][key] == [place[0] - 64, place[1], place[2]]
+
+
+def test_a_tile_that_cannot_be_shown_is_told_and_the_others_come(godot, game, world):
+    """One file is missing, one is no scene, one is of another export: an error each, once, that names the file."""
+    hurt = game / "hurt"
+    shutil.copytree(world, hurt)
+    (hurt / "tiles/tile_60000_-20002.scn").unlink()
+    (hurt / "tiles/tile_60001_-20002.scn").write_text("no scene")
+    shutil.copy(hurt / "tiles/tile_60003_-20000.scn", hurt / "tiles/tile_60002_-20000.scn")
+    stops, printed = stops_of(godot, game, "90,-40", "other=res://hurt/baked_world.res", "far=200", "far=201")
+    told = [line for line in COMPLAINT.findall(printed) if "BakedWorld" in line]
+    for name, why in (("60000, -20002", "is missing"), ("60001, -20002", "cannot be read"), ("60002, -20000", "is not what this world has there")):
+        (line,) = [line for line in told if f"({name})" in line]
+        assert f"{why}. Export the bake again." in line and "res://hurt/tiles/tile_" in line
+    assert sorted(stops[-1]["failed"]) == [[60000, -20002], [60001, -20002], [60002, -20000]]
+    assert len(stops[-1]["tiles"]) == 8

@@ -1,0 +1,280 @@
+"""Reads what a bake has written: manifest.json, and a Parquet file for each tile."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+FORMAT = "thicket-bake"
+VERSION = 1
+COLUMNS = ["id", "layer", "model", "x", "y", "z", "qx", "qy", "qz", "qw", "scale_x", "scale_y", "scale_z", "rank"]
+COLUMNS += ["color", "variation", "wind_phase"]
+NEEDED = ("format", "version", "scene", "scene_digest", "rect", "tile_size", "world_offset", "layers", "tiles")
+
+
+class BakeError(Exception):
+    """A bake that cannot be read, in a sentence that names the file and what is wrong with it."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """What is drawn of a model from a distance on."""
+
+    path: str  # As the manifest has it: res://..., or relative to the bake; "" for nothing.
+    begin: float  # Meters; 0 for the first.
+
+
+@dataclass(frozen=True)
+class Model:
+    """What stands at the instances of a layer that have its number."""
+
+    name: str
+    levels: tuple[Level, ...]  # The finest first; at least one.
+
+
+@dataclass(frozen=True)
+class Layer:
+    index: int  # In the scatter's list, and in the tiles.
+    name: str
+    radius: float  # Meters between any two instances, at least.
+    colored: bool
+    custom_data: bool
+    models: tuple[Model, ...]
+    # How it is drawn, as far as the manifest says; meters, and numbers of GeometryInstance3D's enumerations.
+    view_distance: float = 0.0  # 0 for any distance.
+    cast_shadow: int = 1
+    render_layers: int = 1
+    material: str = ""  # The path of what replaces the meshes' own; "" for nothing.
+
+
+@dataclass(frozen=True)
+class Tile:
+    x: int
+    z: int
+    file: Path
+    rows: int
+    rows_of_layer: tuple[int, ...]
+    digest: str
+    bounds: tuple[float, ...] | None  # Least x, y, z, then greatest; None for no rows.
+
+    def __str__(self) -> str:
+        return f"{self.x},{self.z}"
+
+
+@dataclass(frozen=True)
+class Bake:
+    """What manifest.json says."""
+
+    folder: Path
+    scene: str
+    scene_digest: str
+    rect: tuple[float, float, float, float]  # x, z, width and depth in meters of the world.
+    tile_size: float  # Meters.
+    world_offset: tuple[float, float, float]
+    layers: tuple[Layer, ...]
+    tiles: tuple[Tile, ...] = field(repr=False)  # By row, then by column.
+
+    @property
+    def rows(self) -> int:
+        return sum(tile.rows for tile in self.tiles)
+
+    def layer(self, index: int) -> Layer:
+        return next(layer for layer in self.layers if layer.index == index)
+
+
+def _refused(value: object, what: str, manifest: Path) -> BakeError:
+    return BakeError(f"{manifest}: {what} is {json.dumps(value, default=str)[:80]}")
+
+
+def _model(entry: dict) -> Model:
+    lods = entry.get("lods") or [{"path": entry.get("path", "")}]
+    begins = [float(lod.get("distance") or 0.0) for lod in lods]
+    if sorted(begins) != begins or begins[0] != 0:
+        raise ValueError(f"the levels of {entry.get('name')} begin at {begins}")
+    return Model(str(entry.get("name", "")), tuple(Level(str(lod.get("path", "")), begin) for lod, begin in zip(lods, begins)))
+
+
+def _layer(entry: dict) -> Layer:
+    return Layer(
+        index=int(entry["index"]),
+        name=str(entry.get("name", "")) or f"Layer{entry['index']}",
+        radius=float(entry["radius"]),
+        colored=bool(entry.get("colored", False)),
+        custom_data=bool(entry.get("custom_data", False)),
+        models=tuple(_model(model) for model in entry["models"]),
+        view_distance=float(entry.get("view_distance") or 0.0),
+        cast_shadow=int(entry.get("cast_shadow", 1)),
+        render_layers=int(entry.get("render_layers", 1)),
+        material=str(entry.get("material") or ""),
+    )
+
+
+def _tile(folder: Path, key: str, entry: dict) -> Tile:
+    x, z = (int(part) for part in key.split(","))
+    file = (folder / entry["file"]).resolve()
+    if not file.is_relative_to(folder):
+        raise ValueError(f"the file of tile {key} lies outside of the bake")
+    bounds = entry.get("bounds")
+    rows_of_layer = tuple(int(rows) for rows in entry.get("rows_of_layer", []))
+    return Tile(x, z, file, int(entry["rows"]), rows_of_layer, str(entry["digest"]), tuple(bounds) if bounds else None)
+
+
+def open_bake(folder: Path | str) -> Bake:
+    """What the manifest of a bake says. A bake that is still under way has the tiles that are done. Raises BakeError where there is no
+    bake, where another version has written it, and where something in it has no sense."""
+    folder = Path(folder).resolve()
+    manifest = folder / "manifest.json"
+    try:
+        said = json.loads(manifest.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise BakeError(f"{folder} is no bake: there is no manifest.json") from None
+    except (OSError, ValueError) as error:
+        raise BakeError(f"{manifest} cannot be read: {error}") from None
+    if not isinstance(said, dict) or said.get("format") != FORMAT:
+        raise BakeError(f"{manifest} is not the manifest of a bake")
+    if said.get("version") != VERSION:
+        raise _refused(said.get("version"), f"version is not {VERSION}, the one that is known here; it", manifest)
+    for name in NEEDED:
+        if name not in said:
+            raise BakeError(f"{manifest} has no {name}")
+    try:
+        tiles = [_tile(folder, key, entry) for key, entry in said["tiles"].items()]
+        bake = Bake(
+            folder=folder,
+            scene=str(said["scene"]),
+            scene_digest=str(said["scene_digest"]),
+            rect=tuple(float(number) for number in said["rect"]),
+            tile_size=float(said["tile_size"]),
+            world_offset=tuple(float(number) for number in said["world_offset"]),
+            layers=tuple(_layer(entry) for entry in said["layers"]),
+            tiles=tuple(sorted(tiles, key=lambda tile: (tile.z, tile.x))),
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise BakeError(f"{manifest} has something in it that cannot be read: {error!r}") from None
+    if len(bake.rect) != 4 or not (np.isfinite(bake.rect).all() and min(bake.rect[2:]) > 0):
+        raise _refused(said["rect"], "rect is no rectangle; it", manifest)
+    if not (np.isfinite(bake.tile_size) and bake.tile_size > 0):
+        raise _refused(said["tile_size"], "tile_size is no length; it", manifest)
+    if len(bake.world_offset) != 3 or not np.isfinite(bake.world_offset).all():
+        raise _refused(said["world_offset"], "world_offset is no vector; it", manifest)
+    return bake
+
+
+def _open_tile(tile: Tile) -> pq.ParquetFile:
+    try:
+        file = pq.ParquetFile(tile.file)
+    except (OSError, pa.ArrowException) as error:
+        raise BakeError(f"tile {tile} cannot be read: {error}; bake again, which makes only what is missing") from None
+    if file.metadata.num_rows != tile.rows:
+        found = file.metadata.num_rows
+        file.close()
+        raise BakeError(f"{tile.file} has {found} rows and the manifest says {tile.rows}; bake again, which makes only what is missing")
+    return file
+
+
+def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
+    """Columns of a tile, at most `most_rows` rows at once, in the file's order. Raises BakeError for a file that is missing, damaged, or has not as
+    many rows as the manifest says."""
+    if tile.rows == 0:
+        return
+    with _open_tile(tile) as file:
+        missing = [name for name in columns if name not in file.schema_arrow.names]
+        if missing:
+            raise BakeError(f"{tile.file} has no column {missing[0]}")
+        try:
+            for batch in file.iter_batches(batch_size=most_rows, columns=columns):
+                yield {name: _numbers(batch.column(name)) for name in columns}
+        except (OSError, pa.ArrowException) as error:
+            raise BakeError(f"{tile.file} is damaged: {error}; bake again, which makes only what is missing") from None
+
+
+def _numbers(column: pa.Array) -> np.ndarray:
+    """A column as an array. Only colors, where white is meant, and custom data have nulls, which become NaN."""
+    return column.fill_null(0xFFFFFFFF if column.type == pa.uint32() else 0 if pa.types.is_integer(column.type) else float("nan")).to_numpy(
+        zero_copy_only=False
+    )
+
+
+@dataclass(frozen=True)
+class Instances:
+    """The rows of a tile, in the file's order: by layer, then by id. One array entry for each."""
+
+    ids: np.ndarray  # uint64
+    layers: np.ndarray  # uint16
+    models: np.ndarray  # uint16
+    positions: np.ndarray  # float64, n by 3: meters of the world.
+    rotations: np.ndarray  # float32, n by 4: quaternions, w last.
+    scales: np.ndarray  # float32, n by 3
+    ranks: np.ndarray  # uint32
+    colors: np.ndarray  # uint8, n by 4: red, green, blue, alpha, as a shader reads them; white where the layer has none.
+    custom: np.ndarray  # float32, n by 4: INSTANCE_CUSTOM, which is variation, phase of the wind, rank, scale; 0 where the layer has none.
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+
+def read_tile(tile: Tile) -> Instances:
+    """All instances of a tile. Raises BakeError as read_batches does, and for a layer or a model that has no sense."""
+    parts = list(read_batches(tile, COLUMNS))
+    column = {name: np.concatenate([part[name] for part in parts]) if parts else np.zeros(0) for name in COLUMNS}
+    scale = column["scale_x"]
+    has_custom = ~np.isnan(column["wind_phase"])
+    custom = np.stack([column["variation"], column["wind_phase"], column["rank"] / 2.0**32, np.abs(scale)], axis=1)
+    return Instances(
+        ids=column["id"].astype(np.uint64),
+        layers=column["layer"].astype(np.uint16),
+        models=column["model"].astype(np.uint16),
+        positions=np.stack([column[axis] for axis in "xyz"], axis=1).astype(np.float64),
+        rotations=np.stack([column["q" + axis] for axis in "xyzw"], axis=1).astype(np.float32),
+        scales=np.stack([column["scale_" + axis] for axis in "xyz"], axis=1).astype(np.float32),
+        ranks=column["rank"].astype(np.uint32),
+        colors=column["color"].astype("<u4").view(np.uint8).reshape(-1, 4),
+        custom=np.where(has_custom[:, None], custom, 0.0).astype(np.float32),
+    )
+
+
+def center_of(bake: Bake, tile: Tile) -> np.ndarray:
+    """Where the numbers of a tile start from, in meters of the world, in double precision: the middle of its square, at a whole meter near the middle of
+    its heights."""
+    height = 0.0 if tile.bounds is None else float(np.round((tile.bounds[1] + tile.bounds[4]) / 2))
+    return np.array([(tile.x + 0.5) * bake.tile_size, height, (tile.z + 0.5) * bake.tile_size])
+
+
+def groups_of(bake: Bake, tile: Tile, instances: Instances) -> Iterator[tuple[Layer, int, np.ndarray]]:
+    """What each layer and model has of a tile: the layer, the model's index, and the indices of its instances, by rank. Models without instances
+    are left out. Raises BakeError for a layer or a model that the manifest does not name."""
+    layers = {layer.index: layer for layer in bake.layers}
+    keys = instances.layers.astype(np.uint32) << 16 | instances.models
+    order = np.lexsort((instances.ids, instances.ranks, keys))
+    sorted_keys = keys[order]
+    starts = np.flatnonzero(np.r_[len(order) > 0, sorted_keys[1:] != sorted_keys[:-1]]) if len(order) else []
+    for number, start in enumerate(starts):
+        end = starts[number + 1] if number + 1 < len(starts) else len(order)
+        index, model = int(sorted_keys[start] >> 16), int(sorted_keys[start] & 0xFFFF)
+        if index not in layers or model >= len(layers[index].models):
+            raise BakeError(f"{tile.file} has instances of layer {index}, model {model}, which the manifest does not name")
+        yield layers[index], model, order[start:end]
+
+
+def say(text: str) -> None:
+    """A line for whoever runs the command."""
+    print(f"thicket: {text}", file=sys.stderr, flush=True)
+
+
+def run_main(main: Callable[[], None]) -> None:
+    """Runs a command: a BakeError is a sentence and the exit status 1, not a traceback."""
+    try:
+        main()
+    except BakeError as error:
+        say(str(error))
+        sys.exit(1)
+    except KeyboardInterrupt:
+        say("interrupted")
+        sys.exit(130)

@@ -1,0 +1,36 @@
+extends RefCounted
+## Reads jobs from the standard input, as engine.py writes them: the length of a text in 4 bytes, the text, a dictionary in JSON, and as many bytes as
+## its "bytes" says.
+
+const ANSWER := "thicket answer "
+const MOST_AT_ONCE := 1 << 20
+
+## The job that was read last.
+var job: Dictionary = {}
+## The bytes that belong to it.
+var payload := PackedByteArray()
+
+
+## Waits for a job. False where there is none any more.
+func read() -> bool:
+	var length := _read(4)
+	if length.size() < 4:
+		return false
+	job = JSON.parse_string(_read(length.decode_u32(0)).get_string_from_utf8())
+	payload = _read(int(job.bytes))
+	return payload.size() == int(job.bytes)
+
+
+## Answers the job that was read last.
+func answer(what: Dictionary) -> void:
+	print(ANSWER, JSON.stringify(what))
+
+
+func _read(count: int) -> PackedByteArray:
+	var result := PackedByteArray()
+	while result.size() < count:
+		var part := OS.read_buffer_from_stdin(mini(count - result.size(), MOST_AT_ONCE))
+		if part.is_empty():
+			break
+		result.append_array(part)
+	return result

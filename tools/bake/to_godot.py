@@ -1,0 +1,162 @@
+"""Writes a bake as scenes of Godot: one for each tile, and a world that streams them. See README.md."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from pathlib import Path
+
+import numpy as np
+from bake_files import Bake, BakeError, Tile, center_of, open_bake, read_tile, run_main, say
+from engine import REPO, Engine
+from multimesh import Drawn, drawn_of
+
+SCRIPT = Path(__file__).with_name("write_tiles.gd")
+ADDON = ("addons/thicket/baked_world.gd", "addons/thicket/baked_world_index.gd")
+STALE = ("tiles/tile_*.scn", "models/*", "baked_world.res", "baked_world.scn")
+
+
+class Meshes:
+    """The meshes and materials that tiles name, in the order in which the engine has been told of them."""
+
+    def __init__(self, bake: Bake, folder: Path, inside: str, engine: Engine):
+        self._bake, self._folder, self._inside, self._engine = bake, folder, inside, engine
+        self._meshes: dict[str, int] = {}
+        self._materials: dict[str, int] = {}
+
+    def mesh(self, path: str) -> int:
+        if path not in self._meshes:
+            own = f"{self._inside}/models/mesh_{len(self._meshes)}.res"
+            self._engine.ask({"do": "mesh", "path": self._in_project(path), "own": own})
+            self._meshes[path] = len(self._meshes)
+        return self._meshes[path]
+
+    def material(self, path: str) -> int:
+        """-1 for none."""
+        if not path:
+            return -1
+        if path not in self._materials:
+            self._engine.ask({"do": "material", "path": self._in_project(path)})
+            self._materials[path] = len(self._materials)
+        return self._materials[path]
+
+    def _in_project(self, path: str) -> str:
+        """A path of the project as it is; what lies in the bake is copied."""
+        if "://" in path:
+            return path
+        source = (self._bake.folder / path).resolve()
+        if not source.is_relative_to(self._bake.folder) or not source.is_file():
+            raise BakeError(f"{self._bake.folder} has no {path}, which its manifest names")
+        target = self._folder / "models" / source.name
+        shutil.copyfile(source, target)
+        return f"{self._inside}/models/{source.name}"
+
+
+def level_nodes(drawn: Drawn, meshes: Meshes, start: int, number: int) -> list[dict]:
+    """What write_tiles.gd makes of one part of a tile: a node for each level of detail, which share `drawn`'s bytes from `start` on.
+
+    The engine measures the distance to the middle of a node, and a level counts from its nearest instance: each begins and ends later by the reach."""
+    layer, levels = drawn.layer, drawn.layer.models[drawn.model].levels
+    entry = {
+        "count": drawn.count, "from": start, "to": start + drawn.buffer.nbytes, "use_colors": layer.colored, "use_custom_data": layer.custom_data,
+        "cast_shadow": layer.cast_shadow, "render_layers": layer.render_layers, "material": meshes.material(layer.material),
+    }  # fmt: skip
+    last = layer.view_distance or np.inf
+    ends = [*(min(level.begin, last) for level in levels[1:]), last]
+    if len(levels) > 1:
+        entry |= {"least": drawn.least.tolist(), "greatest": drawn.greatest.tolist(), "largest_scale": drawn.largest_scale}
+        entry["meshes"] = [meshes.mesh(level.path) for level in levels if level.path]
+    nodes = []
+    for lod, (level, end) in enumerate(zip(levels, ends)):
+        if level.path and level.begin < end:
+            name = f"{layer.name}_{drawn.model}" + (f"_{number}" if len(levels) > 1 else "") + (f"_LOD{lod}" if len(levels) > 1 else "")
+            begin = level.begin + drawn.reach if lod else 0.0
+            end = end + drawn.reach if np.isfinite(end) else 0.0
+            nodes.append({**entry, "name": name, "mesh": meshes.mesh(level.path), "begin": begin, "end": end})
+    return nodes
+
+
+def write_tile(bake: Bake, tile: Tile, inside: str, cell: float, meshes: Meshes, engine: Engine) -> None:
+    nodes, parts, size = [], [], 0
+    for number, drawn in enumerate(drawn_of(bake, tile, read_tile(tile), cell)):
+        nodes += level_nodes(drawn, meshes, size, number)
+        parts.append(drawn.buffer.tobytes())
+        size += drawn.buffer.nbytes
+    job = {"do": "tile", "file": f"{inside}/{tile_file(tile)}", "tile": [tile.x, tile.z], "instances": tile.rows}
+    engine.ask({**job, "scene_digest": bake.scene_digest, "nodes": nodes}, b"".join(parts))
+
+
+def tile_file(tile: Tile) -> str:
+    return f"tiles/tile_{tile.x}_{tile.z}.scn"
+
+
+def write_world(bake: Bake, inside: str, tiles: list[Tile], engine: Engine) -> None:
+    payload = np.array([[tile.x, tile.z] for tile in tiles], "<i4").reshape(-1, 2).tobytes()
+    payload += np.array([tile.rows for tile in tiles], "<i4").tobytes()
+    payload += np.array([center_of(bake, tile) for tile in tiles], "<f8").reshape(-1, 3).tobytes()
+    job = {"do": "world", "index": f"{inside}/baked_world.res", "scene": f"{inside}/baked_world.scn", "count": len(tiles)}
+    job |= {"scene_digest": bake.scene_digest, "tile_size": bake.tile_size, "world_offset": list(bake.world_offset)}
+    engine.ask({**job, "layer_names": [layer.name for layer in bake.layers]}, payload)
+
+
+def project_of(folder: Path) -> Path:
+    """The project in which a folder lies. Raises BakeError for none, and for one without the add-on's scripts that stream a world."""
+    for parent in (folder, *folder.parents):
+        if (parent / "project.godot").is_file():
+            for script in ADDON:
+                if not (parent / script).is_file():
+                    raise BakeError(f"{parent} has no {script}: copy the add-on, or these two scripts alone: {', '.join(ADDON)}")
+            return parent
+    raise BakeError(f"{folder} lies in no project of Godot: scenes name their meshes by paths in one")
+
+
+def check_folder(bake: Bake, folder: Path) -> None:
+    """Refuses folders that hold something else, so that nothing is lost that nobody baked."""
+    if folder == bake.folder or folder.is_relative_to(bake.folder) or bake.folder.is_relative_to(folder):
+        raise BakeError(f"{folder} and the bake in {bake.folder} lie in each other: choose another folder")
+    if folder.is_dir() and any(folder.iterdir()) and not (folder / "baked_world.res").is_file() and not (folder / ".unfinished").is_file():
+        raise BakeError(f"{folder} has files in it that no export has written: choose an empty folder")
+
+
+def empty(folder: Path) -> None:
+    for pattern in STALE:
+        for file in folder.glob(pattern):
+            file.unlink()
+
+
+def export(bake: Bake, folder: Path, cell: float) -> None:
+    """Writes all tiles that have rows, then the world. An export that was there before is replaced. The world is written last: where it is missing, the export
+    has not come to its end."""
+    project = project_of(folder)
+    check_folder(bake, folder)
+    for part in ("tiles", "models"):
+        (folder / part).mkdir(parents=True, exist_ok=True)
+    (folder / ".unfinished").touch()
+    empty(folder)
+    inside = "res://" + folder.relative_to(project).as_posix().removeprefix(".")
+    inside = inside.rstrip("/") if inside != "res://" else inside
+    tiles = [tile for tile in bake.tiles if tile.rows]
+    with Engine(project, SCRIPT) as engine:
+        meshes = Meshes(bake, folder, inside, engine)
+        for number, tile in enumerate(tiles):
+            write_tile(bake, tile, inside, cell, meshes, engine)
+            if (number + 1) % 100 == 0 or number + 1 == len(tiles):
+                say(f"{number + 1} of {len(tiles)} tiles")
+        write_world(bake, inside, tiles, engine)
+    (folder / ".unfinished").unlink()
+    say(f"{inside}/baked_world.scn streams {bake.rows} instances in {len(tiles)} tiles")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="to_godot.py", description=__doc__)
+    parser.add_argument("bake", type=Path, help="folder that a bake has written")
+    parser.add_argument("folder", type=Path, help="folder in a project of Godot; an earlier export there is replaced")
+    parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="models with levels of detail are parted into cells of about this size (64)")
+    arguments = parser.parse_args()
+    if not (np.isfinite(arguments.cell) and arguments.cell > 0):
+        raise BakeError(f"--cell is {arguments.cell}, where meters above 0 are expected")
+    export(open_bake(arguments.bake), arguments.folder.resolve(), arguments.cell)
+
+
+if __name__ == "__main__":
+    run_main(main)
