@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
-# Writes what bake.sh has baked for others, and installs what that takes:
-#   bash demo_project/bake_export.sh OUT godot FOLDER [--cell METERS]   scenes that BakedWorld streams without the extension
-# FOLDER lies in a project of Godot for the first. --help behind the format tells of all options.
+# Writes what a bake of a world has given for others, and installs what that takes:
+#   bash demo_project/bake_export.sh BAKE godot FOLDER   scenes in a project, which BakedWorld streams without the extension
+#   bash demo_project/bake_export.sh BAKE gltf FOLDER    a .glb for each tile, with EXT_mesh_gpu_instancing
+#   bash demo_project/bake_export.sh BAKE maps FOLDER    a gray PNG for each layer, in plan view
+# Options come last; --help instead of FOLDER tells of them, and tools/bake/READERS.md of all three.
 set -euo pipefail
 repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 source "$repo/tools/setup.sh"
 
-if (($# < 3)) || [[ ! ${2:-} =~ ^(godot)$ ]]; then
-	sed -n '2,4s/^# \?//p' "${BASH_SOURCE[0]}" >&2
+if (($# < 3)) || [[ ! $2 =~ ^(godot|gltf|maps)$ ]]; then
+	sed -n '2,6s/^# \?//p' "${BASH_SOURCE[0]}" >&2
 	exit 2
 fi
 bake=$1 format=$2
 shift 2
 setup_bake
-setup_godot
+[[ $format == maps ]] || setup_godot
 exec "$(bake_venv)/bin/python" "$repo/tools/bake/to_$format.py" "$bake" "$@"

@@ -22,6 +22,7 @@ if [[ " $* " == *" --full "* ]]; then
 	setup_llvm
 	setup_emulators
 	setup_descriptions
+	setup_gltf_validator
 	setup_export_template
 	setup_godot_arm64
 fi

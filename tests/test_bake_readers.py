@@ -1,4 +1,4 @@
-"""What reads a baked world: scenes for Godot and the node that streams them, glTF, and maps."""
+"""What reads a baked world refuses what is damaged; and a bake as scenes for Godot, with the node that streams them."""
 
 from __future__ import annotations
 
@@ -6,99 +6,14 @@ import base64
 import json
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ADDON, CACHE, REPO, run
+from bakes.small import BAKES, bake, copy, edit_manifest, expected, game, manifest_of, of_tile, reader, refused  # noqa: F401 (some are fixtures)
+from conftest import REPO, run
 from scipy.spatial.transform import Rotation
-
-PYTHON = CACHE / "bake-venv/bin/python"
-BAKES = REPO / "tests/bakes"
-TOOLS = REPO / "tools/bake"
-COMPLAINT = re.compile(r"^(?:SCRIPT |USER )?(?:ERROR|WARNING)\b.*", re.MULTILINE)
-ROCK = """[gd_scene load_steps=3 format=3]
-[sub_resource type="StandardMaterial3D" id="gray"]
-albedo_color = Color(0.5, 0.25, 0.5, 1)
-[sub_resource type="BoxMesh" id="box"]
-material = SubResource("gray")
-[node name="Rock" type="Node3D"]
-transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 5, 0, 0)
-[node name="Low" type="MeshInstance3D" parent="."]
-mesh = SubResource("box")
-[node name="High" type="MeshInstance3D" parent="."]
-transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0)
-mesh = SubResource("box")
-[node name="Hidden" type="MeshInstance3D" parent="."]
-transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 9, 0)
-visible = false
-mesh = SubResource("box")
-[node name="Rock_LOD1" type="MeshInstance3D" parent="."]
-transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 20, 0)
-mesh = SubResource("box")
-"""
-
-
-def new_game(folder: Path) -> Path:
-    """A project that has no extension, only the two scripts that stream a world, and the models of the small bake."""
-    scripts = folder / "addons/thicket"
-    scripts.mkdir(parents=True)
-    (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Baked"\n')
-    for name in ("baked_world.gd", "baked_world_index.gd"):
-        shutil.copy(ADDON / name, scripts)
-    (folder / "oak.tres").write_text('[gd_resource type="CylinderMesh" format=3]\n[resource]\nheight = 6.0\n')
-    (folder / "far.tres").write_text('[gd_resource type="BoxMesh" format=3]\n[resource]\nsize = Vector3(1, 6, 1)\n')
-    (folder / "rock.tscn").write_text(ROCK)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def game(tmp_path_factory) -> Path:
-    return new_game(tmp_path_factory.mktemp("game"))
-
-
-@pytest.fixture(scope="module")
-def bake(tmp_path_factory, godot, game) -> Path:
-    """A small bake; see tests/bakes/make_bake.py for what is in it."""
-    folder = tmp_path_factory.mktemp("bakes") / "small"
-    done = run([PYTHON, BAKES / "make_bake.py", folder], timeout=60)
-    assert done.returncode == 0, f"{done.stderr}\nthe Python packages come from tools/setup.sh, setup_bake"
-    (folder / "models").mkdir()
-    done = godot(["--path", game, "--script", BAKES / "make_models.gd", "--", folder / "models/2_0.res"], timeout=60)
-    assert (folder / "models/2_0.res").is_file(), done.stdout + done.stderr
-    return folder
-
-
-@pytest.fixture(scope="module")
-def expected(bake) -> dict[str, np.ndarray]:
-    """The columns of all tiles."""
-    return dict(np.load(bake / "expected.npz"))
-
-
-@pytest.fixture
-def copy(bake, tmp_path) -> Path:
-    """The small bake, to be damaged."""
-    return Path(shutil.copytree(bake, tmp_path / "copy"))
-
-
-def reader(name: str, *arguments: str | Path, timeout: float = 120) -> subprocess.CompletedProcess[str]:
-    return run([PYTHON, TOOLS / f"to_{name}.py", *arguments], timeout)
-
-
-def refused(name: str, *arguments: str | Path) -> str:
-    """What a reader says that refuses: a sentence, and no traceback."""
-    done = reader(name, *arguments)
-    assert done.returncode == 1 and "Traceback" not in done.stderr, done.stdout + done.stderr
-    return done.stderr
-
-
-def manifest_of(folder: Path) -> dict:
-    return json.loads((folder / "manifest.json").read_text())
-
-
-def edit_manifest(folder: Path, **values: object) -> None:
-    (folder / "manifest.json").write_text(json.dumps({**manifest_of(folder), **values}))
+from test_demo import complaints
 
 
 # What is wrong with a bake, whoever reads it
@@ -140,6 +55,12 @@ def test_damaged_tiles_are_refused(copy, tmp_path):
     assert "tile_60001_-20002.parquet is damaged" in refused("gltf", copy, tmp_path / "gltf", "--stand-ins")
 
 
+def test_the_command_says_how_it_is_used(bake):
+    for arguments in ([], [bake, "obj", "out"]):
+        done = run(["bash", "demo_project/bake_export.sh", *arguments], timeout=60, cwd=REPO)
+        assert done.returncode == 2 and "bake_export.sh BAKE gltf FOLDER" in done.stderr
+
+
 # Scenes for Godot
 
 
@@ -157,7 +78,7 @@ def nodes(godot, game, world) -> list[dict]:
     """What stands in the scenes of the tiles, as the engine has loaded them."""
     done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://world/baked_world.res"], timeout=60)
     found = [json.loads(line) for line in re.findall(r"^node (.*)$", done.stdout, re.MULTILINE)]
-    assert done.returncode == 0 and found and not COMPLAINT.findall(done.stdout + done.stderr), done.stdout + done.stderr
+    assert done.returncode == 0 and found and not complaints(done.stdout + done.stderr), done.stdout + done.stderr
     for node in found:
         stride = 12 + 4 * node["colors"] + 4 * node["custom"]
         node["rows"] = np.frombuffer(base64.b64decode(node["buffer"]), np.float32).reshape(-1, stride)
@@ -170,21 +91,6 @@ def transforms_of(rows: dict[str, np.ndarray]) -> np.ndarray:
     scale = np.stack([rows[f"scale_{axis}"] for axis in "xyz"], axis=1).astype(np.float64)
     place = np.stack([rows[axis] for axis in "xyz"], axis=1)
     return np.concatenate([turn * scale[:, None, :], place[:, :, None]], axis=2)
-
-
-def select(rows: dict[str, np.ndarray], which: np.ndarray) -> dict[str, np.ndarray]:
-    return {name: values[which] for name, values in rows.items()}
-
-
-def of_tile(rows: dict[str, np.ndarray], tile: list[int], layer: int, model: int) -> dict[str, np.ndarray]:
-    """The rows of a model in a tile, by rank."""
-    here = (rows["tile_x"] == tile[0]) & (rows["tile_z"] == tile[1]) & (rows["layer"] == layer) & (rows["model"] == model)
-    found = select(rows, here)
-    return select(found, np.lexsort((found["id"], found["rank"])))
-
-
-def sorted_rows(rows: np.ndarray) -> np.ndarray:
-    return rows[np.lexsort(rows[:, [3, 11]].T)]
 
 
 def test_scenes_hold_every_instance_where_it_was_baked(nodes, expected):
@@ -279,9 +185,9 @@ def test_a_model_that_cannot_be_had_is_named(copy, game):
 # The node that streams
 
 
-def stops_of(godot, game: Path, *steps: str) -> tuple[list[dict], str]:
+def stops_of(engine, game: Path, *steps: str) -> tuple[list[dict], str]:
     """What is shown after each step, and what was printed. See tests/bakes/stream_tiles.gd."""
-    done = godot(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
+    done = engine(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "stream: done" in done.stdout and "never settled" not in done.stdout, printed[-4000:]
     assert "leaked" not in printed, printed[-4000:]
@@ -294,12 +200,13 @@ def distance(tile: str, place: tuple[float, float]) -> float:
     return float(np.linalg.norm(np.clip(place, low, low + 50) - place))
 
 
-def test_tiles_come_and_go_with_the_camera(godot, game, world, bake):
-    """Exactly those that are nearer than asked come, those that fall behind by a quarter tile go, and each has what the manifest says."""
+@pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
+def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
+    """With and without a renderer: only with one are files read on threads. Exactly those that are nearer than asked come, those that fall behind by a quarter tile go, and each has what the manifest says."""
     tiles = {key: entry for key, entry in manifest_of(bake)["tiles"].items() if entry["rows"]}
     walk = [(20.0, -80.0), (120.0, -80.0), (170.0, 20.0), (5000.0, 0.0)]
-    stops, printed = stops_of(godot, game, *(f"{x},{z}" for x, z in walk))
-    assert not COMPLAINT.findall(printed), printed[-4000:]
+    stops, printed = stops_of(request.getfixturevalue(engine), game, *(f"{x},{z}" for x, z in walk))
+    assert not complaints(printed), printed[-4000:]
     before: set[str] = set()
     for (x, z), stop in zip(walk, stops, strict=True):
         here = (3_000_000.0 + x, -1_000_000.0 + z)
@@ -325,7 +232,7 @@ def test_work_in_a_frame_is_bounded(godot, game, world):
 
 def test_the_world_moves_with_the_origin(godot, game, world):
     stops, printed = stops_of(godot, game, "90,-40", "offset=3000064")
-    assert not COMPLAINT.findall(printed)
+    assert not complaints(printed)
     assert stops[0]["tiles"] == stops[1]["tiles"]
     for key, place in stops[0]["places"].items():
         assert stops[1]["places"][key] == [place[0] - 64, place[1], place[2]]
@@ -339,7 +246,7 @@ def test_a_tile_that_cannot_be_shown_is_told_and_the_others_come(godot, game, wo
     (hurt / "tiles/tile_60001_-20002.scn").write_text("no scene")
     shutil.copy(hurt / "tiles/tile_60003_-20000.scn", hurt / "tiles/tile_60002_-20000.scn")
     stops, printed = stops_of(godot, game, "90,-40", "other=res://hurt/baked_world.res", "far=200", "far=201")
-    told = [line for line in COMPLAINT.findall(printed) if "BakedWorld" in line]
+    told = [line for line in complaints(printed) if "BakedWorld" in line]
     for name, why in (("60000, -20002", "is missing"), ("60001, -20002", "cannot be read"), ("60002, -20000", "is not what this world has there")):
         (line,) = [line for line in told if f"({name})" in line]
         assert f"{why}. Export the bake again." in line and "res://hurt/tiles/tile_" in line

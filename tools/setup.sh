@@ -11,8 +11,9 @@
 #   setup_descriptions  the engine's descriptions of itself from 4.2 on, to compare; those tests are skipped without
 #   setup_qemu       what runs programs for other processors, for the tests that compare them; skipped where it cannot be had
 #   setup_emulators  the same for Windows and for the web, and g++ for other processors (about 1.5 GB)
-#   setup_python     the Python packages of tests/requirements.txt, in a virtual environment in the cache folder
-#   setup_bake       the Python packages that bake worlds and read what was baked, in the cache folder
+#   setup_gltf_validator  Khronos' validator, for the test of glTF files; it is skipped where it cannot be had
+#   setup_python     the Python packages of tests/requirements.txt and of setup_bake, in a virtual environment in the cache folder
+#   setup_bake       what bakes worlds: Dask and Arrow, in a virtual environment in the cache folder
 #   setup_wheel      what builds the Python package of the sampler, and NumPy for its tests, in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
@@ -32,6 +33,7 @@ highway_suite=trixie
 zig_version=0.17.0
 emscripten_suite=trixie
 descriptions_version=0.5.1
+gltf_validator_version=2.0.0-dev.3.10
 
 say() {
 	echo "thicket: $*" >&2
@@ -171,6 +173,22 @@ setup_node() {
 		say "going on without node; the tests that need it will be skipped"
 }
 
+setup_gltf_validator() {
+	local folder
+	folder=$(cache_folder)/gltf-validator-$gltf_validator_version
+	[[ ! -d $folder ]] || return 0
+	command -v npm >/dev/null || install_packages "to check glTF" npm || return 0
+	rm -rf "$folder.partial"
+	mkdir -p "$folder.partial"
+	if npm install --silent --no-audit --no-fund --ignore-scripts --prefix "$folder.partial" \
+		"gltf-validator@$gltf_validator_version" >&2; then
+		mv "$folder.partial" "$folder"
+	else
+		rm -rf "$folder.partial"
+		say "going on without the validator of glTF; the test that needs it will be skipped"
+	fi
+}
+
 setup_wine() {
 	[[ -x /usr/lib/wine/wine64 ]] || command -v wine64 wine >/dev/null || install_packages "to run programs for Windows" wine64 ||
 		say "going on without wine; the tests that need it will be skipped"
@@ -190,7 +208,7 @@ setup_python() {
 	local venv stamp wanted
 	venv=$(python_venv)
 	stamp=$venv/complete
-	wanted=$(cat "$setup_repo/tests/requirements.txt")
+	wanted=$(cat "$setup_repo"/{tests,tools/bake}/requirements.txt)
 	if [[ -f $stamp && $(<"$stamp") == "$wanted" && -x $venv/bin/python ]]; then
 		return
 	fi
@@ -201,18 +219,8 @@ setup_python() {
 	mkdir -p "$(cache_folder)"
 	python3 -m venv --clear "$venv"
 	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
-		--requirement "$setup_repo/tests/requirements.txt"
+		--requirement "$setup_repo/tests/requirements.txt" --requirement "$setup_repo/tools/bake/requirements.txt"
 	echo "$wanted" >"$stamp"
-}
-
-# Prints the folder of the virtual environment.
-python_venv() {
-	echo "$(cache_folder)/venv"
-}
-
-# Prints the folder of the virtual environment with the packages of tools/bake/requirements.txt.
-bake_venv() {
-	echo "$(cache_folder)/bake-venv"
 }
 
 setup_bake() {
@@ -228,6 +236,16 @@ setup_bake() {
 	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
 		--requirement "$setup_repo/tools/bake/requirements.txt"
 	echo "$wanted" >"$venv/complete"
+}
+
+# Prints the folder of the virtual environment that bakes.
+bake_venv() {
+	echo "$(cache_folder)/bake-venv"
+}
+
+# Prints the folder of the virtual environment.
+python_venv() {
+	echo "$(cache_folder)/venv"
 }
 
 setup_wheel() {

@@ -50,6 +50,8 @@ var _shown: Dictionary[Vector2i, Node3D] = {}
 var _loading: Dictionary[Vector2i, String] = {} # The path that is being read.
 var _failed: Dictionary[Vector2i, bool] = {}
 var _wanted: Array[Vector2i] = [] # Neither shown nor being read, the nearest last.
+# What stands for a renderer in a headless engine may not be told of multimeshes by several threads.
+var _reads_on_threads := DisplayServer.get_name() != "headless"
 var _is_stale := true
 var _looked_from := Vector2.INF # World x, z.
 
@@ -173,7 +175,7 @@ func _request() -> void:
 		var path := index.tile_path(tile)
 		if not ResourceLoader.exists(path, "PackedScene"):
 			_fail(tile, "%s is missing" % path)
-		elif ResourceLoader.load_threaded_request(path, "PackedScene") != OK:
+		elif _reads_on_threads and ResourceLoader.load_threaded_request(path, "PackedScene") != OK:
 			_fail(tile, "%s cannot be read" % path)
 		else:
 			_loading[tile] = path
@@ -183,12 +185,11 @@ func _take(deadline: int) -> void:
 	for tile: Vector2i in _loading.keys():
 		if not _loading.has(tile):
 			return
-		var status := ResourceLoader.load_threaded_get_status(_loading[tile])
-		if status == ResourceLoader.THREAD_LOAD_IN_PROGRESS:
-			continue
 		var path := _loading[tile]
+		if _reads_on_threads and ResourceLoader.load_threaded_get_status(path) == ResourceLoader.THREAD_LOAD_IN_PROGRESS:
+			continue
 		_loading.erase(tile)
-		var scene := ResourceLoader.load_threaded_get(path) as PackedScene
+		var scene := (ResourceLoader.load_threaded_get(path) if _reads_on_threads else ResourceLoader.load(path)) as PackedScene
 		if scene == null:
 			_fail(tile, "%s cannot be read" % path)
 		elif _distance(tile, _looked_from) <= view_distance + index.tile_size / 4.0:
@@ -219,8 +220,8 @@ func _fail(tile: Vector2i, why: String) -> void:
 
 func _drop_all() -> void:
 	for tile in _loading:
-		# The engine keeps what was requested and not taken.
-		ResourceLoader.load_threaded_get(_loading[tile])
+		if _reads_on_threads: # The engine keeps what was requested and not taken.
+			ResourceLoader.load_threaded_get(_loading[tile])
 	for tile in _shown:
 		_shown[tile].queue_free()
 	_loading.clear()

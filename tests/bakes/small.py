@@ -1,0 +1,108 @@
+"""The small bake that all tests of readers take, and the project that has its models."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ADDON, CACHE, REPO, run
+
+PYTHON = CACHE / "bake-venv/bin/python"
+BAKES = REPO / "tests/bakes"
+TOOLS = REPO / "tools/bake"
+ROCK = """[gd_scene load_steps=3 format=3]
+[sub_resource type="StandardMaterial3D" id="gray"]
+albedo_color = Color(0.5, 0.25, 0.5, 1)
+[sub_resource type="BoxMesh" id="box"]
+material = SubResource("gray")
+[node name="Rock" type="Node3D"]
+transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 5, 0, 0)
+[node name="Low" type="MeshInstance3D" parent="."]
+mesh = SubResource("box")
+[node name="High" type="MeshInstance3D" parent="."]
+transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0)
+mesh = SubResource("box")
+[node name="Hidden" type="MeshInstance3D" parent="."]
+transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 9, 0)
+visible = false
+mesh = SubResource("box")
+[node name="Rock_LOD1" type="MeshInstance3D" parent="."]
+transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 20, 0)
+mesh = SubResource("box")
+"""
+
+
+def new_game(folder: Path) -> Path:
+    """A project that has no extension, only the two scripts that stream a world, and the models of the small bake."""
+    scripts = folder / "addons/thicket"
+    scripts.mkdir(parents=True)
+    (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Baked"\n')
+    for name in ("baked_world.gd", "baked_world_index.gd"):
+        shutil.copy(ADDON / name, scripts)
+    (folder / "oak.tres").write_text('[gd_resource type="CylinderMesh" format=3]\n[resource]\nheight = 6.0\n')
+    (folder / "far.tres").write_text('[gd_resource type="BoxMesh" format=3]\n[resource]\nsize = Vector3(1, 6, 1)\n')
+    (folder / "rock.tscn").write_text(ROCK)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def game(tmp_path_factory) -> Path:
+    return new_game(tmp_path_factory.mktemp("game"))
+
+
+@pytest.fixture(scope="module")
+def bake(tmp_path_factory, godot, game) -> Path:
+    """A small bake; see tests/bakes/make_bake.py for what is in it."""
+    folder = tmp_path_factory.mktemp("bakes") / "small"
+    done = run([PYTHON, BAKES / "make_bake.py", folder], timeout=60)
+    assert done.returncode == 0, f"{done.stderr}\nthe Python packages come from tools/setup.sh, setup_bake"
+    (folder / "models").mkdir()
+    done = godot(["--path", game, "--script", BAKES / "make_models.gd", "--", folder / "models/2_0.res"], timeout=60)
+    assert (folder / "models/2_0.res").is_file(), done.stdout + done.stderr
+    return folder
+
+
+@pytest.fixture(scope="module")
+def expected(bake) -> dict[str, np.ndarray]:
+    """The columns of all tiles."""
+    return dict(np.load(bake / "expected.npz"))
+
+
+@pytest.fixture
+def copy(bake, tmp_path) -> Path:
+    """The small bake, to be damaged."""
+    return Path(shutil.copytree(bake, tmp_path / "copy"))
+
+
+def reader(name: str, *arguments: str | Path, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    return run([PYTHON, TOOLS / f"to_{name}.py", *arguments], timeout)
+
+
+def refused(name: str, *arguments: str | Path) -> str:
+    """What a reader says that refuses: a sentence, and no traceback."""
+    done = reader(name, *arguments)
+    assert done.returncode == 1 and "Traceback" not in done.stderr, done.stdout + done.stderr
+    return done.stderr
+
+
+def manifest_of(folder: Path) -> dict:
+    return json.loads((folder / "manifest.json").read_text())
+
+
+def edit_manifest(folder: Path, **values: object) -> None:
+    (folder / "manifest.json").write_text(json.dumps({**manifest_of(folder), **values}))
+
+
+def select(rows: dict[str, np.ndarray], which: np.ndarray) -> dict[str, np.ndarray]:
+    return {name: values[which] for name, values in rows.items()}
+
+
+def of_tile(rows: dict[str, np.ndarray], tile: list[int], layer: int, model: int) -> dict[str, np.ndarray]:
+    """The rows of a model in a tile, by rank."""
+    here = (rows["tile_x"] == tile[0]) & (rows["tile_z"] == tile[1]) & (rows["layer"] == layer) & (rows["model"] == model)
+    found = select(rows, here)
+    return select(found, np.lexsort((found["id"], found["rank"])))

@@ -1,0 +1,92 @@
+"""Maps of a bake: a gray picture for each layer, from which counts can be read again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bakes.small import PYTHON, TOOLS, bake, copy, edit_manifest, expected, game, manifest_of, reader, refused  # noqa: F401 (some are fixtures)
+from conftest import REPO, run
+from PIL import Image
+
+
+def map_of(folder: Path, name: str) -> tuple[np.ndarray, dict]:
+    about = json.loads((folder / "maps.json").read_text())
+    (entry,) = [entry for entry in about["maps"] if entry["name"] == name]
+    with Image.open(folder / entry["file"]) as image:
+        return np.asarray(image).astype(np.int64), {**about, **entry}
+
+
+def counted(rows: dict[str, np.ndarray], layer: int, meters: float, width: int, height: int) -> np.ndarray:
+    """How many instances of a layer stand in each pixel; those beyond the border count to it."""
+    here = rows["layer"] == layer
+    columns = ((rows["x"][here] - 3_000_010) // meters).clip(0, width - 1).astype(int)
+    lines = ((rows["z"][here] + 1_000_100) // meters).clip(0, height - 1).astype(int)
+    counts = np.zeros((height, width), np.int64)
+    np.add.at(counts, (lines, columns), 1)
+    return counts
+
+
+@pytest.mark.parametrize(("meters", "memory", "size"), [(None, "256", (180, 130)), (7.3, "0.005", (25, 18)), (200.0, "256", (1, 1)), (0.5, "0.05", (360, 260))])
+def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, size):
+    """Counts can be read from a map whatever the size of a pixel, and whether it is made at once or in bands of a few rows."""
+    options = [] if meters is None else ["--meters", str(meters)]
+    done = reader("maps", bake, tmp_path / "maps", *options, "--memory", memory)
+    assert done.returncode == 0, done.stderr
+    assert (meters is None or memory == "256") == (done.stderr.count("%") == 1), done.stderr
+    width, height = size
+    for layer, name in ((0, "Oak"), (2, "Grass")):
+        gray, about = map_of(tmp_path / "maps", name)
+        want = counted(expected, layer, meters or 1.0, width, height)
+        assert gray.shape == (height, width) and about["meters_a_pixel"] == (meters or 1.0)
+        one = about["gray_of_one"]
+        assert one == int(one) >= 1
+        assert np.array_equal(gray, np.minimum(want * one, 65535))
+        assert about["instances"] == want.sum() and about["pixels_beyond_white"] == (want * one > 65535).sum()
+        assert about["pixels_beyond_white"] == 0 or f"{about['file']}: " in done.stderr
+    assert not list((tmp_path / "maps").glob("*.partial"))
+
+
+def test_maps_of_8_bits(bake, expected, tmp_path):
+    """Of 10 m a pixel, where white is as many instances as there can be, and one is less than a shade of a dense layer."""
+    assert run(["bash", "demo_project/bake_export.sh", bake, "maps", tmp_path, "--meters", "20", "--bits", "8"], timeout=60, cwd=REPO).returncode == 0
+    gray, about = map_of(tmp_path, "Grass")
+    want = counted(expected, 2, 20.0, 9, 7)
+    assert about["bits"] == 8 and 0 < about["gray_of_one"] < 1
+    assert np.array_equal(gray, np.rint(want * about["gray_of_one"]))
+    assert gray.max() < 255
+
+
+def test_memory_for_maps_is_bounded(bake, tmp_path):
+    """A hundred million pixels, 600 MB if they were counted at once, within an eighth of that beyond what Python and Arrow take."""
+    script = (
+        "import resource, sys, bake_files, to_maps; bake = bake_files.open_bake(sys.argv[1]); base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; "
+        "to_maps.write_maps(bake, to_maps.Path(sys.argv[2]), 0.0216, 8, 32_000_000, lambda share: None); "
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - base)"
+    )
+    done = run([PYTHON, "-c", script, bake, tmp_path], timeout=60, cwd=TOOLS)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) < 75_000, "kilobytes"
+    assert json.loads((tmp_path / "maps.json").read_text())["width"] > 8_000
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--meters", "0"], "--meters is 0.0, where a length above 0 is expected"),
+        (["--meters", "nan"], "--meters is nan"),
+        (["--meters", "1e-9"], "more than a PNG can have"),
+        (["--memory", "0.001"], "--memory is too small for one row of 180 pixels in 2 layers"),
+        (["--memory", "-1"], "--memory is -1.0"),
+    ],
+)
+def test_options_of_maps_without_sense_are_refused(bake, tmp_path, options, says):
+    assert says in refused("maps", bake, tmp_path, *options)
+
+
+def test_a_layer_that_the_manifest_does_not_name_is_refused(copy, tmp_path):
+    edit_manifest(copy, layers=manifest_of(copy)["layers"][1:])
+    for name, options in (("maps", []), ("gltf", ["--stand-ins"])):
+        assert "has instances of layer 0" in refused(name, copy, tmp_path / name, *options)

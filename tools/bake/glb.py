@@ -1,0 +1,168 @@
+"""Binary glTF 2.0: reads one, puts several together, and writes one."""
+
+from __future__ import annotations
+
+import copy
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+
+MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
+COMPONENTS = {np.dtype(np.float32): 5126, np.dtype(np.uint8): 5121, np.dtype(np.uint16): 5123, np.dtype(np.uint32): 5125}
+KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
+TEXTURE_NAMES = "Texture"  # In materials and their extensions, what ends so names a texture by its index.
+
+
+class GlbError(Exception):
+    """A file that is no binary glTF, in a sentence."""
+
+
+def read_glb(data: bytes) -> tuple[dict, bytes]:
+    """The JSON and the bytes of its buffer. Raises GlbError for anything else than a whole file of version 2."""
+    if len(data) < 20 or struct.unpack_from("<II", data) != (MAGIC, 2) or struct.unpack_from("<I", data, 8)[0] != len(data):
+        raise GlbError("it is no whole binary glTF 2.0")
+    chunks, at = {}, 12
+    while at + 8 <= len(data):
+        length, kind = struct.unpack_from("<II", data, at)
+        chunks[kind] = data[at + 8 : at + 8 + length]
+        at += 8 + length
+    return json.loads(chunks[JSON_CHUNK]), chunks.get(BINARY_CHUNK, b"")
+
+
+class Glb:
+    """A file that grows: its JSON, and one buffer."""
+
+    def __init__(self, generator: str):
+        self.json: dict = {"asset": {"version": "2.0", "generator": generator}, "scene": 0, "scenes": [{"nodes": []}], "nodes": []}
+        self._parts: list[bytes] = []
+        self._size = 0
+
+    def _list(self, name: str) -> list:
+        return self.json.setdefault(name, [])
+
+    def _append(self, data: bytes) -> int:
+        """Where the bytes begin in the buffer, a multiple of four."""
+        start = self._size
+        self._parts += [data, bytes(-len(data) % 4)]
+        self._size += len(data) + -len(data) % 4
+        return start
+
+    def use_extension(self, name: str, is_required: bool) -> None:
+        for key in ("extensionsUsed", "extensionsRequired")[: 1 + is_required]:
+            if name not in self._list(key):
+                self._list(key).append(name)
+
+    def add_node(self, node: dict, parent: int | None = None) -> int:
+        """Appends a node, below another one or at the top, and returns its number."""
+        number = len(self.json["nodes"])
+        self.json["nodes"].append(node)
+        if parent is None:
+            self.json["scenes"][0]["nodes"].append(number)
+        else:
+            self.json["nodes"][parent].setdefault("children", []).append(number)
+        return number
+
+    def add_accessor(self, values: np.ndarray, target: int | None = None, is_normalized: bool = False, has_limits: bool = False) -> int:
+        """Appends an array, n by 1 to 4, and returns its number. `has_limits` as positions of meshes need them."""
+        values = np.ascontiguousarray(values)
+        view = {"buffer": 0, "byteOffset": self._append(values.tobytes()), "byteLength": values.nbytes}
+        self._list("bufferViews").append({**view, "target": target} if target else view)
+        width = 1 if values.ndim == 1 else values.shape[1]
+        accessor = {
+            "bufferView": len(self.json["bufferViews"]) - 1, "componentType": COMPONENTS[values.dtype], "count": len(values), "type": KINDS[width],
+        }  # fmt: skip
+        if is_normalized:
+            accessor["normalized"] = True
+        if has_limits:
+            accessor |= {"min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist()}
+        self._list("accessors").append(accessor)
+        return len(self.json["accessors"]) - 1
+
+    def add_pyramid(self, name: str, width: float, height: float, color: tuple[float, float, float]) -> int:
+        """Appends a mesh with four sides and a ground, its middle at the origin, and returns its number."""
+        w = width / 2
+        corners, top = [(-w, 0, -w), (w, 0, -w), (w, 0, w), (-w, 0, w)], (0, height, 0)
+        faces = [(corners[(i + 1) % 4], corners[i], top) for i in range(4)]
+        faces += [(corners[0], corners[1], corners[2]), (corners[0], corners[2], corners[3])]
+        points = np.array(faces, np.float32)
+        normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        self._list("materials").append({"pbrMetallicRoughness": {"baseColorFactor": [*color, 1.0], "metallicFactor": 0.0}})
+        attributes = {
+            "POSITION": self.add_accessor(points.reshape(-1, 3), ARRAY_BUFFER, has_limits=True),
+            "NORMAL": self.add_accessor(np.repeat(normals, 3, axis=0).astype(np.float32), ARRAY_BUFFER),
+        }
+        self._list("meshes").append({"name": name, "primitives": [{"attributes": attributes, "material": len(self.json["materials"]) - 1}]})
+        return len(self.json["meshes"]) - 1
+
+    def add_meshes(self, other: dict, binary: bytes) -> int:
+        """Appends the meshes of another file with their materials and pictures, and returns the number of the first. The other file has one buffer, as
+        binary files have."""
+        names = ("bufferViews", "accessors", "meshes", "materials", "textures", "images", "samplers")
+        base = {name: len(self.json.get(name, [])) for name in names}
+        start = self._append(binary)
+        added = {name: copy.deepcopy(other.get(name, [])) for name in names}
+        for view in added["bufferViews"]:
+            view["byteOffset"] = view.get("byteOffset", 0) + start
+        for accessor in added["accessors"]:
+            _shift(accessor, "bufferView", base["bufferViews"])
+            for part in accessor.get("sparse", {}).values():
+                if isinstance(part, dict):
+                    _shift(part, "bufferView", base["bufferViews"])
+        for mesh in added["meshes"]:
+            for primitive in mesh["primitives"]:
+                _shift(primitive, "indices", base["accessors"])
+                _shift(primitive, "material", base["materials"])
+                for attributes in (primitive["attributes"], *primitive.get("targets", [])):
+                    for name in attributes:
+                        attributes[name] += base["accessors"]
+        for material in added["materials"]:
+            _shift_textures(material, base["textures"])
+        for texture in added["textures"]:
+            _shift(texture, "source", base["images"])
+            _shift(texture, "sampler", base["samplers"])
+            for extension in texture.get("extensions", {}).values():
+                _shift(extension, "source", base["images"])
+        for image in added["images"]:
+            _shift(image, "bufferView", base["bufferViews"])
+        for name in names:
+            if added[name]:
+                self._list(name).extend(added[name])
+        # Of those that others know; the engine also marks how it nests nodes.
+        for name in (name for name in other.get("extensionsUsed", []) if name.startswith(("KHR_", "EXT_"))):
+            self.use_extension(name, name in other.get("extensionsRequired", []))
+        return base["meshes"]
+
+    def to_bytes(self) -> bytes:
+        """The whole file."""
+        binary = b"".join(self._parts)
+        content = {**self.json, "buffers": [{"byteLength": len(binary)}]} if binary else self.json
+        text = json.dumps(content, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<II", len(text), JSON_CHUNK) + text
+        if binary:
+            chunks += struct.pack("<II", len(binary), BINARY_CHUNK) + binary
+        return struct.pack("<III", MAGIC, 2, 12 + len(chunks)) + chunks
+
+    def write(self, path: Path) -> None:
+        """Writes beside the path first, and moves there what is whole."""
+        partial = path.with_name(path.name + ".partial")
+        partial.write_bytes(self.to_bytes())
+        partial.replace(path)
+
+
+def _shift(entry: dict, key: str, by: int) -> None:
+    if key in entry:
+        entry[key] += by
+
+
+def _shift_textures(part: dict, by: int) -> None:
+    """In a material and its extensions, all that names a texture."""
+    for name, value in part.items():
+        if isinstance(value, dict):
+            if name.endswith(TEXTURE_NAMES) and "index" in value:
+                value["index"] += by
+            _shift_textures(value, by)

@@ -1,0 +1,138 @@
+"""Writes each tile of a bake as a binary glTF with EXT_mesh_gpu_instancing, for other engines and viewers. See READERS.md."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+import shutil
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from bake_files import Bake, BakeError, Layer, Tile, center_of, groups_of, open_bake, read_tile, run_main, say
+from engine import REPO, Engine
+from glb import Glb, GlbError, read_glb
+
+SCRIPT = Path(__file__).with_name("write_models.gd")
+INSTANCING = "EXT_mesh_gpu_instancing"
+STAND_IN_COLORS = ((0.25, 0.45, 0.2), (0.4, 0.4, 0.15), (0.2, 0.4, 0.35), (0.5, 0.35, 0.2), (0.45, 0.45, 0.45))
+
+
+class Models:
+    """What stands at the instances: the JSON and the bytes of a file of its own for each model, made by the engine once."""
+
+    def __init__(self, bake: Bake, lod: int):
+        self._bake, self._lod = bake, lod
+        self._files: dict[str, tuple[dict, bytes]] = {}
+
+    def path(self, layer: Layer, model: int) -> str:
+        """Of what is drawn; "" for nothing."""
+        levels = layer.models[model].levels
+        return levels[min(self._lod, len(levels) - 1)].path
+
+    def make(self, project: Path) -> None:
+        """Lets the engine write them all. What cannot be had is told, and gets a stand-in."""
+        paths = {self.path(layer, model) for layer in self._bake.layers for model in range(len(layer.models))} - {""}
+        with tempfile.TemporaryDirectory(prefix="thicket_") as folder, Engine(project, SCRIPT) as engine:
+            for number, path in enumerate(sorted(paths)):
+                file = Path(folder) / f"{number}.glb"
+                try:
+                    reason = engine.ask({"path": self._reachable(path, Path(folder)), "file": str(file)})["reason"]
+                    self._files[path] = read_glb(file.read_bytes()) if not reason else None
+                except (GlbError, OSError, BakeError) as error:
+                    reason = str(error)
+                if reason:
+                    self._files.pop(path, None)
+                    say(f"{path} is drawn as a pyramid: {reason}")
+
+    def _reachable(self, path: str, folder: Path) -> str:
+        """What lies in the bake is copied, since the engine may not see that folder."""
+        if "://" in path:
+            return path
+        source = (self._bake.folder / path).resolve()
+        if not source.is_relative_to(self._bake.folder) or not source.is_file():
+            raise BakeError(f"{self._bake.folder} has no {path}")
+        return str(shutil.copyfile(source, folder / source.name))
+
+    def add(self, glb: Glb, layer: Layer, model: int) -> int:
+        """Appends what stands at the instances of a model to a file, and returns the number of its mesh."""
+        path = self.path(layer, model)
+        if path in self._files:
+            return glb.add_meshes(*self._files[path])
+        color = STAND_IN_COLORS[layer.index % len(STAND_IN_COLORS)]
+        return glb.add_pyramid(f"{layer.name}_{model}", layer.radius / 2, layer.radius, color)
+
+
+def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
+    """A node at the tile's center, and below it one for each layer and model, with its instances by rank."""
+    center, instances = center_of(bake, tile), read_tile(tile)
+    glb = Glb("Thicket")
+    extras = {"tile": [tile.x, tile.z], "scene_digest": bake.scene_digest}
+    root = glb.add_node({"name": f"Tile_{tile.x}_{tile.z}", "translation": (center - origin).tolist(), "extras": extras})
+    meshes: dict[str, int] = {}
+    for layer, model, rows in groups_of(bake, tile, instances):
+        if not (path := models.path(layer, model)):
+            continue
+        # Layers may share a model; stand-ins depend on the layer.
+        key = f"{layer.index} {path}"
+        if key not in meshes:
+            meshes[key] = models.add(glb, layer, model)
+        turns = instances.rotations[rows]
+        attributes = {
+            "TRANSLATION": glb.add_accessor((instances.positions[rows] - center).astype(np.float32)),
+            "ROTATION": glb.add_accessor(turns / np.linalg.norm(turns, axis=1, keepdims=True)),
+            "SCALE": glb.add_accessor(instances.scales[rows]),
+        }
+        if layer.colored:
+            attributes["_COLOR_0"] = glb.add_accessor(instances.colors[rows], is_normalized=True)
+        extras = {"layer": layer.index, "model": model}
+        node = {"name": f"{layer.name}_{model}", "mesh": meshes[key], "extensions": {INSTANCING: {"attributes": attributes}}, "extras": extras}
+        glb.add_node(node, root)
+        glb.use_extension(INSTANCING, is_required=True)
+    return glb
+
+
+def chosen_tiles(bake: Bake, wanted: list[str]) -> list[Tile]:
+    """The tiles with rows; of them, those that are named as I,J. Raises BakeError for a name that no tile has."""
+    known = {str(tile): tile for tile in bake.tiles}
+    for name in wanted:
+        if name not in known:
+            raise BakeError(f"--tiles: the bake has no tile {name}")
+    return [tile for tile in ([known[name] for name in wanted] or bake.tiles) if tile.rows]
+
+
+def vector(text: str) -> np.ndarray:
+    numbers = [float(part) for part in text.split(",")] if re.fullmatch(r"[-+.,\deE]+", text) else []
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,Z")
+    return np.array(numbers)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="to_gltf.py", description=__doc__)
+    parser.add_argument("bake", type=Path, help="folder that a bake has written")
+    parser.add_argument("folder", type=Path, help="where tile_I_J.glb go; made if need be")
+    parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="these tiles alone; --tiles='-1,2' where the first is negative")
+    parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the place in the world that is 0,0,0 in the files, in meters")
+    parser.add_argument("--lod", type=int, default=0, metavar="N", help="which level of detail to take, 0 for the finest (0)")
+    parser.add_argument("--stand-ins", action="store_true", help="a pyramid for every model, without asking Godot")
+    parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the project of Godot that has the models (the demo)")
+    arguments = parser.parse_args()
+    if arguments.lod < 0:
+        raise BakeError(f"--lod is {arguments.lod}, where 0 or more is expected")
+    if not arguments.stand_ins and not (arguments.project / "project.godot").is_file():
+        raise BakeError(f"--project: {arguments.project} is no project of Godot")
+    bake = open_bake(arguments.bake)
+    tiles = chosen_tiles(bake, arguments.tiles.split())
+    models = Models(bake, arguments.lod)
+    if not arguments.stand_ins:
+        models.make(arguments.project)
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    for tile in tiles:
+        tile_glb(bake, tile, models, arguments.origin).write(arguments.folder / f"tile_{tile.x}_{tile.z}.glb")
+    say(f"{sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles lie in {arguments.folder}")
+
+
+if __name__ == "__main__":
+    run_main(main)
