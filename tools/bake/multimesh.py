@@ -10,6 +10,7 @@ from bake_files import Bake, Instances, Layer, Tile, center_of, groups_of
 
 TRANSFORM_FLOATS = 12
 MORE_FLOATS = 4  # Of a color, and of custom data.
+FAR_TILES = 4  # As many tiles away it does not matter if a whole tile comes into sight at once.
 
 
 @dataclass(frozen=True)
@@ -49,13 +50,14 @@ def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, 
 
 
 def drawn_of(bake: Bake, tile: Tile, instances: Instances, cell: float) -> Iterator[Drawn]:
-    """What is drawn of a tile. Models with several levels of detail are parted into cells of about `cell` meters, so that each level begins near where it
-    should; 0 parts nothing."""
+    """What is drawn of a tile. What looks otherwise with distance, or is not seen from afar, is parted into cells of about `cell` meters, so that this
+    happens near where it should."""
     local = instances.positions - center_of(bake, tile)
-    parts = max(1, round(bake.tile_size / cell)) if cell > 0 else 1
+    parts = max(1, round(bake.tile_size / cell))
     for layer, model, rows in groups_of(bake, tile, instances):
         along = np.floor((local[rows][:, [0, 2]] / bake.tile_size + 0.5) * parts).clip(0, parts - 1).astype(np.int64)
-        keys = along[:, 0] + parts * along[:, 1] if len(layer.models[model].levels) > 1 else np.zeros(len(rows), np.int64)
+        is_parted = len(layer.models[model].levels) > 1 or 0 < layer.view_distance < FAR_TILES * bake.tile_size
+        keys = (along[:, 0] + parts * along[:, 1]) * is_parted
         for key in np.unique(keys):
             chosen = rows[keys == key]
             more = [instances.colors[chosen] / np.float32(255)] if layer.colored else []

@@ -6,6 +6,7 @@ import argparse
 import math
 import re
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 
@@ -109,16 +110,27 @@ def vector(text: str) -> np.ndarray:
     return np.array(numbers)
 
 
+def with_values(arguments: list[str]) -> list[str]:
+    """Options whose value may begin with a minus, joined to it: argparse would take it for another option."""
+    joined: list[str] = []
+    for argument in arguments:
+        if joined and joined[-1] in ("--tiles", "--origin"):
+            joined[-1] += f"={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="to_gltf.py", description=__doc__)
     parser.add_argument("bake", type=Path, help="folder that a bake has written")
     parser.add_argument("folder", type=Path, help="where tile_I_J.glb go; made if need be")
-    parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="these tiles alone; --tiles='-1,2' where the first is negative")
+    parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="these tiles alone")
     parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the place in the world that is 0,0,0 in the files, in meters")
     parser.add_argument("--lod", type=int, default=0, metavar="N", help="which level of detail to take, 0 for the finest (0)")
     parser.add_argument("--stand-ins", action="store_true", help="a pyramid for every model, without asking Godot")
     parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the project of Godot that has the models (the demo)")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(with_values(sys.argv[1:]))
     if arguments.lod < 0:
         raise BakeError(f"--lod is {arguments.lod}, where 0 or more is expected")
     if not arguments.stand_ins and not (arguments.project / "project.godot").is_file():

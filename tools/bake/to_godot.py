@@ -26,8 +26,9 @@ class Meshes:
 
     def mesh(self, path: str) -> int:
         if path not in self._meshes:
-            own = f"{self._inside}/models/mesh_{len(self._meshes)}.res"
-            self._engine.ask({"do": "mesh", "path": self._in_project(path), "own": own})
+            inside = self._in_project(path)
+            own = inside if inside != path else f"{self._inside}/models/mesh_{len(self._meshes)}.res"
+            self._engine.ask({"do": "mesh", "path": inside, "own": own})
             self._meshes[path] = len(self._meshes)
         return self._meshes[path]
 
@@ -69,7 +70,7 @@ def level_nodes(drawn: Drawn, meshes: Meshes, start: int, number: int) -> list[d
     nodes = []
     for lod, (level, end) in enumerate(zip(levels, ends)):
         if level.path and level.begin < end:
-            name = f"{layer.name}_{drawn.model}" + (f"_{number}" if len(levels) > 1 else "") + (f"_LOD{lod}" if len(levels) > 1 else "")
+            name = f"{layer.name}_{drawn.model}_{number}" + (f"_LOD{lod}" if len(levels) > 1 else "")
             begin = level.begin + drawn.reach if lod else 0.0
             end = end + drawn.reach if np.isfinite(end) else 0.0
             nodes.append({**entry, "name": name, "mesh": meshes.mesh(level.path), "begin": begin, "end": end})
@@ -151,7 +152,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="to_godot.py", description=__doc__)
     parser.add_argument("bake", type=Path, help="folder that a bake has written")
     parser.add_argument("folder", type=Path, help="folder in a project of Godot; an earlier export there is replaced")
-    parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="models with levels of detail are parted into cells of about this size (64)")
+    parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="what changes with distance is parted into cells of about this size (64)")
     arguments = parser.parse_args()
     if not (np.isfinite(arguments.cell) and arguments.cell > 0):
         raise BakeError(f"--cell is {arguments.cell}, where meters above 0 are expected")

@@ -39,6 +39,8 @@ func _take_mesh(job: Dictionary) -> String:
 	await process_frame
 	if mesh == null:
 		return models.problem
+	if mesh.resource_path == job.own and mesh is ArrayMesh and mesh.get_script() != null:
+		mesh = _built(mesh)
 	# What lies in no file of its own would be in every tile again.
 	if mesh.resource_path.is_empty() or "::" in mesh.resource_path:
 		var error := ResourceSaver.save(mesh, job.own, ResourceSaver.FLAG_COMPRESS)
@@ -47,6 +49,14 @@ func _take_mesh(job: Dictionary) -> String:
 		mesh = ResourceLoader.load(job.own, "", ResourceLoader.CACHE_MODE_REPLACE)
 	_meshes.append(mesh)
 	return ""
+
+
+## What a mesh that builds itself has built, so that a game neither needs its script nor builds it anew.
+func _built(mesh: ArrayMesh) -> ArrayMesh:
+	var plain := ArrayMesh.new()
+	plain.set(&"_surfaces", mesh.get(&"_surfaces"))
+	plain.resource_name = mesh.resource_name
+	return plain
 
 
 func _take_material(job: Dictionary) -> String:
