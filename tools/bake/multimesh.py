@@ -10,6 +10,7 @@ from bake_files import Bake, Instances, Layer, Tile, center_of, groups_of
 
 TRANSFORM_FLOATS = 12
 MORE_FLOATS = 4  # Of a color, and of custom data.
+SMALLEST_CELL = 16.0  # Meters.
 FAR_TILES = 4  # As many tiles away it does not matter if a whole tile comes into sight at once.
 
 
@@ -49,15 +50,23 @@ def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, 
     return buffer
 
 
+def parts_of(bake: Bake, layer: Layer, model: int, cell: float) -> int:
+    """Into how many cells a side of a tile is parted for a model: one where nothing changes with distance, or only so far away that a whole tile may change
+    at once. A cell is `cell` meters at most, and smaller where the first change comes near, or all of a dense meadow would be drawn as finely as its first meters."""
+    levels = layer.models[model].levels
+    nearest = levels[1].begin if len(levels) > 1 else layer.view_distance
+    if nearest <= 0 or (len(levels) == 1 and nearest >= FAR_TILES * bake.tile_size):
+        return 1
+    return max(1, round(bake.tile_size / min(cell, max(SMALLEST_CELL, 2 * nearest))))
+
+
 def drawn_of(bake: Bake, tile: Tile, instances: Instances, cell: float) -> Iterator[Drawn]:
-    """What is drawn of a tile. What looks otherwise with distance, or is not seen from afar, is parted into cells of about `cell` meters, so that this
-    happens near where it should."""
+    """What is drawn of a tile: for each layer and model one part, or one for each cell in which something stands."""
     local = instances.positions - center_of(bake, tile)
-    parts = max(1, round(bake.tile_size / cell))
     for layer, model, rows in groups_of(bake, tile, instances):
+        parts = parts_of(bake, layer, model, cell)
         along = np.floor((local[rows][:, [0, 2]] / bake.tile_size + 0.5) * parts).clip(0, parts - 1).astype(np.int64)
-        is_parted = len(layer.models[model].levels) > 1 or 0 < layer.view_distance < FAR_TILES * bake.tile_size
-        keys = (along[:, 0] + parts * along[:, 1]) * is_parted
+        keys = along[:, 0] + parts * along[:, 1]
         for key in np.unique(keys):
             chosen = rows[keys == key]
             more = [instances.colors[chosen] / np.float32(255)] if layer.colored else []

@@ -152,7 +152,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="to_godot.py", description=__doc__)
     parser.add_argument("bake", type=Path, help="folder that a bake has written")
     parser.add_argument("folder", type=Path, help="folder in a project of Godot; an earlier export there is replaced")
-    parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="what changes with distance is parted into cells of about this size (64)")
+    parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="what changes with distance is parted into cells of about this size at most (64)")
     arguments = parser.parse_args()
     if not (np.isfinite(arguments.cell) and arguments.cell > 0):
         raise BakeError(f"--cell is {arguments.cell}, where meters above 0 are expected")
