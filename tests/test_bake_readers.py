@@ -155,6 +155,19 @@ def test_levels_of_detail_leave_no_gap_and_never_come_too_early(nodes):
     assert all(70 < node["end"] < 70 + 50 for node in grass)
 
 
+def test_cells_are_smaller_where_levels_change_near_by(godot, copy, game):
+    """With a second level from 5 m on, a tile of 50 m has 3 by 3 cells, though --cell allows larger ones; what has no levels stays whole."""
+    layers = manifest_of(copy)["layers"]
+    layers[0]["models"][0]["lods"][1]["distance"] = 5.0
+    edit_manifest(copy, layers=layers)
+    assert reader("godot", copy, game / "near").returncode == 0
+    done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://near/baked_world.res"], timeout=60)
+    here = [node for node in map(json.loads, re.findall(r"^node (.*)$", done.stdout, re.MULTILINE)) if node["tile"] == [60001, -20001]]
+    assert 5 <= sum(node["name"].endswith("_LOD0") for node in here) <= 9
+    assert all(5 <= node["end"] < 5 + 30 for node in here if node["name"].endswith("_LOD0"))
+    assert sum(node["name"].startswith("Oak_1_") for node in here) == 1
+
+
 def test_an_export_replaces_an_earlier_one_and_nothing_else(bake, game, world, tmp_path):
     """What is no export stays; a folder outside of a project, and one without the scripts, are refused."""
     foreign = game / "mine"
