@@ -7,11 +7,11 @@
 #   setup_mono       a C# compiler, for the test of the wrappers; it is skipped where none can be had
 #   setup_zig        clang for every platform, and their C libraries, for what is shipped (README.md, "Build")
 #   setup_llvm       tools that strip and join libraries of all platforms
+#   setup_gltf_validator  Khronos' validator, for the test of glTF files; it is skipped where it cannot be had
 #   setup_emscripten the compiler for the web, in a Debian root in the cache folder
 #   setup_descriptions  the engine's descriptions of itself from 4.2 on, to compare; those tests are skipped without
 #   setup_qemu       what runs programs for other processors, for the tests that compare them; skipped where it cannot be had
 #   setup_emulators  the same for Windows and for the web, and g++ for other processors (about 1.5 GB)
-#   setup_gltf_validator  Khronos' validator, for the test of glTF files; it is skipped where it cannot be had
 #   setup_python     the Python packages of tests/requirements.txt and of setup_bake, in a virtual environment in the cache folder
 #   setup_bake       what bakes worlds: Dask and Arrow, in a virtual environment in the cache folder
 #   setup_wheel      what builds the Python package of the sampler, and NumPy for its tests, in the cache folder
