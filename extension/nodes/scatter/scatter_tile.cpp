@@ -1,5 +1,6 @@
 #include "nodes/scatter/scatter_tile.hpp"
 
+#include "core/placement/instance_rows.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
@@ -83,6 +84,14 @@ PackedInt64Array ScatterTile::get_ids(int64_t p_index) const {
 	return part != nullptr ? packed_ids(part->instances->ids) : PackedInt64Array();
 }
 
+PackedByteArray ScatterTile::get_rows() const {
+	std::vector<const MeshInstances *> meshes;
+	for (const Part &part : parts_) {
+		meshes.push_back(part.instances.get());
+	}
+	return packed_bytes(instance_rows(tile_ != nullptr ? tile_->origin : glm::dvec3(0.0), meshes));
+}
+
 RID ScatterTile::get_multimesh(int64_t p_index) const {
 	const Part *part = find("get_multimesh", p_index);
 	return part != nullptr && part->multimeshes.size() == 1 ? part->multimeshes.front() : RID();
@@ -125,6 +134,7 @@ void ScatterTile::_bind_methods() {
 	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh", "index"));
 	bind_guarded<&Self::get_buffer>(D_METHOD("get_buffer", "index"));
 	bind_guarded<&Self::get_ids>(D_METHOD("get_ids", "index"));
+	bind_guarded<&Self::get_rows>(D_METHOD("get_rows"));
 	bind_guarded<&Self::get_multimesh>(D_METHOD("get_multimesh", "index"));
 	bind_guarded<&Self::get_multimeshes>(D_METHOD("get_multimeshes", "index"));
 	bind_guarded<&Self::get_digest>(D_METHOD("get_digest"));

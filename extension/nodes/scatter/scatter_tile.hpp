@@ -7,6 +7,7 @@
 #include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/rid.hpp>
@@ -48,6 +49,9 @@ public:
 	/// As in MultiMesh.buffer. Of a tile that is still on show, what the RenderingServer holds.
 	godot::PackedFloat32Array get_buffer(int64_t p_index) const;
 	godot::PackedInt64Array get_ids(int64_t p_index) const;
+
+	/// All instances as columns; see instance_rows. Positions are the world's.
+	godot::PackedByteArray get_rows() const;
 
 	/// Invalid where nothing is drawn, and where there are several.
 	godot::RID get_multimesh(int64_t p_index) const;

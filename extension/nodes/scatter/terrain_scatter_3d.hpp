@@ -31,6 +31,7 @@
 #include <godot_cpp/variant/vector2i.hpp>
 
 #include <chrono>
+#include <functional>
 #include <memory>
 
 namespace thicket {
@@ -151,6 +152,9 @@ public:
 	/// What stands in a half-open rectangle of world x and z, made at once on the calling thread, the main one. Empty, with an error,
 	/// for a layer that does not exist and a rectangle that the core refuses.
 	godot::Ref<ScatterTile> build_rect(const godot::Variant &p_layer, const godot::Rect2 &p_rect);
+
+	/// The same for a tile of the layer, shown or not: to the bit what `get_tile` gives of one that is shown.
+	godot::Ref<ScatterTile> build_tile(const godot::Variant &p_layer, const godot::Vector2i &p_tile);
 
 	// Why something stands somewhere or does not. To be called on the main thread.
 
@@ -312,6 +316,8 @@ private:
 	template <class Ask>
 	godot::PackedFloat32Array map_of(const char *p_method, const godot::Variant *p_layer, const godot::Rect2 &p_rect,
 			const godot::Vector2i &p_size, const Ask &ask);
+	godot::Ref<ScatterTile> build(const char *p_method, const godot::Variant &p_layer,
+			const std::function<Rect(const LayerSnapshot &)> &rect_of);
 	bool find_layer_index(const char *p_method, const godot::Variant &p_layer, std::uint32_t &r_index) const;
 
 	int64_t seed_ = 0;

@@ -2,6 +2,7 @@
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
+#include "core/base/tile_grid.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/watch.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
@@ -13,7 +14,9 @@
 #include <godot_cpp/core/memory.hpp>
 
 #include <array>
+#include <functional>
 #include <optional>
+#include <string>
 #include <utility>
 
 using namespace godot;
@@ -204,10 +207,22 @@ Ref<ScatterTile> TerrainScatter3D::get_tile(const Variant &p_layer, const Vector
 }
 
 Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect2 &p_rect) {
+	return build(
+			"build_rect", p_layer, [rect = to_world(p_rect, world_offset_)](const LayerSnapshot &) { return rect; });
+}
+
+Ref<ScatterTile> TerrainScatter3D::build_tile(const Variant &p_layer, const Vector2i &p_tile) {
+	return build("build_tile", p_layer,
+			[p_tile](const LayerSnapshot &layer) { return tile_rect(layer.range.tile_size, {p_tile.x, p_tile.y}); });
+}
+
+/// What stands in the rectangle of the world that `rect_of` gives for the layer.
+Ref<ScatterTile> TerrainScatter3D::build(
+		const char *p_method, const Variant &p_layer, const std::function<Rect(const LayerSnapshot &)> &rect_of) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const glm::dvec3 offset = world_offset_;
 	std::uint32_t layer = 0;
-	if (!find_layer_index("build_rect", p_layer, layer)) {
+	if (!find_layer_index(p_method, p_layer, layer)) {
 		return memnew(ScatterTile);
 	}
 	Status status = prepare();
@@ -218,17 +233,18 @@ Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect
 				: snapshot == nullptr      ? Status{ErrorCode::missing, "layer"}
 										   : Status{};
 	}
+	const Rect rect = status.ok() ? rect_of(*snapshot) : Rect();
 	TileInstances tile;
 	if (status.ok() && gameplay->alive()) {
 		const HostedTerrain terrain{
 				terrain_, get_instance_id()}; // A script that is asked for the ground may free this node.
 		const std::shared_ptr<const Terrain> ground = ground_;
-		status = build_at_once(*snapshot->settings, ground.get(), terrain, to_world(p_rect, offset), tile);
+		status = build_at_once(*snapshot->settings, ground.get(), terrain, rect, tile);
 	}
 	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
-		status = lay_over(*snapshot->settings, to_world(p_rect, offset), state->state(), tile);
+		status = lay_over(*snapshot->settings, rect, state->state(), tile);
 	}
-	report("TerrainScatter3D.build_rect", status);
+	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
 	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.meshes, offset)
 					   : Ref<ScatterTile>(memnew(ScatterTile));
 }

@@ -1,0 +1,96 @@
+extends RefCounted
+## What the instances of a layer look like, as paths of files: those that meshes have in the project, and files made here of what is
+## built into a scene or made by a script.
+
+const FOLDER := "user://thicket_models"
+
+## One for each entry of the layer's [code]meshes[/code]: a [Dictionary] of [code]path[/code], [code]name[/code] and
+## [code]lods[/code], each of these a [code]path[/code] of a mesh and the [code]distance[/code] in meters from which it is drawn.
+var models: Array[Dictionary] = []
+## The bytes of the files made here, by their paths beside the manifest.
+var written: Dictionary[String, PackedByteArray] = {}
+## The path of the material that replaces those of all meshes; empty for none.
+var material := ""
+## What went wrong, in a sentence; empty if nothing has.
+var problem := ""
+
+var _layer: Resource
+
+
+## Reads [param layer], whose index in the scatter's list is [param index].
+func _init(layer: Resource, index: int) -> void:
+	_layer = layer
+	DirAccess.make_dir_recursive_absolute(FOLDER)
+	var override: Material = layer.get(&"material_override")
+	if override != null:
+		material = _path_of(override, "models/%d_material.res" % index)
+	var entries: Array = layer.get(&"meshes")
+	for entry in entries.size():
+		models.append(_model(entries[entry], index, entry))
+
+
+func _model(model: Resource, layer: int, entry: int) -> Dictionary:
+	if model == null:
+		return {"path": "", "name": "", "lods": []}
+	var lods: Array[Dictionary] = []
+	for level: Array in _levels(model, entry):
+		var file := "models/%d_%d%s.res" % [layer, entry, "" if lods.is_empty() else "_%d" % lods.size()]
+		lods.append({"path": _path_of(level[0], file), "distance": level[1]})
+	var scene: Resource = model.get(&"scene") if model.is_class("ScatterModel") else null
+	var path := _own_path(scene if scene != null else model)
+	var name := _name_of(model, path)
+	if not path and not lods.is_empty():
+		path = lods[0].path
+	return {"path": path, "name": name, "lods": lods}
+
+
+## All levels of detail, each a mesh and the distance from which it is drawn, nearest first: those of the model, and those that the
+## layer adds.
+func _levels(model: Resource, entry: int) -> Array[Array]:
+	var levels: Array[Array] = []
+	if model.is_class("ScatterModel"):
+		var size: float = (model.call(&"get_aabb") as AABB).size.length()
+		var lods: Array = model.get(&"lods")
+		for level in lods.size():
+			if lods[level] == null or lods[level].get(&"mesh") == null:
+				continue
+			var distance: float = lods[level].get(&"distance")
+			if level > 0 and distance == 0.0:
+				distance = 2.5 * size * pow(2.0, level - 1)
+			levels.append([lods[level].get(&"mesh"), maxf(distance, levels[-1][1]) if not levels.is_empty() else 0.0])
+	elif model is Mesh:
+		levels.append([model, 0.0])
+	var distances: PackedFloat32Array = _layer.get(&"lod_distances")
+	var meshes: Array = _layer.get(&"lod_meshes")
+	var count: int = _layer.get(&"meshes").size()
+	for level in distances.size():
+		var at := level * count + entry
+		if at < meshes.size() and meshes[at] != null:
+			levels.append([meshes[at], distances[level]])
+	levels.sort_custom(func(a: Array, b: Array) -> bool: return a[1] < b[1])
+	return levels
+
+
+static func _own_path(resource: Resource) -> String:
+	var path := resource.resource_path
+	return "" if "::" in path else path
+
+
+## What it is called, or its file; empty for one without either.
+static func _name_of(model: Resource, path: String) -> String:
+	return model.resource_name if model.resource_name else path.get_file().get_basename()
+
+
+## The resource's own path, or the one of a file that is made of it.
+func _path_of(resource: Resource, file: String) -> String:
+	var own := _own_path(resource)
+	if own:
+		return own
+	var path := FOLDER.path_join("%d_%s" % [Time.get_ticks_usec(), file.get_file()])
+	var error := ResourceSaver.save(resource, path, ResourceSaver.FLAG_COMPRESS)
+	if error != OK:
+		problem = "Cannot write %s: %s." % [file, error_string(error)]
+		return ""
+	written[file] = FileAccess.get_file_as_bytes(path)
+	DirAccess.remove_absolute(path)
+	return file

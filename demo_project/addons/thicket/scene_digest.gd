@@ -1,0 +1,143 @@
+extends RefCounted
+## What a scattered scene's instances follow from, as a hash for each part of it: a bake that goes on after a break learns
+## from it whether the scene is still the one it was, and if not, what has changed.
+##
+## Hashed are the stored properties of the node, its layers, biomes, regions, terrain and state, with all resources in them, the files
+## and scripts that these come from, and the heights of the ground at places all over a rectangle. How instances are drawn does not
+## count. What a script reads from elsewhere is seen by those heights alone.
+
+## Fields of the ground along each side of the rectangle, at whose middles heights are compared.
+const PROBES := 33
+## Properties of layers that say how instances are drawn or met, not where they stand.
+const DRAWING: Array[StringName] = [
+	&"affect_navigation_mesh", &"cast_shadow", &"collision_distance", &"collision_layer", &"collision_mask", &"collision_shape",
+	&"draw_cell_size", &"extra_cull_margin", &"gi_mode", &"instance_height", &"instance_radius", &"lod_bias", &"lod_distances",
+	&"lod_fade", &"lod_meshes", &"material_override", &"physics_material", &"render_layers", &"scene", &"scene_distance",
+	&"thin_begin", &"thin_density", &"thin_end", &"thin_scale_compensation", &"view_distance", &"visibility_range_begin",
+	&"visibility_range_begin_margin", &"visibility_range_end", &"visibility_range_end_margin", &"visibility_range_fade_mode",
+]
+## Resources of which only the name counts: they say what an instance looks like.
+const LOOKS: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel", &"Material", &"Shader", &"Shape3D", &"PhysicsMaterial"]
+
+var _hashing: HashingContext
+var _seen: Dictionary[Object, int] = {}
+
+
+## The hashes of all parts, by a name that people understand, as hexadecimal digits. [param rect] is the part of the world
+## (x and z in meters) whose ground is probed.
+static func parts_of(scatter: Node3D, rect: Rect2) -> Dictionary[String, String]:
+	var parts: Dictionary[String, String] = {}
+	var add := func(part: String, values: Array) -> void: parts[part] = new()._digest(values)
+	add.call("the add-on", [_version()])
+	add.call("the seed", [scatter.get(&"seed")])
+	add.call("the water", [scatter.get(&"water_enabled"), scatter.get(&"water_level")])
+	add.call("the world's offset", [scatter.get(&"world_offset")])
+	for index: int in scatter.call(&"get_layer_count"):
+		var layer: Resource = scatter.call(&"get_layer", index)
+		if layer != null:
+			add.call("layer %d (%s)" % [index, layer.resource_name], [layer])
+	add.call("the biomes", [scatter.get(&"biomes")])
+	add.call("the regions", scatter.find_children("*", "ScatterRegion3D", true, false))
+	var terrain: Resource = scatter.get(&"terrain")
+	add.call("the terrain", [terrain])
+	var heights := PackedFloat64Array()
+	for row in PROBES:
+		for column in PROBES:
+			var at := rect.position + rect.size * Vector2(column + 0.5, row + 0.5) / PROBES
+			heights.append(terrain.call(&"get_height", Vector3(at.x, 0.0, at.y)))
+	add.call("the heights of the ground", [heights])
+	var state: Resource = scatter.get(&"state")
+	add.call("what was removed and placed by hand", [state.call(&"get_digest") if state != null and _holds_anything(state) else 0])
+	return parts
+
+
+static func _holds_anything(state: Resource) -> bool:
+	return state.call(&"get_removed_count") > 0 or state.call(&"get_added_count") > 0
+
+
+static func _version() -> String:
+	var config := ConfigFile.new()
+	config.load("res://addons/thicket/plugin.cfg")
+	return config.get_value("plugin", "version", "")
+
+
+func _digest(values: Array) -> String:
+	_hashing = HashingContext.new()
+	_hashing.start(HashingContext.HASH_SHA256)
+	for value: Variant in values:
+		_add(value)
+	return _hashing.finish().hex_encode()
+
+
+func _add(value: Variant) -> void:
+	match typeof(value):
+		TYPE_OBJECT:
+			_add_object(value)
+		TYPE_ARRAY:
+			_add_plain((value as Array).size())
+			for element: Variant in value as Array:
+				_add(element)
+		TYPE_DICTIONARY:
+			for key: Variant in value as Dictionary:
+				_add(key)
+				_add((value as Dictionary)[key])
+		TYPE_STRING:
+			_add_plain(value)
+			if (value as String).begins_with("res://") or (value as String).begins_with("user://"):
+				_add_file(value)
+		TYPE_CALLABLE, TYPE_SIGNAL, TYPE_RID:
+			pass
+		_:
+			_add_plain(value)
+
+
+func _add_plain(value: Variant) -> void:
+	_hashing.update(var_to_bytes(value))
+
+
+func _add_file(path: String) -> void:
+	if FileAccess.file_exists(path):
+		_add_plain(FileAccess.get_sha256(path))
+
+
+func _add_object(object: Object) -> void:
+	if object == null or _seen.has(object):
+		_add_plain(_seen.get(object, -1))
+		return
+	_seen[object] = _seen.size()
+	_add_plain(object.get_class())
+	if object is Resource:
+		var path: String = object.resource_path
+		_add_plain(path.get_slice("::", 0) if path.begins_with("res://") else "")
+		if LOOKS.any(func(kind: StringName) -> bool: return object.is_class(kind)):
+			return
+		if not "::" in path:
+			_add_file(path)
+	if object is Image:
+		_add_plain([object.get_format(), object.get_size()])
+		_hashing.update(object.get_data())
+		return
+	if object is Texture2D and not object.get_class() == "NoiseTexture2D":
+		_add(object.get_image())
+	if object is Node3D:
+		_add_plain(object.global_transform)
+	_add_script(object.get_script())
+	for property: Dictionary in object.get_property_list():
+		if property.usage & PROPERTY_USAGE_STORAGE and not _is_left_out(object, property.name):
+			_add_plain(property.name)
+			_add(object.get(property.name))
+
+
+func _is_left_out(object: Object, property: StringName) -> bool:
+	return property in [&"script", &"resource_name", &"resource_path", &"resource_local_to_scene"] \
+			or (object.is_class("ScatterLayer") and property in DRAWING)
+
+
+func _add_script(script: Script) -> void:
+	while script != null and not _seen.has(script):
+		_seen[script] = _seen.size()
+		_add_plain(script.source_code)
+		if not script.resource_path.is_empty():
+			for dependency in ResourceLoader.get_dependencies(script.resource_path):
+				_add_file(dependency.get_slice("::", dependency.get_slice_count("::") - 1))
+		script = script.get_base_script()

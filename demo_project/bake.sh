@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Sets up, builds the extension, and bakes the world of a scene: every tile of it as a Parquet file, with a map and a report. A bake
+# that was begun in the folder goes on. tools/bake/README.md tells what the files hold and what the options do; --help lists them:
+#   bash demo_project/bake.sh demo.tscn out/ --rect -512,-512,1024,1024
+#   bash demo_project/bake.sh ~/game/world.tscn out/ --workers 8
+set -euo pipefail
+from=$PWD
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
+repo=$PWD
+source tools/setup.sh
+
+setup_compiler
+setup_godot
+setup_bake
+say "building the extension"
+scons -Q -j"$(nproc)" extension >&2
+import_demo >&2
+cd "$from"
+PYTHONPATH=$repo/tools/bake exec "$(bake_venv)/bin/python" -m baking "$@"

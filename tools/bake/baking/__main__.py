@@ -1,0 +1,124 @@
+"""bash demo_project/bake.sh: the command line of a bake."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from .driver import BakeError, Outcome, Wish, bake
+from .engine import Source
+from .report import amount, duration
+
+REPO = Path(__file__).resolve().parents[3]
+
+
+def main(arguments: list[str]) -> int:
+    """Returns 0 for a bake that is whole, 1 for one with tiles that failed or that was stopped, 2 for none."""
+    chosen = _parser().parse_args(_with_values(arguments))
+    try:
+        wish = _wish(chosen)
+        outcome = bake(wish)
+    except BakeError as error:
+        print(f"bake: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("\nbake: interrupted; the same command goes on from here", file=sys.stderr)
+        return 130
+    return _tell(wish, outcome)
+
+
+def _tell(wish: Wish, outcome: Outcome) -> int:
+    total = sum(tile["rows"] for tile in outcome.manifest["tiles"].values())
+    print(f"{amount(total)} instances in {len(outcome.manifest['tiles'])} tiles, {outcome.made} of them made now in {duration(outcome.seconds)}")
+    print(f"report and map: {wish.out / 'report.md'}")
+    if outcome.manifest["complete"]:
+        print(f"digest: {outcome.manifest['digest']}")
+    for (i, j), why in sorted(outcome.failed.items())[:10]:
+        print(f"bake: tile {i},{j} failed. {why}", file=sys.stderr)
+    if len(outcome.failed) > 10:
+        print(f"bake: and {len(outcome.failed) - 10} more, which the report lists", file=sys.stderr)
+    if outcome.stopped:
+        print(f"bake: {outcome.stopped}", file=sys.stderr)
+    if outcome.failed or outcome.stopped:
+        print("bake: the same command makes only what is missing", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="bake.sh", description="Bakes the world of a scene: every tile of it as a Parquet file.")
+    parser.add_argument("scene", help="the scene, a path or res://...")
+    parser.add_argument("out", type=Path, help="the folder for the files; a bake that was begun there goes on")
+    parser.add_argument("--rect", type=_numbers, metavar="X,Z,WIDTH,DEPTH", help="what to bake, in meters; else all of the terrain")
+    parser.add_argument("--tile-size", type=float, metavar="METERS", help="else one that fits the layers")
+    parser.add_argument("--layers", default="", metavar="NAME,NAME", help="names or indices; else all")
+    parser.add_argument("--tiles", type=_tiles, metavar="'I,J I,J'", help="these tiles alone; else all of the rectangle")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes of this machine (%(default)s)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="the workers of this Dask scheduler in place of processes of this machine")
+    parser.add_argument("--shuffle", type=int, metavar="SEED", help="in a random order")
+    parser.add_argument("--fresh", action="store_true", help="remove the bake that lies in the folder first")
+    parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the project of a res:// path (the demo)")
+    parser.add_argument("--node", default="", metavar="PATH", help="the TerrainScatter3D, where the scene has several")
+    parser.add_argument("--wait", type=float, default=120.0, metavar="SECONDS", help="for the scene's ground to be there (%(default)g)")
+    return parser
+
+
+def _with_values(arguments: list[str]) -> list[str]:
+    """Options whose value may begin with a minus, joined to it: argparse would take it for another option."""
+    joined: list[str] = []
+    for argument in arguments:
+        if joined and joined[-1] in ("--rect", "--tiles"):
+            joined[-1] += f"={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
+def _numbers(text: str) -> list[float]:
+    numbers = [float(number) for number in text.split(",")]
+    if len(numbers) != 4 or not all(abs(number) < 1e12 for number in numbers) or numbers[2] <= 0 or numbers[3] <= 0:
+        raise argparse.ArgumentTypeError(f"'{text}' is not X,Z,WIDTH,DEPTH with a width and a depth above 0")
+    return numbers
+
+
+def _tiles(text: str) -> list[tuple[int, int]]:
+    tiles = []
+    for pair in text.split():
+        i, _, j = pair.partition(",")
+        tiles.append((int(i), int(j)))
+    return tiles
+
+
+def _wish(chosen: argparse.Namespace) -> Wish:
+    project, scene = _project_and_scene(chosen.scene, chosen.project)
+    if chosen.workers < 1:
+        raise BakeError(f"--workers is {chosen.workers}, and has to be 1 at least.")
+    if chosen.tile_size is not None and not 1.0 <= chosen.tile_size <= 1e6:
+        raise BakeError(f"--tile-size is {chosen.tile_size:g}, and has to be from 1 to 1,000,000 meters.")
+    return Wish(
+        source=Source((str(REPO / "tools/godot"),), str(project), scene, chosen.node, chosen.wait),
+        out=chosen.out.resolve(), rect=chosen.rect, tile_size=chosen.tile_size, tiles=chosen.tiles,
+        layers=[name.strip() for name in chosen.layers.split(",") if name.strip()],
+        workers=chosen.workers, scheduler=chosen.scheduler, shuffle=chosen.shuffle, fresh=chosen.fresh,
+    )  # fmt: skip
+
+
+def _project_and_scene(scene: str, project: Path) -> tuple[Path, str]:
+    """The project that a scene belongs to, and the scene's path in it."""
+    if scene.startswith("res://"):
+        return project.resolve(), scene
+    path = Path(scene).resolve()
+    if not path.is_file() and (project / scene).is_file():
+        path = (project / scene).resolve()  # As demo_project/run.sh names scenes.
+    if not path.is_file():
+        raise BakeError(f"There is no scene {scene}.")
+    for folder in path.parents:
+        if (folder / "project.godot").is_file():
+            return folder, f"res://{path.relative_to(folder).as_posix()}"
+    raise BakeError(f"{scene} lies in no project: there is no project.godot above it.")
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

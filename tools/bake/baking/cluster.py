@@ -1,0 +1,69 @@
+"""Workers: those of this machine, or of a Dask cluster that exists."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import dask
+from distributed import Client, LocalCluster
+from distributed.diagnostics.plugin import UploadFile
+
+PACKAGE = Path(__file__).resolve().parent
+# Workers that may die on one tile before Dask gives it back; the driver then counts it as failed.
+ALLOWED_DEATHS = 10
+
+
+@contextlib.contextmanager
+def client(workers: int, scheduler: str | None) -> Iterator[Client]:
+    """A client of a cluster with `workers` processes of this machine, one thread each; or, with the address of a scheduler, of that
+    one's. Ends what it has started. Raises OSError where the scheduler cannot be reached."""
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    with tempfile.TemporaryDirectory(prefix="thicket_bake_") as scratch:
+        settings = {
+            "temporary-directory": scratch,
+            "distributed.scheduler.allowed-failures": ALLOWED_DEATHS,
+            "distributed.scheduler.worker-saturation": 1.1,
+            "distributed.admin.tick.limit": "1h",
+        }
+        with dask.config.set(settings):
+            if scheduler is not None:
+                with Client(scheduler, timeout="30s", set_as_default=False) as remote:
+                    remote.register_plugin(UploadFile(_packed(Path(scratch))))
+                    yield remote
+                return
+            # Where the workers find this package.
+            path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+            with (
+                _environment(PYTHONPATH=path),
+                LocalCluster(
+                    n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
+                    silence_logs=logging.CRITICAL, host="127.0.0.1",
+                ) as cluster,
+                Client(cluster, set_as_default=False) as local,
+            ):  # fmt: skip
+                yield local
+
+
+def _packed(folder: Path) -> str:
+    """This package as a file that workers elsewhere can be sent."""
+    return shutil.make_archive(str(folder / PACKAGE.name), "zip", PACKAGE.parent, PACKAGE.name)
+
+
+@contextlib.contextmanager
+def _environment(**variables: str) -> Iterator[None]:
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value

@@ -1,0 +1,258 @@
+"""Bakes a scene into a folder: plans, hands tiles to workers, keeps the manifest, and says what came of it."""
+
+from __future__ import annotations
+
+import hashlib
+import random
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from distributed import Client, as_completed
+
+from . import cluster, files, grid, tile
+from .engine import EngineGone, Refused, Source
+from .report import Map, Progress, write_report
+
+# Pixels of the longer side of the map.
+MAP_PIXELS = 1024
+# Of the time, at most, goes to writing the manifest.
+MANIFEST_SHARE = 0.05
+MAX_TILES = 1_000_000
+
+
+class BakeError(RuntimeError):
+    """Why there is no bake, or no more of it: a sentence."""
+
+
+@dataclass
+class Wish:
+    """What somebody wants baked."""
+
+    source: Source
+    out: Path
+    rect: list[float] | None = None  # None for where the terrain says it lies
+    tile_size: float | None = None  # None for one that fits the layers
+    layers: list[str] = field(default_factory=list)  # Indices or names; none for all
+    tiles: list[tuple[int, int]] | None = None  # None for all that the rectangle touches
+    workers: int = 1
+    scheduler: str | None = None
+    shuffle: int | None = None  # The seed of a random order
+    fresh: bool = False
+
+
+@dataclass
+class Outcome:
+    """What came of a bake. `failed` holds a sentence for each tile that could not be made; `stopped` why it ended before its end."""
+
+    manifest: dict
+    kept: int = 0
+    made: int = 0
+    made_rows: int = 0
+    bytes: int = 0
+    seconds: float = 0.0
+    busy_seconds: float = 0.0
+    worker_memory: int = 0
+    engine_memory: int = 0
+    failed: dict[tuple[int, int], str] = field(default_factory=dict)
+    stopped: str = ""
+
+
+def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:
+    """Bakes, or goes on with a bake that was begun. Raises BakeError where there is nothing to begin with."""
+    try:
+        with files.locked(wish.out), cluster.client(wish.workers, wish.scheduler) as client:
+            files.sweep(wish.out)
+            return _bake(wish, client, say)
+    except (files.Taken, files.CannotWrite) as error:
+        raise BakeError(str(error)) from error
+    except (OSError, TimeoutError) as error:
+        if wish.scheduler is None:
+            raise
+        raise BakeError(f"No Dask scheduler answers at {wish.scheduler}: {error}") from error
+
+
+def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
+    plan, manifest = _begin(wish, client, say)
+    order = wish.tiles if wish.tiles is not None else grid.tiles_of(manifest["grid"])
+    _refuse_tiles_beyond(order, manifest["grid"])
+    if wish.shuffle is not None:
+        random.Random(wish.shuffle).shuffle(order)
+    outcome = Outcome(manifest)
+    picture = Map(plan.rect, plan.pixel, manifest["layers"])
+    start = time.monotonic()
+    try:
+        _make_all(plan, client, order, outcome, picture, Progress(len(order), say))
+    finally:
+        outcome.seconds = time.monotonic() - start
+        _finish(wish.out, outcome)
+        client.run(tile.close_engines)
+    write_report(wish.out, wish.workers, outcome, picture)
+    return outcome
+
+
+def _described(wish: Wish, client: Client, rect: list[float] | None, models_of: list[int] | None = None) -> dict:
+    try:
+        return client.submit(tile.describe, wish.source, rect, models_of, pure=False).result()
+    except (EngineGone, Refused) as error:
+        raise BakeError(str(error)) from error
+
+
+def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict]:
+    """What is to be made, and the manifest so far, which is in its place."""
+    described = _described(wish, client, wish.rect)
+    for problem in described["problems"]:
+        say(f"The scene warns: {problem}")
+    rect = wish.rect or described["rect"]
+    if not (rect[2] > 0.0 and rect[3] > 0.0):
+        raise BakeError("The terrain does not say where it lies: give --rect X,Z,WIDTH,DEPTH, in meters.")
+    layers = _chosen(described["layers"], wish.layers)
+    size = wish.tile_size or grid.default_size(rect, [layer["tile_size"] for layer in layers])
+    uneven = [layer["name"] or str(layer["index"]) for layer in layers if size % layer["tile_size"] != 0.0]
+    if uneven:
+        say(f"Tiles of {size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}.")
+    bounds = grid.grid_of(rect, size)
+    if bounds[2] * bounds[3] > MAX_TILES:
+        raise BakeError(f"{bounds[2] * bounds[3]} tiles are more than {MAX_TILES}: choose larger ones with --tile-size.")
+    described = _described(wish, client, rect, [layer["index"] for layer in layers])
+    plan = tile.Plan(
+        source=wish.source, out=str(wish.out), rect=tuple(rect), tile_size=size, scene_digest=described["scene_digest"],
+        layers=tuple({key: layer[key] for key in ("index", "tile_size", "colored", "custom_data")} for layer in layers),
+        parts=described["parts"], pixel=max(rect[2], rect[3]) / MAP_PIXELS,
+    )  # fmt: skip
+    looks = {each["index"]: each for each in described["models"]}
+    manifest = {
+        "format": files.FORMAT, "version": files.VERSION, "thicket": described["thicket"],
+        "scene": wish.source.scene, "scene_digest": plan.scene_digest, "scene_parts": plan.parts, "seed": int(described["seed"]),
+        "rect": list(rect), "tile_size": size, "grid": bounds, "world_offset": described["world_offset"],
+        "layers": [{**layer, "models": looks[layer["index"]]["models"], "material": looks[layer["index"]]["material"]} for layer in layers],
+        "complete": False, "digest": None, "tiles": {},
+    }  # fmt: skip
+    _go_on_with(wish, manifest)
+    for path, content in described["files"].items():
+        files.write_whole(wish.out / path, content)
+    files.write_manifest(wish.out, manifest)
+    return plan, manifest
+
+
+def _chosen(layers: list[dict], wanted: list[str]) -> list[dict]:
+    chosen = []
+    for name in wanted:
+        found = [layer for layer in layers if str(layer["index"]) == name] or [layer for layer in layers if layer["name"] == name]
+        if not found:
+            known = ", ".join(f"{layer['index']} {layer['name']}".strip() for layer in layers)
+            raise BakeError(f"The scene has no layer '{name}'. It has: {known}.")
+        chosen += [layer for layer in found if layer not in chosen]
+    chosen = sorted(chosen, key=lambda layer: layer["index"]) if wanted else layers
+    if not chosen:
+        raise BakeError("The scene has no layers.")
+    return chosen
+
+
+def _go_on_with(wish: Wish, manifest: dict) -> None:
+    """Takes over what a bake that was begun in the folder knows of its tiles, if it is one of the same world."""
+    before = files.read_manifest(wish.out)
+    if wish.fresh:
+        files.empty(wish.out)
+        return
+    if before is None:
+        if any((wish.out / "tiles").glob("tile_*.parquet")):
+            return  # Each tile's file says what it is.
+        return
+    again = f"Bake into another folder, or begin anew in {wish.out} with --fresh."
+    if before.get("version") != files.VERSION:
+        raise BakeError(f"{wish.out} holds a bake of version {before.get('version')}, this is version {files.VERSION}. {again}")
+    if before["scene"] != manifest["scene"]:
+        raise BakeError(f"{wish.out} holds a bake of another scene, {before['scene']}. {again}")
+    if before["scene_digest"] != manifest["scene_digest"]:
+        parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
+        raise BakeError(f"The scene {manifest['scene']} has changed since this bake was begun: {parts}. {again}")
+    for key, name in {"rect": "the rectangle", "tile_size": "the size of tiles"}.items():
+        if before[key] != manifest[key]:
+            raise BakeError(f"{wish.out} holds a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
+    if [layer["index"] for layer in before["layers"]] != [layer["index"] for layer in manifest["layers"]]:
+        raise BakeError(f"{wish.out} holds a bake of other layers: {', '.join(str(layer['index']) for layer in before['layers'])}. {again}")
+    manifest["tiles"] = before["tiles"]
+
+
+def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], bounds: list[int]) -> None:
+    for i, j in tiles:
+        if not (0 <= i - bounds[0] < bounds[2] and 0 <= j - bounds[1] < bounds[3]):
+            raise BakeError(f"Tile {i},{j} is not in the rectangle: tiles go from {bounds[0]},{bounds[1]} to {bounds[0] + bounds[2] - 1},{bounds[1] + bounds[3] - 1}.")
+
+
+def _make_all(plan: tile.Plan, client: Client, order: list[tuple[int, int]], outcome: Outcome, picture: Map, progress: Progress) -> None:
+    """Hands out tiles, a few more than there are workers at a time, and takes what comes back."""
+    waiting = iter(order)
+    futures = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
+    tile_of_key: dict[str, tuple[int, int]] = {}
+
+    def hand_out(count: int) -> None:
+        for _ in range(count):
+            at = next(waiting, None)
+            if at is None:
+                return
+            future = client.submit(tile.make, plan, at, pure=False, retries=0)
+            tile_of_key[future.key] = at
+            futures.add(future)
+
+    hand_out(4 + 3 * max(1, sum(client.nthreads().values())))
+    next_manifest = time.monotonic() + 2.0
+    for future, result in futures:
+        at = tile_of_key.pop(future.key)
+        _take(at, result if future.status == "finished" else {"failed": _worker_problem(result)}, outcome, picture)
+        future.release()
+        if outcome.stopped:
+            client.cancel([each for each in futures.futures])
+            return
+        progress.tell(outcome)
+        if time.monotonic() >= next_manifest:
+            start = time.monotonic()
+            files.write_manifest(Path(plan.out), outcome.manifest)
+            next_manifest = time.monotonic() + max(2.0, (time.monotonic() - start) / MANIFEST_SHARE)
+        hand_out(1)
+    progress.end(outcome)
+
+
+def _worker_problem(result: object) -> str:
+    error = result[1] if isinstance(result, tuple) and len(result) > 1 else result
+    return f"Its workers were killed, or failed: {error}"
+
+
+def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> None:
+    name = files.name_of(at)
+    if "stop" in result or "failed" in result:
+        outcome.manifest["tiles"].pop(name, None)
+        outcome.stopped = result.get("stop", "")
+        if "failed" in result:
+            outcome.failed[at] = result["failed"]
+        return
+    known = outcome.manifest["tiles"].get(name, {})
+    seconds = round(result["seconds"], 4) if result["made"] else known.get("seconds")
+    outcome.manifest["tiles"][name] = {**result["entry"], "seconds": seconds}
+    outcome.kept += not result["made"]
+    outcome.made += result["made"]
+    outcome.made_rows += result["entry"]["rows"] * result["made"]
+    outcome.busy_seconds += result["seconds"]
+    outcome.bytes += result["bytes"]
+    outcome.worker_memory = max(outcome.worker_memory, result["memory"][0])
+    outcome.engine_memory = max(outcome.engine_memory, result["memory"][1])
+    picture.add(result["pixels"])
+
+
+def world_digest(tiles: dict[str, dict]) -> str:
+    """The digest of a whole bake: SHA-256 over the lines "i,j digest" of all tiles, sorted by i, then j."""
+    lines = [f"{name} {tiles[name]['digest']}\n" for name in sorted(tiles, key=files.tile_of_name)]
+    return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+def _finish(out: Path, outcome: Outcome) -> None:
+    """The manifest's last word. Keeps quiet where it cannot be written: the tiles are there, and are found again."""
+    manifest = outcome.manifest
+    manifest["complete"] = set(manifest["tiles"]) == {files.name_of(at) for at in grid.tiles_of(manifest["grid"])}
+    manifest["digest"] = world_digest(manifest["tiles"]) if manifest["complete"] else None
+    try:
+        files.write_manifest(out, manifest)
+    except files.CannotWrite as error:
+        outcome.stopped = outcome.stopped or str(error)

@@ -1,0 +1,143 @@
+"""The files of a bake: written whole or not at all, and looked at before they are trusted."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import json
+import os
+import secrets
+from collections.abc import Iterator
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from . import rows
+
+MANIFEST = "manifest.json"
+FORMAT = "thicket-bake"
+VERSION = 1
+# What files are called until they are whole.
+PART = ".part"
+LOCK = ".lock"
+
+_ENCODINGS = {name: "BYTE_STREAM_SPLIT" for name in ("x", "y", "z", "qx", "qy", "qz", "qw", "variation", "wind_phase")}
+_ENCODINGS |= {"id": "DELTA_BINARY_PACKED", "rank": "PLAIN"}
+_DICTIONARIES = ["layer", "model", "color", "scale_x", "scale_y", "scale_z"]
+
+
+class Taken(RuntimeError):
+    """Another bake is at work on the folder."""
+
+
+class CannotWrite(RuntimeError):
+    """A file could not be written: a full disk, a folder that is read-only. A sentence."""
+
+
+def write_whole(path: Path, content: bytes | memoryview) -> None:
+    """Puts a file into its place with all of its content, or, raising CannotWrite, leaves what was there."""
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}{PART}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with partial.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.rename(path)
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            partial.unlink()
+        raise CannotWrite(f"Cannot write {path}: {error.strerror or error}.") from error
+
+
+def tile_path(out: Path, tile: tuple[int, int]) -> Path:
+    """Where a tile's file lies."""
+    return out / "tiles" / f"tile_{tile[0]}_{tile[1]}.parquet"
+
+
+def write_tile(path: Path, columns: rows.Columns, marks: dict[str, str]) -> None:
+    """Writes sorted rows, with marks for the file's metadata."""
+    table = rows.to_table(columns).replace_schema_metadata(marks)
+    sink = pa.BufferOutputStream()
+    pq.write_table(
+        table, sink, compression="zstd", use_dictionary=_DICTIONARIES, column_encoding=_ENCODINGS, write_page_checksum=True
+    )
+    write_whole(path, sink.getvalue())
+
+
+def read_tile(path: Path, marks: dict[str, str]) -> tuple[rows.Columns, dict[str, str]] | None:
+    """The rows and all marks of a file that is whole and bears these marks; None for any other, or none. Every bit of the rows counts:
+    they have to have the digest that the file names."""
+    try:
+        with pq.ParquetFile(path, page_checksum_verification=True, memory_map=False) as file:
+            table = file.read()
+        found = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
+        if any(found.get(name) != value for name, value in marks.items()):
+            return None
+        columns = rows.to_columns(table)
+    except (OSError, ValueError, pa.ArrowException):  # A UnicodeDecodeError is a ValueError, and so is BadRows.
+        return None
+    return (columns, found) if rows.digest(columns) == found.get("thicket.digest") else None
+
+
+def read_manifest(out: Path) -> dict | None:
+    """The manifest in a folder; None where there is none or it cannot be read."""
+    try:
+        manifest = json.loads((out / MANIFEST).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return manifest if isinstance(manifest, dict) and manifest.get("format") == FORMAT else None
+
+
+def write_manifest(out: Path, manifest: dict) -> None:
+    """Puts the manifest into its place, a line for each tile."""
+    tiles = manifest["tiles"]
+    head = json.dumps({**manifest, "tiles": None}, indent=1)
+    lines = ",\n".join(f"  {json.dumps(name)}: {json.dumps(tiles[name])}" for name in sorted(tiles, key=tile_of_name))
+    write_whole(out / MANIFEST, head.replace('"tiles": null', '"tiles": {\n' + lines + "\n }").encode())
+
+
+def name_of(tile: tuple[int, int]) -> str:
+    """A tile's key in the manifest."""
+    return f"{tile[0]},{tile[1]}"
+
+
+def tile_of_name(name: str) -> tuple[int, int]:
+    """The tile of a key in the manifest."""
+    i, j = name.split(",")
+    return int(i), int(j)
+
+
+@contextlib.contextmanager
+def locked(out: Path) -> Iterator[None]:
+    """Holds a folder for one bake; Taken for who comes second. A bake that ends in whatever way lets go of it."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        lock = (out / LOCK).open("a+")
+    except OSError as error:
+        raise CannotWrite(f"Cannot write into {out}: {error.strerror}.") from error
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise Taken(f"Another bake is at work on {out}: wait for its end, or bake into another folder.") from None
+        yield
+
+
+def sweep(out: Path) -> None:
+    """Removes what a bake that was killed left unfinished."""
+    for folder in (out, out / "tiles", out / "models"):
+        for partial in folder.glob(f".*{PART}"):
+            partial.unlink(missing_ok=True)
+
+
+def empty(out: Path) -> None:
+    """Removes a bake, and nothing else that lies in its folder."""
+    for path in [out / MANIFEST, *(out / "tiles").glob("tile_*.parquet"), *(out / "models").glob("*.res")]:
+        path.unlink(missing_ok=True)

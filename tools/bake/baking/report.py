@@ -1,0 +1,170 @@
+"""What a person gets to see of a bake: a line of progress, a map, and a report."""
+
+from __future__ import annotations
+
+import colorsys
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image
+
+from . import files
+
+if TYPE_CHECKING:
+    from .driver import Outcome
+
+GROUND = (0.93, 0.92, 0.88)
+
+
+def duration(seconds: float) -> str:
+    """A time in words: 42 s, 3 min 20 s, 2 h 5 min."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{seconds:.1f} s" if seconds < 10 else f"{whole} s"
+    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def amount(number: float) -> str:
+    """A count that is easily read: 950, 12.3 k, 4.56 M, 1.20 G."""
+    for factor, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
+        if number >= factor:
+            return f"{number / factor:.3g}{unit}"
+    return f"{number:.0f}"
+
+
+class Progress:
+    """Tells how far a bake is: on a terminal one line that changes, else a line every ten seconds."""
+
+    def __init__(self, tiles: int, say: Callable[[str], None]):
+        self.tiles = tiles
+        self.say = say
+        self.start = time.monotonic()
+        self.live = say is print and sys.stdout.isatty()
+        self.next = self.start
+
+    def line(self, outcome: Outcome) -> str:
+        """12 of 400 tiles, 3.1 a second, 1.2 M instances a second, 2 min left"""
+        passed = max(time.monotonic() - self.start, 1e-3)
+        done = outcome.made + outcome.kept + len(outcome.failed)
+        left = passed / max(done, 1) * (self.tiles - done)
+        failed = f", {len(outcome.failed)} failed" if outcome.failed else ""
+        return (
+            f"{done} of {self.tiles} tiles{failed}, {done / passed:.1f} a second, "
+            f"{amount(outcome.made_rows / passed)} instances a second, {duration(left)} left"
+        )
+
+    def tell(self, outcome: Outcome) -> None:
+        """Says where it is, if it is time to."""
+        now = time.monotonic()
+        if now < self.next:
+            return
+        self.next = now + (0.2 if self.live else 10.0)
+        if self.live:
+            print(f"\r{self.line(outcome):<100}", end="", flush=True)
+        else:
+            self.say(self.line(outcome))
+
+    def end(self, outcome: Outcome) -> None:
+        """Says the last of it."""
+        self.next = 0.0
+        self.tell(outcome)
+        if self.live:
+            print()
+
+
+class Map:
+    """Plan view of a bake, north up as in the engine's x and z: x to the right, z down. A color for each layer; the ones that stand
+    closest together are drawn first."""
+
+    def __init__(self, rect: tuple[float, float, float, float], pixel: float, layers: list[dict]):
+        self.size = (max(1, int(np.ceil(rect[3] / pixel - 1e-9))), max(1, int(np.ceil(rect[2] / pixel - 1e-9))))
+        self.layers = layers
+        self.pixel = pixel
+        self.counts = np.zeros((len(layers), *self.size), np.uint32)
+
+    def add(self, pixels: list[tuple[np.ndarray, np.ndarray]]) -> None:
+        """Counts what stands in a tile."""
+        for counts, (places, number) in zip(self.counts, pixels, strict=True):
+            row = np.minimum(places >> 16, self.size[0] - 1)
+            column = np.minimum(places & 0xFFFF, self.size[1] - 1)
+            np.add.at(counts, (row, column), number.astype(np.uint32))
+
+    def colors(self) -> list[tuple[float, float, float]]:
+        """Red, green and blue of each layer, 0 to 1: hues that are far apart."""
+        return [colorsys.hls_to_rgb((0.3 + 0.381966 * index) % 1.0, 0.36, 0.6) for index in range(len(self.layers))]
+
+    def picture(self) -> Image.Image:
+        """The map."""
+        image = np.empty((*self.size, 3), np.float32)
+        image[:] = GROUND
+        for index in sorted(range(len(self.layers)), key=lambda index: self.layers[index]["radius"]):
+            counts = self.counts[index]
+            if not counts.any():
+                continue
+            full = max(1.0, float(np.percentile(counts[counts > 0], 95)))
+            share = np.minimum(counts / np.float32(full), 1.0)[..., None].astype(np.float32) * 0.85
+            image = image * (1.0 - share) + np.float32(self.colors()[index]) * share
+        return Image.fromarray(np.rint(image * 255.0).astype(np.uint8))
+
+
+def write_report(out: Path, workers: int, outcome: Outcome, picture: Map) -> None:
+    """Writes map.png and report.md beside the manifest. Keeps quiet where that cannot be: the bake is what counts."""
+    try:
+        files.write_whole(out / "report.md", report(workers, outcome, picture).encode())
+        partial = out / f".map.png{files.PART}"
+        picture.picture().save(partial, "PNG")
+        partial.rename(out / "map.png")
+    except (files.CannotWrite, OSError):
+        pass
+
+
+def report(workers: int, outcome: Outcome, picture: Map) -> str:
+    """The report, in Markdown."""
+    manifest = outcome.manifest
+    tiles = manifest["tiles"].values()
+    rect = manifest["rect"]
+    by_layer = np.sum([tile["rows_of_layer"] for tile in tiles] or [[0] * len(manifest["layers"])], axis=0)
+    total = int(by_layer.sum())
+    seconds = max(outcome.seconds, 1e-3)
+    lines = [
+        f"# {manifest['scene']}, baked",
+        "",
+        f"{total:,} instances in {len(tiles):,} of {manifest['grid'][2] * manifest['grid'][3]:,} tiles of {manifest['tile_size']:g} m, "
+        f"{rect[2]:g} m by {rect[3]:g} m from x {rect[0]:g}, z {rect[1]:g}. Seed {manifest['seed']}.",
+        "",
+        f"Digest: `{manifest['digest']}`" if manifest["complete"] else "Not complete: baking again makes only what is missing.",
+        "",
+        *([f"**Stopped:** {outcome.stopped}", ""] if outcome.stopped else []),
+        "![Plan view](map.png)",
+        "",
+        f"{picture.pixel:.3g} m a pixel; x to the right, z down.",
+        "",
+        "| Layer | Color | Instances |",
+        "| --- | --- | ---: |",
+    ]
+    for layer, color, count in zip(manifest["layers"], picture.colors(), by_layer, strict=True):
+        code = "#" + "".join(f"{round(255 * part):02x}" for part in color)
+        lines.append(f"| {layer['index']} {layer['name']} | {code} | {int(count):,} |")
+    lines += [
+        "",
+        "| This run | |",
+        "| --- | ---: |",
+        f"| made, found already there, failed | {outcome.made}, {outcome.kept}, {len(outcome.failed)} tiles |",
+        f"| time | {duration(outcome.seconds)} |",
+        f"| a second | {outcome.made / seconds:.2f} tiles, {amount(outcome.made_rows / seconds)} instances |",
+        f"| workers of this machine asked for | {workers} |",
+        f"| a worker's own memory, at most | {outcome.worker_memory / 2**20:.0f} MiB |",
+        f"| its engine's, at most | {outcome.engine_memory / 2**20:.0f} MiB |",
+        f"| files | {outcome.bytes / 2**20:.1f} MiB |",
+    ]
+    sheared = sum(tile.get("sheared", 0) for tile in tiles)
+    if sheared:
+        lines += ["", f"{sheared} hand-placed instances have a shear, which the files cannot hold."]
+    if outcome.failed:
+        lines += ["", "## Tiles that failed", ""]
+        lines += [f"- {i},{j}: {why}" for (i, j), why in sorted(outcome.failed.items())]
+    return "\n".join(lines) + "\n"

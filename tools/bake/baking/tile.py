@@ -1,0 +1,184 @@
+"""What a worker does: makes one tile, or finds that it is there. Runs in processes that Dask starts, each with an engine of its own
+that stays alive from tile to tile."""
+
+from __future__ import annotations
+
+import atexit
+import resource
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from . import files, grid, rows
+from .engine import Engine, EngineGone, Refused, Source
+
+# Engines that may end in the middle of a tile before it is given up.
+_ATTEMPTS = 3
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that decides what a tile's file holds, and what its maker has to know."""
+
+    source: Source
+    out: str
+    rect: tuple[float, float, float, float]  # x, z, width, depth, meters of the world
+    tile_size: float
+    layers: tuple[dict, ...]  # index, tile_size, colored, custom_data
+    scene_digest: str
+    parts: dict[str, str]  # The digests of the scene's parts
+    pixel: float  # Meters of a pixel of the map
+
+    def marks(self, tile: tuple[int, int]) -> dict[str, str]:
+        """What a tile's file says of itself: a file with other marks is another tile's, or another bake's."""
+        area = grid.area_of(list(self.rect), self.tile_size, tile)
+        return {
+            "thicket.tile": files.name_of(tile),
+            "thicket.scene_digest": self.scene_digest,
+            "thicket.area": ",".join(map(repr, area)),
+            "thicket.layers": ",".join(str(layer["index"]) for layer in self.layers),
+        }
+
+
+class SceneChanged(RuntimeError):
+    """The scene is not the one that the bake was begun with."""
+
+
+def changed_parts(before: dict[str, str], now: dict[str, str]) -> str:
+    """The names of the parts of a scene that differ, for a sentence."""
+    return ", ".join(part for part in {**before, **now} if before.get(part) != now.get(part)) or "nothing that has a name"
+
+
+# The engine of each thread of this process, and the source that it was started with.
+_own = threading.local()
+_engines: list[Engine] = []
+
+
+def _engine_of(plan: Plan) -> Engine:
+    """A running engine whose scene is the plan's. Raises EngineGone, Refused or SceneChanged."""
+    if getattr(_own, "key", None) != (plan.source, plan.scene_digest):
+        _drop_engine()
+        _own.engine = _started(plan.source)
+        described = _own.engine.describe(list(plan.rect))
+        if described["scene_digest"] != plan.scene_digest:
+            raise SceneChanged(
+                f"The scene {plan.source.scene} has changed while it was baked: {changed_parts(plan.parts, described['parts'])}."
+            )
+        _own.key = (plan.source, plan.scene_digest)
+    return _own.engine
+
+
+def _started(source: Source) -> Engine:
+    engine = Engine(source)
+    _engines.append(engine)
+    return engine
+
+
+def _drop_engine() -> None:
+    engine = getattr(_own, "engine", None)
+    _own.engine = _own.key = None
+    if engine is not None:
+        _engines.remove(engine)
+        engine.close()
+
+
+def close_engines() -> None:
+    """Ends all engines of this process."""
+    while _engines:
+        _engines.pop().close()
+    _own.__dict__.clear()
+
+
+atexit.register(close_engines)
+
+
+def describe(source: Source, rect: list[float] | None, models_of: list[int] | None = None) -> dict:
+    """What an engine of this worker says of the scene: see Engine.describe; with `models_of` also its `models` and their `files`.
+    Always a new engine, which reads the scene as it is now."""
+    _drop_engine()
+    _own.engine = _started(source)
+    described = _own.engine.describe(rect)
+    if models_of is not None:
+        described["models"], described["files"] = _own.engine.models(models_of)
+    return described
+
+
+def make(plan: Plan, tile: tuple[int, int]) -> dict:
+    """Makes a tile's file, unless it is there and whole. Returns the tile's entry in the manifest and, beside it, `made` (False for one
+    that was there), `pixels` (see _pixels), `seconds` and `memory`. What goes wrong comes as `failed` (this tile cannot be made; others
+    can), `stop` (no other could be either), each a sentence."""
+    start = time.perf_counter()
+    path = files.tile_path(Path(plan.out), tile)
+    marks = plan.marks(tile)
+    known = files.read_tile(path, marks)
+    try:
+        if known is None:
+            columns, sheared = _made(plan, tile)
+            marks |= {"thicket.digest": rows.digest(columns), "thicket.sheared": str(sheared)}
+            files.write_tile(path, columns, marks)
+        else:
+            columns, marks = known
+    except (SceneChanged, files.CannotWrite) as error:
+        return {"tile": tile, "stop": str(error)}
+    except (Refused, EngineGone, rows.BadRows) as error:
+        return {"tile": tile, "failed": str(error)}
+    engine = getattr(_own, "engine", None)
+    return {
+        "tile": tile,
+        "made": known is None,
+        "entry": _entry(plan, path, columns, marks),
+        "pixels": _pixels(plan, columns),
+        "seconds": time.perf_counter() - start,
+        "bytes": path.stat().st_size,
+        "memory": (1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, engine.peak_memory() if engine is not None else 0),
+    }
+
+
+def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
+    for attempt in range(1, _ATTEMPTS + 1):
+        try:
+            return _asked(plan, tile, _engine_of(plan))
+        except (EngineGone, rows.BadRows) as error:
+            _drop_engine()  # Whatever it was in the middle of.
+            if attempt == _ATTEMPTS:
+                raise EngineGone(f"{_ATTEMPTS} engines in a row could not make it. {error}") from error
+    raise AssertionError
+
+
+def _asked(plan: Plan, tile: tuple[int, int], engine: Engine) -> tuple[rows.Columns, int]:
+    """The sorted rows of a tile, and how many of them have a shear."""
+    area = grid.area_of(list(plan.rect), plan.tile_size, tile)
+    wanted = [(layer, at) for layer in plan.layers for at in grid.game_tiles(area, layer["tile_size"])]
+    parts, sheared = [], 0
+    for (layer, at), data in zip(wanted, engine.rows([(layer["index"], *at) for layer, at in wanted]), strict=True):
+        part, leaning = rows.parse(data, layer)
+        within = grid.inside(area, layer["tile_size"], at, part["x"], part["z"])
+        parts.append(part if within is None else {name: column[within] for name, column in part.items()})
+        sheared += leaning
+    return rows.joined(parts), sheared
+
+
+def _entry(plan: Plan, path: Path, columns: rows.Columns, marks: dict[str, str]) -> dict:
+    counts = np.bincount(columns["layer"], minlength=1)
+    return {
+        "file": path.relative_to(plan.out).as_posix(),
+        "rows": len(columns["id"]),
+        "rows_of_layer": [int(counts[layer["index"]]) if layer["index"] < len(counts) else 0 for layer in plan.layers],
+        "digest": marks["thicket.digest"],
+        "bounds": rows.bounds(columns),
+        "sheared": int(marks["thicket.sheared"]),
+    }
+
+
+def _pixels(plan: Plan, columns: rows.Columns) -> list[tuple[np.ndarray, np.ndarray]]:
+    """For each layer the pixels of the map that instances stand in, as row << 16 | column, and how many stand there."""
+    found = []
+    for layer in plan.layers:
+        own = columns["layer"] == layer["index"]
+        column = np.clip((columns["x"][own] - plan.rect[0]) // plan.pixel, 0, 0xFFFF).astype(np.uint32)
+        row = np.clip((columns["z"][own] - plan.rect[1]) // plan.pixel, 0, 0xFFFF).astype(np.uint32)
+        found.append(np.unique(row << np.uint32(16) | column, return_counts=True))
+    return found
