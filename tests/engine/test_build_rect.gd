@@ -44,3 +44,80 @@ func test_build_rect_refuses() -> void:
 	check(scatter.build_rect(0, Rect2(0, 0, 5, 5)).is_empty(), "no ground")
 	check_error(["terrain", "missing"], "no ground")
 	await frames(1)
+
+
+## A tile is to the bit what is shown of it, changes of a game included, and so are its rows.
+func test_build_tile() -> void:
+	for offset: Vector3 in [Vector3.ZERO, Vector3(4096.0, 0.0, -2048.0)]:
+		var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
+		scatter.world_offset = offset
+		scatter.layers[OAK].use_colors = true
+		scatter.layers[OAK].use_custom_data = true
+		await settle(scatter)
+		var felled := scatter.query_sphere(Vector3.ZERO, 20.0, OAK)
+		scatter.remove_instances(felled.ids)
+		scatter.add_instance(OAK, Transform3D(Basis.from_scale(Vector3(1, 2, 3)), Vector3(1.0, 2.0, 3.0)))
+		await settle(scatter)
+		var seen := 0
+		for layer: int in [OAK, FERN]:
+			for tile in scatter.get_shown_tiles(layer):
+				var built := scatter.build_tile(layer, tile)
+				seen += int(not built.is_empty())
+				check_equal(built.get_digest(), scatter.get_tile(layer, tile).get_digest(), "tile %s of layer %d" % [tile, layer])
+				check(built.get_rows() == scatter.get_tile(layer, tile).get_rows(), "rows of tile %s of layer %d" % [tile, layer])
+		check(seen > 8 and felled.size() > 5, "%d tiles that hold something" % seen)
+		scatter.free()
+	check_no_error("tiles")
+
+
+## Rows are what queries find: the same ids, positions in the world, meshes and turns.
+func test_rows() -> void:
+	var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
+	scatter.world_offset = Vector3(1024.0, 0.0, 0.0)
+	scatter.layers[FERN].meshes = [BoxMesh.new(), SphereMesh.new()]
+	scatter.layers[FERN].min_scale = 0.5
+	scatter.layers[FERN].max_tilt_degrees = 30.0
+	var tile := Vector2i(32, 0) # World 1024 to 1056: the engine's 0 to 32.
+	var rows := scatter.build_tile("fern", tile).get_rows()
+	var found := scatter.query_rect(Rect2(0, 0, 32, 32), "fern")
+	var count := rows.decode_u32(0)
+	check(count > 50 and count == found.size(), "%d rows, %d found" % [count, found.size()])
+	check_equal(rows.decode_u32(4), 0, "floats of color and custom data")
+	check_equal(rows.size(), 16 + count * 66, "bytes")
+	var places: Dictionary[int, int] = {}
+	for index in found.size():
+		places[found.get_id(index)] = index
+	for row: int in count:
+		var at: int = places[rows.decode_s64(16 + 8 * row)]
+		var stands := found.get_transform(at)
+		var position := Vector3.ZERO
+		var turn := Vector4.ZERO
+		var size := Vector3.ZERO
+		for axis in 3:
+			position[axis] = rows.decode_double(16 + 8 * (count * (1 + axis) + row)) - scatter.world_offset[axis]
+			size[axis] = rows.decode_float(16 + 32 * count + 4 * (count * (4 + axis) + row))
+		for part in 4:
+			turn[part] = rows.decode_float(16 + 32 * count + 4 * (count * part + row))
+		var basis_there := Basis(Quaternion(turn.x, turn.y, turn.z, turn.w)) * Basis.from_scale(size)
+		if not (position.distance_to(stands.origin) < 1e-4 and basis_there.is_equal_approx(stands.basis)
+				and rows.decode_u16(16 + 64 * count + 2 * row) == found.get_mesh(at)):
+			check(false, "row %d is %s, %s" % [row, position, basis_there])
+			return
+	check(true, "all rows")
+
+
+func test_build_tile_refuses() -> void:
+	var layers: Array[ScatterLayer] = [make_layer(), null]
+	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer())
+	check_equal(scatter.build_tile(0, Vector2i(1 << 30, 0)).get_mesh_count(), 0, "meshes beyond the end of the world")
+	check_error(["TerrainScatter3D.build_tile"], "beyond the end of the world")
+	check(scatter.build_tile("nothing", Vector2i.ZERO).is_empty(), "no such layer")
+	check_error(["TerrainScatter3D.build_tile", "ayer"], "no such layer")
+	check(scatter.build_tile(1, Vector2i.ZERO).is_empty(), "an empty entry")
+	check_error(["TerrainScatter3D.build_tile", "layer"], "an empty entry")
+	check_equal(scatter.build_tile(1, Vector2i.ZERO).get_rows(), PackedByteArray([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "no rows")
+	check_error(["TerrainScatter3D.build_tile", "layer"], "an empty entry")
+	scatter.terrain = null
+	check(scatter.build_tile(0, Vector2i.ZERO).is_empty(), "no ground")
+	check_error(["terrain", "missing"], "no ground")
+	await frames(1)

@@ -1,0 +1,195 @@
+#include "core/placement/instance_rows.hpp"
+#include "placement_fixture.hpp"
+#include "tile_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <span>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+using Floats = std::array<float, transform_floats>;
+
+Floats floats_of(const glm::mat3 &basis) {
+	Floats floats{};
+	for (int row = 0; row < 3; ++row) {
+		for (int column = 0; column < 3; ++column) {
+			floats[static_cast<std::size_t>(4 * row + column)] = basis[column][row];
+		}
+	}
+	return floats;
+}
+
+glm::mat3 put_together(const TurnAndScale &parts) {
+	glm::mat3 basis = glm::mat3_cast(parts.rotation);
+	for (int column = 0; column < 3; ++column) {
+		basis[column] *= parts.scale[column];
+	}
+	return basis;
+}
+
+/// The largest difference of two numbers at the same place.
+float largest_difference(const glm::mat3 &a, const glm::mat3 &b) {
+	float largest = 0.0f;
+	for (int column = 0; column < 3; ++column) {
+		for (int row = 0; row < 3; ++row) {
+			largest = std::max(largest, std::abs(a[column][row] - b[column][row]));
+		}
+	}
+	return largest;
+}
+
+glm::quat random_turn(std::mt19937 &random) {
+	std::normal_distribution<float> along;
+	return glm::normalize(glm::quat(along(random), along(random), along(random), along(random)));
+}
+
+template <class Number>
+Number number_at(const std::vector<std::uint8_t> &bytes, std::size_t &r_at) {
+	Number number{};
+	REQUIRE(r_at + sizeof number <= bytes.size());
+	std::memcpy(&number, bytes.data() + r_at, sizeof number);
+	r_at += sizeof number;
+	return number;
+}
+
+/// Compares a column with what the instances of all meshes have there.
+template <class Number, class Expected>
+void check_column(const std::vector<std::uint8_t> &bytes, std::size_t &r_at, const TileInstances &tile,
+		const Expected &expected) {
+	std::size_t wrong = 0;
+	for (std::size_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
+		for (std::size_t i = 0; i < tile.meshes[mesh].size(); ++i) {
+			wrong +=
+					number_at<Number>(bytes, r_at) == static_cast<Number>(expected(tile.meshes[mesh], i, mesh)) ? 0 : 1;
+		}
+	}
+	CHECK(wrong == 0);
+}
+
+} // namespace
+
+TEST_CASE("a transform is its rotation and its scale, whichever way it is turned") {
+	std::mt19937 random(7);
+	std::uniform_real_distribution<float> size(0.1f, 4.0f);
+	for (int i = 0; i < 20000; ++i) {
+		glm::mat3 basis = glm::mat3_cast(random_turn(random));
+		const float sign = i % 2 == 0 ? 1.0f : -1.0f;
+		basis[0] *= sign * size(random);
+		basis[1] *= sign * size(random);
+		basis[2] *= sign * size(random);
+		const TurnAndScale parts = turn_and_scale(floats_of(basis));
+		REQUIRE(largest_difference(put_together(parts), basis) < 4e-6f);
+		REQUIRE(std::abs(glm::length(parts.rotation) - 1.0f) < 1e-6f);
+		REQUIRE(parts.rotation.w >= 0.0f);
+		REQUIRE((parts.scale.x > 0.0f) == (sign > 0.0f));
+		REQUIRE_FALSE(parts.sheared);
+	}
+}
+
+TEST_CASE("half turns, where all but one of the quaternion's numbers are 0, are right") {
+	for (const glm::quat turn :
+			{glm::quat(1, 0, 0, 0), glm::quat(0, 1, 0, 0), glm::quat(0, 0, 1, 0), glm::quat(0, 0, 0, 1)}) {
+		const TurnAndScale parts = turn_and_scale(floats_of(glm::mat3_cast(turn) * 2.0f));
+		CHECK(largest_difference(put_together(parts), glm::mat3_cast(turn) * 2.0f) == 0.0f);
+	}
+}
+
+TEST_CASE("placed instances have one scale on all axes, to the bit, and theirs") {
+	Placement placement;
+	placement.min_scale = 0.3;
+	placement.max_scale = 2.5;
+	placement.max_tilt_degrees = 40.0;
+	placement.align_to_normal = 1.0;
+	std::mt19937 random(3);
+	for (std::uint64_t id = 0; id < 5000; ++id) {
+		Floats floats{};
+		const float scale = write_transform(placement, seed, id, random_normal(random), {}, floats);
+		const TurnAndScale parts = turn_and_scale(floats);
+		REQUIRE(parts.scale.x == parts.scale.y);
+		REQUIRE(parts.scale.x == parts.scale.z);
+		REQUIRE(parts.scale.x == doctest::Approx(scale).epsilon(1e-6));
+	}
+}
+
+TEST_CASE("a shear is told, and the rest of the transform is kept") {
+	glm::mat3 basis(1.0f);
+	basis[1] = {0.5f, 1.0f, 0.0f};
+	const TurnAndScale parts = turn_and_scale(floats_of(basis));
+	CHECK(parts.sheared);
+	CHECK(parts.rotation.w == doctest::Approx(1.0f));
+	CHECK(parts.scale.x == doctest::Approx(1.0f));
+	CHECK(parts.scale.y == doctest::Approx(std::sqrt(1.25f)));
+}
+
+TEST_CASE("what is flat has finite numbers") {
+	for (const glm::mat3 &basis :
+			{glm::mat3(0.0f), glm::mat3(1, 0, 0, 0, 0, 0, 0, 0, 1), glm::mat3(1, 0, 0, 1, 0, 0, 0, 0, 1)}) {
+		const TurnAndScale parts = turn_and_scale(floats_of(basis));
+		CHECK(parts.rotation == glm::quat(1.0f, 0.0f, 0.0f, 0.0f));
+		CHECK(std::isfinite(parts.scale.x + parts.scale.y + parts.scale.z));
+	}
+}
+
+TEST_CASE("rows hold every number of a tile, column by column") {
+	LayerSettings layer = rich_layer();
+	layer.instance_data.use_custom_data = true;
+	const TileInstances tile = built(layer, hills(), tile_of_hills);
+	REQUIRE(size_of(tile) > 1000);
+	std::vector<const MeshInstances *> meshes;
+	for (const MeshInstances &mesh : tile.meshes) {
+		meshes.push_back(&mesh);
+	}
+	const std::vector<std::uint8_t> bytes = instance_rows(tile.origin, meshes);
+	std::size_t at = 0;
+	CHECK(number_at<std::uint32_t>(bytes, at) == size_of(tile));
+	CHECK(number_at<std::uint32_t>(bytes, at) == 4);
+	CHECK(number_at<std::uint32_t>(bytes, at) == 0);
+	CHECK(number_at<std::uint32_t>(bytes, at) == 0);
+	CHECK(at == row_header_bytes);
+	check_column<std::uint64_t>(
+			bytes, at, tile, [](const auto &mesh, std::size_t i, std::size_t) { return mesh.ids[i]; });
+	for (int axis = 0; axis < 3; ++axis) {
+		check_column<double>(bytes, at, tile, [&](const auto &mesh, std::size_t i, std::size_t) {
+			return tile.origin[axis] + double{mesh.buffer[i * 16 + static_cast<std::size_t>(4 * axis + 3)]};
+		});
+	}
+	const auto parts_of = [](const MeshInstances &mesh, std::size_t i) {
+		return turn_and_scale(std::span(mesh.buffer).subspan(i * mesh.stride).first<transform_floats>());
+	};
+	for (const auto part : {&glm::quat::x, &glm::quat::y, &glm::quat::z, &glm::quat::w}) {
+		check_column<float>(bytes, at, tile,
+				[&](const auto &mesh, std::size_t i, std::size_t) { return parts_of(mesh, i).rotation.*part; });
+	}
+	for (int axis = 0; axis < 3; ++axis) {
+		check_column<float>(bytes, at, tile,
+				[&](const auto &mesh, std::size_t i, std::size_t) { return parts_of(mesh, i).scale[axis]; });
+	}
+	check_column<std::uint32_t>(
+			bytes, at, tile, [](const auto &mesh, std::size_t i, std::size_t) { return mesh.ranks[i]; });
+	for (std::size_t more = 0; more < 4; ++more) {
+		check_column<float>(bytes, at, tile,
+				[&](const auto &mesh, std::size_t i, std::size_t) { return mesh.buffer[i * 16 + 12 + more]; });
+	}
+	check_column<std::uint16_t>(bytes, at, tile, [](const auto &, std::size_t, std::size_t mesh) { return mesh; });
+	CHECK(at == bytes.size());
+	CHECK(bytes.size() == row_header_bytes + size_of(tile) * (row_bytes + 16));
+}
+
+TEST_CASE("nothing has a header and no rows") {
+	CHECK(instance_rows({}, {}) == std::vector<std::uint8_t>(row_header_bytes, 0));
+}
