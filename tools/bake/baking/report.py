@@ -93,22 +93,45 @@ class Map:
             column = np.minimum(places & 0xFFFF, self.size[1] - 1)
             np.add.at(counts, (row, column), number.astype(np.uint32))
 
+    def _largest_first(self) -> list[int]:
+        return sorted(range(len(self.layers)), key=lambda index: -self.layers[index]["radius"])
+
     def colors(self) -> list[tuple[float, float, float]]:
-        """Red, green and blue of each layer, 0 to 1: hues that are far apart."""
-        return [colorsys.hls_to_rgb((0.3 + 0.381966 * index) % 1.0, 0.36, 0.6) for index in range(len(self.layers))]
+        """Red, green and blue of each layer, 0 to 1: hues that are far apart, dark for large plants, light for small ones."""
+        order = self._largest_first()
+        lightness = np.linspace(0.28, 0.72, max(len(order), 2))
+        colors = [(0.0, 0.0, 0.0)] * len(order)
+        for place, index in enumerate(order):
+            colors[index] = colorsys.hls_to_rgb((0.34 + 0.381966 * place) % 1.0, float(lightness[place]), 0.55)
+        return colors
 
     def picture(self) -> Image.Image:
-        """The map."""
+        """The map. An instance is a disc that is as wide as its layer's radius; where pixels are larger, they show how much of the
+        ground such discs cover."""
         image = np.empty((*self.size, 3), np.float32)
         image[:] = GROUND
-        for index in sorted(range(len(self.layers)), key=lambda index: self.layers[index]["radius"]):
-            counts = self.counts[index]
-            if not counts.any():
-                continue
-            full = max(1.0, float(np.percentile(counts[counts > 0], 95)))
-            share = np.minimum(counts / np.float32(full), 1.0)[..., None].astype(np.float32) * 0.85
+        for index in reversed(self._largest_first()):
+            share = self._cover(self.counts[index], self.layers[index]["radius"] / self.pixel)[..., None]
             image = image * (1.0 - share) + np.float32(self.colors()[index]) * share
         return Image.fromarray(np.rint(image * 255.0).astype(np.uint8))
+
+    @staticmethod
+    def _cover(counts: np.ndarray, width: float) -> np.ndarray:
+        """0 to 1 for each pixel. `width` is that of an instance, in pixels."""
+        cover = np.minimum(counts * np.float32(0.25 * np.pi * width * width), 1.0).astype(np.float32)
+        reach = int(min(width, 25.0) / 2.0)
+        if reach < 1:
+            return cover
+        discs = np.zeros_like(counts, dtype=bool)
+        standing = counts > 0
+        for down in range(-reach, reach + 1):
+            for right in range(-reach, reach + 1):
+                if down * down + right * right > reach * reach + 1:
+                    continue
+                rows = slice(max(down, 0), counts.shape[0] + min(down, 0)), slice(max(-down, 0), counts.shape[0] + min(-down, 0))
+                columns = slice(max(right, 0), counts.shape[1] + min(right, 0)), slice(max(-right, 0), counts.shape[1] + min(-right, 0))
+                discs[rows[0], columns[0]] |= standing[rows[1], columns[1]]
+        return discs.astype(np.float32)
 
 
 def write_report(out: Path, workers: int, outcome: Outcome, picture: Map) -> None:
