@@ -33,7 +33,7 @@ def client(workers: int, scheduler: str | None) -> Iterator[Client]:
         }
         with dask.config.set(settings):
             if scheduler is not None:
-                with Client(scheduler, timeout="30s", set_as_default=False) as remote:
+                with Client(scheduler, timeout="10s", set_as_default=False) as remote:
                     remote.register_plugin(UploadFile(_packed(Path(scratch))))
                     yield remote
                 return

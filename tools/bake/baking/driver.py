@@ -62,9 +62,13 @@ class Outcome:
 def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:
     """Bakes, or goes on with a bake that was begun. Raises BakeError where there is nothing to begin with."""
     try:
-        with files.locked(wish.out), cluster.client(wish.workers, wish.scheduler) as client:
+        with files.locked(wish.out):
             files.sweep(wish.out)
-            return _bake(wish, client, say)
+            try:
+                with cluster.client(wish.workers, wish.scheduler) as client:
+                    return _bake(wish, client, say)
+            finally:
+                files.sweep(wish.out)  # Workers that were ended leave their files unfinished.
     except (files.Taken, files.CannotWrite) as error:
         raise BakeError(str(error)) from error
     except (OSError, TimeoutError) as error:
@@ -87,24 +91,21 @@ def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
     finally:
         outcome.seconds = time.monotonic() - start
         _finish(wish.out, outcome)
-        client.run(tile.close_engines)
+    if wish.scheduler is not None and not outcome.stopped:
+        client.run(tile.close_engines)  # Those workers live on.
     write_report(wish.out, wish.workers, outcome, picture)
     return outcome
 
 
-def _described(wish: Wish, client: Client, rect: list[float] | None, models_of: list[int] | None = None) -> dict:
-    try:
-        return client.submit(tile.describe, wish.source, rect, models_of, pure=False).result()
-    except (EngineGone, Refused) as error:
-        raise BakeError(str(error)) from error
-
-
 def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict]:
     """What is to be made, and the manifest so far, which is in its place."""
-    described = _described(wish, client, wish.rect)
+    try:
+        described = client.submit(tile.describe, wish.source, wish.rect, pure=False).result()
+    except (EngineGone, Refused) as error:
+        raise BakeError(str(error)) from error
     for problem in described["problems"]:
         say(f"The scene warns: {problem}")
-    rect = wish.rect or described["rect"]
+    rect = described["rect"]
     if not (rect[2] > 0.0 and rect[3] > 0.0):
         raise BakeError("The terrain does not say where it lies: give --rect X,Z,WIDTH,DEPTH, in meters.")
     layers = _chosen(described["layers"], wish.layers)
@@ -115,7 +116,6 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
     bounds = grid.grid_of(rect, size)
     if bounds[2] * bounds[3] > MAX_TILES:
         raise BakeError(f"{bounds[2] * bounds[3]} tiles are more than {MAX_TILES}: choose larger ones with --tile-size.")
-    described = _described(wish, client, rect, [layer["index"] for layer in layers])
     plan = tile.Plan(
         source=wish.source, out=str(wish.out), rect=tuple(rect), tile_size=size, scene_digest=described["scene_digest"],
         layers=tuple({key: layer[key] for key in ("index", "tile_size", "colored", "custom_data")} for layer in layers),
@@ -130,8 +130,10 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
         "complete": False, "digest": None, "tiles": {},
     }  # fmt: skip
     _go_on_with(wish, manifest)
+    files.sweep_strays(wish.out, set(grid.tiles_of(bounds)))
     for path, content in described["files"].items():
-        files.write_whole(wish.out / path, content)
+        if any(path.startswith(f"models/{layer['index']}_") for layer in layers):
+            files.write_whole(wish.out / path, content)
     files.write_manifest(wish.out, manifest)
     return plan, manifest
 
@@ -152,27 +154,24 @@ def _chosen(layers: list[dict], wanted: list[str]) -> list[dict]:
 
 def _go_on_with(wish: Wish, manifest: dict) -> None:
     """Takes over what a bake that was begun in the folder knows of its tiles, if it is one of the same world."""
-    before = files.read_manifest(wish.out)
     if wish.fresh:
         files.empty(wish.out)
-        return
+    before = files.read_manifest(wish.out)
     if before is None:
-        if any((wish.out / "tiles").glob("tile_*.parquet")):
-            return  # Each tile's file says what it is.
-        return
+        return  # Tiles that are there all the same say themselves what they are.
     again = f"Bake into another folder, or begin anew in {wish.out} with --fresh."
     if before.get("version") != files.VERSION:
         raise BakeError(f"{wish.out} holds a bake of version {before.get('version')}, this is version {files.VERSION}. {again}")
     if before["scene"] != manifest["scene"]:
         raise BakeError(f"{wish.out} holds a bake of another scene, {before['scene']}. {again}")
-    if before["scene_digest"] != manifest["scene_digest"]:
-        parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
-        raise BakeError(f"The scene {manifest['scene']} has changed since this bake was begun: {parts}. {again}")
     for key, name in {"rect": "the rectangle", "tile_size": "the size of tiles"}.items():
         if before[key] != manifest[key]:
             raise BakeError(f"{wish.out} holds a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
     if [layer["index"] for layer in before["layers"]] != [layer["index"] for layer in manifest["layers"]]:
         raise BakeError(f"{wish.out} holds a bake of other layers: {', '.join(str(layer['index']) for layer in before['layers'])}. {again}")
+    if before["scene_digest"] != manifest["scene_digest"]:
+        parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
+        raise BakeError(f"The scene {manifest['scene']} has changed since this bake was begun: {parts}. {again}")
     manifest["tiles"] = before["tiles"]
 
 

@@ -137,6 +137,14 @@ def sweep(out: Path) -> None:
             partial.unlink(missing_ok=True)
 
 
+def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
+    """Removes the files of tiles that are none of these: of another bake, whose manifest is gone."""
+    names = {tile_path(out, tile).name for tile in tiles}
+    for path in (out / "tiles").glob("tile_*.parquet"):
+        if path.name not in names:
+            path.unlink(missing_ok=True)
+
+
 def empty(out: Path) -> None:
     """Removes a bake, and nothing else that lies in its folder."""
     for path in [out / MANIFEST, *(out / "tiles").glob("tile_*.parquet"), *(out / "models").glob("*.res")]:

@@ -95,14 +95,15 @@ def close_engines() -> None:
 atexit.register(close_engines)
 
 
-def describe(source: Source, rect: list[float] | None, models_of: list[int] | None = None) -> dict:
-    """What an engine of this worker says of the scene: see Engine.describe; with `models_of` also its `models` and their `files`.
-    Always a new engine, which reads the scene as it is now."""
+def describe(source: Source, rect: list[float] | None) -> dict:
+    """What the scene is: what Engine.describe says for a rectangle, None for where the terrain lies, with that as its `rect` and, as
+    `models` and `files`, what Engine.models gives for all layers. By a new engine, which reads the scene as it is now."""
     _drop_engine()
     _own.engine = _started(source)
     described = _own.engine.describe(rect)
-    if models_of is not None:
-        described["models"], described["files"] = _own.engine.models(models_of)
+    described["rect"] = rect or described["rect"]
+    described["models"], described["files"] = _own.engine.models([layer["index"] for layer in described["layers"]])
+    _own.key = (source, described["scene_digest"])
     return described
 
 
@@ -116,6 +117,7 @@ def make(plan: Plan, tile: tuple[int, int]) -> dict:
     known = files.read_tile(path, marks)
     try:
         if known is None:
+            path.unlink(missing_ok=True)  # Nobody shall take it for a tile.
             columns, sheared = _made(plan, tile)
             marks |= {"thicket.digest": rows.digest(columns), "thicket.sheared": str(sheared)}
             files.write_tile(path, columns, marks)
@@ -123,7 +125,7 @@ def make(plan: Plan, tile: tuple[int, int]) -> dict:
             columns, marks = known
     except (SceneChanged, files.CannotWrite) as error:
         return {"tile": tile, "stop": str(error)}
-    except (Refused, EngineGone, rows.BadRows) as error:
+    except (Refused, EngineGone) as error:
         return {"tile": tile, "failed": str(error)}
     engine = getattr(_own, "engine", None)
     return {

@@ -1,0 +1,132 @@
+"""What the tests of bakes share: a small world, and ways to bake it and to look at what came of it."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import psutil
+import pyarrow.parquet as pq
+from conftest import REPO, new_project, run
+
+TOOLS = REPO / "tools/bake"
+RECT = (-70.0, -50.0, 130.0, 100.0)
+# What a bake is asked for, unless a test says otherwise: 5 by 4 tiles that hold whole tiles of the trees.
+USUAL = ["--rect", ",".join(map(str, RECT)), "--tile-size", "32"]
+PLACED_BY_HAND = 2
+
+
+def make_world(folder: Path) -> Path:
+    """A project with the scene that tests/bake/make_world.gd writes."""
+    folder.mkdir()
+    new_project(folder, f'config/use_custom_user_dir=true\nconfig/custom_user_dir_name="{user_folder_name(folder)}"\n')
+    for script in ("hills.gd", "make_world.gd", "game.gd"):
+        shutil.copy(REPO / "tests/bake" / script, folder)
+    done = run([REPO / "tools/godot", "--headless", "--path", folder, "--script", "make_world.gd"], timeout=60)
+    assert done.returncode == 0 and (folder / "world.tscn").is_file(), done.stdout + done.stderr
+    return folder
+
+
+def user_folder_name(project: Path) -> str:
+    """The name of the folder that is user:// of a test's project."""
+    return "thicket_tests_" + re.sub(r"\W", "_", str(project))
+
+
+def command(project: Path, out: Path, *options: str) -> list[str]:
+    """The command that bakes the test's world."""
+    return [sys.executable, "-m", "baking", str(project / "world.tscn"), str(out), *USUAL, *options]
+
+
+def environment() -> dict[str, str]:
+    """What the command needs beside."""
+    return {**os.environ, "PYTHONPATH": str(TOOLS)}
+
+
+@dataclass
+class Baked:
+    """What a bake said, and what it left."""
+
+    code: int
+    said: str
+    out: Path
+
+    @property
+    def manifest(self) -> dict:
+        return json.loads((self.out / "manifest.json").read_text(encoding="utf-8"))
+
+    def file(self, tile: str) -> Path:
+        """The file of a tile, named as in the manifest."""
+        return self.out / self.manifest["tiles"][tile]["file"]
+
+    def rows(self) -> dict[tuple, tuple]:
+        """All rows of all tiles: what they hold, by layer and id."""
+        found: dict[tuple, tuple] = {}
+        for entry in self.manifest["tiles"].values():
+            table = pq.read_table(self.out / entry["file"])
+            for row in zip(*(table[name].to_pylist() for name in table.schema.names), strict=True):
+                assert (row[1], row[0]) not in found, "an instance is in two tiles"
+                found[row[1], row[0]] = row
+        return found
+
+
+def bake(project: Path, out: Path, *options: str, timeout: float = 120, **further) -> Baked:
+    """Bakes the test's world to the end, as a person does."""
+    done = run(command(project, out, *options), timeout, env=environment(), **further)
+    return Baked(done.returncode, done.stdout + done.stderr, out)
+
+
+def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
+    """Begins to bake."""
+    return subprocess.Popen(
+        command(project, out, *options), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+
+
+def workers_of(driver: subprocess.Popen) -> list[psutil.Process]:
+    """The worker processes of a driver: those that have run long enough to have a parent that waits for them."""
+    try:
+        below = psutil.Process(driver.pid).children()
+    except psutil.NoSuchProcess:
+        return []
+    return [each for each in below if is_worker(each)]
+
+
+def is_worker(process: psutil.Process) -> bool:
+    """Whether a process is one of a driver's workers."""
+    try:
+        words = " ".join(process.cmdline())
+    except psutil.Error:
+        return False
+    return "multiprocessing.spawn" in words and "resource_tracker" not in words
+
+
+def engines_below(process: psutil.Process) -> list[psutil.Process]:
+    """The engines that a process runs."""
+    try:
+        return [each for each in process.children(recursive=True) if each.name().startswith("godot")]
+    except psutil.Error:
+        return []
+
+
+def kill(process: psutil.Process) -> None:
+    """kill -9, of a process that may have ended."""
+    try:
+        process.send_signal(signal.SIGKILL)
+    except psutil.Error:
+        pass
+
+
+def wait_for(condition, what: str, timeout: float = 60.0) -> None:
+    """Waits until something holds."""
+    deadline = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < deadline, f"not within {timeout} s: {what}"
+        time.sleep(0.02)

@@ -1,0 +1,306 @@
+"""Bakes of a world into files: what they hold is what the game shows, whoever makes them in whatever order, and whatever is killed,
+cut short or changed meanwhile is noticed."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import random
+import resource
+import shutil
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from bake_fixture import (
+    PLACED_BY_HAND, RECT, Baked, bake, begin, engines_below, kill, make_world, user_folder_name, wait_for, workers_of,
+)  # fmt: skip
+from conftest import REPO, run
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory) -> Path:
+    return make_world(tmp_path_factory.mktemp("bake") / "project")
+
+
+@pytest.fixture(scope="module")
+def baked(world, tmp_path_factory) -> Baked:
+    """The world, baked by two workers."""
+    done = bake(world, tmp_path_factory.mktemp("baked"), "--workers", "2")
+    assert done.code == 0, done.said
+    return done
+
+
+def copied(baked: Baked, to: Path) -> Baked:
+    """A bake that a test may spoil."""
+    shutil.copytree(baked.out, to)
+    return Baked(0, "", to)
+
+
+def test_manifest_says_what_was_baked(baked):
+    manifest = baked.manifest
+    assert manifest["format"] == "thicket-bake" and manifest["version"] == 1 and manifest["complete"]
+    assert manifest["scene"] == "res://world.tscn" and manifest["seed"] == 11
+    assert manifest["rect"] == list(RECT) and manifest["tile_size"] == 32.0 and manifest["grid"] == [-3, -2, 5, 4]
+    assert [layer["name"] for layer in manifest["layers"]] == ["Trees", "Grass"]
+    trees = manifest["layers"][0]
+    assert trees["radius"] == 3.0 and trees["tile_size"] == 32.0 and trees["colored"] and trees["custom_data"]
+    assert [model["path"] for model in trees["models"]] == ["models/0_0.res", "res://cone.res"]
+    assert (baked.out / "models/0_0.res").stat().st_size > 100
+    assert len(manifest["tiles"]) == 20
+    report = (baked.out / "report.md").read_text()
+    assert manifest["digest"] in report and "0 Trees" in report and (baked.out / "map.png").stat().st_size > 1000
+    assert manifest["digest"] in baked.said
+
+
+def test_files_hold_what_the_manifest_says(baked):
+    low_x, low_z, high_x, high_z = RECT[0], RECT[1], RECT[0] + RECT[2], RECT[1] + RECT[3]
+    for name, entry in baked.manifest["tiles"].items():
+        file = pq.ParquetFile(baked.out / entry["file"])
+        table = file.read()
+        assert entry["file"] == f"tiles/tile_{name.replace(',', '_')}.parquet"
+        assert file.metadata.row_group(0).column(0).compression == "ZSTD" and table.num_rows == entry["rows"]
+        assert table.schema.metadata[b"thicket.tile"] == name.encode()
+        assert table.schema.metadata[b"thicket.digest"] == entry["digest"].encode()
+        columns = {column: table[column].to_numpy() for column in table.schema.names}
+        keys = list(zip(columns["layer"], columns["id"], strict=True))
+        assert keys == sorted(keys) and len(set(keys)) == len(keys)
+        assert entry["rows_of_layer"] == [int(np.sum(columns["layer"] == layer)) for layer in (0, 1)]
+        assert entry["bounds"] == [*(columns[axis].min() for axis in "xyz"), *(columns[axis].max() for axis in "xyz")]
+        i, j = map(int, name.split(","))
+        slack = np.where(columns["layer"] == 0, 1.5, 1e-5)  # Trees are moved along the normal.
+        assert np.all(columns["x"] >= max(32 * i, low_x) - slack) and np.all(columns["x"] <= min(32 * i + 32, high_x) + slack)
+        assert np.all(columns["z"] >= max(32 * j, low_z) - slack) and np.all(columns["z"] <= min(32 * j + 32, high_z) + slack)
+        of_trees = columns["layer"] == 0
+        for column in ("color", "variation", "wind_phase"):
+            assert np.array_equal(np.asarray(table[column].is_valid()), of_trees), column
+        turns = np.stack([columns[part] for part in ("qx", "qy", "qz", "qw")])
+        assert np.allclose(np.sum(turns**2, axis=0), 1.0, atol=1e-6)
+
+
+def test_digests_follow_from_the_rows(baked):
+    """By the recipe that the documentation gives, written down once more."""
+    types = {pa.uint64(): "<u8", pa.uint16(): "<u2", pa.uint32(): "<u4", pa.float64(): "<f8", pa.float32(): "<f4"}
+    lines = []
+    for (i, j), entry in sorted((tuple(map(int, name.split(","))), entry) for name, entry in baked.manifest["tiles"].items()):
+        table = pq.read_table(baked.out / entry["file"])
+        hashing = hashlib.sha256()
+        for field in table.schema:
+            hashing.update(field.name.encode() + b"\0")
+            column = table[field.name]
+            if field.nullable:
+                hashing.update(bytes(0 if value is None else 1 for value in column.to_pylist()))
+            hashing.update(np.array([0 if value is None else value for value in column.to_pylist()], types[field.type]).tobytes())
+        assert hashing.hexdigest() == entry["digest"]
+        lines.append(f"{i},{j} {entry['digest']}\n")
+    assert hashlib.sha256("".join(lines).encode()).hexdigest() == baked.manifest["digest"]
+
+
+def rows_of_the_game(world: Path, file: Path) -> dict[tuple, tuple]:
+    """What a running game shows: id, model, x, y, z, rotation, scale and rank, and the floats of color and custom data, by layer and id."""
+    done = run([REPO / "tools/godot", "--headless", "--path", world, "--script", "game.gd", "--", file], timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+    data = file.read_bytes()
+    at, found = 0, {}
+    while at < len(data):
+        layer, _, _, size = struct.unpack_from("<4i", data, at)
+        rows, floats = struct.unpack_from("<2I", data, at + 16)
+        kinds = ["<u8", *["<f8"] * 3, *["<f4"] * 7, "<u4", *["<f4"] * floats, "<u2"]
+        columns, begin_at = [], at + 32
+        for kind in kinds:
+            columns.append(np.frombuffer(data, kind, rows, begin_at).tolist())
+            begin_at += rows * np.dtype(kind).itemsize
+        assert begin_at == at + 16 + size
+        for row in zip(*columns, strict=True):
+            assert (layer, row[0]) not in found
+            found[layer, row[0]] = row
+        at = begin_at
+    return found
+
+
+def test_files_hold_what_the_game_shows(world, baked, tmp_path):
+    """To the bit: every instance of the game whose place is in the rectangle, and no other."""
+    shown = rows_of_the_game(world, tmp_path / "rows")
+    made = baked.rows()
+    assert sum(layer == 0 and id >> 63 for layer, id in made) == PLACED_BY_HAND
+    for key, row in made.items():
+        game = shown[key]
+        assert (row[0], row[2], row[3:6], row[6:13], row[13]) == (game[0], game[-1], game[1:4], game[4:11], game[11]), key
+        if key[0] == 0:
+            color = [round(255 * min(max(part, 0.0), 1.0)) for part in game[12:16]]
+            assert [row[14] >> 8 * place & 255 for place in range(4)] == color, key
+            assert row[15:17] == game[16:18], key
+    margin = 2.0  # What is moved off its point may stand beyond the edge.
+    missing = [
+        key for key, row in shown.items()
+        if key not in made and RECT[0] + margin < row[1] < RECT[0] + RECT[2] - margin and RECT[1] + margin < row[3] < RECT[1] + RECT[3] - margin
+    ]  # fmt: skip
+    assert not missing and len(made) > 5000
+    near = [row for (layer, id), row in made.items() if layer == 0 and not id >> 63 and np.hypot(row[3], row[5]) < 20.0]
+    assert not near, "felled trees stand"
+
+
+def test_one_worker_in_another_order_makes_the_same(world, baked, tmp_path):
+    other = bake(world, tmp_path / "out", "--workers", "1", "--shuffle", "5")
+    assert other.code == 0, other.said
+    assert other.manifest["digest"] == baked.manifest["digest"]
+    assert {name: entry["digest"] for name, entry in other.manifest["tiles"].items()} == {
+        name: entry["digest"] for name, entry in baked.manifest["tiles"].items()
+    }
+
+
+def test_tiles_that_fit_no_layer_hold_the_same_instances(world, baked, tmp_path):
+    other = bake(world, tmp_path / "out", "--tile-size", "27", "--workers", "2")
+    assert other.code == 0 and "cut through tiles of the game" in other.said, other.said
+    assert other.rows() == baked.rows()
+
+
+def test_spoiled_files_are_made_again(world, baked, tmp_path):
+    """Cut short, changed in one bit, another tile's, gone: found, and made again; whole ones are left alone, though the manifest is
+    spoiled, too. What a killed bake left unfinished goes, and so do tiles that are none of this bake."""
+    spoiled = copied(baked, tmp_path / "out")
+    names = sorted(spoiled.manifest["tiles"])
+    before = {name: spoiled.file(name).read_bytes() for name in names}
+    times = {name: spoiled.file(name).stat().st_mtime_ns for name in names}
+    cut, bit, other, gone, *whole = names
+    spoiled.file(cut).write_bytes(before[cut][:-100])
+    changed = bytearray(before[bit])
+    changed[len(changed) // 3] ^= 1
+    spoiled.file(bit).write_bytes(changed)
+    shutil.copy(spoiled.file(whole[0]), spoiled.file(other))
+    spoiled.file(gone).unlink()
+    (spoiled.out / "tiles/.tile_0_0.parquet.1234.part").write_bytes(b"half")
+    shutil.copy(spoiled.file(whole[0]), spoiled.out / "tiles/tile_9_9.parquet")
+    (spoiled.out / "manifest.json").write_text("{\"format\": \"thick")
+    again = bake(world, spoiled.out, "--workers", "1")
+    assert again.code == 0 and "4 of them made now" in again.said, again.said
+    assert again.manifest["digest"] == baked.manifest["digest"]
+    assert {name: again.file(name).read_bytes() for name in names} == before
+    assert [name for name in names if again.file(name).stat().st_mtime_ns == times[name]] == whole
+    assert not list(again.out.glob("**/*.part")) and len(list(again.out.glob("tiles/*.parquet"))) == len(names)
+
+
+def test_a_changed_scene_is_noticed(world, baked, tmp_path):
+    other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
+    out = copied(baked, tmp_path / "out").out
+    scene = other_world / "world.tscn"
+    text = scene.read_text()
+    assert "radius = 3.0" not in text or text.count("max_scale = 2.0") == 1
+    scene.write_text(text.replace("max_scale = 2.0", "max_scale = 2.25"))
+    refused = bake(other_world, out, "--workers", "1")
+    assert refused.code == 2 and "has changed since this bake was begun: layer 0 (Trees)." in refused.said, refused.said
+    assert Baked(0, "", out).manifest["digest"] == baked.manifest["digest"], "and left alone"
+    (other_world / "hills.gd").write_text((world / "hills.gd").read_text().replace("6.0 * sin", "6.5 * sin"))
+    scene.write_text(text)
+    refused = bake(other_world, out, "--workers", "1")
+    assert refused.code == 2 and "the terrain, the heights of the ground." in refused.said, refused.said
+    fresh = bake(other_world, out, "--workers", "1", "--fresh")
+    assert fresh.code == 0 and "20 of them made now" in fresh.said, fresh.said
+    assert fresh.manifest["digest"] != baked.manifest["digest"]
+
+
+def test_another_bake_of_the_folder_is_refused(world, baked, tmp_path):
+    out = copied(baked, tmp_path / "out").out
+    with (out / ".lock").open("a+") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        refused = bake(world, out, "--workers", "1")
+        assert refused.code == 2 and "Another bake is at work on" in refused.said, refused.said
+    refused = bake(world, out, "--workers", "1", "--rect", "0,0,64,64")
+    assert refused.code == 2 and "the rectangle is [-70.0, -50.0, 130.0, 100.0]" in refused.said, refused.said
+
+
+def test_tiles_that_fail_are_told_and_others_made(world, baked, tmp_path):
+    flag = Path.home() / ".local/share" / user_folder_name(world) / "bad_ground"
+    flag.parent.mkdir(parents=True, exist_ok=True)
+    flag.touch()
+    try:
+        broken = bake(world, tmp_path / "out", "--workers", "2")
+    finally:
+        flag.unlink()
+    assert broken.code == 1 and "tile 1,0 failed. Tile" in broken.said and "heights" in broken.said, broken.said
+    assert set(broken.manifest["tiles"]) == {name for name in baked.manifest["tiles"] if not name.startswith("1,")}
+    assert not broken.manifest["complete"] and broken.manifest["digest"] is None
+    assert "## Tiles that failed" in (broken.out / "report.md").read_text()
+    mended = bake(world, broken.out, "--workers", "1")
+    assert mended.code == 0 and "4 of them made now" in mended.said, mended.said
+    assert mended.manifest["digest"] == baked.manifest["digest"]
+
+
+def test_a_full_disk_stops_with_a_sentence(world, baked, tmp_path):
+    """Files may not become larger than some of the tiles."""
+    largest = max((baked.out / entry["file"]).stat().st_size for entry in baked.manifest["tiles"].values())
+
+    def little_room():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (largest - 1, largest - 1))
+
+    stopped = bake(world, tmp_path / "out", "--workers", "1", preexec_fn=little_room)
+    assert stopped.code == 1 and "Cannot write" in stopped.said and "File too large" in stopped.said, stopped.said
+    assert not list(stopped.out.glob("**/*.part")) and not stopped.manifest["complete"]
+    again = bake(world, stopped.out, "--workers", "1")
+    assert again.code == 0 and again.manifest["digest"] == baked.manifest["digest"], again.said
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--layers", "Ferns"], "no layer 'Ferns'. It has: 0 Trees, 1 Grass"),
+        (["--tiles", "9,0"], "Tile 9,0 is not in the rectangle"),
+        (["--node", "Nobody", "--wait", "1"], "there is no TerrainScatter3D after 1 s"),
+        (["--workers", "0"], "--workers is 0"),
+        (["--tile-size", "nan"], "--tile-size is nan"),
+        (["--rect", "0,0,-5,5"], "is not X,Z,WIDTH,DEPTH"),
+        (["--scheduler", "tcp://127.0.0.1:1"], "No Dask scheduler answers at tcp://127.0.0.1:1"),
+    ],
+)
+def test_what_cannot_be_baked_is_said(world, tmp_path, options, sentence):
+    refused = bake(world, tmp_path / "out", "--workers", "1", *options)
+    assert refused.code == 2 and sentence in refused.said and "Traceback" not in refused.said, refused.said
+
+
+def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | None = None) -> None:
+    """Begins a bake with two workers and kills one of them, an engine or the driver: after some seconds, or when the first tile is
+    there. What is left afterwards is baked to its end."""
+    driver = begin(world, out, "--workers", "2")
+    try:
+        if seconds is None:
+            wait_for(lambda: any(out.glob("tiles/*.parquet")), "a tile")
+        else:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                driver.wait(seconds)
+        workers = workers_of(driver)
+        below = psutil.Process(driver.pid).children(recursive=True) if driver.poll() is None else []
+        if victim == "driver":
+            driver.kill()
+            driver.wait()
+            wait_for(lambda: not any(each.is_running() and each.status() != psutil.STATUS_ZOMBIE for each in below), "an end of all workers")
+        elif victim == "worker" and workers:
+            kill(random.choice(workers))
+        elif victim == "engine" and workers:
+            for engine in engines_below(random.choice(workers)):
+                kill(engine)
+        said = driver.communicate(timeout=120)[0]
+    finally:
+        driver.kill()
+    assert victim == "driver" or driver.returncode == 0, said
+    after = bake(world, out, "--workers", "2")
+    assert after.code == 0 and after.manifest["digest"] == digest, after.said
+    assert not list(out.glob("**/*.part"))
+
+
+@pytest.mark.parametrize("victim", ["worker", "driver", "engine"])
+def test_a_kill_costs_nothing_but_time(world, baked, tmp_path, victim):
+    survive(world, tmp_path / "out", baked.manifest["digest"], victim)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("number", range(20))
+def test_kills_at_random_moments(world, baked, tmp_path, number):
+    chance = random.Random(number)
+    for victim in ("worker", "driver"):
+        survive(world, tmp_path / victim, baked.manifest["digest"], victim, chance.uniform(0.2, 5.0))
