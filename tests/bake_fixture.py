@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -10,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -38,6 +40,18 @@ def make_world(folder: Path) -> Path:
 def user_folder_name(project: Path) -> str:
     """The name of the folder that is user:// of a test's project."""
     return "thicket_tests_" + re.sub(r"\W", "_", str(project))
+
+
+@contextlib.contextmanager
+def ground(project: Path, manner: str) -> Iterator[None]:
+    """Makes the ground "bad" or "slow"; see tests/bake/hills.gd."""
+    flag = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / user_folder_name(project) / "ground"
+    flag.parent.mkdir(parents=True, exist_ok=True)
+    flag.write_text(manner)
+    try:
+        yield
+    finally:
+        shutil.rmtree(flag.parent)
 
 
 def command(project: Path, out: Path, *options: str) -> list[str]:
@@ -91,7 +105,7 @@ def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
 
 
 def workers_of(driver: subprocess.Popen) -> list[psutil.Process]:
-    """The worker processes of a driver: those that have run long enough to have a parent that waits for them."""
+    """The worker processes of a driver that runs."""
     try:
         below = psutil.Process(driver.pid).children()
     except psutil.NoSuchProcess:
@@ -116,15 +130,29 @@ def engines_below(process: psutil.Process) -> list[psutil.Process]:
         return []
 
 
+def is_engine_of(process: psutil.Process, project: Path) -> bool:
+    """Whether a process is an engine that runs a project."""
+    try:
+        return process.name().startswith("godot") and str(project) in process.cmdline()
+    except psutil.Error:
+        return False
+
+
+def has_ended(process: psutil.Process) -> bool:
+    """Whether a process is gone, though perhaps nobody has asked for its exit code yet."""
+    try:
+        return process.status() == psutil.STATUS_ZOMBIE
+    except psutil.Error:
+        return True
+
+
 def kill(process: psutil.Process) -> None:
     """kill -9, of a process that may have ended."""
-    try:
+    with contextlib.suppress(psutil.Error):
         process.send_signal(signal.SIGKILL)
-    except psutil.Error:
-        pass
 
 
-def wait_for(condition, what: str, timeout: float = 60.0) -> None:
+def wait_for(condition: Callable[[], object], what: str, timeout: float = 60.0) -> None:
     """Waits until something holds."""
     deadline = time.monotonic() + timeout
     while not condition():

@@ -6,11 +6,14 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import hashlib
+import json
+import os
 import random
 import resource
 import shutil
 import struct
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +22,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from bake_fixture import (
-    PLACED_BY_HAND, RECT, Baked, bake, begin, engines_below, kill, make_world, user_folder_name, wait_for, workers_of,
+    PLACED_BY_HAND, RECT, Baked, bake, begin, engines_below, ground, has_ended, is_engine_of, kill, make_world, wait_for, workers_of,
 )  # fmt: skip
 from conftest import REPO, run
 
@@ -216,13 +219,8 @@ def test_another_bake_of_the_folder_is_refused(world, baked, tmp_path):
 
 
 def test_tiles_that_fail_are_told_and_others_made(world, baked, tmp_path):
-    flag = Path.home() / ".local/share" / user_folder_name(world) / "bad_ground"
-    flag.parent.mkdir(parents=True, exist_ok=True)
-    flag.touch()
-    try:
+    with ground(world, "bad"):
         broken = bake(world, tmp_path / "out", "--workers", "2")
-    finally:
-        flag.unlink()
     assert broken.code == 1 and "tile 1,0 failed. Tile" in broken.said and "heights" in broken.said, broken.said
     assert set(broken.manifest["tiles"]) == {name for name in baked.manifest["tiles"] if not name.startswith("1,")}
     assert not broken.manifest["complete"] and broken.manifest["digest"] is None
@@ -264,30 +262,28 @@ def test_what_cannot_be_baked_is_said(world, tmp_path, options, sentence):
 
 
 def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | None = None) -> None:
-    """Begins a bake with two workers and kills one of them, an engine or the driver: after some seconds, or when the first tile is
-    there. What is left afterwards is baked to its end."""
+    """Begins a bake with two workers and kills one of them, an engine or the driver: after some seconds, or in the middle of its tiles.
+    What is left afterwards is baked to its end."""
     driver = begin(world, out, "--workers", "2")
     try:
         if seconds is None:
-            wait_for(lambda: any(out.glob("tiles/*.parquet")), "a tile")
+            wait_for(lambda: len(list(out.glob("tiles/*.parquet"))) > 3, "some tiles")
         else:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 driver.wait(seconds)
-        workers = workers_of(driver)
         below = psutil.Process(driver.pid).children(recursive=True) if driver.poll() is None else []
-        if victim == "driver":
-            driver.kill()
-            driver.wait()
-            wait_for(lambda: not any(each.is_running() and each.status() != psutil.STATUS_ZOMBIE for each in below), "an end of all workers")
-        elif victim == "worker" and workers:
-            kill(random.choice(workers))
-        elif victim == "engine" and workers:
-            for engine in engines_below(random.choice(workers)):
-                kill(engine)
+        workers = workers_of(driver)
+        victims = {"driver": [driver], "worker": workers[:1], "engine": [each for worker in workers[:1] for each in engines_below(worker)]}
+        assert seconds is not None or (victims[victim] and driver.poll() is None and len(list(out.glob("tiles/*.parquet"))) < 16)
+        for each in victims[victim]:
+            kill(psutil.Process(each.pid))
         said = driver.communicate(timeout=120)[0]
+        if victim == "driver":
+            wait_for(lambda: all(has_ended(each) for each in below), "an end of all workers and engines")
+        else:
+            assert driver.returncode == 0, said
     finally:
         driver.kill()
-    assert victim == "driver" or driver.returncode == 0, said
     after = bake(world, out, "--workers", "2")
     assert after.code == 0 and after.manifest["digest"] == digest, after.said
     assert not list(out.glob("**/*.part"))
@@ -295,12 +291,34 @@ def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | N
 
 @pytest.mark.parametrize("victim", ["worker", "driver", "engine"])
 def test_a_kill_costs_nothing_but_time(world, baked, tmp_path, victim):
-    survive(world, tmp_path / "out", baked.manifest["digest"], victim)
+    with ground(world, "slow"):
+        survive(world, tmp_path / "out", baked.manifest["digest"], victim)
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("number", range(20))
 def test_kills_at_random_moments(world, baked, tmp_path, number):
     chance = random.Random(number)
-    for victim in ("worker", "driver"):
-        survive(world, tmp_path / victim, baked.manifest["digest"], victim, chance.uniform(0.2, 5.0))
+    with ground(world, "slow"):
+        for victim in ("worker", "driver"):
+            survive(world, tmp_path / victim, baked.manifest["digest"], victim, chance.uniform(0.2, 6.0))
+
+
+def test_workers_of_a_cluster_that_exists(world, baked, tmp_path):
+    """They are sent the baker's modules, and end their engines when the bake ends."""
+    with contextlib.ExitStack() as stack:
+        environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+
+        def start(*words: str) -> None:
+            process = subprocess.Popen([sys.executable, "-m", *words], env=environment, cwd=tmp_path, stderr=subprocess.DEVNULL)
+            stack.callback(process.wait)
+            stack.callback(process.terminate)
+
+        where = tmp_path / "scheduler.json"
+        start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(where))
+        wait_for(lambda: where.is_file() and where.stat().st_size > 10, "a scheduler")
+        address = json.loads(where.read_text())["address"]
+        start("distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard")
+        done = bake(world, tmp_path / "out", "--scheduler", address)
+        assert done.code == 0 and done.manifest["digest"] == baked.manifest["digest"], done.said
+        assert not [each for each in psutil.process_iter(["name", "cmdline"]) if is_engine_of(each, world)]

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import dask
 from distributed import Client, LocalCluster
-from distributed.diagnostics.plugin import UploadFile
 
 PACKAGE = Path(__file__).resolve().parent
 # Workers that may die on one tile before Dask gives it back; the driver then counts it as failed.
@@ -33,8 +32,8 @@ def client(workers: int, scheduler: str | None) -> Iterator[Client]:
         }
         with dask.config.set(settings):
             if scheduler is not None:
-                with Client(scheduler, timeout="10s", set_as_default=False) as remote:
-                    remote.register_plugin(UploadFile(_packed(Path(scratch))))
+                with Client(scheduler, timeout="5s", set_as_default=False) as remote:
+                    remote.upload_file(_packed(Path(scratch)))
                     yield remote
                 return
             # Where the workers find this package.
