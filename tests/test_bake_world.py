@@ -26,6 +26,9 @@ from bake_fixture import (
 )  # fmt: skip
 from conftest import REPO, run
 
+sys.path.insert(0, str(REPO / "tools/bake"))
+from baking import grid  # noqa: E402 (only on the path above)
+
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory) -> Path:
@@ -261,29 +264,62 @@ def test_what_cannot_be_baked_is_said(world, tmp_path, options, sentence):
     assert refused.code == 2 and sentence in refused.said and "Traceback" not in refused.said, refused.said
 
 
+def test_areas_share_instances_among_them():
+    """Every place of a tile of the game is in exactly one of the tiles of a bake, edges and what lies beyond them included."""
+    chance = np.random.default_rng(3)
+    for size, game_size in ((32.0, 32.0), (27.0, 20.0), (10.3, 0.7), (64.0, 33.3)):
+        rect = [-1e5 - 17.0, 2e6, 96.5, 81.25]
+        first_x, first_z, columns, rows = grid.grid_of(rect, size)
+        tiles = grid.tiles_of([first_x, first_z, columns, rows])
+        assert len(tiles) == columns * rows
+        for game in chance.permutation(grid.game_tiles((rect[0], rect[1], rect[0] + rect[2], rect[1] + rect[3]), game_size))[:40].tolist():
+            low = np.array(game) * game_size
+            high = (np.array(game) + 1) * game_size
+            x, z = (np.concatenate([chance.uniform(low[axis] - 0.1, high[axis] + 0.1, 50), [low[axis], high[axis]]]) for axis in (0, 1))
+            homes = np.zeros(len(x), int)
+            for tile in tiles:
+                area = grid.area_of(rect, size, tile)
+                if tuple(game) in grid.game_tiles(area, game_size):
+                    within = grid.inside(area, game_size, tuple(game), x, z)
+                    homes += 1 if within is None else within
+            places = [np.clip(along, low[axis], np.nextafter(high[axis], -np.inf)) for axis, along in enumerate((x, z))]
+            wanted = [(place >= rect[axis]) & (place < rect[axis] + rect[axis + 2]) for axis, place in enumerate(places)]
+            assert np.array_equal(homes, (wanted[0] & wanted[1]).astype(int)), (size, game_size, game)
+
+
+def test_tiles_are_of_a_size_that_fits():
+    oak = {"tile_size": 192.0, "radius": 5.0}
+    assert grid.default_size([0, 0, 1000, 1000], [oak]) == 384.0
+    assert grid.default_size([0, 0, 1000, 1000], [oak, {"tile_size": 128.0, "radius": 5.0}]) == 384.0
+    assert grid.default_size([0, 0, 100_000, 100_000], [oak]) == 1536.0
+    assert grid.default_size([0, 0, 100_000, 100_000], [oak, {"tile_size": 64.0, "radius": 0.4}]) == 384.0
+    assert grid.default_size([0, 0, 1000, 1000], [oak, {"tile_size": 100.5, "radius": 5.0}]) == 384.0
+
+
 def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | None = None) -> None:
     """Begins a bake with two workers and kills one of them, an engine or the driver: after some seconds, or in the middle of its tiles.
     What is left afterwards is baked to its end."""
-    driver = begin(world, out, "--workers", "2")
-    try:
-        if seconds is None:
-            wait_for(lambda: len(list(out.glob("tiles/*.parquet"))) > 3, "some tiles")
-        else:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                driver.wait(seconds)
-        below = psutil.Process(driver.pid).children(recursive=True) if driver.poll() is None else []
-        workers = workers_of(driver)
-        victims = {"driver": [driver], "worker": workers[:1], "engine": [each for worker in workers[:1] for each in engines_below(worker)]}
-        assert seconds is not None or (victims[victim] and driver.poll() is None and len(list(out.glob("tiles/*.parquet"))) < 16)
-        for each in victims[victim]:
-            kill(psutil.Process(each.pid))
-        said = driver.communicate(timeout=120)[0]
-        if victim == "driver":
-            wait_for(lambda: all(has_ended(each) for each in below), "an end of all workers and engines")
-        else:
-            assert driver.returncode == 0, said
-    finally:
-        driver.kill()
+    with ground(world, "slow"):
+        driver = begin(world, out, "--workers", "2")
+        try:
+            if seconds is None:
+                wait_for(lambda: len(list(out.glob("tiles/*.parquet"))) > 3, "some tiles")
+            else:
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    driver.wait(seconds)
+            below = psutil.Process(driver.pid).children(recursive=True) if driver.poll() is None else []
+            workers = workers_of(driver)
+            victims = {"driver": [driver], "worker": workers[:1], "engine": [each for worker in workers[:1] for each in engines_below(worker)]}
+            assert seconds is not None or (victims[victim] and driver.poll() is None and len(list(out.glob("tiles/*.parquet"))) < 16)
+            for each in victims[victim]:
+                kill(psutil.Process(each.pid))
+            said = driver.communicate(timeout=120)[0]
+            if victim == "driver":
+                wait_for(lambda: all(has_ended(each) for each in below), "an end of all workers and engines")
+            else:
+                assert driver.returncode == 0, said
+        finally:
+            driver.kill()
     after = bake(world, out, "--workers", "2")
     assert after.code == 0 and after.manifest["digest"] == digest, after.said
     assert not list(out.glob("**/*.part"))
@@ -291,17 +327,15 @@ def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | N
 
 @pytest.mark.parametrize("victim", ["worker", "driver", "engine"])
 def test_a_kill_costs_nothing_but_time(world, baked, tmp_path, victim):
-    with ground(world, "slow"):
-        survive(world, tmp_path / "out", baked.manifest["digest"], victim)
+    survive(world, tmp_path / "out", baked.manifest["digest"], victim)
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("number", range(20))
 def test_kills_at_random_moments(world, baked, tmp_path, number):
     chance = random.Random(number)
-    with ground(world, "slow"):
-        for victim in ("worker", "driver"):
-            survive(world, tmp_path / victim, baked.manifest["digest"], victim, chance.uniform(0.2, 6.0))
+    for victim in ("worker", "driver"):
+        survive(world, tmp_path / victim, baked.manifest["digest"], victim, chance.uniform(0.2, 6.0))
 
 
 def test_workers_of_a_cluster_that_exists(world, baked, tmp_path):

@@ -102,6 +102,7 @@ func _find_scatter(scene: Node) -> String:
 		return "The scene has several TerrainScatter3D: choose one with --node, of %s." % ", ".join(paths)
 	if found.size() == 1 and found[0] != null and found[0].is_class("TerrainScatter3D"):
 		_scatter = found[0]
+		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # A game may begin with a pause.
 		_scatter.set(&"viewers", [^"."] as Array[NodePath])
 		_scatter.set(&"viewer_distance_scales", PackedFloat32Array([0.0]))
 		_scatter.set(&"interaction_group", &"")

@@ -121,11 +121,16 @@ func _add_object(object: Object) -> void:
 		_add(object.get_image())
 	if object is Node3D:
 		_add_plain(object.global_transform)
+		_add(object.get(&"curve"))
+		if not object.is_class("ScatterRegion3D"):
+			return
 	_add_script(object.get_script())
 	for property: Dictionary in object.get_property_list():
 		if property.usage & PROPERTY_USAGE_STORAGE and not _is_left_out(object, property.name):
 			_add_plain(property.name)
 			_add(object.get(property.name))
+			if object is Node and property.type == TYPE_NODE_PATH: # The path that a region follows.
+				_add_object(object.get_node_or_null(object.get(property.name)))
 
 
 func _is_left_out(object: Object, property: StringName) -> bool:

@@ -109,7 +109,7 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
     if not (rect[2] > 0.0 and rect[3] > 0.0):
         raise BakeError("The terrain does not say where it lies: give --rect X,Z,WIDTH,DEPTH, in meters.")
     layers = _chosen(described["layers"], wish.layers)
-    size = wish.tile_size or grid.default_size(rect, [layer["tile_size"] for layer in layers])
+    size = wish.tile_size or grid.default_size(rect, layers)
     uneven = [layer["name"] or str(layer["index"]) for layer in layers if size % layer["tile_size"] != 0.0]
     if uneven:
         say(f"Tiles of {size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}.")

@@ -52,7 +52,10 @@ class Engine:
                 arguments.append(f"node={source.node}")
             command = [*source.godot, "--headless", "--path", source.project, "--script", SCRIPT, "--", *arguments]
             try:
-                self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self.log, stderr=self.log)
+                # From the project's folder: what runs Godot may hide folders that have nothing to do with where it is called.
+                self.process = subprocess.Popen(
+                    command, cwd=source.project, stdin=subprocess.DEVNULL, stdout=self.log, stderr=self.log
+                )
             except OSError as error:
                 raise EngineGone(f"Godot cannot be started: {error}") from error
             self.connection = self._accept(listener, token, time.monotonic() + source.wait + 60.0)

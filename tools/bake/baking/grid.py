@@ -66,14 +66,23 @@ def inside(area: tuple[float, float, float, float], size: float, tile: tuple[int
     return None if within is True else within
 
 
-def default_size(rect: list[float], sizes: list[float]) -> float:
-    """Meters of a tile that hold whole tiles of all layers, where that is possible below a kilometer: from 256 m on, larger where there
-    would be more than 4,096 of them, up to 2 km or so."""
+# Rows that a tile should not have by far, for the sake of a worker's memory: about 300 bytes each.
+COMFORTABLE_ROWS = 1.5e6
+# Points of a set in the square of its radius, about.
+POINTS_PER_RADIUS_SQUARED = 0.7
+
+
+def default_size(rect: list[float], layers: list[dict]) -> float:
+    """Meters of a tile that holds whole tiles of all layers (of each its `tile_size` and `radius`), where that is possible below a
+    kilometer: from 256 m on, larger where there would be more than 4,096 of them, up to 2,048 m, and to COMFORTABLE_ROWS if
+    instances stood everywhere."""
+    sizes = [layer["tile_size"] for layer in layers]
     base = max(sizes)
     if all(size == int(size) for size in sizes):
         common = float(math.lcm(*(int(size) for size in sizes)))
         base = common if common <= 1024.0 else base
+    density = sum(POINTS_PER_RADIUS_SQUARED / layer["radius"] ** 2 for layer in layers)
     size = base * math.ceil(256.0 / base)
-    while size < 2000.0 and rect[2] * rect[3] / size**2 > 4096.0:
+    while size <= 1024.0 and rect[2] * rect[3] / size**2 > 4096.0 and density * (2.0 * size) ** 2 <= COMFORTABLE_ROWS:
         size *= 2.0
     return size
