@@ -7,15 +7,19 @@ import logging
 import os
 import shutil
 import tempfile
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 import dask
 from distributed import Client, LocalCluster
+from distributed.core import Status
 
 PACKAGE = Path(__file__).resolve().parent
 # Workers that may die on one tile before Dask gives it back; the driver then counts it as failed.
 ALLOWED_DEATHS = 10
+# Between looks at whether all workers of this machine are there.
+LOOK_SECONDS = 2.0
 
 
 @contextlib.contextmanager
@@ -41,12 +45,39 @@ def client(workers: int, scheduler: str | None) -> Iterator[Client]:
             with (
                 _environment(PYTHONPATH=path),
                 LocalCluster(
-                    n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
+                    n_workers=0, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
                     silence_logs=logging.CRITICAL, host="127.0.0.1",
                 ) as cluster,
+                _kept(cluster, workers),
                 Client(cluster, set_as_default=False) as local,
             ):  # fmt: skip
                 yield local
+
+
+@contextlib.contextmanager
+def _kept(cluster: LocalCluster, workers: int) -> Iterator[None]:
+    """Starts workers, and goes on to see that there are as many: Dask does not start those again that were killed while they started."""
+    ended = threading.Event()
+
+    def replace() -> None:
+        for name, nanny in list(cluster.workers.items()):
+            if nanny.status in (Status.failed, Status.closed):
+                del cluster.workers[name]
+        cluster.scale(workers)
+
+    def watch() -> None:
+        while True:
+            cluster.loop.add_callback(replace)
+            if ended.wait(LOOK_SECONDS):
+                return
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
 
 
 def _packed(folder: Path) -> str:

@@ -87,7 +87,7 @@ def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
     picture = Map(plan.rect, plan.pixel, manifest["layers"])
     start = time.monotonic()
     try:
-        _make_all(plan, client, order, outcome, picture, Progress(len(order), say))
+        _make_all(plan, client, wish.workers, order, outcome, picture, Progress(len(order), say))
     finally:
         outcome.seconds = time.monotonic() - start
         _finish(wish.out, outcome)
@@ -181,7 +181,9 @@ def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], bounds: list[int]) ->
             raise BakeError(f"Tile {i},{j} is not in the rectangle: tiles go from {bounds[0]},{bounds[1]} to {bounds[0] + bounds[2] - 1},{bounds[1] + bounds[3] - 1}.")
 
 
-def _make_all(plan: tile.Plan, client: Client, order: list[tuple[int, int]], outcome: Outcome, picture: Map, progress: Progress) -> None:
+def _make_all(
+    plan: tile.Plan, client: Client, workers: int, order: list[tuple[int, int]], outcome: Outcome, picture: Map, progress: Progress
+) -> None:
     """Hands out tiles, a few more than there are workers at a time, and takes what comes back."""
     waiting = iter(order)
     futures = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
@@ -196,7 +198,7 @@ def _make_all(plan: tile.Plan, client: Client, order: list[tuple[int, int]], out
             tile_of_key[future.key] = at
             futures.add(future)
 
-    hand_out(4 + 3 * max(1, sum(client.nthreads().values())))
+    hand_out(4 + 3 * max(workers, sum(client.nthreads().values())))
     next_manifest = time.monotonic() + 2.0
     for future, result in futures:
         at = tile_of_key.pop(future.key)
