@@ -183,6 +183,8 @@ func _description(probed: Variant) -> Dictionary:
 			layers.append({
 				"index": index, "name": layer.resource_name, "radius": layer.get(&"radius"), "levels": layer.get(&"progressive_levels"),
 				"tile_size": layer.get(&"tile_size"), "colored": layer.get(&"use_colors"), "custom_data": layer.get(&"use_custom_data"),
+				"view_distance": layer.get(&"view_distance"), "cast_shadow": layer.get(&"cast_shadow"),
+				"render_layers": layer.get(&"render_layers"),
 			})
 	var rect := _rect_of_terrain()
 	var parts := SceneDigest.parts_of(_scatter, Rect2(probed[0], probed[1], probed[2], probed[3]) if probed is Array else rect)
