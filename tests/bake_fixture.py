@@ -98,19 +98,24 @@ def bake(project: Path, out: Path, *options: str, timeout: float = 120, **furthe
 
 
 def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
-    """Begins to bake."""
+    """Begins to bake, in a group of processes of its own, as from a terminal."""
     return subprocess.Popen(
-        command(project, out, *options), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
+        command(project, out, *options), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        start_new_session=True,
+    )  # fmt: skip
 
 
 def workers_of(driver: subprocess.Popen) -> list[psutil.Process]:
     """The worker processes of a driver that runs."""
+    return [each for each in processes_below(driver, recursive=False) if is_worker(each)]
+
+
+def processes_below(driver: subprocess.Popen, recursive: bool = True) -> list[psutil.Process]:
+    """What a driver has started; nothing for one that has ended."""
     try:
-        below = psutil.Process(driver.pid).children()
+        return psutil.Process(driver.pid).children(recursive)
     except psutil.NoSuchProcess:
         return []
-    return [each for each in below if is_worker(each)]
 
 
 def is_worker(process: psutil.Process) -> bool:
@@ -146,10 +151,10 @@ def has_ended(process: psutil.Process) -> bool:
         return True
 
 
-def kill(process: psutil.Process) -> None:
+def kill(pid: int) -> None:
     """kill -9, of a process that may have ended."""
-    with contextlib.suppress(psutil.Error):
-        process.send_signal(signal.SIGKILL)
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(pid, signal.SIGKILL)
 
 
 def wait_for(condition: Callable[[], object], what: str, timeout: float = 60.0) -> None:

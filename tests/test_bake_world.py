@@ -11,6 +11,7 @@ import os
 import random
 import resource
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -22,7 +23,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from bake_fixture import (
-    PLACED_BY_HAND, RECT, Baked, bake, begin, engines_below, ground, has_ended, is_engine_of, kill, make_world, wait_for, workers_of,
+    PLACED_BY_HAND, RECT, Baked, bake, begin, engines_below, ground, has_ended, is_engine_of, kill, make_world, processes_below,
+    wait_for, workers_of,
 )  # fmt: skip
 from conftest import REPO, run
 
@@ -307,12 +309,12 @@ def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | N
             else:
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     driver.wait(seconds)
-            below = psutil.Process(driver.pid).children(recursive=True) if driver.poll() is None else []
+            below = processes_below(driver)
             workers = workers_of(driver)
             victims = {"driver": [driver], "worker": workers[:1], "engine": [each for worker in workers[:1] for each in engines_below(worker)]}
             assert seconds is not None or (victims[victim] and driver.poll() is None and len(list(out.glob("tiles/*.parquet"))) < 16)
             for each in victims[victim]:
-                kill(psutil.Process(each.pid))
+                kill(each.pid)
             said = driver.communicate(timeout=120)[0]
             if victim == "driver":
                 wait_for(lambda: all(has_ended(each) for each in below), "an end of all workers and engines")
@@ -328,6 +330,23 @@ def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | N
 @pytest.mark.parametrize("victim", ["worker", "driver", "engine"])
 def test_a_kill_costs_nothing_but_time(world, baked, tmp_path, victim):
     survive(world, tmp_path / "out", baked.manifest["digest"], victim)
+
+
+def test_an_interrupt_ends_it_with_a_sentence(world, baked, tmp_path):
+    """Ctrl-C goes to the driver, its workers and their engines alike."""
+    out = tmp_path / "out"
+    with ground(world, "slow"):
+        driver = begin(world, out, "--workers", "2")
+        wait_for(lambda: len(list(out.glob("tiles/*.parquet"))) > 3, "some tiles")
+        below = processes_below(driver)
+        os.killpg(driver.pid, signal.SIGINT)
+        said = driver.communicate(timeout=60)[0]
+    assert driver.returncode == 130 and "interrupted; the same command goes on from here" in said, said
+    assert "Traceback" not in said, said
+    wait_for(lambda: all(has_ended(each) for each in below), "an end of all workers and engines")
+    known = Baked(0, "", out).manifest["tiles"]
+    assert 0 < len(known) < 20 and not list(out.glob("**/*.part"))
+    assert all(entry["digest"] == baked.manifest["tiles"][name]["digest"] for name, entry in known.items())
 
 
 @pytest.mark.full

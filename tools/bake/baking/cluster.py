@@ -6,9 +6,11 @@ import contextlib
 import logging
 import os
 import shutil
+import signal
 import tempfile
 import threading
 from collections.abc import Iterator
+from multiprocessing import resource_tracker
 from pathlib import Path
 
 import dask
@@ -44,14 +46,25 @@ def client(workers: int, scheduler: str | None) -> Iterator[Client]:
             path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
             with (
                 _environment(PYTHONPATH=path),
-                LocalCluster(
-                    n_workers=0, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
-                    silence_logs=logging.CRITICAL, host="127.0.0.1",
-                ) as cluster,
+                _local_cluster() as cluster,
                 _kept(cluster, workers),
                 Client(cluster, set_as_default=False) as local,
             ):  # fmt: skip
                 yield local
+
+
+def _local_cluster() -> LocalCluster:
+    """One without workers yet. An interrupt from the terminal is for the driver alone: what this one's threads start inherits that it is
+    blocked."""
+    resource_tracker.ensure_running()  # It unblocks interrupts in the thread that starts it.
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        return LocalCluster(
+            n_workers=0, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0", memory_limit=0,
+            silence_logs=logging.CRITICAL, host="127.0.0.1",
+        )  # fmt: skip
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
 @contextlib.contextmanager
