@@ -1,0 +1,162 @@
+"""Says which rows of the bench moved between two commits, beyond what the machine's noise explains.
+
+    bash tests/bench/compare.sh BASE [NEW] [--turns 9] [--programs bench_sampler,bench_tile] [--engine gameplay,spikes]
+
+BASE and NEW are commits; without NEW, what lies in the folder as it is. Both are built for release in folders of their own below
+build/compare, then run in turns, the one first that was last, so that a slow minute of the machine meets both. Ends with 1 where a
+row became worse.
+"""
+
+import argparse
+import math
+import re
+import statistics
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+REPO = Path(__file__).resolve().parents[2]
+PROGRAMS = ("bench_sampler", "bench_tile", "bench_fields", "bench_shapes")
+
+# A row counts as moved by mistake less often than this, if nothing but chance decides which commit is the faster one in a turn.
+CHANCE = 0.01
+# Less than this is nobody's matter: code that merely lies elsewhere in memory does as much.
+LEAST = 0.02
+
+ROW = re.compile(r"\| (?P<what>.+?) \| (?P<number>-?[0-9][0-9,]*(?:\.[0-9]+)?)(?P<unit>[^|]*) \| [^|]* \| [0-9]+ \|")
+
+
+def read_rows(printed: str) -> dict[str, tuple[float, str]]:
+    """The rows of a bench: the median, and its unit ("" for none), by what was measured. What is no row is passed over."""
+    rows = (ROW.fullmatch(line.strip()) for line in printed.splitlines())
+    return {row["what"]: (float(row["number"].replace(",", "")), row["unit"].strip()) for row in rows if row}
+
+
+def more_is_better(unit: str) -> bool:
+    """Of rates and of what is so many times as fast; of times and sizes less is better."""
+    return bool(re.search(r"/s\b|\ba (?:second|ms)\b", unit)) or unit == "times"
+
+
+def outliers(turns: int) -> int:
+    """How many of so many turns may go the other way; -1 where there are too few turns to say anything."""
+    return max(k for k in range(-1, turns // 2) if 2 * sum(math.comb(turns, i) for i in range(k + 1)) / 2**turns <= CHANCE)
+
+
+@dataclass(frozen=True)
+class Change:
+    what: str
+    unit: str
+    base: float  # Medians.
+    new: float
+    ratio: float  # The median of new over base within each turn.
+    moved: bool
+
+    @property
+    def worse(self) -> bool:
+        return self.moved and (self.ratio < 1.0) == more_is_better(self.unit)
+
+    @property
+    def verdict(self) -> str:
+        return ("worse" if self.worse else "better") if self.moved else ""
+
+
+def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change:
+    """What became of a row; both lists hold a median of each turn, in the same order."""
+    ratios = sorted(b / a if a > 0 and b > 0 else 1.0 for a, b in zip(base, new, strict=True))
+    ratio = statistics.median(ratios)
+    against = sum(each >= 1.0 for each in ratios) if ratio < 1.0 else sum(each <= 1.0 for each in ratios)
+    moved = against <= outliers(len(ratios)) and abs(math.log(ratio)) >= math.log1p(LEAST)
+    return Change(what, unit, statistics.median(base), statistics.median(new), ratio, moved)
+
+
+def compare_all(turns: list[tuple[dict, dict]]) -> tuple[list[Change], list[str]]:
+    """The changes of all rows that both commits print in every turn, and the names of the others."""
+    names = dict.fromkeys(what for pair in turns for side in pair for what in side)
+    shared = [what for what in names if all(what in side for pair in turns for side in pair)]
+    changes = []
+    for what in shared:
+        base, new = ([pair[side][what][0] for pair in turns] for side in (0, 1))
+        changes.append(compare(what, turns[0][1][what][1], base, new))
+    return changes, [what for what in names if what not in shared]
+
+
+def report(changes: list[Change], others: list[str], turns: int) -> str:
+    lines = ["| what | base | new | new / base | |", "|---|---|---|---|---|"]
+    for change in changes:
+        unit = f" {change.unit}" if change.unit else ""
+        lines.append(f"| {change.what} | {change.base:g}{unit} | {change.new:g}{unit} | {change.ratio:.3f} | {change.verdict} |")
+    moved = [change for change in changes if change.moved]
+    lines += ["", f"{turns} turns; {len(moved)} of {len(changes)} rows moved, {sum(change.worse for change in moved)} for the worse."]
+    if outliers(turns) < 0:
+        lines.append("These are too few turns to tell anything from noise: 8 are the least.")
+    if others:
+        lines.append("In one of the two alone: " + "; ".join(others) + ".")
+    return "\n".join(lines)
+
+
+class Side:
+    """A commit with its benches, built."""
+
+    def __init__(self, commit: str | None, engine: bool):
+        self.folder = self.check_out(commit) if commit else REPO
+        self.run("scons", "-Q", "target=template_release", "bench")
+        if engine:
+            self.run("scons", "-Q", "extension")
+            self.run("bash", "-c", "source tools/setup.sh; import_demo")
+
+    def check_out(self, commit: str) -> Path:
+        name = subprocess.run(["git", "rev-parse", "--short", f"{commit}^{{commit}}"], cwd=REPO, check=True, capture_output=True, text=True)
+        folder = REPO / "build" / "compare" / name.stdout.strip()
+        if not folder.exists():
+            subprocess.run(["git", "clone", "--quiet", "--no-checkout", str(REPO), str(folder)], check=True)
+        subprocess.run(["git", "checkout", "--quiet", "--detach", name.stdout.strip()], cwd=folder, check=True)
+        return folder
+
+    def run(self, *command: str) -> str:
+        done = subprocess.run(command, cwd=self.folder, check=False, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
+        if done.returncode != 0:
+            sys.exit(f"compare: {' '.join(command)} in {self.folder} ended with {done.returncode}:\n{done.stdout[-2000:]}")
+        return done.stdout
+
+    def measure(self, programs: list[str], scripts: list[str]) -> dict[str, tuple[float, str]]:
+        rows = {}
+        for program in programs:
+            found = sorted(self.folder.glob(f"build/*.template_release.*/bench/{program}"))
+            if found:
+                rows |= {f"{program}: {what}": row for what, row in read_rows(self.run(str(found[0]), "1", "0.25")).items()}
+        for script in scripts:
+            path = self.folder / "tests" / "bench" / f"{script}.gd"
+            printed = self.run("tools/godot", "--headless", "--path", "demo_project", "--script", str(path)) if path.exists() else ""
+            rows |= {f"{script}: {what}": row for what, row in read_rows(printed).items()}
+        return rows
+
+
+def named(text: str) -> list[str]:
+    return [name for name in text.split(",") if name]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("base")
+    parser.add_argument("new", nargs="?")
+    parser.add_argument("--turns", type=int, default=9)
+    parser.add_argument("--programs", type=named, default=list(PROGRAMS))
+    parser.add_argument("--engine", type=named, default=[])
+    asked = parser.parse_args()
+    if asked.turns < 1:
+        parser.error(f"--turns is {asked.turns}: 1 is the least")
+    sides = [Side(asked.base, bool(asked.engine)), Side(asked.new, bool(asked.engine))]
+    turns = []
+    for turn in range(asked.turns):
+        print(f"compare: turn {turn + 1} of {asked.turns}", file=sys.stderr)
+        order = (0, 1) if turn % 2 == 0 else (1, 0)
+        measured = {side: sides[side].measure(asked.programs, asked.engine) for side in order}
+        turns.append((measured[0], measured[1]))
+    changes, others = compare_all(turns)
+    print(report(changes, others, asked.turns))
+    return 1 if any(change.worse for change in changes) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
