@@ -53,6 +53,8 @@ class Outcome:
     bytes: int = 0
     seconds: float = 0.0
     busy_seconds: float = 0.0
+    starting: list[float] = field(default_factory=list)  # Seconds of each engine that was started
+    driver_seconds: float = 0.0  # Processor time of this process, in which Dask's scheduler runs too unless it is elsewhere
     worker_memory: int = 0
     engine_memory: int = 0
     failed: dict[tuple[int, int], str] = field(default_factory=dict)
@@ -86,10 +88,13 @@ def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
     outcome = Outcome(manifest)
     picture = Map(plan.rect, plan.pixel, manifest["layers"])
     start = time.monotonic()
+    own = time.process_time()
     try:
         _make_all(plan, client, wish.workers, order, outcome, picture, Progress(len(order), say))
     finally:
         outcome.seconds = time.monotonic() - start
+        outcome.driver_seconds = time.process_time() - own
+        _keep_costs(outcome)
         _finish(wish.out, outcome)
     if wish.scheduler is not None and not outcome.stopped:
         client.run(tile.close_engines)  # Those workers live on.
@@ -127,7 +132,7 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
         "scene": wish.source.scene, "scene_digest": plan.scene_digest, "scene_parts": plan.parts, "seed": int(described["seed"]),
         "rect": list(rect), "tile_size": size, "grid": bounds, "world_offset": described["world_offset"],
         "layers": [{**layer, "models": looks[layer["index"]]["models"], "material": looks[layer["index"]]["material"]} for layer in layers],
-        "complete": False, "digest": None, "tiles": {},
+        "complete": False, "digest": None, "costs": None, "tiles": {},
     }  # fmt: skip
     _go_on_with(wish, manifest)
     files.sweep_strays(wish.out, set(grid.tiles_of(bounds)))
@@ -173,6 +178,7 @@ def _go_on_with(wish: Wish, manifest: dict) -> None:
         parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
         raise BakeError(f"The scene {manifest['scene']} has changed since this bake was begun: {parts}. {again}")
     manifest["tiles"] = before["tiles"]
+    manifest["costs"] = before.get("costs")
 
 
 def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], bounds: list[int]) -> None:
@@ -236,10 +242,22 @@ def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> 
     outcome.made += result["made"]
     outcome.made_rows += result["entry"]["rows"] * result["made"]
     outcome.busy_seconds += result["seconds"]
+    outcome.starting += [result["starting"]] if result["starting"] else []
     outcome.bytes += result["bytes"]
     outcome.worker_memory = max(outcome.worker_memory, result["memory"][0])
     outcome.engine_memory = max(outcome.engine_memory, result["memory"][1])
     picture.add(result["pixels"])
+
+
+def _keep_costs(outcome: Outcome) -> None:
+    """What a run that made enough tiles says of the costs that are not a tile's own, for the manifest (see schedule.py)."""
+    if outcome.made >= 10:
+        start = sorted(outcome.starting)[len(outcome.starting) // 2] if outcome.starting else 0.0
+        outcome.manifest["costs"] = {
+            "start_seconds": round(start, 3),
+            "driver_seconds": round(outcome.driver_seconds / (outcome.made + outcome.kept), 6),
+            "bytes": round(outcome.bytes / (outcome.made + outcome.kept)),
+        }
 
 
 def world_digest(tiles: dict[str, dict]) -> str:

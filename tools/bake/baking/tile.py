@@ -61,8 +61,10 @@ def _engine_of(plan: Plan) -> Engine:
     """A running engine whose scene is the plan's. Raises EngineGone, Refused or SceneChanged."""
     if getattr(_own, "key", None) != (plan.source, plan.scene_digest):
         _drop_engine()
+        begun = time.perf_counter()
         _own.engine = _started(plan.source)
         described = _own.engine.describe(list(plan.rect))
+        _own.starting = getattr(_own, "starting", 0.0) + time.perf_counter() - begun
         if described["scene_digest"] != plan.scene_digest:
             raise SceneChanged(
                 f"The scene {plan.source.scene} has changed while it was baked: {changed_parts(plan.parts, described['parts'])}."
@@ -109,9 +111,10 @@ def describe(source: Source, rect: list[float] | None) -> dict:
 
 def make(plan: Plan, tile: tuple[int, int]) -> dict:
     """Makes a tile's file, unless it is there and whole. Returns the tile's entry in the manifest and, beside it, `made` (False for one
-    that was there), `pixels` (see _pixels), `seconds` and `memory`. What goes wrong comes as `failed` (this tile cannot be made; others
+    that was there), `pixels` (see _pixels), `seconds`, `starting` (seconds besides, for an engine that had to be started) and `memory`. What goes wrong comes as `failed` (this tile cannot be made; others
     can), `stop` (no other could be either), each a sentence."""
     start = time.perf_counter()
+    _own.starting = 0.0
     path = files.tile_path(Path(plan.out), tile)
     marks = plan.marks(tile)
     known = files.read_tile(path, marks)
@@ -133,7 +136,8 @@ def make(plan: Plan, tile: tuple[int, int]) -> dict:
         "made": known is None,
         "entry": _entry(plan, path, columns, marks),
         "pixels": _pixels(plan, columns),
-        "seconds": time.perf_counter() - start,
+        "seconds": time.perf_counter() - start - _own.starting,
+        "starting": _own.starting,
         "bytes": path.stat().st_size,
         "memory": (1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, engine.peak_memory() if engine is not None else 0),
     }
