@@ -5,14 +5,19 @@ from __future__ import annotations
 
 import os
 import platform
+import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
+from zipfile import ZipFile
 
 import pytest
-from analysis.point_sets import PointsTool
+from analysis.point_sets import References
 
 try:
     import fcntl
@@ -28,6 +33,8 @@ CACHE = Path(libraries.cache_folder())
 # The add-on that projects of tests get: the one that was built here, or another, unpacked from a zip.
 ADDON = Path(os.environ.get("THICKET_ADDON") or REPO / "demo_project/addons/thicket")
 ARCH = {"amd64": "x86_64", "aarch64": "arm64"}.get(platform.machine().lower(), platform.machine().lower())
+# An environment with nothing but the Python package of the sampler and what that asks for.
+WHEEL_VENV = REPO / "build/python/venv"
 BUILD_DIR = REPO / "build" / f"{platform.system().lower()}.template_debug.{ARCH}"
 
 # Doctest patterns of the core's cases that take long.
@@ -143,9 +150,61 @@ def core_tool(build_dir: Path) -> Callable[..., subprocess.CompletedProcess[str]
 
 
 @pytest.fixture(scope="session")
-def tool(build_dir: Path) -> PointsTool:
-    """Point sets for the statistics."""
-    return PointsTool(build_dir / "analysis" / "points")
+def references(build_dir: Path) -> References:
+    """Point sets that those of the sampler are compared with."""
+    return References(build_dir / "analysis" / "references")
+
+
+@contextmanager
+def one_at_a_time(name: str) -> Iterator[None]:
+    """Keeps other workers from entering under the same name."""
+    if fcntl is None:
+        yield
+        return
+    (REPO / "build").mkdir(exist_ok=True)
+    with (REPO / "build" / f".tests_{name}").open("w") as door:
+        fcntl.flock(door, fcntl.LOCK_EX)
+        yield
+
+
+@pytest.fixture(scope="session")
+def wheel() -> Path:
+    """What `bash python/build.sh` makes for this Python, of the sources as they are; it says which file that is."""
+    with one_at_a_time("wheel"):
+        done = run(["bash", "python/build.sh"], timeout=1200, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
+    assert done.returncode == 0, done.stdout + done.stderr
+    return REPO / re.search(r"^thicket: (build/python/thicket-\S+\.whl)$", done.stderr, re.MULTILINE).group(1)
+
+
+@pytest.fixture(scope="session")
+def wheel_python(wheel: Path) -> Path:
+    """The Python of an environment with the package and what that asks for, and nothing else; kept until the wheel changes."""
+    with one_at_a_time("wheel"):
+        # The digests of all files in it: its own bytes hold the time of day, too.
+        with ZipFile(wheel) as files:
+            mark = files.read(next(name for name in files.namelist() if name.endswith(".dist-info/RECORD"))).decode()
+        stamp = WHEEL_VENV / "complete"
+        if not stamp.is_file() or stamp.read_text() != mark:
+            shutil.rmtree(WHEEL_VENV, ignore_errors=True)
+            wheels = CACHE / f"wheel-python{sys.version_info.major}.{sys.version_info.minor}/wheels"
+            for command in (
+                [sys.executable, "-m", "venv", WHEEL_VENV],
+                [WHEEL_VENV / "bin/python", "-m", "pip", "install", "--quiet", "--no-index", "--find-links", wheels, wheel],
+            ):
+                done = run(command, timeout=300)
+                assert done.returncode == 0, done.stdout + done.stderr
+            stamp.write_text(mark)
+    return WHEEL_VENV / "bin/python"
+
+
+@pytest.fixture(scope="session")
+def thicket(wheel_python: Path) -> ModuleType:
+    """The Python package, imported here out of that environment: it is for the same Python."""
+    done = run([wheel_python, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], timeout=60)
+    sys.path.append(done.stdout.strip())
+    module = import_module("thicket")
+    assert Path(module.__file__).is_relative_to(WHEEL_VENV)
+    return module
 
 
 def new_project(folder: Path, settings: str = "") -> Path:

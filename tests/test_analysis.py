@@ -7,12 +7,13 @@ estimated from independent seeds."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import ModuleType
 
 import numpy as np
 import pytest
 from analysis.estimators import cross_correlation
 from analysis.measured import ALPHA, DIRECTIONS, FEATURES, JAMMED_COVERAGE, WRONG, Measured
-from analysis.point_sets import CELL, LATTICE_BITS, RADIUS, PointsTool, in_radii
+from analysis.point_sets import CELL, LATTICE_BITS, RADIUS, in_radii, lattice_points
 from analysis.significance import mean_differs_from, means_differ, z_of_mean
 
 WINDOW = 64.0  # radii
@@ -24,23 +25,23 @@ TILE = 15.5
 
 
 def of_reference(sets: list[np.ndarray]) -> Measured:
-    return Measured([in_radii(points, (BORDER, BORDER)) for points in sets], WINDOW)
+    return Measured([points - BORDER for points in sets], WINDOW)
 
 
-def of_sampler(tool: PointsTool, first_seed: int, levels: int) -> Measured:
+def of_sampler(thicket: ModuleType, first_seed: int, levels: int) -> Measured:
     rect = (CORNER, CORNER, CORNER + SIDE, CORNER + SIDE)
-    sets = tool.sampler(rect, first_seed, SETS, levels=levels, tile=TILE)
+    sets = [lattice_points(thicket, rect, seed, levels=levels, tile=TILE) for seed in range(first_seed, first_seed + SETS)]
     return Measured([in_radii(points, (CORNER + BORDER, CORNER + BORDER)) for points in sets], WINDOW)
 
 
 @pytest.fixture(scope="session")
-def darts(tool) -> Measured:
-    return of_reference(tool.darts(SIDE, 1, SETS))
+def darts(references) -> Measured:
+    return of_reference(references.darts(SIDE, 1, SETS))
 
 
 @pytest.fixture(scope="session")
-def sampled(tool) -> Measured:
-    return of_sampler(tool, 1001, levels=1)
+def sampled(thicket) -> Measured:
+    return of_sampler(thicket, 1001, levels=1)
 
 
 @pytest.mark.parametrize("feature", FEATURES)
@@ -50,7 +51,7 @@ def test_sampler_agrees_with_naive_darts(darts, sampled, feature):
 
 
 @pytest.mark.parametrize("feature", FEATURES)
-def test_naive_darts_agree_with_themselves(tool, darts, feature):
+def test_naive_darts_agree_with_themselves(darts, feature):
     """The p-values mean what they say only if two halves of the reference agree."""
     first, second = darts.rows(feature)[: SETS // 2], darts.rows(feature)[SETS // 2 :]
     p = means_differ(first, second)
@@ -58,10 +59,10 @@ def test_naive_darts_agree_with_themselves(tool, darts, feature):
 
 
 @pytest.fixture(scope="session")
-def wrong_sets(tool) -> dict[str, Measured]:
+def wrong_sets(references) -> dict[str, Measured]:
     return {
-        "colored": of_reference(tool.colored(SIDE, 8, 1, SETS)),
-        "bridson": of_reference(tool.bridson(SIDE, 1, SETS // 2)),
+        "colored": of_reference(references.colored(SIDE, 8, 1, SETS)),
+        "bridson": of_reference(references.bridson(SIDE, 1, SETS // 2)),
     }
 
 
@@ -77,15 +78,15 @@ def test_wrong_sets_are_noticed(darts, wrong_sets, kind, feature):
 
 
 @pytest.mark.parametrize("feature", FEATURES)
-def test_progressive_set_agrees_with_naive_darts(tool, feature, progressive):
+def test_progressive_set_agrees_with_naive_darts(feature, progressive):
     p = means_differ(progressive[0].rows(feature), progressive[1].rows(feature))
     assert p > ALPHA, f"{feature} differ: p = {p:.2g}"
 
 
 @pytest.fixture(scope="session")
-def progressive(tool) -> tuple[Measured, Measured]:
+def progressive(references, thicket) -> tuple[Measured, Measured]:
     """(naive darts, sampler) with three levels."""
-    return of_reference(tool.progressive(SIDE, 3, 1, SETS)), of_sampler(tool, 2001, levels=3)
+    return of_reference(references.progressive(SIDE, 3, 1, SETS)), of_sampler(thicket, 2001, levels=3)
 
 
 def test_progressive_set_differs_from_plain_darts(darts, progressive):
@@ -107,29 +108,29 @@ class Tally:
     PHASES = 5
     CLASSES = 5
 
-    def __init__(self, tool: PointsTool, levels: int):
+    def __init__(self, thicket: ModuleType, levels: int):
         self.count, self.phase, self.tag = [], [], []
-        for seed in range(3001, 3001 + self.SEEDS, 12):
-            corner = 1000.25
-            for points in tool.sampler((corner, -corner, corner + self.SIDE, self.SIDE - corner), seed, 12, levels=levels):
-                self.add(points)
+        corner = 1000.25
+        rect = (corner, -corner, corner + self.SIDE, self.SIDE - corner)
+        for seed in range(3001, 3001 + self.SEEDS):
+            self.add(lattice_points(thicket, rect, seed, levels=levels))
 
     def add(self, points: np.ndarray):
         self.count.append(len(points))
-        phase = [(points[axis] & (CELL - 1)) * self.PHASES >> LATTICE_BITS for axis in "xy"]
-        cell = [(points[axis] >> LATTICE_BITS) % self.CLASSES for axis in "xy"]
+        phase = [(axis & (CELL - 1)) * self.PHASES >> LATTICE_BITS for axis in points.T]
+        cell = [(axis >> LATTICE_BITS) % self.CLASSES for axis in points.T]
         self.phase.append(np.bincount(phase[0] + self.PHASES * phase[1], minlength=self.PHASES**2) / len(points))
         self.tag.append(np.bincount(cell[0] + self.CLASSES * cell[1], minlength=self.CLASSES**2) / len(points))
 
 
 @pytest.fixture(scope="session")
-def plain_tally(tool) -> Tally:
-    return Tally(tool, 1)
+def plain_tally(thicket) -> Tally:
+    return Tally(thicket, 1)
 
 
 @pytest.fixture(scope="session")
-def progressive_tally(tool) -> Tally:
-    return Tally(tool, 3)
+def progressive_tally(thicket) -> Tally:
+    return Tally(thicket, 3)
 
 
 @pytest.fixture(params=["plain_tally", "progressive_tally"])
@@ -160,13 +161,14 @@ def test_no_class_of_cells_is_preferred(tally):
 
 
 @pytest.mark.parametrize("levels", range(1, 9))
-def test_prefix_of_rank_q_holds_q_of_the_points(tool, levels):
+def test_prefix_of_rank_q_holds_q_of_the_points(thicket, levels):
     """40 windows of 256 radii: at least twice the coarsest radius."""
     side, seeds = 256.0, 40
-    sets = tool.sampler((-side / 2, 0.0, side / 2, side), 4001, seeds, levels=levels)
+    rect = (-side / 2, 0.0, side / 2, side)
+    sets = [np.sort(thicket.sample(rect, 1.0, seed, levels=levels).ranks) for seed in range(4001, 4001 + seeds)]
     shares = np.concatenate([[2.0**-10, 2.0**-8, 2.0**-6], np.arange(1, 16) / 16.0])
     # A difference and no quotient: its mean is zero for a right table, however much the number of points varies.
-    surplus = np.array([np.searchsorted(np.sort(p["rank"]), shares * 2.0**32) - shares * len(p) for p in sets])
+    surplus = np.array([np.searchsorted(ranks, shares * 2.0**32) - shares * len(ranks) for ranks in sets])
     p = mean_differs_from(surplus, 0.0)
     # Eight tests of one promise.
     assert p > ALPHA / 8, f"surplus of {shares}: {surplus.sum(axis=0) / sum(map(len, sets))}, p = {p:.2g}"
@@ -181,38 +183,37 @@ def cross_p(pairs: list[tuple[np.ndarray, np.ndarray]]) -> float:
     return mean_differs_from(np.array(rows), 1.0)
 
 
-def window(tool: PointsTool, seed: int, offset_cells=(0, 0), **options) -> np.ndarray:
+def window(thicket: ModuleType, seed: int, offset_cells=(0, 0), **options) -> np.ndarray:
     """A window with its border, whose corner is that many cells from the usual one."""
     shift = np.asarray(offset_cells) * CELL / RADIUS
     low = shift - BORDER
     high = shift + WINDOW + BORDER
-    points = tool.sampler((*low, *high), seed, **options)[0]
-    return in_radii(points, shift)
+    return in_radii(lattice_points(thicket, (*low, *high), seed, **options), shift)
 
 
-RELATIONS: dict[str, Callable[[PointsTool, int], tuple[np.ndarray, np.ndarray]]] = {
-    "seed and next seed": lambda tool, seed: (window(tool, seed), window(tool, seed + 1)),
-    "seed and seed + 2^32": lambda tool, seed: (window(tool, seed), window(tool, seed + 2**32)),
-    "layer and next layer": lambda tool, seed: (window(tool, seed), window(tool, seed, layer=1)),
-    "layer and seed swapped": lambda tool, seed: (window(tool, seed, layer=1), window(tool, 1, layer=seed)),
-    "place and 2^8 cells east": lambda tool, seed: (window(tool, seed), window(tool, seed, (2**8, 0))),
-    "place and 2^16 cells east": lambda tool, seed: (window(tool, seed), window(tool, seed, (2**16, 0))),
-    "place and 2^22 cells south": lambda tool, seed: (window(tool, seed), window(tool, seed, (0, 2**22))),
-    "place and its opposite": lambda tool, seed: (window(tool, seed), window(tool, seed, (-(2**22), -(2**22)))),
+RELATIONS: dict[str, Callable[[ModuleType, int], tuple[np.ndarray, np.ndarray]]] = {
+    "seed and next seed": lambda thicket, seed: (window(thicket, seed), window(thicket, seed + 1)),
+    "seed and seed + 2^32": lambda thicket, seed: (window(thicket, seed), window(thicket, seed + 2**32)),
+    "layer and next layer": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, layer=1)),
+    "layer and seed swapped": lambda thicket, seed: (window(thicket, seed, layer=1), window(thicket, 1, layer=seed)),
+    "place and 2^8 cells east": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, (2**8, 0))),
+    "place and 2^16 cells east": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, (2**16, 0))),
+    "place and 2^22 cells south": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, (0, 2**22))),
+    "place and its opposite": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, (-(2**22), -(2**22)))),
 }
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
-def test_sets_are_unrelated(tool, relation):
+def test_sets_are_unrelated(thicket, relation):
     seeds = range(5001, 5001 + 2 * 40, 2)
-    p = cross_p([RELATIONS[relation](tool, seed) for seed in seeds])
+    p = cross_p([RELATIONS[relation](thicket, seed) for seed in seeds])
     assert p > ALPHA / len(RELATIONS), f"{relation} are related: p = {p:.2g}"
 
 
-def test_a_relation_would_be_noticed(tool):
+def test_a_relation_would_be_noticed(thicket):
     """A set and itself, with two of three points replaced by another set's."""
     pairs = []
     for seed in range(5001, 5001 + 2 * 40, 2):
-        a, b = window(tool, seed), window(tool, seed + 1)
+        a, b = window(thicket, seed), window(thicket, seed + 1)
         pairs.append((a, np.concatenate([a[::3], b[1::3], b[2::3]])))
     assert cross_p(pairs) < WRONG

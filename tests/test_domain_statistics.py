@@ -7,6 +7,8 @@ same as far as these tests can see (section 4.4 of the paper says no more). All 
 
 from __future__ import annotations
 
+from types import ModuleType
+
 import numpy as np
 import pytest
 from analysis.measured import ALPHA, DIRECTIONS, FEATURES, JAMMED_COVERAGE, WRONG, Measured
@@ -24,18 +26,26 @@ KINDS = [*EQUIVALENT, ("wavefront", "double")]
 FIRST_SEED = {"single": 1001, "double": 2001}
 
 
+def domains_of(thicket: ModuleType, method: str, size, first_seed: int, seeds: int, *, toroidal=True, **options) -> list[np.ndarray]:
+    """Whole domains of size = (width, height) with radius 1, one for each seed, in double precision to reckon with; options are
+    those of thicket.sample_domain."""
+    return [
+        thicket.sample_domain(size, 1.0, seed, method=method, toroidal=toroidal, **options).astype(np.float64)
+        for seed in range(first_seed, first_seed + seeds)
+    ]
+
+
 def measured(sets: list[np.ndarray], part: float = 1.0) -> Measured:
     """The first part of the points of each torus, with both seams through the middle of the window."""
     windows = []
     for points in sets:
-        first = points[: round(part * len(points))]
-        windows.append(np.mod(np.stack([first["x"], first["y"]], axis=1) + 0.5 * SIDE, SIDE) - BORDER)
+        windows.append(np.mod(points[: round(part * len(points))] + 0.5 * SIDE, SIDE) - BORDER)
     return Measured(windows, WINDOW)
 
 
 @pytest.fixture(scope="module")
-def dart_sets(tool) -> list[np.ndarray]:
-    return tool.darts(SIDE, 1, SETS)
+def dart_sets(references) -> list[np.ndarray]:
+    return references.darts(SIDE, 1, SETS)
 
 
 @pytest.fixture(scope="module")
@@ -44,8 +54,8 @@ def darts(dart_sets) -> Measured:
 
 
 @pytest.fixture(scope="module")
-def domain_sets(tool) -> dict[tuple[str, str], list[np.ndarray]]:
-    return {kind: tool.domain(kind[0], (SIDE, SIDE), FIRST_SEED[kind[1]], SETS, precision=kind[1]) for kind in KINDS}
+def domain_sets(thicket) -> dict[tuple[str, str], list[np.ndarray]]:
+    return {kind: domains_of(thicket, kind[0], (SIDE, SIDE), FIRST_SEED[kind[1]], SETS, precision=kind[1]) for kind in KINDS}
 
 
 @pytest.fixture(scope="module")
@@ -77,11 +87,11 @@ def test_parts_of_sets_agree_with_naive_darts(dart_sets, domain_sets, kind, part
 
 
 @pytest.fixture(scope="module")
-def wrong_sets(tool) -> dict[str, Measured]:
+def wrong_sets(thicket, references) -> dict[str, Measured]:
     """Naive dart throwing that ends too early, and seams of colored tiles."""
     return {
-        "early": measured(tool.domain("naive", (SIDE, SIDE), 3001, SETS, darts_each=40)),
-        "colored": measured(tool.colored(SIDE, 8, 1, SETS)),
+        "early": measured(domains_of(thicket, "naive", (SIDE, SIDE), 3001, SETS, darts_each=40)),
+        "colored": measured(references.colored(SIDE, 8, 1, SETS)),
     }
 
 
@@ -103,10 +113,10 @@ def coverage(sets: list[np.ndarray], side: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", [*EQUIVALENT, ("wavefront", "single")], ids="-".join)
-def test_coverage_is_that_of_the_jammed_state(tool, kind):
+def test_coverage_is_that_of_the_jammed_state(thicket, kind):
     """Two million points on tori."""
     side, seeds = 300.0, 32
-    sets = tool.domain(kind[0], (side, side), FIRST_SEED[kind[1]], seeds, precision=kind[1])
+    sets = domains_of(thicket, kind[0], (side, side), FIRST_SEED[kind[1]], seeds, precision=kind[1])
     assert sum(map(len, sets)) >= 2_000_000
     found = coverage(sets, side)
     error = found.std(ddof=1) / np.sqrt(seeds)
@@ -115,13 +125,13 @@ def test_coverage_is_that_of_the_jammed_state(tool, kind):
     assert abs(z) < 4.0, f"coverage {found.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
 
 
-def test_naive_darts_come_close_to_the_jammed_state_as_they_should(tool):
+def test_naive_darts_come_close_to_the_jammed_state_as_they_should(thicket):
     """What is missing shrinks with the square root of the number of darts (Feder 1980, Swendsen 1981), so four times
     the darts leave half of it."""
     side, seeds = 48.0, 16
     missing = []
     for darts_each in [25, 100, 400]:
-        found = coverage(tool.domain("naive", (side, side), 4001, seeds, darts_each=darts_each), side)
+        found = coverage(domains_of(thicket, "naive", (side, side), 4001, seeds, darts_each=darts_each), side)
         assert z_of_mean(found, JAMMED_COVERAGE) < -4.0
         missing.append(JAMMED_COVERAGE - found.mean())
     assert 1.8 < missing[0] / missing[1] < 2.2
@@ -130,18 +140,18 @@ def test_naive_darts_come_close_to_the_jammed_state_as_they_should(tool):
 
 @pytest.mark.parametrize("method", ["naive", "hierarchical", "wavefront"])
 @pytest.mark.parametrize("torus", [True, False], ids=["torus", "bounded"])
-def test_four_sides_are_alike(tool, method, torus):
+def test_four_sides_are_alike(thicket, method, torus):
     """Points beside each side of a domain that is no square, by their distance from it, a square radius each."""
     size, seeds = np.array([70.0, 41.0]), 96
     edges = np.linspace(0.0, 3.0, 9)
     rows, density = [], []
-    for points in tool.domain(method, size, 5001, seeds, torus=torus, darts_each=30):
+    for points in domains_of(thicket, method, size, 5001, seeds, toroidal=torus, darts_each=30):
         sides = []
         density.append(len(points) / size.prod())
         for axis, other in ((0, 1), (1, 0)):
-            place = points["xy"[axis]]
+            place = points[:, axis]
             # Without the corners, where two sides meet.
-            away = np.abs(points["xy"[other]] - 0.5 * size[other]) < 0.5 * size[other] - edges[-1]
+            away = np.abs(points[:, other] - 0.5 * size[other]) < 0.5 * size[other] - edges[-1]
             for distance in (place, size[axis] - place):
                 counts, _ = np.histogram(distance[away], bins=edges)
                 sides.append(counts / ((edges[1] - edges[0]) * (size[other] - 2.0 * edges[-1])))

@@ -4,66 +4,25 @@ same digests as the core's, NumPy arrays without copies, other threads that run 
 from __future__ import annotations
 
 import ast
-import hashlib
 import inspect
-import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
-from conftest import CACHE, REPO, run
+from conftest import REPO, WHEEL_VENV, run
 from golden.cases import DOMAINS, SETS
 
-VENV = REPO / "build/python/venv"
 PAGE = (REPO / "python/README.md").read_text(encoding="utf-8")
 
 
-@pytest.fixture(scope="module")
-def wheel() -> Path:
-    """What `bash python/build.sh` makes for this Python; it says which file that is."""
-    done = run(["bash", "python/build.sh"], timeout=1200, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
-    assert done.returncode == 0, done.stdout + done.stderr
-    return REPO / re.search(r"^thicket: (build/python/thicket-\S+\.whl)$", done.stderr, re.MULTILINE).group(1)
-
-
-@pytest.fixture(scope="module")
-def environment(wheel: Path) -> Path:
-    """The Python of an environment with the package and what that asks for, and nothing else; kept until the wheel changes."""
-    stamp, mark = VENV / "complete", hashlib.sha256(wheel.read_bytes()).hexdigest()
-    if not stamp.is_file() or stamp.read_text() != mark:
-        shutil.rmtree(VENV, ignore_errors=True)
-        wheels = CACHE / f"wheel-python{sys.version_info.major}.{sys.version_info.minor}/wheels"
-        for command in (
-            [sys.executable, "-m", "venv", VENV],
-            [VENV / "bin/python", "-m", "pip", "install", "--quiet", "--no-index", "--find-links", wheels, wheel],
-        ):
-            done = run(command, timeout=300)
-            assert done.returncode == 0, done.stdout + done.stderr
-        stamp.write_text(mark)
-    return VENV / "bin/python"
-
-
-@pytest.fixture(scope="module")
-def thicket(environment: Path) -> ModuleType:
-    """The package of that environment, imported here: it is for the same Python."""
-    done = run([environment, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], timeout=60)
-    sys.path.append(done.stdout.strip())
-    module = import_module("thicket")
-    assert Path(module.__file__).is_relative_to(VENV)
-    return module
-
-
-def script(environment: Path, text: str, timeout: float = 120) -> subprocess.CompletedProcess[str]:
-    return run([environment, "-c", text], timeout, cwd=VENV)
+def script(wheel_python: Path, text: str, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    return run([wheel_python, "-c", text], timeout, cwd=WHEEL_VENV)
 
 
 def test_wheel(wheel):
@@ -75,14 +34,14 @@ def test_wheel(wheel):
 
 
 @pytest.mark.parametrize("example", re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
-def test_examples_of_the_page_run(environment, example):
-    done = script(environment, example)
+def test_examples_of_the_page_run(wheel_python, example):
+    done = script(wheel_python, example)
     assert done.returncode == 0 and not done.stderr and re.search(r"\d", done.stdout), done.stdout + done.stderr
 
 
-def test_example_of_the_readme_runs(environment):
+def test_example_of_the_readme_runs(wheel_python):
     (example,) = re.findall(r"^```python\n(.*?)^```", (REPO / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-    done = script(environment, example)
+    done = script(wheel_python, example)
     assert done.returncode == 0 and re.search(r"^\d{4} points", done.stdout), done.stdout + done.stderr
 
 
@@ -142,7 +101,7 @@ def test_nothing_is_copied(thicket):
     assert (tail == copied).all()
 
 
-def test_memory_comes_back(environment):
+def test_memory_comes_back(wheel_python):
     """A set and a domain take 4.5 megabytes; twelve more of each leave less than ten behind."""
     text = """
 import resource, thicket
@@ -153,7 +112,7 @@ def work(count):
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 print(work(3) + 10_000 > work(15))
 """
-    done = script(environment, text)
+    done = script(wheel_python, text)
     assert done.stdout == "True\n", done.stdout + done.stderr
 
 
@@ -213,7 +172,7 @@ def test_what_has_no_digest_raises(thicket):
             thicket.domain_digest(wrong)
 
 
-def test_lack_of_memory_raises(environment):
+def test_lack_of_memory_raises(wheel_python):
     text = """
 import resource, thicket
 resource.setrlimit(resource.RLIMIT_AS, (600_000_000, 600_000_000))
@@ -224,7 +183,7 @@ for work in (lambda: thicket.sample((0, 0, 8000, 8000), 1.0), lambda: thicket.sa
         print(error)
 print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
 """
-    done = script(environment, text)
+    done = script(wheel_python, text)
     assert re.fullmatch(r"rect needs more memory than there is, got \S+\nsize needs more memory than there is, got 8000\nTrue\n", done.stdout), (
         done.stdout + done.stderr
     )
@@ -318,9 +277,9 @@ def test_a_call_by_several_threads_gives_the_same(thicket):
             assert shared.digest() == one.digests and (shared.ids == alone.ids).all()
 
 
-def test_control_c_ends_a_call(environment):
+def test_control_c_ends_a_call(wheel_python):
     text = "import thicket; print('begun', flush=True)\ntry: thicket.sample((0, 0, 5000, 5000), 1.0)\nexcept KeyboardInterrupt: print('ended')"
-    process = subprocess.Popen([environment, "-c", text], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([wheel_python, "-c", text], stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "begun\n"
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)

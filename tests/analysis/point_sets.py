@@ -1,9 +1,11 @@
-"""Point sets as arrays: runs the program `analysis/points` (tests/analysis/points.cpp) and reads what it writes."""
+"""Point sets as arrays: those of the sampler by the Python package, and those that they are compared with by the program
+`analysis/references` (tests/analysis/references.cpp)."""
 
 from __future__ import annotations
 
 import subprocess
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -12,57 +14,54 @@ LATTICE_BITS = 14
 CELL = 1 << LATTICE_BITS
 RADIUS = CELL * np.sqrt(2.0)
 
-RECORD = np.dtype([("x", "<i8"), ("y", "<i8"), ("id", "<u8"), ("rank", "<u4"), ("level", "<u4")])
-PLANE_POINT = np.dtype([("x", "<f8"), ("y", "<f8")])
+
+def lattice_points(thicket: ModuleType, rect, seed: int, *, tile: float | None = None, **options) -> np.ndarray:
+    """Lattice coordinates (int64, n x 2) of the sampler's set with radius 1 in rect = (min_x, min_y, max_x, max_y), asked for at
+    once, or by tiles of that width; options are those of thicket.sample."""
+    rects = [rect]
+    if tile:
+        min_x, min_y, max_x, max_y = rect
+        corners = [(x, y) for y in np.arange(min_y, max_y, tile) for x in np.arange(min_x, max_x, tile)]
+        rects = [(x, y, min(x + tile, max_x), min(y + tile, max_y)) for x, y in corners]
+    positions = np.concatenate([thicket.sample(each, 1.0, seed, **options).positions for each in rects])
+    # As lattice_position in extension/core/sampling/point_set.cpp.
+    return np.floor(positions / (1.0 / np.sqrt(2.0) / CELL) + 0.5).astype(np.int64)
 
 
-class PointsTool:
-    """Hands out lists of sets, one for each seed from `first_seed` on."""
+class References:
+    """Lists of sets, one for each seed from `first_seed` on: coordinates (float64, n x 2) with radius 1."""
 
     def __init__(self, program: Path):
         self.program = program
 
-    def _sets(self, record: np.dtype, *arguments) -> list[np.ndarray]:
+    def _sets(self, *arguments) -> list[np.ndarray]:
         done = subprocess.run([str(self.program), *map(str, arguments)], capture_output=True, timeout=600, check=False)
         assert done.returncode == 0, f"{self.program.name} {arguments}: {done.stderr.decode(errors='replace')}"
         sets, place = [], 0
         while place < len(done.stdout):
             count = int(np.frombuffer(done.stdout, "<u8", 1, place)[0])
-            sets.append(np.frombuffer(done.stdout, record, count, place + 8))
-            place += 8 + count * record.itemsize
+            sets.append(np.frombuffer(done.stdout, "<f8", 2 * count, place + 8).reshape(count, 2))
+            place += 8 + 16 * count
         return sets
 
-    def sampler(self, rect, first_seed, seeds=1, *, radius=1.0, levels=1, layer=0, tile=0.0) -> list[np.ndarray]:
-        """Sets of the tile sampler in rect = (min_x, min_y, max_x, max_y) meters, asked for at once or by tiles."""
-        return self._sets(RECORD, "sampler", radius, levels, layer, *rect, tile, first_seed, seeds)
-
-    def domain(
-        self, method, size, first_seed, seeds=1, *, precision="double", torus=True, darts_each=100
-    ) -> list[np.ndarray]:
-        """Whole domains of size = (width, height), radius 1, by the method of that name in DomainMethod."""
-        return self._sets(PLANE_POINT, "domain", method, precision, *size, int(torus), darts_each, first_seed, seeds)
-
     def darts(self, side, first_seed, seeds=1) -> list[np.ndarray]:
-        """Naive dart throwing run to its end on a torus of this side, radius 1."""
-        return self._sets(PLANE_POINT, "darts", side, first_seed, seeds)
+        """Naive dart throwing run to its end on a torus of this side."""
+        return self._sets("darts", side, first_seed, seeds)
 
     def progressive(self, side, levels, first_seed, seeds=1) -> list[np.ndarray]:
         """Naive dart throwing with radius 2^(levels - 1), then half of that, down to 1, on a torus of this side."""
-        return self._sets(PLANE_POINT, "progressive", side, levels, first_seed, seeds)
+        return self._sets("progressive", side, levels, first_seed, seeds)
 
     def colored(self, side, tile, first_seed, seeds=1) -> list[np.ndarray]:
-        """Tiles filled in four phases on a torus, radius 1: a wrong set."""
-        return self._sets(PLANE_POINT, "colored", side, tile, first_seed, seeds)
+        """Tiles filled in four phases on a torus: a wrong set."""
+        return self._sets("colored", side, tile, first_seed, seeds)
 
     def bridson(self, side, first_seed, seeds=1) -> list[np.ndarray]:
-        """Bridson's method on a square, radius 1: a wrong set."""
-        return self._sets(PLANE_POINT, "bridson", side, first_seed, seeds)
+        """Bridson's method on a square: a wrong set."""
+        return self._sets("bridson", side, first_seed, seeds)
 
 
-def in_radii(points: np.ndarray, corner=(0.0, 0.0)) -> np.ndarray:
-    """Positions (n, 2) in units of the radius, from a corner given in the same units. Lattice coordinates are
-    subtracted as integers first, so that sets far from the origin lose nothing."""
-    if points.dtype == RECORD:
-        start = np.round(np.asarray(corner) * RADIUS).astype(np.int64)
-        return np.stack([points["x"] - start[0], points["y"] - start[1]], axis=1) / RADIUS
-    return np.stack([points["x"] - corner[0], points["y"] - corner[1]], axis=1)
+def in_radii(lattice: np.ndarray, corner) -> np.ndarray:
+    """Lattice coordinates in units of the radius, from a corner given in the same units. They are subtracted as integers
+    first, so that sets far from the origin lose nothing."""
+    return (lattice - np.round(np.asarray(corner) * RADIUS).astype(np.int64)) / RADIUS
