@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .driver import BakeError, Outcome, Wish, bake
 from .engine import Source
-from .report import amount, duration
+from .words import amount, duration
 
 REPO = Path(__file__).resolve().parents[3]
 

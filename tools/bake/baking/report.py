@@ -13,27 +13,12 @@ import numpy as np
 from PIL import Image
 
 from . import files
+from .words import amount, duration
 
 if TYPE_CHECKING:
     from .driver import Outcome
 
 GROUND = (0.93, 0.92, 0.88)
-
-
-def duration(seconds: float) -> str:
-    """A time in words: 42 s, 3 min 20 s, 2 h 5 min."""
-    whole = round(seconds)
-    if whole < 60:
-        return f"{seconds:.1f} s" if seconds < 10 else f"{whole} s"
-    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
-
-
-def amount(number: float) -> str:
-    """A count that is easily read: 950, 12.3 k, 4.56 M, 1.20 G."""
-    for factor, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
-        if number >= factor:
-            return f"{number / factor:.3g}{unit}"
-    return f"{number:.0f}"
 
 
 class Progress:

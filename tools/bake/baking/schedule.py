@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .report import amount, duration
+from .words import amount, duration
 
 
 @dataclass(frozen=True)
