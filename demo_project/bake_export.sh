@@ -12,8 +12,7 @@ if (($# < 3)) || [[ ! $2 =~ ^(godot|gltf|maps)$ ]]; then
 	sed -n '2,6s/^# \?//p' "${BASH_SOURCE[0]}" >&2
 	exit 2
 fi
-bake=$1 format=$2
-shift 2
 setup_bake
-[[ $format == maps ]] || setup_godot
-exec "$(bake_venv)/bin/python" "$repo/tools/bake/to_$format.py" "$bake" "$@"
+[[ $2 == maps ]] || setup_godot
+# What lies in the caller's folder is no module of ours.
+PYTHONSAFEPATH=1 PYTHONPATH=$repo/tools/bake exec "$(bake_venv)/bin/python" -m reading "$@"

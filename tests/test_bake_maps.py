@@ -62,8 +62,9 @@ def test_maps_of_8_bits(bake, expected, tmp_path):
 def test_memory_for_maps_is_bounded(bake, tmp_path):
     """A hundred million pixels, 600 MB if they were counted at once, within an eighth of that beyond what Python and Arrow take."""
     script = (
-        "import resource, sys, bake_files, to_maps; bake = bake_files.open_bake(sys.argv[1]); base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; "
-        "to_maps.write_maps(bake, to_maps.Path(sys.argv[2]), 0.0216, 8, 32_000_000, lambda share: None); "
+        "import resource, sys; from pathlib import Path; from reading import bake, maps; "
+        "world = bake.open_bake(sys.argv[1]); base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; "
+        "maps.write_maps(world, Path(sys.argv[2]), 0.0216, 8, 32_000_000, lambda share: None); "
         "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - base)"
     )
     done = run([PYTHON, "-c", script, bake, tmp_path], timeout=60, cwd=TOOLS)

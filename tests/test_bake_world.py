@@ -22,7 +22,7 @@ import psutil
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from bake_fixture import (
+from bakes.world import (
     PLACED_BY_HAND, RECT, Baked, bake, begin, engines_below, ground, has_ended, is_engine_of, kill, make_world, processes_below,
     wait_for, workers_of,
 )  # fmt: skip

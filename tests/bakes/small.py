@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -78,13 +79,13 @@ def copy(bake, tmp_path) -> Path:
     return Path(shutil.copytree(bake, tmp_path / "copy"))
 
 
-def reader(name: str, *arguments: str | Path, timeout: float = 120) -> subprocess.CompletedProcess[str]:
-    return run([PYTHON, TOOLS / f"to_{name}.py", *arguments], timeout)
+def reader(name: str, bake: Path, *arguments: str | Path, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    return run([PYTHON, "-m", "reading", bake, name, *arguments], timeout, env={**os.environ, "PYTHONPATH": str(TOOLS)})
 
 
-def refused(name: str, *arguments: str | Path) -> str:
+def refused(name: str, bake: Path, *arguments: str | Path) -> str:
     """What a reader says that refuses: a sentence, and no traceback."""
-    done = reader(name, *arguments)
+    done = reader(name, bake, *arguments)
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stdout + done.stderr
     return done.stderr
 

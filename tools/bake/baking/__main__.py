@@ -7,16 +7,16 @@ import os
 import sys
 from pathlib import Path
 
-from .driver import BakeError, Outcome, Wish, bake
-from .engine import Source
+from .command_line import REPO, with_values
+from .driver import Outcome, Wish, bake
+from .format import BakeError
+from .tile_engine import Source
 from .words import amount, duration
-
-REPO = Path(__file__).resolve().parents[3]
 
 
 def main(arguments: list[str]) -> int:
     """Returns 0 for a bake that is whole, 1 for one with tiles that failed or that was stopped, 2 for none."""
-    chosen = _parser().parse_args(_with_values(arguments))
+    chosen = _parser().parse_args(with_values(arguments, ("--rect", "--tiles")))
     try:
         wish = _wish(chosen)
         outcome = bake(wish)
@@ -63,17 +63,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--node", default="", metavar="PATH", help="the TerrainScatter3D, where the scene has several")
     parser.add_argument("--wait", type=float, default=120.0, metavar="SECONDS", help="for the scene's ground to be there (%(default)g)")
     return parser
-
-
-def _with_values(arguments: list[str]) -> list[str]:
-    """Options whose value may begin with a minus, joined to it: argparse would take it for another option."""
-    joined: list[str] = []
-    for argument in arguments:
-        if joined and joined[-1] in ("--rect", "--tiles"):
-            joined[-1] += f"={argument}"
-        else:
-            joined.append(argument)
-    return joined
 
 
 def _numbers(text: str) -> list[float]:

@@ -12,18 +12,15 @@ from pathlib import Path
 from distributed import Client, as_completed
 
 from . import cluster, files, grid, tile
-from .engine import EngineGone, Refused, Source
+from .format import FORMAT, VERSION, BakeError, name_of, read_manifest, tile_of_name
 from .report import Map, Progress, write_report
+from .tile_engine import EngineGone, Refused, Source
 
 # Pixels of the longer side of the map.
 MAP_PIXELS = 1024
 # Of the time, at most, goes to writing the manifest.
 MANIFEST_SHARE = 0.05
 MAX_TILES = 1_000_000
-
-
-class BakeError(RuntimeError):
-    """Why there is no bake, or no more of it: a sentence."""
 
 
 @dataclass
@@ -128,7 +125,7 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
     )  # fmt: skip
     looks = {each["index"]: each for each in described["models"]}
     manifest = {
-        "format": files.FORMAT, "version": files.VERSION, "thicket": described["thicket"],
+        "format": FORMAT, "version": VERSION, "thicket": described["thicket"],
         "scene": wish.source.scene, "scene_digest": plan.scene_digest, "scene_parts": plan.parts, "seed": int(described["seed"]),
         "rect": list(rect), "tile_size": size, "grid": bounds, "world_offset": described["world_offset"],
         "layers": [{**layer, "models": looks[layer["index"]]["models"], "material": looks[layer["index"]]["material"]} for layer in layers],
@@ -161,12 +158,13 @@ def _go_on_with(wish: Wish, manifest: dict) -> None:
     """Takes over what a bake that was begun in the folder knows of its tiles, if it is one of the same world."""
     if wish.fresh:
         files.empty(wish.out)
-    before = files.read_manifest(wish.out)
-    if before is None:
+    try:
+        before = read_manifest(wish.out)
+    except BakeError:
         return  # Tiles that are there all the same say themselves what they are.
     again = f"Bake into another folder, or begin anew in {wish.out} with --fresh."
-    if before.get("version") != files.VERSION:
-        raise BakeError(f"{wish.out} holds a bake of version {before.get('version')}, this is version {files.VERSION}. {again}")
+    if before.get("version") != VERSION:
+        raise BakeError(f"{wish.out} holds a bake of version {before.get('version')}, this is version {VERSION}. {again}")
     if before["scene"] != manifest["scene"]:
         raise BakeError(f"{wish.out} holds a bake of another scene, {before['scene']}. {again}")
     for key, name in {"rect": "the rectangle", "tile_size": "the size of tiles"}.items():
@@ -228,7 +226,7 @@ def _worker_problem(result: object) -> str:
 
 
 def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> None:
-    name = files.name_of(at)
+    name = name_of(at)
     if "stop" in result or "failed" in result:
         outcome.manifest["tiles"].pop(name, None)
         outcome.stopped = result.get("stop", "")
@@ -262,14 +260,14 @@ def _keep_costs(outcome: Outcome) -> None:
 
 def world_digest(tiles: dict[str, dict]) -> str:
     """The digest of a whole bake: SHA-256 over the lines "i,j digest" of all tiles, sorted by i, then j."""
-    lines = [f"{name} {tiles[name]['digest']}\n" for name in sorted(tiles, key=files.tile_of_name)]
+    lines = [f"{name} {tiles[name]['digest']}\n" for name in sorted(tiles, key=tile_of_name)]
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
 def _finish(out: Path, outcome: Outcome) -> None:
     """The manifest's last word. Keeps quiet where it cannot be written: the tiles are there, and are found again."""
     manifest = outcome.manifest
-    manifest["complete"] = set(manifest["tiles"]) == {files.name_of(at) for at in grid.tiles_of(manifest["grid"])}
+    manifest["complete"] = set(manifest["tiles"]) == {name_of(at) for at in grid.tiles_of(manifest["grid"])}
     manifest["digest"] = world_digest(manifest["tiles"]) if manifest["complete"] else None
     try:
         files.write_manifest(out, manifest)

@@ -14,10 +14,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from . import rows
+from .format import MANIFEST, tile_of_name
 
-MANIFEST = "manifest.json"
-FORMAT = "thicket-bake"
-VERSION = 1
 # What files are called until they are whole.
 PART = ".part"
 LOCK = ".lock"
@@ -86,32 +84,12 @@ def read_tile(path: Path, marks: dict[str, str]) -> tuple[rows.Columns, dict[str
     return (columns, found) if rows.digest(columns) == found.get("thicket.digest") else None
 
 
-def read_manifest(out: Path) -> dict | None:
-    """The manifest in a folder; None where there is none or it cannot be read."""
-    try:
-        manifest = json.loads((out / MANIFEST).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    return manifest if isinstance(manifest, dict) and manifest.get("format") == FORMAT else None
-
-
 def write_manifest(out: Path, manifest: dict) -> None:
     """Puts the manifest into its place, a line for each tile."""
     tiles = manifest["tiles"]
     head = json.dumps({**manifest, "tiles": None}, indent=1)
     lines = ",\n".join(f"  {json.dumps(name)}: {json.dumps(tiles[name])}" for name in sorted(tiles, key=tile_of_name))
     write_whole(out / MANIFEST, head.replace('"tiles": null', '"tiles": {\n' + lines + "\n }").encode())
-
-
-def name_of(tile: tuple[int, int]) -> str:
-    """A tile's key in the manifest."""
-    return f"{tile[0]},{tile[1]}"
-
-
-def tile_of_name(name: str) -> tuple[int, int]:
-    """The tile of a key in the manifest."""
-    i, j = name.split(",")
-    return int(i), int(j)
 
 
 @contextlib.contextmanager

@@ -7,27 +7,14 @@ import hashlib
 import numpy as np
 import pyarrow as pa
 
+from .format import SCHEMA
+
 # Of the numbers that each instance has, in the engine's order; what stands between `rank` and `model` are the floats of color and
 # custom data.
 _SENT = [("id", "<u8"), *((name, "<f8") for name in ("x", "y", "z"))]
 _SENT += [(name, "<f4") for name in ("qx", "qy", "qz", "qw", "scale_x", "scale_y", "scale_z")]
 _SENT += [("rank", "<u4")]
 _HEADER_BYTES = 16
-
-# The columns of a file, in order. Those that may be empty are so in layers without colors, without custom data.
-SCHEMA = pa.schema(
-    [
-        pa.field("id", pa.uint64(), nullable=False),
-        pa.field("layer", pa.uint16(), nullable=False),
-        pa.field("model", pa.uint16(), nullable=False),
-        *(pa.field(name, pa.float64(), nullable=False) for name in ("x", "y", "z")),
-        *(pa.field(name, pa.float32(), nullable=False) for name in ("qx", "qy", "qz", "qw", "scale_x", "scale_y", "scale_z")),
-        pa.field("rank", pa.uint32(), nullable=False),
-        pa.field("color", pa.uint32()),
-        pa.field("variation", pa.float32()),
-        pa.field("wind_phase", pa.float32()),
-    ]
-)
 
 Columns = dict[str, np.ndarray]
 

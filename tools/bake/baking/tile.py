@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from . import files, grid, rows
-from .engine import Engine, EngineGone, Refused, Source
+from .format import name_of
+from .tile_engine import EngineGone, Refused, Source, TileEngine
 
 # Engines that may end in the middle of a tile before it is given up.
 _ATTEMPTS = 3
@@ -36,7 +37,7 @@ class Plan:
         """What a tile's file says of itself: a file with other marks is another tile's, or another bake's."""
         area = grid.area_of(list(self.rect), self.tile_size, tile)
         return {
-            "thicket.tile": files.name_of(tile),
+            "thicket.tile": name_of(tile),
             "thicket.scene_digest": self.scene_digest,
             "thicket.area": ",".join(map(repr, area)),
             "thicket.layers": ",".join(str(layer["index"]) for layer in self.layers),
@@ -54,10 +55,10 @@ def changed_parts(before: dict[str, str], now: dict[str, str]) -> str:
 
 # The engine of each thread of this process, and the source that it was started with.
 _own = threading.local()
-_engines: list[Engine] = []
+_engines: list[TileEngine] = []
 
 
-def _engine_of(plan: Plan) -> Engine:
+def _engine_of(plan: Plan) -> TileEngine:
     """A running engine whose scene is the plan's. Raises EngineGone, Refused or SceneChanged."""
     if getattr(_own, "key", None) != (plan.source, plan.scene_digest):
         _drop_engine()
@@ -73,8 +74,8 @@ def _engine_of(plan: Plan) -> Engine:
     return _own.engine
 
 
-def _started(source: Source) -> Engine:
-    engine = Engine(source)
+def _started(source: Source) -> TileEngine:
+    engine = TileEngine(source)
     _engines.append(engine)
     return engine
 
@@ -98,8 +99,8 @@ atexit.register(close_engines)
 
 
 def describe(source: Source, rect: list[float] | None) -> dict:
-    """What the scene is: what Engine.describe says for a rectangle, None for where the terrain lies, with that as its `rect` and, as
-    `models` and `files`, what Engine.models gives for all layers. By a new engine, which reads the scene as it is now."""
+    """What the scene is: what TileEngine.describe says for a rectangle, None for where the terrain lies, with that as its `rect` and, as
+    `models` and `files`, what TileEngine.models gives for all layers. By a new engine, which reads the scene as it is now."""
     _drop_engine()
     _own.engine = _started(source)
     described = _own.engine.describe(rect)
@@ -154,7 +155,7 @@ def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
     raise AssertionError
 
 
-def _asked(plan: Plan, tile: tuple[int, int], engine: Engine) -> tuple[rows.Columns, int]:
+def _asked(plan: Plan, tile: tuple[int, int], engine: TileEngine) -> tuple[rows.Columns, int]:
     """The sorted rows of a tile, and how many of them have a shear."""
     area = grid.area_of(list(plan.rect), plan.tile_size, tile)
     wanted = [(layer, at) for layer in plan.layers for at in grid.game_tiles(area, layer["tile_size"])]

@@ -1,5 +1,5 @@
 extends SceneTree
-## Writes models as binary glTF, one mesh each, for to_gltf.py.
+## Writes models as binary glTF, one mesh each, for gltf.py.
 
 const JobReader := preload("job_reader.gd")
 const Models := preload("read_models.gd")

@@ -39,7 +39,7 @@ class Refused(RuntimeError):
     """The engine has answered that it cannot do what was asked, with a sentence."""
 
 
-class Engine:
+class TileEngine:
     """A running engine with its scene loaded. Not for several threads."""
 
     def __init__(self, source: Source):

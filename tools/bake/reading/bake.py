@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from baking.format import MANIFEST, SCHEMA, VERSION, BakeError, name_of, read_manifest, tile_of_name
 
-FORMAT = "thicket-bake"
-VERSION = 1
-COLUMNS = ["id", "layer", "model", "x", "y", "z", "qx", "qy", "qz", "qw", "scale_x", "scale_y", "scale_z", "rank"]
-COLUMNS += ["color", "variation", "wind_phase"]
 NEEDED = ("format", "version", "scene", "scene_digest", "rect", "tile_size", "world_offset", "layers", "tiles")
-
-
-class BakeError(Exception):
-    """A bake that cannot be read, in a sentence that names the file and what is wrong with it."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +57,7 @@ class Tile:
     bounds: tuple[float, ...] | None  # Least x, y, z, then greatest; None for no rows.
 
     def __str__(self) -> str:
-        return f"{self.x},{self.z}"
+        return name_of((self.x, self.z))
 
 
 @dataclass(frozen=True)
@@ -117,7 +109,7 @@ def _layer(entry: dict) -> Layer:
 
 
 def _tile(folder: Path, key: str, entry: dict) -> Tile:
-    x, z = (int(part) for part in key.split(","))
+    x, z = tile_of_name(key)
     file = (folder / entry["file"]).resolve()
     if not file.is_relative_to(folder):
         raise ValueError(f"the file of tile {key} lies outside of the bake")
@@ -130,15 +122,7 @@ def open_bake(folder: Path | str) -> Bake:
     """What the manifest of a bake says. A bake that is still under way has the tiles that are done. Raises BakeError where there is no
     bake, where another version has written it, and where something in it has no sense."""
     folder = Path(folder).resolve()
-    manifest = folder / "manifest.json"
-    try:
-        said = json.loads(manifest.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise BakeError(f"{folder} is no bake: there is no manifest.json") from None
-    except (OSError, ValueError) as error:
-        raise BakeError(f"{manifest} cannot be read: {error}") from None
-    if not isinstance(said, dict) or said.get("format") != FORMAT:
-        raise BakeError(f"{manifest} is not the manifest of a bake")
+    said, manifest = read_manifest(folder), folder / MANIFEST
     if said.get("version") != VERSION:
         raise _refused(said.get("version"), f"version is not {VERSION}, the one that is known here; it", manifest)
     for name in NEEDED:
@@ -222,8 +206,8 @@ class Instances:
 
 def read_tile(tile: Tile) -> Instances:
     """All instances of a tile. Raises BakeError as read_batches does, and for a layer or a model that has no sense."""
-    parts = list(read_batches(tile, COLUMNS))
-    column = {name: np.concatenate([part[name] for part in parts]) if parts else np.zeros(0) for name in COLUMNS}
+    parts = list(read_batches(tile, SCHEMA.names))
+    column = {name: np.concatenate([part[name] for part in parts]) if parts else np.zeros(0) for name in SCHEMA.names}
     scale = column["scale_x"]
     has_custom = ~np.isnan(column["wind_phase"])
     custom = np.stack([column["variation"], column["wind_phase"], column["rank"] / 2.0**32, np.abs(scale)], axis=1)
@@ -261,20 +245,3 @@ def groups_of(bake: Bake, tile: Tile, instances: Instances) -> Iterator[tuple[La
         if index not in layers or model >= len(layers[index].models):
             raise BakeError(f"{tile.file} has instances of layer {index}, model {model}, which the manifest does not name")
         yield layers[index], model, order[start:end]
-
-
-def say(text: str) -> None:
-    """A line for whoever runs the command."""
-    print(f"thicket: {text}", file=sys.stderr, flush=True)
-
-
-def run_main(main: Callable[[], None]) -> None:
-    """Runs a command: a BakeError is a sentence and the exit status 1, not a traceback."""
-    try:
-        main()
-    except BakeError as error:
-        say(str(error))
-        sys.exit(1)
-    except KeyboardInterrupt:
-        say("interrupted")
-        sys.exit(130)

@@ -1,5 +1,5 @@
 extends RefCounted
-## Reads jobs from the standard input, as engine.py writes them: the length of a text in 4 bytes, the text, a dictionary in JSON, and as many bytes as
+## Reads jobs from the standard input, as piped_script.py writes them: the length of a text in 4 bytes, the text, a dictionary in JSON, and as many bytes as
 ## its "bytes" says.
 
 const ANSWER := "thicket answer "

@@ -14,7 +14,10 @@ from typing import BinaryIO
 
 import numpy as np
 import png
-from bake_files import Bake, BakeError, Layer, Tile, open_bake, read_batches, run_main, say
+from baking.format import BakeError
+
+from .bake import Bake, Layer, Tile, open_bake, read_batches
+from .say import say
 
 LONGEST = 4096  # Pixels of a map's longer side, where nobody says otherwise.
 MOST_PIXELS = 2**31 - 1  # Of a side, in a PNG.
@@ -163,23 +166,20 @@ def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, 
             say(f"{entry['file']}: {entry['pixels_beyond_white']} pixels have more instances than points of this radius can; they are white")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="to_maps.py", description=__doc__)
-    parser.add_argument("bake", type=Path, help="folder that a bake has written")
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, help="where the maps go; made if need be")
     parser.add_argument("--meters", type=float, help=f"meters a pixel; unless told, a round number with which no side has more than {LONGEST} pixels")
     parser.add_argument("--bits", type=int, choices=(8, 16), default=16, help="bits a pixel (16)")
     parser.add_argument("--memory", type=float, default=256.0, metavar="MB", help="about how much to take (256)")
-    arguments = parser.parse_args()
-    bake = open_bake(arguments.bake)
-    meters = usual_meters(bake) if arguments.meters is None else arguments.meters
+
+
+def export(chosen: argparse.Namespace) -> None:
+    """Writes the maps. Raises BakeError for a value without sense, before anything is written."""
+    bake = open_bake(chosen.bake)
+    meters = usual_meters(bake) if chosen.meters is None else chosen.meters
     if not (math.isfinite(meters) and meters > 0):
         raise BakeError(f"--meters is {meters}, where a length above 0 is expected")
-    if not (math.isfinite(arguments.memory) and arguments.memory > 0):
-        raise BakeError(f"--memory is {arguments.memory}, where a number of MB above 0 is expected")
-    write_maps(bake, arguments.folder, meters, arguments.bits, int(arguments.memory * 1e6), lambda share: say(f"{share:.0%}"))
-    say(f"{len(bake.layers)} maps lie in {arguments.folder}, {meters:g} m a pixel")
-
-
-if __name__ == "__main__":
-    run_main(main)
+    if not (math.isfinite(chosen.memory) and chosen.memory > 0):
+        raise BakeError(f"--memory is {chosen.memory}, where a number of MB above 0 is expected")
+    write_maps(bake, chosen.folder, meters, chosen.bits, int(chosen.memory * 1e6), lambda share: say(f"{share:.0%}"))
+    say(f"{len(bake.layers)} maps lie in {chosen.folder}, {meters:g} m a pixel")

@@ -1,5 +1,5 @@
 extends SceneTree
-## Writes the tiles of a bake as scenes of MultiMeshInstance3Ds, without the extension. to_godot.py says what to write.
+## Writes the tiles of a bake as scenes of MultiMeshInstance3Ds, without the extension. godot.py says what to write.
 
 const JobReader := preload("job_reader.gd")
 const Models := preload("read_models.gd")

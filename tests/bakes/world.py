@@ -1,4 +1,4 @@
-"""What the tests of bakes share: a small world, and ways to bake it and to look at what came of it."""
+"""The small world that the tests of the baker bake, and ways to bake it and to look at what came of it."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ import psutil
 import pyarrow.parquet as pq
 from conftest import REPO, new_project, run
 
+BAKES = REPO / "tests/bakes"
 TOOLS = REPO / "tools/bake"
 RECT = (-70.0, -50.0, 130.0, 100.0)
 # What a bake is asked for, unless a test says otherwise: 5 by 4 tiles that hold whole tiles of the trees.
@@ -27,11 +28,11 @@ PLACED_BY_HAND = 2
 
 
 def make_world(folder: Path) -> Path:
-    """A project with the scene that tests/bake/make_world.gd writes."""
+    """A project with the scene that tests/bakes/make_world.gd writes."""
     folder.mkdir()
     new_project(folder, f'config/use_custom_user_dir=true\nconfig/custom_user_dir_name="{user_folder_name(folder)}"\n')
     for script in ("hills.gd", "make_world.gd", "game.gd"):
-        shutil.copy(REPO / "tests/bake" / script, folder)
+        shutil.copy(BAKES / script, folder)
     done = run([REPO / "tools/godot", "--headless", "--path", folder, "--script", "make_world.gd"], timeout=60)
     assert done.returncode == 0 and (folder / "world.tscn").is_file(), done.stdout + done.stderr
     return folder
@@ -44,7 +45,7 @@ def user_folder_name(project: Path) -> str:
 
 @contextlib.contextmanager
 def ground(project: Path, manner: str) -> Iterator[None]:
-    """Makes the ground "bad" or "slow"; see tests/bake/hills.gd."""
+    """Makes the ground "bad" or "slow"; see tests/bakes/hills.gd."""
     flag = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / user_folder_name(project) / "ground"
     flag.parent.mkdir(parents=True, exist_ok=True)
     flag.write_text(manner)

@@ -1,4 +1,4 @@
-"""Writes a bake as scenes of Godot: one for each tile, and a world that streams them. See README.md."""
+"""Writes a bake as scenes of Godot: one for each tile, and a world that streams them. See READERS.md."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ import shutil
 from pathlib import Path
 
 import numpy as np
-from bake_files import Bake, BakeError, Tile, center_of, open_bake, read_tile, run_main, say
-from engine import REPO, Engine
-from multimesh import Drawn, drawn_of
+from baking.format import BakeError
 
-SCRIPT = Path(__file__).with_name("write_tiles.gd")
+from .bake import Bake, Tile, center_of, open_bake, read_tile
+from .multimesh import Drawn, drawn_of
+from .piped_script import PipedScript
+from .say import say
+
+SCRIPT = "write_tiles.gd"
 ADDON = ("addons/thicket/baked_world.gd", "addons/thicket/baked_world_index.gd")
 STALE = ("tiles/tile_*.scn", "models/*", "baked_world.res", "baked_world.scn")
 
@@ -19,7 +22,7 @@ STALE = ("tiles/tile_*.scn", "models/*", "baked_world.res", "baked_world.scn")
 class Meshes:
     """The meshes and materials that tiles name, in the order in which the engine has been told of them."""
 
-    def __init__(self, bake: Bake, folder: Path, inside: str, engine: Engine):
+    def __init__(self, bake: Bake, folder: Path, inside: str, engine: PipedScript):
         self._bake, self._folder, self._inside, self._engine = bake, folder, inside, engine
         self._meshes: dict[str, int] = {}
         self._materials: dict[str, int] = {}
@@ -77,7 +80,7 @@ def level_nodes(drawn: Drawn, meshes: Meshes, start: int, number: int) -> list[d
     return nodes
 
 
-def write_tile(bake: Bake, tile: Tile, inside: str, cell: float, meshes: Meshes, engine: Engine) -> None:
+def write_tile(bake: Bake, tile: Tile, inside: str, cell: float, meshes: Meshes, engine: PipedScript) -> None:
     nodes, parts, size = [], [], 0
     for number, drawn in enumerate(drawn_of(bake, tile, read_tile(tile), cell)):
         nodes += level_nodes(drawn, meshes, size, number)
@@ -91,7 +94,7 @@ def tile_file(tile: Tile) -> str:
     return f"tiles/tile_{tile.x}_{tile.z}.scn"
 
 
-def write_world(bake: Bake, inside: str, tiles: list[Tile], engine: Engine) -> None:
+def write_world(bake: Bake, inside: str, tiles: list[Tile], engine: PipedScript) -> None:
     payload = np.array([[tile.x, tile.z] for tile in tiles], "<i4").reshape(-1, 2).tobytes()
     payload += np.array([tile.rows for tile in tiles], "<i4").tobytes()
     payload += np.array([center_of(bake, tile) for tile in tiles], "<f8").reshape(-1, 3).tobytes()
@@ -125,7 +128,7 @@ def empty(folder: Path) -> None:
             file.unlink()
 
 
-def export(bake: Bake, folder: Path, cell: float) -> None:
+def write_scenes(bake: Bake, folder: Path, cell: float) -> None:
     """Writes all tiles that have rows, then the world. An export that was there before is replaced. The world is written last: where it is missing, the export
     has not come to its end."""
     project = project_of(folder)
@@ -137,7 +140,7 @@ def export(bake: Bake, folder: Path, cell: float) -> None:
     inside = "res://" + folder.relative_to(project).as_posix().removeprefix(".")
     inside = inside.rstrip("/") if inside != "res://" else inside
     tiles = [tile for tile in bake.tiles if tile.rows]
-    with Engine(project, SCRIPT) as engine:
+    with PipedScript(project, SCRIPT) as engine:
         meshes = Meshes(bake, folder, inside, engine)
         for number, tile in enumerate(tiles):
             write_tile(bake, tile, inside, cell, meshes, engine)
@@ -148,16 +151,13 @@ def export(bake: Bake, folder: Path, cell: float) -> None:
     say(f"{inside}/baked_world.scn streams {bake.rows} instances in {len(tiles)} tiles")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="to_godot.py", description=__doc__)
-    parser.add_argument("bake", type=Path, help="folder that a bake has written")
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, help="folder in a project of Godot; an earlier export there is replaced")
     parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="what changes with distance is parted into cells of about this size at most (64)")
-    arguments = parser.parse_args()
-    if not (np.isfinite(arguments.cell) and arguments.cell > 0):
-        raise BakeError(f"--cell is {arguments.cell}, where meters above 0 are expected")
-    export(open_bake(arguments.bake), arguments.folder.resolve(), arguments.cell)
 
 
-if __name__ == "__main__":
-    run_main(main)
+def export(chosen: argparse.Namespace) -> None:
+    """Writes the scenes. Raises BakeError for a value without sense, before anything is written."""
+    if not (np.isfinite(chosen.cell) and chosen.cell > 0):
+        raise BakeError(f"--cell is {chosen.cell}, where meters above 0 are expected")
+    write_scenes(open_bake(chosen.bake), chosen.folder.resolve(), chosen.cell)

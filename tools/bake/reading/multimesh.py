@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from bake_files import Bake, Instances, Layer, Tile, center_of, groups_of
+
+from .bake import Bake, Instances, Layer, Tile, center_of, groups_of
 
 TRANSFORM_FLOATS = 12
 MORE_FLOATS = 4  # Of a color, and of custom data.

@@ -6,16 +6,19 @@ import argparse
 import math
 import re
 import shutil
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from bake_files import Bake, BakeError, Layer, Tile, center_of, groups_of, open_bake, read_tile, run_main, say
-from engine import REPO, Engine
-from glb import Glb, GlbError, read_glb
+from baking.command_line import REPO
+from baking.format import BakeError
 
-SCRIPT = Path(__file__).with_name("write_models.gd")
+from .bake import Bake, Layer, Tile, center_of, groups_of, open_bake, read_tile
+from .glb import Glb, GlbError, read_glb
+from .piped_script import PipedScript
+from .say import say
+
+SCRIPT = "write_models.gd"
 INSTANCING = "EXT_mesh_gpu_instancing"
 STAND_IN_COLORS = ((0.25, 0.45, 0.2), (0.4, 0.4, 0.15), (0.2, 0.4, 0.35), (0.5, 0.35, 0.2), (0.45, 0.45, 0.45))
 
@@ -35,7 +38,7 @@ class Models:
     def make(self, project: Path) -> None:
         """Lets the engine write them all. What cannot be had is told, and gets a stand-in."""
         paths = {self.path(layer, model) for layer in self._bake.layers for model in range(len(layer.models))} - {""}
-        with tempfile.TemporaryDirectory(prefix="thicket_") as folder, Engine(project, SCRIPT) as engine:
+        with tempfile.TemporaryDirectory(prefix="thicket_") as folder, PipedScript(project, SCRIPT) as engine:
             for number, path in enumerate(sorted(paths)):
                 file = Path(folder) / f"{number}.glb"
                 try:
@@ -110,41 +113,27 @@ def vector(text: str) -> np.ndarray:
     return np.array(numbers)
 
 
-def with_values(arguments: list[str]) -> list[str]:
-    """Options whose value may begin with a minus, joined to it: argparse would take it for another option."""
-    joined: list[str] = []
-    for argument in arguments:
-        if joined and joined[-1] in ("--tiles", "--origin"):
-            joined[-1] += f"={argument}"
-        else:
-            joined.append(argument)
-    return joined
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="to_gltf.py", description=__doc__)
-    parser.add_argument("bake", type=Path, help="folder that a bake has written")
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, help="where tile_I_J.glb go; made if need be")
     parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="these tiles alone")
     parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the place in the world that is 0,0,0 in the files, in meters")
     parser.add_argument("--lod", type=int, default=0, metavar="N", help="which level of detail to take, 0 for the finest (0)")
     parser.add_argument("--stand-ins", action="store_true", help="a pyramid for every model, without asking Godot")
     parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the project of Godot that has the models (the demo)")
-    arguments = parser.parse_args(with_values(sys.argv[1:]))
-    if arguments.lod < 0:
-        raise BakeError(f"--lod is {arguments.lod}, where 0 or more is expected")
-    if not arguments.stand_ins and not (arguments.project / "project.godot").is_file():
-        raise BakeError(f"--project: {arguments.project} is no project of Godot")
-    bake = open_bake(arguments.bake)
-    tiles = chosen_tiles(bake, arguments.tiles.split())
-    models = Models(bake, arguments.lod)
-    if not arguments.stand_ins:
-        models.make(arguments.project)
-    arguments.folder.mkdir(parents=True, exist_ok=True)
+
+
+def export(chosen: argparse.Namespace) -> None:
+    """Writes a file for each tile that has rows. Raises BakeError for a value without sense, before anything is written."""
+    if chosen.lod < 0:
+        raise BakeError(f"--lod is {chosen.lod}, where 0 or more is expected")
+    if not chosen.stand_ins and not (chosen.project / "project.godot").is_file():
+        raise BakeError(f"--project: {chosen.project} is no project of Godot")
+    bake = open_bake(chosen.bake)
+    tiles = chosen_tiles(bake, chosen.tiles.split())
+    models = Models(bake, chosen.lod)
+    if not chosen.stand_ins:
+        models.make(chosen.project)
+    chosen.folder.mkdir(parents=True, exist_ok=True)
     for tile in tiles:
-        tile_glb(bake, tile, models, arguments.origin).write(arguments.folder / f"tile_{tile.x}_{tile.z}.glb")
-    say(f"{sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles lie in {arguments.folder}")
-
-
-if __name__ == "__main__":
-    run_main(main)
+        tile_glb(bake, tile, models, chosen.origin).write(chosen.folder / f"tile_{tile.x}_{tile.z}.glb")
+    say(f"{sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles lie in {chosen.folder}")

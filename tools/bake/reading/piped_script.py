@@ -9,23 +9,24 @@ import tempfile
 from pathlib import Path
 from types import TracebackType
 
-from bake_files import BakeError
+from baking.command_line import REPO
+from baking.format import BakeError
 
-REPO = Path(__file__).resolve().parents[2]
+SCRIPTS = Path(__file__).with_name("scripts")
 ANSWER = "thicket answer "
 KEPT = 4000  # Characters of what the engine said before it ended.
 
 
-class Engine:
-    """Runs `script` in `project` until the block ends. One job after the other: a dictionary, and bytes that belong to it. The script reads both with
+class PipedScript:
+    """Runs `script`, of those in SCRIPTS, in `project` until the block ends. One job after the other: a dictionary, and bytes that belong to it. The script reads both with
     job_reader.gd, and prints an answer for each, a dictionary."""
 
-    def __init__(self, project: Path, script: Path, godot: Path = REPO / "tools/godot"):
+    def __init__(self, project: Path, script: str, godot: Path = REPO / "tools/godot"):
         self._said = tempfile.TemporaryFile()
-        command = [str(godot), "--headless", "--path", str(project), "--script", str(script)]
+        command = [str(godot), "--headless", "--path", str(project), "--script", str(SCRIPTS / script)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._said)
 
-    def __enter__(self) -> Engine:
+    def __enter__(self) -> PipedScript:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:

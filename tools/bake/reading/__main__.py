@@ -1,0 +1,43 @@
+"""bash demo_project/bake_export.sh: the command line of what reads a bake."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from baking.command_line import with_values
+from baking.format import BakeError
+
+from . import gltf, godot, maps
+from .say import say
+
+# Each has a sentence about itself, add_options(parser) and export(chosen).
+WRITERS = {"godot": godot, "gltf": gltf, "maps": maps}
+
+
+def main(arguments: list[str]) -> int:
+    """Returns 0 for an export that is whole, 1 for one that ended with a sentence, 130 for one that was interrupted; argparse exits with 2."""
+    chosen = _parser().parse_args(with_values(arguments, ("--tiles", "--origin")))
+    try:
+        WRITERS[chosen.writer].export(chosen)
+    except BakeError as error:
+        say(str(error))
+        return 1
+    except KeyboardInterrupt:
+        say("interrupted")
+        return 130
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="bake_export.sh", description="Writes what a bake has given for others.")
+    parser.add_argument("bake", type=Path, help="folder that a bake has written")
+    writers = parser.add_subparsers(dest="writer", required=True, prog="bake_export.sh BAKE")
+    for name, writer in WRITERS.items():
+        writer.add_options(writers.add_parser(name, description=writer.__doc__))
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
