@@ -99,10 +99,10 @@ def bake(project: Path, out: Path, *options: str, timeout: float = 120, **furthe
 
 
 def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
-    """Begins to bake, in a group of processes of its own, as from a terminal."""
+    """Begins to bake, in a group of processes of its own that hears Ctrl-C, as from a terminal: who runs tests behind an `&` does not."""
     return subprocess.Popen(
         command(project, out, *options), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-        start_new_session=True,
+        start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
 
 
