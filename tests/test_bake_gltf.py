@@ -118,7 +118,7 @@ def test_gltf_without_the_engine(copy, game, tmp_path):
 def test_the_validator_of_gltf_finds_nothing(glbs, bake, tmp_path):
     folders = sorted(CACHE.glob("gltf-validator-*/node_modules"))
     if not folders or shutil.which("node") is None:
-        pytest.skip("no validator of glTF: setup_gltf_validator of tools/setup.sh installs it")
+        pytest.skip("no validator of glTF: setup_gltf_validator of tools/setup_full.sh installs it")
     assert reader("gltf", bake, tmp_path, "--stand-ins", "--tiles=60000,-20002").returncode == 0
     script = "const v = require('gltf-validator'), fs = require('fs'); Promise.all(process.argv.slice(1).map(async f => " \
         "console.log(JSON.stringify((await v.validateBytes(new Uint8Array(fs.readFileSync(f)))).issues))))"  # fmt: skip

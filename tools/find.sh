@@ -25,6 +25,15 @@ wheel_venv() {
 	echo "$(cache_folder)/wheel-python$(wheel_python)"
 }
 
+# Print the folders of the virtual environments of the tests and of the bake.
+python_venv() {
+	echo "$(cache_folder)/venv"
+}
+
+bake_venv() {
+	echo "$(cache_folder)/bake-venv"
+}
+
 # True for a program that says that it is Godot 4.4 or newer.
 is_new_godot() {
 	local version

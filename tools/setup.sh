@@ -5,21 +5,17 @@
 #   setup_baselines  CGAL, for one of the methods that tests and benches compare with
 #   setup_clang      a second compiler, for the tests that compare compilers; those are skipped where it cannot be had
 #   setup_mono       a C# compiler, for the test of the wrappers; it is skipped where none can be had
-#   setup_zig        clang for every platform, and their C libraries, for what is shipped (README.md, "Build")
-#   setup_llvm       tools that strip and join libraries of all platforms
-#   setup_gltf_validator  Khronos' validator, for the test of glTF files; it is skipped where it cannot be had
-#   setup_emscripten the compiler for the web, in a Debian root in the cache folder
-#   setup_descriptions  the engine's descriptions of itself from 4.2 on, to compare; those tests are skipped without
 #   setup_qemu       what runs programs for other processors, for the tests that compare them; skipped where it cannot be had
-#   setup_emulators  the same for Windows and for the web, and g++ for other processors (about 1.5 GB)
 #   setup_python     the Python packages of tests/requirements.txt and of setup_bake, in a virtual environment in the cache folder
 #   setup_bake       what bakes worlds: Dask and Arrow, in a virtual environment in the cache folder
 #   setup_wheel      what builds the Python package of the sampler, and NumPy for its tests, in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
+# setup_full.sh has the parts that only packing and the long tests call.
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
 
 setup_repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 source "$setup_repo/tools/find.sh"
+source "$setup_repo/tools/setup_full.sh"
 
 # The Debian release that Godot comes from where a machine has none. The mirror is the machine's own.
 godot_suite=forky
@@ -94,19 +90,6 @@ apt_of() {
 	(cd "$folder" && apt-get "${from[@]}" update && apt-get "${from[@]}" "$@") >&2
 }
 
-# Zig's compiler is clang with the headers and C libraries of all platforms.
-setup_zig() {
-	local folder
-	folder=$(cache_folder)/zig-$zig_version
-	[[ ! -x $folder/ziglang/zig ]] || return 0
-	setup_python
-	say "installing zig $zig_version into $folder (about 400 MB, once)"
-	rm -rf "$folder" "$folder.partial"
-	"$(python_venv)/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
-		--target "$folder.partial" "ziglang==$zig_version"
-	mv "$folder.partial" "$folder"
-}
-
 setup_baselines() {
 	has_header CGAL/version.h || install_packages "to compare" libcgal-dev
 }
@@ -116,40 +99,9 @@ setup_clang() {
 		say "going on without clang; the tests that need it will be skipped"
 }
 
-setup_llvm() {
-	compgen -c llvm-strip >/dev/null || install_packages "to strip libraries" llvm
-}
-
 setup_mono() {
 	command -v mcs >/dev/null || install_packages "to check C#" mono-mcs ||
 		say "going on without a C# compiler; the tests that need it will be skipped"
-}
-
-# The engine's descriptions of itself, one for each version, which a Rust crate carries.
-setup_descriptions() {
-	local folder partial version sources
-	folder=$(cache_folder)/descriptions
-	[[ ! -d $folder ]] || return 0
-	command -v cargo >/dev/null || install_packages "to compare versions of the engine" cargo || return 0
-	mkdir -p "$(cache_folder)"
-	partial=$(mktemp --directory "$folder.partial.XXXXXX")
-	mkdir "$partial/src"
-	touch "$partial/src/lib.rs"
-	printf '[package]\nname = "descriptions"\nversion = "1.0.0"\n\n[dependencies]\ngdextension-api = "=%s"\n' \
-		"$descriptions_version" >"$partial/Cargo.toml"
-	if ! cargo fetch --quiet --manifest-path "$partial/Cargo.toml" >&2; then
-		rm -rf "$partial"
-		say "going on without the descriptions of other versions of the engine; the tests that need them will be skipped"
-		return 0
-	fi
-	sources=("${CARGO_HOME:-$HOME/.cargo}"/registry/src/*/"gdextension-api-$descriptions_version"/src)
-	mkdir "$partial/found"
-	for version in "${sources[0]}"/4.*; do
-		mkdir "$partial/found/${version##*/}"
-		cp "$version/extension_api.json" "$partial/found/${version##*/}/"
-	done
-	mv "$partial/found" "$folder"
-	rm -rf "$partial"
 }
 
 # The C library is for programs that are not linked with one.
@@ -161,109 +113,53 @@ setup_qemu() {
 		say "going on without qemu; the tests that need it will be skipped"
 }
 
-setup_emulators() {
-	setup_qemu
-	setup_node
-	setup_wine
-	setup_crosses
-}
-
-setup_node() {
-	command -v node >/dev/null || install_packages "to run programs for the web" nodejs ||
-		say "going on without node; the tests that need it will be skipped"
-}
-
-setup_gltf_validator() {
-	local folder
-	folder=$(cache_folder)/gltf-validator-$gltf_validator_version
-	[[ ! -d $folder ]] || return 0
-	command -v npm >/dev/null || install_packages "to check glTF" npm || return 0
-	rm -rf "$folder.partial"
-	mkdir -p "$folder.partial"
-	if npm install --silent --no-audit --no-fund --ignore-scripts --prefix "$folder.partial" \
-		"gltf-validator@$gltf_validator_version" >&2; then
-		mv "$folder.partial" "$folder"
-	else
-		rm -rf "$folder.partial"
-		say "going on without the validator of glTF; the test that needs it will be skipped"
-	fi
-}
-
-setup_wine() {
-	[[ -x /usr/lib/wine/wine64 ]] || command -v wine64 wine >/dev/null || install_packages "to run programs for Windows" wine64 ||
-		say "going on without wine; the tests that need it will be skipped"
-}
-
-# What Debian has for this machine; not every one has a compiler for every other.
-setup_crosses() {
-	local processor
-	for processor in aarch64 riscv64 i686; do
-		[[ $(uname -m) != "$processor" ]] || continue
-		command -v "$processor-linux-gnu-g++" >/dev/null || install_packages "to compare compilers" "g++-$processor-linux-gnu" ||
-			say "going on without g++ for $processor; the tests that need it will be skipped"
-	done
-}
-
 setup_python() {
-	local venv stamp wanted
+	local venv wanted
 	venv=$(python_venv)
-	stamp=$venv/complete
 	wanted=$(cat "$setup_repo"/{tests,tools/bake}/requirements.txt)
-	if [[ -f $stamp && $(<"$stamp") == "$wanted" && -x $venv/bin/python ]]; then
-		return
-	fi
-	local missing=()
-	python3 -c 'import venv, ensurepip' 2>/dev/null || missing+=(python3 python3-venv)
-	install_packages "to test" "${missing[@]}"
-	say "making a Python environment in $venv"
-	mkdir -p "$(cache_folder)"
-	python3 -m venv --clear "$venv"
-	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+	! has_venv "$venv" "$wanted" || return 0
+	make_venv python3 "$venv" "to test" \
 		--requirement "$setup_repo/tests/requirements.txt" --requirement "$setup_repo/tools/bake/requirements.txt"
-	echo "$wanted" >"$stamp"
+	echo "$wanted" >"$venv/complete"
 }
 
 setup_bake() {
-	local venv wanted missing=()
+	local venv wanted
 	venv=$(bake_venv)
 	wanted=$(cat "$setup_repo/tools/bake/requirements.txt")
-	[[ ! -f $venv/complete || $(<"$venv/complete") != "$wanted" || ! -x $venv/bin/python ]] || return 0
-	python3 -c 'import venv, ensurepip' 2>/dev/null || missing+=(python3 python3-venv)
-	install_packages "to bake" "${missing[@]}"
-	say "making a Python environment in $venv"
-	mkdir -p "$(cache_folder)"
-	python3 -m venv --clear "$venv"
-	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
-		--requirement "$setup_repo/tools/bake/requirements.txt"
+	! has_venv "$venv" "$wanted" || return 0
+	make_venv python3 "$venv" "to bake" --requirement "$setup_repo/tools/bake/requirements.txt"
 	echo "$wanted" >"$venv/complete"
-}
-
-# Prints the folder of the virtual environment that bakes.
-bake_venv() {
-	echo "$(cache_folder)/bake-venv"
-}
-
-# Prints the folder of the virtual environment.
-python_venv() {
-	echo "$(cache_folder)/venv"
 }
 
 setup_wheel() {
-	local venv wanted numpy missing=()
+	local venv wanted numpy python=${PYTHON:-python3}
 	venv=$(wheel_venv)
 	numpy=$(grep '^numpy==' "$setup_repo/tests/requirements.txt")
 	wanted=$(cat "$setup_repo/python/requirements.txt")$'\n'$numpy
-	[[ ! -f $venv/complete || $(<"$venv/complete") != "$wanted" || ! -x $venv/bin/python ]] || return 0
-	"${PYTHON:-python3}" -c 'import venv, ensurepip' 2>/dev/null || missing+=(python3 python3-venv)
-	[[ -f $("${PYTHON:-python3}" -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h ]] || missing+=(python3-dev)
-	install_packages "to build the Python package" "${missing[@]}"
-	say "making a Python environment in $venv"
-	mkdir -p "$(cache_folder)"
-	"${PYTHON:-python3}" -m venv --clear "$venv"
-	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
-		--requirement "$setup_repo/python/requirements.txt"
+	! has_venv "$venv" "$wanted" || return 0
+	[[ -f $("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h ]] ||
+		install_packages "to build the Python package" python3-dev
+	make_venv "$python" "$venv" "to build the Python package" --requirement "$setup_repo/python/requirements.txt"
 	"$venv/bin/python" -m pip download --quiet --disable-pip-version-check --only-binary :all: --dest "$venv/wheels" "$numpy"
 	echo "$wanted" >"$venv/complete"
+}
+
+# has_venv FOLDER WANTED: whether a virtual environment is whole, and the one that is wanted.
+has_venv() {
+	[[ -f $1/complete && $(<"$1/complete") == "$2" && -x $1/bin/python ]]
+}
+
+# make_venv PYTHON FOLDER WHY OPTION...: makes a virtual environment anew, with what these options of pip ask for. Whoever calls it says in
+# FOLDER/complete what it is, once it is whole.
+make_venv() {
+	local python=$1 venv=$2 why=$3
+	shift 3
+	"$python" -c 'import venv, ensurepip' 2>/dev/null || install_packages "$why" python3 python3-venv
+	say "making a Python environment in $venv"
+	mkdir -p "$(cache_folder)"
+	"$python" -m venv --clear "$venv"
+	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "$@"
 }
 
 setup_godot() {
@@ -290,44 +186,6 @@ setup_godot() {
 	fi
 }
 
-# The engine of exported games, for the test that exports one: into the Debian root with Godot. Skipped where that is not used.
-setup_export_template() {
-	local root partial
-	root=$(godot_root)
-	[[ -x $root/usr/bin/godot && ! -x $root/usr/bin/godot-template-release ]] || return 0
-	say "installing Godot's export template"
-	partial=$(mktemp --directory "$root.partial.XXXXXX")
-	if apt_of deb "$godot_suite" "$partial" download godot-template-release; then
-		dpkg-deb --extract "$partial"/godot-template-release_*.deb "$partial/content"
-		cp "$partial/content/usr/bin/godot-template-release" "$root/usr/bin/"
-	else
-		say "going on without it; the test that needs it will be skipped"
-	fi
-	rm -rf "$partial"
-}
-
-# The same Godot for ARM processors, unpacked to run under an emulator. Nothing in it is set up, so none of its programs run.
-setup_godot_arm64() {
-	local root folder aptopts
-	root=$(godot_root)-arm64
-	[[ ! -x $root/usr/bin/godot ]] || return 0
-	command -v mmdebstrap >/dev/null || install_packages "to unpack Godot for ARM" mmdebstrap || return 0
-	mapfile -t aptopts < <(mirror_options)
-	say "unpacking Godot for ARM from Debian $godot_suite into $root (about 900 MB, once)"
-	rm -rf "$root" "$root.partial"
-	if mmdebstrap --architectures=arm64 --variant=extract --include=godot,libgl1,libegl1 "${aptopts[@]}" \
-		"$godot_suite" "$root.partial" "$(debian_mirror)" </dev/null >&2; then
-		# Which the scripts of packages would have made.
-		for folder in bin lib; do
-			[[ -e $root.partial/$folder ]] || ln -s "usr/$folder" "$root.partial/$folder"
-		done
-		mv "$root.partial" "$root"
-	else
-		rm -rf "$root.partial"
-		say "going on without it; the test that needs it will be skipped"
-	fi
-}
-
 # Prints options of mmdebstrap: how this machine's apt reaches its mirror, and what it accepts from it, holds elsewhere too.
 mirror_options() {
 	apt-config dump | sed -nE 's/^(Acquire::(Check-|Retries|https?::).*[^:] ".*");$/--aptopt=\1/p'
@@ -342,21 +200,6 @@ make_godot_root() {
 	say "installing Godot from Debian $godot_suite into $1 (about 800 MB, once)"
 	make_debian_root "$1" "$godot_suite" "$godot_root_packages" || {
 		say "Godot could not be installed; the messages above say why"
-		return 1
-	}
-}
-
-# The compiler for the web, from a Debian release that has one near to that of the engine's own web builds.
-setup_emscripten() {
-	local root missing=()
-	root=$(emscripten_root)
-	[[ ! -x $root/usr/bin/em++ ]] || return 0
-	command -v bwrap >/dev/null || missing+=(bubblewrap)
-	command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
-	install_packages "to build for the web" "${missing[@]}"
-	say "installing emscripten from Debian $emscripten_suite into $root (about 1.5 GB, once)"
-	make_debian_root "$root" "$emscripten_suite" emscripten || {
-		say "emscripten could not be installed; the messages above say why"
 		return 1
 	}
 }

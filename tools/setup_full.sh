@@ -1,0 +1,148 @@
+# What only packing and the long tests need (bash tests/run.sh --full, tools/package.sh); tools/setup.sh brings it along:
+#   setup_zig        clang for every platform, and their C libraries, for what is shipped (README.md, "Build")
+#   setup_llvm       tools that strip and join libraries of all platforms
+#   setup_gltf_validator  Khronos' validator, for the test of glTF files; it is skipped where it cannot be had
+#   setup_emscripten the compiler for the web, in a Debian root in the cache folder
+#   setup_descriptions  the engine's descriptions of itself from 4.2 on, to compare; those tests are skipped without
+#   setup_emulators  what runs programs for other processors, for Windows and for the web, and g++ for other processors (about 1.5 GB)
+#   setup_export_template, setup_godot_arm64  Godot for exported games, and for ARM processors under an emulator
+
+# Zig's compiler is clang with the headers and C libraries of all platforms.
+setup_zig() {
+	local folder
+	folder=$(cache_folder)/zig-$zig_version
+	[[ ! -x $folder/ziglang/zig ]] || return 0
+	setup_python
+	say "installing zig $zig_version into $folder (about 400 MB, once)"
+	rm -rf "$folder" "$folder.partial"
+	"$(python_venv)/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+		--target "$folder.partial" "ziglang==$zig_version"
+	mv "$folder.partial" "$folder"
+}
+
+setup_llvm() {
+	compgen -c llvm-strip >/dev/null || install_packages "to strip libraries" llvm
+}
+
+# The compiler for the web, from a Debian release that has one near to that of the engine's own web builds.
+setup_emscripten() {
+	local root missing=()
+	root=$(emscripten_root)
+	[[ ! -x $root/usr/bin/em++ ]] || return 0
+	command -v bwrap >/dev/null || missing+=(bubblewrap)
+	command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
+	install_packages "to build for the web" "${missing[@]}"
+	say "installing emscripten from Debian $emscripten_suite into $root (about 1.5 GB, once)"
+	make_debian_root "$root" "$emscripten_suite" emscripten || {
+		say "emscripten could not be installed; the messages above say why"
+		return 1
+	}
+}
+
+# The engine's descriptions of itself, one for each version, which a Rust crate carries.
+setup_descriptions() {
+	local folder partial version sources
+	folder=$(cache_folder)/descriptions
+	[[ ! -d $folder ]] || return 0
+	command -v cargo >/dev/null || install_packages "to compare versions of the engine" cargo || return 0
+	mkdir -p "$(cache_folder)"
+	partial=$(mktemp --directory "$folder.partial.XXXXXX")
+	mkdir "$partial/src"
+	touch "$partial/src/lib.rs"
+	printf '[package]\nname = "descriptions"\nversion = "1.0.0"\n\n[dependencies]\ngdextension-api = "=%s"\n' \
+		"$descriptions_version" >"$partial/Cargo.toml"
+	if ! cargo fetch --quiet --manifest-path "$partial/Cargo.toml" >&2; then
+		rm -rf "$partial"
+		say "going on without the descriptions of other versions of the engine; the tests that need them will be skipped"
+		return 0
+	fi
+	sources=("${CARGO_HOME:-$HOME/.cargo}"/registry/src/*/"gdextension-api-$descriptions_version"/src)
+	mkdir "$partial/found"
+	for version in "${sources[0]}"/4.*; do
+		mkdir "$partial/found/${version##*/}"
+		cp "$version/extension_api.json" "$partial/found/${version##*/}/"
+	done
+	mv "$partial/found" "$folder"
+	rm -rf "$partial"
+}
+
+setup_emulators() {
+	setup_qemu
+	setup_node
+	setup_wine
+	setup_crosses
+}
+
+setup_node() {
+	command -v node >/dev/null || install_packages "to run programs for the web" nodejs ||
+		say "going on without node; the tests that need it will be skipped"
+}
+
+setup_wine() {
+	[[ -x /usr/lib/wine/wine64 ]] || command -v wine64 wine >/dev/null || install_packages "to run programs for Windows" wine64 ||
+		say "going on without wine; the tests that need it will be skipped"
+}
+
+# What Debian has for this machine; not every one has a compiler for every other.
+setup_crosses() {
+	local processor
+	for processor in aarch64 riscv64 i686; do
+		[[ $(uname -m) != "$processor" ]] || continue
+		command -v "$processor-linux-gnu-g++" >/dev/null || install_packages "to compare compilers" "g++-$processor-linux-gnu" ||
+			say "going on without g++ for $processor; the tests that need it will be skipped"
+	done
+}
+
+setup_gltf_validator() {
+	local folder
+	folder=$(cache_folder)/gltf-validator-$gltf_validator_version
+	[[ ! -d $folder ]] || return 0
+	command -v npm >/dev/null || install_packages "to check glTF" npm || return 0
+	rm -rf "$folder.partial"
+	mkdir -p "$folder.partial"
+	if npm install --silent --no-audit --no-fund --ignore-scripts --prefix "$folder.partial" \
+		"gltf-validator@$gltf_validator_version" >&2; then
+		mv "$folder.partial" "$folder"
+	else
+		rm -rf "$folder.partial"
+		say "going on without the validator of glTF; the test that needs it will be skipped"
+	fi
+}
+
+# The engine of exported games, for the test that exports one: into the Debian root with Godot. Skipped where that is not used.
+setup_export_template() {
+	local root partial
+	root=$(godot_root)
+	[[ -x $root/usr/bin/godot && ! -x $root/usr/bin/godot-template-release ]] || return 0
+	say "installing Godot's export template"
+	partial=$(mktemp --directory "$root.partial.XXXXXX")
+	if apt_of deb "$godot_suite" "$partial" download godot-template-release; then
+		dpkg-deb --extract "$partial"/godot-template-release_*.deb "$partial/content"
+		cp "$partial/content/usr/bin/godot-template-release" "$root/usr/bin/"
+	else
+		say "going on without it; the test that needs it will be skipped"
+	fi
+	rm -rf "$partial"
+}
+
+# The same Godot for ARM processors, unpacked to run under an emulator. Nothing in it is set up, so none of its programs run.
+setup_godot_arm64() {
+	local root folder aptopts
+	root=$(godot_root)-arm64
+	[[ ! -x $root/usr/bin/godot ]] || return 0
+	command -v mmdebstrap >/dev/null || install_packages "to unpack Godot for ARM" mmdebstrap || return 0
+	mapfile -t aptopts < <(mirror_options)
+	say "unpacking Godot for ARM from Debian $godot_suite into $root (about 900 MB, once)"
+	rm -rf "$root" "$root.partial"
+	if mmdebstrap --architectures=arm64 --variant=extract --include=godot,libgl1,libegl1 "${aptopts[@]}" \
+		"$godot_suite" "$root.partial" "$(debian_mirror)" </dev/null >&2; then
+		# Which the scripts of packages would have made.
+		for folder in bin lib; do
+			[[ -e $root.partial/$folder ]] || ln -s "usr/$folder" "$root.partial/$folder"
+		done
+		mv "$root.partial" "$root"
+	else
+		rm -rf "$root.partial"
+		say "going on without it; the test that needs it will be skipped"
+	fi
+}
