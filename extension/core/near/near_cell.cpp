@@ -35,11 +35,11 @@ Rect reached(const Rect &cell, std::span<const glm::dvec3> centers, double reach
 } // namespace
 
 bool NearCell::outdated(double slack, std::uint64_t world_version) const {
-	return stale_ || again_ || version_ != world_version || !same_within(slack, centers_, looked_at_);
+	return again_ || version_ != world_version || !same_within(slack, centers_, looked_at_);
 }
 
 std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
-		std::vector<PlacedInstance> &r_standing) {
+		std::uint64_t world_version, std::vector<PlacedInstance> &r_standing) {
 	forget_changes();
 	r_standing.clear();
 	const Rect rect = reached(of, centers_, range.leave);
@@ -59,9 +59,9 @@ std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange 
 	}
 	looked_at_ = centers_;
 	maybe_changed_ = true;
-	stale_ = again_ = false;
+	again_ = false;
 	frames_ = 0;
-	version_ = world.version();
+	version_ = world_version;
 	return cost;
 }
 
@@ -101,17 +101,12 @@ bool NearCell::take_changed(PlacedInstance &r_instance) {
 	return true;
 }
 
-void NearCell::release(std::uint64_t id) {
-	near_.release(id);
-	again_ = true;
-}
-
 void NearCell::forget_changes() {
 	changes_.clear();
 	away_.clear();
 	left_ = 0;
 	entered_ = 0;
-	stale_ = true;
+	version_ = 0;
 }
 
 } // namespace thicket

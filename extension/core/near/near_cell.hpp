@@ -43,12 +43,12 @@ public:
 	/// True if nothing of that is so, and yet the last look is long ago.
 	bool due() const { return frames_ >= look_frames; }
 
-	/// Finds out anew what has to come and go in the square `of`, which is half-open. The cost in instances.
+	/// Finds out anew what has to come and go in the square `of`, which is half-open, in a world of this version. The cost in instances.
 	std::size_t look(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
-			std::vector<PlacedInstance> &r_standing);
+			std::uint64_t world_version, std::vector<PlacedInstance> &r_standing);
 
 	/// What was found still holds in a world of this version.
-	bool fresh(std::uint64_t world_version) const { return !stale_ && version_ == world_version; }
+	bool fresh(std::uint64_t world_version) const { return version_ == world_version; }
 
 	/// No center reaches it, and nothing is held.
 	bool idle() const { return centers_.empty() && near_.size() == 0; }
@@ -80,10 +80,11 @@ public:
 	std::vector<PlacedInstance> held() const { return near_.held(); }
 
 	/// What else is to come and go still does.
-	void release(std::uint64_t id);
-	void forget_changes();
+	void release(std::uint64_t id) { again_ = near_.release(id) || again_; }
 
 private:
+	void forget_changes();
+
 	NearSet near_;
 	NearChanges changes_;
 	std::vector<double> away_;   ///< Squared distances of changes_.enter.
@@ -91,10 +92,9 @@ private:
 	std::size_t entered_ = 0;    ///< How many of changes_.enter are.
 	bool maybe_changed_ = false; ///< Something that enters may be held.
 
-	bool stale_ = true;  ///< `changes_` are of no use any more,
-	bool again_ = false; ///< or still are; in both cases the cell has to be looked at, whatever has moved.
-	int frames_ = 0;     ///< Since the last look.
-	std::uint64_t version_ = 0;
+	bool again_ = false;        ///< The cell has to be looked at, whatever has moved; `changes_` are of use until then.
+	int frames_ = 0;            ///< Since the last look.
+	std::uint64_t version_ = 0; ///< Of the world that was looked at; 0, which no world has, for none.
 	std::vector<glm::dvec3> centers_;   ///< As they are now,
 	std::vector<glm::dvec3> looked_at_; ///< and as they were at the last look.
 };

@@ -77,13 +77,11 @@ void NearQueue::set_distances(std::span<const double> distances) {
 		if (layer.distance == distances[i]) {
 			continue;
 		}
+		++renewals_;
 		layer.distance = distances[i];
 		layer.stale = true;
 		if (layer.distance > 0.0) {
 			layer.divide(std::max(least_side, leave_share * layer.distance));
-		}
-		for (auto &[at, cell] : layer.cells) {
-			cell.forget_changes();
 		}
 	}
 }
@@ -100,7 +98,7 @@ void NearQueue::look_around(std::span<const glm::dvec3> centers, const InstanceW
 		}
 		for (auto &[key, cell] : layer.cells) {
 			cell.begin_frame();
-			const bool outdated = cell.outdated(layer.slack(), world.version());
+			const bool outdated = cell.outdated(layer.slack(), version());
 			if (outdated || cell.due()) {
 				outdated_.push_back({index, key, &cell, !outdated});
 			}
@@ -116,7 +114,7 @@ void NearQueue::look_around(std::span<const glm::dvec3> centers, const InstanceW
 	}
 	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
 		for (auto &[key, cell] : layers_[index].cells) {
-			if (cell.fresh(world.version()) && (cell.any_leaving() || cell.any_entering())) {
+			if (cell.fresh(version()) && (cell.any_leaving() || cell.any_entering())) {
 				ready_.push_back({index, key, &cell, false});
 			}
 		}
@@ -127,7 +125,7 @@ void NearQueue::look(const Visit &visit) {
 	const Layer &layer = layers_[visit.layer];
 	const glm::dvec2 corner = layer.side * glm::dvec2(visit.key.first, visit.key.second);
 	const NearRange range{enter_share * layer.distance, leave_share * layer.distance};
-	looked_ += visit.cell->look(visit.layer, {corner, corner + layer.side}, range, *world_, standing_);
+	looked_ += visit.cell->look(visit.layer, {corner, corner + layer.side}, range, *world_, version(), standing_);
 	visit.cell->looked = ++looks_;
 }
 
@@ -169,7 +167,7 @@ bool NearQueue::settled() const {
 		const bool wanted = layer.distance > 0.0 || !layer.cells.empty();
 		return wanted &&
 				(world_ == nullptr || layer.stale || std::ranges::any_of(layer.cells, [this](const auto &entry) {
-					return !entry.second.settled(world_->version());
+					return !entry.second.settled(version());
 				}));
 	});
 }
@@ -181,19 +179,15 @@ bool NearQueue::holds(std::uint32_t layer, std::uint64_t id) const {
 
 void NearQueue::release(std::uint32_t layer, std::uint64_t id) {
 	for (auto &[key, cell] : layers_[layer].cells) {
-		if (cell.holds(id)) {
-			cell.release(id);
-		}
+		cell.release(id);
 	}
 }
 
 void NearQueue::release(std::uint64_t id) {
 	ready_.clear();
-	for (Layer &layer : layers_) {
-		for (auto &[key, cell] : layer.cells) {
-			cell.release(id);
-			cell.forget_changes();
-		}
+	++renewals_;
+	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
+		release(layer, id);
 	}
 }
 

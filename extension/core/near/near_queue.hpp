@@ -90,6 +90,8 @@ private:
 		bool due = false; ///< It can wait for those that are outdated.
 	};
 
+	/// Rises with everything that makes what was found of no use: another world, other distances, what was released.
+	std::uint64_t version() const { return world_->version() + renewals_; }
 	void look(const Visit &visit);
 	bool next(bool (NearCell::*any)() const, Leaving &r_leaving);
 
@@ -99,6 +101,7 @@ private:
 	std::vector<Visit> ready_; ///< Cells with something to take out, found in the world as it was at `look_around`.
 	std::vector<PlacedInstance> standing_;
 	std::uint64_t looks_ = 0;
+	std::uint64_t renewals_ = 0;
 	std::size_t looked_ = 0; ///< Instances, in this frame.
 };
 

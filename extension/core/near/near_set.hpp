@@ -45,7 +45,8 @@ public:
 	/// False where memory does not suffice: the instance is not held then.
 	bool hold(const PlacedInstance &instance);
 
-	void release(std::uint64_t id) { held_.erase(id); }
+	/// True if it was held.
+	bool release(std::uint64_t id) { return held_.erase(id) > 0; }
 
 	/// All that is held, in no order.
 	std::vector<PlacedInstance> held() const;
