@@ -9,6 +9,7 @@ import pytest
 REPO = Path(__file__).parent.parent
 sys.path.insert(0, str(REPO / "tools/bake"))
 from baking import schedule  # noqa: E402
+from baking.format import FORMAT  # noqa: E402
 from baking.schedule import Costs  # noqa: E402
 
 
@@ -55,13 +56,13 @@ def test_a_larger_world_costs_what_its_tiles_cost():
 
 def test_a_bake_that_says_nothing_is_refused(tmp_path, capsys):
     assert schedule.main([str(tmp_path / "none")]) == 2
-    (tmp_path / "manifest.json").write_text(json.dumps({"tiles": {"0,0": {"seconds": 1.0}}, "costs": None}))
+    (tmp_path / "manifest.json").write_text(json.dumps({"format": FORMAT, "tiles": {"0,0": {"seconds": 1.0}}, "costs": None}))
     assert schedule.main([str(tmp_path)]) == 2
     assert "does not say what its tiles cost" in capsys.readouterr().err
 
 
 def test_a_table_is_printed(tmp_path, capsys):
-    manifest = {"tiles": {f"{i},0": {"seconds": 0.5} for i in range(20)}, "costs": {"start_seconds": 2.0, "driver_seconds": 0.01, "bytes": 4000}}
+    manifest = {"format": FORMAT, "tiles": {f"{i},0": {"seconds": 0.5} for i in range(20)}, "costs": {"start_seconds": 2.0, "driver_seconds": 0.01, "bytes": 4000}}
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     assert schedule.main([str(tmp_path), "--workers", "1,10", "--tiles", "1000"]) == 0
     printed = capsys.readouterr().out

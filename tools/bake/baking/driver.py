@@ -57,6 +57,10 @@ class Outcome:
     failed: dict[tuple[int, int], str] = field(default_factory=dict)
     stopped: str = ""
 
+    @property
+    def driver_seconds_a_tile(self) -> float:
+        return self.driver_seconds / max(self.made + self.kept, 1)
+
 
 def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:
     """Bakes, or goes on with a bake that was begun. Raises BakeError where there is nothing to begin with."""
@@ -253,7 +257,7 @@ def _keep_costs(outcome: Outcome) -> None:
         start = sorted(outcome.starting)[len(outcome.starting) // 2] if outcome.starting else 0.0
         outcome.manifest["costs"] = {
             "start_seconds": round(start, 3),
-            "driver_seconds": round(outcome.driver_seconds / (outcome.made + outcome.kept), 6),
+            "driver_seconds": round(outcome.driver_seconds_a_tile, 6),
             "bytes": round(outcome.bytes / (outcome.made + outcome.kept)),
         }
 

@@ -1,30 +1,13 @@
-"""What a bake is on the disk, as its maker and its readers both know it: the manifest, the names of tiles, the columns of their files."""
+"""What a bake is on the disk, as its maker and its readers both know it: the manifest and the names of tiles."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
 
-import pyarrow as pa
-
 FORMAT = "thicket-bake"
 VERSION = 1
 MANIFEST = "manifest.json"
-
-# The columns of a tile's file, in order. Those that may be empty are so in layers without colors, without custom data.
-SCHEMA = pa.schema(
-    [
-        pa.field("id", pa.uint64(), nullable=False),
-        pa.field("layer", pa.uint16(), nullable=False),
-        pa.field("model", pa.uint16(), nullable=False),
-        *(pa.field(name, pa.float64(), nullable=False) for name in ("x", "y", "z")),
-        *(pa.field(name, pa.float32(), nullable=False) for name in ("qx", "qy", "qz", "qw", "scale_x", "scale_y", "scale_z")),
-        pa.field("rank", pa.uint32(), nullable=False),
-        pa.field("color", pa.uint32()),
-        pa.field("variation", pa.float32()),
-        pa.field("wind_phase", pa.float32()),
-    ]
-)
 
 
 class BakeError(RuntimeError):

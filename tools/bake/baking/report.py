@@ -166,7 +166,7 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
         f"| a second | {outcome.made / seconds:.2f} tiles, {amount(outcome.made_rows / seconds)} instances |",
         f"| workers of this machine asked for | {workers} |",
         f"| of that, at work on tiles | {outcome.busy_seconds / seconds:.2f} |",
-        f"| the driver's own work, a tile | {1000 * outcome.driver_seconds / max(outcome.made + outcome.kept, 1):.2f} ms |",
+        f"| the driver's own work, a tile | {1000 * outcome.driver_seconds_a_tile:.2f} ms |",
         f"| a worker's own memory, at most | {outcome.worker_memory / 2**20:.0f} MiB |",
         f"| its engine's, at most | {outcome.engine_memory / 2**20:.0f} MiB |",
         f"| files | {outcome.bytes / 2**20:.1f} MiB |",

@@ -7,7 +7,7 @@ import hashlib
 import numpy as np
 import pyarrow as pa
 
-from .format import SCHEMA
+from .columns import SCHEMA
 
 # Of the numbers that each instance has, in the engine's order; what stands between `rank` and `model` are the floats of color and
 # custom data.

@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import argparse
 import heapq
-import json
 import random
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from .format import MANIFEST, BakeError, read_manifest
 from .words import amount, duration
 
 
@@ -48,12 +48,12 @@ class Forecast:
 
 
 def read_costs(folder: Path) -> Costs:
-    """What the manifest of a bake says. Raises ValueError, with a sentence, where it says nothing."""
-    manifest = json.loads((folder / "manifest.json").read_text())
+    """What the manifest of a bake says. Raises BakeError where it says nothing."""
+    manifest = read_manifest(folder)
     seconds = [tile["seconds"] for tile in manifest["tiles"].values() if tile.get("seconds") is not None]
     costs = manifest.get("costs")
     if not seconds or not costs:
-        raise ValueError(f"{folder / 'manifest.json'} does not say what its tiles cost: a run has to make 10 of them at least.")
+        raise BakeError(f"{folder / MANIFEST} does not say what its tiles cost: a run has to make 10 of them at least.")
     return Costs(seconds, costs["start_seconds"], costs["driver_seconds"], costs["bytes"])
 
 
@@ -116,7 +116,7 @@ def main(arguments: list[str]) -> int:
         parser.error("--workers and --tiles have to be 1 at least")
     try:
         costs = read_costs(chosen.out)
-    except (OSError, ValueError) as error:
+    except BakeError as error:
         print(f"schedule: {error}", file=sys.stderr)
         return 2
     print(table(larger(costs, chosen.tiles) if chosen.tiles else costs, workers))

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from baking.format import MANIFEST, SCHEMA, VERSION, BakeError, name_of, read_manifest, tile_of_name
+from baking.columns import SCHEMA
+from baking.format import MANIFEST, VERSION, BakeError, name_of, read_manifest, tile_of_name
 
 NEEDED = ("format", "version", "scene", "scene_digest", "rect", "tile_size", "world_offset", "layers", "tiles")
 
