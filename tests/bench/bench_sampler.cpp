@@ -8,10 +8,13 @@
 #include "tests/bench/common/simd_targets.hpp"
 #include "tests/bench/common/timing.hpp"
 
+#include "core/sampling/block_cache.hpp"
 #include "core/sampling/tile_sampler.hpp"
 
 #include <array>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace thicket::bench {
@@ -24,8 +27,13 @@ class TileWalk {
 public:
 	TileWalk(int tile_size, std::uint32_t levels) : size_(tile_size), set_{.seed = 1, .levels = levels} {}
 
+	/// In rows as long as a view is wide.
+	TileWalk(int tile_size, std::uint32_t levels, std::shared_ptr<BlockCache> blocks) :
+			columns_(1024 / tile_size), size_(tile_size), set_{.seed = 1, .levels = levels},
+			sampler_({}, std::move(blocks)) {}
+
 	std::size_t next() {
-		const glm::dvec2 corner = size_ * glm::dvec2(index_ % columns, index_ / columns);
+		const glm::dvec2 corner = size_ * glm::dvec2(index_ % columns_, index_ / columns_);
 		++index_;
 		require(sampler_.sample(set_, {corner, corner + size_}, points_));
 		const SampleStats &stats = sampler_.stats();
@@ -41,8 +49,7 @@ public:
 	double retries_per_tile() const { return retries_ / static_cast<double>(index_); }
 
 private:
-	static constexpr int columns = 256;
-
+	int columns_ = 256;
 	double size_;
 	PointSet set_;
 	TileSampler sampler_;
@@ -93,6 +100,21 @@ void compare(int tile_size, const Effort &effort) {
 	}
 }
 
+/// Small tiles, one beside the other, with blocks that are kept and without.
+void compare_kept_blocks(int tile_size, std::uint32_t levels, const Effort &effort) {
+	TileWalk with(tile_size, levels, std::make_shared<BlockCache>());
+	TileWalk without(tile_size, levels, nullptr);
+	Series with_rates, without_rates;
+	for (int round = 0; round < effort.rounds; ++round) {
+		without_rates.add(rate(effort.seconds, [&] { return without.next(); }));
+		with_rates.add(rate(effort.seconds, [&] { return with.next(); }));
+	}
+	const std::string name =
+			"tiles of " + std::to_string(tile_size) + " r in rows, L = " + std::to_string(levels) + ": blocks kept";
+	print_row(name, with_rates, 1e-6, " M points/s");
+	print_row(name + " over none kept", with_rates / without_rates, 1.0, " times");
+}
+
 /// Every instruction set in turn within each round, tiles of 64 r, L = 1.
 void compare_targets(const Effort &effort) {
 	const std::vector<SimdTarget> targets = simd_targets();
@@ -117,6 +139,11 @@ int main(int argument_count, char **arguments) {
 	const Effort effort = effort_of(argument_count, arguments);
 	for (const int tile_size : tile_sizes) {
 		compare(tile_size, effort);
+	}
+	for (const int tile_size : {8, 16}) {
+		for (const std::uint32_t levels : {1u, 4u}) {
+			compare_kept_blocks(tile_size, levels, effort);
+		}
 	}
 	compare_targets(effort);
 }

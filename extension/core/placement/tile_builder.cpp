@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace thicket {
 
@@ -35,7 +36,7 @@ double origin_height(std::span<const Ground> ground) {
 
 /// What stays between the steps, and the memory that stays between tiles.
 struct TileBuilder::Workspace {
-	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
+	Workspace(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) : filter(margins, std::move(cache)) {}
 
 	TileFilter filter;
 	SourceShares shares;
@@ -98,7 +99,8 @@ Status TileBuilder::Workspace::place(
 	return status;
 }
 
-TileBuilder::TileBuilder(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
+TileBuilder::TileBuilder(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) :
+		workspace_(std::make_unique<Workspace>(margins, std::move(cache))) {}
 TileBuilder::~TileBuilder() = default;
 TileBuilder::TileBuilder(TileBuilder &&) noexcept = default;
 TileBuilder &TileBuilder::operator=(TileBuilder &&) noexcept = default;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace thicket {
@@ -15,7 +16,8 @@ namespace thicket {
 /// sampled and filtered first, each once, in the order of the LayerGraph. Keeps its memory.
 class TileFilter {
 public:
-	explicit TileFilter(const SampleMargins &margins) : sampler_(margins) {}
+	explicit TileFilter(const SampleMargins &margins, std::shared_ptr<BlockCache> cache = nullptr) :
+			sampler_(margins, std::move(cache)) {}
 
 	/// Prepares for a layer of valid settings, which is copied.
 	void set(const LayerSettings &layer);

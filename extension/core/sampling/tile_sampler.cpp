@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 #include "core/base/guard.hpp"
 #include "core/base/instance_id.hpp"
+#include "core/sampling/block_cache.hpp"
 #include "core/sampling/block_sampler.hpp"
 #include "core/sampling/rank.hpp"
 
@@ -13,6 +14,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace thicket {
 
@@ -46,6 +48,16 @@ CellRect cells_of(const Rect &rect, double unit) {
 	cells.min = glm::max(cells.min, glm::ivec2(-cell_limit));
 	cells.max = glm::min(cells.max, glm::ivec2(cell_limit));
 	return cells;
+}
+
+/// The point of a cell.
+SamplePoint point_of(
+		const PointSet &set, double unit, glm::ivec2 cell, LevelGrid::PointOffset offset, std::uint32_t rank) {
+	const CellPosition position = LevelGrid::position_of(offset);
+	const std::int64_t lattice_x = std::int64_t{cell.x} * cell_size + position_x(position);
+	const std::int64_t lattice_y = std::int64_t{cell.y} * cell_size + position_y(position);
+	const glm::dvec2 world(static_cast<double>(lattice_x) * unit, static_cast<double>(lattice_y) * unit);
+	return {world, pack({set.layer, cell}), rank, level_of_rank(set.levels, rank)};
 }
 
 double expected_points(const PointSet &set, const Rect &rect) {
@@ -120,9 +132,11 @@ struct Ended {
 } // namespace
 
 struct TileSampler::Workspace {
-	explicit Workspace(const SampleMargins &margins) : margins(margins), blocks(margins) {}
+	explicit Workspace(const SampleMargins &margins, std::shared_ptr<BlockCache> cache = nullptr) :
+			margins(margins), cache(std::move(cache)), blocks(margins) {}
 
 	SampleMargins margins;
+	std::shared_ptr<BlockCache> cache; ///< Null for none.
 	BlockSampler blocks;
 	SampleStats stats;
 	std::vector<std::unique_ptr<Workspace>> others; ///< Of lent threads; kept for their memory.
@@ -130,6 +144,8 @@ struct TileSampler::Workspace {
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress,
 			LentThreads *threads);
 	Status sample_block(const PointSet &set, const Rect &rect, const CellRect &block, const std::atomic<bool> *cancel,
+			std::vector<SamplePoint> &r_points);
+	bool take_settled(const PointSet &set, const Rect &rect, const CellRect &cells, const std::atomic<bool> *cancel,
 			std::vector<SamplePoint> &r_points);
 	Status sample_together(const PointSet &set, const Rect &rect, const BlockRange &range, LentThreads &threads,
 			std::vector<SamplePoint> &r_points, const Progress &progress);
@@ -151,15 +167,11 @@ void TileSampler::Workspace::collect(
 			count_of_points += grid.point[first + static_cast<std::uint32_t>(column)] != LevelGrid::no_point ? 1 : 0;
 		}
 		for (std::size_t i = 0; i < count_of_points; ++i) {
-			const std::int32_t x = block.min.x + columns[i];
 			const std::uint32_t index = first + static_cast<std::uint32_t>(columns[i]);
-			const CellPosition position = LevelGrid::position_of(grid.point[index]);
-			const std::int64_t lattice_x = std::int64_t{x} * cell_size + position_x(position);
-			const std::int64_t lattice_y = std::int64_t{y} * cell_size + position_y(position);
-			const glm::dvec2 world(static_cast<double>(lattice_x) * unit, static_cast<double>(lattice_y) * unit);
-			if (rect.contains(world)) {
-				const std::uint32_t rank = grid.dart[index];
-				r_points.push_back({world, pack({set.layer, {x, y}}), rank, level_of_rank(set.levels, rank)});
+			const SamplePoint point =
+					point_of(set, unit, {block.min.x + columns[i], y}, grid.point[index], grid.dart[index]);
+			if (rect.contains(point.position)) {
+				r_points.push_back(point);
 			}
 		}
 	}
@@ -194,6 +206,35 @@ Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rec
 	collect(set, rect, block, r_points);
 	count();
 	return {};
+}
+
+/// From blocks that the cache keeps, or that are made for it. False, without points, where the window has to be sampled by itself.
+bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect, const CellRect &cells,
+		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
+	const glm::ivec2 size = cells.size();
+	if (cache == nullptr || std::min(size.x, size.y) <= 0 ||
+			std::max(size.x, size.y) > BlockCache::widest_window(set.levels)) {
+		return false;
+	}
+	SettledWindow window(*cache, set, cells);
+	if (!window.served()) {
+		return false;
+	}
+	for (CellRect missing; window.next_missing(missing);) {
+		if (blocks.resolve(missing, cancel) != ResolveResult::done) {
+			return false; // Who samples the window itself finds out why, and may not meet what stood in the way here.
+		}
+		count();
+		window.settle(blocks.finest());
+	}
+	const double unit = lattice_unit(set);
+	window.for_each([&](glm::ivec2 cell, const SettledBlock::Point &each) {
+		const SamplePoint point = point_of(set, unit, cell, each.offset, each.rank);
+		if (rect.contains(point.position)) {
+			r_points.push_back(point);
+		}
+	});
+	return true;
 }
 
 /// Some blocks for each worker, then the points of these in order, and so on: little is held twice.
@@ -271,10 +312,15 @@ Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std
 	if (rect.empty()) {
 		return {};
 	}
-	const BlockRange range(cells_of(rect, lattice_unit(set)));
+	const CellRect cells = cells_of(rect, lattice_unit(set));
+	const BlockRange range(cells);
 	blocks.prepare(set, rank_of);
 	Status status;
-	if (range.count() > 1 && threads != nullptr && threads->count() > 0) {
+	if (take_settled(set, rect, cells, progress.cancel, r_points)) {
+		if (progress.report) {
+			progress.report(1.0, r_points.size());
+		}
+	} else if (range.count() > 1 && threads != nullptr && threads->count() > 0) {
 		status = sample_together(set, rect, range, *threads, r_points, progress);
 	} else {
 		for (std::int64_t block = 0; status.ok() && block < range.count(); ++block) {
@@ -300,7 +346,8 @@ void SampleStats::add(const SampleStats &other) {
 	workspace_bytes += other.workspace_bytes;
 }
 
-TileSampler::TileSampler(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
+TileSampler::TileSampler(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) :
+		workspace_(std::make_unique<Workspace>(margins, std::move(cache))) {}
 TileSampler::~TileSampler() = default;
 TileSampler::TileSampler(TileSampler &&) noexcept = default;
 TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;

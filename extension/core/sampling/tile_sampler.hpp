@@ -12,6 +12,8 @@
 
 namespace thicket {
 
+class BlockCache;
+
 /// What the last `TileSampler::sample` did.
 struct SampleStats {
 	std::uint64_t kept = 0;          ///< Points handed out.
@@ -39,8 +41,8 @@ struct SampleStats {
 /// `r_points` must grow. Results do not depend on what it was used for before. Not thread safe; one per thread.
 class TileSampler {
 public:
-	/// `margins` change how much is computed, never what comes out.
-	explicit TileSampler(const SampleMargins &margins = {});
+	/// `margins` and `cache`, which may serve other samplers too, change how much is computed, never what comes out.
+	explicit TileSampler(const SampleMargins &margins = {}, std::shared_ptr<BlockCache> cache = nullptr);
 	~TileSampler();
 	TileSampler(TileSampler &&) noexcept;
 	TileSampler &operator=(TileSampler &&) noexcept;

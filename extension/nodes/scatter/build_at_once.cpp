@@ -13,20 +13,8 @@ namespace thicket {
 
 namespace {
 
-/// Throws std::bad_alloc.
-Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
-		TileInstances &r_tile) {
-	TileBuilder builder;
-	if (ground != nullptr) {
-		return builder.build(layer, *ground, rect, r_tile);
-	}
-	Status status = builder.find_points(layer, rect);
-	std::vector<Ground> answers;
-	if (status.ok()) {
-		status = ask_at_once(nullptr, terrain, builder.positions(), builder.queries(), answers);
-	}
-	return status.ok() ? builder.place(answers, r_tile) : status;
-}
+/// Points of a tile whose builder is kept: the memory of a large rectangle is not.
+constexpr std::size_t most_points_kept = 1 << 16;
 
 } // namespace
 
@@ -46,8 +34,30 @@ Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::spa
 	return {};
 }
 
-Status build_at_once(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
-		TileInstances &r_tile) {
+/// Throws std::bad_alloc.
+Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
+		const Rect &rect, TileInstances &r_tile) {
+	std::unique_ptr<TileBuilder> builder =
+			spare_ != nullptr ? std::move(spare_) : std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
+	Status status;
+	if (ground != nullptr) {
+		status = builder->build(layer, *ground, rect, r_tile);
+	} else {
+		status = builder->find_points(layer, rect);
+		std::vector<Ground> answers;
+		if (status.ok()) {
+			status = ask_at_once(nullptr, terrain, builder->positions(), builder->queries(), answers);
+		}
+		status = status.ok() ? builder->place(answers, r_tile) : status;
+	}
+	if (builder->positions().size() <= most_points_kept) {
+		spare_ = std::move(builder);
+	}
+	return status;
+}
+
+Status AtOnceBuilder::build(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
+		const Rect &rect, TileInstances &r_tile) {
 	return guarded("rect", std::max(rect.size().x, rect.size().y),
 			[&] { return build_in_steps(layer, ground, terrain, rect, r_tile); });
 }

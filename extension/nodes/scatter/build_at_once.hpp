@@ -3,11 +3,13 @@
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/placement/tile_builder.hpp"
+#include "core/sampling/block_cache.hpp"
 #include "core/state/instance_state.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
 #include <glm/vec2.hpp>
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,9 +20,20 @@ namespace thicket {
 Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
 
-/// All steps of a tile on this thread; the ground as above.
-Status build_at_once(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
-		TileInstances &r_tile);
+/// Makes tiles on one thread, the main one. What the next tile can use stays: memory, and the points around.
+class AtOnceBuilder {
+public:
+	/// All steps of a tile; the ground as above. A script that is asked for it may call this again.
+	Status build(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
+			TileInstances &r_tile);
+
+private:
+	Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
+			const Rect &rect, TileInstances &r_tile);
+
+	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
+	std::unique_ptr<TileBuilder> spare_; ///< Null before the first tile, and while one is made.
+};
 
 /// Lays over a finished rectangle what a game has changed there, as in the picture. After an error the tile is unspecified.
 Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, TileInstances &r_tile);

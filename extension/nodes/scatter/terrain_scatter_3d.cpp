@@ -275,14 +275,15 @@ LayerWorld TerrainScatter3D::layer_world() {
 
 /// A tile for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
 TileMaker TerrainScatter3D::tile_maker() const {
-	return [layers = layer_list_.snapshots(), ground = ground_, terrain = HostedTerrain{terrain_, get_instance_id()}](
+	return [layers = layer_list_.snapshots(), ground = ground_, builder = at_once_,
+				   terrain = HostedTerrain{terrain_, get_instance_id()}](
 				   std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) -> Status {
 		if (layer >= layers.size() || layers[layer] == nullptr || !terrain.is_available()) {
 			return {};
 		}
 		TileInstances made;
 		const Rect rect = tile_rect(layers[layer]->range.tile_size, tile);
-		const Status status = build_at_once(*layers[layer]->settings, ground.get(), terrain, rect, made);
+		const Status status = builder->build(*layers[layer]->settings, ground.get(), terrain, rect, made);
 		if (status.ok()) {
 			r_tile = std::make_shared<const TileInstances>(std::move(made));
 		}

@@ -8,6 +8,7 @@
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/region/region_register.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
+#include "nodes/scatter/build_at_once.hpp"
 #include "nodes/scatter/layer_explainer.hpp"
 #include "nodes/scatter/layer_list.hpp"
 #include "nodes/scatter/layer_previews.hpp"
@@ -340,6 +341,7 @@ private:
 	std::shared_ptr<ScatterGameplay> gameplay_ = std::make_shared<ScatterGameplay>(host_);
 	std::shared_ptr<ScatterStream> stream_ = std::make_shared<ScatterStream>(gameplay_->world());
 	NavigationParse navigation_;
+	std::shared_ptr<AtOnceBuilder> at_once_ = std::make_shared<AtOnceBuilder>();
 	LayerList layer_list_;
 	LayerPreviews previews_;
 	RegionRegister regions_;

@@ -239,7 +239,8 @@ Ref<ScatterTile> TerrainScatter3D::build(
 		const HostedTerrain terrain{
 				terrain_, get_instance_id()}; // A script that is asked for the ground may free this node.
 		const std::shared_ptr<const Terrain> ground = ground_;
-		status = build_at_once(*snapshot->settings, ground.get(), terrain, rect, tile);
+		const std::shared_ptr<AtOnceBuilder> builder = at_once_;
+		status = builder->build(*snapshot->settings, ground.get(), terrain, rect, tile);
 	}
 	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
 		status = lay_over(*snapshot->settings, rect, state->state(), tile);

@@ -1,6 +1,7 @@
 #include "nodes/scatter/tile_workers.hpp"
 
 #include "core/base/guard.hpp"
+#include "core/sampling/block_cache.hpp"
 #include "core/streaming/work_order.hpp"
 
 #include <godot_cpp/classes/worker_thread_pool.hpp>
@@ -34,8 +35,9 @@ void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Vie
 }
 
 TileWorkers::TileWorkers(std::size_t threads) : on_main_thread_(threads == 0) {
+	const auto blocks = std::make_shared<BlockCache>();
 	for (std::size_t index = 0; index < std::max<std::size_t>(threads, 1); ++index) {
-		workers_.push_back(std::make_unique<Worker>());
+		workers_.push_back(std::make_unique<Worker>(blocks));
 		workers_.back()->owner = this;
 	}
 }

@@ -93,6 +93,8 @@ public:
 
 private:
 	struct Worker {
+		explicit Worker(const std::shared_ptr<BlockCache> &blocks) : builder(SampleMargins{}, blocks) {}
+
 		TileWorkers *owner = nullptr;
 		TileBuilder builder;
 		TileInstances tile;

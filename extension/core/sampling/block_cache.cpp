@@ -1,0 +1,157 @@
+#include "core/sampling/block_cache.hpp"
+
+#include "core/base/instance_id.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+/// Entries that a cache has at most, most of them only to say that a block was asked for: a few dozen bytes each.
+constexpr std::size_t most_entries = 1024;
+
+static_assert(BlockCache::widest_window(max_levels) <= SettledBlock::width, "a window touches four blocks at most");
+
+std::int32_t block_at(std::int32_t cell) {
+	return cell >= 0 ? cell / SettledBlock::width : -((-cell + SettledBlock::width - 1) / SettledBlock::width);
+}
+
+CellRect cells_of_block(glm::ivec2 block) {
+	const glm::ivec2 first = block * SettledBlock::width;
+	return {glm::max(first, glm::ivec2(-cell_limit)), glm::min(first + SettledBlock::width, glm::ivec2(cell_limit))};
+}
+
+} // namespace
+
+SettledBlock::SettledBlock(const LevelGrid &grid, const CellRect &cells) : cells_(cells) {
+	const auto visit = [&](const auto &take) {
+		for (std::int32_t y = cells.min.y; y < cells.max.y; ++y) {
+			const std::uint32_t first = grid.index_of({cells.min.x, y});
+			for (std::uint32_t column = 0; column < static_cast<std::uint32_t>(cells.size().x); ++column) {
+				if (grid.point[first + column] != LevelGrid::no_point) {
+					take(y, column, first + column);
+				}
+			}
+		}
+	};
+	std::size_t count = 0;
+	visit([&](std::int32_t, std::uint32_t, std::uint32_t) { ++count; });
+	points_.reserve(count);
+	visit([&](std::int32_t y, std::uint32_t column, std::uint32_t index) {
+		points_.push_back({grid.point[index], grid.dart[index], column});
+		rows_[static_cast<std::size_t>(y - cells.min.y) + 1] = static_cast<std::uint16_t>(points_.size());
+	});
+	for (std::size_t row = 1; row < rows_.size(); ++row) { // A row without points ends where the one before it does.
+		rows_[row] = std::max(rows_[row], rows_[row - 1]);
+	}
+}
+
+std::span<const SettledBlock::Point> SettledBlock::row(std::int32_t y, std::int32_t first, std::int32_t end) const {
+	const auto index = static_cast<std::size_t>(y - cells_.min.y);
+	const auto begin_of_row = points_.begin() + rows_[index];
+	const auto end_of_row = points_.begin() + rows_[index + 1];
+	const auto column_of = [this](std::int32_t x) {
+		return static_cast<std::uint32_t>(std::max(x - cells_.min.x, 0));
+	};
+	const auto from = std::ranges::lower_bound(begin_of_row, end_of_row, column_of(first), {}, &Point::column);
+	return {from, std::ranges::lower_bound(from, end_of_row, column_of(end), {}, &Point::column)};
+}
+
+bool BlockCache::Key::operator<(const Key &other) const {
+	const auto tied = [](const Key &key) {
+		return std::tie(key.set.seed, key.set.radius, key.set.levels, key.set.layer, key.block.x, key.block.y);
+	};
+	return tied(*this) < tied(other);
+}
+
+std::size_t BlockCache::bytes() const {
+	const std::lock_guard lock(mutex_);
+	return bytes_;
+}
+
+/// Called with the lock held.
+void BlockCache::trim() {
+	while (bytes_ > limit_ || entries_.size() > most_entries) {
+		auto oldest = entries_.end();
+		for (auto each = entries_.begin(); each != entries_.end(); ++each) {
+			const bool counts = bytes_ <= limit_ || each->second.block != nullptr;
+			if (counts && !each->second.in_work &&
+					(oldest == entries_.end() || each->second.used < oldest->second.used)) {
+				oldest = each;
+			}
+		}
+		if (oldest == entries_.end()) {
+			return; // All are in work.
+		}
+		bytes_ -= oldest->second.block != nullptr ? oldest->second.block->bytes() : 0;
+		entries_.erase(oldest);
+	}
+}
+
+SettledWindow::SettledWindow(BlockCache &cache, const PointSet &set, const CellRect &window) :
+		cache_(cache), window_(window) {
+	const glm::ivec2 first(block_at(window.min.x), block_at(window.min.y));
+	const glm::ivec2 last(block_at(window.max.x - 1), block_at(window.max.y - 1));
+	for (std::int32_t y = first.y; y <= last.y; ++y) {
+		for (std::int32_t x = first.x; x <= last.x; ++x) {
+			slots_[count_++].key = {set, {x, y}};
+		}
+	}
+	const std::lock_guard lock(cache_.mutex_);
+	std::array<BlockCache::Entry *, 4> entries{};
+	served_ = true;
+	for (std::size_t slot = 0; slot < count_; ++slot) {
+		const auto [entry, is_new] = cache_.entries_.try_emplace(slots_[slot].key);
+		entries[slot] = &entry->second;
+		entry->second.used = ++cache_.clock_;
+		served_ = served_ && !is_new && !entry->second.in_work;
+	}
+	if (!served_) {
+		cache_.trim();
+		return;
+	}
+	for (std::size_t slot = 0; slot < count_; ++slot) {
+		slots_[slot].block = entries[slot]->block;
+		slots_[slot].claimed = entries[slot]->in_work = slots_[slot].block == nullptr;
+	}
+}
+
+SettledWindow::~SettledWindow() {
+	if (std::ranges::none_of(slots_, &Slot::claimed)) {
+		return;
+	}
+	const std::lock_guard lock(cache_.mutex_);
+	for (const Slot &slot : slots_) {
+		if (slot.claimed) {
+			cache_.entries_.at(slot.key).in_work = false; // It is there: what is in work stays.
+		}
+	}
+}
+
+bool SettledWindow::next_missing(CellRect &r_cells) {
+	const auto slot = std::ranges::find(slots_, true, &Slot::claimed);
+	if (slot == slots_.end()) {
+		return false;
+	}
+	missing_ = static_cast<std::size_t>(slot - slots_.begin());
+	r_cells = cells_of_block(slot->key.block);
+	return true;
+}
+
+void SettledWindow::settle(const LevelGrid &grid) {
+	Slot &slot = slots_[missing_];
+	slot.block = std::make_shared<const SettledBlock>(grid, cells_of_block(slot.key.block));
+	const std::lock_guard lock(cache_.mutex_);
+	BlockCache::Entry &entry = cache_.entries_.at(slot.key);
+	entry.block = slot.block;
+	entry.in_work = slot.claimed = false;
+	cache_.bytes_ += slot.block->bytes();
+	cache_.trim();
+}
+
+} // namespace thicket

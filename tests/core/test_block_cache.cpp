@@ -1,0 +1,212 @@
+// Windows that come out of kept blocks: the same points as without, less work, bounded memory, any number of threads.
+
+#include "core/base/instance_id.hpp"
+#include "core/placement/tile_builder.hpp"
+#include "core/sampling/block_cache.hpp"
+#include "core/sampling/tile_sampler.hpp"
+#include "short_of_memory.hpp"
+#include "tile_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <thread>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+double cell_width(const PointSet &set) { return set.radius / std::sqrt(2.0); }
+
+std::vector<SamplePoint> points_in(TileSampler &sampler, const PointSet &set, const Rect &rect) {
+	std::vector<SamplePoint> points;
+	REQUIRE(sampler.sample(set, rect, points).ok());
+	return points;
+}
+
+/// A tile of some tile size in radii.
+Rect tile_of(const PointSet &set, double radii, int x, int y) {
+	const glm::dvec2 corner = radii * set.radius * glm::dvec2(x, y);
+	return {corner, corner + radii * set.radius};
+}
+
+/// Samples all tiles of a square around a tile, by rows.
+void walk(TileSampler &sampler, const PointSet &set, double radii, glm::ivec2 around, int reach, const auto &check) {
+	for (int y = around.y - reach; y <= around.y + reach; ++y) {
+		for (int x = around.x - reach; x <= around.x + reach; ++x) {
+			const Rect tile = tile_of(set, radii, x, y);
+			check(tile, points_in(sampler, set, tile));
+		}
+	}
+}
+
+} // namespace
+
+TEST_CASE("Windows from kept blocks hold the same points in the same order") {
+	std::mt19937 random(5); // NOLINT(cert-msc32-c,cert-msc51-cpp): the same windows in every run.
+	const auto cache = std::make_shared<BlockCache>(std::size_t{1} << 18);
+	TileSampler with({}, cache);
+	TileSampler without;
+	std::uint64_t taken = 0;
+	for (const PointSet &set :
+			{PointSet{.seed = 1, .radius = 1.0, .levels = 1}, PointSet{.seed = 1, .radius = 1.0, .levels = 4},
+					PointSet{.seed = 2, .radius = 3.7, .levels = 1, .layer = 9},
+					PointSet{.seed = 2, .radius = 3.7, .levels = 8, .layer = 10}}) {
+		std::uniform_real_distribution<double> place(-120.0 * set.radius, 120.0 * set.radius);
+		std::uniform_real_distribution<double> size(0.0, 24.0 * set.radius);
+		for (int i = 0; i < 150; ++i) {
+			const glm::dvec2 corner(place(random), place(random));
+			const Rect rect{corner, corner + glm::dvec2(size(random), size(random))};
+			CAPTURE(i);
+			CHECK(points_in(with, set, rect) == points_in(without, set, rect));
+			taken += with.stats().computed == 0 && with.stats().kept > 0 ? 1 : 0;
+		}
+	}
+	CHECK(taken > 100);
+}
+
+TEST_CASE("Tiles that touch a kept block are not computed again") {
+	const PointSet set{.seed = 7, .radius = 2.0};
+	TileSampler with({}, std::make_shared<BlockCache>());
+	TileSampler without;
+	std::uint64_t computed_with = 0;
+	std::uint64_t computed_without = 0;
+	walk(with, set, 10.0, {20, -30}, 16, [&](const Rect &tile, const std::vector<SamplePoint> &points) {
+		computed_with += with.stats().computed;
+		CHECK(points == points_in(without, set, tile));
+		computed_without += without.stats().computed;
+	});
+	CHECK(computed_with < computed_without);
+	walk(with, set, 10.0, {20, -30}, 15, [&](const Rect &, const std::vector<SamplePoint> &points) {
+		CHECK(with.stats().computed == 0);
+		CHECK(with.stats().kept == points.size());
+	});
+}
+
+TEST_CASE("A single window costs what it does without kept blocks") {
+	const PointSet set{.seed = 7, .radius = 2.0};
+	TileSampler with({}, std::make_shared<BlockCache>());
+	TileSampler without;
+	for (int i = 0; i < 10; ++i) {
+		const Rect tile = tile_of(set, 16.0, 100 * i, -70 * i);
+		CHECK(points_in(with, set, tile) == points_in(without, set, tile));
+		CHECK(with.stats().computed == without.stats().computed);
+	}
+}
+
+TEST_CASE("Kept blocks stay within their memory, those used last") {
+	const std::size_t limit = std::size_t{1} << 18;
+	const auto cache = std::make_shared<BlockCache>(limit);
+	TileSampler sampler({}, cache);
+	const PointSet set{.seed = 3, .radius = 1.0};
+	std::size_t most = 0;
+	walk(sampler, set, 10.0, {0, 0}, 17,
+			[&](const Rect &, const std::vector<SamplePoint> &) { most = std::max(most, cache->bytes()); });
+	CHECK(most <= limit);
+	CHECK(most > limit / 2);
+	points_in(sampler, set, tile_of(set, 10.0, 17, 17));
+	CHECK(sampler.stats().computed == 0);
+	points_in(sampler, set, tile_of(set, 10.0, -17, -17));
+	CHECK(sampler.stats().computed > 0);
+}
+
+TEST_CASE("Windows at the set's last cells come out of blocks as well") {
+	const PointSet set{.seed = 11, .radius = 1.0};
+	TileSampler with({}, std::make_shared<BlockCache>());
+	TileSampler without;
+	const double end = cell_limit * cell_width(set);
+	for (const double low : {-end, end - 16.0}) {
+		const Rect rect{{low, low}, {low + 16.0, low + 16.0}};
+		for (int i = 0; i < 3; ++i) {
+			CHECK(points_in(with, set, rect) == points_in(without, set, rect));
+		}
+		CHECK(with.stats().computed == 0);
+	}
+}
+
+TEST_CASE("A window that is canceled leaves its blocks to the next") {
+	const PointSet set{.seed = 4, .radius = 1.0};
+	TileSampler sampler({}, std::make_shared<BlockCache>());
+	const Rect rect{{10.0, 10.0}, {26.0, 26.0}};
+	points_in(sampler, set, rect);
+	std::atomic<bool> cancel = true;
+	std::vector<SamplePoint> points;
+	CHECK(sampler.sample(set, rect, points, {.cancel = &cancel, .report = {}}).code == ErrorCode::cancelled);
+	points_in(sampler, set, rect);
+	CHECK(sampler.stats().computed > 0);
+	points_in(sampler, set, rect);
+	CHECK(sampler.stats().computed == 0);
+}
+
+TEST_CASE("Threads that share blocks get the same points") {
+	const PointSet set{.seed = 8, .radius = 1.0, .levels = 2};
+	const auto cache = std::make_shared<BlockCache>(std::size_t{1} << 17);
+	std::vector<std::vector<std::vector<SamplePoint>>> found(4);
+	{
+		std::vector<std::jthread> threads;
+		for (std::vector<std::vector<SamplePoint>> &mine : found) {
+			threads.emplace_back([&] {
+				TileSampler sampler({}, cache);
+				for (int i = 0; i < 300; ++i) {
+					mine.emplace_back();
+					static_cast<void>(sampler.sample(set, tile_of(set, 15.0, i % 10, i / 10 % 10), mine.back()));
+				}
+			});
+		}
+	}
+	TileSampler without;
+	for (int i = 0; i < 300; ++i) {
+		const std::vector<SamplePoint> expected = points_in(without, set, tile_of(set, 15.0, i % 10, i / 10 % 10));
+		for (const auto &mine : found) {
+			CHECK(mine[static_cast<std::size_t>(i)] == expected);
+		}
+	}
+}
+
+TEST_CASE("Without memory for a block a window fails or is sampled by itself, and the cache stays usable") {
+	const PointSet set{.seed = 6, .radius = 1.0};
+	const Rect rect{{60.0, 60.0}, {75.0, 75.0}};
+	struct Job {
+		TileSampler sampler{{}, std::make_shared<BlockCache>()};
+		std::vector<SamplePoint> points;
+	};
+	TileSampler without;
+	const std::vector<SamplePoint> expected = points_in(without, set, rect);
+	fail_every_request(
+			"rect",
+			[&] {
+				Job job;
+				points_in(job.sampler, set, rect); // The second time makes the blocks.
+				return job;
+			},
+			[&](Job &job) { return job.sampler.sample(set, rect, job.points); },
+			[](const Job &job) { CHECK(job.points.empty()); }, [&](const Job &job) { CHECK(job.points == expected); });
+}
+
+TEST_CASE("Whole tiles are the same with kept blocks, layers that look at each other too") {
+	LayerSettings trees = rich_layer();
+	trees.set = {.seed = 3, .radius = 6.0, .layer = 1};
+	LayerSettings plants = rich_layer();
+	plants.set = {.seed = 4, .radius = 2.0, .layer = 2};
+	plants.neighbors = {{std::make_shared<LayerSettings>(trees), 5.0, nullptr}};
+	TileBuilder with({}, std::make_shared<BlockCache>());
+	TileBuilder without;
+	TileInstances kept, alone;
+	const Heightfield ground = hills();
+	for (int i = 0; i < 64; ++i) {
+		const Rect tile = tile_of(plants.set, 12.0, i % 8, i / 8);
+		REQUIRE(with.build(plants, ground, tile, kept).ok());
+		REQUIRE(without.build(plants, ground, tile, alone).ok());
+		REQUIRE(kept.meshes.size() == alone.meshes.size());
+		for (std::size_t mesh = 0; mesh < kept.meshes.size(); ++mesh) {
+			CHECK(kept.meshes[mesh].buffer == alone.meshes[mesh].buffer);
+			CHECK(kept.meshes[mesh].ids == alone.meshes[mesh].ids);
+			CHECK(kept.meshes[mesh].ranks == alone.meshes[mesh].ranks);
+		}
+	}
+}
