@@ -20,6 +20,8 @@ from distributed.core import Status
 PACKAGE = Path(__file__).resolve().parent
 # Workers that may die on one tile before Dask gives it back; the driver then counts it as failed.
 ALLOWED_DEATHS = 10
+# What a worker's tile frees is kept for its next one: the system takes longer to clear new pages than the sorting of rows does.
+KEPT_MEMORY = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": str(1 << 25), "MALLOC_TRIM_THRESHOLD_": str(1 << 28)}
 # Between looks at whether all workers of this machine are there.
 LOOK_SECONDS = 2.0
 
@@ -35,6 +37,9 @@ def client(workers: int, scheduler: str | None) -> Iterator[Client]:
             "distributed.scheduler.allowed-failures": ALLOWED_DEATHS,
             "distributed.scheduler.worker-saturation": 1.1,
             "distributed.admin.tick.limit": "1h",
+            "distributed.admin.system-monitor.gil.enabled": False,
+            "distributed.worker.profile.enabled": False,
+            **{f"distributed.nanny.pre-spawn-environ.{name}": value for name, value in KEPT_MEMORY.items()},
         }
         with dask.config.set(settings):
             if scheduler is not None:

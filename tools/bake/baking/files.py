@@ -14,15 +14,17 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from . import rows
+from .columns import SCHEMA
 from .format import MANIFEST, tile_of_name
 
 # What files are called until they are whole.
 PART = ".part"
 LOCK = ".lock"
 
-_ENCODINGS = {name: "BYTE_STREAM_SPLIT" for name in ("x", "y", "z", "qx", "qy", "qz", "qw", "variation", "wind_phase")}
-_ENCODINGS |= {"id": "DELTA_BINARY_PACKED", "rank": "PLAIN"}
-_DICTIONARIES = ["layer", "model", "color", "scale_x", "scale_y", "scale_z"]
+# Hardly any two instances have the same number but in these: a dictionary of others takes longer and makes larger files.
+_DICTIONARIES = ["layer", "model"]
+_ENCODINGS = {field.name: "BYTE_STREAM_SPLIT" for field in SCHEMA if pa.types.is_floating(field.type)}
+_ENCODINGS |= {"id": "DELTA_BINARY_PACKED"}
 
 
 class Taken(RuntimeError):

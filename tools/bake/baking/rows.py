@@ -74,7 +74,7 @@ def joined(parts: list[Columns]) -> Columns:
         return {name: empty[name] for name in names}
     whole = {name: np.concatenate([part[name] for part in parts]) for name in names}
     order = np.lexsort((whole["id"], whole["layer"]))
-    return {name: column[order] for name, column in whole.items()}
+    return {name: column.take(order) for name, column in whole.items()}
 
 
 # A column may be empty where the mask of its kind says so.
