@@ -183,11 +183,21 @@ class Terrain3DMaterialDouble extends Resource:
 		"auto_slope": 1.0, "auto_height_reduction": 0.1, "auto_base_texture": 0, "auto_overlay_texture": 1,
 	}
 
+	var with_renderer := true ## Otherwise it has no shader to ask for its numbers.
+
+	## What is saved of them.
+	var _shader_parameters: Dictionary:
+		get:
+			var saved := {}
+			for named in parameters:
+				saved[StringName(named)] = parameters[named]
+			return saved
+
 	func get_auto_shader_enabled() -> bool:
 		return auto
 
 	func get_shader_param(named: StringName) -> Variant:
-		return parameters[String(named)]
+		return parameters[String(named)] if with_renderer else null
 
 
 class Terrain3DDouble extends Node3D:

@@ -96,6 +96,27 @@ func test_without_the_auto_shader() -> void:
 	check(all_transforms(scatter).size() > 100, "with it level ground is of texture 1")
 
 
+## A server has to find the same as the games that it serves.
+func test_the_auto_shader_without_a_renderer() -> void:
+	var found: Array[Dictionary] = []
+	for with_renderer: bool in [true, false]:
+		var node := make_terrain3d()
+		node.material.parameters = {"auto_slope": 3.0, "auto_height_reduction": 0.5, "auto_base_texture": 5, "auto_overlay_texture": 6}
+		node.material.with_renderer = with_renderer
+		for at in node.data.regions:
+			node.data.regions[at].maps[CONTROL].fill(Color(as_float(AUTO), 0.0, 0.0))
+		var layer := make_layer()
+		layer.layer_id = 2
+		layer.ground_textures = PackedInt32Array([6])
+		var scatter := make_on(node, false, layer)
+		await settle(scatter)
+		found.push_back(by_id(scatter))
+		scatter.free()
+		node.free()
+	check(found[0].size() > 100, "%d instances" % found[0].size())
+	check_equal(found[1], found[0], "the same without a renderer")
+
+
 func test_empty() -> void:
 	var node := Terrain3DDouble.new()
 	var scatter := make_on(node)

@@ -9,6 +9,7 @@
 #include <godot_cpp/classes/image.hpp>
 #include <godot_cpp/core/object.hpp>
 #include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/vector2i.hpp>
 
 #include <algorithm>
@@ -136,8 +137,15 @@ AutoPaint read_paint(const Variant &p_node) {
 			!has_method(material, "get_shader_param")) {
 		return paint;
 	}
+	// Without a renderer, as on a server, the material knows its shader's numbers by what was saved alone.
+	const Object *object = material.get_validated_object();
+	const Variant stored = object != nullptr ? object->get("_shader_parameters") : Variant();
+	const Dictionary saved = stored.get_type() == Variant::DICTIONARY ? static_cast<Dictionary>(stored) : Dictionary();
 	const auto number = [&](const char *name, double otherwise) {
-		const Variant value = result_of(material, "get_shader_param", {StringName(name)});
+		Variant value = result_of(material, "get_shader_param", {StringName(name)});
+		if (!is_number(value)) {
+			value = saved.get(StringName(name), Variant());
+		}
 		const double given = is_number(value) ? static_cast<double>(value) : otherwise;
 		return std::isfinite(given) ? given : otherwise;
 	};
