@@ -17,6 +17,7 @@ class HTerrainDataDouble extends Resource:
 	signal map_changed(type: int, index: int)
 
 	var maps: Dictionary[int, Array] = {}
+	var textures: Dictionary[int, Array] = {} ## Of maps that were loaded in a game, which have no image then.
 	var resolution := 65
 	var asked := 0 ## Calls for single places.
 
@@ -31,6 +32,36 @@ class HTerrainDataDouble extends Resource:
 
 	func get_image(map_type: int, index := 0) -> Image:
 		return maps[map_type][index]
+
+	func get_texture(map_type: int, index := 0, _writable := false) -> Texture2D:
+		var image := get_image(map_type, index)
+		return ImageTexture.create_from_image(image) if image != null else textures[map_type][index]
+
+	## As what a game loads from PNG files: images of heights, textures of all else.
+	func become_loaded() -> void:
+		for map_type in maps:
+			if map_type != CHANNEL_HEIGHT:
+				textures[map_type] = maps[map_type].map(imported)
+				maps[map_type] = maps[map_type].map(func(_image: Image) -> Image: return null)
+
+	## The texture that the editor's importer makes of an image: a file of it, without mipmaps and not compressed.
+	static func imported(image: Image) -> CompressedTexture2D:
+		const SPOT := "user://thicket_map.ctex"
+		var file := FileAccess.open(SPOT, FileAccess.WRITE)
+		file.store_buffer("GST2".to_ascii_buffer())
+		for number: int in [1, image.get_width(), image.get_height(), 0, 0, 0, 0, 0]: # Version, size, flags and so on.
+			file.store_32(number)
+		file.store_32(0) # Pixels as they are.
+		file.store_16(image.get_width())
+		file.store_16(image.get_height())
+		file.store_32(0) # Mipmaps.
+		file.store_32(image.get_format())
+		file.store_buffer(image.get_data())
+		file.close()
+		var texture := CompressedTexture2D.new()
+		texture.load(SPOT)
+		DirAccess.remove_absolute(ProjectSettings.globalize_path(SPOT))
+		return texture
 
 	func add_map(map_type: int, format: Image.Format, color: Color) -> Image:
 		var image := Image.create_empty(resolution, resolution, false, format)

@@ -111,6 +111,80 @@ func test_textures_by_index() -> void:
 	check_equal((await count_on(node, [3, 5, 12, 40])).size(), all, "all of them")
 
 
+## In a game HTerrain keeps textures of what it has loaded, and images of heights alone.
+func test_maps_that_a_game_has_loaded() -> void:
+	var data := HTerrain18Data.new()
+	data.add_map(CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE).fill_rect(Rect2i(20, 0, 10, 65), Color(1.0, 1.0, 1.0, 0.0))
+	data.add_map(CHANNEL_SPLAT, Image.FORMAT_RGBA8, Color(1.0, 0.0, 0.0, 0.0)).fill_rect(Rect2i(0, 0, 65, 33), Color(0.0, 1.0, 0.0, 0.0))
+	data.add_map(CHANNEL_SPLAT_INDEX, Image.FORMAT_RGB8, Color8(12, 5, 40)).fill_rect(Rect2i(0, 0, 33, 65), Color8(3, 3, 3))
+	data.add_map(CHANNEL_SPLAT_WEIGHT, Image.FORMAT_RGB8, Color8(255, 0, 0)) # So PNG files hold two channels.
+	var node := make_hterrain(data)
+	var expected: Array[Dictionary] = []
+	for loaded: bool in [false, true]:
+		if loaded:
+			data.become_loaded()
+			check(data.get_image(CHANNEL_COLOR) == null and data.get_image(CHANNEL_HEIGHT) != null, "images are of heights alone")
+		for case: Array in [["Classic4", []], ["Classic4", [1]], ["Array", [3]], ["Array", [12]]]:
+			node.shader_type = case[0]
+			var layer := make_layer()
+			layer.layer_id = 4
+			layer.ground_textures = PackedInt32Array(case[1])
+			var scatter := make_on(node, false, layer)
+			await settle(scatter)
+			check_equal(scatter.get_problems().size(), 0, "%s: nothing to say: %s" % [case, scatter.get_problems()])
+			var found := by_id(scatter)
+			check(found.size() > 100, "%s: %d instances" % [case, found.size()])
+			if loaded:
+				check_equal(found, expected.pop_front(), "%s: the same as of images" % [case])
+			else:
+				expected.push_back(found)
+			scatter.free()
+
+
+func test_textures_that_are_read_are_kept_for_as_long_as_they_are_the_same() -> void:
+	var data := HTerrainMasterData.new()
+	data.add_map(CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE).fill_rect(Rect2i(20, 0, 10, 65), Color(1.0, 1.0, 1.0, 0.0))
+	data.become_loaded()
+	var node := make_hterrain(data)
+	var scatter := make_on(node)
+	await settle(scatter)
+	var count_in_hole := func() -> int:
+		var left := node.get_internal_transform()
+		return all_transforms(scatter).filter(func(one: Transform3D) -> bool:
+			var column := (left.affine_inverse() * one.origin).x
+			return column > 19.6 and column < 29.4).size()
+	check_equal(count_in_hole.call(), 0, "instances in the hole")
+	for step in 3:
+		node.position.x += 10.0
+		await frames(2)
+		await settle(scatter)
+		check_ground(scatter, node, "moved %d times" % step)
+		check_equal(count_in_hole.call(), 0, "moved %d times: instances in the hole" % step)
+	var closed := Image.create_empty(65, 65, false, Image.FORMAT_RGBA8)
+	closed.fill(Color.WHITE)
+	data.textures[CHANNEL_COLOR] = [HTerrainDataDouble.imported(closed)] # As HTerrainData.reload() does.
+	data.map_changed.emit(CHANNEL_COLOR, 0)
+	await settle(scatter)
+	check(count_in_hole.call() > 50, "the hole is closed")
+
+
+func test_maps_without_pixels_are_told() -> void:
+	var data := HTerrainMasterData.new()
+	data.add_map(CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE)
+	data.become_loaded()
+	var texture: Texture2D = data.textures[CHANNEL_COLOR][0]
+	data.textures[CHANNEL_COLOR] = [PlaceholderTexture2D.new()] # In exports for servers.
+	var node := make_hterrain(data)
+	var scatter := make_on(node)
+	await settle(scatter)
+	check("without pixels" in "\n".join(scatter.get_problems()), "said: %s" % [scatter.get_problems()])
+	check_ground(scatter, node, "without holes")
+	data.textures[CHANNEL_COLOR] = [texture]
+	data.map_changed.emit(CHANNEL_COLOR, 0)
+	await settle(scatter)
+	check_equal(scatter.get_problems().size(), 0, "nothing to say: %s" % [scatter.get_problems()])
+
+
 func test_wrong_maps_are_named() -> void:
 	var wrong: Dictionary[String, Callable] = {
 		"another format": func(data: HTerrainDataDouble) -> void:

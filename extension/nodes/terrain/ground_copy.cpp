@@ -35,9 +35,9 @@ void GroundChanges::add(const GroundChanges &other) {
 	areas.insert(areas.end(), other.areas.begin(), other.areas.end());
 }
 
-CopyAttempt copy_ground(const Variant &p_node) {
+CopyAttempt copy_ground(const Variant &p_node, const GroundCopy *before) {
 	CopyAttempt attempt = copy_terrain3d(p_node);
-	return attempt.plugin != GroundPlugin::none ? attempt : copy_hterrain(p_node);
+	return attempt.plugin != GroundPlugin::none ? attempt : copy_hterrain(p_node, before);
 }
 
 GroundGlance glance_at(const Variant &p_node, bool deep) {

@@ -80,11 +80,11 @@ struct CopyAttempt {
 	godot::Variant data;                      ///< What holds the plug-in's images and emits its signals.
 };
 
-/// Copies the ground of a node that behaves as one of Terrain3D or HTerrain does, whatever its class. Runs scripts, which may
-/// free the node.
-CopyAttempt copy_ground(const godot::Variant &p_node);
+/// Copies the ground of a node that behaves as one of Terrain3D or HTerrain does, whatever its class. What a copy `before` has
+/// read and is still the same need not be read again. Runs scripts, which may free the node.
+CopyAttempt copy_ground(const godot::Variant &p_node, const GroundCopy *before);
 CopyAttempt copy_terrain3d(const godot::Variant &p_node);
-CopyAttempt copy_hterrain(const godot::Variant &p_node);
+CopyAttempt copy_hterrain(const godot::Variant &p_node, const GroundCopy *before);
 
 /// Whether a node like HTerrain paints with textures by index (its array shader) rather than by splat maps. Runs scripts.
 bool uses_indexed_textures(const godot::Variant &p_node);

@@ -4,6 +4,7 @@
 
 #include "core/terrain/map_field.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/terrain/map_images.hpp"
 #include "nodes/terrain/shared_pixels.hpp"
 #include "nodes/terrain/terrain_map.hpp"
 
@@ -48,12 +49,6 @@ std::optional<PostFormat> post_format(Image::Format format) {
 	}
 }
 
-Ref<Image> read_image(const Variant &p_data, int kind, int index) {
-	const Variant count = result_of(p_data, "get_map_count", {kind});
-	const bool there = is_number(count) && index < static_cast<int>(count);
-	return there ? image_in(result_of(p_data, "get_image", {kind, index})) : Ref<Image>();
-}
-
 MapPlace place_of(const Transform3D &p_transform) {
 	const Vector3 *rows = p_transform.basis.rows;
 	MapPlace place;
@@ -77,7 +72,8 @@ bool is_tilted(const Transform3D &p_transform) {
 
 class HTerrainCopy final : public GroundCopy {
 public:
-	HTerrainCopy(MapField field, bool tilted) : field_(std::move(field)), tilted_(tilted) {}
+	HTerrainCopy(MapField field, bool tilted, MapImages images) :
+			field_(std::move(field)), tilted_(tilted), images_(std::move(images)) {}
 
 	GroundPlugin plugin() const override { return GroundPlugin::hterrain; }
 
@@ -96,12 +92,19 @@ public:
 	}
 
 	String remark() const override {
+		if (images_.lacks_pixels()) {
+			return "has a color map or texture maps without pixels, so its holes or textures are not known: import "
+				   "these maps as Image, or keep them in the export.";
+		}
 		return tilted_ ? String("is tilted: its ground is right only where it is turned about the vertical alone.")
 					   : String();
 	}
 
 	GroundChanges changes_since(const GroundCopy &before, glm::dvec3 shift) const override;
 	std::shared_ptr<const GroundCopy> with_edits(const Variant &p_data, std::span<const MapEdit> edits) const override;
+
+	/// For the copy after this one.
+	MapImages next_images() const { return images_.next(); }
 
 private:
 	bool same_place(const HTerrainCopy &before, glm::dvec3 shift) const;
@@ -110,6 +113,7 @@ private:
 
 	MapField field_;
 	bool tilted_;
+	MapImages images_;
 };
 
 /// A node that moves along when the engine's origin does stays where it is in the world, but for the rounding of its floats.
@@ -209,12 +213,13 @@ std::vector<MapEdit> one_by_one(std::span<const MapEdit> edits, std::size_t spla
 std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 		const Variant &p_data, std::span<const MapEdit> edits) const {
 	MapLayers layers = field_.layers();
+	MapImages images = images_;
 	for (const MapEdit &edit : one_by_one(edits, layers.splats.size())) {
 		PixelGrid *layer = layer_of(layers, edit);
 		if (layer == nullptr) {
 			continue; // Details, normals and the like.
 		}
-		const Ref<Image> image = read_image(p_data, static_cast<int>(edit.map), static_cast<int>(edit.index));
+		const Ref<Image> image = images.read(p_data, static_cast<int>(edit.map), static_cast<int>(edit.index));
 		const glm::ivec2 first{edit.rect.position.x, edit.rect.position.y};
 		const PixelRect rect{
 				glm::max(first, 0), glm::min(first + glm::ivec2(edit.rect.size.x, edit.rect.size.y), layer->size())};
@@ -223,11 +228,13 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 		}
 	}
 	MapField field;
-	return field.set(field_.place(), layers).ok() ? std::make_shared<HTerrainCopy>(std::move(field), tilted_) : nullptr;
+	return field.set(field_.place(), layers).ok()
+			? std::make_shared<HTerrainCopy>(std::move(field), tilted_, std::move(images))
+			: nullptr;
 }
 
-bool read_heights(const Variant &p_data, MapLayers &r_layers, String &r_refusal) {
-	const Ref<Image> heights = read_image(p_data, height_map, 0);
+bool read_heights(const Variant &p_data, MapImages &images, MapLayers &r_layers, String &r_refusal) {
+	const Ref<Image> heights = images.read(p_data, height_map, 0);
 	const Variant resolution = result_of(p_data, "get_resolution");
 	if (heights.is_null()) {
 		r_refusal = "has no height map";
@@ -249,10 +256,10 @@ bool read_heights(const Variant &p_data, MapLayers &r_layers, String &r_refusal)
 	return true;
 }
 
-void read_textures(const Variant &p_node, const Variant &p_data, MapLayers &r_layers) {
-	const Ref<Image> indices = read_image(p_data, splat_index_map, 0);
-	const Ref<Image> weights = read_image(p_data, splat_weight_map, 0);
+void read_textures(const Variant &p_node, const Variant &p_data, MapImages &images, MapLayers &r_layers) {
 	if (uses_indexed_textures(p_node)) {
+		const Ref<Image> indices = images.read(p_data, splat_index_map, 0);
+		const Ref<Image> weights = images.read(p_data, splat_weight_map, 0);
 		if (indices.is_valid() && weights.is_valid() &&
 				!(share_pixels_as(indices, Image::FORMAT_RGB8, 3, r_layers.indices) &&
 						share_pixels_as(weights, Image::FORMAT_RG8, 2, r_layers.weights))) {
@@ -262,7 +269,7 @@ void read_textures(const Variant &p_node, const Variant &p_data, MapLayers &r_la
 		return;
 	}
 	for (int index = 0; index < max_splats; ++index) {
-		const Ref<Image> splat = read_image(p_data, splat_map, index);
+		const Ref<Image> splat = images.read(p_data, splat_map, index);
 		PixelGrid pixels;
 		if (splat.is_null() || !share_pixels_as(splat, Image::FORMAT_RGBA8, 4, pixels)) {
 			return;
@@ -286,7 +293,7 @@ bool uses_indexed_textures(const Variant &p_node) {
 	return indexed.get_type() == Variant::BOOL && static_cast<bool>(indexed);
 }
 
-CopyAttempt copy_hterrain(const Variant &p_node) {
+CopyAttempt copy_hterrain(const Variant &p_node, const GroundCopy *before) {
 	CopyAttempt attempt;
 	if (!has_method(p_node, "get_data") || !has_method(p_node, "get_internal_transform")) {
 		return attempt;
@@ -301,14 +308,18 @@ CopyAttempt copy_hterrain(const Variant &p_node) {
 			return attempt;
 		}
 	}
+	MapImages images;
+	if (before != nullptr && before->plugin() == GroundPlugin::hterrain) {
+		images = static_cast<const HTerrainCopy *>(before)->next_images();
+	}
 	MapLayers layers;
-	if (!read_heights(attempt.data, layers, attempt.refusal)) {
+	if (!read_heights(attempt.data, images, layers, attempt.refusal)) {
 		return attempt;
 	}
-	if (const Ref<Image> colors = read_image(attempt.data, color_map, 0); colors.is_valid()) {
+	if (const Ref<Image> colors = images.read(attempt.data, color_map, 0); colors.is_valid()) {
 		share_pixels_as(colors, Image::FORMAT_RGBA8, 4, layers.colors);
 	}
-	read_textures(p_node, attempt.data, layers);
+	read_textures(p_node, attempt.data, images, layers);
 	const Variant transform = result_of(p_node, "get_internal_transform");
 	if (transform.get_type() != Variant::TRANSFORM3D) {
 		attempt.refusal = "has a get_internal_transform() that gives no Transform3D";
@@ -320,7 +331,7 @@ CopyAttempt copy_hterrain(const Variant &p_node) {
 		attempt.refusal = String(("cannot be copied (" + describe(status) + ")").c_str());
 		return attempt;
 	}
-	attempt.copy = std::make_shared<HTerrainCopy>(std::move(field), is_tilted(to_world));
+	attempt.copy = std::make_shared<HTerrainCopy>(std::move(field), is_tilted(to_world), std::move(images));
 	return attempt;
 }
 

@@ -80,7 +80,8 @@ ScatterTerrainObject::Found ScatterTerrainObject::look() const {
 	Found found;
 	found.target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
 	if (found.target.get_validated_object() != nullptr) {
-		found.attempt = copy_ground(found.target);
+		const std::shared_ptr<const GroundCopy> before = copy_; // Scripts that are asked may let go of it.
+		found.attempt = copy_ground(found.target, before.get());
 		if (found.attempt.copy == nullptr) {
 			found.ground = ObjectGround::of(found.target);
 		}

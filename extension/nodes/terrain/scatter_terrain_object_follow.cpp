@@ -228,7 +228,8 @@ void ScatterTerrainObject::copy_again() {
 		found.attempt.data = followed_source_;
 	}
 	if (found.attempt.copy == nullptr) {
-		found.attempt = copy_ground(found.target);
+		const std::shared_ptr<const GroundCopy> before = copy_;
+		found.attempt = copy_ground(found.target, before.get());
 	}
 	finding_ = false;
 	edited_ = false;

@@ -1,6 +1,7 @@
 #include "nodes/terrain/terrain_map.hpp"
 
 #include "nodes/terrain/image_posts.hpp"
+#include "nodes/terrain/map_images.hpp"
 
 #include <godot_cpp/core/object.hpp>
 
@@ -39,10 +40,11 @@ std::vector<std::int32_t> textures_of(std::size_t splat, std::span<const std::in
 std::vector<WeightMap> read_maps(const Variant &data, int kind) {
 	const Variant count = has_method(data, "get_map_count") ? result_of(data, "get_map_count", {kind}) : Variant();
 	std::vector<WeightMap> maps;
+	MapImages images;
 	for (int index = 0; is_number(count) && index < static_cast<int>(count); ++index) {
-		const Ref<Image> image = result_of(data, "get_image", {kind, index});
+		const Ref<Image> image = images.read(data, kind, index);
 		WeightMap map;
-		if (has_content(image) && read_weights(image, "map", map).ok()) {
+		if (image.is_valid() && read_weights(image, "map", map).ok()) {
 			maps.push_back(std::move(map));
 		}
 	}
