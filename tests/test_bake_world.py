@@ -194,6 +194,15 @@ def test_spoiled_files_are_made_again(world, baked, tmp_path):
     assert not list(again.out.glob("**/*.part")) and len(list(again.out.glob("tiles/*.parquet"))) == len(names)
 
 
+def test_a_bake_of_some_tiles_does_not_vouch_for_files_that_are_gone(world, baked, tmp_path):
+    some = copied(baked, tmp_path / "out")
+    gone, asked = sorted(some.manifest["tiles"])[:2]
+    some.file(gone).unlink()
+    again = bake(world, some.out, "--workers", "1", "--tiles", asked)
+    assert again.code == 0 and "0 of them made now" in again.said, again.said
+    assert gone not in again.manifest["tiles"] and not again.manifest["complete"] and again.manifest["digest"] is None
+
+
 def test_a_changed_scene_is_noticed(world, baked, tmp_path):
     other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
     out = copied(baked, tmp_path / "out").out
@@ -358,7 +367,7 @@ def test_kills_at_random_moments(world, baked, tmp_path, number):
 
 
 def test_workers_of_a_cluster_that_exists(world, baked, tmp_path):
-    """They are sent the baker's modules, and end their engines when the bake ends."""
+    """They are waited for, are sent the baker's modules, and end their engines when the bake ends."""
     with contextlib.ExitStack() as stack:
         environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 
@@ -371,7 +380,12 @@ def test_workers_of_a_cluster_that_exists(world, baked, tmp_path):
         start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(where))
         wait_for(lambda: where.is_file() and where.stat().st_size > 10, "a scheduler")
         address = json.loads(where.read_text())["address"]
+        driver = begin(world, tmp_path / "out", "--scheduler", address)
+        stack.callback(driver.kill)
+        first = driver.stdout.readline()
+        assert f"The scheduler at {address} has no workers: this waits" in first
         start("distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard")
-        done = bake(world, tmp_path / "out", "--scheduler", address)
-        assert done.code == 0 and done.manifest["digest"] == baked.manifest["digest"], done.said
+        said = driver.communicate(timeout=120)[0]
+        assert driver.returncode == 0 and baked.manifest["digest"] in said, said
+        assert f"The scheduler at {address} has workers: 1." in said
         assert not [each for each in psutil.process_iter(["name", "cmdline"]) if is_engine_of(each, world)]

@@ -35,8 +35,12 @@ func _initialize() -> void:
 
 
 func _run() -> void:
+	if not _arguments.has("connect"):
+		printerr("bake_world: connect=PORT is missing. The driver gives it: bash demo_project/bake.sh SCENE FOLDER bakes a world.")
+		quit(2)
+		return
 	if not await _connect():
-		printerr("bake_world: nobody listens at port '%s' of this machine" % _arguments.get("connect", ""))
+		printerr("bake_world: nobody listens at port '%s' of this machine" % _arguments.connect)
 		quit(2)
 		return
 	var problem: String = await _open_scene()

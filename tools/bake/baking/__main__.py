@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import functools
 import os
 import sys
 from pathlib import Path
@@ -19,7 +20,7 @@ def main(arguments: list[str]) -> int:
     chosen = _parser().parse_args(with_values(arguments, ("--rect", "--tiles")))
     try:
         wish = _wish(chosen)
-        outcome = bake(wish)
+        outcome = bake(wish, functools.partial(print, flush=True))
     except BakeError as error:
         print(f"bake: {error}", file=sys.stderr)
         return 2

@@ -9,7 +9,7 @@ import shutil
 import signal
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from multiprocessing import resource_tracker
 from pathlib import Path
 
@@ -22,14 +22,14 @@ PACKAGE = Path(__file__).resolve().parent
 ALLOWED_DEATHS = 10
 # What a worker's tile frees is kept for its next one: the system takes longer to clear new pages than the sorting of rows does.
 KEPT_MEMORY = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": str(1 << 25), "MALLOC_TRIM_THRESHOLD_": str(1 << 28)}
-# Between looks at whether all workers of this machine are there.
+# Between looks at which workers are there.
 LOOK_SECONDS = 2.0
 
 
 @contextlib.contextmanager
-def client(workers: int, scheduler: str | None) -> Iterator[Client]:
+def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> Iterator[Client]:
     """A client of a cluster with `workers` processes of this machine, one thread each; or, with the address of a scheduler, of that
-    one's. Ends what it has started. Raises OSError where the scheduler cannot be reached."""
+    one's: then it says when that has no workers. Ends what it has started. Raises OSError where the scheduler cannot be reached."""
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with tempfile.TemporaryDirectory(prefix="thicket_bake_") as scratch:
         settings = {
@@ -45,7 +45,8 @@ def client(workers: int, scheduler: str | None) -> Iterator[Client]:
             if scheduler is not None:
                 with Client(scheduler, timeout="5s", set_as_default=False) as remote:
                     remote.upload_file(_packed(Path(scratch)))
-                    yield remote
+                    with _watched(remote, scheduler, say):
+                        yield remote
                 return
             # Where the workers find this package.
             path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
@@ -75,17 +76,43 @@ def _local_cluster() -> LocalCluster:
 @contextlib.contextmanager
 def _kept(cluster: LocalCluster, workers: int) -> Iterator[None]:
     """Starts workers, and goes on to see that there are as many: Dask does not start those again that were killed while they started."""
-    ended = threading.Event()
-
     def replace() -> None:
         for name, nanny in list(cluster.workers.items()):
             if nanny.status in (Status.failed, Status.closed):
                 del cluster.workers[name]
         cluster.scale(workers)
 
+    with _repeated(lambda: cluster.loop.add_callback(replace)):
+        yield
+
+
+@contextlib.contextmanager
+def _watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Iterator[None]:
+    """Says when a scheduler that is not ours has no workers, and when it has some again."""
+    there = True
+
+    def look() -> None:
+        nonlocal there
+        with contextlib.suppress(OSError, TimeoutError):  # Who waits for tiles hears of it.
+            workers = len(client.nthreads())
+            if there and workers == 0:
+                say(f"The scheduler at {scheduler} has no workers: this waits until there are some. Interrupt it to go on another time.")
+            elif not there and workers > 0:
+                say(f"The scheduler at {scheduler} has workers: {workers}.")
+            there = workers > 0
+
+    with _repeated(look):
+        yield
+
+
+@contextlib.contextmanager
+def _repeated(look: Callable[[], None]) -> Iterator[None]:
+    """Calls it in a thread of its own, at once and then every LOOK_SECONDS."""
+    ended = threading.Event()
+
     def watch() -> None:
         while True:
-            cluster.loop.add_callback(replace)
+            look()
             if ended.wait(LOOK_SECONDS):
                 return
 

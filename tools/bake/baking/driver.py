@@ -68,7 +68,7 @@ def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:
         with files.locked(wish.out):
             files.sweep(wish.out)
             try:
-                with cluster.client(wish.workers, wish.scheduler) as client:
+                with cluster.client(wish.workers, wish.scheduler, say) as client:
                     return _bake(wish, client, say)
             finally:
                 files.sweep(wish.out)  # Workers that were ended leave their files unfinished.
@@ -179,7 +179,8 @@ def _go_on_with(wish: Wish, manifest: dict) -> None:
     if before["scene_digest"] != manifest["scene_digest"]:
         parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
         raise BakeError(f"The scene {manifest['scene']} has changed since this bake was begun: {parts}. {again}")
-    manifest["tiles"] = before["tiles"]
+    # What else may be wrong with a file is found when its tile is asked for.
+    manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if (wish.out / entry["file"]).is_file()}
     manifest["costs"] = before.get("costs")
 
 
