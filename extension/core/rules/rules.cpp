@@ -14,7 +14,7 @@ namespace thicket {
 
 namespace {
 
-constexpr double max_slope = 90.0;
+constexpr double max_slope = SlopeRange::steepest;
 
 Status check_height(const char *property, double height) {
 	// Infinity is a fair way to say "no limit" in a computation, but a slip in a setting.
@@ -57,22 +57,6 @@ bool is_ground(const Ground &ground) {
 			std::isfinite(ground.normal.z) && ground.normal.y > 0.0f;
 }
 
-PreparedRange::PreparedRange(double min, bool min_open, double max, bool max_open, double falloff) :
-		min_(min), max_(max), falloff_(falloff), min_open_(min_open), max_open_(max_open) {}
-
-double PreparedRange::density(double value) const {
-	const bool inside = (min_open_ || value >= min_) && (max_open_ || value <= max_);
-	if (!inside || std::isnan(value)) {
-		return 0.0;
-	}
-	if (falloff_ <= 0.0) {
-		return 1.0;
-	}
-	const double above = min_open_ ? 1.0 : (value - min_) / falloff_;
-	const double below = max_open_ ? 1.0 : (max_ - value) / falloff_;
-	return std::min({above, below, 1.0});
-}
-
 Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 	if (const Status status = validate(rules); !status.ok()) {
 		return status;
@@ -86,8 +70,7 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 	if (!status.ok()) {
 		return status;
 	}
-	slope_ = PreparedRange(rules.min_slope_degrees, rules.min_slope_degrees <= 0.0, rules.max_slope_degrees,
-			rules.max_slope_degrees >= max_slope, rules.slope_falloff);
+	slope_ = SlopeRange(rules.min_slope_degrees, rules.max_slope_degrees, rules.slope_falloff);
 	height_ = PreparedRange(rules.min_height, rules.min_height <= -unlimited_height, rules.max_height,
 			rules.max_height >= unlimited_height, rules.height_falloff);
 	water_depth_ = PreparedRange(rules.min_water_depth, rules.min_water_depth <= -unlimited_height,
@@ -174,6 +157,9 @@ double PreparedRules::ground_density(const Ground &ground, glm::dvec2 position, 
 	}
 	if (Record::complete || density > 0.0) {
 		density *= water_density(ground.height, position, record);
+	}
+	if (!Record::complete && rules_.slope_curve == nullptr) {
+		return density > 0.0 && !slope_.open() ? density * slope_.density_of(ground.normal) : density;
 	}
 	// The angle costs more than all else here, so only where it is asked for.
 	if ((Record::complete || density > 0.0) && (!slope_.open() || rules_.slope_curve != nullptr)) {

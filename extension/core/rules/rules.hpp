@@ -6,6 +6,7 @@
 #include "core/rules/curve_table.hpp"
 #include "core/rules/density_field.hpp"
 #include "core/rules/painted_mask.hpp"
+#include "core/rules/prepared_range.hpp"
 #include "core/rules/rule_factors.hpp"
 #include "core/rules/shapes.hpp"
 #include "core/terrain/terrain.hpp"
@@ -72,28 +73,6 @@ Status validate(const Rules &rules);
 /// Whether there is ground on which something may stand: with a height and a normal that are finite, and a normal that points up.
 bool is_ground(const Ground &ground);
 
-/// One range with its falloff, ready to be asked.
-class PreparedRange {
-public:
-	PreparedRange() = default; ///< Lets all pass.
-
-	/// `min_open` and `max_open` switch a limit off, with its falloff.
-	PreparedRange(double min, bool min_open, double max, bool max_open, double falloff);
-
-	/// The density that it gives a value, 0 to 1; 0 for NAN.
-	double density(double value) const;
-
-	/// True when every finite value passes.
-	bool open() const { return min_open_ && max_open_; }
-
-private:
-	double min_ = 0.0;
-	double max_ = 0.0;
-	double falloff_ = 0.0;
-	bool min_open_ = true;
-	bool max_open_ = true;
-};
-
 /// Rules made ready for many points. Immutable after `set`, so threads may share one.
 class PreparedRules {
 public:
@@ -134,7 +113,7 @@ private:
 	double water_density(double height, glm::dvec2 position, const Record &record) const;
 
 	Rules rules_;
-	PreparedRange slope_;
+	SlopeRange slope_;
 	PreparedRange height_;
 	PreparedRange water_depth_;
 	ClumpNoise clumps_;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <type_traits>
 
@@ -136,9 +137,17 @@ Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 po
 
 	const auto stride = static_cast<std::size_t>(frame_.posts.x);
 	constexpr bool may_be_missing = std::is_floating_point_v<Post>;
-	const SmoothPatch patch = smooth_patch<may_be_missing>(frame_.posts, {column, row}, {x, y}, [&](int i, int j) {
-		return static_cast<double>(posts[static_cast<std::size_t>(j) * stride + static_cast<std::size_t>(i)]);
-	});
+	const Post *first = &posts[static_cast<std::size_t>(row) * stride + static_cast<std::size_t>(column)];
+	const auto from_first = [first, step = static_cast<std::ptrdiff_t>(stride)](int i, int j) {
+		return static_cast<double>(first[j * step + i]);
+	};
+	const auto from_corner = [&](int i, int j) {
+		return from_first(i - column, j - row);
+	};
+	// Most patches are away from the border; there, what is around them is known when this is compiled.
+	const SmoothPatch patch = is_inner_patch(frame_.posts, {column, row})
+			? smooth_patch<may_be_missing>(inner_line, inner_line, {x, y}, from_first)
+			: smooth_patch<may_be_missing>(frame_.posts, {column, row}, {x, y}, from_corner);
 	const double height = base_ + patch.height * meters_per_step_;
 	if (may_be_missing && std::isnan(height)) {
 		return {};

@@ -48,13 +48,11 @@ double post_gradient(double behind, double before, double post, double weight) {
 }
 
 /// The surface between four posts: bilinear heights, and for the slope the gradients of the four posts by central
-/// differences (one-sided on the border of `posts` columns and rows), weighted bilinearly. `post(column, row)` is a double;
-/// the first of the four is at `patch`, and `part` is the way from it to the others, 0 to 1. If posts may be NAN, the height is
+/// differences (one-sided on the border of the grid), weighted bilinearly. `post(column, row)` is a double for indices of the two
+/// lines, and `part` is the way from the first of the four to the others, 0 to 1. If posts may be NAN, the height is
 /// NAN where one of the four is, and then the gradient says nothing.
 template <bool may_be_missing, class Post>
-SmoothPatch smooth_patch(glm::ivec2 posts, glm::ivec2 patch, glm::dvec2 part, Post post) {
-	const PostLine across = PostLine::about(patch.x, posts.x);
-	const PostLine along = PostLine::about(patch.y, posts.y);
+SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dvec2 part, const Post &post) {
 	// Of the 4 x 4 about the patch. The corners are never asked for.
 	const auto near = [&](std::size_t i, std::size_t j) -> double {
 		return post(across.index[i], along.index[j]);
@@ -84,5 +82,18 @@ SmoothPatch smooth_patch(glm::ivec2 posts, glm::ivec2 patch, glm::dvec2 part, Po
 	};
 	return {height, {between(rise_x), between(rise_y)}};
 }
+
+/// The same for the patch of a grid whose first post is at `patch`.
+template <bool may_be_missing, class Post>
+SmoothPatch smooth_patch(glm::ivec2 posts, glm::ivec2 patch, glm::dvec2 part, const Post &post) {
+	return smooth_patch<may_be_missing>(
+			PostLine::about(patch.x, posts.x), PostLine::about(patch.y, posts.y), part, post);
+}
+
+/// Whether a patch is away from the border of a grid, so that both its lines are those of `inner_line` from its first post.
+constexpr bool is_inner_patch(glm::ivec2 posts, glm::ivec2 patch) {
+	return patch.x >= 1 && patch.y >= 1 && patch.x + 2 < posts.x && patch.y + 2 < posts.y;
+}
+inline constexpr PostLine inner_line{{-1, 0, 1, 2}, 0.5, 0.5};
 
 } // namespace thicket

@@ -1,0 +1,86 @@
+#include "core/rules/prepared_range.hpp"
+
+#include "core/base/floating_point.hpp"
+#include "core/base/trigonometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+/// Degrees on both sides of a limit in which the angle is asked for: `slope_degrees` is within 1e-7 of the true one.
+constexpr double margin = 1e-5;
+/// Above, the tangent of an angle says little about it.
+constexpr double last_tangent = 89.9;
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+double squared_tangent(double degrees) {
+	const Rotation turn = rotation_by(degrees / 360.0);
+	const double tangent = turn.sine / turn.cosine;
+	return tangent * tangent;
+}
+
+/// The square of the tangent from which on a slope is at least `degrees`.
+double tangent_at_least(double degrees) {
+	return degrees <= 0.0 ? 0.0 : degrees <= last_tangent ? squared_tangent(degrees) : unlimited;
+}
+
+/// The square of the tangent up to which a slope is at most `degrees`; below 0 for none.
+double tangent_at_most(double degrees) {
+	return degrees < 0.0 ? -1.0 : squared_tangent(std::min(degrees, last_tangent));
+}
+
+} // namespace
+
+PreparedRange::PreparedRange(double min, bool min_open, double max, bool max_open, double falloff) :
+		min_(min), max_(max), falloff_(falloff), min_open_(min_open), max_open_(max_open) {}
+
+double PreparedRange::density(double value) const {
+	const bool inside = (min_open_ || value >= min_) && (max_open_ || value <= max_);
+	if (!inside || std::isnan(value)) {
+		return 0.0;
+	}
+	if (falloff_ <= 0.0) {
+		return 1.0;
+	}
+	const double above = min_open_ ? 1.0 : (value - min_) / falloff_;
+	const double below = max_open_ ? 1.0 : (max_ - value) / falloff_;
+	return std::min({above, below, 1.0});
+}
+
+SlopeRange::SlopeRange(double min, double max, double falloff) :
+		PreparedRange(min, min <= 0.0, max, max >= steepest, falloff) {
+	const double fading = std::max(falloff, 0.0) + margin;
+	if (min > 0.0) {
+		all_from_ = tangent_at_least(min + fading);
+		none_below_ = min <= margin ? 0.0 : tangent_at_most(min - margin);
+	}
+	if (max < steepest) {
+		all_to_ = tangent_at_most(max - fading);
+		none_above_ = tangent_at_least(max + margin);
+	}
+}
+
+std::optional<double> SlopeRange::density_without_angle(glm::vec3 normal) const {
+	const double x = normal.x;
+	const double y = normal.y;
+	const double z = normal.z;
+	const double across = x * x + z * z;
+	const double up = y * y;
+	if (across >= all_from_ * up && across <= all_to_ * up) {
+		return 1.0;
+	}
+	if (across < none_below_ * up || across > none_above_ * up) {
+		return 0.0;
+	}
+	return std::nullopt;
+}
+
+double SlopeRange::density_of(glm::vec3 normal) const {
+	const std::optional<double> known = density_without_angle(normal);
+	return known.has_value() ? *known : density(slope_degrees(normal));
+}
+
+} // namespace thicket

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include <limits>
+#include <optional>
+
+namespace thicket {
+
+/// One range with its falloff, ready to be asked.
+class PreparedRange {
+public:
+	PreparedRange() = default; ///< Lets all pass.
+
+	/// `min_open` and `max_open` switch a limit off, with its falloff.
+	PreparedRange(double min, bool min_open, double max, bool max_open, double falloff);
+
+	/// The density that it gives a value, 0 to 1; 0 for NAN.
+	double density(double value) const;
+
+	/// True when every finite value passes.
+	bool open() const { return min_open_ && max_open_; }
+
+private:
+	double min_ = 0.0;
+	double max_ = 0.0;
+	double falloff_ = 0.0;
+	bool min_open_ = true;
+	bool max_open_ = true;
+};
+
+/// A range of slopes in degrees. An angle costs as much as all else that is asked about the ground, so it is left out where the
+/// sides of its triangle tell enough.
+class SlopeRange : public PreparedRange {
+public:
+	static constexpr double steepest = 90.0;
+
+	SlopeRange() = default; ///< Lets all pass.
+
+	/// Slopes from `min` to `max`, 0 to 90 degrees, which limit nothing at these ends.
+	SlopeRange(double min, double max, double falloff);
+
+	/// The density that the slope of a normal which points up has, the same to the bit as for slope_degrees(normal).
+	double density_of(glm::vec3 normal) const;
+
+	/// The same, where the angle itself is not needed for it.
+	std::optional<double> density_without_angle(glm::vec3 normal) const;
+
+private:
+	// Squares of tangents, with a margin that is wider than any rounding: between the first two the density is 1, beyond the others 0.
+	double all_from_ = 0.0;
+	double all_to_ = std::numeric_limits<double>::infinity();
+	double none_below_ = 0.0;
+	double none_above_ = std::numeric_limits<double>::infinity();
+};
+
+} // namespace thicket
