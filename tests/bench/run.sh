@@ -2,7 +2,7 @@
 # Builds the benches for release, runs them, and prints one Markdown table. Arguments: [rounds = 9] [seconds = 0.25].
 # Times are processor time and contenders take turns within each round, so that a busy machine disturbs all alike; only
 # the main thread's share of a frame and the response to a change are time on the clock, which a busy machine lengthens.
-# Streaming, flight, views, response, terrains, gameplay, spikes, collision, navigation, import and soak run in the engine, with the extension of
+# Streaming, flight, views, response, terrains, gameplay, spikes, collision, navigation, import, load and soak run in the engine, with the extension of
 # template_debug, as Godot's editor binary loads it.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -35,5 +35,6 @@ tools/godot --headless --path demo_project --script "$PWD/tests/bench/spikes.gd"
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/collision.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/navigation.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/import.gd" </dev/null | grep '^|'
+tools/godot --headless --path demo_project --script "$PWD/tests/bench/load.gd" </dev/null | grep '^|'
 # Ends with 1, and so does this, where something grew.
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/soak.gd" -- 180 </dev/null | tee /dev/stderr | grep '^|'

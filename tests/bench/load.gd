@@ -1,0 +1,61 @@
+extends "bench.gd"
+## What a project pays for the add-on before it sees anything: the size of the library, and the time from the start of the engine until
+## the first tile of the demo is on show, beside that of the same scene without a scatter. Prints rows of a Markdown table.
+##   tools/godot --headless --path demo_project --script tests/bench/load.gd [-- ROUNDS]
+
+const DEFAULT_ROUNDS := 5
+const LIBRARIES := "res://addons/thicket/bin"
+const SCENE := "scene"
+
+
+func run() -> String:
+	if OS.get_cmdline_user_args().has(SCENE):
+		return await _start_scene()
+	for file in DirAccess.get_files_at(LIBRARIES):
+		if file.begins_with("libthicket."):
+			row("size of %s" % file, [FileAccess.get_file_as_bytes(LIBRARIES.path_join(file)).size() / 1e6], "MB", 2)
+	var with := PackedFloat64Array()
+	var without := PackedFloat64Array()
+	for round in rounds_or(DEFAULT_ROUNDS):
+		for scattered: bool in [true, false]:
+			var seconds := _seconds_of(scattered)
+			if seconds < 0.0:
+				return "an engine that was started did not tell its time"
+			(with if scattered else without).push_back(seconds)
+	row("from the engine's start to the first tile of the demo, headless", with, "s", 2)
+	row("the same without the scatter, to the scene's second frame", without, "s", 2)
+	return ""
+
+
+## In an engine of its own, which nothing is loaded in yet.
+func _seconds_of(scattered: bool) -> float:
+	var arguments: Array[String] = ["--headless", "--path", ProjectSettings.globalize_path("res://"), "--script",
+		(get_script() as Script).resource_path, "--", SCENE]
+	if not scattered:
+		arguments.push_back("bare")
+	var output := []
+	OS.execute(OS.get_executable_path(), arguments, output)
+	var found := RegEx.create_from_string("seconds: ([0-9.]+)").search("".join(output))
+	return found.get_string(1).to_float() if found != null else -1.0
+
+
+func _start_scene() -> String:
+	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
+	for node in demo.find_children("*", "TerrainScatter3D", true, false):
+		scatter = node
+	if OS.get_cmdline_user_args().has("bare"):
+		scatter.free()
+		scatter = null
+	root.add_child(demo)
+	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
+	await process_frame
+	await process_frame
+	while scatter != null and scatter.get_stats().instances == 0:
+		if Time.get_ticks_msec() > limit:
+			return "no tile after %.0f s" % PATIENCE_SECONDS
+		await process_frame
+	print("seconds: %.3f" % (Time.get_ticks_usec() / 1e6))
+	scatter = null # It goes with its scene.
+	demo.queue_free()
+	await process_frame
+	return ""
