@@ -15,6 +15,7 @@ import signal
 import struct
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ from bakes.world import (
 from conftest import REPO, run
 
 sys.path.insert(0, str(REPO / "tools/bake"))
-from baking import grid  # noqa: E402 (only on the path above)
+from baking import cluster, grid  # noqa: E402 (only on the path above)
 
 
 @pytest.fixture(scope="module")
@@ -366,6 +367,25 @@ def test_kills_at_random_moments(world, baked, tmp_path, number):
         survive(world, tmp_path / victim, baked.manifest["digest"], victim, chance.uniform(0.2, 6.0))
 
 
+def test_it_is_said_when_a_scheduler_has_no_workers(monkeypatch):
+    """And when it has some again; once each."""
+    counts = [2, 0, 0, 3, 3, 0]
+    looked = threading.Event()
+
+    class Scheduler:
+        def nthreads(self) -> dict[str, int]:
+            if not counts:
+                looked.set()
+                raise OSError("gone")
+            return {f"worker {number}": 1 for number in range(counts.pop(0))}
+
+    monkeypatch.setattr(cluster, "LOOK_SECONDS", 0.01)
+    said: list[str] = []
+    with cluster.watched(Scheduler(), "tcp://here:1", said.append):
+        assert looked.wait(10.0)
+    assert [each.split(":1", 1)[1][:16] for each in said] == [" has no workers:", " has workers: 3.", " has no workers:"]
+
+
 def test_workers_of_a_cluster_that_exists(world, baked, tmp_path):
     """They are waited for, are sent the baker's modules, and end their engines when the bake ends."""
     with contextlib.ExitStack() as stack:
@@ -387,5 +407,4 @@ def test_workers_of_a_cluster_that_exists(world, baked, tmp_path):
         start("distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard")
         said = driver.communicate(timeout=120)[0]
         assert driver.returncode == 0 and baked.manifest["digest"] in said, said
-        assert f"The scheduler at {address} has workers: 1." in said
         assert not [each for each in psutil.process_iter(["name", "cmdline"]) if is_engine_of(each, world)]

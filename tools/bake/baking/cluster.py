@@ -45,7 +45,7 @@ def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> I
             if scheduler is not None:
                 with Client(scheduler, timeout="5s", set_as_default=False) as remote:
                     remote.upload_file(_packed(Path(scratch)))
-                    with _watched(remote, scheduler, say):
+                    with watched(remote, scheduler, say):
                         yield remote
                 return
             # Where the workers find this package.
@@ -87,7 +87,7 @@ def _kept(cluster: LocalCluster, workers: int) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Iterator[None]:
+def watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Iterator[None]:
     """Says when a scheduler that is not ours has no workers, and when it has some again."""
     there = True
 
