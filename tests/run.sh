@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up, builds, and runs every test, with a worker for each core up to four. Arguments go to pytest:
+# Sets up, builds, and runs every test, with a worker for each core and one more, up to four. Arguments go to pytest:
 #   bash tests/run.sh -k sampler
 #   bash tests/run.sh -n 0        one test after the other, in the order of their files
 #   bash tests/run.sh --full      also what takes long: soaks, fuzzers and sanitizers for longer, whole matrices
@@ -35,6 +35,7 @@ for argument in "$@"; do
 	[[ $argument != /* && $argument != -* && -e $from/${argument%%::*} ]] && argument=$from/$argument
 	arguments+=("$argument")
 done
-workers=$(nproc)
+# One more than there are cores: a test waits about a third of its time, for an engine's frames or for a clock.
+workers=$(($(nproc) + 1))
 ((workers <= 4)) || workers=4
 exec "$(python_venv)/bin/python" -m pytest -n "$workers" --dist loadgroup "${arguments[@]}" </dev/null
