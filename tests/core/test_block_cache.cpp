@@ -10,7 +10,6 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
-#include <cmath>
 #include <memory>
 #include <random>
 #include <thread>
@@ -20,8 +19,6 @@ using namespace thicket;
 using namespace thicket::test;
 
 namespace {
-
-double cell_width(const PointSet &set) { return set.radius / std::sqrt(2.0); }
 
 std::vector<SamplePoint> points_in(TileSampler &sampler, const PointSet &set, const Rect &rect) {
 	std::vector<SamplePoint> points;
@@ -119,7 +116,7 @@ TEST_CASE("Windows at the set's last cells come out of blocks as well") {
 	const PointSet set{.seed = 11, .radius = 1.0};
 	TileSampler with({}, std::make_shared<BlockCache>());
 	TileSampler without;
-	const double end = cell_limit * cell_width(set);
+	const double end = cell_limit * cell_size * lattice_unit(set);
 	for (const double low : {-end, end - 16.0}) {
 		const Rect rect{{low, low}, {low + 16.0, low + 16.0}};
 		for (int i = 0; i < 3; ++i) {

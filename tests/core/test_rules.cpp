@@ -1,4 +1,3 @@
-#include "core/base/trigonometry.hpp"
 #include "core/rules/instance_random.hpp"
 #include "core/rules/rules.hpp"
 #include "refusal.hpp"
@@ -9,13 +8,11 @@
 #include <glm/vec3.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <random>
 #include <set>
 #include <span>
@@ -75,23 +72,6 @@ std::shared_ptr<const DensityField> constant_field(float value) {
 
 } // namespace
 
-TEST_CASE("rules: slopes are true degrees") {
-	for (double degrees = 0.0; degrees <= 180.0; degrees += 0.25) {
-		for (const double heading : {0.0, 77.0, 200.0}) {
-			const glm::vec3 normal = inclined(degrees, 0.0f, heading).normal;
-			const double truth = std::atan2(std::hypot(double(normal.x), double(normal.z)), double(normal.y)) / radian;
-			CHECK(std::abs(slope_degrees(normal) - truth) < 1e-7);
-			CHECK(std::abs(slope_degrees(normal) - degrees) < 1e-4);
-		}
-	}
-	CHECK(slope_degrees({0.0f, 1.0f, 0.0f}) == 0.0);
-	CHECK(slope_degrees({1.0f, 1.0f, 0.0f}) == 45.0);
-	CHECK(slope_degrees({1.0f, 0.0f, 0.0f}) == 90.0);
-	CHECK(slope_degrees({0.0f, -1.0f, 0.0f}) == 180.0);
-	CHECK(std::isnan(slope_degrees({0.0f, 0.0f, 0.0f})));
-	CHECK(std::isnan(slope_degrees({std::nanf(""), 1.0f, 0.0f})));
-}
-
 TEST_CASE("rules: a slope limit cuts at its own angle, on both sides") {
 	for (const double limit : {30.0, 45.0, 60.0}) {
 		CAPTURE(limit);
@@ -109,43 +89,6 @@ TEST_CASE("rules: a slope limit cuts at its own angle, on both sides") {
 	flat_only.max_slope_degrees = 0.0;
 	CHECK(allowed(prepared(flat_only), Ground{0.0f, {0.0f, 1.0f, 0.0f}}));
 	CHECK_FALSE(allowed(prepared(flat_only), inclined(0.01)));
-}
-
-TEST_CASE("rules: slopes whose angle is not asked for have the same density") {
-	std::mt19937 random(7); // NOLINT(cert-msc32-c,cert-msc51-cpp): the same slopes in every run.
-	std::uniform_real_distribution<double> unit(0.0, 1.0);
-	std::size_t known = 0;
-	std::size_t asked = 0;
-	for (int i = 0; i < 400; ++i) {
-		const double one = i % 7 == 0 ? 0.0 : 90.0 * unit(random);
-		const double other = i % 5 == 0 ? 90.0 : i % 11 == 0 ? 90.0 - 1e-4 * unit(random) : 90.0 * unit(random);
-		const double falloff = i % 3 == 0 ? 0.0 : 30.0 * unit(random) * unit(random);
-		const double low = std::min(one, other);
-		const double high = std::max(one, other);
-		const SlopeRange range(low, high, falloff);
-		CAPTURE(low);
-		CAPTURE(high);
-		CAPTURE(falloff);
-		for (int j = 0; j < 250; ++j) {
-			const std::array<double, 5> edges{low, low + falloff, high - falloff, high, 90.0 * unit(random)};
-			// At the edges, where one ends and the other begins, and anywhere.
-			const double degrees = std::clamp(
-					edges[static_cast<std::size_t>(j % 5)] + (unit(random) - 0.5) * (j % 2 == 0 ? 1e-5 : 1e-2), 0.0,
-					89.9999);
-			const double length = 0.2 + 2.0 * unit(random);
-			const double angle = degrees * std::numbers::pi / 180.0;
-			const double turn = unit(random) * 6.2;
-			const glm::vec3 normal(length * std::sin(angle) * std::cos(turn), length * std::cos(angle),
-					length * std::sin(angle) * std::sin(turn));
-			const double exact = range.density(slope_degrees(normal));
-			CHECK(range.density_of(normal) == exact);
-			const std::optional<double> without = range.density_without_angle(normal);
-			CHECK((!without.has_value() || *without == exact));
-			known += j % 5 == 4 && without.has_value() ? 1 : 0;
-			asked += j % 5 == 4 ? 1 : 0;
-		}
-	}
-	CHECK(static_cast<double>(known) > 0.7 * static_cast<double>(asked));
 }
 
 TEST_CASE("rules: what is no ground, a wall or a ceiling never passes") {

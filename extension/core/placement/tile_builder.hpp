@@ -20,8 +20,9 @@
 namespace thicket {
 
 /// Makes tiles: sample, filter, place. The layers that the layer's rules look at are sampled and filtered in as much of
-/// their surroundings as that takes, anew for each tile, so that no tile depends on another; a BlockCache may have their points. The object is a reusable
-/// workspace: once it and the tile handed in are warm, nothing is allocated. Results do not depend on what it did before. Not thread safe; one per thread.
+/// their surroundings as that takes, anew for each tile, so that no tile depends on another; a BlockCache may have their
+/// points. The object is a reusable workspace: once it and the tile handed in are warm, nothing is allocated. Results do not
+/// depend on what it did before. Not thread safe; one per thread.
 ///
 /// `build` does all in one call. A terrain that may only be asked on one thread takes the same road in two steps:
 /// `find_points` on a worker, the ground for `positions()` wherever it can be had, then `place` on a worker again.

@@ -158,11 +158,14 @@ double PreparedRules::ground_density(const Ground &ground, glm::dvec2 position, 
 	if (Record::complete || density > 0.0) {
 		density *= water_density(ground.height, position, record);
 	}
+	if (!Record::complete && !(density > 0.0)) {
+		return density;
+	}
 	if (!Record::complete && rules_.slope_curve == nullptr) {
-		return density > 0.0 && !slope_.open() ? density * slope_.density_of(ground.normal) : density;
+		return density * slope_.density_of(ground.normal);
 	}
 	// The angle costs more than all else here, so only where it is asked for.
-	if ((Record::complete || density > 0.0) && (!slope_.open() || rules_.slope_curve != nullptr)) {
+	if (!slope_.open() || rules_.slope_curve != nullptr) {
 		const double slope = slope_degrees(ground.normal);
 		if (!slope_.open()) {
 			density *= record(RuleKind::slope, slope, slope_.density(slope));
