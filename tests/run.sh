@@ -11,6 +11,7 @@ source tools/setup.sh
 setup_compiler
 setup_baselines
 setup_clang
+setup_compiler_cache
 setup_mono
 setup_python
 setup_bake

@@ -54,4 +54,4 @@ def test_a_header_counts_for_what_includes_it():
     source = REPO / "extension/core/rules/rules.cpp"
     files = lint.with_headers(source, set())
     assert REPO / "extension/core/rules/rules.hpp" in files and len(files) > 5
-    assert lint.fingerprint(source) == lint.fingerprint(source)
+    assert lint.fingerprint(source, "g++") == lint.fingerprint(source, "g++") != lint.fingerprint(source, "g++ -DX")

@@ -4,8 +4,8 @@
     ~/.cache/thicket/venv/bin/python tools/lint.py tidy       checks what changed in extension/ since it was last found clean
     ~/.cache/thicket/venv/bin/python tools/lint.py tidy --all the same with tests/
 
-What clang-tidy found clean is remembered in build/tidy by the contents of a source, of all headers of ours that it includes
-and of .clang-tidy. It needs compile_commands.json, which any build writes."""
+What clang-tidy found clean is remembered in the cache folder, for all checkouts, by how a source is compiled and by the contents
+of it, of all headers of ours that it includes and of .clang-tidy. It needs compile_commands.json, which any build writes."""
 
 from __future__ import annotations
 
@@ -21,8 +21,11 @@ from functools import cache
 from pathlib import Path
 
 REPO = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(REPO / "tools/scons"))
+import libraries  # noqa: E402 (only on the path above)
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
-CLEAN = REPO / "build/tidy"
+CLEAN = Path(libraries.cache_folder()) / "tidy"
 # g++'s flags that clang does not know.
 UNKNOWN = {"-fno-gnu-unique"}
 
@@ -61,9 +64,9 @@ def with_headers(path: Path, seen: set[Path]) -> set[Path]:
     return seen
 
 
-def fingerprint(path: Path) -> str:
-    """Changes with all that may change what clang-tidy says about a source."""
-    digest = hashlib.sha256((text(REPO / ".clang-tidy") + text(REPO / "tests/requirements.txt")).encode())
+def fingerprint(path: Path, command: str) -> str:
+    """Changes with all that may change what clang-tidy says about a source that is compiled by this command."""
+    digest = hashlib.sha256((text(REPO / ".clang-tidy") + text(REPO / "tests/requirements.txt") + command).encode())
     for one in sorted(with_headers(path, set())):
         digest.update(one.relative_to(REPO).as_posix().encode() + b"\0" + text(one).encode())
     return digest.hexdigest()[:32]
@@ -72,22 +75,23 @@ def fingerprint(path: Path) -> str:
 def tidy(everything: bool) -> str:
     """What clang-tidy says against the sources; nothing if all are clean."""
     CLEAN.mkdir(parents=True, exist_ok=True)
+    known = REPO / "build/tidy"
+    known.mkdir(parents=True, exist_ok=True)
     database = json.loads((REPO / "compile_commands.json").read_text(encoding="utf-8"))
     for entry in database:
         entry["command"] = " ".join(word for word in entry["command"].split() if word not in UNKNOWN)
-    (CLEAN / "compile_commands.json").write_text(json.dumps(database), encoding="utf-8")
-    named = [REPO / entry["file"] for entry in database if entry["file"].startswith(("extension/", "tests/"))]
-    chosen = [path for path in named if everything or path.is_relative_to(REPO / "extension")]
-    stamps = {path: CLEAN / path.relative_to(REPO).as_posix().replace("/", "~") for path in chosen}
-    prints = {path: fingerprint(path) for path in chosen}
-    stale = [path for path in chosen if not stamps[path].is_file() or stamps[path].read_text() != prints[path]]
+    (known / "compile_commands.json").write_text(json.dumps(database), encoding="utf-8")
+    folders = ("extension/", "tests/") if everything else ("extension/",)
+    named = {REPO / entry["file"]: entry["command"] for entry in database if entry["file"].startswith(folders)}
+    stamps = {path: CLEAN / fingerprint(path, command) for path, command in named.items()}
+    stale = [path for path, stamp in stamps.items() if not stamp.is_file()]
 
     def check(path: Path) -> str:
         # Compilers of another kind warn about other things: warnings are g++'s business.
-        command = [tool("clang-tidy"), "--quiet", f"-p={CLEAN}", "--extra-arg=-w", "--header-filter=/(extension|tests)/", path]
+        command = [tool("clang-tidy"), "--quiet", f"-p={known}", "--extra-arg=-w", "--header-filter=/(extension|tests)/", path]
         done = subprocess.run(command, capture_output=True, text=True, cwd=REPO, check=False)
         if done.returncode == 0:
-            stamps[path].write_text(prints[path])
+            stamps[path].touch()
             return ""
         return done.stdout or done.stderr
 

@@ -2,6 +2,7 @@
 # Installs what building, testing and the demo need and this machine lacks; says what it does; does nothing, and asks
 # the network nothing, where all is there. Run it for everything, or source it and call the parts:
 #   setup_compiler   a C++20 compiler, scons, GLM, doctest, and the sources of Highway
+#   setup_compiler_cache  ccache, for compilers that are called from here on; they compile in full where it cannot be had
 #   setup_baselines  CGAL, for one of the methods that tests and benches compare with
 #   setup_clang      a second compiler, for the tests that compare compilers; those are skipped where it cannot be had
 #   setup_mono       a C# compiler, for the test of the wrappers; it is skipped where none can be had
@@ -88,6 +89,16 @@ apt_of() {
 		-o Dir::State::lists="$folder/lists" -o Dir::Cache="$folder/cache" -o APT::Sandbox::User="$(id -un)"
 		-o Acquire::Check-Valid-Until=false)
 	(cd "$folder" && apt-get "${from[@]}" update && apt-get "${from[@]}" "$@") >&2
+}
+
+# What one checkout has compiled, no other compiles again, wherever it lies: the folder is not hashed. Not for a debugger, which
+# would look for sources in the first one.
+setup_compiler_cache() {
+	command -v ccache >/dev/null || install_packages "to compile nothing twice" ccache ||
+		say "going on without a compiler cache; everything that is new here will be compiled"
+	[[ -d /usr/lib/ccache ]] || return 0
+	export PATH="/usr/lib/ccache:$PATH" CCACHE_NOHASHDIR=1
+	export CCACHE_DIR=${CCACHE_DIR:-$(cache_folder)/ccache}
 }
 
 setup_baselines() {

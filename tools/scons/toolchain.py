@@ -15,6 +15,8 @@ except ImportError:  # not on Windows
 
 TARGETS = ("template_debug", "template_release", "editor")
 SANITIZERS = ("address", "undefined", "thread")
+# What a build takes from the environment, and what a compiler cache asks for.
+INHERITED = ("PATH", "HOME", "TERM", "TMPDIR", "THICKET_CACHE", "XDG_CACHE_HOME")
 
 
 def options():
@@ -76,7 +78,7 @@ def lock(env):
 def configure(env):
     """Sets the flags that all our code is compiled with; returns the name of the build folder, one for each set of
     options that gives other objects."""
-    env["ENV"] = {name: os.environ[name] for name in ("PATH", "HOME", "TERM", "TMPDIR", "THICKET_CACHE", "XDG_CACHE_HOME") if name in os.environ}
+    env["ENV"] = {name: value for name, value in os.environ.items() if name in INHERITED or name.startswith("CCACHE_")}
     env["arch"] = env["arch"] or ("wasm32" if env["platform"] == "web" else platforms.native_arch())
     env["CXX"] = env["CXX"] or os.environ.get("CXX") or "g++"
     problem = platforms.problem(env)
