@@ -228,9 +228,14 @@ func test_no_frame_has_an_instance_twice_or_not_at_all() -> void:
 	var differing := 0
 	for step in 80:
 		viewer.global_position += Vector3(5.0, 0.0, 4.5)
-		if (await light()).get_data() != whole.get_data():
-			differing += 1
-		counts[scatter.get_stats()["multimeshes"]] = true
+		# The work may lag behind by as much as the machine is slow, but not for the whole way.
+		var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
+		while true:
+			if (await light()).get_data() != whole.get_data():
+				differing += 1
+			counts[scatter.get_stats()["multimeshes"]] = true
+			if step % 10 != 9 or scatter.is_settled() or Time.get_ticks_msec() > deadline:
+				break
 	check_equal(differing, 0, "frames with another picture")
 	check(counts.size() > 3, "tiles were divided on the way: %s" % [counts.keys()])
 
