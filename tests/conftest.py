@@ -26,10 +26,10 @@ except ImportError:  # Not on Windows.
 
 REPO = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(REPO / "tools/scons"))
-import libraries  # noqa: E402 (only on the path above)
+import installed  # noqa: E402 (only on the path above)
 
 # Where tools/setup.sh puts what it installs.
-CACHE = Path(libraries.cache_folder())
+CACHE = Path(installed.cache_folder())
 # The add-on that projects of tests get: the one that was built here, or another, unpacked from a zip.
 ADDON = Path(os.environ.get("THICKET_ADDON") or REPO / "demo_project/addons/thicket")
 ARCH = {"amd64": "x86_64", "aarch64": "arm64"}.get(platform.machine().lower(), platform.machine().lower())

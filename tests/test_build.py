@@ -16,7 +16,7 @@ import pytest
 from conftest import BUILD_DIR, LONG_CASES, REPO, run
 
 # From tools/scons, which conftest puts on the path.
-import libraries
+import installed
 import manifest
 import rooms
 from rooms import ROOMS
@@ -198,7 +198,7 @@ def test_build_has_nothing_left_to_do():
 def test_core_needs_no_godot(tmp_path):
     """With no Godot anywhere, core, tests and benches still build, and asking for the extension says what is missing."""
     bare = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "THICKET_CACHE": str(tmp_path), "GODOT": "/nowhere/godot"}
-    sources = "highway=%s" % libraries.highway_folder()
+    sources = "highway=%s" % installed.highway_folder()
     done = run(["scons", "-Q", "-n", sources, "core", "tests", "bench"], timeout=120, cwd=REPO, env=bare)
     assert done.returncode == 0, done.stdout + done.stderr
 

@@ -22,10 +22,10 @@ from pathlib import Path
 
 REPO = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(REPO / "tools/scons"))
-import libraries  # noqa: E402 (only on the path above)
+import installed  # noqa: E402 (only on the path above)
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
-CLEAN = Path(libraries.cache_folder()) / "tidy"
+CLEAN = Path(installed.cache_folder()) / "tidy"
 # g++'s flags that clang does not know.
 UNKNOWN = {"-fno-gnu-unique"}
 

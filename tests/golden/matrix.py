@@ -25,10 +25,11 @@ REPO = Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(REPO / "tools/scons")]
 
 import emulators
+import installed
 import libraries
 
-HIGHWAY = Path(libraries.highway_folder())
-ZIG = Path(libraries.zig_program())
+HIGHWAY = Path(installed.highway_folder())
+ZIG = Path(installed.zig_program())
 BUILT = REPO / "build/golden"
 GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
 
@@ -163,7 +164,7 @@ class Failed(Exception):
 
 
 def call(command: list[str]) -> None:
-    environment = {**os.environ, **libraries.zig_environment(str(ZIG))}
+    environment = {**os.environ, **installed.zig_environment(str(ZIG))}
     done = subprocess.run(command, capture_output=True, text=True, errors="replace", cwd=REPO, env=environment, check=False)
     if done.returncode != 0:
         raise Failed(f"{' '.join(command)}\n{done.stderr[-4000:]}")

@@ -10,7 +10,7 @@ REPO = Path(__file__).resolve().parents[2]
 ADDON = REPO / "demo_project/addons/thicket"
 sys.path.insert(0, str(REPO / "tools/scons"))
 
-import libraries  # noqa: E402 (only on the path above)
+import installed  # noqa: E402 (only on the path above)
 import manifest  # noqa: E402
 
 
@@ -55,7 +55,7 @@ def demo(folder, addon_folder):
 
 def notices():
     """The licenses of what is compiled into the libraries."""
-    highway, zig = Path(libraries.highway_folder()), Path(libraries.zig_program()).parent
+    highway, zig = Path(installed.highway_folder()), Path(installed.zig_program()).parent
     works = [
         ("Highway, vectors for every processor (its BSD 3-clause license is chosen)", highway / "LICENSE-BSD3"),
         ("GLM, vectors and matrices", Path("/usr/share/doc/libglm-dev/copyright")),

@@ -3,7 +3,7 @@
 import os
 import re
 
-import libraries
+import installed
 import platforms
 
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion"]
@@ -45,7 +45,7 @@ def choose(env):
             raise SystemExit("thicket: use_zig=yes: no zig at %s (bash tools/package.sh installs it)" % zig)
         compiler = [zig, "c++", "-target", platforms.zig_target(env)]
         env.Replace(CXX=compiler, LINK=compiler, SHLINK=compiler, AR=[zig, "ar"], RANLIB=[zig, "ranlib"])
-        env["ENV"].update(libraries.zig_environment(zig))
+        env["ENV"].update(installed.zig_environment(zig))
     return "" if name(env) in ("g++", "cl", "em++") else name(env)
 
 

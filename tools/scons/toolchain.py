@@ -4,7 +4,7 @@ import os
 import sys
 
 import compilers
-import libraries
+import installed
 import platforms
 from SCons.Script import BoolVariable, EnumVariable, PathVariable, Variables
 
@@ -36,8 +36,8 @@ def options():
             "",
             lambda key, value, env: value and PathVariable.PathIsDir(key, value, env),
         ),
-        ("highway", "the sources of Highway " + libraries.version("highway"), libraries.highway_folder()),
-        ("zig", "the program zig, for use_zig=yes", libraries.zig_program()),
+        ("highway", "the sources of Highway " + installed.version("highway"), installed.highway_folder()),
+        ("zig", "the program zig, for use_zig=yes", installed.zig_program()),
         ("sanitize", "comma-separated sanitizers: address, undefined, thread", ""),
         ("CXX", "the C++ compiler", ""),
         BoolVariable("dev_build", "for a debugger: -Og -g3, in a build folder of its own", False),

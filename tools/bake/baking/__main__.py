@@ -9,8 +9,9 @@ import sys
 from pathlib import Path
 
 from .command_line import REPO, with_values
-from .driver import Outcome, Wish, bake
+from .driver import Wish, bake
 from .format import BakeError
+from .report import Outcome
 from .tile_engine import Source
 from .words import amount, duration
 

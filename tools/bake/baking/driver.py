@@ -13,7 +13,7 @@ from distributed import Client, as_completed
 
 from . import cluster, files, grid, tile
 from .format import FORMAT, VERSION, BakeError, name_of, read_manifest, tile_of_name
-from .report import Map, Progress, write_report
+from .report import Map, Outcome, Progress, write_report
 from .tile_engine import EngineGone, Refused, Source
 
 # Pixels of the longer side of the map.
@@ -37,29 +37,6 @@ class Wish:
     scheduler: str | None = None
     shuffle: int | None = None  # The seed of a random order
     fresh: bool = False
-
-
-@dataclass
-class Outcome:
-    """What came of a bake. `failed` holds a sentence for each tile that could not be made; `stopped` why it ended before its end."""
-
-    manifest: dict
-    kept: int = 0
-    made: int = 0
-    made_rows: int = 0
-    bytes: int = 0
-    seconds: float = 0.0
-    busy_seconds: float = 0.0
-    starting: list[float] = field(default_factory=list)  # Seconds of each engine that was started
-    driver_seconds: float = 0.0  # Processor time of this process, in which Dask's scheduler runs too unless it is elsewhere
-    worker_memory: int = 0
-    engine_memory: int = 0
-    failed: dict[tuple[int, int], str] = field(default_factory=dict)
-    stopped: str = ""
-
-    @property
-    def driver_seconds_a_tile(self) -> float:
-        return self.driver_seconds / max(self.made + self.kept, 1)
 
 
 def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:

@@ -1,4 +1,4 @@
-"""What a person gets to see of a bake: a line of progress, a map, and a report."""
+"""What came of a bake, and what a person gets to see of it: a line of progress, a map, and a report."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import colorsys
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
@@ -15,10 +15,30 @@ from PIL import Image
 from . import files
 from .words import amount, duration
 
-if TYPE_CHECKING:
-    from .driver import Outcome
-
 GROUND = (0.93, 0.92, 0.88)
+
+
+@dataclass
+class Outcome:
+    """What came of a bake. `failed` holds a sentence for each tile that could not be made; `stopped` why it ended before its end."""
+
+    manifest: dict
+    kept: int = 0
+    made: int = 0
+    made_rows: int = 0
+    bytes: int = 0
+    seconds: float = 0.0
+    busy_seconds: float = 0.0
+    starting: list[float] = field(default_factory=list)  # Seconds of each engine that was started
+    driver_seconds: float = 0.0  # Processor time of this process, in which Dask's scheduler runs too unless it is elsewhere
+    worker_memory: int = 0
+    engine_memory: int = 0
+    failed: dict[tuple[int, int], str] = field(default_factory=dict)
+    stopped: str = ""
+
+    @property
+    def driver_seconds_a_tile(self) -> float:
+        return self.driver_seconds / max(self.made + self.kept, 1)
 
 
 class Progress:
