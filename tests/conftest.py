@@ -53,6 +53,8 @@ TOGETHER = {name: "builds" for name in ("test_sanitizers", "test_fuzz", "test_bu
 
 def group(item: pytest.Item) -> str | None:
     """The name that the tests of one worker share; None for a test that any worker may take."""
+    if alone(item):
+        return "alone"
     if "imported_demo" in getattr(item, "fixturenames", ()):
         return "demo"  # Its import writes into the project.
     return None if item.path.stem in SPREAD else TOGETHER.get(item.path.stem, item.path.stem)
@@ -64,14 +66,12 @@ def pytest_addoption(parser: pytest.Parser):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]):
-    """Without --full, no test that is marked so. With several workers: first the tests that want to be alone, then whole
-    files, then what is spread."""
+    """Without --full, no test that is marked so. With several workers: first whole files, then what is spread, and at last, when
+    nothing that takes minutes is under way, the tests that want to be alone: while one waits, no other test begins."""
 
     def rank(item: pytest.Item) -> int:
-        if alone(item):
-            return -1
         stem = item.path.stem
-        return LONG.index(stem) if stem in LONG else len(LONG) + int(stem in SPREAD)
+        return LONG.index(stem) if stem in LONG else len(LONG) + int(stem in SPREAD) + 2 * int(alone(item))
 
     if not config.getoption("--full"):
         longer = [item for item in items if item.get_closest_marker("full")]
