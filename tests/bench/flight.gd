@@ -25,6 +25,8 @@ func run() -> String:
 			return failure
 		var shown: Dictionary = scatter.get_stats()
 		print("| a wide view: on show | %d tiles, %d instances | exact | 1 |" % [shown.tiles, shown.instances])
+		row("a wide view: main memory an instance, without the renderer's buffers",
+				[float(shown.instance_bytes) / shown.instances], "bytes", 1)
 		await _measure(speed, seconds)
 	return ""
 

@@ -54,13 +54,21 @@ func _measure_circles(rounds: int) -> void:
 		var layers := PackedInt32Array(asked[what])
 		var warm := []
 		var cold := []
+		var read := []
 		var found: PackedInt64Array = scatter.query_sphere(_center, RADIUS, layers).ids
 		for round in rounds:
 			var far := _on_ground(_center + Vector3(400.0, 0.0, 300.0 * (round + 1)))
 			cold.push_back(time_of(scatter.query_sphere.bind(far, RADIUS, layers)) / 1e3)
 			warm.push_back(time_of(scatter.query_sphere.bind(_center, RADIUS, layers)) / 1e3)
+			read.push_back(time_of(_read_all.bind(layers)) / 1e3)
 		row("query_sphere of %.0f m, %d instances of %s, tiles known" % [RADIUS, found.size(), what], warm, "ms", 2)
 		row("the same elsewhere, tiles made on the spot", cold, "ms", 1)
+		row("the same, ids, positions and transforms read", read, "ms", 2)
+
+
+func _read_all(layers: PackedInt32Array) -> int:
+	var all := scatter.query_sphere(_center, RADIUS, layers)
+	return all.ids.size() + all.positions.size() + all.transforms.size()
 
 
 ## Rays, nearest and single instances among trees and ferns.

@@ -4,6 +4,7 @@
 // force.
 
 #include "core/base/tile_grid.hpp"
+#include "core/placement/kept_tile.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/query/instance_query.hpp"
 
@@ -92,24 +93,28 @@ public:
 	bool makes = true;                                          ///< False: what is not there stays away.
 	Status failure;                                             ///< What the next call gives, if it is one.
 
-	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override {
+	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override {
 		asked_for.emplace_back(layer, tile.x, tile.y);
 		r_tile = nullptr;
 		if (!failure.ok()) {
 			return failure;
 		}
-		std::shared_ptr<const TileInstances> &kept = tiles_[{layer, tile.x, tile.y}];
+		std::shared_ptr<const KeptTile> &kept = tiles_[{layer, tile.x, tile.y}];
 		if (kept == nullptr && makes) {
-			auto made = std::make_shared<TileInstances>();
-			const WorldLayer &settings = layers[layer];
-			const Rect square = tile_rect(settings.asked.tile_size, tile);
-			if (const Status status = builder_.build(settings.settings, terrain_, square, *made); !status.ok()) {
+			TileInstances made;
+			if (const Status status = build(layer, tile, made); !status.ok()) {
 				return status;
 			}
-			kept = made;
+			kept = std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(layers[layer].settings));
 		}
 		r_tile = kept;
 		return {};
+	}
+
+	/// A tile as it comes from its builder, whatever is kept.
+	Status build(std::uint32_t layer, glm::ivec2 tile, TileInstances &r_made) {
+		const WorldLayer &settings = layers[layer];
+		return builder_.build(settings.settings, terrain_, tile_rect(settings.asked.tile_size, tile), r_made);
 	}
 
 	void forget() { tiles_.clear(); }
@@ -124,11 +129,11 @@ public:
 private:
 	EndlessHills terrain_;
 	TileBuilder builder_;
-	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const TileInstances>> tiles_;
+	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const KeptTile>> tiles_;
 };
 
 /// All that stands in the tiles that touch `area` by the rules of the wanted layers, and what was placed by hand there,
-/// without what was removed: by layer and id. Reads the buffers on its own.
+/// without what was removed: by layer and id. Reads the buffers on its own, and what is kept of them not at all.
 inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area, const InstanceState *state = nullptr) {
 	std::vector<PlacedInstance> all;
 	for (std::uint32_t layer = 0; layer < world.layers.size(); ++layer) {
@@ -139,15 +144,17 @@ inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area,
 		const glm::ivec2 first = tile_at(asked.tile_size, area.min);
 		const glm::ivec2 last = tile_at(asked.tile_size, area.max);
 		for (int i = 0; i < (last.x - first.x + 1) * (last.y - first.y + 1); ++i) {
-			std::shared_ptr<const TileInstances> tile;
+			TileInstances tile;
+			std::shared_ptr<const KeptTile> known; // As a query would leave it.
 			const int width = last.x - first.x + 1;
-			REQUIRE(world.find_tile(layer, first + glm::ivec2(i % width, i / width), tile).ok());
-			for (std::uint32_t mesh = 0; mesh < tile->meshes.size(); ++mesh) {
-				const MeshInstances &instances = tile->meshes[mesh];
+			REQUIRE(world.find_tile(layer, first + glm::ivec2(i % width, i / width), known).ok());
+			REQUIRE(world.build(layer, first + glm::ivec2(i % width, i / width), tile).ok());
+			for (std::uint32_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
+				const MeshInstances &instances = tile.meshes[mesh];
 				for (std::size_t at = 0; at < instances.size(); ++at) {
 					const float *t = &instances.buffer[at * instances.stride];
 					PlacedInstance each{instances.ids[at], layer, mesh,
-							tile->origin + glm::dvec3(glm::vec3(t[3], t[7], t[11])),
+							tile.origin + glm::dvec3(glm::vec3(t[3], t[7], t[11])),
 							glm::mat3(glm::vec3(t[0], t[4], t[8]), glm::vec3(t[1], t[5], t[9]),
 									glm::vec3(t[2], t[6], t[10]))};
 					if (state == nullptr || !state->removed(each.id)) {

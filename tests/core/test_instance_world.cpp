@@ -21,6 +21,13 @@ std::vector<QueryLayer> layers_of(std::uint64_t seed) {
 	return {layer};
 }
 
+std::shared_ptr<const KeptTile> tile_of(std::size_t instances) {
+	TileInstances tile;
+	tile.meshes.resize(1);
+	tile.meshes[0].resize(instances);
+	return std::make_shared<const KeptTile>(tile, nullptr);
+}
+
 } // namespace
 
 TEST_CASE("instance world: the tiles that were not needed for longest are forgotten, few for each that comes") {
@@ -28,8 +35,8 @@ TEST_CASE("instance world: the tiles that were not needed for longest are forgot
 	constexpr int tiles = 3000;
 	InstanceWorld world;
 	world.set_layers(layers_of(1));
-	std::vector<std::weak_ptr<const TileInstances>> made;
-	std::vector<std::shared_ptr<const TileInstances>> on_show;
+	std::vector<std::weak_ptr<const KeptTile>> made;
+	std::vector<std::shared_ptr<const KeptTile>> on_show;
 	const auto forgotten = [&made] {
 		return std::ranges::count_if(made, [](const auto &tile) { return tile.expired(); });
 	};
@@ -39,9 +46,7 @@ TEST_CASE("instance world: the tiles that were not needed for longest are forgot
 	std::ptrdiff_t before = 0;
 	std::ptrdiff_t most = 0;
 	for (int x = 0; x < tiles; ++x) {
-		auto tile = std::make_shared<TileInstances>();
-		tile->meshes.resize(1);
-		tile->meshes[0].ids.resize(instances);
+		auto tile = tile_of(instances);
 		made.emplace_back(tile);
 		if (x < 50) {
 			on_show.push_back(tile);
@@ -72,9 +77,7 @@ TEST_CASE("instance world: what was cleared or is wanted no longer may be forgot
 	for (int round = 0; round < 3; ++round) {
 		world.set_layers(layers_of(1));
 		for (int x = 0; x < 700; ++x) {
-			auto tile = std::make_shared<TileInstances>();
-			tile->meshes.resize(1);
-			tile->meshes[0].ids.resize(1000);
+			auto tile = tile_of(1000);
 			world.keep(0, {x, round}, std::move(tile));
 			if (x == 450 && round == 1) {
 				world.clear();

@@ -43,11 +43,11 @@ struct FlatWorld {
 		world.set_layers({layer});
 	}
 
-	std::shared_ptr<const TileInstances> make(glm::ivec2 tile, double height = 0.0) const {
+	std::shared_ptr<const KeptTile> make(glm::ivec2 tile, double height = 0.0) const {
 		TileInstances made;
 		TileBuilder builder;
 		CHECK(builder.build(settings, FlatTerrain(static_cast<float>(height)), tile_rect(tile_size, tile), made).ok());
-		return std::make_shared<const TileInstances>(std::move(made));
+		return std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(settings));
 	}
 
 	/// Makes the tiles from -reach to reach known.
@@ -313,18 +313,46 @@ TEST_CASE("near queue: tiles that are not known are missed") {
 	CHECK(flat.world.take_missing().empty());
 }
 
+TEST_CASE("instance world: what a query misses is made in one go, and once") {
+	FlatWorld flat;
+	std::vector<std::size_t> calls;
+	flat.world.set_maker(
+			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+				calls.push_back(tiles.size());
+				r_tiles.clear();
+				for (const WorldTile &tile : tiles) {
+					r_tiles.push_back(flat.make(tile.tile));
+				}
+				return {};
+			});
+	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
+	std::vector<PlacedInstance> first;
+	std::vector<PlacedInstance> second;
+	for (std::vector<PlacedInstance> *found : {&first, &second}) {
+		CHECK(flat.world.ask([&](const InstanceQuery &query) {
+							return query.in_sphere({0.0, 0.0, 0.0}, 20.0, {}, *found);
+						})
+						.ok());
+	}
+	REQUIRE(calls.size() == 1);
+	CHECK(calls[0] >= 3);
+	CHECK(first.size() > 100);
+	CHECK(first.size() == second.size());
+}
+
 TEST_CASE("instance world: a tile that was made while the layers changed is not kept") {
 	FlatWorld flat;
 	int made = 0;
 	bool meddle = true;
-	flat.world.set_maker([&](std::uint32_t, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) -> Status {
-		++made;
-		r_tile = flat.make(tile);
-		if (meddle) {
-			flat.set_layers();
-		}
-		return {};
-	});
+	flat.world.set_maker(
+			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+				++made;
+				r_tiles = {flat.make(tiles.front().tile)};
+				if (meddle) {
+					flat.set_layers();
+				}
+				return {};
+			});
 	const auto ask = [&flat] {
 		std::vector<PlacedInstance> found;
 		CHECK(flat.world.ask([&](const InstanceQuery &query) {

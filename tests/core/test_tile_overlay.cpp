@@ -14,28 +14,23 @@ using namespace thicket::test;
 
 namespace {
 
-OverlaidMeshes shown_of(const std::shared_ptr<const TileInstances> &tile, const LayerSettings &layer, const Rect &rect,
+OverlaidMeshes shown_of(const std::shared_ptr<const KeptTile> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay) {
 	OverlaidMeshes meshes;
 	REQUIRE(overlaid(tile, layer, rect, overlay, meshes).ok());
 	return meshes;
 }
 
-std::shared_ptr<const TileInstances> shared_tile(const LayerSettings &layer) {
-	return std::make_shared<const TileInstances>(built(layer, hills(), tile_of_hills));
+std::shared_ptr<const KeptTile> shared_tile(const LayerSettings &layer) {
+	return kept(layer, built(layer, hills(), tile_of_hills));
 }
 
-std::size_t count_of(const std::vector<std::shared_ptr<const MeshInstances>> &shown) {
+std::size_t count_of(const OverlaidMeshes &shown) {
 	std::size_t count = 0;
 	for (const auto &mesh : shown) {
 		count += mesh->size();
 	}
 	return count;
-}
-
-/// The place of an id in a mesh; its size for none.
-std::size_t find(const MeshInstances &mesh, std::uint64_t id) {
-	return static_cast<std::size_t>(std::find(mesh.ids.begin(), mesh.ids.end(), id) - mesh.ids.begin());
 }
 
 AddedInstance placed(const LayerSettings &layer, glm::dvec3 position, std::uint8_t mesh) {
@@ -72,7 +67,8 @@ TEST_CASE("overlay: what is removed or hidden is gone, and the rest keeps its or
 	std::unordered_set<std::uint64_t> hidden;
 	std::mt19937 random(5);
 	std::size_t gone = 0;
-	for (const MeshInstances &mesh : tile->meshes) {
+	const TileInstances whole_tile = expanded(*tile);
+	for (const MeshInstances &mesh : whole_tile.meshes) {
 		for (const std::uint64_t id : mesh.ids) {
 			const auto draw = random() % 10;
 			if (draw < 2) {
@@ -84,10 +80,10 @@ TEST_CASE("overlay: what is removed or hidden is gone, and the rest keeps its or
 		}
 	}
 	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, &hidden});
-	CHECK(count_of(shown) == size_of(*tile) - gone);
+	CHECK(count_of(shown) == size_of(expanded(*tile)) - gone);
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
-		const MeshInstances &whole = tile->meshes[mesh];
-		const MeshInstances &rest = *shown[mesh];
+		const MeshInstances &whole = whole_tile.meshes[mesh];
+		const MeshInstances rest = expanded(*shown[mesh]);
 		std::size_t at = 0;
 		for (std::size_t i = 0; i < whole.size(); ++i) {
 			if (state.removed(whole.ids[i]) || hidden.contains(whole.ids[i])) {
@@ -119,23 +115,23 @@ TEST_CASE("overlay: hand-placed instances stand first, in the tile of their plac
 	REQUIRE(state.add(placed(layer, {64.0, 0.0, 64.0}, 1), on_edge).ok());
 	REQUIRE(state.add(placed(layer, {-64.0, 0.0, 0.0}, 200), odd_mesh).ok());
 	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, nullptr});
-	CHECK(count_of(shown) == size_of(*tile) + 2);
-	CHECK(find(*shown[1], inside) == 0);
-	CHECK(find(*shown[0], odd_mesh) == 0);
+	CHECK(count_of(shown) == size_of(expanded(*tile)) + 2);
+	CHECK(shown[1]->find(inside) == 0);
+	CHECK(shown[0]->find(odd_mesh) == 0);
 	CHECK(shown[2].get() == &tile->meshes[2]);
-	CHECK(find(*shown[1], on_edge) == shown[1]->size());
-	CHECK(shown[1]->ranks[0] == 0);
-	CHECK(world_position(*tile, *shown[1], 0) == glm::dvec3(10.5, 20.0, 30.25));
-	CHECK(std::vector<float>(shown[1]->buffer.begin(), shown[1]->buffer.begin() + 3) ==
-			std::vector<float>{0.0f, 0.0f, 2.0f});
-	CHECK(shown[1]->buffer[transform_floats] == 0.5f); // Of its height.
-	CHECK(shown[1]->buffer[transform_floats + 3] == 2.0f);
-	CHECK(shown[1]->max_scale >= 2.0f);
-	CHECK(visible_prefix(shown[1]->ranks, 1e-9) >= 1);
+	CHECK(shown[1]->find(on_edge) == shown[1]->size());
+	CHECK(shown[1]->ranks()[0] == 0);
+	CHECK(tile->origin + glm::dvec3(shown[1]->positions()[0]) == glm::dvec3(10.5, 20.0, 30.25));
+	const std::vector<float> floats = expanded(*shown[1]).buffer;
+	CHECK(std::vector<float>(floats.begin(), floats.begin() + 3) == std::vector<float>{0.0f, 0.0f, 2.0f});
+	CHECK(floats[transform_floats] == 0.5f); // Of its height.
+	CHECK(floats[transform_floats + 3] == 2.0f);
+	CHECK(shown[1]->max_scale() >= 2.0f);
+	CHECK(visible_prefix(shown[1]->ranks(), 1e-9) >= 1);
 
 	const Rect next{{64.0, 0.0}, {192.0, 128.0}};
-	const auto neighbor = std::make_shared<const TileInstances>(built(layer, hills(), next));
-	CHECK(find(*shown_of(neighbor, layer, next, {&state, nullptr})[1], on_edge) == 0);
+	const auto neighbor = kept(layer, built(layer, hills(), next));
+	CHECK(shown_of(neighbor, layer, next, {&state, nullptr})[1]->find(on_edge) == 0);
 }
 
 TEST_CASE("overlay: the box holds what stands") {
@@ -145,7 +141,7 @@ TEST_CASE("overlay: the box holds what stands") {
 	std::uint64_t id = 0;
 	REQUIRE(state.add(placed(layer, {0.0, 900.0, 64.0}, 0), id).ok());
 	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, nullptr});
-	const MeshInstances &mesh = *shown[0];
-	CHECK(mesh.max.y == static_cast<float>(900.0 - tile->origin.y));
-	CHECK(mesh.min == tile->meshes[0].min);
+	const KeptMesh &mesh = *shown[0];
+	CHECK(mesh.max().y == static_cast<float>(900.0 - tile->origin.y));
+	CHECK(mesh.min() == tile->meshes[0].min());
 }

@@ -2,6 +2,7 @@
 
 // What the tests of whole tiles share.
 
+#include "core/placement/kept_tile.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/terrain/heightfield.hpp"
 
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <thread>
 #include <vector>
 
@@ -51,6 +53,17 @@ inline TileInstances built(const LayerSettings &layer, const Terrain &terrain, c
 	TileInstances tile;
 	REQUIRE(builder.build(layer, terrain, rect, tile).ok());
 	return tile;
+}
+
+inline std::shared_ptr<const KeptTile> kept(const LayerSettings &layer, const TileInstances &tile) {
+	return std::make_shared<const KeptTile>(tile, std::make_shared<LayerSettings>(layer));
+}
+
+/// Of every bit of it.
+inline std::uint64_t digest(const KeptMesh &mesh) {
+	TileInstances tile;
+	tile.meshes.push_back(expanded(mesh));
+	return digest(tile);
 }
 
 inline std::size_t size_of(const TileInstances &tile) {

@@ -372,3 +372,22 @@ func test_what_a_frame_was_spent_on() -> void:
 			unlike.push_back([parts, spent])
 	check(unlike.size() < 20, "not the time of the frame: %s" % [unlike]) # The machine may stop a thread between two looks at the clock.
 	check(seen.has("upload") and seen.has("made"), "seen: %s" % [seen.keys()])
+
+
+func test_the_main_memory_of_what_is_on_show() -> void:
+	var upright := make_layer()
+	upright.align_to_normal = 0.0
+	var leaning := make_layer()
+	leaning.align_to_normal = 1.0
+	for case: Array in [[upright, 20.0], [leaning, 32.0]]:
+		var scatter := make_scatter([case[0]], ScatterTerrainFlat.new(), make_viewer())
+		await settle(scatter)
+		var stats := scatter.get_stats()
+		check(stats.instances > 1000, "instances: %d" % stats.instances)
+		var each: float = float(stats.instance_bytes) / stats.instances
+		# These tiles are small, so what each takes once counts; and they are drawn in cells, each a list of its instances.
+		check(each > 16.0 and each < case[1] + 16.0, "bytes an instance: %.1f" % each)
+		scatter.layers = []
+		await settle(scatter)
+		check_equal(scatter.get_stats().instance_bytes, 0, "bytes of nothing")
+		scatter.free()

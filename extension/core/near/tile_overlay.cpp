@@ -3,11 +3,9 @@
 #include "core/base/guard.hpp"
 #include "core/placement/instance_data.hpp"
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace thicket {
@@ -38,47 +36,30 @@ void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettin
 			floats.subspan(transform_floats), shares_by_hand(layer.instance_data, added.position));
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = 0;
-}
-
-/// The box around what stands, after the instances were written.
-void measure(const MeshInstances &base, std::span<const AddedInstance *const> added, MeshInstances &r_mesh) {
-	r_mesh.max_scale = base.max_scale;
-	for (const AddedInstance *instance : added) {
-		r_mesh.max_scale = std::max(r_mesh.max_scale, largest_scale(instance->basis));
-	}
-	glm::vec3 min(std::numeric_limits<float>::max());
-	glm::vec3 max = -min;
-	for (std::size_t i = 0; i < r_mesh.size(); ++i) {
-		const std::span<const float> floats = r_mesh.floats_of(i);
-		const glm::vec3 position{floats[3], floats[7], floats[11]};
-		min = glm::min(min, position);
-		max = glm::max(max, position);
-	}
-	r_mesh.min = r_mesh.size() > 0 ? min : glm::vec3(0.0f);
-	r_mesh.max = r_mesh.size() > 0 ? max : glm::vec3(0.0f);
+	r_mesh.max_scale = std::max(r_mesh.max_scale, largest_scale(added.basis));
 }
 
 /// `mesh` without what is covered, behind what was added.
-std::shared_ptr<const MeshInstances> rebuilt(const MeshInstances &mesh, const LayerSettings &layer, glm::dvec3 origin,
-		const Overlay &overlay, const Ids &added_ids, std::size_t standing, bool any_removed) {
-	auto result = std::make_shared<MeshInstances>();
-	result->resize(added_ids.size() + standing, floats_per_instance(layer.instance_data));
-	std::vector<const AddedInstance *> added;
-	std::size_t at = 0;
-	for (const std::uint64_t id : added_ids) {
-		added.push_back(overlay.state->added(id));
-		write_added(*added.back(), id, layer, origin, at++, *result);
+std::shared_ptr<const KeptMesh> rebuilt(const KeptMesh &mesh, const LayerSettings &layer, glm::dvec3 origin,
+		const Overlay &overlay, const Ids &added_ids, std::span<const std::uint32_t> standing) {
+	MeshInstances added;
+	added.resize(added_ids.size(), floats_per_instance(layer.instance_data));
+	for (std::size_t at = 0; at < added_ids.size(); ++at) {
+		write_added(*overlay.state->added(added_ids[at]), added_ids[at], layer, origin, at, added);
 	}
+	return std::make_shared<const KeptMesh>(added, mesh, standing);
+}
+
+/// What is not covered.
+std::vector<std::uint32_t> standing_of(const KeptMesh &mesh, const Overlay &overlay, bool any_removed) {
+	std::vector<std::uint32_t> standing;
+	standing.reserve(mesh.size());
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
-		if (!covers(overlay, any_removed, mesh.ids[i])) {
-			const auto from = mesh.buffer.begin() + static_cast<std::ptrdiff_t>(i * mesh.stride);
-			std::copy_n(from, mesh.stride, result->floats_of(at).begin());
-			result->ids[at] = mesh.ids[i];
-			result->ranks[at++] = mesh.ranks[i];
+		if (!covers(overlay, any_removed, mesh.id(i))) {
+			standing.push_back(static_cast<std::uint32_t>(i));
 		}
 	}
-	measure(mesh, added, *result);
-	return result;
+	return standing;
 }
 
 /// The ids that were added in a tile and are not hidden, by mesh.
@@ -100,29 +81,30 @@ std::vector<Ids> added_by_mesh(
 }
 
 /// Throws std::bad_alloc.
-void add_overlaid(const std::shared_ptr<const TileInstances> &tile, const LayerSettings &layer, const Rect &rect,
+void add_overlaid(const std::shared_ptr<const KeptTile> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay, OverlaidMeshes &r_meshes) {
 	const bool any_removed = overlay.state != nullptr && overlay.state->any_removed(layer.set.layer);
 	const bool any_hidden = overlay.hidden != nullptr && !overlay.hidden->empty();
 	const std::vector<Ids> added = added_by_mesh(tile->meshes.size(), layer, rect, overlay);
 	for (std::size_t at = 0; at < tile->meshes.size(); ++at) {
-		const MeshInstances &mesh = tile->meshes[at];
-		std::size_t standing = mesh.size();
-		if (any_removed || any_hidden) {
-			standing = static_cast<std::size_t>(std::count_if(mesh.ids.begin(), mesh.ids.end(),
-					[&](std::uint64_t id) { return !covers(overlay, any_removed, id); }));
+		const KeptMesh &mesh = tile->meshes[at];
+		const bool any_covered = any_removed || any_hidden;
+		if (!any_covered && added[at].empty()) {
+			r_meshes.emplace_back(tile, &mesh);
+			continue;
 		}
-		if (standing == mesh.size() && added[at].empty()) {
+		const std::vector<std::uint32_t> standing = standing_of(mesh, overlay, any_removed);
+		if (standing.size() == mesh.size() && added[at].empty()) {
 			r_meshes.emplace_back(tile, &mesh);
 		} else {
-			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing, any_removed));
+			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing));
 		}
 	}
 }
 
 } // namespace
 
-Status overlaid(const std::shared_ptr<const TileInstances> &tile, const LayerSettings &layer, const Rect &rect,
+Status overlaid(const std::shared_ptr<const KeptTile> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay, OverlaidMeshes &r_meshes) {
 	OverlaidMeshes meshes;
 	const Status status = guarded(

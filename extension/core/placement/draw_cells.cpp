@@ -11,15 +11,6 @@ namespace thicket {
 
 namespace {
 
-/// Where the position stands among an instance's floats.
-constexpr std::size_t x_float = 3;
-constexpr std::size_t y_float = 7;
-constexpr std::size_t z_float = 11;
-
-std::span<const float> floats_of(const MeshInstances &mesh, std::size_t i) {
-	return std::span(mesh.buffer).subspan(i * mesh.stride, mesh.stride);
-}
-
 /// The cell along one axis of a position, in a tile whose lower edge is at `edge`.
 std::uint32_t cell_along(double position, double edge, double cell_size, std::uint32_t across) {
 	double cell = std::floor((position - edge) / cell_size);
@@ -31,30 +22,28 @@ std::uint32_t cell_along(double position, double edge, double cell_size, std::ui
 
 /// The number of the cell that each instance is in. Throws std::bad_alloc, as does what follows.
 std::vector<std::uint16_t> cell_numbers(
-		const MeshInstances &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
+		const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
 	const glm::dvec2 edge = rect.min - glm::dvec2(origin.x, origin.z);
 	const glm::dvec2 cell_size = rect.size() / static_cast<double>(across);
 	std::vector<std::uint16_t> numbers(mesh.size());
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
-		const std::span<const float> floats = floats_of(mesh, i);
-		const std::uint32_t x = cell_along(double{floats[x_float]}, edge.x, cell_size.x, across);
-		const std::uint32_t z = cell_along(double{floats[z_float]}, edge.y, cell_size.y, across);
+		const glm::vec3 &position = mesh.positions()[i];
+		const std::uint32_t x = cell_along(double{position.x}, edge.x, cell_size.x, across);
+		const std::uint32_t z = cell_along(double{position.z}, edge.y, cell_size.y, across);
 		numbers[i] = static_cast<std::uint16_t>(z * across + x);
 	}
 	return numbers;
 }
 
-void measure(const MeshInstances &mesh, std::span<const std::uint32_t> order, DrawCell &r_cell) {
+void measure(const KeptMesh &mesh, std::span<const std::uint32_t> order, DrawCell &r_cell) {
 	for (const std::uint32_t i : order) {
-		const std::span<const float> floats = floats_of(mesh, i);
-		const glm::vec3 position{floats[x_float], floats[y_float], floats[z_float]};
+		const glm::vec3 &position = mesh.positions()[i];
 		r_cell.min = i == order.front() ? position : glm::min(r_cell.min, position);
 		r_cell.max = i == order.front() ? position : glm::max(r_cell.max, position);
 	}
 }
 
-void add_cells(
-		const MeshInstances &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
+void add_cells(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
 	const std::vector<std::uint16_t> numbers = cell_numbers(mesh, origin, rect, across);
 	std::vector<std::uint32_t> ends(std::size_t{across} * across + 1); // Of each cell, one place behind its number.
 	for (const std::uint16_t number : numbers) {
@@ -68,7 +57,7 @@ void add_cells(
 	for (std::size_t i = 0; i < mesh.size(); ++i) { // Now each place has its cell's begin, which moves on to its end.
 		const std::uint32_t at = ends[numbers[i]]++;
 		r_cells.order[at] = static_cast<std::uint32_t>(i);
-		r_cells.ranks[at] = mesh.ranks[i];
+		r_cells.ranks[at] = mesh.ranks()[i];
 	}
 	std::uint32_t begin = 0;
 	for (std::uint32_t number = 0; number < across * across; ++number) {
@@ -83,8 +72,7 @@ void add_cells(
 
 } // namespace
 
-Status divide(
-		const MeshInstances &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
+Status divide(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
 	r_cells = {};
 	const std::uint32_t allowed = std::clamp(across, std::uint32_t{1}, max_cells_across);
 	DrawCells cells;
@@ -96,10 +84,10 @@ Status divide(
 	return status;
 }
 
-void gather(const MeshInstances &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer) {
-	auto out = r_buffer.begin();
+void gather(const KeptMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer) {
 	for (const std::uint32_t i : order) {
-		out = std::ranges::copy(floats_of(mesh, i), out).out;
+		mesh.read(i, r_buffer.first(mesh.stride()));
+		r_buffer = r_buffer.subspan(mesh.stride());
 	}
 }
 
@@ -110,11 +98,10 @@ void spread(std::span<const float> buffer, std::span<const std::uint32_t> order,
 	}
 }
 
-bool same_instances(const MeshInstances &a, std::span<const std::uint32_t> order_a, const MeshInstances &b,
+bool same_instances(const KeptMesh &a, std::span<const std::uint32_t> order_a, const KeptMesh &b,
 		std::span<const std::uint32_t> order_b) {
-	return a.stride == b.stride && std::ranges::equal(order_a, order_b, [&](std::uint32_t at_a, std::uint32_t at_b) {
-		return a.ids[at_a] == b.ids[at_b] && std::ranges::equal(floats_of(a, at_a), floats_of(b, at_b));
-	});
+	return std::ranges::equal(
+			order_a, order_b, [&](std::uint32_t at_a, std::uint32_t at_b) { return a.same(at_a, b, at_b); });
 }
 
 } // namespace thicket

@@ -2,7 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
-#include "core/placement/tile_instances.hpp"
+#include "core/placement/kept_tile.hpp"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -36,6 +36,11 @@ struct DrawCells {
 	std::vector<DrawCell> cells;      ///< By number; those without instances are left out.
 
 	bool empty() const { return cells.empty(); }
+
+	/// Of memory, beside the object itself.
+	std::size_t bytes() const {
+		return (order.capacity() + ranks.capacity()) * sizeof(std::uint32_t) + cells.capacity() * sizeof(DrawCell);
+	}
 	std::span<const std::uint32_t> order_of(const DrawCell &cell) const {
 		return std::span(order).subspan(cell.begin, cell.size());
 	}
@@ -47,17 +52,17 @@ struct DrawCells {
 /// Divides a tile's instances of one mesh into `across` by `across` cells, 1 to max_cells_across. The cells are half-open squares whose
 /// corners follow from the tile's rectangle alone, so they are those of a lattice that stands still in the world. What its layer
 /// has moved out of the rectangle belongs to the nearest cell. O(instances + cells). Without the memory for it, `r_cells` is empty.
-Status divide(const MeshInstances &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells);
+Status divide(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells);
 
-/// Copies the floats of these instances of a mesh, one after the other. `r_buffer` has mesh.stride for each of them.
-void gather(const MeshInstances &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer);
+/// Writes the floats of these instances of a mesh, one after the other. `r_buffer` has mesh.stride() for each of them.
+void gather(const KeptMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer);
 
 /// The way back: puts the floats of a cell where they were in the tile. `r_buffer` has room for all instances of the tile.
 void spread(std::span<const float> buffer, std::span<const std::uint32_t> order, std::size_t stride,
 		std::span<float> r_buffer);
 
 /// True if the same instances, to the bit, stand in two cells in the same order.
-bool same_instances(const MeshInstances &a, std::span<const std::uint32_t> order_a, const MeshInstances &b,
+bool same_instances(const KeptMesh &a, std::span<const std::uint32_t> order_a, const KeptMesh &b,
 		std::span<const std::uint32_t> order_b);
 
 } // namespace thicket

@@ -43,10 +43,14 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 	const std::span<float> floats = r_mesh.floats_of(at);
 	const auto transform = floats.first<transform_floats>();
 	const float scale = write_transform(layer.placement, layer.set.seed, id, ground.normal, position, transform);
-	write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats),
-			points.shares_of(point));
+	const InstanceShares shares = points.shares_of(point);
+	write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats), shares);
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = rank;
+	r_mesh.normals[at] = ground.normal;
+	if (!r_mesh.shares.empty()) {
+		r_mesh.shares[at] = shares;
+	}
 	const glm::vec3 stands{transform[3], transform[7], transform[11]};
 	r_mesh.min = glm::min(r_mesh.min, stands);
 	r_mesh.max = glm::max(r_mesh.max, stands);
@@ -67,17 +71,17 @@ void InstanceWriter::choose_meshes(const LayerSettings &layer, const StandingPoi
 }
 
 /// Gives each mesh the size that it will have. All memory is taken before anything changes.
-void InstanceWriter::make_room(std::size_t stride, std::vector<MeshInstances> &r_meshes) const {
+void InstanceWriter::make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes) const {
 	const std::size_t known = std::min(mesh_choice_.size(), r_meshes.size());
 	std::vector<MeshInstances> more(mesh_choice_.size() - known);
 	r_meshes.reserve(mesh_choice_.size());
 	for (std::size_t mesh = 0; mesh < mesh_choice_.size(); ++mesh) {
-		(mesh < known ? r_meshes[mesh] : more[mesh - known]).reserve(mesh_sizes_[mesh], stride);
+		(mesh < known ? r_meshes[mesh] : more[mesh - known]).reserve(mesh_sizes_[mesh], data);
 	}
 	r_meshes.resize(known);
 	std::move(more.begin(), more.end(), std::back_inserter(r_meshes));
 	for (std::size_t mesh = 0; mesh < r_meshes.size(); ++mesh) {
-		r_meshes[mesh].resize(mesh_sizes_[mesh], stride);
+		r_meshes[mesh].resize(mesh_sizes_[mesh], data);
 	}
 }
 
@@ -89,7 +93,7 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 	}
 	sort_by_rank(order_, points.ids, order_scratch_);
 	choose_meshes(layer, points);
-	make_room(floats_per_instance(layer.instance_data), r_tile.meshes);
+	make_room(layer.instance_data, r_tile.meshes);
 	r_tile.origin = origin;
 	std::array<std::size_t, max_meshes> ends{};
 	std::for_each(r_tile.meshes.begin(), r_tile.meshes.end(), open_bounds);

@@ -45,7 +45,7 @@ public:
 
 private:
 	void choose_meshes(const LayerSettings &layer, const StandingPoints &points);
-	void make_room(std::size_t stride, std::vector<MeshInstances> &r_meshes) const;
+	void make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes) const;
 
 	MeshChoice mesh_choice_;
 	std::vector<std::uint64_t> order_; ///< For each instance its thinning rank and the index of its point, sorted.

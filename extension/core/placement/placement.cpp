@@ -85,8 +85,8 @@ Status validate(const Placement &placement) {
 			check_offset("offset_along_normal", placement.offset_along_normal));
 }
 
-float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
-		glm::vec3 position, std::span<float, transform_floats> r_transform) {
+float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
+		std::span<float, transform_floats> r_transform) {
 	const auto random = instance_random(seed, id, Draw::placement);
 	const double yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, unit_interval(random[0]));
 	const double scale = scale_at(placement, unit_interval(random[1]));
@@ -99,17 +99,24 @@ float write_transform(const Placement &placement, std::uint64_t seed, std::uint6
 	} else {
 		axes = turned(turn, up);
 	}
-	if (placement.offset_along_normal != 0.0) {
-		position += glm::vec3(up_axis(normal, 1.0) * placement.offset_along_normal);
-	}
 	for (int row = 0; row < 3; ++row) {
 		const auto at = static_cast<std::size_t>(row) * 4;
 		r_transform[at] = static_cast<float>(scale * axes.x[row]);
 		r_transform[at + 1] = static_cast<float>(scale * axes.y[row]);
 		r_transform[at + 2] = static_cast<float>(scale * axes.z[row]);
-		r_transform[at + 3] = position[row];
 	}
 	return static_cast<float>(scale);
+}
+
+float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
+		glm::vec3 position, std::span<float, transform_floats> r_transform) {
+	if (placement.offset_along_normal != 0.0) {
+		position += glm::vec3(up_axis(normal, 1.0) * placement.offset_along_normal);
+	}
+	for (int row = 0; row < 3; ++row) {
+		r_transform[static_cast<std::size_t>(row) * 4 + 3] = position[row];
+	}
+	return write_basis(placement, seed, id, normal, r_transform);
 }
 
 } // namespace thicket

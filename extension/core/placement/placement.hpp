@@ -50,6 +50,10 @@ inline constexpr double max_height_offset = 1e4; ///< Of offset_along_normal too
 /// Refuses what is not finite, outside the ranges above, or a minimum above its maximum.
 Status validate(const Placement &placement);
 
+/// Writes all of an instance's transform but the position, as `write_transform` does. Returns the scale.
+float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
+		std::span<float, transform_floats> r_transform);
+
 /// Writes the transform of an instance: yaw about its own up axis, then the tilt away from it, then the alignment to
 /// the ground, both by the shortest way, and the scale; `position` with the offset along the normal added to it. The
 /// basis is orthogonal with columns of length scale, and no mirror image, to a float's rounding. `normal` must be

@@ -7,10 +7,22 @@
 
 namespace thicket {
 
-void MeshInstances::reserve(std::size_t count, std::size_t floats) {
-	buffer.reserve(count * floats);
+void MeshInstances::reserve(std::size_t count, const InstanceData &data) {
+	buffer.reserve(count * floats_per_instance(data));
 	ids.reserve(count);
 	ranks.reserve(count);
+	normals.reserve(count);
+	if (data.color_is_known() || data.variation_is_known()) {
+		shares.reserve(count);
+	}
+}
+
+void MeshInstances::resize(std::size_t count, const InstanceData &data) {
+	resize(count, floats_per_instance(data));
+	normals.resize(count);
+	if (data.color_is_known() || data.variation_is_known()) {
+		shares.resize(count);
+	}
 }
 
 void MeshInstances::resize(std::size_t count, std::size_t floats) {
@@ -18,6 +30,8 @@ void MeshInstances::resize(std::size_t count, std::size_t floats) {
 	buffer.resize(count * floats);
 	ids.resize(count);
 	ranks.resize(count);
+	normals.clear();
+	shares.clear();
 }
 
 std::size_t visible_prefix(std::span<const std::uint32_t> ranks, double density) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/placement/instance_data.hpp"
 #include "core/placement/placement.hpp"
 
 #include <glm/vec3.hpp>
@@ -18,19 +19,27 @@ struct MeshInstances {
 	std::vector<float> buffer;
 	std::vector<std::uint64_t> ids;   ///< Packed InstanceIds.
 	std::vector<std::uint32_t> ranks; ///< thinning_rank of each, ascending.
-	glm::vec3 min{0.0f};              ///< Smallest and largest position relative to the tile's origin, the size of the
-	glm::vec3 max{0.0f};              ///< mesh not counted; both 0 for no instances.
-	float max_scale = 0.0f;           ///< The largest scale there is: grow the box by this times the mesh's reach.
+
+	// What else the floats follow from; none for instances that no layer's settings made.
+	std::vector<glm::vec3> normals;     ///< Of the ground.
+	std::vector<InstanceShares> shares; ///< None either where no source is known.
+
+	glm::vec3 min{0.0f};    ///< Smallest and largest position relative to the tile's origin, the size of the
+	glm::vec3 max{0.0f};    ///< mesh not counted; both 0 for no instances.
+	float max_scale = 0.0f; ///< The largest scale there is: grow the box by this times the mesh's reach.
 
 	std::size_t stride = transform_floats; ///< floats_per_instance of the layer's instance data.
 
 	std::size_t size() const { return ids.size(); }
 
-	/// Takes the memory for `count` instances of `floats` each.
-	void reserve(std::size_t count, std::size_t floats);
-
-	/// Makes room for `count` instances of `floats` each. Keeps the memory it has.
+	/// Makes room for `count` instances of `floats` each, without what they follow from. Keeps the memory it has.
 	void resize(std::size_t count, std::size_t floats = transform_floats);
+
+	/// Takes the memory for `count` instances that a layer's settings make.
+	void reserve(std::size_t count, const InstanceData &data);
+
+	/// Makes room for them, as above.
+	void resize(std::size_t count, const InstanceData &data);
 
 	/// The floats of one instance.
 	std::span<float> floats_of(std::size_t i) { return std::span(buffer).subspan(i * stride, stride); }

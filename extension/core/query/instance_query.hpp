@@ -2,11 +2,12 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
-#include "core/placement/tile_instances.hpp"
+#include "core/placement/kept_tile.hpp"
+#include "core/query/found_instances.hpp"
+#include "core/query/placed_instance.hpp"
 #include "core/sampling/point_set.hpp"
 #include "core/state/instance_state.hpp"
 
-#include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -18,15 +19,6 @@
 #include <vector>
 
 namespace thicket {
-
-/// An instance as it stands in the world.
-struct PlacedInstance {
-	std::uint64_t id = 0;
-	std::uint32_t layer = 0; ///< Its index in the list of layers that was asked, not the layer of the id.
-	std::uint32_t mesh = 0;
-	glm::dvec3 position{0.0}; ///< World meters.
-	glm::mat3 basis{1.0f};    ///< Rotation and scale.
-};
 
 /// The cylinder that stands for an instance where only its transform is known: from its origin along its own up axis,
 /// meters at scale 1.
@@ -45,6 +37,12 @@ struct QueryLayer {
 	double max_offset = 0.0; ///< Meters from its point at most, in the plane (offset_along_normal); 0 to 1e4.
 };
 
+/// A tile of a layer, of the size that the layer has at the time.
+struct WorldTile {
+	std::uint32_t layer = 0;
+	glm::ivec2 tile{0};
+};
+
 /// Where queries get tiles from.
 class TileSource {
 public:
@@ -52,7 +50,10 @@ public:
 
 	/// What stands in a tile of a layer by its rules, removed ones included, hand-placed ones not. May make it. Null,
 	/// without an error, where there is nothing to be had for now: such a tile counts as empty.
-	virtual Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) = 0;
+	virtual Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) = 0;
+
+	/// Several, in order: replaces `r_tiles`. The error is that of the first which has one. Throws std::bad_alloc.
+	virtual Status find_tiles(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles);
 
 protected:
 	TileSource() = default;
@@ -102,9 +103,11 @@ struct InstanceQuery {
 	/// Instances whose origin lies in the half-open `rect` (world meters of x and z), by layer, then id. Replaces
 	/// `r_found`. A rectangle that is inverted or not finite is refused as `rect`, a layer that is not there as
 	/// `layer`.
+	Status in_rect(const Rect &rect, const QueryFilter &filter, FoundInstances &r_found) const;
 	Status in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
 	/// Instances whose origin lies within `radius` meters (0 or more) of `center`, in space, by layer, then id.
+	Status in_sphere(glm::dvec3 center, double radius, const QueryFilter &filter, FoundInstances &r_found) const;
 	Status in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
@@ -126,19 +129,15 @@ struct InstanceQuery {
 	Status by_id_even_removed(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
 	/// The tiles that such a query looks at, by layer and nearest first; what has to be made for it.
-	struct Tile {
-		std::uint32_t layer = 0;
-		glm::ivec2 tile{0};
-	};
+	using Tile = WorldTile;
 	Status tiles_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 	Status tiles_in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 
 private:
 	// What the above do within the core's border (see core/base/guard.hpp). They throw std::bad_alloc.
-	Status find_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
-	Status find_in_sphere(
-			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
+	Status find_in_rect(const Rect &rect, const QueryFilter &filter, FoundInstances &r_found) const;
+	Status find_in_sphere(glm::dvec3 center, double radius, const QueryFilter &filter, FoundInstances &r_found) const;
 	Status find_on_ray(glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const;
 	Status find_nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 			std::vector<NearestInstance> &r_found) const;

@@ -38,7 +38,7 @@ public:
 			query_(query), filter_(filter), inside_(inside) {}
 
 	/// Adds what stands in tiles of one layer.
-	Status add(std::span<const InstanceQuery::Tile> tiles, std::vector<PlacedInstance> &r_found) {
+	Status add(std::span<const InstanceQuery::Tile> tiles, FoundInstances &r_found) {
 		if (tiles.empty()) {
 			return {};
 		}
@@ -47,80 +47,82 @@ public:
 		}
 		const std::uint32_t layer = tiles.front().layer;
 		const RemovedPoints removed(query_.state, query_.layers[layer].set.layer);
-		for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile) {
-			look_at(tile, removed);
+		const std::size_t first = r_found.size();
+		r_found.reserve(instances_);
+		for (const std::shared_ptr<const KeptTile> &tile : tiles_) {
+			look_at(tile, layer, removed, r_found);
 		}
-		sort_by_id(refs_);
-		if (!filter_.accepts) {
-			r_found.reserve(r_found.size() + refs_.size());
-		}
-		for (const InstanceRef &ref : refs_) {
-			keep(placed_instance(ref.id, layer, ref.mesh, tiles_[ref.tile]->origin, ref.transform), r_found);
+		r_found.sort_from(first);
+		if (filter_.accepts) {
+			r_found.keep_from(first, filter_.accepts);
 		}
 		return {};
 	}
 
 	/// Adds what was placed by hand: their ids come after all others of their layer.
-	void add_hand_placed(std::uint32_t index, const Rect &rect, std::vector<PlacedInstance> &r_found) {
+	void add_hand_placed(std::uint32_t index, const Rect &rect, FoundInstances &r_found) {
 		for_hand_placed(query_, index, rect, [&](std::uint64_t id, const AddedInstance &added) {
-			if (inside_(added.position)) {
-				keep(placed_instance(id, index, added), r_found);
+			if (!inside_(added.position)) {
+				return;
+			}
+			const PlacedInstance placed = placed_instance(id, index, added);
+			if (!filter_.accepts || filter_.accepts(placed)) {
+				r_found.add(placed);
 			}
 		});
 	}
 
 private:
-	/// Gets hold of the tiles, and makes room for all that they hold.
+	/// Gets hold of the tiles, and counts all that they hold.
 	Status find(std::span<const InstanceQuery::Tile> tiles) {
-		std::size_t instances = 0;
-		tiles_.clear();
-		for (const InstanceQuery::Tile &each : tiles) {
-			std::shared_ptr<const TileInstances> content;
-			if (const Status status = query_.tiles.find_tile(each.layer, each.tile, content); !status.ok()) {
-				return status;
-			}
-			if (content != nullptr) {
-				for (const MeshInstances &mesh : content->meshes) {
-					instances += mesh.size();
-				}
-				tiles_.push_back(std::move(content));
+		instances_ = 0;
+		if (const Status status = query_.tiles.find_tiles(tiles, tiles_); !status.ok()) {
+			return status;
+		}
+		std::erase(tiles_, nullptr);
+		for (const std::shared_ptr<const KeptTile> &tile : tiles_) {
+			for (const KeptMesh &mesh : tile->meshes) {
+				instances_ += mesh.size();
 			}
 		}
-		refs_.clear();
-		refs_.reserve(instances);
 		return {};
 	}
 
-	void look_at(std::uint32_t tile, const RemovedPoints &removed) {
-		const TileInstances &content = *tiles_[tile];
-		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
-			const MeshInstances &instances = content.meshes[mesh];
-			const float *transform = instances.buffer.data();
-			for (const std::uint64_t id : instances.ids) {
-				if (inside_(position_of(content.origin, transform)) && !removed.holds(id)) {
-					refs_.push_back({id, transform, tile, mesh});
+	void look_at(const std::shared_ptr<const KeptTile> &tile, std::uint32_t layer, const RemovedPoints &removed,
+			FoundInstances &r_found) {
+		for (std::uint32_t mesh = 0; mesh < tile->meshes.size(); ++mesh) {
+			const KeptMesh &content = tile->meshes[mesh];
+			const std::span<const glm::vec3> positions = content.positions();
+			inside_here_.clear();
+			for (std::uint32_t i = 0; i < positions.size(); ++i) {
+				if (inside_(position_of(tile->origin, positions[i]))) {
+					inside_here_.push_back(i);
 				}
-				transform += instances.stride;
 			}
-		}
-	}
-
-	void keep(const PlacedInstance &placed, std::vector<PlacedInstance> &r_found) const {
-		if (!filter_.accepts || filter_.accepts(placed)) {
-			r_found.push_back(placed);
+			if (inside_here_.empty()) {
+				continue;
+			}
+			const std::uint32_t part = r_found.add_part({tile, &content}, tile->origin, layer, mesh);
+			for (const std::uint32_t i : inside_here_) {
+				const std::uint64_t id = content.id(i);
+				if (!removed.holds(id)) {
+					r_found.add(FoundInstances::Ref{id, part, i});
+				}
+			}
 		}
 	}
 
 	const InstanceQuery &query_;
 	const QueryFilter &filter_;
 	const Inside &inside_;
-	std::vector<InstanceRef> refs_;
-	std::vector<std::shared_ptr<const TileInstances>> tiles_;
+	std::size_t instances_ = 0; ///< Of the tiles that are looked at.
+	std::vector<std::shared_ptr<const KeptTile>> tiles_;
+	std::vector<std::uint32_t> inside_here_;
 };
 
 template <class Inside>
 Status gather(const InstanceQuery &query, const QueryFilter &filter, const QueryArea &area, const Inside &inside,
-		std::vector<PlacedInstance> &r_found) {
+		FoundInstances &r_found) {
 	std::vector<std::uint32_t> indices;
 	std::vector<InstanceQuery::Tile> tiles;
 	r_found.clear();
@@ -161,8 +163,19 @@ Status tiles_in(std::span<const QueryLayer> layers, const QueryFilter &filter, c
 
 } // namespace
 
-Status InstanceQuery::find_in_rect(
-		const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
+Status TileSource::find_tiles(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+	r_tiles.clear();
+	for (const WorldTile &each : tiles) {
+		std::shared_ptr<const KeptTile> content;
+		if (const Status status = find_tile(each.layer, each.tile, content); !status.ok()) {
+			return status;
+		}
+		r_tiles.push_back(std::move(content));
+	}
+	return {};
+}
+
+Status InstanceQuery::find_in_rect(const Rect &rect, const QueryFilter &filter, FoundInstances &r_found) const {
 	if (const Status status = check_rect(rect); !status.ok()) {
 		r_found.clear();
 		return status;
@@ -174,7 +187,7 @@ Status InstanceQuery::find_in_rect(
 }
 
 Status InstanceQuery::find_in_sphere(
-		glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
+		glm::dvec3 center, double radius, const QueryFilter &filter, FoundInstances &r_found) const {
 	if (const Status status = check_sphere(center, radius); !status.ok()) {
 		r_found.clear();
 		return status;

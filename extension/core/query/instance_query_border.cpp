@@ -9,14 +9,39 @@
 
 namespace thicket {
 
-Status InstanceQuery::in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
+namespace {
+
+/// As whole instances. Throws std::bad_alloc.
+template <class Find>
+Status read(const Find &find, std::vector<PlacedInstance> &r_found) {
+	FoundInstances found;
+	const Status status = find(found);
+	found.read_all(r_found);
+	return status;
+}
+
+} // namespace
+
+Status InstanceQuery::in_rect(const Rect &rect, const QueryFilter &filter, FoundInstances &r_found) const {
 	return guarded_answer("rect", std::max(rect.size().x, rect.size().y), r_found,
 			[&] { return find_in_rect(rect, filter, r_found); });
 }
 
+Status InstanceQuery::in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
+	return guarded_answer("rect", std::max(rect.size().x, rect.size().y), r_found,
+			[&] { return read([&](FoundInstances &found) { return find_in_rect(rect, filter, found); }, r_found); });
+}
+
+Status InstanceQuery::in_sphere(
+		glm::dvec3 center, double radius, const QueryFilter &filter, FoundInstances &r_found) const {
+	return guarded_answer("radius", radius, r_found, [&] { return find_in_sphere(center, radius, filter, r_found); });
+}
+
 Status InstanceQuery::in_sphere(
 		glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
-	return guarded_answer("radius", radius, r_found, [&] { return find_in_sphere(center, radius, filter, r_found); });
+	return guarded_answer("radius", radius, r_found, [&] {
+		return read([&](FoundInstances &found) { return find_in_sphere(center, radius, filter, found); }, r_found);
+	});
 }
 
 Status InstanceQuery::on_ray(

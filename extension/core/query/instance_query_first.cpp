@@ -38,7 +38,7 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 		}
 		std::pop_heap(tiles.begin(), tiles.end(), later);
 		tiles.pop_back();
-		std::shared_ptr<const TileInstances> content;
+		std::shared_ptr<const KeptTile> content;
 		if (const Status status = query.tiles.find_tile(next.layer, next.tile, content); !status.ok()) {
 			return status;
 		}
@@ -58,17 +58,16 @@ struct NearestScan {
 	glm::dvec3 position;
 	double max_squared;
 
-	void operator()(std::uint32_t layer, const TileInstances &content, Candidates &r_candidates) const {
+	void operator()(std::uint32_t layer, const KeptTile &content, Candidates &r_candidates) const {
 		const RemovedPoints removed(query.state, query.layers[layer].set.layer);
 		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
-			const MeshInstances &instances = content.meshes[mesh];
-			const float *transform = instances.buffer.data();
-			for (const std::uint64_t id : instances.ids) {
-				const double squared = squared_length(position_of(content.origin, transform) - position);
-				if (squared <= std::min(max_squared, r_candidates.limit()) && !removed.holds(id)) {
-					r_candidates.add({squared, placed_instance(id, layer, mesh, content.origin, transform)});
+			const KeptMesh &instances = content.meshes[mesh];
+			const std::span<const glm::vec3> positions = instances.positions();
+			for (std::size_t i = 0; i < positions.size(); ++i) {
+				const double squared = squared_length(position_of(content.origin, positions[i]) - position);
+				if (squared <= std::min(max_squared, r_candidates.limit()) && !removed.holds(instances.id(i))) {
+					r_candidates.add({squared, placed_instance(layer, mesh, content.origin, instances, i)});
 				}
-				transform += instances.stride;
 			}
 		}
 	}
@@ -97,21 +96,21 @@ struct RayScan {
 	const InstanceQuery &query;
 	Ray ray;
 
-	void operator()(std::uint32_t layer, const TileInstances &content, Candidates &r_candidates) const {
+	void operator()(std::uint32_t layer, const KeptTile &content, Candidates &r_candidates) const {
 		const QueryLayer &settings = query.layers[layer];
 		const RemovedPoints removed(query.state, settings.set.layer);
 		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
-			const MeshInstances &instances = content.meshes[mesh];
-			const ReachTest reached(ray, cylinder_reach(settings.shape, double{instances.max_scale}));
-			if (!reached.box(content.origin + glm::dvec3(instances.min), content.origin + glm::dvec3(instances.max))) {
+			const KeptMesh &instances = content.meshes[mesh];
+			const ReachTest reached(ray, cylinder_reach(settings.shape, double{instances.max_scale()}));
+			if (!reached.box(
+						content.origin + glm::dvec3(instances.min()), content.origin + glm::dvec3(instances.max()))) {
 				continue;
 			}
-			const float *transform = instances.buffer.data();
-			for (const std::uint64_t id : instances.ids) {
-				if (reached.position(position_of(content.origin, transform)) && !removed.holds(id)) {
-					meet(placed_instance(id, layer, mesh, content.origin, transform), r_candidates);
+			const std::span<const glm::vec3> positions = instances.positions();
+			for (std::size_t i = 0; i < positions.size(); ++i) {
+				if (reached.position(position_of(content.origin, positions[i])) && !removed.holds(instances.id(i))) {
+					meet(placed_instance(layer, mesh, content.origin, instances, i), r_candidates);
 				}
-				transform += instances.stride;
 			}
 		}
 	}

@@ -10,9 +10,9 @@ namespace thicket {
 
 namespace {
 
-std::size_t size_of(const TileInstances &tile) {
+std::size_t size_of(const KeptTile &tile) {
 	std::size_t size = 1; // A tile without instances takes memory, too.
-	for (const MeshInstances &mesh : tile.meshes) {
+	for (const KeptMesh &mesh : tile.meshes) {
 		size += mesh.size();
 	}
 	return size;
@@ -55,7 +55,7 @@ void InstanceWorld::clear() {
 	touch();
 }
 
-void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> instances) {
+void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> instances) {
 	const std::size_t size = size_of(*instances);
 	kept_since_looking_ += size;
 	tiles_.insert_or_assign(Key{layer, tile.x, tile.y}, Entry{std::move(instances), size, ++uses_});
@@ -73,9 +73,7 @@ void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<c
 	}
 }
 
-std::vector<std::shared_ptr<const TileInstances>> InstanceWorld::take_forgotten() {
-	return std::exchange(forgotten_, {});
-}
+std::vector<std::shared_ptr<const KeptTile>> InstanceWorld::take_forgotten() { return std::exchange(forgotten_, {}); }
 
 /// Looks at some more tiles. All at once would hold up a frame.
 void InstanceWorld::look_for_idle() {
@@ -113,7 +111,7 @@ void InstanceWorld::forget_some() {
 	}
 }
 
-std::shared_ptr<const TileInstances> InstanceWorld::find(const WorldTile &tile) const {
+std::shared_ptr<const KeptTile> InstanceWorld::find(const WorldTile &tile) const {
 	const auto found = tiles_.find({tile.layer, tile.tile.x, tile.tile.y});
 	if (found == tiles_.end() || found->second.outdated) {
 		return nullptr;
@@ -144,13 +142,13 @@ void InstanceWorld::known_in(std::uint32_t layer, const Rect &rect, std::vector<
 }
 
 Status InstanceWorld::KnownSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) {
+		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
 	r_tile = world_.find({layer, tile});
 	return {};
 }
 
 Status InstanceWorld::NearSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) {
+		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
 	r_tile = world_.find({layer, tile});
 	if (r_tile == nullptr) {
 		world_.miss({layer, tile});
@@ -161,16 +159,40 @@ Status InstanceWorld::NearSource::find_tile(
 }
 
 Status InstanceWorld::MakingSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) {
-	r_tile = world_.find({layer, tile});
-	if (r_tile != nullptr) {
+		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
+	std::vector<std::shared_ptr<const KeptTile>> tiles;
+	const WorldTile asked{layer, tile};
+	const Status status = find_tiles({&asked, 1}, tiles);
+	r_tile = tiles.empty() ? nullptr : tiles.front();
+	return status;
+}
+
+/// Has those made in one go that are not known.
+Status InstanceWorld::MakingSource::find_tiles(
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+	std::vector<WorldTile> missing;
+	std::vector<std::size_t> missed; // Where each is missed in `tiles`.
+	r_tiles.clear();
+	for (const WorldTile &tile : tiles) {
+		r_tiles.push_back(world_.find(tile));
+		if (r_tiles.back() == nullptr) {
+			missed.push_back(r_tiles.size() - 1);
+			missing.push_back(tile);
+		}
+	}
+	if (missing.empty()) {
 		return {};
 	}
 	const TileMaker maker = world_.maker_; // A script that is asked for the ground may replace it.
 	const std::uint64_t edits = world_.edits_;
-	const Status status = maker(layer, tile, r_tile);
-	if (status.ok() && r_tile != nullptr && edits == world_.edits_) {
-		world_.keep(layer, tile, r_tile);
+	std::vector<std::shared_ptr<const KeptTile>> made;
+	const Status status = maker(missing, made);
+	made.resize(missing.size());
+	for (std::size_t i = 0; i < missing.size(); ++i) {
+		if (made[i] != nullptr && edits == world_.edits_) {
+			world_.keep(missing[i].layer, missing[i].tile, made[i]);
+		}
+		r_tiles[missed[i]] = std::move(made[i]);
 	}
 	return status;
 }

@@ -20,15 +20,10 @@
 
 namespace thicket {
 
-/// Makes a tile of a layer on the spot.
+/// Makes tiles on the spot, in order; null for one that cannot be had or was not made. After an error, that of the first tile which has
+/// one, some others may be there.
 using TileMaker =
-		std::function<Status(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile)>;
-
-/// A tile of a layer, of the size that the layer has at the time.
-struct WorldTile {
-	std::uint32_t layer = 0;
-	glm::ivec2 tile{0};
-};
+		std::function<Status(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles)>;
 
 /// What stands in a world, for all who ask: the tiles that are known (shared with those on show, and some that were made for
 /// queries) and what a game has changed. One thread at a time.
@@ -49,13 +44,13 @@ public:
 
 	/// Takes a finished tile in. Those that nobody else holds are forgotten, the oldest first and a few for each tile that comes, once
 	/// they have more than `max_idle_instances` together.
-	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> instances);
+	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> instances);
 
 	/// The tiles that were forgotten since the last call: to give back their memory takes some time, which another thread may have.
-	std::vector<std::shared_ptr<const TileInstances>> take_forgotten();
+	std::vector<std::shared_ptr<const KeptTile>> take_forgotten();
 
 	/// A known tile; null for one that is not.
-	std::shared_ptr<const TileInstances> find(const WorldTile &tile) const;
+	std::shared_ptr<const KeptTile> find(const WorldTile &tile) const;
 
 	/// Rises with everything that may change an answer: tiles that came or went, layers, the state.
 	std::uint64_t version() const { return version_; }
@@ -93,7 +88,7 @@ public:
 
 private:
 	struct Entry {
-		std::shared_ptr<const TileInstances> tile;
+		std::shared_ptr<const KeptTile> tile;
 		std::size_t size = 0;           ///< Instances.
 		mutable std::uint64_t used = 0; ///< When it was last asked for.
 		bool outdated = false;          ///< An edit has touched it: good enough for who is near, wrong for who asks.
@@ -102,7 +97,7 @@ private:
 	class KnownSource : public TileSource {
 	public:
 		explicit KnownSource(const InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override;
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override;
 
 	private:
 		const InstanceWorld &world_;
@@ -112,7 +107,7 @@ private:
 	class NearSource : public TileSource {
 	public:
 		explicit NearSource(const InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override;
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override;
 
 	private:
 		const InstanceWorld &world_;
@@ -121,7 +116,9 @@ private:
 	class MakingSource : public TileSource {
 	public:
 		explicit MakingSource(InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) override;
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override;
+		Status find_tiles(
+				std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) override;
 
 	private:
 		InstanceWorld &world_;
@@ -144,7 +141,7 @@ private:
 	std::optional<Key> look_from_;                    ///< The first tile that is still to be looked at for idle ones.
 	std::vector<std::pair<std::uint64_t, Key>> idle_; ///< By when they were used last: a heap, once all were looked at.
 	std::size_t idle_instances_ = 0;
-	std::vector<std::shared_ptr<const TileInstances>> forgotten_;
+	std::vector<std::shared_ptr<const KeptTile>> forgotten_;
 	mutable std::set<Key> missing_;
 };
 

@@ -22,7 +22,7 @@ public:
 
 	struct Answer {
 		std::int64_t request = 0;
-		std::vector<PlacedInstance> found;
+		FoundInstances found;
 	};
 
 	/// A number, from 1 on, for the answer; or refuses what InstanceQuery refuses.
@@ -43,7 +43,7 @@ private:
 		std::int64_t request = 0;
 		std::variant<Rect, Sphere> area;
 		QueryFilter filter;
-		std::vector<std::shared_ptr<const TileInstances>> held; ///< So that none is forgotten before the last is there.
+		std::vector<std::shared_ptr<const KeptTile>> held; ///< So that none is forgotten before the last is there.
 	};
 
 	static Status tiles_of(const InstanceQuery &query, const Open &open, std::vector<InstanceQuery::Tile> &r_tiles);

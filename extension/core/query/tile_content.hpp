@@ -3,27 +3,18 @@
 #include "core/base/guard.hpp"
 #include "core/query/instance_query.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace thicket {
 
-/// An instance that lies in a tile's buffers.
-struct InstanceRef {
-	std::uint64_t id = 0;
-	const float *transform = nullptr; ///< transform_floats of them.
-	std::uint32_t tile = 0;           ///< Of those that a query has looked at.
-	std::uint32_t mesh = 0;
-};
-
 /// Where an instance stands; world meters.
-inline glm::dvec3 position_of(glm::dvec3 origin, const float *transform) {
-	return origin + glm::dvec3(transform[3], transform[7], transform[11]);
-}
+inline glm::dvec3 position_of(glm::dvec3 origin, glm::vec3 in_tile) { return origin + glm::dvec3(in_tile); }
 
-/// An instance of a tile, read out of its buffer.
+/// An instance of a tile, put together.
 PlacedInstance placed_instance(
-		std::uint64_t id, std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const float *transform);
+		std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const KeptMesh &content, std::size_t at);
 
 /// A hand-placed one.
 PlacedInstance placed_instance(std::uint64_t id, std::uint32_t layer, const AddedInstance &added);
@@ -55,8 +46,5 @@ void for_hand_placed(const InstanceQuery &query, std::uint32_t layer, const Rect
 		}
 	}
 }
-
-/// Sorts the refs of one layer by id. O(n) where they stand close together, as what a query finds mostly does.
-void sort_by_id(std::vector<InstanceRef> &r_refs);
 
 } // namespace thicket

@@ -197,7 +197,7 @@ private:
 	bool ask(const char *p_method, const Query &query);
 	bool find_filter(const char *p_method, const godot::Variant &p_layers, const godot::Callable &p_predicate,
 			QueryFilter &r_filter) const;
-	std::vector<PlacedInstance> find_in_sphere(const char *p_method, const godot::Vector3 &p_center, double p_radius,
+	FoundInstances find_in_sphere(const char *p_method, const godot::Vector3 &p_center, double p_radius,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	std::vector<PlacedInstance> find_by_id(const char *p_method, int64_t p_id, bool even_removed);
 	godot::Ref<ScatterRequest> request(const char *p_method, const Area &area, const godot::Variant &p_layers);

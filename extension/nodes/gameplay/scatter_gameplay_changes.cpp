@@ -125,7 +125,9 @@ bool ScatterGameplay::remove_instance(int64_t p_id) {
 
 PackedInt64Array ScatterGameplay::remove_in_sphere(
 		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) {
-	return packed_ids(remove_all(find_in_sphere("remove_in_sphere", p_center, p_radius, p_layers, p_predicate)));
+	std::vector<PlacedInstance> found;
+	find_in_sphere("remove_in_sphere", p_center, p_radius, p_layers, p_predicate).read_all(found);
+	return packed_ids(remove_all(found));
 }
 
 /// Scripts that were asked to find them may have changed the layers since.

@@ -66,7 +66,7 @@ Ref<ScatterInstances> ScatterGameplay::query_rect(
 		const Rect2 &p_rect, const Variant &p_layers, const Callable &p_predicate) {
 	const glm::dvec3 offset = offset_;
 	QueryFilter filter;
-	std::vector<PlacedInstance> found;
+	FoundInstances found;
 	if (find_filter("query_rect", p_layers, p_predicate, filter)) {
 		ask("query_rect",
 				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, offset), filter, found); });
@@ -80,11 +80,11 @@ Ref<ScatterInstances> ScatterGameplay::query_sphere(
 	return ScatterInstances::of(find_in_sphere("query_sphere", p_center, p_radius, p_layers, p_predicate), offset);
 }
 
-std::vector<PlacedInstance> ScatterGameplay::find_in_sphere(const char *p_method, const Vector3 &p_center,
-		double p_radius, const Variant &p_layers, const Callable &p_predicate) {
+FoundInstances ScatterGameplay::find_in_sphere(const char *p_method, const Vector3 &p_center, double p_radius,
+		const Variant &p_layers, const Callable &p_predicate) {
 	const glm::dvec3 center = to_world(p_center, offset_);
 	QueryFilter filter;
-	std::vector<PlacedInstance> found;
+	FoundInstances found;
 	if (find_filter(p_method, p_layers, p_predicate, filter)) {
 		ask(p_method, [&](const InstanceQuery &query) { return query.in_sphere(center, p_radius, filter, found); });
 	}

@@ -7,7 +7,7 @@
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/memory.hpp>
 
-#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -17,78 +17,75 @@ namespace thicket {
 
 namespace {
 
-/// The values of all instances in a packed array, made on the first call.
+/// A value of each instance, by its index, in a packed array that is made on the first call.
 template <class Array, class Value>
-Array cached(std::optional<Array> &r_cache, const std::vector<PlacedInstance> &found, const Value &value_of) {
+Array cached(std::optional<Array> &r_cache, const FoundInstances &found, const Value &value_of) {
 	if (!r_cache) {
 		Array values;
 		values.resize(static_cast<int64_t>(found.size()));
-		std::ranges::transform(found, values.ptrw(), value_of);
+		auto *out = values.ptrw();
+		for (std::size_t i = 0; i < found.size(); ++i) {
+			out[i] = value_of(i);
+		}
 		r_cache = values;
 	}
 	return *r_cache;
 }
 
+std::size_t index_of(int64_t p_index) { return static_cast<std::size_t>(p_index); }
+
 } // namespace
 
-Ref<ScatterInstances> ScatterInstances::of(std::vector<PlacedInstance> found, glm::dvec3 offset) {
+Ref<ScatterInstances> ScatterInstances::of(FoundInstances found, glm::dvec3 offset) {
 	const Ref<ScatterInstances> result(memnew(ScatterInstances));
 	result->found_ = std::move(found);
 	result->offset_ = offset;
 	return result;
 }
 
-const PlacedInstance *ScatterInstances::find(const char *p_method, int64_t p_index) const {
+bool ScatterInstances::has(const char *p_method, int64_t p_index) const {
 	if (p_index < 0 || p_index >= size()) {
 		report((std::string("ScatterInstances.") + p_method).c_str(),
 				{ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
-		return nullptr;
+		return false;
 	}
-	return &found_[static_cast<std::size_t>(p_index)];
+	return true;
 }
 
 int64_t ScatterInstances::get_id(int64_t p_index) const {
-	const PlacedInstance *instance = find("get_id", p_index);
-	return instance != nullptr ? script_id(instance->id) : 0;
+	return has("get_id", p_index) ? script_id(found_.id(index_of(p_index))) : 0;
 }
 
 int64_t ScatterInstances::get_layer(int64_t p_index) const {
-	const PlacedInstance *instance = find("get_layer", p_index);
-	return instance != nullptr ? instance->layer : -1;
+	return has("get_layer", p_index) ? found_.layer(index_of(p_index)) : -1;
 }
 
 int64_t ScatterInstances::get_mesh(int64_t p_index) const {
-	const PlacedInstance *instance = find("get_mesh", p_index);
-	return instance != nullptr ? instance->mesh : -1;
+	return has("get_mesh", p_index) ? found_.mesh(index_of(p_index)) : -1;
 }
 
 Vector3 ScatterInstances::get_position(int64_t p_index) const {
-	const PlacedInstance *instance = find("get_position", p_index);
-	return instance != nullptr ? to_engine(instance->position, offset_) : Vector3();
+	return has("get_position", p_index) ? to_engine(found_.position(index_of(p_index)), offset_) : Vector3();
 }
 
 Transform3D ScatterInstances::get_transform(int64_t p_index) const {
-	const PlacedInstance *instance = find("get_transform", p_index);
-	return instance != nullptr ? to_engine(*instance, offset_) : Transform3D();
+	return has("get_transform", p_index) ? to_engine(found_[index_of(p_index)], offset_) : Transform3D();
 }
 
 PackedInt64Array ScatterInstances::get_ids() const {
-	return cached(ids_, found_, [](const PlacedInstance &instance) { return script_id(instance.id); });
+	return cached(ids_, found_, [this](std::size_t i) { return script_id(found_.id(i)); });
 }
 
 PackedInt32Array ScatterInstances::get_layers() const {
-	return cached(
-			layers_, found_, [](const PlacedInstance &instance) { return static_cast<std::int32_t>(instance.layer); });
+	return cached(layers_, found_, [this](std::size_t i) { return static_cast<std::int32_t>(found_.layer(i)); });
 }
 
 PackedInt32Array ScatterInstances::get_meshes() const {
-	return cached(
-			meshes_, found_, [](const PlacedInstance &instance) { return static_cast<std::int32_t>(instance.mesh); });
+	return cached(meshes_, found_, [this](std::size_t i) { return static_cast<std::int32_t>(found_.mesh(i)); });
 }
 
 PackedVector3Array ScatterInstances::get_positions() const {
-	return cached(positions_, found_,
-			[this](const PlacedInstance &instance) { return to_engine(instance.position, offset_); });
+	return cached(positions_, found_, [this](std::size_t i) { return to_engine(found_.position(i), offset_); });
 }
 
 PackedFloat32Array ScatterInstances::get_transforms() const {
@@ -98,7 +95,8 @@ PackedFloat32Array ScatterInstances::get_transforms() const {
 	PackedFloat32Array transforms;
 	transforms.resize(size() * static_cast<int64_t>(transform_floats));
 	float *floats = transforms.ptrw();
-	for (const PlacedInstance &instance : found_) {
+	for (std::size_t i = 0; i < found_.size(); ++i) {
+		const PlacedInstance instance = found_[i];
 		const glm::vec3 position(instance.position - offset_);
 		for (int row = 0; row < 3; ++row) {
 			for (int column = 0; column < 3; ++column) {

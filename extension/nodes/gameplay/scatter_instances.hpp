@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/query/instance_query.hpp"
+#include "core/query/found_instances.hpp"
 #include "nodes/common/guard.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
@@ -16,7 +16,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 namespace thicket {
 
@@ -27,7 +26,7 @@ class ScatterInstances : public godot::RefCounted {
 
 public:
 	/// `offset` is where the engine's origin is in the world, in meters, for all positions that scripts get.
-	static godot::Ref<ScatterInstances> of(std::vector<PlacedInstance> found, glm::dvec3 offset);
+	static godot::Ref<ScatterInstances> of(FoundInstances found, glm::dvec3 offset);
 
 	int64_t size() const { return static_cast<int64_t>(found_.size()); }
 	bool is_empty() const { return found_.empty(); }
@@ -50,9 +49,9 @@ protected:
 	static void _bind_methods();
 
 private:
-	const PlacedInstance *find(const char *p_method, int64_t p_index) const;
+	bool has(const char *p_method, int64_t p_index) const;
 
-	std::vector<PlacedInstance> found_;
+	FoundInstances found_;
 	glm::dvec3 offset_{0.0};
 	mutable std::optional<godot::PackedInt64Array> ids_;
 	mutable std::optional<godot::PackedInt32Array> layers_;

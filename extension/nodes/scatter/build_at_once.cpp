@@ -2,6 +2,7 @@
 
 #include "core/base/guard.hpp"
 #include "core/near/tile_overlay.hpp"
+#include "nodes/common/threads.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -62,9 +63,26 @@ Status AtOnceBuilder::build(const LayerSettings &layer, const Terrain *ground, c
 			[&] { return build_in_steps(layer, ground, terrain, rect, r_tile); });
 }
 
-Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, TileInstances &r_tile) {
+Status AtOnceBuilder::build_all(std::span<const TileOrder> orders, const Terrain *ground, const HostedTerrain &terrain,
+		std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+	if (ground != nullptr && orders.size() > 1) {
+		EngineThreads threads;
+		return crew_.build(orders, *ground, threads, r_tiles);
+	}
+	r_tiles.clear();
+	for (const TileOrder &order : orders) {
+		TileInstances made;
+		if (const Status status = build(*order.layer, ground, terrain, order.rect, made); !status.ok()) {
+			return status;
+		}
+		r_tiles.push_back(std::make_shared<const KeptTile>(made, order.layer));
+	}
+	return {};
+}
+
+Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, KeptTile &r_tile) {
 	return guarded("rect", std::max(rect.size().x, rect.size().y), [&] {
-		const auto tile = std::make_shared<TileInstances>(std::move(r_tile));
+		const auto tile = std::make_shared<KeptTile>(std::move(r_tile));
 		OverlaidMeshes meshes;
 		const Status status = overlaid(tile, layer, rect, {.state = &state}, meshes);
 		for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {

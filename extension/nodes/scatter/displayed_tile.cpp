@@ -83,6 +83,17 @@ std::size_t DisplayedTile::cell_count() const {
 	return count;
 }
 
+std::size_t DisplayedTile::bytes() const {
+	std::size_t count = tile->meshes.capacity() * sizeof(KeptMesh);
+	for (std::size_t mesh = 0; mesh < parts.size(); ++mesh) {
+		const Part &part = parts[mesh];
+		const KeptMesh &own = tile->meshes[mesh];
+		count += own.bytes() + (part.shown.get() != &own ? part.shown->bytes() + sizeof(KeptMesh) : 0);
+		count += part.division.bytes();
+	}
+	return count;
+}
+
 std::size_t DisplayedTile::multimesh_count() const {
 	std::size_t count = 0;
 	for (const Part &part : parts) {
@@ -106,8 +117,8 @@ MeshUpload to_upload(const DisplayedTile::Part &part, std::size_t cell, float re
 	}
 	const DrawCell &drawn = part.division.cells[cell];
 	MeshUpload upload;
-	upload.aabb = box_around(drawn.min, drawn.max, reach * part.shown->max_scale);
-	const auto floats = static_cast<int64_t>(drawn.size() * part.shown->stride);
+	upload.aabb = box_around(drawn.min, drawn.max, reach * part.shown->max_scale());
+	const auto floats = static_cast<int64_t>(drawn.size() * part.shown->stride());
 	upload.buffer.resize(floats);
 	gather(*part.shown, part.division.order_of(drawn), {upload.buffer.ptrw(), static_cast<std::size_t>(floats)});
 	return upload;
@@ -117,7 +128,7 @@ PackedFloat32Array read_back(const DisplayedTile::Part &part) {
 	if (part.division.empty()) {
 		return part.cells.front().visual.read_back();
 	}
-	const std::size_t stride = part.shown->stride;
+	const std::size_t stride = part.shown->stride();
 	const std::size_t floats = part.shown->size() * stride;
 	PackedFloat32Array result;
 	result.resize(static_cast<int64_t>(floats));

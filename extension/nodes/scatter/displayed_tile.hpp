@@ -54,8 +54,8 @@ struct DisplayedTile {
 				cells;      ///< One for the whole tile, or as `division` has them; none where there is nothing to draw.
 		DrawCells division; ///< Of `shown`; empty for a tile that is drawn as a whole.
 		std::vector<double> due; ///< Of each cell, LodSchedule::traveled from which it may have to be drawn otherwise.
-		std::vector<MeshLook> lods;                 ///< The mesh, then the coarser ones; empty if there is no mesh.
-		std::shared_ptr<const MeshInstances> shown; ///< The tile's own, or what is left and added by the overlay.
+		std::vector<MeshLook> lods;            ///< The mesh, then the coarser ones; empty if there is no mesh.
+		std::shared_ptr<const KeptMesh> shown; ///< The tile's own, or what is left and added by the overlay.
 
 		/// How many cells it has once all are uploaded.
 		std::size_t cell_count() const {
@@ -67,13 +67,13 @@ struct DisplayedTile {
 		std::size_t multimeshes_of_a_cell() const { return casts_by_other_meshes(lods) ? 2 : 1; }
 		std::size_t multimesh_count() const;
 		std::span<const std::uint32_t> ranks_of(std::size_t cell) const {
-			return division.empty() ? std::span(shown->ranks) : division.ranks_of(division.cells[cell]);
+			return division.empty() ? shown->ranks() : division.ranks_of(division.cells[cell]);
 		}
 	};
 
-	std::shared_ptr<const TileInstances> tile; ///< What the layer's rules give.
-	SharedLayer settings;                      ///< That it was made by.
-	std::vector<float> mesh_reach;             ///< Of the meshes that it was made for, as LayerDrawing has it.
+	std::shared_ptr<const KeptTile> tile; ///< What the layer's rules give.
+	SharedLayer settings;                 ///< That it was made by.
+	std::vector<float> mesh_reach;        ///< Of the meshes that it was made for, as LayerDrawing has it.
 	Rect rect;
 	std::vector<Part> parts;
 	std::uint32_t across = 1; ///< Cells along a side; 1 for a tile that is drawn as a whole.
@@ -96,6 +96,9 @@ struct DisplayedTile {
 	std::size_t finest_lod() const;
 	void set_lod(std::size_t lod);
 	std::size_t cell_count() const;
+
+	/// Of main memory, that its instances take.
+	std::size_t bytes() const;
 
 	/// How many multimeshes its cells have, and would have, at most, in another division.
 	std::size_t multimesh_count() const;

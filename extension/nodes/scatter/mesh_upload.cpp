@@ -17,4 +17,13 @@ MeshUpload to_upload(const MeshInstances &mesh, float reach) {
 	return upload;
 }
 
+MeshUpload to_upload(const KeptMesh &mesh, float reach) {
+	MeshUpload upload;
+	upload.aabb = box_around(mesh.min(), mesh.max(), reach * mesh.max_scale());
+	const std::size_t floats = mesh.size() * mesh.stride();
+	upload.buffer.resize(static_cast<int64_t>(floats));
+	mesh.read_all({upload.buffer.ptrw(), floats});
+	return upload;
+}
+
 } // namespace thicket

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/tile_instances.hpp"
+#include "core/placement/kept_tile.hpp"
 
 #include <godot_cpp/variant/aabb.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
@@ -18,5 +18,6 @@ godot::AABB box_around(glm::vec3 min, glm::vec3 max, float margin);
 
 /// `reach`: meters from the mesh's origin to its farthest corner, at scale 1.
 MeshUpload to_upload(const MeshInstances &mesh, float reach);
+MeshUpload to_upload(const KeptMesh &mesh, float reach);
 
 } // namespace thicket

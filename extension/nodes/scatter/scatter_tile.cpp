@@ -15,14 +15,14 @@ using namespace godot;
 
 namespace thicket {
 
-Ref<ScatterTile> ScatterTile::built(TileInstances tile, const std::vector<Ref<Mesh>> &meshes, glm::dvec3 offset) {
+Ref<ScatterTile> ScatterTile::built(KeptTile tile, const std::vector<Ref<Mesh>> &meshes, glm::dvec3 offset) {
 	const Ref<ScatterTile> result(memnew(ScatterTile));
-	const auto shared = std::make_shared<const TileInstances>(std::move(tile));
+	const auto shared = std::make_shared<const KeptTile>(std::move(tile));
 	result->tile_ = shared;
 	result->origin_ = to_engine(shared->origin, offset);
 	for (std::size_t mesh = 0; mesh < shared->meshes.size(); ++mesh) {
 		result->parts_.push_back({mesh < meshes.size() ? meshes[mesh] : Ref<Mesh>(),
-				std::shared_ptr<const MeshInstances>(shared, &shared->meshes[mesh]), {}});
+				std::shared_ptr<const KeptMesh>(shared, &shared->meshes[mesh]), {}});
 	}
 	return result;
 }
@@ -76,18 +76,20 @@ PackedFloat32Array ScatterTile::get_buffer(int64_t p_index) const {
 	const auto index = static_cast<std::size_t>(p_index);
 	const bool same = now != nullptr && index < now->parts.size() && now->parts[index].shown == part->instances;
 	return same && !now->parts[index].cells.empty() ? read_back(now->parts[index])
-													: packed_floats(part->instances->buffer);
+													: to_upload(*part->instances, 0.0F).buffer;
 }
 
 PackedInt64Array ScatterTile::get_ids(int64_t p_index) const {
 	const Part *part = find("get_ids", p_index);
-	return part != nullptr ? packed_ids(part->instances->ids) : PackedInt64Array();
+	return part != nullptr ? packed_ids(expanded(*part->instances).ids) : PackedInt64Array();
 }
 
 PackedByteArray ScatterTile::get_rows() const {
+	std::vector<MeshInstances> whole;
 	std::vector<const MeshInstances *> meshes;
+	whole.reserve(parts_.size());
 	for (const Part &part : parts_) {
-		meshes.push_back(part.instances.get());
+		meshes.push_back(&whole.emplace_back(expanded(*part.instances)));
 	}
 	return packed_bytes(instance_rows(tile_ != nullptr ? tile_->origin : glm::dvec3(0.0), meshes));
 }
@@ -116,11 +118,8 @@ int64_t ScatterTile::get_digest() const {
 	read.counts = tile_->counts;
 	for (int64_t index = 0; index < get_mesh_count(); ++index) {
 		const PackedFloat32Array buffer = get_buffer(index);
-		const MeshInstances &instances = *parts_[static_cast<std::size_t>(index)].instances;
-		MeshInstances mesh;
+		MeshInstances mesh = expanded(*parts_[static_cast<std::size_t>(index)].instances);
 		mesh.buffer.assign(buffer.ptr(), buffer.ptr() + buffer.size());
-		mesh.ids = instances.ids;
-		mesh.ranks = instances.ranks;
 		read.meshes.push_back(std::move(mesh));
 	}
 	return static_cast<int64_t>(digest(read));

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/tile_instances.hpp"
+#include "core/placement/kept_tile.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/scatter/tile_display.hpp"
 
@@ -32,7 +32,7 @@ class ScatterTile : public godot::RefCounted {
 public:
 	/// One that was built. `offset` is where the engine's origin is in the world.
 	static godot::Ref<ScatterTile> built(
-			TileInstances tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, glm::dvec3 offset);
+			KeptTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, glm::dvec3 offset);
 
 	/// One that a display shows; null for a tile that it does not show.
 	static godot::Ref<ScatterTile> shown(
@@ -68,13 +68,13 @@ protected:
 private:
 	struct Part {
 		godot::Ref<godot::Mesh> mesh;
-		std::shared_ptr<const MeshInstances> instances;
+		std::shared_ptr<const KeptMesh> instances;
 		std::vector<godot::RID> multimeshes;
 	};
 
 	const Part *find(const char *p_method, int64_t p_index) const;
 
-	std::shared_ptr<const TileInstances> tile_; ///< Null for one that was not shown.
+	std::shared_ptr<const KeptTile> tile_; ///< Null for one that was not shown.
 	godot::Vector3 origin_;
 	std::vector<Part> parts_;
 

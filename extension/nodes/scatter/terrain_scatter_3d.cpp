@@ -273,19 +273,28 @@ LayerWorld TerrainScatter3D::layer_world() {
 			in_editor() ? previews_ : none};
 }
 
-/// A tile for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
+/// Tiles for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
 TileMaker TerrainScatter3D::tile_maker() const {
 	return [layers = layer_list_.snapshots(), ground = ground_, builder = at_once_,
 				   terrain = HostedTerrain{terrain_, get_instance_id()}](
-				   std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const TileInstances> &r_tile) -> Status {
-		if (layer >= layers.size() || layers[layer] == nullptr || !terrain.is_available()) {
+				   std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+		r_tiles.assign(tiles.size(), nullptr);
+		if (!terrain.is_available()) {
 			return {};
 		}
-		TileInstances made;
-		const Rect rect = tile_rect(layers[layer]->range.tile_size, tile);
-		const Status status = builder->build(*layers[layer]->settings, ground.get(), terrain, rect, made);
-		if (status.ok()) {
-			r_tile = std::make_shared<const TileInstances>(std::move(made));
+		std::vector<TileOrder> orders;
+		std::vector<std::size_t> ordered; // Which tile each is for.
+		for (std::size_t i = 0; i < tiles.size(); ++i) {
+			const SharedSnapshot &layer = tiles[i].layer < layers.size() ? layers[tiles[i].layer] : nullptr;
+			if (layer != nullptr) {
+				orders.push_back({layer->settings, tile_rect(layer->range.tile_size, tiles[i].tile)});
+				ordered.push_back(i);
+			}
+		}
+		std::vector<std::shared_ptr<const KeptTile>> made;
+		const Status status = builder->build_all(orders, ground.get(), terrain, made);
+		for (std::size_t i = 0; i < made.size(); ++i) {
+			r_tiles[ordered[i]] = std::move(made[i]);
 		}
 		return status;
 	};

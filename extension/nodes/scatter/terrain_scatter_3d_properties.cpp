@@ -234,13 +234,15 @@ Ref<ScatterTile> TerrainScatter3D::build(
 										   : Status{};
 	}
 	const Rect rect = status.ok() ? rect_of(*snapshot) : Rect();
-	TileInstances tile;
+	KeptTile tile;
 	if (status.ok() && gameplay->alive()) {
 		const HostedTerrain terrain{
 				terrain_, get_instance_id()}; // A script that is asked for the ground may free this node.
 		const std::shared_ptr<const Terrain> ground = ground_;
 		const std::shared_ptr<AtOnceBuilder> builder = at_once_;
-		status = builder->build(*snapshot->settings, ground.get(), terrain, rect, tile);
+		TileInstances made;
+		status = builder->build(*snapshot->settings, ground.get(), terrain, rect, made);
+		tile = KeptTile(made, snapshot->settings);
 	}
 	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
 		status = lay_over(*snapshot->settings, rect, state->state(), tile);
@@ -272,6 +274,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	Dictionary stats;
 	stats["tiles"] = number(display().tile_count());
 	stats["instances"] = number(display().instance_count());
+	stats["instance_bytes"] = number(display().instance_bytes());
 	stats["drawn"] = number(display().drawn_count());
 	stats["multimeshes"] = number(display().multimesh_count());
 	stats["uploads"] = number(display().upload_count());

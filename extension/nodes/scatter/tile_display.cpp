@@ -90,7 +90,7 @@ std::uint64_t TileDisplay::drawing_version(std::uint32_t layer) const {
 }
 
 void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
-	static const auto nothing = std::make_shared<const TileInstances>();
+	static const auto nothing = std::make_shared<const KeptTile>();
 	const TileJob &job = *r_upload.job;
 	const TileKey &key = job.request.key;
 	DisplayedTile &tile = r_upload.tile;
@@ -108,9 +108,9 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	const LayerSnapshot *layer = layer_at(key.layer);
 	std::vector<std::pair<std::size_t, std::size_t>> sizes; // Instances, and multimeshes of a cell.
 	for (std::size_t mesh = 0; mesh < r_upload.shown.size(); ++mesh) {
-		const MeshInstances &shown = *r_upload.shown[mesh];
+		const KeptMesh &shown = *r_upload.shown[mesh];
 		if (layer != nullptr && layer->drawing.draws(mesh) && shown.size() > 0) {
-			tile.grow(box_around(shown.min, shown.max, tile.reach_of(mesh) * shown.max_scale));
+			tile.grow(box_around(shown.min(), shown.max(), tile.reach_of(mesh) * shown.max_scale()));
 			sizes.emplace_back(shown.size(), casts_by_other_meshes(lods_of(layer->drawing, mesh)) ? 2 : 1);
 		}
 	}
@@ -242,7 +242,7 @@ void TileDisplay::clear() {
 	denied_.clear();
 	divided_.clear();
 	tiles_.clear();
-	instances_ = multimeshes_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = 0;
+	instances_ = instance_bytes_ = multimeshes_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = 0;
 	schedule_.clear();
 	cut_.clear();
 	share_ = 1.0;

@@ -128,6 +128,9 @@ public:
 	/// The same of one layer.
 	std::uint64_t instance_count(std::uint32_t layer) const;
 
+	/// Bytes of main memory that all of them take; what the renderer has of them is not counted.
+	std::uint64_t instance_bytes() const { return instance_bytes_; }
+
 	/// Instances that are drawn when in sight, at most as many as the limits allow.
 	std::uint64_t drawn_count() const { return drawn_; }
 
@@ -192,7 +195,7 @@ private:
 	bool upload_others(const TileKey &key, DisplayedTile &r_tile);
 	bool upload_others(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
 	void begin(TileUpload &r_upload, bool others_wait) const;
-	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const MeshInstances> shown, std::vector<MeshLook> lods,
+	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const KeptMesh> shown, std::vector<MeshLook> lods,
 			std::uint32_t across, DisplayedTile::Part &r_part) const;
 	TileVisual make_visual(const DisplayedTile &tile, const DisplayedTile::Part &part, const LayerDrawing &drawing,
 			const MeshUpload &upload);
@@ -204,9 +207,9 @@ private:
 	std::uint64_t drawing_version(std::uint32_t layer) const;
 	void redraw(const TileKey &key, DisplayedTile &r_tile);
 	bool patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
-			DisplayedTile::Part &r_part, std::shared_ptr<const MeshInstances> shown);
+			DisplayedTile::Part &r_part, std::shared_ptr<const KeptMesh> shown);
 	void patch(const TileKey &key, DisplayedTile &r_tile);
-	std::vector<std::shared_ptr<const MeshInstances>> overlay(const DisplayedTile &tile) const;
+	std::vector<std::shared_ptr<const KeptMesh>> overlay(const DisplayedTile &tile) const;
 
 	// How tiles are divided into cells.
 
@@ -241,6 +244,7 @@ private:
 	std::vector<TileVisual> leaving_;
 	std::size_t leaving_hidden_ = 0; ///< So many of them, from the first on, are hidden.
 	std::uint64_t instances_ = 0;
+	std::uint64_t instance_bytes_ = 0;
 	std::uint64_t multimeshes_ = 0;
 	std::uint64_t upload_count_ = 0;
 	std::uint64_t redrawn_count_ = 0;

@@ -22,7 +22,7 @@ constexpr double gives_way = 1.1;
 } // namespace
 
 /// Makes a part ready for its cells to be uploaded. False without the memory for it.
-bool TileDisplay::begin_part(const DisplayedTile &tile, std::shared_ptr<const MeshInstances> shown,
+bool TileDisplay::begin_part(const DisplayedTile &tile, std::shared_ptr<const KeptMesh> shown,
 		std::vector<MeshLook> lods, std::uint32_t across, DisplayedTile::Part &r_part) const {
 	r_part.shown = std::move(shown);
 	r_part.lods = std::move(lods);

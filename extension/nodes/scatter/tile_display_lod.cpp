@@ -26,6 +26,7 @@ constexpr std::size_t cells_per_step = 32;
 } // namespace
 
 void TileDisplay::count(const DisplayedTile &tile) {
+	instance_bytes_ += tile.bytes();
 	for (const DisplayedTile::Part &part : tile.parts) {
 		instances_ += part.shown->size();
 		multimeshes_ += part.multimesh_count();
@@ -37,6 +38,7 @@ void TileDisplay::count(const DisplayedTile &tile) {
 }
 
 void TileDisplay::uncount(const DisplayedTile &tile) {
+	instance_bytes_ -= tile.tile != nullptr ? tile.bytes() : 0;
 	for (const DisplayedTile::Part &part : tile.parts) {
 		instances_ -= part.shown->size();
 		multimeshes_ -= part.multimesh_count();

@@ -15,7 +15,13 @@ namespace thicket {
 
 namespace {
 
-bool same(const MeshInstances &a, const MeshInstances &b) { return a.ids == b.ids && a.buffer == b.buffer; }
+bool same(const KeptMesh &a, const KeptMesh &b) {
+	bool equal = a.size() == b.size();
+	for (std::size_t i = 0; equal && i < a.size(); ++i) {
+		equal = a.same(i, b, i);
+	}
+	return equal;
+}
 
 } // namespace
 
@@ -26,7 +32,7 @@ void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &
 	}
 }
 
-std::vector<std::shared_ptr<const MeshInstances>> TileDisplay::overlay(const DisplayedTile &tile) const {
+std::vector<std::shared_ptr<const KeptMesh>> TileDisplay::overlay(const DisplayedTile &tile) const {
 	OverlaidMeshes meshes;
 	report("TerrainScatter3D", overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_}, meshes));
 	return meshes;
@@ -95,7 +101,7 @@ bool TileDisplay::patch_step() {
 /// Updates neither the counts nor what the distance asks for: both are left to the caller.
 void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layer_at(key.layer);
-	const std::vector<std::shared_ptr<const MeshInstances>> shown = overlay(r_tile);
+	const std::vector<std::shared_ptr<const KeptMesh>> shown = overlay(r_tile);
 	if (shown.size() != r_tile.parts.size()) {
 		mark(key.layer, r_tile.rect); // No memory for now: it stays on show as it is until there is.
 		return;
@@ -121,7 +127,7 @@ void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 
 /// Shows other instances of a mesh. A cell that has what it had is not uploaded anew. False without the memory for it.
 bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
-		DisplayedTile::Part &r_part, std::shared_ptr<const MeshInstances> shown) {
+		DisplayedTile::Part &r_part, std::shared_ptr<const KeptMesh> shown) {
 	DisplayedTile::Part next;
 	if (!begin_part(tile, std::move(shown), r_part.lods, tile.across, next)) {
 		return false;

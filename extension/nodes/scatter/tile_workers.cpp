@@ -249,7 +249,7 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
 		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh)));
 	}
-	job.tile = std::make_shared<const TileInstances>(worker.tile); // A copy has no spare room; the workspace keeps it.
+	job.tile = std::make_shared<const KeptTile>(worker.tile, job.layer->settings);
 }
 
 } // namespace thicket

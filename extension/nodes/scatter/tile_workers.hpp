@@ -43,9 +43,9 @@ struct TileJob {
 	std::size_t answered = 0; ///< How much of `ground` is filled.
 
 	Status status;
-	std::shared_ptr<const TileInstances> tile; ///< What the rules give, whatever a game has changed.
-	std::vector<MeshUpload> uploads;           ///< The same for the renderer, a part for each mesh; none if `unseen`.
-	std::uint64_t microseconds = 0;            ///< Spent on it by workers.
+	std::shared_ptr<const KeptTile> tile; ///< What the rules give, whatever a game has changed.
+	std::vector<MeshUpload> uploads;      ///< The same for the renderer, a part for each mesh; none if `unseen`.
+	std::uint64_t microseconds = 0;       ///< Spent on it by workers.
 
 	bool unseen = false; ///< Made for queries, not to be shown. Main thread only, as is the next.
 	bool stale = false;  ///< Something that it shows was edited after it was begun.

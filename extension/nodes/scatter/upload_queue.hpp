@@ -16,9 +16,9 @@ namespace thicket {
 struct TileUpload {
 	std::shared_ptr<TileJob> job;
 
-	DisplayedTile tile;                                      ///< As much of it as is uploaded, hidden.
-	std::vector<std::shared_ptr<const MeshInstances>> shown; ///< What is to be uploaded of each mesh, once it is begun.
-	std::uint64_t overlay_version = 0;                       ///< Of what lay over all tiles when it was begun.
+	DisplayedTile tile;                                 ///< As much of it as is uploaded, hidden.
+	std::vector<std::shared_ptr<const KeptMesh>> shown; ///< What is to be uploaded of each mesh, once it is begun.
+	std::uint64_t overlay_version = 0;                  ///< Of what lay over all tiles when it was begun.
 
 	bool is_begun() const { return tile.tile != nullptr; }
 	bool is_complete() const { return is_begun() && tile.parts.size() >= shown.size() && !has_open_part(); }

@@ -1,0 +1,263 @@
+#include "core/placement/kept_tile.hpp"
+
+#include "core/base/instance_id.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+glm::vec3 position_of(const MeshInstances &mesh, std::size_t i) {
+	const float *floats = mesh.buffer.data() + i * mesh.stride;
+	return {floats[3], floats[7], floats[11]};
+}
+
+/// Without an alignment, nothing of a normal but the signs of x and z counts, and these for the signs of zeros.
+bool needs_normals(const LayerSettings &settings) { return settings.placement.align_to_normal != 0.0; }
+
+template <class Value>
+std::size_t bytes_of(const std::vector<Value> &values) {
+	return values.capacity() * sizeof(Value);
+}
+
+bool same_bits(std::span<const float> a, std::span<const float> b) {
+	return std::ranges::equal(
+			a, b, [](float x, float y) { return std::bit_cast<std::uint32_t>(x) == std::bit_cast<std::uint32_t>(y); });
+}
+
+bool same_bits(const glm::vec3 &a, const glm::vec3 &b) {
+	return same_bits(std::array{a.x, a.y, a.z}, std::array{b.x, b.y, b.z});
+}
+
+bool same_bits(const InstanceShares &a, const InstanceShares &b) {
+	return same_bits(std::array{a.color, a.variation}, std::array{b.color, b.variation});
+}
+
+} // namespace
+
+KeptMesh::KeptMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings) :
+		settings_(std::move(settings)), stride_(mesh.stride), min_(mesh.min), max_(mesh.max),
+		max_scale_(mesh.max_scale), ranks_(mesh.ranks.begin(), mesh.ranks.end()) {
+	positions_.reserve(mesh.size());
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
+		positions_.push_back(position_of(mesh, i));
+	}
+	if (settings_ != nullptr && mesh.normals.size() == mesh.size() && find_cells(mesh)) {
+		keep_sources(mesh);
+	} else {
+		keep_as_it_is(mesh);
+	}
+}
+
+/// False for ids that lie too far apart, or are none of points of one layer.
+bool KeptMesh::find_cells(const MeshInstances &mesh) {
+	glm::ivec2 low(std::numeric_limits<int>::max());
+	glm::ivec2 high(std::numeric_limits<int>::min());
+	const std::uint16_t layer = mesh.size() > 0 ? unpack(mesh.ids.front()).layer : std::uint16_t{0};
+	for (const std::uint64_t id : mesh.ids) {
+		const InstanceId point = unpack(id);
+		if (point.layer != layer) {
+			return false;
+		}
+		low = glm::min(low, point.cell);
+		high = glm::max(high, point.cell);
+	}
+	if (mesh.size() == 0) {
+		return true;
+	}
+	const glm::ivec2 across = high - low;
+	if (std::max(across.x, across.y) > static_cast<int>(cell_mask)) {
+		return false;
+	}
+	first_id_ = pack({layer, low});
+	cells_.reserve(mesh.size());
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
+		const glm::uvec2 cell(unpack(mesh.ids[i]).cell - low);
+		const std::uint32_t signs = (std::signbit(mesh.normals[i].x) ? x_is_negative : 0) |
+				(std::signbit(mesh.normals[i].z) ? z_is_negative : 0);
+		cells_.push_back(signs | cell.x << y_bits | cell.y);
+	}
+	return true;
+}
+
+void KeptMesh::keep_as_it_is(const MeshInstances &mesh) {
+	ids_.assign(mesh.ids.begin(), mesh.ids.end());
+	floats_.assign(mesh.buffer.begin(), mesh.buffer.end());
+}
+
+void KeptMesh::keep_sources(const MeshInstances &mesh) {
+	if (needs_normals(*settings_)) {
+		normals_.assign(mesh.normals.begin(), mesh.normals.end());
+	}
+	shares_.assign(mesh.shares.begin(), mesh.shares.end());
+}
+
+KeptMesh::KeptMesh(const MeshInstances &first, const KeptMesh &base, std::span<const std::uint32_t> standing) :
+		settings_(base.settings_), stride_(base.stride_), first_id_(base.first_id_) {
+	const std::size_t count = first.size() + standing.size();
+	const auto made =
+			std::ranges::partition_point(standing, [&base](std::uint32_t i) { return i < base.as_they_are(); });
+	positions_.reserve(count);
+	ranks_.reserve(count);
+	ids_.reserve(first.size() + static_cast<std::size_t>(made - standing.begin()));
+	keep_as_it_is(first);
+	for (std::size_t i = 0; i < first.size(); ++i) {
+		positions_.push_back(position_of(first, i));
+		ranks_.push_back(first.ranks[i]);
+	}
+	for (const std::uint32_t i : standing) {
+		positions_.push_back(base.positions_[i]);
+		ranks_.push_back(base.ranks_[i]);
+	}
+	for (auto at = standing.begin(); at != made; ++at) {
+		const auto floats = base.floats_.begin() + static_cast<std::ptrdiff_t>(*at * stride_);
+		ids_.push_back(base.ids_[*at]);
+		floats_.insert(floats_.end(), floats, floats + static_cast<std::ptrdiff_t>(stride_));
+	}
+	const auto choose = [&](const auto &from, auto &r_to) {
+		if (!from.empty()) {
+			r_to.reserve(static_cast<std::size_t>(standing.end() - made));
+			std::for_each(made, standing.end(), [&](std::uint32_t i) { r_to.push_back(from[i - base.as_they_are()]); });
+		}
+	};
+	choose(base.cells_, cells_);
+	choose(base.normals_, normals_);
+	choose(base.shares_, shares_);
+	measure(std::max(base.max_scale_, first.max_scale));
+}
+
+/// The box around what stands.
+void KeptMesh::measure(float max_scale) {
+	max_scale_ = max_scale;
+	if (!positions_.empty()) {
+		min_ = max_ = positions_.front();
+	}
+	for (const glm::vec3 &position : positions_) {
+		min_ = glm::min(min_, position);
+		max_ = glm::max(max_, position);
+	}
+}
+
+std::size_t KeptMesh::find(std::uint64_t id) const {
+	if (const auto found = std::ranges::find(ids_, id); found != ids_.end()) {
+		return static_cast<std::size_t>(found - ids_.begin());
+	}
+	// Of an id that is none of these cells, either a part does not fit or the cell is not there.
+	const std::uint64_t from_first = id - first_id_;
+	const std::uint64_t x = from_first >> 24;
+	const std::uint64_t y = from_first & 0xffffff;
+	if (x > cell_mask || y > cell_mask) {
+		return size();
+	}
+	const auto cell = static_cast<std::uint32_t>(x << y_bits | y);
+	const auto found =
+			std::ranges::find_if(cells_, [cell](std::uint32_t each) { return (each & (x_is_negative - 1)) == cell; });
+	return as_they_are() + static_cast<std::size_t>(found - cells_.begin());
+}
+
+/// One that makes what the real one made.
+glm::vec3 KeptMesh::normal_of(std::size_t source) const {
+	if (!normals_.empty()) {
+		return normals_[source];
+	}
+	const std::uint32_t signs = cells_[source];
+	return {(signs & x_is_negative) != 0 ? -1.0f : 1.0f, 1.0f, (signs & z_is_negative) != 0 ? -1.0f : 1.0f};
+}
+
+/// The transform of one that the settings make. Returns its scale.
+float KeptMesh::read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const {
+	const glm::vec3 normal = normal_of(i - as_they_are());
+	const float scale = write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats);
+	r_floats[3] = positions_[i].x;
+	r_floats[7] = positions_[i].y;
+	r_floats[11] = positions_[i].z;
+	return scale;
+}
+
+void KeptMesh::read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const {
+	if (i < as_they_are()) {
+		std::ranges::copy(std::span(floats_).subspan(i * stride_).first<transform_floats>(), r_floats.begin());
+	} else {
+		read_basis(i, r_floats);
+	}
+}
+
+void KeptMesh::read(std::size_t i, std::span<float> r_floats) const {
+	if (i < as_they_are()) {
+		std::ranges::copy(std::span(floats_).subspan(i * stride_, stride_), r_floats.begin());
+		return;
+	}
+	const float scale = read_basis(i, r_floats.first<transform_floats>());
+	const InstanceShares shares = shares_.empty() ? InstanceShares() : shares_[i - as_they_are()];
+	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale,
+			r_floats.subspan(transform_floats), shares);
+}
+
+void KeptMesh::read_all(std::span<float> r_floats) const {
+	for (std::size_t i = 0; i < size(); ++i) {
+		read(i, r_floats.subspan(i * stride_, stride_));
+	}
+}
+
+bool KeptMesh::same(std::size_t i, const KeptMesh &other, std::size_t j) const {
+	const bool as_it_is = i < as_they_are();
+	if (stride_ != other.stride_ || as_it_is != (j < other.as_they_are()) || id(i) != other.id(j)) {
+		return false;
+	}
+	if (as_it_is) {
+		return same_bits(std::span(floats_).subspan(i * stride_, stride_),
+				std::span(other.floats_).subspan(j * stride_, stride_));
+	}
+	const std::size_t a = i - as_they_are();
+	const std::size_t b = j - other.as_they_are();
+	return settings_ == other.settings_ && ranks_[i] == other.ranks_[j] &&
+			same_bits(positions_[i], other.positions_[j]) && same_bits(normal_of(a), other.normal_of(b)) &&
+			shares_.empty() == other.shares_.empty() && (shares_.empty() || same_bits(shares_[a], other.shares_[b]));
+}
+
+std::size_t KeptMesh::bytes() const {
+	return bytes_of(positions_) + bytes_of(ranks_) + bytes_of(cells_) + bytes_of(normals_) + bytes_of(shares_) +
+			bytes_of(ids_) + bytes_of(floats_);
+}
+
+KeptTile::KeptTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings) :
+		origin(tile.origin), counts(tile.counts) {
+	meshes.reserve(tile.meshes.size());
+	for (const MeshInstances &mesh : tile.meshes) {
+		meshes.emplace_back(mesh, settings);
+	}
+}
+
+MeshInstances expanded(const KeptMesh &mesh) {
+	MeshInstances result;
+	result.resize(mesh.size(), mesh.stride());
+	mesh.read_all(result.buffer);
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
+		result.ids[i] = mesh.id(i);
+	}
+	result.ranks.assign(mesh.ranks().begin(), mesh.ranks().end());
+	result.min = mesh.min();
+	result.max = mesh.max();
+	result.max_scale = mesh.max_scale();
+	return result;
+}
+
+TileInstances expanded(const KeptTile &tile) {
+	TileInstances result;
+	result.origin = tile.origin;
+	result.counts = tile.counts;
+	for (const KeptMesh &mesh : tile.meshes) {
+		result.meshes.push_back(expanded(mesh));
+	}
+	return result;
+}
+
+} // namespace thicket

@@ -1,0 +1,119 @@
+#pragma once
+
+#include "core/placement/layer.hpp"
+#include "core/placement/tile_instances.hpp"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// The instances of one mesh in one tile as they are kept for as long as somebody may ask for them: what their floats follow from, instead
+/// of the floats. Gives back every bit of the MeshInstances that it was made of, in the same order.
+///
+/// An instance takes 20 bytes where its layer stands upright, 32 where it follows the ground, and 8 more where its color or its variation
+/// follows a source. Those that the layer's settings do not make (hand-placed ones) come first and are kept as they are.
+class KeptMesh {
+public:
+	KeptMesh() = default;
+
+	/// `mesh` was made by `settings`; otherwise (without normals) all of it is kept as it is. Throws std::bad_alloc.
+	KeptMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings);
+
+	/// `first`, kept as it is, and behind it these instances of another one, ascending. Throws std::bad_alloc.
+	KeptMesh(const MeshInstances &first, const KeptMesh &base, std::span<const std::uint32_t> standing);
+
+	std::size_t size() const { return positions_.size(); }
+	std::size_t stride() const { return stride_; }
+	std::uint64_t id(std::size_t i) const {
+		if (i < as_they_are()) {
+			return ids_[i];
+		}
+		const std::uint32_t cell = cells_[i - as_they_are()];
+		return first_id_ + (std::uint64_t{cell >> y_bits & cell_mask} << 24) + (cell & cell_mask);
+	}
+
+	/// The index of the instance with this id; `size` for none.
+	std::size_t find(std::uint64_t id) const;
+
+	/// Relative to the tile's origin, in meters.
+	std::span<const glm::vec3> positions() const { return positions_; }
+	std::span<const std::uint32_t> ranks() const { return ranks_; }
+
+	// As in MeshInstances.
+	glm::vec3 min() const { return min_; }
+	glm::vec3 max() const { return max_; }
+	float max_scale() const { return max_scale_; }
+
+	/// Writes the transform of an instance.
+	void read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const;
+
+	/// Writes all floats of an instance, `stride` of them.
+	void read(std::size_t i, std::span<float> r_floats) const;
+
+	/// Writes those of all, one after the other.
+	void read_all(std::span<float> r_floats) const;
+
+	/// True if an instance has the same id and floats, to the bit, as one of another mesh of the same tile and layer.
+	bool same(std::size_t i, const KeptMesh &other, std::size_t j) const;
+
+	/// Bytes of memory beside the object itself.
+	std::size_t bytes() const;
+
+private:
+	/// A cell's place in its tile, beside the signs of x and z of the normal.
+	static constexpr std::uint32_t y_bits = 15;
+	static constexpr std::uint32_t cell_mask = (1u << y_bits) - 1;
+	static constexpr std::uint32_t x_is_negative = 1u << 30;
+	static constexpr std::uint32_t z_is_negative = 1u << 31;
+
+	std::size_t as_they_are() const { return ids_.size(); }
+	bool find_cells(const MeshInstances &mesh);
+	void keep_as_it_is(const MeshInstances &mesh);
+	void keep_sources(const MeshInstances &mesh);
+	void measure(float max_scale);
+	glm::vec3 normal_of(std::size_t source) const;
+	float read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const;
+
+	std::shared_ptr<const LayerSettings> settings_;
+	std::size_t stride_ = transform_floats;
+	std::uint64_t first_id_ = 0; ///< Of the corner of the cells.
+	glm::vec3 min_{0.0f};
+	glm::vec3 max_{0.0f};
+	float max_scale_ = 0.0f;
+
+	std::vector<glm::vec3> positions_;
+	std::vector<std::uint32_t> ranks_;
+
+	// Of those that the settings make.
+	std::vector<std::uint32_t> cells_;
+	std::vector<glm::vec3> normals_;     ///< None where the layer stands upright: the signs are enough then.
+	std::vector<InstanceShares> shares_; ///< None where no source is known.
+
+	// Of those before them.
+	std::vector<std::uint64_t> ids_;
+	std::vector<float> floats_;
+};
+
+/// Everything that stands in one tile of one layer, as TileInstances has it.
+struct KeptTile {
+	glm::dvec3 origin{0.0};
+	std::vector<KeptMesh> meshes;
+	TileCounts counts;
+
+	KeptTile() = default;
+
+	/// Throws std::bad_alloc.
+	KeptTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings);
+};
+
+/// The way back. What is needed to keep it again (the normals) is not in it. Throws std::bad_alloc.
+MeshInstances expanded(const KeptMesh &mesh);
+TileInstances expanded(const KeptTile &tile);
+
+} // namespace thicket

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+
+namespace thicket {
+
+/// An instance as it stands in the world.
+struct PlacedInstance {
+	std::uint64_t id = 0;
+	std::uint32_t layer = 0; ///< Its index in the list of layers that was asked, not the layer of the id.
+	std::uint32_t mesh = 0;
+	glm::dvec3 position{0.0}; ///< World meters.
+	glm::mat3 basis{1.0f};    ///< Rotation and scale.
+};
+
+} // namespace thicket

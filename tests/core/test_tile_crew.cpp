@@ -1,0 +1,105 @@
+// Tiles made on several threads for somebody who waits: the same as on one, and really on several.
+
+#include "core/placement/tile_crew.hpp"
+#include "tile_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+/// Two threads, which do all they find before the caller's own begins.
+class EagerThreads final : public LentThreads {
+public:
+	std::size_t count() const override { return 2; }
+	void run(const std::function<void(std::size_t index)> &work) override {
+		std::vector<std::thread> threads;
+		for (std::size_t index = 1; index <= count(); ++index) {
+			threads.emplace_back([&work, index] { work(index); });
+		}
+		for (std::thread &thread : threads) {
+			thread.join();
+		}
+		work(0);
+	}
+};
+
+/// Hills that note who asked, and have no answer east of a line.
+class WatchedHills final : public Terrain {
+public:
+	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
+		{
+			const std::lock_guard lock(mutex_);
+			threads_.insert(std::this_thread::get_id());
+		}
+		for (const glm::dvec2 position : positions) {
+			if (position.x > east) {
+				return {ErrorCode::missing, "ground", position.x > east + 64.0 ? 2.0 : 1.0};
+			}
+		}
+		return hills_.sample(positions, r_ground);
+	}
+
+	double east = 1e9;
+
+	std::set<std::thread::id> threads() const { return threads_; }
+
+private:
+	Heightfield hills_ = hills();
+	mutable std::mutex mutex_;
+	mutable std::set<std::thread::id> threads_;
+};
+
+std::vector<TileOrder> orders() {
+	const auto layer = std::make_shared<const LayerSettings>(rich_layer());
+	std::vector<TileOrder> result;
+	for (int x = -4; x < 4; ++x) {
+		result.push_back({layer, {{32.0 * x, 0.0}, {32.0 * x + 32.0, 32.0}}});
+	}
+	return result;
+}
+
+} // namespace
+
+TEST_CASE("tile crew: tiles are those of one builder, in order, and not made on the caller's thread alone") {
+	const WatchedHills ground;
+	EagerThreads threads;
+	TileCrew crew;
+	std::vector<std::shared_ptr<const KeptTile>> tiles(3);
+	for (int round = 0; round < 2; ++round) {
+		REQUIRE(crew.build(orders(), ground, threads, tiles).ok());
+		REQUIRE(tiles.size() == orders().size());
+		for (std::size_t i = 0; i < tiles.size(); ++i) {
+			REQUIRE(tiles[i] != nullptr);
+			CHECK(digest(expanded(*tiles[i])) == digest(built(rich_layer(), hills(), orders()[i].rect)));
+		}
+	}
+	CHECK_FALSE(ground.threads().contains(std::this_thread::get_id()));
+}
+
+TEST_CASE("tile crew: the error is that of the first tile that has one, and what came before it is there") {
+	WatchedHills ground;
+	ground.east = 0.0; // The fifth tile lies beyond, and the seventh has another error.
+	EagerThreads threads;
+	TileCrew crew;
+	std::vector<std::shared_ptr<const KeptTile>> tiles;
+	const Status status = crew.build(orders(), ground, threads, tiles);
+	CHECK(status.code == ErrorCode::missing);
+	CHECK(status.value == 1.0);
+	REQUIRE(tiles.size() == orders().size());
+	for (std::size_t i = 0; i < 3; ++i) {
+		CHECK(tiles[i] != nullptr);
+	}
+	CHECK(tiles[4] == nullptr);
+	REQUIRE(crew.build({}, ground, threads, tiles).ok());
+	CHECK(tiles.empty());
+}
