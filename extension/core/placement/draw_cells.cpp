@@ -85,10 +85,7 @@ Status divide(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::ui
 }
 
 void gather(const KeptMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer) {
-	for (const std::uint32_t i : order) {
-		mesh.read(i, r_buffer.first(mesh.stride()));
-		r_buffer = r_buffer.subspan(mesh.stride());
-	}
+	mesh.read(order, r_buffer);
 }
 
 void spread(std::span<const float> buffer, std::span<const std::uint32_t> order, std::size_t stride,

@@ -1,5 +1,6 @@
 #include "core/placement/instance_writer.hpp"
 
+#include "core/placement/instance_basis.hpp"
 #include "core/placement/rank_order.hpp"
 
 #include <glm/common.hpp>
@@ -13,7 +14,7 @@ namespace thicket {
 namespace {
 
 /// Instances between two looks at the cancel flag: far below a millisecond of work.
-constexpr std::size_t batch = 2048;
+constexpr std::size_t between_looks = 2048;
 
 /// Empties a mesh's box, to be grown again.
 void open_bounds(MeshInstances &mesh) {
@@ -28,9 +29,9 @@ void close_bounds(MeshInstances &mesh) {
 	}
 }
 
-/// Writes the instance that `key` names to index `at` of its mesh.
+/// Writes the instance that `key` names to index `at` of its mesh; it is one of a batch.
 void write_instance(const LayerSettings &layer, const StandingPoints &points, std::uint64_t key, glm::dvec3 origin,
-		std::size_t at, MeshInstances &r_mesh) {
+		const BasisBatch &batch, std::size_t in_batch, std::size_t at, MeshInstances &r_mesh) {
 	const std::uint32_t point = point_of(key);
 	const auto rank = static_cast<std::uint32_t>(key >> 32);
 	const std::uint64_t id = points.ids[point];
@@ -42,7 +43,9 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 	};
 	const std::span<float> floats = r_mesh.floats_of(at);
 	const auto transform = floats.first<transform_floats>();
-	const float scale = write_transform(layer.placement, layer.set.seed, id, ground.normal, position, transform);
+	const float scale = batch.scale[in_batch];
+	write_position(layer.placement, ground.normal, position, transform);
+	batch.write(in_batch, transform);
 	const InstanceShares shares = points.shares_of(point);
 	write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats), shares);
 	r_mesh.ids[at] = id;
@@ -97,13 +100,23 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 	r_tile.origin = origin;
 	std::array<std::size_t, max_meshes> ends{};
 	std::for_each(r_tile.meshes.begin(), r_tile.meshes.end(), open_bounds);
-	for (std::size_t i = 0; i < order_.size(); ++i) {
-		if (i % batch == 0 && cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
+	BasisBatch batch;
+	for (std::size_t first = 0; first < order_.size(); first += BasisBatch::most) {
+		if (first % between_looks == 0 && cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
 			r_tile.meshes.clear();
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
-		MeshInstances &mesh = r_tile.meshes[mesh_of_[i]];
-		write_instance(layer, points, order_[i], r_tile.origin, ends[mesh_of_[i]]++, mesh);
+		const std::span<const std::uint64_t> keys =
+				std::span(order_).subspan(first, std::min(BasisBatch::most, order_.size() - first));
+		batch.count = 0;
+		for (const std::uint64_t key : keys) {
+			batch.add(points.ids[point_of(key)], points.ground[point_of(key)].normal);
+		}
+		batch.make(layer.placement, layer.set.seed);
+		for (std::size_t i = 0; i < keys.size(); ++i) {
+			const std::size_t mesh = mesh_of_[first + i];
+			write_instance(layer, points, keys[i], r_tile.origin, batch, i, ends[mesh]++, r_tile.meshes[mesh]);
+		}
 	}
 	std::for_each(r_tile.meshes.begin(), r_tile.meshes.end(), close_bounds);
 	return {};

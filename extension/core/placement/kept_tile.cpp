@@ -1,6 +1,7 @@
 #include "core/placement/kept_tile.hpp"
 
 #include "core/base/instance_id.hpp"
+#include "core/placement/instance_basis.hpp"
 
 #include <glm/common.hpp>
 
@@ -18,6 +19,12 @@ namespace {
 glm::vec3 position_of(const MeshInstances &mesh, std::size_t i) {
 	const float *floats = mesh.buffer.data() + i * mesh.stride;
 	return {floats[3], floats[7], floats[11]};
+}
+
+void write_position(const glm::vec3 &position, std::span<float, transform_floats> r_transform) {
+	r_transform[3] = position.x;
+	r_transform[7] = position.y;
+	r_transform[11] = position.z;
 }
 
 /// Without an alignment, nothing of a normal but the signs of x and z counts, and these for the signs of zeros.
@@ -176,9 +183,7 @@ glm::vec3 KeptMesh::normal_of(std::size_t source) const {
 float KeptMesh::read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const {
 	const glm::vec3 normal = normal_of(i - as_they_are());
 	const float scale = write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats);
-	r_floats[3] = positions_[i].x;
-	r_floats[7] = positions_[i].y;
-	r_floats[11] = positions_[i].z;
+	write_position(positions_[i], r_floats);
 	return scale;
 }
 
@@ -195,16 +200,50 @@ void KeptMesh::read(std::size_t i, std::span<float> r_floats) const {
 		std::ranges::copy(std::span(floats_).subspan(i * stride_, stride_), r_floats.begin());
 		return;
 	}
-	const float scale = read_basis(i, r_floats.first<transform_floats>());
+	read_behind(i, read_basis(i, r_floats.first<transform_floats>()), r_floats.subspan(transform_floats));
+}
+
+/// What follows the transform of one that the settings make.
+void KeptMesh::read_behind(std::size_t i, float scale, std::span<float> r_floats) const {
 	const InstanceShares shares = shares_.empty() ? InstanceShares() : shares_[i - as_they_are()];
-	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale,
-			r_floats.subspan(transform_floats), shares);
+	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale, r_floats, shares);
+}
+
+/// Many instances, batch by batch.
+template <class IndexOf>
+void KeptMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const {
+	BasisBatch batch;
+	for (std::size_t first = 0; first < count;) {
+		std::size_t end = first;
+		for (batch.count = 0; end < count && batch.count < BasisBatch::most; ++end) {
+			const std::size_t i = index_of(end);
+			if (i >= as_they_are()) {
+				batch.add(id(i), normal_of(i - as_they_are()));
+			}
+		}
+		if (batch.count > 0) {
+			batch.make(settings_->placement, settings_->set.seed);
+		}
+		for (std::size_t made = 0; first < end; ++first) {
+			const std::size_t i = index_of(first);
+			const std::span<float> floats = r_floats.subspan(first * stride_, stride_);
+			if (i < as_they_are()) {
+				read(i, floats);
+				continue;
+			}
+			batch.write(made, floats.first<transform_floats>());
+			write_position(positions_[i], floats.first<transform_floats>());
+			read_behind(i, batch.scale[made++], floats.subspan(transform_floats));
+		}
+	}
+}
+
+void KeptMesh::read(std::span<const std::uint32_t> order, std::span<float> r_floats) const {
+	read_many(order.size(), [order](std::size_t at) { return std::size_t{order[at]}; }, r_floats);
 }
 
 void KeptMesh::read_all(std::span<float> r_floats) const {
-	for (std::size_t i = 0; i < size(); ++i) {
-		read(i, r_floats.subspan(i * stride_, stride_));
-	}
+	read_many(size(), [](std::size_t at) { return at; }, r_floats);
 }
 
 bool KeptMesh::same(std::size_t i, const KeptMesh &other, std::size_t j) const {

@@ -56,7 +56,10 @@ public:
 	/// Writes all floats of an instance, `stride` of them.
 	void read(std::size_t i, std::span<float> r_floats) const;
 
-	/// Writes those of all, one after the other.
+	/// Writes those of several, one after the other.
+	void read(std::span<const std::uint32_t> order, std::span<float> r_floats) const;
+
+	/// Writes those of all.
 	void read_all(std::span<float> r_floats) const;
 
 	/// True if an instance has the same id and floats, to the bit, as one of another mesh of the same tile and layer.
@@ -79,6 +82,9 @@ private:
 	void measure(float max_scale);
 	glm::vec3 normal_of(std::size_t source) const;
 	float read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const;
+	void read_behind(std::size_t i, float scale, std::span<float> r_floats) const;
+	template <class IndexOf>
+	void read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const;
 
 	std::shared_ptr<const LayerSettings> settings_;
 	std::size_t stride_ = transform_floats;

@@ -108,14 +108,19 @@ float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t 
 	return static_cast<float>(scale);
 }
 
-float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
-		glm::vec3 position, std::span<float, transform_floats> r_transform) {
+void write_position(const Placement &placement, glm::vec3 normal, glm::vec3 position,
+		std::span<float, transform_floats> r_transform) {
 	if (placement.offset_along_normal != 0.0) {
 		position += glm::vec3(up_axis(normal, 1.0) * placement.offset_along_normal);
 	}
 	for (int row = 0; row < 3; ++row) {
 		r_transform[static_cast<std::size_t>(row) * 4 + 3] = position[row];
 	}
+}
+
+float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
+		glm::vec3 position, std::span<float, transform_floats> r_transform) {
+	write_position(placement, normal, position, r_transform);
 	return write_basis(placement, seed, id, normal, r_transform);
 }
 

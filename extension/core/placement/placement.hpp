@@ -54,6 +54,10 @@ Status validate(const Placement &placement);
 float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
 		std::span<float, transform_floats> r_transform);
 
+/// Writes the position of an instance, with the offset along the normal added to it; nothing else.
+void write_position(const Placement &placement, glm::vec3 normal, glm::vec3 position,
+		std::span<float, transform_floats> r_transform);
+
 /// Writes the transform of an instance: yaw about its own up axis, then the tilt away from it, then the alignment to
 /// the ground, both by the shortest way, and the scale; `position` with the offset along the normal added to it. The
 /// basis is orthogonal with columns of length scale, and no mirror image, to a float's rounding. `normal` must be

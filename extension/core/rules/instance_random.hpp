@@ -14,11 +14,16 @@ enum class Draw : std::uint32_t {
 	mesh = 2,      ///< Words: mesh, variation, wind phase, color.
 };
 
-/// Four words of 32 random bits that belong to an instance for ever: a function of the set's seed, the packed id and
-/// the purpose. The key is not the sampler's own, so they have nothing to do with where the point lies.
-constexpr std::array<std::uint32_t, 4> instance_random(std::uint64_t seed, std::uint64_t id, Draw draw) {
+/// The key is not the sampler's own, so the words have nothing to do with where the point lies.
+constexpr std::uint64_t placement_key(std::uint64_t seed) {
 	constexpr std::uint64_t other_than_sampler = 0x9fb21c651e98df25;
-	const std::uint64_t key = seed ^ other_than_sampler;
+	return seed ^ other_than_sampler;
+}
+
+/// Four words of 32 random bits that belong to an instance for ever: a function of the set's seed, the packed id and
+/// the purpose.
+constexpr std::array<std::uint32_t, 4> instance_random(std::uint64_t seed, std::uint64_t id, Draw draw) {
+	const std::uint64_t key = placement_key(seed);
 	return philox4x32(
 			{static_cast<std::uint32_t>(id), static_cast<std::uint32_t>(id >> 32), static_cast<std::uint32_t>(draw), 0},
 			{static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32)});

@@ -1,0 +1,188 @@
+// write_basis of placement.cpp for as many instances as a vector has doubles. Included once for each instruction set.
+//
+// The same operations in the same order, none of them fused, so the same bits. Kept side by side with it.
+
+#include "core/base/philox.hpp"
+#include "core/placement/instance_basis.hpp"
+#include "core/rules/instance_random.hpp"
+
+#include <numbers>
+
+HWY_BEFORE_NAMESPACE();
+namespace thicket {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// At most as wide as a batch.
+using Doubles = hn::CappedTag<double, BasisBatch::most>;
+using Words = hn::RebindToUnsigned<Doubles>; ///< 64 bits; numbers of 32 in the lower half.
+using Halves = hn::Repartition<std::uint32_t, Words>;
+using Floats = hn::Rebind<float, Doubles>;
+using D = hn::VFromD<Doubles>;
+using W = hn::VFromD<Words>;
+
+HWY_INLINE D set(double value) { return hn::Set(Doubles(), value); }
+
+struct Vector {
+	D x;
+	D y;
+	D z;
+};
+
+struct Turn {
+	D cosine;
+	D sine;
+};
+
+HWY_INLINE W low_half(W words) { return hn::And(words, hn::Set(Words(), 0xffffffffu)); }
+
+/// The product of the lower halves.
+HWY_INLINE W product(W a, std::uint32_t b) { return hn::MulEven(hn::BitCast(Halves(), a), hn::Set(Halves(), b)); }
+
+/// Words below 2^32 as numbers: exact, as a double has bits enough for 2^52 and the word.
+HWY_INLINE D number(W words) {
+	const D base = set(0x1p52);
+	return hn::Sub(hn::BitCast(Doubles(), hn::Or(words, hn::BitCast(Words(), base))), base);
+}
+
+/// See philox4x32 and instance_random: the words, as unit_interval.
+struct Random {
+	D yaw;
+	D scale;
+	D tilt;
+	D direction;
+};
+
+HWY_INLINE Random random_of(W ids, std::uint64_t seed) {
+	const std::uint64_t key = placement_key(seed);
+	auto key_0 = static_cast<std::uint32_t>(key);
+	auto key_1 = static_cast<std::uint32_t>(key >> 32);
+	W counter_0 = low_half(ids);
+	W counter_1 = hn::ShiftRight<32>(ids);
+	W counter_2 = hn::Set(Words(), static_cast<std::uint64_t>(Draw::placement));
+	W counter_3 = hn::Zero(Words());
+	for (int round = 0; round < philox_rounds; ++round) {
+		const W product_0 = product(counter_0, philox_mul_0);
+		const W product_1 = product(counter_2, philox_mul_1);
+		counter_0 = hn::Xor(hn::Xor(hn::ShiftRight<32>(product_1), counter_1), hn::Set(Words(), key_0));
+		counter_1 = low_half(product_1);
+		counter_2 = hn::Xor(hn::Xor(hn::ShiftRight<32>(product_0), counter_3), hn::Set(Words(), key_1));
+		counter_3 = low_half(product_0);
+		key_0 += philox_weyl_0;
+		key_1 += philox_weyl_1;
+	}
+	const D unit = set(0x1p-32);
+	return {hn::Mul(number(counter_0), unit), hn::Mul(number(counter_1), unit), hn::Mul(number(counter_2), unit),
+			hn::Mul(number(counter_3), unit)};
+}
+
+HWY_INLINE D mix(double min, double max, D t) { return hn::Add(set(min), hn::Mul(set(max - min), t)); }
+
+/// One step of Horner's rule, from the last coefficient on.
+HWY_INLINE D step(double coefficient, D square, D sum) { return hn::Sub(set(coefficient), hn::Mul(square, sum)); }
+
+HWY_INLINE D sine_small(D x, D square) {
+	D sum = set(1.0 / 39916800.0);
+	sum = step(1.0 / 362880.0, square, sum);
+	sum = step(1.0 / 5040.0, square, sum);
+	sum = step(1.0 / 120.0, square, sum);
+	sum = step(1.0 / 6.0, square, sum);
+	return hn::Sub(x, hn::Mul(hn::Mul(x, square), sum));
+}
+
+HWY_INLINE D cosine_small(D square) {
+	D sum = set(1.0 / 479001600.0);
+	sum = step(1.0 / 3628800.0, square, sum);
+	sum = step(1.0 / 40320.0, square, sum);
+	sum = step(1.0 / 720.0, square, sum);
+	sum = step(1.0 / 24.0, square, sum);
+	sum = step(1.0 / 2.0, square, sum);
+	return hn::Sub(set(1.0), hn::Mul(square, sum));
+}
+
+/// See rotation_by.
+HWY_INLINE Turn rotation_by(D turns) {
+	const D quarters = hn::Mul(turns, set(4.0));
+	const D nearest = hn::Floor(hn::Add(quarters, set(8.5))); // And 8, which change no quarter.
+	const D rest = hn::Mul(hn::Sub(quarters, hn::Sub(nearest, set(8.0))), set(std::numbers::pi / 2.0));
+	const D square = hn::Mul(rest, rest);
+	const D cosine = cosine_small(square);
+	const D sine = sine_small(rest, square);
+	const W bits = hn::BitCast(Words(), hn::Add(nearest, set(0x1p52)));
+	const auto is_odd = hn::RebindMask(Doubles(), hn::TestBit(bits, hn::Set(Words(), 1)));
+	const auto is_behind = hn::RebindMask(Doubles(), hn::TestBit(bits, hn::Set(Words(), 2)));
+	const D unit = hn::IfThenElse(is_behind, set(-1.0), set(1.0));
+	const D quarter_cosine = hn::IfThenElse(is_odd, set(0.0), unit);
+	const D quarter_sine = hn::IfThenElse(is_odd, unit, set(0.0));
+	return {hn::Sub(hn::Mul(cosine, quarter_cosine), hn::Mul(sine, quarter_sine)),
+			hn::Add(hn::Mul(sine, quarter_cosine), hn::Mul(cosine, quarter_sine))};
+}
+
+HWY_INLINE Vector tilted(const Vector &up, D x, D z) {
+	const D toward = hn::Add(hn::Mul(up.x, x), hn::Mul(up.z, z));
+	const D share = hn::Div(toward, hn::Add(set(1.0), up.y));
+	return {hn::Sub(x, hn::Mul(up.x, share)), hn::Neg(toward), hn::Sub(z, hn::Mul(up.z, share))};
+}
+
+HWY_INLINE Vector tilted(const Vector &up, const Vector &v) {
+	const Vector flat = tilted(up, v.x, v.z);
+	return {hn::Add(flat.x, hn::Mul(v.y, up.x)), hn::Add(flat.y, hn::Mul(v.y, up.y)),
+			hn::Add(flat.z, hn::Mul(v.y, up.z))};
+}
+
+HWY_INLINE Vector up_axis(const Vector &normal, double align) {
+	const Vector up{hn::Mul(set(align), normal.x), hn::Add(set(1.0), hn::Mul(hn::Sub(normal.y, set(1.0)), set(align))),
+			hn::Mul(set(align), normal.z)};
+	const D squared = hn::Add(hn::Add(hn::Mul(up.x, up.x), hn::Mul(up.y, up.y)), hn::Mul(up.z, up.z));
+	const D to_unit = hn::Div(set(1.0), hn::Sqrt(squared));
+	return {hn::Mul(up.x, to_unit), hn::Mul(up.y, to_unit), hn::Mul(up.z, to_unit)};
+}
+
+HWY_INLINE void store(D value, float *r_to) { hn::Store(hn::DemoteTo(Floats(), value), Floats(), r_to); }
+
+} // namespace
+
+/// Whole vectors, so some instances behind the last one, too. Those have numbers from before.
+void make_bases(const Placement &placement, std::uint64_t seed, BasisBatch &r_batch) {
+	const Doubles doubles;
+	const bool leans = placement.max_tilt_degrees > 0.0;
+	for (std::size_t at = 0; at < r_batch.count; at += hn::Lanes(doubles)) {
+		const Random random = random_of(hn::Load(Words(), r_batch.ids.data() + at), seed);
+		const D yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, random.yaw);
+		const D scale = mix(placement.min_scale, placement.max_scale, random.scale);
+		const Turn turn = rotation_by(hn::Div(yaw, set(360.0)));
+		const Vector normal{hn::Load(doubles, r_batch.normal_x.data() + at),
+				hn::Load(doubles, r_batch.normal_y.data() + at), hn::Load(doubles, r_batch.normal_z.data() + at)};
+		const Vector up = up_axis(normal, placement.align_to_normal);
+		Vector axis = up;
+		if (leans) {
+			const D tilt = mix(placement.min_tilt_degrees, placement.max_tilt_degrees, random.tilt);
+			const Turn lean = rotation_by(hn::Div(tilt, set(360.0)));
+			const Turn towards = rotation_by(random.direction);
+			axis = {hn::Mul(lean.sine, towards.cosine), lean.cosine, hn::Mul(lean.sine, towards.sine)};
+		}
+		Vector x = tilted(axis, turn.cosine, hn::Neg(turn.sine));
+		Vector y = axis;
+		Vector z = tilted(axis, turn.sine, turn.cosine);
+		if (leans) {
+			x = tilted(up, x);
+			y = tilted(up, y);
+			z = tilted(up, z);
+		}
+		const auto write = [&](std::size_t row, D of_x, D of_y, D of_z) {
+			store(hn::Mul(scale, of_x), r_batch.basis[3 * row].data() + at);
+			store(hn::Mul(scale, of_y), r_batch.basis[3 * row + 1].data() + at);
+			store(hn::Mul(scale, of_z), r_batch.basis[3 * row + 2].data() + at);
+		};
+		write(0, x.x, y.x, z.x);
+		write(1, x.y, y.y, z.y);
+		write(2, x.z, y.z, z.z);
+		store(scale, r_batch.scale.data() + at);
+	}
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace thicket
+HWY_AFTER_NAMESPACE();

@@ -1,0 +1,85 @@
+// Bases of many instances at once: the same bits as one after the other, on every instruction set.
+
+#include "core/placement/instance_basis.hpp"
+#include "placement_fixture.hpp"
+#include "tests/bench/common/simd_targets.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+std::vector<Placement> placements() {
+	std::vector<Placement> result(1);
+	result.push_back({.min_yaw_degrees = -360.0,
+			.max_yaw_degrees = 360.0,
+			.min_scale = 0.3,
+			.max_scale = 7.0,
+			.align_to_normal = 1.0,
+			.offset_along_normal = 2.0});
+	result.push_back({.min_yaw_degrees = 90.0, .max_yaw_degrees = 90.0, .align_to_normal = 0.0});
+	result.push_back({.min_yaw_degrees = -180.0,
+			.max_yaw_degrees = -180.0,
+			.align_to_normal = 0.4,
+			.min_tilt_degrees = 90.0,
+			.max_tilt_degrees = 90.0});
+	result.push_back({.min_scale = 1e-4, .max_scale = 1e4, .min_tilt_degrees = 0.0, .max_tilt_degrees = 45.0});
+	result.push_back({.max_scale = 2.0, .align_to_normal = 0.7, .min_tilt_degrees = 10.0, .max_tilt_degrees = 20.0});
+	auto curve = std::make_shared<CurveTable>();
+	REQUIRE(curve->set(0.0, 1.0, std::vector<float>{0.0f, 0.2f, 1.0f}).ok());
+	result.push_back({.min_scale = 0.5, .max_scale = 2.0, .align_to_normal = 0.7, .scale_curve = curve});
+	return result;
+}
+
+} // namespace
+
+TEST_CASE("instance basis: many at once are the same bits as one after the other, on every instruction set") {
+	for (const bench::SimdTarget &target : bench::simd_targets()) {
+		CAPTURE(target.name);
+		const bench::ForcedTarget forced(target);
+		for (const Placement &placement : placements()) {
+			std::mt19937_64 random(7);
+			std::mt19937 normals(8);
+			BasisBatch batch;
+			for (int round = 0; round < 60; ++round) {
+				std::vector<std::uint64_t> ids;
+				std::vector<glm::vec3> up;
+				batch.count = 0;
+				const std::size_t count = 1 + random() % BasisBatch::most;
+				while (ids.size() < count) {
+					ids.push_back(random());
+					up.push_back(random() % 8 == 0 ? glm::vec3(-0.0f, 1.0f, 0.0f) : random_normal(normals));
+					batch.add(ids.back(), up.back());
+				}
+				batch.make(placement, seed + static_cast<std::uint64_t>(round));
+				for (std::size_t i = 0; i < count; ++i) {
+					std::array<float, transform_floats> expected{};
+					std::array<float, transform_floats> got{};
+					const float scale =
+							write_basis(placement, seed + static_cast<std::uint64_t>(round), ids[i], up[i], expected);
+					batch.write(i, got);
+					REQUIRE(std::memcmp(expected.data(), got.data(), sizeof got) == 0);
+					REQUIRE(batch.scale[i] == scale);
+				}
+			}
+		}
+	}
+}
+
+TEST_CASE("instance basis: they are made by vectors, which write behind the last one") {
+	BasisBatch batch;
+	batch.scale.fill(-1.0f);
+	batch.add(5, up);
+	batch.make({}, seed);
+	CHECK(batch.scale[0] == 1.0f);
+	CHECK(batch.scale[1] == 1.0f); // Nothing wider than one would leave it as it was.
+}
