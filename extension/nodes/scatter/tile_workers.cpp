@@ -71,6 +71,9 @@ void TileWorkers::hand_over() {
 		unneeded_.insert(unneeded_.end(), unneeded_here_.begin(), unneeded_here_.end());
 		unneeded_here_.clear();
 		waiting_ = queue_.size();
+		// To start a worker costs some microseconds, too.
+		frames_unneeded_ = unneeded_.empty() ? 0 : frames_unneeded_ + 1;
+		much_unneeded_ = unneeded_.size() >= 16 || frames_unneeded_ > 60;
 		lock.unlock();
 	}
 	wake();
@@ -107,7 +110,7 @@ void TileWorkers::wake() {
 		return;
 	}
 	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
-	std::size_t waiting = waiting_;
+	std::size_t waiting = std::max<std::size_t>(waiting_, much_unneeded_ ? 1 : 0);
 	for (const std::unique_ptr<Worker> &worker : workers_) {
 		if (waiting == 0) {
 			return;
@@ -170,6 +173,7 @@ std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
 	std::vector<std::shared_ptr<const void>> unneeded; // They go once the lock is given back.
 	const std::lock_guard lock(mutex_);
 	unneeded.swap(unneeded_);
+	much_unneeded_ = false;
 	hand_in(worker);
 	if (queue_.empty()) {
 		return nullptr;

@@ -77,7 +77,7 @@ public:
 	/// To be called in every frame: it also starts workers for jobs that wait.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 
-	/// Lets go of something large where that costs the main thread nothing: before the next job is worked on.
+	/// Lets go of something large where that costs the main thread nothing: on a worker, before the next job or, if none comes, within a second.
 	void let_go(std::shared_ptr<const void> unneeded);
 
 	/// Without threads: makes tiles until the time is over, and one at least if any waits. A script that is asked for heights may
@@ -105,7 +105,7 @@ private:
 	static bool lock_soon(std::unique_lock<std::mutex> &r_lock);
 	void hand_over();
 
-	/// Starts as many workers as there are jobs that wait.
+	/// Starts as many workers as there are jobs that wait, and one for what is unneeded.
 	void wake();
 	static void run(void *p_worker);
 	bool work_on_next(Worker &worker);
@@ -119,11 +119,13 @@ private:
 	std::deque<std::shared_ptr<TileJob>> queue_;
 	std::vector<std::shared_ptr<TileJob>> finished_;
 	std::vector<std::shared_ptr<const void>> unneeded_;
-	std::atomic<std::size_t> waiting_ = 0; ///< The size of queue_.
+	std::atomic<std::size_t> waiting_ = 0;    ///< The size of queue_.
+	std::atomic<bool> much_unneeded_ = false; ///< Whether what is in unneeded_ is worth a worker of its own.
 
 	// Of the main thread alone: what is still to be put into the queue, and among what is unneeded.
 	std::deque<std::shared_ptr<TileJob>> incoming_;
 	std::vector<std::shared_ptr<const void>> unneeded_here_;
+	int frames_unneeded_ = 0; ///< For so many there has been something in unneeded_.
 	std::vector<std::unique_ptr<Worker>> workers_;
 };
 
