@@ -221,3 +221,37 @@ TEST_CASE("terrain: a refused heightfield names what is wrong and leaves the fie
 	std::vector<Ground> ground(2);
 	check_refused(field.sample(std::vector<glm::dvec2>(3), ground), ErrorCode::wrong_size, "ground", 2.0);
 }
+
+TEST_CASE("terrain: patches that are computed together have the bits of those computed alone") {
+	// With heights of 0 to 65535 m a post is its height, so the same field in meters, whose patches are computed one by one, has to
+	// give the same.
+	const HeightfieldFrame frame{{23, 19}, {{-31.0, 7.0}, {100.0, 90.0}}, 0.0, 65535.0};
+	std::mt19937 random(11);
+	std::vector<std::uint16_t> steps;
+	std::vector<float> meters;
+	for (int i = 0; i < 23 * 19; ++i) {
+		steps.push_back(static_cast<std::uint16_t>(random() % 4000));
+		meters.push_back(static_cast<float>(steps.back()));
+	}
+	Heightfield together;
+	Heightfield alone;
+	REQUIRE(together.set(frame, steps).ok());
+	REQUIRE(alone.set_meters(frame, meters).ok());
+	std::uniform_real_distribution<double> x(-40.0, 110.0);
+	std::uniform_real_distribution<double> y(0.0, 95.0);
+	for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{33}, std::size_t{5000}}) {
+		std::vector<glm::dvec2> positions(count);
+		for (glm::dvec2 &position : positions) {
+			position = {x(random), y(random)};
+		}
+		std::vector<Ground> got(count);
+		std::vector<Ground> expected(count);
+		REQUIRE(together.sample(positions, got).ok());
+		REQUIRE(alone.sample(positions, expected).ok());
+		for (std::size_t i = 0; i < count; ++i) {
+			REQUIRE(std::isnan(got[i].height) == std::isnan(expected[i].height));
+			REQUIRE((std::isnan(got[i].height) || got[i].height == expected[i].height));
+			REQUIRE(got[i].normal == expected[i].normal);
+		}
+	}
+}

@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
+#include "core/terrain/inner_patches.hpp"
 #include "core/terrain/smooth_patch.hpp"
 
 #include <algorithm>
@@ -90,17 +91,52 @@ Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Grou
 	if (positions.size() != r_ground.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
 	}
-	const auto fill = [&](const auto &posts) {
-		for (std::size_t i = 0; i < positions.size(); ++i) {
-			r_ground[i] = in_area(positions[i]) && !posts.empty() ? ground_in_area(posts, positions[i]) : Ground{};
-		}
-	};
 	if (meters_.empty()) {
-		fill(posts_);
-	} else {
-		fill(meters_);
+		sample_posts(positions, r_ground);
+		return {};
+	}
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		r_ground[i] = in_area(positions[i]) ? ground_in_area(meters_, positions[i]) : Ground{};
 	}
 	return {};
+}
+
+/// Of whole numbers, of which none is missing: most patches are away from the border, and computed together.
+void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+	InnerPatches patches;
+	const auto stride = static_cast<std::ptrdiff_t>(frame_.posts.x);
+	const auto compute = [&] {
+		patches.compute({base_, meters_per_step_, posts_per_meter_});
+		for (std::size_t i = 0; i < patches.count; ++i) {
+			r_ground[patches.numbers[i]] = {
+					patches.height[i], {patches.normal_x[i], patches.normal_y[i], patches.normal_z[i]}};
+		}
+		patches.count = 0;
+	};
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		if (!in_area(positions[i]) || posts_.empty()) {
+			r_ground[i] = Ground{};
+			continue;
+		}
+		const Patch patch = patch_at(positions[i]);
+		if (!is_inner_patch(frame_.posts, patch.first)) {
+			r_ground[i] = ground_in_area(posts_, positions[i]);
+			continue;
+		}
+		patches.add(posts_.data() + patch.first.y * stride + patch.first.x, stride, patch.part, i);
+		if (patches.full()) {
+			compute();
+		}
+	}
+	compute();
+}
+
+/// In posts from the first one. The last patch takes its far border too.
+Heightfield::Patch Heightfield::patch_at(glm::dvec2 position) const {
+	const glm::dvec2 along_posts = (position - frame_.area.min) * posts_per_meter_;
+	const int column = std::min(static_cast<int>(along_posts.x), frame_.posts.x - 2);
+	const int row = std::min(static_cast<int>(along_posts.y), frame_.posts.y - 2);
+	return {{column, row}, {along_posts.x - column, along_posts.y - row}};
 }
 
 Status Heightfield::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
@@ -128,13 +164,9 @@ bool Heightfield::in_area(glm::dvec2 position) const {
 
 template <typename Post>
 Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 position) const {
-	// In posts from the first one. The last patch takes its far border too.
-	const glm::dvec2 along_posts = (position - frame_.area.min) * posts_per_meter_;
-	const int column = std::min(static_cast<int>(along_posts.x), frame_.posts.x - 2);
-	const int row = std::min(static_cast<int>(along_posts.y), frame_.posts.y - 2);
-	const double x = along_posts.x - column;
-	const double y = along_posts.y - row;
-
+	const auto &[corner, part] = patch_at(position);
+	const int column = corner.x;
+	const int row = corner.y;
 	const auto stride = static_cast<std::size_t>(frame_.posts.x);
 	constexpr bool may_be_missing = std::is_floating_point_v<Post>;
 	const Post *first = &posts[static_cast<std::size_t>(row) * stride + static_cast<std::size_t>(column)];
@@ -145,9 +177,9 @@ Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 po
 		return from_first(i - column, j - row);
 	};
 	// Most patches are away from the border; there, what is around them is known when this is compiled.
-	const SmoothPatch patch = is_inner_patch(frame_.posts, {column, row})
-			? smooth_patch<may_be_missing>(inner_line, inner_line, {x, y}, from_first)
-			: smooth_patch<may_be_missing>(frame_.posts, {column, row}, {x, y}, from_corner);
+	const SmoothPatch patch = is_inner_patch(frame_.posts, corner)
+			? smooth_patch<may_be_missing>(inner_line, inner_line, part, from_first)
+			: smooth_patch<may_be_missing>(frame_.posts, corner, part, from_corner);
 	const double height = base_ + patch.height * meters_per_step_;
 	if (may_be_missing && std::isnan(height)) {
 		return {};

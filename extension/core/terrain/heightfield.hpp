@@ -66,6 +66,14 @@ public:
 private:
 	void take(const HeightfieldFrame &frame, double base, double meters_per_step);
 	bool in_area(glm::dvec2 position) const;
+
+	/// Where a position of the area lies: in the patch with this first post, and so much of the way to its last one.
+	struct Patch {
+		glm::ivec2 first;
+		glm::dvec2 part;
+	};
+	Patch patch_at(glm::dvec2 position) const;
+	void sample_posts(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const;
 	template <typename Post>
 	Ground ground_in_area(const std::vector<Post> &posts, glm::dvec2 position) const;
 
