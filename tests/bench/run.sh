@@ -2,8 +2,8 @@
 # Builds the benches for release, runs them, and prints one Markdown table. Arguments: [rounds = 9] [seconds = 0.25].
 # Times are processor time and contenders take turns within each round, so that a busy machine disturbs all alike; only
 # the main thread's share of a frame and the response to a change are time on the clock, which a busy machine lengthens.
-# Streaming, flight, views, response, terrains, gameplay, spikes, collision, navigation, import, load and soak run in the engine, with the extension of
-# template_debug, as Godot's editor binary loads it.
+# Streaming, flight, views, response, terrains, workers, gameplay, spikes, collision, navigation, import, load and soak run in the
+# engine, with the extension of template_debug, as Godot's editor binary loads it.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh
@@ -30,6 +30,7 @@ tools/godot --headless --path demo_project --script "$PWD/tests/bench/flight.gd"
 tools/godot --xvfb --path demo_project --script "$PWD/tests/bench/views.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/response.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/terrains.gd" </dev/null | grep '^|'
+tools/godot --headless --path demo_project --script "$PWD/tests/bench/workers.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/gameplay.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/spikes.gd" </dev/null | grep '^|'
 tools/godot --headless --path demo_project --script "$PWD/tests/bench/collision.gd" </dev/null | grep '^|'

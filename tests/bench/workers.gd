@@ -1,0 +1,53 @@
+extends "bench.gd"
+## What workers take for a tile, from its request to buffers that are ready to upload: points a second of one worker, on several grounds
+## and with several rules. Prints rows of a Markdown table.
+##   tools/godot --headless --path demo_project --script tests/bench/workers.gd [-- ROUNDS]
+##
+## Points count as they are sampled, whether the rules let them stand or not. Times are on the clock, of the workers alone.
+
+const DEFAULT_ROUNDS := 5
+
+var _viewer := Node3D.new()
+
+
+func run() -> String:
+	var rounds := rounds_or(DEFAULT_ROUNDS)
+	var heightmap := demo_terrain()
+	var noise := ScatterTerrainNoise.new()
+	noise.noise = FastNoiseLite.new()
+	var cases := {
+		"flat ground": [ScatterTerrainFlat.new(), {}],
+		"a heightmap": [heightmap, {}],
+		"a heightmap, with a limit of the slope": [heightmap, {&"max_slope_degrees": 30.0, &"slope_falloff": 5.0}],
+		"a heightmap, with an edge that thins out": [heightmap, {&"max_slope_degrees": 30.0, &"edge_feather": 8.0}],
+		"flat ground, with a noise": [ScatterTerrainFlat.new(), {&"noise": noise.noise}],
+		"the ground of a noise": [noise, {}],
+	}
+	var rates := {}
+	make_scatter(heightmap, [], _viewer)
+	for round in rounds:
+		for what: String in cases:
+			var failure := await _fill(cases[what][0], cases[what][1])
+			if failure != "":
+				return what + ": " + failure
+			var stats := scatter.get_stats()
+			(rates.get_or_add(what, []) as Array).push_back(float(stats.points_sampled) / stats.worker_usec)
+	for what: String in cases:
+		row("a worker's points, on " + what, rates[what], "M points/s", 2)
+	return ""
+
+
+## A view of tiles of 64 r, made from nothing: figures count from when the node enters the tree.
+func _fill(ground: ScatterTerrain, rules: Dictionary) -> String:
+	var layer := ScatterLayer.new()
+	layer.radius = 1.0
+	layer.tile_size = 64.0
+	layer.view_distance = 700.0
+	layer.meshes = [BoxMesh.new()]
+	for rule: StringName in rules:
+		layer.set(rule, rules[rule])
+	root.remove_child(scatter)
+	scatter.terrain = ground
+	scatter.layers = [layer]
+	root.add_child(scatter)
+	return await idle()
