@@ -10,6 +10,7 @@ const HelpLinks := preload("res://addons/thicket/editor/help_links.gd")
 const Import := preload("res://addons/thicket/editor/import_dialog.gd")
 const LayerInspector := preload("res://addons/thicket/editor/layer_inspector.gd")
 const LayerDesk := preload("res://addons/thicket/editor/layer_desk.gd")
+const LooseStates := preload("res://addons/thicket/editor/loose_states.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
@@ -39,6 +40,7 @@ var _extent := ExtentGizmos.new()
 var _inspector: LayerInspector
 var _fresh_layers := FreshLayers.new()
 var _help_links: HelpLinks
+var _loose_states: LooseStates
 var _scatter: Node3D
 var _shown: Array = []
 var _tiles := 0
@@ -77,6 +79,7 @@ func _enter_tree() -> void:
 	add_node_3d_gizmo_plugin(_extent)
 	_inspector = LayerInspector.new(toolbar.paint.brush.files)
 	add_inspector_plugin(_inspector)
+	_loose_states = LooseStates.new(toolbar.paint.brush.files)
 	EditorInterface.get_resource_filesystem().resources_reimported.connect(_reload_scenes)
 	scene_saved.connect(_on_scene_saved)
 	scene_closed.connect(toolbar.paint.brush.files.on_scene_closed)
@@ -133,6 +136,12 @@ func _place_ground_buttons(in_toolbar: bool) -> void:
 	else:
 		toolbar.remove_child(ground_buttons)
 		add_control_to_container(CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
+
+
+## Before a scene is saved, no state in it is without a file.
+func _apply_changes() -> void:
+	for root in _open_roots():
+		_loose_states.take_in(root)
 
 
 ## What is painted is written when the scene is.
@@ -198,20 +207,25 @@ func _add_preset(name: String) -> void:
 
 func _on_scene_saved(path: String) -> void:
 	toolbar.paint.brush.files.on_scene_saved(path)
+	_loose_states.on_scene_saved.call_deferred(path) # A new scene has its path by then.
 	_reload_scenes([path])
 
 
 ## Plants whose files have changed are drawn as they are now.
 func _reload_scenes(paths: PackedStringArray) -> void:
-	var roots: Array = [EditorInterface.get_edited_scene_root()]
-	if EditorInterface.has_method(&"get_open_scene_roots"): # Since 4.5: those in other tabs, too.
-		roots = EditorInterface.call(&"get_open_scene_roots")
-	for root: Node in roots.filter(is_instance_valid):
+	for root in _open_roots():
 		for scatter: Node in root.find_children("*", "TerrainScatter3D", true, false) + [root]:
 			if scatter.is_class("TerrainScatter3D"):
 				for layer: Resource in ScatterLayers.of(scatter):
 					if layer != null:
 						layer.call(&"reload_scenes", paths)
+
+
+func _open_roots() -> Array[Node]:
+	var roots: Array = [EditorInterface.get_edited_scene_root()]
+	if EditorInterface.has_method(&"get_open_scene_roots"): # Since 4.5: those in other tabs, too.
+		roots = EditorInterface.call(&"get_open_scene_roots")
+	return Array(roots.filter(is_instance_valid), TYPE_OBJECT, &"Node", null)
 
 
 func _open_bake() -> void:

@@ -1,0 +1,68 @@
+@tool
+extends RefCounted
+## States that others than the hand tool have made or changed. One that a script or the inspector has made lies in no file, and would be
+## saved inside of the scene with all its instances: it gets a file beside it, as one of the hand tool has from the beginning. And what a
+## script has changed of one in a file is saved with the scene.
+
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+
+var _files: SceneFiles
+var _revisions: Dictionary[int, int] = {} ## Of states, by the ids of the objects, as they were written last.
+
+
+func _init(files: SceneFiles) -> void:
+	_files = files
+
+
+## Gives each state in a scene that holds instances a file, if the scene has one, and marks those whose files are no longer what they are.
+## True if there were any without a file.
+func take_in(root: Node) -> bool:
+	var moved := false
+	for node: Node in root.find_children("*", "TerrainScatter3D", true, false) + [root]:
+		var state := node.get(&"state") as Resource if node.is_class("TerrainScatter3D") else null
+		if state == null:
+			continue
+		if _is_loose(state, root.scene_file_path):
+			moved = _move_out(state, node.name, root.scene_file_path) or moved
+		elif state.resource_path.begins_with("res://") and not "::" in state.resource_path:
+			_look_at(state)
+	return moved
+
+
+func _move_out(state: Resource, owner_name: String, scene_path: String) -> bool:
+	if scene_path.is_empty():
+		return false
+	# A game changes a copy of its own, and never what is in the editor's file.
+	state.set(&"designed", true)
+	if not _files.create(scene_path, state, owner_name, "state"):
+		EditorInterface.get_editor_toaster().push_toast(_files.problem, EditorToaster.SEVERITY_ERROR)
+		return false
+	_revisions[state.get_instance_id()] = state.call(&"get_revision")
+	return true
+
+
+func _look_at(state: Resource) -> void:
+	var id := state.get_instance_id()
+	var revision: int = state.call(&"get_revision")
+	if _revisions.get(id, -1) == revision:
+		return
+	var saved: Resource
+	if not _revisions.has(id): # The first time, only its file knows.
+		saved = ResourceLoader.load(state.resource_path, "", ResourceLoader.CACHE_MODE_IGNORE)
+	if saved == null or saved.call(&"get_digest") != state.call(&"get_digest"):
+		_files.mark(state)
+	_revisions[id] = revision
+
+
+## After a scene was saved: if it had no file to be beside of until now, its states come out of it when it is saved once more.
+func on_scene_saved(path: String) -> void:
+	var root := EditorInterface.get_edited_scene_root()
+	if root != null and root.scene_file_path == path and take_in(root):
+		EditorInterface.mark_scene_as_unsaved()
+		EditorInterface.get_editor_toaster().push_toast("What was placed in %s has got a file of its own: save the scene once more." %
+				path.get_file(), EditorToaster.SEVERITY_WARNING)
+
+
+static func _is_loose(state: Resource, scene_path: String) -> bool:
+	var path := state.resource_path
+	return (path.is_empty() or path.begins_with(scene_path + "::")) and not (state.call(&"get_data") as PackedByteArray).is_empty()
