@@ -1,0 +1,331 @@
+@tool
+extends "res://tests/steps.gd"
+## What costs or keeps a designer's work, with mouse and keys alone, through all of the editor's window: the brush is taken, asks before the
+## first stroke, cannot be used in vain, and is put away with the selection; a region comes from a menu and its side from its handle; a
+## radius is dragged in the inspector.
+
+const SCENE := "res://yard.tscn"
+
+var root: Node
+var scatter: Node3D
+
+
+func make_layer(title: String, radius: float) -> Resource:
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.resource_name = title
+	layer.meshes = [BoxMesh.new()]
+	layer.meshes[0].size = Vector3(0.1, 0.3, 0.1)
+	layer.radius = radius
+	layer.view_distance = 60.0
+	layer.tile_size = 16.0
+	return layer
+
+
+func middle(control: Control) -> Vector2:
+	return control.get_global_transform_with_canvas() * (control.size * 0.5)
+
+
+func button(text: String, parent: Node) -> Button:
+	for found: Button in parent.find_children("*", "Button", true, false):
+		if found.text == text and found.is_visible_in_tree() and not found.disabled:
+			return found
+	check(false, "there is a button " + text)
+	return null
+
+
+func row_of(title: String) -> Vector2:
+	for editor: Control in EditorInterface.get_base_control().find_children("*", "SceneTreeEditor", true, false):
+		var tree := editor.find_children("*", "Tree", true, false)[0] as Tree
+		var item := tree.get_root() if tree.is_visible_in_tree() else null
+		while item != null:
+			if item.get_text(0) == title:
+				var rect := tree.get_item_area_rect(item, 0)
+				return tree.get_global_transform_with_canvas() * (rect.position + rect.size * Vector2(0.4, 0.5))
+			item = item.get_next_in_tree()
+	check(false, "the Scene dock has a row " + title)
+	return Vector2.ZERO
+
+
+## A button of a dialog, found with Tab and pressed with Enter. The mouse is not in a window that no pointer of the system has entered.
+func press_in(dialog: Window, text: String) -> void:
+	for step in 6:
+		var focused := dialog.gui_get_focus_owner() as Button
+		if focused != null and focused.text == text:
+			await key_in(dialog, KEY_ENTER)
+			return
+		await key_in(dialog, KEY_TAB)
+	check(false, "Tab finds " + text)
+
+
+## A key, pressed and released in a window, by the way that the system's events go.
+func key_in(window: Window, code: Key) -> void:
+	for pressed: bool in [true, false]:
+		var event := InputEventKey.new()
+		event.keycode = code
+		event.physical_keycode = code
+		event.pressed = pressed
+		await hand_to(window, event)
+
+
+func hand_to(window: Window, event: InputEventFromWindow) -> void:
+	event.window_id = window.get_window_id()
+	Input.parse_input_event(event)
+	Input.flush_buffered_events()
+	await frames(2)
+
+
+## A press, some way and a release in the 3D view.
+func drag_in_view(from: Vector3, to: Vector3) -> void:
+	await mouse_drag(on_screen(from), on_screen(to))
+
+
+func selected() -> Array[Node]:
+	return EditorInterface.get_selection().get_selected_nodes()
+
+
+func saved() -> PackedByteArray:
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+	return FileAccess.get_file_as_bytes(SCENE)
+
+
+func test_open() -> void:
+	var yard := Node3D.new()
+	yard.name = "Yard"
+	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	made.name = "Scatter"
+	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.layers = [make_layer("Grass", 0.5), make_layer("Trees", 2.0)]
+	yard.add_child(made)
+	made.owner = yard
+	var lamp := OmniLight3D.new()
+	lamp.name = "Lamp"
+	lamp.position = Vector3(3.0, 1.0, 0.0)
+	yard.add_child(lamp)
+	lamp.owner = yard
+	var packed := PackedScene.new()
+	packed.pack(yard)
+	yard.free()
+	ResourceSaver.save(packed, SCENE)
+	root = await open(SCENE)
+	scatter = root.get_node("Scatter")
+	EditorInterface.set_main_screen_editor("3D")
+	await frames(10)
+	addon().hide_bottom_panel()
+	await mouse_click(row_of("Scatter"))
+	check_equal(selected(), [scatter] as Array[Node], "a click in the Scene dock selects it")
+	await settle(scatter)
+	saved()
+
+
+## The brush that is taken with a click paints, and its first stroke asks: what stands is what stood until that is answered.
+func test_first_stroke() -> void:
+	var before := saved()
+	var stood := instances(scatter, 0)
+	check(stood.size() > 1000, "%d stand" % stood.size())
+	await mouse_click(middle(button("Brush", addon().toolbar)))
+	check(addon().toolbar.paint.is_on(), "a click takes the brush")
+	addon().toolbar.paint.set_brush(1.5, 1.0, 1.0)
+	var dialog: ConfirmationDialog = addon().toolbar.paint.first_stroke
+	for answer: String in ["Cancel", "Only here", "Not here"]:
+		await mouse_click(middle(button("Paint", addon().toolbar)))
+		await mouse_click(on_screen(Vector3(0.5, 0.0, 0.5)))
+		if not check(dialog.visible, "the first stroke asks, to %s" % answer):
+			return
+		await settle(scatter)
+		check(instances(scatter, 0) == stood, "and nothing has gone")
+		if answer == "Cancel":
+			await picture("clicks_first_stroke", dialog)
+		await press_in(dialog, answer)
+		check(not dialog.visible, answer + " is an answer")
+		await settle(scatter)
+		var left := instances(scatter, 0)
+		var near := left.values().filter(func(at: Vector3) -> bool: return Vector2(at.x, at.z).distance_to(Vector2(0.5, 0.5)) < 1.0).size()
+		match answer:
+			"Cancel":
+				check(left == stood, "nothing is changed")
+			"Only here":
+				check(near > 3 and left.size() < 60, "%d are left, %d of them where it was painted" % [left.size(), near])
+			"Not here":
+				check(near == 0 and left.size() > stood.size() / 2, "%d are left, %d of them where it was painted" % [left.size(), near])
+				await until(addon().toolbar.paint.mask_overlay.is_shown, "what is painted is seen")
+				await picture("clicks_mask")
+		if answer != "Cancel":
+			await undo()
+			await settle(scatter)
+			check(instances(scatter, 0) == stood, "undone")
+			check(not FileAccess.file_exists("res://yard_grass_mask.res"), "with its file")
+	check(saved() == before, "the scene is as it was, to the byte")
+
+
+## Where a stroke cannot be made, the drag is still the brush's: it selects nothing in the box, and says why.
+func test_in_vain() -> void:
+	var ground: Resource = scatter.terrain
+	var layers: Array = scatter.layers
+	for missing: String in ["terrain", "layer"]:
+		scatter.terrain = ground if missing == "layer" else null
+		scatter.layers = layers if missing == "terrain" else []
+		addon().toolbar.update_layers()
+		await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
+		check(missing in addon().toolbar.paint.problem, "why without a %s: '%s'" % [missing, addon().toolbar.paint.problem])
+		check_equal(selected(), [scatter] as Array[Node], "the selection stays without a " + missing)
+		await mouse_to(on_screen(Vector3(0.5, 0.0, 0.5)), 0)
+		addon().update_overlays()
+		await picture("clicks_no_" + missing)
+	scatter.terrain = ground
+	scatter.layers = layers
+	addon().toolbar.update_layers()
+	await settle(scatter)
+	check(not addon().toolbar.paint.first_stroke.visible, "nothing was asked")
+	# The same drag without the brush selects what is in the box.
+	await mouse_click(middle(button("Brush", addon().toolbar)))
+	check(not addon().toolbar.paint.is_on(), "a click puts the brush away")
+	await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
+	check(not selected() == ([scatter] as Array[Node]), "without it the drag is the editor's: %s" % [selected()])
+	await mouse_click(row_of("Scatter"))
+	await settle(scatter)
+
+
+## Another node takes the brush away, and a click in the view is the editor's again.
+func test_put_away() -> void:
+	await mouse_click(middle(button("Brush", addon().toolbar)))
+	check(addon().toolbar.paint.is_on(), "the brush is on")
+	await mouse_click(row_of("Lamp"))
+	check(not addon().toolbar.paint.is_on(), "another node puts it away")
+	await mouse_click(row_of("Scatter"))
+	await settle(scatter)
+	check(not addon().toolbar.paint.is_on(), "and it does not come back by itself")
+	await mouse_click(on_screen(Vector3(0.5, 0.0, 0.5)))
+	check(not addon().toolbar.paint.first_stroke.visible and scatter.layers[0].mask == null, "a click paints nothing")
+	await mouse_click(row_of("Scatter"))
+	await settle(scatter)
+
+
+## A stroke over two layers that are chosen in the panel, by the mouse from the button down to the button up: one step.
+func test_a_stroke_on_two_layers() -> void:
+	addon().toolbar.choose_layers([scatter.layers[0], scatter.layers[1]] as Array[Resource])
+	var before := saved()
+	await mouse_click(middle(button("Brush", addon().toolbar)))
+	await mouse_click(middle(button("Erase", addon().toolbar)))
+	var version := history(scatter).get_version()
+	await drag_in_view(Vector3(-2.0, 0.0, 0.0), Vector3(2.0, 0.0, 0.5))
+	check_equal(history(scatter).get_version(), version + 1, "one step")
+	for layer: Resource in scatter.layers:
+		check(layer.mask != null and layer.mask.sample(Vector2(-2.0, 0.0)) < 0.1 and layer.mask.sample(Vector2(2.0, 0.5)) < 0.1,
+				layer.resource_name + " is painted from end to end")
+	await settle(scatter)
+	await until(addon().toolbar.paint.mask_overlay.is_shown, "what is painted is seen")
+	for index in 2:
+		check(instances(scatter, index).values().all(func(at: Vector3) -> bool: return absf(at.x) > 2.0 or absf(at.z - 0.25) > 0.8),
+				scatter.layers[index].resource_name + " stands no more where the brush went")
+	await picture("clicks_stroke")
+	await undo()
+	check(saved() == before, "undone, to the byte")
+	await redo()
+	await undo()
+	await mouse_click(middle(button("Brush", addon().toolbar)))
+
+
+## From the menu to a region that takes away what stands in it, and its side by its handle.
+func test_a_region() -> void:
+	await settle(scatter)
+	var before := saved()
+	var stood := instances(scatter, 0)
+	var menu: MenuButton = addon().toolbar.regions
+	await mouse_click(middle(menu))
+	var popup := menu.get_popup()
+	check(popup.visible, "the menu opens")
+	await picture("clicks_regions", popup)
+	# The first line is a heading; "Box" is below it.
+	popup.set_focused_item(1)
+	check_equal(popup.get_item_text(1), "Box", "a box")
+	await key_in(popup, KEY_ENTER)
+	var regions := scatter.find_children("*", "ScatterRegion3D", true, false)
+	if not check(regions.size() == 1 and regions[0].exclude, "a region that excludes"):
+		return
+	var region := regions[0] as Node3D
+	check_equal(selected(), [region] as Array[Node], "which is selected")
+	await frames(10)
+	await settle(scatter)
+	check(instances(scatter, 0).size() < stood.size(), "nothing stands in it: %d of %d" % [instances(scatter, 0).size(), stood.size()])
+	var size: Vector3 = region.size
+	var across := region.to_global(Vector3(-0.5 * size.x, 0.0, 0.0))
+	var handle := region.to_global(Vector3(0.5 * size.x, 0.0, 0.0))
+	var version := history(scatter).get_version()
+	# The first handles are drawn once; the mouse finds them from then on.
+	await picture("clicks_region")
+	await drag_in_view(handle, handle + Vector3(0.6, 0.0, 0.0))
+	check_equal(history(scatter).get_version(), version + 1, "the handle's drag is one step")
+	check(absf(region.size.x - size.x - 0.6) < 0.15 and region.size.y == size.y, "wider by as much: %s, was %s" % [region.size, size])
+	check(region.to_global(Vector3(-0.5 * region.size.x, 0.0, 0.0)).distance_to(across) < 1e-3, "the side across stays where it is")
+	check_equal(selected(), [region] as Array[Node], "and it stays selected")
+	await picture("clicks_handle")
+	await undo()
+	check(region.size == size, "undone: %s" % region.size)
+	await undo()
+	check(saved() == before, "both, to the byte")
+	await mouse_click(row_of("Scatter"))
+
+
+## The same drag makes a radius smaller by a factor, not by meters, wherever it begins; far more than is on show is asked for first.
+func test_a_radius_is_dragged() -> void:
+	var factors: Array[float] = []
+	for radius: float in [0.5, 8.0]:
+		var layer: Resource = scatter.layers[0]
+		layer.radius = radius
+		await settle(scatter)
+		EditorInterface.inspect_object(layer, "", true)
+		await frames(6)
+		var slider: EditorSpinSlider
+		for editor: EditorProperty in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
+			if editor.get_edited_property() == &"radius":
+				slider = editor.find_children("*", "EditorSpinSlider", true, false)[0]
+		if not check(slider != null and slider.exp_edit, "the field of the radius is exponential"):
+			return
+		await _point(middle(slider))
+		await mouse_to(middle(slider), 0)
+		await frames(3)
+		var grabber := slider.find_children("*", "TextureRect", true, false)[0] as Control
+		check(grabber.visible, "with a grabber below it while the mouse is over it")
+		var at := grabber.get_global_rect().get_center()
+		await mouse_drag(at, at + Vector2(-8.0, 0.0))
+		await frames(3)
+		factors.append(layer.radius / radius)
+		await settle(scatter)
+		if radius == 8.0:
+			await picture("clicks_radius")
+		check(layer.radius < radius and layer.radius > 0.05, "%.3f from %.3f" % [layer.radius, radius])
+		await undo()
+		check_equal(layer.radius, radius, "undone")
+	check(absf(factors[0] / factors[1] - 1.0) < 0.1, "by the same factor: %s" % [factors])
+	scatter.layers[0].radius = 0.5
+
+
+## Rules that nothing on flat ground meets are told by their words, and which they are.
+func test_a_preset_that_stands_nowhere() -> void:
+	await settle(scatter)
+	var menu: MenuButton
+	for found: MenuButton in addon().toolbar.find_children("*", "MenuButton", true, false):
+		menu = found if found.text == "Presets" else menu
+	await mouse_click(middle(menu))
+	check(menu.get_popup().visible, "the menu opens")
+	var index := 0
+	while menu.get_popup().get_item_text(index) != "Add Scree":
+		index += 1
+	menu.get_popup().set_focused_item(index)
+	await key_in(menu.get_popup(), KEY_ENTER)
+	check(scatter.layers.size() > 4, "the preset's layers: %d" % scatter.layers.size())
+	await settle(scatter)
+	await until(func() -> bool: return not told().is_empty(), "it is told")
+	check("Nothing stands here of" in told() and "Slope is 0°" in told(), "why: " + told())
+	await get_tree().create_timer(1.0).timeout # It is faded in.
+	await picture("clicks_scree")
+	await undo()
+	check_equal(scatter.layers.size(), 2, "undone")
+
+
+## What the editor's toasts say.
+func told() -> String:
+	var words := PackedStringArray()
+	for label: Label in EditorInterface.get_editor_toaster().find_children("*", "Label", true, false):
+		words.append(label.text)
+	return " ".join(words)
