@@ -108,6 +108,23 @@ func test_layers_get_ids_when_they_join() -> void:
 	scatter.free()
 
 
+## As after undo in the editor, which keeps the node: what it does to a layer that others share would stay.
+func test_a_node_that_was_taken_out_gives_no_ids() -> void:
+	var layer := make_layer(2.0)
+	var scatter := make_scatter([make_layer(2.0), layer], ScatterTerrainFlat.new(), make_viewer())
+	await frames(2)
+	check_equal(layer.layer_id, 1, "in the tree it gives one")
+	root.remove_child(scatter)
+	layer.layer_id = -1
+	await frames(2)
+	check_equal(layer.layer_id, -1, "out of it no more")
+	root.add_child(scatter)
+	await frames(2)
+	layer.radius = 3.0
+	check_equal(layer.layer_id, 1, "and back in it, again")
+	scatter.queue_free()
+
+
 func test_ids_are_saved_with_the_scene() -> void:
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [named("a"), named("b"), named("c")]

@@ -24,7 +24,7 @@ bool LayerWatch::differs(const TypedArray<ScatterLayer> &p_layers) const {
 	return !same;
 }
 
-bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_count) {
+bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give) {
 	const bool changed = differs(p_layers);
 	if (changed) {
 		const std::vector<Seen> before = seen_;
@@ -40,7 +40,9 @@ bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_
 		}
 		listen(true);
 	}
-	give_ids(own_count);
+	if (changed || p_give) {
+		give_ids(own_count);
+	}
 	return changed;
 }
 

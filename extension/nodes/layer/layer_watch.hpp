@@ -32,8 +32,9 @@ public:
 	/// Takes in the list: listens to the layers that are new, and no longer to those that are gone, and gives each layer
 	/// whose layer_id is -1 one of its own: its index if no other layer has that, else the lowest that none has. Layers
 	/// from `own_count` on come and go with biomes: they get ids that none has had, so that one which comes back has kept its
-	/// own. Layers emit `changed` for it. Returns what `differs` would have returned.
-	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count);
+	/// own. Layers emit `changed` for it. Where the list is the same, they get one only if `p_give`. Returns what `differs` would have
+	/// returned.
+	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give);
 
 	/// Makes all layers of the list follow when one of them was renamed, and returns the renames. Nothing follows while the
 	/// new name is empty or another layer has it, so that a name may be typed letter by letter; and nothing follows

@@ -77,6 +77,7 @@ void TerrainScatter3D::start() {
 	gameplay()->start(in_editor() ? RID() : get_world_3d()->get_space(), get_instance_id());
 	navigation_.start(this, "_parse_navigation");
 	set_process_internal(true);
+	was_inside_ = true;
 	if (!std::exchange(running_, true) && terrain_.is_valid()) {
 		terrain_->enter(this, world_offset_);
 	}

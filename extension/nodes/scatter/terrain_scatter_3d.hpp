@@ -352,6 +352,7 @@ private:
 	bool patch_scheduled_ = false;
 	bool recentered_ = false; ///< `world_offset_` was changed since regions were read.
 	bool running_ = false;
+	bool was_inside_ = false; ///< The tree, at any time.
 	bool dirty_ = true;
 	bool was_settled_ = true;
 };

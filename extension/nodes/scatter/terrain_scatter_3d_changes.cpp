@@ -37,7 +37,9 @@ void TerrainScatter3D::mark_dirty() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<LayerWatch> watch = layer_watch_;
 	const TypedArray<ScatterLayer> layers = all_layers();
-	watch->look(layers, node_layers_.own_count()); // Layers that get an id tell scripts, which may free this node.
+	// One that was taken out of the tree, as undo does, leaves layers that others share as they are.
+	const bool gives = is_inside_tree() || !was_inside_;
+	watch->look(layers, node_layers_.own_count(), gives); // Layers that get an id tell scripts, which may free this node.
 	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
 		return;

@@ -6,11 +6,14 @@ extends "res://tests/steps.gd"
 const BakeReplacement := preload("res://addons/thicket/editor/bake_replacement.gd")
 const GroundButtons := preload("res://addons/thicket/editor/ground_buttons.gd")
 const ImpostorButton := preload("res://addons/thicket/editor/impostor_button.gd")
+const LayerChoice := preload("res://addons/thicket/editor/layer_choice.gd")
+const LayerChoices := preload("res://addons/thicket/editor/layer_choices.gd")
 const LayerEdits := preload("res://addons/thicket/editor/layer_edits.gd")
 const MeshDrop := preload("res://addons/thicket/editor/mesh_drop.gd")
 const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
 const SpacingEditor := preload("res://addons/thicket/editor/spacing_editor.gd")
 const SCENE := "res://heath.tscn"
+const FERN := "res://fern.tres"
 const MOSS := "res://moss.tres"
 const TABLE := "res://stones.txt"
 
@@ -44,6 +47,7 @@ func add(node: Node, title: String, parent: Node, owner_of_all: Node) -> Node:
 ## A mesh and a body that may be ground, old instances to import, regions of all shapes that mention layers, and a layer that is a file.
 func make_scene() -> void:
 	ResourceSaver.save(make_layer("Moss", 3.0), MOSS)
+	ResourceSaver.save(make_layer("Fern", 2.0), FERN)
 	FileAccess.open(TABLE, FileAccess.WRITE).store_string("x,y,z,scale\n-10,0,-3,1.5\n-11,0,-3,2\n")
 	var heath := Node3D.new()
 	heath.name = "Heath"
@@ -67,6 +71,7 @@ func make_scene() -> void:
 	made.layers = [make_layer("Grass", 1.5), make_layer("Trees", 4.0), load(MOSS)]
 	made.layers[1].spacing = {"Grass": 0.5, 2: 1.0}
 	made.layers[0].proximity_layer = 1
+	made.layers[1].color_source = 5 # Distance, as yet to none.
 	for kind in 4:
 		var region := add(ClassDB.instantiate(&"ScatterRegion3D"), "Region%d" % kind, made, heath) as Node3D
 		region.shape = kind
@@ -152,6 +157,8 @@ func test_layers() -> void:
 	await step("A preset", panel._on_add.bind(panel.Add.FIRST_PRESET + 1))
 	await step("A name", func() -> void: LayerEdits.rename(scatter, layer("Grass"), "Sedge", manager))
 	await step("A name of a file", func() -> void: LayerEdits.rename(scatter, layer("Moss"), "Lichen", manager))
+	await step("A layer to be near", choose_in_inspector.bind("Trees", &"proximity_layer"))
+	await step("A layer for its colors", choose_in_inspector.bind("Trees", &"color_source_layer"))
 	await step("The order", func() -> void: LayerEdits.move(scatter, [layer("Trees")], 0, manager))
 	await step("A distance in the inspector", func() -> void:
 		EditorInterface.inspect_object(layer("Heather"), "", true)
@@ -159,8 +166,19 @@ func test_layers() -> void:
 		for property in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
 			if property is SpacingEditor:
 				property._set_distance(0.75, "Trees", false))
+	await step("A layer of a file", panel._on_file.bind(FERN))
+	check(scatter.layers.any(func(each: Resource) -> bool: return each.resource_path == FERN), "the file is a layer")
 	await step("Meshes for a file", func() -> void: MeshDrop.add(layer("Lichen"), [SphereMesh.new()] as Array[Resource], manager))
 	await select(scatter)
+
+
+## Chooses the first entry of the list by which a property of a layer names another.
+func choose_in_inspector(title: String, property: StringName) -> void:
+	EditorInterface.inspect_object(layer(title), "", true)
+	await frames(4)
+	for editor in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
+		if editor is LayerChoice and editor.get_edited_property() == property:
+			editor._on_selected(1)
 
 
 func stroke_of(mode: int, titles: PackedStringArray, at: Vector2) -> void:
@@ -245,6 +263,12 @@ func test_regions() -> void:
 		menu._on_chosen(8)
 		polygon.corners = PackedVector3Array([Vector3(-1, 0, -1), Vector3(1, 0, -1), Vector3(0, 0, 1)])
 		polygon.close())
+	await step("Layers of a region", func() -> void:
+		EditorInterface.edit_node(scatter.get_node("Region2"))
+		await frames(4)
+		for editor in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
+			if editor is LayerChoices:
+				editor._toggle(true, layer("Sedge")))
 	for kind in 4:
 		await select(scatter.get_node("Region%d" % kind))
 		var at: Vector3 = [Vector3(1.7, 0.0, 0.0), Vector3(6.0, 0.0, 0.0), Vector3(6.0, 0.0, 0.0), Vector3(-1.3, 0.0, -1.2)][kind]

@@ -98,6 +98,10 @@ static func _commit(title: String, scatter: Object, new: Array, undo_redo: Edito
 	for layer: Resource in new:
 		if layer != null and layer in old:
 			_follow_in_layer(layer, old, new, told, undo_redo)
+		elif layer != null and Copies.is_file(layer) and layer.get(&"layer_id") == -1:
+			# The list gives it an id, and its file keeps that: any call has the editor write the file when the scene is saved.
+			undo_redo.add_do_method(layer, &"get_layer_id")
+			undo_redo.add_undo_property(layer, &"layer_id", -1)
 	if scatter is Node:
 		for region: Node in (scatter as Node).find_children("*", "ScatterRegion3D", true, false):
 			_follow_in_region(region, old, new, told, undo_redo)
