@@ -164,6 +164,12 @@ func test_first_minute() -> void:
 		var count: int = scatter.get_shown_count(index)
 		check(count > 100, "%s: %d instances" % [names()[index], count])
 		check_equal(tree().row_of(scatter.layers[index]).get_text(1), grouped(count), "told in its row")
+	await until(func() -> bool:
+		RenderingServer.force_draw() # Which makes the pictures.
+		return scatter.layers.all(tree().has_picture), "a picture of each")
+	for each: Resource in scatter.layers:
+		check(tree().row_of(each).get_icon(0) != null, each.resource_name + " has it in its row")
+	await picture("panel_layers")
 	check_apart("Old Oak", "Young Pine", 3.5)
 	check_apart("Old Oak", "Fern", 0.8)
 	check_apart("Young Pine", "Fern", 0.6)
