@@ -158,6 +158,9 @@ func test_first_minute() -> void:
 	check(not panel().notes._ground.visible, "which the panel no longer asks for")
 	await drag_files(MODELS, middle(tree()))
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "a layer for each file, the widest first")
+	check_equal(tree().chosen_layers(), scatter.layers as Array[Resource], "all of them are chosen")
+	check_equal(addon().toolbar.chosen, scatter.layers as Array[Resource], "for the tools, too")
+	check(not button("Delete").disabled and not button("Duplicate").disabled, "and can be deleted and duplicated")
 	await settle(scatter)
 	await look()
 	for index in 3:

@@ -252,6 +252,9 @@ func _show_count(layer: Resource) -> int:
 
 
 func _choose_new(layers: Array[Resource]) -> void:
+	if get_viewport().gui_is_dragging(): # Files are being dropped, and rows come once that is over.
+		get_tree().process_frame.connect(_choose_new.bind(layers), CONNECT_ONE_SHOT)
+		return
 	look()
 	tree.choose(layers)
 	_on_chosen(layers)
