@@ -3,10 +3,10 @@ extends "bench.gd"
 ## Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/navigation.gd [-- ROUNDS]
 ##
-## Bakes are measured in time of the processor. Contenders take turns in each round, and what is added is that of the same round. The scatter's own share is to find the trees, to hand
-## them over, and to have the engine read them: that is what they add where they stand above all ground, and leave no hole. The rest is
-## what the engine takes to lay a mesh around so many holes, whoever makes them: as small ones as there can be, of one cell, or the same
-## trees as bodies in the scene.
+## Bakes are measured in time of the processor. Contenders take turns in each round, and what is added is that of the same round. The
+## scatter's own share is to find the trees, to hand them over, and to have the engine read them: that is what they add where they stand
+## above all ground, and leave no hole. The rest is what the engine takes to lay a mesh around so many holes, whoever makes them: as small
+## ones as there can be, of one cell, or the same trees as bodies in the scene.
 
 enum { NONE, TREES, ABOVE, CELLS, BODIES }
 

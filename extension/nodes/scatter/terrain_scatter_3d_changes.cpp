@@ -39,7 +39,8 @@ void TerrainScatter3D::mark_dirty() {
 	const TypedArray<ScatterLayer> layers = all_layers();
 	// One that was taken out of the tree, as undo does, leaves layers that others share as they are.
 	const bool gives = is_inside_tree() || !was_inside_;
-	watch->look(layers, node_layers_.own_count(), gives); // Layers that get an id tell scripts, which may free this node.
+	// Layers that get an id tell scripts, which may free this node.
+	watch->look(layers, node_layers_.own_count(), gives);
 	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
 		return;
