@@ -6,11 +6,13 @@
 #define THICKET_COVER_INL
 #endif
 
+#include "core/sampling/cover_table.hpp"
 #include "core/sampling/neighborhood-inl.hpp"
 
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdlib>
 
@@ -68,64 +70,100 @@ inline std::uint32_t covered_row(
 	return from < to ? ~0u << from & ~0u >> (32 - to) : 0;
 }
 
-/// Turns eight rows of four bytes into four cells of eight bytes.
-HWY_INLINE void rows_to_cells(const std::uint32_t *HWY_RESTRICT rows, std::uint64_t *HWY_RESTRICT r_cells) {
-	const hn::FixedTag<std::uint8_t, 16> d8;
-	const hn::FixedTag<std::uint32_t, 4> d32;
-	const hn::FixedTag<std::uint64_t, 2> d64;
-	alignas(16) static constexpr std::uint8_t turn[16] = {0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15};
-	const auto order = hn::Load(d8, turn);
-	const auto low = hn::BitCast(d32, hn::TableLookupBytes(hn::BitCast(d8, hn::Load(d32, rows)), order));
-	const auto high = hn::BitCast(d32, hn::TableLookupBytes(hn::BitCast(d8, hn::Load(d32, rows + 4)), order));
-	hn::Store(hn::BitCast(d64, hn::InterleaveLower(d32, low, high)), d64, r_cells);
-	hn::Store(hn::BitCast(d64, hn::InterleaveUpper(d32, low, high)), d64, r_cells + 2);
-}
-
-/// rows_to_cells within a vector of 8 or 16 rows.
-template <class D, class V>
-HWY_INLINE V turn_rows(D d, V rows) {
-	const hn::Repartition<std::uint8_t, D> d8;
-	alignas(16) static constexpr std::uint8_t turn[16] = {0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15};
-	alignas(64) static constexpr std::uint32_t pair[16] = {0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15};
-	const auto turned = hn::BitCast(d, hn::TableLookupBytes(hn::BitCast(d8, rows), hn::LoadDup128(d8, turn)));
-	return hn::TableLookupLanes(turned, hn::SetTableIndices(d, pair));
-}
-
 /// The sub-squares that a point's disk covers in the 16 cells of its neighborhood.
 struct Cover {
 	alignas(64) std::uint64_t cells[16];
 };
 
-HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
-	const hn::CappedTag<std::int32_t, 16> di;
-	const hn::RebindToUnsigned<decltype(di)> du;
-	constexpr std::size_t lanes = hn::MaxLanes(di);
-	if constexpr (is_plain) {
-		for (std::int32_t row = 0; row < 32; ++row) {
-			const std::uint64_t bits = covered_row(row, around.x, around.y, sub_bits, 32);
-			for (std::int32_t column = 0; column < 4; ++column) {
-				std::uint64_t &cell = r_cover.cells[row / 8 * 4 + column];
-				const std::uint64_t part = bits >> (8 * column) & 0xff;
-				cell = row % 8 == 0 ? part : cell | part << (row % 8 * 8);
+using CoverBytes = hn::CappedTag<std::uint8_t, 64>;
+using CoverCells = hn::RepartitionToWide<hn::RepartitionToWide<hn::RepartitionToWide<CoverBytes>>>;
+
+/// Turns columns of cells, each from the lowest row on, into rows of four.
+template <class V>
+HWY_INLINE void store_by_rows(const V *columns, Cover &r_cover) {
+	const CoverCells d;
+	constexpr std::size_t lanes = hn::MaxLanes(d);
+	if constexpr (lanes == 8) {
+		alignas(64) static constexpr std::uint64_t low[8] = {0, 4, 8, 12, 1, 5, 9, 13};
+		alignas(64) static constexpr std::uint64_t high[8] = {2, 6, 10, 14, 3, 7, 11, 15};
+		hn::Store(hn::TwoTablesLookupLanes(d, columns[0], columns[1], hn::SetTableIndices(d, low)), d, r_cover.cells);
+		hn::Store(hn::TwoTablesLookupLanes(d, columns[0], columns[1], hn::SetTableIndices(d, high)), d, r_cover.cells + 8);
+	} else if constexpr (lanes == 4) {
+		const auto left_even = hn::InterleaveLower(d, columns[0], columns[1]);
+		const auto left_odd = hn::InterleaveUpper(d, columns[0], columns[1]);
+		const auto right_even = hn::InterleaveLower(d, columns[2], columns[3]);
+		const auto right_odd = hn::InterleaveUpper(d, columns[2], columns[3]);
+		hn::Store(hn::ConcatLowerLower(d, right_even, left_even), d, r_cover.cells);
+		hn::Store(hn::ConcatLowerLower(d, right_odd, left_odd), d, r_cover.cells + 4);
+		hn::Store(hn::ConcatUpperUpper(d, right_even, left_even), d, r_cover.cells + 8);
+		hn::Store(hn::ConcatUpperUpper(d, right_odd, left_odd), d, r_cover.cells + 12);
+	} else {
+		for (std::size_t half = 0; half < 2; ++half) {
+			for (std::size_t pair = 0; pair < 2; ++pair) {
+				const V *from = columns + 4 * half + 2 * pair;
+				std::uint64_t *to = r_cover.cells + 8 * half + 2 * pair;
+				hn::Store(hn::InterleaveLower(d, from[0], from[1]), d, to);
+				hn::Store(hn::InterleaveUpper(d, from[0], from[1]), d, to + 4);
 			}
 		}
+	}
+}
+
+/// All rows of sub-squares at once, a byte each: where the covered ones begin and end, and, for each column of cells, the bits between.
+HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
+	const CoverRows rows(around.x, around.y);
+	if constexpr (is_plain || HWY_TARGET == HWY_SSE2) {
+		plain::cover_of(rows, r_cover.cells);
 		return;
-	}
-	alignas(64) std::uint32_t rows[32];
-	for (std::size_t lane = 0; lane < 32; lane += lanes) {
-		const auto bits =
-				hn::BitCast(du, covered_parts(di, static_cast<std::int32_t>(lane), around.x, around.y, sub_bits, 32));
-		if constexpr (lanes >= 8) {
-			hn::Store(hn::BitCast(hn::RepartitionToWide<decltype(du)>(), turn_rows(du, bits)),
-					hn::RepartitionToWide<decltype(du)>(), r_cover.cells + lane / 2);
-		} else {
-			hn::Store(bits, du, rows + lane);
+	} else {
+		const CoverBytes d;
+		const hn::CappedTag<std::uint8_t, 32> du;
+		const hn::RebindToSigned<CoverBytes> di;
+		const hn::RebindToSigned<decltype(du)> dh;
+		constexpr std::size_t lanes = hn::MaxLanes(du);
+		constexpr std::size_t at_once = hn::MaxLanes(d) / lanes; // Columns of cells in one vector.
+		alignas(16) static constexpr std::uint8_t last_bits[16] = {
+				0x00, 0x80, 0xc0, 0xe0, 0xf0, 0xf8, 0xfc, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff};
+		alignas(64) static constexpr auto column_of = [] {
+			std::array<std::int8_t, 64> offsets{};
+			for (std::size_t i = 0; i < 64; ++i) {
+				offsets[i] = static_cast<std::int8_t>(8 * (i / lanes));
+			}
+			return offsets;
+		}();
+		const auto table = hn::LoadDup128(d, last_bits);
+		const auto beyond = hn::Set(du, static_cast<std::uint8_t>(rows.beyond));
+		const auto short_of = hn::Set(du, static_cast<std::uint8_t>(255 - rows.beyond));
+		const auto wide = [&](auto half) {
+			if constexpr (at_once == 2) {
+				return hn::Combine(di, half, half);
+			} else {
+				return half;
+			}
+		};
+		hn::Vec<CoverCells> columns[128 / hn::MaxLanes(d)];
+		std::size_t count = 0;
+		for (std::size_t row = 0; row < 32; row += lanes) {
+			const auto whole = hn::LoadU(dh, rows.whole + row);
+			const auto part = hn::LoadU(du, rows.part + row);
+			const auto is_less = hn::RebindMask(dh, hn::Eq(hn::Max(part, beyond), beyond));
+			const auto is_not_more = hn::RebindMask(dh, hn::Eq(hn::Min(part, short_of), part));
+			// How many bits, counted from a column's last one, are at or above where the covered ones begin and end.
+			auto from = wide(hn::Add(hn::Add(whole, hn::Set(dh, static_cast<std::int8_t>(8 - rows.column))),
+					hn::VecFromMask(dh, is_less)));
+			auto to = wide(hn::Sub(hn::Sub(hn::Set(dh, static_cast<std::int8_t>(7 - rows.column)), whole),
+					hn::VecFromMask(dh, is_not_more)));
+			from = hn::Add(from, hn::Load(di, column_of.data()));
+			to = hn::Add(to, hn::Load(di, column_of.data()));
+			for (std::size_t column = 0; column < 4; column += at_once) {
+				const auto step = hn::Set(di, static_cast<std::int8_t>(8 * column));
+				const auto last = hn::Set(di, 15);
+				const auto begun = hn::TableLookupBytesOr0(table, hn::BitCast(d, hn::Min(hn::Add(from, step), last)));
+				const auto ended = hn::TableLookupBytesOr0(table, hn::BitCast(d, hn::Min(hn::Add(to, step), last)));
+				columns[count++] = hn::BitCast(CoverCells(), hn::AndNot(ended, begun));
+			}
 		}
-	}
-	if constexpr (lanes < 8) {
-		for (int row = 0; row < 4; ++row) {
-			rows_to_cells(rows + 8 * row, r_cover.cells + 4 * row);
-		}
+		store_by_rows(columns, r_cover);
 	}
 }
 

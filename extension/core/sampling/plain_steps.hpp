@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/sampling/cover_table.hpp"
 #include "core/sampling/level_grid.hpp"
 #include "core/sampling/work.hpp"
 
@@ -59,6 +60,35 @@ inline Verdict look_around(const LevelGrid &grid, std::uint32_t lowest, std::int
 		}
 	}
 	return verdict;
+}
+
+/// Turns eight rows of four bytes into four cells of eight bytes, two rows in a word.
+inline void rows_to_cells(const std::uint32_t *rows, std::uint64_t *r_cells) {
+	constexpr std::uint64_t bytes = 0x00ff00ff00ff00ff;
+	constexpr std::uint64_t pairs = 0x0000ffff0000ffff;
+	std::uint64_t words[4];
+	for (std::uint32_t i = 0; i < 4; ++i) {
+		words[i] = rows[i] | std::uint64_t{rows[i + 4]} << 32;
+	}
+	const std::uint64_t even[2] = {
+			(words[0] & bytes) | (words[1] & bytes) << 8, (words[2] & bytes) | (words[3] & bytes) << 8};
+	const std::uint64_t odd[2] = {
+			(words[0] >> 8 & bytes) | (words[1] & ~bytes), (words[2] >> 8 & bytes) | (words[3] & ~bytes)};
+	r_cells[0] = (even[0] & pairs) | (even[1] & pairs) << 16;
+	r_cells[1] = (odd[0] & pairs) | (odd[1] & pairs) << 16;
+	r_cells[2] = (even[0] >> 16 & pairs) | (even[1] & ~pairs);
+	r_cells[3] = (odd[0] >> 16 & pairs) | (odd[1] & ~pairs);
+}
+
+/// The sub-squares that a point covers in the 4 x 4 cells around it.
+inline void cover_of(const CoverRows &around, std::uint64_t *r_cells) {
+	std::uint32_t rows[32];
+	for (std::int32_t row = 0; row < 32; ++row) {
+		rows[row] = around.bits(row);
+	}
+	for (std::uint32_t row = 0; row < 4; ++row) {
+		rows_to_cells(rows + 8 * row, r_cells + 4 * row);
+	}
 }
 
 /// Takes what a new point covers of the 4 x 4 cells around it from what is open of them.

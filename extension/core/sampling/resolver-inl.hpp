@@ -27,6 +27,10 @@ HWY_INLINE bool is_cancelled(const std::atomic<bool> *cancel) {
 constexpr float first_pass = 0.25f;
 constexpr float last_pass = 256.0f;
 
+/// Cells around a region for which the coarser level is decided with the region's own: most chains that leave the region then find
+/// what they ask of that level, where they would follow chains of it in each of their rounds.
+constexpr std::int32_t most_ahead = 4;
+
 /// Lists the cells of a row whose next dart is not later than `until` in grid.due.
 HWY_INLINE void find_due(LevelGrid &grid, std::uint32_t first, std::uint32_t count, TimeKey until) {
 	if constexpr (is_plain) {
@@ -91,12 +95,12 @@ inline bool resolve_pass(LevelGrid *levels, std::uint32_t level, const CellRect 
 
 /// Decides all cells of a region of one level, the early darts of all cells first: the points that they leave cover most of
 /// the rest, which then need not be looked at. The order changes no result.
-inline ResolveResult resolve_region(
-		LevelGrid *levels, std::uint32_t level, const CellRect &region, const std::atomic<bool> *cancel) {
+inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, const CellRect &region, std::int32_t ahead,
+		const std::atomic<bool> *cancel) {
 	LevelGrid &grid = levels[level];
 	list_region(grid, region);
 	if (grid.coarser != nullptr) {
-		make_region_ready(*grid.coarser, grid, region);
+		make_region_ready(*grid.coarser, grid, region.grown(ahead));
 	}
 	for (float until = first_pass; until <= last_pass; until *= 2.0f) {
 		const TimeKey due = until < last_pass ? std::bit_cast<TimeKey>(until) : time_never - 1;
@@ -115,12 +119,15 @@ inline ResolveResult resolve_block(
 	for (LevelGrid &grid : levels) {
 		throw_base_darts(grid);
 	}
+	const std::int32_t margin = block.min.x - levels.front().cells.min.x;
+	const std::int32_t ahead = std::min(most_ahead, margin / 2); // Half the margin of each level holds what is ahead on all finer ones.
 	for (std::size_t level = levels.size(); level-- > 0;) {
 		CellRect region = block;
 		for (std::size_t finer = 0; finer < level; ++finer) {
-			region = coarse_cells_around(region);
+			region = coarse_cells_around(region.grown(ahead));
 		}
-		const ResolveResult result = resolve_region(levels.data(), static_cast<std::uint32_t>(level), region, cancel);
+		const ResolveResult result =
+				resolve_region(levels.data(), static_cast<std::uint32_t>(level), region, ahead, cancel);
 		if (result != ResolveResult::done) {
 			return result;
 		}

@@ -109,32 +109,48 @@ inline void make_region_ready(const LevelGrid &coarse, LevelGrid &grid, const Ce
 	}
 }
 
-/// Brings the points of the coarser levels that can reach `cell`, and its siblings in the coarse cell, into the grid.
-inline bool make_ready(LevelGrid *levels, std::uint32_t level, std::uint32_t cell) {
+/// Brings the points of the coarser levels that can reach the cells of `items`, and their siblings in the coarse cells, into the grid:
+/// what all of them want of the coarser level is decided together. False when a dart outside its grid could be in the way.
+inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &items) {
 	LevelGrid &grid = levels[level];
 	LevelGrid &coarse = levels[level + 1];
-	const glm::ivec2 parent = grid.cell_of(cell) >> 1;
-	if (!coarse.cells.grown(-1).contains(parent)) {
-		return false;
-	}
-	for (std::int32_t y = parent.y - 1; y <= parent.y + 1; ++y) {
-		for (std::int32_t x = parent.x - 1; x <= parent.x + 1; ++x) {
-			if (coarse.time[coarse.index_of({x, y})] != time_never) {
-				want(coarse, coarse.index_of({x, y}), time_never - 1);
+	glm::ivec2 parents[Group::most];
+	std::uint32_t count = 0;
+	std::uint32_t asking = LevelGrid::nowhere;
+	for (std::uint32_t i = 0; i < items.count; ++i) {
+		const std::uint32_t cell = cell_of(items.items[i]);
+		if (grid.ready[cell] != 0) {
+			continue;
+		}
+		const glm::ivec2 parent = grid.cell_of(cell) >> 1;
+		if (!coarse.cells.grown(-1).contains(parent)) {
+			grid.undecided = cell;
+			return false;
+		}
+		asking = count == 0 ? cell : asking;
+		parents[count++] = parent;
+		for (const glm::ivec2 part : {glm::ivec2(0, 0), glm::ivec2(1, 0), glm::ivec2(0, 1), glm::ivec2(1, 1)}) {
+			if (grid.cells.contains(2 * parent + part)) {
+				grid.ready[grid.index_of(2 * parent + part)] = 1;
+			}
+		}
+		for (std::int32_t y = parent.y - 1; y <= parent.y + 1; ++y) {
+			for (std::int32_t x = parent.x - 1; x <= parent.x + 1; ++x) {
+				if (coarse.time[coarse.index_of({x, y})] != time_never) {
+					want(coarse, coarse.index_of({x, y}), time_never - 1);
+				}
 			}
 		}
 	}
-	if (!resolve_wanted(levels, level + 1)) {
+	if (count != 0 && !resolve_wanted(levels, level + 1)) {
+		grid.undecided = asking;
 		return false;
 	}
-	for (std::int32_t y = parent.y - 1; y <= parent.y + 1; ++y) {
-		for (std::int32_t x = parent.x - 1; x <= parent.x + 1; ++x) {
-			hand_down(coarse, {x, y}, grid);
-		}
-	}
-	for (const glm::ivec2 part : {glm::ivec2(0, 0), glm::ivec2(1, 0), glm::ivec2(0, 1), glm::ivec2(1, 1)}) {
-		if (grid.cells.contains(2 * parent + part)) {
-			grid.ready[grid.index_of(2 * parent + part)] = 1;
+	for (std::uint32_t i = 0; i < count; ++i) {
+		for (std::int32_t y = parents[i].y - 1; y <= parents[i].y + 1; ++y) {
+			for (std::int32_t x = parents[i].x - 1; x <= parents[i].x + 1; ++x) {
+				hand_down(coarse, {x, y}, grid);
+			}
 		}
 	}
 	return true;
@@ -153,15 +169,6 @@ HWY_INLINE void request(LevelGrid &grid, std::uint32_t cell, std::uint32_t reque
 		grid.requester[cell] = requester;
 		grid.wanted.push_back({cell, until, grid.nobody});
 	}
-}
-
-/// True when the cell that a wanted one blocked has been decided by others: the chain then need not be followed.
-HWY_INLINE bool is_orphan(const LevelGrid &grid, const LevelGrid::Wanted &wanted) {
-	if (grid.listed[wanted.cell] != LevelGrid::requested || wanted.until == time_never - 1) {
-		return false;
-	}
-	const std::uint32_t requester = grid.requester[wanted.cell];
-	return grid.listed[requester] == LevelGrid::unlisted || grid.time[requester] != wanted.until;
 }
 
 /// Leaves a blocked cell for the next round, and wants what blocks it.
@@ -185,14 +192,8 @@ template <bool from_list>
 HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	LevelGrid &grid = levels[level];
 	Group accepted, blocked;
-	if (grid.coarser != nullptr) {
-		for (std::uint32_t i = 0; i < work.open.count; ++i) {
-			const std::uint32_t cell = cell_of(work.open.items[i]);
-			if (grid.ready[cell] == 0 && !make_ready(levels, level, cell)) {
-				grid.undecided = cell;
-				return false;
-			}
-		}
+	if (grid.coarser != nullptr && !make_ready(levels, level, work.open)) {
+		return false;
 	}
 	for (std::uint32_t i = 0; i < work.open.count; ++i) {
 		const Item item = work.open.items[i];
@@ -232,6 +233,36 @@ HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	return true;
 }
 
+/// Sorts the cells of grid.round from `next` on, as many as `r_work` takes: those that are decided, or whose requester has been
+/// decided by others, so that the chain need not be followed, are dropped; those that are still blocked wait for the next round.
+/// Which of them it is is a coin toss, so nothing branches on it.
+HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_work) {
+	LevelGrid::Wanted blocked[Group::most];
+	std::size_t count = 0;
+	const LevelGrid::Wanted *round = grid.round.data();
+	const std::size_t end = std::min(grid.round.size(), next + Group::most);
+	for (; r_work.count() < Group::most && next < end; ++next) {
+		const LevelGrid::Wanted wanted = round[next];
+		const TimeKey time = grid.time[wanted.cell];
+		const LevelGrid::Listing listed = grid.listed[wanted.cell];
+		const std::uint32_t requester = grid.requester[wanted.cell];
+		const bool is_orphan = (listed == LevelGrid::requested) & (wanted.until != time_never - 1) &
+				((grid.listed[requester] == LevelGrid::unlisted) | (grid.time[requester] != wanted.until));
+		const bool is_done = (time > wanted.until) | is_orphan;
+		const bool is_blocked = !is_done & (grid.time[wanted.blocker] < time);
+		grid.listed[wanted.cell] = is_done & (listed == LevelGrid::requested) ? LevelGrid::unlisted : listed;
+		blocked[count] = wanted;
+		count += is_blocked;
+		r_work.add_if(make_item(wanted.cell, wanted.until), grid.open[wanted.cell], grid.dart[wanted.cell],
+				!is_done & !is_blocked);
+	}
+	for (std::size_t i = 0; i < count; ++i) {
+		grid.wanted.push_back(blocked[i]);
+		request(grid, blocked[i].blocker, blocked[i].cell, grid.time[blocked[i].cell]);
+	}
+	return next;
+}
+
 inline bool resolve_wanted(LevelGrid *levels, std::uint32_t level) {
 	LevelGrid &grid = levels[level];
 	if (grid.wanted.empty()) {
@@ -243,24 +274,18 @@ inline bool resolve_wanted(LevelGrid *levels, std::uint32_t level) {
 		grid.wanted.clear();
 		std::size_t next = 0;
 		do {
-			for (; work.count() < Group::most && next < grid.round.size(); ++next) {
-				const LevelGrid::Wanted wanted = grid.round[next];
-				const TimeKey time = grid.time[wanted.cell];
-				if (time > wanted.until || is_orphan(grid, wanted)) {
-					unlist(grid, wanted.cell);
-				} else if (grid.time[wanted.blocker] < time) {
-					grid.wanted.push_back(wanted);
-					request(grid, wanted.blocker, wanted.cell, time);
-				} else {
-					work.add_if(
-							make_item(wanted.cell, wanted.until), grid.open[wanted.cell], grid.dart[wanted.cell], true);
-				}
+			while (work.count() < Group::most && next < grid.round.size()) {
+				next = sort_wanted(grid, next, work);
 			}
 			if (!decide<true>(levels, level, work)) {
 				return false;
 			}
 		} while (next < grid.round.size());
 	}
+	// They take turns: with as much room in both, none has to grow that was not larger before.
+	grid.round.clear();
+	grid.round.reserve(grid.wanted.capacity());
+	grid.wanted.reserve(grid.round.capacity());
 	return true;
 }
 
