@@ -9,6 +9,7 @@
 #include "core/sampling/darts-inl.hpp"
 #include "core/sampling/level_grid.hpp"
 #include "core/sampling/plain_steps.hpp"
+#include "core/sampling/reach_table.hpp"
 
 #include <hwy/highway.h>
 
@@ -79,6 +80,14 @@ HWY_INLINE std::uint32_t bits_of(D d, M mask) {
 	return bits;
 }
 
+/// The mask whose bits are the lowest of `bits`.
+template <class D>
+HWY_INLINE hn::Mask<D> mask_of(D d, std::uint32_t bits) {
+	std::uint8_t bytes[8];
+	std::memcpy(bytes, &bits, sizeof(bits));
+	return hn::LoadMaskBits(d, bytes);
+}
+
 /// The cells' centers from `lane` on, seen from the disk's center. Offsets fit 16 bits but for one lane in thousands, which
 /// wraps to the other side, as far away.
 HWY_INLINE BlockHalves centers_from(const Neighborhood &around, std::size_t lane) {
@@ -93,8 +102,9 @@ HWY_INLINE BlockWords squared_length(BlockHalves offset) {
 	return hn::WidenMulPairwiseAdd(BlockLanes(), offset, offset);
 }
 
-/// The cells, other than its own, that the disk of `around` reaches.
-HWY_INLINE BlockMask reached_cells(BlockHalves centers) {
+/// The cells, other than its own, that the disk of a dart reaches, where a vector has a lane for each of them: computed, which then is
+/// faster than `reached_cells`.
+HWY_INLINE BlockMask all_reached_cells(BlockHalves centers) {
 	const BlockLanes d;
 	const HalfLanes d16;
 	constexpr std::int16_t half = cell_size / 2;
@@ -117,7 +127,7 @@ HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPo
 	const BlockLanes d;
 	const Neighborhood around(grid, cell, position);
 	if constexpr (is_plain) {
-		return plain::look_around(grid, around.first, around.x, around.y, time);
+		return plain::look_around(grid, around.first, position, around.x, around.y, time);
 	}
 	bool conflict = false;
 	bool blocked = false;
@@ -126,8 +136,12 @@ HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPo
 		const BlockHalves centers = centers_from(around, lane);
 		const auto times =
 				hn::BitCast(d, load_rows(hn::RebindToUnsigned<BlockLanes>(), grid.time.data() + start, grid.stride));
-		const auto earlier = hn::Lt(times, hn::Set(d, static_cast<std::int32_t>(time)));
-		blocked |= !hn::AllFalse(d, hn::And(earlier, reached_cells(centers)));
+		const auto before = hn::Lt(times, hn::Set(d, static_cast<std::int32_t>(time)));
+		if constexpr (block_lanes == 16) {
+			blocked = !hn::AllFalse(d, hn::And(before, all_reached_cells(centers)));
+		} else {
+			blocked |= (bits_of(d, before) & reached_cells(position) >> lane) != 0;
+		}
 		const auto points = load_rows(d, grid.point.data() + start, grid.stride);
 		const auto near = hn::Lt(distances_to(points, centers), hn::Set(d, radius2));
 		conflict |= !hn::AllFalse(d, hn::And(near, hn::Ne(points, hn::Set(d, LevelGrid::no_point))));
@@ -145,7 +159,13 @@ HWY_INLINE TimeKey earliest_around(const LevelGrid &grid, std::uint32_t cell, Ce
 		const std::size_t start = around.first + lane / 4 * grid.stride;
 		const auto times =
 				hn::BitCast(d, load_rows(hn::RebindToUnsigned<BlockLanes>(), grid.time.data() + start, grid.stride));
-		earliest = hn::Min(earliest, hn::IfThenElse(reached_cells(centers_from(around, lane)), times, never));
+		BlockMask reached;
+		if constexpr (block_lanes == 16) {
+			reached = all_reached_cells(centers_from(around, lane));
+		} else {
+			reached = mask_of(d, reached_cells(position) >> lane);
+		}
+		earliest = hn::Min(earliest, hn::IfThenElse(reached, times, never));
 	}
 	return static_cast<TimeKey>(hn::GetLane(hn::MinOfLanes(d, earliest)));
 }

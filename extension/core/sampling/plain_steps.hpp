@@ -2,9 +2,11 @@
 
 #include "core/sampling/cover_table.hpp"
 #include "core/sampling/level_grid.hpp"
+#include "core/sampling/reach_table.hpp"
 #include "core/sampling/work.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstdlib>
 
@@ -30,36 +32,27 @@ constexpr std::int32_t square(std::int32_t distance) {
 }
 
 /// Looks around a dart at (x, y), seen from the corner of the lowest of the 4 x 4 cells that its disk can reach.
-inline Verdict look_around(const LevelGrid &grid, std::uint32_t lowest, std::int32_t x, std::int32_t y, TimeKey time) {
+inline Verdict look_around(const LevelGrid &grid, std::uint32_t lowest, CellPosition dart, std::int32_t x,
+		std::int32_t y, TimeKey time) {
 	constexpr auto side = static_cast<std::int32_t>(cell_size);
-	constexpr auto radius2 = static_cast<std::int32_t>(radius_squared);
-	const auto gap = [](std::int32_t corner) {
-		return square(std::max({corner, 1 - side - corner, 0}));
-	};
-	const std::int32_t gaps[4] = {gap(-x), gap(side - x), gap(2 * side - x), gap(3 * side - x)};
-	Verdict verdict{false, false};
-	for (std::int32_t row = 0; row < 4; ++row) {
-		const std::int32_t gap_y = gap(row * side - y);
-		const std::uint32_t first = lowest + static_cast<std::uint32_t>(row) * grid.stride;
-		for (std::int32_t column = 0; column < 4; ++column) {
-			const std::uint32_t cell = first + static_cast<std::uint32_t>(column);
-			const std::int32_t away = gap_y + gaps[column];
-			if (away >= radius2) {
-				continue;
-			}
-			verdict.blocked |= grid.time[cell] < time && away > 0;
-			if (grid.point[cell] != LevelGrid::no_point) {
-				const CellPosition point = LevelGrid::position_of(grid.point[cell]);
-				const std::int32_t dx = column * side + static_cast<std::int32_t>(position_x(point)) - x;
-				const std::int32_t dy = row * side + static_cast<std::int32_t>(position_y(point)) - y;
-				if (square(dx) + square(dy) < radius2) {
-					verdict.conflict = true;
-					return verdict;
-				}
-			}
+	std::uint32_t earlier = 0;
+	std::uint32_t points = 0;
+	for (std::uint32_t i = 0; i < 16; ++i) {
+		const std::uint32_t cell = lowest + i / 4 * grid.stride + i % 4;
+		earlier |= std::uint32_t{grid.time[cell] < time} << i;
+		points |= std::uint32_t{grid.point[cell] != LevelGrid::no_point} << i;
+	}
+	const std::uint32_t reached = reached_cells(dart);
+	for (points &= reached; points != 0; points &= points - 1) {
+		const auto i = static_cast<std::uint32_t>(std::countr_zero(points));
+		const CellPosition point = LevelGrid::position_of(grid.point[lowest + i / 4 * grid.stride + i % 4]);
+		const std::int32_t dx = static_cast<std::int32_t>(i % 4) * side + static_cast<std::int32_t>(position_x(point)) - x;
+		const std::int32_t dy = static_cast<std::int32_t>(i / 4) * side + static_cast<std::int32_t>(position_y(point)) - y;
+		if (square(dx) + square(dy) < static_cast<std::int32_t>(radius_squared)) {
+			return {true, false};
 		}
 	}
-	return verdict;
+	return {false, (earlier & reached) != 0};
 }
 
 /// Turns eight rows of four bytes into four cells of eight bytes, two rows in a word.

@@ -155,6 +155,19 @@ inline void advance_plainly(LevelGrid &grid, const Columns &columns, Item item, 
 	}
 }
 
+/// `advance` of a cell that has no waiting squares yet, with at least one child.
+HWY_INLINE void advance_first(
+		LevelGrid &grid, const Columns &columns, Item item, const DartKey *children, Work &r_work) {
+	const std::uint32_t cell = cell_of(item);
+	const std::uint32_t slot = grid.waiting_squares.take_if(true);
+	const TimeKey time = dart_time(children[0]);
+	columns.time[cell] = time;
+	columns.dart[cell] = dart_place(children[0]);
+	columns.waiting[cell] = slot;
+	std::copy_n(children + 1, WaitingSquares::slot_size, columns.slots[slot].darts.begin());
+	r_work.add_if(item, columns.open[cell], dart_place(children[0]), time <= until_of(item));
+}
+
 /// `advance` of a cell with so many slots at most.
 template <bool with_children, std::size_t slot_count>
 HWY_INLINE void advance_slots(
