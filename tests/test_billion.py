@@ -74,8 +74,9 @@ def test_another_seed_gives_another_set(core_tool):
 def test_memory_does_not_grow_with_the_points(core_tool, first):
     assert first["resident_bytes"] < RESIDENT_LIMIT == first["resident_limit"]
     small = billion(core_tool, "points=2e5", "gaps=16", "order=rows", "threads=1")
-    # What grows are the points along a row of tiles, of 8 bytes each.
-    assert first["resident_bytes"] - small["resident_bytes"] < 1_000_000
+    # What grows are the points along a row of tiles, of 8 bytes each. All of them would be 6.4 MB more; what of the program itself lies in
+    # memory differs by a part of one.
+    assert first["resident_bytes"] - small["resident_bytes"] < 2_000_000
 
 
 def test_too_much_memory_is_a_broken_promise(core_tool):
