@@ -87,7 +87,8 @@ HWY_INLINE void store_by_rows(const V *columns, Cover &r_cover) {
 		alignas(64) static constexpr std::uint64_t low[8] = {0, 4, 8, 12, 1, 5, 9, 13};
 		alignas(64) static constexpr std::uint64_t high[8] = {2, 6, 10, 14, 3, 7, 11, 15};
 		hn::Store(hn::TwoTablesLookupLanes(d, columns[0], columns[1], hn::SetTableIndices(d, low)), d, r_cover.cells);
-		hn::Store(hn::TwoTablesLookupLanes(d, columns[0], columns[1], hn::SetTableIndices(d, high)), d, r_cover.cells + 8);
+		hn::Store(hn::TwoTablesLookupLanes(d, columns[0], columns[1], hn::SetTableIndices(d, high)), d,
+				r_cover.cells + 8);
 	} else if constexpr (lanes == 4) {
 		const auto left_even = hn::InterleaveLower(d, columns[0], columns[1]);
 		const auto left_odd = hn::InterleaveUpper(d, columns[0], columns[1]);

@@ -13,7 +13,8 @@ namespace thicket {
 struct CoverTable {
 	static constexpr std::int32_t heights = 128;
 	static constexpr std::int32_t height_bits = sub_bits - 7;
-	static constexpr std::int32_t own_row = 19; ///< The farthest a point stands from the lowest row of its neighborhood.
+	static constexpr std::int32_t own_row =
+			19; ///< The farthest a point stands from the lowest row of its neighborhood.
 	static constexpr std::int32_t rows = 40;
 	static constexpr std::int8_t none = -100; ///< The disk covers nothing of the row.
 

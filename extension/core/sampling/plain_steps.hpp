@@ -32,8 +32,8 @@ constexpr std::int32_t square(std::int32_t distance) {
 }
 
 /// Looks around a dart at (x, y), seen from the corner of the lowest of the 4 x 4 cells that its disk can reach.
-inline Verdict look_around(const LevelGrid &grid, std::uint32_t lowest, CellPosition dart, std::int32_t x,
-		std::int32_t y, TimeKey time) {
+inline Verdict look_around(
+		const LevelGrid &grid, std::uint32_t lowest, CellPosition dart, std::int32_t x, std::int32_t y, TimeKey time) {
 	constexpr auto side = static_cast<std::int32_t>(cell_size);
 	std::uint32_t earlier = 0;
 	std::uint32_t points = 0;
@@ -46,8 +46,10 @@ inline Verdict look_around(const LevelGrid &grid, std::uint32_t lowest, CellPosi
 	for (points &= reached; points != 0; points &= points - 1) {
 		const auto i = static_cast<std::uint32_t>(std::countr_zero(points));
 		const CellPosition point = LevelGrid::position_of(grid.point[lowest + i / 4 * grid.stride + i % 4]);
-		const std::int32_t dx = static_cast<std::int32_t>(i % 4) * side + static_cast<std::int32_t>(position_x(point)) - x;
-		const std::int32_t dy = static_cast<std::int32_t>(i / 4) * side + static_cast<std::int32_t>(position_y(point)) - y;
+		const std::int32_t dx =
+				static_cast<std::int32_t>(i % 4) * side + static_cast<std::int32_t>(position_x(point)) - x;
+		const std::int32_t dy =
+				static_cast<std::int32_t>(i / 4) * side + static_cast<std::int32_t>(position_y(point)) - y;
 		if (square(dx) + square(dy) < static_cast<std::int32_t>(radius_squared)) {
 			return {true, false};
 		}

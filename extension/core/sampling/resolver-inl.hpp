@@ -120,7 +120,8 @@ inline ResolveResult resolve_block(
 		throw_base_darts(grid);
 	}
 	const std::int32_t margin = block.min.x - levels.front().cells.min.x;
-	const std::int32_t ahead = std::min(most_ahead, margin / 2); // Half the margin of each level holds what is ahead on all finer ones.
+	const std::int32_t ahead =
+			std::min(most_ahead, margin / 2); // Half the margin of each level holds what is ahead on all finer ones.
 	for (std::size_t level = levels.size(); level-- > 0;) {
 		CellRect region = block;
 		for (std::size_t finer = 0; finer < level; ++finer) {

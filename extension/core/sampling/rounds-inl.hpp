@@ -246,15 +246,20 @@ HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_wo
 		const TimeKey time = grid.time[wanted.cell];
 		const LevelGrid::Listing listed = grid.listed[wanted.cell];
 		const std::uint32_t requester = grid.requester[wanted.cell];
-		const bool is_orphan = (listed == LevelGrid::requested) & (wanted.until != time_never - 1) &
-				((grid.listed[requester] == LevelGrid::unlisted) | (grid.time[requester] != wanted.until));
-		const bool is_done = (time > wanted.until) | is_orphan;
-		const bool is_blocked = !is_done & (grid.time[wanted.blocker] < time);
-		grid.listed[wanted.cell] = is_done & (listed == LevelGrid::requested) ? LevelGrid::unlisted : listed;
+		// As numbers: compilers take a single | or & of conditions for a slip.
+		const auto is = [](bool condition) {
+			return static_cast<std::uint32_t>(condition);
+		};
+		const std::uint32_t is_requested = is(listed == LevelGrid::requested);
+		const std::uint32_t is_orphan = is_requested & is(wanted.until != time_never - 1) &
+				(is(grid.listed[requester] == LevelGrid::unlisted) | is(grid.time[requester] != wanted.until));
+		const std::uint32_t is_done = is(time > wanted.until) | is_orphan;
+		const std::uint32_t is_blocked = ~is_done & is(grid.time[wanted.blocker] < time);
+		grid.listed[wanted.cell] = (is_done & is_requested) != 0 ? LevelGrid::unlisted : listed;
 		blocked[count] = wanted;
 		count += is_blocked;
 		r_work.add_if(make_item(wanted.cell, wanted.until), grid.open[wanted.cell], grid.dart[wanted.cell],
-				!is_done & !is_blocked);
+				(is_done | is_blocked) == 0);
 	}
 	for (std::size_t i = 0; i < count; ++i) {
 		grid.wanted.push_back(blocked[i]);
