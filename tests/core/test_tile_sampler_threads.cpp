@@ -1,6 +1,7 @@
 // A large rectangle is shared by threads that the caller lends: the same points in the same order, errors and progress as alone.
 
 #include "core/sampling/tile_sampler.hpp"
+#include "counted_threads.hpp"
 #include "short_of_memory.hpp"
 
 #include <doctest/doctest.h>
@@ -15,26 +16,7 @@ using namespace thicket;
 
 namespace {
 
-class Threads final : public LentThreads {
-public:
-	explicit Threads(std::size_t count) : count_(count) {}
-
-	std::size_t count() const override { return count_; }
-
-	void run(const std::function<void(std::size_t)> &work) override {
-		++runs;
-		std::vector<std::jthread> threads;
-		for (std::size_t index = 1; index <= count_; ++index) {
-			threads.emplace_back(work, index);
-		}
-		work(0);
-	}
-
-	int runs = 0;
-
-private:
-	std::size_t count_;
-};
+using Threads = test::CountedThreads;
 
 /// Runs what is meant for other threads before or after the caller's part, or never.
 class OneByOne final : public LentThreads {

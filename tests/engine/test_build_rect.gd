@@ -1,6 +1,31 @@
 extends "edits_harness.gd"
 ## What a scatter makes at once, for those who want to keep it.
 
+const SHARED := Rect2(-60, -60, 120, 120)
+
+## Level ground. The first thread that asks waits for a second one, 20 seconds at most.
+class Meeting extends ScatterTerrain:
+	var wanted := 2
+	var threads: Dictionary[int, bool] = {}
+	var mutex := Mutex.new()
+
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var until := Time.get_ticks_msec() + 20_000
+		var count := 0
+		while count < wanted and Time.get_ticks_msec() < until:
+			mutex.lock()
+			threads[OS.get_thread_caller_id()] = true
+			count = threads.size()
+			mutex.unlock()
+			OS.delay_msec(1)
+		var heights := PackedFloat32Array()
+		heights.resize(positions.size())
+		return heights
+
+	func _is_thread_safe() -> bool:
+		return wanted > 1
+
+
 func test_build_rect() -> void:
 	for ground: Mound in [Mound.new(), MainMound.new()]:
 		var scatter := make_scatter(make_forest(), ground, make_viewer())
@@ -121,3 +146,21 @@ func test_build_tile_refuses() -> void:
 	check(scatter.build_tile(0, Vector2i.ZERO).is_empty(), "no ground")
 	check_error(["terrain", "missing"], "no ground")
 	await frames(1)
+
+
+## The engine's workers share a large rectangle: a ground that waits until a second thread asks for it would wait in vain.
+func test_build_rect_uses_workers() -> void:
+	var layers: Array[ScatterLayer] = [make_layer(0.5)]
+	var lonely := Meeting.new()
+	lonely.wanted = 1
+	var alone := make_scatter(layers, lonely, make_viewer())
+	var ground := Meeting.new()
+	var together := make_scatter(layers, ground, make_viewer())
+	var expected := alone.build_rect(0, SHARED)
+	var built := together.build_rect(0, SHARED)
+	check(ground.threads.size() > 1, "%d threads asked for the ground" % ground.threads.size())
+	check_equal(lonely.threads.size(), 1, "the main thread alone")
+	check(expected.get_ids(0).size() > 20000, "%d instances" % expected.get_ids(0).size())
+	check_equal(built.get_digest(), expected.get_digest(), "to the bit what stands on the same ground")
+	alone.free()
+	together.free()

@@ -24,11 +24,13 @@ void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *c
 	neighbors_.assign(neighbors.begin(), neighbors.end());
 }
 
-Status LayerFilter::sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel) {
+Status LayerFilter::sample(
+		TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel, LentThreads *threads) {
 	window_ = window;
 	if (rules_.closed_in(window)) {
 		points_.clear();
-	} else if (const Status status = sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}});
+	} else if (const Status status =
+					   sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads);
 			!status.ok()) {
 		return status;
 	}

@@ -26,7 +26,7 @@ public:
 
 	/// The points of the half-open `window` that the rules of position let pass. Ends with ErrorCode::cancelled when
 	/// `cancel` is raised.
-	Status sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel);
+	Status sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel, LentThreads *threads);
 
 	/// In place of `sample`: places of the caller's, in `window`, that need not be points of the set. All of them stay, by their index as
 	/// id, with the rank 0.

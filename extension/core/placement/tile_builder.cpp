@@ -50,7 +50,8 @@ struct TileBuilder::Workspace {
 
 	std::vector<Ground> ground; ///< For `build`, which asks the terrain itself.
 
-	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel);
+	Status find_points(
+			const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads);
 	Status place(std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel);
 	void gather_positions();
 };
@@ -66,10 +67,10 @@ void TileBuilder::Workspace::gather_positions() {
 }
 
 Status TileBuilder::Workspace::find_points(
-		const LayerSettings &layer, const Rect &p_rect, const std::atomic<bool> *cancel) {
+		const LayerSettings &layer, const Rect &p_rect, const std::atomic<bool> *cancel, LentThreads *threads) {
 	found = false;
 	filter.set(layer);
-	if (const Status status = filter.sample(p_rect, cancel); !status.ok()) {
+	if (const Status status = filter.sample(p_rect, cancel, threads); !status.ok()) {
 		return status;
 	}
 	rect = p_rect;
@@ -106,23 +107,24 @@ TileBuilder::TileBuilder(TileBuilder &&) noexcept = default;
 TileBuilder &TileBuilder::operator=(TileBuilder &&) noexcept = default;
 
 Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
-		const std::atomic<bool> *cancel) {
-	if (const Status status = find_points(layer, rect, cancel); !status.ok()) {
+		const std::atomic<bool> *cancel, LentThreads *threads) {
+	if (const Status status = find_points(layer, rect, cancel, threads); !status.ok()) {
 		return status;
 	}
 	const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()), [&] {
 		workspace_->ground.assign(workspace_->positions.size(), Ground{});
-		return ask_ground(terrain, workspace_->positions, workspace_->queries, workspace_->ground, cancel);
+		return ask_ground(terrain, workspace_->positions, workspace_->queries, workspace_->ground, cancel, threads);
 	});
 	return status.ok() ? place(workspace_->ground, r_tile, cancel) : status;
 }
 
-Status TileBuilder::find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel) {
+Status TileBuilder::find_points(
+		const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads) {
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
 	return guarded("tile", std::max(rect.size().x, rect.size().y),
-			[&] { return workspace_->find_points(layer, rect, cancel); });
+			[&] { return workspace_->find_points(layer, rect, cancel, threads); });
 }
 
 std::span<const glm::dvec2> TileBuilder::positions() const { return workspace_->positions; }

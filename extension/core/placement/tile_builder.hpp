@@ -37,12 +37,15 @@ public:
 	/// Replaces `r_tile` by what stands in the half-open `rect` (world meters; see TileSampler::sample for what is
 	/// refused). The result is a function of the arguments, to the bit. After an error `r_tile` is as it was; after
 	/// ErrorCode::cancelled, which follows within about a millisecond of raising `cancel`, it is valid but unspecified.
+	///
+	/// `threads`, if there are any, share the points and the ground of a large rectangle, for the same tile.
 	Status build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
-			const std::atomic<bool> *cancel = nullptr);
+			const std::atomic<bool> *cancel = nullptr, LentThreads *threads = nullptr);
 
 	/// The first step: the points that the rules of position (masks, noise, shapes seen from above) let pass. There are none
 	/// after ErrorCode::cancelled or ErrorCode::out_of_memory.
-	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr);
+	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr,
+			LentThreads *threads = nullptr);
 
 	/// Where the ground has to be known after `find_points`: the layer's points and those of its neighbors, the surroundings
 	/// of each if a layer looks at its edge, and a few positions for the tile's origin. Valid until the next call.

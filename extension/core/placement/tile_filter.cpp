@@ -20,15 +20,16 @@ void TileFilter::set(const LayerSettings &layer) {
 	}
 }
 
-Status TileFilter::sample_layer(std::size_t index, const Rect &rect, const std::atomic<bool> *cancel) {
+Status TileFilter::sample_layer(
+		std::size_t index, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads) {
 	// A part in a thousand more, so that rounding far from the origin leaves out nobody who is near enough.
 	const double margin = 1.001 * graph_.nodes()[index].margin;
-	return layers_[index]->sample(sampler_, {rect.min - margin, rect.max + margin}, cancel);
+	return layers_[index]->sample(sampler_, {rect.min - margin, rect.max + margin}, cancel, threads);
 }
 
-Status TileFilter::sample(const Rect &rect, const std::atomic<bool> *cancel) {
+Status TileFilter::sample(const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads) {
 	for (std::size_t i = 0; i < size(); ++i) {
-		if (const Status status = sample_layer(i, rect, cancel); !status.ok()) {
+		if (const Status status = sample_layer(i, rect, cancel, threads); !status.ok()) {
 			return status;
 		}
 	}
@@ -38,7 +39,7 @@ Status TileFilter::sample(const Rect &rect, const std::atomic<bool> *cancel) {
 Status TileFilter::sample_around(
 		std::span<const glm::dvec2> places, const Rect &rect, const std::atomic<bool> *cancel) {
 	for (std::size_t i = 0; i + 1 < size(); ++i) {
-		if (const Status status = sample_layer(i, rect, cancel); !status.ok()) {
+		if (const Status status = sample_layer(i, rect, cancel, nullptr); !status.ok()) {
 			return status;
 		}
 	}

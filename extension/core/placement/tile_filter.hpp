@@ -22,8 +22,8 @@ public:
 	/// Prepares for a layer of valid settings, which is copied.
 	void set(const LayerSettings &layer);
 
-	/// Samples all layers, each in the window that `rect` of the layer itself needs.
-	Status sample(const Rect &rect, const std::atomic<bool> *cancel);
+	/// Samples all layers, each in the window that `rect` of the layer itself needs. For `threads` see TileSampler::sample.
+	Status sample(const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads = nullptr);
 
 	/// In place of `sample`: places of the caller's for the layer itself (see LayerFilter::take), and the points of the others that
 	/// matter there. `rect` holds all places.
@@ -55,7 +55,7 @@ public:
 	const SampleStats &sample_stats() const { return sampler_.stats(); }
 
 private:
-	Status sample_layer(std::size_t index, const Rect &rect, const std::atomic<bool> *cancel);
+	Status sample_layer(std::size_t index, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads);
 
 	LayerSettings layer_;
 	LayerGraph graph_{layer_};

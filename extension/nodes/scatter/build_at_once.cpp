@@ -40,11 +40,12 @@ Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *
 		const Rect &rect, TileInstances &r_tile) {
 	std::unique_ptr<TileBuilder> builder =
 			spare_ != nullptr ? std::move(spare_) : std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
+	EngineThreads threads;
 	Status status;
 	if (ground != nullptr) {
-		status = builder->build(layer, *ground, rect, r_tile);
+		status = builder->build(layer, *ground, rect, r_tile, nullptr, &threads);
 	} else {
-		status = builder->find_points(layer, rect);
+		status = builder->find_points(layer, rect, nullptr, &threads);
 		std::vector<Ground> answers;
 		if (status.ok()) {
 			status = ask_at_once(nullptr, terrain, builder->positions(), builder->queries(), answers);
