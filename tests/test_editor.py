@@ -184,6 +184,17 @@ def test_a_ground_is_chosen_and_followed(ground_follows):
     assert PASSED.search(ground_follows) and not complaints(ground_follows), ground_follows[-6000:]
 
 
+def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
+    """Checks in plugin_ground.gd, with the doubles of the engine's tests, which run in the editor as plug-ins do; and water there."""
+    (editor_project / "doubles").mkdir()
+    for name in ("harness", "terrain_harness", "terrain3d_harness", "hterrain_harness"):
+        text = (REPO / f"tests/engine/{name}.gd").read_text(encoding="utf-8")
+        (editor_project / f"doubles/{name}.gd").write_text(f"@tool\n{text}", encoding="utf-8")
+    done = godot_xvfb(["--editor", "--path", editor_project, "--", "plugin_ground"], timeout=600)
+    printed = done.stdout + done.stderr
+    assert PASSED.search(printed) and not complaints(printed), printed[-6000:]
+
+
 def test_what_helps_where_a_first_import_crashes(godot, plain_project):
     """Engines up to 4.7 crash as they quit after a first import with any extension (godot issue 111048). README.md says what to do:
     all is imported by then, so the next one ends well; and so does the first, if the engine knows the extension."""

@@ -1,0 +1,196 @@
+@tool
+extends "res://tests/steps.gd"
+## Terrain plug-ins as ground in the editor: Terrain3D's and HTerrain's doubles are sculpted as their brushes do it, freed and put back,
+## and what stands on them follows. Then water rises over the same ground.
+
+const SCENE := "res://plugin_ground.tscn"
+
+var scatter: Node3D
+var root: Node3D
+var shown: Array[Vector2i] = []
+
+
+## A script with a double, in the copy that the editor runs.
+func double(script: String) -> GDScript:
+	return load("res://doubles/%s.gd" % script)
+
+
+func test_prepare() -> void:
+	var made := Node3D.new()
+	made.name = "World"
+	var trees: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	trees.name = "Trees"
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.set(&"radius", 1.5)
+	layer.set(&"tile_size", 16.0)
+	layer.set(&"view_distance", 100.0)
+	var cone := CylinderMesh.new()
+	cone.top_radius = 0.0
+	cone.bottom_radius = 0.4
+	cone.height = 2.0
+	cone.radial_segments = 6
+	cone.rings = 1
+	cone.material = StandardMaterial3D.new()
+	(cone.material as StandardMaterial3D).albedo_color = Color(0.15, 0.5, 0.15)
+	layer.set(&"height_offset", 1.0)
+	layer.set(&"meshes", [cone] as Array[Mesh])
+	trees.set(&"layers", [layer])
+	made.add_child(trees)
+	trees.owner = made
+	var sun := DirectionalLight3D.new()
+	sun.rotation_degrees = Vector3(-50.0, 30.0, 0.0)
+	made.add_child(sun)
+	sun.owner = made
+	var packed := PackedScene.new()
+	packed.pack(made)
+	ResourceSaver.save(packed, SCENE)
+	made.free()
+	root = await open(SCENE)
+	EditorInterface.set_main_screen_editor("3D")
+	scatter = root.get_node("Trees")
+	scatter.set(&"viewers", [^".."] as Array[NodePath])
+	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: shown.push_back(tile))
+	await frames(3)
+
+
+## A picture from above.
+func photograph(picture_name: String) -> void:
+	camera().global_position = Vector3(35.0, 50.0, 85.0)
+	camera().look_at(Vector3(0.0, 0.0, 5.0))
+	await frames(2)
+	await picture(picture_name)
+
+
+## Gives the scatter a node as its ground, as the inspector does.
+func stand_on(path: NodePath) -> void:
+	var terrain: Resource = ClassDB.instantiate(&"ScatterTerrainObject")
+	terrain.set(&"node", path)
+	var manager := plugin.get_undo_redo()
+	manager.create_action("Set terrain", UndoRedo.MERGE_DISABLE, scatter)
+	manager.add_do_property(scatter, &"terrain", terrain)
+	manager.add_undo_property(scatter, &"terrain", scatter.get(&"terrain"))
+	manager.commit_action()
+	await settle(scatter)
+
+
+## Puts a plug-in's node into the scene, where nobody saves it.
+func put(node: Node3D, node_name: String) -> void:
+	node.name = node_name
+	root.add_child(node)
+
+
+## The ground as a mesh, for the picture: what the plug-in itself would draw.
+func draw_ground(height_at: Callable) -> void:
+	var old := root.get_node_or_null("Drawn")
+	if old != null:
+		old.free()
+	var surface := SurfaceTool.new()
+	surface.begin(Mesh.PRIMITIVE_TRIANGLES)
+	for row in 63:
+		for column in 63:
+			for corner: Vector2i in [Vector2i(0, 0), Vector2i(1, 0), Vector2i(0, 1), Vector2i(1, 0), Vector2i(1, 1), Vector2i(0, 1)]:
+				var at := Vector3(2.0 * (column + corner.x) - 63.0, 0.0, 2.0 * (row + corner.y) - 63.0)
+				at.y = height_at.call(at)
+				surface.add_vertex(at)
+	surface.generate_normals()
+	var drawn := MeshInstance3D.new()
+	drawn.name = "Drawn"
+	drawn.mesh = surface.commit()
+	drawn.material_override = StandardMaterial3D.new()
+	(drawn.material_override as StandardMaterial3D).albedo_color = Color(0.5, 0.42, 0.3)
+	root.add_child(drawn)
+
+
+## Instances that do not stand on the ground as it is now. They stand 1 m above it, with their middle.
+func check_ground(height_at: Callable, what: String) -> void:
+	var stand := instances(scatter, 0)
+	var off := stand.values().filter(func(at: Vector3) -> bool: return not (absf(height_at.call(at) + 1.0 - at.y) < 0.02))
+	check(stand.size() > 1500, "%s: %d instances" % [what, stand.size()])
+	check_equal(off.size(), 0, "%s: instances off the ground" % what)
+
+
+## Raises a hill by steps, as a brush does while the mouse moves, and looks at what was made anew.
+func sculpt(raise: Callable, height_at: Callable, what: String) -> void:
+	var all: int = scatter.get_shown_tiles(0).size()
+	shown.clear()
+	for step in 4:
+		raise.call(3.0 * (step + 1))
+		await frames(2)
+	await settle(scatter)
+	check_ground(height_at, what)
+	var tiles := {}
+	for tile in shown:
+		tiles[tile] = true
+	check(not tiles.is_empty() and tiles.size() <= all / 3, "%s: %d of %d tiles were made anew" % [what, tiles.size(), all])
+	draw_ground(height_at)
+	await photograph(what)
+
+
+func test_terrain3d() -> void:
+	var node: Node3D = double("terrain3d_harness").make_terrain3d()
+	put(node, "Terrain3D")
+	var height_at: Callable = node.data.height_at
+	await stand_on(^"../Terrain3D")
+	check("Terrain3D" in scatter.terrain.get(&"recognized"), "known: %s" % scatter.terrain.get(&"recognized"))
+	check_ground(height_at, "at first")
+	check_equal(node.data.asked, 0, "calls for single places")
+	await sculpt(func(height: float) -> void:
+		for x in range(-6, 7):
+			for z in range(-6, 7):
+				node.data.set_height(Vector3(10.5 + x, 0.0, 10.5 + z), height)
+		node.data.height_maps_changed.emit()
+		node.data.maps_edited.emit(AABB(Vector3(4.0, -50.0, 4.0), Vector3(14.0, 100.0, 14.0))), height_at, "ground_terrain3d")
+	check(instances(scatter, 0).values().any(func(at: Vector3) -> bool: return absf(at.y - 13.0) < 0.02), "some stand on the new hill")
+	node.free()
+	await until(func() -> bool: return "Terrain3D" in "\n".join(scatter.get_problems()), "what is gone is told")
+	var other: Node3D = double("terrain3d_harness").make_terrain3d()
+	put(other, "Terrain3D")
+	await until(func() -> bool: return scatter.get_problems().is_empty(), "one of the same name is found")
+	await settle(scatter)
+	check_ground(other.data.height_at, "put back")
+
+
+func test_hterrain() -> void:
+	var node: Node3D = double("hterrain_harness").make_hterrain()
+	put(node, "HTerrain")
+	await stand_on(^"../HTerrain")
+	check("HTerrain" in scatter.terrain.get(&"recognized"), "known: %s" % scatter.terrain.get(&"recognized"))
+	check_ground(node.ground_at, "at first")
+	check_equal(node.get_data().asked, 0, "calls for single places")
+	await sculpt(func(height: float) -> void:
+		for column in range(20, 27):
+			for row in range(20, 27):
+				node.get_data().set_post(column, row, height)
+		node.get_data().notify_region_change(Rect2i(20, 20, 7, 7), 0), node.ground_at, "ground_hterrain")
+
+
+## Water of the node, in the inspector's way: what is under it goes, and comes back with Ctrl+Z.
+func test_water_rises() -> void:
+	var before := instances(scatter, 0)
+	var manager := plugin.get_undo_redo()
+	manager.create_action("Set water", UndoRedo.MERGE_DISABLE, scatter)
+	for property: StringName in [&"water_enabled", &"water_level"]:
+		manager.add_do_property(scatter, property, true if property == &"water_enabled" else 4.0)
+		manager.add_undo_property(scatter, property, scatter.get(property))
+	manager.commit_action()
+	await settle(scatter)
+	var dry := instances(scatter, 0)
+	check(dry.size() > 200 and dry.size() < before.size() - 200, "%d of %d are left" % [dry.size(), before.size()])
+	check(dry.values().all(func(at: Vector3) -> bool: return at.y - 1.0 > 3.99), "all of them above the water")
+	for id: int in dry:
+		if dry[id] != before[id]:
+			check(false, "none of them has moved")
+			break
+	var lake := MeshInstance3D.new()
+	lake.mesh = PlaneMesh.new()
+	(lake.mesh as PlaneMesh).size = Vector2(126.0, 126.0)
+	lake.material_override = StandardMaterial3D.new()
+	(lake.material_override as StandardMaterial3D).albedo_color = Color(0.2, 0.4, 0.7)
+	lake.position.y = 4.0
+	root.add_child(lake)
+	await photograph("water")
+	lake.free()
+	EditorInterface.get_selection().clear()
+	await undo()
+	await settle(scatter)
+	check_equal(instances(scatter, 0), before, "as before")
