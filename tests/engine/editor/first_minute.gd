@@ -20,30 +20,12 @@ func click(at: Vector2) -> void:
 	await mouse_click(at)
 
 
-func middle(control: Control) -> Vector2:
-	return control.get_global_transform_with_canvas() * (control.size * 0.5)
-
-
 func button(text: String, parent: Node = EditorInterface.get_base_control()) -> Button:
 	for found: Button in parent.find_children("*", "Button", true, false):
 		if found.text == text and found.is_visible_in_tree() and not found.disabled:
 			return found
 	check(false, "there is a button " + text)
 	return null
-
-
-## The middle of a node's row in the Scene dock.
-func row_of(title: String) -> Vector2:
-	for editor: Control in EditorInterface.get_base_control().find_children("*", "SceneTreeEditor", true, false):
-		var tree := editor.find_children("*", "Tree", true, false)[0] as Tree
-		var item := tree.get_root() if tree.is_visible_in_tree() else null
-		while item != null:
-			if item.get_text(0) == title:
-				var rect := tree.get_item_area_rect(item, 0)
-				return tree.get_global_transform_with_canvas() * (rect.position + rect.size * Vector2(0.4, 0.5))
-			item = item.get_next_in_tree()
-	check(false, "the Scene dock has a row " + title)
-	return Vector2.ZERO
 
 
 func save_packed(node: Node, path: String) -> void:

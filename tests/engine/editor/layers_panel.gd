@@ -50,10 +50,6 @@ func mark(title: String, index: int) -> Vector2:
 	return tree().get_global_transform_with_canvas() * (rect.position + rect.size * 0.5)
 
 
-func middle(control: Control) -> Vector2:
-	return control.get_global_transform_with_canvas() * (control.size * 0.5)
-
-
 ## The scene as it would be saved now, and the files beside it.
 func saved() -> Dictionary:
 	check_equal(EditorInterface.save_scene(), OK, "saved")

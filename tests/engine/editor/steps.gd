@@ -65,6 +65,25 @@ func camera() -> Camera3D:
 	return EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 
 
+## The middle of a control, in the window.
+func middle(control: Control) -> Vector2:
+	return control.get_global_transform_with_canvas() * (control.size * 0.5)
+
+
+## A node's row in the Scene dock, in the window.
+func row_of(title: String) -> Vector2:
+	for editor: Control in EditorInterface.get_base_control().find_children("*", "SceneTreeEditor", true, false):
+		var tree := editor.find_children("*", "Tree", true, false)[0] as Tree
+		var item := tree.get_root() if tree.is_visible_in_tree() else null
+		while item != null:
+			if item.get_text(0) == title:
+				var rect := tree.get_item_area_rect(item, 0)
+				return tree.get_global_transform_with_canvas() * (rect.position + rect.size * Vector2(0.4, 0.5))
+			item = item.get_next_in_tree()
+	check(false, "the Scene dock has a row " + title)
+	return Vector2.ZERO
+
+
 ## Undo and redo of the scene that a node stands in.
 func history(node: Node) -> UndoRedo:
 	var manager := plugin.get_undo_redo()
