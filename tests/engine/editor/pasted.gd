@@ -53,21 +53,6 @@ func saved() -> Dictionary:
 	return result
 
 
-## The middle of a node's row in the Scene dock.
-func row_of(title: String) -> Vector2:
-	for editor: Control in EditorInterface.get_base_control().find_children("*", "SceneTreeEditor", true, false):
-		var tree := editor.find_children("*", "Tree", true, false)[0] as Tree
-		if tree.is_visible_in_tree() and tree.get_root() != null:
-			var item := tree.get_root()
-			while item != null:
-				if item.get_text(0) == title:
-					var rect := tree.get_item_area_rect(item, 0)
-					return tree.get_global_transform_with_canvas() * (rect.position + rect.size * Vector2(0.3, 0.5))
-				item = item.get_next_in_tree()
-	check(false, "the Scene dock has a row " + title)
-	return Vector2.ZERO
-
-
 func test_paste() -> void:
 	ResourceSaver.save(make_layer("Moss", 3.0), MOSS)
 	var orchard := Node3D.new()
