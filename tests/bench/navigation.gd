@@ -104,7 +104,9 @@ func _change(data: NavigationMeshSourceGeometryData3D, change: Callable) -> void
 ## To one cell about the middle, or at times two, that the agent's radius is not kept from.
 func _shrink(tree: Dictionary) -> void:
 	var outline: PackedFloat32Array = tree.vertices
-	var middle := Vector2((outline[0] + outline[18]) / 2.0, (outline[2] + outline[20]) / 2.0)
+	@warning_ignore("integer_division")
+	var across := outline.size() / 2
+	var middle := Vector2((outline[0] + outline[across]) / 2.0, (outline[2] + outline[across + 2]) / 2.0)
 	var half := 0.51 * _region.navigation_mesh.cell_size
 	tree.vertices = PackedFloat32Array([middle.x - half, 0, middle.y - half, middle.x + half, 0, middle.y - half,
 			middle.x + half, 0, middle.y + half, middle.x - half, 0, middle.y + half])

@@ -12,20 +12,27 @@ namespace thicket {
 
 namespace {
 
-constexpr int corners = 12;
-
 /// Ground that is steeper counts as that steep: it falls off by no more than four times the way.
 constexpr double steepest = 75.0;
+
+constexpr int few_corners = 8;
+constexpr int many_corners = 12;
 
 constexpr double degrees_in_turn = 360.0;
 
 /// From the middle of a cell to its corner, in sides.
 constexpr double half_diagonal = 0.7071067811865476;
 
-Rotation towards(double corner) { return rotation_by(corner / corners); }
+Rotation towards(double corner, int corners) { return rotation_by(corner / corners); }
 
 /// A polygon around a circle is wider than it, at its corners.
-double around(double radius) { return radius / towards(0.5).cosine; }
+double around(double radius, int corners) { return radius / towards(0.5, corners).cosine; }
+
+/// How many corners the polygon around a circle has: a bake compares each with the cells about it, so eight, if that makes it wider by
+/// no more than half a cell.
+int corners_around(double radius, const NavigationAgent &agent) {
+	return around(radius, few_corners) - radius <= 0.5 * agent.cell_size ? few_corners : many_corners;
+}
 
 /// Meters that ground rises over a way.
 double rise(double way, const NavigationAgent &agent) {
@@ -33,17 +40,18 @@ double rise(double way, const NavigationAgent &agent) {
 	return way * slope.sine / slope.cosine;
 }
 
-/// The outline of a polygon with a radius that was drawn from the middle along `lean`.
-void outline(glm::dvec2 middle, double radius, glm::dvec2 lean, std::vector<glm::dvec2> &r_outline) {
-	const auto leads = [lean](double side) {
-		const Rotation normal = towards(side);
+/// The outline of a polygon around a circle that was drawn from the middle along `lean`.
+void outline(glm::dvec2 middle, double radius, int corners, glm::dvec2 lean, std::vector<glm::dvec2> &r_outline) {
+	const auto leads = [lean, corners](double side) {
+		const Rotation normal = towards(side, corners);
 		return lean.x * normal.cosine + lean.y * normal.sine > 0.0;
 	};
+	const double wide = around(radius, corners);
 	r_outline.clear();
 	bool moved = leads(-0.5);
 	for (int corner = 0; corner < corners; ++corner) {
-		const Rotation at = towards(corner);
-		const glm::dvec2 position = middle + radius * glm::dvec2(at.cosine, at.sine);
+		const Rotation at = towards(corner, corners);
+		const glm::dvec2 position = middle + wide * glm::dvec2(at.cosine, at.sine);
 		r_outline.push_back(moved ? position + lean : position);
 		const bool moves = leads(corner + 0.5);
 		if (moves != moved) {
@@ -65,15 +73,16 @@ bool obstruct(const glm::dmat3 &basis, glm::dvec3 foot, const InstanceShape &sha
 	const double falls = rise(radius, agent);
 	const double touched = agent.height + falls;
 	const double share = axis.y > touched ? touched / axis.y : 1.0;
-	const double wide = around(radius + half_diagonal * agent.cell_size);
-	outline({foot.x, foot.z}, wide, share * glm::dvec2(axis.x, axis.z), r_obstruction.outline);
+	const double kept = radius + half_diagonal * agent.cell_size;
+	outline({foot.x, foot.z}, kept, corners_around(kept, agent), share * glm::dvec2(axis.x, axis.z),
+			r_obstruction.outline);
 	r_obstruction.bottom = foot.y + std::min(axis.y, 0.0) - std::max(agent.height, falls) - agent.cell_height;
 	r_obstruction.top = foot.y + std::max(axis.y, falls) + agent.cell_height;
 	return true;
 }
 
 double obstruction_reach(const InstanceShape &shape, double scale, const NavigationAgent &agent) {
-	return around((shape.radius + shape.height) * scale + agent.cell_size);
+	return around((shape.radius + shape.height) * scale + agent.cell_size, few_corners);
 }
 
 } // namespace thicket

@@ -28,8 +28,8 @@ struct Obstruction {
 /// What an instance keeps from being walked on, in a space of meters whose y is up and in which `basis` and `foot` are. It covers
 /// every cell that the instance's cylinder stands on, seen from above: where that leans, as far up as an agent reaches. A cell counts
 /// as the cylinder's if that touches it, as when a mesh is baked: a stem thinner than a cell is not lost between two of them. So the
-/// outline is up to 1.2 cells wider than the cylinder. It goes deep enough for ground that falls off below the cylinder, and for an
-/// agent that would hit it with its head.
+/// outline is 0.7 cells wider than the cylinder, at its corners by half a cell more, or by a twenty-fifth if that is farther. It goes
+/// deep enough for ground that falls off below the cylinder, and for an agent that would hit it with its head.
 ///
 /// Distance from the outline is not its business: what bakes adds the agent's radius. False, and nothing, for an instance without a
 /// width and for numbers that are not finite. Replaces `r_obstruction`, whose memory it uses again.
