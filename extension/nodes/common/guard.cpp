@@ -1,9 +1,13 @@
 #include "nodes/common/guard.hpp"
 
 #include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/variant/char_string.hpp>
+#include <godot_cpp/variant/string.hpp>
 
+#include <deque>
 #include <new>
 #include <stdexcept>
+#include <string>
 
 using namespace godot;
 
@@ -39,6 +43,11 @@ const char *reason() {
 }
 
 } // namespace
+
+const char *kept_method_name(const StringName &p_class, const StringName &p_method) {
+	static std::deque<std::string> names; // Its strings stay where they are.
+	return names.emplace_back((String(p_class) + "." + String(p_method)).utf8().get_data()).c_str();
+}
 
 void report_failed_call(const char *method, std::span<const Variant> arguments) noexcept {
 	const char *why = reason();

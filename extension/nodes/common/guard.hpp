@@ -5,13 +5,12 @@
 
 #include <godot_cpp/classes/global_constants.hpp>
 #include <godot_cpp/core/class_db.hpp>
-#include <godot_cpp/variant/string.hpp>
+#include <godot_cpp/variant/string_name.hpp>
 #include <godot_cpp/variant/variant.hpp>
 
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -54,9 +53,12 @@ struct MemberFunction<R (C::*)(Args...) const> {
 	static constexpr R (C::*entry)(Args...) const = &C::template guarded_const_entry<method, R, Args...>;
 };
 
-/// The name of a bound method, as `Class.method`.
+/// `Class.method`, in memory that stays for as long as the library is loaded.
+const char *kept_method_name(const godot::StringName &p_class, const godot::StringName &p_method);
+
+/// The name of a bound method, as `Class.method`. Not a string of its own: hundreds of those would each have to be destroyed.
 template <auto method>
-inline std::string guarded_method_name;
+inline const char *guarded_method_name = "";
 
 /// An argument for an error; what no Variant can hold is left out.
 template <typename T>
@@ -77,7 +79,7 @@ R call_guarded(Self *p_self, const Args &...p_arguments) {
 		return (p_self->*method)(p_arguments...);
 	} catch (...) {
 		const std::array<godot::Variant, sizeof...(Args)> arguments{argument_of(p_arguments)...};
-		report_failed_call(guarded_method_name<method>.c_str(), arguments);
+		report_failed_call(guarded_method_name<method>, arguments);
 	}
 	if constexpr (std::is_same_v<R, godot::Error>) {
 		return godot::ERR_OUT_OF_MEMORY; // The default one means that all is well.
@@ -91,9 +93,7 @@ R call_guarded(Self *p_self, const Args &...p_arguments) {
 template <auto method, typename Definition, typename... Defaults>
 void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults) {
 	using Member = MemberFunction<decltype(method)>;
-	const godot::String name =
-			godot::String(Member::Class::get_class_static()) + "." + godot::String(p_definition.name);
-	guarded_method_name<method> = name.utf8().get_data();
+	guarded_method_name<method> = kept_method_name(Member::Class::get_class_static(), p_definition.name);
 	godot::ClassDB::bind_method(p_definition, Member::template entry<method>, p_defaults...);
 }
 
