@@ -37,6 +37,15 @@ def test_what_bounds_a_bake_is_told():
     assert schedule.forecast(slow_start, 100, 130.0).bound == "engines that start"
 
 
+def test_cores_that_all_share_bound_a_bake():
+    """The driver's work takes of them, too, and more workers than there are cores gain nothing."""
+    costs = Costs([1.0] * 100, start=2.0, driver=0.1, bytes=10)
+    assert schedule.simulate(costs, 2, cores=2) == pytest.approx(2.0 + (100.0 + 10.0) / 2, abs=0.2)
+    assert schedule.simulate(costs, 8, cores=2) == pytest.approx(2.0 + (100.0 + 10.0) / 2)
+    assert schedule.simulate(costs, 1, cores=2) == schedule.simulate(costs, 1), "an idle core helps a worker that has one no further"
+    assert schedule.forecast(costs, 8, 110.0, cores=2).bound == "the cores"
+
+
 @pytest.mark.parametrize("workers", [1, 2, 3, 10, 64])
 def test_no_schedule_beats_its_bounds(workers):
     tiles = [0.1 + (7919 * index % 101) / 50.0 for index in range(500)]
@@ -56,16 +65,16 @@ def test_a_larger_world_costs_what_its_tiles_cost():
 
 def test_a_bake_that_says_nothing_is_refused(tmp_path, capsys):
     assert schedule.main([str(tmp_path / "none")]) == 2
-    (tmp_path / "manifest.json").write_text(json.dumps({"format": FORMAT, "tiles": {"0,0": {"seconds": 1.0}}, "costs": None}))
+    (tmp_path / "manifest.json").write_text(json.dumps({"format": FORMAT, "tiles": {"0,0": {"seconds": 1.0, "core_seconds": 1.2}}, "costs": None}))
     assert schedule.main([str(tmp_path)]) == 2
     assert "does not say what its tiles cost" in capsys.readouterr().err
 
 
 def test_a_table_is_printed(tmp_path, capsys):
-    manifest = {"format": FORMAT, "tiles": {f"{i},0": {"seconds": 0.5} for i in range(20)}, "costs": {"start_seconds": 2.0, "driver_seconds": 0.01, "bytes": 4000}}
+    manifest = {"format": FORMAT, "tiles": {f"{i},0": {"seconds": 0.4, "core_seconds": 0.5} for i in range(20)}, "costs": {"start_seconds": 2.0, "driver_seconds": 0.01, "bytes": 4000}}
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     assert schedule.main([str(tmp_path), "--workers", "1,10", "--tiles", "1000"]) == 0
     printed = capsys.readouterr().out
-    assert "1,000 tiles of 0.5 s on average" in printed
+    assert "1,000 tiles of 0.5 core-seconds on average" in printed
     assert "| 1 | 8 min 32 s | 1.0 | tiles | 7.81 kB |" in printed
     assert "| 10 |" in printed

@@ -28,6 +28,9 @@ from bakes.world import (
 )  # fmt: skip
 from conftest import REPO, run
 
+sys.path.insert(0, str(REPO / "tools/bake"))
+from baking.tile_engine import Source, TileEngine  # noqa: E402 (only on the path above)
+
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory) -> Path:
@@ -62,6 +65,21 @@ def test_manifest_says_what_was_baked(baked):
     report = (baked.out / "report.md").read_text()
     assert manifest["digest"] in report and "0 Trees" in report and (baked.out / "map.png").stat().st_size > 1000
     assert manifest["digest"] in baked.said
+
+
+def test_costs_count_the_engine_too(world, baked):
+    """Whatever runs it: a forecast follows from the processor time of worker and engine."""
+    engine = TileEngine(Source((str(REPO / "tools/godot"),), str(world), "res://world.tscn"))
+    try:
+        first = engine.core_seconds()
+        assert first > 0.1, "an engine that has started has loaded a scene"
+        assert sum(len(data) for data in engine.rows([(1, x, y) for x in range(-8, 8) for y in range(-8, 8)])) > 1_000_000
+        assert engine.core_seconds() > first + 0.01
+    finally:
+        engine.close()
+    spent = sum(tile["core_seconds"] for tile in baked.manifest["tiles"].values())
+    assert 0.0 < spent < os.cpu_count() * sum(tile["seconds"] for tile in baked.manifest["tiles"].values()) + 1.0
+    assert baked.manifest["costs"]["start_seconds"] > 0.1
 
 
 def test_files_hold_what_the_manifest_says(baked):

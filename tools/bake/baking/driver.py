@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import random
+import statistics
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -58,12 +59,12 @@ def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:
 
 
 def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
-    plan, manifest = _begin(wish, client, say)
+    plan, manifest, starting = _begin(wish, client, say)
     order = wish.tiles if wish.tiles is not None else grid.tiles_of(manifest["grid"])
     _refuse_tiles_beyond(order, manifest["grid"])
     if wish.shuffle is not None:
         random.Random(wish.shuffle).shuffle(order)
-    outcome = Outcome(manifest)
+    outcome = Outcome(manifest, starting=[starting])
     picture = Map(plan.rect, plan.pixel, manifest["layers"])
     start = time.monotonic()
     own = time.process_time()
@@ -80,8 +81,8 @@ def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
     return outcome
 
 
-def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict]:
-    """What is to be made, and the manifest so far, which is in its place."""
+def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict, float]:
+    """What is to be made, the manifest so far, which is in its place, and the seconds that an engine took to start."""
     try:
         described = client.submit(tile.describe, wish.source, wish.rect, pure=False).result()
     except (EngineGone, Refused) as error:
@@ -118,7 +119,7 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
         if any(path.startswith(f"models/{layer['index']}_") for layer in layers):
             files.write_whole(wish.out / path, content)
     files.write_manifest(wish.out, manifest)
-    return plan, manifest
+    return plan, manifest, described["starting"]
 
 
 def _chosen(layers: list[dict], wanted: list[str]) -> list[dict]:
@@ -216,12 +217,13 @@ def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> 
             outcome.failed[at] = result["failed"]
         return
     known = outcome.manifest["tiles"].get(name, {})
-    seconds = round(result["seconds"], 4) if result["made"] else known.get("seconds")
-    outcome.manifest["tiles"][name] = {**result["entry"], "seconds": seconds}
+    costs = {cost: round(result[cost], 4) if result["made"] else known.get(cost) for cost in ("seconds", "core_seconds")}
+    outcome.manifest["tiles"][name] = {**result["entry"], **costs}
     outcome.kept += not result["made"]
     outcome.made += result["made"]
     outcome.made_rows += result["entry"]["rows"] * result["made"]
     outcome.busy_seconds += result["seconds"]
+    outcome.core_seconds += result["core_seconds"]
     outcome.starting += [result["starting"]] if result["starting"] else []
     outcome.bytes += result["bytes"]
     outcome.worker_memory = max(outcome.worker_memory, result["memory"][0])
@@ -232,9 +234,8 @@ def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> 
 def _keep_costs(outcome: Outcome) -> None:
     """What a run that made enough tiles says of the costs that are not a tile's own, for the manifest (see schedule.py)."""
     if outcome.made >= 10:
-        start = sorted(outcome.starting)[len(outcome.starting) // 2] if outcome.starting else 0.0
         outcome.manifest["costs"] = {
-            "start_seconds": round(start, 3),
+            "start_seconds": round(statistics.median(outcome.starting), 3),
             "driver_seconds": round(outcome.driver_seconds_a_tile, 6),
             "bytes": round(outcome.bytes / (outcome.made + outcome.kept)),
         }

@@ -29,6 +29,7 @@ class Outcome:
     bytes: int = 0
     seconds: float = 0.0
     busy_seconds: float = 0.0
+    core_seconds: float = 0.0  # Processor time of workers and engines
     starting: list[float] = field(default_factory=list)  # Seconds of each engine that was started
     driver_seconds: float = 0.0  # Processor time of this process, in which Dask's scheduler runs too unless it is elsewhere
     worker_memory: int = 0
@@ -186,6 +187,7 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
         f"| a second | {outcome.made / seconds:.2f} tiles, {amount(outcome.made_rows / seconds)} instances |",
         f"| workers of this machine asked for | {workers} |",
         f"| of that, at work on tiles | {outcome.busy_seconds / seconds:.2f} |",
+        f"| cores that they kept busy | {outcome.core_seconds / seconds:.2f} |",
         f"| the driver's own work, a tile | {1000 * outcome.driver_seconds_a_tile:.2f} ms |",
         f"| a worker's own memory, at most | {outcome.worker_memory / 2**20:.0f} MiB |",
         f"| its engine's, at most | {outcome.engine_memory / 2**20:.0f} MiB |",

@@ -1,11 +1,13 @@
 """Foretells how long a bake takes with more workers than there are, from what one cost that was made.
 
-    python -m baking.schedule out/ [--workers 1,2,10,100,1000] [--tiles 1000000]
+    python -m baking.schedule out/ [--workers 1,2,10,100,1000] [--cores 2] [--tiles 1000000]
 
-A bake's manifest says how long each tile took, how long an engine takes to start, and what the driver did itself for each tile. Here
-workers take tiles in the order in which they were handed out, and the driver serves one of them at a time. What is not in it: that more
-workers on one machine share its memory and its disk, and how fast a shared file system takes the files; the least rate that it has to
-have is told.
+A bake's manifest says how much processor time each tile took of a worker and its engine, how long an engine takes to start, and what the
+driver did itself for each tile. Here every worker has a core, on which a tile takes as long as its processor time: a worker whose machine
+had idle cores was faster than that, for its engine goes on while it packs rows, and would not be so beside others. Workers take tiles in
+the order in which they were handed out, and the driver serves one of them at a time, on a core of its own unless `--cores` says how many
+all of them share. What is not in it: that more workers on one machine share its memory and its disk, and how fast a shared file system
+takes the files; the least rate that it has to have is told.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from .words import amount, duration
 class Costs:
     """What a bake was measured to take."""
 
-    tiles: Sequence[float]  # Seconds of a worker, of each tile.
+    tiles: Sequence[float]  # Core-seconds of a worker with its engine, of each tile.
     start: float  # Seconds of a worker before its first tile.
     driver: float  # Seconds of the driver for each tile.
     bytes: float  # Of a tile's file, on average.
@@ -50,7 +52,7 @@ class Forecast:
 def read_costs(folder: Path) -> Costs:
     """What the manifest of a bake says. Raises BakeError where it says nothing."""
     manifest = read_manifest(folder)
-    seconds = [tile["seconds"] for tile in manifest["tiles"].values() if tile.get("seconds") is not None]
+    seconds = [tile["core_seconds"] for tile in manifest["tiles"].values() if tile.get("core_seconds") is not None]
     costs = manifest.get("costs")
     if not seconds or not costs:
         raise BakeError(f"{folder / MANIFEST} does not say what its tiles cost: a run has to make 10 of them at least.")
@@ -63,8 +65,9 @@ def larger(costs: Costs, tiles: int, seed: int = 1) -> Costs:
     return Costs(chance.choices(list(costs.tiles), k=tiles), costs.start, costs.driver, costs.bytes)
 
 
-def simulate(costs: Costs, workers: int) -> float:
-    """Seconds until the last tile is there. A worker asks the driver for a tile, waits until it is its turn, and makes it."""
+def simulate(costs: Costs, workers: int, cores: int | None = None) -> float:
+    """Seconds until the last tile is there. A worker asks the driver for a tile, waits until it is its turn, and makes it. With a number
+    of cores workers and driver share these, else each has its own."""
     free = [(costs.start, worker) for worker in range(workers)]  # When each asks for its next tile.
     driver = 0.0  # Until when the driver is busy.
     last = 0.0
@@ -74,33 +77,40 @@ def simulate(costs: Costs, workers: int) -> float:
         done = driver + seconds
         last = max(last, done)
         heapq.heappush(free, (done, worker))
-    return last
+    return last if cores is None else max(last, costs.start + _shared(costs, cores))
 
 
-def forecast(costs: Costs, workers: int, alone: float) -> Forecast:
+def _shared(costs: Costs, cores: int) -> float:
+    """Seconds that so many cores take for all work, the driver's included."""
+    return (costs.work + costs.driver * len(costs.tiles)) / cores
+
+
+def forecast(costs: Costs, workers: int, alone: float, cores: int | None = None) -> Forecast:
     """With `alone` seconds for one worker."""
-    seconds = simulate(costs, workers)
+    seconds = simulate(costs, workers, cores)
     parts = {
         "tiles": costs.work / workers,
         "the driver": costs.driver * len(costs.tiles),
         "the longest tile": max(costs.tiles),
         "engines that start": costs.start,
+        "the cores": _shared(costs, cores) if cores is not None else 0.0,
     }
     return Forecast(workers, seconds, max(parts, key=parts.__getitem__), alone / seconds, costs.bytes * len(costs.tiles) / seconds)
 
 
-def table(costs: Costs, workers: Sequence[int]) -> str:
+def table(costs: Costs, workers: Sequence[int], cores: int | None = None) -> str:
     """A forecast for each number of workers, in Markdown."""
-    alone = simulate(costs, 1)
+    alone = simulate(costs, 1, cores)
     lines = [
-        f"{len(costs.tiles):,} tiles of {costs.work / len(costs.tiles):.3g} s on average, {max(costs.tiles):.3g} s at most; {costs.start:.3g} s for an engine "
-        f"to start, {1000 * costs.driver:.3g} ms of the driver and {amount(costs.bytes)}B for each tile.",
+        f"{len(costs.tiles):,} tiles of {costs.work / len(costs.tiles):.3g} core-seconds on average, {max(costs.tiles):.3g} at most; "
+        f"{costs.start:.3g} s for an engine to start, {1000 * costs.driver:.3g} ms of the driver and {amount(costs.bytes)}B for each tile. "
+        + (f"All share {cores} {'core' if cores == 1 else 'cores'}." if cores is not None else "Every worker and the driver have a core each."),
         "",
         "| Workers | Time | Times as fast as one | What the time goes to | Written, a second |",
         "| ---: | ---: | ---: | --- | ---: |",
     ]
     for count in workers:
-        one = forecast(costs, count, alone)
+        one = forecast(costs, count, alone, cores)
         lines.append(f"| {count:,} | {duration(one.seconds)} | {one.speed:.1f} | {one.bound} | {amount(one.bytes_a_second)}B |")
     return "\n".join(lines)
 
@@ -109,17 +119,18 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="baking.schedule", description="Foretells how long a bake takes with more workers.")
     parser.add_argument("out", type=Path, help="the folder of a bake")
     parser.add_argument("--workers", default="1,2,10,100,1000", help="how many (%(default)s)")
+    parser.add_argument("--cores", type=int, help="how many they share, on one machine; else every worker has one, and so has the driver")
     parser.add_argument("--tiles", type=int, help="for a world of so many tiles that cost the same; else for the bake itself")
     chosen = parser.parse_args(arguments)
     workers = [int(count) for count in chosen.workers.split(",")]
-    if min(workers) < 1 or (chosen.tiles is not None and chosen.tiles < 1):
-        parser.error("--workers and --tiles have to be 1 at least")
+    if min([*workers, *(count for count in (chosen.cores, chosen.tiles) if count is not None)]) < 1:
+        parser.error("--workers, --cores and --tiles have to be 1 at least")
     try:
         costs = read_costs(chosen.out)
     except BakeError as error:
         print(f"schedule: {error}", file=sys.stderr)
         return 2
-    print(table(larger(costs, chosen.tiles) if chosen.tiles else costs, workers))
+    print(table(larger(costs, chosen.tiles) if chosen.tiles else costs, workers, chosen.cores))
     return 0
 
 

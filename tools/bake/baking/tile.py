@@ -70,8 +70,27 @@ def _engine_of(plan: Plan) -> TileEngine:
             raise SceneChanged(
                 f"The scene {plan.source.scene} has changed while it was baked: {changed_parts(plan.parts, described['parts'])}."
             )
-        _own.key = (plan.source, plan.scene_digest)
+        _begin_to_count((plan.source, plan.scene_digest))
     return _own.engine
+
+
+def _begin_to_count(key: tuple[Source, str]) -> None:
+    """Notes what the engine of this thread, which is ready, makes tiles of. What was spent until here is no tile's."""
+    _own.key = key
+    _own.spent = _core_seconds()
+
+
+def _core_seconds() -> float:
+    """Processor time of this process and of this thread's engine so far. A process with several such threads counts all of them."""
+    engine = getattr(_own, "engine", None)
+    return time.process_time() + (engine.core_seconds() if engine is not None else 0.0)
+
+
+def _core_seconds_of_tile() -> float:
+    """Processor time since the last tile was there, what it took to be handed this one included."""
+    now = _core_seconds()
+    spent, _own.spent = now - getattr(_own, "spent", now), now
+    return spent
 
 
 def _started(source: Source) -> TileEngine:
@@ -99,21 +118,25 @@ atexit.register(close_engines)
 
 
 def describe(source: Source, rect: list[float] | None) -> dict:
-    """What the scene is: what TileEngine.describe says for a rectangle, None for where the terrain lies, with that as its `rect` and, as
-    `models` and `files`, what TileEngine.models gives for all layers. By a new engine, which reads the scene as it is now."""
+    """What the scene is: what TileEngine.describe says for a rectangle, None for where the terrain lies, with that as its `rect`, what
+    TileEngine.models gives for all layers as `models` and `files`, and the seconds until an engine had started as `starting`. By a new
+    engine, which reads the scene as it is now."""
     _drop_engine()
+    begun = time.perf_counter()
     _own.engine = _started(source)
     described = _own.engine.describe(rect)
+    described["starting"] = time.perf_counter() - begun
     described["rect"] = rect or described["rect"]
     described["models"], described["files"] = _own.engine.models([layer["index"] for layer in described["layers"]])
-    _own.key = (source, described["scene_digest"])
+    _begin_to_count((source, described["scene_digest"]))
     return described
 
 
 def make(plan: Plan, tile: tuple[int, int]) -> dict:
     """Makes a tile's file, unless it is there and whole. Returns the tile's entry in the manifest and, beside it, `made` (False for one
-    that was there), `pixels` (see _pixels), `seconds`, `starting` (seconds besides, for an engine that had to be started) and `memory`. What goes wrong comes as `failed` (this tile cannot be made; others
-    can), `stop` (no other could be either), each a sentence."""
+    that was there), `pixels` (see _pixels), `seconds`, `core_seconds` (of this process and the engine), `starting` (seconds besides, for an
+    engine that had to be started) and `memory`. What goes wrong comes as `failed` (this tile cannot be made; others can), `stop` (no other
+    could be either), each a sentence."""
     start = time.perf_counter()
     _own.starting = 0.0
     path = files.tile_path(Path(plan.out), tile)
@@ -138,6 +161,7 @@ def make(plan: Plan, tile: tuple[int, int]) -> dict:
         "entry": _entry(plan, path, columns, marks),
         "pixels": _pixels(plan, columns),
         "seconds": time.perf_counter() - start - _own.starting,
+        "core_seconds": _core_seconds_of_tile(),
         "starting": _own.starting,
         "bytes": path.stat().st_size,
         "memory": (1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, engine.peak_memory() if engine is not None else 0),

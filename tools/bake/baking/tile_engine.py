@@ -3,6 +3,7 @@ demo_project/addons/thicket/bake_world.gd."""
 
 from __future__ import annotations
 
+import contextlib
 import json
 import secrets
 import socket
@@ -13,6 +14,8 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+
+import psutil
 
 SCRIPT = "res://addons/thicket/bake_world.gd"
 # Seconds without a word after which an engine counts as stuck.
@@ -60,6 +63,7 @@ class TileEngine:
                 raise EngineGone(f"Godot cannot be started: {error}") from error
             self.connection = self._accept(listener, token, time.monotonic() + source.wait + 60.0)
         self.connection.settimeout(ANSWER_TIMEOUT)
+        self.family = self._family()
 
     def _accept(self, listener: socket.socket, token: str, deadline: float) -> socket.socket:
         listener.settimeout(0.2)
@@ -76,6 +80,14 @@ class TileEngine:
                 pass
             self.connection.close()  # Somebody else of this machine.
         raise EngineGone(f"The engine did not come up. {self._last_words()}")
+
+    def _family(self) -> list[psutil.Process]:
+        """The engine's process, and those between it and this one: what runs Godot may be a wrapper."""
+        try:
+            first = psutil.Process(self.process.pid)
+            return [first, *first.children(recursive=True)]
+        except psutil.Error:
+            return []
 
     def _last_words(self) -> str:
         self.log.seek(0)
@@ -136,18 +148,22 @@ class TileEngine:
 
     def peak_memory(self) -> int:
         """The most bytes that the engine had in memory so far; 0 where the system does not tell."""
-        import psutil
-
         peak = 0
-        try:
-            family = [self.process.pid, *(child.pid for child in psutil.Process(self.process.pid).children(recursive=True))]
-            for pid in family:
-                for line in Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines():
+        with contextlib.suppress(OSError):
+            for each in self.family:
+                for line in Path(f"/proc/{each.pid}/status").read_text(encoding="utf-8").splitlines():
                     if line.startswith("VmHWM:"):
                         peak = max(peak, 1024 * int(line.split()[1]))
-        except (OSError, psutil.Error):
-            pass
         return peak
+
+    def core_seconds(self) -> float:
+        """Processor time that the engine has taken so far, of all its threads; what of it is known for one that has ended."""
+        spent = 0.0
+        for each in self.family:
+            with contextlib.suppress(psutil.Error):
+                times = each.cpu_times()
+                spent += times.user + times.system
+        return spent
 
     def close(self) -> None:
         """Ends the engine. It ends by itself, too, when this process does."""
