@@ -1,0 +1,99 @@
+"""Measures how much faster two workers bake than one, and what the forecast (baking.schedule) makes of it.
+
+    bash tests/bench/bake.sh [ROUNDS = 3] [FOLDER]
+
+Bakes 64 tiles of the demo, 12 million instances, into FOLDER (a temporary one unless told): with one worker that has one core, with two on
+two cores, and with one on two cores, in turns, the first last in the next round. A worker and its engine go on at the same time, so one that
+has two cores takes more than one of them: what workers gain is the first against the second, where each has a core. Times are those of
+tiles, without the start of Dask and the engines; cores are shared with the driver. All bakes have to have the same digest.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from baking import schedule
+from baking.command_line import REPO
+from baking.driver import Wish, bake
+from baking.tile_engine import Source
+
+SCENE = Source((str(REPO / "tools/godot"),), str(REPO / "demo_project"), "res://demo.tscn")
+LAYERS = ["Oak", "Spruce", "Shrub", "Stones"]
+RECT = [-6144.0, -6144.0, 12288.0, 12288.0]
+TILE_SIZE = 1536.0
+# Workers and cores of each contender.
+CONTENDERS = ((1, 1), (2, 2), (1, 2))
+
+
+def once(out: Path, workers: int, cores: int) -> None:
+    """Bakes, in a process that has so many cores, and prints what that took."""
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
+    outcome = bake(Wish(SCENE, out, rect=RECT, tile_size=TILE_SIZE, layers=LAYERS, workers=workers, fresh=True), lambda _: None)
+    if outcome.failed or outcome.stopped:
+        raise SystemExit(outcome.stopped or str(outcome.failed))
+    print(json.dumps({
+        "seconds": outcome.seconds, "workers": outcome.core_seconds, "driver": outcome.driver_seconds,
+        "rows": outcome.made_rows, "digest": outcome.manifest["digest"],
+    }))  # fmt: skip
+
+
+def measured(out: Path, workers: int, cores: int) -> dict:
+    command = [sys.executable, __file__, "--once", str(out), str(workers), str(cores)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(done.returncode)
+    took = json.loads(done.stdout)
+    costs = schedule.read_costs(out)
+    # What a bake of two workers on two cores takes, from this one: without the start of engines, as its own time is.
+    took["foretold"] = schedule.simulate(schedule.Costs(costs.tiles, 0.0, costs.driver, costs.bytes), 2, cores=2)
+    return took
+
+
+def row(what: str, values: list[float], unit: str, digits: int = 1) -> str:
+    low, middle, high = (f"{value:.{digits}f}" for value in (min(values), statistics.median(values), max(values)))
+    return f"| {what} | {middle} {unit} | {low} to {high} | {len(values)} |"
+
+
+def name(workers: int, cores: int) -> str:
+    return f"{workers} {'worker' if workers == 1 else 'workers'} on {cores} {'core' if cores == 1 else 'cores'}"
+
+
+def main(rounds: int, folder: Path) -> None:
+    if len(os.sched_getaffinity(0)) < 2:
+        raise SystemExit("bake: this takes two cores")
+    took: dict[tuple[int, int], list[dict]] = {contender: [] for contender in CONTENDERS}
+    for number in range(rounds):
+        for contender in CONTENDERS if number % 2 == 0 else CONTENDERS[::-1]:
+            took[contender].append(measured(folder / "bake_{}_{}".format(*contender), *contender))
+    digests = {one["digest"] for each in took.values() for one in each}
+    if len(digests) != 1:
+        raise SystemExit(f"bake: digests differ: {digests}")
+    print(f"{took[1, 1][0]['rows']:,} instances; digest {digests.pop()}\n")
+    print("| what | median | lowest to highest round | rounds |\n|---|---|---|---|")
+    for contender, each in took.items():
+        print(row(f"bake: {name(*contender)}", [one["seconds"] for one in each], "s"))
+        print(row(f"bake: {name(*contender)}: workers and engines", [one["workers"] for one in each], "core-seconds"))
+        print(row(f"bake: {name(*contender)}: the driver", [one["driver"] for one in each], "core-seconds", 2))
+    two = [one["seconds"] for one in took[2, 2]]
+    for contender in ((1, 1), (1, 2)):
+        gains = [one["seconds"] / other for one, other in zip(took[contender], two, strict=True)]
+        print(row(f"bake: 2 workers on 2 cores over {name(*contender)}", gains, "times", 2))
+    for contender in CONTENDERS:
+        errors = [one["foretold"] / other for one, other in zip(took[contender], two, strict=True)]
+        print(row(f"bake: 2 workers on 2 cores, foretold from {name(*contender)}, over the truth", errors, "of it", 2))
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--once"]:
+        once(Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]))
+    elif len(sys.argv) > 2:
+        main(int(sys.argv[1]), Path(sys.argv[2]))
+    else:
+        with tempfile.TemporaryDirectory() as scratch:
+            main(int(sys.argv[1]) if len(sys.argv) > 1 else 3, Path(scratch))
