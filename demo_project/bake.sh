@@ -3,17 +3,24 @@
 # that was begun in the folder goes on. tools/bake/README.md tells what the files hold and what the options do; --help lists them:
 #   bash demo_project/bake.sh demo.tscn out/ --rect -512,-512,1024,1024
 #   bash demo_project/bake.sh ~/game/world.tscn out/ --workers 8
+#   bash demo_project/bake.sh tiles/ out/     of tiles that bake_world.gd has made elsewhere, without an engine
 set -euo pipefail
 from=$PWD
+made=
+for argument; do
+	[[ ! -f $argument/world.json ]] || made=yes
+done
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 repo=$PWD
 source tools/setup.sh
 
-setup_compiler
-setup_godot
 setup_bake
-say "building the extension"
-scons -Q -j"$(nproc)" extension >&2
-import_demo >&2
+if [[ -z $made ]]; then
+	setup_compiler
+	setup_godot
+	say "building the extension"
+	scons -Q -j"$(nproc)" extension >&2
+	import_demo >&2
+fi
 cd "$from"
 PYTHONPATH=$repo/tools/bake exec "$(bake_venv)/bin/python" -m baking "$@"

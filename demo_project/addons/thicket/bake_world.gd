@@ -1,14 +1,14 @@
 extends SceneTree
-## Makes tiles of a scene's [TerrainScatter3D] for a driver in another program, which writes them into files: see
-## [code]tools/bake[/code] in Thicket's repository, whose [code]bake.sh[/code] starts as many of these as it wants.
+## Makes tiles of a scene's [TerrainScatter3D], into a folder, or for a driver in another program.
 ## [codeblock]
+## godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn out=/FOLDER rect=-512,-512,1024,1024
 ## godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn connect=PORT token=WORD
 ## [/codeblock]
-## Further arguments: [code]node=PATH[/code] of the scatter, where a scene has several; [code]wait=SECONDS[/code], the longest that the
-## scene may take until its ground is there (120).
+## [constant USAGE] tells of all arguments. What a folder gets stands in [code]bake_to_folder.gd[/code]; [code]bake.sh[/code] in Thicket's
+## repository makes a bake of it. It is a driver, too, and starts as many of these as it wants.
 ##
-## It connects to the port of this machine, says the token, and then answers until the connection ends, with which it ends too. A
-## message is a JSON object behind its length, 32 bits, little-endian; an answer's [code]bytes[/code] says how many bytes follow it. What is asked is [code]do[/code]:
+## For a driver it connects to the port of this machine, says the token, and then answers until the connection ends, with which it ends
+## too. A message is a JSON object behind its length, 32 bits, little-endian; an answer's [code]bytes[/code] says how many bytes follow it. What is asked is [code]do[/code]:
 ## - [code]describe[/code]: the layers, the seed and so on, and the digest of the scene, for which the ground is probed in [code]rect[/code]
 ##   (x, z, width, depth in meters of the world), or, without one, in the rectangle where the terrain says that it lies;
 ## - [code]models[/code]: for each of [code]layers[/code] an answer with what its instances look like, each after the files of what has no
@@ -19,8 +19,26 @@ extends SceneTree
 ##
 ## Baked is the scene as it is once its ground is there: with the state that the scatter has then, and before any frame after that.
 
-const SceneDigest := preload("res://addons/thicket/scene_digest.gd")
+const BakeToFolder := preload("res://addons/thicket/bake_to_folder.gd")
+const SceneDescription := preload("res://addons/thicket/scene_description.gd")
 const ModelFiles := preload("res://addons/thicket/model_files.gd")
+
+const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of which bake.sh makes a bake on any machine. What is there is not made again.
+  godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn out=/FOLDER [ARGUMENT=VALUE ...]
+    scene=res://...              the scene
+    out=/FOLDER                  the folder, with its whole path
+    rect=X,Z,WIDTH,DEPTH         what to make, in meters; else all of the terrain
+    tile_size=METERS             else one that fits the layers
+    layers=NAME,NAME             names or indices; else all
+    tiles='I,J I,J'              these tiles alone; else all of the rectangle
+    share=K/N                    of N shares of the tiles the K-th: for N of these at a time, each with another K
+    node=PATH                    the TerrainScatter3D, where the scene has several
+    wait=SECONDS                 for the scene's ground to be there (120)
+Ends with 0 if all tiles are there that were asked for, 1 if some are not, 2 if it could not begin.
+For a driver, in place of out and what follows it: connect=PORT and token=WORD."""
+const FOR_ALL: Array[String] = ["scene", "node", "wait"]
+const FOR_FOLDER: Array[String] = ["out", "rect", "tile_size", "layers", "tiles", "share"]
+const FOR_DRIVER: Array[String] = ["connect", "token"]
 
 var _peer := StreamPeerTCP.new()
 var _scatter: Node3D
@@ -35,20 +53,40 @@ func _initialize() -> void:
 
 
 func _run() -> void:
-	if not _arguments.has("connect"):
-		printerr("bake_world: connect=PORT is missing. The driver gives it: bash demo_project/bake.sh SCENE FOLDER bakes a world.")
+	var wrong := _what_is_wrong()
+	var folder := BakeToFolder.new(_arguments) if not wrong and _arguments.has("out") else null
+	if folder != null:
+		wrong = folder.problem
+	elif not wrong and not await _connect():
+		wrong = "connect is '%s', and nobody listens at this port of this machine." % _arguments.connect
+	var problem: String = await _open_scene() if not wrong else ""
+	if folder != null and problem:
+		wrong = problem
+	if wrong:
+		printerr("bake_world: ", wrong)
 		quit(2)
 		return
-	if not await _connect():
-		printerr("bake_world: nobody listens at port '%s' of this machine" % _arguments.connect)
-		quit(2)
-		return
-	var problem: String = await _open_scene()
 	# From here on no frame passes, so that the scene stays as it is; in a physics frame, so that ground may be asked for by rays.
 	await physics_frame
+	if folder != null:
+		quit(folder.make(_scatter, _arguments.scene))
+		return
 	while _answer(problem):
 		pass
 	quit()
+
+
+## What is wrong with the arguments, in a sentence.
+func _what_is_wrong() -> String:
+	if not (_arguments.has("out") or _arguments.has("connect")):
+		return "out is missing.\n" + USAGE
+	var known := FOR_ALL + (FOR_FOLDER if _arguments.has("out") else FOR_DRIVER)
+	for name in _arguments:
+		if not name in known:
+			return "%s is '%s', and is nothing that can be given here. That are: %s." % [name, _arguments[name], ", ".join(known)]
+	if not _arguments.get("wait", "120").is_valid_float():
+		return "wait is '%s', and has to be a number of seconds." % _arguments.wait
+	return ""
 
 
 func _connect() -> bool:
@@ -103,7 +141,7 @@ func _find_scatter(scene: Node) -> String:
 			found.push_front(scene)
 	if found.size() > 1:
 		var paths := found.map(func(node: Node) -> String: return str(scene.get_path_to(node)))
-		return "The scene has several TerrainScatter3D: choose one with --node, of %s." % ", ".join(paths)
+		return "The scene has several TerrainScatter3D: choose one by its path (--node, or node), of %s." % ", ".join(paths)
 	if found.size() == 1 and found[0] != null and found[0].is_class("TerrainScatter3D"):
 		_scatter = found[0]
 		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # A game may begin with a pause.
@@ -125,10 +163,7 @@ func _what_is_missing() -> String:
 
 func _send(header: Dictionary, payload := PackedByteArray()) -> bool:
 	header["bytes"] = payload.size()
-	var text := JSON.stringify(header, "", false, true).to_utf8_buffer()
-	var length := PackedByteArray([0, 0, 0, 0])
-	length.encode_u32(0, text.size())
-	return _peer.put_data(length + text) == OK and (payload.is_empty() or _peer.put_data(payload) == OK)
+	return _peer.put_data(BakeToFolder.message(header)) == OK and (payload.is_empty() or _peer.put_data(payload) == OK)
 
 
 ## Waits for the next message and answers it. Returns false when the connection has ended.
@@ -144,7 +179,7 @@ func _answer(problem: String) -> bool:
 		return _send({"error": problem})
 	match (message as Dictionary).get("do") if message is Dictionary else null:
 		"describe":
-			return _send(_description(message.get("rect")))
+			return _send(SceneDescription.of(_scatter, message.get("rect")))
 		"models":
 			return _send_models(message.layers)
 		"rows":
@@ -171,37 +206,3 @@ func _send_models(layers: Array) -> bool:
 		if not _send({"error": files.problem} if files.problem else {"index": int(index), "models": files.models, "material": files.material}):
 			return false
 	return _send({"end": true})
-
-
-## Where a terrain says it lies; an empty rectangle for one that does not say.
-func _rect_of_terrain() -> Rect2:
-	var rect: Variant = (_scatter.get(&"terrain") as Resource).get(&"rect")
-	return rect if rect is Rect2 else Rect2()
-
-
-func _description(probed: Variant) -> Dictionary:
-	var layers: Array[Dictionary] = []
-	for index: int in _scatter.call(&"get_layer_count"):
-		var layer: Resource = _scatter.call(&"get_layer", index)
-		if layer != null:
-			layers.append({
-				"index": index, "name": layer.resource_name, "radius": layer.get(&"radius"), "levels": layer.get(&"progressive_levels"),
-				"tile_size": layer.get(&"tile_size"), "colored": layer.get(&"use_colors"), "custom_data": layer.get(&"use_custom_data"),
-				"view_distance": layer.get(&"view_distance"), "cast_shadow": layer.get(&"cast_shadow"),
-				"render_layers": layer.get(&"render_layers"),
-			})
-	var rect := _rect_of_terrain()
-	var parts := SceneDigest.parts_of(_scatter, Rect2(probed[0], probed[1], probed[2], probed[3]) if probed is Array else rect)
-	var offset: Vector3 = _scatter.get(&"world_offset")
-	return {
-		"seed": str(_scatter.get(&"seed")), "layers": layers, "parts": parts, "world_offset": [offset.x, offset.y, offset.z],
-		"rect": [rect.position.x, rect.position.y, rect.size.x, rect.size.y], "problems": _scatter.call(&"get_problems"),
-		"scene_digest": JSON.stringify(parts, "", true).sha256_text(), "thicket": _version(),
-	}
-
-
-func _version() -> String:
-	var config := ConfigFile.new()
-	config.load("res://addons/thicket/plugin.cfg")
-	return config.get_value("plugin", "version", "")
-

@@ -28,7 +28,7 @@ var _seen: Dictionary[Object, int] = {}
 static func parts_of(scatter: Node3D, rect: Rect2) -> Dictionary[String, String]:
 	var parts: Dictionary[String, String] = {}
 	var add := func(part: String, values: Array) -> void: parts[part] = new()._digest(values)
-	add.call("the add-on", [_version()])
+	add.call("the add-on", [version()])
 	add.call("the seed", [scatter.get(&"seed")])
 	add.call("the water", [scatter.get(&"water_enabled"), scatter.get(&"water_level")])
 	add.call("the world's offset", [scatter.get(&"world_offset")])
@@ -55,7 +55,8 @@ static func _holds_anything(state: Resource) -> bool:
 	return state.call(&"get_removed_count") > 0 or state.call(&"get_added_count") > 0
 
 
-static func _version() -> String:
+## The version of the add-on.
+static func version() -> String:
 	var config := ConfigFile.new()
 	config.load("res://addons/thicket/plugin.cfg")
 	return config.get_value("plugin", "version", "")

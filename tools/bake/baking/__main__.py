@@ -13,6 +13,7 @@ from .driver import Wish, bake
 from .format import BakeError
 from .report import Outcome
 from .tile_engine import Source
+from .tile_folder import WORLD, MadeTiles, made_tiles
 from .words import amount, duration
 
 
@@ -51,7 +52,7 @@ def _tell(wish: Wish, outcome: Outcome) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="bake.sh", description="Bakes the world of a scene: every tile of it as a Parquet file.")
-    parser.add_argument("scene", help="the scene, a path or res://...")
+    parser.add_argument("scene", help="the scene, a path or res://...; or a folder with tiles that bake_world.gd has made")
     parser.add_argument("out", type=Path, help="the folder for the files; a bake that was begun there goes on")
     parser.add_argument("--rect", type=_numbers, metavar="X,Z,WIDTH,DEPTH", help="what to bake, in meters; else all of the terrain")
     parser.add_argument("--tile-size", type=float, metavar="METERS", help="else one that fits the layers")
@@ -83,17 +84,27 @@ def _tiles(text: str) -> list[tuple[int, int]]:
 
 
 def _wish(chosen: argparse.Namespace) -> Wish:
-    project, scene = _project_and_scene(chosen.scene, chosen.project)
     if chosen.workers < 1:
         raise BakeError(f"--workers is {chosen.workers}, and has to be 1 at least.")
     if chosen.tile_size is not None and not 1.0 <= chosen.tile_size <= 1e6:
         raise BakeError(f"--tile-size is {chosen.tile_size:g}, and has to be from 1 to 1,000,000 meters.")
     return Wish(
-        source=Source((str(REPO / "tools/godot"),), str(project), scene, chosen.node, chosen.wait),
+        source=_source(chosen),
         out=chosen.out.resolve(), rect=chosen.rect, tile_size=chosen.tile_size, tiles=chosen.tiles,
         layers=[name.strip() for name in chosen.layers.split(",") if name.strip()],
         workers=chosen.workers, scheduler=chosen.scheduler, shuffle=chosen.shuffle, fresh=chosen.fresh,
     )  # fmt: skip
+
+
+def _source(chosen: argparse.Namespace) -> Source | MadeTiles:
+    folder = Path(chosen.scene).resolve()
+    if not (folder / WORLD).exists():
+        project, scene = _project_and_scene(chosen.scene, chosen.project)
+        return Source((str(REPO / "tools/godot"),), str(project), scene, chosen.node, chosen.wait)
+    for option, given in {"--rect": chosen.rect, "--tile-size": chosen.tile_size, "--layers": chosen.layers, "--node": chosen.node}.items():
+        if given:
+            raise BakeError(f"{option} is {given}, but what {folder} holds was chosen when it was made.")
+    return made_tiles(folder)
 
 
 def _project_and_scene(scene: str, project: Path) -> tuple[Path, str]:

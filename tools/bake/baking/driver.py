@@ -16,6 +16,7 @@ from . import cluster, files, grid, tile
 from .format import FORMAT, VERSION, BakeError, name_of, read_manifest, tile_of_name
 from .report import Map, Outcome, Progress, write_report
 from .tile_engine import EngineGone, Refused, Source
+from .tile_folder import MadeTiles
 
 # Pixels of the longer side of the map.
 MAP_PIXELS = 1024
@@ -28,7 +29,7 @@ MAX_TILES = 1_000_000
 class Wish:
     """What somebody wants baked."""
 
-    source: Source
+    source: Source | MadeTiles
     out: Path
     rect: list[float] | None = None  # None for where the terrain says it lies
     tile_size: float | None = None  # None for one that fits the layers
@@ -93,7 +94,7 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
     if not (rect[2] > 0.0 and rect[3] > 0.0):
         raise BakeError("The terrain does not say where it lies: give --rect X,Z,WIDTH,DEPTH, in meters.")
     layers = _chosen(described["layers"], wish.layers)
-    size = wish.tile_size or grid.default_size(rect, layers)
+    size = wish.tile_size or described.get("tile_size") or grid.default_size(rect, layers)
     uneven = [layer["name"] or str(layer["index"]) for layer in layers if size % layer["tile_size"] != 0.0]
     if uneven:
         say(f"Tiles of {size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}.")

@@ -15,6 +15,7 @@ import numpy as np
 from . import files, grid, rows
 from .format import name_of
 from .tile_engine import EngineGone, Refused, Source, TileEngine
+from .tile_folder import MadeTiles, TileFolder
 
 # Engines that may end in the middle of a tile before it is given up.
 _ATTEMPTS = 3
@@ -24,7 +25,7 @@ _ATTEMPTS = 3
 class Plan:
     """All that decides what a tile's file holds, and what its maker has to know."""
 
-    source: Source
+    source: Source | MadeTiles
     out: str
     rect: tuple[float, float, float, float]  # x, z, width, depth, meters of the world
     tile_size: float
@@ -55,7 +56,7 @@ def changed_parts(before: dict[str, str], now: dict[str, str]) -> str:
 
 # The engine of each thread of this process, and the source that it was started with.
 _own = threading.local()
-_engines: list[TileEngine] = []
+_engines: list[TileEngine | TileFolder] = []
 
 
 def _engine_of(plan: Plan) -> TileEngine:
@@ -74,7 +75,7 @@ def _engine_of(plan: Plan) -> TileEngine:
     return _own.engine
 
 
-def _begin_to_count(key: tuple[Source, str]) -> None:
+def _begin_to_count(key: tuple[Source | MadeTiles, str]) -> None:
     """Notes what the engine of this thread, which is ready, makes tiles of. What was spent until here is no tile's."""
     _own.key = key
     _own.spent = _core_seconds()
@@ -93,8 +94,8 @@ def _core_seconds_of_tile() -> float:
     return spent
 
 
-def _started(source: Source) -> TileEngine:
-    engine = TileEngine(source)
+def _started(source: Source | MadeTiles) -> TileEngine | TileFolder:
+    engine = source.start()
     _engines.append(engine)
     return engine
 
@@ -117,7 +118,7 @@ def close_engines() -> None:
 atexit.register(close_engines)
 
 
-def describe(source: Source, rect: list[float] | None) -> dict:
+def describe(source: Source | MadeTiles, rect: list[float] | None) -> dict:
     """What the scene is: what TileEngine.describe says for a rectangle, None for where the terrain lies, with that as its `rect`, what
     TileEngine.models gives for all layers as `models` and `files`, and the seconds until an engine had started as `starting`. By a new
     engine, which reads the scene as it is now."""
@@ -179,12 +180,12 @@ def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
     raise AssertionError
 
 
-def _asked(plan: Plan, tile: tuple[int, int], engine: TileEngine) -> tuple[rows.Columns, int]:
+def _asked(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
     """The sorted rows of a tile, and how many of them have a shear."""
     area = grid.area_of(list(plan.rect), plan.tile_size, tile)
     wanted = [(layer, at) for layer in plan.layers for at in grid.game_tiles(area, layer["tile_size"])]
     parts, sheared = [], 0
-    for (layer, at), data in zip(wanted, engine.rows([(layer["index"], *at) for layer, at in wanted]), strict=True):
+    for (layer, at), data in zip(wanted, engine.rows(tile, [(layer["index"], *at) for layer, at in wanted]), strict=True):
         part, leaning = rows.parse(data, layer)
         within = grid.inside(area, layer["tile_size"], at, part["x"], part["z"])
         parts.append(part if within is None else {name: column[within] for name, column in part.items()})

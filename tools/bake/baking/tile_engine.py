@@ -33,6 +33,9 @@ class Source:
     node: str = ""
     wait: float = 120.0
 
+    def start(self) -> TileEngine:
+        return TileEngine(self)
+
 
 class EngineGone(RuntimeError):
     """The engine has ended or cannot be started; another one may do better."""
@@ -140,10 +143,10 @@ class TileEngine:
             else:
                 found.append(header)
 
-    def rows(self, tiles: list[tuple[int, int, int]]) -> Iterator[bytearray]:
-        """The rows of tiles (layer, x, y), in the same order; see ScatterTile.get_rows."""
-        self._send({"do": "rows", "tiles": tiles})
-        for _ in tiles:
+    def rows(self, tile: tuple[int, int], parts: list[tuple[int, int, int]]) -> Iterator[bytearray]:
+        """The rows of the tiles of the game (layer, x, y) that a tile of the bake consists of, in the same order; see ScatterTile.get_rows."""
+        self._send({"do": "rows", "tiles": parts})
+        for _ in parts:
             yield self._receive()[1]
 
     def peak_memory(self) -> int:

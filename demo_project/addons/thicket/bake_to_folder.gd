@@ -1,0 +1,305 @@
+extends RefCounted
+## Makes tiles of a scene into files that a bake can be made of elsewhere: what [code]bake_world.gd[/code] does with
+## [code]out=FOLDER[/code], for machines that have an engine and no Python. [code]tools/bake/README.md[/code] in Thicket's repository says
+## what is done with the folder. It holds
+## - [code]world.json[/code]: what [code]scene_description.gd[/code] says of the scene, with the layers that are made alone, the
+##   [code]rect[/code] and [code]tile_size[/code] that were asked for, and the models of the layers;
+## - [code]models/[/code]: the files of models that the project has no file of;
+## - [code]tiles/tile_I_J.rows[/code]: messages as a driver gets them, each a JSON object behind its length (32 bits, little-endian) and then
+##   as many bytes as its [code]bytes[/code] says. The first says which tile this is, [code]of[/code] which bake, and the
+##   [code]sha256[/code] of all that follows; each further one has a tile of the game, [code]layer[/code], [code]x[/code] and
+##   [code]y[/code], with what [method ScatterTile.get_rows] gives: layer by layer, row by row, all that the tile touches.
+##
+## Files come into their places whole. What is there and whole is not made again.
+
+const SceneDescription := preload("res://addons/thicket/scene_description.gd")
+const ModelFiles := preload("res://addons/thicket/model_files.gd")
+const BakeGrid := preload("res://addons/thicket/bake_grid.gd")
+
+const WORLD := "world.json"
+const PART := ".part"
+## As many as a bake has at most.
+const MAX_TILES := 1_000_000
+const SECONDS_A_LINE := 10.0
+const CHUNK_BYTES := 1 << 22
+## What has to be as it was where a folder has been begun, and what is said if not.
+const SAME: Dictionary[String, String] = {
+	"scene": "the scene is another", "rect": "the rectangle is another", "tile_size": "tiles are of another size",
+	"layers": "there are other layers", "parts": "",
+}
+
+## What is wrong with the arguments, or why no more can be made, in a sentence; empty if nothing is.
+var problem := ""
+
+var _out := ""
+var _rect: Variant ## x, z, width, depth; null for where the terrain lies.
+var _tile_size := 0.0 ## 0 for one that fits.
+var _layers := PackedStringArray() ## Names or indices; none for all.
+var _tiles: Array[PackedInt64Array] = [] ## Column and row; none for all.
+var _share := PackedInt64Array([1, 1]) ## Which of how many shares of the tiles.
+var _world := {}
+var _stored := 0 ## Bytes of the file that is written.
+var _counts := {"made": 0, "kept": 0, "failed": 0}
+
+
+## Reads what was asked for, as the command line has it; see [member problem].
+func _init(arguments: Dictionary[String, String]) -> void:
+	_out = arguments.get("out", "")
+	if not _out.is_absolute_path():
+		problem = "out is '%s', and has to be a folder with its whole path." % _out
+	if arguments.has("rect"):
+		_rect = _numbers(arguments.rect, ",")
+		if _rect.size() != 4 or _rect[2] <= 0.0 or _rect[3] <= 0.0 or _rect.any(func(number: float) -> bool: return absf(number) >= 1e12):
+			problem = "rect is '%s', and has to be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0." % arguments.rect
+	if arguments.has("tile_size"):
+		_tile_size = arguments.tile_size.to_float() if arguments.tile_size.is_valid_float() else 0.0
+		if not (_tile_size >= 1.0 and _tile_size <= 1e6):
+			problem = "tile_size is '%s', and has to be from 1 to 1000000 meters." % arguments.tile_size
+	if arguments.has("layers"):
+		for layer in arguments.layers.split(",", false):
+			_layers.append(layer.strip_edges())
+	if arguments.has("tiles"):
+		for text in arguments.tiles.split(" ", false):
+			var pair := text.split(",")
+			if pair.size() != 2 or not (pair[0].is_valid_int() and pair[1].is_valid_int()):
+				problem = "tiles has '%s', and has to be pairs I,J with spaces between." % text
+			else:
+				_tiles.append(PackedInt64Array([pair[0].to_int(), pair[1].to_int()]))
+	if arguments.has("share"):
+		var share := _numbers(arguments.share, "/")
+		if share.size() != 2 or share[0] != int(share[0]) or share[1] != int(share[1]) or share[0] < 1.0 or share[0] > share[1]:
+			problem = "share is '%s', and has to be K/N: of N shares of the tiles the one with the number K, from 1 on." % arguments.share
+		else:
+			_share = PackedInt64Array(share)
+
+
+## The numbers in a text; none if one of them is no number.
+static func _numbers(text: String, between: String) -> Array:
+	var parts := Array(text.split(between))
+	if not parts.all(func(part: String) -> bool: return part.is_valid_float()):
+		return []
+	return parts.map(func(part: String) -> float: return part.to_float())
+
+
+## Makes what is missing, and returns the exit code: 0 if all is there that was asked for, 1 if tiles failed or could not be written, 2
+## if none was begun.
+func make(scatter: Node3D, scene: String) -> int:
+	if not _describe(scatter, scene) or not _go_on() or not _begin(scatter):
+		printerr("bake_world: ", problem)
+		return 2
+	var next_line := Time.get_ticks_msec() + 1000.0 * SECONDS_A_LINE
+	var count := _count()
+	for number in range(_share[0] - 1, count, _share[1]):
+		_make_tile(scatter, _tile(number))
+		if problem:
+			printerr("bake_world: ", problem, " The same command makes only what is missing.")
+			return 1
+		if Time.get_ticks_msec() >= next_line:
+			next_line = Time.get_ticks_msec() + 1000.0 * SECONDS_A_LINE
+			print("bake_world: %d of %d tiles" % [number / _share[1] + 1, ceili(float(count - _share[0] + 1) / _share[1])])
+	print("bake_world: {made} tiles made, {kept} found already there, {failed} failed".format(_counts))
+	return 0 if _counts.failed == 0 else 1
+
+
+## Fills [member _world], but for the models. Returns false with a problem.
+func _describe(scatter: Node3D, scene: String) -> bool:
+	var described := SceneDescription.of(scatter, _rect)
+	for warning: String in described.problems:
+		print("bake_world: the scene warns: ", warning)
+	if _rect != null:
+		described.rect = _rect
+	if not (described.rect[2] > 0.0 and described.rect[3] > 0.0):
+		problem = "The terrain does not say where it lies: give rect=X,Z,WIDTH,DEPTH, in meters."
+		return false
+	described.layers = _chosen(described.layers)
+	if problem:
+		return false
+	described.scene = scene
+	described.tile_size = _tile_size if _tile_size > 0.0 else BakeGrid.default_size(described.rect, described.layers)
+	_world = described
+	var grid := BakeGrid.grid_of(_world.rect, _world.tile_size)
+	if grid[2] * grid[3] > MAX_TILES:
+		problem = "%d tiles are more than a bake has, %d: choose larger ones with tile_size, or a part of the world with rect." % [grid[2] * grid[3], MAX_TILES]
+	for tile in _tiles:
+		if tile[0] < grid[0] or tile[0] >= grid[0] + grid[2] or tile[1] < grid[1] or tile[1] >= grid[1] + grid[3]:
+			problem = "tiles has '%d,%d', which is not in the rectangle: tiles go from %d,%d to %d,%d." % [
+				tile[0], tile[1], grid[0], grid[1], grid[0] + grid[2] - 1, grid[1] + grid[3] - 1]
+	return problem.is_empty()
+
+
+func _chosen(layers: Array[Dictionary]) -> Array[Dictionary]:
+	var chosen: Dictionary[int, bool] = {}
+	for name in _layers:
+		var found := layers.filter(func(layer: Dictionary) -> bool: return str(layer.index) == name)
+		if found.is_empty():
+			found = layers.filter(func(layer: Dictionary) -> bool: return layer.name == name)
+		if found.is_empty():
+			var known := layers.map(func(layer: Dictionary) -> String: return ("%d %s" % [layer.index, layer.name]).strip_edges())
+			problem = "layers has '%s', which the scene has not. It has: %s." % [name, ", ".join(known)]
+		for layer: Dictionary in found:
+			chosen[layer.index] = true
+	var left := layers.filter(func(layer: Dictionary) -> bool: return chosen.is_empty() or layer.index in chosen)
+	if left.is_empty() and not problem:
+		problem = "The scene has no layers."
+	return left
+
+
+## As whoever reads a file finds it.
+static func _as_json(value: Variant) -> Variant:
+	return JSON.parse_string(JSON.stringify(value, "", false, true))
+
+
+## Whether the folder, if it was begun, is one of the same bake; a problem if not.
+func _go_on() -> bool:
+	var path := _out.path_join(WORLD)
+	if not FileAccess.file_exists(path):
+		return true
+	var before := _parsed(FileAccess.get_file_as_bytes(path))
+	if not before.has_all(SAME.keys()):
+		return true
+	var now: Dictionary = _as_json(_world)
+	for world: Dictionary in [before, now]:
+		world.layers = _indices(world.layers)
+	for key in SAME:
+		if before[key] != now[key]:
+			problem = "%s holds tiles of another bake, in which %s. Take another folder, or remove what lies in this one." % [
+				_out, SAME[key] if key != "parts" else "these parts of the scene are not the same: " + _changed(before.parts, now.parts)]
+			return false
+	return true
+
+
+static func _indices(layers: Array) -> Array:
+	return layers.map(func(layer: Dictionary) -> int: return int(layer.index))
+
+
+static func _changed(before: Dictionary, now: Dictionary) -> String:
+	return ", ".join(before.merged(now).keys().filter(func(part: String) -> bool: return before.get(part) != now.get(part)))
+
+
+## The JSON object that bytes are; an empty one for other bytes.
+static func _parsed(bytes: PackedByteArray) -> Dictionary:
+	var json := JSON.new()
+	return json.data if json.parse(bytes.get_string_from_utf8()) == OK and json.data is Dictionary else {}
+
+
+## Writes the models and the description.
+func _begin(scatter: Node3D) -> bool:
+	var models: Array[Dictionary] = []
+	for layer: Dictionary in _world.layers:
+		var files := ModelFiles.new(scatter.call(&"get_layer", layer.index), layer.index)
+		problem = problem if problem else files.problem
+		models.append({"index": layer.index, "models": files.models, "material": files.material})
+		for file in files.written:
+			_write_whole(_out.path_join(file), func(to: FileAccess) -> String: return _store(to, files.written[file]))
+	_world.models = models
+	var text := JSON.stringify(_world, " ", false, true).to_utf8_buffer()
+	_write_whole(_out.path_join(WORLD), func(to: FileAccess) -> String: return _store(to, text))
+	return problem.is_empty()
+
+
+func _count() -> int:
+	var grid := BakeGrid.grid_of(_world.rect, _world.tile_size)
+	return grid[2] * grid[3] if _tiles.is_empty() else _tiles.size()
+
+
+## Column and row of a tile, counted row by row, or as they were listed.
+func _tile(number: int) -> PackedInt64Array:
+	if not _tiles.is_empty():
+		return _tiles[number]
+	var grid := BakeGrid.grid_of(_world.rect, _world.tile_size)
+	return PackedInt64Array([grid[0] + number % grid[2], grid[1] + number / grid[2]])
+
+
+func _make_tile(scatter: Node3D, tile: PackedInt64Array) -> void:
+	var path := _out.path_join("tiles/tile_%d_%d.rows" % [tile[0], tile[1]])
+	var header := {
+		"tile": "%d,%d" % [tile[0], tile[1]], "sha256": "0".repeat(64), "bytes": 0,
+		"of": {"scene_digest": _world.scene_digest, "rect": _world.rect, "tile_size": _world.tile_size,
+			"layers": _indices(_world.layers)},
+	}
+	if _is_whole(path, header):
+		_counts.kept += 1
+		return
+	DirAccess.remove_absolute(path)
+	var failed := _write_whole(path, func(to: FileAccess) -> String: return _write_rows(to, scatter, tile, header))
+	if failed:
+		printerr("bake_world: tile %d,%d failed. %s" % [tile[0], tile[1], failed])
+	_counts["failed" if failed else "made"] += 1
+
+
+## Whether a tile's file has this for its first message, but for the digest, and that digest.
+func _is_whole(path: String, header: Dictionary) -> bool:
+	var file := FileAccess.open(path, FileAccess.READ) if FileAccess.file_exists(path) else null
+	if file == null or file.get_length() < 4:
+		return false
+	var found := _parsed(file.get_buffer(mini(file.get_32(), message(header).size())))
+	var expected: Dictionary = _as_json(header)
+	expected.sha256 = found.get("sha256", "")
+	var hashing := HashingContext.new()
+	hashing.start(HashingContext.HASH_SHA256)
+	while file.get_position() < file.get_length():
+		hashing.update(file.get_buffer(CHUNK_BYTES))
+	return found == expected and hashing.finish().hex_encode() == expected.sha256
+
+
+## Puts a file into its place once [param write] has written all of it; it returns why it has not. Returns that; where the disk refuses
+## there is a problem.
+func _write_whole(path: String, write: Callable) -> String:
+	var partial := path.get_base_dir().path_join("." + path.get_file() + PART)
+	DirAccess.make_dir_recursive_absolute(path.get_base_dir())
+	var file := FileAccess.open(partial, FileAccess.WRITE)
+	if file == null:
+		problem = "Cannot write %s: %s." % [path, error_string(FileAccess.get_open_error())]
+		return ""
+	_stored = 0
+	var failed: String = write.call(file)
+	file.close()
+	# What was kept back until now may have found no room.
+	if not failed and not problem and (_length(partial) != _stored or DirAccess.rename_absolute(partial, path) != OK):
+		problem = "Cannot write %s: is the disk full?" % path
+	if failed or problem:
+		DirAccess.remove_absolute(partial)
+	return failed
+
+
+static func _length(path: String) -> int:
+	var file := FileAccess.open(path, FileAccess.READ)
+	return file.get_length() if file != null else -1
+
+
+func _store(to: FileAccess, bytes: PackedByteArray) -> String:
+	_stored += bytes.size()
+	if not to.store_buffer(bytes):
+		problem = "Cannot write %s: is the disk full?" % to.get_path_absolute()
+	return ""
+
+
+## Writes all messages of a tile; the first once more when the digest is known. Returns why it failed.
+func _write_rows(to: FileAccess, scatter: Node3D, tile: PackedInt64Array, header: Dictionary) -> String:
+	var hashing := HashingContext.new()
+	hashing.start(HashingContext.HASH_SHA256)
+	_store(to, message(header))
+	var area := BakeGrid.area_of(_world.rect, _world.tile_size, tile)
+	for layer: Dictionary in _world.layers:
+		for at in BakeGrid.game_tiles(area, layer.tile_size):
+			var built: RefCounted = scatter.call(&"build_tile", layer.index, at)
+			if built.call(&"get_mesh_count") == 0:
+				return "Tile %d, %d of layer %d cannot be made; what the engine printed says why." % [at.x, at.y, layer.index]
+			var rows: PackedByteArray = built.call(&"get_rows")
+			for bytes: PackedByteArray in [message({"layer": layer.index, "x": at.x, "y": at.y, "bytes": rows.size()}), rows]:
+				hashing.update(bytes)
+				_store(to, bytes)
+			if problem:
+				return ""
+	header.sha256 = hashing.finish().hex_encode()
+	to.seek(0)
+	to.store_buffer(message(header)) # As long as before.
+	return ""
+
+
+## A JSON object behind its length.
+static func message(header: Dictionary) -> PackedByteArray:
+	var text := JSON.stringify(header, "", false, true).to_utf8_buffer()
+	var length := PackedByteArray([0, 0, 0, 0])
+	length.encode_u32(0, text.size())
+	return length + text

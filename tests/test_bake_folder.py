@@ -1,0 +1,247 @@
+"""Tiles that an engine makes into a folder, by itself: a bake made of them is the driver's own to the bit, whatever was killed, cut short or
+changed on the way."""
+
+from __future__ import annotations
+
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from bakes.world import RECT, USUAL, Baked, bake, environment, ground, kill, make_world, wait_for
+from conftest import REPO, run
+
+sys.path.insert(0, str(REPO / "tools/bake"))
+from baking import grid, tile_folder  # noqa: E402 (only on the path above)
+
+ASKED = [f"rect={','.join(map(str, RECT))}", "tile_size=32"]
+TILES = 20
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory) -> Path:
+    return make_world(tmp_path_factory.mktemp("bake") / "project")
+
+
+@pytest.fixture(scope="module")
+def baked(world, tmp_path_factory) -> Baked:
+    """The world, baked by a driver with its engines."""
+    done = bake(world, tmp_path_factory.mktemp("baked"), "--workers", "2")
+    assert done.code == 0, done.said
+    return done
+
+
+@pytest.fixture(scope="module")
+def made(world, tmp_path_factory) -> Path:
+    """The world's tiles in a folder, by one engine."""
+    folder = tmp_path_factory.mktemp("made")
+    done = make(world, folder)
+    assert done.returncode == 0 and f"{TILES} tiles made, 0 found" in done.stdout, done.stdout + done.stderr
+    return folder
+
+
+def command(project: Path, *arguments: str | Path) -> list[str]:
+    script = ["--script", "res://addons/thicket/bake_world.gd", "--", *map(str, arguments)]
+    return [str(REPO / "tools/godot"), "--headless", "--path", str(project), *script]
+
+
+def make(project: Path, folder: Path, *further: str, **options) -> subprocess.CompletedProcess[str]:
+    asked = [] if any(word.startswith("rect=") for word in further) else ASKED
+    return run(command(project, "scene=res://world.tscn", f"out={folder}", *asked, *further), 120, **options)
+
+
+def bake_of(folder: Path, out: Path, *options: str) -> Baked:
+    """A bake of a folder's tiles, which needs neither project nor engine."""
+    words = [sys.executable, "-m", "baking", str(folder), str(out), "--workers", "2", *options]
+    done = run(words, 120, env={**environment(), "GODOT": "/nowhere"}, cwd=folder)
+    return Baked(done.returncode, done.stdout + done.stderr, out)
+
+
+def without_costs(manifest: dict) -> dict:
+    tiles = {name: {key: value for key, value in tile.items() if "seconds" not in key} for name, tile in manifest["tiles"].items()}
+    return {**manifest, "costs": None, "tiles": tiles}
+
+
+def same(one: Baked, other: Baked) -> bool:
+    names = sorted(other.manifest["tiles"])
+    return without_costs(one.manifest) == without_costs(other.manifest) and all(
+        one.file(name).read_bytes() == other.file(name).read_bytes() for name in names
+    )
+
+
+def test_a_bake_of_a_folder_is_the_drivers_own(baked, made, tmp_path):
+    """Every file and all of the manifest but what it cost; the models are there as well."""
+    moved = shutil.copytree(made, tmp_path / "elsewhere")
+    other = bake_of(moved, tmp_path / "out")
+    assert other.code == 0 and baked.manifest["digest"] in other.said, other.said
+    assert other.manifest["complete"] and len(other.manifest["tiles"]) == TILES and same(other, baked)
+    assert [path.name for path in other.out.glob("models/*")] == [path.name for path in baked.out.glob("models/*")]
+
+
+def test_shares_make_the_whole(world, baked, tmp_path):
+    """Engines that know nothing of each other, into two folders that are put together afterwards."""
+    engines = [
+        subprocess.Popen(command(world, "scene=res://world.tscn", f"out={tmp_path / str(share)}", *ASKED, f"share={share}/2"), stdout=subprocess.DEVNULL)
+        for share in (1, 2)
+    ]
+    assert [engine.wait(120) for engine in engines] == [0, 0]
+    counts = [len(list((tmp_path / str(share)).glob("tiles/*.rows"))) for share in (1, 2)]
+    assert counts == [TILES // 2, TILES // 2]
+    shutil.copytree(tmp_path / "1", tmp_path / "2", dirs_exist_ok=True)
+    whole = bake_of(tmp_path / "2", tmp_path / "out")
+    assert whole.code == 0 and same(whole, baked), whole.said
+
+
+def test_other_tiles_layers_and_the_size_that_fits(world, tmp_path):
+    """As the driver's own with the same arguments."""
+    rect = f"{-RECT[2]},{-RECT[3]},900,700.5"
+    done = make(world, tmp_path / "made", f"rect={rect}", "layers=Trees", "tiles=-1,0 0,0")
+    assert done.returncode == 0 and "2 tiles made, 0 found" in done.stdout, done.stdout + done.stderr
+    theirs = bake_of(tmp_path / "made", tmp_path / "theirs", "--tiles", "-1,0 0,0")
+    ours = bake(world, tmp_path / "ours", "--workers", "1", "--layers", "0", "--tiles", "-1,0 0,0", "--rect", rect, "--tile-size", "256")
+    assert theirs.code == 0 and ours.code == 0, theirs.said + ours.said
+    assert theirs.manifest["tile_size"] == 256.0 and same(theirs, ours) and not theirs.manifest["complete"]
+
+
+def test_sizes_that_fit_are_the_drivers(godot, tmp_path):
+    """Where tiles lie and how large they are is written down twice, for either language."""
+    script = tmp_path / "sizes.gd"
+    cases = [
+        ([0.0, 0.0, 1000.0, 1000.0], [(192.0, 5.0), (128.0, 5.0)]), ([0.0, 0.0, 1e5, 1e5], [(192.0, 5.0)]),
+        ([0.0, 0.0, 1e5, 1e5], [(192.0, 5.0), (64.0, 0.4)]), ([-7.25, 3.5, 1e5, 2e4], [(100.5, 5.0), (0.7, 3.0)]),
+        ([1e6 - 0.1, -2e6, 333.3, 10.0], [(997.0, 50.0), (991.0, 50.0), (983.0, 50.0)]),
+    ]  # fmt: skip
+    layers = [[{"tile_size": size, "radius": radius} for size, radius in case[1]] for case in cases]
+    lines = [f"\tprint('got ', grid.default_size({rect}, {each}), ' ', grid.grid_of({rect}, {each[0]['tile_size']}))" for (rect, _), each in zip(cases, layers, strict=True)]
+    grid_script = REPO / "demo_project/addons/thicket/bake_grid.gd"
+    script.write_text("\n".join(["extends SceneTree", "func _initialize() -> void:", f"\tvar grid: Script = load('{grid_script}')", *lines, "\tquit()"]))
+    done = godot(["--script", script], timeout=60)
+    got = [line.split(" ", 2)[1:] for line in done.stdout.splitlines() if line.startswith("got ")]
+    assert [float(size) for size, _ in got] == [grid.default_size(rect, each) for (rect, _), each in zip(cases, layers, strict=True)], done.stdout
+    assert [text for _, text in got] == [str(grid.grid_of(rect, each[0]["tile_size"])) for (rect, _), each in zip(cases, layers, strict=True)]
+
+
+def test_a_killed_engine_costs_nothing_but_time(world, baked, tmp_path):
+    """What is whole stays, what is cut short, changed in one bit or gone is made again, and nothing half written is left."""
+    folder = tmp_path / "made"
+    with ground(world, "slow"):
+        engine = subprocess.Popen(command(world, "scene=res://world.tscn", f"out={folder}", *ASKED), stdout=subprocess.DEVNULL)
+        wait_for(lambda: len(list(folder.glob("tiles/*.rows"))) > 4, "some tiles")
+        kill(engine.pid)
+        engine.wait(10)
+    whole = sorted(folder.glob("tiles/*.rows"))
+    assert 4 < len(whole) < TILES
+    cut, bit, none, gone, *left = whole
+    cut.write_bytes(cut.read_bytes()[:-100])
+    changed = bytearray(bit.read_bytes())
+    changed[len(changed) // 2] ^= 1
+    bit.write_bytes(changed)
+    none.write_bytes(b"")
+    shutil.copy(left[0], gone)
+    times = {path: path.stat().st_mtime_ns for path in left}
+    again = make(world, folder)
+    assert again.returncode == 0, again.stdout + again.stderr
+    assert f"{TILES - len(left)} tiles made, {len(left)} found already there, 0 failed" in again.stdout
+    assert {path: path.stat().st_mtime_ns for path in left} == times and not list(folder.glob("**/.*.part"))
+    whole = bake_of(folder, tmp_path / "out")
+    assert whole.code == 0 and same(whole, baked), whole.said
+
+
+def test_what_is_missing_or_damaged_is_told_by_the_bake(world, baked, made, tmp_path):
+    folder = shutil.copytree(made, tmp_path / "made")
+    (folder / "tiles/tile_0_0.rows").unlink()
+    damaged = folder / "tiles/tile_1_0.rows"
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    shutil.copy(folder / "tiles/tile_-1_0.rows", folder / "tiles/tile_-2_0.rows")
+    some = bake_of(folder, tmp_path / "out")
+    assert some.code == 1 and "tile_0_0.rows is not there" in some.said, some.said
+    assert "tile_1_0.rows is damaged" in some.said and "tile_-2_0.rows is damaged" in some.said, some.said
+    assert len(some.manifest["tiles"]) == TILES - 3 and not some.manifest["complete"]
+    assert make(world, folder).returncode == 0
+    whole = bake_of(folder, tmp_path / "out")
+    assert whole.code == 0 and "3 of them made now" in whole.said and same(whole, baked), whole.said
+
+
+def test_tiles_that_fail_are_told_and_others_made(world, tmp_path):
+    with ground(world, "bad"):
+        broken = make(world, tmp_path / "made")
+    assert broken.returncode == 1 and "tile 1,0 failed. Tile" in broken.stderr and "16 tiles made, 0 found already there, 4 failed" in broken.stdout, broken.stderr
+    mended = make(world, tmp_path / "made")
+    assert mended.returncode == 0 and "4 tiles made, 16 found" in mended.stdout, mended.stdout + mended.stderr
+
+
+def test_a_changed_scene_is_noticed(world, made, tmp_path):
+    """Where the folder was begun, and where another machine's tiles were put into it."""
+    other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
+    scene = other_world / "world.tscn"
+    scene.write_text(scene.read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
+    folder = shutil.copytree(made, tmp_path / "made")
+    refused = make(other_world, folder)
+    assert refused.returncode == 2 and "these parts of the scene are not the same: layer 0 (Trees)." in refused.stderr, refused.stderr
+    scene.write_text((world / "world.tscn").read_text().replace("view_distance = ", "view_distance = 1"))
+    assert scene.read_text() != (world / "world.tscn").read_text() and make(other_world, folder).returncode == 0, "how they are drawn does not count"
+    scene.write_text((world / "world.tscn").read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
+    refused = make(world, folder, "rect=0,0,64,64", "tile_size=32")
+    assert refused.returncode == 2 and "holds tiles of another bake, in which the rectangle is another" in refused.stderr, refused.stderr
+    assert make(other_world, tmp_path / "other").returncode == 0
+    shutil.copy(tmp_path / "other/tiles/tile_0_0.rows", folder / "tiles/tile_0_0.rows")
+    mixed = bake_of(folder, tmp_path / "out")
+    assert mixed.code == 1 and "tile_0_0.rows is damaged, or of another bake" in mixed.said, mixed.said
+
+
+def test_a_full_disk_stops_with_a_sentence(world, made, tmp_path):
+    """Files may not become larger than some of the tiles."""
+    largest = max(path.stat().st_size for path in made.glob("tiles/*.rows"))
+
+    def little_room():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (largest - 1, largest - 1))
+
+    stopped = make(world, tmp_path / "made", preexec_fn=little_room)
+    assert stopped.returncode == 1 and "Cannot write" in stopped.stderr and "makes only what is missing" in stopped.stderr, stopped.stderr
+    assert not list(tmp_path.glob("made/**/.*.part"))
+    assert all(path.stat().st_size < largest for path in tmp_path.glob("made/tiles/*.rows"))
+    again = make(world, tmp_path / "made")
+    assert again.returncode == 0, again.stdout + again.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ([], "out is missing"),
+        (["out=made"], "out is 'made', and has to be a folder with its whole path"),
+        (["out=/dev/null/made", *ASKED], "Cannot write /dev/null/made"),
+        (["out=/tmp/made", "rect=1,2,3"], "rect is '1,2,3', and has to be X,Z,WIDTH,DEPTH"),
+        (["out=/tmp/made", "rect=0,0,-5,5"], "rect is '0,0,-5,5'"),
+        (["out=/tmp/made", "rect=0,0,nan,5"], "rect is '0,0,nan,5'"),
+        (["out=/tmp/made", "tile_size=0.5"], "tile_size is '0.5', and has to be from 1 to 1000000 meters"),
+        (["out=/tmp/made", *ASKED, "layers=Ferns"], "layers has 'Ferns', which the scene has not. It has: 0 Trees, 1 Grass"),
+        (["out=/tmp/made", *ASKED, "tiles=0,0 9,0"], "tiles has '9,0', which is not in the rectangle: tiles go from -3,-2 to 1,1"),
+        (["out=/tmp/made", *ASKED, "tiles=0,0 here"], "tiles has 'here'"),
+        (["out=/tmp/made", *ASKED, "share=3/2"], "share is '3/2', and has to be K/N"),
+        (["out=/tmp/made", "rect=0,0,1e7,1e7", "tile_size=32"], "97656250000 tiles are more than a bake has, 1000000"),
+        (["out=/tmp/made"], "The terrain does not say where it lies: give rect="),
+        (["out=/tmp/made", *ASKED, "node=Nobody", "wait=1"], "In the scene res://world.tscn there is no TerrainScatter3D after 1 s"),
+        (["out=/tmp/made", *ASKED, "wait=long"], "wait is 'long', and has to be a number of seconds"),
+        (["out=/tmp/made", "rekt=0,0,5,5"], "rekt is '0,0,5,5', and is nothing that can be given here"),
+        (["out=/tmp/made", "scene=res://none.tscn"], "There is no scene 'res://none.tscn'."),
+        (["connect=1", "token=x"], "connect is '1', and nobody listens"),
+    ],
+)
+def test_what_cannot_be_made_is_said(world, arguments, sentence):
+    done = run(command(world, "scene=res://world.tscn", *arguments), 60)
+    assert done.returncode == 2 and f"bake_world: {sentence}" in done.stderr, done.stderr
+    assert "SCRIPT ERROR" not in done.stderr and not Path("/tmp/made").exists(), done.stderr
+
+
+def test_what_the_folder_says_cannot_be_asked_for(made, tmp_path):
+    for options, sentence in ((USUAL[:2], "--rect is ["), (["--layers", "Trees"], "--layers is Trees, but what")):
+        refused = bake_of(made, tmp_path / "out", *options)
+        assert refused.code == 2 and sentence in refused.said and "was chosen when it was made" in refused.said, refused.said
+    spoiled = shutil.copytree(made, tmp_path / "made")
+    (spoiled / tile_folder.WORLD).write_text("{")
+    refused = bake_of(spoiled, tmp_path / "out")
+    assert refused.code == 2 and "world.json cannot be read" in refused.said and "Traceback" not in refused.said, refused.said
