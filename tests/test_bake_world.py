@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pyarrow as pa
+import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 import pytest
 from bakes.world import (
@@ -29,6 +30,7 @@ from bakes.world import (
 from conftest import REPO, run
 
 sys.path.insert(0, str(REPO / "tools/bake"))
+from baking.driver import world_digest  # noqa: E402
 from baking.tile_engine import Source, TileEngine  # noqa: E402 (only on the path above)
 
 
@@ -184,6 +186,21 @@ def test_tiles_that_fit_no_layer_hold_the_same_instances(world, baked, tmp_path)
     assert other.rows() == baked.rows()
 
 
+def test_bakes_side_by_side_are_one_world(world, baked, tmp_path):
+    """Parts along edges of tiles hold the same tiles, and are read and hashed together as one, as the documentation says."""
+    parts = []
+    for name, rect in {"west": "-70,-50,70,100", "east": "0,-50,60,100"}.items():
+        parts.append(bake(world, tmp_path / name, "--rect", rect, "--workers", "1"))
+        assert parts[-1].code == 0, parts[-1].said
+    assert [len(part.manifest["tiles"]) for part in parts] == [12, 8]
+    tiles = {name: tile for part in parts for name, tile in part.manifest["tiles"].items()}
+    assert {name: tile["digest"] for name, tile in tiles.items()} == {name: tile["digest"] for name, tile in baked.manifest["tiles"].items()}
+    assert world_digest(tiles) == baked.manifest["digest"]
+    together = ds.dataset([ds.dataset(part.out / "tiles") for part in parts])
+    order = [("layer", "ascending"), ("id", "ascending")]
+    assert together.to_table().sort_by(order).equals(ds.dataset(baked.out / "tiles").to_table().sort_by(order))
+
+
 def test_spoiled_files_are_made_again(world, baked, tmp_path):
     """Cut short, changed in one bit, another tile's, gone: found, and made again; whole ones are left alone, though the manifest is
     spoiled, too. What a killed bake left unfinished goes, and so do tiles that are none of this bake."""
@@ -282,6 +299,7 @@ def test_a_full_disk_stops_with_a_sentence(world, baked, tmp_path):
         (["--workers", "0"], "--workers is 0"),
         (["--tile-size", "nan"], "--tile-size is nan"),
         (["--rect", "0,0,-5,5"], "is not X,Z,WIDTH,DEPTH"),
+        (["--rect", "0,0,1e7,1e7"], "97656250000 tiles are more than a bake has, 1000000: choose larger ones with --tile-size, or bake parts"),
         (["--scheduler", "tcp://127.0.0.1:1"], "No Dask scheduler answers at tcp://127.0.0.1:1"),
     ],
 )

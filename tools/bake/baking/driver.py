@@ -22,6 +22,7 @@ from .tile_folder import MadeTiles
 MAP_PIXELS = 1024
 # Of the time, at most, goes to writing the manifest.
 MANIFEST_SHARE = 0.05
+# The manifest of so many takes the driver a gigabyte, two while it is written, and whoever reads it as much.
 MAX_TILES = 1_000_000
 
 
@@ -100,7 +101,10 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
         say(f"Tiles of {size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}.")
     bounds = grid.grid_of(rect, size)
     if bounds[2] * bounds[3] > MAX_TILES:
-        raise BakeError(f"{bounds[2] * bounds[3]} tiles are more than {MAX_TILES}: choose larger ones with --tile-size.")
+        raise BakeError(
+            f"{bounds[2] * bounds[3]} tiles are more than a bake has, {MAX_TILES}: choose larger ones with --tile-size, or bake parts of the "
+            f"world, each with a --rect along edges of tiles and into a folder of its own. They are read together like one."
+        )
     plan = tile.Plan(
         source=wish.source, out=str(wish.out), rect=tuple(rect), tile_size=size, scene_digest=described["scene_digest"],
         layers=tuple({key: layer[key] for key in ("index", "tile_size", "colored", "custom_data")} for layer in layers),
