@@ -6,6 +6,7 @@
 #define THICKET_CHILDREN_INL
 #endif
 
+#include "core/sampling/child_table.hpp"
 #include "core/sampling/darts-inl.hpp"
 #include "core/sampling/plain_steps.hpp"
 #include "core/sampling/work.hpp"
@@ -49,82 +50,65 @@ HWY_INLINE V open_children(V places, V open) {
 	return hn::IfThenElseZero(hn::Lt(level, set(lattice_bits)), any);
 }
 
-/// Signed numbers are what most processors compare at once.
-template <class V>
-HWY_INLINE void sort_pair(V &a, V &b) {
-	const hn::RebindToSigned<SplitLanes> di;
-	const auto later = hn::Gt(hn::BitCast(di, a), hn::BitCast(di, b));
-	const auto swap = hn::BitCast(SplitLanes(), hn::IfThenElseZero(later, hn::BitCast(di, hn::Xor(a, b))));
-	a = hn::Xor(a, swap);
-	b = hn::Xor(b, swap);
+/// Lists the open children of the squares, each with its parent's dart.
+HWY_INLINE void list_children(Splits &splits) {
+	const hn::CappedTag<std::uint64_t, 4> d;
+	const hn::CappedTag<std::uint32_t, 4> d32;
+	std::uint32_t count = 0;
+	for (std::uint32_t i = 0; i < splits.count; ++i) {
+		const DartKey parent = splits.parent[i];
+		const ChildTable::Line &line = child_table[splits.open[i]];
+		for (std::uint32_t lane = 0; lane < 4; lane += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
+			const auto hashed = hn::Add(hn::Load(d, line.gamma + lane), hn::Set(d, parent));
+			hn::StoreU(hashed, d, splits.hashed + count + lane);
+		}
+		hn::StoreU(hn::Load(d32, line.corner), d32, splits.corner + count);
+		hn::StoreU(hn::Set(d32, dart_time(parent)), d32, splits.time + count);
+		hn::StoreU(hn::Set(d32, dart_place(parent)), d32, splits.place + count);
+		splits.first[i] = count;
+		count += line.count;
+	}
+	splits.first[splits.count] = count;
 }
 
-/// `child_dart` of all four children of the squares.
-HWY_INLINE void throw_child_darts(Splits &splits) {
+/// `split_mix` after the step of its stream.
+template <class V>
+HWY_INLINE V mixed(V bits) {
 	const SplitLanes d;
-	const hn::RepartitionToNarrow<decltype(d)> d32;
-	const hn::RebindToFloat<decltype(d32)> df;
-	using V = hn::Vec<decltype(d)>;
-	for (std::size_t i = 0; i < splits.count; i += hn::MaxLanes(d)) {
-		const V parent = hn::Load(d, splits.parent + i);
-		const V open = hn::Load(d, splits.open + i);
-		const auto parent_time = hn::BitCast(d32, hn::ShiftRight<32>(parent));
-		const auto place = hn::And(parent, hn::Set(d, 0xffffffffu));
-		const V level = hn::Add(hn::ShiftRight<2 * lattice_bits>(place), hn::Set(d, 1));
-		const V width = hn::Shr(hn::Set(d, cell_size), level);
-		const V last = hn::Sub(width, hn::Set(d, 1));
-		const V inside = hn::Or(last, hn::ShiftLeft<lattice_bits>(last));
-		const V parent_inside = hn::Or(hn::Add(inside, inside), hn::Set(d, 1 + cell_size));
-		const V corner = hn::Or(hn::AndNot(parent_inside, hn::And(place, hn::Set(d, position_mask))),
-				hn::ShiftLeft<2 * lattice_bits>(level));
-		// Both halves of every lane: two children at once.
-		const auto times = hn::Or(parent_time, hn::BitCast(d32, hn::ShiftLeft<32>(hn::BitCast(d, parent_time))));
-		const V exponent = hn::ShiftLeft<23>(hn::Add(hn::Add(level, level), hn::Set(d, 127)));
-		const auto scale = hn::BitCast(df, hn::Or(exponent, hn::ShiftLeft<32>(exponent)));
-		const auto tags = hn::And(times, hn::Set(d32, tag_bits));
-		V random[4];
-		for (std::uint32_t child = 0; child < 4; ++child) {
-			V x = hn::Add(parent, hn::Set(d, (child + 1) * split_mix_gamma));
-			x = hn::Mul(hn::Xor(x, hn::ShiftRight<30>(x)), hn::Set(d, split_mix_mul_0));
-			x = hn::Mul(hn::Xor(x, hn::ShiftRight<27>(x)), hn::Set(d, split_mix_mul_1));
-			random[child] = hn::Xor(x, hn::ShiftRight<31>(x));
-		}
-		V dart[4];
-		for (std::uint32_t pair = 0; pair < 4; pair += 2) {
-			const auto bits =
-					hn::OddEven(hn::BitCast(d32, random[pair]), hn::BitCast(d32, hn::ShiftRight<32>(random[pair + 1])));
-			const auto wait = hn::Mul(exponentials(d32, bits), scale);
-			const auto time = hn::BitCast(d32, hn::Add(hn::BitCast(df, times), wait));
-			const auto key = hn::Or(hn::And(time, hn::Set(d32, ~tag_bits)), tags);
-			dart[pair] = hn::BitCast(d, hn::OddEven(key, hn::Zero(d32)));
-			dart[pair + 1] = hn::ShiftLeft<32>(hn::BitCast(d, key));
-		}
-		for (std::uint32_t child = 0; child < 4; ++child) {
-			V place_of_child = hn::Or(corner, hn::And(random[child], inside));
-			if ((child & 1) != 0) {
-				place_of_child = hn::Add(place_of_child, width);
-			}
-			if ((child & 2) != 0) {
-				place_of_child = hn::Add(place_of_child, hn::ShiftLeft<lattice_bits>(width));
-			}
-			const V is_open = hn::And(hn::ShiftRightSame(open, static_cast<int>(child)), hn::Set(d, 1));
-			const V covered = hn::ShiftRight<1>(hn::Sub(is_open, hn::Set(d, 1)));
-			dart[child] = hn::Or(hn::Or(dart[child], place_of_child), covered);
-		}
-		sort_pair(dart[0], dart[1]);
-		sort_pair(dart[2], dart[3]);
-		sort_pair(dart[0], dart[2]);
-		sort_pair(dart[1], dart[3]);
-		sort_pair(dart[1], dart[2]);
-		alignas(64) DartKey sorted[4 * hn::MaxLanes(d)];
-		hn::StoreInterleaved4(dart[0], dart[1], dart[2], dart[3], d, sorted);
-		const hn::CappedTag<std::uint64_t, 4> d4;
-		for (std::size_t split = 0; split < hn::MaxLanes(d); ++split) {
-			for (std::size_t child = 0; child < 4; child += hn::MaxLanes(d4)) {
-				hn::Store(hn::Load(d4, sorted + 4 * split + child), d4,
-						splits.children + (i + split) * Splits::stride + child);
-			}
-		}
+	bits = hn::Mul(hn::Xor(bits, hn::ShiftRight<30>(bits)), hn::Set(d, split_mix_mul_0));
+	bits = hn::Mul(hn::Xor(bits, hn::ShiftRight<27>(bits)), hn::Set(d, split_mix_mul_1));
+	return hn::Xor(bits, hn::ShiftRight<31>(bits));
+}
+
+/// `child_dart` of the open children of the squares.
+HWY_INLINE void throw_child_darts(Splits &splits) {
+	const SplitLanes d64;
+	const hn::RepartitionToNarrow<decltype(d64)> d;
+	const hn::RebindToSigned<decltype(d)> di;
+	const hn::RebindToFloat<decltype(d)> df;
+	list_children(splits);
+	const std::uint32_t count = splits.first[splits.count];
+	for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
+		const auto low = hn::BitCast(d, mixed(hn::Load(d64, splits.hashed + i)));
+		const auto high = hn::BitCast(d, mixed(hn::Load(d64, splits.hashed + i + hn::MaxLanes(d64))));
+		const auto parent_time = hn::Load(d, splits.time + i);
+		const auto place = hn::Load(d, splits.place + i);
+		const auto level = hn::Add(hn::ShiftRight<2 * lattice_bits>(place), hn::Set(d, 1));
+		// Powers of two by a float's exponent: many processors shift all lanes alike only.
+		const auto scale = hn::BitCast(df, hn::ShiftLeft<23>(hn::Add(hn::Add(level, level), hn::Set(d, 127))));
+		const auto width = hn::BitCast(d,
+				hn::ConvertTo(di, hn::BitCast(df, hn::ShiftLeft<23>(hn::Sub(hn::Set(d, 127 + lattice_bits), level)))));
+		const auto wait = hn::Mul(exponentials(d, hn::ConcatOdd(d, high, low)), scale);
+		const auto time = hn::BitCast(d, hn::Add(hn::BitCast(df, parent_time), wait));
+		const auto tag = hn::And(parent_time, hn::Set(d, tag_bits));
+		hn::Store(hn::Or(hn::And(time, hn::Set(d, ~tag_bits)), tag), d, splits.time + i);
+		const auto both = hn::Or(width, hn::ShiftLeft<lattice_bits>(width));
+		const auto inside = hn::Sub(both, hn::Set(d, 1 + cell_size));
+		const auto parent_inside = hn::Or(inside, both);
+		const auto origin = hn::Or(hn::AndNot(parent_inside, hn::And(place, hn::Set(d, position_mask))),
+				hn::And(both, hn::Load(d, splits.corner + i)));
+		const auto position = hn::Or(origin, hn::And(hn::ConcatEven(d, high, low), inside));
+		hn::Store(hn::Or(position, hn::ShiftLeft<2 * lattice_bits>(level)), d, splits.place + i);
 	}
 }
 

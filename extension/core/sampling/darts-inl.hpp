@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
@@ -20,6 +22,25 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// Vectors are only emulated: what few of their lanes are needed for is done one by one.
 constexpr bool is_plain = HWY_TARGET == HWY_EMU128 || HWY_TARGET == HWY_SCALAR;
+
+template <class D, class M>
+HWY_INLINE std::uint32_t bits_of(D d, M mask) {
+	// Read back as wide as written: a wider load would wait for the store.
+	using Bits = std::conditional_t<(hn::MaxLanes(D()) > 8), std::uint16_t, std::uint8_t>;
+	std::uint8_t bytes[8];
+	hn::StoreMaskBits(d, mask, bytes);
+	Bits bits;
+	std::memcpy(&bits, bytes, sizeof(bits));
+	return bits;
+}
+
+/// The mask whose bits are the lowest of `bits`.
+template <class D>
+HWY_INLINE hn::Mask<D> mask_of(D d, std::uint32_t bits) {
+	std::uint8_t bytes[8];
+	std::memcpy(bytes, &bits, sizeof(bits));
+	return hn::LoadMaskBits(d, bytes);
+}
 
 /// High and low halves of the products of 32-bit lanes.
 template <class V>

@@ -14,8 +14,6 @@
 #include <hwy/highway.h>
 
 #include <array>
-#include <cstring>
-#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
@@ -67,25 +65,6 @@ HWY_INLINE hn::Vec<D> load_rows(D d, const T *from, std::size_t stride) {
 		const hn::Half<D> half;
 		return hn::Combine(d, load_rows(half, from + lanes / 8 * stride, stride), load_rows(half, from, stride));
 	}
-}
-
-template <class D, class M>
-HWY_INLINE std::uint32_t bits_of(D d, M mask) {
-	// Read back as wide as written: a wider load would wait for the store.
-	using Bits = std::conditional_t<(hn::MaxLanes(D()) > 8), std::uint16_t, std::uint8_t>;
-	std::uint8_t bytes[8];
-	hn::StoreMaskBits(d, mask, bytes);
-	Bits bits;
-	std::memcpy(&bits, bytes, sizeof(bits));
-	return bits;
-}
-
-/// The mask whose bits are the lowest of `bits`.
-template <class D>
-HWY_INLINE hn::Mask<D> mask_of(D d, std::uint32_t bits) {
-	std::uint8_t bytes[8];
-	std::memcpy(bytes, &bits, sizeof(bits));
-	return hn::LoadMaskBits(d, bytes);
 }
 
 /// The cells' centers from `lane` on, seen from the disk's center. Offsets fit 16 bits but for one lane in thousands, which

@@ -136,24 +136,18 @@ inline void sort_by_children(
 	}
 }
 
-/// Throws the darts of the open children only.
 inline void throw_child_darts(Splits &splits) {
+	std::uint32_t count = 0;
 	for (std::uint32_t i = 0; i < splits.count; ++i) {
-		DartKey *children = splits.children + i * Splits::stride;
-		std::fill_n(children, 4, dart_never);
-		std::uint32_t count = 0;
-		for (std::uint32_t child = 0; child < 4; ++child) {
-			if ((splits.open[i] >> child & 1) == 0) {
-				continue;
-			}
-			const DartKey dart = child_dart(splits.parent[i], child);
-			std::uint32_t at = count++;
-			for (; at > 0 && children[at - 1] > dart; --at) {
-				children[at] = children[at - 1];
-			}
-			children[at] = dart;
+		splits.first[i] = count;
+		for (std::uint64_t open = splits.open[i]; open != 0; open &= open - 1) {
+			const DartKey dart = child_dart(splits.parent[i], static_cast<std::uint32_t>(std::countr_zero(open)));
+			splits.time[count] = dart_time(dart);
+			splits.place[count] = dart_place(dart);
+			++count;
 		}
 	}
+	splits.first[splits.count] = count;
 }
 
 } // namespace plain

@@ -98,13 +98,11 @@ HWY_INLINE void split_squares(LevelGrid &grid, Group &cells, Work &r_work) {
 	}
 	const Columns columns(grid);
 	Work next;
-	std::uint64_t squares = 0;
 	std::uint32_t first_ones[Group::room];
 	std::uint32_t others[Group::room];
 	std::uint32_t count_of_first = 0;
 	std::uint32_t count_of_others = 0;
 	for (std::uint32_t i = 0; i < splits.count; ++i) {
-		squares += static_cast<std::uint64_t>(std::popcount(splits.open[i]));
 		const bool is_first = columns.waiting[cell_of(splits.items[i])] == 0;
 		first_ones[count_of_first] = i;
 		count_of_first += is_first;
@@ -113,18 +111,18 @@ HWY_INLINE void split_squares(LevelGrid &grid, Group &cells, Work &r_work) {
 	}
 	for (std::uint32_t i = 0; i < count_of_first; ++i) {
 		const std::uint32_t split = first_ones[i];
-		advance_first(grid, columns, splits.items[split], splits.children + split * Splits::stride, next);
+		advance_first(grid, columns, splits.items[split], Children::of(splits, split), next);
 	}
 	for (std::uint32_t i = 0; i < count_of_others; ++i) {
 		const std::uint32_t split = others[i];
-		advance<true>(grid, columns, splits.items[split], splits.children + split * Splits::stride, next);
+		advance<true>(grid, columns, splits.items[split], Children::of(splits, split), next);
 	}
 	for (std::uint32_t i = 0; i < spent.count; ++i) {
-		advance<false>(grid, columns, spent.items[i], nullptr, next);
+		advance<false>(grid, columns, spent.items[i], {}, next);
 	}
 	r_work = next;
 	grid.darts += cells.count;
-	grid.squares += squares;
+	grid.squares += splits.first[splits.count];
 }
 
 } // namespace thicket::HWY_NAMESPACE

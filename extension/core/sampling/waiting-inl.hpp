@@ -6,11 +6,14 @@
 #define THICKET_WAITING_INL
 #endif
 
+#include "core/sampling/darts-inl.hpp"
+#include "core/sampling/empty_places.hpp"
 #include "core/sampling/level_grid.hpp"
+#include "core/sampling/waiting_plain-inl.hpp"
 
 #include <hwy/highway.h>
 
-#include <algorithm>
+#include <bit>
 #include <cstddef>
 
 HWY_BEFORE_NAMESPACE();
@@ -18,225 +21,299 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The columns of a grid. Vector stores may alias the vectors' own pointers, which would be loaded again after each.
-struct Columns {
-	TimeKey *time;
-	std::uint32_t *dart;
-	std::uint32_t *waiting;
-	std::uint64_t *open;
-	WaitingSquares::Slot *slots;
-	std::uint32_t *seconds;
-
-	explicit Columns(LevelGrid &grid) :
-			time(grid.time.data()), dart(grid.dart.data()), waiting(grid.waiting.data()), open(grid.open.data()),
-			slots(grid.waiting_squares.slots()), seconds(grid.waiting_squares.seconds()) {}
-};
-
 /// Signed numbers are what most processors compare at once.
-using SlotLanes = hn::CappedTag<std::int64_t, WaitingSquares::slot_size>;
+using SlotLanes = hn::CappedTag<std::int32_t, WaitingSquares::slot_size>;
 using SlotWords = hn::RebindToUnsigned<SlotLanes>;
 constexpr std::size_t slot_lanes = hn::MaxLanes(SlotLanes());
 constexpr std::size_t slot_vectors = WaitingSquares::slot_size / slot_lanes;
 
-/// The darts whose squares have a sub-square that is not known to be covered; the others become dart_never. Of squares larger
-/// than a sub-square all are kept.
-HWY_INLINE hn::Vec<SlotLanes> still_open(hn::Vec<SlotWords> darts, std::uint64_t open) {
+/// Squares are looked at one by one where vectors, or their shuffles of bytes, are only emulated.
+constexpr bool is_waiting_plain = is_plain || HWY_TARGET == HWY_SSE2;
+
+/// A vector in which some lanes are moved together in one step.
+constexpr bool has_native_compress = hn::MaxLanes(hn::ScalableTag<std::uint32_t>()) == 16;
+
+/// The times of darts for which `is_still_open` holds; the others become time_never.
+HWY_INLINE hn::Vec<SlotLanes> still_open(hn::Vec<SlotLanes> time, hn::Vec<SlotWords> place, std::uint64_t open) {
 	const SlotLanes d;
 	const SlotWords du;
-	const auto x = hn::And(hn::ShiftRight<sub_bits>(darts), hn::Set(du, 7));
-	const auto y = hn::And(hn::ShiftRight<sub_bits + lattice_bits - 3>(darts), hn::Set(du, 7 << 3));
-	const auto level = hn::BitCast(d, hn::And(darts, hn::Set(du, 15ull << (2 * lattice_bits))));
-	const auto small = hn::Gt(level, hn::Set(d, (3ll << (2 * lattice_bits)) - 1));
-	const auto part = hn::And(hn::Shr(hn::Set(du, open), hn::Or(x, y)), hn::Set(du, 1));
-	const auto covered = hn::And(small, hn::Eq(hn::BitCast(d, part), hn::Zero(d)));
-	return hn::IfThenElse(covered, hn::Set(d, static_cast<std::int64_t>(dart_never)), hn::BitCast(d, darts));
+	const hn::Repartition<std::uint8_t, SlotLanes> bytes;
+	const hn::Repartition<std::uint64_t, SlotLanes> words;
+	alignas(16) static constexpr std::uint8_t bit_of[16] = {1, 2, 4, 8, 16, 32, 64, 128};
+	const auto seven = hn::Set(du, 7);
+	// The byte of the row and the bit of the column, both in a lane's lowest byte; the others have no bit.
+	const auto y = hn::And(hn::ShiftRight<sub_bits + lattice_bits>(place), seven);
+	const auto x = hn::Or(hn::And(hn::ShiftRight<sub_bits>(place), seven), hn::Set(du, 0x80808000u));
+	const auto row = hn::TableLookupBytes(hn::BitCast(bytes, hn::Set(words, open)), hn::BitCast(bytes, y));
+	const auto bit = hn::TableLookupBytesOr0(hn::LoadDup128(bytes, bit_of), hn::BitCast(bytes, x));
+	const auto is_covered = hn::Eq(hn::BitCast(d, hn::And(row, bit)), hn::Zero(d));
+	const auto level = hn::BitCast(d, hn::ShiftRight<2 * lattice_bits>(place));
+	const auto is_small = hn::Gt(level, hn::Set(d, static_cast<std::int32_t>(first_small) - 1));
+	return hn::IfThenElse(hn::And(is_small, is_covered), hn::Set(d, static_cast<std::int32_t>(time_never)), time);
 }
 
-/// `advance` of a cell that has or had more waiting squares than two slots hold.
-HWY_NOINLINE void advance_slowly(LevelGrid &grid, std::uint32_t cell, const DartKey *children) {
-	std::vector<WaitingSquares::Extra> &overflow = grid.waiting_squares.overflow();
-	const std::uint32_t slot = grid.waiting[cell] & WaitingSquares::slot_mask;
-	auto &first = grid.waiting_squares.slots()[slot].darts;
-	auto &second = grid.waiting_squares.slots()[grid.waiting_squares.seconds()[slot]].darts;
-	const auto put = [&](DartKey dart) {
-		if (dart != dart_never) {
-			overflow.push_back({cell, dart});
-		}
-	};
-	std::for_each(first.begin(), first.end(), put);
-	std::for_each(second.begin(), second.end(), put);
-	std::for_each(children, children + 4, put);
-	const auto mine =
-			std::partition(overflow.begin(), overflow.end(), [cell](const auto &extra) { return extra.cell != cell; });
-	std::sort(mine, overflow.end(), [](const auto &a, const auto &b) { return a.dart > b.dart; });
-	const std::ptrdiff_t others = mine - overflow.begin();
-	const auto take = [&] {
-		if (std::ssize(overflow) == others) {
-			return dart_never;
-		}
-		const DartKey dart = overflow.back().dart;
-		overflow.pop_back();
-		return dart;
-	};
-	const DartKey next = take();
-	std::generate(first.begin(), first.end(), take);
-	std::generate(second.begin(), second.end(), take);
-	grid.waiting[cell] =
-			slot | WaitingSquares::has_second | (std::ssize(overflow) > others ? WaitingSquares::overflows : 0);
-	grid.time[cell] = std::min(dart_time(next), time_never);
-	grid.dart[cell] = dart_place(next);
+/// The times of children, and time_never in the lanes after them.
+template <class D>
+HWY_INLINE hn::Vec<D> times_of(D d, Children children) {
+	const auto times = hn::BitCast(d, hn::LoadU(hn::RebindToUnsigned<D>(), children.time));
+	const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
+	if constexpr (has_native_compress) {
+		return hn::IfThenElse(mask_of(d, (1u << children.count) - 1), times, never);
+	}
+	return hn::IfThenElse(hn::FirstN(d, children.count), times, never);
 }
 
-/// Lets darts wait for which the cell's slots have no room, up to dart_never.
-template <std::size_t slot_count>
-HWY_NOINLINE void put_beyond(LevelGrid &grid, std::uint32_t cell, std::uint32_t slot, const DartKey *darts) {
-	if constexpr (slot_count == 1) {
-		const std::uint32_t second = grid.waiting_squares.take_if(true);
-		grid.waiting_squares.seconds()[slot] = second;
-		std::copy_n(darts, WaitingSquares::slot_size, grid.waiting_squares.slots()[second].darts.begin());
-		grid.waiting[cell] |= WaitingSquares::has_second;
-	} else {
-		for (; *darts != dart_never; ++darts) {
-			grid.waiting_squares.overflow().push_back({cell, *darts});
-		}
-		grid.waiting[cell] |= WaitingSquares::overflows;
-	}
+/// Whether more than one dart has a time that is the earliest: then their places decide.
+HWY_INLINE std::uint32_t is_tie(std::uint32_t earliest_ones, TimeKey time) {
+	const std::uint32_t ones = time != time_never ? earliest_ones : 0; // Without a branch, which would be a coin toss.
+	return (ones & (ones - 1)) != 0 ? 1 : 0;
 }
 
-/// `advance_slots` one dart after the other. The darts of a slot stand before any dart_never in it.
-template <bool with_children, std::size_t slot_count>
-inline void advance_plainly(LevelGrid &grid, const Columns &columns, Item item, const DartKey *children, Work &r_work) {
-	constexpr std::uint32_t first_small = 3; // Levels from here on have squares of one sub-square or less.
-	const std::uint32_t cell = cell_of(item);
-	const std::uint32_t before = columns.waiting[cell] & WaitingSquares::slot_mask;
-	const std::uint64_t open = columns.open[cell];
-	DartKey darts[slot_count * WaitingSquares::slot_size + 4 + WaitingSquares::slot_size + 1];
-	std::size_t count = 0;
-	std::size_t first = 0;
-	for (std::size_t slot = 0; slot < slot_count; ++slot) {
-		for (const DartKey dart : columns.slots[slot == 0 ? before : columns.seconds[before]].darts) {
-			if (dart == dart_never) {
-				break;
-			}
-			const std::uint32_t place = dart_place(dart);
-			if (dart_level(place) < first_small || (open >> sub_square_of(dart_position(place)) & 1) != 0) {
-				darts[count] = dart;
-				first = dart < darts[first] ? count : first;
-				++count;
-			}
-		}
+/// `advance` of a cell that has no waiting squares yet, with at least one child. False where it has to be done slowly.
+HWY_INLINE bool start_slot(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
+	const hn::CappedTag<std::int32_t, 4> d;
+	const hn::RebindToUnsigned<decltype(d)> du;
+	const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
+	const auto times = times_of(d, children);
+	const auto earliest = hn::MinOfLanes(d, times);
+	const auto is_next = hn::Eq(times, earliest);
+	const std::uint32_t next = bits_of(d, is_next);
+	const auto time = static_cast<TimeKey>(hn::GetLane(earliest));
+	if (HWY_UNLIKELY(is_tie(next, time) != 0)) {
+		return false;
 	}
-	DartKey next = count > 0 ? darts[first] : dart_never;
-	if (with_children && children[0] < next) {
-		next = *children++;
-	} else if (count > 0) {
-		darts[first] = darts[--count];
-	}
-	for (; with_children && *children != dart_never; ++children) {
-		darts[count++] = *children;
-	}
-	std::fill_n(darts + count, WaitingSquares::slot_size + 1, dart_never);
-	const TimeKey time = std::min(dart_time(next), time_never);
+	const std::uint32_t slot = grid.waiting_squares.take_if(true);
 	columns.time[cell] = time;
-	columns.dart[cell] = dart_place(next);
-	r_work.add_if(item, open, dart_place(next), time <= until_of(item));
-	const std::uint32_t slot = before != 0 || count == 0 ? before : grid.waiting_squares.take_if(true);
-	if (slot == 0) {
-		return;
+	columns.dart[cell] = children.place[std::countr_zero(next)];
+	columns.waiting[cell] = slot;
+	WaitingSquares::Slot &waiting = columns.slots[slot];
+	hn::Store(hn::BitCast(du, hn::IfThenElse(is_next, never, times)), du, waiting.time.data());
+	hn::Store(hn::BitCast(du, never), du, waiting.time.data() + 4);
+	hn::Store(hn::LoadU(du, children.place), du, waiting.place.data());
+	return true;
+}
+
+/// Puts darts into a slot's empty places, of which there are enough.
+HWY_INLINE void fill_slot(
+		WaitingSquares::Slot &slot, std::uint32_t empty, hn::Vec<SlotLanes> times, Children children) {
+	alignas(64) TimeKey time[slot_lanes];
+	hn::Store(hn::BitCast(SlotWords(), times), SlotWords(), time);
+	for (std::uint32_t child = 4; child-- > 0;) { // What goes to a place that a child before it takes is overwritten.
+		const std::uint32_t place = empty_places[empty][child];
+		slot.time[place] = time[child];
+		slot.place[place] = children.place[child];
 	}
-	columns.waiting[cell] = slot | (slot_count == 2 ? WaitingSquares::has_second : 0);
-	std::copy_n(darts, WaitingSquares::slot_size, columns.slots[slot].darts.begin());
-	if constexpr (slot_count == 2) {
-		std::copy_n(darts + WaitingSquares::slot_size, WaitingSquares::slot_size,
-				columns.slots[columns.seconds[slot]].darts.begin());
+}
+
+/// Puts the lanes of `from`, the first ones first, into those of `to` that are empty.
+template <class V>
+HWY_INLINE V filled(V to, hn::Mask<SlotLanes> is_empty, [[maybe_unused]] std::uint32_t empty, V from) {
+	const hn::DFromV<V> d;
+	const auto lanes = hn::RebindMask(d, is_empty);
+#if HWY_TARGET == HWY_AVX2 // Highway copies its own table whenever it is used.
+	const auto order =
+			hn::PromoteTo(SlotWords(), hn::LoadU(hn::CappedTag<std::uint8_t, 8>(), places_before[empty].data()));
+	return hn::IfThenElse(lanes, hn::TableLookupLanes(from, hn::IndicesFromVec(d, order)), to);
+#else
+	return hn::IfThenElse(lanes, hn::Expand(from, lanes), to);
+#endif
+}
+
+/// One or two slots of a cell.
+template <std::size_t slot_count>
+struct CellSlots {
+	WaitingSquares::Slot *slots[slot_count];
+	hn::Vec<SlotLanes> times[slot_count][slot_vectors]; ///< time_never where the square is covered.
+	hn::Mask<SlotLanes> is_empty[slot_count][slot_vectors];
+	std::uint32_t empty[slot_count] = {}; ///< The same as bits.
+	std::uint32_t room = 0;               ///< Empty places.
+	std::uint32_t next = 0; ///< A bit for each place that holds the earliest dart, and for each child behind them.
+
+	HWY_INLINE CellSlots(const Columns &columns, std::uint32_t cell) {
+		const std::uint32_t first = columns.waiting[cell] & WaitingSquares::slot_mask;
+		slots[0] = columns.slots + first;
+		if constexpr (slot_count == 2) {
+			slots[1] = columns.slots + columns.followers[first];
+		}
+		const SlotLanes d;
+		const SlotWords du;
+		for (std::size_t slot = 0; slot < slot_count; ++slot) {
+			for (std::size_t i = 0; i < slot_vectors; ++i) {
+				const auto time = hn::BitCast(d, hn::Load(du, slots[slot]->time.data() + i * slot_lanes));
+				const auto place = hn::Load(du, slots[slot]->place.data() + i * slot_lanes);
+				times[slot][i] = still_open(time, place, columns.open[cell]);
+			}
+		}
 	}
-	if (count > slot_count * WaitingSquares::slot_size) {
-		put_beyond<slot_count>(grid, cell, slot, darts + slot_count * WaitingSquares::slot_size);
+
+	/// The earliest time, in all lanes, of these and of children.
+	HWY_INLINE hn::Vec<SlotLanes> earliest(hn::Vec<SlotLanes> fresh) const {
+		const SlotLanes d;
+		for (const auto &slot : times) {
+			for (const auto &time : slot) {
+				fresh = hn::Min(fresh, time);
+			}
+		}
+		return hn::MinOfLanes(d, fresh);
 	}
+
+	/// Takes the earliest dart out.
+	HWY_INLINE void take(hn::Vec<SlotLanes> earliest) {
+		const SlotLanes d;
+		const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
+		for (std::size_t slot = 0; slot < slot_count; ++slot) {
+			for (std::size_t i = 0; i < slot_vectors; ++i) {
+				const auto is_next = hn::Eq(times[slot][i], earliest);
+				is_empty[slot][i] = hn::Or(is_next, hn::Eq(times[slot][i], never));
+				next |= bits_of(d, is_next) << (slot * WaitingSquares::slot_size + i * slot_lanes);
+				empty[slot] |= bits_of(d, is_empty[slot][i]) << (i * slot_lanes);
+			}
+			room += static_cast<std::uint32_t>(std::popcount(empty[slot]));
+		}
+	}
+
+	/// The place of the dart that was taken out.
+	template <bool with_children>
+	HWY_INLINE std::uint32_t next_place(
+			hn::Vec<SlotLanes> earliest, hn::Vec<SlotLanes> fresh, const Children &children) const {
+		if constexpr (has_native_compress) {
+			const SlotWords du;
+			auto places = hn::Zero(du);
+			const auto take_if = [&](hn::Mask<SlotLanes> is_next, const std::uint32_t *from) {
+				const auto lanes = hn::RebindMask(du, is_next);
+				places = hn::Or(places, hn::Compress(hn::IfThenElseZero(lanes, hn::LoadU(du, from)), lanes));
+			};
+			for (std::size_t slot = 0; slot < slot_count; ++slot) {
+				take_if(hn::Eq(times[slot][0], earliest), slots[slot]->place.data());
+			}
+			if constexpr (with_children) {
+				take_if(hn::Eq(fresh, earliest), children.place);
+			}
+			return hn::GetLane(places);
+		}
+		// A branch on where it stands would be a coin toss.
+		const auto at = static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(next));
+		const auto place_if = [at](const std::uint32_t *places, std::uint32_t begin) {
+			const std::uint32_t mask = 0u - static_cast<std::uint32_t>(at / WaitingSquares::slot_size == begin);
+			return places[at % WaitingSquares::slot_size] & mask;
+		};
+		std::uint32_t place = with_children ? place_if(children.place, slot_count) : 0;
+		for (std::uint32_t slot = 0; slot < slot_count; ++slot) {
+			place |= place_if(slots[slot]->place.data(), slot);
+		}
+		return place;
+	}
+
+	/// Stores a slot, with children in its empty places.
+	template <bool with_children>
+	HWY_INLINE void store(std::size_t slot, hn::Vec<SlotLanes> fresh, const Children &children) {
+		const SlotLanes d;
+		const SlotWords du;
+		WaitingSquares::Slot &to = *slots[slot];
+		if constexpr (with_children && slot_vectors == 1) {
+			const auto places = hn::Load(du, to.place.data());
+			const auto rest = filled(times[slot][0], is_empty[slot][0], empty[slot], fresh);
+			hn::Store(hn::BitCast(du, rest), du, to.time.data());
+			const auto fresh_places = hn::LoadU(du, children.place);
+			hn::Store(filled(places, is_empty[slot][0], empty[slot], fresh_places), du, to.place.data());
+			return;
+		}
+		const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
+		for (std::size_t i = 0; i < slot_vectors; ++i) {
+			const auto rest = hn::IfThenElse(is_empty[slot][i], never, times[slot][i]);
+			hn::Store(hn::BitCast(du, rest), du, to.time.data() + i * slot_lanes);
+		}
+		if (with_children && (slot_count == 1 || empty[slot] != 0)) {
+			fill_slot(to, empty[slot], fresh, children);
+		}
+	}
+};
+
+/// `advance` of a cell with so many slots; with none, and no children, too. False where it has to be done slowly.
+template <bool with_children, std::size_t slot_count>
+HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Children children) {
+	const SlotLanes d;
+	const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
+	CellSlots<slot_count> slots(columns, cell);
+	auto fresh = never;
+	if constexpr (with_children) {
+		fresh = times_of(d, children);
+	}
+	const auto earliest = slots.earliest(fresh);
+	slots.take(earliest);
+	if constexpr (with_children) {
+		slots.next |= bits_of(d, hn::Eq(fresh, earliest)) << (slot_count * WaitingSquares::slot_size);
+	}
+	const auto time = static_cast<TimeKey>(hn::GetLane(earliest));
+	const std::uint32_t is_full = with_children && slots.room < children.count ? 1 : 0;
+	if (HWY_UNLIKELY((is_full | is_tie(slots.next, time)) != 0)) {
+		return false;
+	}
+	columns.time[cell] = time;
+	columns.dart[cell] = slots.template next_place<with_children>(earliest, fresh, children);
+	for (std::size_t slot = 0; slot < slot_count; ++slot) {
+		if constexpr (with_children) {
+			fresh = hn::IfThenElse(hn::Eq(fresh, earliest), never, fresh);
+		}
+		slots.template store<with_children>(slot, fresh, children);
+		if (with_children && slot + 1 < slot_count) { // What the first slot has no room for goes to the second one.
+			children = children.after(static_cast<std::uint32_t>(std::popcount(slots.empty[0])));
+			fresh = times_of(d, children);
+		}
+	}
+	return true;
+}
+
+/// Gives a cell with one slot a second one. Then `advance`.
+HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
+	if constexpr (!is_waiting_plain) {
+		const std::uint32_t first = columns.waiting[cell];
+		if (first != 0 && children.count != 0) {
+			const std::uint32_t second = grid.waiting_squares.take_if(true);
+			columns.slots[second].time.fill(time_never);
+			columns.followers[first] = second;
+			columns.followers[second] = 0;
+			columns.waiting[cell] = first | WaitingSquares::has_second;
+			if (advance_slots<true, 2>(columns, cell, children)) {
+				return;
+			}
+		}
+	}
+	advance_slowly(grid, cell, children);
+}
+
+/// The cell's next dart: the earliest of its waiting squares and of new ones; the others wait.
+template <bool with_children>
+HWY_INLINE void advance(LevelGrid &grid, const Columns &columns, Item item, Children children, Work &r_work) {
+	const std::uint32_t cell = cell_of(item);
+	const std::uint32_t waiting = columns.waiting[cell];
+	if (HWY_LIKELY(waiting < WaitingSquares::has_second)) {
+		bool done = false;
+		if constexpr (is_waiting_plain) {
+			done = advance_plainly(grid, columns, cell, children);
+		} else {
+			done = advance_slots<with_children, 1>(columns, cell, children);
+		}
+		if (HWY_UNLIKELY(!done)) {
+			advance_to_second(grid, columns, cell, children);
+		}
+	} else if (is_waiting_plain || waiting >= WaitingSquares::has_more ||
+			!advance_slots<with_children, 2>(columns, cell, children)) {
+		advance_slowly(grid, cell, children);
+	}
+	r_work.add_if(item, columns.open[cell], columns.dart[cell], columns.time[cell] <= until_of(item));
 }
 
 /// `advance` of a cell that has no waiting squares yet, with at least one child.
-HWY_INLINE void advance_first(
-		LevelGrid &grid, const Columns &columns, Item item, const DartKey *children, Work &r_work) {
+HWY_INLINE void advance_first(LevelGrid &grid, const Columns &columns, Item item, Children children, Work &r_work) {
 	const std::uint32_t cell = cell_of(item);
-	const std::uint32_t slot = grid.waiting_squares.take_if(true);
-	const TimeKey time = dart_time(children[0]);
-	columns.time[cell] = time;
-	columns.dart[cell] = dart_place(children[0]);
-	columns.waiting[cell] = slot;
-	std::copy_n(children + 1, WaitingSquares::slot_size, columns.slots[slot].darts.begin());
-	r_work.add_if(item, columns.open[cell], dart_place(children[0]), time <= until_of(item));
-}
-
-/// `advance` of a cell with so many slots at most.
-template <bool with_children, std::size_t slot_count>
-HWY_INLINE void advance_slots(
-		LevelGrid &grid, const Columns &columns, Item item, const DartKey *children, Work &r_work) {
-	if constexpr (is_plain) {
-		return advance_plainly<with_children, slot_count>(grid, columns, item, children, r_work);
+	if constexpr (is_waiting_plain) {
+		return advance<true>(grid, columns, item, children, r_work);
 	}
-	const SlotLanes d;
-	const SlotWords du;
-	const auto never = hn::Set(d, static_cast<std::int64_t>(dart_never));
-	const std::uint32_t cell = cell_of(item);
-	const std::uint32_t before = columns.waiting[cell] & WaitingSquares::slot_mask;
-	const std::uint64_t open = columns.open[cell];
-	DartKey *slots[2] = {columns.slots[before].darts.data(),
-			slot_count == 2 ? columns.slots[columns.seconds[before]].darts.data() : nullptr};
-	hn::Vec<SlotLanes> darts[slot_count * slot_vectors];
-	auto earliest = with_children ? hn::Set(d, static_cast<std::int64_t>(children[0])) : never;
-	for (std::size_t i = 0; i < slot_count * slot_vectors; ++i) {
-		darts[i] = still_open(hn::Load(du, slots[i / slot_vectors] + i % slot_vectors * slot_lanes), open);
-		earliest = hn::Min(earliest, darts[i]);
+	if (HWY_UNLIKELY(!start_slot(grid, columns, cell, children))) {
+		advance_slowly(grid, cell, children);
 	}
-	earliest = hn::MinOfLanes(d, earliest);
-	const auto next = static_cast<DartKey>(hn::GetLane(earliest));
-	const TimeKey time = std::min(dart_time(next), time_never);
-	columns.time[cell] = time;
-	columns.dart[cell] = dart_place(next);
-	r_work.add_if(item, open, dart_place(next), time <= until_of(item));
-	const std::uint32_t fresh = grid.waiting_squares.take_if(with_children && before == 0);
-	const std::uint32_t slot = before != 0 ? before : fresh;
-	if constexpr (with_children) {
-		slots[0] = columns.slots[slot].darts.data();
-	}
-	const DartKey *rest = with_children ? children + (next == children[0]) : nullptr;
-	std::size_t room = 0;
-	for (std::size_t i = 0; i < slot_count * slot_vectors; ++i) {
-		const auto empty = hn::Or(hn::Eq(darts[i], never), hn::Eq(darts[i], earliest));
-		DartKey *to = slots[i / slot_vectors] + i % slot_vectors * slot_lanes;
-		if constexpr (with_children) {
-			const auto fresh_darts =
-					hn::LoadExpand(hn::RebindMask(du, empty), du, rest + std::min<std::size_t>(room, 4));
-			hn::Store(hn::BitCast(du, hn::IfThenElse(empty, hn::BitCast(d, fresh_darts), darts[i])), du, to);
-			room += hn::CountTrue(d, empty);
-		} else {
-			hn::Store(hn::BitCast(du, hn::IfThenElse(empty, never, darts[i])), du, to);
-		}
-	}
-	if constexpr (with_children) {
-		columns.waiting[cell] = slot | (slot_count == 2 ? WaitingSquares::has_second : 0);
-		if (HWY_UNLIKELY(room < 4 && rest[room] != dart_never)) {
-			put_beyond<slot_count>(grid, cell, slot, rest + room);
-		}
-	}
-}
-
-/// The cell's next dart: the earliest of its waiting squares and of up to four new ones, which stand sorted at `children` before
-/// nine times dart_never; the others wait.
-template <bool with_children>
-HWY_INLINE void advance(LevelGrid &grid, const Columns &columns, Item item, const DartKey *children, Work &r_work) {
-	const std::uint32_t cell = cell_of(item);
-	const std::uint32_t before = columns.waiting[cell];
-	if (HWY_LIKELY(before < WaitingSquares::has_second)) {
-		advance_slots<with_children, 1>(grid, columns, item, children, r_work);
-	} else if (before < WaitingSquares::overflows) {
-		advance_slots<with_children, 2>(grid, columns, item, children, r_work);
-	} else {
-		static constexpr DartKey none[4] = {dart_never, dart_never, dart_never, dart_never};
-		advance_slowly(grid, cell, with_children ? children : none);
-		r_work.add_if(item, columns.open[cell], columns.dart[cell], columns.time[cell] <= until_of(item));
-	}
+	r_work.add_if(item, columns.open[cell], columns.dart[cell], columns.time[cell] <= until_of(item));
 }
 
 } // namespace thicket::HWY_NAMESPACE

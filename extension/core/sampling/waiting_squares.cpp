@@ -4,17 +4,14 @@
 
 namespace thicket {
 
-void WaitingSquares::clear() {
-	used_ = 1;
-	overflow_.clear();
-}
+void WaitingSquares::clear() { used_ = 1; }
 
 void WaitingSquares::grow(std::uint32_t more) {
 	constexpr std::size_t first_slots = 1024;
 	const std::size_t size = std::max({first_slots, 2 * slots_.size(), std::size_t{used_} + more});
-	seconds_.resize(size);
+	followers_.resize(size);
 	slots_.resize(size);
-	slots_.front().darts.fill(dart_never);
+	slots_.front().time.fill(time_never);
 }
 
 } // namespace thicket

@@ -66,16 +66,39 @@ struct Work {
 /// Squares that are about to be split, a column for each value.
 struct Splits {
 	static constexpr std::uint32_t room = Group::room;
-	/// From one split's children to the next's: four darts, and as many times dart_never as a vector may read on.
-	static constexpr std::size_t stride = 16;
+	static constexpr std::uint32_t room_of_children = 4 * room;
 
 	std::uint32_t count = 0;
 	alignas(64) Item items[room];
 	alignas(64) DartKey parent[room];
-	alignas(64) std::uint64_t open[room];        ///< A bit for each child that is not known to be covered.
-	alignas(64) DartKey children[room * stride]; ///< Earliest first, dart_never where one is covered.
+	alignas(64) std::uint64_t open[room]; ///< A bit for each child that is not known to be covered.
 
-	Splits() { std::fill_n(children, room * stride, dart_never); }
+	/// Where the open children of each square begin in the columns below, and where those of the last one end.
+	std::uint32_t first[room + 1];
+	alignas(64) std::uint64_t hashed[room_of_children]{};
+	alignas(64)
+			std::uint32_t corner[room_of_children]{}; ///< The bits of a position that tell the child from its siblings.
+	/// Of its dart; of the parent's while it is not thrown.
+	alignas(64) TimeKey time[room_of_children]{};
+	alignas(64) std::uint32_t place[room_of_children]{};
+};
+
+/// Darts of one cell that have just been thrown, in no order.
+struct Children {
+	const TimeKey *time;
+	const std::uint32_t *place;
+	std::uint32_t count;
+
+	static Children of(const Splits &splits, std::uint32_t split) {
+		const std::uint32_t first = splits.first[split];
+		return {splits.time + first, splits.place + first, splits.first[split + 1] - first};
+	}
+
+	/// Without the first ones.
+	Children after(std::uint32_t first) const {
+		const std::uint32_t skipped = std::min(first, count);
+		return {time + skipped, place + skipped, count - skipped};
+	}
 };
 
 } // namespace thicket

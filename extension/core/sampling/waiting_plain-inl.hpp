@@ -1,0 +1,141 @@
+// The next darts of cells whose dart was rejected, one dart after the other. Compiled once for each instruction set, by resolver.cpp.
+#if defined(THICKET_WAITING_PLAIN_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef THICKET_WAITING_PLAIN_INL
+#undef THICKET_WAITING_PLAIN_INL
+#else
+#define THICKET_WAITING_PLAIN_INL
+#endif
+
+#include "core/sampling/level_grid.hpp"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+HWY_BEFORE_NAMESPACE();
+namespace thicket::HWY_NAMESPACE {
+
+/// The columns of a grid. Vector stores may alias the vectors' own pointers, which would be loaded again after each.
+struct Columns {
+	TimeKey *time;
+	std::uint32_t *dart;
+	std::uint32_t *waiting;
+	std::uint64_t *open;
+	WaitingSquares::Slot *slots;
+	std::uint32_t *followers;
+
+	explicit Columns(LevelGrid &grid) :
+			time(grid.time.data()), dart(grid.dart.data()), waiting(grid.waiting.data()), open(grid.open.data()),
+			slots(grid.waiting_squares.slots()), followers(grid.waiting_squares.followers()) {}
+};
+
+/// Levels from here on have squares of one sub-square or less.
+constexpr std::uint32_t first_small = 3;
+
+/// Whether the dart's square has a sub-square that is not known to be covered. Of squares larger than a sub-square all are kept.
+HWY_INLINE bool is_still_open(std::uint32_t place, std::uint64_t open) {
+	return dart_level(place) < first_small || (open >> sub_square_of(dart_position(place)) & 1) != 0;
+}
+
+/// `advance` of any cell.
+HWY_NOINLINE void advance_slowly(LevelGrid &grid, std::uint32_t cell, Children children) {
+	WaitingSquares &squares = grid.waiting_squares;
+	std::vector<DartKey> &darts = squares.gathered();
+	darts.clear();
+	const auto put = [&](TimeKey time, std::uint32_t place) {
+		if (time != time_never && is_still_open(place, grid.open[cell])) {
+			darts.push_back(make_dart(time, place));
+		}
+	};
+	const std::uint32_t first = grid.waiting[cell] & WaitingSquares::slot_mask;
+	const bool has_more = grid.waiting[cell] > WaitingSquares::slot_mask;
+	for (std::uint32_t slot = first; slot != 0; slot = has_more ? squares.followers()[slot] : 0) {
+		for (std::uint32_t i = 0; i < WaitingSquares::slot_size; ++i) {
+			put(squares.slots()[slot].time[i], squares.slots()[slot].place[i]);
+		}
+	}
+	for (std::uint32_t i = 0; i < children.count; ++i) {
+		put(children.time[i], children.place[i]);
+	}
+	if (darts.empty()) {
+		darts.push_back(make_dart(time_never, 0));
+	}
+	std::swap(*std::ranges::min_element(darts), darts.back());
+	grid.time[cell] = dart_time(darts.back());
+	grid.dart[cell] = dart_place(darts.back());
+	darts.pop_back();
+	std::uint32_t slot = first != 0 ? first : squares.take_if(true);
+	std::uint32_t next = has_more ? squares.followers()[slot] : 0;
+	grid.waiting[cell] = slot |
+			(darts.size() > 2 * WaitingSquares::slot_size              ? WaitingSquares::has_more
+							: darts.size() > WaitingSquares::slot_size ? WaitingSquares::has_second
+																	   : 0);
+	while (true) {
+		for (std::uint32_t i = 0; i < WaitingSquares::slot_size; ++i) {
+			const bool some = !darts.empty();
+			squares.slots()[slot].time[i] = some ? dart_time(darts.back()) : time_never;
+			squares.slots()[slot].place[i] = some ? dart_place(darts.back()) : 0;
+			darts.resize(darts.size() - (some ? 1 : 0));
+		}
+		if (darts.empty()) {
+			squares.followers()[slot] = 0;
+			return;
+		}
+		const std::uint32_t after = next != 0 ? next : squares.take_if(true);
+		next = next != 0 ? squares.followers()[next] : 0;
+		squares.followers()[slot] = after;
+		slot = after;
+	}
+}
+
+/// `advance` of a cell with one slot or none, one dart after the other. The darts of a slot stand before any time_never in it. False
+/// where one slot does not hold them.
+inline bool advance_plainly(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
+	const std::uint32_t before = columns.waiting[cell];
+	const std::uint64_t open = columns.open[cell];
+	DartKey darts[WaitingSquares::slot_size + 4];
+	std::uint32_t count = 0;
+	std::uint32_t first = 0;
+	const auto put = [&](DartKey dart) {
+		darts[count] = dart;
+		first = dart < darts[first] ? count : first;
+		++count;
+	};
+	const WaitingSquares::Slot &slot = columns.slots[before];
+	for (std::uint32_t i = 0; i < WaitingSquares::slot_size && slot.time[i] != time_never; ++i) {
+		if (is_still_open(slot.place[i], open)) {
+			put(make_dart(slot.time[i], slot.place[i]));
+		}
+	}
+	for (std::uint32_t i = 0; i < children.count; ++i) {
+		put(make_dart(children.time[i], children.place[i]));
+	}
+	if (count > WaitingSquares::slot_size + 1) {
+		return false;
+	}
+	const DartKey next = count > 0 ? darts[first] : make_dart(time_never, 0);
+	columns.time[cell] = dart_time(next);
+	columns.dart[cell] = dart_place(next);
+	if (count > 0) {
+		darts[first] = darts[--count];
+	}
+	if (before == 0 && count == 0) {
+		return true;
+	}
+	columns.waiting[cell] = before != 0 ? before : grid.waiting_squares.take_if(true);
+	WaitingSquares::Slot &after = columns.slots[columns.waiting[cell]];
+	for (std::uint32_t i = 0; i < count; ++i) {
+		after.time[i] = dart_time(darts[i]);
+		after.place[i] = dart_place(darts[i]);
+	}
+	std::fill(after.time.begin() + count, after.time.end(), time_never);
+	return true;
+}
+
+} // namespace thicket::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
