@@ -29,37 +29,30 @@ CellRect cells_of_block(glm::ivec2 block) {
 } // namespace
 
 SettledBlock::SettledBlock(const LevelGrid &grid, const CellRect &cells) : cells_(cells) {
-	const auto visit = [&](const auto &take) {
-		for (std::int32_t y = cells.min.y; y < cells.max.y; ++y) {
-			const std::uint32_t first = grid.index_of({cells.min.x, y});
-			for (std::uint32_t column = 0; column < static_cast<std::uint32_t>(cells.size().x); ++column) {
-				if (grid.point[first + column] != LevelGrid::no_point) {
-					take(y, column, first + column);
-				}
+	const glm::ivec2 size = cells.size();
+	std::uint32_t count = 0;
+	for (std::int32_t y = 0; y < size.y; ++y) {
+		Row &row = rows_[static_cast<std::size_t>(y)];
+		const LevelGrid::PointOffset *points = grid.point.data() + grid.index_of(cells.min + glm::ivec2(0, y));
+		row.begin = count;
+		for (std::int32_t x = 0; x < size.x; ++x) {
+			row.points[static_cast<std::size_t>(x / 32)] |= (points[x] != LevelGrid::no_point ? 1u : 0u) << x % 32;
+		}
+		for (const std::uint32_t word : row.points) {
+			count += static_cast<std::uint32_t>(std::popcount(word));
+		}
+	}
+	points_.resize(count);
+	Point *to = points_.data();
+	for (std::int32_t y = 0; y < size.y; ++y) {
+		const std::uint32_t first = grid.index_of(cells.min + glm::ivec2(0, y));
+		for (std::uint32_t word = 0; word < words; ++word) {
+			for (std::uint32_t rest = rows_[static_cast<std::size_t>(y)].points[word]; rest != 0; rest &= rest - 1) {
+				const std::uint32_t index = first + word * 32 + static_cast<std::uint32_t>(std::countr_zero(rest));
+				*to++ = {grid.point[index], grid.dart[index]};
 			}
 		}
-	};
-	std::size_t count = 0;
-	visit([&](std::int32_t, std::uint32_t, std::uint32_t) { ++count; });
-	points_.reserve(count);
-	visit([&](std::int32_t y, std::uint32_t column, std::uint32_t index) {
-		points_.push_back({grid.point[index], grid.dart[index], column});
-		rows_[static_cast<std::size_t>(y - cells.min.y) + 1] = static_cast<std::uint16_t>(points_.size());
-	});
-	for (std::size_t row = 1; row < rows_.size(); ++row) { // A row without points ends where the one before it does.
-		rows_[row] = std::max(rows_[row], rows_[row - 1]);
 	}
-}
-
-std::span<const SettledBlock::Point> SettledBlock::row(std::int32_t y, std::int32_t first, std::int32_t end) const {
-	const auto index = static_cast<std::size_t>(y - cells_.min.y);
-	const auto begin_of_row = points_.begin() + rows_[index];
-	const auto end_of_row = points_.begin() + rows_[index + 1];
-	const auto column_of = [this](std::int32_t x) {
-		return static_cast<std::uint32_t>(std::max(x - cells_.min.x, 0));
-	};
-	const auto from = std::ranges::lower_bound(begin_of_row, end_of_row, column_of(first), {}, &Point::column);
-	return {from, std::ranges::lower_bound(from, end_of_row, column_of(end), {}, &Point::column)};
 }
 
 bool BlockCache::Key::operator<(const Key &other) const {

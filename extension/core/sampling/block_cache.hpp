@@ -4,12 +4,12 @@
 #include "core/sampling/point_set.hpp"
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <vector>
 
 namespace thicket {
@@ -23,20 +23,46 @@ public:
 	struct Point {
 		LevelGrid::PointOffset offset; ///< In its cell.
 		std::uint32_t rank;
-		std::uint32_t column; ///< Of its cell, from the block's first.
 	};
 
 	/// Of a grid in which `cells`, at most `width` wide and high, are decided. Throws std::bad_alloc.
 	SettledBlock(const LevelGrid &grid, const CellRect &cells);
 
 	const CellRect &cells() const { return cells_; }
-	/// The points of the cells from `first` to `end` in the row `y`, in order.
-	std::span<const Point> row(std::int32_t y, std::int32_t first, std::int32_t end) const;
+	/// Calls `visit(cell, point)` for the points of the cells from `first` to `end` in the row `y`, in order.
+	template <class Visit>
+	void for_each_in_row(std::int32_t y, std::int32_t first, std::int32_t end, const Visit &visit) const {
+		const Row &row = rows_[static_cast<std::size_t>(y - cells_.min.y)];
+		const Point *point = points_.data() + row.begin;
+		for (std::uint32_t word = 0; word < words; ++word) {
+			const std::int32_t corner = cells_.min.x + static_cast<std::int32_t>(word) * 32;
+			const std::uint32_t before = row.points[word] & columns_before(first - corner);
+			point += std::popcount(before);
+			for (std::uint32_t rest = row.points[word] & columns_before(end - corner) & ~before; rest != 0;
+					rest &= rest - 1) {
+				visit(glm::ivec2(corner + std::countr_zero(rest), y), *point++);
+			}
+		}
+	}
+
 	std::size_t bytes() const { return sizeof *this + points_.capacity() * sizeof(Point); }
 
 private:
+	static constexpr std::uint32_t words = width / 32;
+	static_assert(width % 32 == 0);
+
+	struct Row {
+		std::array<std::uint32_t, words> points{}; ///< A bit for each cell: whether it has one.
+		std::uint32_t begin = 0;                   ///< Of its points.
+	};
+
+	/// Bits of the columns of a word before one that may lie beyond it.
+	static constexpr std::uint32_t columns_before(std::int32_t column) {
+		return column <= 0 ? 0 : column >= 32 ? ~0u : (1u << column) - 1;
+	}
+
 	CellRect cells_;
-	std::array<std::uint16_t, width + 1> rows_{}; ///< Where each begins in `points_`.
+	std::array<Row, width> rows_{};
 	std::vector<Point> points_;
 };
 
@@ -107,9 +133,7 @@ public:
 				if (y < block.cells().min.y || y >= block.cells().max.y) {
 					continue;
 				}
-				for (const SettledBlock::Point &point : block.row(y, window_.min.x, window_.max.x)) {
-					visit(glm::ivec2(block.cells().min.x + static_cast<std::int32_t>(point.column), y), point);
-				}
+				block.for_each_in_row(y, window_.min.x, window_.max.x, visit);
 			}
 		}
 	}
