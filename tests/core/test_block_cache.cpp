@@ -96,6 +96,29 @@ TEST_CASE("A single window costs what it does without kept blocks") {
 	}
 }
 
+TEST_CASE("A block beside a kept one is made for the first window that touches it") {
+	const PointSet set{.seed = 7, .radius = 2.0};
+	TileSampler with({}, std::make_shared<BlockCache>());
+	TileSampler without;
+	const double block = SettledBlock::width * static_cast<double>(cell_size) * lattice_unit(set);
+	const auto window = [&](double x, double y) {
+		const glm::dvec2 corner(block * x, block * y);
+		return Rect{corner, corner + 0.1 * block};
+	};
+	const auto is_settled = [&](const Rect &rect) {
+		CHECK(points_in(with, set, rect) == points_in(without, set, rect));
+		return with.stats().computed != without.stats().computed;
+	};
+	CHECK_FALSE(is_settled(window(0.5, 0.5)));
+	CHECK_FALSE(is_settled(window(1.5, 0.5))); // The block beside it was asked for once, and is not made.
+	CHECK(is_settled(window(0.5, 0.7)));
+	CHECK(is_settled(window(0.5, 1.5)));
+	CHECK(with.stats().computed > 0);
+	CHECK(is_settled(window(0.7, 1.7)));
+	CHECK(with.stats().computed == 0);
+	CHECK_FALSE(is_settled(window(2.5, 2.5))); // It touches others at a corner at most.
+}
+
 TEST_CASE("Kept blocks stay within their memory, those used last") {
 	const std::size_t limit = std::size_t{1} << 18;
 	const auto cache = std::make_shared<BlockCache>(limit);

@@ -67,6 +67,17 @@ std::size_t BlockCache::bytes() const {
 	return bytes_;
 }
 
+/// Whether a block that shares an edge with this one is made or in work. Called with the lock held.
+bool BlockCache::is_made_beside(const Key &key) const {
+	for (const glm::ivec2 step : {glm::ivec2(-1, 0), glm::ivec2(1, 0), glm::ivec2(0, -1), glm::ivec2(0, 1)}) {
+		const auto beside = entries_.find({key.set, key.block + step});
+		if (beside != entries_.end() && (beside->second.block != nullptr || beside->second.in_work)) {
+			return true;
+		}
+	}
+	return false;
+}
+
 /// Called with the lock held.
 void BlockCache::trim() {
 	while (bytes_ > limit_ || entries_.size() > most_entries) {
@@ -102,7 +113,7 @@ SettledWindow::SettledWindow(BlockCache &cache, const PointSet &set, const CellR
 		const auto [entry, is_new] = cache_.entries_.try_emplace(slots_[slot].key);
 		entries[slot] = &entry->second;
 		entry->second.used = ++cache_.clock_;
-		served_ = served_ && !is_new && !entry->second.in_work;
+		served_ = served_ && (!is_new || cache_.is_made_beside(slots_[slot].key)) && !entry->second.in_work;
 	}
 	if (!served_) {
 		cache_.trim();

@@ -69,7 +69,8 @@ private:
 /// Keeps blocks of sets that were sampled lately, so that tiles which are small beside a block, and layers at which other layers look,
 /// are decided once and share one margin. It saves work and changes no point. Safe for any number of threads.
 ///
-/// A block is made for the second window that touches it: a single window somewhere costs what it did without a cache.
+/// A block is made for the second window that touches it, or for the first one where a block beside it is there: what is wanted grows.
+/// A single window somewhere costs what it did without a cache.
 class BlockCache {
 public:
 	static constexpr std::size_t default_bytes = std::size_t{4} << 20;
@@ -97,6 +98,7 @@ private:
 		std::uint64_t used = 0; ///< When it was asked for last.
 	};
 
+	bool is_made_beside(const Key &key) const;
 	void trim();
 
 	const std::size_t limit_;
@@ -116,7 +118,8 @@ public:
 	SettledWindow(const SettledWindow &) = delete;
 	SettledWindow &operator=(const SettledWindow &) = delete;
 
-	/// Whether the window is to be taken from blocks. If not, it was the first to touch one of them, or somebody else is at work on one.
+	/// Whether the window is to be taken from blocks. If not, it was the first to touch one of them and those beside it, or somebody else
+	/// is at work on one.
 	bool served() const { return served_; }
 
 	/// The next block that the caller has to make for `settle`, clear of the set's last cell; false if all are there.
