@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
@@ -23,9 +24,9 @@ HWY_INLINE bool is_cancelled(const std::atomic<bool> *cancel) {
 	return cancel != nullptr && cancel->load(std::memory_order_relaxed);
 }
 
-/// Times between which the passes of `resolve_region` double; by then hardly anything is left to cover.
-constexpr float first_pass = 0.25f;
-constexpr float last_pass = 256.0f;
+/// Times up to which the passes of `resolve_region` decide; a last one decides the rest. They double while there is much left to cover,
+/// and then grow faster: each looks at all cells.
+constexpr float pass_ends[] = {0.25f, 0.5f, 1.0f, 2.0f, 4.0f, 8.0f, 32.0f, std::numeric_limits<float>::infinity()};
 
 /// Cells around a region for which the coarser level is decided with the region's own: most chains that leave the region then find
 /// what they ask of that level, where they would follow chains of it in each of their rounds.
@@ -102,8 +103,8 @@ inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, cons
 	if (grid.coarser != nullptr) {
 		make_region_ready(*grid.coarser, grid, region.grown(ahead));
 	}
-	for (float until = first_pass; until <= last_pass; until *= 2.0f) {
-		const TimeKey due = until < last_pass ? std::bit_cast<TimeKey>(until) : time_never - 1;
+	for (const float end : pass_ends) {
+		const TimeKey due = std::min(std::bit_cast<TimeKey>(end), time_never - 1);
 		if (!resolve_pass(levels, level, region, due, cancel)) {
 			return ResolveResult::margin_too_small;
 		}
