@@ -22,6 +22,7 @@ func run() -> String:
 		"a heightmap, with an edge that thins out": [heightmap, {&"max_slope_degrees": 30.0, &"edge_feather": 8.0}],
 		"flat ground, with a noise": [ScatterTerrainFlat.new(), {&"noise": noise.noise}],
 		"the ground of a noise": [noise, {}],
+		"the ground of a noise, along its normals": [noise, {&"align_to_normal": 1.0}],
 	}
 	var rates := {}
 	make_scatter(heightmap, [], _viewer)

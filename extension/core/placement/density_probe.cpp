@@ -32,6 +32,9 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 	positions.clear();
 	queries.clear();
 	filter.add_queries(positions, queries);
+	for (GroundQuery &query : queries) {
+		query.normals = true; // Whoever asks for an explanation may look at the slope, too.
+	}
 	found = true;
 	return {};
 }

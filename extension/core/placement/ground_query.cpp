@@ -20,6 +20,7 @@ struct Portion {
 	std::size_t first;
 	std::size_t count;
 	std::span<const std::int32_t> textures;
+	bool normals;
 };
 
 /// Cuts queries into portions, in order.
@@ -36,7 +37,8 @@ public:
 			return false;
 		}
 		const GroundQuery &query = queries_[query_];
-		r_portion = {query.first + done_, std::min(batch, query.count - done_), query.textures};
+		r_portion = {query.first + done_, std::min(batch, query.count - done_), query.textures,
+				query.normals};
 		done_ += batch;
 		return true;
 	}
@@ -54,7 +56,8 @@ Status ask(const Terrain &terrain, std::span<const glm::dvec2> positions, const 
 	}
 	const std::span<const glm::dvec2> places = positions.subspan(portion.first, portion.count);
 	const std::span<Ground> ground = r_ground.subspan(portion.first, portion.count);
-	const Status status = terrain.sample(places, ground);
+	const Status status =
+			portion.normals ? terrain.sample(places, ground) : terrain.sample_heights(places, ground);
 	return status.ok() && !portion.textures.empty() ? terrain.weigh(places, portion.textures, ground) : status;
 }
 

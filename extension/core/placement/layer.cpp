@@ -26,6 +26,14 @@ Status validate(const LayerSettings &layer) {
 	return status;
 }
 
+bool follows_normals(const LayerSettings &layer) {
+	const Placement &placement = layer.placement;
+	const InstanceData &data = layer.instance_data;
+	return placement.align_to_normal != 0.0 || placement.offset_along_normal != 0.0 ||
+			(data.color_is_known() && data.color.kind == SourceKind::slope) ||
+			(data.variation_is_known() && data.variation.kind == SourceKind::slope);
+}
+
 double reach(const LayerSettings &layer) {
 	double farthest = 0.0;
 	const LayerGraph graph(layer);

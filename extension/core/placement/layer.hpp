@@ -51,6 +51,9 @@ struct LayerSettings {
 /// Refuses a layer of which any part is refused.
 Status validate(const LayerSettings &layer);
 
+/// Whether transforms or looks of the instances follow the normal of the ground.
+bool follows_normals(const LayerSettings &layer);
+
 /// How far, in meters, a change of the ground, a mask or a shape may reach for the instances of a valid layer: the distances
 /// of its neighbors' chains, of what its sources look at, and of edge feathers, added up.
 double reach(const LayerSettings &layer);

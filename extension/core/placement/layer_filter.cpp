@@ -110,7 +110,16 @@ Status LayerFilter::open_probes() {
 	return status;
 }
 
-void LayerFilter::add_positions(std::vector<glm::dvec2> &r_positions) const {
+void LayerFilter::add_queries(
+		bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const {
+	const std::vector<std::int32_t> &textures = layer_->rules.ground_textures;
+	const bool slope = rules_.look_at_slope();
+	if (slope || !normals || probes_.empty()) {
+		r_queries.push_back({r_positions.size(), position_count(), textures, slope || normals});
+	} else {
+		r_queries.push_back({r_positions.size(), positions_.size(), textures, true});
+		r_queries.push_back({r_positions.size() + positions_.size(), probes_.size(), textures, false});
+	}
 	r_positions.insert(r_positions.end(), positions_.begin(), positions_.end());
 	r_positions.insert(r_positions.end(), probes_.begin(), probes_.end());
 }

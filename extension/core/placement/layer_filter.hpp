@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/rect.hpp"
+#include "core/placement/ground_query.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/point_grid.hpp"
 #include "core/rules/rules.hpp"
@@ -32,8 +33,9 @@ public:
 	/// id, with the rank 0.
 	Status take(std::span<const glm::dvec2> places, const Rect &window);
 
-	/// Where the ground has to be known: the points' positions, then edge_probes for each point if the layer looks at its edge.
-	void add_positions(std::vector<glm::dvec2> &r_positions) const;
+	/// Where the ground has to be known: the points' positions, then edge_probes for each point if the layer looks at its edge. Adds to
+	/// both. Nobody looks at the normals of a layer without a rule for the slope, or at those of the points if `normals`.
+	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 	std::size_t position_count() const { return positions_.size() + probe_open_.size(); }
 
 	/// Finds out which points stand; `ground` has one entry for each of these positions. The neighbors have been filtered before.

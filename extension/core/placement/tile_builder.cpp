@@ -60,7 +60,7 @@ void TileBuilder::Workspace::gather_positions() {
 	positions.clear();
 	queries.clear();
 	filter.add_queries(positions, queries);
-	queries.push_back({positions.size(), origin_probes.size(), {}});
+	queries.push_back({positions.size(), origin_probes.size(), {}, false});
 	for (const glm::dvec2 probe : origin_probes) {
 		positions.push_back(rect.center() + probe * rect.size());
 	}
@@ -87,8 +87,7 @@ Status TileBuilder::Workspace::place(
 	const LayerFilter &own = filter.own();
 	const glm::dvec2 center = rect.center();
 	const glm::dvec3 origin{center.x, origin_height(known.last(origin_probes.size())), center.y};
-	const std::size_t first = queries[filter.size() - 1].first;
-	StandingPoints points{own.positions(), known.subspan(first, own.positions().size()), own.ids(), own.standing(),
+	StandingPoints points{own.positions(), known.subspan(filter.own_first(), own.positions().size()), own.ids(), own.standing(),
 			own.thinning_ranks()};
 	Status status = shares.find(filter, points, cancel);
 	if (status.ok()) {

@@ -57,10 +57,17 @@ double TileFilter::points_around(const Rect &rect) const {
 
 void TileFilter::add_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const {
 	for (std::size_t i = 0; i < size(); ++i) {
-		const LayerFilter &each = layer(i);
-		r_queries.push_back({r_positions.size(), each.position_count(), each.settings().rules.ground_textures});
-		each.add_positions(r_positions);
+		const bool placed = i + 1 == size() && follows_normals(layer_);
+		layer(i).add_queries(placed, r_positions, r_queries);
 	}
+}
+
+std::size_t TileFilter::own_first() const {
+	std::size_t first = 0;
+	for (std::size_t i = 0; i + 1 < size(); ++i) {
+		first += layer(i).position_count();
+	}
+	return first;
 }
 
 Status TileFilter::filter_neighbors(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
@@ -81,11 +88,7 @@ Status TileFilter::filter(std::span<const Ground> ground, const std::atomic<bool
 	if (const Status status = filter_neighbors(ground, cancel); !status.ok()) {
 		return status;
 	}
-	std::size_t first = 0;
-	for (std::size_t i = 0; i + 1 < size(); ++i) {
-		first += layer(i).position_count();
-	}
-	return layers_[size() - 1]->filter(ground.subspan(first, own().position_count()), cancel);
+	return layers_[size() - 1]->filter(ground.subspan(own_first(), own().position_count()), cancel);
 }
 
 } // namespace thicket

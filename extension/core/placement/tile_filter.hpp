@@ -33,8 +33,11 @@ public:
 	/// About how many points of other layers that is.
 	double points_around(const Rect &rect) const;
 
-	/// Where the ground has to be known: the positions of all layers, one after the other. Adds to both.
+	/// Where the ground has to be known: the positions of all layers, one after the other, as tiles need it. Adds to both.
 	void add_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
+
+	/// Where among these the positions of the layer itself begin.
+	std::size_t own_first() const;
 
 	/// Filters all layers; `ground` holds the ground of their positions, one layer after the other.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);

@@ -81,6 +81,9 @@ public:
 
 	const Rules &rules() const { return rules_; }
 
+	/// Whether the slope of the ground counts.
+	bool look_at_slope() const { return !slope_.open() || rules_.slope_curve != nullptr; }
+
 	/// Replaces `r_densities` by the product of the rules that depend on the position alone, so that they can be asked before
 	/// the ground is known: density, fields, mask, biome, clumping. `scratch` is working memory that is kept for the next time.
 	/// Fails as a field does.

@@ -30,6 +30,12 @@ public:
 	/// Called from several threads at once, so an implementation keeps no state of the call.
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const = 0;
 
+	/// As `sample`, for who needs no normals: a terrain to which they are dear leaves them as they are in `r_ground`, if it has no ground
+	/// whose normal is not finite or does not point up. The heights are the same to the bit.
+	virtual Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+		return sample(positions, r_ground);
+	}
+
 	/// Writes to `r_ground[i].weight` how much of the ground at `positions[i]` belongs to any of `textures` (numbers of the
 	/// source's own: texture layers, channels of a weight map), 0 to 1. The spans of positions are of equal length. Called after
 	/// `sample`, under the same rules. A terrain without textures leaves 1: it allows all.
