@@ -191,7 +191,7 @@ def compiled(cell: Cell, source: Path) -> Path:
     out = BUILT / re.sub(r"[ +]+", "_", cell.name) / name.replace("/", "-")
     made, known = out.with_suffix(".o"), out.with_suffix(".needed")
     # Highway's own sources are for the same processors as ours; their warnings are not shown.
-    theirs = ["-w", "-include", "extension/core/sampling/instruction_sets.hpp"] if foreign else []
+    theirs = ["-w", "-include", "extension/core/base/instruction_sets.hpp"] if foreign else []
     command = [*compiler_of(cell)[0], *flags_of(cell), *theirs, "-c", str(source if foreign else name)]
     if made.is_file() and known.is_file():
         mark, *needed = known.read_text(encoding="utf-8").split("\n")

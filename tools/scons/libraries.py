@@ -25,7 +25,7 @@ def highway(env, out):
     env.Append(CCFLAGS=["/external:W0", "/external:I" + folder] if compilers.is_msvc(env) else ["-isystem", folder])
     foreign = env.Clone()
     # Its own sources are for the same processors as ours.
-    sets = env.File("#extension/core/sampling/instruction_sets.hpp").abspath
+    sets = env.File("#extension/core/base/instruction_sets.hpp").abspath
     foreign.Append(CCFLAGS=["/w", "/FI" + sets] if compilers.is_msvc(env) else ["-w", "-include", sets])
     objects = [foreign.Object("%s/highway/%s" % (out, name), os.path.join(folder, "hwy", name + ".cc")) for name in HIGHWAY_SOURCES]
     return env.StaticLibrary(out + "/hwy", objects)

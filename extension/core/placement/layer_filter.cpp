@@ -125,7 +125,7 @@ void LayerFilter::add_queries(
 }
 
 bool LayerFilter::probe_allows(std::size_t probe, const Ground &ground) const {
-	return probe_open_[probe] != 0 && rules_.ground_density(ground, probes_[probe]) > 0.0 &&
+	return probe_open_[probe] != 0 && rules_.allow(ground, probes_[probe]) &&
 			rules_.shape_density(near_shapes_, probes_[probe], ground) > 0.0;
 }
 

@@ -63,24 +63,4 @@ SlopeRange::SlopeRange(double min, double max, double falloff) :
 	}
 }
 
-std::optional<double> SlopeRange::density_without_angle(glm::vec3 normal) const {
-	const double x = normal.x;
-	const double y = normal.y;
-	const double z = normal.z;
-	const double across = x * x + z * z;
-	const double up = y * y;
-	if (across >= all_from_ * up && across <= all_to_ * up) {
-		return 1.0;
-	}
-	if (across < none_below_ * up || across > none_above_ * up) {
-		return 0.0;
-	}
-	return std::nullopt;
-}
-
-double SlopeRange::density_of(glm::vec3 normal) const {
-	const std::optional<double> known = density_without_angle(normal);
-	return known.has_value() ? *known : density(slope_degrees(normal));
-}
-
 } // namespace thicket

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "core/base/floating_point.hpp"
+#include "core/base/trigonometry.hpp"
+
 #include <glm/vec3.hpp>
 
 #include <limits>
@@ -41,10 +44,26 @@ public:
 	SlopeRange(double min, double max, double falloff);
 
 	/// The density that the slope of a normal which points up has, the same to the bit as for slope_degrees(normal).
-	double density_of(glm::vec3 normal) const;
+	double density_of(glm::vec3 normal) const {
+		const std::optional<double> known = density_without_angle(normal);
+		return known.has_value() ? *known : density(slope_degrees(normal));
+	}
 
 	/// The same, where the angle itself is not needed for it.
-	std::optional<double> density_without_angle(glm::vec3 normal) const;
+	std::optional<double> density_without_angle(glm::vec3 normal) const {
+		const double x = normal.x;
+		const double y = normal.y;
+		const double z = normal.z;
+		const double across = x * x + z * z;
+		const double up = y * y;
+		if (across >= all_from_ * up && across <= all_to_ * up) {
+			return 1.0;
+		}
+		if (across < none_below_ * up || across > none_above_ * up) {
+			return 0.0;
+		}
+		return std::nullopt;
+	}
 
 private:
 	// Squares of tangents, with a margin that is wider than any rounding: between the first two the density is 1, beyond the others 0.

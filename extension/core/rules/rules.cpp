@@ -52,11 +52,6 @@ Status validate(const Rules &rules) {
 			null_field ? Status{ErrorCode::missing, "fields", 0.0} : Status{});
 }
 
-bool is_ground(const Ground &ground) {
-	return std::isfinite(ground.height) && std::isfinite(ground.normal.x) && std::isfinite(ground.normal.y) &&
-			std::isfinite(ground.normal.z) && ground.normal.y > 0.0f;
-}
-
 Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 	if (const Status status = validate(rules); !status.ok()) {
 		return status;
@@ -75,6 +70,9 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 			rules.max_height >= unlimited_height, rules.height_falloff);
 	water_depth_ = PreparedRange(rules.min_water_depth, rules.min_water_depth <= -unlimited_height,
 			rules.max_water_depth, rules.max_water_depth >= unlimited_height, rules.water_depth_falloff);
+	const bool dry = rules.water == nullptr && rules.min_water_depth <= -unlimited_height;
+	slope_alone_ = height_.open() && rules.height_curve == nullptr && rules.slope_curve == nullptr &&
+			rules.ground_textures.empty() && (dry || water_depth_.open());
 	clumps_.set(rules.clumping, seed);
 	return {};
 }

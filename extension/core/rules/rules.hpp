@@ -11,6 +11,7 @@
 #include "core/rules/shapes.hpp"
 #include "core/terrain/terrain.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -71,7 +72,10 @@ inline constexpr double max_edge_feather = 1e3;
 Status validate(const Rules &rules);
 
 /// Whether there is ground on which something may stand: with a height and a normal that are finite, and a normal that points up.
-bool is_ground(const Ground &ground);
+inline bool is_ground(const Ground &ground) {
+	return std::isfinite(ground.height) && std::isfinite(ground.normal.x) && std::isfinite(ground.normal.y) &&
+			std::isfinite(ground.normal.z) && ground.normal.y > 0.0f;
+}
 
 /// Rules made ready for many points. Immutable after `set`, so threads may share one.
 class PreparedRules {
@@ -102,6 +106,12 @@ public:
 	template <class Record = NoRecord>
 	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const;
 
+	/// Whether that density is above 0, sooner.
+	bool allow(const Ground &ground, glm::dvec2 position) const {
+		return slope_alone_ ? is_ground(ground) && slope_.density_of(ground.normal) > 0.0
+							: ground_density(ground, position) > 0.0;
+	}
+
 	/// The factor of the shapes, given those near (ShapeSet::near); 1 for a layer without shapes.
 	template <class Record = NoRecord>
 	double shape_density(std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground,
@@ -119,6 +129,7 @@ private:
 	SlopeRange slope_;
 	PreparedRange height_;
 	PreparedRange water_depth_;
+	bool slope_alone_ = false; ///< Whether no other rule looks at the ground.
 	ClumpNoise clumps_;
 };
 

@@ -1,6 +1,6 @@
 #include "core/sampling/resolver.hpp"
 
-#include "core/sampling/instruction_sets.hpp"
+#include "core/base/instruction_sets.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/sampling/resolver.cpp"

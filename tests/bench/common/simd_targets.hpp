@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/sampling/instruction_sets.hpp"
+#include "core/base/instruction_sets.hpp"
 
 #include <hwy/highway.h>
 

@@ -1,7 +1,7 @@
 #include "core/sampling/domain/thrower.hpp"
 
 #define THICKET_SELDOM_RUN
-#include "core/sampling/instruction_sets.hpp"
+#include "core/base/instruction_sets.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/sampling/domain/thrower.cpp"

@@ -1,0 +1,87 @@
+// smooth_patch for as many patches as a vector has doubles. Included once for each instruction set.
+//
+// The same operations in the same order, none of them fused, so the same bits. Kept side by side with it and with Heightfield.
+
+#include "core/terrain/inner_patches.hpp"
+
+#include <bit>
+
+HWY_BEFORE_NAMESPACE();
+namespace thicket {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// At most as wide as a batch.
+using PatchDoubles = hn::CappedTag<double, InnerPatches::most>;
+using PatchWords = hn::RebindToUnsigned<PatchDoubles>;
+using PatchFloats = hn::Rebind<float, PatchDoubles>;
+using PatchD = hn::VFromD<PatchDoubles>;
+
+/// One of the four posts in each word, as a number: exact, as a double has bits enough for 2^52 and the post.
+template <int column>
+HWY_INLINE PatchD post(hn::VFromD<PatchWords> row) {
+	constexpr int shift = 16 * (std::endian::native == std::endian::little ? column : 3 - column);
+	const PatchD base = hn::Set(PatchDoubles(), 0x1p52);
+	const auto bits = hn::And(hn::ShiftRight<shift>(row), hn::Set(PatchWords(), 0xffffu));
+	return hn::Sub(hn::BitCast(PatchDoubles(), hn::Or(bits, hn::BitCast(PatchWords(), base))), base);
+}
+
+HWY_INLINE PatchD half_of(PatchD behind, PatchD before) {
+	return hn::Mul(hn::Sub(behind, before), hn::Set(PatchDoubles(), 0.5));
+}
+
+/// See bilinear.hpp.
+HWY_INLINE PatchD between(
+		PatchD near_left, PatchD near_right, PatchD far_left, PatchD far_right, PatchD x, PatchD y) {
+	const PatchD near = hn::Add(near_left, hn::Mul(hn::Sub(near_right, near_left), x));
+	const PatchD far = hn::Add(far_left, hn::Mul(hn::Sub(far_right, far_left), x));
+	return hn::Add(near, hn::Mul(hn::Sub(far, near), y));
+}
+
+HWY_INLINE void store_floats(PatchD value, float *r_to) {
+	hn::Store(hn::DemoteTo(PatchFloats(), value), PatchFloats(), r_to);
+}
+
+} // namespace
+
+/// Whole vectors, so some patches behind the last one, too. Those have numbers from before.
+void compute_patches(const InnerPatches::Heights &of, InnerPatches &r_patches) {
+	const PatchDoubles doubles;
+	const PatchD one = hn::Set(doubles, 1.0);
+	const PatchD scale = hn::Set(doubles, of.scale);
+	for (std::size_t at = 0; at < r_patches.count; at += hn::Lanes(doubles)) {
+		const auto row_of = [&](std::size_t row) {
+			return hn::Load(PatchWords(), r_patches.posts[row].data() + at);
+		};
+		const auto before = row_of(0);
+		const auto first = row_of(1);
+		const auto second = row_of(2);
+		const auto behind = row_of(3);
+		const PatchD x = hn::Load(doubles, r_patches.x.data() + at);
+		const PatchD y = hn::Load(doubles, r_patches.y.data() + at);
+		const PatchD a = post<1>(first);
+		const PatchD b = post<2>(first);
+		const PatchD c = post<1>(second);
+		const PatchD d = post<2>(second);
+		const PatchD rise_x = between(half_of(b, post<0>(first)), half_of(post<3>(first), a),
+				half_of(d, post<0>(second)), half_of(post<3>(second), c), x, y);
+		const PatchD rise_y = between(half_of(c, post<1>(before)), half_of(d, post<2>(before)),
+				half_of(post<1>(behind), a), half_of(post<2>(behind), b), x, y);
+		const PatchD gradient_x = hn::Mul(hn::Mul(rise_x, scale), hn::Set(doubles, of.posts_per_meter.x));
+		const PatchD gradient_y = hn::Mul(hn::Mul(rise_y, scale), hn::Set(doubles, of.posts_per_meter.y));
+		const PatchD squared =
+				hn::Add(hn::Add(hn::Mul(gradient_x, gradient_x), hn::Mul(gradient_y, gradient_y)), one);
+		const PatchD to_unit = hn::Div(one, hn::Sqrt(squared));
+		const PatchD rise = hn::Mul(between(a, b, c, d, x, y), scale);
+		store_floats(hn::Add(hn::Set(doubles, of.base), rise), r_patches.height.data() + at);
+		store_floats(hn::Mul(hn::Neg(gradient_x), to_unit), r_patches.normal_x.data() + at);
+		store_floats(to_unit, r_patches.normal_y.data() + at);
+		store_floats(hn::Mul(hn::Neg(gradient_y), to_unit), r_patches.normal_z.data() + at);
+	}
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace thicket
+HWY_AFTER_NAMESPACE();

@@ -1,0 +1,85 @@
+// Patches of a heightmap, many at once: the same bits as one after the other, on every instruction set.
+
+#include "core/terrain/inner_patches.hpp"
+#include "core/terrain/smooth_patch.hpp"
+#include "tests/bench/common/simd_targets.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <vector>
+
+using namespace thicket;
+
+namespace {
+
+constexpr int side = 40;
+
+/// Height and normal, as Heightfield has them of one patch.
+std::array<float, 4> alone(const std::uint16_t *first, glm::dvec2 part, const InnerPatches::Heights &of) {
+	const SmoothPatch patch = smooth_patch<false>(
+			inner_line, inner_line, part, [first](int i, int j) { return static_cast<double>(first[j * side + i]); });
+	const double gradient_x = patch.gradient.x * of.scale * of.posts_per_meter.x;
+	const double gradient_y = patch.gradient.y * of.scale * of.posts_per_meter.y;
+	const double to_unit = 1.0 / std::sqrt(gradient_x * gradient_x + gradient_y * gradient_y + 1.0);
+	return {static_cast<float>(of.base + patch.height * of.scale), static_cast<float>(-gradient_x * to_unit),
+			static_cast<float>(to_unit), static_cast<float>(-gradient_y * to_unit)};
+}
+
+/// Mountains, plains and cliffs.
+std::vector<std::uint16_t> posts_of(std::mt19937 &random) {
+	std::vector<std::uint16_t> posts(side * side);
+	for (std::uint16_t &post : posts) {
+		const auto word = static_cast<std::uint32_t>(random());
+		post = static_cast<std::uint16_t>(word % 3 == 0 ? 65535 : word % 3 == 1 ? 100 : word >> 16);
+	}
+	return posts;
+}
+
+} // namespace
+
+TEST_CASE("inner patches: many at once are the same bits as one after the other, on every instruction set") {
+	for (const bench::SimdTarget &target : bench::simd_targets()) {
+		CAPTURE(target.name);
+		const bench::ForcedTarget forced(target);
+		std::mt19937 random(7);
+		std::uniform_real_distribution<double> share(0.0, 1.0);
+		for (int round = 0; round < 60; ++round) {
+			const std::vector<std::uint16_t> posts = posts_of(random);
+			const InnerPatches::Heights of{share(random) * 1e3 - 500.0, share(random) * 0.1,
+					{0.01 + share(random), 0.01 + 10.0 * share(random)}};
+			InnerPatches patches;
+			const std::size_t count = 1 + random() % InnerPatches::most;
+			std::vector<std::array<float, 4>> expected;
+			while (patches.count < count) {
+				const auto column = static_cast<int>(1 + random() % (side - 3));
+				const auto row = static_cast<int>(1 + random() % (side - 3));
+				REQUIRE(is_inner_patch({side, side}, {column, row}));
+				const std::uint16_t *first = posts.data() + row * side + column;
+				const glm::dvec2 part = random() % 8 == 0 ? glm::dvec2(0.0) : glm::dvec2(share(random), share(random));
+				expected.push_back(alone(first, part, of));
+				patches.add(first, side, part, expected.size());
+			}
+			patches.compute(of);
+			for (std::size_t i = 0; i < count; ++i) {
+				const std::array<float, 4> got{
+						patches.height[i], patches.normal_x[i], patches.normal_y[i], patches.normal_z[i]};
+				REQUIRE(std::memcmp(expected[i].data(), got.data(), sizeof got) == 0);
+				REQUIRE(patches.numbers[i] == i + 1);
+			}
+		}
+	}
+}
+
+TEST_CASE("inner patches: they are made by vectors, which write behind the last one") {
+	const std::vector<std::uint16_t> posts(16, 3);
+	InnerPatches patches;
+	patches.height.fill(-1.0f);
+	patches.add(posts.data() + 5, 4, {0.5, 0.5}, 0);
+	patches.compute({});
+	CHECK(patches.height[0] == 3.0f);
+	CHECK(patches.height[1] == 0.0f); // Nothing wider than one would leave it as it was.
+}
