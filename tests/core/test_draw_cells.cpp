@@ -66,7 +66,7 @@ TEST_CASE("draw cells: together they are the tile, to the bit, for every number 
 				count += cell.size();
 			}
 			CHECK(count == mesh.size());
-			CHECK(joined == mesh.buffer);
+			CHECK(std::ranges::equal(joined, mesh.buffer));
 			CHECK(cells.cells.size() <= across * across);
 			CHECK(std::set<std::uint32_t>(cells.order.begin(), cells.order.end()).size() == mesh.size());
 		}

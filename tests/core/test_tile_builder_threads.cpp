@@ -6,12 +6,15 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <set>
 #include <thread>
+#include <utility>
 
 using namespace thicket;
 using namespace thicket::test;
@@ -70,7 +73,16 @@ TEST_CASE("tile: lent threads share points and ground, and change no bit") {
 		TileInstances tile;
 		REQUIRE(builder.build(layer, terrain, wide, tile, nullptr, &threads).ok());
 		CHECK(digest(tile) == digest(alone));
-		CHECK((threads.runs > 1) == (count > 0)); // Once for points, once for the ground.
+		CHECK(threads.runs == (count > 0 ? 4 : 0)); // To find what stands, to gather it, to sort it, to write it.
+		CHECK(tile.counts.sampled == alone.counts.sampled);
+		CHECK(tile.counts.dense == alone.counts.dense);
+		CHECK(tile.counts.placed == alone.counts.placed);
+		for (std::size_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
+			CHECK(tile.meshes[mesh].min == alone.meshes[mesh].min);
+			CHECK(tile.meshes[mesh].max == alone.meshes[mesh].max);
+			CHECK(tile.meshes[mesh].max_scale == alone.meshes[mesh].max_scale);
+			CHECK(tile.meshes[mesh].normals == alone.meshes[mesh].normals);
+		}
 	}
 	// What is small wakes nobody.
 	CountedThreads threads(3);
@@ -78,6 +90,77 @@ TEST_CASE("tile: lent threads share points and ground, and change no bit") {
 	TileInstances tile;
 	REQUIRE(builder.build(layer, terrain, tile_of_hills, tile, nullptr, &threads).ok());
 	CHECK(threads.runs == 0);
+}
+
+TEST_CASE("tile: lent threads share layers that keep a distance, feather, and have looks that follow a source") {
+	LayerSettings layer = rich_layer();
+	auto trees = std::make_shared<LayerSettings>(rich_layer());
+	trees->set = {.seed = 5, .radius = 4.0, .levels = 1, .layer = 9};
+	layer.neighbors = {{trees, 2.5, nullptr}};
+	layer.rules.edge_feather = 3.0;
+	layer.instance_data.use_colors = true;
+	layer.instance_data.colors = std::make_shared<const ColorTable>(16, glm::vec4(0.25f, 0.5f, 0.75f, 1.0f));
+	layer.instance_data.color.kind = SourceKind::distance;
+	layer.instance_data.color.layer = trees;
+	layer.instance_data.color.max = 6.0;
+	layer.instance_data.use_custom_data = true;
+	layer.instance_data.variation.kind = SourceKind::height;
+	layer.instance_data.variation.max = 90.0;
+	const Heightfield terrain = hills();
+	const TileInstances alone = built(layer, terrain, wide);
+	CHECK(size_of(alone) > 1000);
+	CountedThreads threads(2);
+	TileBuilder builder;
+	TileInstances tile;
+	REQUIRE(builder.build(layer, terrain, wide, tile, nullptr, &threads).ok());
+	CHECK(threads.runs == 4);
+	CHECK(digest(tile) == digest(alone));
+	for (std::size_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
+		CHECK(std::ranges::equal(tile.meshes[mesh].shares, alone.meshes[mesh].shares,
+				[](const InstanceShares &a, const InstanceShares &b) {
+					return a.color == b.color && a.variation == b.variation;
+				}));
+	}
+}
+
+TEST_CASE("tile: where all points share a rank class, or none stands, lent threads make the same tile") {
+	LayerSettings layer = rich_layer();
+	const Heightfield terrain = hills();
+	layer.rules.density = 1e-4; // Few stand.
+	LayerSettings none = rich_layer();
+	none.rules.min_height = 500.0;
+	for (const LayerSettings &each : {layer, none}) {
+		const TileInstances alone = built(each, terrain, wide);
+		CHECK(size_of(alone) < 20);
+		CountedThreads threads(3);
+		TileBuilder builder;
+		TileInstances tile;
+		REQUIRE(builder.build(each, terrain, wide, tile, nullptr, &threads).ok());
+		CHECK(digest(tile) == digest(alone));
+	}
+}
+
+TEST_CASE("tile: a large rectangle that is refused is refused with the same words when threads are lent") {
+	LayerSettings dense = rich_layer();
+	auto dust = std::make_shared<LayerSettings>(rich_layer());
+	dust->set = {.seed = 5, .radius = 0.001, .levels = 1, .layer = 9};
+	dense.neighbors = {{dust, 2.5, nullptr}};
+	const std::array<std::pair<LayerSettings, Rect>, 4> refused{{
+			{rich_layer(), {{-1e9, -10.0}, {200.0, 10.0}}},
+			{rich_layer(), {{-1e5, -1e5}, {1e5, 1e5}}},
+			{rich_layer(), {{200.0, 0.0}, {-200.0, 400.0}}},
+			{dense, wide},
+	}};
+	for (const auto &[layer, rect] : refused) {
+		CountedThreads threads(2);
+		TileBuilder builder;
+		TileInstances tile;
+		const Status alone = builder.build(layer, hills(), rect, tile);
+		const Status together = builder.build(layer, hills(), rect, tile, nullptr, &threads);
+		CHECK(!alone.ok());
+		CHECK(together.code == alone.code);
+		CHECK(together.value == alone.value);
+	}
 }
 
 TEST_CASE("tile: lent threads ask for the ground at the same time") {

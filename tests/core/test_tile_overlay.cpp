@@ -122,7 +122,7 @@ TEST_CASE("overlay: hand-placed instances stand first, in the tile of their plac
 	CHECK(shown[1]->find(on_edge) == shown[1]->size());
 	CHECK(shown[1]->ranks()[0] == 0);
 	CHECK(tile->origin + glm::dvec3(shown[1]->positions()[0]) == glm::dvec3(10.5, 20.0, 30.25));
-	const std::vector<float> floats = expanded(*shown[1]).buffer;
+	const UnfilledVector<float> floats = expanded(*shown[1]).buffer;
 	CHECK(std::vector<float>(floats.begin(), floats.begin() + 3) == std::vector<float>{0.0f, 0.0f, 2.0f});
 	CHECK(floats[transform_floats] == 0.5f); // Of its height.
 	CHECK(floats[transform_floats + 3] == 2.0f);

@@ -1,13 +1,12 @@
 #include "core/placement/instance_writer.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/placement/instance_basis.hpp"
 #include "core/placement/rank_order.hpp"
 
-#include <glm/common.hpp>
-
 #include <algorithm>
 #include <iterator>
-#include <limits>
+#include <utility>
 
 namespace thicket {
 
@@ -16,22 +15,17 @@ namespace {
 /// Instances between two looks at the cancel flag: far below a millisecond of work.
 constexpr std::size_t between_looks = 2048;
 
-/// Empties a mesh's box, to be grown again.
-void open_bounds(MeshInstances &mesh) {
-	mesh.min = glm::vec3(std::numeric_limits<float>::max());
-	mesh.max = -mesh.min;
-	mesh.max_scale = 0.0f;
-}
+/// Ranks are sorted into so many classes to find where a part begins.
+constexpr std::size_t rank_classes = 1 << 12;
+constexpr int rank_class_shift = 20;
 
-void close_bounds(MeshInstances &mesh) {
-	if (mesh.size() == 0) {
-		mesh.min = mesh.max = glm::vec3(0.0f);
-	}
-}
+/// Parts a thread: so many that none waits long for another, so few that each is worth the look at all ranks that it takes.
+constexpr std::size_t parts_each = 2;
 
 /// Writes the instance that `key` names to index `at` of its mesh; it is one of a batch.
 void write_instance(const LayerSettings &layer, const StandingPoints &points, std::uint64_t key, glm::dvec3 origin,
-		const BasisBatch &batch, std::size_t in_batch, std::size_t at, MeshInstances &r_mesh) {
+		const BasisBatch &batch, std::size_t in_batch, std::size_t at, MeshInstances &r_mesh,
+		InstanceBounds &r_bounds) {
 	const std::uint32_t point = point_of(key);
 	const auto rank = static_cast<std::uint32_t>(key >> 32);
 	const std::uint64_t id = points.ids[point];
@@ -55,70 +49,139 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 		r_mesh.shares[at] = shares;
 	}
 	const glm::vec3 stands{transform[3], transform[7], transform[11]};
-	r_mesh.min = glm::min(r_mesh.min, stands);
-	r_mesh.max = glm::max(r_mesh.max, stands);
-	r_mesh.max_scale = std::max(r_mesh.max_scale, scale);
+	r_bounds.add({stands, stands, scale});
 }
 
 } // namespace
 
-void InstanceWriter::choose_meshes(const LayerSettings &layer, const StandingPoints &points) {
-	mesh_choice_.set(layer.mesh_weights);
-	mesh_of_.resize(order_.size());
-	mesh_sizes_.fill(0);
-	for (std::size_t i = 0; i < order_.size(); ++i) {
-		const std::size_t mesh = mesh_choice_.mesh_for(layer.set.seed, points.ids[point_of(order_[i])]);
-		mesh_of_[i] = static_cast<std::uint8_t>(mesh);
-		++mesh_sizes_[mesh];
+/// Gives each part ranks that about as many points have as those of the others.
+void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
+	parts_.resize(parts);
+	std::vector<std::uint32_t> counts(parts > 1 ? rank_classes : 0);
+	for (std::size_t i = 0; i < points.thinning_ranks.size() && parts > 1; ++i) {
+		++counts[points.thinning_ranks[i] >> rank_class_shift];
+	}
+	std::size_t before = 0;
+	std::size_t rank_class = 0;
+	std::uint64_t first_rank = 0;
+	for (std::size_t part = 0; part < parts; ++part) {
+		while (part + 1 < parts && rank_class < rank_classes &&
+				before * parts < (part + 1) * points.thinning_ranks.size()) {
+			before += counts[rank_class++];
+		}
+		const std::uint64_t end = part + 1 < parts ? std::uint64_t{rank_class} << rank_class_shift
+												   : std::uint64_t{1} << 32;
+		parts_[part].first_rank = std::exchange(first_rank, end);
+		parts_[part].end_rank = end;
 	}
 }
 
-/// Gives each mesh the size that it will have. All memory is taken before anything changes.
-void InstanceWriter::make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes) const {
+/// Puts the instances of a part into their order, and gives each its mesh.
+void InstanceWriter::sort(const LayerSettings &layer, const StandingPoints &points, Part &r_part) const {
+	r_part.order.clear();
+	r_part.order.reserve(points.standing.size() / parts_.size());
+	for (std::size_t i = 0; i < points.standing.size(); ++i) {
+		if (points.thinning_ranks[i] >= r_part.first_rank && points.thinning_ranks[i] < r_part.end_rank) {
+			r_part.order.push_back(rank_key(points.thinning_ranks[i], points.standing[i]));
+		}
+	}
+	sort_by_rank(r_part.order, points.ids, r_part.scratch);
+	r_part.mesh_of.resize(r_part.order.size());
+	r_part.bounds.assign(mesh_choice_.size(), InstanceBounds{});
+	r_part.sizes.fill(0);
+	for (std::size_t i = 0; i < r_part.order.size(); ++i) {
+		const std::size_t mesh = mesh_choice_.mesh_for(layer.set.seed, points.ids[point_of(r_part.order[i])]);
+		r_part.mesh_of[i] = static_cast<std::uint8_t>(mesh);
+		++r_part.sizes[mesh];
+	}
+}
+
+/// Gives each mesh the size that it will have, and each part its place in it. All memory is taken before anything changes.
+void InstanceWriter::make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes) {
+	std::array<std::size_t, max_meshes> sizes{};
+	for (Part &part : parts_) {
+		for (std::size_t mesh = 0; mesh < mesh_choice_.size(); ++mesh) {
+			part.ends[mesh] = std::exchange(sizes[mesh], sizes[mesh] + part.sizes[mesh]);
+		}
+	}
 	const std::size_t known = std::min(mesh_choice_.size(), r_meshes.size());
 	std::vector<MeshInstances> more(mesh_choice_.size() - known);
 	r_meshes.reserve(mesh_choice_.size());
 	for (std::size_t mesh = 0; mesh < mesh_choice_.size(); ++mesh) {
-		(mesh < known ? r_meshes[mesh] : more[mesh - known]).reserve(mesh_sizes_[mesh], data);
+		(mesh < known ? r_meshes[mesh] : more[mesh - known]).reserve(sizes[mesh], data);
 	}
 	r_meshes.resize(known);
 	std::move(more.begin(), more.end(), std::back_inserter(r_meshes));
 	for (std::size_t mesh = 0; mesh < r_meshes.size(); ++mesh) {
-		r_meshes[mesh].resize(mesh_sizes_[mesh], data);
+		r_meshes[mesh].resize(sizes[mesh], data);
 	}
 }
 
-Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin,
-		TileInstances &r_tile, const std::atomic<bool> *cancel) {
-	order_.resize(points.standing.size());
-	for (std::size_t i = 0; i < order_.size(); ++i) {
-		order_[i] = rank_key(points.thinning_ranks[i], points.standing[i]);
-	}
-	sort_by_rank(order_, points.ids, order_scratch_);
-	choose_meshes(layer, points);
-	make_room(layer.instance_data, r_tile.meshes);
-	r_tile.origin = origin;
-	std::array<std::size_t, max_meshes> ends{};
-	std::for_each(r_tile.meshes.begin(), r_tile.meshes.end(), open_bounds);
+Status InstanceWriter::write_part(const LayerSettings &layer, const StandingPoints &points, Part &r_part,
+		TileInstances &r_tile, const std::atomic<bool> *cancel) const {
 	BasisBatch batch;
-	for (std::size_t first = 0; first < order_.size(); first += BasisBatch::most) {
+	for (std::size_t first = 0; first < r_part.order.size(); first += BasisBatch::most) {
 		if (first % between_looks == 0 && cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
-			r_tile.meshes.clear();
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		const std::span<const std::uint64_t> keys =
-				std::span(order_).subspan(first, std::min(BasisBatch::most, order_.size() - first));
+				std::span(r_part.order).subspan(first, std::min(BasisBatch::most, r_part.order.size() - first));
 		batch.count = 0;
 		for (const std::uint64_t key : keys) {
 			batch.add(points.ids[point_of(key)], points.ground[point_of(key)].normal);
 		}
 		batch.make(layer.placement, layer.set.seed);
 		for (std::size_t i = 0; i < keys.size(); ++i) {
-			const std::size_t mesh = mesh_of_[first + i];
-			write_instance(layer, points, keys[i], r_tile.origin, batch, i, ends[mesh]++, r_tile.meshes[mesh]);
+			const std::size_t mesh = r_part.mesh_of[first + i];
+			write_instance(layer, points, keys[i], r_tile.origin, batch, i, r_part.ends[mesh]++, r_tile.meshes[mesh],
+					r_part.bounds[mesh]);
 		}
 	}
-	std::for_each(r_tile.meshes.begin(), r_tile.meshes.end(), close_bounds);
+	return {};
+}
+
+Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin,
+		TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads *threads) {
+	mesh_choice_.set(layer.mesh_weights);
+	const std::size_t helpers = threads != nullptr ? threads->count() : 0;
+	divide(points, helpers > 0 ? parts_each * (helpers + 1) : 1);
+	const auto for_each_part = [&](const auto &work) -> Status {
+		if (parts_.size() == 1) {
+			return work(parts_.front());
+		}
+		std::vector<Status> statuses(parts_.size());
+		std::atomic<std::size_t> next = 0;
+		threads->run([&](std::size_t) {
+			for (std::size_t part = next++; part < parts_.size(); part = next++) {
+				statuses[part] = guarded("tile", static_cast<double>(points.standing.size()),
+						[&] { return work(parts_[part]); });
+			}
+		});
+		const auto failed = std::ranges::find_if(statuses, [](const Status &status) { return !status.ok(); });
+		return failed != statuses.end() ? *failed : Status{};
+	};
+	throw_if_out_of_memory(for_each_part([&](Part &part) -> Status {
+		sort(layer, points, part);
+		return {};
+	}));
+	make_room(layer.instance_data, r_tile.meshes);
+	r_tile.origin = origin;
+	const Status status =
+			for_each_part([&](Part &part) { return write_part(layer, points, part, r_tile, cancel); });
+	if (!status.ok()) {
+		r_tile.meshes.clear();
+		return status;
+	}
+	for (std::size_t mesh = 0; mesh < r_tile.meshes.size(); ++mesh) {
+		InstanceBounds bounds;
+		for (const Part &part : parts_) {
+			bounds.add(part.bounds[mesh]);
+		}
+		MeshInstances &instances = r_tile.meshes[mesh];
+		instances.min = instances.size() > 0 ? bounds.min : glm::vec3(0.0f);
+		instances.max = instances.size() > 0 ? bounds.max : glm::vec3(0.0f);
+		instances.max_scale = bounds.max_scale;
+	}
 	return {};
 }
 

@@ -1,17 +1,21 @@
 #pragma once
 
+#include "core/base/lent_threads.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/mesh_choice.hpp"
 #include "core/placement/tile_instances.hpp"
 #include "core/terrain/terrain.hpp"
 
+#include <glm/common.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -34,24 +38,50 @@ struct StandingPoints {
 	}
 };
 
+/// Where instances of one mesh stand, and how large the largest is.
+struct InstanceBounds {
+	glm::vec3 min{std::numeric_limits<float>::max()};
+	glm::vec3 max{-std::numeric_limits<float>::max()};
+	float max_scale = 0.0f;
+
+	void add(const InstanceBounds &other) {
+		min = glm::min(min, other.min);
+		max = glm::max(max, other.max);
+		max_scale = std::max(max_scale, other.max_scale);
+	}
+};
+
 /// The last step of a tile: gives every point that stands a mesh, a transform and a look, in the order in which a layer thins. Keeps
 /// its memory.
 class InstanceWriter {
 public:
 	/// Replaces the origin and the meshes of `r_tile`. Valid settings only. Empties them and ends with
 	/// ErrorCode::cancelled when `cancel` is raised. Throws std::bad_alloc, and leaves the tile as it was then.
+	/// `threads`, if there are any, share the work, for the same tile.
 	Status write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin, TileInstances &r_tile,
-			const std::atomic<bool> *cancel);
+			const std::atomic<bool> *cancel, LentThreads *threads = nullptr);
 
 private:
-	void choose_meshes(const LayerSettings &layer, const StandingPoints &points);
-	void make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes) const;
+	/// The instances of some ranks, one after the other: whoever is free takes them on.
+	struct Part {
+		std::uint64_t first_rank = 0;
+		std::uint64_t end_rank = 0;
+		std::vector<std::uint64_t> order; ///< For each instance its thinning rank and the index of its point, sorted.
+		std::vector<std::uint64_t> scratch;
+		std::vector<std::uint8_t> mesh_of; ///< For each instance in order.
+		std::array<std::size_t, max_meshes> sizes{};
+		std::array<std::size_t, max_meshes> ends{}; ///< Where its instances go on in each mesh.
+		std::vector<InstanceBounds> bounds;         ///< Of its instances, for each mesh.
+	};
+
+	void divide(const StandingPoints &points, std::size_t parts);
+	void sort(const LayerSettings &layer, const StandingPoints &points, Part &r_part) const;
+	void make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes);
+	Status write_part(const LayerSettings &layer, const StandingPoints &points, Part &r_part, TileInstances &r_tile,
+			const std::atomic<bool> *cancel) const;
 
 	MeshChoice mesh_choice_;
-	std::vector<std::uint64_t> order_; ///< For each instance its thinning rank and the index of its point, sorted.
-	std::vector<std::uint64_t> order_scratch_;
-	std::vector<std::uint8_t> mesh_of_; ///< For each instance in order.
-	std::array<std::size_t, max_meshes> mesh_sizes_{};
+	std::vector<Part> parts_{1};
 };
 
 } // namespace thicket

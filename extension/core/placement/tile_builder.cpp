@@ -4,6 +4,7 @@
 #include "core/placement/instance_writer.hpp"
 #include "core/placement/source_shares.hpp"
 #include "core/placement/tile_filter.hpp"
+#include "core/placement/tile_pieces.hpp"
 
 #include <algorithm>
 #include <array>
@@ -36,8 +37,11 @@ double origin_height(std::span<const Ground> ground) {
 
 /// What stays between the steps, and the memory that stays between tiles.
 struct TileBuilder::Workspace {
-	Workspace(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) : filter(margins, std::move(cache)) {}
+	Workspace(const SampleMargins &p_margins, std::shared_ptr<BlockCache> p_cache) :
+			margins(p_margins), cache(std::move(p_cache)), filter(margins, cache) {}
 
+	SampleMargins margins;
+	std::shared_ptr<BlockCache> cache;
 	TileFilter filter;
 	SourceShares shares;
 	InstanceWriter writer;
@@ -49,28 +53,65 @@ struct TileBuilder::Workspace {
 	std::vector<GroundQuery> queries;
 
 	std::vector<Ground> ground; ///< For `build`, which asks the terrain itself.
+	SampleStats stats;          ///< Of the last call that sampled.
 
 	Status find_points(
 			const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads);
 	Status place(std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel);
 	void gather_positions();
+	void add_origin_probes();
+	Status build_together(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, const PieceGrid &grid,
+			TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads &threads);
 };
 
-void TileBuilder::Workspace::gather_positions() {
-	positions.clear();
-	queries.clear();
-	filter.add_queries(positions, queries);
+void TileBuilder::Workspace::add_origin_probes() {
 	queries.push_back({positions.size(), origin_probes.size(), {}, false});
 	for (const glm::dvec2 probe : origin_probes) {
 		positions.push_back(rect.center() + probe * rect.size());
 	}
 }
 
+void TileBuilder::Workspace::gather_positions() {
+	positions.clear();
+	queries.clear();
+	filter.add_queries(positions, queries);
+	add_origin_probes();
+}
+
+/// All steps at once, on all threads.
+Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const Terrain &terrain, const Rect &p_rect,
+		const PieceGrid &grid, TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads &threads) {
+	found = false;
+	rect = p_rect;
+	positions.clear();
+	queries.clear();
+	add_origin_probes();
+	ground.assign(positions.size(), Ground{});
+	TilePieces pieces(margins, cache);
+	Status status = ask_ground(terrain, positions, queries, ground, cancel);
+	if (status.ok()) {
+		status = pieces.find(layer, terrain, grid, cancel, threads);
+	}
+	stats = pieces.sample_stats();
+	if (!status.ok()) {
+		return status;
+	}
+	const glm::dvec3 origin{rect.center().x, origin_height(ground), rect.center().y};
+	InstanceWriter large_writer; // Its memory goes with the pieces.
+	status = large_writer.write(layer, pieces.points(), origin, r_tile, cancel, &threads);
+	if (status.ok()) {
+		r_tile.counts = pieces.counts();
+	}
+	return status;
+}
+
 Status TileBuilder::Workspace::find_points(
 		const LayerSettings &layer, const Rect &p_rect, const std::atomic<bool> *cancel, LentThreads *threads) {
 	found = false;
 	filter.set(layer);
-	if (const Status status = filter.sample(p_rect, cancel, threads); !status.ok()) {
+	const Status status = filter.sample(p_rect, cancel, threads);
+	stats = filter.sample_stats();
+	if (!status.ok()) {
 		return status;
 	}
 	rect = p_rect;
@@ -107,6 +148,16 @@ TileBuilder &TileBuilder::operator=(TileBuilder &&) noexcept = default;
 
 Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
 		const std::atomic<bool> *cancel, LentThreads *threads) {
+	if (const Status status = validate(layer); !status.ok()) {
+		return status;
+	}
+	if (threads != nullptr && threads->count() > 0) {
+		if (const PieceGrid grid(rect, LayerGraph(layer)); grid.count() > 1) {
+			return guarded("tile", std::max(rect.size().x, rect.size().y), [&] {
+				return workspace_->build_together(layer, terrain, rect, grid, r_tile, cancel, *threads);
+			});
+		}
+	}
 	if (const Status status = find_points(layer, rect, cancel, threads); !status.ok()) {
 		return status;
 	}
@@ -141,6 +192,6 @@ Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile,
 			[&] { return workspace_->place(ground, r_tile, cancel); });
 }
 
-const SampleStats &TileBuilder::sample_stats() const { return workspace_->filter.sample_stats(); }
+const SampleStats &TileBuilder::sample_stats() const { return workspace_->stats; }
 
 } // namespace thicket

@@ -18,6 +18,7 @@ void MeshInstances::reserve(std::size_t count, const InstanceData &data) {
 }
 
 void MeshInstances::resize(std::size_t count, const InstanceData &data) {
+	buffer.resize(count * floats_per_instance(data)); // Unfilled.
 	resize(count, floats_per_instance(data));
 	normals.resize(count);
 	if (data.color_is_known() || data.variation_is_known()) {
@@ -27,7 +28,7 @@ void MeshInstances::resize(std::size_t count, const InstanceData &data) {
 
 void MeshInstances::resize(std::size_t count, std::size_t floats) {
 	stride = floats;
-	buffer.resize(count * floats);
+	buffer.resize(count * floats, 0.0f);
 	ids.resize(count);
 	ranks.resize(count);
 	normals.clear();

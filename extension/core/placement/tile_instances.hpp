@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/unfilled.hpp"
 #include "core/placement/instance_data.hpp"
 #include "core/placement/placement.hpp"
 
@@ -16,12 +17,12 @@ namespace thicket {
 /// as if all densities were lower.
 struct MeshInstances {
 	/// `stride` floats an instance: the transform relative to the tile's origin, in meters, then what InstanceData adds.
-	std::vector<float> buffer;
+	UnfilledVector<float> buffer;
 	std::vector<std::uint64_t> ids;   ///< Packed InstanceIds.
 	std::vector<std::uint32_t> ranks; ///< thinning_rank of each, ascending.
 
 	// What else the floats follow from; none for instances that no layer's settings made.
-	std::vector<glm::vec3> normals;     ///< Of the ground.
+	UnfilledVector<glm::vec3> normals;  ///< Of the ground.
 	std::vector<InstanceShares> shares; ///< None either where no source is known.
 
 	glm::vec3 min{0.0f};    ///< Smallest and largest position relative to the tile's origin, the size of the
@@ -38,7 +39,7 @@ struct MeshInstances {
 	/// Takes the memory for `count` instances that a layer's settings make.
 	void reserve(std::size_t count, const InstanceData &data);
 
-	/// Makes room for them, as above.
+	/// Makes room for them, as above. What is new has to be written.
 	void resize(std::size_t count, const InstanceData &data);
 
 	/// The floats of one instance.

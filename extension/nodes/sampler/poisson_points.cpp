@@ -2,12 +2,15 @@
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/threads.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/memory.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstddef>
 
 using namespace godot;
 
@@ -21,6 +24,24 @@ constexpr double rank_scale = 1.0 / 4294967296.0;
 /// A rank just below 2^32 must not round to 1.
 float unit_rank(const SamplePoint &point) {
 	return std::min(static_cast<float>(point.rank * rank_scale), std::nextafter(1.0F, 0.0F));
+}
+
+/// Hands out the points in parts: to the engine's threads, too, where they are many. What takes time is the system's, which hands over new
+/// memory page by page.
+template <class Work>
+void for_each_part(std::size_t size, const Work &work) {
+	constexpr std::size_t part = 1 << 14;
+	std::atomic<std::size_t> next = 0;
+	const auto work_on = [&](std::size_t) {
+		for (std::size_t first = next.fetch_add(part); first < size; first = next.fetch_add(part)) {
+			work(first, std::min(first + part, size));
+		}
+	};
+	if (size > 4 * part) {
+		EngineThreads().run(work_on);
+	} else {
+		work_on(0);
+	}
 }
 
 } // namespace
@@ -52,15 +73,23 @@ bool PoissonPoints::fill(std::span<const SamplePoint> points, bool exact) {
 	if (!resized(ids_) || !resized(ranks_) || (exact ? !resized(x_) || !resized(y_) : !resized(positions_))) {
 		return false;
 	}
-	std::ranges::transform(points, ids_.ptrw(), [](const SamplePoint &point) { return script_id(point.id); });
-	std::ranges::transform(points, ranks_.ptrw(), unit_rank);
-	if (exact) {
-		std::ranges::transform(points, x_.ptrw(), [](const SamplePoint &point) { return point.position.x; });
-		std::ranges::transform(points, y_.ptrw(), [](const SamplePoint &point) { return point.position.y; });
-	} else {
-		std::ranges::transform(
-				points, positions_.ptrw(), [](const SamplePoint &point) { return to_engine(point.position); });
-	}
+	int64_t *ids = ids_.ptrw();
+	float *ranks = ranks_.ptrw();
+	double *x = exact ? x_.ptrw() : nullptr;
+	double *y = exact ? y_.ptrw() : nullptr;
+	Vector2 *positions = exact ? nullptr : positions_.ptrw();
+	for_each_part(points.size(), [&](std::size_t first, std::size_t end) {
+		const std::span<const SamplePoint> part = points.subspan(first, end - first);
+		std::ranges::transform(part, ids + first, [](const SamplePoint &point) { return script_id(point.id); });
+		std::ranges::transform(part, ranks + first, unit_rank);
+		if (exact) {
+			std::ranges::transform(part, x + first, [](const SamplePoint &point) { return point.position.x; });
+			std::ranges::transform(part, y + first, [](const SamplePoint &point) { return point.position.y; });
+		} else {
+			std::ranges::transform(
+					part, positions + first, [](const SamplePoint &point) { return to_engine(point.position); });
+		}
+	});
 	size_ = count;
 	return true;
 }

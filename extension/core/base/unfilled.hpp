@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace thicket {
+
+/// For elements that are written before they are read: what a vector adds without a value is left as the memory was, so that its pages
+/// are first touched by whoever fills them, on as many threads as do.
+template <class Value>
+struct UnfilledAllocator : std::allocator<Value> {
+	UnfilledAllocator() = default;
+
+	template <class Other>
+	explicit(false) UnfilledAllocator(const UnfilledAllocator<Other> &) noexcept {}
+
+	template <class Other>
+	void construct([[maybe_unused]] Other *at) noexcept {
+		static_assert(std::is_trivially_copyable_v<Other>);
+	}
+
+	template <class Other, class First, class... Rest>
+	void construct(Other *at, First &&first, Rest &&...rest) {
+		std::construct_at(at, std::forward<First>(first), std::forward<Rest>(rest)...);
+	}
+};
+
+template <class Value>
+using UnfilledVector = std::vector<Value, UnfilledAllocator<Value>>;
+
+} // namespace thicket

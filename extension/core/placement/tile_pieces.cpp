@@ -1,0 +1,181 @@
+#include "core/placement/tile_pieces.hpp"
+
+#include "core/base/guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+/// The width of a piece, at least: in radii, as much as a sampler makes at its full speed; and in margins of the layers around, which are
+/// made anew for each piece.
+constexpr double radii = 64.0;
+constexpr double margins = 8.0;
+
+double points_in(const Rect &rect, const LayerGraph &graph) {
+	double most = 0.0;
+	for (const LayerGraph::Node &node : graph.nodes()) {
+		const glm::dvec2 sides = rect.size() + 2.0 * node.margin;
+		most = std::max(most, sides.x * sides.y * point_density(node.layer->set));
+	}
+	return most;
+}
+
+/// Copies what `values` holds to where the points of a piece belong.
+template <class Values, class Target>
+void put(Values &r_values, Target &r_target, std::size_t first) {
+	std::ranges::copy(r_values, r_target.begin() + static_cast<std::ptrdiff_t>(first));
+	r_values = {};
+}
+
+} // namespace
+
+PieceGrid::PieceGrid(const Rect &rect, const LayerGraph &graph) : rect_(rect) {
+	// What a sampler refuses is left whole, for it to say so.
+	if (graph.nodes().empty() || !rect.finite() || rect.empty() || points_in(rect, graph) > max_points_per_call) {
+		return;
+	}
+	double margin = 0.0;
+	for (const LayerGraph::Node &node : graph.nodes()) {
+		margin = std::max(margin, node.margin);
+	}
+	const double side = std::max(radii * graph.nodes().back().layer->set.radius, margins * margin);
+	columns_ = static_cast<std::size_t>(std::max(1.0, std::floor(rect.size().x / side)));
+	rows_ = static_cast<std::size_t>(std::max(1.0, std::floor(rect.size().y / side)));
+}
+
+/// The same numbers for all pieces that meet there.
+glm::dvec2 PieceGrid::corner(std::size_t column, std::size_t row) const {
+	const auto along = [](double min, double max, std::size_t at, std::size_t count) {
+		return at == count ? max : min + (max - min) * (static_cast<double>(at) / static_cast<double>(count));
+	};
+	return {along(rect_.min.x, rect_.max.x, column, columns_), along(rect_.min.y, rect_.max.y, row, rows_)};
+}
+
+Rect PieceGrid::piece(std::size_t index) const {
+	const std::size_t column = index % columns_;
+	const std::size_t row = index / columns_;
+	return {corner(column, row), corner(column + 1, row + 1)};
+}
+
+Status TilePieces::Worker::find(
+		const Terrain &terrain, const Rect &piece, const std::atomic<bool> *cancel, Found &r_found) {
+	if (const Status status = filter.sample(piece, cancel); !status.ok()) {
+		return status;
+	}
+	positions.clear();
+	queries.clear();
+	filter.add_queries(positions, queries);
+	ground.assign(positions.size(), Ground{});
+	Status status = ask_ground(terrain, positions, queries, ground, cancel);
+	if (status.ok()) {
+		status = filter.filter(ground, cancel);
+	}
+	if (!status.ok()) {
+		return status;
+	}
+	const LayerFilter &own = filter.own();
+	StandingPoints points{own.positions(), std::span<const Ground>(ground).subspan(filter.own_first()), own.ids(),
+			own.standing(), own.thinning_ranks()};
+	status = shares.find(filter, points, cancel);
+	const auto choose = [&](const auto &from, auto &r_to) {
+		r_to.reserve(from.empty() ? 0 : points.standing.size());
+		for (std::size_t i = 0; i < points.standing.size() && !from.empty(); ++i) {
+			r_to.push_back(from[points.standing[i]]);
+		}
+	};
+	choose(points.positions, r_found.positions);
+	choose(points.ground, r_found.ground);
+	choose(points.ids, r_found.ids);
+	choose(points.color_shares, r_found.color_shares);
+	choose(points.variation_shares, r_found.variation_shares);
+	r_found.thinning_ranks.assign(points.thinning_ranks.begin(), points.thinning_ranks.end());
+	r_found.counts = {own.sampled(), own.positions().size(), own.standing().size()};
+	r_found.stats = filter.sample_stats();
+	return status;
+}
+
+/// Adds up what was found, and takes the memory for it.
+void TilePieces::make_room() {
+	std::size_t total = 0;
+	bool colors = false;
+	bool variations = false;
+	counts_ = {};
+	stats_ = {};
+	for (Found &found : found_) {
+		found.first = std::exchange(total, total + found.ids.size());
+		counts_.sampled += found.counts.sampled;
+		counts_.dense += found.counts.dense;
+		counts_.placed += found.counts.placed;
+		stats_.add(found.stats);
+		colors = colors || !found.color_shares.empty();
+		variations = variations || !found.variation_shares.empty();
+	}
+	positions_.resize(total);
+	ground_.resize(total);
+	ids_.resize(total);
+	thinning_ranks_.resize(total);
+	standing_.resize(total);
+	color_shares_.resize(colors ? total : 0);
+	variation_shares_.resize(variations ? total : 0);
+}
+
+/// Moves what a piece has found to where it belongs.
+void TilePieces::gather(Found &r_found) {
+	const auto begin = standing_.begin() + static_cast<std::ptrdiff_t>(r_found.first);
+	std::iota(begin, begin + static_cast<std::ptrdiff_t>(r_found.ids.size()),
+			static_cast<std::uint32_t>(r_found.first));
+	put(r_found.positions, positions_, r_found.first);
+	put(r_found.ground, ground_, r_found.first);
+	put(r_found.ids, ids_, r_found.first);
+	put(r_found.thinning_ranks, thinning_ranks_, r_found.first);
+	put(r_found.color_shares, color_shares_, r_found.first);
+	put(r_found.variation_shares, variation_shares_, r_found.first);
+}
+
+Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
+		const std::atomic<bool> *cancel, LentThreads &threads) {
+	const std::size_t count = grid.count();
+	std::vector<Status> statuses(count);
+	found_.clear();
+	found_.resize(count);
+	std::atomic<std::size_t> next = 0;
+	std::atomic<bool> failed = false;
+	threads.run([&](std::size_t) {
+		std::unique_ptr<Worker> worker;
+		for (std::size_t at = next++; at < count && !failed; at = next++) {
+			statuses[at] = guarded("points", static_cast<double>(layer.set.radius), [&] {
+				if (worker == nullptr) {
+					worker = std::make_unique<Worker>(margins_, cache_);
+					worker->filter.set(layer);
+				}
+				return worker->find(terrain, grid.piece(at), cancel, found_[at]);
+			});
+			failed = failed || !statuses[at].ok();
+		}
+	});
+	// Pieces are begun in order, so the first that failed is the one that a single thread would have met.
+	const auto first = std::ranges::find_if(statuses, [](const Status &status) { return !status.ok(); });
+	if (first != statuses.end()) {
+		throw_if_out_of_memory(*first);
+		return *first;
+	}
+	make_room();
+	next = 0;
+	threads.run([&](std::size_t) {
+		for (std::size_t at = next++; at < count; at = next++) {
+			gather(found_[at]);
+		}
+	});
+	return {};
+}
+
+StandingPoints TilePieces::points() const {
+	return {positions_, ground_, ids_, standing_, thinning_ranks_, color_shares_, variation_shares_};
+}
+
+} // namespace thicket

@@ -1,0 +1,103 @@
+#pragma once
+
+#include "core/base/lent_threads.hpp"
+#include "core/base/rect.hpp"
+#include "core/base/status.hpp"
+#include "core/base/unfilled.hpp"
+#include "core/placement/instance_writer.hpp"
+#include "core/placement/layer.hpp"
+#include "core/placement/source_shares.hpp"
+#include "core/placement/tile_filter.hpp"
+#include "core/terrain/terrain.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace thicket {
+
+/// How a large rectangle is cut into pieces that share nothing: half-open, in rows.
+class PieceGrid {
+public:
+	/// One piece where more are not worth it. The layer's graph says how far around a piece its neighbors have to be known.
+	PieceGrid(const Rect &rect, const LayerGraph &graph);
+
+	std::size_t count() const { return columns_ * rows_; }
+	Rect piece(std::size_t index) const;
+
+private:
+	glm::dvec2 corner(std::size_t column, std::size_t row) const;
+
+	Rect rect_;
+	std::size_t columns_ = 1;
+	std::size_t rows_ = 1;
+};
+
+/// What stands in a large rectangle, found on all threads that there are, piece by piece: what a thread works on stays in its caches. The
+/// same points as of the whole, in another order.
+class TilePieces {
+public:
+	/// `cache` may be null.
+	TilePieces(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) :
+			margins_(margins), cache_(std::move(cache)) {}
+
+	/// Valid settings only. The failure is that of the first piece that has one. Throws std::bad_alloc.
+	Status find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
+			const std::atomic<bool> *cancel, LentThreads &threads);
+
+	/// All of them stand.
+	StandingPoints points() const;
+	const TileCounts &counts() const { return counts_; }
+
+	/// What the samplers did for the layer itself.
+	const SampleStats &sample_stats() const { return stats_; }
+
+private:
+	struct Found {
+		std::vector<glm::dvec2> positions;
+		std::vector<Ground> ground;
+		std::vector<std::uint64_t> ids;
+		std::vector<std::uint32_t> thinning_ranks;
+		std::vector<float> color_shares;
+		std::vector<float> variation_shares;
+		TileCounts counts;
+		SampleStats stats;
+		std::size_t first = 0; ///< Where its points begin among all.
+	};
+
+	struct Worker {
+		Worker(const SampleMargins &margins, const std::shared_ptr<BlockCache> &cache) : filter(margins, cache) {}
+
+		TileFilter filter;
+		SourceShares shares;
+		std::vector<glm::dvec2> positions;
+		std::vector<GroundQuery> queries;
+		std::vector<Ground> ground;
+
+		Status find(const Terrain &terrain, const Rect &piece, const std::atomic<bool> *cancel, Found &r_found);
+	};
+
+	void make_room();
+	void gather(Found &r_found);
+
+	SampleMargins margins_;
+	std::shared_ptr<BlockCache> cache_;
+	std::vector<Found> found_;
+	TileCounts counts_;
+	SampleStats stats_;
+
+	// Of all pieces, one after the other.
+	UnfilledVector<glm::dvec2> positions_;
+	UnfilledVector<Ground> ground_;
+	UnfilledVector<std::uint64_t> ids_;
+	UnfilledVector<std::uint32_t> thinning_ranks_;
+	UnfilledVector<std::uint32_t> standing_;
+	UnfilledVector<float> color_shares_;
+	UnfilledVector<float> variation_shares_;
+};
+
+} // namespace thicket
