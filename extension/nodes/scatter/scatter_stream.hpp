@@ -82,6 +82,9 @@ public:
 	/// Tiles that are made and not shown yet.
 	std::size_t upload_queue_size() const { return uploads_.size(); }
 	const StreamFigures &figures() const { return figures_; }
+
+	/// How much of what was no longer needed went on workers.
+	std::uint64_t freed_by_workers() const { return workers_.freed(); }
 	StreamCounts counts() const { return streamer_.counts(); }
 
 private:

@@ -173,6 +173,7 @@ std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
 	std::vector<std::shared_ptr<const void>> unneeded; // They go once the lock is given back.
 	const std::lock_guard lock(mutex_);
 	unneeded.swap(unneeded_);
+	freed_.fetch_add(unneeded.size(), std::memory_order_relaxed);
 	much_unneeded_ = false;
 	hand_in(worker);
 	if (queue_.empty()) {

@@ -80,6 +80,9 @@ public:
 	/// Lets go of something large where that costs the main thread nothing: on a worker, before the next job or, if none comes, within a second.
 	void let_go(std::shared_ptr<const void> unneeded);
 
+	/// How many of these workers have let go of.
+	std::uint64_t freed() const { return freed_.load(std::memory_order_relaxed); }
+
 	/// Without threads: makes tiles until the time is over, and one at least if any waits. A script that is asked for heights may
 	/// call anything but this meanwhile. With threads: does nothing.
 	void work_until(std::chrono::steady_clock::time_point deadline);
@@ -120,6 +123,7 @@ private:
 	std::vector<std::shared_ptr<TileJob>> finished_;
 	std::vector<std::shared_ptr<const void>> unneeded_;
 	std::atomic<std::size_t> waiting_ = 0;    ///< The size of queue_.
+	std::atomic<std::uint64_t> freed_ = 0;    ///< What was in unneeded_ and is gone.
 	std::atomic<bool> much_unneeded_ = false; ///< Whether what is in unneeded_ is worth a worker of its own.
 
 	// Of the main thread alone: what is still to be put into the queue, and among what is unneeded.
