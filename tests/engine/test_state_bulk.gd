@@ -109,6 +109,32 @@ func test_many_changes_in_some_places() -> void:
 	check_equal(digests(scatter, 0), digests(fresh, 0), "the picture once all came back")
 
 
+## How a peer joins late: nobody waits for a million changes.
+func test_a_whole_state_is_read_on_a_thread() -> void:
+	var scatter := make_wood(make_viewer())
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+	var standing: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
+	var server := fell_everywhere(scatter, standing, 300_000)
+	var whole := ScatterState.new()
+	var thread_ids := []
+	var bytes := server.to_bytes()
+	var task := WorkerThreadPool.add_task(func() -> void:
+		thread_ids.push_back(OS.get_thread_caller_id())
+		thread_ids.push_back(whole.from_bytes(bytes)))
+	while not WorkerThreadPool.is_task_completed(task):
+		await process_frame
+	WorkerThreadPool.wait_for_task_completion(task)
+	check(thread_ids[0] != OS.get_main_thread_id(), "on another thread")
+	check_equal(thread_ids[1], OK, "the bytes")
+	scatter.state = whole
+	check_equal(scatter.state.get_digest(), server.get_digest(), "the same state")
+	@warning_ignore("integer_division")
+	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids.size(), standing.size() / 2, "queries know it at once")
+	await settle(scatter)
+	check(scatter.remove_instance(standing[1]), "what stands can be removed")
+
+
 func test_changes_outside_of_the_tree() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer, false)
