@@ -50,7 +50,8 @@ LayerSettings upright_layer() {
 void check_stands_the_same(const LayerSettings &layer, const AskedHills &asked) {
 	const TileInstances tile = built(layer, asked, tile_of_hills);
 	CHECK(size_of(tile) > 500);
-	CHECK(transforms_of(tile) == transforms_of(built(layer, hills(), tile_of_hills))); // A zero equals one of the other sign.
+	CHECK(transforms_of(tile) ==
+			transforms_of(built(layer, hills(), tile_of_hills))); // A zero equals one of the other sign.
 }
 
 } // namespace

@@ -37,8 +37,7 @@ public:
 			return false;
 		}
 		const GroundQuery &query = queries_[query_];
-		r_portion = {query.first + done_, std::min(batch, query.count - done_), query.textures,
-				query.normals};
+		r_portion = {query.first + done_, std::min(batch, query.count - done_), query.textures, query.normals};
 		done_ += batch;
 		return true;
 	}
@@ -56,8 +55,7 @@ Status ask(const Terrain &terrain, std::span<const glm::dvec2> positions, const 
 	}
 	const std::span<const glm::dvec2> places = positions.subspan(portion.first, portion.count);
 	const std::span<Ground> ground = r_ground.subspan(portion.first, portion.count);
-	const Status status =
-			portion.normals ? terrain.sample(places, ground) : terrain.sample_heights(places, ground);
+	const Status status = portion.normals ? terrain.sample(places, ground) : terrain.sample_heights(places, ground);
 	return status.ok() && !portion.textures.empty() ? terrain.weigh(places, portion.textures, ground) : status;
 }
 

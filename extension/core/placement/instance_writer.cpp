@@ -69,8 +69,8 @@ void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
 				before * parts < (part + 1) * points.thinning_ranks.size()) {
 			before += counts[rank_class++];
 		}
-		const std::uint64_t end = part + 1 < parts ? std::uint64_t{rank_class} << rank_class_shift
-												   : std::uint64_t{1} << 32;
+		const std::uint64_t end =
+				part + 1 < parts ? std::uint64_t{rank_class} << rank_class_shift : std::uint64_t{1} << 32;
 		parts_[part].first_rank = std::exchange(first_rank, end);
 		parts_[part].end_rank = end;
 	}
@@ -153,8 +153,8 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 		std::atomic<std::size_t> next = 0;
 		threads->run([&](std::size_t) {
 			for (std::size_t part = next++; part < parts_.size(); part = next++) {
-				statuses[part] = guarded("tile", static_cast<double>(points.standing.size()),
-						[&] { return work(parts_[part]); });
+				statuses[part] = guarded(
+						"tile", static_cast<double>(points.standing.size()), [&] { return work(parts_[part]); });
 			}
 		});
 		const auto failed = std::ranges::find_if(statuses, [](const Status &status) { return !status.ok(); });
@@ -166,8 +166,7 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 	}));
 	make_room(layer.instance_data, r_tile.meshes);
 	r_tile.origin = origin;
-	const Status status =
-			for_each_part([&](Part &part) { return write_part(layer, points, part, r_tile, cancel); });
+	const Status status = for_each_part([&](Part &part) { return write_part(layer, points, part, r_tile, cancel); });
 	if (!status.ok()) {
 		r_tile.meshes.clear();
 		return status;

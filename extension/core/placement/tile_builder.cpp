@@ -128,8 +128,8 @@ Status TileBuilder::Workspace::place(
 	const LayerFilter &own = filter.own();
 	const glm::dvec2 center = rect.center();
 	const glm::dvec3 origin{center.x, origin_height(known.last(origin_probes.size())), center.y};
-	StandingPoints points{own.positions(), known.subspan(filter.own_first(), own.positions().size()), own.ids(), own.standing(),
-			own.thinning_ranks()};
+	StandingPoints points{own.positions(), known.subspan(filter.own_first(), own.positions().size()), own.ids(),
+			own.standing(), own.thinning_ranks()};
 	Status status = shares.find(filter, points, cancel);
 	if (status.ok()) {
 		status = writer.write(own.settings(), points, origin, r_tile, cancel);
@@ -153,9 +153,8 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 	}
 	if (threads != nullptr && threads->count() > 0) {
 		if (const PieceGrid grid(rect, LayerGraph(layer)); grid.count() > 1) {
-			return guarded("tile", std::max(rect.size().x, rect.size().y), [&] {
-				return workspace_->build_together(layer, terrain, rect, grid, r_tile, cancel, *threads);
-			});
+			return guarded("tile", std::max(rect.size().x, rect.size().y),
+					[&] { return workspace_->build_together(layer, terrain, rect, grid, r_tile, cancel, *threads); });
 		}
 	}
 	if (const Status status = find_points(layer, rect, cancel, threads); !status.ok()) {

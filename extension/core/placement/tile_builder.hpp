@@ -38,12 +38,12 @@ public:
 	/// refused). The result is a function of the arguments, to the bit. After an error `r_tile` is as it was; after
 	/// ErrorCode::cancelled, which follows within about a millisecond of raising `cancel`, it is valid but unspecified.
 	///
-	/// `threads`, if there are any, share the points and the ground of a large rectangle, for the same tile.
+	/// `threads`, if there are any, share all that a large rectangle takes (see TilePieces), for the same tile.
 	Status build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
 			const std::atomic<bool> *cancel = nullptr, LentThreads *threads = nullptr);
 
 	/// The first step: the points that the rules of position (masks, noise, shapes seen from above) let pass. There are none
-	/// after ErrorCode::cancelled or ErrorCode::out_of_memory.
+	/// after ErrorCode::cancelled or ErrorCode::out_of_memory. `threads`, if there are any, share the points of a large rectangle.
 	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr,
 			LentThreads *threads = nullptr);
 

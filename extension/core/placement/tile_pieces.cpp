@@ -127,8 +127,8 @@ void TilePieces::make_room() {
 /// Moves what a piece has found to where it belongs.
 void TilePieces::gather(Found &r_found) {
 	const auto begin = standing_.begin() + static_cast<std::ptrdiff_t>(r_found.first);
-	std::iota(begin, begin + static_cast<std::ptrdiff_t>(r_found.ids.size()),
-			static_cast<std::uint32_t>(r_found.first));
+	std::iota(
+			begin, begin + static_cast<std::ptrdiff_t>(r_found.ids.size()), static_cast<std::uint32_t>(r_found.first));
 	put(r_found.positions, positions_, r_found.first);
 	put(r_found.ground, ground_, r_found.first);
 	put(r_found.ids, ids_, r_found.first);
@@ -148,7 +148,7 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 	threads.run([&](std::size_t) {
 		std::unique_ptr<Worker> worker;
 		for (std::size_t at = next++; at < count && !failed; at = next++) {
-			statuses[at] = guarded("points", static_cast<double>(layer.set.radius), [&] {
+			statuses[at] = guarded("tile", static_cast<double>(count), [&] {
 				if (worker == nullptr) {
 					worker = std::make_unique<Worker>(margins_, cache_);
 					worker->filter.set(layer);

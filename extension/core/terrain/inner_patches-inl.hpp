@@ -33,8 +33,7 @@ HWY_INLINE PatchD half_of(PatchD behind, PatchD before) {
 }
 
 /// See bilinear.hpp.
-HWY_INLINE PatchD between(
-		PatchD near_left, PatchD near_right, PatchD far_left, PatchD far_right, PatchD x, PatchD y) {
+HWY_INLINE PatchD between(PatchD near_left, PatchD near_right, PatchD far_left, PatchD far_right, PatchD x, PatchD y) {
 	const PatchD near = hn::Add(near_left, hn::Mul(hn::Sub(near_right, near_left), x));
 	const PatchD far = hn::Add(far_left, hn::Mul(hn::Sub(far_right, far_left), x));
 	return hn::Add(near, hn::Mul(hn::Sub(far, near), y));
@@ -71,8 +70,7 @@ void compute_patches(const InnerPatches::Heights &of, InnerPatches &r_patches) {
 				half_of(post<1>(behind), a), half_of(post<2>(behind), b), x, y);
 		const PatchD gradient_x = hn::Mul(hn::Mul(rise_x, scale), hn::Set(doubles, of.posts_per_meter.x));
 		const PatchD gradient_y = hn::Mul(hn::Mul(rise_y, scale), hn::Set(doubles, of.posts_per_meter.y));
-		const PatchD squared =
-				hn::Add(hn::Add(hn::Mul(gradient_x, gradient_x), hn::Mul(gradient_y, gradient_y)), one);
+		const PatchD squared = hn::Add(hn::Add(hn::Mul(gradient_x, gradient_x), hn::Mul(gradient_y, gradient_y)), one);
 		const PatchD to_unit = hn::Div(one, hn::Sqrt(squared));
 		const PatchD rise = hn::Mul(between(a, b, c, d, x, y), scale);
 		store_floats(hn::Add(hn::Set(doubles, of.base), rise), r_patches.height.data() + at);

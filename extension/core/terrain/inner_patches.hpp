@@ -39,7 +39,7 @@ struct InnerPatches {
 	void compute(const Heights &of);
 
 	std::size_t count = 0;
-	std::array<std::size_t, most> numbers{};                            ///< The caller's own, of each.
+	std::array<std::size_t, most> numbers{};                               ///< The caller's own, of each.
 	alignas(64) std::array<std::array<std::uint64_t, most>, rows> posts{}; ///< Four side by side in each.
 	alignas(64) std::array<double, most> x{};
 	alignas(64) std::array<double, most> y{};

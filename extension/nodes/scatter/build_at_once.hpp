@@ -22,8 +22,8 @@ namespace thicket {
 Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
 
-/// Makes tiles for a caller on the main thread, who waits for them; the engine's workers share the points and the ground of a large
-/// rectangle. What the next tile can use stays: memory, and the points around.
+/// Makes tiles for a caller on the main thread, who waits for them; the engine's workers share what a large rectangle
+/// takes. What the next tile can use stays: memory, and the points around.
 class AtOnceBuilder {
 public:
 	/// All steps of a tile; the ground as above. A script that is asked for it may call this again.

@@ -48,7 +48,7 @@ private:
 	float height_at(glm::dvec2 position) const {
 		const glm::dvec2 center(static_cast<float>(position.x), static_cast<float>(position.y));
 		return std::isfinite(center.x) && std::isfinite(center.y) ? static_cast<float>(base_ + rise_at(center))
-																 : Ground{}.height;
+																  : Ground{}.height;
 	}
 
 	/// Meters above the base.
