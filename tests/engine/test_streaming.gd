@@ -40,23 +40,6 @@ func test_tiles_follow_the_viewer() -> void:
 	check_equal(digests(scatter, 0), before, "the same instances after coming back")
 
 
-func test_workers_let_go_of_what_is_no_longer_needed() -> void:
-	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
-	await settle(scatter)
-	var tiles: int = scatter.get_stats()["tiles"]
-	viewer.global_position = Vector3(1000.0, 0.0, 1000.0)
-	await settle(scatter)
-	# The tiles that went and the buffers of those that came, within a second.
-	var limit := Time.get_ticks_msec() + 20_000
-	@warning_ignore("integer_division")
-	var wanted := tiles + tiles / 2
-	while scatter.get_stats()["worker_frees"] < wanted and Time.get_ticks_msec() < limit:
-		await process_frame
-	var freed: int = scatter.get_stats()["worker_frees"]
-	check(freed >= wanted, "freed on workers: %d, for %d tiles" % [freed, tiles])
-
-
 func test_what_is_taken_away_goes() -> void:
 	var hidden := []
 	var layer := make_layer()
