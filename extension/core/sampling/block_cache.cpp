@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <mutex>
 #include <tuple>
 #include <utility>
 

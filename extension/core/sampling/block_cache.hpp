@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/mutex.hpp"
 #include "core/sampling/level_grid.hpp"
 #include "core/sampling/point_set.hpp"
 
@@ -9,7 +10,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 namespace thicket {
@@ -102,7 +102,7 @@ private:
 	void trim();
 
 	const std::size_t limit_;
-	mutable std::mutex mutex_;
+	mutable Mutex mutex_;
 	std::map<Key, Entry> entries_; ///< Without a block, too: of what was asked for once.
 	std::size_t bytes_ = 0;
 	std::uint64_t clock_ = 0;

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <mutex>
+
+namespace thicket {
+
+#if defined(__wasi__) && !defined(_REENTRANT)
+/// WebAssembly outside of browsers has one thread, and its C++ library no mutex.
+class Mutex {
+public:
+	void lock() {}
+	void unlock() {}
+};
+#else
+using Mutex = std::mutex;
+#endif
+
+} // namespace thicket
