@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from bakes.world import RECT, USUAL, Baked, bake, environment, ground, kill, make_world, wait_for
+from bakes.world import RECT, USUAL, Baked, bake, baked, environment, ground, kill, wait_for, world  # noqa: F401 (some are fixtures)
 from conftest import REPO, run
 
 sys.path.insert(0, str(REPO / "tools/bake"))
@@ -19,19 +19,6 @@ from baking import grid, tile_folder  # noqa: E402 (only on the path above)
 
 ASKED = [f"rect={','.join(map(str, RECT))}", "tile_size=32"]
 TILES = 20
-
-
-@pytest.fixture(scope="module")
-def world(tmp_path_factory) -> Path:
-    return make_world(tmp_path_factory.mktemp("bake") / "project")
-
-
-@pytest.fixture(scope="module")
-def baked(world, tmp_path_factory) -> Baked:
-    """The world, baked by a driver with its engines."""
-    done = bake(world, tmp_path_factory.mktemp("baked"), "--workers", "2")
-    assert done.code == 0, done.said
-    return done
 
 
 @pytest.fixture(scope="module")

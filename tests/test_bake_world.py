@@ -24,27 +24,14 @@ import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 import pytest
 from bakes.world import (
-    PLACED_BY_HAND, RECT, Baked, bake, begin, engines_below, ground, has_ended, is_engine_of, kill, make_world, processes_below,
-    wait_for, workers_of,
+    PLACED_BY_HAND, RECT, Baked, bake, baked, begin, engines_below, ground, has_ended, is_engine_of, kill,  # noqa: F401
+    processes_below, wait_for, workers_of, world,  # noqa: F401 (some are fixtures)
 )  # fmt: skip
 from conftest import REPO, run
 
 sys.path.insert(0, str(REPO / "tools/bake"))
 from baking.driver import world_digest  # noqa: E402
 from baking.tile_engine import Source, TileEngine  # noqa: E402 (only on the path above)
-
-
-@pytest.fixture(scope="module")
-def world(tmp_path_factory) -> Path:
-    return make_world(tmp_path_factory.mktemp("bake") / "project")
-
-
-@pytest.fixture(scope="module")
-def baked(world, tmp_path_factory) -> Baked:
-    """The world, baked by two workers."""
-    done = bake(world, tmp_path_factory.mktemp("baked"), "--workers", "2")
-    assert done.code == 0, done.said
-    return done
 
 
 def copied(baked: Baked, to: Path) -> Baked:

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import psutil
 import pyarrow.parquet as pq
+import pytest
 from conftest import REPO, new_project, run
 
 BAKES = REPO / "tests/bakes"
@@ -164,3 +165,16 @@ def wait_for(condition: Callable[[], object], what: str, timeout: float = 60.0) 
     while not condition():
         assert time.monotonic() < deadline, f"not within {timeout} s: {what}"
         time.sleep(0.02)
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory) -> Path:
+    return make_world(tmp_path_factory.mktemp("bake") / "project")
+
+
+@pytest.fixture(scope="module")
+def baked(world, tmp_path_factory) -> Baked:
+    """The world, baked by two workers."""
+    done = bake(world, tmp_path_factory.mktemp("baked"), "--workers", "2")
+    assert done.code == 0, done.said
+    return done
