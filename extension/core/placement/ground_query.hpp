@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/base/lent_threads.hpp"
 #include "core/base/status.hpp"
 #include "core/terrain/terrain.hpp"
 
@@ -23,10 +22,7 @@ struct GroundQuery {
 
 /// Asks a terrain for the ground of some positions, in portions of far below a millisecond of work. `r_ground` has one entry for each
 /// of the list. Ends with ErrorCode::cancelled when `cancel` is raised. Throws what the terrain throws.
-///
-/// `threads`, if there are any, share what is more than a few portions, for the same answers, and the failure of the first portion that
-/// fails; the terrain is then asked on all of them at once.
 Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
-		std::span<Ground> r_ground, const std::atomic<bool> *cancel = nullptr, LentThreads *threads = nullptr);
+		std::span<Ground> r_ground, const std::atomic<bool> *cancel = nullptr);
 
 } // namespace thicket

@@ -162,7 +162,7 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 	}
 	const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()), [&] {
 		workspace_->ground.assign(workspace_->positions.size(), Ground{});
-		return ask_ground(terrain, workspace_->positions, workspace_->queries, workspace_->ground, cancel, threads);
+		return ask_ground(terrain, workspace_->positions, workspace_->queries, workspace_->ground, cancel);
 	});
 	return status.ok() ? place(workspace_->ground, r_tile, cancel) : status;
 }
