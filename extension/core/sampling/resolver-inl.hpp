@@ -24,13 +24,19 @@ HWY_INLINE bool is_cancelled(const std::atomic<bool> *cancel) {
 	return cancel != nullptr && cancel->load(std::memory_order_relaxed);
 }
 
-/// Times up to which the passes of `resolve_region` decide; a last one decides the rest. They double while there is much left to cover,
-/// and then grow faster: each looks at all cells.
-constexpr float pass_ends[] = {0.25f, 0.5f, 1.0f, 2.0f, 4.0f, 8.0f, 32.0f, std::numeric_limits<float>::infinity()};
-
 /// Cells around a region for which the coarser level is decided with the region's own: most chains that leave the region then find
 /// what they ask of that level, where they would follow chains of it in each of their rounds.
 constexpr std::int32_t most_ahead = 4;
+
+struct Pass {
+	float end;           ///< The time up to which it decides.
+	std::int32_t around; ///< Cells around the region that it decides with the region's own; at most `most_ahead`.
+};
+
+/// The passes of `resolve_region`. Their ends double while there is much left to cover, and then grow faster: each looks at all cells.
+/// Nearly all early darts around a region are wanted by some chain, and cost less in a row than one chain after the other.
+constexpr Pass passes[] = {{0.125f, 4}, {0.25f, 4}, {0.5f, 3}, {1.0f, 2}, {2.0f, 1}, {4.0f, 1}, {8.0f, 0}, {32.0f, 0},
+		{std::numeric_limits<float>::infinity(), 0}};
 
 /// Lists the cells of a row whose next dart is not later than `until` in grid.due.
 HWY_INLINE void find_due(LevelGrid &grid, std::uint32_t first, std::uint32_t count, TimeKey until) {
@@ -57,13 +63,15 @@ HWY_INLINE void find_due(LevelGrid &grid, std::uint32_t first, std::uint32_t cou
 	grid.due.resize(found);
 }
 
-/// Marks the cells that all passes look at by themselves.
-HWY_INLINE void list_region(LevelGrid &grid, const CellRect &region) {
-	grid.listed.assign(grid.open.size(), LevelGrid::unlisted);
-	grid.wanted.clear();
-	for (std::int32_t y = region.min.y; y < region.max.y; ++y) {
-		std::fill_n(grid.listed.data() + grid.index_of({region.min.x, y}), region.size().x, LevelGrid::in_region);
-	}
+/// Marks the cells that a pass looks at by itself, of those that the pass before it looked at; outside them nothing is listed.
+HWY_INLINE void list_region(LevelGrid &grid, const CellRect &before, const CellRect &region) {
+	const auto mark = [&](const CellRect &cells, LevelGrid::Listing listing) {
+		for (std::int32_t y = cells.min.y; y < cells.max.y; ++y) {
+			std::fill_n(grid.listed.data() + grid.index_of({cells.min.x, y}), cells.size().x, listing);
+		}
+	};
+	mark(before, LevelGrid::unlisted);
+	mark(region, LevelGrid::in_region);
 }
 
 /// Decides the darts up to `until` of all cells of a region. False when the grid is too small.
@@ -99,13 +107,18 @@ inline bool resolve_pass(LevelGrid *levels, std::uint32_t level, const CellRect 
 inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, const CellRect &region, std::int32_t ahead,
 		const std::atomic<bool> *cancel) {
 	LevelGrid &grid = levels[level];
-	list_region(grid, region);
+	grid.listed.assign(grid.open.size(), LevelGrid::unlisted);
+	grid.wanted.clear();
 	if (grid.coarser != nullptr) {
 		make_region_ready(*grid.coarser, grid, region.grown(ahead));
 	}
-	for (const float end : pass_ends) {
-		const TimeKey due = std::min(std::bit_cast<TimeKey>(end), time_never - 1);
-		if (!resolve_pass(levels, level, region, due, cancel)) {
+	CellRect listed = region;
+	for (const Pass &pass : passes) {
+		const CellRect cells = region.grown(std::min(pass.around, ahead));
+		list_region(grid, listed, cells);
+		listed = cells;
+		const TimeKey due = std::min(std::bit_cast<TimeKey>(pass.end), time_never - 1);
+		if (!resolve_pass(levels, level, cells, due, cancel)) {
 			return ResolveResult::margin_too_small;
 		}
 		if (is_cancelled(cancel)) {

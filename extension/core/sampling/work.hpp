@@ -26,7 +26,7 @@ constexpr TimeKey until_of(Item item) { return static_cast<TimeKey>(item >> 32);
 
 /// Cells that are dealt with alike.
 struct Group {
-	static constexpr std::uint32_t most = 64;
+	static constexpr std::uint32_t most = 80;
 	static constexpr std::uint32_t room = most + 16; ///< Vectors read and write past the last one.
 
 	std::uint32_t count = 0;
