@@ -38,29 +38,30 @@ struct Pass {
 constexpr Pass passes[] = {{0.125f, 4}, {0.25f, 4}, {0.5f, 3}, {1.0f, 2}, {2.0f, 1}, {4.0f, 1}, {8.0f, 0}, {32.0f, 0},
 		{std::numeric_limits<float>::infinity(), 0}};
 
-/// Lists the cells of a row whose next dart is not later than `until` in grid.due.
-HWY_INLINE void find_due(LevelGrid &grid, std::uint32_t first, std::uint32_t count, TimeKey until) {
-	if constexpr (is_plain) {
-		grid.due.clear();
-		for (std::uint32_t cell = first; cell < first + count; ++cell) {
-			if (grid.time[cell] <= until) {
-				grid.due.push_back(cell);
-			}
-		}
-		return;
-	}
+/// The cells of a row whose next dart is not later than `until`.
+HWY_INLINE std::span<const std::uint32_t> find_due(
+		LevelGrid &grid, std::uint32_t first, std::uint32_t count, TimeKey until) {
 	const hn::ScalableTag<std::int32_t> d;
 	const hn::RebindToUnsigned<decltype(d)> du;
-	const std::uint32_t lanes = static_cast<std::uint32_t>(hn::MaxLanes(d));
-	grid.due.resize(count + 2 * lanes);
+	const auto lanes = static_cast<std::uint32_t>(hn::MaxLanes(d));
+	if (grid.due.size() < count + 2 * lanes) {
+		grid.due.resize(count + 2 * lanes);
+	}
 	std::size_t found = 0;
+	if constexpr (is_plain) {
+		for (std::uint32_t cell = first; cell < first + count; ++cell) {
+			grid.due[found] = cell;
+			found += grid.time[cell] <= until ? 1 : 0;
+		}
+		return {grid.due.data(), found};
+	}
 	for (std::uint32_t start = 0; start < count; start += lanes) {
 		const auto time = hn::BitCast(d, hn::LoadU(du, grid.time.data() + first + start));
 		const auto due = hn::And(hn::Lt(time, hn::Set(d, static_cast<std::int32_t>(until) + 1)),
 				hn::RebindMask(d, hn::FirstN(du, std::min<std::size_t>(lanes, count - start))));
 		found += hn::CompressStore(hn::Iota(du, first + start), hn::RebindMask(du, due), du, grid.due.data() + found);
 	}
-	grid.due.resize(found);
+	return {grid.due.data(), found};
 }
 
 /// Marks the cells that a pass looks at by itself, of those that the pass before it looked at; outside them nothing is listed.
@@ -84,8 +85,7 @@ inline bool resolve_pass(LevelGrid *levels, std::uint32_t level, const CellRect 
 		if (is_cancelled(cancel)) {
 			return true;
 		}
-		find_due(grid, grid.index_of({region.min.x, y}), width, until);
-		for (const std::uint32_t cell : grid.due) {
+		for (const std::uint32_t cell : find_due(grid, grid.index_of({region.min.x, y}), width, until)) {
 			work.add_if(make_item(cell, until), grid.open[cell], grid.dart[cell], true);
 			while (work.count() == Group::most) {
 				if (!decide<false>(levels, level, work)) {
