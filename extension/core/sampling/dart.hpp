@@ -28,7 +28,8 @@ constexpr std::uint32_t position_y(CellPosition position) { return position >> l
 /// bits replaced by the cell's tag.
 using TimeKey = std::uint32_t;
 inline constexpr std::uint32_t tag_bits = 31;
-inline constexpr TimeKey time_unknown = 0;        ///< Before every dart; marks cells outside the workspace.
+inline constexpr TimeKey time_unknown = 0;  ///< Before every dart; marks cells outside the workspace.
+inline constexpr TimeKey time_unthrown = 1; ///< Before every dart; marks cells whose first dart nobody has asked for.
 inline constexpr TimeKey time_never = 0x7f800000; ///< After every dart; marks cells that throw no more.
 
 /// Cells at most two apart on each axis have different tags, so darts that could conflict never tie.

@@ -8,6 +8,7 @@
 
 #include "core/sampling/level_grid.hpp"
 
+#include <glm/common.hpp>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -111,10 +112,44 @@ constexpr auto column_tags = [] {
 	return tags;
 }();
 
-/// Gives every cell its first dart, and the border its unknown time.
-HWY_INLINE void throw_base_darts(LevelGrid &grid) {
+/// Throws the first darts of a row's cells from `begin` to `end` that have none.
+HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t begin, std::int32_t end) {
 	const hn::ScalableTag<std::uint32_t> d;
 	constexpr auto lanes = static_cast<std::int32_t>(hn::MaxLanes(d));
+	std::uint32_t index = grid.index_of({begin, y});
+	const std::uint32_t row_tag = 5 * mod_5(y);
+	grid.squares += static_cast<std::uint64_t>(end - begin);
+	if constexpr (is_plain) {
+		for (std::int32_t x = begin; x < end; ++x, ++index) {
+			if (grid.time[index] == time_unthrown) {
+				const DartKey dart = grid.source.base_dart(x, y);
+				grid.time[index] = dart_time(dart);
+				grid.dart[index] = dart_place(dart);
+			}
+		}
+		return;
+	}
+	for (std::int32_t x = begin; x < end; x += lanes, index += static_cast<std::uint32_t>(lanes)) {
+		const auto random =
+				random_bits(d, hn::Iota(d, static_cast<std::uint32_t>(x)), hn::Set(d, static_cast<std::uint32_t>(y)),
+						hn::Set(d, grid.source.stream), hn::Zero(d), grid.source.key);
+		const auto time = hn::BitCast(d, exponentials(d, random.first));
+		const auto tag = hn::Add(hn::LoadU(d, column_tags.data() + mod_5(x)), hn::Set(d, row_tag));
+		const auto key = hn::Or(hn::And(time, hn::Set(d, ~tag_bits)), tag);
+		const auto position = hn::And(random.second, hn::Set(d, position_mask));
+		TimeKey *times = grid.time.data() + index;
+		std::uint32_t *darts = grid.dart.data() + index;
+		const auto before = hn::LoadU(d, times);
+		const auto fresh = hn::And(hn::Eq(before, hn::Set(d, time_unthrown)),
+				hn::FirstN(d, static_cast<std::size_t>(std::min(lanes, end - x))));
+		hn::StoreU(hn::IfThenElse(fresh, key, before), d, times);
+		hn::StoreU(hn::IfThenElse(fresh, position, hn::LoadU(d, darts)), d, darts);
+	}
+}
+
+/// Empties a grid and throws the first darts of those of its cells that lie in `wanted`. The border's time stays unknown.
+HWY_INLINE void start_grid(LevelGrid &grid, const CellRect &wanted) {
+	const CellRect thrown{glm::max(wanted.min, grid.cells.min), glm::min(wanted.max, grid.cells.max)};
 	const glm::ivec2 size = grid.cells.size() + 2 * LevelGrid::border;
 	const std::size_t count = std::size_t{grid.stride} * static_cast<std::size_t>(size.y);
 	std::fill_n(grid.time.begin(), count, time_unknown);
@@ -122,41 +157,27 @@ HWY_INLINE void throw_base_darts(LevelGrid &grid) {
 	std::fill_n(grid.waiting.begin(), count, 0u);
 	std::fill_n(grid.open.begin(), count, std::uint64_t{0});
 	for (std::int32_t y = grid.cells.min.y; y < grid.cells.max.y; ++y) {
-		std::uint32_t index = grid.index_of({grid.cells.min.x, y});
-		const std::uint32_t row_tag = 5 * mod_5(y);
+		const std::uint32_t index = grid.index_of({grid.cells.min.x, y});
 		std::fill_n(grid.open.data() + index, grid.cells.size().x, LevelGrid::all_open);
-		if constexpr (is_plain) {
-			for (std::int32_t x = grid.cells.min.x; x < grid.cells.max.x; ++x, ++index) {
-				const DartKey dart = grid.source.base_dart(x, y);
-				grid.time[index] = dart_time(dart);
-				grid.dart[index] = dart_place(dart);
-			}
-			continue;
-		}
-		for (std::int32_t x = grid.cells.min.x; x < grid.cells.max.x;
-				x += lanes, index += static_cast<std::uint32_t>(lanes)) {
-			const auto random = random_bits(d, hn::Iota(d, static_cast<std::uint32_t>(x)),
-					hn::Set(d, static_cast<std::uint32_t>(y)), hn::Set(d, grid.source.stream), hn::Zero(d),
-					grid.source.key);
-			const auto time = hn::BitCast(d, exponentials(d, random.first));
-			const auto tag = hn::Add(hn::LoadU(d, column_tags.data() + mod_5(x)), hn::Set(d, row_tag));
-			const auto key = hn::Or(hn::And(time, hn::Set(d, ~tag_bits)), tag);
-			const auto position = hn::And(random.second, hn::Set(d, position_mask));
-			const std::int32_t rest = std::min(lanes, grid.cells.max.x - x);
-			if (rest == lanes) {
-				hn::StoreU(key, d, grid.time.data() + index);
-				hn::StoreU(position, d, grid.dart.data() + index);
-			} else {
-				alignas(64) std::uint32_t keys[lanes];
-				alignas(64) std::uint32_t positions[lanes];
-				hn::Store(key, d, keys);
-				hn::Store(position, d, positions);
-				std::copy_n(keys, rest, grid.time.data() + index);
-				std::copy_n(positions, rest, grid.dart.data() + index);
-			}
+		std::fill_n(grid.time.data() + index, grid.cells.size().x, time_unthrown);
+	}
+	for (std::int32_t y = thrown.min.y; y < thrown.max.y; ++y) {
+		throw_first_darts(grid, y, thrown.min.x, thrown.max.x);
+	}
+	grid.thrown = thrown;
+}
+
+/// Throws the first darts of all cells that have none.
+HWY_NOINLINE void throw_all(LevelGrid &grid) {
+	for (std::int32_t y = grid.cells.min.y; y < grid.cells.max.y; ++y) {
+		if (grid.thrown.min.y <= y && y < grid.thrown.max.y) {
+			throw_first_darts(grid, y, grid.cells.min.x, grid.thrown.min.x);
+			throw_first_darts(grid, y, grid.thrown.max.x, grid.cells.max.x);
+		} else {
+			throw_first_darts(grid, y, grid.cells.min.x, grid.cells.max.x);
 		}
 	}
-	grid.squares += static_cast<std::uint64_t>(grid.cells.size().x) * static_cast<std::uint64_t>(grid.cells.size().y);
+	grid.thrown = grid.cells;
 }
 
 } // namespace thicket::HWY_NAMESPACE

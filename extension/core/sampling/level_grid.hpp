@@ -75,6 +75,7 @@ struct LevelGrid {
 
 	CellRect cells;           ///< Without the border.
 	std::uint32_t stride = 0; ///< Cells from one row to the next.
+	CellRect thrown;          ///< Cells whose first darts are thrown; outside, time_unthrown stands for them.
 
 	std::vector<TimeKey> time;          ///< Time of the cell's next dart; time_never once the cell is decided.
 	std::vector<std::uint32_t> dart;    ///< The next dart; the rank once a point stands.

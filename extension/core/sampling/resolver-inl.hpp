@@ -28,6 +28,9 @@ HWY_INLINE bool is_cancelled(const std::atomic<bool> *cancel) {
 /// what they ask of that level, where they would follow chains of it in each of their rounds.
 constexpr std::int32_t most_ahead = 4;
 
+/// Cells around a region whose first darts are thrown from the start. Chains seldom go farther: those that do throw all of the grid's.
+constexpr std::int32_t thrown_around = 12;
+
 struct Pass {
 	float end;           ///< The time up to which it decides.
 	std::int32_t around; ///< Cells around the region that it decides with the region's own; at most `most_ahead`.
@@ -37,6 +40,8 @@ struct Pass {
 /// Nearly all early darts around a region are wanted by some chain, and cost less in a row than one chain after the other.
 constexpr Pass passes[] = {{0.125f, 4}, {0.25f, 4}, {0.5f, 3}, {1.0f, 2}, {2.0f, 1}, {4.0f, 1}, {8.0f, 0}, {32.0f, 0},
 		{std::numeric_limits<float>::infinity(), 0}};
+static_assert(std::ranges::all_of(
+		passes, [](const Pass &pass) { return pass.around <= std::min(most_ahead, thrown_around); }));
 
 /// The cells of a row whose next dart is not later than `until`.
 HWY_INLINE std::span<const std::uint32_t> find_due(
@@ -130,9 +135,6 @@ inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, cons
 
 inline ResolveResult resolve_block(
 		std::span<LevelGrid> levels, const CellRect &block, const std::atomic<bool> *cancel) {
-	for (LevelGrid &grid : levels) {
-		throw_base_darts(grid);
-	}
 	const std::int32_t margin = block.min.x - levels.front().cells.min.x;
 	const std::int32_t ahead =
 			std::min(most_ahead, margin / 2); // Half the margin of each level holds what is ahead on all finer ones.
@@ -141,6 +143,7 @@ inline ResolveResult resolve_block(
 		for (std::size_t finer = 0; finer < level; ++finer) {
 			region = coarse_cells_around(region.grown(ahead));
 		}
+		start_grid(levels[level], region.grown(thrown_around));
 		const ResolveResult result =
 				resolve_region(levels.data(), static_cast<std::uint32_t>(level), region, ahead, cancel);
 		if (result != ResolveResult::done) {

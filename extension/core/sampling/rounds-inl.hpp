@@ -127,6 +127,9 @@ inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &item
 			grid.undecided = cell;
 			return false;
 		}
+		if (!coarse.thrown.grown(-1).contains(parent)) {
+			throw_all(coarse);
+		}
 		asking = count == 0 ? cell : asking;
 		parents[count++] = parent;
 		for (const glm::ivec2 part : {glm::ivec2(0, 0), glm::ivec2(1, 0), glm::ivec2(0, 1), glm::ivec2(1, 1)}) {
@@ -174,7 +177,11 @@ HWY_INLINE void request(LevelGrid &grid, std::uint32_t cell, std::uint32_t reque
 /// Leaves a blocked cell for the next round, and wants what blocks it.
 HWY_INLINE bool wait(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 	const TimeKey time = grid.time[cell];
-	const TimeKey earliest = earliest_around(grid, cell, dart_position(grid.dart[cell]));
+	TimeKey earliest = earliest_around(grid, cell, dart_position(grid.dart[cell]));
+	if (HWY_UNLIKELY(earliest == time_unthrown)) {
+		throw_all(grid);
+		earliest = earliest_around(grid, cell, dart_position(grid.dart[cell]));
+	}
 	if (earliest == time_unknown) {
 		grid.undecided = cell;
 		return false;
