@@ -2,6 +2,7 @@
 
 #include "core/placement/instance_basis.hpp"
 #include "placement_fixture.hpp"
+#include "tile_fixture.hpp"
 #include "tests/bench/common/simd_targets.hpp"
 
 #include <doctest/doctest.h>
@@ -82,4 +83,26 @@ TEST_CASE("instance basis: they are made by vectors, which write behind the last
 	batch.make({}, seed);
 	CHECK(batch.scale[0] == 1.0f);
 	CHECK(batch.scale[1] == 1.0f); // Nothing wider than one would leave it as it was.
+}
+
+TEST_CASE("instance basis: tiles are placed, and read back from what is kept of them, by vectors") {
+	TileBuilder builder;
+	TileInstances tile;
+	LayerSettings layer = rich_layer();
+	const auto places_by_vectors = [&] {
+		REQUIRE(builder.find_points(layer, {{0.0, 0.0}, {30.0, 30.0}}).ok());
+		const std::vector<Ground> ground(builder.positions().size(), {20.0f});
+		return bench::runs_vectors([&] { REQUIRE(builder.place(ground, tile).ok()); });
+	};
+	CHECK(places_by_vectors());
+	REQUIRE(tile.meshes[0].size() > 10);
+	const std::shared_ptr<const KeptTile> known = kept(layer, tile);
+	const KeptMesh &mesh = known->meshes[0];
+	std::vector<float> floats(mesh.size() * mesh.stride());
+	CHECK(bench::runs_vectors([&] { mesh.read_all(floats); }));
+	CHECK(bench::runs_vectors(
+			[&] { mesh.read(std::vector<std::uint32_t>{3, 1}, std::span(floats).first(2 * mesh.stride())); }));
+	CHECK_FALSE(bench::runs_vectors([&] { mesh.read(std::vector<std::uint32_t>{}, {}); }));
+	layer.placement.scale_curve = placements().back().scale_curve; // Has to be asked instance by instance.
+	CHECK_FALSE(places_by_vectors());
 }

@@ -1,6 +1,7 @@
 #include "core/terrain/flat_terrain.hpp"
 #include "core/terrain/heightfield.hpp"
 #include "refusal.hpp"
+#include "tests/bench/common/simd_targets.hpp"
 
 #include <doctest/doctest.h>
 
@@ -254,4 +255,19 @@ TEST_CASE("terrain: patches that are computed together have the bits of those co
 			REQUIRE(got[i].normal == expected[i].normal);
 		}
 	}
+}
+
+TEST_CASE("terrain: patches away from the border are computed by vectors, however few") {
+	const HeightfieldFrame frame{{6, 5}, {{0.0, 0.0}, {5.0, 4.0}}, 0.0, 100.0};
+	Heightfield field;
+	REQUIRE(field.set(frame, std::vector<std::uint16_t>(30, 7)).ok());
+	const auto by_vectors = [&](const std::vector<glm::dvec2> &positions) {
+		std::vector<Ground> ground(positions.size());
+		return bench::runs_vectors([&] { REQUIRE(field.sample(positions, ground).ok()); });
+	};
+	CHECK(by_vectors({{2.5, 1.5}}));
+	CHECK(by_vectors({{0.5, 0.5}, {-9.0, 0.0}, {1.0, 2.9}}));
+	CHECK(by_vectors(std::vector<glm::dvec2>(100, {3.25, 2.0})));
+	CHECK_FALSE(
+			by_vectors({{0.5, 1.5}, {4.5, 1.5}, {2.5, 3.5}, {-9.0, 0.0}})); // Without any there is nothing to compute.
 }

@@ -128,7 +128,9 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 			compute();
 		}
 	}
-	compute();
+	if (patches.count > 0) {
+		compute();
+	}
 }
 
 /// In posts from the first one. The last patch takes its far border too.

@@ -36,4 +36,12 @@ public:
 	ForcedTarget &operator=(const ForcedTarget &) = delete;
 };
 
+/// Whether `work` runs code that is compiled for each instruction set: by vectors. Not thread safe.
+template <class Work>
+bool runs_vectors(const Work &work) {
+	hwy::GetChosenTarget().DeInit(); // Whoever dispatches next chooses anew.
+	work();
+	return hwy::GetChosenTarget().IsInitialized();
+}
+
 } // namespace thicket::bench
