@@ -142,6 +142,7 @@ def assert_passed(done):
         "test_water",
         "test_sources",
         "test_build_rect",
+        "test_kept_points",
         "test_impostors",
         pytest.param("test_response", marks=pytest.mark.alone),
     ],

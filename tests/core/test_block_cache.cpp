@@ -4,6 +4,7 @@
 #include "core/placement/tile_builder.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/sampling/tile_sampler.hpp"
+#include "counted_threads.hpp"
 #include "short_of_memory.hpp"
 #include "tile_fixture.hpp"
 
@@ -229,4 +230,41 @@ TEST_CASE("Whole tiles are the same with kept blocks, layers that look at each o
 			CHECK(kept.meshes[mesh].ranks == alone.meshes[mesh].ranks);
 		}
 	}
+}
+
+TEST_CASE("Whole tiles take their points, and those of the layers around, from kept blocks") {
+	LayerSettings trees = rich_layer();
+	trees.set = {.seed = 3, .radius = 6.0, .layer = 1};
+	LayerSettings plants = rich_layer();
+	plants.set = {.seed = 4, .radius = 2.0, .layer = 2};
+	const auto cache = std::make_shared<BlockCache>();
+	TileBuilder with({}, cache);
+	TileInstances tile;
+	const Heightfield ground = hills();
+	const auto build = [&](double x) {
+		REQUIRE(with.build(plants, ground, {{x, 0.0}, {x + 12.0, 12.0}}, tile).ok());
+		return with.sample_stats().computed;
+	};
+	CHECK(build(0.0) > 0);
+	CHECK(build(12.0) > 0);
+	CHECK(build(24.0) == 0);
+	const std::size_t plants_alone = cache->bytes();
+	plants.neighbors = {{std::make_shared<LayerSettings>(trees), 5.0, nullptr}};
+	CHECK(build(0.0) == 0);
+	CHECK(build(12.0) == 0);
+	CHECK(cache->bytes() > plants_alone);
+}
+
+TEST_CASE("Pieces of a large rectangle take the points of the layers around from kept blocks") {
+	LayerSettings trees = rich_layer();
+	trees.set = {.seed = 3, .radius = 12.0, .layer = 1};
+	LayerSettings plants = rich_layer();
+	plants.neighbors = {{std::make_shared<LayerSettings>(trees), 2.0, nullptr}};
+	const auto cache = std::make_shared<BlockCache>();
+	TileBuilder builder({}, cache);
+	TileInstances tile;
+	CountedThreads threads(1);
+	REQUIRE(builder.build(plants, hills(), {{-200.0, -200.0}, {200.0, 200.0}}, tile, nullptr, &threads).ok());
+	CHECK(threads.runs > 0);
+	CHECK(cache->bytes() > 0);
 }

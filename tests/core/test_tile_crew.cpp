@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -102,4 +103,27 @@ TEST_CASE("tile crew: the error is that of the first tile that has one, and what
 	CHECK(tiles[4] == nullptr);
 	REQUIRE(crew.build({}, ground, threads, tiles).ok());
 	CHECK(tiles.empty());
+}
+
+TEST_CASE("tile crew: what neighboring tiles share is decided once and kept, for all of its threads") {
+	const auto layer = std::make_shared<const LayerSettings>(rich_layer());
+	std::vector<TileOrder> small;
+	for (int i = 0; i < 64; ++i) {
+		const glm::dvec2 corner(12.0 * (i % 8), 12.0 * (i / 8));
+		small.push_back({layer, {corner, corner + 12.0}});
+	}
+	const Heightfield ground = hills();
+	EagerThreads threads;
+	TileCrew crew;
+	std::vector<std::shared_ptr<const KeptTile>> tiles;
+	REQUIRE(crew.build(small, ground, threads, tiles).ok());
+	CHECK(crew.points_computed() > 1000);
+	REQUIRE(crew.build(small, ground, threads, tiles)
+					.ok()); // A block that one tile alone has touched is made for the second.
+	const std::uint64_t before = crew.points_computed();
+	REQUIRE(crew.build(small, ground, threads, tiles).ok());
+	CHECK(crew.points_computed() == before);
+	for (std::size_t i = 0; i < tiles.size(); ++i) {
+		CHECK(digest(expanded(*tiles[i])) == digest(built(*layer, ground, small[i].rect)));
+	}
 }

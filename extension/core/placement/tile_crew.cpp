@@ -31,6 +31,7 @@ Status TileCrew::build(std::span<const TileOrder> orders, const Terrain &terrain
 		const TileOrder &order = orders[at];
 		const Status status = r_worker->builder.build(*order.layer, terrain, order.rect, r_worker->tile);
 		if (status.ok()) {
+			points_computed_ += r_worker->builder.sample_stats().computed;
 			r_tiles[at] = std::make_shared<const KeptTile>(r_worker->tile, order.layer);
 		}
 		if (r_worker->builder.positions().size() > most_points_kept) {

@@ -8,6 +8,8 @@
 #include "core/sampling/block_cache.hpp"
 #include "core/terrain/terrain.hpp"
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -29,6 +31,9 @@ public:
 	Status build(std::span<const TileOrder> orders, const Terrain &terrain, LentThreads &threads,
 			std::vector<std::shared_ptr<const KeptTile>> &r_tiles);
 
+	/// Points of the tiles' layers that were decided so far, as SampleStats::computed has them: what tiles share is counted once.
+	std::uint64_t points_computed() const { return points_computed_; }
+
 private:
 	struct Worker {
 		explicit Worker(const std::shared_ptr<BlockCache> &blocks) : builder(SampleMargins{}, blocks) {}
@@ -40,6 +45,7 @@ private:
 	/// Points of a tile whose workspace is kept.
 	static constexpr std::size_t most_points_kept = 1 << 16;
 
+	std::atomic<std::uint64_t> points_computed_ = 0;
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
 	std::vector<std::unique_ptr<Worker>> workers_; ///< By thread; null before its first tile.
 };

@@ -52,6 +52,7 @@ Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *
 		}
 		status = status.ok() ? builder->place(answers, r_tile) : status;
 	}
+	points_computed_ += builder->sample_stats().computed;
 	if (builder->positions().size() <= most_points_kept) {
 		spare_ = std::move(builder);
 	}

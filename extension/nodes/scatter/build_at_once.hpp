@@ -11,6 +11,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -35,12 +36,16 @@ public:
 	Status build_all(std::span<const TileOrder> orders, const Terrain *ground, const HostedTerrain &terrain,
 			std::vector<std::shared_ptr<const KeptTile>> &r_tiles);
 
+	/// As TileCrew::points_computed, of all calls.
+	std::uint64_t points_computed() const { return points_computed_ + crew_.points_computed(); }
+
 private:
 	Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
 			const Rect &rect, TileInstances &r_tile);
 
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
 	TileCrew crew_;
+	std::uint64_t points_computed_ = 0;  ///< Of tiles that were made one by one.
 	std::unique_ptr<TileBuilder> spare_; ///< Null before the first tile, and while one is made.
 };
 

@@ -241,6 +241,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 		ask_ground_.push_back(job);
 		return;
 	}
+	figures_.points_computed += job->points_computed;
 	if (!job->status.ok()) {
 		report_once(*job);
 	}

@@ -35,6 +35,7 @@ struct StreamFigures {
 	std::uint64_t worker_microseconds = 0; ///< Of all workers, for all tiles.
 	std::uint64_t tiles_made = 0;
 	std::uint64_t points_sampled = 0;
+	std::uint64_t points_computed = 0; ///< For these, around them too, and for tiles that queries have asked for.
 };
 
 /// Brings the streamer, the workers, the uploads and the display together: one call a frame, under a budget. Main thread only.

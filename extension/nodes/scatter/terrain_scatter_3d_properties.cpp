@@ -291,6 +291,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["bodies_pooled"] = number(gameplay_->collision().pooled_count());
 	stats["tiles_made"] = number(figures.tiles_made);
 	stats["points_sampled"] = number(figures.points_sampled);
+	stats["points_computed"] = number(figures.points_computed + at_once_->points_computed());
 	const GroundFigures ground = terrain_.is_valid() ? terrain_->figures() : GroundFigures();
 	stats["ground_checks"] = number(ground.checks);
 	stats["ground_reads"] = number(ground.reads);

@@ -222,12 +222,14 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 	TileBuilder &builder = worker.builder;
 	if (job.terrain != nullptr) {
 		job.status = builder.build(settings, *job.terrain, job.request.rect, worker.tile, &job.cancelled);
+		job.points_computed += builder.sample_stats().computed;
 		finish(worker, job);
 		return;
 	}
 	// The points are found a second time once the ground is known: a script costs more than that, and no job has to
 	// hold a workspace while it waits for the main thread.
 	job.status = builder.find_points(settings, job.request.rect, &job.cancelled);
+	job.points_computed += builder.sample_stats().computed;
 	if (job.status.ok() && job.step == TileJob::Step::start) {
 		job.positions.assign(builder.positions().begin(), builder.positions().end());
 		for (const GroundQuery &query : builder.queries()) {

@@ -46,6 +46,7 @@ struct TileJob {
 	std::shared_ptr<const KeptTile> tile; ///< What the rules give, whatever a game has changed.
 	std::vector<MeshUpload> uploads;      ///< The same for the renderer, a part for each mesh; none if `unseen`.
 	std::uint64_t microseconds = 0;       ///< Spent on it by workers.
+	std::uint64_t points_computed = 0;    ///< For it; see SampleStats::computed.
 
 	bool unseen = false; ///< Made for queries, not to be shown. Main thread only, as is the next.
 	bool stale = false;  ///< Something that it shows was edited after it was begun.
