@@ -2,6 +2,7 @@
 
 #include "core/rules/biome_map.hpp"
 #include "refusal.hpp"
+#include "rounding.hpp"
 
 #include <doctest/doctest.h>
 
@@ -254,4 +255,14 @@ TEST_CASE("edits of a biome map: anything, if it is laid over the world in anoth
 	CHECK_FALSE(map_of(image(), other).find_edits(map, values, values, areas));
 	CHECK_FALSE(map_of(image(), bent, BiomeEdge::clamp).find_edits(map, values, values, areas));
 	CHECK(areas.empty());
+}
+
+TEST_CASE("biome map: away from borders no noise is computed") {
+	// So far out that noise, which counts in small cells, would leave the numbers behind.
+	const BiomeMap map = map_of(image(), {.width = 6.0, .noise = 8.0, .noise_size = 1.0}, BiomeEdge::clamp);
+	for (const glm::dvec2 far : {glm::dvec2(1e308, 0.0), glm::dvec2(-1e308, 20.0)}) {
+		BiomeTaps taps{};
+		CHECK_FALSE(test::overflows([&] { map.taps_at(far, taps); }));
+		CHECK(taps[0] == (far.x > 0.0 ? 1 : 0));
+	}
 }

@@ -11,6 +11,10 @@
 #include <random>
 #include <vector>
 
+#if __has_include(<sys/mman.h>)
+#include <sys/mman.h>
+#endif
+
 using namespace thicket;
 
 namespace {
@@ -132,3 +136,20 @@ TEST_CASE("pixel grid: refuses what does not fit, and stays what it was") {
 	CHECK_FALSE(PixelGrid().patch({{0, 0}, {1, 1}}, black).ok());
 	CHECK(same_pixels(grid, *bytes));
 }
+
+#if __has_include(<sys/mman.h>)
+TEST_CASE("pixel grid: what two of them have in the same memory is not read to compare them") {
+	const std::size_t count = static_cast<std::size_t>(size.x) * size.y * pixel_bytes;
+	void *const memory = mmap(nullptr, count, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+	REQUIRE(memory != MAP_FAILED);
+	PixelGrid grid;
+	REQUIRE(grid.set(size, pixel_bytes, {nullptr, {static_cast<const std::uint8_t *>(memory), count}}).ok());
+	PixelGrid patched = grid;
+	REQUIRE(patched.patch({{5, 5}, {9, 9}}, *random_bytes(1)).ok());
+	const PixelGrid copy = patched;
+	REQUIRE(mprotect(memory, count, PROT_NONE) == 0); // Whoever reads it now is stopped.
+	CHECK(copy.difference(patched).empty());
+	CHECK(PixelGrid(grid).difference(grid).empty());
+	CHECK(munmap(memory, count) == 0);
+}
+#endif

@@ -1,6 +1,7 @@
 // The nearest of many points, against a look at all of them.
 
 #include "core/placement/point_grid.hpp"
+#include "rounding.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +10,7 @@
 #include <vector>
 
 using namespace thicket;
+using test::rounds;
 
 namespace {
 
@@ -54,5 +56,24 @@ TEST_CASE("point grid: the nearest of many points, to the bit, at any distance a
 				}
 			}
 		}
+	}
+}
+
+TEST_CASE("point grid: of many points only those that may be the nearest are measured") {
+	// The near ones lie at whole numbers, and so does the place, in cells too; the squares of what is far would be rounded.
+	std::vector<glm::dvec2> points{{5.0, 4.0}, {8.0, 8.0}};
+	for (int i = 0; i < 1022; ++i) {
+		points.emplace_back(40.1 + 0.2 * (i % 50), 35.7 + 0.7 * (i / 50 % 20));
+	}
+	PointGrid grid;
+	double nearest = 0.0;
+	for (const double cell : {1.0, 64.0}) { // Where so many points stand, cells are smaller.
+		grid.set(points, {{0.0, 0.0}, {64.0, 64.0}}, cell);
+		CHECK_FALSE(rounds([&] { nearest = grid.nearest_squared({4.0, 4.0}, 4.0); }));
+		CHECK(nearest == 1.0);
+		CHECK_FALSE(rounds(
+				[&] { nearest = grid.nearest_squared({4.0, 4.0}, 60.0); })); // From near to far, until it is found.
+		CHECK(nearest == 1.0);
+		CHECK(rounds([&] { nearest = grid.nearest_squared({36.0, 35.0}, 60.0); }));
 	}
 }

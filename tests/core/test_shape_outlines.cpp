@@ -1,5 +1,6 @@
 #include "core/rules/outline.hpp"
 #include "core/rules/shapes.hpp"
+#include "rounding.hpp"
 #include "shape_cases.hpp"
 
 #include <doctest/doctest.h>
@@ -16,6 +17,7 @@
 
 using namespace thicket;
 using namespace thicket::shape_cases;
+using test::rounds;
 
 namespace {
 
@@ -258,4 +260,17 @@ TEST_CASE("outlines: 65,536 points, in and about every bay") {
 		CHECK(density_at(shore, place.x, place.y) ==
 				doctest::Approx(std::max(1.0 - distance / 12.0, 0.0)).epsilon(1e-6));
 	}
+}
+
+TEST_CASE("outlines: of many edges only those that may be the nearest are measured") {
+	// Four edges with lengths whose squares are powers of two, and far away many with others: these would be rounded.
+	Points points{{0.0, 0.0}, {4.0, 0.0}, {4.0, 4.0}, {0.0, 4.0}, {0.0, 8.0}};
+	for (int i = 0; i < 100; ++i) {
+		points.emplace_back(100.0 + 3 * i, i % 2 == 0 ? 100.0 : 107.0);
+	}
+	const Outline outline = outline_of(points, false);
+	double distance = 0.0;
+	CHECK_FALSE(rounds([&] { distance = outline.distance({2.0, 1.0}, 64.0); }));
+	CHECK(distance == 1.0);
+	CHECK(rounds([&] { distance = outline.distance({102.0, 101.0}, 64.0); }));
 }

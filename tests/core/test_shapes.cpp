@@ -1,5 +1,6 @@
 #include "core/rules/shapes.hpp"
 #include "refusal.hpp"
+#include "rounding.hpp"
 #include "shape_cases.hpp"
 
 #include <doctest/doctest.h>
@@ -12,10 +13,12 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 using namespace thicket;
 using namespace thicket::shape_cases;
+using test::rounds;
 
 TEST_CASE("shapes: a box reaches as far as its half sizes and no further, its border is outside") {
 	const ShapeSet set = set_of({box({10.0, 5.0, -20.0}, {4.0, 2.0, 1.0})});
@@ -367,4 +370,30 @@ TEST_CASE("shapes: a refused shape names what is wrong, and the set stays as it 
 	Shape rounded = good_box;
 	rounded.axes = glm::dmat3(glm::mat3({0.6f, 0.0f, 0.8f}, {0.0f, 1.0f, 0.0f}, {-0.8f, 0.0f, 0.6f}));
 	CHECK(validate(rounded).ok());
+}
+
+TEST_CASE("shapes: those that a place lies outside of, and those that can add nothing, are not computed") {
+	// Of the box, all is computed in whole numbers; of the spheres, nothing is.
+	const Shape box{.kind = ShapeKind::box, .half_size = {4.0, 4.0, 4.0}, .outline = {}};
+	const auto sphere = [](double x, bool exclude) {
+		return Shape{.kind = ShapeKind::sphere,
+				.exclude = exclude,
+				.falloff = 2.3,
+				.center = {x, 0.1, 0.2},
+				.half_size = {7.7, 0.0, 0.0},
+				.outline = {}};
+	};
+	const std::vector<std::uint32_t> near{0, 1};
+	const auto computes_sphere = [&](std::vector<Shape> shapes) {
+		ShapeSet set;
+		REQUIRE(set.set(std::move(shapes)).ok());
+		ShapeEffect effect;
+		const bool computed = rounds([&] { effect = set.effect(near, {1.0, 1.0, 1.0}); });
+		CHECK(effect.included == 1.0);
+		return computed;
+	};
+	CHECK(computes_sphere({box, sphere(0.3, true)}));
+	CHECK_FALSE(computes_sphere({box, sphere(30.3, true)})); // Elsewhere.
+	CHECK_FALSE(computes_sphere({box, sphere(0.3, false)})); // Includes what is included.
+	CHECK(computes_sphere({sphere(0.3, false), box}));
 }

@@ -1,5 +1,6 @@
 #include "core/terrain/triangle_terrain.hpp"
 #include "refusal.hpp"
+#include "rounding.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,6 +15,7 @@
 #include <vector>
 
 using namespace thicket;
+using test::rounds;
 
 namespace {
 
@@ -333,4 +335,36 @@ TEST_CASE("triangles: refused ones name what is wrong and leave the terrain as i
 	}
 	std::vector<Ground> ground(2);
 	check_refused(terrain.sample(std::vector<glm::dvec2>(3), ground), ErrorCode::wrong_size, "ground", 2.0);
+}
+
+TEST_CASE("triangles: those that lie elsewhere, or below, are not computed") {
+	// Of these, all is computed in whole numbers. Four are a leaf of the tree.
+	Corners even;
+	for (const double height : {8.0, 9.0, 10.0, 11.0}) {
+		even = even + Corners{{0.0, height, 0.0}, {4.0, height, 0.0}, {0.0, height, 4.0}};
+	}
+	// Of these, nothing is.
+	const auto uneven = [](glm::dvec2 center, double height) {
+		Corners corners;
+		for (int i = 0; i < 4; ++i) {
+			const double far = 20.1 + 0.3 * i;
+			corners = corners +
+					Corners{{center.x - far, height, center.y - far}, {center.x + far, height + 0.1, center.y - far},
+							{center.x + 0.1, height, center.y + far}};
+		}
+		return corners;
+	};
+	const glm::dvec2 place{1.0, 1.0};
+	const auto computes_uneven = [&](const Corners &corners) {
+		const TriangleTerrain terrain = terrain_of(even + corners);
+		Ground ground;
+		const bool found = rounds([&] { ground = terrain.at(place); });
+		CHECK(ground.height >= 11.0f);
+		return found;
+	};
+	for (const double side : {-1.0, 1.0}) { // Before the others in the tree, and behind them.
+		CHECK_FALSE(computes_uneven(uneven({70.3 * side, 0.0}, 50.7)));
+		CHECK_FALSE(computes_uneven(uneven({9.3 * side, 3.7 * side}, 0.7)));
+		CHECK(computes_uneven(uneven({9.3 * side, 3.7 * side}, 50.7))); // These lie above.
+	}
 }
