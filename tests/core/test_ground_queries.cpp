@@ -1,10 +1,14 @@
-// What tiles ask of the ground: normals only where somebody looks at them.
+// What tiles ask of the ground: normals and textures only where somebody looks at them.
 
 #include "core/placement/density_probe.hpp"
+#include "counted_threads.hpp"
+#include "rounding.hpp"
 #include "tile_fixture.hpp"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <memory>
 #include <vector>
 
 using namespace thicket;
@@ -30,8 +34,15 @@ public:
 		return status;
 	}
 
+	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+			std::span<Ground> r_ground) const override {
+		weighed += positions.size();
+		return hills_.weigh(positions, textures, r_ground);
+	}
+
 	mutable std::size_t with_normals = 0;
 	mutable std::size_t heights_alone = 0;
+	mutable std::size_t weighed = 0;
 
 private:
 	Heightfield hills_ = hills();
@@ -115,4 +126,57 @@ TEST_CASE("ground: an explanation knows the normal whatever the layer looks at")
 	for (const GroundQuery &query : probe.queries()) {
 		CHECK(query.normals);
 	}
+}
+
+TEST_CASE("ground: textures are weighed only for layers with a rule for them") {
+	LayerSettings layer = upright_layer();
+	const AskedHills ground;
+	check_stands_the_same(layer, ground);
+	CHECK(ground.weighed == 0);
+	layer.rules.ground_textures = {2};
+	check_stands_the_same(layer, ground); // They have none, which allows all.
+	CHECK(ground.weighed > 500);
+}
+
+TEST_CASE("ground: once a rule has closed a place, no other is asked about it, and none about looks") {
+	// The shape's depth would be rounded; the rules before it are not.
+	LayerSettings layer;
+	layer.rules.min_height = 10.0;
+	Shape sphere;
+	sphere.kind = ShapeKind::sphere;
+	sphere.center = {0.3, 0.1, 0.2};
+	sphere.half_size = {7.7, 0.0, 0.0};
+	sphere.falloff = 20.3;
+	ShapeSet shapes;
+	REQUIRE(shapes.set({sphere}).ok());
+	layer.rules.shapes = std::make_shared<const ShapeSet>(shapes);
+	auto trees = std::make_shared<LayerSettings>();
+	trees->set = {.seed = 3, .radius = 1.0, .layer = 2};
+	layer.instance_data.use_colors = true;
+	layer.instance_data.colors = std::make_shared<const ColorTable>(16, glm::vec4(1.0f));
+	layer.instance_data.color.kind = SourceKind::distance;
+	layer.instance_data.color.layer = trees;
+	layer.instance_data.color.max = 6.0;
+	DensityProbe probe;
+	REQUIRE(probe.find(layer, std::vector<glm::dvec2>{{1.0, 2.0}}).ok());
+	CHECK(probe.positions().size() == 1); // No trees.
+	const auto computes_shape = [&probe](float height) {
+		double density = 0.0;
+		REQUIRE(probe.look(std::vector<Ground>{{height}}).ok());
+		const bool computed = rounds([&] { density = probe.density_at(0); });
+		CHECK(density < 1.0);
+		return computed;
+	};
+	CHECK_FALSE(computes_shape(8.0f));
+	CHECK(computes_shape(10.0f));
+}
+
+TEST_CASE("ground: lent threads share the points of a large rectangle whose ground is asked elsewhere") {
+	CountedThreads threads(2);
+	TileBuilder builder;
+	REQUIRE(builder.find_points(upright_layer(), {{-200.0, -190.0}, {200.0, 190.0}}, nullptr, &threads).ok());
+	CHECK(threads.runs > 0);
+	const std::vector<glm::dvec2> together(builder.positions().begin(), builder.positions().end());
+	REQUIRE(builder.find_points(upright_layer(), {{-200.0, -190.0}, {200.0, 190.0}}).ok());
+	CHECK(std::ranges::equal(builder.positions(), together));
 }

@@ -6,6 +6,7 @@
 #include "core/base/instance_id.hpp"
 #include "query_fixture.hpp"
 #include "refusal.hpp"
+#include "rounding.hpp"
 
 #include <doctest/doctest.h>
 
@@ -241,4 +242,33 @@ TEST_CASE("queries: nothing is allocated for each instance") {
 	CHECK(allocated_by([&] { return query.in_rect(glade, {}, found); }) < 80);
 	CHECK(allocated_by([&] { return query.nearest({33.0, 5.0, 33.0}, 30.0, {}, nearest); }) < 80);
 	CHECK(allocated_by([&] { return query.on_ray({1.0, 1.0, 1.0}, {60.0, 0.5, 50.0}, {}, hit); }) < 80);
+}
+
+TEST_CASE("queries: a crowd is sorted by its cells, which takes memory, and few instances are not") {
+	const auto sorting_allocates = [](int side, int apart) {
+		FoundInstances found;
+		for (int i = 0; i < side * side; ++i) {
+			const glm::ivec2 cell = apart * glm::ivec2(side - 1 - i % side, i / side);
+			found.add(FoundInstances::Ref{pack({3, cell}), 0, static_cast<std::uint32_t>(i)});
+		}
+		const std::size_t before = allocation_count();
+		found.sort_from(0);
+		const std::size_t after = allocation_count();
+		for (std::size_t i = 1; i < found.size(); ++i) {
+			REQUIRE(found.id(i - 1) < found.id(i));
+		}
+		return after - before;
+	};
+	CHECK(sorting_allocates(50, 1) == 3); // One entry for each row and for each column, and one array of instances.
+	CHECK(sorting_allocates(50, 1000) == 0);
+}
+
+TEST_CASE("queries: where something stands is told without putting it together") {
+	OneLayer layer(0.5, 40.0);
+	FoundInstances found;
+	REQUIRE(layer.query().in_rect({{0.0, 0.0}, {5.0, 5.0}}, {}, found).ok());
+	REQUIRE(found.size() > 10);
+	// Its basis would be rounded.
+	CHECK_FALSE(rounds([&] { CHECK(found.position(7).x >= 0.0); }));
+	CHECK(rounds([&] { CHECK(found[7].position == found.position(7)); }));
 }

@@ -9,6 +9,8 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cfenv>
 #include <limits>
 #include <optional>
 #include <random>
@@ -189,4 +191,52 @@ TEST_CASE("queries: a cylinder is closed, and its part of a ray is exact") {
 	// From 1,000 km away it is no less exact than its place is.
 	CHECK(part({-1e6, 1.0, 0.4999}, {1e6, 1.0, 0.4999}).start < 0.5);
 	CHECK(part({-1e6, 1.0, 0.5001}, {1e6, 1.0, 0.5001}).empty());
+}
+
+TEST_CASE("queries: of a wide world a ray looks at the tiles along its way alone") {
+	World world;
+	world.makes = false;
+	const std::vector<QueryLayer> layers = world.asked();
+	std::vector<RayHit> hit;
+	REQUIRE(InstanceQuery{layers, world, nullptr}.on_ray({5.0, 0.0, 5.0}, {6400.0, 0.0, 6390.0}, {{0}, {}}, hit).ok());
+	CHECK(hit.empty());
+	CHECK(world.asked_for.size() > 190); // One after the other, and those that it only just misses.
+	CHECK(world.asked_for.size() < 320);
+}
+
+TEST_CASE("queries: a ray meets no cylinder but of instances near it") {
+	// To work out where a ray meets a cylinder without end cannot go well, which the processor notes.
+	class OneTile final : public TileSource {
+	public:
+		Status find_tile(std::uint32_t, glm::ivec2, std::shared_ptr<const KeptTile> &r_tile) override {
+			r_tile = tile;
+			return {};
+		}
+		std::shared_ptr<const KeptTile> tile;
+	};
+	const auto tile_with = [](glm::vec3 place) {
+		MeshInstances mesh;
+		mesh.resize(1);
+		constexpr float endless = std::numeric_limits<float>::infinity();
+		std::ranges::copy(
+				std::array{endless, 0.0f, 0.0f, place.x, 0.0f, endless, 0.0f, place.y, 0.0f, 0.0f, endless, place.z},
+				mesh.floats_of(0).begin());
+		mesh.max_scale = 1.0f;
+		mesh.min = glm::vec3(0.0f);
+		mesh.max = glm::vec3(60.0f);
+		TileInstances tile;
+		tile.meshes.push_back(mesh);
+		return std::make_shared<const KeptTile>(tile, std::shared_ptr<const LayerSettings>());
+	};
+	OneTile source;
+	const std::vector<QueryLayer> layers{world_layers().front().asked};
+	std::vector<RayHit> hit;
+	const auto meets = [&](glm::vec3 place) {
+		source.tile = tile_with(place);
+		std::feclearexcept(FE_INVALID);
+		REQUIRE(InstanceQuery{layers, source, nullptr}.on_ray({1.0, 1.0, 1.0}, {60.0, 1.0, 1.0}, {}, hit).ok());
+		return std::fetestexcept(FE_INVALID) != 0;
+	};
+	CHECK(meets({20.0f, 0.0f, 5.0f}));
+	CHECK_FALSE(meets({20.0f, 0.0f, 55.0f}));
 }

@@ -201,3 +201,21 @@ TEST_CASE("edited areas: none lies within another, and growing is generous") {
 	CHECK(area.areas[0].min.x < -4.0);
 	CHECK(grown({{0.0, 0.0}, {1.0, 1.0}}, 0.0).max == glm::dvec2(1.0, 1.0));
 }
+
+TEST_CASE("edits of a layer: what was found is remembered, for the layer and for its neighbors") {
+	const auto trees_before = layer_with({ball({0.0, 0.0}, 2.0)});
+	const auto trees_after = layer_with({ball({0.0, 0.0}, 3.0)});
+	LayerSettings before;
+	before.neighbors = {{trees_before, 5.0, nullptr}};
+	LayerSettings after;
+	after.neighbors = {{trees_after, 5.0, nullptr}};
+	LayerSettings others_before = before;
+	LayerSettings others_after = after;
+	EditSearch search;
+	REQUIRE(search.find(before, after).areas.size() == 1);
+	CHECK(near(search.find(before, after).areas[0], {glm::dvec2(-8.0), glm::dvec2(8.0)}, 0.1));
+	trees_after->rules.density = 0.5; // Whoever looks again finds that all of it differs.
+	CHECK_FALSE(search.find(before, after).everywhere);
+	CHECK_FALSE(search.find(others_before, others_after).everywhere);
+	CHECK(EditSearch().find(before, after).everywhere);
+}

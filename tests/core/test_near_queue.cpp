@@ -369,3 +369,23 @@ TEST_CASE("instance world: a tile that was made while the layers changed is not 
 	ask();
 	CHECK(made == 2);
 }
+
+TEST_CASE("near queue: nobody looks again while nobody moves, nor for a small step") {
+	FlatWorld flat; // Of which nothing is known: whoever looks misses something.
+	Follower follower;
+	std::vector<glm::dvec3> centers{{5.0, 0.0, 5.0}};
+	const auto looks = [&] {
+		follower.queue.look_around(centers, flat.world);
+		return !flat.world.take_missing().empty();
+	};
+	CHECK(looks());
+	for (int frame = 1; frame < NearCell::look_frames / 2; ++frame) {
+		centers[0].x += 0.9 * NearQueue::look_share * distance / NearCell::look_frames;
+		CHECK_FALSE(looks());
+	}
+	centers[0].x += NearQueue::look_share * distance;
+	CHECK(looks());
+	CHECK_FALSE(looks());
+	flat.world.touch();
+	CHECK(looks());
+}

@@ -1,4 +1,5 @@
 #include "core/near/near_set.hpp"
+#include "rounding.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,6 +12,7 @@
 #include <vector>
 
 using namespace thicket;
+using test::rounds;
 
 namespace {
 
@@ -290,4 +292,22 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 		}
 		CHECK(set.size() == held.size());
 	}
+}
+
+TEST_CASE("near set: what stays near is asked for the center that it was near before, not for all of them") {
+	// To whole numbers the distance is a whole number; to the others it would be rounded.
+	std::vector<glm::dvec3> centers(100, glm::dvec3(900.1, 0.3, 0.7));
+	centers.emplace_back(4.0, 0.0, 0.0);
+	const std::vector<PlacedInstance> standing = row(6);
+	NearSet set;
+	NearChanges changes;
+	const NearRange range{8.0, 9.0};
+	REQUIRE(set.look(centers, range, standing, changes));
+	follow(set, changes);
+	CHECK(set.size() == 6);
+	CHECK(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); })); // Looks which one it is.
+	centers.back().x += 1.0;
+	CHECK_FALSE(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); }));
+	CHECK(changes.enter.empty());
+	CHECK(changes.leave.empty());
 }

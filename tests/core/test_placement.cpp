@@ -296,3 +296,17 @@ TEST_CASE("placement: the buffer digest is the one that its docstring spells out
 	CHECK(digest(buffer) == expected);
 	CHECK(digest(std::span<const float>()) == 0xcbf29ce484222325);
 }
+
+TEST_CASE("placement: many ranks are sorted digit by digit, which takes memory, and few are not") {
+	for (const std::size_t count : {std::size_t{100}, std::size_t{1000}}) {
+		std::vector<std::uint64_t> keys;
+		const std::vector<std::uint64_t> ids(count);
+		for (std::size_t i = 0; i < count; ++i) {
+			keys.push_back(rank_key(static_cast<std::uint32_t>(7919 * (count - i)), i));
+		}
+		std::vector<std::uint64_t> scratch;
+		sort_by_rank(keys, ids, scratch);
+		CHECK(std::ranges::is_sorted(keys));
+		CHECK(scratch.size() == (count > 500 ? count : 0));
+	}
+}

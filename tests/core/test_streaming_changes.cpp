@@ -1,3 +1,4 @@
+#include "allocation_count.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "refusal.hpp"
 #include "streaming_stage.hpp"
@@ -248,4 +249,21 @@ TEST_CASE("streaming: bad input is refused by name and value, and the last good 
 	made_up.key.layer = 12;
 	CHECK_FALSE(stage.streamer.finish(made_up));
 	CHECK_FALSE(stage.streamer.finish({}));
+}
+
+TEST_CASE("streaming: a layer that is edited in every frame, by a slider say, fills no queue") {
+	TileStreamer streamer;
+	REQUIRE(streamer.set_layers(std::vector<StreamLayer>{{8.0, 100.0}}).ok());
+	StreamChanges changes;
+	REQUIRE(streamer.update(std::vector<Viewer>{{}}, unlimited, changes).ok());
+	REQUIRE(changes.request.size() > 500);
+	for (const TileRequest &request : changes.request) {
+		CHECK(streamer.finish(request));
+	}
+	streamer.invalidate(0);
+	const std::size_t before = allocation_count();
+	for (int frame = 0; frame < 100; ++frame) {
+		streamer.invalidate(0);
+	}
+	CHECK(allocation_count() == before);
 }

@@ -123,3 +123,45 @@ TEST_CASE("tile queue: the nearest that fits, wherever the viewer goes") {
 		}
 	}
 }
+
+TEST_CASE("tile queue: of many tiles few are measured, and none twice while nothing moves") {
+	TileQueue queue;
+	double place = 0.0;
+	int measured = 0;
+	int asked = 0;
+	const auto measure = [&](TileQueue::Entry &entry) {
+		++measured;
+		entry.distance_squared = (entry.at.x - place) * (entry.at.x - place);
+		return true;
+	};
+	constexpr int tiles = 10'000;
+	for (int x = 0; x < tiles; ++x) {
+		queue.add(static_cast<std::uint32_t>(x), {x, 0});
+	}
+	const auto first_from = [&](int least) {
+		measured = asked = 0;
+		return queue
+				.first(0, measure,
+						[&](const TileQueue::Entry &entry) {
+							++asked;
+							return entry.at.x >= least;
+						})
+				->at.x;
+	};
+	CHECK(first_from(20) == 20);
+	CHECK(measured == tiles);
+	CHECK(first_from(20) == 20);
+	CHECK(measured == 0);
+	CHECK(asked == 1); // Those before it did not fit.
+	CHECK(first_from(25) == 25);
+	CHECK(asked == 6);
+	place = 2.0;
+	queue.move(2.0);
+	CHECK(first_from(20) == 20);
+	CHECK(measured < 300);
+	queue.add(tiles, {-1, 0});
+	CHECK(first_from(-1) == 2);
+	CHECK(measured < 300);
+	CHECK(first_from(tiles - 1) == tiles - 1); // Has all of them looked at.
+	CHECK(measured >= tiles);
+}
