@@ -296,3 +296,23 @@ TEST_CASE("painted mask: what is refused is named and leaves the mask as it was"
 	check_refused(mask.sample(std::vector<glm::dvec2>(3), densities), ErrorCode::wrong_size, "density", 2.0);
 	CHECK(mask == before);
 }
+
+TEST_CASE("painted mask: a copy shares all blocks, and what is painted then is apart, whatever it was before") {
+	PaintedMask mask;
+	REQUIRE(mask.reset(1.0, 0.0).ok());
+	std::vector<std::uint8_t> pixels(std::size_t{256} * 256, 7);
+	Rect changed;
+	REQUIRE(mask.write({{0, 0}, {256, 256}}, pixels, changed).ok());
+	REQUIRE(mask.block_count() == 16);
+	PaintedMask copy = mask;
+	CHECK(copy.blocks_apart(mask) == 0);
+	pixels.assign(1, 9);
+	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
+	REQUIRE(copy.write({{-5, 0}, {-4, 1}}, pixels, changed).ok());
+	CHECK(copy.blocks_apart(mask) == 2);
+	CHECK(mask.blocks_apart(copy) == 2);
+	CHECK(copy.differs(mask, changed));
+	pixels.assign(1, 7);
+	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
+	CHECK(copy.blocks_apart(mask) == 2); // The same pixels, in memory of its own.
+}

@@ -1,5 +1,6 @@
 // Tiles made on several threads for somebody who waits: the same as on one, and really on several.
 
+#include "allocation_count.hpp"
 #include "core/placement/tile_crew.hpp"
 #include "tile_fixture.hpp"
 
@@ -126,4 +127,32 @@ TEST_CASE("tile crew: what neighboring tiles share is decided once and kept, for
 	for (std::size_t i = 0; i < tiles.size(); ++i) {
 		CHECK(digest(expanded(*tiles[i])) == digest(built(*layer, ground, small[i].rect)));
 	}
+}
+
+TEST_CASE("tile crew: workspaces are kept, but not that of a very large tile") {
+	class NoThreads final : public LentThreads {
+	public:
+		std::size_t count() const override { return 0; }
+		void run(const std::function<void(std::size_t index)> &work) override { work(0); }
+	};
+	NoThreads threads;
+	const Heightfield ground = hills();
+	const auto layer = std::make_shared<const LayerSettings>(rich_layer());
+	LayerSettings dense = rich_layer();
+	dense.set.radius = 0.4;
+	const auto large = std::make_shared<const LayerSettings>(dense);
+	TileCrew crew;
+	std::vector<std::shared_ptr<const KeptTile>> tiles;
+	const auto allocations_of = [&](const TileOrder &order) {
+		const std::size_t before = allocation_count();
+		REQUIRE(crew.build({&order, 1}, ground, threads, tiles).ok());
+		return allocation_count() - before;
+	};
+	const TileOrder order{layer, {{0.0, 0.0}, {32.0, 32.0}}};
+	allocations_of(order);
+	allocations_of(order); // Now its block of points is kept, too.
+	const std::size_t warm = allocations_of(order);
+	CHECK(allocations_of(order) == warm);
+	allocations_of({large, {{-100.0, -100.0}, {100.0, 100.0}}});
+	CHECK(allocations_of(order) > 2 * warm);
 }

@@ -89,6 +89,10 @@ public:
 
 	std::size_t block_count() const { return blocks_.size(); }
 
+	/// How many blocks two masks do not share in memory, as a copy shares all until either is painted: only in these does `differs` look for
+	/// differences.
+	std::size_t blocks_apart(const PaintedMask &other) const;
+
 	/// Equal in pixel size and in every density.
 	friend bool operator==(const PaintedMask &, const PaintedMask &);
 
@@ -110,6 +114,10 @@ private:
 
 	/// Null where all is background.
 	const Block *find(Key key) const;
+
+	/// Calls `visit(key, mine, theirs)` for all blocks that the masks do not share; null for one that is not there.
+	template <typename Visit>
+	void for_blocks_apart(const PaintedMask &other, const Visit &visit) const;
 
 	/// Replaces the blocks that are there; null removes one. Takes no memory.
 	void replace(Blocks &&blocks) noexcept;

@@ -20,6 +20,28 @@ void add_pixel(PixelRect &r_region, glm::ivec2 pixel) {
 
 } // namespace
 
+template <typename Visit>
+void PaintedMask::for_blocks_apart(const PaintedMask &other, const Visit &visit) const {
+	for (const auto &[key, block] : blocks_) {
+		const auto twin = other.blocks_.find(key);
+		const Block *theirs = twin != other.blocks_.end() ? twin->second.get() : nullptr;
+		if (theirs != block.get()) {
+			visit(key, block.get(), theirs);
+		}
+	}
+	for (const auto &[key, block] : other.blocks_) {
+		if (!blocks_.contains(key)) {
+			visit(key, static_cast<const Block *>(nullptr), block.get());
+		}
+	}
+}
+
+std::size_t PaintedMask::blocks_apart(const PaintedMask &other) const {
+	std::size_t count = 0;
+	for_blocks_apart(other, [&count](const Key &, const Block *, const Block *) { ++count; });
+	return count;
+}
+
 bool PaintedMask::differs(const PaintedMask &other, Rect &r_area) const {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
 	r_area = {};
@@ -30,7 +52,9 @@ bool PaintedMask::differs(const PaintedMask &other, Rect &r_area) const {
 	Block blank;
 	blank.fill(background_);
 	PixelRect region;
-	const auto compare = [&region](const Key &key, const Block &a, const Block &b) {
+	for_blocks_apart(other, [&](const Key &key, const Block *mine, const Block *theirs) {
+		const Block &a = mine != nullptr ? *mine : blank;
+		const Block &b = theirs != nullptr ? *theirs : blank;
 		for (std::size_t i = 0; i < a.size(); ++i) {
 			if (a[i] != b[i]) {
 				const auto at = static_cast<int>(i);
@@ -38,18 +62,7 @@ bool PaintedMask::differs(const PaintedMask &other, Rect &r_area) const {
 				add_pixel(region, block_side * glm::ivec2(key.second, key.first) + pixel);
 			}
 		}
-	};
-	for (const auto &[key, block] : blocks_) {
-		const auto twin = other.blocks_.find(key);
-		if (twin == other.blocks_.end() || twin->second != block) {
-			compare(key, *block, twin == other.blocks_.end() ? blank : *twin->second);
-		}
-	}
-	for (const auto &[key, block] : other.blocks_) {
-		if (!blocks_.contains(key)) {
-			compare(key, *block, blank);
-		}
-	}
+	});
 	if (region.empty()) {
 		return false;
 	}
