@@ -392,3 +392,26 @@ func test_figures_of_what_is_drawn() -> void:
 	check_equal(scatter.get_draw_stats(outside), {}, "figures for a camera outside of the tree")
 	check_error(["get_draw_stats", "camera"], "a camera outside of the tree")
 	outside.free()
+
+
+## As a viewer walks, only those are looked at for which it may have come far enough to be drawn otherwise.
+func test_a_step_looks_at_few_cells() -> void:
+	var camera := Camera3D.new()
+	root.add_child(camera)
+	camera.position = Vector3(10.0, 2.0, 10.0)
+	var scatter := make_scatter([make_forest()], Island.new(), camera)
+	await settle(scatter)
+	var all: int = scatter.get_stats()["multimeshes"]
+	check(all > 150, "%d multimeshes" % all)
+	var before: int = scatter.get_stats()["lod_looks"]
+	await frames(20)
+	check_equal(scatter.get_stats()["lod_looks"], before, "looks while nobody moves")
+	for step in 40:
+		camera.position += Vector3(0.25, 0.0, 0.1)
+		await frames(1)
+	await settle(scatter)
+	var looks: int = scatter.get_stats()["lod_looks"] - before
+	check(looks > 10, "%d looks" % looks)
+	check(looks < all, "%d looks for %d multimeshes" % [looks, all])
+	scatter.free()
+	camera.free()

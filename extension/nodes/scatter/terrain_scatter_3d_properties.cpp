@@ -279,6 +279,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["multimeshes"] = number(display().multimesh_count());
 	stats["uploads"] = number(display().upload_count());
 	stats["redrawn"] = number(display().redrawn_count());
+	stats["lod_looks"] = number(display().lod_look_count());
 	stats["waiting"] = number(counts.waiting);
 	stats["pending"] = number(counts.pending);
 	stats["uploading"] = number(stream_->upload_queue_size());

@@ -242,7 +242,8 @@ void TileDisplay::clear() {
 	denied_.clear();
 	divided_.clear();
 	tiles_.clear();
-	instances_ = instance_bytes_ = multimeshes_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = 0;
+	instances_ = instance_bytes_ = multimeshes_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = lod_look_count_ =
+			0;
 	schedule_.clear();
 	cut_.clear();
 	share_ = 1.0;

@@ -151,6 +151,9 @@ public:
 	/// Tiles that have followed a change of how their layer is drawn, without an upload, since then.
 	std::uint64_t redrawn_count() const { return redrawn_count_; }
 
+	/// Cells, and tiles that are drawn as a whole, for whose distance a LOD was chosen, for each mesh.
+	std::uint64_t lod_look_count() const { return lod_look_count_; }
+
 private:
 	/// layer, x, y, -grid: neighbors in a layer stay together, the newest grid comes first.
 	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
@@ -248,6 +251,7 @@ private:
 	std::uint64_t multimeshes_ = 0;
 	std::uint64_t upload_count_ = 0;
 	std::uint64_t redrawn_count_ = 0;
+	std::uint64_t lod_look_count_ = 0;
 
 	LodSchedule schedule_;
 	DrawLimits limits_;

@@ -205,6 +205,7 @@ bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &
 
 bool TileDisplay::draw_cell(
 		const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell_index) {
+	++lod_look_count_;
 	DisplayedTile::Cell &cell = r_part.cells[cell_index];
 	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
 	const double thinned = thinned_density(drawing.lod, distance.near);
