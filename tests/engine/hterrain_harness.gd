@@ -20,6 +20,7 @@ class HTerrainDataDouble extends Resource:
 	var textures: Dictionary[int, Array] = {} ## Of maps that were loaded in a game, which have no image then.
 	var resolution := 65
 	var asked := 0 ## Calls for single places.
+	var read: Dictionary[int, int] = {} ## How often each map was read.
 
 	func _init(format := Image.FORMAT_RF) -> void:
 		maps[CHANNEL_HEIGHT] = [Image.create_empty(resolution, resolution, false, format)]
@@ -31,6 +32,7 @@ class HTerrainDataDouble extends Resource:
 		return maps[map_type].size() if maps.has(map_type) else 0
 
 	func get_image(map_type: int, index := 0) -> Image:
+		read[map_type] = read.get(map_type, 0) + 1
 		return maps[map_type][index]
 
 	func get_texture(map_type: int, index := 0, _writable := false) -> Texture2D:

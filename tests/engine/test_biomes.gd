@@ -359,3 +359,16 @@ func test_a_map_that_two_nodes_share() -> void:
 		var lilies := places(scatter, "lily")
 		check(lilies.size() > 30, "lilies")
 		check(all_within(lilies, func(at: Vector2) -> bool: return map.get_biome_at(at) == map.biomes[2]), "within one border")
+
+
+## What is painted into an image is read once it tells of it, and never for a change of something else.
+func test_an_image_is_read_when_it_has_changed() -> void:
+	var scatter := make_world(three_biomes())
+	await settle(scatter)
+	var map := scatter.biomes
+	var before := map.get_biome_at(Vector2(36.0, 36.0))
+	map.map_image.fill_rect(Rect2i(0, 0, 100, 100), MEADOW)
+	map.border_width = 3.0
+	check_equal(map.get_biome_at(Vector2(36.0, 36.0)), before, "the biome while the image says nothing")
+	map.map_image.emit_changed()
+	check(map.get_biome_at(Vector2(36.0, 36.0)) != before, "another biome once it does")

@@ -305,3 +305,31 @@ func test_a_lod_draws_its_share() -> void:
 		check(scatter.get_stats()["drawn"] < 0.4 * scatter.get_stats()["instances"], "few are drawn: %s" % scatter.get_stats())
 		scatter.queue_free()
 		await frames(2)
+
+
+## The meshes that are drawn.
+func drawn_meshes(scatter: TerrainScatter3D) -> Dictionary:
+	var drawn := {}
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		for multimesh: RID in scatter.get_tile(0, tile).get_multimeshes(0):
+			drawn[RenderingServer.multimesh_get_mesh(multimesh)] = true
+	return drawn
+
+
+## The copies of meshes that fade cost some time: a change of something else takes those that there are.
+func test_copies_that_fade_are_made_once() -> void:
+	stage()
+	var light := material(0.5)
+	var layer := make_wood([plane(light), plane(light)], [40.0])
+	layer.lod_fade = 0.2
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	await settle(scatter)
+	var before := drawn_meshes(scatter)
+	check(before.size() > 2, "%d meshes, copies that fade among them" % before.size())
+	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	await settle(scatter)
+	check_equal(drawn_meshes(scatter), before, "the meshes that are drawn after another change")
+	layer.lod_fade = 0.25
+	await settle(scatter)
+	check(drawn_meshes(scatter) != before, "others fade otherwise")
+	scatter.free()

@@ -145,3 +145,23 @@ func test_heightmaps_do_not_know_tiles() -> void:
 	terrain.image = make_heights(Image.FORMAT_RF, Vector2i(40, 30))
 	terrain.heights_in_meters = true
 	await check_tiling(terrain, "a heightmap")
+
+
+## Other heights for the same posts: these are not read again.
+func test_a_heightmap_is_read_once() -> void:
+	var path := "user://thicket_test_once.raw"
+	var bytes := PackedByteArray()
+	bytes.resize(4)
+	bytes.fill(255)
+	FileAccess.open(path, FileAccess.WRITE).store_buffer(bytes)
+	var terrain := ScatterTerrainHeightmap.new()
+	terrain.heightmap_path = path
+	terrain.post_count = Vector2i(2, 2)
+	terrain.rect = Rect2(0.0, 0.0, 1.0, 1.0)
+	terrain.max_height = 50.0
+	check_equal(terrain.get_height(Vector3(0.5, 0.0, 0.5)), 50.0, "height")
+	DirAccess.remove_absolute(path)
+	terrain.max_height = 60.0
+	terrain.rect = Rect2(0.0, 0.0, 4.0, 4.0)
+	check_equal(terrain.get_height(Vector3(3.5, 0.0, 3.5)), 60.0, "height without the file")
+	check_no_error("another rect and another height")

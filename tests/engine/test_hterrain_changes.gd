@@ -194,3 +194,24 @@ func test_a_recenter_that_it_follows_makes_nothing() -> void:
 	await frames(2)
 	await settle(scatter)
 	check_ground(scatter, node, "moved in the world")
+
+
+## An edit has the map read that was edited, and no other.
+func test_edits_read_their_map_alone() -> void:
+	var datas := kinds()
+	for kind: String in datas:
+		var data := datas[kind]
+		data.add_map(CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE)
+		var node := make_hterrain(data)
+		var scatter := make_on(node)
+		await settle(scatter)
+		var before := data.read.duplicate()
+		check(before[CHANNEL_COLOR] > 0 and before[CHANNEL_HEIGHT] > 0, "%s: maps that are read: %s" % [kind, before])
+		data.set_post(57, 57, 30.0)
+		data.notify_region_change(Rect2i(57, 57, 1, 1), CHANNEL_HEIGHT)
+		await settle(scatter)
+		check_ground(scatter, node, kind)
+		check_equal(data.read[CHANNEL_COLOR], before[CHANNEL_COLOR], "%s: the colors were read" % kind)
+		check(data.read[CHANNEL_HEIGHT] > before[CHANNEL_HEIGHT], "%s: the heights were read" % kind)
+		scatter.free()
+		node.free()

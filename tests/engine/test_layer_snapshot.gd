@@ -215,3 +215,15 @@ func test_what_follows_from_every_property() -> void:
 		ferns.set(property, value)
 	for property: String in changes:
 		check(property in stored_properties(), "there is no property %s" % property)
+
+
+## What decides where instances stand has no tile that is shown drawn otherwise meanwhile.
+func test_rules_redraw_nothing() -> void:
+	var ferns := make_ferns()
+	var scatter := make_solid([ferns])
+	await settle(scatter)
+	for property: String in ["max_height", "max_tilt_degrees", "edge_feather", "scene_distance", "regrowth_time"]:
+		var before: int = scatter.get_stats()["redrawn"]
+		ferns.set(property, changes[property][0])
+		await settle(scatter)
+		check_equal(scatter.get_stats()["redrawn"], before, "tiles that are drawn otherwise for another %s" % property)
