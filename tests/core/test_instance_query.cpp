@@ -247,3 +247,29 @@ TEST_CASE("queries: ids of other layers, of none, and of one of which nothing st
 	REQUIRE(InstanceQuery{unwanted, world, nullptr}.in_rect({{0.0, 0.0}, {9.0, 9.0}}, {{0, 3}, {}}, found).ok());
 	CHECK(found.empty());
 }
+
+TEST_CASE("queries: an id is looked for no further than until it is found, and not at all once it is removed") {
+	World world;
+	const std::vector<QueryLayer> layers = world.asked();
+	InstanceState state;
+	const InstanceQuery query{layers, world, &state};
+	std::size_t passed_over = 0; // Tiles that it might have stood in, looked at before.
+	for (const PlacedInstance &tree : everything_in(world, {{0.0, 0.0}, {200.0, 200.0}})) {
+		if (tree.layer != 0) {
+			continue;
+		}
+		std::vector<PlacedInstance> found;
+		world.asked_for.clear();
+		REQUIRE(query.by_id(tree.id, found).ok());
+		REQUIRE(found.size() == 1);
+		const auto [layer, x, y] = world.asked_for.back();
+		CHECK(tile_rect(layers[0].tile_size, {x, y}).contains({tree.position.x, tree.position.z}));
+		passed_over += world.asked_for.size() - 1;
+		state.remove(tree.id);
+		world.asked_for.clear();
+		REQUIRE(query.by_id(tree.id, found).ok());
+		CHECK(found.empty());
+		CHECK(world.asked_for.empty());
+	}
+	CHECK(passed_over > 0);
+}

@@ -389,3 +389,12 @@ TEST_CASE("near queue: nobody looks again while nobody moves, nor for a small st
 	flat.world.touch();
 	CHECK(looks());
 }
+
+TEST_CASE("near queue: of a cell only the part within reach is looked at") {
+	FlatWorld flat;
+	Follower follower;
+	const std::vector<glm::dvec3> centers{
+			{5.0, 0.0, 5.0}}; // 22.5 m around it lie 4 tiles of 32 m; in the cells that this touches, 9.
+	follower.queue.look_around(centers, flat.world);
+	CHECK(flat.world.take_missing().size() == 4);
+}

@@ -1,3 +1,4 @@
+#include "core/streaming/layer_tiles.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "streaming_stage.hpp"
 
@@ -177,4 +178,28 @@ TEST_CASE("streaming: a thousand random steps keep every promise, the same way t
 	}
 	CHECK(history[0].size() > 1000);
 	CHECK(history[0] == history[1]);
+}
+
+TEST_CASE("streaming: who has made a small step since the last look sees what was seen then") {
+	const double slack = slack_tiles * 40.0;
+	TileStreamer streamer;
+	REQUIRE(streamer.set_layers(std::vector<StreamLayer>{{40.0, 200.0}}).ok());
+	StreamChanges changes;
+	const auto requests_at = [&](double x) {
+		REQUIRE(streamer.update(std::vector<Viewer>{{{x, 1.0}}}, unlimited, changes).ok());
+		return changes.request.size();
+	};
+	// One meter more would bring in tiles.
+	double x = 1.0;
+	CHECK(requests_at(x) > 50);
+	while (requests_at(x + 1.01 * slack) == 0) {
+		x += 1.01 * slack;
+	}
+	const double looked_at = x + 1.01 * slack;
+	for (double step = 0.0; step < slack; step += 0.05 * slack) {
+		CHECK(requests_at(looked_at + step) == 0);
+	}
+	double next = looked_at;
+	while (requests_at(next += 1.01 * slack) == 0) {}
+	CHECK(next < looked_at + 80.0);
 }
