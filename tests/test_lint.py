@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+from collections import defaultdict
 
 import pytest
 from conftest import REPO, run
@@ -22,6 +24,18 @@ def test_what_is_not_formatted_is_noticed():
         [lint.tool("clang-format"), "--assume-filename=x.cpp"], input="int  a ;\n", capture_output=True, text=True, cwd=REPO
     )
     assert done.stdout == "int a;\n", done.stderr
+
+
+def test_no_two_headers_give_one_name_to_two_types():
+    """All of them are of one namespace: the linker takes a function of one such type, its destructor say, for that of the other."""
+    headers = defaultdict(set)
+    for header in sorted((REPO / "extension").glob("**/*.hpp")):
+        if "bindings" in header.parts:
+            continue  # They have a namespace of their own.
+        for name in re.findall(r"^(?:struct|class|enum class) (\w+)(?: final)?(?: :[^;]*?)? \{", header.read_text(), re.MULTILINE):
+            headers[name].add(header.relative_to(REPO).as_posix())
+    assert len(headers) > 200
+    assert not {name: where for name, where in headers.items() if len(where) > 1}
 
 
 @pytest.fixture(scope="module")

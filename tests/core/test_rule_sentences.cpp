@@ -81,20 +81,20 @@ TEST_CASE("rule sentences: other layers, regions and fields are called by their 
 
 TEST_CASE("rule sentences: one rule says no, or the rank, or none") {
 	const LayerSettings layer;
-	const Verdict refused = judge(explained(0.0, 1.0, 0.0), layer, {});
+	const RuleVerdict refused = judge(explained(0.0, 1.0, 0.0), layer, {});
 	CHECK(!refused.yes);
 	CHECK(refused.rule == "mask");
 	CHECK(refused.reason == "The painted mask leaves nothing here.");
-	const Verdict beside = judge(explained(1.0, 0.0, 0.0), layer, {});
+	const RuleVerdict beside = judge(explained(1.0, 0.0, 0.0), layer, {});
 	CHECK(beside.rule == "mask");
 	CHECK(beside.reason.starts_with("May stand here, but the point of the set 1.5 m away may not: The painted mask"));
-	const Verdict late = judge(explained(0.5, 0.25, 0.75), layer, {});
+	const RuleVerdict late = judge(explained(0.5, 0.25, 0.75), layer, {});
 	CHECK(late.rule == "rank");
 	CHECK(late.reason ==
 			"Left out by the density: the point of the set 1.5 m away has the rank 0.75, the density there is 0.25. "
 			"The painted "
 			"mask leaves 25 % here.");
-	const Verdict stands = judge(explained(0.5, 0.5, 0.25), layer, {});
+	const RuleVerdict stands = judge(explained(0.5, 0.5, 0.25), layer, {});
 	CHECK(stands.yes);
 	CHECK(stands.rule.empty());
 	CHECK(stands.reason == "Stands 1.5 m away.");

@@ -225,7 +225,7 @@ RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, cons
 	return result;
 }
 
-Verdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
+RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
 	const auto refused_by = [&](const RuledPlace &place) {
 		const RuleFactor *least = strictest(place.factors);
 		return least != nullptr ? describe(*least, layer, names) : RuleSentence{.rule = "density", .sentence = ""};

@@ -31,13 +31,13 @@ struct RuleSentence {
 RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names);
 
 /// Why something of the layer stands there or does not, by its rules alone.
-struct Verdict {
+struct RuleVerdict {
 	bool yes = false;   ///< Something may stand at the place, and the point nearest to it stands.
 	std::string rule;   ///< The rule that says no, "rank" where the density leaves the point out; empty for yes.
 	std::string reason; ///< A sentence.
 };
 
-Verdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names);
+RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names);
 
 /// A number for a sentence: two digits after the point, fewer for large ones, none that are 0; more where it would look like `other`
 /// and is not.

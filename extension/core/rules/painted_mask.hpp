@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/pixel_rect.hpp"
 #include "core/base/rect.hpp"
 #include "core/rules/density_field.hpp"
 
@@ -34,15 +35,6 @@ struct Brush {
 };
 
 inline constexpr double max_brush_pixels = 1024.0;
-
-/// A rectangle of whole pixels, half-open.
-struct PixelRect {
-	glm::ivec2 min{0};
-	glm::ivec2 max{0};
-
-	bool empty() const { return min.x >= max.x || min.y >= max.y; }
-	friend bool operator==(const PixelRect &, const PixelRect &) = default;
-};
 
 /// Densities that are painted, without an edge: the plane in square pixels of 8 bits, of which only those blocks are kept
 /// that a brush has touched. Pixel (x, y) covers [x, x + 1) times [y, y + 1) pixel sizes of the world; bilinear between centers.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/pixel_rect.hpp"
 #include "core/base/status.hpp"
 
 #include <glm/vec2.hpp>
@@ -16,16 +17,6 @@ namespace thicket {
 struct SharedBytes {
 	std::shared_ptr<const void> owner;
 	std::span<const std::uint8_t> bytes;
-};
-
-/// A half-open rectangle of pixels: columns are x, rows are y.
-struct PixelRect {
-	glm::ivec2 min{0};
-	glm::ivec2 max{0};
-
-	bool empty() const { return min.x >= max.x || min.y >= max.y; }
-	glm::ivec2 size() const { return max - min; }
-	bool operator==(const PixelRect &) const = default;
 };
 
 /// The pixels of an image that somebody else keeps, without a copy; only what is patched later is copied, in blocks. A value:

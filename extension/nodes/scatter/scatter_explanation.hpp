@@ -26,7 +26,7 @@ struct LayerExplanation {
 
 	PlaceExplanation rules; ///< Of a layer that could be asked: `sentences` then has one for each factor at the place.
 	std::vector<RuleSentence> sentences;
-	Verdict verdict;     ///< Of the rules, and of all else that may be in the way.
+	RuleVerdict verdict; ///< Of the rules, and of all else that may be in the way.
 	bool stands = false; ///< The point nearest to the place is an instance.
 	bool shown = false;  ///< And it is drawn.
 };

@@ -30,9 +30,9 @@ std::uint64_t digest_of(std::span<const glm::dvec3> corners) {
 
 } // namespace
 
-bool add_changes(const MeshParts &before, const MeshParts &now, std::vector<Rect> &r_areas) {
+bool add_changes(const GroundMeshes &before, const GroundMeshes &now, std::vector<Rect> &r_areas) {
 	bool differs = false;
-	const auto add_others = [&](const MeshParts &parts, const MeshParts &others) {
+	const auto add_others = [&](const GroundMeshes &parts, const GroundMeshes &others) {
 		for (const auto &[id, part] : parts) {
 			const auto other = others.find(id);
 			if (other == others.end() || other->second->digest != part->digest) {
@@ -55,7 +55,7 @@ void MeshReading::build() {
 		for (const Vector3 &corner : std::span(faces.ptr(), static_cast<std::size_t>(faces.size()))) {
 			corners.push_back(origin + basis * to_core(corner));
 		}
-		auto made = std::make_shared<MeshPart>();
+		auto made = std::make_shared<GroundMesh>();
 		made->sight = sight;
 		made->offset = offset;
 		made->digest = digest_of(corners);

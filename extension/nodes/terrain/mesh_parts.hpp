@@ -16,17 +16,17 @@
 namespace thicket {
 
 /// A mesh as ground, where it stood in the world when it was read.
-struct MeshPart {
+struct GroundMesh {
 	GroundSight sight;
 	glm::dvec3 offset{0.0};   ///< Where the engine's origin was in the world.
 	std::uint64_t digest = 0; ///< Of the triangles in the world.
 	TriangleParts::Part ground;
 };
 
-using MeshParts = std::map<std::uint64_t, std::shared_ptr<const MeshPart>>; ///< By the instances' ids.
+using GroundMeshes = std::map<std::uint64_t, std::shared_ptr<const GroundMesh>>; ///< By the instances' ids.
 
 /// Adds where there is not the same ground. False if there is, everywhere.
-bool add_changes(const MeshParts &before, const MeshParts &now, std::vector<Rect> &r_areas);
+bool add_changes(const GroundMeshes &before, const GroundMeshes &now, std::vector<Rect> &r_areas);
 
 /// A mesh that was read and is not built yet.
 struct MeshReading {
@@ -34,10 +34,10 @@ struct MeshReading {
 	GroundSight sight;
 	glm::dvec3 offset{0.0};
 	godot::PackedVector3Array faces;
-	std::shared_ptr<const MeshPart> before; ///< Used again if nothing has changed; null for none.
+	std::shared_ptr<const GroundMesh> before; ///< Used again if nothing has changed; null for none.
 
 	Status status;
-	std::shared_ptr<const MeshPart> part; ///< Null before `build`, and for what is refused.
+	std::shared_ptr<const GroundMesh> part; ///< Null before `build`, and for what is refused.
 
 	/// On any thread. The arrays come from the main thread and go there.
 	void build();

@@ -49,7 +49,7 @@ private:
 	/// The ground as a host sees it.
 	struct World {
 		std::shared_ptr<const TriangleParts> ground;
-		MeshParts parts;
+		GroundMeshes parts;
 	};
 	using Worlds = std::map<std::uint64_t, World>; ///< By the hosts' ids.
 

@@ -117,8 +117,8 @@ void ScatterTerrainMeshes::take_built() {
 		if (world == worlds_.end()) {
 			continue;
 		}
-		const MeshParts before = world->second.parts;
-		MeshParts &parts = world->second.parts;
+		const GroundMeshes before = world->second.parts;
+		GroundMeshes &parts = world->second.parts;
 		for (const std::uint64_t id : gone) {
 			parts.erase(id);
 		}
