@@ -50,14 +50,21 @@ CellRect cells_of(const Rect &rect, double unit) {
 	return cells;
 }
 
-/// The point of a cell.
-SamplePoint point_of(
-		const PointSet &set, double unit, glm::ivec2 cell, LevelGrid::PointOffset offset, std::uint32_t rank) {
+/// Adds the point of a cell if it lies in the rectangle. It is written where it stays: a copy of what was just written in parts waits
+/// for the processor to put them together.
+void add_point(const PointSet &set, const Rect &rect, double unit, glm::ivec2 cell, LevelGrid::PointOffset offset,
+		std::uint32_t rank, std::vector<SamplePoint> &r_points) {
 	const CellPosition position = LevelGrid::position_of(offset);
 	const std::int64_t lattice_x = std::int64_t{cell.x} * cell_size + position_x(position);
 	const std::int64_t lattice_y = std::int64_t{cell.y} * cell_size + position_y(position);
 	const glm::dvec2 world(static_cast<double>(lattice_x) * unit, static_cast<double>(lattice_y) * unit);
-	return {world, pack({set.layer, cell}), rank, level_of_rank(set.levels, rank)};
+	if (rect.contains(world)) {
+		SamplePoint &point = r_points.emplace_back();
+		point.position = world;
+		point.id = pack({set.layer, cell});
+		point.rank = rank;
+		point.level = level_of_rank(set.levels, rank);
+	}
 }
 
 double expected_points(const PointSet &set, const Rect &rect) {
@@ -168,11 +175,7 @@ void TileSampler::Workspace::collect(
 		}
 		for (std::size_t i = 0; i < count_of_points; ++i) {
 			const std::uint32_t index = first + static_cast<std::uint32_t>(columns[i]);
-			const SamplePoint point =
-					point_of(set, unit, {block.min.x + columns[i], y}, grid.point[index], grid.dart[index]);
-			if (rect.contains(point.position)) {
-				r_points.push_back(point);
-			}
+			add_point(set, rect, unit, {block.min.x + columns[i], y}, grid.point[index], grid.dart[index], r_points);
 		}
 	}
 }
@@ -229,10 +232,7 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 	}
 	const double unit = lattice_unit(set);
 	window.for_each([&](glm::ivec2 cell, const SettledBlock::Point &each) {
-		const SamplePoint point = point_of(set, unit, cell, each.offset, each.rank);
-		if (rect.contains(point.position)) {
-			r_points.push_back(point);
-		}
+		add_point(set, rect, unit, cell, each.offset, each.rank, r_points);
 	});
 	return true;
 }
