@@ -150,6 +150,7 @@ TEST_CASE("kept tile: some of it, behind others, is the same instances") {
 	}
 	const KeptMesh some(first, base, standing);
 	REQUIRE(some.size() == first.size() + standing.size());
+	CHECK(some.bytes() <= 80 * first.size() + 32 * standing.size());
 	const MeshInstances floats = expanded(some);
 	CHECK(std::equal(first.buffer.begin(), first.buffer.end(), floats.buffer.begin()));
 	CHECK(std::equal(first.ids.begin(), first.ids.end(), floats.ids.begin()));

@@ -164,3 +164,13 @@ func test_build_rect_uses_workers() -> void:
 	check_equal(built.get_digest(), expected.get_digest(), "to the bit what stands on the same ground")
 	alone.free()
 	together.free()
+
+
+## So do tiles that a query has to make, each on whichever thread is free.
+func test_queries_use_workers() -> void:
+	var ground := Meeting.new()
+	var scatter := make_scatter([make_layer(1.0)], ground, make_viewer())
+	var found := scatter.query_rect(Rect2(1000, 1000, 100, 100))
+	check(ground.threads.size() > 1, "%d threads asked for the ground" % ground.threads.size())
+	check(found.size() > 4000, "%d instances" % found.size())
+	scatter.free()
