@@ -398,3 +398,14 @@ TEST_CASE("near queue: of a cell only the part within reach is looked at") {
 	follower.queue.look_around(centers, flat.world);
 	CHECK(flat.world.take_missing().size() == 4);
 }
+
+TEST_CASE("instance world: an edit leaves the tiles known that it does not touch") {
+	FlatWorld flat;
+	flat.load(1);
+	flat.world.invalidate(0, {.everywhere = false, .areas = {{{5.0, 5.0}, {9.0, 9.0}}}});
+	for (int y = -1; y <= 1; ++y) {
+		for (int x = -1; x <= 1; ++x) {
+			CHECK((flat.world.find({0, {x, y}}) == nullptr) == (x == 0 && y == 0));
+		}
+	}
+}
