@@ -9,6 +9,7 @@
 #include <cmath>
 #include <random>
 #include <thread>
+#include <span>
 #include <vector>
 
 using namespace thicket;
@@ -306,6 +307,8 @@ TEST_CASE("painted mask: a copy shares all blocks, and what is painted then is a
 	REQUIRE(mask.block_count() == 16);
 	PaintedMask copy = mask;
 	CHECK(copy.blocks_apart(mask) == 0);
+	REQUIRE(copy.write({{10, 10}, {200, 200}}, std::span(pixels).first(190 * 190), changed).ok());
+	CHECK(copy.blocks_apart(mask) == 0); // What it was before.
 	pixels.assign(1, 9);
 	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
 	REQUIRE(copy.write({{-5, 0}, {-4, 1}}, pixels, changed).ok());

@@ -1,5 +1,6 @@
 // A large rectangle is shared by threads that the caller lends: the same points in the same order, errors and progress as alone.
 
+#include "allocation_count.hpp"
 #include "core/sampling/tile_sampler.hpp"
 #include "counted_threads.hpp"
 #include "short_of_memory.hpp"
@@ -8,6 +9,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <thread>
 #include <vector>
@@ -146,4 +148,24 @@ TEST_CASE("sampler: with threads, memory may end anywhere") {
 				[](const Prepared &prepared) { CHECK(prepared.points.empty()); },
 				[&](const Prepared &prepared) { CHECK(prepared.points == expected); });
 	}
+}
+
+TEST_CASE("sampler: lent threads take blocks, and what they work in is kept for the next call") {
+	const PointSet set{.seed = 12, .radius = 1.0};
+	OneByOne threads(OneByOne::Others::first);
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	int reports = 0;
+	const auto allocations = [&] {
+		reports = 0;
+		const std::size_t before = allocation_count();
+		REQUIRE(sampler.sample(set, wide, points,
+							   {.cancel = nullptr, .report = [&](double, std::uint64_t) { ++reports; }}, &threads)
+						.ok());
+		return allocation_count() - before;
+	};
+	const std::size_t first = allocations();
+	CHECK(reports == 3); // Of three rounds; those of the caller's own blocks would be told one by one.
+	const std::size_t second = allocations();
+	CHECK(second + 50 < first); // Grids of two more samplers.
 }
