@@ -284,7 +284,7 @@ TEST_CASE("id codec: any ascending list comes back") {
 		const std::size_t count = random() % 700;
 		const int width = static_cast<int>(random() % 64);
 		for (std::size_t i = 0; i < count; ++i) {
-			numbers.insert(std::min(random() >> (random() % 10 == 0 ? 0 : width), IdTable::none - 1));
+			numbers.insert(std::min(random() >> (random() % 10 == 0 ? 0 : width), IdTable<double>::none - 1));
 		}
 		const std::vector<std::uint64_t> list(numbers.begin(), numbers.end());
 		StateBytes bytes{9};

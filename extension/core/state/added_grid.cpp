@@ -1,13 +1,21 @@
 #include "core/state/added_grid.hpp"
 
 #include "core/base/tile_grid.hpp"
+#include "core/state/instance_state.hpp"
 
 namespace thicket {
 
-AddedGrid::Entry AddedGrid::entry_of(std::uint64_t id, glm::dvec2 position) {
+/// What comes before all that stand in the square.
+AddedGrid::Entry AddedGrid::corner_of(std::uint16_t layer, glm::dvec2 position) {
 	constexpr double side = 64.0; // Meters.
 	const glm::ivec2 square = tile_at(side, position);
-	return {square.x, square.y, id};
+	return {layer, square.x, square.y, 0};
+}
+
+AddedGrid::Entry AddedGrid::entry_of(std::uint64_t id, glm::dvec2 position) {
+	Entry entry = corner_of(layer_of(id), position);
+	entry.id = id;
+	return entry;
 }
 
 void AddedGrid::insert(std::uint64_t id, glm::dvec2 position) { entries_.insert(entry_of(id, position)); }

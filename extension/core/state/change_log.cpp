@@ -4,6 +4,7 @@
 #include "core/state/id_table.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace thicket {
@@ -12,12 +13,14 @@ namespace {
 
 constexpr std::size_t always_kept = 65536;
 
+using IdSet = IdTable<bool>;
+
 } // namespace
 
 void ChangeLog::note(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept {
 	const Status status = guarded("changes", static_cast<double>(held), [&] {
-		entries_.push_back({revision, id});
-		if (entries_.size() > 2 * compacted_ + always_kept) {
+		push({revision, id});
+		if (size_ > 2 * std::max(compacted_, held) + always_kept) {
 			compact(held + always_kept);
 		}
 	});
@@ -26,33 +29,126 @@ void ChangeLog::note(std::uint64_t revision, std::uint64_t id, std::size_t held)
 	}
 }
 
-void ChangeLog::compact(std::size_t most) {
-	IdTable seen;
-	std::deque<Entry> kept;
-	for (; !entries_.empty() && kept.size() < most; entries_.pop_back()) { // Memory goes from one to the other.
-		if (seen.insert(entries_.back().id)) {
-			kept.push_front(entries_.back());
+void ChangeLog::push(Entry entry) {
+	open_.push_back(entry);
+	++size_;
+	if (open_.size() == block_size) {
+		seal();
+	}
+}
+
+void ChangeLog::seal() {
+	const auto entries = std::make_shared<Entries>(std::move(open_));
+	open_ = {};
+	blocks_.push_back({entries, 0});
+	open_.reserve(block_size);
+}
+
+template <typename Use>
+void ChangeLog::for_each_after(std::uint64_t revision, const Use &use) const {
+	auto block = blocks_.end();
+	while (block != blocks_.begin() && std::prev(block)->last() > revision) {
+		--block;
+	}
+	for (; block != blocks_.end(); ++block) {
+		for (const Entry &entry : *block->entries) {
+			if (entry.revision + block->raise > revision) {
+				use(Entry{entry.revision + block->raise, entry.id});
+			}
 		}
 	}
-	if (!entries_.empty()) {
-		start_ = entries_.back().revision;
+	for (const Entry &entry : open_) {
+		if (entry.revision > revision) {
+			use(entry);
+		}
 	}
-	entries_ = std::move(kept);
-	compacted_ = entries_.size();
+}
+
+/// From the last one to the first: memory goes from one log to the other.
+void ChangeLog::compact(std::size_t most, const ChangeLog *later) {
+	IdSet seen;
+	if (later != nullptr) {
+		later->for_each_after(0, [&seen](const Entry &entry) { seen.insert(entry.id); });
+	}
+	if (!open_.empty()) {
+		seal();
+	}
+	std::deque<Block> kept;
+	Entries entries; // The last first.
+	std::size_t size = 0;
+	const auto keep = [&] {
+		if (!entries.empty()) {
+			std::ranges::reverse(entries);
+			kept.push_front({std::make_shared<const Entries>(std::exchange(entries, {})), 0});
+		}
+	};
+	for (; !blocks_.empty() && size < most; blocks_.pop_back()) {
+		const Block &block = blocks_.back();
+		for (auto at = block.entries->rbegin(); at != block.entries->rend(); ++at) {
+			if (seen.insert(at->id)) {
+				entries.push_back({at->revision + block.raise, at->id});
+				++size;
+			}
+		}
+		if (entries.size() >= block_size) {
+			keep();
+		}
+	}
+	keep();
+	if (!blocks_.empty()) {
+		start_ = blocks_.back().last();
+	}
+	blocks_ = std::move(kept);
+	compacted_ = size_ = size;
+}
+
+void ChangeLog::append(const ChangeLog &other, std::uint64_t revision, std::uint64_t raise) {
+	constexpr std::size_t worth_sharing = block_size / 8;
+	auto block = other.blocks_.begin();
+	while (block != other.blocks_.end() && block->last() <= revision) {
+		++block;
+	}
+	for (; block != other.blocks_.end(); ++block) {
+		if (block->entries->size() >= worth_sharing && block->entries->front().revision + block->raise > revision) {
+			if (!open_.empty()) {
+				seal();
+			}
+			blocks_.push_back({block->entries, block->raise + raise});
+			size_ += block->entries->size();
+			continue;
+		}
+		for (const Entry &entry : *block->entries) {
+			if (entry.revision + block->raise > revision) {
+				push({entry.revision + block->raise + raise, entry.id});
+			}
+		}
+	}
+	for (const Entry &entry : other.open_) {
+		if (entry.revision > revision) {
+			push({entry.revision + raise, entry.id});
+		}
+	}
+}
+
+void ChangeLog::make_way_for(const ChangeLog &later, std::size_t held) {
+	if (size_ + later.size_ > always_kept) {
+		if (size_ > 0) {
+			compact(held + always_kept, &later);
+		}
+		compacted_ = size_ + later.size_;
+	}
 }
 
 void ChangeLog::start_at(std::uint64_t revision) noexcept {
-	entries_.clear();
-	compacted_ = 0;
+	blocks_.clear();
+	open_.clear();
+	size_ = compacted_ = 0;
 	start_ = revision;
 }
 
 std::vector<std::uint64_t> ChangeLog::since(std::uint64_t revision) const {
-	const auto first = std::ranges::upper_bound(entries_, revision, {}, &Entry::revision);
 	std::vector<std::uint64_t> ids;
-	for (auto entry = first; entry != entries_.end(); ++entry) {
-		ids.push_back(entry->id);
-	}
+	for_each_after(revision, [&ids](const Entry &entry) { ids.push_back(entry.id); });
 	std::ranges::sort(ids);
 	const auto repeated = std::unique(ids.begin(), ids.end());
 	ids.erase(repeated, ids.end());

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <vector>
 
 namespace thicket {
@@ -23,16 +24,46 @@ public:
 	/// What has changed after `revision`, each id once, in any order.
 	std::vector<std::uint64_t> since(std::uint64_t revision) const;
 
+	/// Adds what another log has noted after `revision`, each as `raise` later; those are later than all that is here. Costs little for
+	/// very many: logs share their memory.
+	void append(const ChangeLog &other, std::uint64_t revision, std::uint64_t raise);
+
+	/// Forgets what will be noted again in `later`, and what is too much for a state that will then hold `held` ids: so that `append` and
+	/// `note` need not. Takes as long as both are.
+	void make_way_for(const ChangeLog &later, std::size_t held);
+
+	std::size_t size() const { return size_; }
+
 private:
 	struct Entry {
 		std::uint64_t revision;
 		std::uint64_t id;
 	};
+	using Entries = std::vector<Entry>;
 
-	/// Leaves each id only its last entry, and no more than `most` of these.
-	void compact(std::size_t most);
+	/// Changes that nobody adds to any more.
+	struct Block {
+		std::shared_ptr<const Entries> entries; ///< One at least.
+		std::uint64_t raise;                    ///< Of their revisions.
 
-	std::deque<Entry> entries_; ///< Not a vector, which would hold twice as much while it grows.
+		std::uint64_t last() const { return entries->back().revision + raise; }
+	};
+
+	static constexpr std::size_t block_size = 4096;
+
+	void push(Entry entry);
+	void seal();
+
+	/// Calls `use(entry)` for all after a revision.
+	template <typename Use>
+	void for_each_after(std::uint64_t revision, const Use &use) const;
+
+	/// Leaves each id only its last entry, no more than `most` of these, and none of those in `later`.
+	void compact(std::size_t most, const ChangeLog *later = nullptr);
+
+	std::deque<Block> blocks_;
+	Entries open_; ///< After them; fewer than block_size.
+	std::size_t size_ = 0;
 	std::size_t compacted_ = 0; ///< How many there were when each id stood in it once.
 	std::uint64_t start_ = 0;
 };

@@ -1,64 +1,338 @@
 #pragma once
 
+#include "core/base/guard.hpp"
+#include "core/base/split_mix.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace thicket {
 
-/// A set of ids, each with a time or none: open addressing with linear probing, 8 bytes a slot, and 8 more once any id has a time. At
-/// most three of four slots are taken. The order of ids differs from run to run, so that nobody can choose ids that collide.
+/// What the hashes of ids are mixed with, another number in each run, so that nobody can choose ids that collide.
+std::uint64_t salt_of_this_run();
+
+/// A number that no table of this run has had.
+std::uint64_t new_table_owner();
+
+/// A set of ids, each with a value or none (`Value()`). The order of ids differs from run to run.
+///
+/// The ids lie in one shard while they are few, and then in 256 by their hashes, each with open addressing and linear probing: 8 bytes a
+/// slot, and a value more once any id of the shard has one; at most three of four slots are taken. So nothing that a table does for
+/// one id takes long. Tables can share their shards (`share`): whoever changes one copies it first.
+template <typename Value>
 class IdTable {
 public:
 	/// What no id is.
 	static constexpr std::uint64_t none = ~std::uint64_t{0};
 
-	IdTable();
+	static constexpr std::size_t shard_count = 256;
 
-	bool contains(std::uint64_t id) const { return !ids_.empty() && ids_[slot_of(id)] == id; }
+	/// How many ids are new: of all, and of those that would be in one shard.
+	struct NewIds {
+		std::array<std::uint32_t, shard_count> by_shard{};
+		std::uint32_t all = 0;
+	};
 
-	/// The time of an id; 0 for none, and for an id that is not in.
-	double time(std::uint64_t id) const;
+	IdTable() = default;
+	IdTable(IdTable &&) noexcept = default;
+	IdTable &operator=(IdTable &&) noexcept = default;
 
-	/// Takes the memory for `count` ids, and for times if any of them will have one: so long `insert` takes none.
-	void reserve(std::size_t count, bool timed);
+	/// A table with the same content and the same memory, for some microseconds. From now on each of both copies a shard before it
+	/// changes it, so that they can be used on different threads.
+	IdTable share() {
+		IdTable other(*this);
+		owner_ = new_table_owner();
+		return other;
+	}
 
-	/// Adds an id, or gives one that is in another time. False if it was in. `id` is not `none`.
-	bool insert(std::uint64_t id, double time = 0.0);
+	bool contains(std::uint64_t id) const {
+		if (size_ == 0) {
+			return false; // To hash an id takes longer.
+		}
+		const std::uint64_t hash = hash_of(id);
+		const View &view = views_[index_of(hash)];
+		return view.ids[view.slot_of(id, hash)] == id;
+	}
 
-	/// False if it was not in. Takes no memory and gives none back; that is for `shrink`.
-	bool erase(std::uint64_t id) noexcept;
+	/// The value of an id; `Value()` for none, and for an id that is not in.
+	const Value &value(std::uint64_t id) const {
+		if (valued_ == 0) {
+			return nothing_;
+		}
+		const std::uint64_t hash = hash_of(id);
+		const Shard *shard = shards_[index_of(hash)].get();
+		if (shard == nullptr || shard->valued == 0) {
+			return nothing_;
+		}
+		const std::size_t slot = shard->slot_of(id, hash);
+		return shard->ids[slot] == id ? shard->values[slot] : nothing_;
+	}
+
+	/// Takes the memory for all that may be done with an id, and for values if any of them will have one: so long `insert` and `erase`
+	/// take none. `r_new_ids` counts those that are new and are to be inserted together; null for a single one.
+	void make_room(std::uint64_t id, bool is_new, bool valued, NewIds *r_new_ids) {
+		const std::uint64_t hash = hash_of(id);
+		std::size_t in_shard = is_new ? 1 : 0;
+		std::size_t in_all = in_shard;
+		if (r_new_ids != nullptr) {
+			in_shard = r_new_ids->by_shard[hash >> shard_shift] += is_new ? 1 : 0;
+			in_all = r_new_ids->all += is_new ? 1 : 0;
+		}
+		const bool spreads = mask_ == 0 && size_ + in_all > most_in_one;
+		if (!spreads) {
+			grow(index_of(hash), mask_ == 0 ? in_all : in_shard, valued);
+			return;
+		}
+		const bool all_valued = valued || (shards_[0] != nullptr && !shards_[0]->values.empty());
+		spread(shard_count - 1);
+		grow(index_of(hash), in_shard, all_valued);
+		for (std::size_t index = 0; r_new_ids != nullptr && index < shard_count; ++index) {
+			grow(index, r_new_ids->by_shard[index], all_valued);
+		}
+	}
+
+	/// The same for `more` new ids of which nothing else is known: almost all of them will find room.
+	void expect(std::size_t more) {
+		const std::size_t mean = more / shard_count;
+		if (mean < most_in_one / shard_count) {
+			return;
+		}
+		if (mask_ == 0) {
+			spread(shard_count - 1);
+		}
+		const auto deviation = static_cast<std::size_t>(std::sqrt(static_cast<double>(mean)));
+		for (std::size_t index = 0; index < shard_count; ++index) {
+			grow(index, mean + 4 * deviation, false);
+		}
+	}
+
+	/// Adds an id, or gives one that is in another value. False if it was in. `id` is not `none`.
+	bool insert(std::uint64_t id, Value value = Value()) {
+		const std::uint64_t hash = hash_of(id);
+		Shard *shard = &own(index_of(hash));
+		std::size_t slot = shard->slot_of(id, hash);
+		const bool is_new = shard->ids[slot] == none;
+		if (is_new) {
+			if (4 * (shard->size + 1) > 3 * shard->ids.size()) {
+				make_room(id, true, false, nullptr);
+				shard = &own(index_of(hash));
+				slot = shard->slot_of(id, hash);
+			}
+			shard->ids[slot] = id;
+			++shard->size;
+			++size_;
+		}
+		set_value(*shard, slot, std::move(value));
+		return is_new;
+	}
+
+	/// False if it was not in. Gives no memory back; that is for `shrink`.
+	bool erase(std::uint64_t id) {
+		if (!contains(id)) {
+			return false;
+		}
+		const std::uint64_t hash = hash_of(id);
+		Shard &shard = own(index_of(hash));
+		const std::size_t hole = shard.slot_of(id, hash);
+		set_value(shard, hole, Value());
+		--size_;
+		close(shard, hole);
+		return true;
+	}
 
 	/// Gives memory back where there is far too much of it; keeps it where there is none to move to.
-	void shrink() noexcept;
+	void shrink() noexcept {
+		if (slots_ > least_slots && 8 * size_ < slots_) {
+			static_cast<void>(guarded("ids", static_cast<double>(slots_), [this] { shrink_all(); }));
+		}
+	}
 
 	std::size_t size() const { return size_; }
 
-	/// How many ids have a time.
-	std::size_t timed() const { return timed_; }
+	/// How many ids have a value.
+	std::size_t valued() const { return valued_; }
 
-	/// Calls `use(id, time)` for each, in any order.
+	/// Calls `use(id, value)` for each, in any order.
 	template <typename Use>
 	void for_each(Use &&use) const {
-		for (std::size_t slot = 0; slot < ids_.size(); ++slot) {
-			if (ids_[slot] != none) {
-				use(ids_[slot], times_.empty() ? 0.0 : times_[slot]);
+		for (const std::shared_ptr<Shard> &shard : shards_) {
+			for (std::size_t slot = 0; shard != nullptr && slot < shard->ids.size(); ++slot) {
+				if (shard->ids[slot] != none) {
+					use(shard->ids[slot], shard->values.empty() ? nothing_ : shard->values[slot]);
+				}
 			}
 		}
 	}
 
 private:
-	/// The slot of an id or, if it is not in, the free slot where it would be put.
-	std::size_t slot_of(std::uint64_t id) const;
-	std::size_t home_of(std::uint64_t id) const;
-	void set_time(std::size_t slot, double time);
-	void resize(std::size_t slots, bool timed);
+	static constexpr std::size_t least_slots = 16;
+	static constexpr std::size_t most_in_one = 3072;
+	static constexpr int shard_shift = 56;
+	static inline const Value nothing_{};
 
-	std::vector<std::uint64_t> ids_; ///< As many as a power of two; `none` where a slot is free.
-	std::vector<double> times_;      ///< Empty while no id has had one.
+	/// The ids of a shard, or none.
+	struct View {
+		/// The slot of an id or, if it is not in, the free slot where it would be put.
+		std::size_t slot_of(std::uint64_t id, std::uint64_t hash) const {
+			std::size_t slot = static_cast<std::size_t>(hash) & mask;
+			while (ids[slot] != id && ids[slot] != none) {
+				slot = (slot + 1) & mask;
+			}
+			return slot;
+		}
+
+		const std::uint64_t *ids = &none;
+		std::size_t mask = 0;
+	};
+
+	struct Shard {
+		explicit Shard(std::uint64_t own) : owner(own), ids(least_slots, none) {}
+
+		View view() const { return {ids.data(), ids.size() - 1}; }
+		std::size_t slot_of(std::uint64_t id, std::uint64_t hash) const { return view().slot_of(id, hash); }
+
+		std::uint64_t owner; ///< Of the one table that may change it.
+		std::size_t size = 0;
+		std::size_t valued = 0;
+		std::vector<std::uint64_t> ids; ///< As many as a power of two; `none` where a slot is free.
+		std::vector<Value> values;      ///< Empty while no id has had one.
+	};
+
+	IdTable(const IdTable &other) :
+			shards_(other.shards_), views_(other.views_), mask_(other.mask_), size_(other.size_),
+			valued_(other.valued_), slots_(other.slots_) {}
+
+	std::uint64_t hash_of(std::uint64_t id) const { return split_mix(id ^ salt_); }
+
+	std::size_t index_of(std::uint64_t hash) const { return static_cast<std::size_t>(hash >> shard_shift) & mask_; }
+
+	/// A shard that may be changed.
+	Shard &own(std::size_t index) {
+		std::shared_ptr<Shard> &r_shard = shards_[index];
+		if (r_shard == nullptr) {
+			r_shard = std::make_shared<Shard>(owner_);
+			slots_ += least_slots;
+			views_[index] = r_shard->view();
+		} else if (r_shard->owner != owner_) {
+			const auto copy = std::make_shared<Shard>(*r_shard);
+			copy->owner = owner_;
+			r_shard = copy;
+			views_[index] = r_shard->view();
+		}
+		return *r_shard;
+	}
+
+	/// Takes the memory for `more` new ids of a shard.
+	void grow(std::size_t index, std::size_t more, bool valued) {
+		Shard &r_shard = own(index);
+		std::size_t slots = r_shard.ids.size();
+		while (4 * (r_shard.size + more) > 3 * slots) {
+			slots *= 2;
+		}
+		if (slots > r_shard.ids.size()) {
+			resize(index, slots, valued || !r_shard.values.empty());
+		} else if (valued && r_shard.values.empty()) {
+			r_shard.values.resize(slots);
+		}
+	}
+
+	/// Lays all ids into as many shards as the mask says.
+	void spread(std::size_t mask) {
+		IdTable other;
+		other.mask_ = mask;
+		for_each([&other](std::uint64_t id, const Value &value) { other.insert(id, value); });
+		*this = std::move(other);
+	}
+
+	void set_value(Shard &r_shard, std::size_t slot, Value value) {
+		const bool is_value = !(value == Value());
+		if (r_shard.values.empty()) {
+			if (!is_value) {
+				return;
+			}
+			r_shard.values.resize(r_shard.ids.size());
+		}
+		const bool was_value = !(r_shard.values[slot] == Value());
+		const std::size_t more = std::size_t{is_value} - std::size_t{was_value};
+		r_shard.valued += more;
+		valued_ += more;
+		r_shard.values[slot] = std::move(value);
+	}
+
+	/// Frees a slot. What was pushed on by the one that goes moves up, so that no search ends too early.
+	void close(Shard &r_shard, std::size_t hole) {
+		std::vector<std::uint64_t> &ids = r_shard.ids;
+		--r_shard.size;
+		const std::size_t mask = ids.size() - 1;
+		for (std::size_t next = (hole + 1) & mask; ids[next] != none; next = (next + 1) & mask) {
+			const std::size_t home = static_cast<std::size_t>(hash_of(ids[next])) & mask;
+			if (((next - home) & mask) < ((next - hole) & mask)) {
+				continue;
+			}
+			ids[hole] = ids[next];
+			if (!r_shard.values.empty()) {
+				r_shard.values[hole] = std::exchange(r_shard.values[next], Value());
+			}
+			hole = next;
+		}
+		ids[hole] = none;
+	}
+
+	/// All memory is taken before anything changes.
+	void resize(std::size_t index, std::size_t slots, bool with_values) {
+		Shard &r_shard = *shards_[index];
+		std::vector<std::uint64_t> ids(slots, none);
+		std::vector<Value> values(with_values ? slots : 0);
+		ids.swap(r_shard.ids);
+		values.swap(r_shard.values);
+		slots_ += slots - ids.size();
+		views_[index] = r_shard.view();
+		for (std::size_t slot = 0; slot < ids.size(); ++slot) {
+			if (ids[slot] == none) {
+				continue;
+			}
+			const std::size_t to = r_shard.slot_of(ids[slot], hash_of(ids[slot]));
+			r_shard.ids[to] = ids[slot];
+			if (with_values && !values.empty()) {
+				r_shard.values[to] = std::move(values[slot]);
+			}
+		}
+	}
+
+	void shrink_all() {
+		if (mask_ != 0 && size_ < shard_count * least_slots / 8) {
+			spread(0);
+			return;
+		}
+		for (std::size_t index = 0; index < shard_count; ++index) {
+			if (shards_[index] == nullptr) {
+				continue;
+			}
+			std::size_t slots = shards_[index]->ids.size();
+			while (slots > least_slots && 8 * shards_[index]->size < slots) {
+				slots /= 2;
+			}
+			if (slots < shards_[index]->ids.size()) {
+				const Shard &shard = own(index);
+				resize(index, slots, shard.valued > 0);
+			}
+		}
+	}
+
+	std::array<std::shared_ptr<Shard>, shard_count> shards_;
+	std::array<View, shard_count> views_; ///< Of the shards.
+	std::size_t mask_ = 0;                ///< Of the numbers of shards: 0 while there is one.
+	std::uint64_t salt_ = salt_of_this_run();
+	std::uint64_t owner_ = new_table_owner();
 	std::size_t size_ = 0;
-	std::size_t timed_ = 0;
-	std::uint64_t salt_;
+	std::size_t valued_ = 0;
+	std::size_t slots_ = 0; ///< Of all shards.
 };
 
 } // namespace thicket

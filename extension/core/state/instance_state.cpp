@@ -4,6 +4,7 @@
 #include "core/base/split_mix.hpp"
 #include "core/base/word_hash.hpp"
 #include "core/state/instance_state_content.hpp"
+#include "core/state/state_step.hpp"
 
 #include <algorithm>
 #include <unordered_set>
@@ -12,6 +13,9 @@ namespace thicket {
 
 namespace {
 
+using Kind = StateStep::Kind;
+
+constexpr std::uint64_t no_id = IdTable<double>::none;
 constexpr std::uint64_t added_bit = std::uint64_t{1} << 63;
 constexpr int layer_shift = 48;
 constexpr std::uint64_t cell_mask = (std::uint64_t{1} << layer_shift) - 1;
@@ -36,7 +40,7 @@ template <typename Taken>
 std::uint64_t free_id(const AddedInstance &placed, const Taken &taken) {
 	const std::uint64_t prefix = added_bit | std::uint64_t{placed.layer} << layer_shift;
 	std::uint64_t id = prefix | hash_of(placed);
-	while (id == IdTable::none || taken(id)) {
+	while (id == no_id || taken(id)) {
 		id = prefix | ((id + 1) & cell_mask);
 	}
 	return id;
@@ -44,15 +48,21 @@ std::uint64_t free_id(const AddedInstance &placed, const Taken &taken) {
 
 bool is_of(std::uint64_t id, int layer) { return layer < 0 || layer_of(id) == layer; }
 
-template <typename Map>
-std::vector<std::uint64_t> ids_of_layer(const Map &map, int layer) {
+/// Ascending.
+template <typename Table>
+std::vector<std::uint64_t> ids_of_layer(const Table &table, int layer) {
 	std::vector<std::uint64_t> ids;
-	for (const auto &[id, value] : map) {
+	table.for_each([&ids, layer](std::uint64_t id, const auto &) {
 		if (is_of(id, layer)) {
 			ids.push_back(id);
 		}
-	}
+	});
+	std::ranges::sort(ids);
 	return ids;
+}
+
+StateStep step_of(std::uint64_t id, const AddedInstance &placed) {
+	return {.kind = Kind::place, .id = id, .instance = std::make_shared<const AddedInstance>(placed)};
 }
 
 } // namespace
@@ -75,28 +85,20 @@ bool InstanceState::removed(std::uint64_t id) const {
 	return any_removed(layer_of(id)) && content_->removed.contains(id);
 }
 
-const AddedInstance *InstanceState::added(std::uint64_t id) const {
-	const auto found = content_->added.find(id);
-	return found != content_->added.end() ? &found->second : nullptr;
-}
+const AddedInstance *InstanceState::added(std::uint64_t id) const { return content_->added.value(id).get(); }
 
-std::span<const std::uint8_t> InstanceState::data(std::uint64_t id) const {
-	const auto found = content_->data.find(id);
-	return found != content_->data.end() ? std::span<const std::uint8_t>(found->second)
-										 : std::span<const std::uint8_t>();
-}
+std::span<const std::uint8_t> InstanceState::data(std::uint64_t id) const { return content_->bytes_of(id); }
 
 Status InstanceState::added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const {
-	const auto own = content_->layers.find(layer);
-	if (own == content_->layers.end() || rect.empty()) {
+	if (rect.empty()) {
 		return {};
 	}
 	constexpr double beyond_all = 2.0 * max_added_coordinate;
 	const Rect finite{glm::clamp(rect.min, -beyond_all, beyond_all), glm::clamp(rect.max, -beyond_all, beyond_all)};
 	const std::size_t first = r_ids.size();
 	const Status status = guarded("rect", std::max(rect.size().x, rect.size().y), [&] {
-		own->second.grid.for_each_near(finite, [&](std::uint64_t id) {
-			const glm::dvec3 position = content_->added.at(id).position;
+		content_->grid.for_each_near(layer, finite, [&](std::uint64_t id) {
+			const glm::dvec3 position = content_->added.value(id)->position;
 			if (rect.contains({position.x, position.z})) {
 				r_ids.push_back(id);
 			}
@@ -113,16 +115,8 @@ double InstanceState::max_added_scale(std::uint16_t layer) const {
 }
 
 std::vector<std::uint64_t> InstanceState::removed_ids(int layer) const {
-	std::vector<std::uint64_t> ids;
-	content_->removed.for_each([&ids, layer](std::uint64_t id, double) {
-		if (is_of(id, layer)) {
-			ids.push_back(id);
-		}
-	});
-	std::ranges::sort(ids);
-	return ids;
+	return ids_of_layer(content_->removed, layer);
 }
-
 std::vector<std::uint64_t> InstanceState::added_ids(int layer) const { return ids_of_layer(content_->added, layer); }
 std::vector<std::uint64_t> InstanceState::data_ids(int layer) const { return ids_of_layer(content_->data, layer); }
 
@@ -149,12 +143,23 @@ Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp) {
 	if (own.is_foreign(stamp)) {
 		return {ErrorCode::foreign, "layer", static_cast<double>(layer)};
 	}
-	own.stamp = stamp;
-	own.claimed = true;
-	return {};
+	Journal::Noting noting(journal_.get());
+	Status status;
+	const auto step = [&] {
+		return StateStep{.kind = Kind::claim, .id = layer, .to = stamp};
+	};
+	if (noting.note("layer", layer, status, step)) {
+		own.stamp = stamp;
+		own.claimed = true;
+	}
+	noting.keep_if(status.ok());
+	return status;
 }
 
 void InstanceState::release_claims() {
+	Journal::Noting noting(journal_.get());
+	Status unnoted; // Then claims stay in what comes of a diff: a layer too many that refuses other points.
+	noting.keep_if(noting.note("layers", 0.0, unnoted, [] { return StateStep{.kind = Kind::release_claims}; }));
 	for (auto &[number, layer] : content_->layers) {
 		layer.claimed = false;
 	}
@@ -172,20 +177,40 @@ bool InstanceState::is_foreign(std::uint16_t layer, std::uint64_t stamp) const {
 }
 
 StateChange InstanceState::remove(std::uint64_t id, double until) {
+	Journal::Noting noting(journal_.get());
+	StateChange change;
+	const auto step = [&] {
+		return StateStep{.kind = Kind::remove, .id = id, .number = until};
+	};
+	if (!noting.note("id", static_cast<double>(id), change.status, step)) {
+		return change;
+	}
 	Content::Entry to;
 	if (!is_added(id)) {
 		to.data = data(id);
 		to.removed = true;
 		to.until = until > 0.0 && until <= max_state_time ? until : 0.0;
 	}
-	return content_->change_one(id, to, "id", static_cast<double>(id));
+	change = content_->change_one(id, to, "id", static_cast<double>(id));
+	noting.keep_if(change.status.ok());
+	return change;
 }
 
 StateChange InstanceState::restore(std::uint64_t id) {
-	if (!removed(id)) {
-		return {};
+	Journal::Noting noting(journal_.get());
+	StateChange change;
+	const auto step = [&] {
+		return StateStep{.kind = Kind::restore, .id = id};
+	};
+	if (noting.note("id", static_cast<double>(id), change.status, step) && removed(id)) {
+		change = content_->change_one(id, {.data = data(id)}, "id", static_cast<double>(id));
 	}
-	return content_->change_one(id, {.data = data(id)}, "id", static_cast<double>(id));
+	noting.keep_if(change.status.ok());
+	return change;
+}
+
+StateChange InstanceState::put(std::uint64_t id, const AddedInstance &instance) {
+	return content_->change_one(id, {.instance = &instance, .data = data(id)}, "instance", 1.0);
 }
 
 Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
@@ -193,8 +218,13 @@ Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 		return status;
 	}
 	const AddedInstance placed = without_signed_zeros(instance);
-	const std::uint64_t id = free_id(placed, [this](std::uint64_t any) { return content_->added.contains(any); });
-	const Status status = content_->change_one(id, {.instance = &placed}, "instance", 1.0).status;
+	const std::uint64_t id = free_id(placed, [this](std::uint64_t any) { return added(any) != nullptr; });
+	Journal::Noting noting(journal_.get());
+	Status status;
+	if (noting.note("instance", 1.0, status, [&] { return step_of(id, placed); })) {
+		status = put(id, placed).status;
+	}
+	noting.keep_if(status.ok());
 	r_id = status.ok() ? id : r_id;
 	return status;
 }
@@ -213,9 +243,13 @@ Status InstanceState::add_all(std::span<const AddedInstance> instances, std::vec
 				return status;
 			}
 			placed.push_back(without_signed_zeros(instance));
-			r_ids.push_back(free_id(placed.back(),
-					[&](std::uint64_t any) { return content_->added.contains(any) || new_ids.contains(any); }));
+			r_ids.push_back(free_id(
+					placed.back(), [&](std::uint64_t any) { return added(any) != nullptr || new_ids.contains(any); }));
 			new_ids.insert(r_ids.back());
+		}
+		Journal::Noting noting(journal_.get());
+		for (std::size_t at = 0; at < placed.size(); ++at) {
+			noting.note([&] { return step_of(r_ids[at], placed[at]); });
 		}
 		const auto each = [&](const auto &use) {
 			for (std::size_t at = 0; at < placed.size(); ++at) {
@@ -223,6 +257,7 @@ Status InstanceState::add_all(std::span<const AddedInstance> instances, std::vec
 			}
 		};
 		content_->change_all(each, r_changes);
+		noting.keep_if(true);
 		return {};
 	});
 }
@@ -238,16 +273,32 @@ Status InstanceState::move(
 	}
 	const AddedInstance placed = without_signed_zeros(instance);
 	const std::uint64_t to =
-			by_hand ? id : free_id(placed, [this](std::uint64_t any) { return content_->added.contains(any); });
+			by_hand ? id : free_id(placed, [this](std::uint64_t any) { return added(any) != nullptr; });
+	Journal::Noting noting(journal_.get());
+	const Status status = guarded("instance", 1.0, [&] {
+		noting.note([&] {
+			StateStep step = step_of(id, placed);
+			step.kind = Kind::move;
+			step.to = to;
+			return step;
+		});
+		put_for(id, to, placed, r_changes);
+	});
+	noting.keep_if(status.ok());
+	r_id = status.ok() ? to : r_id;
+	return status;
+}
+
+/// Places an instance with the data of `id`, which is `to` or a point that it stands for.
+void InstanceState::put_for(
+		std::uint64_t id, std::uint64_t to, const AddedInstance &instance, std::vector<InstanceChange> &r_changes) {
 	const auto each = [&](const auto &use) {
-		use(to, Content::Entry{.instance = &placed, .data = data(id)});
-		if (!by_hand) {
+		use(to, Content::Entry{.instance = &instance, .data = data(id)});
+		if (to != id) {
 			use(id, Content::Entry{.removed = true});
 		}
 	};
-	const Status status = guarded("instance", 1.0, [&] { content_->change_all(each, r_changes); });
-	r_id = status.ok() ? to : r_id;
-	return status;
+	content_->change_all(each, r_changes);
 }
 
 Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> bytes) {
@@ -259,7 +310,16 @@ Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> b
 		return {ErrorCode::missing, "id"};
 	}
 	to.data = bytes;
-	return content_->change_one(id, to, "data", static_cast<double>(bytes.size())).status;
+	Journal::Noting noting(journal_.get());
+	Status status;
+	const auto step = [&] {
+		return StateStep{.kind = Kind::set_data, .id = id, .data = {bytes.begin(), bytes.end()}};
+	};
+	if (noting.note("data", static_cast<double>(bytes.size()), status, step)) {
+		status = content_->change_one(id, to, "data", static_cast<double>(bytes.size())).status;
+	}
+	noting.keep_if(status.ok());
+	return status;
 }
 
 Status InstanceState::advance(double seconds, std::vector<InstanceChange> &r_changes) {
@@ -267,7 +327,16 @@ Status InstanceState::advance(double seconds, std::vector<InstanceChange> &r_cha
 		return {};
 	}
 	const double to = std::min(content_->time + seconds, max_state_time);
-	return guarded("seconds", seconds, [&] { content_->move_clock(to, r_changes); });
+	Journal::Noting noting(journal_.get());
+	const Status status = guarded("seconds", seconds, [&] {
+		noting.note([&] { return StateStep{.kind = Kind::advance, .number = seconds}; });
+		if (StateStep *step = noting.last()) {
+			content_->for_each_due(to, [step](std::uint64_t id) { step->restored.push_back(id); });
+		}
+		content_->move_clock(to, r_changes);
+	});
+	noting.keep_if(status.ok());
+	return status;
 }
 
 Status InstanceState::clear(std::vector<InstanceChange> &r_changes) {

@@ -52,6 +52,10 @@ enum class InstanceChangeKind : std::uint8_t {
 	data,     ///< Its data have changed.
 };
 
+class PendingDiff;
+struct StateChanges;
+struct StateStep;
+
 struct InstanceChange {
 	std::uint64_t id = 0;
 	InstanceChangeKind kind = InstanceChangeKind::removed;
@@ -187,6 +191,21 @@ public:
 	/// all there is, and what `save` gave, replaces everything. Refuses as `load` does.
 	Status apply(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes);
 
+	/// Queues a diff that another thread applies meanwhile, for some microseconds here: `apply` in three parts. `bytes` stay as long as
+	/// `r_diff` does.
+	/// Until a queued diff is finished, all that is asked here is as if there was none. What comes of it in the end is the same as if
+	/// `apply` had been called when it was queued: what was done since is done again after it. Hand-placed ids stay what they were.
+	/// While any diff is pending, `apply`, `merge`, `load` and `clear` are not to be called.
+	Status queue_diff(std::span<const std::uint8_t> bytes, std::shared_ptr<PendingDiff> &r_diff);
+
+	/// The first that was queued and is not finished, on which PendingDiff::work can be called; null for none.
+	std::shared_ptr<PendingDiff> pending_diff() const;
+
+	/// Takes over what PendingDiff::work has done for the first that was queued. Costs what was done since, not what the diff holds.
+	/// Replaces `r_changes`. Refuses what `apply` refuses, and a diff that contradicts a stamp that was claimed since; then the diff has
+	/// changed nothing. One is pending.
+	Status finish_pending_diff(StateChanges &r_changes);
+
 	/// Adds what another state holds: removed by either is removed (for the longer time), placed by either is placed, and of data of both
 	/// the other's stay. Refuses stamps that contradict this state's as `layer`.
 	Status merge(const InstanceState &other, std::vector<InstanceChange> &r_changes);
@@ -195,8 +214,23 @@ public:
 	std::uint64_t digest() const;
 
 private:
+	friend class PendingDiff;
 	struct Content;
+	struct Journal;
+
+	explicit InstanceState(std::unique_ptr<Content> content);
+
+	/// See Content::share.
+	InstanceState share();
+	Status take_over(PendingDiff &diff, StateChanges &r_changes);
+	void pass_over(PendingDiff &diff);
+	Status repeat(const StateStep &step, std::vector<InstanceChange> &r_changes);
+	StateChange put(std::uint64_t id, const AddedInstance &instance);
+	void put_for(
+			std::uint64_t id, std::uint64_t to, const AddedInstance &instance, std::vector<InstanceChange> &r_changes);
+
 	std::unique_ptr<Content> content_;
+	std::unique_ptr<Journal> journal_; ///< Null while no diff is pending.
 };
 
 } // namespace thicket

@@ -29,27 +29,74 @@ glm::dvec2 square_position(const AddedInstance &instance) { return {instance.pos
 StateRecord::Entry InstanceState::Content::entry(std::uint64_t id) const {
 	Entry entry;
 	entry.removed = removed.contains(id);
-	entry.until = entry.removed ? removed.time(id) : 0.0;
-	if (const auto own = added.find(id); own != added.end()) {
-		entry.instance = &own->second;
-	}
-	if (const auto own = data.find(id); own != data.end()) {
-		entry.data = own->second;
-	}
+	entry.until = entry.removed ? removed.value(id) : 0.0;
+	entry.instance = added.value(id).get();
+	entry.data = bytes_of(id);
 	return entry;
+}
+
+std::span<const std::uint8_t> InstanceState::Content::bytes_of(std::uint64_t id) const {
+	const Bytes *own = data.value(id).get();
+	return own != nullptr ? std::span<const std::uint8_t>(*own) : std::span<const std::uint8_t>();
+}
+
+std::unique_ptr<InstanceState::Content> InstanceState::Content::share() {
+	auto other = std::make_unique<Content>();
+	other->layers = layers;
+	other->removed = removed.share();
+	other->added = added.share();
+	other->data = data.share();
+	other->log.start_at(revision);
+	other->revision = revision;
+	other->time = time;
+	other->whole = false;
+	return other;
+}
+
+void InstanceState::Content::complete() {
+	if (whole) {
+		return;
+	}
+	added.for_each([this](std::uint64_t id, const SharedInstance &own) { grid.insert(id, square_position(*own)); });
+	due.reserve(removed.valued());
+	gather_due();
+	whole = true;
+}
+
+void InstanceState::Content::take_history(
+		const Content &other, ChangeLog &r_log, std::uint64_t at, std::uint64_t first_note) noexcept {
+	const std::uint64_t raise = other.revision - first_note;
+	const Status status = guarded("changes", static_cast<double>(log.size()), [&] {
+		if (other.log.knows(at)) {
+			r_log.append(other.log, at, 0);
+		} else {
+			r_log = other.log;
+		}
+		r_log.append(log, first_note, raise);
+	});
+	revision += raise;
+	log = std::move(r_log);
+	if (!status.ok()) {
+		log.start_at(revision);
+	}
 }
 
 StateChange InstanceState::Content::change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value) {
 	std::vector<InstanceChange> changes;
-	const Status status =
-			guarded(asked_for, value, [&] { change_all([&](const auto &use) { use(id, to); }, changes); });
+	const Status status = guarded(asked_for, value, [&] {
+		Room room;
+		plan(id, to, room);
+		make_room(room, changes);
+		change(id, to, room, changes);
+		shrink();
+	});
 	return {status, !changes.empty()};
 }
 
-InstanceState::Content::Room InstanceState::Content::empty_room() const {
-	Room room;
-	room.removed = room.most_removed = removed.size();
-	return room;
+void InstanceState::Content::shrink() noexcept {
+	removed.shrink();
+	added.shrink();
+	data.shrink();
 }
 
 /// Takes the memory for what `change` will do, except for what `make_room` takes for all together.
@@ -60,51 +107,56 @@ void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_roo
 	} else {
 		plan_removed(id, to, r_room);
 	}
-	const auto own = data.find(id);
-	const bool was = data_stay && own != data.end();
-	if (was ? std::ranges::equal(own->second, to.data) : to.data.empty()) {
+	const bool holds = data.contains(id);
+	const bool was = data_stay && holds;
+	const bool same = was ? std::ranges::equal(bytes_of(id), to.data) : to.data.empty();
+	if (same && was == holds) {
+		return;
+	}
+	data.make_room(id, !holds && !to.data.empty(), !to.data.empty(),
+			r_room.new_ids != nullptr ? &r_room.new_ids->data : nullptr);
+	if (same) {
 		return;
 	}
 	++r_room.changes;
 	layers.try_emplace(layer_of(id));
 	if (!to.data.empty()) {
-		r_room.data.emplace(id, Bytes(to.data.begin(), to.data.end()));
+		r_room.data.emplace(id, std::make_shared<const Bytes>(to.data.begin(), to.data.end()));
 	}
 }
 
 void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, Room &r_room) {
 	const bool was = removed.contains(id);
-	if (to.removed && to.until > 0.0) {
-		++r_room.due;
-		r_room.timed = true;
+	const bool timed = to.removed && to.until > 0.0;
+	r_room.due += timed ? 1 : 0;
+	if (was != to.removed || (was && removed.value(id) != to.until)) {
+		removed.make_room(id, !was, timed, r_room.new_ids != nullptr ? &r_room.new_ids->removed : nullptr);
 	}
 	if (was != to.removed) {
 		++r_room.changes;
 		layers.try_emplace(layer_of(id));
-		r_room.removed += to.removed ? 1 : -std::size_t{1};
-		r_room.most_removed = std::max(r_room.most_removed, r_room.removed);
 	}
 }
 
 /// False if the instance that is there will go, with its data. One that stays, elsewhere, keeps them.
 bool InstanceState::Content::plan_added(std::uint64_t id, const AddedInstance *to, Room &r_room) {
-	const auto own = added.find(id);
-	const bool was = own != added.end();
-	if (was ? to != nullptr && *to == own->second : to == nullptr) {
+	const AddedInstance *own = added.value(id).get();
+	const bool was = own != nullptr;
+	if (was ? to != nullptr && *to == *own : to == nullptr) {
 		return true;
 	}
 	r_room.changes += was ? 1 : 0;
+	added.make_room(id, !was, true, r_room.new_ids != nullptr ? &r_room.new_ids->added : nullptr);
 	if (to != nullptr) {
 		++r_room.changes;
 		layers.try_emplace(to->layer);
-		r_room.added.emplace(id, *to);
+		r_room.added.emplace(id, std::make_shared<const AddedInstance>(*to));
 		r_room.grid.insert(id, square_position(*to));
 	}
 	return !was || to != nullptr;
 }
 
 void InstanceState::Content::make_room(const Room &room, std::vector<InstanceChange> &r_changes) {
-	removed.reserve(room.most_removed + 1, room.timed); // One more: a new time for one that is in asks for that.
 	reserve_more(due, room.due);
 	reserve_more(r_changes, room.changes);
 }
@@ -121,7 +173,7 @@ void InstanceState::Content::change(
 
 void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes) {
 	const bool was = removed.contains(id);
-	if (to.removed && (!was || removed.time(id) != to.until)) {
+	if (to.removed && (!was || removed.value(id) != to.until)) {
 		removed.insert(id, to.until);
 		plan_return(id, to.until);
 		note(id);
@@ -139,9 +191,9 @@ void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, s
 
 void InstanceState::Content::change_added(
 		std::uint64_t id, const AddedInstance *to, Room &r_room, std::vector<InstanceChange> &r_changes) {
-	const auto own = added.find(id);
-	const bool was = own != added.end();
-	if (was ? to != nullptr && *to == own->second : to == nullptr) {
+	const AddedInstance *own = added.value(id).get();
+	const bool was = own != nullptr;
+	if (was ? to != nullptr && *to == *own : to == nullptr) {
 		return;
 	}
 	const bool moves = was && to != nullptr;
@@ -158,17 +210,20 @@ void InstanceState::Content::change_added(
 }
 
 void InstanceState::Content::place(std::uint64_t id, Room &r_room) {
-	const AddedInstance &instance = added.insert(r_room.added.extract(id)).position->second;
+	const auto planned = r_room.added.find(id);
+	const AddedInstance &instance = *planned->second;
 	Layer &layer = layers[instance.layer];
-	layer.grid.take(r_room.grid, id, square_position(instance));
+	grid.take(r_room.grid, id, square_position(instance));
 	layer.max_scale = std::max(layer.max_scale, scale_of(instance));
 	++layer.added;
+	added.insert(id, std::move(planned->second));
 }
 
 AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
-	const AddedInstance instance = added.extract(id).mapped();
+	const AddedInstance instance = *added.value(id);
+	added.erase(id);
+	grid.erase(id, square_position(instance));
 	Layer &layer = layers[instance.layer];
-	layer.grid.erase(id, square_position(instance));
 	--layer.added;
 	layer.max_scale = layer.added > 0 ? layer.max_scale : 0.0;
 	return instance;
@@ -176,23 +231,21 @@ AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
 
 void InstanceState::Content::change_data(
 		std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room, std::vector<InstanceChange> &r_changes) {
-	const auto own = data.find(id);
-	const bool was = own != data.end();
-	if (was ? std::ranges::equal(own->second, to) : to.empty()) {
+	const bool was = data.contains(id);
+	if (was ? std::ranges::equal(bytes_of(id), to) : to.empty()) {
 		return;
-	}
-	if (was) {
-		data.erase(own);
-	}
-	if (!to.empty()) {
-		data.insert(r_room.data.extract(id));
 	}
 	if (!is_added(id)) {
 		layers[layer_of(id)].with_data += to.empty() ? -std::size_t{1} : std::size_t{was ? 0U : 1U};
 	}
+	if (to.empty()) {
+		data.erase(id);
+	} else {
+		data.insert(id, std::move(r_room.data.find(id)->second));
+	}
 	note(id);
-	const auto placed = added.find(id);
-	r_changes.push_back({id, InstanceChangeKind::data, placed != added.end() ? placed->second : AddedInstance()});
+	const AddedInstance *placed = added.value(id).get();
+	r_changes.push_back({id, InstanceChangeKind::data, placed != nullptr ? *placed : AddedInstance()});
 }
 
 void InstanceState::Content::note(std::uint64_t id) {
@@ -207,161 +260,44 @@ void InstanceState::Content::plan_return(std::uint64_t id, double until) {
 		return;
 	}
 	constexpr std::size_t always_kept = 64;
-	if (due.size() < 2 * removed.timed() + always_kept) {
+	if (due.size() < 2 * removed.valued() + always_kept) {
 		due.push_back({until, id});
 		std::ranges::push_heap(due, std::greater<>());
 		return;
 	}
-	due.clear(); // Most of it is out of date. What is left fits into the memory that it had.
-	removed.for_each([this](std::uint64_t timed, double time) {
-		if (time > 0.0) {
-			due.push_back({time, timed});
+	gather_due(); // Most of it is out of date. What is left fits into the memory that it had.
+}
+
+void InstanceState::Content::gather_due() {
+	due.clear();
+	removed.for_each([this](std::uint64_t id, double until) {
+		if (until > 0.0) {
+			due.push_back({until, id});
 		}
 	});
 	std::ranges::make_heap(due, std::greater<>());
 }
 
-Status InstanceState::Content::check_stamps(const StateRecord &record, bool replaced) const {
-	for (const auto &[number, stamp] : record.stamps) {
-		const auto own = layers.find(number);
-		if (own == layers.end()) {
-			continue;
-		}
-		const Layer &layer = own->second;
-		const bool counts = record.holds_points(number) && (layer.claimed || (!replaced && layer.holds_points()));
-		if (counts && stamp != 0 && layer.stamp != 0 && layer.stamp != stamp) {
-			return {ErrorCode::foreign, "layer", static_cast<double>(number)};
-		}
-	}
-	return {};
-}
-
-/// So that `take_stamps` takes no memory.
-void InstanceState::Content::make_room_for_stamps(const StateRecord &record) {
-	for (const auto &[number, stamp] : record.stamps) {
-		layers.try_emplace(number);
-	}
-}
-
-void InstanceState::Content::take_stamps(const StateRecord &record) {
-	for (const auto &[number, stamp] : record.stamps) {
-		Layer &layer = layers[number];
-		const bool counts = record.holds_points(number) || layer.stamp == 0 || !(layer.claimed || layer.holds_points());
-		if (stamp != 0 && counts) {
-			layer.stamp = stamp;
-		}
-	}
-}
-
-std::vector<std::uint64_t> InstanceState::Content::all_ids() const {
-	std::vector<std::uint64_t> ids;
-	ids.reserve(size());
-	removed.for_each([&ids](std::uint64_t id, double) { ids.push_back(id); });
-	for (const auto &[id, instance] : added) {
-		ids.push_back(id);
-	}
-	for (const auto &[id, bytes] : data) {
-		if (!removed.contains(id) && !added.contains(id)) {
-			ids.push_back(id);
-		}
-	}
-	std::ranges::sort(ids);
-	return ids;
-}
-
-void InstanceState::Content::add_to(StateRecord &r_record, std::uint64_t code) const {
-	const std::uint64_t id = id_of(code);
-	const Entry now = entry(id);
-	if (now.removed) {
-		if (now.until > 0.0) {
-			r_record.until.emplace_back(r_record.removed.size(), now.until);
-		}
-		r_record.removed.push_back(code);
-	} else if (now.instance != nullptr) {
-		r_record.added.push_back(code);
-		r_record.instances.push_back(*now.instance);
-	} else {
-		(is_added(id) ? r_record.gone : r_record.standing).push_back(code);
-	}
-	if (!now.data.empty()) {
-		r_record.with_data.push_back(code);
-		r_record.data.emplace_back(now.data.begin(), now.data.end());
-	}
-}
-
-StateRecord InstanceState::Content::record_of(std::vector<std::uint64_t> ids, bool whole) const {
-	for (std::uint64_t &id : ids) {
-		id = code_of(id);
-	}
-	std::ranges::sort(ids);
-	StateRecord record;
-	record.whole = whole;
-	record.time = time;
-	for (const std::uint64_t code : ids) {
-		add_to(record, code);
-	}
-	record.stamps = record.layers();
-	for (auto &[number, stamp] : record.stamps) {
-		if (const auto own = layers.find(number); own != layers.end()) {
-			stamp = own->second.stamp;
-		}
-	}
-	return record;
-}
-
-/// How many are due by a time, from one of the heap on: no child comes before its parent.
-std::size_t InstanceState::Content::count_due(double until, std::size_t at) const {
-	if (at >= due.size() || due[at].time > until) {
-		return 0;
-	}
-	return 1 + count_due(until, 2 * at + 1) + count_due(until, 2 * at + 2);
-}
-
 void InstanceState::Content::move_clock(double to, std::vector<InstanceChange> &r_changes) {
 	Room nothing;
-	reserve_more(r_changes, count_due(to));
+	std::size_t most = 0;
+	for_each_due(to, [&](std::uint64_t id) {
+		removed.make_room(id, false, false, nullptr);
+		++most;
+	});
+	reserve_more(r_changes, most);
 	time = to;
 	while (!due.empty() && due.front().time <= time) {
 		const Due first = due.front();
 		std::ranges::pop_heap(due, std::greater<>());
 		due.pop_back();
-		if (removed.time(first.id) == first.time) {
+		if (removed.value(first.id) == first.time) {
 			Entry entry = this->entry(first.id);
 			entry.removed = false;
 			change(first.id, entry, nothing, r_changes);
 		}
 	}
-	removed.shrink();
-}
-
-void InstanceState::Content::follow(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
-	std::vector<std::uint64_t> unnamed;
-	if (record.whole) {
-		unnamed = all_ids();
-		std::erase_if(unnamed, [&record](std::uint64_t id) { return record.names(id); });
-	}
-	make_room_for_stamps(record);
-	const auto each = [&](const auto &use) {
-		for (const std::uint64_t id : unnamed) {
-			use(id, Entry{});
-		}
-		record.for_each(use);
-	};
-	change_all(each, r_changes);
-	for (auto &[number, layer] : layers) {
-		layer.stamp = !record.whole || layer.claimed ? layer.stamp : 0;
-	}
-	take_stamps(record);
-}
-
-void InstanceState::Content::start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
-	logging = false;
-	const Status status = guarded("changes", 0.0, [&] { follow(record, r_changes); });
-	logging = true;
-	throw_if_out_of_memory(status);
-	time = record.time;
-	log.start_at(++revision);
-	std::erase_if(layers, [](const auto &layer) { return !layer.second.claimed && !layer.second.holds_any(); });
+	shrink();
 }
 
 } // namespace thicket

@@ -8,9 +8,11 @@
 #include "core/state/instance_state.hpp"
 #include "core/state/state_record.hpp"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -28,7 +30,6 @@ struct InstanceState::Content {
 		std::size_t added = 0;
 		std::size_t with_data = 0; ///< Points that have data, removed or not.
 		double max_scale = 0.0;    ///< Of the hand-placed ones since there were none.
-		AddedGrid grid;
 
 		bool holds_points() const { return removed + with_data > 0; }
 		bool holds_any() const { return holds_points() || added > 0; }
@@ -45,30 +46,56 @@ struct InstanceState::Content {
 		}
 	};
 
+	using SharedInstance = std::shared_ptr<const AddedInstance>;
+	using SharedBytes = std::shared_ptr<const Bytes>;
+
 	std::map<std::uint16_t, Layer> layers;
-	IdTable removed;
-	std::map<std::uint64_t, AddedInstance> added;
-	std::map<std::uint64_t, Bytes> data;
+	IdTable<double> removed; ///< With the times at which points grow again.
+	IdTable<SharedInstance> added;
+	IdTable<SharedBytes> data;
+	AddedGrid grid;       ///< Of `added`.
 	std::vector<Due> due; ///< A heap, the first on top. Some are out of date: what counts is the time in `removed`.
 	ChangeLog log;
 	std::uint64_t revision = 0;
 	bool logging = true; ///< Off where what is changed is forgotten anyway.
 	double time = 0.0;
+	bool whole = true; ///< False after `share`, before `complete`.
+	const std::atomic<bool> *cancel =
+			nullptr; ///< Once it is true, changes are no longer made: nobody wants what comes of them.
 
 	std::size_t size() const { return removed.size() + added.size() + data.size(); }
 
+	bool cancelled() const { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
+
 	Entry entry(std::uint64_t id) const;
+	std::span<const std::uint8_t> bytes_of(std::uint64_t id) const;
+
+	/// The same content in the same memory, for some microseconds: each copies what it changes. It is not whole before `complete` was
+	/// called, which may be on another thread, and remembers no changes.
+	std::unique_ptr<Content> share();
+
+	/// Makes what `share` leaves out. Throws std::bad_alloc.
+	void complete();
+
+	/// Takes over the log and the revision of another content, of which this was a copy that has noted changes after `first_note` since.
+	/// These come after all of the other's. `r_log` is the other's up to the revision `at`.
+	void take_history(const Content &other, ChangeLog &r_log, std::uint64_t at, std::uint64_t first_note) noexcept;
+
+	/// How many ids are new in the tables.
+	struct NewIds {
+		IdTable<double>::NewIds removed;
+		IdTable<SharedInstance>::NewIds added;
+		IdTable<SharedBytes>::NewIds data;
+	};
 
 	/// The memory that changes need. All of it is had before the first of them is made, so that none fails.
 	struct Room {
-		std::map<std::uint64_t, AddedInstance> added;
-		std::map<std::uint64_t, Bytes> data;
+		std::map<std::uint64_t, SharedInstance> added;
+		std::map<std::uint64_t, SharedBytes> data;
 		AddedGrid grid;
-		std::size_t changes = 0;      ///< To be told.
-		std::size_t due = 0;          ///< Points that will grow again.
-		std::size_t removed = 0;      ///< How many points are removed after the changes so far,
-		std::size_t most_removed = 0; ///< and at most on the way.
-		bool timed = false;
+		std::size_t changes = 0;   ///< To be told.
+		std::size_t due = 0;       ///< Points that will grow again.
+		NewIds *new_ids = nullptr; ///< Null where it is for a single id.
 	};
 
 	/// Makes of ids what is said of them, and adds what that has changed; or throws std::bad_alloc and changes nothing.
@@ -76,15 +103,35 @@ struct InstanceState::Content {
 	/// then to do it. The second time it must take no memory.
 	template <typename Each>
 	void change_all(const Each &each, std::vector<InstanceChange> &r_changes) {
-		Room room = empty_room();
-		each([&](std::uint64_t id, const Entry &to) { plan(id, to, room); });
+		NewIds new_ids;
+		Room room;
+		room.new_ids = &new_ids;
+		each([&](std::uint64_t id, const Entry &to) {
+			if (!cancelled()) {
+				plan(id, to, room);
+			}
+		});
 		make_room(room, r_changes);
-		each([&](std::uint64_t id, const Entry &to) { change(id, to, room, r_changes); });
-		removed.shrink();
+		each([&](std::uint64_t id, const Entry &to) {
+			if (!cancelled()) {
+				change(id, to, room, r_changes);
+			}
+		});
+		shrink();
 	}
 
 	/// The same for a single id. `asked_for` names what is short of memory, of that size.
 	StateChange change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value);
+
+	/// Calls `use(id)` for those that are due by a time, from one of the heap on: no child comes before its parent.
+	template <typename Use>
+	void for_each_due(double until, const Use &use, std::size_t at = 0) const {
+		if (at < due.size() && due[at].time <= until) {
+			use(due[at].id);
+			for_each_due(until, use, 2 * at + 1);
+			for_each_due(until, use, 2 * at + 2);
+		}
+	}
 
 	/// Moves the clock to a later time and restores what is due by then; or throws std::bad_alloc and changes nothing.
 	void move_clock(double to, std::vector<InstanceChange> &r_changes);
@@ -114,7 +161,7 @@ struct InstanceState::Content {
 	void take_stamps(const StateRecord &record);
 
 private:
-	Room empty_room() const;
+	void shrink() noexcept;
 	void plan(std::uint64_t id, const Entry &to, Room &r_room);
 	void plan_removed(std::uint64_t id, const Entry &to, Room &r_room);
 	bool plan_added(std::uint64_t id, const AddedInstance *to, Room &r_room);
@@ -127,9 +174,9 @@ private:
 	void change_data(
 			std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room, std::vector<InstanceChange> &r_changes);
 	void place(std::uint64_t id, Room &r_room);
-	std::size_t count_due(double until, std::size_t at = 0) const;
 	AddedInstance take_away(std::uint64_t id);
 	void plan_return(std::uint64_t id, double until);
+	void gather_due();
 	void note(std::uint64_t id);
 	void add_to(StateRecord &r_record, std::uint64_t code) const;
 };

@@ -40,7 +40,7 @@ Status InstanceState::diff_of(std::span<const std::uint64_t> ids, std::vector<st
 		std::vector<std::uint64_t> once(ids.begin(), ids.end());
 		std::ranges::sort(once);
 		once.erase(std::unique(once.begin(), once.end()), once.end());
-		std::erase(once, IdTable::none);
+		std::erase(once, IdTable<double>::none);
 		write(content_->record_of(std::move(once), false), r_bytes);
 	});
 }
@@ -97,6 +97,125 @@ std::uint64_t InstanceState::digest() const {
 	std::vector<std::uint8_t> bytes;
 	write(record, bytes);
 	return checksum(bytes);
+}
+
+Status InstanceState::Content::check_stamps(const StateRecord &record, bool replaced) const {
+	for (const auto &[number, stamp] : record.stamps) {
+		const auto own = layers.find(number);
+		if (own == layers.end()) {
+			continue;
+		}
+		const Layer &layer = own->second;
+		const bool counts = record.holds_points(number) && (layer.claimed || (!replaced && layer.holds_points()));
+		if (counts && stamp != 0 && layer.stamp != 0 && layer.stamp != stamp) {
+			return {ErrorCode::foreign, "layer", static_cast<double>(number)};
+		}
+	}
+	return {};
+}
+
+/// So that `take_stamps` takes no memory.
+void InstanceState::Content::make_room_for_stamps(const StateRecord &record) {
+	for (const auto &[number, stamp] : record.stamps) {
+		layers.try_emplace(number);
+	}
+}
+
+void InstanceState::Content::take_stamps(const StateRecord &record) {
+	for (const auto &[number, stamp] : record.stamps) {
+		Layer &layer = layers[number];
+		const bool counts = record.holds_points(number) || layer.stamp == 0 || !(layer.claimed || layer.holds_points());
+		if (stamp != 0 && counts) {
+			layer.stamp = stamp;
+		}
+	}
+}
+
+std::vector<std::uint64_t> InstanceState::Content::all_ids() const {
+	std::vector<std::uint64_t> ids;
+	ids.reserve(size());
+	removed.for_each([&ids](std::uint64_t id, double) { ids.push_back(id); });
+	added.for_each([&ids](std::uint64_t id, const SharedInstance &) { ids.push_back(id); });
+	data.for_each([&](std::uint64_t id, const SharedBytes &) {
+		if (!removed.contains(id) && !added.contains(id)) {
+			ids.push_back(id);
+		}
+	});
+	std::ranges::sort(ids);
+	return ids;
+}
+
+void InstanceState::Content::add_to(StateRecord &r_record, std::uint64_t code) const {
+	const std::uint64_t id = id_of(code);
+	const Entry now = entry(id);
+	if (now.removed) {
+		if (now.until > 0.0) {
+			r_record.until.emplace_back(r_record.removed.size(), now.until);
+		}
+		r_record.removed.push_back(code);
+	} else if (now.instance != nullptr) {
+		r_record.added.push_back(code);
+		r_record.instances.push_back(*now.instance);
+	} else {
+		(is_added(id) ? r_record.gone : r_record.standing).push_back(code);
+	}
+	if (!now.data.empty()) {
+		r_record.with_data.push_back(code);
+		r_record.data.emplace_back(now.data.begin(), now.data.end());
+	}
+}
+
+StateRecord InstanceState::Content::record_of(std::vector<std::uint64_t> ids, bool whole) const {
+	for (std::uint64_t &id : ids) {
+		id = code_of(id);
+	}
+	std::ranges::sort(ids);
+	StateRecord record;
+	record.whole = whole;
+	record.time = time;
+	for (const std::uint64_t code : ids) {
+		add_to(record, code);
+	}
+	record.stamps = record.layers();
+	for (auto &[number, stamp] : record.stamps) {
+		if (const auto own = layers.find(number); own != layers.end()) {
+			stamp = own->second.stamp;
+		}
+	}
+	return record;
+}
+
+void InstanceState::Content::follow(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
+	std::vector<std::uint64_t> unnamed;
+	if (record.whole) {
+		unnamed = all_ids();
+		std::erase_if(unnamed, [&record](std::uint64_t id) { return record.names(id); });
+	}
+	make_room_for_stamps(record);
+	if (record.removed.size() > removed.size()) {
+		removed.expect(record.removed.size() - removed.size());
+	}
+	const auto each = [&](const auto &use) {
+		for (const std::uint64_t id : unnamed) {
+			use(id, Entry{});
+		}
+		record.for_each(use);
+	};
+	change_all(each, r_changes);
+	for (auto &[number, layer] : layers) {
+		layer.stamp = !record.whole || layer.claimed ? layer.stamp : 0;
+	}
+	take_stamps(record);
+}
+
+void InstanceState::Content::start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
+	logging = false;
+	const Status status = guarded("changes", 0.0, [&] { follow(record, r_changes); });
+	logging = true;
+	throw_if_out_of_memory(status);
+	time = record.time;
+	log.start_at(++revision);
+	std::erase_if(layers, [](const auto &layer) { return !layer.second.claimed && !layer.second.holds_any(); });
 }
 
 } // namespace thicket
