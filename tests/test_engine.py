@@ -134,6 +134,7 @@ def assert_passed(done):
         "test_regions",
         "test_state",
         "test_callbacks",
+        "test_state_async",
         "test_state_bulk",
         "test_state_handlers",
         "test_edits",
@@ -157,7 +158,7 @@ def threadless_project(tmp_path_factory) -> Path:
     return new_project(tmp_path_factory.mktemp("threadless"), "[threading]\nworker_pool/max_threads=0\n")
 
 
-@pytest.mark.parametrize("script", ["test_streaming", "test_terrain_calls", "test_state", "test_ground_follows"])
+@pytest.mark.parametrize("script", ["test_streaming", "test_terrain_calls", "test_state", "test_state_async", "test_ground_follows"])
 def test_without_threads(godot, threadless_project, script):
     """The main thread makes the tiles, a few in each frame, and all comes out the same."""
     assert_passed(godot(["--verbose", "--path", threadless_project, "--script", ENGINE / f"{script}.gd"], timeout=600))

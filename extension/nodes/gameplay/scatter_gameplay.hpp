@@ -212,7 +212,7 @@ private:
 	std::int64_t layer_index_of(std::uint64_t id) const;
 	Rect area_of(std::uint64_t id, glm::dvec3 position, std::uint32_t layer) const;
 	bool stands_no_longer(std::uint64_t id) const;
-	void redraw_later(std::span<const InstanceChange> changes);
+	void redraw_later(const StateChanges &changes);
 	const PlacedInstance *find_changing(std::uint64_t id);
 	void tell(const InstanceChange &change);
 	void tell_backlog(std::chrono::steady_clock::time_point deadline);

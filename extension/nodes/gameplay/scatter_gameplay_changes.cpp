@@ -83,6 +83,9 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 	if (state_.is_valid()) {
 		state_->add_listener(shared_from_this());
 	}
+	for (const Untold &untold : backlog_) {
+		host_->let_go(untold.changes);
+	}
 	backlog_.clear();
 	claim_layers();
 	const InstanceState *state = state_.is_valid() ? &state_->state() : nullptr;
@@ -213,12 +216,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 		return;
 	}
 	if (changes->size() > most_at_once) {
-		std::unordered_set<std::uint64_t> moved;
-		for (const InstanceChange &change : *changes) {
-			if (change.kind == InstanceChangeKind::left) {
-				moved.insert(change.id);
-			}
-		}
+		const std::unordered_set<std::uint64_t> moved(changes->left.begin(), changes->left.end());
 		collision_.drop_if([this, &moved](std::uint64_t id) { return stands_no_longer(id) || moved.contains(id); });
 		if (!moved.empty()) {
 			scenes_.drop_if([&moved](std::uint64_t id) { return moved.contains(id); });
@@ -226,7 +224,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 		redraw_later(*changes);
 		return;
 	}
-	for (const InstanceChange &change : *changes) {
+	changes->for_each([this](const InstanceChange &change) {
 		const std::int64_t index = layer_index_of(change.id);
 		if (index >= 0 && change.kind != InstanceChangeKind::data) {
 			const auto layer = static_cast<std::uint32_t>(index);
@@ -235,17 +233,17 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 				ring->drop(change.id);
 			}
 		}
-	}
+	});
 }
 
 /// Tiles that the changes may lie in follow over the next frames. To find the areas of very many would itself take too long.
-void ScatterGameplay::redraw_later(std::span<const InstanceChange> changes) {
+void ScatterGameplay::redraw_later(const StateChanges &changes) {
 	if (changes.size() > most_at_once * 16) {
 		host_->redraw_all_later();
 		return;
 	}
 	std::map<std::uint32_t, Rect> bounds;
-	for (const InstanceChange &change : changes) {
+	changes.for_each([&](const InstanceChange &change) {
 		const std::int64_t index = layer_index_of(change.id);
 		if (index >= 0 && change.kind != InstanceChangeKind::data) {
 			const auto layer = static_cast<std::uint32_t>(index);
@@ -253,7 +251,7 @@ void ScatterGameplay::redraw_later(std::span<const InstanceChange> changes) {
 			Rect &bound = bounds.try_emplace(layer, area).first->second;
 			bound = {glm::min(bound.min, area.min), glm::max(bound.max, area.max)};
 		}
-	}
+	});
 	for (const auto &[layer, bound] : bounds) {
 		host_->redraw_later(layer, bound);
 	}
@@ -265,11 +263,13 @@ void ScatterGameplay::tell_changes(const SharedChanges &changes) {
 		return;
 	}
 	const Ref<ScatterState> state = state_;
-	for (const InstanceChange &change : *changes) {
+	for (std::size_t at = 0; at < changes->size(); ++at) {
 		if (!alive() || !(state_ == state)) {
 			return; // A handler has freed the node, or given it another state.
 		}
-		tell(change);
+		if (const InstanceChange *change = changes->at(at)) {
+			tell(*change);
+		}
 	}
 }
 
@@ -289,13 +289,13 @@ bool ScatterGameplay::still_true(const InstanceChange &change) const {
 void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadline) {
 	for (std::size_t told = 1; alive() && running_ && !backlog_.empty(); ++told) {
 		const SharedChanges changes = backlog_.front().changes;
-		const InstanceChange &change = (*changes)[backlog_.front().told++];
+		const InstanceChange *change = changes->at(backlog_.front().told++);
 		if (backlog_.front().told == changes->size()) {
 			host_->let_go(backlog_.front().changes);
 			backlog_.pop_front();
 		}
-		if (still_true(change)) {
-			tell(change);
+		if (change != nullptr && still_true(*change)) {
+			tell(*change);
 		}
 		if (told % told_in_a_row == 0 && std::chrono::steady_clock::now() >= deadline) {
 			return;

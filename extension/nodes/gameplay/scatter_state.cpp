@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/gameplay/state_refusal.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
@@ -43,87 +44,12 @@ bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 	return false;
 }
 
-/// Says which method was refused, and why.
-Error told(const char *p_method, const Status &status) {
-	if (status.ok()) {
-		return OK;
-	}
-	ERR_PRINT(String((std::string("ScatterState.") + p_method + ": " + describe(status)).c_str()));
-	return status.code == ErrorCode::corrupt ? ERR_FILE_CORRUPT : ERR_INVALID_DATA;
-}
-
 int core_layer(int64_t p_layer_id) {
 	constexpr int64_t no_layer = max_state_layer + 1;
 	return static_cast<int>(p_layer_id < -1 ? no_layer : std::min(p_layer_id, no_layer));
 }
 
 } // namespace
-
-std::vector<std::shared_ptr<StateListener>> ScatterState::listeners() const {
-	std::vector<std::shared_ptr<StateListener>> result;
-	for (const std::weak_ptr<StateListener> &listener : listeners_) {
-		if (std::shared_ptr<StateListener> held = listener.lock()) {
-			result.push_back(std::move(held));
-		}
-	}
-	return result;
-}
-
-void ScatterState::tell(std::vector<InstanceChange> changes) {
-	if (changes.empty()) {
-		return;
-	}
-	const auto shared = std::make_shared<const std::vector<InstanceChange>>(std::move(changes));
-	for (const std::weak_ptr<StateListener> &listener : listeners_) { // None of them runs a script, so none leaves.
-		if (const std::shared_ptr<StateListener> held = listener.lock()) {
-			held->state_changed(shared);
-		}
-	}
-	untold_.push_back(shared);
-	if (telling_) {
-		return; // By a handler: whoever tells will come to it.
-	}
-	const Ref<ScatterState> self(this); // A handler may let go of the last other one.
-	telling_ = true;
-	while (!untold_.empty()) {
-		const SharedChanges next = std::move(untold_.front());
-		untold_.pop_front();
-		tell_now(next);
-	}
-	telling_ = false;
-}
-
-void ScatterState::tell_now(const SharedChanges &changes) {
-	for (const std::shared_ptr<StateListener> &listener : listeners()) {
-		const auto same = [&listener](const std::weak_ptr<StateListener> &other) {
-			return !other.owner_before(listener) && !listener.owner_before(other);
-		};
-		if (std::ranges::any_of(listeners_, same)) { // A handler may have taken it away.
-			listener->tell_changes(changes);
-		}
-	}
-	const auto id_of = [](const InstanceChange &change) {
-		return script_id(change.id);
-	};
-	emit_signal(instances_changed_, packed<PackedInt64Array>(std::span(*changes), id_of));
-	emit_changed();
-}
-
-void ScatterState::add_listener(const std::shared_ptr<StateListener> &listener) {
-	remove_listener(listener.get());
-	listeners_.push_back(listener);
-}
-
-void ScatterState::remove_listener(const StateListener *listener) {
-	const bool any = !listeners_.empty();
-	std::erase_if(listeners_, [listener](const std::weak_ptr<StateListener> &other) {
-		const std::shared_ptr<StateListener> held = other.lock();
-		return held == nullptr || held.get() == listener;
-	});
-	if (any && listeners_.empty()) {
-		state_.release_claims();
-	}
-}
 
 bool ScatterState::remove(int64_t p_id, double p_until) {
 	if (told("remove", check_range("until", p_until, 0.0, max_state_time)) != OK || p_id == 0) {
@@ -241,6 +167,7 @@ PackedByteArray ScatterState::to_bytes() const {
 }
 
 Error ScatterState::from_bytes(const PackedByteArray &p_bytes) {
+	wait_for_diffs();
 	std::vector<InstanceChange> changes;
 	const Error error = told("from_bytes", state_.load(span_of(p_bytes), changes));
 	tell(std::move(changes));
@@ -265,6 +192,7 @@ PackedByteArray ScatterState::diff_of(const PackedInt64Array &p_ids) const {
 }
 
 Error ScatterState::apply_diff(const PackedByteArray &p_diff) {
+	wait_for_diffs();
 	std::vector<InstanceChange> changes;
 	const Error error = told("apply_diff", state_.apply(span_of(p_diff), changes));
 	tell(std::move(changes));
@@ -275,6 +203,7 @@ Error ScatterState::merge(const Ref<ScatterState> &p_other) {
 	if (p_other.is_null()) {
 		return told("merge", {ErrorCode::missing, "other", 0.0});
 	}
+	wait_for_diffs();
 	std::vector<InstanceChange> changes;
 	const Error error = told("merge", state_.merge(p_other->state_, changes));
 	tell(std::move(changes));
@@ -282,6 +211,7 @@ Error ScatterState::merge(const Ref<ScatterState> &p_other) {
 }
 
 void ScatterState::clear() {
+	wait_for_diffs();
 	std::vector<InstanceChange> changes;
 	told("clear", state_.clear(changes));
 	tell(std::move(changes));
@@ -340,6 +270,8 @@ void ScatterState::_bind_methods() {
 	bind_guarded<&Self::diff_since>(D_METHOD("diff_since", "revision"));
 	bind_guarded<&Self::diff_of>(D_METHOD("diff_of", "ids"));
 	bind_guarded<&Self::apply_diff>(D_METHOD("apply_diff", "diff"));
+	bind_guarded<&Self::apply_diff_async>(D_METHOD("apply_diff_async", "diff", "callback"), DEFVAL(Callable()));
+	bind_guarded<&Self::finish_diffs>(D_METHOD("_finish_diffs"));
 	bind_guarded<&Self::merge>(D_METHOD("merge", "other"));
 	bind_guarded<&Self::clear>(D_METHOD("clear"));
 	bind_guarded<&Self::get_revision>(D_METHOD("get_revision"));

@@ -1,9 +1,12 @@
 #pragma once
 
 #include "core/state/instance_state.hpp"
+#include "core/state/state_changes.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/gameplay/diff_task.hpp"
 
 #include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/variant/callable.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/variant.hpp>
@@ -18,7 +21,7 @@
 namespace thicket {
 
 /// The changes of one call.
-using SharedChanges = std::shared_ptr<const std::vector<InstanceChange>>;
+using SharedChanges = std::shared_ptr<const StateChanges>;
 
 /// Hears of every change of a ScatterState.
 class StateListener {
@@ -50,6 +53,8 @@ class ScatterState : public godot::Resource {
 	THICKET_GUARDED_METHODS
 
 public:
+	~ScatterState() override;
+
 	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 for ever. False for an id of 0.
 	bool remove(int64_t p_id, double p_until = 0.0);
 	bool restore(int64_t p_id);
@@ -76,6 +81,10 @@ public:
 	/// What is held of some instances now, as a diff that makes them so again.
 	godot::PackedByteArray diff_of(const godot::PackedInt64Array &p_ids) const;
 	godot::Error apply_diff(const godot::PackedByteArray &p_diff);
+
+	/// The same on a thread, as if at once: see InstanceState::queue_diff. The callback gets the error. What else would replace or
+	/// merge very much waits for all diffs that are under way.
+	void apply_diff_async(const godot::PackedByteArray &p_diff, const godot::Callable &p_callback = godot::Callable());
 	godot::Error merge(const godot::Ref<ScatterState> &p_other);
 	void clear();
 
@@ -122,15 +131,36 @@ protected:
 	static void _bind_methods();
 
 private:
+	/// What listeners have followed, and scripts have not heard of.
+	struct Untold {
+		SharedChanges changes;          ///< Null for none.
+		std::shared_ptr<DiffTask> diff; ///< Null for what was done at once.
+		godot::Error error = godot::OK; ///< For the diff's callback.
+	};
+
 	/// Lets the listeners follow, then has them tell, and emits `instances_changed(ids)` and `changed`. What handlers change in turn
 	/// is told after that, in order: the stack does not grow.
 	void tell(std::vector<InstanceChange> changes);
-	void tell_now(const SharedChanges &changes);
+	void follow(Untold untold);
+	void tell_untold();
+	void tell_now(const Untold &untold);
 	std::vector<std::shared_ptr<StateListener>> listeners() const;
+
+	/// Goes on with the first diff, if it is not under way.
+	void start_diff();
+	void finish_first_diff();
+
+	/// Takes over all diffs that are done: scripts hear of it.
+	void finish_diffs();
+
+	/// Waits for all of them and takes them over. Scripts hear of it with what is told next.
+	void wait_for_diffs();
 
 	InstanceState state_;
 	std::vector<std::weak_ptr<StateListener>> listeners_;
-	std::deque<SharedChanges> untold_;
+	std::deque<Untold> untold_;
+	std::deque<std::shared_ptr<DiffTask>> diffs_; ///< In the order of the calls. The first is under way.
+	Leavings leavings_;
 	bool telling_ = false;
 	bool designed_ = false;
 	const godot::StringName instances_changed_ =

@@ -1,0 +1,139 @@
+#include "nodes/gameplay/diff_task.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/common/guard.hpp"
+#include "nodes/common/threads.hpp"
+
+#include <godot_cpp/classes/worker_thread_pool.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+using Unneeded = std::vector<std::shared_ptr<const void>>;
+
+void free_unneeded(void *p_unneeded) { delete static_cast<Unneeded *>(p_unneeded); }
+
+} // namespace
+
+PackedInt64Array ids_of_changes(std::span<const InstanceChange> changes) {
+	const auto id_of = [](const InstanceChange &change) {
+		return script_id(change.id);
+	};
+	return packed<PackedInt64Array>(changes, id_of);
+}
+
+DiffTask::DiffTask(const PackedByteArray &p_diff, const Callable &p_callback) :
+		bytes_(p_diff), callback_(p_callback.is_null() ? Variant() : Variant(p_callback)) {}
+
+std::span<const std::uint8_t> DiffTask::bytes() const {
+	return {bytes_.ptr(), static_cast<std::size_t>(bytes_.size())};
+}
+
+void DiffTask::start(Object *p_owner) {
+	owner_ = p_owner;
+	auto held = std::make_unique<std::shared_ptr<DiffTask>>(shared_from_this());
+	if (has_threads()) {
+		// Before all others: tiles may keep the rest of the pool busy for long.
+		task_ = WorkerThreadPool::get_singleton()->add_native_task(
+				&DiffTask::run, held.release(), true, "Thicket diff");
+	} else {
+		run(held.release());
+	}
+}
+
+void DiffTask::run(void *p_task) {
+	const std::unique_ptr<std::shared_ptr<DiffTask>> held(static_cast<std::shared_ptr<DiffTask> *>(p_task));
+	DiffTask &task = **held;
+	task.work();
+	const std::lock_guard lock(task.mutex_);
+	if (task.owner_ != nullptr) {
+		task.owner_->call_deferred("_finish_diffs");
+	}
+}
+
+void DiffTask::work() {
+	diff->work();
+	guarded_call("ScatterState.apply_diff_async", [this] { ids = ids_of_changes(diff->changes().list); });
+	done_.store(true, std::memory_order_release);
+}
+
+void DiffTask::finish() {
+	if (task_ >= 0) {
+		WorkerThreadPool::get_singleton()->wait_for_task_completion(task_);
+		task_ = -1;
+	} else if (!done()) {
+		work();
+	}
+}
+
+void DiffTask::cancel() {
+	callback_ = Variant();
+	if (diff != nullptr) {
+		diff->cancel();
+	}
+	{
+		const std::lock_guard lock(mutex_);
+		owner_ = nullptr;
+	}
+	if (task_ >= 0) {
+		WorkerThreadPool::get_singleton()->wait_for_task_completion(task_);
+		task_ = -1;
+	}
+}
+
+void DiffTask::tell(Error error) {
+	Variant callback = std::exchange(callback_, Variant());
+	if (callback.get_type() == Variant::NIL) {
+		return;
+	}
+	const Variant argument(static_cast<int64_t>(error));
+	const Variant *arguments = &argument;
+	Variant result;
+	GDExtensionCallError problem{};
+	callback.callp("call", &arguments, 1, result, problem);
+	if (problem.error != GDEXTENSION_CALL_OK && problem.error != GDEXTENSION_CALL_ERROR_INSTANCE_IS_NULL) {
+		ERR_PRINT("ScatterState.apply_diff_async: callback must take (error: Error)");
+	}
+}
+
+Leavings::~Leavings() {
+	for (const std::int64_t task : tasks_) {
+		WorkerThreadPool::get_singleton()->wait_for_task_completion(task);
+	}
+}
+
+void Leavings::forget_those_that_ended() {
+	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
+	std::erase_if(tasks_, [pool](std::int64_t task) {
+		if (!pool->is_task_completed(task)) {
+			return false;
+		}
+		pool->wait_for_task_completion(task); // It is; this makes the pool forget it.
+		return true;
+	});
+}
+
+void Leavings::forget(std::int64_t task) {
+	if (task >= 0) {
+		tasks_.push_back(task);
+	}
+}
+
+void Leavings::let_go(Unneeded unneeded) {
+	if (!has_threads()) {
+		return;
+	}
+	forget_those_that_ended();
+	tasks_.reserve(tasks_.size() + 1);
+	auto held = std::make_unique<Unneeded>(std::move(unneeded));
+	tasks_.push_back(WorkerThreadPool::get_singleton()->add_native_task(
+			&free_unneeded, held.release(), false, "Thicket leavings"));
+}
+
+} // namespace thicket

@@ -1,0 +1,179 @@
+// Who hears of what has changed in a ScatterState, and diffs that are applied on a thread.
+
+#include "nodes/common/convert.hpp"
+#include "nodes/gameplay/scatter_state.hpp"
+#include "nodes/gameplay/state_refusal.hpp"
+
+#include <algorithm>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// To let go of more changes than these takes a thread.
+constexpr std::size_t many_changes = 16384;
+
+/// Adds them to an array that has ids of others already.
+void add_ids(std::span<const InstanceChange> changes, PackedInt64Array &r_ids) {
+	const int64_t first = r_ids.size();
+	r_ids.resize(first + static_cast<int64_t>(changes.size()));
+	int64_t *out = r_ids.ptrw() + first;
+	for (const InstanceChange &change : changes) {
+		*out++ = script_id(change.id);
+	}
+}
+
+} // namespace
+
+ScatterState::~ScatterState() {
+	for (const std::shared_ptr<DiffTask> &diff : diffs_) {
+		diff->cancel();
+	}
+}
+
+std::vector<std::shared_ptr<StateListener>> ScatterState::listeners() const {
+	std::vector<std::shared_ptr<StateListener>> result;
+	for (const std::weak_ptr<StateListener> &listener : listeners_) {
+		if (std::shared_ptr<StateListener> held = listener.lock()) {
+			result.push_back(std::move(held));
+		}
+	}
+	return result;
+}
+
+void ScatterState::tell(std::vector<InstanceChange> changes) {
+	if (!changes.empty()) {
+		const auto shared = std::make_shared<StateChanges>();
+		shared->list = std::move(changes);
+		shared->find_left();
+		follow({shared, nullptr});
+	}
+	tell_untold();
+}
+
+void ScatterState::follow(Untold untold) {
+	if (untold.changes != nullptr) {
+		for (const std::weak_ptr<StateListener> &listener : listeners_) { // None of them runs a script, so none leaves.
+			if (const std::shared_ptr<StateListener> held = listener.lock()) {
+				held->state_changed(untold.changes);
+			}
+		}
+	}
+	untold_.push_back(std::move(untold));
+}
+
+void ScatterState::tell_untold() {
+	if (telling_ || untold_.empty()) {
+		return; // By a handler: whoever tells will come to it.
+	}
+	const Ref<ScatterState> self(this); // A handler may let go of the last other one.
+	telling_ = true;
+	while (!untold_.empty()) {
+		Untold next = std::move(untold_.front());
+		untold_.pop_front();
+		tell_now(next);
+		if (next.diff != nullptr || next.changes->size() > many_changes) {
+			leavings_.let_go({std::move(next.changes), std::move(next.diff)});
+		}
+	}
+	telling_ = false;
+}
+
+void ScatterState::tell_now(const Untold &untold) {
+	if (untold.changes != nullptr) {
+		for (const std::shared_ptr<StateListener> &listener : listeners()) {
+			const auto same = [&listener](const std::weak_ptr<StateListener> &other) {
+				return !other.owner_before(listener) && !listener.owner_before(other);
+			};
+			if (std::ranges::any_of(listeners_, same)) { // A handler may have taken it away.
+				listener->tell_changes(untold.changes);
+			}
+		}
+		const StateChanges &changes = *untold.changes;
+		if (untold.diff == nullptr) {
+			emit_signal(instances_changed_, ids_of_changes(changes.list));
+		} else {
+			add_ids(changes.instead, untold.diff->ids);
+			emit_signal(instances_changed_, untold.diff->ids);
+		}
+		emit_changed();
+	}
+	if (untold.diff != nullptr) {
+		untold.diff->tell(untold.error);
+	}
+}
+
+void ScatterState::add_listener(const std::shared_ptr<StateListener> &listener) {
+	remove_listener(listener.get());
+	listeners_.push_back(listener);
+}
+
+void ScatterState::remove_listener(const StateListener *listener) {
+	const bool any = !listeners_.empty();
+	std::erase_if(listeners_, [listener](const std::weak_ptr<StateListener> &other) {
+		const std::shared_ptr<StateListener> held = other.lock();
+		return held == nullptr || held.get() == listener;
+	});
+	if (any && listeners_.empty()) {
+		state_.release_claims();
+	}
+}
+
+void ScatterState::apply_diff_async(const PackedByteArray &p_diff, const Callable &p_callback) {
+	const auto task = std::make_shared<DiffTask>(p_diff, p_callback);
+	task->refused = state_.queue_diff(task->bytes(), task->diff);
+	diffs_.push_back(task);
+	if (diffs_.size() == 1) {
+		start_diff();
+	}
+}
+
+void ScatterState::start_diff() {
+	if (diffs_.empty()) {
+		return;
+	}
+	DiffTask &first = *diffs_.front();
+	if (first.diff != nullptr && first.diff->can_work()) {
+		first.start(this);
+	} else {
+		call_deferred("_finish_diffs");
+	}
+}
+
+void ScatterState::finish_first_diff() {
+	const std::shared_ptr<DiffTask> first = std::move(diffs_.front());
+	diffs_.pop_front();
+	leavings_.forget(first->take_task());
+	const auto changes = std::make_shared<StateChanges>();
+	const Status status = first->diff != nullptr ? state_.finish_pending_diff(*changes) : first->refused;
+	const Error error = told("apply_diff_async", status);
+	follow({changes->size() > 0 ? changes : nullptr, first, error});
+}
+
+void ScatterState::finish_diffs() {
+	if (diffs_.empty()) {
+		return; // A call that could not wait has done so.
+	}
+	const DiffTask &first = *diffs_.front();
+	const bool failed = first.diff == nullptr || !first.diff->can_work();
+	if (failed || first.done()) {
+		finish_first_diff();
+		start_diff();
+		tell_untold();
+	}
+}
+
+void ScatterState::wait_for_diffs() {
+	while (!diffs_.empty()) {
+		DiffTask &first = *diffs_.front();
+		if (first.diff != nullptr && first.diff->can_work()) {
+			first.finish();
+		}
+		finish_first_diff();
+	}
+}
+
+} // namespace thicket
