@@ -154,6 +154,8 @@ std::uint64_t take_gap(int parameter, BitReader &r_bits) {
 	return r_bits.take(width);
 }
 
+bool raised(const std::atomic<bool> *flag) { return flag != nullptr && flag->load(std::memory_order_relaxed); }
+
 } // namespace
 
 std::uint64_t code_of(std::uint64_t id) {
@@ -165,12 +167,13 @@ std::uint64_t id_of(std::uint64_t code) {
 	return (code & ~cell_mask) | gather(cell >> 1) << 24 | gather(cell);
 }
 
-void append_ascending(std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes) {
+void append_ascending(
+		std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel) {
 	append(r_bytes, static_cast<std::uint32_t>(numbers.size()));
 	BitWriter bits(r_bytes);
 	std::array<std::uint64_t, block_size> gaps{};
 	std::uint64_t next = 0; // The least that the next number can be.
-	for (std::size_t start = 0; start < numbers.size(); start += block_size) {
+	for (std::size_t start = 0; start < numbers.size() && !raised(cancel); start += block_size) {
 		const std::span<const std::uint64_t> block =
 				numbers.subspan(start, std::min(block_size, numbers.size() - start));
 		for (std::size_t at = 0; at < block.size(); ++at) {
@@ -186,7 +189,7 @@ void append_ascending(std::span<const std::uint64_t> numbers, std::vector<std::u
 	bits.finish();
 }
 
-bool take_ascending(ByteReader &r_bytes, std::vector<std::uint64_t> &r_numbers) {
+bool take_ascending(ByteReader &r_bytes, std::vector<std::uint64_t> &r_numbers, const std::atomic<bool> *cancel) {
 	const auto count = r_bytes.take<std::uint32_t>();
 	// A number takes a bit at least.
 	if (!r_bytes.good() || count > 8 * r_bytes.rest().size()) {
@@ -199,6 +202,9 @@ bool take_ascending(ByteReader &r_bytes, std::vector<std::uint64_t> &r_numbers) 
 	int parameter = 0;
 	for (std::uint32_t at = 0; at < count; ++at) {
 		if (at % block_size == 0) {
+			if (raised(cancel)) {
+				return false;
+			}
 			parameter = static_cast<int>(bits.take(width_bits));
 		}
 		const std::uint64_t gap = take_gap(parameter, bits);

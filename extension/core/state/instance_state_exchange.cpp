@@ -47,7 +47,7 @@ Status InstanceState::diff_of(std::span<const std::uint64_t> ids, std::vector<st
 
 Status InstanceState::apply(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes) {
 	StateRecord record;
-	if (const Status status = read(bytes, record); !status.ok()) {
+	if (const Status status = read(bytes, record, content_->cancel); !status.ok()) {
 		return status;
 	}
 	if (const Status status = content_->check_stamps(record, record.whole); !status.ok()) {

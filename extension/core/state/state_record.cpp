@@ -106,9 +106,9 @@ bool take_stamps(ByteReader &r_bytes, StateRecord &r_record) {
 	return r_bytes.good() && r_record.stamps.size() == count;
 }
 
-bool take_removed(ByteReader &r_bytes, StateRecord &r_record) {
+bool take_removed(ByteReader &r_bytes, StateRecord &r_record, const std::atomic<bool> *cancel) {
 	std::vector<std::uint64_t> timed;
-	if (!take_ascending(r_bytes, r_record.removed) || !take_ascending(r_bytes, timed) ||
+	if (!take_ascending(r_bytes, r_record.removed, cancel) || !take_ascending(r_bytes, timed) ||
 			(!timed.empty() && timed.back() >= r_record.removed.size())) {
 		return false;
 	}
@@ -173,13 +173,13 @@ bool consistent(const StateRecord &record) {
 			covers({&record.removed, &record.standing, &record.added}, record.with_data);
 }
 
-bool take_record(ByteReader bytes, StateRecord &r_record) {
+bool take_record(ByteReader bytes, StateRecord &r_record, const std::atomic<bool> *cancel) {
 	const auto kind = bytes.take<std::uint8_t>();
 	r_record = {};
 	r_record.whole = kind == 0;
 	r_record.time = take_time(bytes);
 	const bool taken = kind <= 1 && is_time(r_record.time) && take_stamps(bytes, r_record) &&
-			take_removed(bytes, r_record) && take_ascending(bytes, r_record.standing) &&
+			take_removed(bytes, r_record, cancel) && take_ascending(bytes, r_record.standing, cancel) &&
 			take_ascending(bytes, r_record.gone) && take_added(bytes, r_record) && take_all_data(bytes, r_record);
 	if (!taken || !bytes.at_end() || !consistent(r_record)) {
 		return false;
@@ -256,7 +256,7 @@ std::span<const std::uint8_t> StateRecord::data_of(std::uint64_t code) const {
 	return data[static_cast<std::size_t>(found - with_data.begin())];
 }
 
-void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes) {
+void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel) {
 	r_bytes.clear();
 	append(r_bytes, magic);
 	append(r_bytes, format_version);
@@ -267,7 +267,7 @@ void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes) {
 		append(r_bytes, layer);
 		append(r_bytes, stamp);
 	}
-	append_ascending(record.removed, r_bytes);
+	append_ascending(record.removed, r_bytes, cancel);
 	std::vector<std::uint64_t> timed;
 	for (const auto &[index, time] : record.until) {
 		timed.push_back(index);
@@ -276,7 +276,7 @@ void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes) {
 	for (const auto &[index, time] : record.until) {
 		append_time(time, r_bytes);
 	}
-	append_ascending(record.standing, r_bytes);
+	append_ascending(record.standing, r_bytes, cancel);
 	append_ascending(record.gone, r_bytes);
 	append_ascending(record.added, r_bytes);
 	for (const AddedInstance &instance : record.instances) {
@@ -289,7 +289,7 @@ void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes) {
 	append(r_bytes, checksum(r_bytes));
 }
 
-Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record) {
+Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record, const std::atomic<bool> *cancel) {
 	ByteReader reader(bytes);
 	if (reader.take<std::uint32_t>() != magic) {
 		return corrupt;
@@ -305,11 +305,11 @@ Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record) {
 		return corrupt;
 	}
 	return guarded("data", static_cast<double>(bytes.size()), [&]() -> Status {
-		if (!take_record(ByteReader(reader.rest().first(reader.rest().size() - checksum_size)), r_record)) {
+		if (!take_record(ByteReader(reader.rest().first(reader.rest().size() - checksum_size)), r_record, cancel)) {
 			return corrupt;
 		}
 		std::vector<std::uint8_t> again;
-		write(r_record, again);
+		write(r_record, again, cancel);
 		return std::ranges::equal(again, bytes) ? Status{} : corrupt;
 	});
 }

@@ -4,6 +4,7 @@
 #include "core/state/id_codec.hpp"
 #include "core/state/instance_state.hpp"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -81,10 +82,11 @@ Status validate(const AddedInstance &instance);
 /// The same with zeros that have no sign, so that equal instances have the same bits.
 AddedInstance without_signed_zeros(AddedInstance instance);
 
-/// Replaces `r_bytes` by the stored form of a record.
-void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes);
+/// Replaces `r_bytes` by the stored form of a record, and by nothing of use once `cancel` was raised.
+void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel = nullptr);
 
 /// Reads a stored form, and nothing else: what is read is written again to the byte. After an error the record is unspecified.
-Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record);
+/// Once `cancel` was raised it refuses anything, within some milliseconds.
+Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record, const std::atomic<bool> *cancel = nullptr);
 
 } // namespace thicket
