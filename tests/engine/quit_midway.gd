@@ -1,5 +1,5 @@
 extends SceneTree
-## Quits while tiles are being made and uploaded. The runner looks at the exit code and at what is said to have leaked.
+## Quits while tiles are being made and uploaded, and while a thread applies a diff. The runner looks at the exit code and at what is said to have leaked.
 ## `-- frames leak` says after how many frames, and whether to leave a MultiMesh behind on purpose.
 
 class ThreadedGround extends ScatterTerrain:
@@ -20,6 +20,11 @@ class Ground extends ThreadedGround:
 
 func _initialize() -> void:
 	var arguments := OS.get_cmdline_user_args()
+	var removals := ScatterState.new()
+	for index in 200_000:
+		removals.remove(1 << 50 | index << 3)
+	var diff := removals.diff_since(0)
+	var state := ScatterState.new()
 	var camera := Camera3D.new()
 	root.add_child(camera)
 	camera.make_current()
@@ -32,10 +37,12 @@ func _initialize() -> void:
 		var scatter := TerrainScatter3D.new()
 		scatter.layers = [layer]
 		scatter.terrain = terrain
+		scatter.state = state
 		root.add_child(scatter)
 	for frame in int(arguments[0]):
 		await process_frame
 	if arguments[1] == "leak":
 		RenderingServer.multimesh_create()
+	state.apply_diff_async(diff, func(_error: Error) -> void: print("nobody waits for this"))
 	print("thicket quits in mid-generation")
 	quit()
