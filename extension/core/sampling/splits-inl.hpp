@@ -20,26 +20,38 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// A vector of one value after the other: faster than a gather, which narrow vectors only have emulated.
+template <class Value>
+HWY_INLINE hn::Vec<SplitLanes> load_each(SplitLanes d, const Value &value) {
+	if constexpr (hn::MaxLanes(d) == 2) {
+		return hn::Dup128VecFromValues(d, value(0), value(1));
+	}
+	alignas(64) std::uint64_t values[hn::MaxLanes(d)];
+	for (std::size_t lane = 0; lane < hn::MaxLanes(d); ++lane) {
+		values[lane] = value(lane);
+	}
+	return hn::Load(d, values);
+}
+
 /// Sorts rejected cells by what becomes of their squares: those with open children are splits, or `r_deep` where more has to be
 /// looked at; cells whose square has none are `r_spent`, and cells that a new point closed are dropped.
 HWY_INLINE void sort_by_children(
 		const Columns &columns, std::uint32_t nobody, Group &cells, Splits &r_splits, Group &r_deep, Group &r_spent) {
 	const SplitLanes d;
-	const hn::RebindToSigned<SplitLanes> di;
-	const hn::Rebind<std::uint32_t, SplitLanes> d32;
-	const hn::Rebind<std::int32_t, SplitLanes> di32;
 	std::uint32_t splits = 0;
 	std::fill_n(cells.items + cells.count, hn::MaxLanes(d), make_item(nobody, 0));
 	for (std::uint32_t i = 0; i < cells.count; i += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
 		const auto items = hn::Load(d, cells.items + i);
-		const auto cell = hn::And(items, hn::Set(d, 0xffffffff));
-		const auto cell32 = hn::BitCast(di32, hn::TruncateTo(d32, cell));
-		const auto place = hn::PromoteTo(d, hn::GatherIndex(d32, columns.dart, cell32));
-		const auto time = hn::PromoteTo(d, hn::GatherIndex(d32, columns.time, cell32));
-		const auto open = open_children(place, hn::GatherIndex(d, columns.open, hn::BitCast(di, cell)));
+		const auto parent = load_each(d, [&](std::size_t lane) {
+			const std::uint32_t cell = cell_of(cells.items[i + lane]);
+			return make_dart(columns.time[cell], columns.dart[cell]);
+		});
+		const auto place = hn::And(parent, hn::Set(d, 0xffffffff));
+		const auto time = hn::ShiftRight<32>(parent);
+		const auto parts = load_each(d, [&](std::size_t lane) { return columns.open[cell_of(cells.items[i + lane])]; });
+		const auto open = open_children(place, parts);
 		const auto none = hn::Eq(open, hn::Zero(d));
 		const auto is_deep = hn::Gt(place, hn::Set(d, (3u << (2 * lattice_bits)) - 1));
-		const auto parent = hn::Or(hn::ShiftLeft<32>(time), place);
 		const auto split = hn::Not(hn::Or(none, is_deep));
 		hn::CompressStore(items, split, d, r_splits.items + splits);
 		hn::CompressStore(parent, split, d, r_splits.parent + splits);
