@@ -6,6 +6,11 @@
 
 namespace thicket {
 
+/// Whether somebody has raised the flag, on any thread; null for nobody.
+inline bool is_cancelled(const std::atomic<bool> *cancel) {
+	return cancel != nullptr && cancel->load(std::memory_order_relaxed);
+}
+
 /// Lets a long call be watched and ended.
 struct Progress {
 	/// Raised from any thread, it ends the call with ErrorCode::cancelled: soon, the call says how soon.
@@ -14,7 +19,7 @@ struct Progress {
 	/// the points so far. May raise `cancel`. Must not throw.
 	std::function<void(double fraction, std::uint64_t points)> report;
 
-	bool cancelled() const { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
+	bool cancelled() const { return is_cancelled(cancel); }
 };
 
 } // namespace thicket

@@ -1,3 +1,4 @@
+#include "core/base/progress.hpp"
 #include "core/placement/ground_query.hpp"
 
 #include <algorithm>
@@ -22,7 +23,7 @@ Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions,
 		std::span<Ground> r_ground, const std::atomic<bool> *cancel) {
 	for (const GroundQuery &query : queries) {
 		for (std::size_t done = 0; done < query.count; done += batch) {
-			if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
+			if (is_cancelled(cancel)) {
 				return {ErrorCode::cancelled, "tile", 0.0};
 			}
 			const std::size_t count = std::min(batch, query.count - done);

@@ -1,6 +1,7 @@
 #include "core/placement/instance_writer.hpp"
 
 #include "core/base/guard.hpp"
+#include "core/base/progress.hpp"
 #include "core/placement/instance_basis.hpp"
 #include "core/placement/rank_order.hpp"
 
@@ -121,7 +122,7 @@ Status InstanceWriter::write_part(const LayerSettings &layer, const StandingPoin
 		TileInstances &r_tile, const std::atomic<bool> *cancel) const {
 	BasisBatch batch;
 	for (std::size_t first = 0; first < r_part.order.size(); first += BasisBatch::most) {
-		if (first % between_looks == 0 && cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
+		if (first % between_looks == 0 && is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		const std::span<const std::uint64_t> keys =

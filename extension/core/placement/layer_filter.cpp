@@ -1,6 +1,7 @@
 #include "core/placement/layer_filter.hpp"
 
 #include "core/base/guard.hpp"
+#include "core/base/progress.hpp"
 #include "core/placement/edge_probes.hpp"
 
 #include <algorithm>
@@ -193,7 +194,7 @@ Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<boo
 	standing_.clear();
 	thinning_ranks_.clear();
 	for (std::size_t point = 0; point < positions_.size(); ++point) {
-		if (point % batch == 0 && cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
+		if (point % batch == 0 && is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		const double density = density_at(point, ground);

@@ -1,6 +1,7 @@
 #include "core/placement/source_shares.hpp"
 
 #include "core/base/floating_point.hpp"
+#include "core/base/progress.hpp"
 #include "core/base/trigonometry.hpp"
 #include "core/rules/instance_random.hpp"
 
@@ -57,7 +58,7 @@ Status SourceShares::find(const InstanceSource &source, const TileFilter &filter
 	const LayerFilter *other = source.kind == SourceKind::distance ? &filter.layer_of(source.layer.get()) : nullptr;
 	r_shares.resize(points.positions.size());
 	for (std::size_t first = 0; first < points.standing.size(); first += batch) {
-		if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
+		if (is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		values_.resize(std::min(batch, points.standing.size() - first));

@@ -1,3 +1,4 @@
+#include "core/base/progress.hpp"
 #include "core/state/id_codec.hpp"
 
 #include <algorithm>
@@ -154,8 +155,6 @@ std::uint64_t take_gap(int parameter, BitReader &r_bits) {
 	return r_bits.take(width);
 }
 
-bool raised(const std::atomic<bool> *flag) { return flag != nullptr && flag->load(std::memory_order_relaxed); }
-
 } // namespace
 
 std::uint64_t code_of(std::uint64_t id) {
@@ -173,7 +172,7 @@ void append_ascending(
 	BitWriter bits(r_bytes);
 	std::array<std::uint64_t, block_size> gaps{};
 	std::uint64_t next = 0; // The least that the next number can be.
-	for (std::size_t start = 0; start < numbers.size() && !raised(cancel); start += block_size) {
+	for (std::size_t start = 0; start < numbers.size() && !is_cancelled(cancel); start += block_size) {
 		const std::span<const std::uint64_t> block =
 				numbers.subspan(start, std::min(block_size, numbers.size() - start));
 		for (std::size_t at = 0; at < block.size(); ++at) {
@@ -202,7 +201,7 @@ bool take_ascending(ByteReader &r_bytes, std::vector<std::uint64_t> &r_numbers, 
 	int parameter = 0;
 	for (std::uint32_t at = 0; at < count; ++at) {
 		if (at % block_size == 0) {
-			if (raised(cancel)) {
+			if (is_cancelled(cancel)) {
 				return false;
 			}
 			parameter = static_cast<int>(bits.take(width_bits));

@@ -2,6 +2,7 @@
 
 // What an InstanceState holds. Included by its own sources, and by nothing else.
 
+#include "core/base/progress.hpp"
 #include "core/state/added_grid.hpp"
 #include "core/state/change_log.hpp"
 #include "core/state/id_table.hpp"
@@ -65,8 +66,6 @@ struct InstanceState::Content {
 
 	std::size_t size() const { return removed.size() + added.size() + data.size(); }
 
-	bool cancelled() const { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
-
 	Entry entry(std::uint64_t id) const;
 	std::span<const std::uint8_t> bytes_of(std::uint64_t id) const;
 
@@ -107,13 +106,13 @@ struct InstanceState::Content {
 		Room room;
 		room.new_ids = &new_ids;
 		each([&](std::uint64_t id, const Entry &to) {
-			if (!cancelled()) {
+			if (!is_cancelled(cancel)) {
 				plan(id, to, room);
 			}
 		});
 		make_room(room, r_changes);
 		each([&](std::uint64_t id, const Entry &to) {
-			if (!cancelled()) {
+			if (!is_cancelled(cancel)) {
 				change(id, to, room, r_changes);
 			}
 		});
