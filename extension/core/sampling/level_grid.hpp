@@ -21,6 +21,7 @@ struct CellRect {
 	}
 	constexpr CellRect grown(std::int32_t by) const { return {min - by, max + by}; }
 	constexpr glm::ivec2 size() const { return max - min; }
+	friend constexpr bool operator==(const CellRect &, const CellRect &) = default;
 };
 
 /// The cells of the next coarser level that hold all points which can lie within its radius of the given cells.

@@ -6,6 +6,7 @@
 #define THICKET_RESOLVER_INL
 #endif
 
+#include "core/base/progress.hpp"
 #include "core/sampling/resolver.hpp"
 #include "core/sampling/rounds-inl.hpp"
 
@@ -19,10 +20,6 @@ HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-HWY_INLINE bool is_cancelled(const std::atomic<bool> *cancel) {
-	return cancel != nullptr && cancel->load(std::memory_order_relaxed);
-}
 
 /// Cells around a region for which the coarser level is decided with the region's own: most chains that leave the region then find
 /// what they ask of that level, where they would follow chains of it in each of their rounds.
@@ -117,11 +114,13 @@ inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, cons
 	if (grid.coarser != nullptr) {
 		make_region_ready(*grid.coarser, grid, region.grown(ahead));
 	}
-	CellRect listed = region;
+	CellRect listed;
 	for (const Pass &pass : passes) {
 		const CellRect cells = region.grown(std::min(pass.around, ahead));
-		list_region(grid, listed, cells);
-		listed = cells;
+		if (cells != listed) {
+			list_region(grid, listed, cells);
+			listed = cells;
+		}
 		const TimeKey due = std::min(std::bit_cast<TimeKey>(pass.end), time_never - 1);
 		if (!resolve_pass(levels, level, cells, due, cancel)) {
 			return ResolveResult::margin_too_small;
