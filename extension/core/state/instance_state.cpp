@@ -143,23 +143,22 @@ Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp) {
 	if (own.is_foreign(stamp)) {
 		return {ErrorCode::foreign, "layer", static_cast<double>(layer)};
 	}
-	Journal::Noting noting(journal_.get());
-	Status status;
 	const auto step = [&] {
 		return StateStep{.kind = Kind::claim, .id = layer, .to = stamp};
 	};
-	if (noting.note("layer", layer, status, step)) {
+	return Journal::noting(journal_.get(), "layer", layer, step, [&] {
 		own.stamp = stamp;
 		own.claimed = true;
-	}
-	noting.keep_if(status.ok());
-	return status;
+		return Status();
+	});
 }
 
 void InstanceState::release_claims() {
-	Journal::Noting noting(journal_.get());
-	Status unnoted; // Then claims stay in what comes of a diff: a layer too many that refuses other points.
-	noting.keep_if(noting.note("layers", 0.0, unnoted, [] { return StateStep{.kind = Kind::release_claims}; }));
+	const auto step = [] {
+		return StateStep{.kind = Kind::release_claims};
+	};
+	// Where it is not noted, claims stay in what comes of a diff: a layer too many that refuses other points.
+	static_cast<void>(Journal::noting(journal_.get(), "layers", 0.0, step, [] { return Status(); }));
 	for (auto &[number, layer] : content_->layers) {
 		layer.claimed = false;
 	}
@@ -177,35 +176,34 @@ bool InstanceState::is_foreign(std::uint16_t layer, std::uint64_t stamp) const {
 }
 
 StateChange InstanceState::remove(std::uint64_t id, double until) {
-	Journal::Noting noting(journal_.get());
-	StateChange change;
-	const auto step = [&] {
-		return StateStep{.kind = Kind::remove, .id = id, .number = until};
-	};
-	if (!noting.note("id", static_cast<double>(id), change.status, step)) {
-		return change;
-	}
 	Content::Entry to;
 	if (!is_added(id)) {
 		to.data = data(id);
 		to.removed = true;
 		to.until = until > 0.0 && until <= max_state_time ? until : 0.0;
 	}
-	change = content_->change_one(id, to, "id", static_cast<double>(id));
-	noting.keep_if(change.status.ok());
+	const auto step = [&] {
+		return StateStep{.kind = Kind::remove, .id = id, .number = until};
+	};
+	StateChange change;
+	change.status = Journal::noting(journal_.get(), "id", static_cast<double>(id), step, [&] {
+		change = content_->change_one(id, to, "id", static_cast<double>(id));
+		return change.status;
+	});
 	return change;
 }
 
 StateChange InstanceState::restore(std::uint64_t id) {
-	Journal::Noting noting(journal_.get());
-	StateChange change;
 	const auto step = [&] {
 		return StateStep{.kind = Kind::restore, .id = id};
 	};
-	if (noting.note("id", static_cast<double>(id), change.status, step) && removed(id)) {
-		change = content_->change_one(id, {.data = data(id)}, "id", static_cast<double>(id));
-	}
-	noting.keep_if(change.status.ok());
+	StateChange change;
+	change.status = Journal::noting(journal_.get(), "id", static_cast<double>(id), step, [&] {
+		if (removed(id)) {
+			change = content_->change_one(id, {.data = data(id)}, "id", static_cast<double>(id));
+		}
+		return change.status;
+	});
 	return change;
 }
 
@@ -219,12 +217,11 @@ Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 	}
 	const AddedInstance placed = without_signed_zeros(instance);
 	const std::uint64_t id = free_id(placed, [this](std::uint64_t any) { return added(any) != nullptr; });
-	Journal::Noting noting(journal_.get());
-	Status status;
-	if (noting.note("instance", 1.0, status, [&] { return step_of(id, placed); })) {
-		status = put(id, placed).status;
-	}
-	noting.keep_if(status.ok());
+	const auto step = [&] {
+		return step_of(id, placed);
+	};
+	const Status status =
+			Journal::noting(journal_.get(), "instance", 1.0, step, [&] { return put(id, placed).status; });
 	r_id = status.ok() ? id : r_id;
 	return status;
 }
@@ -310,16 +307,12 @@ Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> b
 		return {ErrorCode::missing, "id"};
 	}
 	to.data = bytes;
-	Journal::Noting noting(journal_.get());
-	Status status;
 	const auto step = [&] {
 		return StateStep{.kind = Kind::set_data, .id = id, .data = {bytes.begin(), bytes.end()}};
 	};
-	if (noting.note("data", static_cast<double>(bytes.size()), status, step)) {
-		status = content_->change_one(id, to, "data", static_cast<double>(bytes.size())).status;
-	}
-	noting.keep_if(status.ok());
-	return status;
+	const auto size = static_cast<double>(bytes.size());
+	return Journal::noting(
+			journal_.get(), "data", size, step, [&] { return content_->change_one(id, to, "data", size).status; });
 }
 
 Status InstanceState::advance(double seconds, std::vector<InstanceChange> &r_changes) {

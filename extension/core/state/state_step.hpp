@@ -51,16 +51,6 @@ struct InstanceState::Journal {
 			}
 		}
 
-		/// The same, but false where there is no memory for it, and a status that says what was asked for.
-		template <typename Make>
-		bool note(const char *asked_for, double value, Status &r_status, const Make &make) {
-			if (journal_ != nullptr) {
-				r_status = guarded(asked_for, value, [&] { note(make); });
-				return r_status.ok();
-			}
-			return true;
-		}
-
 		StateStep *last() { return journal_ != nullptr ? &journal_->steps.back() : nullptr; }
 
 		void keep_if(bool done) { journal_ = done ? nullptr : journal_; }
@@ -69,6 +59,20 @@ struct InstanceState::Journal {
 		Journal *journal_;
 		std::size_t before_;
 	};
+
+	/// Does `work()`, which gives a status, with its step noted in a journal, if there is one. Where there is no memory for that, nothing
+	/// is done, and the status names what was asked for; a step whose work is refused is forgotten.
+	template <typename Make, typename Work>
+	static Status noting(Journal *journal, const char *asked_for, double value, const Make &make, const Work &work) {
+		Noting noting(journal);
+		Status status;
+		if (journal != nullptr) {
+			status = guarded(asked_for, value, [&] { noting.note(make); });
+		}
+		status = status.ok() ? work() : status;
+		noting.keep_if(status.ok());
+		return status;
+	}
 };
 
 } // namespace thicket
