@@ -2,6 +2,7 @@
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/common/script_call.hpp"
 #include "nodes/common/threads.hpp"
 
 #include <godot_cpp/classes/worker_thread_pool.hpp>
@@ -93,11 +94,9 @@ void DiffTask::tell(Error error) {
 		return;
 	}
 	const Variant argument(static_cast<int64_t>(error));
-	const Variant *arguments = &argument;
 	Variant result;
-	GDExtensionCallError problem{};
-	callback.callp("call", &arguments, 1, result, problem);
-	if (problem.error != GDEXTENSION_CALL_OK && problem.error != GDEXTENSION_CALL_ERROR_INSTANCE_IS_NULL) {
+	const GDExtensionCallErrorType problem = call_script(callback, "call", result, argument);
+	if (problem != GDEXTENSION_CALL_OK && problem != GDEXTENSION_CALL_ERROR_INSTANCE_IS_NULL) {
 		ERR_PRINT("ScatterState.apply_diff_async: callback must take (error: Error)");
 	}
 }

@@ -30,7 +30,10 @@ public:
 	/// As `apply_diff_async` got it.
 	std::span<const std::uint8_t> bytes() const;
 
-	/// Works, then has `p_owner` do `_finish_diffs` in its next idle time. Once, with a `diff` that can be worked on.
+	/// Whether it can be worked on: not before those that were called for earlier are finished, and not without memory for it.
+	bool can_work() const { return diff != nullptr && diff->can_work(); }
+
+	/// Works, then has `p_owner` do `_finish_diffs` in its next idle time. Once, if it can be worked on.
 	void start(godot::Object *p_owner);
 	bool done() const { return done_.load(std::memory_order_acquire); }
 

@@ -1,10 +1,11 @@
 #include "nodes/gameplay/instance_answers.hpp"
 
+#include "nodes/common/script_call.hpp"
+
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/variant/variant.hpp>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <string>
 
@@ -14,7 +15,7 @@ namespace thicket {
 
 namespace {
 
-/// A script's condition. Through Variant, which says whether it could be called; Callable keeps that to itself.
+/// A script's condition.
 class Predicate {
 public:
 	Predicate(const char *p_method, const Callable &p_callable, glm::dvec3 offset) :
@@ -27,11 +28,9 @@ public:
 		const Variant id(script_id(instance.id));
 		const Variant layer(static_cast<int64_t>(instance.layer));
 		const Variant transform(to_engine(instance, offset_));
-		std::array<const Variant *, 3> arguments{&id, &layer, &transform};
 		Variant result;
-		GDExtensionCallError error{};
-		callable_.callp("call", arguments.data(), static_cast<int>(arguments.size()), result, error);
-		failed_ = error.error != GDEXTENSION_CALL_OK || result.get_type() != Variant::BOOL;
+		failed_ = call_script(callable_, "call", result, id, layer, transform) != GDEXTENSION_CALL_OK ||
+				result.get_type() != Variant::BOOL;
 		if (failed_) {
 			const std::string problem = std::string("TerrainScatter3D.") + method_ +
 					": predicate must take (id: int, layer: int, transform: Transform3D) and return a bool";

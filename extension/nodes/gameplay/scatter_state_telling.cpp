@@ -136,7 +136,7 @@ void ScatterState::start_diff() {
 		return;
 	}
 	DiffTask &first = *diffs_.front();
-	if (first.diff != nullptr && first.diff->can_work()) {
+	if (first.can_work()) {
 		first.start(this);
 	} else {
 		call_deferred("_finish_diffs");
@@ -158,8 +158,7 @@ void ScatterState::finish_diffs() {
 		return; // A call that could not wait has done so.
 	}
 	const DiffTask &first = *diffs_.front();
-	const bool failed = first.diff == nullptr || !first.diff->can_work();
-	if (failed || first.done()) {
+	if (!first.can_work() || first.done()) {
 		finish_first_diff();
 		start_diff();
 		tell_untold();
@@ -169,7 +168,7 @@ void ScatterState::finish_diffs() {
 void ScatterState::wait_for_diffs() {
 	while (!diffs_.empty()) {
 		DiffTask &first = *diffs_.front();
-		if (first.diff != nullptr && first.diff->can_work()) {
+		if (first.can_work()) {
 			first.finish();
 		}
 		finish_first_diff();

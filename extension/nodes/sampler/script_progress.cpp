@@ -1,9 +1,10 @@
 #include "nodes/sampler/script_progress.hpp"
 
+#include "nodes/common/script_call.hpp"
+
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
-#include <array>
 #include <string>
 
 using namespace godot;
@@ -38,15 +39,11 @@ void ScriptProgress::finish(std::uint64_t p_points) {
 	}
 }
 
-// Through Variant, which says whether the callable could be called; Callable::call keeps that to itself.
 void ScriptProgress::call(double p_fraction, std::uint64_t p_points) {
 	const Variant fraction(p_fraction);
 	const Variant points(static_cast<int64_t>(p_points));
-	std::array<const Variant *, 2> arguments{&fraction, &points};
 	Variant result;
-	GDExtensionCallError error{};
-	callable_.callp("call", arguments.data(), static_cast<int>(arguments.size()), result, error);
-	if (error.error != GDEXTENSION_CALL_OK) {
+	if (call_script(callable_, "call", result, fraction, points) != GDEXTENSION_CALL_OK) {
 		wanted_ = false;
 		const std::string problem =
 				std::string(owner_) + ".progress cannot be called with (fraction: float, points: int), or no longer";

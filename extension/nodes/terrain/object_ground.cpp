@@ -2,6 +2,7 @@
 
 #include "core/terrain/slope_stencil.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/script_call.hpp"
 #include "nodes/terrain/given_normal.hpp"
 
 #include <godot_cpp/classes/object.hpp>
@@ -211,11 +212,9 @@ Status ObjectGround::call(
 		return {ErrorCode::missing, gone, 0.0};
 	}
 	const Variant where(to_engine(glm::dvec3(position.x, 0.0, position.y)));
-	const Variant *argument = &where;
-	GDExtensionCallError error{};
 	Variant source(source_);
-	source.callp(p_method, &argument, 1, r_result, error);
-	return error.error == GDEXTENSION_CALL_OK ? Status{} : Status{ErrorCode::missing, p_refusal, 0.0};
+	const bool called = call_script(source, p_method, r_result, where) == GDEXTENSION_CALL_OK;
+	return called ? Status{} : Status{ErrorCode::missing, p_refusal, 0.0};
 }
 
 } // namespace thicket

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <godot_cpp/variant/string_name.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <array>
+#include <concepts>
+
+namespace thicket {
+
+/// Calls a method of what a script has given, and tells whether it could be called: Callable::call and Object::call keep that to themselves.
+/// What is called may do anything.
+inline GDExtensionCallErrorType call_script(godot::Variant &p_of, const godot::StringName &p_method,
+		godot::Variant &r_result, const std::same_as<godot::Variant> auto &...p_arguments) {
+	std::array<const godot::Variant *, sizeof...(p_arguments)> arguments{&p_arguments...};
+	GDExtensionCallError error{};
+	p_of.callp(p_method, arguments.data(), static_cast<int>(arguments.size()), r_result, error);
+	return error.error;
+}
+
+} // namespace thicket
