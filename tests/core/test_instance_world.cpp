@@ -1,6 +1,7 @@
-// The tiles that a world knows: those that nobody needs are forgotten, a few at a time.
+// The tiles that a world knows: what a query misses is made once, and those that nobody needs are forgotten, a few at a time.
 
 #include "core/query/instance_world.hpp"
+#include "flat_world.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,9 +9,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 using namespace thicket;
+using namespace thicket::test;
 
 namespace {
 
@@ -87,5 +90,73 @@ TEST_CASE("instance world: what was cleared or is wanted no longer may be forgot
 			}
 		}
 		CHECK(world.find({0, {699, round}}) != nullptr);
+	}
+}
+
+TEST_CASE("instance world: what a query misses is made in one go, and once") {
+	FlatWorld flat;
+	std::vector<std::size_t> calls;
+	flat.world.set_maker(
+			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+				calls.push_back(tiles.size());
+				r_tiles.clear();
+				for (const WorldTile &tile : tiles) {
+					r_tiles.push_back(flat.make(tile.tile));
+				}
+				return {};
+			});
+	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
+	std::vector<PlacedInstance> first;
+	std::vector<PlacedInstance> second;
+	for (std::vector<PlacedInstance> *found : {&first, &second}) {
+		CHECK(flat.world.ask([&](const InstanceQuery &query) {
+							return query.in_sphere({0.0, 0.0, 0.0}, 20.0, {}, *found);
+						})
+						.ok());
+	}
+	REQUIRE(calls.size() == 1);
+	CHECK(calls[0] >= 3);
+	CHECK(first.size() > 100);
+	CHECK(first.size() == second.size());
+}
+
+TEST_CASE("instance world: a tile that was made while the layers changed is not kept") {
+	FlatWorld flat;
+	int made = 0;
+	bool meddle = true;
+	flat.world.set_maker(
+			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+				++made;
+				r_tiles = {flat.make(tiles.front().tile)};
+				if (meddle) {
+					flat.set_layers();
+				}
+				return {};
+			});
+	const auto ask = [&flat] {
+		std::vector<PlacedInstance> found;
+		CHECK(flat.world.ask([&](const InstanceQuery &query) {
+							return query.in_rect({{4.0, 4.0}, {8.0, 8.0}}, {}, found);
+						})
+						.ok());
+		CHECK(found.size() > 1);
+	};
+	ask();
+	CHECK(made == 1);
+	meddle = false;
+	ask();
+	CHECK(made == 2);
+	ask();
+	CHECK(made == 2);
+}
+
+TEST_CASE("instance world: an edit leaves the tiles known that it does not touch") {
+	FlatWorld flat;
+	flat.load(1);
+	flat.world.invalidate(0, {.everywhere = false, .areas = {{{5.0, 5.0}, {9.0, 9.0}}}});
+	for (int y = -1; y <= 1; ++y) {
+		for (int x = -1; x <= 1; ++x) {
+			CHECK((flat.world.find({0, {x, y}}) == nullptr) == (x == 0 && y == 0));
+		}
 	}
 }

@@ -1,8 +1,5 @@
-#include "core/base/tile_grid.hpp"
 #include "core/near/near_queue.hpp"
-#include "core/placement/tile_builder.hpp"
-#include "core/state/instance_state.hpp"
-#include "core/terrain/flat_terrain.hpp"
+#include "flat_world.hpp"
 
 #include <doctest/doctest.h>
 
@@ -18,60 +15,11 @@
 #include <vector>
 
 using namespace thicket;
+using namespace thicket::test;
 
 namespace {
 
 constexpr double distance = 20.0;
-constexpr double tile_size = 32.0;
-
-/// A flat world of one layer.
-struct FlatWorld {
-	LayerSettings settings;
-	InstanceWorld world;
-	InstanceState state;
-
-	FlatWorld() {
-		settings.set = {.seed = 3, .radius = 2.0, .levels = 1, .layer = 5};
-		set_layers();
-		world.set_state(&state);
-	}
-
-	void set_layers() {
-		QueryLayer layer;
-		layer.set = settings.set;
-		layer.tile_size = tile_size;
-		world.set_layers({layer});
-	}
-
-	std::shared_ptr<const KeptTile> make(glm::ivec2 tile, double height = 0.0) const {
-		TileInstances made;
-		TileBuilder builder;
-		CHECK(builder.build(settings, FlatTerrain(static_cast<float>(height)), tile_rect(tile_size, tile), made).ok());
-		return std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(settings));
-	}
-
-	/// Makes the tiles from -reach to reach known.
-	void load(int reach = 2, double height = 0.0) {
-		for (int y = -reach; y <= reach; ++y) {
-			for (int x = -reach; x <= reach; ++x) {
-				world.keep(0, {x, y}, make({x, y}, height));
-			}
-		}
-	}
-
-	/// The ids of all that stand within some meters of a position.
-	std::set<std::uint64_t> within(glm::dvec3 center, double radius) const {
-		std::vector<PlacedInstance> found;
-		CHECK(world.ask_known([&](const InstanceQuery &query) {
-					   return query.in_sphere(center, radius, {}, found);
-				   }).ok());
-		std::set<std::uint64_t> ids;
-		for (const PlacedInstance &instance : found) {
-			ids.insert(instance.id);
-		}
-		return ids;
-	}
-};
 
 /// Whoever makes and frees what stands near by.
 struct Follower {
@@ -313,63 +261,6 @@ TEST_CASE("near queue: tiles that are not known are missed") {
 	CHECK(flat.world.take_missing().empty());
 }
 
-TEST_CASE("instance world: what a query misses is made in one go, and once") {
-	FlatWorld flat;
-	std::vector<std::size_t> calls;
-	flat.world.set_maker(
-			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
-				calls.push_back(tiles.size());
-				r_tiles.clear();
-				for (const WorldTile &tile : tiles) {
-					r_tiles.push_back(flat.make(tile.tile));
-				}
-				return {};
-			});
-	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
-	std::vector<PlacedInstance> first;
-	std::vector<PlacedInstance> second;
-	for (std::vector<PlacedInstance> *found : {&first, &second}) {
-		CHECK(flat.world.ask([&](const InstanceQuery &query) {
-							return query.in_sphere({0.0, 0.0, 0.0}, 20.0, {}, *found);
-						})
-						.ok());
-	}
-	REQUIRE(calls.size() == 1);
-	CHECK(calls[0] >= 3);
-	CHECK(first.size() > 100);
-	CHECK(first.size() == second.size());
-}
-
-TEST_CASE("instance world: a tile that was made while the layers changed is not kept") {
-	FlatWorld flat;
-	int made = 0;
-	bool meddle = true;
-	flat.world.set_maker(
-			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
-				++made;
-				r_tiles = {flat.make(tiles.front().tile)};
-				if (meddle) {
-					flat.set_layers();
-				}
-				return {};
-			});
-	const auto ask = [&flat] {
-		std::vector<PlacedInstance> found;
-		CHECK(flat.world.ask([&](const InstanceQuery &query) {
-							return query.in_rect({{4.0, 4.0}, {8.0, 8.0}}, {}, found);
-						})
-						.ok());
-		CHECK(found.size() > 1);
-	};
-	ask();
-	CHECK(made == 1);
-	meddle = false;
-	ask();
-	CHECK(made == 2);
-	ask();
-	CHECK(made == 2);
-}
-
 TEST_CASE("near queue: nobody looks again while nobody moves, nor for a small step") {
 	FlatWorld flat; // Of which nothing is known: whoever looks misses something.
 	Follower follower;
@@ -397,15 +288,4 @@ TEST_CASE("near queue: of a cell only the part within reach is looked at") {
 			{5.0, 0.0, 5.0}}; // 22.5 m around it lie 4 tiles of 32 m; in the cells that this touches, 9.
 	follower.queue.look_around(centers, flat.world);
 	CHECK(flat.world.take_missing().size() == 4);
-}
-
-TEST_CASE("instance world: an edit leaves the tiles known that it does not touch") {
-	FlatWorld flat;
-	flat.load(1);
-	flat.world.invalidate(0, {.everywhere = false, .areas = {{{5.0, 5.0}, {9.0, 9.0}}}});
-	for (int y = -1; y <= 1; ++y) {
-		for (int x = -1; x <= 1; ++x) {
-			CHECK((flat.world.find({0, {x, y}}) == nullptr) == (x == 0 && y == 0));
-		}
-	}
 }

@@ -1,0 +1,73 @@
+// A flat world of one layer, for tests of what stands in it.
+
+#pragma once
+
+#include "core/base/tile_grid.hpp"
+#include "core/placement/tile_builder.hpp"
+#include "core/query/instance_world.hpp"
+#include "core/state/instance_state.hpp"
+#include "core/terrain/flat_terrain.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace thicket::test {
+
+struct FlatWorld {
+	static constexpr double tile_size = 32.0;
+
+	LayerSettings settings;
+	InstanceWorld world;
+	InstanceState state;
+
+	FlatWorld() {
+		settings.set = {.seed = 3, .radius = 2.0, .levels = 1, .layer = 5};
+		set_layers();
+		world.set_state(&state);
+	}
+
+	void set_layers() {
+		QueryLayer layer;
+		layer.set = settings.set;
+		layer.tile_size = tile_size;
+		world.set_layers({layer});
+	}
+
+	std::shared_ptr<const KeptTile> make(glm::ivec2 tile, double height = 0.0) const {
+		TileInstances made;
+		TileBuilder builder;
+		CHECK(builder.build(settings, FlatTerrain(static_cast<float>(height)), tile_rect(tile_size, tile), made).ok());
+		return std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(settings));
+	}
+
+	/// Makes the tiles from -reach to reach known.
+	void load(int reach = 2, double height = 0.0) {
+		for (int y = -reach; y <= reach; ++y) {
+			for (int x = -reach; x <= reach; ++x) {
+				world.keep(0, {x, y}, make({x, y}, height));
+			}
+		}
+	}
+
+	/// The ids of all that stand within some meters of a position.
+	std::set<std::uint64_t> within(glm::dvec3 center, double radius) const {
+		std::vector<PlacedInstance> found;
+		CHECK(world.ask_known([&](const InstanceQuery &query) {
+					   return query.in_sphere(center, radius, {}, found);
+				   }).ok());
+		std::set<std::uint64_t> ids;
+		for (const PlacedInstance &instance : found) {
+			ids.insert(instance.id);
+		}
+		return ids;
+	}
+};
+
+} // namespace thicket::test

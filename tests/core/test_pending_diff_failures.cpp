@@ -1,0 +1,225 @@
+// Diffs that are refused, cancelled or short of memory while they are applied beside their state, and what other threads do meanwhile.
+
+#include "pending_diff_fixture.hpp"
+#include "short_of_memory.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+#include <utility>
+
+using namespace thicket;
+using namespace thicket::test;
+
+TEST_CASE("pending diffs: a bad one changes nothing, and those behind it go on") {
+	InstanceState state = some_state(7, 120);
+	InstanceState at_once = copy_of(state);
+	InstanceState other = copy_of(state);
+	StateRandom random(8);
+	const std::vector<std::uint64_t> placed = state.added_ids();
+	disturb(other, random, 90);
+	const StateBytes good = diff_of(other, 0);
+	StateBytes bad = good;
+	bad[bad.size() / 2] ^= 1;
+	const StateBytes newer = [&] {
+		disturb(other, random, 90);
+		return diff_of(other, 0);
+	}();
+	const StateBytes *const in_order[] = {&bad, &good, &bad, &newer};
+	for (const StateBytes *diff : in_order) {
+		queue(state, *diff);
+		Changes changes;
+		CHECK(at_once.apply(*diff, changes).ok() == (diff != &bad));
+		const Calls calls = some_calls(random, placed, 30);
+		make(calls, state);
+		make(calls, at_once);
+	}
+	for (const bool is_good : {false, true, false, true}) {
+		const StateBytes before = bytes_of(state);
+		state.pending_diff()->work();
+		StateChanges changes;
+		const Status status = state.finish_pending_diff(changes);
+		CHECK(status.ok() == is_good);
+		if (!is_good) {
+			CHECK(status.code == ErrorCode::corrupt);
+			CHECK(changes.size() == 0);
+			CHECK(bytes_of(state) == before);
+		}
+	}
+	CHECK(bytes_of(state) == bytes_of(at_once));
+}
+
+TEST_CASE("pending diffs: one of other points is refused, also if a node has claimed the layer since") {
+	InstanceState other;
+	REQUIRE(other.claim(1, 77).ok());
+	other.remove(point_id(1, 0, 0));
+	const StateBytes diff = diff_of(other, 0);
+	for (const bool before : {true, false}) {
+		CAPTURE(before);
+		InstanceState state;
+		if (before) {
+			REQUIRE(state.claim(1, 78).ok());
+		}
+		queue(state, diff);
+		REQUIRE(state.claim(1, 78).ok());
+		state.pending_diff()->work();
+		StateChanges changes;
+		const Status status = state.finish_pending_diff(changes);
+		CHECK(status.code == ErrorCode::foreign);
+		CHECK(state.removed_count() == 0);
+		CHECK(state.stamp(1) == 78);
+	}
+	InstanceState state;
+	queue(state, diff);
+	REQUIRE(state.claim(1, 77).ok());
+	StateChanges changes;
+	finish(state, changes);
+	CHECK(state.is_foreign(1, 78));
+	CHECK(state.removed_count() == 1);
+}
+
+TEST_CASE("pending diffs: the state changes while another thread is at work") {
+	InstanceState other;
+	StateRandom random(10);
+	disturb(other, random, 3000);
+	for (int i = 0; i < 20000; ++i) {
+		other.remove(point_id(16000, i % 150, i / 150), i % 3 == 0 ? 100.0 : 0.0);
+	}
+	const StateBytes diff = diff_of(other, 0);
+	InstanceState state = some_state(11, 3000);
+	InstanceState at_once = copy_of(state);
+	const std::vector<std::uint64_t> placed = state.added_ids();
+	for (int round = 0; round < 4; ++round) {
+		queue(state, diff);
+		Changes changes;
+		REQUIRE(at_once.apply(diff, changes).ok());
+		std::jthread thread([pending = state.pending_diff()] { pending->work(); });
+		const Calls calls = some_calls(random, placed, 2000);
+		make(calls, state);
+		thread.join();
+		make(calls, at_once);
+		StateChanges told;
+		REQUIRE(state.finish_pending_diff(told).ok());
+		CHECK(bytes_of(state) == bytes_of(at_once));
+	}
+}
+
+TEST_CASE("pending diffs: one that is cancelled ends soon and does nothing") {
+	InstanceState state = some_state(12, 100);
+	const StateBytes before = bytes_of(state);
+	const StateBytes diff = bytes_of(some_state(13, 400));
+	queue(state, diff);
+	state.pending_diff()->cancel();
+	state.pending_diff()->work();
+	StateChanges changes;
+	CHECK(state.finish_pending_diff(changes).code == ErrorCode::cancelled);
+	CHECK(bytes_of(state) == before);
+	// A state may go while a thread is at work.
+	auto gone = std::make_unique<InstanceState>(copy_of(state));
+	queue(*gone, diff);
+	const std::shared_ptr<PendingDiff> pending = gone->pending_diff();
+	std::jthread thread([pending] { pending->work(); });
+	pending->cancel();
+	gone.reset();
+}
+
+TEST_CASE("out of memory: a pending diff is taken over wholly or not at all") {
+	for (const std::uint64_t seed : {14u, 15u}) {
+		StateRandom random(seed);
+		const InstanceState before = some_state(seed, 120);
+		const std::vector<std::uint64_t> placed = before.added_ids();
+		const StateBytes diff = bytes_of(some_state(seed + 10, 60));
+		const Calls calls = some_calls(random, placed, 12);
+		InstanceState at_once = copy_of(before);
+		Changes changes;
+		REQUIRE(at_once.apply(diff, changes).ok());
+		make(calls, at_once);
+		InstanceState unchanged = copy_of(before);
+		make(calls, unchanged);
+		const auto run = [](InstanceState &r_state) {
+			StateChanges told;
+			return r_state.finish_pending_diff(told);
+		};
+		const auto prepare = [&] {
+			InstanceState state = copy_of(before);
+			queue(state, diff);
+			make(calls, state);
+			state.pending_diff()->work();
+			return state;
+		};
+		test::fail_every_request(
+				"data", prepare, run,
+				[&](InstanceState &r_state) {
+					REQUIRE(r_state.pending_diff() == nullptr);
+					REQUIRE(bytes_of(r_state) == bytes_of(unchanged));
+					r_state = prepare(); // It is asked again.
+				},
+				[&](const InstanceState &state) { REQUIRE(bytes_of(state) == bytes_of(at_once)); });
+		// So is one that cannot be queued, or worked on.
+		test::fail_every_request(
+				"data", [&] { return copy_of(before); },
+				[&](InstanceState &r_state) {
+					std::shared_ptr<PendingDiff> pending;
+					if (const Status status = r_state.queue_diff(diff, pending); !status.ok()) {
+						return status;
+					}
+					pending->work();
+					return run(r_state);
+				},
+				[&](const InstanceState &state) {
+					REQUIRE(state.pending_diff() == nullptr);
+					REQUIRE(bytes_of(state) == bytes_of(before));
+				},
+				[](const InstanceState &) {});
+	}
+}
+
+TEST_CASE("out of memory: a call while a diff is pending happens or does not") {
+	const InstanceState before = some_state(16, 60);
+	const StateBytes diff = bytes_of(some_state(17, 60));
+	StateRandom random(18);
+	const std::uint64_t point = point_id(9, 1, 1);
+	const std::span diff_start(diff.data(), 2);
+	const std::vector<std::pair<std::string, std::function<Status(InstanceState &)>>> calls{
+			{"id", [=](InstanceState &r_state) { return r_state.remove(point, 5.0).status; }},
+			{"instance",
+					[](InstanceState &r_state) {
+						std::uint64_t id = 0;
+						return r_state.add(instance_at(70.0, 80.0, 5), id);
+					}},
+			{"instance",
+					[=](InstanceState &r_state) {
+						Changes changes;
+						std::uint64_t id = 0;
+						return r_state.move(point, instance_at(70.0, 80.0, 9), id, changes);
+					}},
+			{"data", [=](InstanceState &r_state) { return r_state.set_data(point, diff_start); }},
+			{"seconds",
+					[](InstanceState &r_state) {
+						Changes changes;
+						return r_state.advance(1000.0, changes);
+					}},
+	};
+	for (const auto &[asked_for, call] : calls) {
+		InstanceState called = copy_of(before);
+		REQUIRE(call(called).ok());
+		InstanceState at_once = copy_of(before);
+		Changes changes;
+		REQUIRE(at_once.apply(diff, changes).ok());
+		REQUIRE(call(at_once).ok());
+		test::fail_every_request(
+				asked_for,
+				[&] {
+					InstanceState state = copy_of(before);
+					queue(state, diff);
+					return state;
+				},
+				call, [&](const InstanceState &state) { REQUIRE(bytes_of(state) == bytes_of(before)); },
+				[&](InstanceState &r_state) {
+					REQUIRE(bytes_of(r_state) == bytes_of(called));
+					StateChanges told;
+					finish(r_state, told);
+					REQUIRE(bytes_of(r_state) == bytes_of(at_once));
+				});
+	}
+}

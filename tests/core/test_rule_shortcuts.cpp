@@ -1,0 +1,65 @@
+// What rules need not compute, they do not.
+
+#include "core/rules/rules.hpp"
+#include "rounding.hpp"
+#include "rules_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+TEST_CASE("rules: what cannot change a density any more, or is told by less, is not computed") {
+	// A slope of 37 degrees, whose angle would be rounded; the squares of its sides are not.
+	const Ground ground{8.0f, {0.75f, 1.0f, 0.0f}};
+	const auto asked = [](const PreparedRules &rules, const Ground &of) {
+		double density = 0.0;
+		const bool computed = rounds([&] { density = rules.ground_density(of, {3.0, 5.0}); });
+		return std::pair(density, computed);
+	};
+	Rules slopes;
+	slopes.min_slope_degrees = 30.0;
+	const PreparedRules steep = prepared(slopes);
+	CHECK(asked(steep, ground) == std::pair(1.0, false));
+	CHECK(asked(steep, {8.0f, {0.25f, 1.0f, 0.0f}}) == std::pair(0.0, false));
+	bool allowed = false;
+	CHECK_FALSE(rounds([&] { allowed = steep.allow(ground, {}); }));
+	CHECK(allowed);
+	slopes.slope_falloff = 20.0; // Now the angle is needed.
+	CHECK(asked(prepared(slopes), ground).second);
+	slopes.min_height = 9.0;
+	CHECK(asked(prepared(slopes), ground) == std::pair(0.0, false));
+	// Biomes, and with them the water's level, are looked for with noise.
+	BiomeMap map;
+	REQUIRE(map.set({2, 1}, std::vector<std::uint8_t>{0, 1}, {{-99.0, -99.0}, {99.0, 99.0}}, BiomeEdge::clamp,
+					   {.width = 5.0, .noise = 9.0, .noise_size = 30.0})
+					.ok());
+	Rules wet;
+	wet.max_water_depth = 3.0;
+	PerBiome<double> levels{};
+	levels.fill(5.0);
+	levels[1] = 6.0;
+	wet.water = std::make_shared<WaterLevels>(std::make_shared<const BiomeMap>(map), levels);
+	CHECK(asked(prepared(wet), ground).second);
+	wet.min_height = 9.0;
+	CHECK(asked(prepared(wet), ground) == std::pair(0.0, false));
+}
+
+TEST_CASE("rules: clumps are looked for only where another rule lets something stand") {
+	Rules rules;
+	rules.clumping = {.size = 10.0};
+	std::vector<float> scratch(1);
+	const auto looks = [&] {
+		const PreparedRules ready = prepared(rules);
+		const glm::dvec2 position(3.0, 5.0);
+		double density = -1.0;
+		return rounds([&] { REQUIRE(ready.place_densities({&position, 1}, {&density, 1}, scratch).ok()); });
+	};
+	CHECK(looks());
+	rules.density = 0.0;
+	CHECK_FALSE(looks());
+}

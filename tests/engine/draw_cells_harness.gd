@@ -1,0 +1,102 @@
+extends "picture_harness.gd"
+## A forest on an island, drawn in cells, and what is drawn of it.
+
+const TILE := 128.0
+const CELL := 32.0
+const REACH := 0.8660254 ## Of a cube of 1 m, from its middle to a corner.
+const WHOLE := 32        ## Multimeshes of the island's 16 tiles of two meshes.
+
+
+## Ground of one square alone, so that all instances stay on show wherever the viewer goes.
+class Island extends ScatterTerrain:
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var heights := PackedFloat32Array()
+		for at in positions:
+			heights.push_back(0.0 if absf(at.x) < 256.0 and absf(at.y) < 256.0 else NAN)
+		return heights
+
+	func _is_thread_safe() -> bool:
+		return true
+
+
+## Two meshes, and from 60 m on others.
+func make_forest() -> ScatterLayer:
+	var layer := make_layer(4.0)
+	layer.tile_size = TILE
+	layer.view_distance = 600.0
+	layer.draw_cell_size = CELL
+	layer.meshes = [BoxMesh.new(), BoxMesh.new()]
+	layer.lod_meshes = [BoxMesh.new(), BoxMesh.new()]
+	layer.lod_distances = PackedFloat32Array([60.0])
+	return layer
+
+
+func multimeshes_of(scatter: TerrainScatter3D, tile: Vector2i) -> Array:
+	var shown := scatter.get_tile(0, tile)
+	return range(shown.get_mesh_count()).map(shown.get_multimeshes)
+
+
+func is_in_cells(scatter: TerrainScatter3D, tile: Vector2i) -> bool:
+	return multimeshes_of(scatter, tile).any(func(of_mesh: Array) -> bool: return of_mesh.size() > 1)
+
+
+func tiles_in_cells(scatter: TerrainScatter3D) -> Array[Vector2i]:
+	return scatter.get_shown_tiles(0).filter(func(tile: Vector2i) -> bool: return is_in_cells(scatter, tile))
+
+
+func multimesh_count(scatter: TerrainScatter3D) -> int:
+	var count := 0
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		for of_mesh: Array in multimeshes_of(scatter, tile):
+			count += of_mesh.size()
+	return count
+
+
+func visible_count(multimesh: RID) -> int:
+	var count := RenderingServer.multimesh_get_visible_instances(multimesh)
+	return RenderingServer.multimesh_get_instance_count(multimesh) if count < 0 else count
+
+
+func drawn_of_all(scatter: TerrainScatter3D) -> int:
+	var sum := 0
+	for tile: Vector2i in scatter.get_shown_tiles(0):
+		for of_mesh: Array in multimeshes_of(scatter, tile):
+			for multimesh: RID in of_mesh:
+				sum += visible_count(multimesh)
+	return sum
+
+
+## Around the island, empty tiles come and go.
+func island_digests(scatter: TerrainScatter3D) -> Dictionary:
+	var result := {}
+	for tile in island_tiles():
+		result[tile] = scatter.get_tile(0, tile).get_digest()
+	return result
+
+
+func island_tiles() -> Array[Vector2i]:
+	var tiles: Array[Vector2i] = []
+	for x in range(-2, 2):
+		for y in range(-2, 2):
+			tiles.push_back(Vector2i(x, y))
+	return tiles
+
+
+## The island's tiles, made at once and never drawn.
+func built_digests(scatter: TerrainScatter3D) -> Dictionary:
+	var result := {}
+	for tile in island_tiles():
+		result[tile] = scatter.build_rect(0, Rect2(Vector2(tile) * TILE, Vector2.ONE * TILE)).get_digest()
+	return result
+
+
+## The box around the instances of a buffer, as far as their meshes reach.
+func box_of(buffer: PackedFloat32Array, stride: int, origin: Vector3) -> AABB:
+	var box := AABB(Vector3(buffer[3], buffer[7], buffer[11]), Vector3.ZERO)
+	for at in range(0, buffer.size(), stride):
+		box = box.expand(Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11]))
+	return AABB(box.position + origin, box.size).grow(REACH)
+
+
+func distance_to(box: AABB, at: Vector3) -> float:
+	return at.distance_to(at.clamp(box.position, box.end))
