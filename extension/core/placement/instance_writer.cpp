@@ -2,8 +2,8 @@
 
 #include "core/base/guard.hpp"
 #include "core/base/progress.hpp"
-#include "core/placement/instance_basis.hpp"
 #include "core/placement/rank_order.hpp"
+#include "core/placement/transform_batch.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -23,34 +23,39 @@ constexpr int rank_class_shift = 20;
 /// Parts a thread: so many that none waits long for another, so few that each is worth the look at all ranks that it takes.
 constexpr std::size_t parts_each = 2;
 
-/// Writes the instance that `key` names to index `at` of its mesh; it is one of a batch.
-void write_instance(const LayerSettings &layer, const StandingPoints &points, std::uint64_t key, glm::dvec3 origin,
-		const BasisBatch &batch, std::size_t in_batch, std::size_t at, MeshInstances &r_mesh,
-		InstanceBounds &r_bounds) {
-	const std::uint32_t point = point_of(key);
-	const auto rank = static_cast<std::uint32_t>(key >> 32);
-	const std::uint64_t id = points.ids[point];
+/// Adds a point that stands to a batch.
+void add_point(const LayerSettings &layer, const StandingPoints &points, std::uint32_t point, glm::dvec3 origin,
+		TransformBatch &r_batch) {
 	const Ground &ground = points.ground[point];
 	const glm::vec3 position{
 			static_cast<float>(points.positions[point].x - origin.x),
 			static_cast<float>(ground.height + layer.placement.height_offset - origin.y),
 			static_cast<float>(points.positions[point].y - origin.z),
 	};
-	const std::span<float> floats = r_mesh.floats_of(at);
-	const auto transform = floats.first<transform_floats>();
+	r_batch.add(points.ids[point], ground.normal, standing_position(layer.placement, ground.normal, position));
+}
+
+/// Writes an instance of a batch, that of a point that `key` names, to index `at` of its mesh.
+void write_instance(const LayerSettings &layer, const StandingPoints &points, std::uint64_t key,
+		const TransformBatch &batch, std::size_t in_batch, std::size_t at, MeshInstances &r_mesh,
+		InstanceBounds &r_bounds) {
+	const auto rank = static_cast<std::uint32_t>(key >> 32);
+	const std::uint64_t id = batch.ids[in_batch];
 	const float scale = batch.scale[in_batch];
-	write_position(layer.placement, ground.normal, position, transform);
-	batch.write(in_batch, transform);
-	const InstanceShares shares = points.shares_of(point);
-	write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats), shares);
+	const std::span<float> floats = r_mesh.floats_of(at);
+	batch.write(in_batch, floats.first<transform_floats>());
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = rank;
-	r_mesh.normals[at] = ground.normal;
+	r_mesh.normals[at] = batch.normal(in_batch);
+	r_bounds.add(batch.position(in_batch), scale);
+	if (r_mesh.stride == transform_floats) {
+		return;
+	}
+	const InstanceShares shares = points.shares_of(point_of(key));
+	write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats), shares);
 	if (!r_mesh.shares.empty()) {
 		r_mesh.shares[at] = shares;
 	}
-	const glm::vec3 stands{transform[3], transform[7], transform[11]};
-	r_bounds.add({stands, stands, scale});
 }
 
 } // namespace
@@ -120,22 +125,22 @@ void InstanceWriter::make_room(const InstanceData &data, std::vector<MeshInstanc
 
 Status InstanceWriter::write_part(const LayerSettings &layer, const StandingPoints &points, Part &r_part,
 		TileInstances &r_tile, const std::atomic<bool> *cancel) const {
-	BasisBatch batch;
-	for (std::size_t first = 0; first < r_part.order.size(); first += BasisBatch::most) {
+	TransformBatch batch;
+	for (std::size_t first = 0; first < r_part.order.size(); first += TransformBatch::most) {
 		if (first % between_looks == 0 && is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		const std::span<const std::uint64_t> keys =
-				std::span(r_part.order).subspan(first, std::min(BasisBatch::most, r_part.order.size() - first));
+				std::span(r_part.order).subspan(first, std::min(TransformBatch::most, r_part.order.size() - first));
 		batch.count = 0;
 		for (const std::uint64_t key : keys) {
-			batch.add(points.ids[point_of(key)], points.ground[point_of(key)].normal);
+			add_point(layer, points, point_of(key), r_tile.origin, batch);
 		}
 		batch.make(layer.placement, layer.set.seed);
 		for (std::size_t i = 0; i < keys.size(); ++i) {
 			const std::size_t mesh = r_part.mesh_of[first + i];
-			write_instance(layer, points, keys[i], r_tile.origin, batch, i, r_part.ends[mesh]++, r_tile.meshes[mesh],
-					r_part.bounds[mesh]);
+			write_instance(
+					layer, points, keys[i], batch, i, r_part.ends[mesh]++, r_tile.meshes[mesh], r_part.bounds[mesh]);
 		}
 	}
 	return {};

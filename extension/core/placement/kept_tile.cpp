@@ -1,7 +1,7 @@
 #include "core/placement/kept_tile.hpp"
 
 #include "core/base/instance_id.hpp"
-#include "core/placement/instance_basis.hpp"
+#include "core/placement/transform_batch.hpp"
 
 #include <glm/common.hpp>
 
@@ -30,10 +30,7 @@ void write_position(const glm::vec3 &position, std::span<float, transform_floats
 /// Without an alignment, nothing of a normal but the signs of x and z counts, and these for the signs of zeros.
 bool needs_normals(const LayerSettings &settings) { return settings.placement.align_to_normal != 0.0; }
 
-template <class Value>
-std::size_t bytes_of(const std::vector<Value> &values) {
-	return values.capacity() * sizeof(Value);
-}
+std::size_t bytes_of(const auto &values) { return values.capacity() * sizeof(values[0]); }
 
 bool same_bits(std::span<const float> a, std::span<const float> b) {
 	return std::ranges::equal(
@@ -53,9 +50,9 @@ bool same_bits(const InstanceShares &a, const InstanceShares &b) {
 KeptMesh::KeptMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings) :
 		settings_(std::move(settings)), stride_(mesh.stride), min_(mesh.min), max_(mesh.max),
 		max_scale_(mesh.max_scale), ranks_(mesh.ranks.begin(), mesh.ranks.end()) {
-	positions_.reserve(mesh.size());
+	positions_.resize(mesh.size());
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
-		positions_.push_back(position_of(mesh, i));
+		positions_[i] = position_of(mesh, i);
 	}
 	if (settings_ != nullptr && mesh.normals.size() == mesh.size() && find_cells(mesh)) {
 		keep_sources(mesh);
@@ -66,31 +63,31 @@ KeptMesh::KeptMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSetting
 
 /// False for ids that lie too far apart, or are none of points of one layer.
 bool KeptMesh::find_cells(const MeshInstances &mesh) {
-	glm::ivec2 low(std::numeric_limits<int>::max());
-	glm::ivec2 high(std::numeric_limits<int>::min());
-	const std::uint16_t layer = mesh.size() > 0 ? unpack(mesh.ids.front()).layer : std::uint16_t{0};
-	for (const std::uint64_t id : mesh.ids) {
-		const InstanceId point = unpack(id);
-		if (point.layer != layer) {
-			return false;
-		}
-		low = glm::min(low, point.cell);
-		high = glm::max(high, point.cell);
-	}
 	if (mesh.size() == 0) {
 		return true;
 	}
+	const std::uint16_t layer = unpack(mesh.ids.front()).layer;
+	glm::ivec2 low(std::numeric_limits<int>::max());
+	glm::ivec2 high(std::numeric_limits<int>::min());
+	bool same_layer = true;
+	for (const std::uint64_t id : mesh.ids) {
+		const InstanceId point = unpack(id);
+		same_layer &= point.layer == layer;
+		low = glm::min(low, point.cell);
+		high = glm::max(high, point.cell);
+	}
 	const glm::ivec2 across = high - low;
-	if (std::max(across.x, across.y) > static_cast<int>(cell_mask)) {
+	if (!same_layer || std::max(across.x, across.y) > static_cast<int>(cell_mask)) {
 		return false;
 	}
 	first_id_ = pack({layer, low});
-	cells_.reserve(mesh.size());
+	cells_.resize(mesh.size());
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
 		const glm::uvec2 cell(unpack(mesh.ids[i]).cell - low);
-		const std::uint32_t signs = (std::signbit(mesh.normals[i].x) ? x_is_negative : 0) |
-				(std::signbit(mesh.normals[i].z) ? z_is_negative : 0);
-		cells_.push_back(signs | cell.x << y_bits | cell.y);
+		const glm::vec3 &normal = mesh.normals[i];
+		const std::uint32_t signs =
+				(std::signbit(normal.x) ? x_is_negative : 0) | (std::signbit(normal.z) ? z_is_negative : 0);
+		cells_[i] = signs | cell.x << y_bits | cell.y;
 	}
 	return true;
 }
@@ -225,13 +222,13 @@ void KeptMesh::read_behind(std::size_t i, float scale, std::span<float> r_floats
 /// Many instances, batch by batch.
 template <class IndexOf>
 void KeptMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const {
-	BasisBatch batch;
+	TransformBatch batch;
 	for (std::size_t first = 0; first < count;) {
 		std::size_t end = first;
-		for (batch.count = 0; end < count && batch.count < BasisBatch::most; ++end) {
+		for (batch.count = 0; end < count && batch.count < TransformBatch::most; ++end) {
 			const std::size_t i = index_of(end);
 			if (i >= as_they_are()) {
-				batch.add(id(i), normal_of(i - as_they_are()));
+				batch.add(id(i), normal_of(i - as_they_are()), positions_[i]);
 			}
 		}
 		if (batch.count > 0) {
@@ -245,7 +242,6 @@ void KeptMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<f
 				continue;
 			}
 			batch.write(made, floats.first<transform_floats>());
-			write_position(positions_[i], floats.first<transform_floats>());
 			read_behind(i, batch.scale[made++], floats.subspan(transform_floats));
 		}
 	}

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/unfilled.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/tile_instances.hpp"
 
@@ -93,11 +94,11 @@ private:
 	glm::vec3 max_{0.0f};
 	float max_scale_ = 0.0f;
 
-	std::vector<glm::vec3> positions_;
+	UnfilledVector<glm::vec3> positions_;
 	std::vector<std::uint32_t> ranks_;
 
 	// Of those that the settings make.
-	std::vector<std::uint32_t> cells_;
+	UnfilledVector<std::uint32_t> cells_;
 	std::vector<glm::vec3> normals_;     ///< None where the layer stands upright: the signs are enough then.
 	std::vector<InstanceShares> shares_; ///< None where no source is known.
 

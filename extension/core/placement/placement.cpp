@@ -108,19 +108,16 @@ float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t 
 	return static_cast<float>(scale);
 }
 
-void write_position(const Placement &placement, glm::vec3 normal, glm::vec3 position,
-		std::span<float, transform_floats> r_transform) {
-	if (placement.offset_along_normal != 0.0) {
-		position += glm::vec3(up_axis(normal, 1.0) * placement.offset_along_normal);
-	}
-	for (int row = 0; row < 3; ++row) {
-		r_transform[static_cast<std::size_t>(row) * 4 + 3] = position[row];
-	}
+glm::vec3 moved_along(glm::vec3 normal, double offset, glm::vec3 position) {
+	return position + glm::vec3(up_axis(normal, 1.0) * offset);
 }
 
 float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
 		glm::vec3 position, std::span<float, transform_floats> r_transform) {
-	write_position(placement, normal, position, r_transform);
+	const glm::vec3 stands = standing_position(placement, normal, position);
+	for (int row = 0; row < 3; ++row) {
+		r_transform[static_cast<std::size_t>(row) * 4 + 3] = stands[row];
+	}
 	return write_basis(placement, seed, id, normal, r_transform);
 }
 

@@ -54,9 +54,14 @@ Status validate(const Placement &placement);
 float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
 		std::span<float, transform_floats> r_transform);
 
-/// Writes the position of an instance, with the offset along the normal added to it; nothing else.
-void write_position(const Placement &placement, glm::vec3 normal, glm::vec3 position,
-		std::span<float, transform_floats> r_transform);
+/// `position`, `offset` meters along a normal that points up.
+glm::vec3 moved_along(glm::vec3 normal, double offset, glm::vec3 position);
+
+/// `position` with the placement's offset along the normal added to it.
+inline glm::vec3 standing_position(const Placement &placement, glm::vec3 normal, glm::vec3 position) {
+	const double offset = placement.offset_along_normal;
+	return offset != 0.0 ? moved_along(normal, offset, position) : position;
+}
 
 /// Writes the transform of an instance: yaw about its own up axis, then the tilt away from it, then the alignment to
 /// the ground, both by the shortest way, and the scale; `position` with the offset along the normal added to it. The

@@ -1,9 +1,9 @@
-// write_basis of placement.cpp for as many instances as a vector has doubles. Included once for each instruction set.
+// write_basis of placement.cpp, and the position, for as many instances as a vector has doubles. Included once for each instruction set.
 //
 // The same operations in the same order, none of them fused, so the same bits. Kept side by side with it.
 
 #include "core/base/philox.hpp"
-#include "core/placement/instance_basis.hpp"
+#include "core/placement/transform_batch.hpp"
 #include "core/rules/instance_random.hpp"
 
 #include <numbers>
@@ -16,7 +16,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // At most as wide as a batch.
-using Doubles = hn::CappedTag<double, BasisBatch::most>;
+using Doubles = hn::CappedTag<double, TransformBatch::most>;
 using Words = hn::RebindToUnsigned<Doubles>; ///< 64 bits; numbers of 32 in the lower half.
 using Halves = hn::Repartition<std::uint32_t, Words>;
 using Floats = hn::Rebind<float, Doubles>;
@@ -140,12 +140,13 @@ HWY_INLINE Vector up_axis(const Vector &normal, double align) {
 	return {hn::Mul(up.x, to_unit), hn::Mul(up.y, to_unit), hn::Mul(up.z, to_unit)};
 }
 
-HWY_INLINE void store(D value, float *r_to) { hn::Store(hn::DemoteTo(Floats(), value), Floats(), r_to); }
+HWY_INLINE D load(const float *from) { return hn::PromoteTo(Doubles(), hn::Load(Floats(), from)); }
+HWY_INLINE hn::VFromD<Floats> rounded(D value) { return hn::DemoteTo(Floats(), value); }
 
 } // namespace
 
 /// Whole vectors, so some instances behind the last one, too. Those have numbers from before.
-void make_bases(const Placement &placement, std::uint64_t seed, BasisBatch &r_batch) {
+void make_transforms(const Placement &placement, std::uint64_t seed, TransformBatch &r_batch) {
 	const Doubles doubles;
 	const bool leans = placement.max_tilt_degrees > 0.0;
 	for (std::size_t at = 0; at < r_batch.count; at += hn::Lanes(doubles)) {
@@ -153,8 +154,8 @@ void make_bases(const Placement &placement, std::uint64_t seed, BasisBatch &r_ba
 		const D yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, random.yaw);
 		const D scale = mix(placement.min_scale, placement.max_scale, random.scale);
 		const Turn turn = rotation_by(hn::Div(yaw, set(360.0)));
-		const Vector normal{hn::Load(doubles, r_batch.normal_x.data() + at),
-				hn::Load(doubles, r_batch.normal_y.data() + at), hn::Load(doubles, r_batch.normal_z.data() + at)};
+		const Vector normal{load(r_batch.normal_x.data() + at), load(r_batch.normal_y.data() + at),
+				load(r_batch.normal_z.data() + at)};
 		const Vector up = up_axis(normal, placement.align_to_normal);
 		Vector axis = up;
 		if (leans) {
@@ -171,15 +172,15 @@ void make_bases(const Placement &placement, std::uint64_t seed, BasisBatch &r_ba
 			y = tilted(up, y);
 			z = tilted(up, z);
 		}
-		const auto write = [&](std::size_t row, D of_x, D of_y, D of_z) {
-			store(hn::Mul(scale, of_x), r_batch.basis[3 * row].data() + at);
-			store(hn::Mul(scale, of_y), r_batch.basis[3 * row + 1].data() + at);
-			store(hn::Mul(scale, of_z), r_batch.basis[3 * row + 2].data() + at);
+		const auto write = [&](std::size_t row, D of_x, D of_y, D of_z, const float *position) {
+			hn::StoreInterleaved4(rounded(hn::Mul(scale, of_x)), rounded(hn::Mul(scale, of_y)),
+					rounded(hn::Mul(scale, of_z)), hn::Load(Floats(), position + at), Floats(),
+					r_batch.rows[row].data() + TransformBatch::row_floats * at);
 		};
-		write(0, x.x, y.x, z.x);
-		write(1, x.y, y.y, z.y);
-		write(2, x.z, y.z, z.z);
-		store(scale, r_batch.scale.data() + at);
+		write(0, x.x, y.x, z.x, r_batch.position_x.data());
+		write(1, x.y, y.y, z.y, r_batch.position_y.data());
+		write(2, x.z, y.z, z.z, r_batch.position_z.data());
+		hn::Store(rounded(scale), Floats(), r_batch.scale.data() + at);
 	}
 }
 

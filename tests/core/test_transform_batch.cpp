@@ -1,6 +1,6 @@
-// Bases of many instances at once: the same bits as one after the other, on every instruction set.
+// Transforms of many instances at once: the same bits as one after the other, on every instruction set.
 
-#include "core/placement/instance_basis.hpp"
+#include "core/placement/transform_batch.hpp"
 #include "placement_fixture.hpp"
 #include "tile_fixture.hpp"
 #include "tests/bench/common/simd_targets.hpp"
@@ -43,27 +43,32 @@ std::vector<Placement> placements() {
 
 } // namespace
 
-TEST_CASE("instance basis: many at once are the same bits as one after the other, on every instruction set") {
+TEST_CASE("transform batch: many at once are the same bits as one after the other, on every instruction set") {
 	for (const bench::SimdTarget &target : bench::simd_targets()) {
 		CAPTURE(target.name);
 		const bench::ForcedTarget forced(target);
 		for (const Placement &placement : placements()) {
 			std::mt19937_64 random(7);
 			std::mt19937 normals(8);
-			BasisBatch batch;
+			TransformBatch batch;
 			for (int round = 0; round < 60; ++round) {
 				std::vector<std::uint64_t> ids;
 				std::vector<glm::vec3> up;
+				std::vector<glm::vec3> stands;
 				batch.count = 0;
-				const std::size_t count = 1 + random() % BasisBatch::most;
+				const std::size_t count = 1 + random() % TransformBatch::most;
 				while (ids.size() < count) {
 					ids.push_back(random());
 					up.push_back(random() % 8 == 0 ? glm::vec3(-0.0f, 1.0f, 0.0f) : random_normal(normals));
-					batch.add(ids.back(), up.back());
+					stands.emplace_back(static_cast<float>(random() % 1000), -0.0f, static_cast<float>(count));
+					batch.add(ids.back(), up.back(), stands.back());
 				}
 				batch.make(placement, seed + static_cast<std::uint64_t>(round));
 				for (std::size_t i = 0; i < count; ++i) {
 					std::array<float, transform_floats> expected{};
+					expected[3] = stands[i].x;
+					expected[7] = stands[i].y;
+					expected[11] = stands[i].z;
 					std::array<float, transform_floats> got{};
 					const float scale =
 							write_basis(placement, seed + static_cast<std::uint64_t>(round), ids[i], up[i], expected);
@@ -76,16 +81,16 @@ TEST_CASE("instance basis: many at once are the same bits as one after the other
 	}
 }
 
-TEST_CASE("instance basis: they are made by vectors, which write behind the last one") {
-	BasisBatch batch;
+TEST_CASE("transform batch: they are made by vectors, which write behind the last one") {
+	TransformBatch batch;
 	batch.scale.fill(-1.0f);
-	batch.add(5, up);
+	batch.add(5, up, {});
 	batch.make({}, seed);
 	CHECK(batch.scale[0] == 1.0f);
 	CHECK(batch.scale[1] == 1.0f); // Nothing wider than one would leave it as it was.
 }
 
-TEST_CASE("instance basis: tiles are placed, and read back from what is kept of them, by vectors") {
+TEST_CASE("transform batch: tiles are placed, and read back from what is kept of them, by vectors") {
 	TileBuilder builder;
 	TileInstances tile;
 	LayerSettings layer = rich_layer();

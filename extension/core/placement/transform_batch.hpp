@@ -1,0 +1,61 @@
+#pragma once
+
+#include "core/placement/placement.hpp"
+
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+namespace thicket {
+
+/// Transforms of many instances at once, by vectors; the same bits as one after the other.
+struct TransformBatch {
+	static constexpr std::size_t most = 64; ///< Instances.
+
+	// What they follow from, filled by the caller up to `count`.
+	std::size_t count = 0;
+	alignas(64) std::array<std::uint64_t, most> ids{};
+	alignas(64) std::array<float, most> normal_x{};
+	alignas(64) std::array<float, most> normal_y{};
+	alignas(64) std::array<float, most> normal_z{};
+	alignas(64) std::array<float, most> position_x{};
+	alignas(64) std::array<float, most> position_y{};
+	alignas(64) std::array<float, most> position_z{};
+
+	/// `position` is where it stands, as `standing_position` gives it.
+	void add(std::uint64_t id, glm::vec3 normal, glm::vec3 position) {
+		ids[count] = id;
+		normal_x[count] = normal.x;
+		normal_y[count] = normal.y;
+		normal_z[count] = normal.z;
+		position_x[count] = position.x;
+		position_y[count] = position.y;
+		position_z[count++] = position.z;
+	}
+
+	glm::vec3 normal(std::size_t i) const { return {normal_x[i], normal_y[i], normal_z[i]}; }
+	glm::vec3 position(std::size_t i) const { return {position_x[i], position_y[i], position_z[i]}; }
+
+	/// Writes, for all of them, what write_basis does, and their positions. `placement` must be valid.
+	void make(const Placement &placement, std::uint64_t seed);
+
+	// What they are then.
+	static constexpr std::size_t row_floats = transform_floats / 3;
+	alignas(64) std::array<std::array<float, most * row_floats>,
+			3> rows{}; ///< For each row of a transform those of all instances.
+	alignas(64) std::array<float, most> scale{};
+
+	/// Copies one to its transform.
+	void write(std::size_t i, std::span<float, transform_floats> r_transform) const {
+		for (std::size_t row = 0; row < rows.size(); ++row) {
+			std::memcpy(r_transform.data() + row * row_floats, rows[row].data() + i * row_floats,
+					row_floats * sizeof(float));
+		}
+	}
+};
+
+} // namespace thicket
