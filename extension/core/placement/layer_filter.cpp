@@ -67,18 +67,23 @@ Status LayerFilter::ask_position() {
 
 /// Splits the points, or those that the rules of position let pass, into one array for each part.
 void LayerFilter::keep_points(bool all) {
-	positions_.clear();
-	ids_.clear();
-	ranks_.clear();
-	densities_.clear();
+	const auto resize = [this](std::size_t count) {
+		positions_.resize(count);
+		ids_.resize(count);
+		ranks_.resize(count);
+		densities_.resize(count);
+	};
+	resize(sampled_);
+	// Without a branch, which densities would often mislead: the next one takes the place of one that goes.
+	std::size_t kept = 0;
 	for (std::size_t i = 0; i < sampled_; ++i) {
-		if (all || stands(points_[i].rank, sampled_densities_[i])) {
-			positions_.push_back(points_[i].position);
-			ids_.push_back(points_[i].id);
-			ranks_.push_back(points_[i].rank);
-			densities_.push_back(sampled_densities_[i]);
-		}
+		positions_[kept] = points_[i].position;
+		ids_[kept] = points_[i].id;
+		ranks_[kept] = points_[i].rank;
+		densities_[kept] = sampled_densities_[i];
+		kept += all || stands(points_[i].rank, sampled_densities_[i]) ? 1 : 0;
 	}
+	resize(kept);
 }
 
 Status LayerFilter::look_around() {
@@ -153,11 +158,17 @@ double LayerFilter::neighbor_density(std::size_t neighbor, glm::dvec2 position, 
 	return record(RuleKind::neighbor, distance, density, static_cast<std::uint32_t>(neighbor));
 }
 
+/// Of the rules that look at a point's place and its ground alone.
+template <class Record>
+double LayerFilter::density_of_place(std::size_t point, std::span<const Ground> ground, const Record &record) const {
+	return densities_[point] * rules_.ground_density(ground[point], positions_[point], record);
+}
+
 /// In the order of what the rules cost; a point that has fallen below its rank is not asked further.
 template <class Record>
 double LayerFilter::product(std::size_t point, std::span<const Ground> ground, const Record &record) const {
 	const Ground &here = ground[point];
-	double density = densities_[point] * rules_.ground_density(here, positions_[point], record);
+	double density = density_of_place(point, ground, record);
 	if (Record::complete && !std::isfinite(here.height)) {
 		return density; // 0, and without ground there is nothing that the others could tell.
 	}
@@ -191,18 +202,27 @@ Status LayerFilter::factors_at(
 }
 
 Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
-	standing_.clear();
-	thinning_ranks_.clear();
-	for (std::size_t point = 0; point < positions_.size(); ++point) {
-		if (point % batch == 0 && is_cancelled(cancel)) {
+	const bool looks_further = rules_.rules().shapes != nullptr || !neighbors_.empty() || !probe_open_.empty();
+	standing_.resize(positions_.size());
+	thinning_ranks_.resize(positions_.size());
+	std::size_t standing = 0; // As in keep_points.
+	for (std::size_t first = 0; first < positions_.size(); first += batch) {
+		if (is_cancelled(cancel)) {
+			standing_.clear();
+			thinning_ranks_.clear();
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
-		const double density = density_at(point, ground);
-		if (stands(ranks_[point], density)) {
-			standing_.push_back(static_cast<std::uint32_t>(point));
-			thinning_ranks_.push_back(thinning_rank(ranks_[point], density));
+		const std::size_t end = std::min(first + batch, positions_.size());
+		for (std::size_t point = first; point < end; ++point) {
+			const double density =
+					looks_further ? density_at(point, ground) : density_of_place(point, ground, NoRecord());
+			standing_[standing] = static_cast<std::uint32_t>(point);
+			thinning_ranks_[standing] = thinning_rank(ranks_[point], density);
+			standing += stands(ranks_[point], density) ? 1 : 0;
 		}
 	}
+	standing_.resize(standing);
+	thinning_ranks_.resize(standing);
 	return {};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/rect.hpp"
+#include "core/base/unfilled.hpp"
 #include "core/placement/ground_query.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/point_grid.hpp"
@@ -78,6 +79,8 @@ private:
 	template <class Record>
 	double edge_density_at(std::size_t point, std::span<const Ground> probe_ground, const Record &record) const;
 	template <class Record>
+	double density_of_place(std::size_t point, std::span<const Ground> ground, const Record &record) const;
+	template <class Record>
 	double product(std::size_t point, std::span<const Ground> ground, const Record &record) const;
 
 	const LayerSettings *layer_ = nullptr;
@@ -87,22 +90,22 @@ private:
 	std::size_t sampled_ = 0;
 
 	std::vector<SamplePoint> points_; ///< As sampled; kept for their memory.
-	std::vector<glm::dvec2> positions_;
-	std::vector<std::uint64_t> ids_;
-	std::vector<std::uint32_t> ranks_;
-	std::vector<double> densities_;        ///< Of the rules of position.
+	UnfilledVector<glm::dvec2> positions_;
+	UnfilledVector<std::uint64_t> ids_;
+	UnfilledVector<std::uint32_t> ranks_;
+	UnfilledVector<double> densities_;     ///< Of the rules of position.
 	std::vector<glm::dvec2> probes_;       ///< edge_probes for each point, or none.
 	std::vector<std::uint8_t> probe_open_; ///< Whether the rules of position allow them.
 	std::vector<std::uint32_t> near_shapes_;
 
-	std::vector<std::uint32_t> standing_;
-	std::vector<std::uint32_t> thinning_ranks_;
+	UnfilledVector<std::uint32_t> standing_;
+	UnfilledVector<std::uint32_t> thinning_ranks_;
 	PointGrid grid_;
 	std::vector<glm::dvec2> standing_positions_;
 
 	// Working memory of `sample`.
-	std::vector<glm::dvec2> sampled_positions_;
-	std::vector<double> sampled_densities_;
+	UnfilledVector<glm::dvec2> sampled_positions_;
+	UnfilledVector<double> sampled_densities_;
 	std::vector<float> scratch_;
 };
 

@@ -139,7 +139,7 @@ double PreparedRules::water_density(double height, glm::dvec2 position, const Re
 }
 
 template <class Record>
-double PreparedRules::ground_density(const Ground &ground, glm::dvec2 position, const Record &record) const {
+double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 position, const Record &record) const {
 	if (!is_ground(ground)) {
 		return record(RuleKind::ground, ground.height, 0.0);
 	}
@@ -185,8 +185,8 @@ double PreparedRules::shape_density(
 	return record(RuleKind::shapes, effect.density(), effect.density(), effect.decisive());
 }
 
-template double PreparedRules::ground_density(const Ground &, glm::dvec2, const NoRecord &) const;
-template double PreparedRules::ground_density(const Ground &, glm::dvec2, const RuleRecord &) const;
+template double PreparedRules::density_of_limits(const Ground &, glm::dvec2, const NoRecord &) const;
+template double PreparedRules::density_of_limits(const Ground &, glm::dvec2, const RuleRecord &) const;
 template double PreparedRules::shape_density(
 		std::span<const std::uint32_t>, glm::dvec2, const Ground &, const NoRecord &) const;
 template double PreparedRules::shape_density(

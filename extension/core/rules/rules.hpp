@@ -104,13 +104,15 @@ public:
 	/// height or a normal that is not finite, a normal that does not point up) has a density of 0.
 	/// `record` is told of all factors but those of rules that limit nothing; without ground there is no other.
 	template <class Record = NoRecord>
-	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const;
-
-	/// Whether that density is above 0, sooner.
-	bool allow(const Ground &ground, glm::dvec2 position) const {
-		return slope_alone_ ? is_ground(ground) && slope_.density_of(ground.normal) > 0.0
-							: ground_density(ground, position) > 0.0;
+	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const {
+		if (!Record::complete && slope_alone_) {
+			return is_ground(ground) ? slope_.density_of(ground.normal) : 0.0;
+		}
+		return density_of_limits(ground, position, record);
 	}
+
+	/// Whether that density is above 0.
+	bool allow(const Ground &ground, glm::dvec2 position) const { return ground_density(ground, position) > 0.0; }
 
 	/// The factor of the shapes, given those near (ShapeSet::near); 1 for a layer without shapes.
 	template <class Record = NoRecord>
@@ -118,6 +120,9 @@ public:
 			const Record &record = {}) const;
 
 private:
+	template <class Record>
+	double density_of_limits(const Ground &ground, glm::dvec2 position, const Record &record) const;
+
 	template <class Record>
 	Status place_product(std::span<const glm::dvec2> positions, std::span<double> r_densities,
 			std::vector<float> &scratch, const Record &record) const;
