@@ -163,10 +163,11 @@ inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area,
 				}
 			}
 		}
-		for (const std::uint64_t id :
-				state != nullptr ? state->added_ids(asked.set.layer) : std::vector<std::uint64_t>{}) {
-			const AddedInstance &added = *state->added(id);
-			all.push_back({id, layer, added.mesh, added.position, added.basis});
+		if (state != nullptr) {
+			for (const std::uint64_t id : state->added_ids(asked.set.layer)) {
+				const AddedInstance &added = *state->added(id);
+				all.push_back({id, layer, added.mesh, added.position, added.basis});
+			}
 		}
 	}
 	std::sort(all.begin(), all.end(), [](const PlacedInstance &a, const PlacedInstance &b) {
