@@ -158,9 +158,9 @@ double LayerFilter::neighbor_density(std::size_t neighbor, glm::dvec2 position, 
 	return record(RuleKind::neighbor, distance, density, static_cast<std::uint32_t>(neighbor));
 }
 
-/// Of the rules that look at a point's place and its ground alone.
+/// Of the rules that look at nothing but a point's position and the ground there.
 template <class Record>
-double LayerFilter::density_of_place(std::size_t point, std::span<const Ground> ground, const Record &record) const {
+double LayerFilter::density_alone(std::size_t point, std::span<const Ground> ground, const Record &record) const {
 	return densities_[point] * rules_.ground_density(ground[point], positions_[point], record);
 }
 
@@ -168,7 +168,7 @@ double LayerFilter::density_of_place(std::size_t point, std::span<const Ground> 
 template <class Record>
 double LayerFilter::product(std::size_t point, std::span<const Ground> ground, const Record &record) const {
 	const Ground &here = ground[point];
-	double density = density_of_place(point, ground, record);
+	double density = density_alone(point, ground, record);
 	if (Record::complete && !std::isfinite(here.height)) {
 		return density; // 0, and without ground there is nothing that the others could tell.
 	}
@@ -215,7 +215,7 @@ Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<boo
 		const std::size_t end = std::min(first + batch, positions_.size());
 		for (std::size_t point = first; point < end; ++point) {
 			const double density =
-					looks_further ? density_at(point, ground) : density_of_place(point, ground, NoRecord());
+					looks_further ? density_at(point, ground) : density_alone(point, ground, NoRecord());
 			standing_[standing] = static_cast<std::uint32_t>(point);
 			thinning_ranks_[standing] = thinning_rank(ranks_[point], density);
 			standing += stands(ranks_[point], density) ? 1 : 0;

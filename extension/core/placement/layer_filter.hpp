@@ -79,7 +79,7 @@ private:
 	template <class Record>
 	double edge_density_at(std::size_t point, std::span<const Ground> probe_ground, const Record &record) const;
 	template <class Record>
-	double density_of_place(std::size_t point, std::span<const Ground> ground, const Record &record) const;
+	double density_alone(std::size_t point, std::span<const Ground> ground, const Record &record) const;
 	template <class Record>
 	double product(std::size_t point, std::span<const Ground> ground, const Record &record) const;
 
