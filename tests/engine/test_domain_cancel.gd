@@ -3,9 +3,10 @@ extends "domain_harness.gd"
 
 ## Four million points.
 const HUGE := Rect2(-1000, 0, 2400, 2400)
-## The promise, and how often it is tried: others may be at work on the machine.
+## The promise, and how often it is tried: others may be at work on the machine, for a moment or for a second.
 const CANCEL_USEC := 50000
 const TRIES := 3
+const ROUNDS := 4
 
 
 ## From the first sign of life, which comes with most of the work still to do, in each precision.
@@ -14,23 +15,33 @@ func test_cancel_from_progress() -> void:
 		for precise: bool in [false, true]:
 			var sampler := make(method)
 			sampler.double_precision = precise
-			var times: PackedInt64Array = []
-			for round in TRIES:
+			check_promise(label(method), func() -> int:
 				var listener := Listener.new()
 				listener.deed = func(_fraction: float) -> void: sampler.cancel()
 				var points := sampler.sample_domain(HUGE, listener.hear)
-				times.push_back(Time.get_ticks_usec() - listener.times[-1])
+				var elapsed := Time.get_ticks_usec() - listener.times[-1]
 				check_equal(points.size(), 0, label(method) + ": nothing comes out")
 				check_equal(listener.heard(), 1, label(method) + ": nor is there more to hear")
+				return elapsed)
 			check_no_error(label(method) + " cancelled")
-			check_promise(times, label(method))
 			check(sampler.sample_domain(SMALL).size() > 300, label(method) + ": the next call works")
 
 
-func check_promise(times: PackedInt64Array, what: String) -> void:
-	var sorted := times.duplicate()
-	sorted.sort()
-	check(sorted[0] < CANCEL_USEC, "%s: %s us" % [what, times])
+## That a call which returns microseconds keeps the promise: once at least in a round of tries.
+func check_promise(what: String, measure: Callable) -> void:
+	var all: Array[PackedInt64Array] = []
+	for round in ROUNDS:
+		var times: PackedInt64Array = []
+		for each in TRIES:
+			times.push_back(measure.call())
+		all.push_back(times)
+		times = times.duplicate()
+		times.sort()
+		if times[0] < CANCEL_USEC:
+			check(true, what)
+			return
+		OS.delay_msec(1000)
+	check(false, "%s: %s us" % [what, all])
 
 
 func test_cancel_late() -> void:
@@ -51,8 +62,7 @@ func test_cancel_late() -> void:
 func test_cancel_from_another_thread() -> void:
 	for method in METHODS:
 		for words: int in [1, 3, 8]:
-			var times: PackedInt64Array = []
-			for round in TRIES:
+			check_promise("%s on a thread, at word %d" % [label(method), words], func() -> int:
 				var sampler := make(method)
 				var listener := Listener.new()
 				var thread := Thread.new()
@@ -62,19 +72,18 @@ func test_cancel_from_another_thread() -> void:
 				var start := Time.get_ticks_usec()
 				sampler.cancel()
 				var points: PackedVector2Array = thread.wait_to_finish()
-				times.push_back(Time.get_ticks_usec() - start)
+				var elapsed := Time.get_ticks_usec() - start
 				check_equal(points.size(), 0, label(method) + ": nothing comes out")
 				check(not 1.0 in listener.fractions, label(method) + ": never said that it is done")
+				return elapsed)
 			check_no_error(label(method) + " cancelled")
-			check_promise(times, "%s on a thread, at word %d" % [label(method), words])
 
 
 ## A call that is silent does not look whether it is cancelled either. The first choices touch fresh memory all over, for
 ## which the system needs a thousand times longer than for memory that it has at hand.
 func test_never_silent_for_long() -> void:
 	for method in METHODS:
-		var silences: PackedInt64Array = []
-		for round in TRIES:
+		check_promise(label(method) + " silent", func() -> int:
 			var sampler := make(method)
 			var listener := Listener.new()
 			var words: Array[int] = [0]
@@ -88,8 +97,7 @@ func test_never_silent_for_long() -> void:
 			for time in listener.times:
 				longest = maxi(longest, time - last)
 				last = time
-			silences.push_back(longest)
-		check_promise(silences, label(method) + " silent")
+			return longest)
 
 
 ## So early that memory is still being got and squares are still being made. Whoever cancels cannot know that the call has
@@ -97,11 +105,9 @@ func test_never_silent_for_long() -> void:
 func test_cancel_at_once() -> void:
 	for method in METHODS:
 		for delay: int in [0, 10, 60, 250]:
-			var times: PackedInt64Array = []
-			for round in TRIES:
-				times.push_back(cancel_after(make(method), delay))
+			check_promise("%s after %d ms" % [label(method), delay],
+					func() -> int: return cancel_after(make(method), delay))
 			check_no_error(label(method) + " cancelled")
-			check_promise(times, "%s after %d ms" % [label(method), delay])
 
 
 ## Microseconds from the first of many cancels to the end of the call.
@@ -123,8 +129,7 @@ func cancel_after(sampler: PoissonSampler, delay: int) -> int:
 
 
 func test_cancelled_windows() -> void:
-	var times: PackedInt64Array = []
-	for round in TRIES:
+	check_promise("sample", func() -> int:
 		var sampler := PoissonSampler.new()
 		var thread := Thread.new()
 		thread.start(func() -> PoissonPoints: return sampler.sample(HUGE))
@@ -133,12 +138,12 @@ func test_cancelled_windows() -> void:
 		while thread.is_alive():
 			sampler.cancel()
 			OS.delay_usec(200)
-		times.push_back(Time.get_ticks_usec() - start)
+		var elapsed := Time.get_ticks_usec() - start
 		var window: PoissonPoints = thread.wait_to_finish()
 		check_equal(window.ids.size() + window.ranks.size() + window.positions.size(), 0, "nothing comes out")
 		check(sampler.sample(SMALL).ids.size() > 300, "the next call works")
+		return elapsed)
 	check_no_error("cancelled windows")
-	check_promise(times, "sample")
 
 
 func test_a_cancel_before_the_call_is_none() -> void:
