@@ -280,3 +280,18 @@ func test_workers_let_go_of_what_is_no_longer_needed() -> void:
 		await process_frame
 	var freed: int = scatter.get_stats()["worker_frees"]
 	check(freed >= wanted, "freed on workers: %d, for %d tiles" % [freed, tiles])
+
+
+func test_workers_write_into_buffers_that_were_uploaded() -> void:
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	for step in 5:
+		viewer.global_position.x += 1000.0
+		await settle(scatter)
+	var tiles: int = scatter.get_stats()["tiles"]
+	var reused: int = scatter.get_stats()["buffers_reused"]
+	check(reused >= tiles, "reused: %d, for five times %d tiles" % [reused, tiles])
+	# What was written into them is what is on show.
+	for tile in shown_tiles(scatter, 0):
+		var built := scatter.build_tile(0, tile)
+		check_equal(scatter.get_tile(0, tile).get_digest(), built.get_digest(), "tile %s" % tile)

@@ -2,6 +2,9 @@
 
 #include "nodes/common/convert.hpp"
 
+#include <algorithm>
+#include <utility>
+
 using namespace godot;
 
 namespace thicket {
@@ -10,10 +13,34 @@ AABB box_around(glm::vec3 min, glm::vec3 max, float margin) {
 	return AABB(to_engine(min - margin), to_engine(max - min + 2.0F * margin));
 }
 
-MeshUpload to_upload(const MeshInstances &mesh, float reach) {
+void SpareBuffers::keep(std::vector<MeshUpload> &&uploads) {
+	for (MeshUpload &upload : uploads) {
+		const std::int64_t bytes = upload.buffer.size() * std::int64_t{sizeof(float)};
+		if (bytes > 0 && buffers_.size() < most && bytes_ + bytes <= most_bytes) {
+			buffers_.push_back(std::move(upload.buffer));
+			bytes_ += bytes;
+		}
+	}
+	uploads.clear();
+}
+
+PackedFloat32Array SpareBuffers::take(std::size_t floats) {
+	PackedFloat32Array buffer;
+	if (!buffers_.empty()) {
+		buffer = std::move(buffers_.back()); // The one that was touched last.
+		buffers_.pop_back();
+		bytes_ -= buffer.size() * std::int64_t{sizeof(float)};
+		++reused_;
+	}
+	buffer.resize(static_cast<int64_t>(floats));
+	return buffer;
+}
+
+MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spare) {
 	MeshUpload upload;
 	upload.aabb = box_around(mesh.min, mesh.max, reach * mesh.max_scale);
-	upload.buffer = packed_floats(mesh.buffer);
+	upload.buffer = r_spare.take(mesh.buffer.size());
+	std::ranges::copy(mesh.buffer, upload.buffer.ptrw());
 	return upload;
 }
 

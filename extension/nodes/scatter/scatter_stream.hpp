@@ -86,6 +86,9 @@ public:
 
 	/// How much of what was no longer needed went on workers.
 	std::uint64_t freed_by_workers() const { return workers_.freed(); }
+
+	/// How many buffers they have written into once more.
+	std::uint64_t buffers_reused() const { return workers_.reused(); }
 	StreamCounts counts() const { return streamer_.counts(); }
 
 private:

@@ -109,8 +109,8 @@ void ScatterStream::finish_upload() {
 	} else {
 		display_.discard(uploads_.take());
 	}
-	// The renderer has its own of it by now. To give this much back can take the main thread a millisecond.
-	workers_.let_go(std::make_shared<const std::vector<MeshUpload>>(std::move(job->uploads)));
+	// The renderer has its own of it by now. To free this much can take the main thread a millisecond.
+	workers_.take_back(std::move(job->uploads));
 }
 
 bool ScatterStream::ring_step() {

@@ -298,6 +298,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["ground_reads"] = number(ground.reads);
 	stats["worker_usec"] = number(figures.worker_microseconds);
 	stats["worker_frees"] = number(stream_->freed_by_workers());
+	stats["buffers_reused"] = number(stream_->buffers_reused());
 	return stats;
 }
 

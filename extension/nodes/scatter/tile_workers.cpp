@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -70,10 +71,13 @@ void TileWorkers::hand_over() {
 		incoming_.clear();
 		unneeded_.insert(unneeded_.end(), unneeded_here_.begin(), unneeded_here_.end());
 		unneeded_here_.clear();
+		std::ranges::move(uploaded_here_, std::back_inserter(uploaded_));
+		uploaded_here_.clear();
 		waiting_ = queue_.size();
 		// To start a worker costs some microseconds, too.
-		frames_unneeded_ = unneeded_.empty() ? 0 : frames_unneeded_ + 1;
-		much_unneeded_ = unneeded_.size() >= 16 || frames_unneeded_ > 60;
+		const std::size_t all_unneeded = unneeded_.size() + uploaded_.size();
+		frames_unneeded_ = all_unneeded == 0 ? 0 : frames_unneeded_ + 1;
+		much_unneeded_ = all_unneeded >= 16 || frames_unneeded_ > 60;
 		lock.unlock();
 	}
 	wake();
@@ -105,6 +109,12 @@ void TileWorkers::let_go(std::shared_ptr<const void> unneeded) {
 	}
 }
 
+void TileWorkers::take_back(std::vector<MeshUpload> &&uploads) {
+	if (!on_main_thread_) {
+		std::ranges::move(uploads, std::back_inserter(uploaded_here_));
+	}
+}
+
 void TileWorkers::wake() {
 	if (on_main_thread_) {
 		return;
@@ -131,6 +141,7 @@ void TileWorkers::wake() {
 void TileWorkers::stop() {
 	incoming_.clear();
 	unneeded_here_.clear();
+	uploaded_here_.clear();
 	{
 		const std::lock_guard lock(mutex_);
 		queue_.clear();
@@ -149,6 +160,7 @@ void TileWorkers::stop() {
 	}
 	finished_.clear();
 	unneeded_.clear();
+	uploaded_.clear();
 }
 
 void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
@@ -171,18 +183,24 @@ void TileWorkers::hand_in(Worker &worker) {
 
 std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
 	std::vector<std::shared_ptr<const void>> unneeded; // They go once the lock is given back.
-	const std::lock_guard lock(mutex_);
-	unneeded.swap(unneeded_);
-	freed_.fetch_add(unneeded.size(), std::memory_order_relaxed);
-	much_unneeded_ = false;
-	hand_in(worker);
-	if (queue_.empty()) {
-		return nullptr;
+	std::vector<MeshUpload> uploaded;
+	std::shared_ptr<TileJob> job;
+	{
+		const std::lock_guard lock(mutex_);
+		unneeded.swap(unneeded_);
+		uploaded.swap(uploaded_);
+		much_unneeded_ = false;
+		hand_in(worker);
+		if (!queue_.empty()) {
+			job = std::move(queue_.front());
+			queue_.pop_front();
+			waiting_ = queue_.size();
+			worker.job = job;
+		}
 	}
-	worker.job = std::move(queue_.front());
-	queue_.pop_front();
-	waiting_ = queue_.size();
-	return worker.job;
+	freed_.fetch_add(unneeded.size() + uploaded.size(), std::memory_order_relaxed);
+	worker.spare.keep(std::move(uploaded));
+	return job;
 }
 
 void TileWorkers::run(void *p_worker) {
@@ -253,9 +271,11 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 	if (!job.status.ok()) {
 		return;
 	}
+	const std::uint64_t reused = worker.spare.reused();
 	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
-		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh)));
+		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh), worker.spare));
 	}
+	reused_.fetch_add(worker.spare.reused() - reused, std::memory_order_relaxed);
 	job.tile = std::make_shared<const KeptTile>(worker.tile, job.layer->settings);
 }
 

@@ -81,8 +81,14 @@ public:
 	/// Lets go of something large where that costs the main thread nothing: on a worker, before the next job or, if none comes, within a second.
 	void let_go(std::shared_ptr<const void> unneeded);
 
-	/// How many of these workers have let go of.
+	/// The same for buffers that were uploaded: the worker that gets them writes later tiles into some of them.
+	void take_back(std::vector<MeshUpload> &&uploads);
+
+	/// How much of both has come to workers.
 	std::uint64_t freed() const { return freed_.load(std::memory_order_relaxed); }
+
+	/// How many buffers were written into once more.
+	std::uint64_t reused() const { return reused_.load(std::memory_order_relaxed); }
 
 	/// Without threads: makes tiles until the time is over, and one at least if any waits. A script that is asked for heights may
 	/// call anything but this meanwhile. With threads: does nothing.
@@ -102,6 +108,7 @@ private:
 		TileWorkers *owner = nullptr;
 		TileBuilder builder;
 		TileInstances tile;
+		SpareBuffers spare;
 		std::shared_ptr<TileJob> job; ///< Guarded by mutex_.
 		std::int64_t task = -1;       ///< The engine's task, -1 for none. Main thread only.
 	};
@@ -113,8 +120,8 @@ private:
 	void wake();
 	static void run(void *p_worker);
 	bool work_on_next(Worker &worker);
-	static void advance(Worker &worker, TileJob &job);
-	static void finish(Worker &worker, TileJob &job);
+	void advance(Worker &worker, TileJob &job);
+	void finish(Worker &worker, TileJob &job);
 	std::shared_ptr<TileJob> next(Worker &worker);
 	void hand_in(Worker &worker);
 
@@ -123,14 +130,17 @@ private:
 	std::deque<std::shared_ptr<TileJob>> queue_;
 	std::vector<std::shared_ptr<TileJob>> finished_;
 	std::vector<std::shared_ptr<const void>> unneeded_;
+	std::vector<MeshUpload> uploaded_;
 	std::atomic<std::size_t> waiting_ = 0;    ///< The size of queue_.
-	std::atomic<std::uint64_t> freed_ = 0;    ///< What was in unneeded_ and is gone.
-	std::atomic<bool> much_unneeded_ = false; ///< Whether what is in unneeded_ is worth a worker of its own.
+	std::atomic<std::uint64_t> freed_ = 0;    ///< What was in unneeded_ and uploaded_.
+	std::atomic<std::uint64_t> reused_ = 0;   ///< Of what was in uploaded_.
+	std::atomic<bool> much_unneeded_ = false; ///< Whether what is in both is worth a worker of its own.
 
 	// Of the main thread alone: what is still to be put into the queue, and among what is unneeded.
 	std::deque<std::shared_ptr<TileJob>> incoming_;
 	std::vector<std::shared_ptr<const void>> unneeded_here_;
-	int frames_unneeded_ = 0; ///< For so many there has been something in unneeded_.
+	std::vector<MeshUpload> uploaded_here_;
+	int frames_unneeded_ = 0; ///< For so many there has been something in either.
 	std::vector<std::unique_ptr<Worker>> workers_;
 };
 
