@@ -214,8 +214,7 @@ Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<boo
 		}
 		const std::size_t end = std::min(first + batch, positions_.size());
 		for (std::size_t point = first; point < end; ++point) {
-			const double density =
-					looks_further ? density_at(point, ground) : density_alone(point, ground, NoRecord());
+			const double density = looks_further ? density_at(point, ground) : density_alone(point, ground, NoRecord());
 			standing_[standing] = static_cast<std::uint32_t>(point);
 			thinning_ranks_[standing] = thinning_rank(ranks_[point], density);
 			standing += stands(ranks_[point], density) ? 1 : 0;
