@@ -107,9 +107,9 @@ def configure_gnu(env, release):
 # Code that runs when a property is set or a scene is read: there is much of it, and its speed is nobody's matter.
 RARE = re.compile(
     r"extension/nodes/(?:biome|impostor|layer|model|region|sampler)/"
-    r"|extension/nodes/gameplay/(?:collision_shapes|instance_answers|navigation_parse|scatter_gameplay_navigation|scatter_instances|scatter_request)"
-    r"|extension/nodes/scatter/(?:build_at_once|draw_figures|layer_|node_layers|scatter_explanation|scatter_problems|scatter_tile)"
-    r"|extension/nodes/terrain/scatter_terrain"
+    r"|extension/nodes/gameplay/(?:collision_shapes|instance_answers|navigation_parse|scene_ring|scatter_gameplay_navigation|scatter_instances|scatter_request)"
+    r"|extension/nodes/scatter/(?:build_at_once|draw_figures|layer_|node_layers|scatter_explanation|scatter_problems|scatter_tile|terrain_scatter_3d\.cpp$)"
+    r"|extension/nodes/terrain/(?:ground_watch|scatter_terrain)"
     r"|_(?:binding|explain|properties|types)\.cpp$"
 )
 
