@@ -1,5 +1,6 @@
-#include "core/base/progress.hpp"
 #include "core/placement/ground_query.hpp"
+
+#include "core/base/progress.hpp"
 
 #include <algorithm>
 

@@ -47,7 +47,7 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = rank;
 	r_mesh.normals[at] = batch.normal(in_batch);
-	r_bounds.add(batch.position(in_batch), scale);
+	r_bounds.add({batch.position(in_batch), batch.position(in_batch), scale});
 	if (r_mesh.stride == transform_floats) {
 		return;
 	}

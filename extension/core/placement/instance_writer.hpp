@@ -44,12 +44,6 @@ struct InstanceBounds {
 	glm::vec3 max{-std::numeric_limits<float>::max()};
 	float max_scale = 0.0f;
 
-	void add(glm::vec3 position, float scale) {
-		min = glm::min(min, position);
-		max = glm::max(max, position);
-		max_scale = std::max(max_scale, scale);
-	}
-
 	void add(const InstanceBounds &other) {
 		min = glm::min(min, other.min);
 		max = glm::max(max, other.max);

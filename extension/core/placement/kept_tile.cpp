@@ -21,12 +21,6 @@ glm::vec3 position_of(const MeshInstances &mesh, std::size_t i) {
 	return {floats[3], floats[7], floats[11]};
 }
 
-void write_position(const glm::vec3 &position, std::span<float, transform_floats> r_transform) {
-	r_transform[3] = position.x;
-	r_transform[7] = position.y;
-	r_transform[11] = position.z;
-}
-
 /// Without an alignment, nothing of a normal but the signs of x and z counts, and these for the signs of zeros.
 bool needs_normals(const LayerSettings &settings) { return settings.placement.align_to_normal != 0.0; }
 

@@ -114,10 +114,7 @@ glm::vec3 moved_along(glm::vec3 normal, double offset, glm::vec3 position) {
 
 float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
 		glm::vec3 position, std::span<float, transform_floats> r_transform) {
-	const glm::vec3 stands = standing_position(placement, normal, position);
-	for (int row = 0; row < 3; ++row) {
-		r_transform[static_cast<std::size_t>(row) * 4 + 3] = stands[row];
-	}
+	write_position(standing_position(placement, normal, position), r_transform);
 	return write_basis(placement, seed, id, normal, r_transform);
 }
 

@@ -54,6 +54,13 @@ Status validate(const Placement &placement);
 float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
 		std::span<float, transform_floats> r_transform);
 
+/// Writes the position of an instance, nothing else.
+inline void write_position(glm::vec3 position, std::span<float, transform_floats> r_transform) {
+	r_transform[3] = position.x;
+	r_transform[7] = position.y;
+	r_transform[11] = position.z;
+}
+
 /// `position`, `offset` meters along a normal that points up.
 glm::vec3 moved_along(glm::vec3 normal, double offset, glm::vec3 position);
 

@@ -23,8 +23,8 @@ void TransformBatch::make(const Placement &placement, std::uint64_t seed) {
 		return;
 	}
 	for (std::size_t i = 0; i < count; ++i) {
-		std::array<float, transform_floats> transform{
-				0.0f, 0.0f, 0.0f, position_x[i], 0.0f, 0.0f, 0.0f, position_y[i], 0.0f, 0.0f, 0.0f, position_z[i]};
+		std::array<float, transform_floats> transform{};
+		write_position(position(i), transform);
 		scale[i] = write_basis(placement, seed, ids[i], normal(i), transform);
 		for (std::size_t row = 0; row < rows.size(); ++row) {
 			std::copy_n(transform.data() + row * row_floats, row_floats, rows[row].data() + i * row_floats);

@@ -45,8 +45,8 @@ struct TransformBatch {
 
 	// What they are then.
 	static constexpr std::size_t row_floats = transform_floats / 3;
-	alignas(64) std::array<std::array<float, most * row_floats>,
-			3> rows{}; ///< For each row of a transform those of all instances.
+	/// For each row of a transform those of all instances.
+	alignas(64) std::array<std::array<float, most * row_floats>, 3> rows{};
 	alignas(64) std::array<float, most> scale{};
 
 	/// Copies one to its transform.

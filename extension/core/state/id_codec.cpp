@@ -1,5 +1,6 @@
-#include "core/base/progress.hpp"
 #include "core/state/id_codec.hpp"
+
+#include "core/base/progress.hpp"
 
 #include <algorithm>
 #include <array>

@@ -14,11 +14,15 @@ AABB box_around(glm::vec3 min, glm::vec3 max, float margin) {
 }
 
 void SpareBuffers::keep(std::vector<MeshUpload> &&uploads) {
+	std::int64_t floats = 0;
+	for (const PackedFloat32Array &buffer : buffers_) {
+		floats += buffer.size();
+	}
 	for (MeshUpload &upload : uploads) {
-		const std::int64_t bytes = upload.buffer.size() * std::int64_t{sizeof(float)};
-		if (bytes > 0 && buffers_.size() < most && bytes_ + bytes <= most_bytes) {
+		const std::int64_t more = upload.buffer.size();
+		if (more > 0 && buffers_.size() < most && floats + more <= most_floats) {
 			buffers_.push_back(std::move(upload.buffer));
-			bytes_ += bytes;
+			floats += more;
 		}
 	}
 	uploads.clear();
@@ -29,8 +33,7 @@ PackedFloat32Array SpareBuffers::take(std::size_t floats) {
 	if (!buffers_.empty()) {
 		buffer = std::move(buffers_.back()); // The one that was touched last.
 		buffers_.pop_back();
-		bytes_ -= buffer.size() * std::int64_t{sizeof(float)};
-		++reused_;
+		reused_.fetch_add(1, std::memory_order_relaxed);
 	}
 	buffer.resize(static_cast<int64_t>(floats));
 	return buffer;

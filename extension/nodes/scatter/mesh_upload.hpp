@@ -5,6 +5,7 @@
 #include <godot_cpp/variant/aabb.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -31,16 +32,15 @@ public:
 	/// A buffer for so many floats. What is in it says nothing.
 	godot::PackedFloat32Array take(std::size_t floats);
 
-	/// How many of those that were taken had been kept.
-	std::uint64_t reused() const { return reused_; }
+	/// How many of those that were taken had been kept. For any thread.
+	std::uint64_t reused() const { return reused_.load(std::memory_order_relaxed); }
 
 private:
 	static constexpr std::size_t most = 16;
-	static constexpr std::int64_t most_bytes = std::int64_t{1} << 20;
+	static constexpr std::int64_t most_floats = std::int64_t{1} << 18; ///< 1 MiB.
 
 	std::vector<godot::PackedFloat32Array> buffers_;
-	std::int64_t bytes_ = 0; ///< Of all of them.
-	std::uint64_t reused_ = 0;
+	std::atomic<std::uint64_t> reused_ = 0;
 };
 
 /// `reach`: meters from the mesh's origin to its farthest corner, at scale 1.

@@ -115,6 +115,14 @@ void TileWorkers::take_back(std::vector<MeshUpload> &&uploads) {
 	}
 }
 
+std::uint64_t TileWorkers::reused() const {
+	std::uint64_t sum = 0;
+	for (const std::unique_ptr<Worker> &worker : workers_) {
+		sum += worker->spare.reused();
+	}
+	return sum;
+}
+
 void TileWorkers::wake() {
 	if (on_main_thread_) {
 		return;
@@ -271,11 +279,9 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 	if (!job.status.ok()) {
 		return;
 	}
-	const std::uint64_t reused = worker.spare.reused();
 	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
 		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh), worker.spare));
 	}
-	reused_.fetch_add(worker.spare.reused() - reused, std::memory_order_relaxed);
 	job.tile = std::make_shared<const KeptTile>(worker.tile, job.layer->settings);
 }
 

@@ -88,7 +88,7 @@ public:
 	std::uint64_t freed() const { return freed_.load(std::memory_order_relaxed); }
 
 	/// How many buffers were written into once more.
-	std::uint64_t reused() const { return reused_.load(std::memory_order_relaxed); }
+	std::uint64_t reused() const;
 
 	/// Without threads: makes tiles until the time is over, and one at least if any waits. A script that is asked for heights may
 	/// call anything but this meanwhile. With threads: does nothing.
@@ -120,8 +120,8 @@ private:
 	void wake();
 	static void run(void *p_worker);
 	bool work_on_next(Worker &worker);
-	void advance(Worker &worker, TileJob &job);
-	void finish(Worker &worker, TileJob &job);
+	static void advance(Worker &worker, TileJob &job);
+	static void finish(Worker &worker, TileJob &job);
 	std::shared_ptr<TileJob> next(Worker &worker);
 	void hand_in(Worker &worker);
 
@@ -133,7 +133,6 @@ private:
 	std::vector<MeshUpload> uploaded_;
 	std::atomic<std::size_t> waiting_ = 0;    ///< The size of queue_.
 	std::atomic<std::uint64_t> freed_ = 0;    ///< What was in unneeded_ and uploaded_.
-	std::atomic<std::uint64_t> reused_ = 0;   ///< Of what was in uploaded_.
 	std::atomic<bool> much_unneeded_ = false; ///< Whether what is in both is worth a worker of its own.
 
 	// Of the main thread alone: what is still to be put into the queue, and among what is unneeded.
