@@ -13,8 +13,13 @@ constexpr std::size_t batch = 2048;
 
 Status ask(const Terrain &terrain, const GroundQuery &query, std::span<const glm::dvec2> positions,
 		std::span<Ground> r_ground) {
-	const Status status =
-			query.normals ? terrain.sample(positions, r_ground) : terrain.sample_heights(positions, r_ground);
+	Status status;
+	if (query.normals) {
+		status = terrain.sample(positions, r_ground);
+	} else {
+		// Fast path: heights alone, as nobody looks at the normals.
+		status = terrain.sample_heights(positions, r_ground);
+	}
 	return status.ok() && !query.textures.empty() ? terrain.weigh(positions, query.textures, r_ground) : status;
 }
 

@@ -49,6 +49,7 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 	r_mesh.normals[at] = batch.normal(in_batch);
 	r_bounds.add({batch.position(in_batch), batch.position(in_batch), scale});
 	if (r_mesh.stride == transform_floats) {
+		// Fast path: nothing follows the transform.
 		return;
 	}
 	const InstanceShares shares = points.shares_of(point_of(key));
@@ -62,10 +63,17 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 
 /// Gives each part ranks that about as many points have as those of the others.
 void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
+	constexpr std::uint64_t end_of_ranks = std::uint64_t{1} << 32;
 	parts_.resize(parts);
-	std::vector<std::uint32_t> counts(parts > 1 ? rank_classes : 0);
-	for (std::size_t i = 0; i < points.thinning_ranks.size() && parts > 1; ++i) {
-		++counts[points.thinning_ranks[i] >> rank_class_shift];
+	if (parts == 1) {
+		// Fast path: all ranks are in the only part, and need not be counted.
+		parts_.front().first_rank = 0;
+		parts_.front().end_rank = end_of_ranks;
+		return;
+	}
+	std::vector<std::uint32_t> counts(rank_classes);
+	for (const std::uint32_t rank : points.thinning_ranks) {
+		++counts[rank >> rank_class_shift];
 	}
 	std::size_t before = 0;
 	std::size_t rank_class = 0;
@@ -75,8 +83,7 @@ void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
 				before * parts < (part + 1) * points.thinning_ranks.size()) {
 			before += counts[rank_class++];
 		}
-		const std::uint64_t end =
-				part + 1 < parts ? std::uint64_t{rank_class} << rank_class_shift : std::uint64_t{1} << 32;
+		const std::uint64_t end = part + 1 < parts ? std::uint64_t{rank_class} << rank_class_shift : end_of_ranks;
 		parts_[part].first_rank = std::exchange(first_rank, end);
 		parts_[part].end_rank = end;
 	}
@@ -153,6 +160,7 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 	divide(points, helpers > 0 ? parts_each * (helpers + 1) : 1);
 	const auto for_each_part = [&](const auto &work) -> Status {
 		if (parts_.size() == 1) {
+			// Fast path: a single part is not worth a thread.
 			return work(parts_.front());
 		}
 		std::vector<Status> statuses(parts_.size());

@@ -163,6 +163,7 @@ std::size_t KeptMesh::find(std::uint64_t id) const {
 	constexpr std::ptrdiff_t many = 64;
 	auto first = cells_.begin();
 	for (; cells_.end() - first >= many; first += many) {
+		// Fast path: where none of many has a hit, none of them is it.
 		std::uint32_t hits = 0;
 		for (std::ptrdiff_t i = 0; i < many; ++i) {
 			hits += is_it(first[i]) ? 1 : 0;

@@ -43,6 +43,7 @@ bool same_look(const LayerSettings &a, const LayerSettings &b) {
 
 bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::vector<Rect> &r_areas) {
 	if (before == after) {
+		// Fast path: a mask does not differ from itself.
 		return true;
 	}
 	Rect area;
@@ -111,6 +112,7 @@ const EditedArea &EditSearch::find(const LayerSettings &before, const LayerSetti
 const EditedArea &EditSearch::find_edits(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
 	if (const auto known = found_.find(pair); known != found_.end()) {
+		// Fast path: the settings stay as they are while this lives, and so does what was found.
 		return known->second;
 	}
 	EditedArea area = find_standing(before, after);
@@ -129,13 +131,16 @@ const EditedArea &EditSearch::find_edits(const LayerSettings &before, const Laye
 const EditedArea &EditSearch::find_standing(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
 	if (const auto known = standing_.find(pair); known != standing_.end()) {
+		// Fast path: found before, as in find_edits.
 		return known->second;
 	}
-	EditedArea area;
-	if (&before != &after) {
-		area.everywhere = !same_rules(before, after) || before.neighbors.size() != after.neighbors.size();
+	if (&before == &after) {
+		// Fast path: a layer does not differ from itself.
+		return standing_.emplace(pair, EditedArea()).first->second;
 	}
-	if (&before != &after && !area.everywhere) {
+	EditedArea area;
+	area.everywhere = !same_rules(before, after) || before.neighbors.size() != after.neighbors.size();
+	if (!area.everywhere) {
 		area.add(own_edits(before.rules, after.rules));
 		for (std::size_t i = 0; i < after.neighbors.size(); ++i) {
 			const Neighbor &was = before.neighbors[i];

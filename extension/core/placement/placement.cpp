@@ -97,6 +97,7 @@ float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t 
 		axes = turned(turn, leaning_axis(placement, unit_interval(random[2]), unit_interval(random[3])));
 		axes = {tilted(up, axes.x), tilted(up, axes.y), tilted(up, axes.z)};
 	} else {
+		// Fast path: what leans by nothing is turned once.
 		axes = turned(turn, up);
 	}
 	for (int row = 0; row < 3; ++row) {

@@ -67,7 +67,11 @@ glm::vec3 moved_along(glm::vec3 normal, double offset, glm::vec3 position);
 /// `position` with the placement's offset along the normal added to it.
 inline glm::vec3 standing_position(const Placement &placement, glm::vec3 normal, glm::vec3 position) {
 	const double offset = placement.offset_along_normal;
-	return offset != 0.0 ? moved_along(normal, offset, position) : position;
+	if (offset == 0.0) {
+		// Fast path: whatever the normal, the position stays.
+		return position;
+	}
+	return moved_along(normal, offset, position);
 }
 
 /// Writes the transform of an instance: yaw about its own up axis, then the tilt away from it, then the alignment to
