@@ -111,7 +111,7 @@ void FoundInstances::sort_from(std::size_t first) {
 		std::ranges::sort(refs, {}, &Ref::id);
 		return;
 	}
-	// Cells in a crowd: two passes that keep the order of what is equal to them, by y, then by x.
+	// Fast path: cells in a crowd are counted, in two passes that keep the order of what is equal to them, by y, then by x.
 	std::vector<Ref> by_y(refs.size());
 	count_sort(refs, size.y, [&](const Ref &ref) { return unpack(ref.id).cell.y - bounds.low.y; }, by_y);
 	count_sort(by_y, size.x, [&](const Ref &ref) { return unpack(ref.id).cell.x - bounds.low.x; }, refs);

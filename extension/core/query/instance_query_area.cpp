@@ -100,6 +100,7 @@ private:
 				}
 			}
 			if (inside_here_.empty()) {
+				// Fast path: what nothing was found in need not be held.
 				continue;
 			}
 			const std::uint32_t part = r_found.add_part({tile, &content}, tile->origin, layer, mesh);

@@ -42,7 +42,11 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const Sampl
 /// The tiles that may hold a point of the set.
 Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
-	return r_tiles.count() > most_tiles ? find_tile_of_point(layer, id, margins, r_tiles) : Status{};
+	if (r_tiles.count() > most_tiles) {
+		// Fast path: the set knows in which of very many tiles the point lies.
+		return find_tile_of_point(layer, id, margins, r_tiles);
+	}
+	return {};
 }
 
 /// Adds the instance of that id, if it is in the tile.

@@ -34,6 +34,7 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 		const SearchTile next = tiles.front();
 		r_found = candidates.settle(next.from);
 		if (r_found) {
+			// Fast path: in all further tiles everything comes later.
 			return {};
 		}
 		std::pop_heap(tiles.begin(), tiles.end(), later);
@@ -65,7 +66,11 @@ struct NearestScan {
 			const std::span<const glm::vec3> positions = instances.positions();
 			for (std::size_t i = 0; i < positions.size(); ++i) {
 				const double squared = squared_length(position_of(content.origin, positions[i]) - position);
-				if (squared <= std::min(max_squared, r_candidates.limit()) && !removed.holds(instances.id(i))) {
+				if (squared > r_candidates.limit()) {
+					// Fast path: another one is nearer.
+					continue;
+				}
+				if (squared <= max_squared && !removed.holds(instances.id(i))) {
 					r_candidates.add({squared, placed_instance(layer, mesh, content.origin, instances, i)});
 				}
 			}
@@ -104,11 +109,16 @@ struct RayScan {
 			const ReachTest reached(ray, cylinder_reach(settings.shape, double{instances.max_scale()}));
 			if (!reached.box(
 						content.origin + glm::dvec3(instances.min()), content.origin + glm::dvec3(instances.max()))) {
+				// Fast path: no instance in this box reaches the ray.
 				continue;
 			}
 			const std::span<const glm::vec3> positions = instances.positions();
 			for (std::size_t i = 0; i < positions.size(); ++i) {
-				if (reached.position(position_of(content.origin, positions[i])) && !removed.holds(instances.id(i))) {
+				if (!reached.position(position_of(content.origin, positions[i]))) {
+					// Fast path: no cylinder is so long or wide.
+					continue;
+				}
+				if (!removed.holds(instances.id(i))) {
 					meet(placed_instance(layer, mesh, content.origin, instances, i), r_candidates);
 				}
 			}

@@ -33,7 +33,11 @@ void InstanceWorld::set_layers(std::vector<QueryLayer> layers) {
 }
 
 void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
-	if (area.empty() || layer >= layers_.size()) {
+	if (area.empty()) {
+		// Fast path: what touches no tile changes no answer, so nobody has to ask again.
+		return;
+	}
+	if (layer >= layers_.size()) {
 		return;
 	}
 	++edits_;
@@ -181,6 +185,7 @@ Status InstanceWorld::MakingSource::find_tiles(
 		}
 	}
 	if (missing.empty()) {
+		// Fast path: all tiles are known.
 		return {};
 	}
 	const TileMaker maker = world_.maker_; // A script that is asked for the ground may replace it.

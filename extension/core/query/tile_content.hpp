@@ -22,8 +22,12 @@ PlacedInstance placed_instance(std::uint64_t id, std::uint32_t layer, const Adde
 /// Whether the state has removed a point of the set. Asks once whether there is anything to ask, not for every point.
 class RemovedPoints {
 public:
-	RemovedPoints(const InstanceState *state, std::uint16_t layer) :
-			state_(state != nullptr && state->any_removed(layer) ? state : nullptr) {}
+	RemovedPoints(const InstanceState *state, std::uint16_t layer) : state_(state) {
+		if (state != nullptr && !state->any_removed(layer)) {
+			// Fast path: of a layer of which nothing is removed, no point has to be asked for.
+			state_ = nullptr;
+		}
+	}
 
 	bool holds(std::uint64_t id) const { return state_ != nullptr && state_->removed(id); }
 

@@ -38,9 +38,11 @@ Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &
 	for (std::int32_t y = range.first.y; y <= range.last.y; ++y) {
 		for (std::int32_t x = range.first.x; x <= range.last.x; ++x) {
 			const double distance = distance_squared(window.standing_area({x, y}), area.center);
-			if (distance <= area.radius * area.radius) {
-				near.push_back({distance, {x, y}});
+			if (!(distance <= area.radius * area.radius)) {
+				// Fast path: nothing that stands in a tile in this corner is within the radius.
+				continue;
 			}
+			near.push_back({distance, {x, y}});
 		}
 	}
 	r_points += static_cast<double>(near.size()) * window.tile_points();
@@ -119,6 +121,7 @@ Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint3
 	double points = 0.0;
 	r_tiles.clear();
 	if (area.rect.empty()) {
+		// Fast path: nothing stands within it, whatever tiles it touches.
 		return {};
 	}
 	for (const std::uint32_t index : indices) {
