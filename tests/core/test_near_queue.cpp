@@ -236,6 +236,33 @@ TEST_CASE("near queue: another distance keeps what is near") {
 	}
 }
 
+TEST_CASE("near queue: a distance that stays leaves its layer as it is, whatever others do") {
+	FlatWorld flat;
+	flat.load(3);
+	NearQueue queue;
+	queue.set_distances(std::array{distance, 0.0});
+	const std::array<glm::dvec3, 1> centers{glm::dvec3{-7.0, 0.0, 5.0}};
+	queue.look_around(centers, flat.world);
+	std::size_t entered = 0;
+	for (PlacedInstance instance; queue.next_entering(instance);) {
+		++entered;
+	}
+	CHECK(entered > 100);
+	CHECK(queue.settled());
+	queue.set_distances(std::array{distance, 0.0});
+	CHECK(queue.settled()); // Nobody has to look again.
+	queue.set_distances(std::array{distance, 9.0});
+	CHECK_FALSE(queue.settled());
+	for (PlacedInstance instance; queue.next_entering(instance);) {
+		CHECK(false);
+	}
+	Leaving leaving;
+	for (int frame = 0; frame < 3; ++frame) {
+		queue.look_around(centers, flat.world);
+		CHECK_FALSE(queue.next_leaving(leaving));
+	}
+}
+
 TEST_CASE("near queue: centers that are no positions have nothing near them") {
 	FlatWorld flat;
 	flat.load(1);

@@ -79,6 +79,7 @@ PlacedInstance NearCell::take_entering() {
 
 bool NearCell::take_changed(PlacedInstance &r_instance) {
 	if (!maybe_changed_) {
+		// Fast path: nothing that enters is held, as a look at all of it has shown.
 		return false;
 	}
 	const auto first = changes_.enter.begin() + static_cast<std::ptrdiff_t>(entered_);

@@ -75,6 +75,7 @@ void NearQueue::set_distances(std::span<const double> distances) {
 	for (std::size_t i = 0; i < distances.size(); ++i) {
 		Layer &layer = layers_[i];
 		if (layer.distance == distances[i]) {
+			// Fast path: with the same distance the cells are the same, and what was found holds.
 			continue;
 		}
 		++renewals_;
@@ -99,9 +100,11 @@ void NearQueue::look_around(std::span<const glm::dvec3> centers, const InstanceW
 		for (auto &[key, cell] : layer.cells) {
 			cell.begin_frame();
 			const bool outdated = cell.outdated(layer.slack(), version());
-			if (outdated || cell.due()) {
-				outdated_.push_back({index, key, &cell, !outdated});
+			if (!outdated && !cell.due()) {
+				// Fast path: what was found still holds.
+				continue;
 			}
+			outdated_.push_back({index, key, &cell, !outdated});
 		}
 	}
 	std::ranges::stable_sort(

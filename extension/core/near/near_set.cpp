@@ -39,12 +39,12 @@ bool NearSet::Held::stands_as(const PlacedInstance &instance) const {
 	return true;
 }
 
-/// Most often near the center that it was near before: of many centers only that one is asked.
 bool NearSet::Held::is_near(std::span<const glm::dvec3> centers, double reach_squared) {
 	const auto reaches = [&](const glm::dvec3 &from) {
 		return glm::dot(position - from, position - from) <= reach_squared;
 	};
 	if (center < centers.size() && reaches(centers[center])) {
+		// Fast path: it is near the center that it was near before, so no other is asked.
 		return true;
 	}
 	center = static_cast<std::size_t>(std::find_if(centers.begin(), centers.end(), reaches) - centers.begin());

@@ -90,11 +90,13 @@ void add_overlaid(const std::shared_ptr<const KeptTile> &tile, const LayerSettin
 		const KeptMesh &mesh = tile->meshes[at];
 		const bool any_covered = any_removed || any_hidden;
 		if (!any_covered && added[at].empty()) {
+			// Fast path: nothing applies to it, so it is the tile's own.
 			r_meshes.emplace_back(tile, &mesh);
 			continue;
 		}
 		const std::vector<std::uint32_t> standing = standing_of(mesh, overlay, any_removed);
 		if (standing.size() == mesh.size() && added[at].empty()) {
+			// Fast path: all of it stands, so it is the tile's own.
 			r_meshes.emplace_back(tile, &mesh);
 		} else {
 			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing));
