@@ -53,7 +53,8 @@ public:
 
 	bool contains(std::uint64_t id) const {
 		if (size_ == 0) {
-			return false; // To hash an id takes longer.
+			// Fast path: nothing is in, and to hash an id takes longer.
+			return false;
 		}
 		const std::uint64_t hash = hash_of(id);
 		const View &view = views_[index_of(hash)];
@@ -63,6 +64,7 @@ public:
 	/// The value of an id; `Value()` for none, and for an id that is not in.
 	const Value &value(std::uint64_t id) const {
 		if (valued_ == 0) {
+			// Fast path: no id has a value.
 			return nothing_;
 		}
 		const std::uint64_t hash = hash_of(id);
@@ -254,6 +256,7 @@ private:
 		const bool is_value = !(value == Value());
 		if (r_shard.values.empty()) {
 			if (!is_value) {
+				// Fast path: a shard without values takes no memory for one that is none.
 				return;
 			}
 			r_shard.values.resize(r_shard.ids.size());

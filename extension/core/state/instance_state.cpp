@@ -82,7 +82,11 @@ InstanceState::InstanceState(InstanceState &&) noexcept = default;
 InstanceState &InstanceState::operator=(InstanceState &&) noexcept = default;
 
 bool InstanceState::removed(std::uint64_t id) const {
-	return any_removed(layer_of(id)) && content_->removed.contains(id);
+	if (!any_removed(layer_of(id))) {
+		// Fast path: nothing of its layer is removed.
+		return false;
+	}
+	return content_->removed.contains(id);
 }
 
 const AddedInstance *InstanceState::added(std::uint64_t id) const { return content_->added.value(id).get(); }

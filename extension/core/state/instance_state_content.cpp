@@ -55,6 +55,7 @@ std::unique_ptr<InstanceState::Content> InstanceState::Content::share() {
 
 void InstanceState::Content::complete() {
 	if (whole) {
+		// Fast path: all of it is there.
 		return;
 	}
 	added.for_each([this](std::uint64_t id, const SharedInstance &own) { grid.insert(id, square_position(*own)); });
@@ -68,6 +69,7 @@ void InstanceState::Content::take_history(
 	const std::uint64_t raise = other.revision - first_note;
 	const Status status = guarded("changes", static_cast<double>(log.size()), [&] {
 		if (other.log.knows(at)) {
+			// Fast path: of what `r_log` is, only the rest has to come.
 			r_log.append(other.log, at, 0);
 		} else {
 			r_log = other.log;
@@ -111,6 +113,7 @@ void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_roo
 	const bool was = data_stay && holds;
 	const bool same = was ? std::ranges::equal(bytes_of(id), to.data) : to.data.empty();
 	if (same && was == holds) {
+		// Fast path: data that stay as they are need no room.
 		return;
 	}
 	data.make_room(id, !holds && !to.data.empty(), !to.data.empty(),

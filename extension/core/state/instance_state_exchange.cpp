@@ -193,6 +193,7 @@ void InstanceState::Content::follow(const StateRecord &record, std::vector<Insta
 	}
 	make_room_for_stamps(record);
 	if (record.removed.size() > removed.size()) {
+		// Fast path: the table grows once, and not shard by shard as ids come.
 		removed.expect(record.removed.size() - removed.size());
 	}
 	const auto each = [&](const auto &use) {
