@@ -173,6 +173,24 @@ TEST_CASE("streaming: with a new tile size the old tiles stay until the new ones
 	check_view(stage, layers, viewers);
 }
 
+TEST_CASE("streaming: an old tile with room for very many new ones goes once the few in view are there") {
+	Stage stage({{1000.0, 10.0}});
+	const std::vector<Viewer> viewers{{{500.0, 500.0}}};
+	stage.settle(viewers);
+	REQUIRE(stage.shown.size() == 1);
+	const Name old = stage.shown.begin()->first;
+	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{{2.0, 10.0}}).ok());
+	stage.update(viewers);
+	CHECK(stage.pending.size() > 20);
+	while (!stage.pending.empty()) {
+		stage.finish(TileRequest(stage.pending.begin()->second));
+		stage.update(viewers);
+		CHECK(stage.shown.contains(old) == !stage.pending.empty());
+	}
+	CHECK(stage.streamer.idle());
+	check_view(stage, {{2.0, 10.0}}, viewers);
+}
+
 TEST_CASE("streaming: a layer that goes takes its tiles along, one that comes brings its own") {
 	std::vector<StreamLayer> layers = two_layers;
 	Stage stage(layers);

@@ -130,8 +130,11 @@ std::optional<LayerTiles::Candidate> LayerTiles::next_ready(std::size_t viewer, 
 			continue;
 		}
 		const double squared = distance_squared(rect(tile.at), tracked.now.position);
-		const bool nearer = !nearest || squared < nearest->distance_squared;
-		if (nearer && is_turn(viewer, tracked, tile, squared)) {
+		if (nearest && squared >= nearest->distance_squared) {
+			// Fast path: another one is nearer, whether it is this one's turn or not.
+			continue;
+		}
+		if (is_turn(viewer, tracked, tile, squared)) {
 			nearest = Candidate{squared, slot};
 		}
 	}

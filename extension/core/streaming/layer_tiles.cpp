@@ -59,15 +59,16 @@ void LayerTiles::configure(const StreamLayer &settings, std::uint32_t new_grid, 
 void LayerTiles::invalidate(const Rect &area) {
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 		if (tiles_[slot].exists && touch(rect(tiles_[slot].at), area)) {
-			// Else a slider that is dragged would fill the queues in every frame.
 			const bool queued = !tiles_[slot].current;
 			change(slot, [](StreamedTile &tile) {
 				tile.current = false;
 				tile.late = tile.ticket != 0;
 			});
-			if (!queued) {
-				queue_up(slot);
+			if (queued) {
+				// Fast path: it waits already. Else a slider that is dragged would fill the queues in every frame.
+				continue;
 			}
+			queue_up(slot);
 		}
 	}
 }
@@ -153,6 +154,7 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 		const TrackedViewer *viewer = index < viewers.size() ? &viewers[index] : nullptr;
 		Sight &sight = sights_[index];
 		if (is_where(sight, viewer)) {
+			// Fast path: within the slack nothing comes into view that was not seen then.
 			continue;
 		}
 		if (r_new >= max_new && viewer != nullptr) {
@@ -296,6 +298,7 @@ bool LayerTiles::is_missing_under(const Rect &under) const {
 	const glm::ivec2 last = tile_at(settings_.tile_size, under.max);
 	const double tiles = (static_cast<double>(last.x) - first.x + 1.0) * (static_cast<double>(last.y) - first.y + 1.0);
 	if (tiles > static_cast<double>(tiles_.size())) {
+		// Fast path: fewer tiles are known than it touches.
 		return std::ranges::any_of(tiles_.slots(), is_missing);
 	}
 	for (int y = first.y; y <= last.y; ++y) {

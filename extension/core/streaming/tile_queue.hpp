@@ -41,6 +41,7 @@ public:
 	template <class Measure>
 	void sort(Measure &&measure) {
 		if (fresh_.empty() && !outdated_) {
+			// Fast path: nothing came and nobody moved, so all is in order.
 			return;
 		}
 		if (far_.size() > 2 * far_sorted_ + 4 * batch) {
@@ -51,6 +52,7 @@ public:
 			sort_all(measure, batch);
 			return;
 		}
+		// Fast path: no far entry can have come nearer than the reach, so none of them is measured.
 		reserve_more(near_, fresh_.size());
 		reserve_more(far_, fresh_.size());
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
@@ -107,6 +109,7 @@ private:
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
 		far_.clear();
 		if (near_.size() > most) {
+			// Fast path: those behind the first `most` need no order.
 			const auto end = near_.begin() + static_cast<std::ptrdiff_t>(most);
 			std::nth_element(near_.begin(), end, near_.end(), nearer);
 			far_from_ = std::sqrt(end->distance_squared);

@@ -116,9 +116,14 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 			first_layer = behind ? first_layer : index;
 			behind = true;
 		}
-		if (layer.has_retired() && (looked || answered) && !layer.behind()) {
-			layer.drop_covered(r_changes);
+		if (!layer.has_retired() || layer.behind()) {
+			continue;
 		}
+		if (!looked && !answered) {
+			// Fast path: no tile came on show or left since, so under each retired one what was missing still is.
+			continue;
+		}
+		layer.drop_covered(r_changes);
 	}
 	answered = false;
 	outdated = behind;
@@ -249,6 +254,7 @@ std::optional<TileRequest> TileStreamer::next_ready() {
 
 std::optional<TileRequest> TileStreamer::State::next_ready() {
 	if (std::ranges::none_of(layers, [](const LayerTiles &layer) { return layer.made_count() > 0; })) {
+		// Fast path: no tile lies ready for any viewer.
 		return std::nullopt;
 	}
 	const std::size_t count = viewers.size();
