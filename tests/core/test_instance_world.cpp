@@ -153,7 +153,11 @@ TEST_CASE("instance world: a tile that was made while the layers changed is not 
 TEST_CASE("instance world: an edit leaves the tiles known that it does not touch") {
 	FlatWorld flat;
 	flat.load(1);
+	const std::uint64_t version = flat.world.version();
+	flat.world.invalidate(0, {});
+	CHECK(flat.world.version() == version); // Who is near need not look again.
 	flat.world.invalidate(0, {.everywhere = false, .areas = {{{5.0, 5.0}, {9.0, 9.0}}}});
+	CHECK(flat.world.version() != version);
 	for (int y = -1; y <= 1; ++y) {
 		for (int x = -1; x <= 1; ++x) {
 			CHECK((flat.world.find({0, {x, y}}) == nullptr) == (x == 0 && y == 0));
