@@ -58,7 +58,6 @@ private:
 		const Rect area = window.standing_area(tile);
 		const RayPart inside = clipped(part, ray_.from.x, ray_.along.x, area.min.x - reach, area.max.x + reach);
 		if (inside.empty()) {
-			// Fast path: nothing that stands in this tile reaches the ray.
 			return true;
 		}
 		tiles_.push_back({inside.start, index, tile});

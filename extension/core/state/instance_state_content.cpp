@@ -55,7 +55,6 @@ std::unique_ptr<InstanceState::Content> InstanceState::Content::share() {
 
 void InstanceState::Content::complete() {
 	if (whole) {
-		// Fast path: all of it is there.
 		return;
 	}
 	added.for_each([this](std::uint64_t id, const SharedInstance &own) { grid.insert(id, square_position(*own)); });
