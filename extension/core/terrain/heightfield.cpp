@@ -101,7 +101,7 @@ Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Grou
 	return {};
 }
 
-/// Of whole numbers, of which none is missing: most patches are away from the border, and computed together.
+/// Of whole numbers, of which none is missing.
 void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	InnerPatches patches;
 	const auto stride = static_cast<std::ptrdiff_t>(frame_.posts.x);
@@ -123,6 +123,7 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 			r_ground[i] = ground_in_area(posts_, positions[i]);
 			continue;
 		}
+		// Fast path: most patches are away from the border, and computed many at a time.
 		patches.add(posts_.data() + patch.first.y * stride + patch.first.x, stride, patch.part, i);
 		if (patches.full()) {
 			compute();
@@ -178,10 +179,13 @@ Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 po
 	const auto from_corner = [&](int i, int j) {
 		return from_first(i - column, j - row);
 	};
-	// Most patches are away from the border; there, what is around them is known when this is compiled.
-	const SmoothPatch patch = is_inner_patch(frame_.posts, corner)
-			? smooth_patch<may_be_missing>(inner_line, inner_line, part, from_first)
-			: smooth_patch<may_be_missing>(frame_.posts, corner, part, from_corner);
+	SmoothPatch patch;
+	if (is_inner_patch(frame_.posts, corner)) {
+		// Fast path: away from the border, what is around a patch is known when this is compiled.
+		patch = smooth_patch<may_be_missing>(inner_line, inner_line, part, from_first);
+	} else {
+		patch = smooth_patch<may_be_missing>(frame_.posts, corner, part, from_corner);
+	}
 	const double height = base_ + patch.height * meters_per_step_;
 	if (may_be_missing && std::isnan(height)) {
 		return {};

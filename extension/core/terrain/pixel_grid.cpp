@@ -131,9 +131,15 @@ PixelRect PixelGrid::difference(const PixelGrid &other) const {
 			const PixelRect inside = rect_of(block);
 			const bool known = inside.min.x >= rect.min.x && inside.min.y >= rect.min.y && inside.max.x <= rect.max.x &&
 					inside.max.y <= rect.max.y;
-			if (!known && !same_block(other, block)) {
-				widen_by_block(other, block, rect);
+			if (known) {
+				// Fast path: the rectangle cannot become wider here.
+				continue;
 			}
+			if (same_block(other, block)) {
+				// Fast path: the same memory has the same pixels.
+				continue;
+			}
+			widen_by_block(other, block, rect);
 		}
 	}
 	return rect.empty() ? PixelRect{} : rect;

@@ -64,6 +64,7 @@ SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dve
 	const double height = between(heights);
 	if constexpr (may_be_missing) {
 		if (std::isnan(height)) {
+			// Fast path: nobody asks for the gradient of a hole.
 			return {height, {0.0, 0.0}};
 		}
 	}

@@ -75,9 +75,11 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 	BvhStack<Bvh::Node> stack;
 	const auto push = [&](Bvh::Node node) {
 		const Box &box = boxes_[tree_.index_of(node)];
-		if (holds(box.area, position) && box.top >= best.height) {
-			stack.push(node);
+		if (!holds(box.area, position) || box.top < best.height) {
+			// Fast path: nothing of the node lies above or below the position, or not as high as what was found.
+			return;
 		}
+		stack.push(node);
 	};
 	if (!tree_.empty()) {
 		push(tree_.root());
@@ -85,6 +87,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 	while (!stack.empty()) {
 		const Bvh::Node node = stack.pop();
 		if (boxes_[tree_.index_of(node)].top < best.height) {
+			// Fast path: something higher was found since it was pushed.
 			continue;
 		}
 		if (node.level > 0) {
@@ -95,9 +98,12 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 			continue;
 		}
 		for (std::size_t i = tree_.begin(node); i < tree_.end(node); ++i) {
+			if (!holds(parts_[i]->area(), position)) {
+				// Fast path: no triangle of the part lies above or below the position.
+				continue;
+			}
 			TriangleTerrain::Top top;
-			if (holds(parts_[i]->area(), position) && parts_[i]->find_top(position, best.height, top) &&
-					(!found || stands_above(top, best))) {
+			if (parts_[i]->find_top(position, best.height, top) && (!found || stands_above(top, best))) {
 				best = top;
 				found = true;
 			}

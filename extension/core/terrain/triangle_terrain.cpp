@@ -126,9 +126,11 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 	Hit hit{nullptr, least};
 	BvhStack<Bvh::Node> stack;
 	const auto push = [&](Bvh::Node node) {
-		if (boxes_[tree_.index_of(node)].holds(position)) {
-			stack.push(node);
+		if (!boxes_[tree_.index_of(node)].holds(position)) {
+			// Fast path: no triangle of the node lies above or below the position.
+			return;
 		}
+		stack.push(node);
 	};
 	if (!tree_.empty()) {
 		push(tree_.root());
@@ -136,6 +138,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 	while (!stack.empty()) {
 		const Bvh::Node node = stack.pop();
 		if (boxes_[tree_.index_of(node)].top < hit.height) {
+			// Fast path: all of the node lies below what was found.
 			continue;
 		}
 		if (node.level == 0) {
@@ -144,11 +147,11 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 			}
 			continue;
 		}
-		// The higher half first: what it holds may lie above all of the other.
 		Bvh::Node first = tree_.first(node);
 		if (tree_.has_second(node)) {
 			Bvh::Node second = tree_.second(node);
 			if (boxes_[tree_.index_of(second)].top > boxes_[tree_.index_of(first)].top) {
+				// Fast path: what the higher half holds may lie above all of the other.
 				std::swap(first, second);
 			}
 			push(second);
