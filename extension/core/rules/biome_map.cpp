@@ -149,8 +149,8 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		r_taps.fill(no_biome);
 		return;
 	}
-	// Away from borders it is known without noise.
 	if (const BiomeSet near = biomes_in({position, position}); std::has_single_bit(near)) {
+		// Fast path: away from borders it is known without noise.
 		r_taps.fill(static_cast<std::uint8_t>(std::countr_zero(near)));
 		return;
 	}
@@ -159,6 +159,7 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		moved += borders_.noise * glm::dvec2(waver(position, 0), waver(position, 1));
 	}
 	if (borders_.width <= 0.0) {
+		// Fast path: all positions are one.
 		r_taps.fill(pixel_at(moved));
 		return;
 	}
@@ -233,12 +234,14 @@ bool BiomeMap::find_edits(const BiomeMap &before, const SameValue &same, std::ve
 			Pixels found{size_, {0, 0}};
 			for (int y = part_y; y < std::min(part_y + part.y, count.y); ++y) {
 				for (int x = part_x; x < std::min(part_x + part.x, count.x); ++x) {
-					if (block_differs(before, same, {x, y})) {
-						const glm::ivec2 first(x * block, y * block);
-						const Pixels more = edited_pixels(before, same, {first, glm::min(first + block, size_)});
-						found.min = glm::min(found.min, more.min);
-						found.max = glm::max(found.max, more.max);
+					if (!block_differs(before, same, {x, y})) {
+						// Fast path: whatever pixel of such a block became another biome, its value is the same.
+						continue;
 					}
+					const glm::ivec2 first(x * block, y * block);
+					const Pixels more = edited_pixels(before, same, {first, glm::min(first + block, size_)});
+					found.min = glm::min(found.min, more.min);
+					found.max = glm::max(found.max, more.max);
 				}
 			}
 			if (found.min.x < found.max.x) {

@@ -86,10 +86,11 @@ bool Outline::contains(glm::dvec2 position) const {
 		const Bvh::Node node = stack.pop();
 		const Box &box = boxes_[edge_tree_.index_of(node)];
 		if (position.y < box.min.y || position.y > box.max.y || position.x > box.max.x) {
+			// Fast path: the ray from the position misses all of the node.
 			continue;
 		}
 		if (position.x < box.min.x) {
-			// All of the node lies ahead: an odd number of crossings if it ends on the other side of the ray.
+			// Fast path: all of the node lies ahead, so an odd number of crossings if it ends on the other side of the ray.
 			const bool above_first = position.y < points_[edge_tree_.begin(node)].y;
 			within ^= above_first != (position.y < points_[edge_tree_.end(node)].y);
 		} else if (node.level > 0) {
@@ -125,6 +126,7 @@ double Outline::distance(glm::dvec2 position, double limit) const {
 	while (!stack.empty()) {
 		const auto [node, node_distance2] = stack.pop();
 		if (node_distance2 >= nearest2) {
+			// Fast path: no edge is nearer than the box around it.
 			continue;
 		}
 		if (node.level == 0) {
@@ -139,6 +141,7 @@ double Outline::distance(glm::dvec2 position, double limit) const {
 		if (edge_tree_.has_second(node)) {
 			Candidate far{edge_tree_.second(node), box_distance2(edge_tree_.second(node))};
 			if (far.second < near.second) {
+				// Fast path: what the nearer half holds may rule the other one out.
 				std::swap(near, far);
 			}
 			stack.push(far);

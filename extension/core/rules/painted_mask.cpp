@@ -124,7 +124,11 @@ PixelRect PaintedMask::pixels_of(const Rect &area) const {
 
 bool operator==(const PaintedMask &a, const PaintedMask &b) {
 	const auto same = [](const auto &one, const auto &other) {
-		return one.first == other.first && (one.second == other.second || *one.second == *other.second);
+		if (one.second == other.second) {
+			// Fast path: a block that both masks share has the same pixels.
+			return one.first == other.first;
+		}
+		return one.first == other.first && *one.second == *other.second;
 	};
 	return a.pixel_size_ == b.pixel_size_ && a.background_ == b.background_ &&
 			std::ranges::equal(a.blocks_, b.blocks_, same);

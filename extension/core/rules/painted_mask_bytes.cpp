@@ -74,11 +74,13 @@ private:
 
 	/// The same for all blocks of this value, which take 400 times as much memory as bytes.
 	std::shared_ptr<const Block> uniform(std::uint8_t value) {
-		if (!uniform_[value]) {
-			auto block = std::make_shared<Block>();
-			block->fill(value);
-			uniform_[value] = std::move(block);
+		if (uniform_[value]) {
+			// Fast path: blocks do not change, so one serves for all.
+			return uniform_[value];
 		}
+		auto block = std::make_shared<Block>();
+		block->fill(value);
+		uniform_[value] = std::move(block);
 		return uniform_[value];
 	}
 

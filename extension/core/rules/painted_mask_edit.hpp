@@ -43,14 +43,18 @@ public:
 
 	std::uint8_t at(int x, int y) {
 		const Key key{block_of(y), block_of(x)};
-		if (key != key_) {
-			block_ = mask_.find(key);
-			key_ = key;
+		if (key == key_) {
+			// Fast path: most pixels lie in the block of the last one.
+			return pixel(x, y);
 		}
-		return block_ ? (*block_)[index_in_block(x, y)] : mask_.background_;
+		block_ = mask_.find(key);
+		key_ = key;
+		return pixel(x, y);
 	}
 
 private:
+	std::uint8_t pixel(int x, int y) const { return block_ ? (*block_)[index_in_block(x, y)] : mask_.background_; }
+
 	const PaintedMask &mask_;
 	Key key_{0, 0};
 	const Block *block_;
@@ -80,10 +84,12 @@ public:
 				} else {
 					block.fill(mask_.background_);
 				}
-				if (change_part(part, change, block)) {
-					const bool background = block.front() == mask_.background_ && is_uniform(block);
-					blocks[{row, column}] = background ? nullptr : std::make_shared<const Block>(block);
+				if (!change_part(part, change, block)) {
+					// Fast path: what stays as it was goes on being shared.
+					continue;
 				}
+				const bool background = block.front() == mask_.background_ && is_uniform(block);
+				blocks[{row, column}] = background ? nullptr : std::make_shared<const Block>(block);
 			}
 		}
 		mask_.replace(std::move(blocks));

@@ -25,9 +25,11 @@ void PaintedMask::for_blocks_apart(const PaintedMask &other, const Visit &visit)
 	for (const auto &[key, block] : blocks_) {
 		const auto twin = other.blocks_.find(key);
 		const Block *theirs = twin != other.blocks_.end() ? twin->second.get() : nullptr;
-		if (theirs != block.get()) {
-			visit(key, block.get(), theirs);
+		if (theirs == block.get()) {
+			// Fast path: a block that both masks share has no differences.
+			continue;
 		}
+		visit(key, block.get(), theirs);
 	}
 	for (const auto &[key, block] : other.blocks_) {
 		if (!blocks_.contains(key)) {

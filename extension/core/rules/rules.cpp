@@ -104,12 +104,13 @@ Status PreparedRules::place_product(std::span<const glm::dvec2> positions, std::
 			return status;
 		}
 	}
-	// Clumps cost more than all else here, so only where anything is left.
 	for (std::size_t i = 0; clumps_.active() && i < positions.size(); ++i) {
-		if (Record::complete || r_densities[i] > 0.0) {
-			const double density = clumps_.at(positions[i]);
-			r_densities[i] *= record(RuleKind::clumping, density, density);
+		if (!Record::complete && !(r_densities[i] > 0.0)) {
+			// Fast path: clumps cost more than all else here, and leave 0 as it is.
+			continue;
 		}
+		const double density = clumps_.at(positions[i]);
+		r_densities[i] *= record(RuleKind::clumping, density, density);
 	}
 	return {};
 }
@@ -129,6 +130,7 @@ Status PreparedRules::place_factors(glm::dvec2 position, const RuleRecord &recor
 template <class Record>
 double PreparedRules::water_density(double height, glm::dvec2 position, const Record &record) const {
 	if (water_depth_.open()) {
+		// Fast path: any depth will do, so the water's level is not looked up.
 		return 1.0;
 	}
 	const double level = rules_.water != nullptr ? rules_.water->at(position) : no_water;
@@ -153,13 +155,17 @@ double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 positio
 	if (!rules_.ground_textures.empty()) {
 		density *= record(RuleKind::ground_textures, ground.weight, unit_density(ground.weight));
 	}
-	if (Record::complete || density > 0.0) {
-		density *= water_density(ground.height, position, record);
-	}
 	if (!Record::complete && !(density > 0.0)) {
+		// Fast path: what is 0 stays so, whatever water and slope there are.
+		return density;
+	}
+	density *= water_density(ground.height, position, record);
+	if (!Record::complete && !(density > 0.0)) {
+		// Fast path: and whatever slope.
 		return density;
 	}
 	if (!Record::complete && rules_.slope_curve == nullptr) {
+		// Fast path: most limits of the slope need no angle.
 		return density * slope_.density_of(ground.normal);
 	}
 	// The angle costs more than all else here, so only where it is asked for.
