@@ -112,6 +112,7 @@ inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, cons
 	grid.listed.assign(grid.open.size(), LevelGrid::unlisted);
 	grid.wanted.clear();
 	if (grid.coarser != nullptr) {
+		// Fast path: for all cells at once what make_ready would bring for each that is asked for.
 		make_region_ready(*grid.coarser, grid, region.grown(ahead));
 	}
 	CellRect listed;

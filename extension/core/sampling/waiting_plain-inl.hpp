@@ -116,6 +116,7 @@ inline bool advance_plainly(LevelGrid &grid, const Columns &columns, std::uint32
 	if (count > WaitingSquares::slot_size + 1) {
 		return false;
 	}
+	// Fast path: no list of darts is made where one slot holds them.
 	const DartKey next = count > 0 ? darts[first] : make_dart(time_never, 0);
 	columns.time[cell] = dart_time(next);
 	columns.dart[cell] = dart_place(next);

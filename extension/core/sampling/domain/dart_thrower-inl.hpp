@@ -182,6 +182,7 @@ private:
 		const glm::uvec2 base = base_of(square);
 		const auto near = cells_.near(base, centered);
 		if (any_covers(near, centered, frame_.limit)) {
+			// Fast path: a dart would fail, and leave no quarter that is not covered.
 			return;
 		}
 		++counts_.darts;

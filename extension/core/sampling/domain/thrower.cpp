@@ -24,6 +24,7 @@ std::unique_ptr<Thrower<Real>> make(const DomainRequest &request, std::uint32_t 
 			// In single precision a cell takes few lines as it is.
 			if constexpr (std::is_same_v<Real, double>) {
 				if (cell_width <= LineCells::widest) {
+					// Fast path: the same answers, most of them from one cache line.
 					return std::make_unique<DartThrower<Real, LineCells>>(request, cell_width);
 				}
 			}
