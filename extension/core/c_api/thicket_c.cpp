@@ -88,10 +88,11 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 /// The sampler's points, as a list of its own kind. One of another kind gives its memory back.
 template <typename Point>
 std::vector<Point> &held_as(thicket_sampler &r_sampler) {
-	if (!std::holds_alternative<std::vector<Point>>(r_sampler.held)) {
-		r_sampler.held.emplace<std::vector<Point>>();
+	if (auto *known = std::get_if<std::vector<Point>>(&r_sampler.held)) {
+		// Fast path: a list of the same kind keeps its memory; whoever asks clears it.
+		return *known;
 	}
-	return std::get<std::vector<Point>>(r_sampler.held);
+	return r_sampler.held.emplace<std::vector<Point>>();
 }
 
 std::uint64_t count_of(const thicket_sampler &sampler) {
