@@ -47,6 +47,10 @@ TEST_CASE("rules: what cannot change a density any more, or is told by less, is 
 	CHECK(asked(prepared(wet), ground).second);
 	wet.min_height = 9.0;
 	CHECK(asked(prepared(wet), ground) == std::pair(0.0, false));
+	wet.min_height = 7.0;
+	CHECK(asked(prepared(wet), ground).second);
+	wet.max_water_depth = unlimited_height; // Any depth will do.
+	CHECK(asked(prepared(wet), ground) == std::pair(1.0, false));
 }
 
 TEST_CASE("rules: clumps are looked for only where another rule lets something stand") {
