@@ -186,9 +186,6 @@ Transform3D CollisionRing::transform_of(const Body &body) const {
 }
 
 void CollisionRing::set_world_offset(glm::dvec3 offset) {
-	if (offset_ == offset) {
-		return;
-	}
 	offset_ = offset;
 	for (const Layer &layer : layers_) {
 		for (const auto &[id, body] : layer.bodies) {
