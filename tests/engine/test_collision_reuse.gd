@@ -2,10 +2,27 @@ extends "collision_harness.gd"
 ## Shapes are shared by bodies, and bodies are used again.
 
 
+## A model whose one shape is convex.
+func make_convex_model() -> ScatterModel:
+	var lod := ScatterLod.new()
+	lod.mesh = BoxMesh.new()
+	var hull := ConvexPolygonShape3D.new()
+	hull.points = [Vector3(-1, 0, -1), Vector3(1, 0, -1), Vector3(0, 0, 1), Vector3(0, 3, 0)]
+	var model := ScatterModel.new()
+	model.lods = [lod]
+	model.shapes = [hull]
+	return model
+
+
 ## All bodies of the same size have one shape, whichever kind it is of.
 func test_shapes_are_shared() -> void:
-	for shape: ScatterLayer.CollisionShape in [ScatterLayer.COLLISION_CYLINDER, ScatterLayer.COLLISION_CONVEX]:
-		var scatter := make_solid([make_solid_layer(shape)])
+	var kinds: Array[ScatterLayer.CollisionShape] = [
+		ScatterLayer.COLLISION_CYLINDER, ScatterLayer.COLLISION_CONVEX, ScatterLayer.COLLISION_MODEL]
+	for shape in kinds:
+		var layer := make_solid_layer(shape)
+		if shape == ScatterLayer.COLLISION_MODEL:
+			layer.meshes = [make_convex_model()]
+		var scatter := make_solid([layer])
 		await settle(scatter)
 		var shapes := {}
 		var found := bodies(scatter)

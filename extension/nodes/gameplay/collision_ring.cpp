@@ -199,6 +199,7 @@ void CollisionRing::set_world_offset(glm::dvec3 offset) {
 
 RID CollisionRing::take_body() {
 	if (!pool_.empty() && pool_.front().usable_at <= frame_) {
+		// Fast path: one that has rested is as good as a new one.
 		const RID body = pool_.front().rid;
 		pool_.pop_front();
 		return body;

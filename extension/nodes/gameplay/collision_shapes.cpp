@@ -76,34 +76,44 @@ const CollisionShapes::Corners *CollisionShapes::corners_of(const ShapeSource &s
 	}
 	const Ref<Mesh> &of = source.meshes[mesh];
 	Corners &corners = corners_[of->get_instance_id()];
-	if (corners.number == 0 || !(corners.box == source.boxes[mesh])) {
-		corners = {source.boxes[mesh], ++last_number_, {}};
-		const Ref<ConvexPolygonShape3D> hull = of->create_convex_shape(true, false);
-		const PackedVector3Array points = hull.is_valid() ? hull->get_points() : PackedVector3Array();
-		for (const Vector3 &point : points) {
-			corners.points.emplace_back(point.x, point.y, point.z);
-		}
-		keep_outermost(corners.points, max_corners);
+	if (corners.number != 0 && corners.box == source.boxes[mesh]) {
+		// Fast path: the mesh is as it was when its hull was made.
+		return usable(corners);
 	}
-	return corners.points.size() >= min_corners ? &corners : nullptr;
+	corners = {source.boxes[mesh], ++last_number_, {}};
+	const Ref<ConvexPolygonShape3D> hull = of->create_convex_shape(true, false);
+	const PackedVector3Array points = hull.is_valid() ? hull->get_points() : PackedVector3Array();
+	for (const Vector3 &point : points) {
+		corners.points.emplace_back(point.x, point.y, point.z);
+	}
+	keep_outermost(corners.points, max_corners);
+	return usable(corners);
 }
 
 const CollisionShapes::Corners *CollisionShapes::corners_of(const BodyPart &part) {
-	auto found = std::ranges::find(part_corners_, part, &std::pair<BodyPart, Corners>::first);
-	if (found == part_corners_.end()) {
-		part_corners_.push_back({part, {AABB(), ++last_number_, part.corners}});
-		found = part_corners_.end() - 1;
-		keep_outermost(found->second.points, max_corners);
+	const auto found = std::ranges::find(part_corners_, part, &std::pair<BodyPart, Corners>::first);
+	if (found != part_corners_.end()) {
+		// Fast path: what is the same has the same corners.
+		return usable(found->second);
 	}
-	return found->second.points.size() >= min_corners ? &found->second : nullptr;
+	part_corners_.push_back({part, {AABB(), ++last_number_, part.corners}});
+	Corners &corners = part_corners_.back().second;
+	keep_outermost(corners.points, max_corners);
+	return usable(corners);
+}
+
+/// Null for what spans no body.
+const CollisionShapes::Corners *CollisionShapes::usable(const Corners &corners) {
+	return corners.points.size() >= min_corners ? &corners : nullptr;
 }
 
 CollisionShapes::Shape *CollisionShapes::take(const Key &key, const std::vector<glm::vec3> &corners) {
 	const auto [found, fresh] = shapes_.try_emplace(key);
 	if (fresh) {
 		found->second = make(key, corners);
-	} else if (found->second.users == 0) {
-		--idle_;
+	} else {
+		// Fast path: one shape serves all bodies of its size.
+		idle_ -= found->second.users == 0 ? 1 : 0;
 	}
 	++found->second.users;
 	return &found->second;

@@ -80,6 +80,7 @@ private:
 	static Shape make(const Key &key, const std::vector<glm::vec3> &corners);
 	const Corners *corners_of(const ShapeSource &source, std::uint32_t mesh);
 	const Corners *corners_of(const BodyPart &part);
+	static const Corners *usable(const Corners &corners);
 	Shape *take(const Key &key, const std::vector<glm::vec3> &corners);
 	void add_part(const BodyPart &part, const BodyFit &fit, std::vector<Placed> &r_shapes);
 	void free_idle();

@@ -66,7 +66,11 @@ Status ScatterGameplay::check_state(const ScatterState &state) const {
 }
 
 void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
-	if (p_state == state_ || !alive()) {
+	if (!alive()) {
+		return;
+	}
+	if (p_state == state_) {
+		// Fast path: what it says is in the picture.
 		return;
 	}
 	if (p_state.is_valid()) {
@@ -236,9 +240,10 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 	});
 }
 
-/// Tiles that the changes may lie in follow over the next frames. To find the areas of very many would itself take too long.
+/// Tiles that the changes may lie in follow over the next frames.
 void ScatterGameplay::redraw_later(const StateChanges &changes) {
 	if (changes.size() > most_at_once * 16) {
+		// Fast path: to find the areas of so many takes longer than to look at tiles without any.
 		host_->redraw_all_later();
 		return;
 	}
@@ -303,8 +308,8 @@ void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadlin
 	}
 }
 
-/// Where an instance stands that this node removes or restores at the moment. It was asked for once, and need not be again. Changes
-/// are told in the order of the instances; what was changed by handlers meanwhile comes after them.
+/// Where an instance stands that this node removes or restores at the moment. Changes are told in the order of the instances; what was
+/// changed by handlers meanwhile comes after them.
 const PlacedInstance *ScatterGameplay::find_changing(std::uint64_t id) {
 	while (!changing_.empty() && changing_.front().id != id) {
 		changing_ = changing_.subspan(1);
@@ -334,6 +339,7 @@ void ScatterGameplay::tell(const InstanceChange &change) {
 	if (is_added(change.id) && change.kind != InstanceChangeKind::data) {
 		transform = to_engine(change.added.basis, change.added.position, offset_);
 	} else if (const PlacedInstance *changing = find_changing(change.id)) {
+		// Fast path: it was asked for once, and need not be again.
 		transform = to_engine(*changing, offset_);
 	} else {
 		std::vector<PlacedInstance> found;

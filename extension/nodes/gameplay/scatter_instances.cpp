@@ -20,16 +20,18 @@ namespace {
 /// A value of each instance, by its index, in a packed array that is made on the first call.
 template <class Array, class Value>
 Array cached(std::optional<Array> &r_cache, const FoundInstances &found, const Value &value_of) {
-	if (!r_cache) {
-		Array values;
-		values.resize(static_cast<int64_t>(found.size()));
-		auto *out = values.ptrw();
-		for (std::size_t i = 0; i < found.size(); ++i) {
-			out[i] = value_of(i);
-		}
-		r_cache = values;
+	if (r_cache) {
+		// Fast path: what was found never changes.
+		return *r_cache;
 	}
-	return *r_cache;
+	Array values;
+	values.resize(static_cast<int64_t>(found.size()));
+	auto *out = values.ptrw();
+	for (std::size_t i = 0; i < found.size(); ++i) {
+		out[i] = value_of(i);
+	}
+	r_cache = values;
+	return values;
 }
 
 std::size_t index_of(int64_t p_index) { return static_cast<std::size_t>(p_index); }
@@ -90,6 +92,7 @@ PackedVector3Array ScatterInstances::get_positions() const {
 
 PackedFloat32Array ScatterInstances::get_transforms() const {
 	if (transforms_) {
+		// Fast path: what was found never changes.
 		return *transforms_;
 	}
 	PackedFloat32Array transforms;

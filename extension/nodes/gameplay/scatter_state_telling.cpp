@@ -76,6 +76,7 @@ void ScatterState::tell_untold() {
 		untold_.pop_front();
 		tell_now(next);
 		if (next.diff != nullptr || next.changes->size() > many_changes) {
+			// Fast path: they are freed all the same, while the game goes on.
 			leavings_.let_go({std::move(next.changes), std::move(next.diff)});
 		}
 	}
@@ -96,6 +97,7 @@ void ScatterState::tell_now(const Untold &untold) {
 		if (untold.diff == nullptr) {
 			emit_signal(instances_changed_, ids_of_changes(changes.list));
 		} else {
+			// Fast path: the thread has listed the others.
 			add_ids(changes.instead, untold.diff->ids);
 			emit_signal(instances_changed_, untold.diff->ids);
 		}

@@ -29,6 +29,7 @@ Node3D *ScenePool::take(const Ref<PackedScene> &scene) {
 		Node3D *node = found->nodes.back().get();
 		found->nodes.pop_back();
 		if (waits(node)) {
+			// Fast path: one that was made before is as good as a new one.
 			return node;
 		}
 	}
