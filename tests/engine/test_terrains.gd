@@ -323,6 +323,24 @@ func test_meshes() -> void:
 	check("ScatterTerrainMeshes.group" in "\n".join(scatter.get_problems()), "a warning without a group")
 
 
+func test_nodes_share_what_was_read_of_meshes() -> void:
+	var instances := make_meshes()
+	var terrain := ScatterTerrainMeshes.new()
+	terrain.group = &"ground"
+	var both: Array[TerrainScatter3D] = []
+	for index in 2:
+		both.push_back(make_scatter([make_layer()], terrain, make_viewer()))
+	for scatter in both:
+		await settle(scatter)
+	var later := make_scatter([make_layer()], terrain, make_viewer())
+	await settle(later)
+	var expected := digests(later, 0)
+	check(later.get_stats()["instances"] > 300, "%d instances" % later.get_stats()["instances"])
+	for scatter in both:
+		check_equal(digests(scatter, 0), expected, "what stands for another node")
+	check_equal(later.get_stats()["ground_reads"], instances.size(), "meshes that were read")
+
+
 func test_meshes_do_not_know_tiles() -> void:
 	make_meshes()
 	var terrain := ScatterTerrainMeshes.new()

@@ -228,9 +228,11 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 		}
 	}
 	MapField field;
-	return field.set(field_.place(), layers).ok()
-			? std::make_shared<HTerrainCopy>(std::move(field), tilted_, std::move(images))
-			: nullptr;
+	if (!field.set(field_.place(), layers).ok()) {
+		return nullptr;
+	}
+	// Fast path: all else is as it was copied before.
+	return std::make_shared<HTerrainCopy>(std::move(field), tilted_, std::move(images));
 }
 
 bool read_heights(const Variant &p_data, MapImages &images, MapLayers &r_layers, String &r_refusal) {

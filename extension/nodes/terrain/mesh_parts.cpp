@@ -60,6 +60,7 @@ void MeshReading::build() {
 		made->offset = offset;
 		made->digest = digest_of(corners);
 		if (before != nullptr && before->digest == made->digest) {
+			// Fast path: its corners are where they were.
 			made->ground = before->ground;
 		} else {
 			auto ground = std::make_shared<TriangleTerrain>();

@@ -227,10 +227,12 @@ void ScatterTerrain::set_world_offset(const Node3D *p_host, glm::dvec3 offset) {
 
 void ScatterTerrain::follow_scene() {
 	const std::uint64_t frame = Engine::get_singleton()->get_process_frames();
-	if (std::exchange(followed_frame_, frame) != frame) {
-		const Ref<ScatterTerrain> held(this);
-		follow();
+	if (std::exchange(followed_frame_, frame) == frame) {
+		// Fast path: another host has had it follow in this frame.
+		return;
 	}
+	const Ref<ScatterTerrain> held(this);
+	follow();
 }
 
 bool ScatterTerrain::read_again() {

@@ -80,12 +80,14 @@ private:
 
 	bool is_instance(const Dictionary &hit) {
 		const auto id = static_cast<std::uint64_t>(hit[id_key_]);
-		if (id != collider_id_) {
-			const Object *collider = hit[collider_key_];
-			collider_id_ = id;
-			collider_is_scatter_ = collider != nullptr &&
-					(collider->is_class("TerrainScatter3D") || belongs_to_scatter(Object::cast_to<Node>(collider)));
+		if (id == collider_id_) {
+			// Fast path: it is the body of the last hit.
+			return collider_is_scatter_;
 		}
+		const Object *collider = hit[collider_key_];
+		collider_id_ = id;
+		collider_is_scatter_ = collider != nullptr &&
+				(collider->is_class("TerrainScatter3D") || belongs_to_scatter(Object::cast_to<Node>(collider)));
 		return collider_is_scatter_;
 	}
 

@@ -152,6 +152,7 @@ std::optional<ScatterTerrainColliders::Placed> ScatterTerrainColliders::measure(
 	}
 	sight.version = watch_.version(sight.source);
 	if (before != nullptr && before->sight.source == sight.source && before->sight.version == sight.version) {
+		// Fast path: the shape is as it was, wherever its body is now.
 		return Placed{sight, before->bounds};
 	}
 	++figures_.reads;
@@ -185,6 +186,7 @@ void ScatterTerrainColliders::update(std::uint64_t id) {
 		const auto then = offsets_.find(host);
 		const glm::dvec3 offset_before = then != offsets_.end() ? then->second : offset;
 		if (before != nullptr && now && same_in_world(before->sight, offset_before, now->sight, offset)) {
+			// Fast path: what stands on it would be made again as it is.
 			continue;
 		}
 		if (before != nullptr) {

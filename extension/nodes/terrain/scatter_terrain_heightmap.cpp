@@ -54,6 +54,7 @@ void ScatterTerrainHeightmap::image_changed() {
 
 void ScatterTerrainHeightmap::refresh() {
 	if (!field_stale_) {
+		// Fast path: nothing has changed since the field was made.
 		return;
 	}
 	field_stale_ = false;

@@ -31,6 +31,7 @@ std::shared_ptr<const Terrain> ScatterTerrainMeshes::make_snapshot(const GroundH
 				[&](const GroundHost &other) { return other.offset == host.offset && worlds_.contains(other.id); });
 		World world;
 		if (same != hosts().end()) {
+			// Fast path: where the origin is the same, so is the ground.
 			world = worlds_[same->id];
 		} else {
 			read_world(host, world);
@@ -162,6 +163,7 @@ void ScatterTerrainMeshes::read() {
 		const auto same = std::ranges::find_if(wanted,
 				[&](const GroundHost &other) { return other.offset == host.offset && worlds.contains(other.id); });
 		if (same != wanted.end()) {
+			// Fast path: where the origin is the same, so is the ground.
 			worlds[host.id] = worlds[same->id];
 		} else if (is_in_scene()) {
 			World world;

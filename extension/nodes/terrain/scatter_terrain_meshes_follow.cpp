@@ -90,9 +90,13 @@ std::size_t ScatterTerrainMeshes::read_changed(std::uint64_t id) {
 			added.push_back({id, sight, host.offset, {}, part->second, {}, nullptr});
 		}
 	}
+	if (added.empty()) {
+		// Fast path: it is where it was in all worlds, and as it was.
+		return 0;
+	}
 	PackedVector3Array faces;
 	const std::uint64_t run = run_;
-	if (added.empty() || !read_mesh(node, sight, faces) || run != run_) {
+	if (!read_mesh(node, sight, faces) || run != run_) {
 		return 0;
 	}
 	for (MeshReading &reading : added) {

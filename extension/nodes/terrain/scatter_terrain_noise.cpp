@@ -39,6 +39,7 @@ public:
 			return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
 		}
 		for (std::size_t i = 0; i < positions.size(); ++i) {
+			// Fast path: the height is that of `sample`.
 			r_ground[i].height = height_at(positions[i]);
 		}
 		return {};
@@ -77,7 +78,11 @@ private:
 } // namespace
 
 std::shared_ptr<const Terrain> ScatterTerrainNoise::make_snapshot(const GroundHost &) {
-	if (ground_ == nullptr && noise_.is_valid()) {
+	if (ground_ != nullptr) {
+		// Fast path: nothing has changed since it was made.
+		return ground_;
+	}
+	if (noise_.is_valid()) {
 		ground_ = std::make_shared<NoiseGround>(Ref<Noise>(noise_->duplicate(true)), amplitude_, base_height_);
 	}
 	return ground_;

@@ -63,7 +63,11 @@ Status ScatterTerrainObject::sample_for(const GroundHost &host, std::span<const 
 /// the node or the host, or ask for the ground. Then the next call looks again.
 void ScatterTerrainObject::find() {
 	const Node3D *from = first_node();
-	if (finding_ || from == nullptr || !from->is_inside_tree() || (!stale_ && is_available())) {
+	if (finding_ || from == nullptr || !from->is_inside_tree()) {
+		return;
+	}
+	if (!stale_ && is_available()) {
+		// Fast path: the node that was found is there still.
 		return;
 	}
 	stale_ = false;

@@ -27,18 +27,16 @@ bool share_pixels(const Ref<Image> &p_image, int pixel_bytes, PixelGrid &r_pixel
 }
 
 bool share_pixels_as(const Ref<Image> &p_image, Image::Format format, int pixel_bytes, PixelGrid &r_pixels) {
-	Ref<Image> image = p_image;
-	if (image->get_format() != format) {
-		image = p_image->duplicate();
-		if (image->is_compressed() && image->decompress() != OK) {
-			return false;
-		}
-		image->convert(format);
-		if (image->get_format() != format) {
-			return false;
-		}
+	if (p_image->get_format() == format) {
+		// Fast path: nothing has to be converted, so the memory is the image's own.
+		return share_pixels(p_image, pixel_bytes, r_pixels);
 	}
-	return share_pixels(image, pixel_bytes, r_pixels);
+	const Ref<Image> image = p_image->duplicate();
+	if (image->is_compressed() && image->decompress() != OK) {
+		return false;
+	}
+	image->convert(format);
+	return image->get_format() == format && share_pixels(image, pixel_bytes, r_pixels);
 }
 
 bool patch_pixels(const Ref<Image> &p_image, const PixelRect &rect, PixelGrid &r_pixels) {
