@@ -294,6 +294,24 @@ func test_default_viewer_is_the_camera() -> void:
 	check(Vector2i(12, 12) in scatter.get_shown_tiles(0), "the camera's tile is there")
 
 
+func test_what_is_set_again_is_not_done_again() -> void:
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	scatter.biomes = ScatterBiomeMap.new()
+	scatter.state = ScatterState.new()
+	scatter.world_offset = Vector3(64.0, 0.0, 0.0)
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	var stats := scatter.get_stats()
+	check(before.size() > 10, "%d tiles" % before.size())
+	for property: StringName in [&"terrain", &"biomes", &"state", &"world_offset", &"visible"]:
+		scatter.set(property, scatter.get(property))
+		check(scatter.is_settled(), "%s: nothing is left to do" % property)
+	await frames(3)
+	for figure: String in ["tiles_made", "uploads", "redrawn"]:
+		check_equal(scatter.get_stats()[figure], stats[figure], figure)
+	check_equal(digests(scatter, 0), before, "digests")
+
+
 func test_two_viewers() -> void:
 	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
 	scatter.viewers = scatter.viewers + [scatter.get_path_to(make_viewer(Vector3(-960.0, 0.0, 0.0)))]

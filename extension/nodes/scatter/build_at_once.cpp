@@ -35,11 +35,18 @@ Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::spa
 	return {};
 }
 
+std::unique_ptr<TileBuilder> AtOnceBuilder::take_builder() {
+	if (spare_ != nullptr) {
+		// Fast path: the memory of the last one serves again.
+		return std::move(spare_);
+	}
+	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
+}
+
 /// Throws std::bad_alloc.
 Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
 		const Rect &rect, TileInstances &r_tile) {
-	std::unique_ptr<TileBuilder> builder =
-			spare_ != nullptr ? std::move(spare_) : std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
+	std::unique_ptr<TileBuilder> builder = take_builder();
 	EngineThreads threads;
 	Status status;
 	if (ground != nullptr) {
@@ -68,6 +75,7 @@ Status AtOnceBuilder::build(const LayerSettings &layer, const Terrain *ground, c
 Status AtOnceBuilder::build_all(std::span<const TileOrder> orders, const Terrain *ground, const HostedTerrain &terrain,
 		std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
 	if (ground != nullptr && orders.size() > 1) {
+		// Fast path: the tiles are the same, whoever makes them.
 		EngineThreads threads;
 		return crew_.build(orders, *ground, threads, r_tiles);
 	}

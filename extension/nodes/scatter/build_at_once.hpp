@@ -40,6 +40,7 @@ public:
 	std::uint64_t points_computed() const { return points_computed_ + crew_.points_computed(); }
 
 private:
+	std::unique_ptr<TileBuilder> take_builder();
 	Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
 			const Rect &rect, TileInstances &r_tile);
 

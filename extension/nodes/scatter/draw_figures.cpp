@@ -38,8 +38,13 @@ std::uint64_t triangles_of(const Mesh &mesh, int32_t surface) {
 
 } // namespace
 
-DrawCounter::MeshFigures DrawCounter::figures_of(const Ref<Mesh> &mesh) {
-	MeshFigures result;
+const DrawCounter::MeshFigures &DrawCounter::figures_of(const Ref<Mesh> &mesh) {
+	const auto known = meshes_.find(mesh->get_instance_id());
+	if (known != meshes_.end()) {
+		// Fast path: the mesh was counted before.
+		return known->second;
+	}
+	MeshFigures &result = meshes_[mesh->get_instance_id()];
 	auto *array_mesh = Object::cast_to<ArrayMesh>(mesh.ptr());
 	for (int32_t surface = 0; surface < mesh->get_surface_count(); ++surface) {
 		++result.surfaces;
@@ -59,14 +64,11 @@ void DrawCounter::add(const Ref<Mesh> &mesh, std::uint64_t instances, glm::dvec3
 	if (instances == 0 || (view_ && !view_->touches(min, max))) {
 		return;
 	}
-	auto known = meshes_.find(mesh->get_instance_id());
-	if (known == meshes_.end()) {
-		known = meshes_.emplace(mesh->get_instance_id(), figures_of(mesh)).first;
-	}
+	const MeshFigures &of = figures_of(mesh);
 	++figures_.multimeshes;
 	figures_.instances += instances;
-	figures_.triangles += instances * known->second.triangles;
-	figures_.draw_calls += known->second.surfaces;
+	figures_.triangles += instances * of.triangles;
+	figures_.draw_calls += of.surfaces;
 }
 
 ViewVolume view_of(const Camera3D &camera, glm::dvec3 offset) {

@@ -38,7 +38,7 @@ private:
 		std::uint64_t triangles = 0;
 		std::uint64_t surfaces = 0;
 	};
-	static MeshFigures figures_of(const godot::Ref<godot::Mesh> &mesh);
+	const MeshFigures &figures_of(const godot::Ref<godot::Mesh> &mesh);
 
 	std::optional<ViewVolume> view_;
 	std::map<std::uint64_t, MeshFigures> meshes_; ///< By instance id of the engine.

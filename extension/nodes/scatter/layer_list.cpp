@@ -16,7 +16,11 @@ namespace {
 /// The same object as before, if it says the same.
 template <class Values>
 std::shared_ptr<const Values> kept(const std::shared_ptr<const Values> &before, Values now) {
-	return before != nullptr && *before == now ? before : std::make_shared<const Values>(std::move(now));
+	if (before != nullptr && *before == now) {
+		// Fast path: for the same object nothing has to be made anew.
+		return before;
+	}
+	return std::make_shared<const Values>(std::move(now));
 }
 
 /// Where the tiles of a layer are not what they were, because it says something else or the ground has changed.
@@ -142,7 +146,7 @@ SharedSnapshot LayerList::next(std::size_t index, const LinkedLayer &linked) con
 	}
 	LayerSnapshot now = *entries_[index].unlinked;
 	now.settings = linked.settings;
-	return was != nullptr && *was == now ? was : std::make_shared<const LayerSnapshot>(std::move(now));
+	return kept(was, std::move(now));
 }
 
 std::vector<EditedArea> LayerList::update(

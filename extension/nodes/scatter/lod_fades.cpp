@@ -95,6 +95,7 @@ void LodChain::make_next(const LodChain *before) {
 		known = found != before->looks_.end() ? &*found : nullptr;
 	}
 	if (known != nullptr) {
+		// Fast path: the copies that were made of the mesh before fade over the same distances.
 		look.faded = known->faded;
 	} else if (look.plain.fades) {
 		const std::vector<Ref<Mesh>> meshes = faded(look.plain.mesh, ranges);

@@ -143,13 +143,14 @@ void ScatterStream::request_tiles(std::span<const Viewer> viewers) {
 	sort_work(viewers);
 }
 
-/// Once viewers have moved on, what waits is worked on in another order.
+/// Once viewers have moved on, what waits is worked on in another order. The tiles are the same in any.
 void ScatterStream::sort_work(std::span<const Viewer> viewers) {
 	const bool same = std::ranges::equal(viewers, sorted_for_, [](const Viewer &now, const Viewer &then) {
 		const glm::dvec2 way = now.position - then.position;
 		return way.x * way.x + way.y * way.y < sort_distance * sort_distance;
 	});
 	if (same) {
+		// Fast path: the nearest tiles are the same.
 		return;
 	}
 	if (!workers_.sort(viewers)) {
@@ -184,7 +185,11 @@ void ScatterStream::start_missing() {
 		if (under_way == room || !ground_.source.is_available()) {
 			return;
 		}
-		if (tile.layer >= layers_.size() || layers_[tile.layer] == nullptr || std::ranges::any_of(jobs_, makes)) {
+		if (tile.layer >= layers_.size() || layers_[tile.layer] == nullptr) {
+			continue;
+		}
+		if (std::ranges::any_of(jobs_, makes)) {
+			// Fast path: it is under way.
 			continue;
 		}
 		const auto job = std::make_shared<TileJob>();

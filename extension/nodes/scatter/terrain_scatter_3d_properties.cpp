@@ -42,6 +42,7 @@ void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
 
 void TerrainScatter3D::set_biomes(const Ref<ScatterBiomeMap> &p_biomes) {
 	if (biomes_ == p_biomes) {
+		// Fast path: what they say is in the picture.
 		return;
 	}
 	watch(biomes_.ptr(), "changed", this, "_mark_dirty", false);
@@ -78,6 +79,7 @@ void TerrainScatter3D::watch_terrain(bool p_watch) {
 
 void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
 	if (terrain_ == p_terrain) {
+		// Fast path: all stands on it.
 		return;
 	}
 	watch_terrain(false);
@@ -116,6 +118,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	const glm::dvec3 offset{p_offset.x, p_offset.y, p_offset.z};
 	if (offset == world_offset_) {
+		// Fast path: all is where it should be.
 		return;
 	}
 	world_offset_ = offset;

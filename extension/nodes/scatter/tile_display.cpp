@@ -51,6 +51,7 @@ void TileDisplay::set_world_offset(glm::dvec3 offset) {
 
 void TileDisplay::set_visible(bool visible) {
 	if (visible_ == visible) {
+		// Fast path: all tiles are so.
 		return;
 	}
 	visible_ = visible;
@@ -149,6 +150,7 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 	if (layer == nullptr) {
 		part.lods.clear(); // It went meanwhile: nothing more is drawn of it.
 	} else if (own && r_upload.has_open_part()) {
+		// Fast path: the worker has made the buffer.
 		part.cells.push_back(make_cell(tile, part, layer->drawing, job.uploads[mesh]));
 	} else {
 		upload_cells(tile, mesh, layer->drawing, part);

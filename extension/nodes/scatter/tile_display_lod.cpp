@@ -109,6 +109,7 @@ bool TileDisplay::lod_step() {
 
 void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
 	if (r_tile.drawing_version == drawing_version(key.layer)) {
+		// Fast path: the renderer was told all that.
 		return;
 	}
 	r_tile.drawing_version = drawing_version(key.layer);
@@ -189,13 +190,16 @@ bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &
 		const Drawing drawing = drawing_of(key, r_tile, mesh);
 		part.due.resize(part.cells.size()); // Apart from the cells, because most visits look at nothing else.
 		for (std::size_t at = 0; at < part.cells.size(); ++at) {
-			if (r_tile.look_at_all || part.due[at] <= now) {
-				const DisplayedTile::Cell &cell = part.cells[at];
-				const DistanceRange distance =
-						schedule_.distances_to(origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max));
-				whole = draw_cell(drawing, distance, part, at) && whole;
-				part.due[at] = now + drawing.margin(distance);
+			if (!r_tile.look_at_all && part.due[at] > now) {
+				// Fast path: viewers have not come so far that it may have to be drawn otherwise.
+				r_margin = std::min(r_margin, part.due[at] - now);
+				continue;
 			}
+			const DisplayedTile::Cell &cell = part.cells[at];
+			const DistanceRange distance =
+					schedule_.distances_to(origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max));
+			whole = draw_cell(drawing, distance, part, at) && whole;
+			part.due[at] = now + drawing.margin(distance);
 			r_margin = std::min(r_margin, part.due[at] - now);
 		}
 	}

@@ -44,16 +44,19 @@ void TileDisplay::patch() {
 	if (marks.empty() && !all) {
 		return;
 	}
-	std::map<std::uint32_t, Rect> bounds; // Most tiles are told from them by this alone.
+	std::map<std::uint32_t, Rect> bounds;
 	for (const auto &[layer, area] : marks) {
 		Rect &bound = bounds.try_emplace(layer, area).first->second;
 		bound = {glm::min(bound.min, area.min), glm::max(bound.max, area.max)};
 	}
 	const auto is_marked = [&](std::uint32_t layer, const Rect &rect) {
 		const auto bound = bounds.find(layer);
-		return bound != bounds.end() && meet(rect, bound->second) && std::ranges::any_of(marks, [&](const Mark &mark) {
-			return mark.layer == layer && meet(rect, mark.area);
-		});
+		if (bound == bounds.end() || !meet(rect, bound->second)) {
+			// Fast path: what does not meet the bounds of all marks meets none of them.
+			return false;
+		}
+		return std::ranges::any_of(
+				marks, [&](const Mark &mark) { return mark.layer == layer && meet(rect, mark.area); });
 	};
 	++overlay_version_;
 	for (auto &[at, tile] : tiles_) {
@@ -113,6 +116,7 @@ void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		if (part.shown == shown[mesh] || same(*part.shown, *shown[mesh])) {
+			// Fast path: the renderer has the same instances.
 			part.shown = shown[mesh];
 		} else if (!patch_part(r_tile, mesh, layer, part, shown[mesh])) {
 			mark(key.layer, r_tile.rect); // As above.
@@ -151,11 +155,13 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 				same_instances(*r_part.shown, r_part.division.order_of(r_part.division.cells[before]), *next.shown,
 						next.division.order_of(next.division.cells[at]));
 		if (unchanged) {
+			// Fast path: the renderer has the same instances of the cell.
 			next.cells.push_back(std::move(r_part.cells[before++]));
 			continue;
 		}
 		const MeshUpload upload = to_upload(next, at, tile.reach_of(mesh));
 		if (stands) {
+			// Fast path: its visuals take the other instances.
 			next.cells.push_back(std::move(r_part.cells[before++]));
 			next.cells.back().set_instances(upload);
 			++upload_count_;

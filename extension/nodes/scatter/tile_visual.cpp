@@ -169,10 +169,12 @@ void TileVisual::set_visible(bool visible) {
 }
 
 void TileVisual::set_offset(glm::dvec3 offset) {
-	if (offset_ != offset) {
-		offset_ = offset;
-		move_instances();
+	if (offset_ == offset) {
+		// Fast path: it stands there already.
+		return;
 	}
+	offset_ = offset;
+	move_instances();
 }
 
 void TileVisual::move_instances() {
@@ -185,10 +187,12 @@ void TileVisual::move_instances() {
 }
 
 void TileVisual::set_mesh(const Ref<Mesh> &mesh, Handle &r_handle) {
-	if (r_handle.mesh != mesh) {
-		RenderingServer::get_singleton()->multimesh_set_mesh(r_handle.multimesh, mesh->get_rid());
-		r_handle.mesh = mesh; // Only now: see above.
+	if (r_handle.mesh == mesh) {
+		// Fast path: the renderer has it.
+		return;
 	}
+	RenderingServer::get_singleton()->multimesh_set_mesh(r_handle.multimesh, mesh->get_rid());
+	r_handle.mesh = mesh; // Only now: see above.
 }
 
 void TileVisual::set_look(const MeshLook &look) {
@@ -205,23 +209,27 @@ void TileVisual::set_look(const MeshLook &look) {
 }
 
 void TileVisual::set_drawn(std::size_t count) {
-	if (drawn_ != count) {
-		for_each_handle([count](const Handle &handle) {
-			RenderingServer::get_singleton()->multimesh_set_visible_instances(
-					handle.multimesh, static_cast<int32_t>(count));
-		});
-		drawn_ = count;
+	if (drawn_ == count) {
+		// Fast path: the renderer knows it.
+		return;
 	}
+	for_each_handle([count](const Handle &handle) {
+		RenderingServer::get_singleton()->multimesh_set_visible_instances(
+				handle.multimesh, static_cast<int32_t>(count));
+	});
+	drawn_ = count;
 }
 
 void TileVisual::set_scale(float scale) {
-	if (scale_ != scale) {
-		for_each_handle([scale](const Handle &handle) {
-			RenderingServer::get_singleton()->instance_geometry_set_shader_parameter(
-					handle.instance, "scatter_scale", scale);
-		});
-		scale_ = scale;
+	if (scale_ == scale) {
+		// Fast path: the renderer knows it.
+		return;
 	}
+	for_each_handle([scale](const Handle &handle) {
+		RenderingServer::get_singleton()->instance_geometry_set_shader_parameter(
+				handle.instance, "scatter_scale", scale);
+	});
+	scale_ = scale;
 }
 
 PackedFloat32Array TileVisual::read_back() const {

@@ -105,12 +105,14 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 
 void TileWorkers::let_go(std::shared_ptr<const void> unneeded) {
 	if (!on_main_thread_) {
+		// Fast path: it is freed all the same, by a worker.
 		unneeded_here_.push_back(std::move(unneeded));
 	}
 }
 
 void TileWorkers::take_back(std::vector<MeshUpload> &&uploads) {
 	if (!on_main_thread_) {
+		// Fast path: they are freed all the same, by a worker, or their buffers filled again.
 		std::ranges::move(uploads, std::back_inserter(uploaded_here_));
 	}
 }
@@ -225,6 +227,7 @@ bool TileWorkers::work_on_next(Worker &worker) {
 		return false;
 	}
 	if (job->cancelled) {
+		// Fast path: nobody would look at the tile.
 		job->status.code = ErrorCode::cancelled;
 		job->step = TileJob::Step::done;
 		return true;
