@@ -258,6 +258,21 @@ func test_points() -> void:
 			check_equal(all.get_rank(index), 0.0, "no rank %d" % index)
 			check_error(["PoissonPoints.index is out of range"], "rank %d" % index)
 	check_equal(Vector2(exact.x[5], exact.y[5]), exact.positions[5], "x and y")
+	# So many that threads share the work, against so few that they do not.
+	var many := sampler.sample(Rect2(0.0, 0.0, 400.0, 300.0))
+	check(many.size() > 1 << 16, "%d points" % many.size())
+	check(many.positions == sampler.sample_domain(Rect2(0.0, 0.0, 400.0, 300.0)), "positions of many")
+	var all_ids := PackedInt64Array()
+	var all_ranks := PackedFloat32Array()
+	for part in 4:
+		var few := sampler.sample(Rect2(100.0 * part, 0.0, 100.0, 300.0))
+		all_ids.append_array(few.ids)
+		all_ranks.append_array(few.ranks)
+	var ids := many.ids
+	var ranks := many.ranks
+	for array: Variant in [all_ids, all_ranks, ids, ranks]:
+		array.sort()
+	check(ids == all_ids and ranks == all_ranks, "ids and ranks of many")
 	var copy := points.ids
 	copy[0] = 1
 	check(points.ids[0] != 1 and points.get_id(0) != 1, "what a script gets is its own")

@@ -68,6 +68,8 @@ func test_materials_are_read() -> void:
 	image.fill(Color(0.0, 0.0, 1.0))
 	(box.material as StandardMaterial3D).albedo_texture = ImageTexture.create_from_image(image)
 	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "times the texture")
+	var twice := impostor.bake([box, box], [Transform3D.IDENTITY, Transform3D(Basis(), Vector3(0.0, 0.0, 2.0))])
+	check(front_pixel(twice, &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "of the second part with that texture, too")
 	image.fill(Color(0.0, 0.0, 1.0, 0.2))
 	(box.material as StandardMaterial3D).albedo_texture = ImageTexture.create_from_image(image)
 	check_equal(front_pixel(impostor.bake([box]), &"impostor_albedo").a, 1.0, "alpha of what is opaque")

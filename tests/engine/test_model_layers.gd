@@ -29,6 +29,10 @@ func test_instances_are_those_of_a_plain_mesh() -> void:
 		check_equal(tile.get_digest(), digests[index], "digest of tile %s" % tiles[index])
 		check_equal(tile.get_mesh(1), model.get_mesh(), "what is drawn")
 		check_equal(tile.get_mesh(0).get_surface_count(), 2, "of the scene: all its parts")
+	var read := scatter.get_tile(0, tiles[0]).get_mesh(0)
+	plain.meshes = [BoxMesh.new(), plain.meshes[0]]
+	await settle(scatter)
+	check_equal(scatter.get_tile(0, tiles[0]).get_mesh(1), read, "a scene that was in the list is not read again")
 
 
 func test_entries() -> void:

@@ -61,12 +61,13 @@ std::vector<std::uint8_t> biomes_of(
 	constexpr std::uint8_t half = 128;
 	std::vector<std::uint8_t> result(static_cast<std::size_t>(pixels.size.x) * static_cast<std::size_t>(pixels.size.y));
 	const std::uint8_t *pixel = pixels.bytes.ptr();
-	const std::uint8_t *known = nullptr; // Neighbors are mostly alike.
+	const std::uint8_t *known = nullptr;
 	std::uint8_t known_biome = no_biome;
 	for (std::uint8_t &biome : result) {
 		if (mode == BiomePixels::indices) {
 			biome = *pixel < count ? *pixel : no_biome;
 		} else if (known != nullptr && std::equal(pixel, pixel + 4, known)) {
+			// Fast path: neighbors are mostly alike, and then of the same biome.
 			biome = known_biome;
 		} else {
 			biome = pixel[3] < half ? no_biome : nearest(pixel, colors);

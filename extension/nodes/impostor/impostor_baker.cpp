@@ -116,17 +116,19 @@ Error ImpostorBaker::add_surface(const Array &p_arrays, const Transform3D &p_tra
 	return error_of(status.code);
 }
 
-/// Null, with an error, for an image that cannot be read. An image that was used before is not read again.
+/// Null, with an error, for an image that cannot be read.
 std::shared_ptr<const SurfaceTexture> ImpostorBaker::texture_of(const Ref<Image> &p_image) {
 	const std::lock_guard lock(mutex_);
 	std::shared_ptr<const SurfaceTexture> &known = textures_[p_image->get_instance_id()];
-	if (known == nullptr) {
-		auto made = std::make_shared<SurfaceTexture>();
-		const Status status = read_texture(p_image, *made);
-		report(class_name, status);
-		if (status.ok()) {
-			known = std::move(made);
-		}
+	if (known != nullptr) {
+		// Fast path: an image that was used before is not read again.
+		return known;
+	}
+	auto made = std::make_shared<SurfaceTexture>();
+	const Status status = read_texture(p_image, *made);
+	report(class_name, status);
+	if (status.ok()) {
+		known = std::move(made);
 	}
 	return known;
 }

@@ -78,6 +78,7 @@ bool LayerMeshes::set_entries(const Array &p_entries) {
 Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
 	for (std::size_t entry = 0; entry < size(); ++entry) {
 		if (models_[entry].is_valid() && Ref<PackedScene>(entries_[static_cast<int64_t>(entry)]) == p_scene) {
+			// Fast path: the scene was read before.
 			return models_[entry];
 		}
 	}

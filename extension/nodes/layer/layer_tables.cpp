@@ -31,16 +31,19 @@ void LayerTables::refresh(const MaskFrame &frame, double proximity_distance) {
 }
 
 void LayerTables::refresh_noise() {
-	if (noise_source != used_source_ || noise_curve != used_curve_) {
-		used_source_ = noise_source;
-		used_curve_ = noise_curve;
-		noise = noise_field(noise_source, noise_curve);
+	if (noise_source == used_source_ && noise_curve == used_curve_) {
+		// Fast path: it is made of the same still, so tiles need not be made anew for another one.
+		return;
 	}
+	used_source_ = noise_source;
+	used_curve_ = noise_curve;
+	noise = noise_field(noise_source, noise_curve);
 }
 
 void LayerTables::refresh_image(const MaskFrame &frame) {
 	const bool new_pixels = std::exchange(mask_texture.unread, false) || frame.channel != frame_.channel;
 	if (!new_pixels && same_area(frame, frame_)) {
+		// Fast path: the mask is made of the same pixels in the same place still.
 		return;
 	}
 	frame_ = frame;

@@ -34,9 +34,11 @@ void replace(Made &r_old, Made fresh) {
 
 template <std::equality_comparable Table>
 void replace(std::shared_ptr<const Table> &r_old, std::shared_ptr<const Table> fresh) {
-	if (r_old == nullptr || fresh == nullptr || !(*r_old == *fresh)) {
-		r_old = std::move(fresh);
+	if (r_old != nullptr && fresh != nullptr && *r_old == *fresh) {
+		// Fast path: for the same table no tile has to be made anew.
+		return;
 	}
+	r_old = std::move(fresh);
 }
 
 /// What is made of a resource and other properties together: noise with its curve, a texture with its frame, and a line in

@@ -192,9 +192,11 @@ void ScatterMask::clear() {
 }
 
 std::shared_ptr<const PaintedMask> ScatterMask::snapshot() const {
-	if (snapshot_ == nullptr) {
-		snapshot_ = std::make_shared<PaintedMask>(mask_);
+	if (snapshot_ != nullptr) {
+		// Fast path: nothing was painted since the last one.
+		return snapshot_;
 	}
+	snapshot_ = std::make_shared<PaintedMask>(mask_);
 	return snapshot_;
 }
 

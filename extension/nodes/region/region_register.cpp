@@ -100,15 +100,20 @@ std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<Scatter
 	};
 	if (shapes.empty()) {
 		last = nullptr;
-	} else if (!is_same(last)) {
-		// Most regions count for all layers, which then share a set.
-		const auto shared = std::ranges::find_if(sets_, is_same);
-		auto next = std::make_shared<ShapeSet>();
-		if (shared != sets_.end()) {
-			last = *shared;
-		} else if (next->set(std::move(shapes)).ok()) { // Each was valid by itself.
-			last = std::move(next);
-		}
+		return last;
+	}
+	if (is_same(last)) {
+		// Fast path: for the same set no tile has to be made anew.
+		return last;
+	}
+	if (const auto shared = std::ranges::find_if(sets_, is_same); shared != sets_.end()) {
+		// Fast path: most regions count for all layers, which then share a set.
+		last = *shared;
+		return last;
+	}
+	auto next = std::make_shared<ShapeSet>();
+	if (next->set(std::move(shapes)).ok()) { // Each was valid by itself.
+		last = std::move(next);
 	}
 	return last;
 }

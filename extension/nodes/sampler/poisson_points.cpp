@@ -38,6 +38,7 @@ void for_each_part(std::size_t size, const Work &work) {
 		}
 	};
 	if (size > 4 * part) {
+		// Fast path: the parts are the same, whichever thread copies them.
 		EngineThreads().run(work_on);
 	} else {
 		work_on(0);
@@ -119,14 +120,16 @@ Vector2 PoissonPoints::get_position(int64_t p_index) const {
 
 PackedVector2Array PoissonPoints::get_positions() const {
 	const std::lock_guard lock(mutex_);
-	if (positions_.size() != size_) {
-		positions_.resize(size_);
-		Vector2 *out = positions_.ptrw();
-		const double *x = x_.ptr();
-		const double *y = y_.ptr();
-		for (int64_t index = 0; index < positions_.size(); ++index) {
-			out[index] = to_engine(glm::dvec2(x[index], y[index]));
-		}
+	if (positions_.size() == size_) {
+		// Fast path: points never change, so their positions are made once.
+		return positions_;
+	}
+	positions_.resize(size_);
+	Vector2 *out = positions_.ptrw();
+	const double *x = x_.ptr();
+	const double *y = y_.ptr();
+	for (int64_t index = 0; index < positions_.size(); ++index) {
+		out[index] = to_engine(glm::dvec2(x[index], y[index]));
 	}
 	return positions_;
 }
