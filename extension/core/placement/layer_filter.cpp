@@ -29,7 +29,7 @@ Status LayerFilter::sample(
 		TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel, LentThreads *threads) {
 	window_ = window;
 	if (rules_.closed_in(window)) {
-		// Fast path: what rules let nothing pass need not be sampled.
+		// Fast path: where rules let nothing pass, nothing need be sampled.
 		points_.clear();
 	} else if (const Status status =
 					   sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads);

@@ -1,0 +1,137 @@
+"""Every fast path is taken by some test. A fast path gives what the code after it would give, only sooner, so no result tells whether
+it is ever taken. A comment that begins with "Fast path:" stands above what runs only then. Here the sources are built once more, from a
+copy in which each of these comments is a statement that says once that it ran."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import BUILD_DIR, LONG_CASES, REPO, run
+
+COPY = REPO / "build/fast_paths"
+TOLD = "THICKET_FAST_PATHS"  # The environment's name of the file that those which are taken are told to.
+MARK = re.compile(r"// Fast path: \S.*")
+HEADER = f"""#pragma once
+#include <cstdio>
+#include <cstdlib>
+namespace thicket {{
+inline bool tell_fast_path(const char *file, int line) {{
+	const char *path = std::getenv("{TOLD}");
+	std::FILE *told = path != nullptr ? std::fopen(path, "a") : nullptr;
+	if (told != nullptr) {{
+		std::fprintf(told, "%s:%d\\n", file, line);
+		std::fclose(told);
+	}}
+	return true;
+}}
+}} // namespace thicket
+"""
+# A lambda, for functions that may also run while something is compiled.
+STATEMENT = "[] { static const bool told = ::thicket::tell_fast_path(__FILE__, __LINE__); static_cast<void>(told); }();"
+
+
+def marks(root: Path, folder: str) -> set[str]:
+    """The fast paths under a folder of root: the path of the file from there, and the number of the comment's line."""
+    return {
+        f"{path.relative_to(root).as_posix()}:{number}"
+        for path in (root / folder).rglob("*.[ch]pp")
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if MARK.search(line)
+    }
+
+
+def telling(text: str, header: Path) -> str:
+    """A source that tells which of its fast paths are taken; its lines keep their numbers."""
+    changed, count = MARK.subn(lambda _: STATEMENT, text)
+    return f'#include "{header.as_posix()}"\n#line 1\n{changed}' if count else text
+
+
+def write(path: Path, data: bytes, mode: int = 0o644):
+    """Leaves alone what is the same, so that it need not be built again."""
+    if not path.is_file() or path.read_bytes() != data:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)
+        path.chmod(mode)
+
+
+def copy_of_the_sources():
+    listed = run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], timeout=60, cwd=REPO)
+    wanted = {name for name in listed.stdout.split("\0") if name and (REPO / name).is_file()}
+    assert wanted, listed.stderr
+    for path in [path for folder in ("extension", "tests") for path in (COPY / folder).rglob("*.?pp")]:
+        if path.relative_to(COPY).as_posix() not in wanted:
+            path.unlink()
+    header = Path("tests/fast_paths.hpp")
+    write(COPY / header, HEADER.encode())
+    for name in wanted:
+        data = (REPO / name).read_bytes()
+        if name.startswith("extension/") and name.endswith((".cpp", ".hpp")):
+            up = Path(os.path.relpath(header, Path(name).parent))
+            data = telling(data.decode(), up).encode()
+        write(COPY / name, data, (REPO / name).stat().st_mode)
+
+
+def build(target: str, timeout: float):
+    copy_of_the_sources()
+    built = run(["scons", "-Q", f"-j{os.cpu_count()}", "compiledb=no", target], timeout=timeout, cwd=COPY)
+    assert built.returncode == 0, built.stdout + built.stderr
+
+
+def never_taken(wanted: set[str], told: Path) -> list[str]:
+    taken = told.read_text(encoding="utf-8").splitlines() if told.exists() else []
+    return sorted(wanted - set(taken))
+
+
+def test_a_fast_path_that_nothing_takes_is_told(tmp_path):
+    source = """int main(int count, char **) {
+    if (count == 1) {
+        // Fast path: always.
+        count = 2;
+    }
+    if (count == 1) {
+        // Fast path: never,
+        // which takes two lines to say.
+        return 1;
+    }
+    return 0;
+}
+"""
+    (tmp_path / "main.cpp").write_text(source)
+    assert marks(tmp_path, ".") == {"main.cpp:3", "main.cpp:7"}
+    (tmp_path / "fast_paths.hpp").write_text(HEADER)
+    (tmp_path / "telling").mkdir()
+    (tmp_path / "telling/main.cpp").write_text(telling(source, Path("../fast_paths.hpp")))
+    built = run([os.environ.get("CXX", "g++"), "-std=c++20", "main.cpp", "-o", tmp_path / "main"], timeout=60, cwd=tmp_path / "telling")
+    assert built.returncode == 0, built.stderr
+    told = tmp_path / "told"
+    assert run([tmp_path / "main"], timeout=60, env={TOLD: str(told)}).returncode == 0
+    assert never_taken({"main.cpp:3", "main.cpp:7"}, told) == ["main.cpp:7"]
+
+
+def test_the_core_takes_its_fast_paths(tmp_path):
+    """By the cases of tests/core that do not take long."""
+    wanted = marks(REPO, "extension/core")
+    assert len(wanted) > 50
+    build(f"build/{BUILD_DIR.name}/core_tests", timeout=1800)
+    told = tmp_path / "told"
+    done = run([COPY / "build" / BUILD_DIR.name / "core_tests", "--no-intro", "--test-case-exclude=" + ",".join(LONG_CASES)],
+        timeout=900, env={**os.environ, TOLD: str(told)})  # fmt: skip
+    assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]
+    assert not never_taken(wanted, told)
+
+
+@pytest.mark.full
+def test_the_nodes_take_their_fast_paths(tmp_path):
+    """By the scripts of tests/engine."""
+    wanted = marks(REPO, "extension/nodes")
+    assert len(wanted) > 50
+    build("extension", timeout=3600)
+    told = tmp_path / "told"
+    done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", "tests/test_engine.py"], timeout=3600, cwd=REPO,
+        env={**os.environ, TOLD: str(told), "THICKET_ADDON": str(COPY / "demo_project/addons/thicket")})  # fmt: skip
+    assert done.returncode == 0, done.stdout[-6000:]
+    assert not never_taken(wanted, told)
