@@ -83,7 +83,7 @@ public:
 		std::size_t in_shard = is_new ? 1 : 0;
 		std::size_t in_all = in_shard;
 		if (r_new_ids != nullptr) {
-			in_shard = r_new_ids->by_shard[hash >> shard_shift] += is_new ? 1 : 0;
+			in_shard = r_new_ids->by_shard[shard_of(hash)] += is_new ? 1 : 0;
 			in_all = r_new_ids->all += is_new ? 1 : 0;
 		}
 		const bool spreads = mask_ == 0 && size_ + in_all > most_in_one;
@@ -212,7 +212,8 @@ private:
 
 	std::uint64_t hash_of(std::uint64_t id) const { return split_mix(id ^ salt_); }
 
-	std::size_t index_of(std::uint64_t hash) const { return static_cast<std::size_t>(hash >> shard_shift) & mask_; }
+	static std::size_t shard_of(std::uint64_t hash) { return static_cast<std::size_t>(hash >> shard_shift); }
+	std::size_t index_of(std::uint64_t hash) const { return shard_of(hash) & mask_; }
 
 	/// A shard that may be changed.
 	Shard &own(std::size_t index) {
