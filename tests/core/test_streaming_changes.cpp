@@ -227,6 +227,31 @@ TEST_CASE("streaming: clear forgets all tiles and keeps the layers") {
 	check_view(stage, two_layers, viewers);
 }
 
+TEST_CASE("streaming: an old tile goes when the new one in its place is given up out of sight") {
+	Stage stage({{32.0, 100.0}});
+	std::vector<Viewer> viewers{{{0.0, 0.0}}};
+	stage.settle(viewers);
+	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{{40.0, 100.0}}).ok());
+	stage.update(viewers);
+	// What was requested comes out of sight, and all that is in sight is made.
+	viewers[0].position.x += 30.0;
+	stage.update(viewers);
+	const auto in_sight = [&](const auto &each) {
+		return distance_squared(each.second.rect, viewers[0].position) <= 100.0 * 100.0;
+	};
+	for (auto next = std::ranges::find_if(stage.pending, in_sight); next != stage.pending.end();
+			next = std::ranges::find_if(stage.pending, in_sight)) {
+		stage.finish(TileRequest(next->second));
+	}
+	stage.update(viewers);
+	REQUIRE_FALSE(stage.pending.empty());
+	REQUIRE_FALSE(stage.streamer.idle());
+	stage.streamer.cancel(0);
+	stage.update(viewers);
+	CHECK(stage.streamer.idle());
+	check_view(stage, {{40.0, 100.0}}, viewers);
+}
+
 TEST_CASE("streaming: bad input is refused by name and value, and the last good state stays") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};

@@ -120,7 +120,7 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 			continue;
 		}
 		if (!looked && !answered) {
-			// Fast path: no tile came on show or left since, so under each retired one what was missing still is.
+			// Fast path: no tile came on show or was given up since, so under each retired one what was missing still is.
 			continue;
 		}
 		layer.drop_covered(r_changes);
@@ -220,6 +220,7 @@ void TileStreamer::invalidate(std::uint32_t layer, const Rect &area) {
 void TileStreamer::cancel(std::uint32_t layer) {
 	if (layer < state_->layers.size()) {
 		state_->layers[layer].cancel_all(state_->backlog);
+		state_->answered = true; // Nothing is missing any more where one was made out of sight.
 	}
 }
 
