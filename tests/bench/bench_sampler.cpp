@@ -1,6 +1,7 @@
 // Speed of the tile sampler against Bridson's method, in one run: points a second of processor time at several tile
 // sizes and levels, the margin's overhead, the workspace, and each instruction set. Prints rows of a Markdown table.
 //   bench_sampler [rounds = 9] [seconds a measurement = 0.25]
+//   bench_sampler ROUNDS SECONDS alone     only tiles of 64 r, for benches that measure beside it what is made of its points
 
 #include "tests/bench/common/bridson.hpp"
 #include "tests/bench/common/command_line.hpp"
@@ -14,6 +15,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -131,12 +133,25 @@ void compare_targets(const Effort &effort) {
 	}
 }
 
+void measure_alone(const Effort &effort) {
+	TileWalk walk(64, 1);
+	Series rates;
+	for (int round = 0; round < effort.rounds; ++round) {
+		rates.add(rate(effort.seconds, [&] { return walk.next(); }));
+	}
+	print_row("the sampler alone", rates, 1e-6, " M points/s", 3);
+}
+
 } // namespace
 } // namespace thicket::bench
 
 int main(int argument_count, char **arguments) {
 	using namespace thicket::bench;
 	const Effort effort = effort_of(argument_count, arguments);
+	if (argument_count > 3 && std::string_view(arguments[3]) == "alone") {
+		measure_alone(effort);
+		return 0;
+	}
 	for (const int tile_size : tile_sizes) {
 		compare(tile_size, effort);
 	}

@@ -61,9 +61,10 @@ func _measure_circles(rounds: int) -> void:
 			cold.push_back(time_of(scatter.query_sphere.bind(far, RADIUS, layers)) / 1e3)
 			warm.push_back(time_of(scatter.query_sphere.bind(_center, RADIUS, layers)) / 1e3)
 			read.push_back(time_of(_read_all.bind(layers)) / 1e3)
-		row("query_sphere of %.0f m, %d instances of %s, tiles known" % [RADIUS, found.size(), what], warm, "ms", 2)
-		row("the same elsewhere, tiles made on the spot", cold, "ms", 1)
-		row("the same, ids, positions and transforms read", read, "ms", 2)
+		var query := "query_sphere of %.0f m, %d instances of %s, " % [RADIUS, found.size(), what]
+		row(query + "tiles known", warm, "ms", 2)
+		row(query + "tiles known, ids, positions and transforms read", read, "ms", 2)
+		row("query_sphere of %.0f m elsewhere, %s, tiles made on the spot" % [RADIUS, what], cold, "ms", 1)
 
 
 func _read_all(layers: PackedInt32Array) -> int:

@@ -1,19 +1,15 @@
 extends "bench.gd"
-## What a project pays for the add-on before it sees anything: the size of the library, and the time from the start of the engine until
-## the first tile of the demo is on show, beside that of the same scene without a scatter. Prints rows of a Markdown table.
+## What a project pays for the add-on before it sees anything: the time from the start of the engine until the first tile of the demo is
+## on show, beside that of the same scene without a scatter. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/load.gd [-- ROUNDS]
 
 const DEFAULT_ROUNDS := 5
-const LIBRARIES := "res://addons/thicket/bin"
 const SCENE := "scene"
 
 
 func run() -> String:
 	if OS.get_cmdline_user_args().has(SCENE):
 		return await _start_scene()
-	for file in DirAccess.get_files_at(LIBRARIES):
-		if file.begins_with("libthicket."):
-			row("size of %s" % file, [FileAccess.get_file_as_bytes(LIBRARIES.path_join(file)).size() / 1e6], "MB", 2)
 	var with := PackedFloat64Array()
 	var without := PackedFloat64Array()
 	for round in rounds_or(DEFAULT_ROUNDS):

@@ -1,7 +1,8 @@
 extends SceneTree
 ## What streaming costs the main thread: flies over the demo's forest in a straight line and takes, frame by frame, the time
 ## that the scatter spent there. Prints rows of a Markdown table.
-##   tools/godot --xvfb --path demo_project --script tests/bench/streaming.gd [-- SECONDS]
+##   tools/godot --headless --path demo_project --script tests/bench/streaming.gd [-- SECONDS]
+##   tools/godot --xvfb ...     the same with a renderer in software, whose uploads are copies by this processor
 ##
 ## The viewer keeps to the clock, so a frame that is late finds more to do. The renderer draws nothing, or a machine that
 ## draws in software would measure that; buffers are still handed to it, which is what an upload costs the main thread.
@@ -86,7 +87,8 @@ func _report(frames: Array[Dictionary]) -> void:
 		most_waiting = maxi(most_waiting, int(stats.waiting) + int(stats.pending))
 	spent.sort()
 	var last := frames[-1]
-	var flight := "flight at %.0f m/s, budget %d µs" % [SPEED, _scatter.get(&"frame_budget_usec")]
+	var drawn := "headless" if DisplayServer.get_name() == "headless" else "drawn in software"
+	var flight := "flight at %.0f m/s, budget %d µs, %s" % [SPEED, _scatter.get(&"frame_budget_usec"), drawn]
 	var count := frames.size()
 	var row := "| %s: main thread a frame, %s | %.0f µs | %.0f to %.0f µs | %d frames |"
 	print(row % [flight, "median", spent[count / 2], spent[0], spent[-1], count])

@@ -1,11 +1,13 @@
 extends "bench.gd"
 ## What workers take for a tile, from its request to buffers that are ready to upload: points a second of one worker, on several grounds
 ## and with several rules. Prints rows of a Markdown table.
-##   tools/godot --headless --path demo_project --script tests/bench/workers.gd [-- ROUNDS]
+##   tools/godot --headless --path demo_project --script tests/bench/workers.gd [-- ROUNDS [SAMPLER]]
 ##
-## Points count as they are sampled, whether the rules let them stand or not. Times are on the clock, of the workers alone.
+## Points count as they are sampled, whether the rules let them stand or not. Times are on the clock, of the workers alone. SAMPLER is the
+## path of `bench_sampler`: it then measures the sampler alone just before each case, and rows tell the share of it that a worker reaches.
 
 const DEFAULT_ROUNDS := 5
+const SECONDS_ALONE := "0.5"
 
 var _viewer := Node3D.new()
 
@@ -25,17 +27,33 @@ func run() -> String:
 		"the ground of a noise, along its normals": [noise, {&"align_to_normal": 1.0}],
 	}
 	var rates := {}
+	var shares := {}
 	make_scatter(heightmap, [], _viewer)
 	for round in rounds:
 		for what: String in cases:
+			var alone := _sampler_alone()
 			var failure := await _fill(cases[what][0], cases[what][1])
 			if failure != "":
 				return what + ": " + failure
 			var stats := scatter.get_stats()
-			(rates.get_or_add(what, []) as Array).push_back(float(stats.points_sampled) / stats.worker_usec)
+			var rate: float = float(stats.points_sampled) / stats.worker_usec
+			(rates.get_or_add(what, []) as Array).push_back(rate)
+			(shares.get_or_add(what, []) as Array).push_back(rate / alone)
 	for what: String in cases:
 		row("a worker's points, on " + what, rates[what], "M points/s", 2)
+		if not is_inf(shares[what][0]):
+			row("a worker's points over the sampler's alone, on " + what, shares[what], "times", 3)
 	return ""
+
+
+## Million points a second of one core; 0 where its program was not named.
+func _sampler_alone() -> float:
+	var arguments := OS.get_cmdline_user_args()
+	if arguments.size() < 2:
+		return 0.0
+	var printed := []
+	OS.execute(arguments[1], ["1", SECONDS_ALONE, "alone"], printed)
+	return "".join(printed).get_slice("|", 2).to_float()
 
 
 ## A view of tiles of 64 r, made from nothing: figures count from when the node enters the tree.
