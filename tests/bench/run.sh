@@ -1,41 +1,109 @@
 #!/usr/bin/env bash
-# Builds the benches for release, runs them, and prints one Markdown table. Arguments: [rounds = 9] [seconds = 0.25].
-# Times are processor time and contenders take turns within each round, so that a busy machine disturbs all alike; only
-# the main thread's share of a frame and the response to a change are time on the clock, which a busy machine lengthens.
-# Streaming, flight, views, response, terrains, workers, gameplay, spikes, collision, navigation, import, load and soak run in the
-# engine, with the extension of template_debug, as Godot's editor binary loads it.
+# Builds benches and extension for release, runs them, and prints one Markdown table. Takes a quarter of an hour once built, on two cores
+# on which nothing else should run. Arguments: [rounds = 9] [seconds = 0.25] of the programs in C++, and options before them:
+#   --write        also keeps the rows in tests/bench/data/speed.json, and writes README's tables from them (speed_table.py)
+#   --only A,B     measure these parts alone; with --write, the rows of the others stay as they are
+# Times are processor time and contenders take turns within each round, so that a busy machine disturbs all alike; only what the main
+# thread takes, what workers take, and the response to a change are time on the clock, which a busy machine lengthens. From streaming on
+# the parts run in the engine, in the editor's binary, which gets the library for release.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh
+
+parts=" sampler tile fields shapes streamer library streaming drawn flight views workers response terrains rectangles gameplay spikes"
+parts+=" collision navigation import load soak "
+write=
+only=
+while [[ ${1:-} == --* ]]; do
+	case $1 in
+	--write) write=yes ;;
+	--only)
+		only=${2:?--only needs names of parts}
+		shift
+		;;
+	*)
+		say "no such option: $1"
+		exit 2
+		;;
+	esac
+	shift
+done
+for part in ${only//,/ }; do
+	if [[ $parts != *" $part "* ]]; then
+		say "--only needs some of$parts, got $part"
+		exit 2
+	fi
+done
+effort=("$@")
+root=$PWD
+rows=$root/build/bench/rows
+project=$root/build/bench/project
+rm -rf "$rows"
+mkdir -p "$rows"
+
 setup_compiler >&2
+setup_compiler_cache >&2
 setup_baselines >&2
 setup_godot >&2
-scons -Q -j"$(nproc)" target=template_release bench >&2
-
+scons -Q -j"$(nproc)" target=template_release bench extension >&2
 shopt -s nullglob
-folders=(build/*.template_release.*/bench)
+programs=(build/*.template_release.*/bench)
+sampler=$root/${programs[0]}/bench_sampler
+
+# The demo, but with one library, for release, which its manifest names for everything.
+release_project() {
+	import_demo >&2
+	rm -rf "$project"
+	mkdir -p "$project/addons/thicket"
+	cp --recursive --symbolic-link "$root"/demo_project/{.godot,*} "$project" 2>/dev/null || true
+	rm -rf "$project/addons/thicket/"{bin,thicket.gdextension}
+	mkdir "$project/addons/thicket/bin"
+	cp demo_project/addons/thicket/bin/libthicket.*.template_release.* "$project/addons/thicket/bin"
+	sed 's/template_debug/template_release/' demo_project/addons/thicket/thicket.gdextension >"$project/addons/thicket/thicket.gdextension"
+}
+
+wanted() {
+	[[ -z $only || ,$only, == *",$1,"* ]]
+}
+
+# measure PART COMMAND...: prints the rows that a part prints, and keeps them.
+measure() {
+	local part=$1
+	shift
+	wanted "$part" || return 0
+	say "measuring $part"
+	"$@" </dev/null | { grep '^|' || true; } | tee "$rows/$part"
+}
+
+in_engine() {
+	local script=$1
+	shift
+	tools/godot "${display:---headless}" --path "$project" --script "$root/tests/bench/$script.gd" -- "$@"
+}
+
 processor=$(sed -n 's/^model name[[:space:]]*: //p;T;q' /proc/cpuinfo 2>/dev/null || true)
-echo "Measured on one core of ${processor:-$(uname -m)}, $("${CXX:-g++}" --version | head -n 1), -O3, $(date +%F)."
+machine="$(nproc) cores of ${processor:-$(uname -m)}, $("${CXX:-g++}" --version | head -n 1), -O3"
+echo "Measured on $machine, $(date +%F)."
 echo
 echo "| what | median | lowest to highest round | rounds |"
 echo "|---|---|---|---|"
-for program in bench_sampler bench_tile bench_fields bench_shapes; do
-	"${folders[0]}/$program" "$@"
+for part in sampler tile fields shapes; do
+	measure "$part" "${programs[0]}/bench_$part" "${effort[@]}"
 done
-
-scons -Q -j"$(nproc)" extension >&2
-import_demo >&2
-tools/godot --xvfb --path demo_project --script "$PWD/tests/bench/streaming.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/flight.gd" </dev/null | grep '^|'
-tools/godot --xvfb --path demo_project --script "$PWD/tests/bench/views.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/response.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/terrains.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/workers.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/gameplay.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/spikes.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/collision.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/navigation.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/import.gd" </dev/null | grep '^|'
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/load.gd" </dev/null | grep '^|'
+measure streamer "${programs[0]}/bench_streamer"
+if wanted library; then
+	bash tools/package.sh windows.x86_64 >&2
+	measure library python3 tests/bench/library.py
+fi
+release_project
+measure streaming in_engine streaming
+display=--xvfb measure drawn in_engine streaming
+measure flight in_engine flight
+display=--xvfb measure views in_engine views
+measure workers in_engine workers 5 "$sampler"
+for part in response terrains rectangles gameplay spikes collision navigation import load; do
+	measure "$part" in_engine "$part"
+done
 # Ends with 1, and so does this, where something grew.
-tools/godot --headless --path demo_project --script "$PWD/tests/bench/soak.gd" -- 180 </dev/null | tee /dev/stderr | grep '^|'
+MALLOC_ARENA_MAX=1 measure soak in_engine soak 180
+[[ -z $write ]] || python3 tests/bench/speed_table.py --machine "$machine" "$rows"
