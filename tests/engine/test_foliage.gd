@@ -134,7 +134,9 @@ func test_wind_moves_the_top_and_at_no_strength_nothing() -> void:
 	parameters[&"wind_strength"] = 1.0
 	(standing.mesh as QuadMesh).material = material(parameters)
 	var moved := 0
-	for look_number in 3:
+	for look_number in 20: # Wind comes and goes: a few looks may all fall into lulls.
+		if look_number >= 3 and moved >= 2:
+			break
 		await create_timer(0.3).timeout
 		var now: Array[Vector2i] = lit(await picture())
 		moved = maxi(moved, absi(now[0].x - before[0].x))
