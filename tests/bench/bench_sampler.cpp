@@ -1,5 +1,6 @@
 // Speed of the tile sampler against Bridson's method, in one run: points a second of processor time at several tile
-// sizes and levels, the margin's overhead, the workspace, and each instruction set. Prints rows of a Markdown table.
+// sizes and levels, the margin's overhead, the workspace, each instruction set, and the slowest tiles. Prints rows of a
+// Markdown table.
 //   bench_sampler [rounds = 9] [seconds a measurement = 0.25]
 //   bench_sampler ROUNDS SECONDS alone     only tiles of 64 r, for benches that measure beside it what is made of its points
 
@@ -133,6 +134,25 @@ void compare_targets(const Effort &effort) {
 	}
 }
 
+/// How much longer than the median tile the slowest of a thousand takes: for a hundred thousand tiles in all with the usual effort.
+void measure_slowest(int tile_size, const Effort &effort) {
+	TileWalk walk(tile_size, 1);
+	Series slowest;
+	for (int round = 0; round < effort.rounds; ++round) {
+		Series tiles;
+		const double begin = cpu_seconds();
+		for (double start = begin; start < begin + 20.0 * effort.seconds;) {
+			walk.next();
+			const double end = cpu_seconds();
+			tiles.add(end - start);
+			start = end;
+		}
+		slowest.add(tiles.quantile(0.999) / tiles.median());
+	}
+	print_row("tiles of " + std::to_string(tile_size) + " r: p99.9 of a tile's time over the median", slowest, 1.0,
+			" times the time");
+}
+
 void measure_alone(const Effort &effort) {
 	TileWalk walk(64, 1);
 	Series rates;
@@ -161,4 +181,6 @@ int main(int argument_count, char **arguments) {
 		}
 	}
 	compare_targets(effort);
+	measure_slowest(16, effort);
+	measure_slowest(64, effort);
 }

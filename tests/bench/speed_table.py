@@ -35,6 +35,7 @@ SECTIONS = {
         "tiles of 32 r: sampler, L = 1",
         "tiles of 128 r: sampler, L = 1",
         "tiles of * r in rows, L = 1: blocks kept",
+        "tiles of * r: p99.9 *",
     ],
     "From a request to buffers that are ready to upload": [
         "forest, L = 1: whole tile over sampler alone",
