@@ -249,7 +249,7 @@ thicket_code thicket_read_points(
 			return status;
 		}
 		if (count > 0) {
-			std::memcpy(r_points, points->data() + first, count * sizeof(thicket_point));
+			std::memcpy(r_points, points->data() + first, static_cast<std::size_t>(count) * sizeof(thicket_point));
 		}
 		return {};
 	});
@@ -264,7 +264,7 @@ thicket_code thicket_read_positions(
 		std::visit(
 				[&](const auto &points) {
 					for (std::uint64_t i = 0; i < count; ++i) {
-						const glm::dvec2 position = position_of(points[first + i]);
+						const glm::dvec2 position = position_of(points[static_cast<std::size_t>(first + i)]);
 						r_xy[2 * i] = position.x;
 						r_xy[2 * i + 1] = position.y;
 					}

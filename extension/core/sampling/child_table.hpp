@@ -4,6 +4,7 @@
 #include "core/sampling/dart.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace thicket {
@@ -17,7 +18,7 @@ struct ChildTable {
 	};
 	std::array<Line, 16> lines{};
 
-	constexpr const Line &operator[](std::uint64_t children) const { return lines[children]; }
+	constexpr const Line &operator[](std::uint64_t children) const { return lines[static_cast<std::size_t>(children)]; }
 };
 
 constexpr ChildTable make_child_table() {

@@ -145,7 +145,8 @@ private:
 	}
 
 	Square<Real> &at(const List &list, std::uint64_t index) const {
-		return list.chunks[index >> chunk_shift_][index & ((std::uint64_t{1} << chunk_shift_) - 1)];
+		const auto chunk = static_cast<std::size_t>(index >> chunk_shift_);
+		return list.chunks[chunk][index & ((std::uint64_t{1} << chunk_shift_) - 1)];
 	}
 
 	std::size_t chunk_bytes() const { return sizeof(Square<Real>) << chunk_shift_; }
