@@ -125,6 +125,19 @@ def run(command: list[str | Path], timeout: float, **options) -> subprocess.Comp
         pytest.fail(f"{command[0]} ran longer than {timeout} s; it had printed:\n{printed[-4000:]}", pytrace=False)
 
 
+def build(*arguments: str | Path, timeout: float, cwd: Path = REPO):
+    """Builds with scons; fails the test with what it has printed if that fails."""
+    built = run(["scons", "-Q", f"-j{os.cpu_count()}", *arguments], timeout=timeout, cwd=cwd)
+    assert built.returncode == 0, (built.stdout + built.stderr)[-8000:]
+
+
+def check_engine_tests(addon: Path, **environment: str):
+    """Runs tests/engine in a project that holds nothing but this add-on."""
+    done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", "tests/test_engine.py"], timeout=3600, cwd=REPO,
+        env={**os.environ, "THICKET_ADDON": str(addon), **environment})  # fmt: skip
+    assert done.returncode == 0, done.stdout[-6000:]
+
+
 @pytest.fixture(scope="session")
 def repo() -> Path:
     """The repository's root."""

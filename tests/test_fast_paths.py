@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 from pathlib import Path
 
 import pytest
-from conftest import BUILD_DIR, LONG_CASES, REPO, run
+from conftest import BUILD_DIR, LONG_CASES, REPO, build, check_engine_tests, run
 
 COPY = REPO / "build/fast_paths"
 TOLD = "THICKET_FAST_PATHS"  # The environment's name of the file that those which are taken are told to.
@@ -75,12 +74,6 @@ def copy_of_the_sources():
         write(COPY / name, data, (REPO / name).stat().st_mode)
 
 
-def build(target: str, timeout: float):
-    copy_of_the_sources()
-    built = run(["scons", "-Q", f"-j{os.cpu_count()}", "compiledb=no", target], timeout=timeout, cwd=COPY)
-    assert built.returncode == 0, built.stdout + built.stderr
-
-
 def never_taken(wanted: set[str], told: Path) -> list[str]:
     taken = told.read_text(encoding="utf-8").splitlines() if told.exists() else []
     return sorted(wanted - set(taken))
@@ -116,7 +109,8 @@ def test_the_core_takes_its_fast_paths(tmp_path):
     """By the cases of tests/core that do not take long."""
     wanted = marks(REPO, "extension/core")
     assert len(wanted) > 50
-    build(f"build/{BUILD_DIR.name}/core_tests", timeout=1800)
+    copy_of_the_sources()
+    build("compiledb=no", f"build/{BUILD_DIR.name}/core_tests", timeout=1800, cwd=COPY)
     told = tmp_path / "told"
     done = run([COPY / "build" / BUILD_DIR.name / "core_tests", "--no-intro", "--test-case-exclude=" + ",".join(LONG_CASES)],
         timeout=900, env={**os.environ, TOLD: str(told)})  # fmt: skip
@@ -129,9 +123,8 @@ def test_the_nodes_take_their_fast_paths(tmp_path):
     """By the scripts of tests/engine."""
     wanted = marks(REPO, "extension/nodes")
     assert len(wanted) > 50
-    build("extension", timeout=3600)
+    copy_of_the_sources()
+    build("compiledb=no", "extension", timeout=3600, cwd=COPY)
     told = tmp_path / "told"
-    done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", "tests/test_engine.py"], timeout=3600, cwd=REPO,
-        env={**os.environ, TOLD: str(told), "THICKET_ADDON": str(COPY / "demo_project/addons/thicket")})  # fmt: skip
-    assert done.returncode == 0, done.stdout[-6000:]
+    check_engine_tests(COPY / "demo_project/addons/thicket", **{TOLD: str(told)})
     assert not never_taken(wanted, told)

@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 
 import pytest
-from conftest import BUILD_DIR, REPO, run
+from conftest import BUILD_DIR, REPO, build, run
 
 SECONDS = 7
 FULL_SECONDS = 180
@@ -22,8 +22,7 @@ def sanitized() -> Path:
     """The build folder with the fuzz targets under both sanitizers."""
     folder = BUILD_DIR.with_name(BUILD_DIR.name + ".address.undefined")
     programs = [(folder / "fuzz" / target).relative_to(REPO) for target in TARGETS]
-    built = run(["scons", "-Q", "-j2", "sanitize=address,undefined", *programs], timeout=1800, cwd=REPO)
-    assert built.returncode == 0, built.stdout[-4000:] + built.stderr[-4000:]
+    build("sanitize=address,undefined", *programs, timeout=1800)
     return folder
 
 

@@ -14,7 +14,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from conftest import CACHE, REPO, run
+from conftest import CACHE, REPO, check_engine_tests, run
 from golden import emulators
 from golden.matrix import ZIG
 
@@ -231,11 +231,7 @@ def test_the_library_for_the_web_loads(addon, at_home, threads):
 
 @pytest.mark.full
 def test_the_tests_of_the_engine_pass_with_what_was_unpacked(addon):
-    """tests/engine, in a project that holds nothing but the unpacked add-on."""
-    environment = {**os.environ, "THICKET_ADDON": str(addon)}
-    done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", "tests/test_engine.py"], timeout=3600, cwd=REPO,
-        env=environment)  # fmt: skip
-    assert done.returncode == 0, done.stdout[-6000:]
+    check_engine_tests(addon)
 
 
 @pytest.mark.full

@@ -3,11 +3,10 @@ Windows in wine. Half an hour each; what they say besides the digests of test_go
 
 from __future__ import annotations
 
-import os
 import platform
 
 import pytest
-from conftest import REPO, run
+from conftest import REPO, build, run
 from golden import emulators
 from golden.matrix import NATIVE, ZIG
 
@@ -28,8 +27,7 @@ def test_no_case_fails_on_another_platform(name):
     if why or not ZIG.is_file():
         pytest.skip(why or "zig is not installed")
     # A clang as new as zig's warns of what doctest's macros do.
-    built = run(["scons", "-Q", f"-j{os.cpu_count()}", "use_zig=yes", "werror=no", *options, f"build/{program}"], timeout=3600, cwd=REPO)
-    assert built.returncode == 0, (built.stdout + built.stderr)[-8000:]
+    build("use_zig=yes", "werror=no", *options, f"build/{program}", timeout=3600)
     command = [*emulators.command(emulator, name, NATIVE), *more, REPO / "build" / program, "--no-intro"]
     done = run(command, timeout=3 * 3600, cwd=REPO, env=emulators.environment(emulator))
     assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]

@@ -5,17 +5,14 @@ from __future__ import annotations
 import os
 
 import pytest
-from conftest import BUILD_DIR, LONG_CASES, REPO, run
+from conftest import BUILD_DIR, LONG_CASES, REPO, build, run
 
 CHECKED = BUILD_DIR.with_name(BUILD_DIR.name + ".address.undefined")
 
 
 def check(selection: str, timeout: float):
     runner = CHECKED / "core_tests"
-    built = run(
-        ["scons", "-Q", "-j2", "sanitize=address,undefined", runner.relative_to(REPO)], timeout=1800, cwd=REPO
-    )
-    assert built.returncode == 0, built.stdout + built.stderr
+    build("sanitize=address,undefined", runner.relative_to(REPO), timeout=1800)
     environment = {**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1", "ASAN_OPTIONS": "detect_leaks=1"}
     done = run([runner, "--no-intro", f"--{selection}=" + ",".join(LONG_CASES)], timeout=timeout, env=environment)
     assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]

@@ -85,6 +85,29 @@ func _processor_time() -> float:
 	return FileAccess.open(SCHEDULE, FileAccess.READ).get_line().get_slice(" ", 0).to_float() / 1000.0
 
 
+## The seconds that this script tells (`tell_seconds`) in an engine of its own, which gets these arguments; -1 if it tells none. On one
+## core, of Linux, where that is asked for.
+func seconds_in_another_engine(user_arguments: Array[String], one_core := false) -> float:
+	var command: Array[String] = [OS.get_executable_path(), "--headless", "--path", ProjectSettings.globalize_path("res://"), "--script",
+		(get_script() as Script).resource_path, "--"]
+	command.append_array(user_arguments)
+	if one_core:
+		command = (["taskset", "-c", "0"] as Array[String]) + command
+	var output := []
+	OS.execute(command[0], command.slice(1), output)
+	var found := RegEx.create_from_string("seconds: ([0-9.]+)").search("".join(output))
+	return found.get_string(1).to_float() if found != null else -1.0
+
+
+func tell_seconds(seconds: float) -> void:
+	print("seconds: %.6f" % seconds)
+
+
+## What was counted, not timed.
+func exact_row(what: String, value: String) -> void:
+	print("| %s | %s | exact | 1 |" % [what, value])
+
+
 ## What, the median, the lowest and the highest round, and how many.
 func row(what: String, rounds: Array, unit := "", digits := 0) -> void:
 	var sorted := rounds.duplicate()

@@ -31,9 +31,9 @@ func run() -> String:
 
 func _tell_view() -> void:
 	var shown: Dictionary = scatter.get_stats()
-	print("| a wide view: on show | %d tiles, %d instances | exact | 1 |" % [shown.tiles, shown.instances])
-	print("| a wide view: main memory an instance, without the renderer's buffers | %.1f bytes | exact | 1 |" % [
-		float(shown.instance_bytes) / shown.instances])
+	exact_row("a wide view: on show", "%d tiles, %d instances" % [shown.tiles, shown.instances])
+	exact_row("a wide view: main memory an instance, without the renderer's buffers",
+			"%.1f bytes" % (float(shown.instance_bytes) / shown.instances))
 
 
 func _layers() -> Array[ScatterLayer]:

@@ -14,25 +14,16 @@ func run() -> String:
 	var without := PackedFloat64Array()
 	for round in rounds_or(DEFAULT_ROUNDS):
 		for scattered: bool in [true, false]:
-			var seconds := _seconds_of(scattered)
+			var arguments: Array[String] = [SCENE] # In an engine of its own, which nothing is loaded in yet.
+			if not scattered:
+				arguments.push_back("bare")
+			var seconds := seconds_in_another_engine(arguments)
 			if seconds < 0.0:
 				return "an engine that was started did not tell its time"
 			(with if scattered else without).push_back(seconds)
 	row("from the engine's start to the first tile of the demo, headless", with, "s", 2)
 	row("the same without the scatter, to the scene's second frame", without, "s", 2)
 	return ""
-
-
-## In an engine of its own, which nothing is loaded in yet.
-func _seconds_of(scattered: bool) -> float:
-	var arguments: Array[String] = ["--headless", "--path", ProjectSettings.globalize_path("res://"), "--script",
-		(get_script() as Script).resource_path, "--", SCENE]
-	if not scattered:
-		arguments.push_back("bare")
-	var output := []
-	OS.execute(OS.get_executable_path(), arguments, output)
-	var found := RegEx.create_from_string("seconds: ([0-9.]+)").search("".join(output))
-	return found.get_string(1).to_float() if found != null else -1.0
 
 
 func _start_scene() -> String:
@@ -50,7 +41,7 @@ func _start_scene() -> String:
 		if Time.get_ticks_msec() > limit:
 			return "no tile after %.0f s" % PATIENCE_SECONDS
 		await process_frame
-	print("seconds: %.3f" % (Time.get_ticks_usec() / 1e6))
+	tell_seconds(Time.get_ticks_usec() / 1e6)
 	scatter = null # It goes with its scene.
 	demo.queue_free()
 	await process_frame

@@ -21,7 +21,7 @@ func run() -> String:
 	for round in rounds_or(DEFAULT_ROUNDS):
 		for cores: String in ["all cores", "one core"]:
 			for call: String in _calls:
-				var seconds := _seconds_of(call, cores == "one core")
+				var seconds := seconds_in_another_engine([MEASURE, call], cores == "one core")
 				if seconds <= 0.0:
 					return "%s on %s did not tell its time" % [call, cores]
 				(times.get_or_add([call, cores], []) as Array).push_back(1e3 * seconds)
@@ -33,17 +33,6 @@ func run() -> String:
 			row("%s, 10^6 square meters, radius 1 m, %s" % [call, cores], times[[call, cores]], "ms", 1)
 		row("%s: all cores over one" % call, ratios, "times", 2)
 	return ""
-
-
-func _seconds_of(call: String, one_core: bool) -> float:
-	var arguments: Array[String] = ["-c", "0", OS.get_executable_path(), "--headless", "--path", ProjectSettings.globalize_path("res://"),
-		"--script", (get_script() as Script).resource_path, "--", MEASURE, call]
-	if not one_core:
-		arguments = arguments.slice(3)
-	var output := []
-	OS.execute("taskset" if one_core else OS.get_executable_path(), arguments, output)
-	var found := RegEx.create_from_string("seconds: ([0-9.]+)").search("".join(output))
-	return found.get_string(1).to_float() if found != null else 0.0
 
 
 ## The middle one of three times, in an engine of its own.
@@ -60,7 +49,7 @@ func _measure() -> String:
 		times.push_back(time_of(call))
 	times = times.slice(1)
 	times.sort()
-	print("seconds: %.6f" % (times[1] / 1e6))
+	tell_seconds(times[1] / 1e6)
 	return ""
 
 

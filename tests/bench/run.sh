@@ -38,28 +38,28 @@ effort=("$@")
 root=$PWD
 rows=$root/build/bench/rows
 project=$root/build/bench/project
-rm -rf "$rows"
+rm -rf "$rows" "$project"
 mkdir -p "$rows"
 
 setup_compiler >&2
 setup_compiler_cache >&2
 setup_baselines >&2
 setup_godot >&2
-scons -Q -j"$(nproc)" target=template_release bench extension >&2
+scons -Q -j"$(nproc)" target=template_release bench >&2
 shopt -s nullglob
 programs=(build/*.template_release.*/bench)
 sampler=$root/${programs[0]}/bench_sampler
 
 # The demo, but with one library, for release, which its manifest names for everything.
 release_project() {
+	scons -Q -j"$(nproc)" target=template_release extension >&2
 	import_demo >&2
-	rm -rf "$project"
-	mkdir -p "$project/addons/thicket"
-	cp --recursive --symbolic-link "$root"/demo_project/{.godot,*} "$project" 2>/dev/null || true
-	rm -rf "$project/addons/thicket/"{bin,thicket.gdextension}
-	mkdir "$project/addons/thicket/bin"
-	cp demo_project/addons/thicket/bin/libthicket.*.template_release.* "$project/addons/thicket/bin"
-	sed 's/template_debug/template_release/' demo_project/addons/thicket/thicket.gdextension >"$project/addons/thicket/thicket.gdextension"
+	cp --recursive --symbolic-link "$root/demo_project" "$project"
+	local addon=$project/addons/thicket
+	rm -rf "$addon/bin" "$addon/thicket.gdextension"
+	mkdir "$addon/bin"
+	cp demo_project/addons/thicket/bin/libthicket.*.template_release.* "$addon/bin"
+	sed 's/template_debug/template_release/' demo_project/addons/thicket/thicket.gdextension >"$addon/thicket.gdextension"
 }
 
 wanted() {
@@ -78,6 +78,7 @@ measure() {
 in_engine() {
 	local script=$1
 	shift
+	[[ -d $project ]] || release_project
 	tools/godot "${display:---headless}" --path "$project" --script "$root/tests/bench/$script.gd" -- "$@"
 }
 
@@ -95,7 +96,6 @@ if wanted library; then
 	bash tools/package.sh windows.x86_64 >&2
 	measure library python3 tests/bench/library.py
 fi
-release_project
 measure streaming in_engine streaming
 display=--xvfb measure drawn in_engine streaming
 measure flight in_engine flight

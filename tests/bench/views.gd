@@ -46,5 +46,5 @@ func _compare(stop: String) -> String:
 func _print(stop: String, how: String) -> void:
 	var seen := scatter.get_draw_stats(_demo.get(&"camera"))
 	for figure: String in ["triangles", "draw_calls"]:
-		print("| view %s, tiles %s: %s in sight | %d | exact | 1 |" % [stop, how, figure.replace("_", " "), seen[figure]])
-	print("| view %s, tiles %s: multimeshes on show | %d | exact | 1 |" % [stop, how, scatter.get_stats().multimeshes])
+		exact_row("view %s, tiles %s: %s in sight" % [stop, how, figure.replace("_", " ")], str(seen[figure]))
+	exact_row("view %s, tiles %s: multimeshes on show" % [stop, how], str(scatter.get_stats().multimeshes))

@@ -38,10 +38,11 @@ func run() -> String:
 			var stats := scatter.get_stats()
 			var rate: float = float(stats.points_sampled) / stats.worker_usec
 			(rates.get_or_add(what, []) as Array).push_back(rate)
-			(shares.get_or_add(what, []) as Array).push_back(rate / alone)
+			if alone > 0.0:
+				(shares.get_or_add(what, []) as Array).push_back(rate / alone)
 	for what: String in cases:
 		row("a worker's points, on " + what, rates[what], "M points/s", 2)
-		if not is_inf(shares[what][0]):
+		if what in shares:
 			row("a worker's points over the sampler's alone, on " + what, shares[what], "times", 3)
 	return ""
 

@@ -50,6 +50,40 @@ class OrderWatch:
 			shown[tile] = true
 
 
+func test_default_viewer_is_the_camera() -> void:
+	var camera := Camera3D.new()
+	root.add_child(camera)
+	camera.global_position = Vector3(400.0, 3.0, 400.0)
+	camera.make_current()
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), camera)
+	scatter.viewers = []
+	await settle(scatter)
+	check(Vector2i(12, 12) in scatter.get_shown_tiles(0), "the camera's tile is there")
+
+
+func test_two_viewers() -> void:
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	scatter.viewers = scatter.viewers + [scatter.get_path_to(make_viewer(Vector3(-960.0, 0.0, 0.0)))]
+	await settle(scatter)
+	check(Vector2i(0, 0) in scatter.get_shown_tiles(0), "the first viewer's tile")
+	check(Vector2i(-30, 0) in scatter.get_shown_tiles(0), "the second viewer's tile")
+
+
+## A viewer inside a tile is 0 m away from it: exactly where thinning begins, and a LOD may.
+func test_a_viewer_at_the_distance_of_a_change_lets_the_stream_settle() -> void:
+	var layer := make_layer()
+	layer.thin_end = 60.0
+	layer.thin_density = 0.25
+	layer.lod_meshes = [SphereMesh.new()]
+	layer.lod_distances = PackedFloat32Array([0.0])
+	var viewer := make_viewer(Vector3(5.0, 0.5, 5.0))
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	check(scatter.get_stats()["drawn"] > 0, "something is drawn")
+	viewer.global_position.x = 1.0
+	await settle(scatter)
+
+
 func test_each_viewer_has_its_own_radius() -> void:
 	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
 	var others := [make_viewer(Vector3(2000.0, 0.0, 0.0)), make_viewer(Vector3(-2000.0, 0.0, 0.0))]
