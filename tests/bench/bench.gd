@@ -2,7 +2,7 @@ extends SceneTree
 ## Base of the benches that run in the engine: one scatter, rows of a Markdown table, and an end that frees what there was.
 
 const PATIENCE_SECONDS := 120.0
-const SCHEDULE := "/proc/thread-self/schedstat" ## Of Linux: nanoseconds on the processor, and more.
+const SCHEDULE := "/proc/thread-self/schedstat" ## Of Linux: nanoseconds on the processor, nanoseconds ready but without one, and more.
 
 var scatter: TerrainScatter3D
 
@@ -83,6 +83,20 @@ func processor_time_of(call: Callable) -> float:
 func _processor_time() -> float:
 	OS.delay_usec(1)
 	return FileAccess.open(SCHEDULE, FileAccess.READ).get_line().get_slice(" ", 0).to_float() / 1000.0
+
+
+## Microseconds that this thread was ready to run and had to wait for a processor, so far; 0 where the system does not tell.
+func waited_for_processor() -> float:
+	if not FileAccess.file_exists(SCHEDULE):
+		return 0.0
+	return FileAccess.open(SCHEDULE, FileAccess.READ).get_line().get_slice(" ", 1).to_float() / 1000.0
+
+
+## What the parts of a frame took, in microseconds, the longest first: "upload 415, made 85".
+func parts_text(parts: Dictionary) -> String:
+	var names := parts.keys()
+	names.sort_custom(func(a: String, b: String) -> bool: return parts[a] > parts[b])
+	return ", ".join(names.map(func(part: String) -> String: return "%s %d" % [part, parts[part]]))
 
 
 ## The seconds that this script tells (`tell_seconds`) in an engine of its own, which gets these arguments; -1 if it tells none. On one

@@ -47,7 +47,7 @@ func run() -> String:
 					calls.push_back(_call_usec)
 		row(what + ": the call", [calls.min()], "µs")
 		row(what + ": all of the main thread's processor time in a frame, beyond that of an idle one", [beyond.min()], "µs")
-		print("| %s: the longest frame | %d µs | %s | %d |" % [what, longest.min(), parts, rounds])
+		print("| %s: the longest frame | %d µs | %s | %d |" % [what, longest.min(), parts_text(parts), rounds])
 	return failure
 
 
