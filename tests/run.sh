@@ -39,4 +39,4 @@ done
 # One more than there are cores: a test waits about a third of its time, for an engine's frames or for a clock.
 workers=$(($(nproc) + 1))
 ((workers <= 4)) || workers=4
-exec "$(python_venv)/bin/python" -m pytest -n "$workers" --dist loadgroup "${arguments[@]}" </dev/null
+exec "$(python_venv)/bin/python" -m pytest -n "$workers" --dist loadgroup --no-loadscope-reorder "${arguments[@]}" </dev/null

@@ -1,13 +1,18 @@
-"""Several workers share these tests by groups (see conftest.py): builds in one tree must not meet."""
+"""Several workers share these tests by groups (see conftest.py): builds in one tree must not meet, and what takes long comes first."""
 
 from __future__ import annotations
 
 import re
 import sys
+from pathlib import Path
 
-from conftest import run
+from conftest import REPO, run
 
 GROUPED = """import pytest
+
+@pytest.mark.xdist_group("long")
+def test_first():
+    pass
 
 @pytest.mark.xdist_group("one")
 @pytest.mark.parametrize("number", range(8))
@@ -16,11 +21,21 @@ def test_number(number):
 """
 
 
+def took(tests: str, workers: int, tmp_path: Path) -> list[tuple[str, str]]:
+    """(worker, test) in the order of their ends, when tests/run.sh's options are given."""
+    (tmp_path / "test_grouped.py").write_text(tests)
+    options = re.search(r"--dist .*?(?= \")", (REPO / "tests/run.sh").read_text())[0].split()
+    done = run([sys.executable, "-m", "pytest", "-v", "-p", "no:cacheprovider", "-n", str(workers), *options, tmp_path], timeout=120)
+    assert done.returncode == 0, done.stdout
+    return re.findall(r"^\[(gw\d)\].* PASSED \S+::(\w+)", done.stdout, re.MULTILINE)
+
+
 def test_a_group_goes_to_one_worker(tmp_path):
     """What pytest calls a test and what its plugin for workers does with that have not always fitted together."""
-    (tmp_path / "test_grouped.py").write_text(GROUPED)
-    workers = ["-n", "2", "--dist", "loadgroup"]
-    done = run([sys.executable, "-m", "pytest", "-v", "-p", "no:cacheprovider", *workers, tmp_path], timeout=120)
-    assert done.returncode == 0, done.stdout
-    took = re.findall(r"^\[(gw\d)\].* PASSED", done.stdout, re.MULTILINE)
-    assert len(took) == 8 and len(set(took)) == 1, done.stdout
+    numbers = [worker for worker, name in took(GROUPED, 2, tmp_path) if name == "test_number"]
+    assert len(numbers) == 8 and len(set(numbers)) == 1
+
+
+def test_the_order_is_kept(tmp_path):
+    """The plugin would begin with the groups of most tests, unless it is told otherwise."""
+    assert [name for _, name in took(GROUPED, 1, tmp_path)] == ["test_first"] + 8 * ["test_number"]
