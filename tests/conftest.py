@@ -80,7 +80,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         longer = [item for item in items if item.get_closest_marker("full")]
         items[:] = [item for item in items if item not in longer]
         config.hook.pytest_deselected(items=longer)
-    if "PYTEST_XDIST_WORKER" not in os.environ:
+    if not is_worker(config):
         return
     items.sort(key=rank)
     for item in items:
@@ -92,10 +92,15 @@ def alone(item: pytest.Item) -> bool:
     return item.get_closest_marker("alone") is not None
 
 
+def is_worker(config: pytest.Config) -> bool:
+    """One of several. A run that a worker's test has begun is none, though it has the worker's environment."""
+    return hasattr(config, "workerinput")
+
+
 @contextmanager
-def turn(wants_to_be_alone: bool) -> Iterator[None]:
+def turn(config: pytest.Config, wants_to_be_alone: bool) -> Iterator[None]:
     """Waits until a test may run beside those of other workers, or until none of those runs any more."""
-    if fcntl is None or "PYTEST_XDIST_WORKER" not in os.environ:
+    if fcntl is None or not is_worker(config):
         yield
         return
     folder = REPO / "build"
@@ -110,7 +115,7 @@ def turn(wants_to_be_alone: bool) -> Iterator[None]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item):
-    with turn(alone(item)):
+    with turn(item.config, alone(item)):
         return (yield)
 
 

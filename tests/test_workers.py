@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
+import conftest
 from conftest import REPO, run
 
 GROUPED = """import pytest
@@ -39,3 +41,13 @@ def test_a_group_goes_to_one_worker(tmp_path):
 def test_the_order_is_kept(tmp_path):
     """The plugin would begin with the groups of most tests, unless it is told otherwise."""
     assert [name for _, name in took(GROUPED, 1, tmp_path)] == ["test_first"] + 8 * ["test_number"]
+
+
+def test_a_run_within_a_test_waits_for_nobody(tmp_path, monkeypatch):
+    """It would wait for the test that has begun it, which waits for its end."""
+    monkeypatch.setattr(conftest, "REPO", tmp_path)
+    monkeypatch.setenv("PYTEST_XDIST_WORKER", "gw0")
+    with conftest.turn(SimpleNamespace(), True):
+        assert not list(tmp_path.iterdir())
+    with conftest.turn(SimpleNamespace(workerinput={}), True):
+        assert (tmp_path / "build/.tests_room").exists()
