@@ -23,9 +23,9 @@ def test_number(number):
 """
 
 
-def took(tests: str, workers: int, tmp_path: Path) -> list[tuple[str, str]]:
-    """(worker, test) in the order of their ends, when tests/run.sh's options are given."""
-    (tmp_path / "test_grouped.py").write_text(tests)
+def took(workers: int, tmp_path: Path) -> list[tuple[str, str]]:
+    """(worker, test) of GROUPED in the order of their ends, with the options of tests/run.sh."""
+    (tmp_path / "test_grouped.py").write_text(GROUPED)
     options = re.search(r"--dist .*?(?= \")", (REPO / "tests/run.sh").read_text())[0].split()
     done = run([sys.executable, "-m", "pytest", "-v", "-p", "no:cacheprovider", "-n", str(workers), *options, tmp_path], timeout=120)
     assert done.returncode == 0, done.stdout
@@ -34,13 +34,13 @@ def took(tests: str, workers: int, tmp_path: Path) -> list[tuple[str, str]]:
 
 def test_a_group_goes_to_one_worker(tmp_path):
     """What pytest calls a test and what its plugin for workers does with that have not always fitted together."""
-    numbers = [worker for worker, name in took(GROUPED, 2, tmp_path) if name == "test_number"]
+    numbers = [worker for worker, name in took(2, tmp_path) if name == "test_number"]
     assert len(numbers) == 8 and len(set(numbers)) == 1
 
 
 def test_the_order_is_kept(tmp_path):
     """The plugin would begin with the groups of most tests, unless it is told otherwise."""
-    assert [name for _, name in took(GROUPED, 1, tmp_path)] == ["test_first"] + 8 * ["test_number"]
+    assert [name for _, name in took(1, tmp_path)] == ["test_first"] + 8 * ["test_number"]
 
 
 def test_a_run_within_a_test_waits_for_nobody(tmp_path, monkeypatch):

@@ -79,17 +79,20 @@ func processor_time_of(call: Callable) -> float:
 	return _processor_time() - start
 
 
-## The system counts what a thread has taken when it goes to sleep, or else at its next tick, of which there are some 250 a second.
+## Microseconds; 0 where the system does not tell. It counts what a thread has taken when that goes to sleep, or else at the next tick, of
+## which there are some 250 a second.
 func _processor_time() -> float:
 	OS.delay_usec(1)
-	return FileAccess.open(SCHEDULE, FileAccess.READ).get_line().get_slice(" ", 0).to_float() / 1000.0
+	return thread_times().x
 
 
-## Microseconds that this thread was ready to run and had to wait for a processor, so far; 0 where the system does not tell.
-func waited_for_processor() -> float:
-	if not FileAccess.file_exists(SCHEDULE):
-		return 0.0
-	return FileAccess.open(SCHEDULE, FileAccess.READ).get_line().get_slice(" ", 1).to_float() / 1000.0
+## Microseconds that this thread has had a processor, and that it was ready to run but had to wait for one, so far; 0 where the system
+## does not tell.
+func thread_times() -> Vector2i:
+	var file := FileAccess.open(SCHEDULE, FileAccess.READ)
+	var words := PackedStringArray(["0", "0"]) if file == null else file.get_line().split(" ")
+	@warning_ignore("integer_division")
+	return Vector2i(words[0].to_int() / 1000, words[1].to_int() / 1000)
 
 
 ## What the parts of a frame took, in microseconds, the longest first: "upload 415, made 85".

@@ -62,19 +62,19 @@ func _measure(speed: float, seconds: float) -> void:
 	Engine.max_fps = FRAMES_PER_SECOND
 	var spent := PackedFloat64Array()
 	var longest := {}
-	var longest_waited := 0.0
+	var longest_waited := 0
 	var start := Time.get_ticks_usec()
 	var elapsed := 0.0
 	while elapsed < seconds:
 		elapsed = (Time.get_ticks_usec() - start) / 1e6
 		_fly(speed, elapsed)
-		var waited := waited_for_processor()
+		var waited := thread_times().y
 		await process_frame
 		var stats: Dictionary = scatter.get_stats()
 		spent.push_back(stats.frame_usec)
 		if longest.is_empty() or stats.frame_usec > longest.frame_usec:
 			longest = stats
-			longest_waited = waited_for_processor() - waited
+			longest_waited = thread_times().y - waited
 	Engine.max_fps = 0
 	spent.sort()
 	var count := spent.size()
@@ -84,4 +84,4 @@ func _measure(speed: float, seconds: float) -> void:
 	print("| %s, p99 | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[ceili(0.99 * count) - 1]] + ends))
 	# Of the whole frame, the engine's part included: the system does not tell when.
 	var told := [parts_text(longest.get("frame_parts", {})), longest_waited]
-	print("| %s, the longest | %.0f µs | %s; waited %.0f for a processor | %d frames |" % ([flight, spent[-1]] + told + [count]))
+	print("| %s, the longest | %.0f µs | %s; waited %d for a processor | %d frames |" % ([flight, spent[-1]] + told + [count]))

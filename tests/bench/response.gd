@@ -68,19 +68,11 @@ func _frame() -> void:
 	var stats := scatter.get_stats()
 	_frames.push_back(float(stats.frame_usec))
 	_most_pending = maxi(_most_pending, int(stats.pending))
-	var now := _thread_times()
+	var now := thread_times()
 	_processor_frames.push_back(float(now.x - _processor_usec))
 	_waits.push_back(float(now.y - _wait_usec))
 	_processor_usec = now.x
 	_wait_usec = now.y
-
-
-## Microseconds of processor time that the main thread has had, and that it has waited for a core; 0 where the system does
-## not say. Linux only.
-func _thread_times() -> Vector2i:
-	var file := FileAccess.open("/proc/self/schedstat", FileAccess.READ)
-	var words := PackedStringArray(["0", "0"]) if file == null else file.get_line().split(" ")
-	return Vector2i(words[0].to_int() / 1000, words[1].to_int() / 1000)
 
 
 func _find_near() -> void:
@@ -139,7 +131,7 @@ func _begin_round() -> void:
 	_frames.clear()
 	_processor_frames.clear()
 	_waits.clear()
-	var now := _thread_times()
+	var now := thread_times()
 	_processor_usec = now.x
 	_wait_usec = now.y
 	_most_pending = 0

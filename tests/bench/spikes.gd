@@ -91,9 +91,6 @@ func _watch(event: Callable) -> Dictionary:
 ## Microseconds that the main thread computes until the next frame, the engine's own work included: what is done between the frames of the
 ## node is in it. 0 where the system does not tell.
 func _frame_processor_time() -> float:
-	if not FileAccess.file_exists(SCHEDULE):
-		await process_frame
-		return 0.0
 	var start := _processor_time()
 	await process_frame
 	return _processor_time() - start
