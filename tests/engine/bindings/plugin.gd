@@ -7,7 +7,8 @@ const PATIENCE_MSEC := 60000
 
 
 func _enter_tree() -> void:
-	_run.call_deferred()
+	# Once the editor has read all files and laid out its docks: it works on that in threads before, and in frames within frames.
+	EditorInterface.get_resource_filesystem().sources_changed.connect(_run.unbind(1), CONNECT_ONE_SHOT | CONNECT_DEFERRED)
 
 
 func _run() -> void:

@@ -10,13 +10,16 @@ var failures := 0
 
 
 func _enter_tree() -> void:
-	if not OS.get_cmdline_user_args().is_empty():
-		_run.call_deferred()
+	if OS.get_cmdline_user_args().is_empty():
+		return
+	# Software takes long to draw the editor, so it draws for pictures alone.
+	RenderingServer.render_loop_enabled = false
+	# What the editor does after its first scan it does before this hears of it: it lays out its docks, draws meanwhile, and hides panels.
+	EditorInterface.get_resource_filesystem().sources_changed.connect(_run.unbind(1), CONNECT_ONE_SHOT | CONNECT_DEFERRED)
 
 
 func _run() -> void:
-	# Software takes long to draw the editor, so it draws for pictures alone.
-	RenderingServer.render_loop_enabled = false
+	await get_tree().process_frame # Within a deferred call the editor refuses to show progress.
 	while EditorInterface.get_resource_filesystem().is_scanning():
 		await get_tree().process_frame
 	get_window().mode = Window.MODE_WINDOWED
