@@ -21,9 +21,7 @@ func layer(title: String) -> Resource:
 
 ## The middle of a layer's name, or of a mark of its row, on the window.
 func place_of(title: String, mark := -1) -> Vector2:
-	var row: TreeItem = tree().row_of(layer(title))
-	var rect := tree().get_item_area_rect(row, 0) if mark < 0 else tree().get_item_area_rect(row, 2, mark)
-	return tree().get_global_transform_with_canvas() * (rect.position + rect.size * Vector2(0.3 if mark < 0 else 0.5, 0.5))
+	return await cell_of(layer(title), 0 if mark < 0 else 2, Vector2(0.3 if mark < 0 else 0.5, 0.5), mark)
 
 
 func new_layer(title: String, radius: float) -> Resource:
@@ -55,15 +53,6 @@ func new_map() -> Resource:
 	map.biomes.push_back(new_biome("Swamp", Color.RED, [new_layer("Reed", 1.5), new_layer("Willow", 6.0)]))
 	map.map_image = image
 	return map
-
-
-func saved() -> Dictionary:
-	check_equal(EditorInterface.save_scene(), OK, "saved")
-	var result := {}
-	for file in files("res://"):
-		if file.begins_with("valley"):
-			result[file] = FileAccess.get_file_as_bytes("res://" + file)
-	return result
 
 
 func look() -> void:
@@ -104,8 +93,8 @@ func test_biomes_are_listed() -> void:
 
 
 func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
-	var before := saved()
-	await mouse_click(place_of("Reed"))
+	var before := saved_files()
+	await mouse_click(await place_of("Reed"))
 	await frames(2)
 	check_equal(addon().toolbar.chosen, [layer("Reed")] as Array[Resource], "a click chooses it for tools")
 	check_equal(addon().toolbar.paint.layer, layer("Reed"), "for the brush, too")
@@ -113,7 +102,7 @@ func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 	check(addon().desk.panel._remove.disabled and addon().desk.panel._copy.disabled, "which layers there are is the biome's business")
 	await key(KEY_DELETE)
 	check(layer("Reed") != null, "the key does not delete it")
-	await mouse_click(place_of("Reed", 2))
+	await mouse_click(await place_of("Reed", 2))
 	await settle(scatter)
 	check(addon().desk.marks.is_hidden(layer("Reed")), "the eye hides it")
 	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances - scatter.get_shown_count(layer("Reed")), "nothing of it is drawn")
@@ -123,12 +112,12 @@ func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 	check(addon().desk.marks.is_hidden(layer("Reed")), "kept by the editor, for the scene")
 	addon().desk.marks.put(layer("Reed"), &"hidden", null)
 	await settle(scatter)
-	check_equal(saved(), before, "nothing of that is in the scene")
+	check_same(saved_files(), before, "nothing of that is in the scene")
 
 
 func test_a_layer_of_a_biome_is_painted() -> void:
-	var before := saved()
-	await mouse_click(place_of("Reed"))
+	var before := saved_files()
+	await mouse_click(await place_of("Reed"))
 	await frames(2)
 	var paint: Node = addon().toolbar.paint
 	paint.set_on(true)
@@ -139,19 +128,19 @@ func test_a_layer_of_a_biome_is_painted() -> void:
 	check(layer("Reed").mask != null and layer("Willow").mask == null and layer("Rock").mask == null, "on this layer alone")
 	await settle(scatter)
 	check_equal(scatter.query_rect(Rect2(0.0, -3.0, 8.0, 6.0), layer("Reed")).size(), 0, "no reed is left there")
-	var after := saved()
+	var after := saved_files()
 	check(after != before and after.size() == before.size() + 1, "the mask is a file beside the scene: %s" % [after.keys()])
 	await undo()
-	check_equal(saved(), before, "undone")
+	check_same(saved_files(), before, "undone")
 	await redo()
-	check_equal(saved(), after, "redone")
+	check_same(saved_files(), after, "redone")
 	await undo()
 	paint.set_on(false)
 
 
 ## Another biome in one assignment: the panel shows its layers, and what was chosen of the old one is left.
 func test_a_biome_is_replaced() -> void:
-	await mouse_click(place_of("Reed"))
+	await mouse_click(await place_of("Reed"))
 	scatter.biomes.biomes[1] = new_biome("Dry Bed", Color.RED, [new_layer("Thistle", 2.0)])
 	await settle(scatter)
 	await look()

@@ -38,46 +38,24 @@ func button(text: String) -> Button:
 
 ## Where a cell of a layer's row is on the window.
 func cell(title: String, column: int, section := 0.5) -> Vector2:
-	var row: TreeItem = tree().row_of(layer(title))
-	var rect := tree().get_item_area_rect(row, column)
-	var at := rect.position + rect.size * Vector2(0.3 if column == 0 else 0.5, section)
-	return tree().get_global_transform_with_canvas() * at
+	return await cell_of(layer(title), column, Vector2(0.3 if column == 0 else 0.5, section))
 
 
 ## The middle of a mark of a layer's row: 0 for color, 1 for lock, 2 for eye.
 func mark(title: String, index: int) -> Vector2:
-	var rect := tree().get_item_area_rect(tree().row_of(layer(title)), 2, index)
-	return tree().get_global_transform_with_canvas() * (rect.position + rect.size * 0.5)
-
-
-## The scene as it would be saved now, and the files beside it.
-func saved() -> Dictionary:
-	check_equal(EditorInterface.save_scene(), OK, "saved")
-	var result := {}
-	for file in files("res://"):
-		if file.begins_with("wood"):
-			result[file] = FileAccess.get_file_as_bytes("res://" + file)
-	return result
+	return await cell_of(layer(title), 2, Vector2(0.5, 0.5), index)
 
 
 ## Undoes and redoes the last step, and holds what is saved against what was saved before and after it.
 func check_undo(before: Dictionary, what: String) -> void:
-	var after := saved()
+	var after := saved_files()
 	check(after != before, what + " changes what is saved")
 	await undo()
 	await frames(2)
-	check_same(saved(), before, what + " undone")
+	check_same(saved_files(), before, what + " undone")
 	await redo()
 	await frames(2)
-	check_same(saved(), after, what + " redone")
-
-
-func check_same(got: Dictionary, expected: Dictionary, what: String) -> void:
-	check_equal(got.keys(), expected.keys(), what + ": files")
-	for file: String in expected:
-		if got.get(file) != expected[file]:
-			check(false, "%s: %s is another one:\n%s\n--- expected\n%s" % [what, file, (got[file] as PackedByteArray).get_string_from_utf8(),
-					(expected[file] as PackedByteArray).get_string_from_utf8()])
+	check_same(saved_files(), after, what + " redone")
 
 
 func save_models() -> void:
@@ -123,7 +101,7 @@ func make_scene() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	await frames(3)
 	# The editor writes numbers with fewer digits than a new scene has.
-	saved()
+	saved_files()
 
 
 ## From an empty scene to three species that keep apart, with the mouse alone.
@@ -198,7 +176,7 @@ func look() -> void:
 
 
 func test_choosing() -> void:
-	await mouse_click(cell("Young Pine", 0))
+	await mouse_click(await cell("Young Pine", 0))
 	await frames(2)
 	check_equal(addon().toolbar.chosen, [layer("Young Pine")] as Array[Resource], "a click chooses the layer of the tools")
 	check_equal(addon().toolbar.paint.layer, layer("Young Pine"), "of each of them")
@@ -207,27 +185,27 @@ func test_choosing() -> void:
 	addon().toolbar.choose_layer(2)
 	await frames(2)
 	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[Resource], "the toolbar's choice is the panel's")
-	await mouse_click(cell("Old Oak", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	await mouse_click(await cell("Old Oak", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await frames(2)
 	check_equal(addon().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[Resource], "Ctrl and a click choose one more")
 
 
 func test_marks() -> void:
-	var before := saved()
-	await mouse_click(cell("Fern", 0))
-	await mouse_click(mark("Fern", 2))
+	var before := saved_files()
+	await mouse_click(await cell("Fern", 0))
+	await mouse_click(await mark("Fern", 2))
 	await settle(scatter)
 	check(addon().desk.marks.is_hidden(layer("Fern")), "the eye hides")
 	var drawn: int = scatter.get_stats().drawn
 	check_equal(drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "nothing is drawn of it")
 	check(scatter.get_shown_count(2) > 100, "it stands all the same")
-	await mouse_click(mark("Young Pine", 1))
+	await mouse_click(await mark("Young Pine", 1))
 	check(addon().desk.marks.is_locked(layer("Young Pine")), "the lock locks")
 	panel()._colored = [layer("Old Oak")]
 	panel()._on_color(5)
 	await look()
 	await picture("panel_marks")
-	check_same(saved(), before, "marks are not in the scene")
+	check_same(saved_files(), before, "marks are not in the scene")
 	await undo()
 	await undo()
 	await undo()
@@ -248,9 +226,9 @@ func test_marks() -> void:
 
 
 func test_order() -> void:
-	var before := saved()
+	var before := saved_files()
 	var ids: Array = scatter.layers.map(func(each: Resource) -> int: return each.layer_id)
-	await mouse_drag(cell("Fern", 0), cell("Old Oak", 0, 0.1))
+	await mouse_drag(await cell("Fern", 0), await cell("Old Oak", 0, 0.1))
 	check_equal(names(), PackedStringArray(["Fern", "Old Oak", "Young Pine"]), "dragged to the front")
 	check_equal(scatter.layers.map(func(each: Resource) -> int: return each.layer_id), [ids[2], ids[0], ids[1]], "ids stay")
 	await check_undo(before, "the order")
@@ -262,13 +240,13 @@ func test_order() -> void:
 func test_mentions() -> void:
 	layer("Fern").spacing = {0: 0.8, "Young Pine": 0.6}
 	layer("Fern").proximity_layer = 1
-	var before := saved()
-	await mouse_drag(cell("Young Pine", 0), cell("Old Oak", 0, 0.1))
+	var before := saved_files()
+	await mouse_drag(await cell("Young Pine", 0), await cell("Old Oak", 0, 0.1))
 	check_equal(layer("Fern").spacing.keys(), [1, "Young Pine"], "an index follows")
 	check_equal(layer("Fern").proximity_layer, 0, "in all properties")
 	await check_undo(before, "a mention")
 	await undo()
-	await mouse_click(cell("Young Pine", 0))
+	await mouse_click(await cell("Young Pine", 0))
 	await mouse_click(middle(button("Delete")))
 	check_equal(names(), PackedStringArray(["Old Oak", "Fern"]), "deleted")
 	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [[0], ""], "nobody mentions it any more")
@@ -279,8 +257,8 @@ func test_mentions() -> void:
 
 
 func test_copies() -> void:
-	var before := saved()
-	await mouse_click(cell("Old Oak", 0))
+	var before := saved_files()
+	await mouse_click(await cell("Old Oak", 0))
 	await key(KEY_D, KEY_MASK_CTRL)
 	check_equal(names(), PackedStringArray(["Old Oak", "Old Oak 2", "Young Pine", "Fern"]), "a copy beside it")
 	await settle(scatter)
@@ -293,20 +271,20 @@ func test_copies() -> void:
 	check_equal(names()[1], "Beech", "renamed")
 	panel()._on_renamed(layer("Beech"), "Fern")
 	check_equal(names()[1], "Fern 2", "never to a name that is taken")
-	await mouse_click(cell("Fern 2", 0))
+	await mouse_click(await cell("Fern 2", 0))
 	await key(KEY_DELETE)
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "the key deletes")
 	for step in 4:
 		await undo()
-	check_same(saved(), before, "all undone")
+	check_same(saved_files(), before, "all undone")
 
 
 ## One stroke on two layers is one step, and leaves a locked one as it is.
 func test_stroke_on_several_layers() -> void:
-	var before := saved()
-	await mouse_click(cell("Old Oak", 0))
-	await mouse_click(cell("Young Pine", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
-	await mouse_click(cell("Fern", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	var before := saved_files()
+	await mouse_click(await cell("Old Oak", 0))
+	await mouse_click(await cell("Young Pine", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	await mouse_click(await cell("Fern", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	addon().desk.marks.put(layer("Fern"), &"locked", true)
 	var paint: Node = addon().toolbar.paint
 	paint.set_on(true)
@@ -322,8 +300,8 @@ func test_stroke_on_several_layers() -> void:
 	await settle(scatter)
 	await check_undo(before, "a stroke")
 	await undo()
-	check_same(saved(), before, "undone")
-	await mouse_click(cell("Fern", 0))
+	check_same(saved_files(), before, "undone")
+	await mouse_click(await cell("Fern", 0))
 	await stroke([Vector3.ZERO])
 	check(paint.problem.contains("locked"), "a locked layer says so: " + paint.problem)
 	addon().desk.marks.put(layer("Fern"), &"locked", null)
@@ -332,16 +310,16 @@ func test_stroke_on_several_layers() -> void:
 
 ## Each way to add is one step of undo that leaves the files as they were.
 func test_adding() -> void:
-	var before := saved()
-	await drag_files([MODELS[1]], cell("Old Oak", 0, 0.1))
+	var file: Resource = ClassDB.instantiate(&"ScatterLayer")
+	file.meshes = [BoxMesh.new()]
+	ResourceSaver.save(file, "res://stones.tres")
+	var before := saved_files()
+	await drag_files([MODELS[1]], await cell("Old Oak", 0, 0.1))
 	check(names().size() == 4 and names().has("Young Pine 2"), "dropped on rows: %s" % [names()])
 	var apart: Array = layer("Young Pine 2").spacing.keys()
 	check(apart.has("Old Oak") and apart.has("Young Pine"), "apart from the others: %s" % [apart])
 	await check_undo(before, "a drop")
 	await undo()
-	var file: Resource = ClassDB.instantiate(&"ScatterLayer")
-	file.meshes = [BoxMesh.new()]
-	ResourceSaver.save(file, "res://stones.tres")
 	panel()._on_file("res://stones.tres")
 	check_equal(scatter.layers[2].resource_path, "res://stones.tres", "a layer that is a file comes before what is far smaller")
 	check_equal(scatter.layers[2].spacing, {}, "and is not changed")
@@ -354,7 +332,7 @@ func test_adding() -> void:
 	panel()._on_add(panel().Add.EMPTY)
 	check_equal(names()[2], "Layer", "an empty one")
 	await undo()
-	check_same(saved(), before, "all undone")
+	check_same(saved_files(), before, "all undone")
 	await mouse_click(middle(button("New Scatter")))
 	check(root.get_child_count() == 3 and root.get_child(2).terrain == scatter.terrain, "a second scatter on the same ground")
 	check(root.get_child(2).seed != scatter.seed, "with another seed")
@@ -367,7 +345,7 @@ func test_adding() -> void:
 ## The editor keeps marks beside the scene, for the next time it is opened.
 func test_marks_are_kept() -> void:
 	addon().desk.marks.put(layer("Fern"), &"hidden", true)
-	saved()
+	saved_files()
 	scatter = null
 	EditorInterface.get_selection().clear()
 	EditorInterface.reload_scene_from_path(SCENE)

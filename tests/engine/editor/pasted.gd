@@ -44,15 +44,6 @@ func save_scene_of(root: Node, path: String) -> void:
 	ResourceSaver.save(packed, path)
 
 
-## All files as they are once the scene is saved.
-func saved() -> Dictionary:
-	check_equal(EditorInterface.save_scene(), OK, "saved")
-	var result := {}
-	for file in files("res://"):
-		result[file] = FileAccess.get_file_as_bytes("res://" + file)
-	return result
-
-
 func test_paste() -> void:
 	ResourceSaver.save(make_layer("Moss", 3.0), MOSS)
 	var orchard := Node3D.new()
@@ -80,7 +71,7 @@ func test_paste() -> void:
 	check(edits.begin(original, FROM), edits.problem)
 	edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0)
 	edits.commit("Plant")
-	saved()
+	saved_files()
 	await mouse_click(row_of("Trees"))
 	await key(KEY_C, KEY_MASK_CTRL)
 	var garden := await open(TO)
@@ -100,7 +91,7 @@ func test_paste() -> void:
 
 
 func test_make_unique() -> void:
-	var before := saved()
+	var before := saved_files()
 	var kept := state_of(original)
 	panel().notes.ask_to_make_unique()
 	panel().notes.dialog.get_ok_button().pressed.emit()
@@ -112,17 +103,17 @@ func test_make_unique() -> void:
 	check_equal(pasted.layers[0].mask.resource_path, "res://garden_apple_mask.res", "a mask beside its scene")
 	check_equal(pasted.state.resource_path, "res://garden_trees_state.res", "and what was made by hand")
 	check_equal(pasted.layers[2], original.layers[2], "what is a file stays shared")
-	var after := saved()
+	var after := saved_files()
 	var text := FileAccess.get_file_as_string(TO)
 	check(not "orchard" in text and "garden_grass_mask.res" in text, "the scene refers to its own files")
 	await undo()
-	check_equal(saved(), before, "undone")
+	check_same(saved_files(), before, "undone")
 	await redo()
-	check_equal(saved(), after, "redone")
+	check_same(saved_files(), after, "redone")
 	pasted.layers[0].radius = 5.0
 	check_equal(state_of(original), kept, "the original is as it was")
 	await undo()
-	saved()
+	saved_files()
 
 
 func state_of(scatter: Node3D) -> Array:

@@ -63,15 +63,6 @@ func look() -> void:
 	await get_tree().create_timer(1.5).timeout
 
 
-func saved() -> Dictionary:
-	check_equal(EditorInterface.save_scene(), OK, "saved")
-	var result := {}
-	for file in files("res://"):
-		if file.begins_with("glade") or file.begins_with("shared"):
-			result[file] = FileAccess.get_file_as_bytes("res://" + file)
-	return result
-
-
 ## As Ctrl+D in the Scene dock does it: what lies in the scene is shared.
 func duplicate_scatter() -> void:
 	var undo_redo := plugin.get_undo_redo()
@@ -94,13 +85,13 @@ func test_a_duplicate_is_told() -> void:
 	await stroke([Vector3.ZERO])
 	paint.set_on(false)
 	check(FileAccess.file_exists("res://glade_grass_mask.res"), "what is painted lies in a file")
-	saved()
+	saved_files()
 	var edits: RefCounted = addon().toolbar.hand.edits
 	check(edits.begin(scatter, SCENE), "hand-placed instances go into a file: " + edits.problem)
 	check(edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0) != 0, "one is planted")
 	edits.commit("Plant")
 	scatter.remove_instance(scatter.query_rect(Rect2(20.0, 20.0, 10.0, 10.0), 0).ids[0])
-	saved()
+	saved_files()
 	check(not panel().notes._sharing.visible, "alone it shares nothing")
 	duplicate_scatter()
 	await look()
@@ -113,7 +104,7 @@ func test_a_duplicate_is_told() -> void:
 
 
 func test_make_unique() -> void:
-	var before := saved()
+	var before := saved_files()
 	panel().notes.ask_to_make_unique()
 	check(panel().notes.dialog.visible and panel().notes.dialog._files.visible, "a dialog asks what is meant")
 	await picture("make_unique", panel().notes.dialog)
@@ -135,23 +126,17 @@ func test_make_unique() -> void:
 	scatter.layers[1].radius = 9.0
 	check(other.layers[1].radius == 5.0, "a change changes one alone")
 	scatter.layers[1].radius = 5.0
-	var after := saved()
+	var after := saved_files()
 	check(after.has("glade_grass_mask_2.res") and not before.has("glade_grass_mask_2.res"), "a file more")
 	await undo()
 	check_equal(other.layers, scatter.layers, "undone")
 	check_equal(other.state, scatter.state, "the state, too")
-	check_same(saved(), before, "undone")
+	check_same(saved_files(), before, "undone")
 	await redo()
-	check_same(saved(), after, "redone")
+	check_same(saved_files(), after, "redone")
 	await undo()
 	await undo()
 	check(not other.is_inside_tree(), "the duplicate is undone, too")
-
-
-func check_same(got: Dictionary, expected: Dictionary, what: String) -> void:
-	check_equal(got.keys(), expected.keys(), what + ": files")
-	for file: String in expected:
-		check(got.get(file) == expected[file], "%s: %s is as it was" % [what, file])
 
 
 ## Shared layers in files are no accident.

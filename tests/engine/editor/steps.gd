@@ -23,6 +23,28 @@ func check_equal(got: Variant, expected: Variant, message: String) -> bool:
 	return check(equal, "%s: got %s, expected %s" % [message, got, expected])
 
 
+## The scene that is edited as it is saved now, and the files beside it: their bytes by their names.
+func saved_files() -> Dictionary[String, PackedByteArray]:
+	check_equal(EditorInterface.save_scene(), OK, "saved")
+	var result: Dictionary[String, PackedByteArray] = {}
+	for file in files("res://"):
+		result[file] = FileAccess.get_file_as_bytes("res://" + file)
+	return result
+
+
+## Holds saved files against others; a failure tells how they differ.
+func check_same(got: Dictionary[String, PackedByteArray], expected: Dictionary[String, PackedByteArray], what: String) -> void:
+	check_equal(got.keys(), expected.keys(), what + ": files")
+	for file in expected:
+		if got.has(file):
+			check(got[file] == expected[file], "%s: %s is another one:\n%s\n--- expected\n%s" % [what, file, text_of(got[file]), text_of(expected[file])])
+
+
+## What a file holds; of one that is no text, its size.
+func text_of(bytes: PackedByteArray) -> String:
+	return "%d bytes" % bytes.size() if bytes.has(0) else bytes.get_string_from_utf8()
+
+
 func frames(count: int) -> void:
 	for index in count:
 		await get_tree().process_frame
@@ -82,6 +104,25 @@ func row_of(title: String) -> Vector2:
 			item = item.get_next_in_tree()
 	check(false, "the Scene dock has a row " + title)
 	return Vector2.ZERO
+
+
+## Where a cell of the panel's row of a layer is on the window, or a button in it, once it is scrolled into view: [param part] is a
+## share of the cell.
+func cell_of(layer: Resource, column: int, part := Vector2(0.5, 0.5), button := -1) -> Vector2:
+	# A panel that finds something changed makes its rows anew.
+	await until(func() -> bool: return _seen_cell(layer, column, part, button) != Vector2.INF, "the row of %s is in view" % layer.resource_name)
+	return _seen_cell(layer, column, part, button)
+
+
+func _seen_cell(layer: Resource, column: int, part: Vector2, button: int) -> Vector2:
+	var tree: Tree = addon().desk.panel.tree
+	var row: TreeItem = tree.row_of(layer)
+	if row == null or not tree.is_visible_in_tree():
+		return Vector2.INF
+	tree.scroll_to_item(row)
+	var rect := tree.get_item_area_rect(row, column, button)
+	var at := rect.position + rect.size * part
+	return tree.get_global_transform_with_canvas() * at if Rect2(Vector2.ZERO, tree.size).has_point(at) else Vector2.INF
 
 
 ## Undo and redo of the scene that a node stands in.

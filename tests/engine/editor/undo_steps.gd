@@ -92,26 +92,6 @@ func select(node: Node) -> void:
 	await frames(3)
 
 
-## The scene as it would be saved now, and all files beside it.
-func saved() -> Dictionary:
-	check_equal(EditorInterface.save_scene(), OK, "saved")
-	var result := {}
-	for file in files("res://"):
-		result[file] = FileAccess.get_file_as_bytes("res://" + file)
-	return result
-
-
-func check_same(got: Dictionary, expected: Dictionary, what: String) -> void:
-	check_equal(got.keys(), expected.keys(), what + ": files")
-	for file: String in expected:
-		if got.has(file) and got[file] != expected[file]:
-			check(false, "%s: %s is another one:\n%s\n--- expected\n%s" % [what, file, text_of(got[file]), text_of(expected[file])])
-
-
-func text_of(bytes: PackedByteArray) -> String:
-	return "%d bytes" % bytes.size() if bytes.has(0) else bytes.get_string_from_utf8()
-
-
 func layer(title: String) -> Resource:
 	for each: Resource in scatter.layers:
 		if each.resource_name == title:
@@ -126,12 +106,12 @@ func step(what: String, done: Callable) -> void:
 	@warning_ignore("redundant_await")
 	await done.call()
 	await frames(3)
-	var after := saved()
+	var after := saved_files()
 	check(after != _saved[-1], what + " changes what is saved")
 	await undo()
-	check_same(saved(), _saved[-1], what + ", undone")
+	check_same(saved_files(), _saved[-1], what + ", undone")
 	await redo()
-	check_same(saved(), after, what + ", redone")
+	check_same(saved_files(), after, what + ", redone")
 	_saved.append(after)
 	await settle(scatter)
 
@@ -145,8 +125,8 @@ func test_open() -> void:
 	await select(scatter)
 	await settle(scatter)
 	# What the editor itself adds when it saves is there from here on.
-	saved()
-	_saved.append(saved())
+	saved_files()
+	_saved.append(saved_files())
 
 
 func test_layers() -> void:
@@ -322,17 +302,17 @@ func test_nodes() -> void:
 func test_all_one_by_one() -> void:
 	for index in range(_names.size() - 1, -1, -1):
 		await undo()
-		check_same(saved(), _saved[index], _names[index] + ", undone with all that follow")
+		check_same(saved_files(), _saved[index], _names[index] + ", undone with all that follow")
 	for index in _names.size():
 		await redo()
-		check_same(saved(), _saved[index + 1], _names[index] + ", redone after all before it")
+		check_same(saved_files(), _saved[index + 1], _names[index] + ", redone after all before it")
 
 
 ## All of them back and forth, saved at the ends alone.
 func test_all_at_once() -> void:
 	for what in _names:
 		await undo()
-	check_same(saved(), _saved[0], "all undone")
+	check_same(saved_files(), _saved[0], "all undone")
 	for what in _names:
 		await redo()
-	check_same(saved(), _saved[-1], "all redone")
+	check_same(saved_files(), _saved[-1], "all redone")
