@@ -41,6 +41,12 @@ def complaints(printed: str) -> list[str]:
     return [line for line in COMPLAINT.findall(printed) if not any(words in line for words in HARMLESS)]
 
 
+def check_passed(printed: str):
+    """All checks of a script in the editor passed, and nothing complained. A failure tells first what failed."""
+    failed = [line[:400] for line in printed.splitlines() if line.startswith("FAILED: ")] + complaints(printed)
+    assert not failed and PASSED.search(printed), "\n".join([*failed, printed[-4000:]])
+
+
 def new_demo_project(folder: Path) -> Path:
     """The demo project, with the plugin that works as a designer would; what is saved goes into the copy."""
     skipped = shutil.ignore_patterns(".godot", "bin", "pictures", "project.godot")
@@ -89,8 +95,7 @@ def designer(godot_xvfb, imported, project) -> str:
 
 def test_a_designers_first_hour(designer):
     """A node, a layer, a stroke, undo, redo, save, reopen, presets, shapes, bake: checks in demo_scene.gd."""
-    assert PASSED.search(designer), designer[-6000:]
-    assert not complaints(designer), complaints(designer)
+    check_passed(designer)
 
 
 def new_plain_project(folder: Path) -> Path:
@@ -144,14 +149,14 @@ def test_small_scenes(godot, godot_xvfb, editor_project, script):
     run = godot_xvfb if script == "imports" else godot  # Without a renderer no scene is saved in silence.
     done = run(["--editor", "--path", editor_project, "--", script], timeout=300)
     printed = done.stdout + done.stderr
-    assert PASSED.search(printed) and not complaints(printed), printed[-6000:]
+    check_passed(printed)
 
 
 def test_single_instances_by_hand(godot, godot_xvfb, editor_project):
     """Checks in hand.gd, with the mouse and the keys; then a game finds what was planted, to the bit."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "hand"], timeout=600)
     printed = done.stdout + done.stderr
-    assert PASSED.search(printed) and not complaints(printed), printed[-6000:]
+    check_passed(printed)
     played = godot(["--path", editor_project, "--script", "res://tests/hand_in_game.gd"], timeout=120)
     printed = played.stdout + played.stderr
     assert "hand in game: 0 failed" in printed and not complaints(printed), printed
@@ -161,7 +166,7 @@ def test_shapes(godot_xvfb, editor_project):
     """Checks in shapes.gd."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "shapes"], timeout=600)
     printed = done.stdout + done.stderr
-    assert PASSED.search(printed) and not complaints(printed), printed[-6000:]
+    check_passed(printed)
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +186,7 @@ def ground_follows(godot_xvfb, tmp_path_factory) -> str:
 
 def test_a_ground_is_chosen_and_followed(ground_follows):
     """Checks in ground_follows.gd: what is selected becomes the ground, undone to the byte; what moves is followed."""
-    assert PASSED.search(ground_follows) and not complaints(ground_follows), ground_follows[-6000:]
+    check_passed(ground_follows)
 
 
 def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
@@ -192,7 +197,7 @@ def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
         (editor_project / f"doubles/{name}.gd").write_text(f"@tool\n{text}", encoding="utf-8")
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "plugin_ground"], timeout=600)
     printed = done.stdout + done.stderr
-    assert PASSED.search(printed) and not complaints(printed), printed[-6000:]
+    check_passed(printed)
 
 
 def test_what_helps_where_a_first_import_crashes(godot, plain_project):
@@ -226,7 +231,7 @@ def why(godot, godot_xvfb, tmp_path_factory) -> str:
 
 def test_why_nothing_stands_there(why):
     """Hovering, pinning and colors: checks in why.gd."""
-    assert PASSED.search(why) and not complaints(why), why[-6000:]
+    check_passed(why)
 
 
 def test_pictures_of_the_colors(why):
@@ -266,7 +271,7 @@ def test_layers_desk(godot, godot_xvfb, desk_project, script):
     godot(["--path", desk_project, "--import"], timeout=120)
     done = godot_xvfb(["--editor", "--path", desk_project, "--", script], timeout=300)
     printed = done.stdout + done.stderr
-    assert PASSED.search(printed) and not complaints(printed), printed[-6000:]
+    check_passed(printed)
 
 
 def test_without_the_library_the_plugin_is_silent(godot, plain_project):

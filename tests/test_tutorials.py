@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from conftest import REPO, new_project
 from PIL import Image
-from test_editor import PASSED, PICTURES, STEPS, complaints, link_library, new_plain_project
+from test_editor import PICTURES, STEPS, check_passed, complaints, link_library, new_plain_project
 from test_multiplayer import processes
 
 ADDON = REPO / "demo_project/addons/thicket"
@@ -155,7 +155,7 @@ def editor(godot, godot_xvfb, tmp_path_factory) -> str:
 
 def test_steps_in_the_editor(editor):
     """Checks in tutorials.gd."""
-    assert PASSED.search(editor) and not complaints(editor), editor[-6000:]
+    check_passed(editor)
 
 
 # What those do who run the scene of server.md. A player clicks on so many trees around a place that he sees, waits until so many are
