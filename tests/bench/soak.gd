@@ -2,8 +2,9 @@ extends SceneTree
 ## Hours of play in minutes: flies at full speed, teleports, moves the origin, fells, plants, asks, saves and loads, with
 ## bodies and scenes that come and go, and watches that nothing grows. Prints a line a minute and a verdict; the exit code
 ## is 1 if anything grew or an answer was wrong.
-##   MALLOC_ARENA_MAX=1 tools/godot --headless --path demo_project --script "$PWD/tests/bench/soak.gd" [-- SECONDS [SECONDS A LINE]]
-## (with more arenas, glibc keeps more and more of what is free, for a quarter of an hour)
+##   export MALLOC_ARENA_MAX=1 MALLOC_MMAP_THRESHOLD_=131072 MALLOC_TRIM_THRESHOLD_=131072
+##   tools/godot --headless --path demo_project --script "$PWD/tests/bench/soak.gd" [-- SECONDS [SECONDS A LINE]]
+## (else glibc keeps more of what is free at one time than at another: see test_soak.py)
 ##
 ## Play comes in rounds. At the end of each the state is cleared, the viewer stands at home and everything that was asked
 ## for is done: there, figures can be compared. The first quarter of the time warms up. The resident set may then be 5 %
