@@ -148,15 +148,13 @@ def test_small_scenes(godot, godot_xvfb, editor_project, script):
     """Impostors by one click, imports of instances: checks in these scripts."""
     run = godot_xvfb if script == "imports" else godot  # Without a renderer no scene is saved in silence.
     done = run(["--editor", "--path", editor_project, "--", script], timeout=300)
-    printed = done.stdout + done.stderr
-    check_passed(printed)
+    check_passed(done.stdout + done.stderr)
 
 
 def test_single_instances_by_hand(godot, godot_xvfb, editor_project):
     """Checks in hand.gd, with the mouse and the keys; then a game finds what was planted, to the bit."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "hand"], timeout=600)
-    printed = done.stdout + done.stderr
-    check_passed(printed)
+    check_passed(done.stdout + done.stderr)
     played = godot(["--path", editor_project, "--script", "res://tests/hand_in_game.gd"], timeout=120)
     printed = played.stdout + played.stderr
     assert "hand in game: 0 failed" in printed and not complaints(printed), printed
@@ -165,8 +163,7 @@ def test_single_instances_by_hand(godot, godot_xvfb, editor_project):
 def test_shapes(godot_xvfb, editor_project):
     """Checks in shapes.gd."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "shapes"], timeout=600)
-    printed = done.stdout + done.stderr
-    check_passed(printed)
+    check_passed(done.stdout + done.stderr)
 
 
 @pytest.fixture(scope="module")
@@ -196,8 +193,7 @@ def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
         text = (REPO / f"tests/engine/{name}.gd").read_text(encoding="utf-8")
         (editor_project / f"doubles/{name}.gd").write_text(f"@tool\n{text}", encoding="utf-8")
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "plugin_ground"], timeout=600)
-    printed = done.stdout + done.stderr
-    check_passed(printed)
+    check_passed(done.stdout + done.stderr)
 
 
 def test_what_helps_where_a_first_import_crashes(godot, plain_project):
@@ -270,8 +266,7 @@ def test_layers_desk(godot, godot_xvfb, desk_project, script):
     brush, regions and a radius by clicks alone, a navigation mesh: checks in the scripts."""
     godot(["--path", desk_project, "--import"], timeout=120)
     done = godot_xvfb(["--editor", "--path", desk_project, "--", script], timeout=300)
-    printed = done.stdout + done.stderr
-    check_passed(printed)
+    check_passed(done.stdout + done.stderr)
 
 
 def test_without_the_library_the_plugin_is_silent(godot, plain_project):

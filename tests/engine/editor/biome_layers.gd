@@ -19,11 +19,6 @@ func layer(title: String) -> Resource:
 	return null
 
 
-## The middle of a layer's name, or of a mark of its row, on the window.
-func place_of(title: String, mark := -1) -> Vector2:
-	return await cell_of(layer(title), 0 if mark < 0 else 2, Vector2(0.3 if mark < 0 else 0.5, 0.5), mark)
-
-
 func new_layer(title: String, radius: float) -> Resource:
 	var made: Resource = ClassDB.instantiate(&"ScatterLayer")
 	made.resource_name = title
@@ -94,7 +89,7 @@ func test_biomes_are_listed() -> void:
 
 func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 	var before := saved_files()
-	await mouse_click(await place_of("Reed"))
+	await mouse_click(await name_at(layer("Reed")))
 	await frames(2)
 	check_equal(addon().toolbar.chosen, [layer("Reed")] as Array[Resource], "a click chooses it for tools")
 	check_equal(addon().toolbar.paint.layer, layer("Reed"), "for the brush, too")
@@ -102,7 +97,7 @@ func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 	check(addon().desk.panel._remove.disabled and addon().desk.panel._copy.disabled, "which layers there are is the biome's business")
 	await key(KEY_DELETE)
 	check(layer("Reed") != null, "the key does not delete it")
-	await mouse_click(await place_of("Reed", 2))
+	await mouse_click(await mark_at(layer("Reed"), 2))
 	await settle(scatter)
 	check(addon().desk.marks.is_hidden(layer("Reed")), "the eye hides it")
 	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances - scatter.get_shown_count(layer("Reed")), "nothing of it is drawn")
@@ -117,7 +112,7 @@ func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 
 func test_a_layer_of_a_biome_is_painted() -> void:
 	var before := saved_files()
-	await mouse_click(await place_of("Reed"))
+	await mouse_click(await name_at(layer("Reed")))
 	await frames(2)
 	var paint: Node = addon().toolbar.paint
 	paint.set_on(true)
@@ -140,7 +135,7 @@ func test_a_layer_of_a_biome_is_painted() -> void:
 
 ## Another biome in one assignment: the panel shows its layers, and what was chosen of the old one is left.
 func test_a_biome_is_replaced() -> void:
-	await mouse_click(await place_of("Reed"))
+	await mouse_click(await name_at(layer("Reed")))
 	scatter.biomes.biomes[1] = new_biome("Dry Bed", Color.RED, [new_layer("Thistle", 2.0)])
 	await settle(scatter)
 	await look()

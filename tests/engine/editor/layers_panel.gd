@@ -36,16 +36,6 @@ func button(text: String) -> Button:
 	return null
 
 
-## Where a cell of a layer's row is on the window.
-func cell(title: String, column: int, section := 0.5) -> Vector2:
-	return await cell_of(layer(title), column, Vector2(0.3 if column == 0 else 0.5, section))
-
-
-## The middle of a mark of a layer's row: 0 for color, 1 for lock, 2 for eye.
-func mark(title: String, index: int) -> Vector2:
-	return await cell_of(layer(title), 2, Vector2(0.5, 0.5), index)
-
-
 ## Undoes and redoes the last step, and holds what is saved against what was saved before and after it.
 func check_undo(before: Dictionary, what: String) -> void:
 	var after := saved_files()
@@ -176,7 +166,7 @@ func look() -> void:
 
 
 func test_choosing() -> void:
-	await mouse_click(await cell("Young Pine", 0))
+	await mouse_click(await name_at(layer("Young Pine")))
 	await frames(2)
 	check_equal(addon().toolbar.chosen, [layer("Young Pine")] as Array[Resource], "a click chooses the layer of the tools")
 	check_equal(addon().toolbar.paint.layer, layer("Young Pine"), "of each of them")
@@ -185,21 +175,21 @@ func test_choosing() -> void:
 	addon().toolbar.choose_layer(2)
 	await frames(2)
 	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[Resource], "the toolbar's choice is the panel's")
-	await mouse_click(await cell("Old Oak", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	await mouse_click(await name_at(layer("Old Oak")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await frames(2)
 	check_equal(addon().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[Resource], "Ctrl and a click choose one more")
 
 
 func test_marks() -> void:
 	var before := saved_files()
-	await mouse_click(await cell("Fern", 0))
-	await mouse_click(await mark("Fern", 2))
+	await mouse_click(await name_at(layer("Fern")))
+	await mouse_click(await mark_at(layer("Fern"), 2))
 	await settle(scatter)
 	check(addon().desk.marks.is_hidden(layer("Fern")), "the eye hides")
 	var drawn: int = scatter.get_stats().drawn
 	check_equal(drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "nothing is drawn of it")
 	check(scatter.get_shown_count(2) > 100, "it stands all the same")
-	await mouse_click(await mark("Young Pine", 1))
+	await mouse_click(await mark_at(layer("Young Pine"), 1))
 	check(addon().desk.marks.is_locked(layer("Young Pine")), "the lock locks")
 	panel()._colored = [layer("Old Oak")]
 	panel()._on_color(5)
@@ -228,7 +218,7 @@ func test_marks() -> void:
 func test_order() -> void:
 	var before := saved_files()
 	var ids: Array = scatter.layers.map(func(each: Resource) -> int: return each.layer_id)
-	await mouse_drag(await cell("Fern", 0), await cell("Old Oak", 0, 0.1))
+	await mouse_drag(await name_at(layer("Fern")), await name_at(layer("Old Oak"), 0.1))
 	check_equal(names(), PackedStringArray(["Fern", "Old Oak", "Young Pine"]), "dragged to the front")
 	check_equal(scatter.layers.map(func(each: Resource) -> int: return each.layer_id), [ids[2], ids[0], ids[1]], "ids stay")
 	await check_undo(before, "the order")
@@ -241,12 +231,12 @@ func test_mentions() -> void:
 	layer("Fern").spacing = {0: 0.8, "Young Pine": 0.6}
 	layer("Fern").proximity_layer = 1
 	var before := saved_files()
-	await mouse_drag(await cell("Young Pine", 0), await cell("Old Oak", 0, 0.1))
+	await mouse_drag(await name_at(layer("Young Pine")), await name_at(layer("Old Oak"), 0.1))
 	check_equal(layer("Fern").spacing.keys(), [1, "Young Pine"], "an index follows")
 	check_equal(layer("Fern").proximity_layer, 0, "in all properties")
 	await check_undo(before, "a mention")
 	await undo()
-	await mouse_click(await cell("Young Pine", 0))
+	await mouse_click(await name_at(layer("Young Pine")))
 	await mouse_click(middle(button("Delete")))
 	check_equal(names(), PackedStringArray(["Old Oak", "Fern"]), "deleted")
 	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [[0], ""], "nobody mentions it any more")
@@ -258,7 +248,7 @@ func test_mentions() -> void:
 
 func test_copies() -> void:
 	var before := saved_files()
-	await mouse_click(await cell("Old Oak", 0))
+	await mouse_click(await name_at(layer("Old Oak")))
 	await key(KEY_D, KEY_MASK_CTRL)
 	check_equal(names(), PackedStringArray(["Old Oak", "Old Oak 2", "Young Pine", "Fern"]), "a copy beside it")
 	await settle(scatter)
@@ -271,7 +261,7 @@ func test_copies() -> void:
 	check_equal(names()[1], "Beech", "renamed")
 	panel()._on_renamed(layer("Beech"), "Fern")
 	check_equal(names()[1], "Fern 2", "never to a name that is taken")
-	await mouse_click(await cell("Fern 2", 0))
+	await mouse_click(await name_at(layer("Fern 2")))
 	await key(KEY_DELETE)
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "the key deletes")
 	for step in 4:
@@ -282,9 +272,9 @@ func test_copies() -> void:
 ## One stroke on two layers is one step, and leaves a locked one as it is.
 func test_stroke_on_several_layers() -> void:
 	var before := saved_files()
-	await mouse_click(await cell("Old Oak", 0))
-	await mouse_click(await cell("Young Pine", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
-	await mouse_click(await cell("Fern", 0), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	await mouse_click(await name_at(layer("Old Oak")))
+	await mouse_click(await name_at(layer("Young Pine")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	await mouse_click(await name_at(layer("Fern")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	addon().desk.marks.put(layer("Fern"), &"locked", true)
 	var paint: Node = addon().toolbar.paint
 	paint.set_on(true)
@@ -301,7 +291,7 @@ func test_stroke_on_several_layers() -> void:
 	await check_undo(before, "a stroke")
 	await undo()
 	check_same(saved_files(), before, "undone")
-	await mouse_click(await cell("Fern", 0))
+	await mouse_click(await name_at(layer("Fern")))
 	await stroke([Vector3.ZERO])
 	check(paint.problem.contains("locked"), "a locked layer says so: " + paint.problem)
 	addon().desk.marks.put(layer("Fern"), &"locked", null)
@@ -314,7 +304,7 @@ func test_adding() -> void:
 	file.meshes = [BoxMesh.new()]
 	ResourceSaver.save(file, "res://stones.tres")
 	var before := saved_files()
-	await drag_files([MODELS[1]], await cell("Old Oak", 0, 0.1))
+	await drag_files([MODELS[1]], await name_at(layer("Old Oak"), 0.1))
 	check(names().size() == 4 and names().has("Young Pine 2"), "dropped on rows: %s" % [names()])
 	var apart: Array = layer("Young Pine 2").spacing.keys()
 	check(apart.has("Old Oak") and apart.has("Young Pine"), "apart from the others: %s" % [apart])

@@ -36,8 +36,8 @@ func saved_files() -> Dictionary[String, PackedByteArray]:
 func check_same(got: Dictionary[String, PackedByteArray], expected: Dictionary[String, PackedByteArray], what: String) -> void:
 	check_equal(got.keys(), expected.keys(), what + ": files")
 	for file in expected:
-		if got.has(file):
-			check(got[file] == expected[file], "%s: %s is another one:\n%s\n--- expected\n%s" % [what, file, text_of(got[file]), text_of(expected[file])])
+		if got.has(file) and got[file] != expected[file]:
+			check(false, "%s: %s is another one:\n%s\n--- expected\n%s" % [what, file, text_of(got[file]), text_of(expected[file])])
 
 
 ## What a file holds; of one that is no text, its size.
@@ -106,9 +106,18 @@ func row_of(title: String) -> Vector2:
 	return Vector2.ZERO
 
 
-## Where a cell of the panel's row of a layer is on the window, or a button in it, once it is scrolled into view: [param part] is a
-## share of the cell.
-func cell_of(layer: Resource, column: int, part := Vector2(0.5, 0.5), button := -1) -> Vector2:
+## Where the name of a layer is on the window, in its row of the panel, once that is scrolled into view: [param section] is a share of the
+## row's height.
+func name_at(layer: Resource, section := 0.5) -> Vector2:
+	return await _cell_at(layer, 0, Vector2(0.3, section))
+
+
+## The middle of a mark of a layer's row, in the same way: 0 for color, 1 for lock, 2 for eye.
+func mark_at(layer: Resource, index: int) -> Vector2:
+	return await _cell_at(layer, 2, Vector2(0.5, 0.5), index)
+
+
+func _cell_at(layer: Resource, column: int, part: Vector2, button := -1) -> Vector2:
 	# A panel that finds something changed makes its rows anew.
 	await until(func() -> bool: return _seen_cell(layer, column, part, button) != Vector2.INF, "the row of %s is in view" % layer.resource_name)
 	return _seen_cell(layer, column, part, button)
