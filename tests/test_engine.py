@@ -324,6 +324,18 @@ def test_quitting_in_mid_generation(godot, project, frames):
     assert not COMPLAINT.search(printed), printed
 
 
+def test_loading_in_the_background(godot, project):
+    """The main thread waits for threads that load: a setter that waited for the main thread would hang for ever."""
+    assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / "background_load.gd"], timeout=60))
+
+
+@pytest.mark.parametrize("frames", [0, 2, 5, 10])
+def test_quitting_while_a_scene_loads(godot, project, frames):
+    """The engine waits for its loader when it ends. What the request holds may leak: nobody has taken the scene."""
+    done = godot(["--path", project, "--script", ENGINE / "quit_loading.gd", "--", str(frames)], timeout=60)
+    assert done.returncode == 0 and "thicket quits while it loads" in done.stdout, done.stdout + done.stderr
+
+
 def test_a_leak_would_be_noticed(godot, project):
     done = godot(["--verbose", "--path", project, "--script", ENGINE / "quit_midway.gd", "--", "5", "leak"], timeout=60)
     assert re.search(r"1 RID allocations of type .*MultiMesh.* leaked", done.stdout + done.stderr)

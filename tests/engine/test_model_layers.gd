@@ -66,7 +66,26 @@ func test_entries() -> void:
 	check_equal(loaded.meshes, [empty], "it stays in the list")
 	var scatter := make_scatter([loaded], ScatterTerrainFlat.new(), make_viewer())
 	var told := "\n".join(scatter.get_problems())
-	check("ScatterLayer.meshes[0], a scene without a file, has nothing to draw" in told, "warned: " + told)
+	check("ScatterLayer.meshes[0], a scene without a file, has nothing to draw: it is empty" in told, "warned: " + told)
+
+
+## A scene is read when it is needed: what is wrong with it is found then, once, and the entry draws nothing.
+func test_entries_that_cannot_be_drawn() -> void:
+	var hollow := pack(Node3D.new())
+	var layer := make_model_layer([BoxMesh.new()])
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	layer.meshes = [BoxMesh.new(), hollow]
+	check_no_error("setting it reads nothing")
+	await settle(scatter)
+	check_error(["ScatterModel.scene", "no visible MeshInstance3D"], "when the node reads it")
+	check_equal(layer.meshes[1], hollow, "it stays in the list")
+	check(scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(1) == null, "nothing is drawn for it")
+	layer.density = 0.5
+	await settle(scatter)
+	check_no_error("it is not read a second time")
+	var told := "\n".join(scatter.get_problems())
+	check("ScatterLayer.meshes[1], a scene without a file, has nothing to draw: it has no visible" in told, "warned: " + told)
 
 
 ## Two scenes that inherit from each other, which the engine does not load, in words of its own.
@@ -269,27 +288,41 @@ class Meddler extends Node3D:
 			deed.call()
 
 
-func test_scripts_in_a_scene_may_do_anything_while_it_is_read() -> void:
+func pack_meddler() -> PackedScene:
+	var deed := Meddler.deed
+	Meddler.deed = Callable()
 	var root_node := Meddler.new()
 	put_mesh(box_of(Vector3.ONE), "Stone", root_node, root_node)
-	var meddling := pack(root_node)
+	Meddler.deed = deed
+	return pack(root_node)
+
+
+func test_scripts_in_a_scene_may_do_anything_while_it_is_read() -> void:
+	var meddling := pack_meddler()
 	var scatter := make_scatter([make_model_layer([BoxMesh.new()])], ScatterTerrainFlat.new(), make_viewer())
 	await settle(scatter)
 	var layer := scatter.layers[0]
 	Meddler.deed = func() -> void: layer.meshes = []
 	layer.meshes = [meddling]
-	check_equal(layer.meshes, [meddling], "the call from outside has the last word")
+	check_equal(layer.meshes, [meddling], "nothing runs when it is set")
 	await settle(scatter)
-	Meddler.deed = func() -> void: scatter.free()
-	layer.reload_scenes([""]) # No file: nothing is read.
-	layer.meshes = [SphereMesh.new()]
-	layer.meshes = [meddling]
-	check(not is_instance_valid(scatter) and layer.meshes.size() == 1, "the node is gone, the layer is not")
+	check_equal(layer.meshes, [], "the script that runs when it is read has the last word")
+	for deed: Callable in [func() -> void: scatter.free(), func() -> void: root.remove_child(scatter)]:
+		Meddler.deed = deed
+		layer.reload_scenes([""]) # No file: nothing is read.
+		layer.meshes = [SphereMesh.new()]
+		layer.meshes = [pack_meddler()]
+		await frames(3)
+	check(was_kept_from_being_freed(), "the engine frees no node in the middle of a call")
+	check(not scatter.is_inside_tree() and layer.meshes.size() == 1, "the node has left, the layer is as it was set")
+	scatter.free()
 	var model := ScatterModel.new()
+	var tree := pack(make_tree())
 	Meddler.deed = func() -> void:
 		Meddler.deed = Callable()
-		model.scene = pack(make_tree())
+		check(model.get_mesh() == null, "what is being read has no mesh yet")
+		model.scene = tree
 	model.scene = meddling
-	check_equal(model.scene, meddling, "a model that gets another scene meanwhile")
-	check_equal(model.get_mesh().get_surface_count(), 1, "has what was read last")
+	check_equal(model.get_mesh().get_surface_count(), 2, "a model that gets a different scene meanwhile has that")
+	check_equal(model.scene, tree, "as its property says")
 	Meddler.deed = Callable()

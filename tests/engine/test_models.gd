@@ -157,9 +157,9 @@ func test_bad_scenes_are_refused_and_the_model_stays() -> void:
 	var meshes := [model.get_mesh(0), model.get_mesh(1)]
 	for bad: Array in bad_scenes():
 		model.scene = bad[0]
-		check_error(["ScatterModel.scene", bad[1]], bad[1])
-		check_equal(model.scene, before, "the scene of before stays")
 		check_equal([model.get_mesh(0), model.get_mesh(1)], meshes, "its meshes stay")
+		check_error(["ScatterModel.scene", bad[1]], bad[1])
+		check_equal(model.scene, before, "the scene of before is back")
 	model.lods = []
 	check_error(["ScatterModel.lods", "set scene to null"], "what is read cannot be edited")
 	model.scene = null
@@ -168,6 +168,29 @@ func test_bad_scenes_are_refused_and_the_model_stays() -> void:
 	check_equal(model.lods.size(), 1, "and may be edited")
 	model.lods[0].distance = -1.0
 	check_error(["ScatterLod.distance", "-1"], "a negative distance")
+
+
+## A model that has nothing else, as one that is being loaded, keeps a scene that cannot be drawn: saving does not lose it.
+func test_a_model_without_anything_keeps_a_bad_scene() -> void:
+	for bad: Array in bad_scenes().slice(1):
+		var model := ScatterModel.new()
+		model.scene = bad[0]
+		check_no_error("setting it reads nothing")
+		check_equal(model.lods.size(), 0, "there is nothing to draw")
+		check_error(["ScatterModel.scene", bad[1]], bad[1])
+		check_equal(model.scene, bad[0], "the scene stays")
+		check_equal(model.lods.size(), 0, "it is not read a second time")
+
+
+func test_what_is_set_by_hand_before_the_scene_is_read_stays() -> void:
+	var model := ScatterModel.new()
+	model.scene = pack(make_tree())
+	model.scene = null
+	var own := BoxShape3D.new()
+	model.shapes = [own]
+	check_equal(model.lods.size(), 3, "the scene that was set last is read")
+	check_equal(model.shapes, [own] as Array[Shape3D], "and leaves the shapes alone")
+	check_equal(model.shape_transforms.size(), 2, "but not their transforms")
 
 
 ## Scenes, and what is wrong with them.

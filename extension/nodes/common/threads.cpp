@@ -18,6 +18,11 @@ bool has_threads() {
 	return OS::get_singleton()->has_feature("threads") && static_cast<int64_t>(most) != 0;
 }
 
+bool on_main_thread() {
+	const OS *system = OS::get_singleton();
+	return system->get_thread_caller_id() == system->get_main_thread_id();
+}
+
 std::size_t spare_thread_count() {
 	if (!has_threads()) {
 		return 0;

@@ -10,6 +10,9 @@ namespace thicket {
 /// Whether the engine has threads to work on. Builds for the web may have none, and a project may forbid them.
 bool has_threads();
 
+/// Whether the caller runs on the engine's main thread.
+bool on_main_thread();
+
 /// How many to work on besides the one that asks: 0 to 8.
 std::size_t spare_thread_count();
 

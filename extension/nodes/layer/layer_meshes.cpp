@@ -41,6 +41,11 @@ void add_row(
 	}
 }
 
+String nothing_to_draw(std::size_t entry, const Ref<PackedScene> &p_scene, const String &p_problem) {
+	return vformat("ScatterLayer.meshes[%d], %s, has nothing to draw: %s.", static_cast<int64_t>(entry),
+			name_of(p_scene), p_problem);
+}
+
 } // namespace
 
 bool LayerMeshes::set_entries(const Array &p_entries) {
@@ -74,7 +79,7 @@ bool LayerMeshes::set_entries(const Array &p_entries) {
 	return true;
 }
 
-/// The model that was made of a scene before, else a new one. Null, with an error, where the scene has nothing to draw.
+/// The model that was made of a scene before, else a new one. Null, with an error, for an empty scene.
 Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
 	for (std::size_t entry = 0; entry < size(); ++entry) {
 		if (models_[entry].is_valid() && Ref<PackedScene>(entries_[static_cast<int64_t>(entry)]) == p_scene) {
@@ -88,7 +93,16 @@ Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
 }
 
 Ref<Mesh> LayerMeshes::mesh(std::size_t entry) const {
-	return models_[entry].is_valid() ? models_[entry]->get_mesh(0) : Ref<Mesh>(entries_[static_cast<int64_t>(entry)]);
+	if (models_[entry].is_null()) {
+		return entries_[static_cast<int64_t>(entry)];
+	}
+	const std::vector<DrawnLod> lods = models_[entry]->drawn_lods();
+	return lods.empty() ? Ref<Mesh>() : lods.front().mesh;
+}
+
+bool LayerMeshes::read_step() const {
+	return std::ranges::any_of(
+			models_, [](const Ref<ScatterModel> &model) { return model.is_valid() && model->read_step(); });
 }
 
 std::vector<Object *> LayerMeshes::sources() const {
@@ -188,12 +202,14 @@ void LayerMeshes::add_problems(PackedStringArray &r_problems) const {
 		const Ref<PackedScene> scene = entries_[static_cast<int64_t>(entry)];
 		if (models_[entry].is_null()) {
 			if (scene.is_valid()) {
-				r_problems.push_back(vformat("ScatterLayer.meshes[%d], %s, has nothing to draw.",
-						static_cast<int64_t>(entry), name_of(scene)));
+				r_problems.push_back(nothing_to_draw(entry, scene, empty_scene));
 			}
 			continue;
 		}
-		const PackedStringArray remarks = models_[entry]->get_remarks();
+		if (!models_[entry]->problem().is_empty()) {
+			r_problems.push_back(nothing_to_draw(entry, models_[entry]->get_scene(), models_[entry]->problem()));
+		}
+		const PackedStringArray &remarks = models_[entry]->remarks();
 		for (const String &remark : remarks) {
 			r_problems.push_back(vformat("ScatterLayer.meshes[%d], %s: %s", static_cast<int64_t>(entry),
 					name_of(models_[entry]->get_scene()), remark));

@@ -19,9 +19,13 @@ namespace thicket {
 /// them with distance.
 class LayerMeshes {
 public:
-	/// Takes over a list, whose scenes are read. False, with an error, for an entry of another kind, and where a scene has nothing to draw: then
-	/// all stays as it was. Only where there was nothing before, as when a layer is being loaded, such a scene stays in the list, so that it is not lost.
+	/// Takes over a list, on any thread: nothing of a mesh or a scene is read. False, with an error, for an entry of another kind and for an empty
+	/// scene: then all stays as it was. Only where there was nothing before, as when a layer is being loaded, an empty scene stays in the
+	/// list, so that saving does not lose it.
 	bool set_entries(const godot::Array &p_entries);
+
+	/// Reads the next part of a scene that was not read yet: see ScatterModel. Until then nothing is drawn for it. Returns false if all is read.
+	bool read_step() const;
 
 	/// Read-only.
 	const godot::Array &entries() const { return entries_; }
@@ -33,7 +37,7 @@ public:
 	/// Reads scenes anew whose files are among these. True if there were any.
 	bool reload(const godot::PackedStringArray &p_paths);
 
-	/// True if anything is drawn.
+	/// True if anything is drawn, of what is read so far.
 	bool has_mesh() const;
 
 	/// Fills in what is drawn, with a row for each distance at which an entry changes, and those distances. `p_meshes` and `p_distances` are
@@ -50,7 +54,7 @@ public:
 	/// The model of an entry, which for a scene is the one that was made of it; null for a mesh.
 	godot::Ref<ScatterModel> model(std::size_t entry) const { return models_[entry]; }
 
-	/// The mesh of an entry near by; null for none.
+	/// The mesh of an entry near by; null for none, and while its scene is not read.
 	godot::Ref<godot::Mesh> mesh(std::size_t entry) const;
 
 private:
@@ -59,8 +63,7 @@ private:
 			const godot::PackedFloat32Array &p_distances) const;
 
 	godot::Array entries_;
-	std::vector<godot::Ref<ScatterModel>>
-			models_; ///< Of each entry; null for meshes, and for scenes that could not be read.
+	std::vector<godot::Ref<ScatterModel>> models_; ///< Of each entry; null for meshes, and for empty scenes.
 };
 
 } // namespace thicket

@@ -170,6 +170,9 @@ public:
 	void set_meshes(const godot::Array &p_meshes);
 	godot::Array get_meshes() const;
 
+	/// Reads the next part of the scenes and models in `meshes`; see LayerMeshes. A snapshot, and all that asks for meshes, has what is read so far.
+	bool read_step();
+
 	/// Reads anew what `meshes` has of these scenes, by their paths: their files have changed.
 	void reload_scenes(const godot::PackedStringArray &p_paths);
 
@@ -185,7 +188,7 @@ public:
 	godot::Ref<godot::Material> get_material_override() const;
 
 	/// The materials that instances are drawn with, each once: see materials_of.
-	godot::TypedArray<godot::Material> get_materials() const;
+	godot::TypedArray<godot::Material> get_materials();
 
 	/// What an instance's place on the gradient follows, and what its variation; and for a distance, the layer that is meant, as
 	/// for set_proximity_layer.
@@ -264,6 +267,7 @@ private:
 	void remake();
 	void refresh();
 	godot::Ref<godot::Resource> resource(std::string_view property) const;
+	void read_models();
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);
 	bool stores(const ScatterLayer *p_layer) const;

@@ -40,7 +40,8 @@ void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
 
 Ref<Material> ScatterLayer::get_material_override() const { return material_override_; }
 
-TypedArray<Material> ScatterLayer::get_materials() const {
+TypedArray<Material> ScatterLayer::get_materials() {
+	read_models();
 	LayerDrawing drawing;
 	LodSettings lod;
 	drawing.material_override = material_override_;

@@ -1,6 +1,7 @@
 // What stands at an instance: meshes, scenes and models, and what follows from their size.
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/threads.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 #include <godot_cpp/core/object.hpp>
@@ -37,7 +38,7 @@ void ScatterLayer::set_meshes(const Array &p_meshes) {
 		report(layer_class_name, {ErrorCode::out_of_range, "meshes", static_cast<double>(p_meshes.size())});
 		return;
 	}
-	LayerMeshes next = meshes_; // Scenes run their scripts while they are read.
+	LayerMeshes next = meshes_;
 	if (next.set_entries(p_meshes)) {
 		watch_meshes(false);
 		meshes_ = next;
@@ -58,6 +59,16 @@ void ScatterLayer::watch_meshes(bool p_watch) {
 
 Array ScatterLayer::get_meshes() const { return meshes_.entries(); }
 
+bool ScatterLayer::read_step() {
+	const LayerMeshes meshes = meshes_; // The scenes' scripts may replace the list.
+	return meshes.read_step();
+}
+
+/// For answers that cannot wait. Other threads than the main one get what is read so far.
+void ScatterLayer::read_models() {
+	while (on_main_thread() && read_step()) {}
+}
+
 void ScatterLayer::reload_scenes(const PackedStringArray &p_paths) {
 	LayerMeshes meshes = meshes_; // The scenes' scripts may replace the list.
 	meshes.reload(p_paths);
@@ -76,6 +87,7 @@ void ScatterLayer::set_mesh_weights(const PackedFloat32Array &p_weights) {
 PackedFloat32Array ScatterLayer::get_mesh_weights() const { return mesh_weights_; }
 
 bool ScatterLayer::fit_to_meshes() {
+	read_models();
 	Extent drawn;
 	Extent solid;
 	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {

@@ -98,6 +98,7 @@ void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
 }
 
 PackedStringArray ScatterLayer::problems() {
+	read_models();
 	PackedStringArray result;
 	const Status status = check();
 	if (!status.ok()) {

@@ -3,6 +3,7 @@
 #include "core/model/model_lods.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/threads.hpp"
 #include "nodes/common/watch.hpp"
 
 #include <godot_cpp/classes/resource_loader.hpp>
@@ -40,6 +41,22 @@ AABB joined(const AABB &p_a, const AABB &p_b) {
 	return {to_engine(min), to_engine(max - min)};
 }
 
+/// Sets a flag for as long as it lives.
+class Mark {
+public:
+	explicit Mark(bool &r_flag) : flag_(r_flag) { flag_ = true; }
+	~Mark() { flag_ = false; }
+	Mark(const Mark &) = delete;
+	Mark &operator=(const Mark &) = delete;
+
+private:
+	bool &flag_;
+};
+
+void refuse(const Ref<PackedScene> &p_scene, const String &p_problem) {
+	ERR_PRINT(vformat("ScatterModel.scene: %s is refused: %s.", name_of(p_scene), p_problem));
+}
+
 } // namespace
 
 String name_of(const Ref<PackedScene> &p_scene) {
@@ -51,19 +68,60 @@ void ScatterModel::set_scene(const Ref<PackedScene> &p_scene) {
 	if (scene_ == p_scene) {
 		return;
 	}
-	if (p_scene.is_valid() && !read(p_scene)) {
+	if (p_scene.is_valid() && !p_scene->can_instantiate()) {
+		refuse(p_scene, empty_scene);
 		return;
 	}
 	scene_ = p_scene;
+	if (p_scene.is_valid()) {
+		unread_ = p_scene;
+		reader_ = nullptr;
+		hand_set_ = {};
+		problem_ = String();
+	} else {
+		source_ = p_scene;
+	}
 	notify_property_list_changed();
 	emit_changed();
 }
 
+bool ScatterModel::read_step() {
+	if (unread_.is_null() || stepping_) {
+		return false;
+	}
+	if (reader_ == nullptr) {
+		reader_ = std::make_shared<SceneReader>(unread_);
+	}
+	const std::shared_ptr<SceneReader> reader = reader_;
+	bool more = false;
+	{
+		const Mark stepping(stepping_);
+		more = reader->step();
+	}
+	if (!more && reader == reader_) { // Else a script has set a different scene.
+		finish_reading(reader->take());
+	}
+	return true;
+}
+
+void ScatterModel::read() {
+	while (unread_.is_valid() && on_main_thread() && read_step()) {}
+}
+
+void ScatterModel::finish_reading(SceneReading reading) {
+	const Ref<PackedScene> scene = std::exchange(unread_, {});
+	reader_ = nullptr;
+	if (!take_over(std::move(reading), scene) && scene_ == scene && !lods_.is_empty()) {
+		scene_ = source_;
+		notify_property_list_changed();
+	}
+}
+
 /// Takes over what a scene has; false, with an error, if that is nothing.
-bool ScatterModel::read(const Ref<PackedScene> &p_scene) {
-	const SceneReading reading = read_scene(p_scene);
+bool ScatterModel::take_over(SceneReading reading, const Ref<PackedScene> &p_scene) {
+	problem_ = lods_.is_empty() ? reading.problem : String();
 	if (!reading.problem.is_empty()) {
-		ERR_PRINT(vformat("ScatterModel.scene: %s is refused: %s.", name_of(p_scene), reading.problem));
+		refuse(p_scene, reading.problem);
 		return false;
 	}
 	TypedArray<Shape3D> shapes;
@@ -72,9 +130,16 @@ bool ScatterModel::read(const Ref<PackedScene> &p_scene) {
 		shapes.push_back(shape.shape);
 		transforms.push_back(shape.transform);
 	}
-	take_lods(array_of(reading.lods));
-	shapes_ = shapes;
-	shape_transforms_ = transforms;
+	source_ = scene_;
+	if (!hand_set_.lods) {
+		take_lods(array_of(reading.lods));
+	}
+	if (!hand_set_.shapes) {
+		shapes_ = shapes;
+	}
+	if (!hand_set_.shape_transforms) {
+		shape_transforms_ = transforms;
+	}
 	remarks_ = reading.remarks;
 	return true;
 }
@@ -93,7 +158,15 @@ bool ScatterModel::reload() {
 		ERR_PRINT(vformat("ScatterModel.scene: %s cannot be loaded.", path));
 		return false;
 	}
-	if (!read(fresh)) {
+	SceneReader reader(fresh);
+	const Ref<PackedScene> scene = scene_;
+	while (reader.step()) {}
+	if (!(scene == scene_)) {
+		return true; // A script in the scene has set a different one.
+	}
+	unread_ = {};
+	reader_ = nullptr;
+	if (!take_over(reader.take(), fresh)) {
 		return false;
 	}
 	emit_changed();
@@ -126,6 +199,7 @@ void ScatterModel::set_lods(const TypedArray<ScatterLod> &p_lods) {
 	if (p_lods.size() > max_model_lods) {
 		report(class_name, {ErrorCode::out_of_range, "lods", static_cast<double>(p_lods.size())});
 	} else if (accept_edit("lods")) {
+		hand_set_.lods = true;
 		take_lods(p_lods);
 		emit_changed();
 	}
@@ -133,6 +207,7 @@ void ScatterModel::set_lods(const TypedArray<ScatterLod> &p_lods) {
 
 void ScatterModel::set_shapes(const TypedArray<Shape3D> &p_shapes) {
 	if (accept_edit("shapes")) {
+		hand_set_.shapes = true;
 		shapes_ = p_shapes;
 		emit_changed();
 	}
@@ -140,6 +215,7 @@ void ScatterModel::set_shapes(const TypedArray<Shape3D> &p_shapes) {
 
 void ScatterModel::set_shape_transforms(const TypedArray<Transform3D> &p_transforms) {
 	if (accept_edit("shape_transforms")) {
+		hand_set_.shape_transforms = true;
 		shape_transforms_ = p_transforms;
 		emit_changed();
 	}
@@ -176,13 +252,35 @@ std::vector<ModelShape> ScatterModel::model_shapes() const {
 	return result;
 }
 
-Ref<Mesh> ScatterModel::get_mesh(int64_t p_lod) const {
+TypedArray<ScatterLod> ScatterModel::get_lods() {
+	read();
+	return lods_;
+}
+
+TypedArray<Shape3D> ScatterModel::get_shapes() {
+	read();
+	return shapes_;
+}
+
+TypedArray<Transform3D> ScatterModel::get_shape_transforms() {
+	read();
+	return shape_transforms_;
+}
+
+PackedStringArray ScatterModel::get_remarks() {
+	read();
+	return remarks_;
+}
+
+Ref<Mesh> ScatterModel::get_mesh(int64_t p_lod) {
+	read();
 	const std::vector<DrawnLod> lods = drawn_lods();
 	return p_lod >= 0 && p_lod < static_cast<int64_t>(lods.size()) ? lods[static_cast<std::size_t>(p_lod)].mesh
 																   : Ref<Mesh>();
 }
 
-AABB ScatterModel::get_aabb() const {
+AABB ScatterModel::get_aabb() {
+	read();
 	const std::vector<DrawnLod> lods = drawn_lods();
 	AABB box = lods.empty() ? AABB() : lods.front().mesh->get_aabb();
 	for (const DrawnLod &lod : lods) {

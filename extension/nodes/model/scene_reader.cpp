@@ -209,48 +209,76 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 	return result;
 }
 
-SceneReading reading_of(Walk walk) {
-	SceneReading result;
-	if (!walk.problem.is_empty()) {
-		result.problem = walk.problem;
-		return result;
+/// Fills in `r_walk`, or its problem.
+void walk_over(const Ref<PackedScene> &p_scene, Walk &r_walk) {
+	if (!p_scene->can_instantiate()) {
+		r_walk.problem = empty_scene;
+		return;
 	}
+	Node *root = p_scene->instantiate();
+	if (root == nullptr) {
+		r_walk.problem = "it cannot be instantiated";
+		return;
+	}
+	r_walk.visit(root, {}, true);
+	memdelete(root);
+}
+
+std::vector<ModelLod> lods_of(const Walk &walk) {
 	std::vector<PartRange> ranges;
 	for (const ScenePart &part : walk.parts) {
 		ranges.push_back(part.range);
 	}
-	for (const ModelLod &lod : model_lods(ranges)) {
-		const Ref<ScatterLod> made = made_lod(walk.parts, lod);
-		if (made->get_mesh().is_valid()) {
-			result.lods.push_back(made);
-		}
-	}
-	if (result.lods.empty()) {
-		result.problem = "it has no visible MeshInstance3D with a mesh";
-		return result;
-	}
-	result.shapes = std::move(walk.shapes);
-	result.remarks = walk.remarks;
-	return result;
+	return model_lods(ranges);
 }
 
 } // namespace
 
-SceneReading read_scene(const Ref<PackedScene> &p_scene) {
-	SceneReading failed;
-	if (!p_scene->can_instantiate()) {
-		failed.problem = "it is empty, or cannot be instantiated";
-		return failed;
-	}
-	Node *root = p_scene->instantiate();
-	if (root == nullptr) {
-		failed.problem = "it cannot be instantiated";
-		return failed;
-	}
+struct SceneReader::Progress {
+	Ref<PackedScene> scene;
+	bool walked = false;
 	Walk walk;
-	walk.visit(root, {}, true);
-	memdelete(root);
-	return reading_of(std::move(walk));
+	std::vector<ModelLod> lods; ///< Of which the first `merged` are read.
+	std::size_t merged = 0;
+	SceneReading result;
+};
+
+SceneReader::SceneReader(const Ref<PackedScene> &p_scene) : progress_(std::make_unique<Progress>()) {
+	progress_->scene = p_scene;
+}
+
+SceneReader::~SceneReader() = default;
+
+bool SceneReader::step() {
+	Progress &now = *progress_;
+	if (!std::exchange(now.walked, true)) {
+		walk_over(now.scene, now.walk);
+		if (now.walk.problem.is_empty()) {
+			now.lods = lods_of(now.walk);
+		}
+		return true;
+	}
+	if (now.merged == now.lods.size()) {
+		return false;
+	}
+	const Ref<ScatterLod> lod = made_lod(now.walk.parts, now.lods[now.merged++]);
+	if (lod->get_mesh().is_valid()) {
+		now.result.lods.push_back(lod);
+	}
+	return true;
+}
+
+SceneReading SceneReader::take() {
+	Progress &now = *progress_;
+	now.result.problem = now.walk.problem;
+	if (now.result.lods.empty() && now.result.problem.is_empty()) {
+		now.result.problem = "it has no visible MeshInstance3D with a mesh";
+	}
+	if (now.result.problem.is_empty()) {
+		now.result.shapes = std::move(now.walk.shapes);
+		now.result.remarks = now.walk.remarks;
+	}
+	return std::move(now.result);
 }
 
 } // namespace thicket

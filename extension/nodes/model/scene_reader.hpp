@@ -9,6 +9,7 @@
 #include <godot_cpp/variant/transform3d.hpp>
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace thicket {
@@ -31,8 +32,28 @@ struct SceneReading {
 
 inline constexpr std::size_t max_model_parts = 256;
 
-/// Reads all visible MeshInstance3Ds of a scene, and its CollisionShape3Ds, relative to its root, whose own transform does not count. The scene is
-/// instantiated and freed outside of the tree; scripts in it run as far as that makes them run.
-SceneReading read_scene(const godot::Ref<godot::PackedScene> &p_scene);
+/// The problem of a scene for which PackedScene.can_instantiate is false.
+inline constexpr const char *empty_scene = "it is empty, or cannot be instantiated";
+
+/// Reads all visible MeshInstance3Ds of a scene, and its CollisionShape3Ds, relative to its root, whose own transform does not count. Works in
+/// steps, which a caller may spread over frames. Main thread only: to read a mesh waits for the renderer.
+class SceneReader {
+public:
+	explicit SceneReader(const godot::Ref<godot::PackedScene> &p_scene);
+	~SceneReader();
+	SceneReader(const SceneReader &) = delete;
+	SceneReader &operator=(const SceneReader &) = delete;
+
+	/// Reads the next part: first the nodes, then the meshes of one LOD. The first step instantiates the scene and frees it outside of the tree;
+	/// scripts in it run as far as that makes them run. Returns false if all was read before.
+	bool step();
+
+	/// The result, once `step` has returned false.
+	SceneReading take();
+
+private:
+	struct Progress;
+	std::unique_ptr<Progress> progress_;
+};
 
 } // namespace thicket

@@ -116,7 +116,7 @@ void TerrainScatter3D::process_frame() {
 		mark_edited();
 	}
 	notice_layers();
-	if (here && dirty_) {
+	if (here && dirty_ && models_are_read(start + std::chrono::microseconds(frame_budget_usec_)) && here) {
 		refresh();
 	}
 	stream->times().spent_on(FramePart::follow);
@@ -212,7 +212,7 @@ String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 Status TerrainScatter3D::prepare() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	notice_layers();
-	if (gameplay->alive() && dirty_) {
+	if (gameplay->alive() && dirty_ && models_are_read(Clock::time_point::max())) {
 		refresh();
 	}
 	if (!gameplay->alive()) {
@@ -220,6 +220,28 @@ Status TerrainScatter3D::prepare() {
 	}
 	const char *needed = terrain_.is_null() ? "terrain" : "layers";
 	return layer_list_.snapshots().empty() ? Status{ErrorCode::missing, needed, 0.0} : Status{};
+}
+
+/// Reads the models of the layers, at least a part of one. False while some are unread after `deadline`, and if a script in one of them has freed
+/// the node.
+bool TerrainScatter3D::read_models(Clock::time_point deadline) const {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const TypedArray<ScatterLayer> layers = all_layers();
+	for (int64_t index = 0; index < layers.size(); ++index) {
+		const Ref<ScatterLayer> own = layers[index];
+		const Ref<ScatterLayer> layer = in_editor() ? previews_.shown(own) : own;
+		while (layer.is_valid() && layer->read_step()) {
+			if (!gameplay->alive() || Clock::now() >= deadline) {
+				return false;
+			}
+		}
+	}
+	return true;
+}
+
+/// Whether the layers can be drawn. Without a terrain they are not, so no model is needed.
+bool TerrainScatter3D::models_are_read(Clock::time_point deadline) const {
+	return terrain_.is_null() || read_models(deadline);
 }
 
 void TerrainScatter3D::refresh() {

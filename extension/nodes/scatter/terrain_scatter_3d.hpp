@@ -284,6 +284,8 @@ private:
 	void patch_in_steps(std::chrono::steady_clock::time_point deadline);
 	void emit_events();
 	Status prepare();
+	bool read_models(std::chrono::steady_clock::time_point deadline) const;
+	bool models_are_read(std::chrono::steady_clock::time_point deadline) const;
 	void refresh();
 	void notice_layers();
 	void mark_edited();

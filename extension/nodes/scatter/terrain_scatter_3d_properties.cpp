@@ -327,6 +327,11 @@ Dictionary TerrainScatter3D::get_draw_stats(Camera3D *p_camera) const {
 
 PackedStringArray TerrainScatter3D::get_problems() const {
 	PackedStringArray problems;
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	read_models(std::chrono::steady_clock::time_point::max());
+	if (!gameplay->alive()) {
+		return problems;
+	}
 	add_terrain_problems(terrain_, problems);
 	TypedArray<ScatterLayer> layers;
 	const TypedArray<ScatterLayer> &by_index = all_layers();

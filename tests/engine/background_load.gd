@@ -1,0 +1,138 @@
+extends "models_harness.gd"
+## Loading in the background: no setter of a resource may wait for the main thread, which may itself wait for the loader. Each test hangs where
+## one does, so the runner ends this script after a minute.
+
+const LAYERS := 12
+const PARTS_TO_READ := 4 ## Of each scene: its nodes, and the meshes of three LODs.
+
+
+## A scene whose layers scatter scenes of their own. Nothing of it is in the engine's cache.
+func save_level() -> String:
+	var level := Node3D.new()
+	var scatter := put(TerrainScatter3D.new(), "Scatter", level, level) as TerrainScatter3D
+	scatter.terrain = ScatterTerrainFlat.new()
+	for number in LAYERS:
+		ResourceSaver.save(pack(make_tree()), "user://tree_%d.scn" % number)
+		var layer := make_layer(12.0)
+		layer.resource_name = "Trees %d" % number
+		layer.meshes = [load("user://tree_%d.scn" % number)]
+		scatter.layers.append(layer)
+	ResourceSaver.save(pack(level), "user://level.scn")
+	return "user://level.scn"
+
+
+func load_deep(path: String) -> Resource:
+	return ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE_DEEP)
+
+
+func check_level(scene: Resource) -> void:
+	if not check(scene is PackedScene, "the scene is loaded: %s" % scene):
+		return
+	var level := (scene as PackedScene).instantiate()
+	var layer: ScatterLayer = (level.get_child(0) as TerrainScatter3D).layers[0]
+	check_equal(layer.meshes[0] is PackedScene, true, "its scenes are there")
+	check_equal(layer.get_materials().size(), 2, "and can be read")
+	level.free()
+
+
+func test_the_main_thread_may_wait_for_a_thread_that_loads() -> void:
+	var path := save_level()
+	var thread := Thread.new()
+	thread.start(load_deep.bind(path))
+	check_level(thread.wait_to_finish())
+
+
+func test_the_main_thread_may_wait_for_a_worker_that_loads() -> void:
+	var path := save_level()
+	var loaded: Array[Resource] = []
+	WorkerThreadPool.wait_for_task_completion(WorkerThreadPool.add_task(func() -> void: loaded.append(load_deep(path))))
+	check_level(loaded[0])
+
+
+func test_a_threaded_request_is_served_without_a_frame() -> void:
+	var path := save_level()
+	var frame := Engine.get_process_frames()
+	ResourceLoader.load_threaded_request(path, "", false, ResourceLoader.CACHE_MODE_IGNORE_DEEP)
+	check_level(ResourceLoader.load_threaded_get(path))
+	check_equal(Engine.get_process_frames(), frame, "no frame passed meanwhile")
+
+
+func test_a_saved_model_loads_on_a_thread() -> void:
+	ResourceSaver.save(pack(make_tree()), "user://oak.scn")
+	var saved := ScatterModel.new()
+	saved.scene = load("user://oak.scn")
+	ResourceSaver.save(saved, "user://oak_model.tres")
+	var thread := Thread.new()
+	thread.start(load_deep.bind("user://oak_model.tres"))
+	var model := thread.wait_to_finish() as ScatterModel
+	check_equal(model.lods.size(), 3, "it is read when the main thread asks")
+	check_equal(model.shapes.size(), 2, "with its shapes")
+
+
+## Whatever a resource of the add-on is given, setting it waits for nothing.
+func test_every_property_can_be_set_on_a_thread() -> void:
+	var values := {
+		"Mesh": BoxMesh.new(),
+		"PackedScene": pack(make_tree()),
+		"Texture2D": ImageTexture.create_from_image(Image.create_empty(8, 8, false, Image.FORMAT_R8)),
+		"Image,Texture2D": ImageTexture.create_from_image(Image.create_empty(8, 8, false, Image.FORMAT_R8)),
+		"Noise": FastNoiseLite.new(),
+		"Curve": make_line(Vector2.ZERO, Vector2.ONE),
+		"Gradient": Gradient.new(),
+		"ScatterMask": ScatterMask.new(),
+		"PhysicsMaterial": PhysicsMaterial.new(),
+		"BaseMaterial3D,ShaderMaterial": StandardMaterial3D.new(),
+	}
+	var made: Array[Resource] = []
+	for type in ClassDB.get_inheriters_from_class("Resource"):
+		if type.begins_with("Scatter") and ClassDB.can_instantiate(type):
+			made.append(ClassDB.instantiate(type))
+	check(made.size() > 8, "%d kinds of resources" % made.size())
+	var thread := Thread.new()
+	thread.start(func() -> int:
+		var count := 0
+		for resource in made:
+			for property in resource.get_property_list():
+				if property["usage"] & PROPERTY_USAGE_STORAGE and property["type"] == TYPE_OBJECT and values.has(property["hint_string"]):
+					resource.set(property["name"], values[property["hint_string"]])
+					count += 1
+				elif property["name"] == &"meshes":
+					resource.set(&"meshes", [values["Mesh"], values["PackedScene"]])
+					count += 1
+		return count)
+	var count: int = thread.wait_to_finish()
+	check(count > 15, "%d properties" % count)
+
+
+func test_getters_on_other_threads_have_what_is_read_so_far() -> void:
+	var model := ScatterModel.new()
+	model.scene = pack(make_tree())
+	var thread := Thread.new()
+	thread.start(func() -> Array: return [model.lods.size(), model.get_mesh() == null, model.get_aabb(), model.shapes.size()])
+	check_equal(thread.wait_to_finish(), [0, true, AABB(), 0], "nothing yet")
+	check_equal(model.lods.size(), 3, "the main thread reads it")
+	thread.start(func() -> Array: return [model.lods.size(), model.shapes.size()])
+	check_equal(thread.wait_to_finish(), [3, 2], "from then on, all have it")
+
+
+## A frame reads as many parts as its budget allows, and one at least.
+func test_models_are_read_under_the_budget_of_a_frame() -> void:
+	var viewer := make_viewer()
+	var scatter := make_scatter([], ScatterTerrainFlat.new(), viewer)
+	scatter.frame_budget_usec = 1
+	for number in LAYERS:
+		var layer := make_layer(12.0)
+		layer.meshes = [pack(make_tree())]
+		scatter.layers.append(layer)
+	var frames_read := 0
+	while scatter.get_stats()["tiles"] == 0 and frames_read < 1000:
+		check(not scatter.is_settled(), "it is not settled before")
+		await process_frame
+		frames_read += 1
+	check(frames_read >= LAYERS * PARTS_TO_READ, "%d frames for %d parts" % [frames_read, LAYERS * PARTS_TO_READ])
+	check(frames_read < 1000, "then tiles are shown")
+	# Who cannot wait gets an answer at once.
+	var late := make_layer(12.0)
+	late.meshes = [pack(make_tree())]
+	scatter.layers = [late]
+	check(scatter.build_rect(0, Rect2(0, 0, 64, 64)).get_mesh(0) != null, "what is built at once has its mesh")
