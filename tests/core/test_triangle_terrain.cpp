@@ -12,6 +12,7 @@
 #include <cstring>
 #include <random>
 #include <span>
+#include <atomic>
 #include <vector>
 
 using namespace thicket;
@@ -335,6 +336,33 @@ TEST_CASE("triangles: refused ones name what is wrong and leave the terrain as i
 	}
 	std::vector<Ground> ground(2);
 	check_refused(terrain.sample(std::vector<glm::dvec2>(3), ground), ErrorCode::wrong_size, "ground", 2.0);
+}
+
+TEST_CASE("triangles: the first corner that is refused is found") {
+	std::vector<glm::dvec3> corners(9, glm::dvec3(1.0));
+	CHECK(TriangleTerrain::find_refused_corner(corners) == 9);
+	corners[7].x = -2.0 * TriangleTerrain::max_extent;
+	CHECK(TriangleTerrain::find_refused_corner(corners) == 7);
+	corners[4].y = infinite_value;
+	CHECK(TriangleTerrain::find_refused_corner(corners) == 4);
+	corners[3].z = nan_value;
+	CHECK(TriangleTerrain::find_refused_corner(corners) == 3);
+}
+
+TEST_CASE("triangles: a cancelled build changes nothing") {
+	const std::vector<glm::dvec3> one{{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {0.0, 1.0, 4.0}};
+	TriangleTerrain terrain;
+	REQUIRE(terrain.set(one).ok());
+	std::vector<glm::dvec3> many;
+	for (int i = 0; i < 3000; ++i) {
+		many.emplace_back(0.1 * i, 5.0, i % 3);
+	}
+	std::atomic<bool> cancel = true;
+	CHECK(terrain.set(many, &cancel).code == ErrorCode::cancelled);
+	CHECK(terrain.at({1.0, 1.0}).height == 1.0F);
+	cancel = false;
+	CHECK(terrain.set(many, &cancel).ok());
+	CHECK(terrain.at({1.0, 1.0}).height == 5.0F);
 }
 
 TEST_CASE("triangles: those that lie elsewhere, or below, are not computed") {

@@ -1,5 +1,7 @@
 #include "core/base/bvh_order.hpp"
 
+#include "core/base/progress.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -9,13 +11,13 @@ namespace thicket {
 namespace {
 
 /// `half_runs`: the leaves of the first half.
-void arrange(std::span<BvhKey> keys, std::size_t half_runs) {
-	if (half_runs == 0) {
+void arrange(std::span<BvhKey> keys, std::size_t half_runs, const std::atomic<bool> *cancel) {
+	if (half_runs == 0 || is_cancelled(cancel)) {
 		return;
 	}
 	const std::size_t half = half_runs * Bvh::leaf_size;
 	if (keys.size() <= half) {
-		arrange(keys, half_runs / 2);
+		arrange(keys, half_runs / 2, cancel);
 		return;
 	}
 	glm::dvec2 min = keys.front().position;
@@ -29,15 +31,15 @@ void arrange(std::span<BvhKey> keys, std::size_t half_runs) {
 			[axis](const BvhKey &a, const BvhKey &b) {
 				return a.position[axis] < b.position[axis] || (a.position[axis] == b.position[axis] && a.item < b.item);
 			});
-	arrange(keys.first(half), half_runs / 2);
-	arrange(keys.subspan(half), half_runs / 2);
+	arrange(keys.first(half), half_runs / 2, cancel);
+	arrange(keys.subspan(half), half_runs / 2, cancel);
 }
 
 } // namespace
 
-void put_in_order(const Bvh &tree, std::span<BvhKey> r_keys) {
+void put_in_order(const Bvh &tree, std::span<BvhKey> r_keys, const std::atomic<bool> *cancel) {
 	if (!tree.empty()) {
-		arrange(r_keys, std::bit_ceil(tree.nodes(0)) / 2);
+		arrange(r_keys, std::bit_ceil(tree.nodes(0)) / 2, cancel);
 	}
 }
 

@@ -4,6 +4,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 
@@ -17,7 +18,7 @@ struct BvhKey {
 
 /// Puts items that lie near each other next to each other, for a tree over as many items as there are keys: the lower ones along
 /// the longer axis into the first half of the tree's leaves, the others behind them, and so on within both. One order whatever
-/// the library's nth_element. O(n log n).
-void put_in_order(const Bvh &tree, std::span<BvhKey> r_keys);
+/// the library's nth_element. O(n log n). Once `cancel` is raised it returns within some milliseconds, with any order.
+void put_in_order(const Bvh &tree, std::span<BvhKey> r_keys, const std::atomic<bool> *cancel = nullptr);
 
 } // namespace thicket

@@ -5,6 +5,7 @@
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
 #include "core/base/orientation.hpp"
+#include "core/base/progress.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,13 @@ double area_from_above(const std::array<glm::dvec3, 3> &corners) {
 	return orientation(from_above(corners[0]), from_above(corners[1]), from_above(corners[2]));
 }
 
+Status check_corner(glm::dvec3 corner) {
+	const auto check = [](double coordinate) {
+		return check_range("corners", coordinate, -TriangleTerrain::max_extent, TriangleTerrain::max_extent);
+	};
+	return first_failure(check(corner.x), check(corner.y), check(corner.z));
+}
+
 Status check_corners(std::span<const glm::dvec3> corners) {
 	if (corners.size() % 3 != 0) {
 		return {ErrorCode::wrong_size, "corners", static_cast<double>(corners.size())};
@@ -28,33 +36,39 @@ Status check_corners(std::span<const glm::dvec3> corners) {
 	if (corners.size() / 3 > TriangleTerrain::max_triangles) {
 		return {ErrorCode::out_of_range, "triangles", static_cast<double>(corners.size() / 3)};
 	}
-	for (const glm::dvec3 corner : corners) {
-		for (const double coordinate : {corner.x, corner.y, corner.z}) {
-			if (const Status status = check_range(
-						"corners", coordinate, -TriangleTerrain::max_extent, TriangleTerrain::max_extent);
-					!status.ok()) {
-				return status;
-			}
-		}
-	}
-	return {};
+	const std::size_t refused = TriangleTerrain::find_refused_corner(corners);
+	return refused < corners.size() ? check_corner(corners[refused]) : Status{};
 }
 
 } // namespace
 
-Status TriangleTerrain::set(std::span<const glm::dvec3> corners) {
+std::size_t TriangleTerrain::find_refused_corner(std::span<const glm::dvec3> corners) {
+	const auto is_refused = [](glm::dvec3 corner) {
+		const auto fits = [](double coordinate) {
+			return std::abs(coordinate) <= max_extent; // False for NAN.
+		};
+		return !(fits(corner.x) && fits(corner.y) && fits(corner.z));
+	};
+	return static_cast<std::size_t>(std::ranges::find_if(corners, is_refused) - corners.begin());
+}
+
+Status TriangleTerrain::set(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel) {
 	if (const Status status = check_corners(corners); !status.ok()) {
 		return status;
 	}
 	return guarded("corners", static_cast<double>(corners.size()), [&] {
 		TriangleTerrain built;
-		built.take(corners);
+		built.take(corners, cancel);
+		if (is_cancelled(cancel)) {
+			return Status{ErrorCode::cancelled, "corners", 0.0};
+		}
 		built.build_boxes();
 		*this = std::move(built);
+		return Status{};
 	});
 }
 
-void TriangleTerrain::take(std::span<const glm::dvec3> corners) {
+void TriangleTerrain::take(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel) {
 	const auto triangle = [&](std::uint32_t index) {
 		const std::size_t first = std::size_t{index} * 3;
 		return Triangle{{corners[first], corners[first + 1], corners[first + 2]}, index};
@@ -68,7 +82,10 @@ void TriangleTerrain::take(std::span<const glm::dvec3> corners) {
 		}
 	}
 	tree_ = Bvh(keys.size());
-	put_in_order(tree_, keys);
+	put_in_order(tree_, keys, cancel);
+	if (is_cancelled(cancel)) {
+		return;
+	}
 	triangles_.reserve(keys.size());
 	for (const BvhKey &key : keys) {
 		triangles_.push_back(triangle(key.item));

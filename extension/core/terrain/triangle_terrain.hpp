@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,8 +21,12 @@ class TriangleTerrain final : public Terrain {
 public:
 	/// `corners` holds three world positions a triangle, in meters, in any winding; all finite and within max_extent of the
 	/// origin on each axis, at most max_triangles. Refused ones change nothing. Builds a tree of boxes over the triangles: O(n
-	/// log n) time, O(n) memory, whatever their sizes.
-	Status set(std::span<const glm::dvec3> corners);
+	/// log n) time, O(n) memory, whatever their sizes. Within some 100 ms of raising `cancel` it returns ErrorCode::cancelled and
+	/// changes nothing.
+	Status set(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel = nullptr);
+
+	/// The first corner that `set` refuses for where it is; the number of corners if there is none.
+	static std::size_t find_refused_corner(std::span<const glm::dvec3> corners);
 
 	/// As Terrain::sample. A position on an edge or a corner belongs to every triangle that meets there (exactly: see
 	/// orientation), so meshes without a gap give ground without one. The normal is that of the triangle, of equally high ones
@@ -78,7 +83,7 @@ private:
 	static void meet(const Triangle &triangle, glm::dvec2 position, Hit &r_hit);
 	static glm::vec3 normal_of(const Triangle &triangle);
 
-	void take(std::span<const glm::dvec3> corners);
+	void take(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel);
 	void build_boxes();
 
 	Rect area_;
