@@ -220,6 +220,10 @@ def test_pixels(godot_xvfb, project):
     assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_pixels.gd"]))
 
 
+def test_ground_rendered(godot_xvfb, project):
+    assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_ground_rendered.gd"]))
+
+
 def test_look(godot_xvfb, project):
     """What the renderer draws of each tile; a renderer that keeps nothing could not say."""
     assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_look.gd"]))

@@ -17,6 +17,13 @@ struct SurfaceStream {
 	static constexpr std::int64_t indices = 12;
 };
 
+/// Flags of Mesh.ArrayFormat that change how positions are stored.
+struct SurfaceFormat {
+	static constexpr std::uint64_t flat = 1U << 25U;        ///< ARRAY_FLAG_USE_2D_VERTICES.
+	static constexpr std::uint64_t no_vertices = 1U << 28U; ///< ARRAY_FLAG_USES_EMPTY_VERTEX_ARRAY.
+	static constexpr std::uint64_t quantized = 1U << 29U;   ///< ARRAY_FLAG_COMPRESS_ATTRIBUTES.
+};
+
 /// Mesh.PrimitiveType.
 struct SurfacePrimitive {
 	static constexpr std::int64_t line_strip = 2;

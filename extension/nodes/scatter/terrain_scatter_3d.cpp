@@ -107,10 +107,11 @@ void TerrainScatter3D::process_frame() {
 	stream->times().begin();
 	const Presence here(gameplay_);
 	if (terrain_.is_valid()) {
-		terrain_->follow_scene();
+		terrain_->follow_scene(start + std::chrono::microseconds(frame_budget_usec_));
 		if (!here) {
 			return;
 		}
+		dirty_ = dirty_ || waits_for_ground();
 	}
 	if (regions_.paths_changed()) {
 		mark_edited();
@@ -199,7 +200,7 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 
 bool TerrainScatter3D::is_settled() const {
 	const bool behind = (terrain_.is_valid() && terrain_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
-	return !dirty_ && !behind && !layer_watch_->differs(all_layers()) &&
+	return !dirty_ && ground_change_.empty() && !behind && !layer_watch_->differs(all_layers()) &&
 			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && gameplay_->settled()));
 }
 
@@ -211,8 +212,13 @@ String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 /// Settings that were changed in this frame count from now on. Refused where there is nothing to ask.
 Status TerrainScatter3D::prepare() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	notice_layers();
-	if (gameplay->alive() && dirty_ && models_are_read(Clock::time_point::max())) {
+	if (const Ref<ScatterTerrain> terrain = terrain_; terrain.is_valid() && terrain->is_pending(get_instance_id())) {
+		terrain->finish_reading(); // Tells scripts, which may free this node.
+	}
+	if (gameplay->alive()) {
+		notice_layers();
+	}
+	if (gameplay->alive() && (dirty_ || waits_for_ground()) && models_are_read(Clock::time_point::max())) {
 		refresh();
 	}
 	if (!gameplay->alive()) {
@@ -250,14 +256,16 @@ void TerrainScatter3D::refresh() {
 	const Ref<ScatterTerrain> terrain = terrain_;
 	dirty_ = false;
 	set_physics_process_internal(terrain.is_valid() && terrain->needs_physics_frames());
-	const EditedArea ground_change = std::exchange(ground_change_, {});
+	const bool pending = terrain.is_valid() && terrain->is_pending(get_instance_id());
+	const EditedArea ground_change = pending ? EditedArea() : std::exchange(ground_change_, {});
+	std::shared_ptr<const Terrain> former;
 	if (!ground_change.empty() && terrain.is_valid()) {
 		std::shared_ptr<const Terrain> ground =
 				terrain->snapshot(get_instance_id()); // Asks scripts, and so does the next.
 		if (!gameplay->alive() || !(terrain == terrain_)) {
 			return;
 		}
-		ground_ = std::move(ground);
+		former = std::exchange(ground_, std::move(ground));
 	}
 	const bool grounded = terrain.is_valid() && (ground_ != nullptr || terrain->is_main_thread_only());
 	if (!gameplay->alive() || !(terrain == terrain_)) {
@@ -273,6 +281,14 @@ void TerrainScatter3D::refresh() {
 	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(), ground_change);
 	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
 	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, {terrain_, get_instance_id()}});
+	if (former != nullptr && former != ground_) {
+		stream->let_go(std::move(former));
+	}
+}
+
+/// Whether ground that was still being read can be had now.
+bool TerrainScatter3D::waits_for_ground() const {
+	return !ground_change_.empty() && terrain_.is_valid() && !terrain_->is_pending(get_instance_id());
 }
 
 /// The engine's call for each node that a navigation mesh is baked from.

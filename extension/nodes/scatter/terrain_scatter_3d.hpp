@@ -287,6 +287,7 @@ private:
 	bool read_models(std::chrono::steady_clock::time_point deadline) const;
 	bool models_are_read(std::chrono::steady_clock::time_point deadline) const;
 	void refresh();
+	bool waits_for_ground() const;
 	void notice_layers();
 	void mark_edited();
 	void mark_dirty();

@@ -29,6 +29,13 @@ constexpr double lost = 1.0 / (1 << 21);
 
 } // namespace
 
+bool is_finite(const Transform3D &p_transform) {
+	const glm::dmat3 basis = to_core(p_transform.basis);
+	// 0, or NAN for what is not finite.
+	const glm::dvec3 sum = (basis[0] + basis[1] + basis[2] + to_core(p_transform.origin)) * 0.0;
+	return sum == glm::dvec3(0.0);
+}
+
 bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b) {
 	if (offset_a == offset_b) {
 		return a == b;

@@ -17,15 +17,20 @@
 
 namespace thicket {
 
+/// False if any number of it is NAN or infinite.
+bool is_finite(const godot::Transform3D &p_transform);
+
 /// What can be seen of a node that gives ground without reading its triangles.
 struct GroundSight {
 	godot::Transform3D frame;  ///< In the engine's space.
 	std::uint64_t source = 0;  ///< The object whose shape it is, a mesh for example, by its id; 0: no ground.
 	std::uint64_t version = 0; ///< Of the source: another one after each change that it tells.
 
-	/// Where there is no ground, nothing else counts.
+	/// Where there is no ground, nothing else counts. Frames that are not finite are alike: NAN differs from itself, and such a node would
+	/// never come to rest.
 	bool operator==(const GroundSight &other) const {
-		return source == other.source && (source == 0 || (version == other.version && frame == other.frame));
+		const bool alike = frame == other.frame || !(is_finite(frame) || is_finite(other.frame));
+		return source == other.source && (source == 0 || (version == other.version && alike));
 	}
 };
 

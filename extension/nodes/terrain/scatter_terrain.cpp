@@ -186,6 +186,7 @@ Ground ScatterTerrain::ground_at(const Vector3 &p_global_position) {
 	const glm::dvec2 position{p_global_position.x, p_global_position.z};
 	const Ground none{std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
 	Ground ground = none;
+	finish_reading();
 	const std::shared_ptr<const Terrain> terrain = snapshot(0);
 	if (terrain == nullptr && !is_main_thread_only()) {
 		return none;
@@ -225,13 +226,14 @@ void ScatterTerrain::set_world_offset(const Node3D *p_host, glm::dvec3 offset) {
 	}
 }
 
-void ScatterTerrain::follow_scene() {
+void ScatterTerrain::follow_scene(std::chrono::steady_clock::time_point deadline) {
 	const std::uint64_t frame = Engine::get_singleton()->get_process_frames();
 	if (std::exchange(followed_frame_, frame) == frame) {
 		// Fast path: another host has had it follow in this frame.
 		return;
 	}
 	const Ref<ScatterTerrain> held(this);
+	deadline_ = deadline;
 	follow();
 }
 

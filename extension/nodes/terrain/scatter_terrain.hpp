@@ -16,6 +16,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -92,10 +93,18 @@ public:
 	virtual void look_again() {}
 
 	/// To be called in every frame of a host: ground that is found in the scene looks whether it is as it was, and tells what is not.
-	void follow_scene();
+	/// It takes up no new step of its work after `deadline`, but does one in each frame.
+	void follow_scene(std::chrono::steady_clock::time_point deadline);
 
 	/// True while something is known to have changed in the scene that the ground does not show yet.
 	virtual bool is_behind() const { return false; }
+
+	/// True while `snapshot` does not yet give a host the ground that was set, because it is still being read: it gives none, or the one
+	/// before. Everything may have changed when it does.
+	virtual bool is_pending(std::uint64_t /*host*/) const { return false; }
+
+	/// Ends that, for a caller who cannot wait for a later frame. Emits signals.
+	virtual void finish_reading() {}
 
 	virtual GroundFigures figures() const { return {}; }
 
@@ -135,6 +144,9 @@ protected:
 	/// Called after the offset of a host has become another one.
 	virtual void offset_changed(const GroundHost &) {}
 
+	/// When the work of `follow` is over for this frame.
+	std::chrono::steady_clock::time_point deadline() const { return deadline_; }
+
 	/// All that use the ground. What it needs of the scene is looked for from the first of them.
 	std::span<const GroundHost> hosts() const { return hosts_; }
 
@@ -156,6 +168,7 @@ private:
 	Ground ground_at(const godot::Vector3 &p_global_position);
 
 	std::vector<GroundHost> hosts_;
+	std::chrono::steady_clock::time_point deadline_;
 	std::uint64_t followed_frame_ = ~std::uint64_t{0}; ///< The engine's frame of the last `follow`.
 };
 

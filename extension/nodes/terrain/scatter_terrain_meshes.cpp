@@ -17,27 +17,7 @@ using namespace godot;
 
 namespace thicket {
 
-namespace {
-
-constexpr const char *class_name = "ScatterTerrainMeshes";
-
-} // namespace
-
 std::shared_ptr<const Terrain> ScatterTerrainMeshes::make_snapshot(const GroundHost &host) {
-	if (stale_ && is_in_scene()) {
-		read();
-	} else if (host.node != nullptr && !worlds_.contains(host.id)) {
-		const auto same = std::ranges::find_if(hosts(),
-				[&](const GroundHost &other) { return other.offset == host.offset && worlds_.contains(other.id); });
-		World world;
-		if (same != hosts().end()) {
-			// Fast path: where the origin is the same, so is the ground.
-			world = worlds_[same->id];
-		} else {
-			read_world(host, world);
-		}
-		worlds_[host.id] = world;
-	}
 	const auto found = worlds_.find(host.id);
 	return found != worlds_.end() ? found->second.ground : last_;
 }
@@ -54,6 +34,15 @@ String ScatterTerrainMeshes::find_problem() {
 		return vformat("ScatterTerrainMeshes.group: no MeshInstance3D in the scene belongs to \"%s\".", group_);
 	}
 	return {};
+}
+
+/// The first instance that is refused, and how many others are.
+String ScatterTerrainMeshes::find_remark() {
+	if (refusals_.empty()) {
+		return {};
+	}
+	const auto others = static_cast<std::int64_t>(refusals_.size()) - 1;
+	return refusals_.begin()->second + (others > 0 ? vformat(" (And %d other nodes of the group.)", others) : String());
 }
 
 bool ScatterTerrainMeshes::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
@@ -104,86 +93,6 @@ void ScatterTerrainMeshes::list_members(bool changed) {
 	}
 }
 
-/// False for a node that gives no ground now. A mesh may be a script's, which makes it now and may do anything.
-bool ScatterTerrainMeshes::read_mesh(const Variant &p_node, GroundSight &r_sight, PackedVector3Array &r_faces) {
-	Object *source = nullptr;
-	r_sight = look()(p_node, source);
-	const Ref<Mesh> mesh(Object::cast_to<Mesh>(source));
-	if (mesh.is_null()) {
-		return false;
-	}
-	r_sight.version = watch_.version(r_sight.source);
-	++figures_.reads;
-	r_faces = mesh->get_faces();
-	return true;
-}
-
-/// What is refused is told, and left out.
-void ScatterTerrainMeshes::read_world(const GroundHost &host, World &r_world) {
-	for (const Variant &node : members()) {
-		const Object *instance = node.get_validated_object();
-		MeshReading reading;
-		if (instance == nullptr || !is_in_scene() || !read_mesh(node, reading.sight, reading.faces)) {
-			continue;
-		}
-		reading.id = instance->get_instance_id();
-		reading.offset = host.offset;
-		reading.build();
-		report(class_name, reading.status);
-		if (reading.part != nullptr) {
-			r_world.parts[reading.id] = reading.part;
-		}
-	}
-	close(r_world);
-}
-
-/// Makes the ground of a world from its parts. The last one stays if there is no memory.
-void ScatterTerrainMeshes::close(World &r_world) {
-	std::vector<TriangleParts::Part> parts;
-	parts.reserve(r_world.parts.size());
-	for (const auto &[id, part] : r_world.parts) {
-		parts.push_back(part->ground);
-	}
-	const auto ground = std::make_shared<TriangleParts>();
-	const Status status = ground->set(parts);
-	report(class_name, status);
-	if (status.ok()) {
-		r_world.ground = ground;
-	}
-}
-
-/// Reads the meshes for all hosts.
-void ScatterTerrainMeshes::read() {
-	stale_ = false;
-	forget_work();
-	list_members(false);
-	const std::vector<GroundHost> wanted(hosts().begin(), hosts().end());
-	Worlds worlds;
-	for (const GroundHost &host : wanted) {
-		const auto same = std::ranges::find_if(wanted,
-				[&](const GroundHost &other) { return other.offset == host.offset && worlds.contains(other.id); });
-		if (same != wanted.end()) {
-			// Fast path: where the origin is the same, so is the ground.
-			worlds[host.id] = worlds[same->id];
-		} else if (is_in_scene()) {
-			World world;
-			read_world(host, world);
-			worlds[host.id] = std::move(world);
-		}
-	}
-	watch_.forget_changes();
-	worlds_ = std::move(worlds);
-	last_ = worlds_.contains(wanted.front().id) ? worlds_[wanted.front().id].ground : last_;
-}
-
-void ScatterTerrainMeshes::forget_work() {
-	++run_;
-	queue_.clear();
-	readings_.clear();
-	gone_.clear();
-	builder_.cancel();
-}
-
 void ScatterTerrainMeshes::hosts_changed(bool first) {
 	stale_ = stale_ || first;
 	std::erase_if(worlds_, [this](const auto &world) {
@@ -192,6 +101,7 @@ void ScatterTerrainMeshes::hosts_changed(bool first) {
 	if (first) {
 		forget_work();
 		watch_.clear();
+		refusals_.clear();
 	}
 }
 
@@ -203,21 +113,15 @@ void ScatterTerrainMeshes::refresh() {
 		stale_ = true;
 		return;
 	}
-	const bool was_empty = is_empty();
-	const Worlds before = worlds_;
-	read();
-	std::vector<Rect> areas;
-	for (const auto &[host, world] : before) {
-		const auto now = worlds_.find(host);
-		if (now != worlds_.end()) {
-			add_changes(world.parts, now->second.parts, areas);
-		}
-	}
-	tell(areas, was_empty);
+	const Ref<ScatterTerrain> held(this);
+	forget_work();
+	watch_.touch_all(true);
+	begin();
+	build(true);
 }
 
 bool ScatterTerrainMeshes::is_empty() const {
-	return std::ranges::all_of(worlds_, [](const auto &world) { return world.second.parts.empty(); });
+	return std::ranges::all_of(worlds_, [](const auto &world) { return world.second.parts->empty(); });
 }
 
 /// Tells where the ground is not as it was. Where it comes from nothing, or has all gone, problems come and go as well.
@@ -230,6 +134,14 @@ void ScatterTerrainMeshes::tell(const std::vector<Rect> &areas, bool was_empty) 
 	if (turned) {
 		emit_changed();
 	}
+}
+
+void ScatterTerrainMeshes::forget_work() {
+	queue_.clear();
+	reader_.cancel();
+	readings_.clear();
+	gone_.clear();
+	builder_.cancel();
 }
 
 void ScatterTerrainMeshes::source_changed(int64_t p_source) { watch_.source_changed(core_id(p_source)); }

@@ -10,17 +10,18 @@
 
 #include <glm/vec3.hpp>
 
-#include <cstddef>
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace thicket {
 
-/// The meshes of all MeshInstance3Ds in a group of the scene, seen from above. They are read when the ground is first needed, and
-/// followed from then on: what joins, goes, moves or changes is read anew within half a second or so, on a worker but for the engine's
-/// part, and the ground is as it was until then.
+/// The meshes of all MeshInstance3Ds in a group of the scene, seen from above. They are read when a node first needs the ground, and
+/// followed from then on: an instance that joins, goes, moves or changes is ground as it is then within half a second or so. The main
+/// thread copies what the renderer has of a mesh, in steps; a worker builds the ground, which is as it was until then.
 class ScatterTerrainMeshes : public ScatterTerrain {
 	GDCLASS(ScatterTerrainMeshes, ScatterTerrain)
 	THICKET_GUARDED_METHODS
@@ -30,40 +31,50 @@ public:
 	void set_group(const godot::StringName &p_group);
 	godot::StringName get_group() const;
 
-	/// Reads all meshes anew, at once, and tells where they have come, gone, moved or changed.
+	/// Reads all meshes again, at once, and reports where they have come, gone, moved or changed.
 	void refresh();
 
 	bool is_behind() const override;
+	bool is_pending(std::uint64_t host) const override;
+	void finish_reading() override;
 	GroundFigures figures() const override { return figures_; }
 
 protected:
 	static void _bind_methods();
 	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
 	godot::String find_problem() override;
+	godot::String find_remark() override;
 	void hosts_changed(bool first) override;
 	void offset_changed(const GroundHost &host) override;
 	void follow() override;
 	bool distrust() override;
 
 private:
-	/// The ground as a host sees it.
-	struct World {
-		std::shared_ptr<const TriangleParts> ground;
-		GroundMeshes parts;
+	/// A mesh that was read for an instance.
+	struct FreshCopy {
+		std::uint64_t id = 0;
+		std::uint64_t version = 0;
+		std::shared_ptr<const MeshCopy> copy;
 	};
-	using Worlds = std::map<std::uint64_t, World>; ///< By the hosts' ids.
+	using Worlds = std::map<std::uint64_t, GroundWorld>; ///< By the hosts' ids.
 
 	bool is_in_scene() const;
 	std::vector<godot::Variant> members() const;
 	GroundWatch::Look look() const;
 	void list_members(bool changed);
-	bool read_mesh(const godot::Variant &p_node, GroundSight &r_sight, godot::PackedVector3Array &r_faces);
-	void read();
-	void read_world(const GroundHost &host, World &r_world);
-	void read_some();
-	std::size_t read_changed(std::uint64_t id);
+	void begin();
+	void queue_all();
+	void add_worlds();
+	void read_some(std::chrono::steady_clock::time_point deadline);
+	void plan_next();
+	bool plan(std::uint64_t id);
+	std::vector<MeshReading> readings_of(std::uint64_t id, const GroundSight &sight) const;
+	void read_step();
+	bool lacks_ground() const;
+	void build(bool wait);
 	void take_built();
-	void close(World &r_world);
+	void take_refusals(const MeshWork &work);
+	void refuse(std::uint64_t id, const godot::String &p_why);
 	void forget_work();
 	void tell(const std::vector<Rect> &areas, bool was_empty);
 	bool is_empty() const;
@@ -72,16 +83,24 @@ private:
 	godot::StringName group_;
 	GroundWatch watch_{this, "_source_changed"};
 	Worlds worlds_;
-	std::shared_ptr<const TriangleParts> last_; ///< Of the first host, for who asks when there is none.
-	bool stale_ = true;                         ///< All has to be read.
-	std::uint64_t run_ = 0;                     ///< Grows when work under way is forgotten.
+	std::shared_ptr<const TriangleParts> last_; ///< Of the first host, for a caller without one.
+	bool stale_ = true;                         ///< The group has to be listed, and all of it read.
+	bool reading_all_ = false;                  ///< That has begun.
 	int64_t listed_ = 0;                        ///< How many nodes the group had when it was listed.
 
-	// What has changed goes from one to the next.
-	std::vector<std::uint64_t> queue_;  ///< Instances to look at once more, and to read.
+	// A change passes through these in order.
+	std::vector<std::uint64_t> queue_;  ///< Instances to check, and to read.
+	MeshReader reader_;                 ///< At the mesh of the last of them,
+	FreshCopy fresh_;                   ///< or through with it.
 	std::vector<MeshReading> readings_; ///< Read.
 	std::vector<std::uint64_t> gone_;
 	MeshBuilder builder_;
+	bool building_ = false; ///< The builder does not only free memory.
+
+	std::map<std::uint64_t, std::pair<std::uint64_t, std::weak_ptr<const MeshCopy>>>
+			copies_;                                  ///< By source, with its version.
+	std::map<std::uint64_t, godot::String> refusals_; ///< Why an instance is no ground, by its id.
+	std::vector<std::shared_ptr<const void>> unneeded_;
 	GroundFigures figures_;
 };
 

@@ -1,0 +1,195 @@
+extends SceneTree
+## What ground that is loaded, replaced or edited costs the main thread: the node's own time a frame (`frame_usec` of its stats), its
+## 99th percentile and its largest, and how long it takes until all is in place. Prints rows of a Markdown table.
+##   tools/godot --headless --path demo_project --script tests/bench/ground_changes.gd [-- ONLY]
+##
+## ONLY is a part of a row's name. `--xvfb --rendering-driver opengl3` in the place of `--headless` measures a renderer that has to be
+## asked for the triangles of meshes. The budget is the node's default.
+
+const MILLION := 706 ## Subdivisions of a plane with a million triangles.
+const CHUNK := 64.0 ## Meters.
+const CHUNK_QUADS := 127 ## A chunk has 32,000 triangles.
+const SPEED := 50.0 ## Meters a second.
+
+var _viewer := Node3D.new()
+var _only := ""
+
+
+func _initialize() -> void:
+	_run.call_deferred()
+
+
+func _run() -> void:
+	RenderingServer.render_loop_enabled = false
+	root.add_child(_viewer)
+	var arguments := OS.get_cmdline_user_args()
+	_only = arguments[0] if arguments.size() > 0 else ""
+	print("| what | p99 ms | max ms | in place after s | tiles |")
+	print("| --- | --- | --- | --- | --- |")
+	await _measure("a first mesh of a million triangles", _million)
+	await _measure("a mesh of a million triangles replaced", _million_replaced)
+	await _measure("a mesh of 32,000 triangles replaced", _chunk_replaced)
+	await _measure("chunks of 32,000 triangles at 50 m/s", _chunks)
+	for side: int in [1024, 4096, 8192]:
+		await _measure("a first heightmap of %d posts squared" % side, _heightmap.bind(side))
+		await _measure("16 x 16 of %d posts squared, image set again" % side, _posts.bind(side, false))
+		if ScatterTerrainHeightmap.new().has_method(&"update_region"):
+			await _measure("16 x 16 of %d posts squared, update_region" % side, _posts.bind(side, true))
+	quit()
+
+
+## Calls a case, which returns the scatter whose frames count and the frames themselves from where they count.
+func _measure(named: String, of: Callable) -> void:
+	if _only and not _only in named:
+		return
+	var frames := Frames.new()
+	await of.call(frames)
+	frames.usec.sort()
+	print("| %s | %.2f | %.2f | %.2f | %d |" % [named, frames.usec[floori(0.99 * (frames.usec.size() - 1))] / 1000.0,
+			frames.usec[-1] / 1000.0, frames.seconds, frames.tiles])
+	for child in root.get_children():
+		if child != _viewer:
+			child.free()
+	await process_frame
+
+
+## What a case has measured.
+class Frames:
+	var usec: PackedInt64Array
+	var seconds := 0.0
+	var tiles := 0
+
+
+func _scatter(terrain: ScatterTerrain) -> TerrainScatter3D:
+	var layer := ScatterLayer.new()
+	layer.radius = 2.0
+	layer.tile_size = 32.0
+	layer.view_distance = 128.0
+	layer.meshes = [BoxMesh.new()]
+	var scatter := TerrainScatter3D.new()
+	scatter.layers = [layer]
+	scatter.terrain = terrain
+	root.add_child(scatter)
+	scatter.viewers = [scatter.get_path_to(_viewer)]
+	_viewer.position = Vector3.ZERO
+	return scatter
+
+
+## Frames until the scatter has settled, and some that are always waited for.
+func _follow(scatter: TerrainScatter3D, frames: Frames, at_least := 30) -> void:
+	var start := Time.get_ticks_usec()
+	var made: int = scatter.get_stats()["tiles_made"]
+	var waited := 0
+	while waited < at_least or not scatter.is_settled():
+		await process_frame # The node's work of a frame is done after this.
+		frames.usec.push_back(scatter.get_stats()["frame_usec"])
+		waited += 1
+		if scatter.get_stats()["tiles_made"] > made:
+			frames.seconds = (Time.get_ticks_usec() - start) / 1e6 if frames.tiles == 0 else frames.seconds
+			frames.tiles = scatter.get_stats()["tiles_made"] - made
+
+
+func _grid(width: float, quads: int, height := 0.0) -> ArrayMesh:
+	var plane := PlaneMesh.new()
+	plane.size = Vector2(width, width)
+	plane.subdivide_width = quads
+	plane.subdivide_depth = quads
+	plane.center_offset.y = height
+	var mesh := ArrayMesh.new()
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, plane.get_mesh_arrays())
+	return mesh
+
+
+func _put(mesh: Mesh, at := Vector3.ZERO) -> MeshInstance3D:
+	var instance := MeshInstance3D.new()
+	instance.mesh = mesh
+	instance.position = at
+	instance.add_to_group(&"ground")
+	root.add_child(instance)
+	return instance
+
+
+func _on_meshes() -> TerrainScatter3D:
+	var terrain := ScatterTerrainMeshes.new()
+	terrain.group = &"ground"
+	return _scatter(terrain)
+
+
+func _million(frames: Frames) -> void:
+	_put(_grid(1000.0, MILLION))
+	await _follow(_on_meshes(), frames)
+
+
+func _million_replaced(frames: Frames) -> void:
+	var ground := _put(_grid(1000.0, MILLION))
+	var other := _grid(1000.0, MILLION, 1.0)
+	var scatter := _on_meshes()
+	await _follow(scatter, Frames.new())
+	ground.mesh = other
+	await _follow(scatter, frames, 100)
+
+
+func _chunk_replaced(frames: Frames) -> void:
+	var ground := _put(_grid(CHUNK, CHUNK_QUADS))
+	_put(_grid(CHUNK, CHUNK_QUADS), Vector3(CHUNK, 0.0, 0.0))
+	var other := _grid(CHUNK, CHUNK_QUADS, 1.0)
+	var scatter := _on_meshes()
+	await _follow(scatter, Frames.new())
+	ground.mesh = other
+	await _follow(scatter, frames, 100)
+
+
+## Rows of chunks are made ahead and freed behind, as a streaming world does. Making them is no part of the node's time.
+func _chunks(frames: Frames) -> void:
+	var rows: Dictionary[int, Array] = {}
+	var scatter: TerrainScatter3D
+	var start := Time.get_ticks_usec()
+	while Time.get_ticks_usec() - start < 12e6:
+		_viewer.position.x = SPEED * (Time.get_ticks_usec() - start) / 1e6
+		var at := floori(_viewer.position.x / CHUNK)
+		for row: int in range(at - 3, at + 4):
+			if not rows.has(row):
+				rows[row] = range(-3, 4).map(func(z: int) -> MeshInstance3D:
+						return _put(_grid(CHUNK, CHUNK_QUADS), Vector3(row * CHUNK, 0.0, z * CHUNK)))
+		for row: int in rows.keys():
+			if row < at - 3:
+				for chunk: Node in rows[row]:
+					chunk.free()
+				rows.erase(row)
+		if scatter == null:
+			scatter = _on_meshes()
+			await _follow(scatter, Frames.new())
+			start = Time.get_ticks_usec()
+		await process_frame
+		frames.usec.push_back(scatter.get_stats()["frame_usec"])
+	frames.tiles = scatter.get_stats()["tiles_made"]
+	frames.seconds = NAN
+
+
+func _map(side: int) -> Image:
+	return Image.create_empty(side, side, false, Image.FORMAT_RF)
+
+
+func _on_map(image: Image) -> TerrainScatter3D:
+	var terrain := ScatterTerrainHeightmap.new()
+	terrain.heights_in_meters = true
+	terrain.rect = Rect2(-256.0, -256.0, 512.0, 512.0)
+	terrain.image = image
+	return _scatter(terrain)
+
+
+func _heightmap(frames: Frames, side: int) -> void:
+	await _follow(_on_map(_map(side)), frames)
+
+
+func _posts(frames: Frames, side: int, by_region: bool) -> void:
+	var image := _map(side)
+	var scatter := _on_map(image)
+	await _follow(scatter, Frames.new())
+	var region := Rect2i(side / 2 + 20, side / 2 + 20, 16, 16)
+	image.fill_rect(region, Color(3.0, 0.0, 0.0))
+	if by_region:
+		scatter.terrain.call(&"update_region", region)
+	else:
+		(scatter.terrain as ScatterTerrainHeightmap).image = image
+	await _follow(scatter, frames, 100)

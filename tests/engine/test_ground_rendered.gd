@@ -1,0 +1,52 @@
+extends "terrain_harness.gd"
+## Meshes as ground where a renderer holds their vertices: it alone knows those that were updated in its memory.
+
+
+func test_updated_vertices_are_ground_after_refresh_ground() -> void:
+	var plane := PlaneMesh.new()
+	plane.size = Vector2(40.0, 40.0)
+	for compressed: bool in [false, true]:
+		var mesh := ArrayMesh.new()
+		var flags := Mesh.ARRAY_FLAG_COMPRESS_ATTRIBUTES if compressed else 0
+		var arrays := plane.get_mesh_arrays()
+		if compressed: # So that the box of the surface, which compressed vertices are parts of, has a height.
+			arrays[Mesh.ARRAY_VERTEX].append(Vector3(0.0, 5.0, 0.0))
+			arrays[Mesh.ARRAY_NORMAL].append(Vector3.UP)
+			arrays[Mesh.ARRAY_TANGENT].append_array([1.0, 0.0, 0.0, 1.0])
+			arrays[Mesh.ARRAY_TEX_UV].append(Vector2.ZERO)
+		mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], {}, flags)
+		var instance := MeshInstance3D.new()
+		instance.mesh = mesh
+		instance.add_to_group(&"ground")
+		root.add_child(instance)
+		var terrain := ScatterTerrainMeshes.new()
+		terrain.group = &"ground"
+		var layer := make_layer(1.0)
+		layer.tile_size = 8.0
+		var scatter := make_scatter([layer], terrain, make_viewer())
+		await settle(scatter)
+		check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y) < 1e-4), "flat at first")
+		check(mesh.get_faces().size() > 0, "the engine keeps its faces from now on")
+		var raised := PackedByteArray()
+		for vertex in 4:
+			var at: Vector3 = arrays[Mesh.ARRAY_VERTEX][vertex]
+			if compressed:
+				var numbers := PackedByteArray()
+				numbers.resize(8)
+				numbers.encode_u16(0, roundi((at.x + 20.0) / 40.0 * 65535.0))
+				numbers.encode_u16(2, 65535)
+				numbers.encode_u16(4, roundi((at.z + 20.0) / 40.0 * 65535.0))
+				raised.append_array(numbers)
+			else:
+				raised.append_array(PackedFloat32Array([at.x, 5.0, at.z]).to_byte_array())
+		mesh.surface_update_vertex_region(0, 0, raised)
+		mesh.emit_changed()
+		scatter.refresh_ground()
+		await settle(scatter)
+		check(absf(terrain.get_height(Vector3(1.0, 0.0, 2.0)) - 5.0) < 1e-3, "compressed %s: the ground follows" % compressed)
+		var stand := all_transforms(scatter)
+		check(stand.size() > 300 and stand.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 5.0) < 1e-3),
+				"compressed %s: %d plants on it" % [compressed, stand.size()])
+		scatter.free()
+		instance.free()
+		check_no_error("compressed %s" % compressed)
