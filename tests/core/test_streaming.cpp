@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <random>
@@ -125,6 +126,39 @@ TEST_CASE("streaming: several viewers, near each other and apart, each with its 
 	stage.settle({});
 	CHECK(stage.shown.empty());
 	CHECK(stage.pending.empty());
+}
+
+TEST_CASE("streaming: a server with 300 players serves each of them") {
+	Stage stage(two_layers);
+	std::vector<Viewer> viewers;
+	for (int player = 0; player < 300; ++player) {
+		viewers.push_back({{1000.0 * (player % 20), 1000.0 * (player / 20)}});
+	}
+	for (int round = 0; round < 200 && !stage.streamer.idle(); ++round) { // So many tiles take many updates.
+		stage.update(viewers);
+		stage.finish_all();
+	}
+	CHECK(stage.streamer.idle());
+	check_view(stage, two_layers, viewers);
+}
+
+TEST_CASE("streaming: viewers are followed until one has moved so far that other tiles may be wanted") {
+	Stage stage(two_layers);
+	const std::vector<Viewer> viewers{{{0.0, 0.0}}, {{500.0, 0.0}}};
+	CHECK_FALSE(stage.streamer.follows(viewers));
+	stage.settle(viewers);
+	CHECK(stage.streamer.follows(viewers));
+	const auto moved = [&](double by) {
+		return std::vector<Viewer>{viewers[0], {viewers[1].position + glm::dvec2(by, 0.0)}};
+	};
+	const double slack = slack_tiles * std::min(two_layers[0].tile_size, two_layers[1].tile_size);
+	CHECK(stage.streamer.follows(moved(0.9 * slack)));
+	CHECK_FALSE(stage.streamer.follows(moved(1.1 * slack)));
+	CHECK_FALSE(stage.streamer.follows(moved(1e6)));
+	CHECK_FALSE(stage.streamer.follows(std::vector<Viewer>{viewers[0]}));
+	CHECK_FALSE(stage.streamer.follows(std::vector<Viewer>{viewers[0], {viewers[1].position, 2.0}}));
+	stage.streamer.clear();
+	CHECK_FALSE(stage.streamer.follows(viewers));
 }
 
 TEST_CASE("streaming: the farthest view that is allowed is served") {

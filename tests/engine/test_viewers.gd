@@ -69,6 +69,135 @@ func test_two_viewers() -> void:
 	check(Vector2i(-30, 0) in scatter.get_shown_tiles(0), "the second viewer's tile")
 
 
+## Each of them has its own tiles, in a tree that is as large as that of a server.
+func test_two_hundred_viewers() -> void:
+	var layer := make_layer(8.0)
+	layer.view_distance = 20.0
+	var paths: Array[NodePath] = []
+	var players: Array[Node3D] = []
+	for index in 200:
+		players.append(make_viewer(Vector3(200.0 * index + 16.0, 0.0, 16.0)))
+		paths.append(players[index].get_path())
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), players[0])
+	scatter.viewers = paths
+	await settle(scatter)
+	var shown := scatter.get_shown_tiles(0)
+	var served := players.filter(func(player: Node3D) -> bool:
+		return Vector2i((Vector2(player.position.x, player.position.z) / 32.0).floor()) in shown)
+	check_equal(served.size(), 200, "players with their tile")
+	check_equal(scatter.get_problems(), PackedStringArray(), "problems")
+
+
+## One that has fallen out of the world must not stop the stream for the others.
+func test_a_viewer_out_of_reach_leaves_the_others_served() -> void:
+	var lost := make_viewer(Vector3(1e30, 0.0, 0.0))
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	scatter.viewers = scatter.viewers + [scatter.get_path_to(lost)]
+	await settle(scatter)
+	check(Vector2i.ZERO in scatter.get_shown_tiles(0), "the other viewer's tile is there")
+	check_error(["viewer.x"], "a viewer out of reach")
+	check("viewer.x" in "".join(scatter.get_problems()), "it is a problem: %s" % scatter.get_problems())
+	lost.position.x = 1000.0
+	await settle(scatter)
+	check_equal(scatter.get_problems(), PackedStringArray(), "problems once it is back")
+
+
+func test_without_a_viewer_there_is_a_problem() -> void:
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	scatter.viewers = []
+	await frames(3)
+	check(not scatter.is_settled(), "nothing is shown, so it is not settled")
+	check("No viewer" in "".join(scatter.get_problems()), "the problem is named: %s" % scatter.get_problems())
+	var camera := Camera3D.new()
+	root.add_child(camera)
+	camera.make_current()
+	await scatter.settled
+	check(scatter.is_settled(), "it settles around the camera")
+	check_equal(scatter.get_problems(), PackedStringArray(), "problems with a camera")
+
+
+func test_a_teleport_unsettles_in_the_same_frame() -> void:
+	var viewer := make_viewer()
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	viewer.position.x = 5000.0
+	check(not scatter.is_settled(), "not settled in the frame of a teleport")
+	await scatter.settled
+	check(Vector2i(156, 0) in scatter.get_shown_tiles(0), "`settled` waits for the tiles there")
+	check(scatter.is_settled(), "settled then")
+	paused = true
+	viewer.position.x = 0.0
+	await frames(3)
+	check(not scatter.is_settled(), "not settled while the tree is paused")
+	paused = false
+	await scatter.settled
+	check(Vector2i(0, 0) in scatter.get_shown_tiles(0), "the tiles come once it goes on")
+
+
+## What a single frame does is followed by the signal, too: who awaits it must not wait forever.
+func test_settled_follows_each_change() -> void:
+	var viewer := make_viewer()
+	var layer := make_layer()
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	await settle(scatter)
+	var count := [0]
+	scatter.settled.connect(func() -> void: count[0] += 1)
+	await frames(5)
+	check_equal(count[0], 0, "signals while nothing changes")
+	var changes: Dictionary[String, Callable] = {
+		"quality": func() -> void: scatter.quality = 0.5,
+		"a step within the tiles that are shown": func() -> void: viewer.position.x += 4.5,
+		"viewer_distance_scales": func() -> void: scatter.viewer_distance_scales = PackedFloat32Array([0.9]),
+		"world_offset": func() -> void: scatter.world_offset = Vector3(64.0, 0.0, 0.0),
+	}
+	for change in changes:
+		count[0] = 0
+		changes[change].call()
+		check(not scatter.is_settled(), "%s: not settled in the same frame" % change)
+		await until(func() -> bool: return count[0] > 0, "%s: the signal comes" % change)
+		check(scatter.is_settled(), "%s: settled then" % change)
+
+
+## Bodies stand around a node of the group: they have not followed it in the frame of its jump.
+func test_a_jump_of_a_body_unsettles() -> void:
+	var layer := make_layer()
+	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
+	layer.collision_distance = 10.0
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var body := make_viewer(Vector3(0.0, 500.0, 0.0))
+	body.add_to_group(&"scatter_interaction")
+	await settle(scatter)
+	body.position = Vector3(40.0, 0.0, 0.0)
+	check(not scatter.is_settled(), "not settled in the frame of the jump")
+	await scatter.settled
+	check(scatter.is_settled(), "settled then")
+
+
+## Instances keep their positions in the world, whatever the node's transform says.
+func test_a_transform_is_a_problem() -> void:
+	var parent := make_viewer()
+	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	scatter.reparent(parent)
+	scatter.viewers = [scatter.get_path_to(make_viewer())]
+	await settle(scatter)
+	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a node at the origin")
+	var transforms: Dictionary[String, Transform3D] = {
+		"moved": Transform3D(Basis(), Vector3(10.0, 0.0, 0.0)),
+		"turned": Transform3D(Basis(Vector3.UP, 0.5), Vector3.ZERO),
+		"scaled": Transform3D(Basis().scaled(Vector3.ONE * 2.0), Vector3.ZERO),
+	}
+	for kind in transforms:
+		for node: Node3D in [scatter, parent]:
+			node.transform = transforms[kind]
+			var problems := "".join(scatter.get_problems())
+			check("global_transform" in problems and kind in problems, "%s: %s" % [kind, problems])
+			node.transform = Transform3D()
+	scatter.world_offset = Vector3(1000.0, 0.0, -2000.0)
+	parent.position = Vector3(-1000.0, 0.0, 2000.0)
+	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a world that was recentered")
+
+
 ## A viewer inside a tile is 0 m away from it: exactly where thinning begins, and a LOD may.
 func test_a_viewer_at_the_distance_of_a_change_lets_the_stream_settle() -> void:
 	var layer := make_layer()

@@ -175,6 +175,12 @@ bool NearQueue::settled() const {
 	});
 }
 
+bool NearQueue::follows(std::span<const glm::dvec3> centers) const {
+	return std::ranges::all_of(layers_, [centers](const Layer &layer) {
+		return layer.distance == 0.0 || same_within(layer.slack(), centers, layer.centers);
+	});
+}
+
 bool NearQueue::holds(std::uint32_t layer, std::uint64_t id) const {
 	return layer < layers_.size() &&
 			std::ranges::any_of(layers_[layer].cells, [id](const auto &entry) { return entry.second.holds(id); });

@@ -55,6 +55,9 @@ public:
 	/// True if there is nothing to take out, and the world is as it was at the last look at every cell.
 	bool settled() const;
 
+	/// True if no center has moved far enough since `look_around` for anything else to come or go.
+	bool follows(std::span<const glm::dvec3> centers) const;
+
 	bool holds(std::uint32_t layer, std::uint64_t id) const;
 
 	/// Counts an instance as not held, in all layers. Nothing comes out of the queue before the next look.
@@ -120,6 +123,9 @@ public:
 
 	/// True if `step` would find nothing to do.
 	virtual bool settled() const = 0;
+
+	/// True if `look_around` with these centers would find nothing else to do.
+	bool follows(std::span<const glm::dvec3> centers) const { return queue_.follows(centers); }
 
 	/// The instance stands no longer, or not as it did: what was made for it goes at once, whatever the budget.
 	virtual void drop(std::uint64_t id) = 0;

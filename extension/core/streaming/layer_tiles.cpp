@@ -153,7 +153,7 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 		const std::size_t index = (first_sight_ + turn) % count;
 		const TrackedViewer *viewer = index < viewers.size() ? &viewers[index] : nullptr;
 		Sight &sight = sights_[index];
-		if (is_where(sight, viewer)) {
+		if (is_where(sight, viewer != nullptr ? &viewer->now : nullptr)) {
 			// Fast path: within the slack nothing comes into view that was not seen then.
 			continue;
 		}
@@ -179,18 +179,23 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 }
 
 /// How far a viewer sees, in meters.
-double LayerTiles::view_of(const TrackedViewer &viewer) const {
-	return std::min(settings_.view_distance * viewer.now.radius_scale, max_view_tiles * settings_.tile_size);
+double LayerTiles::view_of(const Viewer &viewer) const {
+	return std::min(settings_.view_distance * viewer.radius_scale, max_view_tiles * settings_.tile_size);
 }
 
 /// Whether a viewer, none for one that has gone, is where it was seen last and sees as far.
-bool LayerTiles::is_where(const Sight &sight, const TrackedViewer *viewer) const {
+bool LayerTiles::is_where(const Sight &sight, const Viewer *viewer) const {
 	if (viewer == nullptr) {
 		return sight.seen < 0.0;
 	}
 	const double slack = slack_tiles * settings_.tile_size;
-	const glm::dvec2 step = viewer->now.position - sight.position;
+	const glm::dvec2 step = viewer->position - sight.position;
 	return sight.seen == view_of(*viewer) + slack && step.x * step.x + step.y * step.y <= slack * slack;
+}
+
+bool LayerTiles::follows(std::span<const Viewer> viewers) const {
+	return std::ranges::equal(
+			sights_, viewers, [this](const Sight &sight, const Viewer &viewer) { return is_where(sight, &viewer); });
 }
 
 /// Takes a viewer's position and reach.
@@ -206,7 +211,7 @@ void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
 		return;
 	}
 	const double size = settings_.tile_size;
-	const double view = view_of(*viewer);
+	const double view = view_of(viewer->now);
 	const glm::dvec2 step = viewer->now.position - sight.position;
 	sight.queue.move(std::sqrt(step.x * step.x + step.y * step.y));
 	sight.position = viewer->now.position;

@@ -83,6 +83,9 @@ public:
 	/// True if the last look left viewers for the next one. Nothing comes on show until then.
 	bool behind() const { return behind_; }
 
+	/// See TileStreamer::follows.
+	bool follows(std::span<const Viewer> viewers) const;
+
 	/// Drops retired tiles under which nothing is missing: all is there, or out of view.
 	void drop_covered(StreamChanges &r_changes);
 
@@ -127,8 +130,8 @@ private:
 		Rect rect;
 	};
 
-	double view_of(const TrackedViewer &viewer) const;
-	bool is_where(const Sight &sight, const TrackedViewer *viewer) const;
+	double view_of(const Viewer &viewer) const;
+	bool is_where(const Sight &sight, const Viewer *viewer) const;
 	void move(Sight &sight, const TrackedViewer *viewer);
 	void enter(Sight &sight);
 	void leave(const Sight &sight, StreamChanges &r_changes);

@@ -224,13 +224,12 @@ void TileStreamer::cancel(std::uint32_t layer) {
 	}
 }
 
+Status TileStreamer::check(const Viewer &viewer) const { return validate(viewer, state_->layers); }
+
 Status TileStreamer::update(std::span<const Viewer> viewers, std::size_t max_pending, StreamChanges &r_changes) {
 	State &state = *state_;
-	if (viewers.size() > max_viewers) {
-		return {ErrorCode::out_of_range, "viewers", static_cast<double>(viewers.size())};
-	}
 	for (const Viewer &viewer : viewers) {
-		if (const Status status = validate(viewer, state.layers); !status.ok()) {
+		if (const Status status = check(viewer); !status.ok()) {
 			return status;
 		}
 	}
@@ -321,6 +320,10 @@ bool TileStreamer::idle() const {
 		return counts.waiting == 0 && counts.pending == 0 && !layer.has_retired();
 	});
 	return settled && !state_->outdated && state_->backlog.empty();
+}
+
+bool TileStreamer::follows(std::span<const Viewer> viewers) const {
+	return std::ranges::all_of(state_->layers, [viewers](const LayerTiles &layer) { return layer.follows(viewers); });
 }
 
 } // namespace thicket

@@ -32,9 +32,6 @@ inline constexpr double max_view_tiles = 64.0;
 /// frames a second.
 inline constexpr double max_flight_step = 50.0;
 
-/// The most viewers.
-inline constexpr std::size_t max_viewers = 64;
-
 /// Someone to stream for.
 struct Viewer {
 	glm::dvec2 position{0.0}; ///< World meters, finite, within max_tile_coordinate tiles of every layer.
@@ -115,9 +112,12 @@ public:
 	/// What is under way for a layer is cancelled and will be requested again: the answers would be of no use.
 	void cancel(std::uint32_t layer);
 
-	/// Works out what has to change for these viewers, and replaces `r_changes` by it. At most `max_pending` tiles are
+	/// Whether tiles of all layers can be streamed around a viewer: its position is finite and within reach.
+	Status check(const Viewer &viewer) const;
+
+	/// Works out what has to change for these viewers, any number of them, and replaces `r_changes` by it. At most `max_pending` tiles are
 	/// pending at a time; others wait for their turn, for which each update looks again. No viewers: all is dropped.
-	/// A refused viewer changes nothing. Costs little while viewers stay within an eighth of a tile. After
+	/// A viewer that `check` refuses is refused here, and nothing changes. Costs little while viewers stay within an eighth of a tile. After
 	/// ErrorCode::out_of_memory `r_changes` holds what could be worked out, to be done as always; the next update does the
 	/// rest. Work to be cancelled may be left out then: its answers are refused all the same.
 	Status update(std::span<const Viewer> viewers, std::size_t max_pending, StreamChanges &r_changes);
@@ -146,6 +146,10 @@ public:
 
 	/// True when there is nothing to wait for: all that is wanted is shown.
 	bool idle() const;
+
+	/// True if the last update was for as many viewers, and none of them has moved or changed its scale since by enough for
+	/// other tiles to be wanted: an update for these viewers would keep what `idle` returns.
+	bool follows(std::span<const Viewer> viewers) const;
 
 private:
 	struct State;

@@ -95,6 +95,11 @@ void ScatterGameplay::look_around(std::span<const glm::dvec3> centers) {
 	}
 }
 
+bool ScatterGameplay::follows(std::span<const glm::dvec3> centers) const {
+	return centers.empty() ||
+			std::ranges::all_of(rings_, [centers](const NearRing *ring) { return ring->follows(centers); });
+}
+
 void ScatterGameplay::work_until(std::chrono::steady_clock::time_point deadline) {
 	while (alive() && running_ && scenes_.step()) {
 		if (std::chrono::steady_clock::now() >= deadline) {

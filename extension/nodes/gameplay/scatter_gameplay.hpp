@@ -122,6 +122,9 @@ public:
 	/// True if neither bodies and scenes nor signals have to follow any more.
 	bool settled() const { return collision_.settled() && scenes_.settled() && backlog_.empty(); }
 
+	/// True if `look_around` would find nothing else to do for these positions.
+	bool follows(std::span<const glm::dvec3> centers) const;
+
 	// Questions. `p_layers` are layer references, none for all; a predicate takes (id, layer, transform) and says whether
 	// that instance counts. What is refused prints an error, and the answer is empty.
 

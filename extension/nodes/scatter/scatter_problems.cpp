@@ -1,9 +1,16 @@
 #include "nodes/scatter/scatter_problems.hpp"
 
+#include "nodes/common/convert.hpp"
+#include "nodes/common/property_check.hpp"
+
 #include <godot_cpp/core/object.hpp>
 
+#include <glm/geometric.hpp>
+
+#include <cmath>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -31,7 +38,79 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 	}
 }
 
+/// Float rounding in a chain of parents, which is no displacement.
+constexpr double basis_tolerance = 1e-4;
+constexpr double position_tolerance = 1e-3; // Meters,
+constexpr double position_share = 1e-6;     // and as a share of the offset.
+
+std::string text(glm::dvec3 vector) {
+	std::ostringstream stream;
+	stream << '(' << vector.x << ", " << vector.y << ", " << vector.z << ')';
+	return stream.str();
+}
+
+bool is_identity(const glm::dmat3 &basis) {
+	bool is_same = true;
+	for (int column = 0; column < 3; ++column) {
+		for (int row = 0; row < 3; ++row) {
+			is_same = is_same && std::abs(basis[column][row] - (column == row ? 1.0 : 0.0)) <= basis_tolerance;
+		}
+	}
+	return is_same;
+}
+
 } // namespace
+
+bool is_displaced(const Node3D &node, glm::dvec3 offset) {
+	if (!node.is_inside_tree()) {
+		return false;
+	}
+	const Transform3D transform = node.get_global_transform();
+	const glm::dvec3 away = to_core(transform.origin) + offset;
+	const double tolerance = position_tolerance + position_share * glm::length(offset);
+	// A game that recenters may move the node along with its world: that is no displacement.
+	const bool is_moved = glm::length(to_core(transform.origin)) > position_tolerance && glm::length(away) > tolerance;
+	return is_moved || !is_identity(to_core(transform.basis));
+}
+
+void add_transform_problem(const Node3D &node, glm::dvec3 offset, PackedStringArray &r_problems) {
+	if (!is_displaced(node, offset)) {
+		return;
+	}
+	const Transform3D transform = node.get_global_transform();
+	const bool is_moved_only = is_identity(to_core(transform.basis));
+	const std::string value = is_moved_only ? "is moved to " + text(to_core(transform.origin)) : "is turned or scaled";
+	r_problems.push_back(String::utf8(("TerrainScatter3D.global_transform " + value +
+			" and has no effect: instances keep their positions in the world, while ScatterRegion3Ds below the "
+			"node move with it. Reset the transforms of the node and its parents; to shift the world, set "
+			"TerrainScatter3D.world_offset.")
+					.c_str()));
+}
+
+void add_viewer_problems(
+		const Node3D &node, const ViewerSettings &viewers, const Status &refused, PackedStringArray &r_problems) {
+	if (!node.is_inside_tree()) {
+		return;
+	}
+	for (int64_t index = 0; index < viewers.paths.size(); ++index) {
+		const Node3D *viewer = Object::cast_to<Node3D>(node.get_node_or_null(viewers.paths[index]));
+		const String name = "Viewer " + String::num_int64(index);
+		if (viewer == nullptr) {
+			r_problems.push_back(name + String(" is no Node3D in this scene."));
+		} else if (!has_place(*viewer)) {
+			r_problems.push_back(
+					name + String(" has a position that is not finite: no tiles are generated around it."));
+		}
+	}
+	if (viewers.paths.is_empty() && !has_camera(node)) {
+		r_problems.push_back(
+				"No viewer: TerrainScatter3D.viewers is empty and the viewport has no current Camera3D, so "
+				"no tiles are generated. Make a Camera3D current, or list nodes in viewers.");
+	}
+	if (!refused.ok()) {
+		r_problems.push_back(sentence("TerrainScatter3D", refused) + String(": no tiles are generated around it."));
+	}
+}
 
 void add_terrain_problems(const Ref<ScatterTerrain> &p_terrain, PackedStringArray &r_problems) {
 	if (p_terrain.is_null()) {

@@ -1,10 +1,15 @@
 #pragma once
 
+#include "core/base/status.hpp"
 #include "nodes/layer/scatter_layer.hpp"
+#include "nodes/scatter/scatter_viewers.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
+#include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
+
+#include <glm/vec3.hpp>
 
 namespace thicket {
 
@@ -13,5 +18,14 @@ namespace thicket {
 void add_terrain_problems(const godot::Ref<ScatterTerrain> &p_terrain, godot::PackedStringArray &r_problems);
 void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterTerrain> &p_terrain,
 		bool has_water, godot::PackedStringArray &r_problems);
+
+/// Whether a node in the tree is moved, turned or scaled, by itself or by its parents, where its instances are not. A node that has
+/// moved against `offset`, where the engine's origin is in the world, is where its instances are.
+bool is_displaced(const godot::Node3D &node, glm::dvec3 offset);
+void add_transform_problem(const godot::Node3D &node, glm::dvec3 offset, godot::PackedStringArray &r_problems);
+
+/// What keeps a node in the tree from streaming around its viewers. `refused` is the error of one that is out of reach.
+void add_viewer_problems(const godot::Node3D &node, const ViewerSettings &viewers, const Status &refused,
+		godot::PackedStringArray &r_problems);
 
 } // namespace thicket

@@ -7,6 +7,7 @@
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -101,9 +102,10 @@ bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget)
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	take_finished();
 	times_.spent_on(FramePart::made);
-	if (!viewers.empty()) {
-		request_tiles(viewers);
-		display_.set_viewers(viewers);
+	accept(viewers);
+	if (!viewers_.empty()) {
+		request_tiles();
+		display_.set_viewers(viewers_);
 	}
 	start_missing();
 	times_.spent_on(FramePart::wanted);
@@ -119,16 +121,33 @@ std::size_t ScatterStream::jobs_per_worker() const {
 	return static_cast<std::size_t>(std::clamp<std::uint64_t>(fitting, min_jobs_per_worker, max_jobs_per_worker));
 }
 
-void ScatterStream::request_tiles(std::span<const Viewer> viewers) {
-	const Status status = streamer_.update(viewers, jobs_per_worker() * workers_.threads(), changes_);
+/// Leaves out viewers that are out of reach, so that the others go on, and reports the first of them once.
+void ScatterStream::accept(std::span<const Viewer> viewers) {
+	const Status before = std::exchange(viewer_status_, Status());
+	viewers_.clear();
+	for (const Viewer &viewer : viewers) {
+		const Status status = streamer_.check(viewer);
+		if (status.ok()) {
+			viewers_.push_back(viewer);
+		} else if (viewer_status_.ok()) {
+			viewer_status_ = status;
+		}
+	}
+	if (viewer_status_.code != before.code) {
+		report("TerrainScatter3D", viewer_status_);
+	}
+}
+
+void ScatterStream::request_tiles() {
+	const Status status = streamer_.update(viewers_, jobs_per_worker() * workers_.threads(), changes_);
 	if (!status.ok()) {
-		if (viewer_status_.code != status.code) {
+		if (update_status_.code != status.code) {
 			report("TerrainScatter3D", status);
 		}
-		viewer_status_ = status;
+		update_status_ = status;
 		return;
 	}
-	viewer_status_ = status;
+	update_status_ = status;
 	for (const TileRequest &request : changes_.cancel) {
 		cancel(request.ticket);
 	}
@@ -140,12 +159,12 @@ void ScatterStream::request_tiles(std::span<const Viewer> viewers) {
 	for (const TileRequest &request : changes_.request) {
 		start(request);
 	}
-	sort_work(viewers);
+	sort_work();
 }
 
 /// Once viewers have moved on, what waits is worked on in another order. The tiles are the same in any.
-void ScatterStream::sort_work(std::span<const Viewer> viewers) {
-	const bool same = std::ranges::equal(viewers, sorted_for_, [](const Viewer &now, const Viewer &then) {
+void ScatterStream::sort_work() {
+	const bool same = std::ranges::equal(viewers_, sorted_for_, [](const Viewer &now, const Viewer &then) {
 		const glm::dvec2 way = now.position - then.position;
 		return way.x * way.x + way.y * way.y < sort_distance * sort_distance;
 	});
@@ -153,11 +172,11 @@ void ScatterStream::sort_work(std::span<const Viewer> viewers) {
 		// Fast path: the nearest tiles are the same.
 		return;
 	}
-	if (!workers_.sort(viewers)) {
+	if (!workers_.sort(viewers_)) {
 		return;
 	}
-	sorted_for_.assign(viewers.begin(), viewers.end());
-	sort_jobs(ask_ground_, viewers);
+	sorted_for_ = viewers_;
+	sort_jobs(ask_ground_, viewers_);
 }
 
 void ScatterStream::start(const TileRequest &request) {
@@ -304,6 +323,13 @@ void ScatterStream::stop() {
 }
 
 std::vector<TileEvent> ScatterStream::take_events() { return std::exchange(events_, {}); }
+
+bool ScatterStream::follows(std::span<const Viewer> viewers, const DrawLimits &limits) const {
+	std::vector<Viewer> accepted;
+	std::ranges::copy_if(viewers, std::back_inserter(accepted),
+			[this](const Viewer &viewer) { return streamer_.check(viewer).ok(); });
+	return accepted.empty() || (streamer_.follows(accepted) && display_.limits() == limits);
+}
 
 bool ScatterStream::idle() const {
 	return streamer_.idle() && display_.settled() && std::ranges::none_of(jobs_, is_unseen) &&

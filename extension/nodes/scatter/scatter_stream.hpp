@@ -71,6 +71,13 @@ public:
 	/// True when all tiles that are wanted are shown, and drawn as they should be, and the rings have nothing to do.
 	bool idle() const;
 
+	/// True if a frame with these viewers and limits would find no other tiles wanted, and none to draw otherwise for the limits.
+	/// Without viewers, all tiles stay, so no other ones are wanted.
+	bool follows(std::span<const Viewer> viewers, const DrawLimits &limits) const;
+
+	/// The error of a viewer that no tiles can be streamed around; the others are served.
+	const Status &viewer_status() const { return viewer_status_; }
+
 	TileDisplay &display() { return display_; }
 	const TileDisplay &display() const { return display_; }
 
@@ -107,8 +114,9 @@ private:
 	static constexpr std::size_t step_kinds = 7;
 
 	std::size_t jobs_per_worker() const;
-	void request_tiles(std::span<const Viewer> viewers);
-	void sort_work(std::span<const Viewer> viewers);
+	void accept(std::span<const Viewer> viewers);
+	void request_tiles();
+	void sort_work();
 	void start(const TileRequest &request);
 	void start_missing();
 	void mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated);
@@ -146,7 +154,9 @@ private:
 	std::vector<Viewer> sorted_for_;                  ///< The viewers when these were sorted last.
 	StreamChanges changes_;
 	std::vector<TileEvent> events_;
-	Status viewer_status_;
+	std::vector<Viewer> viewers_; ///< Of the last frame, those that are out of reach left out.
+	Status viewer_status_;        ///< Of the first one that was left out.
+	Status update_status_;
 	StreamFigures figures_;
 	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.
 	Step next_step_ = Step::ask_ground;

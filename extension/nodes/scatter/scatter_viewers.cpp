@@ -27,6 +27,13 @@ Node3D *active_camera(const Node3D &node) {
 
 } // namespace
 
+bool has_place(const Node3D &viewer) {
+	const Vector3 at = viewer.get_global_position();
+	return std::isfinite(at.x) && std::isfinite(at.z);
+}
+
+bool has_camera(const Node3D &node) { return active_camera(node) != nullptr; }
+
 std::vector<Viewer> find_viewers(const Node3D &node, const ViewerSettings &settings, glm::dvec3 offset) {
 	std::vector<Viewer> result;
 	const auto add = [&](const Node3D *viewer, int64_t index) {

@@ -26,6 +26,12 @@ struct ViewerSettings {
 /// Those that are not in the tree, and those whose x or z is not finite, are left out.
 std::vector<Viewer> find_viewers(const godot::Node3D &node, const ViewerSettings &settings, glm::dvec3 offset);
 
+/// Whether a node in the tree may be a viewer: its x and z are finite.
+bool has_place(const godot::Node3D &viewer);
+
+/// Whether there is a camera for a node without `paths` to stream around.
+bool has_camera(const godot::Node3D &node);
+
 /// The world positions around which bodies and scenes stand: those of the viewers, and of all Node3Ds of a group (empty for none).
 std::vector<glm::dvec3> find_near_centers(const godot::Node3D &node, std::span<const Viewer> viewers,
 		const godot::StringName &p_group, glm::dvec3 offset);

@@ -5,6 +5,7 @@
 #include "core/base/tile_grid.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/scatter/build_at_once.hpp"
+#include "nodes/scatter/scatter_problems.hpp"
 
 #include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/classes/world3d.hpp>
@@ -36,7 +37,10 @@ private:
 
 } // namespace
 
-TerrainScatter3D::TerrainScatter3D() { stream_->set_rings({&gameplay_->collision()}); }
+TerrainScatter3D::TerrainScatter3D() {
+	stream_->set_rings({&gameplay_->collision()});
+	set_notify_transform(true);
+}
 
 TerrainScatter3D::~TerrainScatter3D() {
 	stop();
@@ -51,6 +55,7 @@ void TerrainScatter3D::notified(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_WORLD: start(); break;
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
+		case NOTIFICATION_TRANSFORM_CHANGED: notice_transform(); break;
 		case NOTIFICATION_VISIBILITY_CHANGED: display().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_CHILD_ORDER_CHANGED: gameplay()->scenes().children_changed(); break;
 		// A script that is called there may free the node, which the engine goes on with after a notification, but not after
@@ -81,7 +86,16 @@ void TerrainScatter3D::start() {
 	if (!std::exchange(running_, true) && terrain_.is_valid()) {
 		terrain_->enter(this, world_offset_);
 	}
+	notice_transform();
 	mark_ground_dirty();
+}
+
+/// The tree warns of a transform, which has no effect.
+void TerrainScatter3D::notice_transform() {
+	const bool now = is_displaced(*this, world_offset_);
+	if (std::exchange(displaced_, now) != now) {
+		update_configuration_warnings();
+	}
 }
 
 void TerrainScatter3D::stop() {
@@ -143,12 +157,16 @@ void TerrainScatter3D::work(Clock::time_point start) {
 		}
 	}
 	const std::vector<Viewer> viewers = find_viewers(*this, viewers_, world_offset_);
+	const DrawLimits limits = draw_limits();
+	was_settled_ = was_settled_ && stream->follows(viewers, limits);
 	if (!in_editor()) {
-		gameplay->look_around(find_near_centers(*this, viewers, interaction_group_, world_offset_));
+		const std::vector<glm::dvec3> centers = near_centers(viewers);
+		was_settled_ = was_settled_ && gameplay->follows(centers);
+		gameplay->look_around(centers);
 	}
 	stream->times().spent_on(FramePart::gameplay);
 	const auto left = std::chrono::duration_cast<std::chrono::microseconds>(start + budget - Clock::now());
-	stream->display().set_limits(draw_limits());
+	stream->display().set_limits(limits);
 	if (!stream->frame(viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0))) || !here) {
 		return;
 	}
@@ -201,7 +219,21 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 bool TerrainScatter3D::is_settled() const {
 	const bool behind = (terrain_.is_valid() && terrain_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
 	return !dirty_ && ground_change_.empty() && !behind && !layer_watch_->differs(all_layers()) &&
-			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && gameplay_->settled()));
+			(layer_list_.snapshots().empty() ||
+					(stream_->idle() && !display().has_patches() && gameplay_->settled() && follows()));
+}
+
+/// Whether the next frame would find the viewers where the last one did, and the limits of drawing as they were.
+bool TerrainScatter3D::follows() const {
+	if (!is_inside_tree()) {
+		return true;
+	}
+	const std::vector<Viewer> viewers = find_viewers(*this, viewers_, world_offset_);
+	return stream_->follows(viewers, draw_limits()) && (in_editor() || gameplay_->follows(near_centers(viewers)));
+}
+
+std::vector<glm::dvec3> TerrainScatter3D::near_centers(std::span<const Viewer> viewers) const {
+	return find_near_centers(*this, viewers, interaction_group_, world_offset_);
 }
 
 String TerrainScatter3D::layer_problem(const Variant &p_reference) const {

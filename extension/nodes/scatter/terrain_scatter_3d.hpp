@@ -34,6 +34,8 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <span>
+#include <vector>
 
 namespace thicket {
 
@@ -279,6 +281,7 @@ private:
 
 	void start();
 	void stop();
+	void notice_transform();
 	void process_frame();
 	void work(std::chrono::steady_clock::time_point start);
 	void patch_in_steps(std::chrono::steady_clock::time_point deadline);
@@ -310,6 +313,8 @@ private:
 	void adopt_terrain();
 	TileMaker tile_maker() const;
 	DrawLimits draw_limits() const;
+	bool follows() const;
+	std::vector<glm::dvec3> near_centers(std::span<const Viewer> viewers) const;
 	static godot::Dictionary to_dictionary(const FrameTimes &times);
 	godot::String ground_problem();
 	LayerExplainer layer_explainer() const;
@@ -358,6 +363,7 @@ private:
 	bool was_inside_ = false; ///< The tree, at any time.
 	bool dirty_ = true;
 	bool was_settled_ = true;
+	bool displaced_ = false; ///< See is_displaced; as the tree warns of it.
 };
 
 } // namespace thicket

@@ -123,6 +123,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	world_offset_ = offset;
 	recentered_ = true;
+	notice_transform();
 	display().set_world_offset(offset);
 	gameplay()->set_world_offset(offset);
 	if (terrain_.is_valid()) {
@@ -352,12 +353,8 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 					sentence("TerrainScatter3D", status) + String(": what it has removed are other instances."));
 		}
 	}
-	const TypedArray<NodePath> &viewers = viewers_.paths;
-	for (int64_t viewer = 0; is_inside_tree() && viewer < viewers.size(); ++viewer) {
-		if (Object::cast_to<Node3D>(get_node_or_null(viewers[viewer])) == nullptr) {
-			problems.push_back("Viewer " + String::num_int64(viewer) + " is no Node3D in this scene.");
-		}
-	}
+	add_viewer_problems(*this, viewers_, stream_->viewer_status(), problems);
+	add_transform_problem(*this, world_offset_, problems);
 	return problems;
 }
 

@@ -77,6 +77,7 @@ public:
 
 	/// How much to draw; tiles follow as above.
 	void set_limits(const DrawLimits &limits) { next_limits_ = limits; }
+	const DrawLimits &limits() const { return next_limits_; }
 
 	/// The viewers in this frame: what is drawn of a tile depends on its distance to the nearest.
 	void set_viewers(std::span<const Viewer> viewers);
