@@ -11,6 +11,7 @@
 #include "nodes/impostor/impostor_baker.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
+#include "nodes/layer/scatter_tile_grid.hpp"
 #include "nodes/model/scatter_lod.hpp"
 #include "nodes/model/scatter_model.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
@@ -54,6 +55,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterLod);
 	GDREGISTER_CLASS(ScatterModel);
 	GDREGISTER_CLASS(ScatterLayer);
+	GDREGISTER_CLASS(ScatterTileGrid);
 	GDREGISTER_CLASS(ScatterBiome);
 	GDREGISTER_CLASS(ScatterBiomeMap);
 	GDREGISTER_CLASS(ScatterRegion3D);

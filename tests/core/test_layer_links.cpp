@@ -207,3 +207,12 @@ TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused 
 	CHECK(checked[1].status.code == ErrorCode::too_many_points);
 	CHECK(checked[1].settings == good[1].settings);
 }
+
+TEST_CASE("layers: a free name is the one asked for, or has the lowest number that is left") {
+	const std::vector<std::string> taken{"Oak", "Oak 2", "Oak 4", "Fir 2", ""};
+	CHECK(free_layer_name("Fir", taken) == "Fir");
+	CHECK(free_layer_name("Oak", taken) == "Oak 3");
+	CHECK(free_layer_name("Fir 2", taken) == "Fir 2 2");
+	CHECK(free_layer_name("", taken) == " 2");
+	CHECK(free_layer_name("Oak", {}) == "Oak");
+}

@@ -38,3 +38,28 @@ TEST_CASE("streaming: the distance to a rectangle is that to its nearest point")
 	CHECK(distance_squared(rect, {-3.0, 3.0}) == 4.0);
 	CHECK(distance_squared(rect, {6.0, 8.0}) == 25.0);
 }
+
+TEST_CASE("base: the tiles in a rectangle are those that have points of it") {
+	CHECK(tiles_in(10.0, {{0.0, 0.0}, {10.0, 10.0}}) == TileRange{{0, 0}, {0, 0}});
+	CHECK(tiles_in(10.0, {{-0.1, 9.9}, {10.1, 30.0}}) == TileRange{{-1, 0}, {1, 2}});
+	CHECK(tiles_in(10.0, {{0.0, 0.0}, {0.0, 10.0}}).empty());
+	CHECK(tiles_in(10.0, {{5.0, 0.0}, {4.0, 10.0}}).empty());
+
+	std::mt19937_64 random(2);
+	std::uniform_real_distribution<double> along(-5e6, 5e6);
+	for (const double size : {0.7, 33.3, 1000.0 / 3.0}) {
+		for (int i = 0; i < 2000; ++i) {
+			const glm::dvec2 corner(along(random), along(random));
+			Rect rect{corner, corner + 4.0 * size};
+			if (i % 2 == 0) { // The end of the rectangle lies on an edge of tiles.
+				rect.max = tile_rect(size, tile_at(size, rect.max)).min;
+			}
+			const TileRange range = tiles_in(size, rect);
+			REQUIRE(!range.empty());
+			CHECK(!intersection(tile_rect(size, range.first), rect).empty());
+			CHECK(!intersection(tile_rect(size, range.last), rect).empty());
+			CHECK(intersection(tile_rect(size, range.first - 1), rect).empty());
+			CHECK(intersection(tile_rect(size, range.last + 1), rect).empty());
+		}
+	}
+}

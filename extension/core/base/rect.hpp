@@ -1,5 +1,6 @@
 #pragma once
 
+#include <glm/common.hpp>
 #include <glm/vec2.hpp>
 
 #include <cmath>
@@ -27,6 +28,9 @@ struct Rect {
 		return std::isfinite(min.x) && std::isfinite(min.y) && std::isfinite(max.x) && std::isfinite(max.y);
 	}
 };
+
+/// The points that lie in both of two rectangles; empty if there are none.
+inline Rect intersection(const Rect &a, const Rect &b) { return {glm::max(a.min, b.min), glm::min(a.max, b.max)}; }
 
 /// Whether two rectangles have anything in common, edges included: a point is a rectangle without an area.
 constexpr bool meet(const Rect &a, const Rect &b) {

@@ -25,6 +25,16 @@ Rect tile_rect(double tile_size, glm::ivec2 tile) {
 	return {glm::dvec2(tile) * tile_size, glm::dvec2(tile + 1) * tile_size};
 }
 
+TileRange tiles_in(double tile_size, const Rect &rect) {
+	if (rect.empty()) {
+		return {};
+	}
+	const glm::ivec2 end = tile_at(tile_size, rect.max);
+	const glm::dvec2 edge = tile_rect(tile_size, end).min;
+	return {tile_at(tile_size, rect.min),
+			{end.x - (edge.x < rect.max.x ? 0 : 1), end.y - (edge.y < rect.max.y ? 0 : 1)}};
+}
+
 double distance_squared(const Rect &rect, glm::dvec2 position) {
 	const double x = std::max({rect.min.x - position.x, position.x - rect.max.x, 0.0});
 	const double y = std::max({rect.min.y - position.y, position.y - rect.max.y, 0.0});

@@ -128,6 +128,14 @@ std::vector<LinkedLayer> link_layers(
 	return result;
 }
 
+std::string free_layer_name(std::string_view name, std::span<const std::string> taken) {
+	std::string result(name);
+	for (int number = 2; std::ranges::find(taken, result) != taken.end(); ++number) {
+		result = std::string(name).append(" ").append(std::to_string(number));
+	}
+	return result;
+}
+
 std::vector<std::string> name_problems(Links layers, std::size_t index) {
 	std::vector<std::string> problems;
 	const LayerLinks &layer = *layers[index];

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -74,6 +75,9 @@ using LayerCheck = std::function<Status(const LayerSettings &layer, std::size_t 
 /// range, or by `check`) keeps its settings from there.
 std::vector<LinkedLayer> link_layers(
 		std::span<const UnlinkedLayer> layers, std::span<const SharedLayer> before, const LayerCheck &check = {});
+
+/// A name that is not among those taken: `name` itself, else `name` with the lowest number from 2 on, as in "Oak 2".
+std::string free_layer_name(std::string_view name, std::span<const std::string> taken);
 
 /// What is likely not meant by a layer's name and references, a sentence each: references to no layer or to the layer itself,
 /// proximity to a layer, or a color that follows one, that does not stand before it, a name that an earlier layer has. `layers[index]` must not be

@@ -2,7 +2,6 @@
 
 #include "core/base/check.hpp"
 #include "core/base/instance_id.hpp"
-#include "core/base/tile_grid.hpp"
 
 #include <glm/common.hpp>
 

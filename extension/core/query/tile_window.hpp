@@ -2,6 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/query/instance_query.hpp"
 
 #include <glm/vec2.hpp>
@@ -17,17 +18,6 @@ namespace thicket {
 /// The largest shares of a number that floats and doubles round off on the way to a position, generously.
 inline constexpr double float_rounding = 1e-6;
 inline constexpr double double_rounding = 1e-15;
-
-/// A rectangle of tiles, both ends included.
-struct TileRange {
-	glm::ivec2 first{0};
-	glm::ivec2 last{-1};
-
-	bool empty() const { return first.x > last.x || first.y > last.y; }
-
-	/// A double, as there may be more than an integer holds.
-	double count() const { return empty() ? 0.0 : (1.0 + last.x - first.x) * (1.0 + last.y - first.y); }
-};
 
 /// The cells of a set lie within so many meters of the origin: the same product as where the sampler refuses what lies
 /// beyond.

@@ -53,6 +53,12 @@ void ScatterLayer::take_id(std::int64_t p_id) {
 	changed();
 }
 
+bool ScatterLayer::affects_placement(const StringName &p_property) const {
+	return layer_property_use(p_property) == PropertyUse::placement;
+}
+
+double ScatterLayer::get_point_density() const { return point_density(settings_.set); }
+
 void ScatterLayer::bind_basics() {
 	bind_meshes();
 	bind_number<radius>();
@@ -64,6 +70,8 @@ void ScatterLayer::bind_advanced() {
 	bind_integer<progressive_levels>();
 	bind_number<tile_size>();
 	bind_integer<layer_id>();
+	bind_guarded<&ScatterLayer::affects_placement>(D_METHOD("affects_placement", "property"));
+	bind_guarded<&ScatterLayer::get_point_density>(D_METHOD("get_point_density"));
 }
 
 // The order of the inspector: what stands there, where, how it is drawn, and what it is to a game.

@@ -190,6 +190,9 @@ public:
 	/// The materials that instances are drawn with, each once: see materials_of.
 	godot::TypedArray<godot::Material> get_materials();
 
+	/// By the names of properties, those of GeometryInstance3D that do the same.
+	godot::Dictionary get_geometry_properties() const;
+
 	/// What an instance's place on the gradient follows, and what its variation; and for a distance, the layer that is meant, as
 	/// for set_proximity_layer.
 	void set_color_source(ValueSource p_source);
@@ -206,6 +209,10 @@ public:
 	void set_lod_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
 	godot::TypedArray<godot::Mesh> get_lod_meshes() const;
 
+	/// The LODs that an entry of `meshes` is drawn by, the finest first, with nothing left open: those of its model, and those of `lod_meshes`.
+	/// None for an entry that draws nothing; an index that is not there prints an error.
+	godot::TypedArray<ScatterLod> get_mesh_lods(int64_t p_index) const;
+
 	/// Meters from a viewer to a tile's box, ascending, 0 to 1e6 each; at most max_lods.
 	void set_lod_distances(const godot::PackedFloat32Array &p_distances);
 	godot::PackedFloat32Array get_lod_distances() const;
@@ -220,6 +227,15 @@ public:
 	/// What replaces the mesh near viewers; null for the mesh everywhere.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
+
+	/// False for a property that only decides how instances are drawn, or how a game meets them: see PropertyUse.
+	bool affects_placement(const godot::StringName &p_property) const;
+
+	/// free_layer_name, for scripts.
+	godot::String find_free_name(const godot::String &p_name, const godot::PackedStringArray &p_taken) const;
+
+	/// Points of the layer's set in a square meter, on average, before any rule.
+	double get_point_density() const;
 
 	/// Has the layer keep an id that a node gave it.
 	void take_id(std::int64_t p_id);

@@ -3,6 +3,9 @@
 #include "nodes/layer/layer_materials.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
+#include <array>
+#include <utility>
+
 using namespace godot;
 
 namespace thicket {
@@ -31,6 +34,21 @@ constexpr NumberProperty render_layers{
 constexpr NumberProperty visibility_range_fade_mode{"visibility_range_fade_mode",
 		&LayerDrawing::visibility_range_fade_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Self,Dependencies"};
 
+/// Properties that GeometryInstance3D has too, each with its name there.
+constexpr std::array geometry_properties{
+		std::pair{"material_override", "material_override"},
+		std::pair{"cast_shadow", "cast_shadow"},
+		std::pair{"gi_mode", "gi_mode"},
+		std::pair{"render_layers", "layers"},
+		std::pair{"extra_cull_margin", "extra_cull_margin"},
+		std::pair{"lod_bias", "lod_bias"},
+		std::pair{"visibility_range_begin", "visibility_range_begin"},
+		std::pair{"visibility_range_begin_margin", "visibility_range_begin_margin"},
+		std::pair{"visibility_range_end", "visibility_range_end"},
+		std::pair{"visibility_range_end_margin", "visibility_range_end_margin"},
+		std::pair{"visibility_range_fade_mode", "visibility_range_fade_mode"},
+};
+
 } // namespace
 
 void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
@@ -53,14 +71,24 @@ TypedArray<Material> ScatterLayer::get_materials() {
 	return result;
 }
 
+Dictionary ScatterLayer::get_geometry_properties() const {
+	Dictionary result;
+	for (const auto &[own, theirs] : geometry_properties) {
+		result[StringName(own)] = StringName(theirs);
+	}
+	return result;
+}
+
 void ScatterLayer::bind_drawing() {
 	ADD_GROUP("Drawing", "");
 	bind_guarded<&ScatterLayer::set_material_override>(D_METHOD("set_material_override", "material"));
 	bind_guarded<&ScatterLayer::get_material_override>(D_METHOD("get_material_override"));
-	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "material_override", PROPERTY_HINT_RESOURCE_TYPE,
-						 "BaseMaterial3D,ShaderMaterial"),
+	add_layer_property(PropertyUse::drawing,
+			PropertyInfo(
+					Variant::OBJECT, "material_override", PROPERTY_HINT_RESOURCE_TYPE, "BaseMaterial3D,ShaderMaterial"),
 			"set_material_override", "get_material_override");
 	bind_guarded<&ScatterLayer::get_materials>(D_METHOD("get_materials"));
+	bind_guarded<&ScatterLayer::get_geometry_properties>(D_METHOD("get_geometry_properties"));
 	bind_integer<cast_shadow>();
 	bind_integer<gi_mode>();
 	bind_integer<render_layers>();

@@ -113,7 +113,7 @@ void ScatterLayer::bind_gameplay() {
 	ADD_SUBGROUP("Collision", "");
 	bind_guarded<&ScatterLayer::set_collision_shape>(D_METHOD("set_collision_shape", "shape"));
 	bind_guarded<&ScatterLayer::get_collision_shape>(D_METHOD("get_collision_shape"));
-	ADD_PROPERTY(
+	add_layer_property(PropertyUse::gameplay,
 			PropertyInfo(Variant::INT, "collision_shape", PROPERTY_HINT_ENUM, "None,Capsule,Cylinder,Box,Convex,Model"),
 			"set_collision_shape", "get_collision_shape");
 	bind_number<collision_distance>();
@@ -121,13 +121,15 @@ void ScatterLayer::bind_gameplay() {
 	bind_integer<collision_mask>();
 	bind_guarded<&ScatterLayer::set_physics_material>(D_METHOD("set_physics_material", "material"));
 	bind_guarded<&ScatterLayer::get_physics_material>(D_METHOD("get_physics_material"));
-	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "physics_material", PROPERTY_HINT_RESOURCE_TYPE, "PhysicsMaterial"),
+	add_layer_property(PropertyUse::gameplay,
+			PropertyInfo(Variant::OBJECT, "physics_material", PROPERTY_HINT_RESOURCE_TYPE, "PhysicsMaterial"),
 			"set_physics_material", "get_physics_material");
 	bind_switch<affect_navigation_mesh>();
 	ADD_SUBGROUP("Scene", "");
 	bind_guarded<&ScatterLayer::set_scene>(D_METHOD("set_scene", "scene"));
 	bind_guarded<&ScatterLayer::get_scene>(D_METHOD("get_scene"));
-	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_RESOURCE_TYPE, "PackedScene"), "set_scene",
+	add_layer_property(PropertyUse::gameplay,
+			PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_RESOURCE_TYPE, "PackedScene"), "set_scene",
 			"get_scene");
 	bind_number<scene_distance>();
 	BIND_ENUM_CONSTANT(COLLISION_NONE);

@@ -2,7 +2,9 @@
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
-#include <algorithm>
+#include <godot_cpp/core/memory.hpp>
+
+#include <cstddef>
 
 using namespace godot;
 
@@ -56,6 +58,36 @@ void ScatterLayer::set_lod_distances(const PackedFloat32Array &p_distances) {
 
 PackedFloat32Array ScatterLayer::get_lod_distances() const { return lod_distances_; }
 
+TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) const {
+	TypedArray<ScatterLod> result;
+	const auto count = static_cast<int64_t>(meshes_.size());
+	if (p_index < 0 || p_index >= count) {
+		report("ScatterLayer.get_mesh_lods", {ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
+		return result;
+	}
+	LayerDrawing drawing;
+	LodSettings lod;
+	meshes_.draw(lod_meshes_, lod_distances_, drawing, lod);
+	const auto add = [&](double distance, const Ref<Mesh> &mesh, const MeshShadow &shadow, double density) {
+		if (mesh.is_valid()) {
+			const Ref<ScatterLod> made(memnew(ScatterLod));
+			made->set_mesh(mesh);
+			made->set_distance(distance);
+			made->set_shadow_mesh(shadow.mesh);
+			made->set_cast_shadow(static_cast<ScatterLod::CastShadow>(shadow.setting));
+			made->set_density(density);
+			result.push_back(made);
+		}
+	};
+	const auto entry = static_cast<std::size_t>(p_index);
+	add(0.0, drawing.meshes[entry], drawing.shadows[entry], drawing.densities[entry]);
+	for (std::size_t row = 0; row < lod.lod_distances.size(); ++row) {
+		const std::size_t at = row * meshes_.size() + entry;
+		add(lod.lod_distances[row], drawing.lod_meshes[at], drawing.lod_shadows[at], drawing.lod_densities[at]);
+	}
+	return result;
+}
+
 void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
 	const int64_t needed = lod_distances_.size() * static_cast<int64_t>(meshes_.size());
 	if (lod_meshes_.size() != needed) {
@@ -78,13 +110,16 @@ void ScatterLayer::bind_lod() {
 	ADD_SUBGROUP("LOD", "lod_");
 	bind_guarded<&ScatterLayer::set_lod_distances>(D_METHOD("set_lod_distances", "distances"));
 	bind_guarded<&ScatterLayer::get_lod_distances>(D_METHOD("get_lod_distances"));
-	ADD_PROPERTY(PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "lod_distances", PROPERTY_HINT_NONE, "suffix:m"),
+	add_layer_property(PropertyUse::drawing,
+			PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "lod_distances", PROPERTY_HINT_NONE, "suffix:m"),
 			"set_lod_distances", "get_lod_distances");
 	bind_guarded<&ScatterLayer::set_lod_meshes>(D_METHOD("set_lod_meshes", "meshes"));
 	bind_guarded<&ScatterLayer::get_lod_meshes>(D_METHOD("get_lod_meshes"));
-	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lod_meshes", PROPERTY_HINT_ARRAY_TYPE,
-						 vformat("%d/%d:Mesh", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
+	add_layer_property(PropertyUse::drawing,
+			PropertyInfo(Variant::ARRAY, "lod_meshes", PROPERTY_HINT_ARRAY_TYPE,
+					vformat("%d/%d:Mesh", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_lod_meshes", "get_lod_meshes");
+	bind_guarded<&ScatterLayer::get_mesh_lods>(D_METHOD("get_mesh_lods", "index"));
 	bind_number<lod_fade>();
 	bind_number<lod_bias>();
 	ADD_SUBGROUP("Thinning", "thin_");

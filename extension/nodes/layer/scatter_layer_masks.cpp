@@ -76,7 +76,7 @@ void ScatterLayer::bind_masks() {
 	bind_guarded<&ScatterLayer::set_mask>(D_METHOD("set_mask", "mask"));
 	bind_guarded<&ScatterLayer::get_mask>(D_METHOD("get_mask"));
 	bind_guarded<&ScatterLayer::mask_area_changed>(D_METHOD("_mask_area_changed", "rect"));
-	ADD_PROPERTY(
+	add_layer_property(PropertyUse::placement,
 			PropertyInfo(Variant::OBJECT, "mask", PROPERTY_HINT_RESOURCE_TYPE, "ScatterMask"), "set_mask", "get_mask");
 	bind_resource<mask_texture>();
 	bind_guarded<&ScatterLayer::set_mask_texture_rect>(D_METHOD("set_mask_texture_rect", "rect"));
@@ -85,12 +85,14 @@ void ScatterLayer::bind_masks() {
 	bind_guarded<&ScatterLayer::get_mask_texture_channel>(D_METHOD("get_mask_texture_channel"));
 	bind_guarded<&ScatterLayer::set_mask_texture_edge>(D_METHOD("set_mask_texture_edge", "edge"));
 	bind_guarded<&ScatterLayer::get_mask_texture_edge>(D_METHOD("get_mask_texture_edge"));
-	ADD_PROPERTY(PropertyInfo(Variant::RECT2, "mask_texture_rect", PROPERTY_HINT_NONE, "suffix:m"),
-			"set_mask_texture_rect", "get_mask_texture_rect");
-	ADD_PROPERTY(
+	add_layer_property(PropertyUse::placement,
+			PropertyInfo(Variant::RECT2, "mask_texture_rect", PROPERTY_HINT_NONE, "suffix:m"), "set_mask_texture_rect",
+			"get_mask_texture_rect");
+	add_layer_property(PropertyUse::placement,
 			PropertyInfo(Variant::INT, "mask_texture_channel", PROPERTY_HINT_ENUM, "Red,Green,Blue,Alpha,Luminance"),
 			"set_mask_texture_channel", "get_mask_texture_channel");
-	ADD_PROPERTY(PropertyInfo(Variant::INT, "mask_texture_edge", PROPERTY_HINT_ENUM, "Nothing,Everything,Clamp,Repeat"),
+	add_layer_property(PropertyUse::placement,
+			PropertyInfo(Variant::INT, "mask_texture_edge", PROPERTY_HINT_ENUM, "Nothing,Everything,Clamp,Repeat"),
 			"set_mask_texture_edge", "get_mask_texture_edge");
 	BIND_ENUM_CONSTANT(MASK_CHANNEL_RED);
 	BIND_ENUM_CONSTANT(MASK_CHANNEL_GREEN);

@@ -125,12 +125,14 @@ void ScatterLayer::bind_meshes() {
 	bind_guarded<&ScatterLayer::set_meshes>(D_METHOD("set_meshes", "meshes"));
 	bind_guarded<&ScatterLayer::get_meshes>(D_METHOD("get_meshes"));
 	// By its type in text, which has room for several classes; scripts see an array of no type.
-	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "meshes", PROPERTY_HINT_TYPE_STRING,
-						 vformat("%d/%d:Mesh,PackedScene,ScatterModel", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
+	add_layer_property(PropertyUse::placement,
+			PropertyInfo(Variant::ARRAY, "meshes", PROPERTY_HINT_TYPE_STRING,
+					vformat("%d/%d:Mesh,PackedScene,ScatterModel", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_meshes", "get_meshes");
 	bind_guarded<&ScatterLayer::set_mesh_weights>(D_METHOD("set_mesh_weights", "weights"));
 	bind_guarded<&ScatterLayer::get_mesh_weights>(D_METHOD("get_mesh_weights"));
-	ADD_PROPERTY(PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "mesh_weights"), "set_mesh_weights", "get_mesh_weights");
+	add_layer_property(PropertyUse::placement, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "mesh_weights"),
+			"set_mesh_weights", "get_mesh_weights");
 	bind_guarded<&ScatterLayer::reload_scenes>(D_METHOD("reload_scenes", "paths"));
 	bind_guarded<&ScatterLayer::fit_to_meshes>(D_METHOD("fit_to_meshes"));
 }

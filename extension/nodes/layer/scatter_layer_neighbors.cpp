@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 using namespace godot;
 
@@ -149,18 +151,30 @@ void ScatterLayer::rename_references(const String &p_from, const String &p_to) {
 	}
 }
 
+String ScatterLayer::find_free_name(const String &p_name, const PackedStringArray &p_taken) const {
+	std::vector<std::string> taken;
+	for (const String &name : p_taken) {
+		taken.emplace_back(name.utf8().get_data());
+	}
+	return String::utf8(free_layer_name(p_name.utf8().get_data(), taken).c_str());
+}
+
 void ScatterLayer::bind_neighbors() {
 	ADD_GROUP("Other Layers", "");
+	bind_guarded<&ScatterLayer::find_free_name>(D_METHOD("find_free_name", "name", "taken"));
 	bind_guarded<&ScatterLayer::set_spacing>(D_METHOD("set_spacing", "spacing"));
 	bind_guarded<&ScatterLayer::get_spacing>(D_METHOD("get_spacing"));
-	ADD_PROPERTY(PropertyInfo(Variant::DICTIONARY, "spacing"), "set_spacing", "get_spacing");
+	add_layer_property(
+			PropertyUse::placement, PropertyInfo(Variant::DICTIONARY, "spacing"), "set_spacing", "get_spacing");
 	ADD_SUBGROUP("Proximity", "proximity_");
 	bind_guarded<&ScatterLayer::set_proximity_layer>(D_METHOD("set_proximity_layer", "layer"));
 	bind_guarded<&ScatterLayer::get_proximity_layer>(D_METHOD("get_proximity_layer"));
-	ADD_PROPERTY(PropertyInfo(Variant::NIL, "proximity_layer", PROPERTY_HINT_NONE, String(),
-						 PROPERTY_USAGE_DEFAULT | PROPERTY_USAGE_NIL_IS_VARIANT),
+	add_layer_property(PropertyUse::placement,
+			PropertyInfo(Variant::NIL, "proximity_layer", PROPERTY_HINT_NONE, String(),
+					PROPERTY_USAGE_DEFAULT | PROPERTY_USAGE_NIL_IS_VARIANT),
 			"set_proximity_layer", "get_proximity_layer");
 	bind_number<proximity_distance>();
+	ClassDB::bind_integer_constant(get_class_static(), "", "MAX_NEIGHBORS", max_neighbors);
 	bind_resource<proximity_curve>();
 }
 

@@ -3,6 +3,7 @@
 // The properties of a ScatterLayer that are described by a constant: their setters, getters and entries in ClassDB. Included
 // by the sources that have such constants, and by nothing else.
 
+#include "nodes/layer/layer_property_use.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/common/watch.hpp"
 
@@ -59,6 +60,23 @@ auto &ScatterLayer::part(Self &self) {
 	} else {
 		static_assert(std::is_same_v<Values, LayerIdentity>, "a layer has no such part");
 		return self.identity_;
+	}
+}
+
+/// What a property decides, by the part that its member is in.
+template <const auto &property>
+constexpr PropertyUse use_of() {
+	using Part = PartOf<property>;
+	if constexpr (std::is_same_v<Part, LayerDrawing> || std::is_same_v<Part, LodSettings>) {
+		return PropertyUse::drawing;
+	} else if constexpr (std::is_same_v<Part, StreamLayer>) {
+		// Transforms are floats around the middle of a tile: where that is counts.
+		return property.member == &StreamLayer::tile_size ? PropertyUse::placement : PropertyUse::drawing;
+	} else if constexpr (std::is_same_v<Part, LayerGameplay> || std::is_same_v<Part, LayerCollision> ||
+			std::is_same_v<Part, LayerScene>) {
+		return PropertyUse::gameplay;
+	} else {
+		return PropertyUse::placement;
 	}
 }
 
@@ -144,7 +162,8 @@ void ScatterLayer::bind_number() {
 	const godot::String getter = "get_" + name;
 	bind_guarded<&ScatterLayer::set_number<property>>(godot::D_METHOD(godot::StringName(setter), "value"));
 	bind_guarded<&ScatterLayer::get_number<property>>(godot::D_METHOD(godot::StringName(getter)));
-	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
+	add_layer_property(use_of<property>(),
+			godot::PropertyInfo(godot::Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
 }
 
 template <const auto &property>
@@ -154,7 +173,8 @@ void ScatterLayer::bind_integer() {
 	const godot::String getter = "get_" + name;
 	bind_guarded<&ScatterLayer::set_integer<property>>(godot::D_METHOD(godot::StringName(setter), "value"));
 	bind_guarded<&ScatterLayer::get_integer<property>>(godot::D_METHOD(godot::StringName(getter)));
-	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::INT, name, property.hint, property.hint_string), setter, getter);
+	add_layer_property(use_of<property>(),
+			godot::PropertyInfo(godot::Variant::INT, name, property.hint, property.hint_string), setter, getter);
 }
 
 template <const auto &property>
@@ -164,7 +184,7 @@ void ScatterLayer::bind_switch() {
 	const godot::String getter = property.getter;
 	bind_guarded<&ScatterLayer::set_switch<property>>(godot::D_METHOD(godot::StringName(setter), "enabled"));
 	bind_guarded<&ScatterLayer::get_switch<property>>(godot::D_METHOD(godot::StringName(getter)));
-	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::BOOL, name), setter, getter);
+	add_layer_property(use_of<property>(), godot::PropertyInfo(godot::Variant::BOOL, name), setter, getter);
 }
 
 template <const auto &property>
@@ -176,8 +196,9 @@ void ScatterLayer::bind_resource() {
 	bind_guarded<&ScatterLayer::set_resource<property>>(godot::D_METHOD(godot::StringName(setter), "resource"));
 	bind_guarded<&ScatterLayer::get_resource<property>>(godot::D_METHOD(godot::StringName(getter)));
 	bind_guarded<&ScatterLayer::resource_changed<property>>(godot::D_METHOD(godot::StringName(on_change)));
-	ADD_PROPERTY(godot::PropertyInfo(godot::Variant::OBJECT, name, godot::PROPERTY_HINT_RESOURCE_TYPE,
-						 ResourceOf<property>::get_class_static()),
+	add_layer_property(use_of<property>(),
+			godot::PropertyInfo(godot::Variant::OBJECT, name, godot::PROPERTY_HINT_RESOURCE_TYPE,
+					ResourceOf<property>::get_class_static()),
 			setter, getter);
 }
 

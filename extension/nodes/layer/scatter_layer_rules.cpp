@@ -77,8 +77,8 @@ void ScatterLayer::bind_rules() {
 	ADD_SUBGROUP("Ground", "");
 	bind_guarded<&ScatterLayer::set_ground_textures>(D_METHOD("set_ground_textures", "textures"));
 	bind_guarded<&ScatterLayer::get_ground_textures>(D_METHOD("get_ground_textures"));
-	ADD_PROPERTY(
-			PropertyInfo(Variant::PACKED_INT32_ARRAY, "ground_textures"), "set_ground_textures", "get_ground_textures");
+	add_layer_property(PropertyUse::placement, PropertyInfo(Variant::PACKED_INT32_ARRAY, "ground_textures"),
+			"set_ground_textures", "get_ground_textures");
 	ADD_SUBGROUP("Noise", "");
 	bind_resource<noise>();
 	bind_resource<noise_curve>();

@@ -163,10 +163,11 @@ void ScatterLayer::bind_sources() {
 	bind_resource<color_gradient>();
 	bind_guarded<&ScatterLayer::set_color_source>(D_METHOD("set_color_source", "source"));
 	bind_guarded<&ScatterLayer::get_color_source>(D_METHOD("get_color_source"));
-	ADD_PROPERTY(source_property("color_source"), "set_color_source", "get_color_source");
+	add_layer_property(PropertyUse::placement, source_property("color_source"), "set_color_source", "get_color_source");
 	bind_guarded<&ScatterLayer::set_color_source_layer>(D_METHOD("set_color_source_layer", "layer"));
 	bind_guarded<&ScatterLayer::get_color_source_layer>(D_METHOD("get_color_source_layer"));
-	ADD_PROPERTY(layer_property("color_source_layer"), "set_color_source_layer", "get_color_source_layer");
+	add_layer_property(PropertyUse::placement, layer_property("color_source_layer"), "set_color_source_layer",
+			"get_color_source_layer");
 	bind_resource<color_source_noise>();
 	bind_number<color_source_min>();
 	bind_number<color_source_max>();
@@ -175,10 +176,12 @@ void ScatterLayer::bind_sources() {
 	ADD_SUBGROUP("Variation", "variation_");
 	bind_guarded<&ScatterLayer::set_variation_source>(D_METHOD("set_variation_source", "source"));
 	bind_guarded<&ScatterLayer::get_variation_source>(D_METHOD("get_variation_source"));
-	ADD_PROPERTY(source_property("variation_source"), "set_variation_source", "get_variation_source");
+	add_layer_property(PropertyUse::placement, source_property("variation_source"), "set_variation_source",
+			"get_variation_source");
 	bind_guarded<&ScatterLayer::set_variation_source_layer>(D_METHOD("set_variation_source_layer", "layer"));
 	bind_guarded<&ScatterLayer::get_variation_source_layer>(D_METHOD("get_variation_source_layer"));
-	ADD_PROPERTY(layer_property("variation_source_layer"), "set_variation_source_layer", "get_variation_source_layer");
+	add_layer_property(PropertyUse::placement, layer_property("variation_source_layer"), "set_variation_source_layer",
+			"get_variation_source_layer");
 	bind_resource<variation_source_noise>();
 	bind_number<variation_source_min>();
 	bind_number<variation_source_max>();

@@ -156,8 +156,10 @@ public:
 	/// for a layer that does not exist and a rectangle that the core refuses.
 	godot::Ref<ScatterTile> build_rect(const godot::Variant &p_layer, const godot::Rect2 &p_rect);
 
-	/// The same for a tile of the layer, shown or not: to the bit what `get_tile` gives of one that is shown.
-	godot::Ref<ScatterTile> build_tile(const godot::Variant &p_layer, const godot::Vector2i &p_tile);
+	/// The same for a tile of the layer, shown or not: to the bit what `get_tile` gives of one that is shown. `p_rect`, unless it is Rect2(), is a
+	/// rectangle of the scene to which it is cut; tiles that are cut so still share their edges.
+	godot::Ref<ScatterTile> build_tile(
+			const godot::Variant &p_layer, const godot::Vector2i &p_tile, const godot::Rect2 &p_rect);
 
 	// Why something stands somewhere or does not. To be called on the main thread.
 

@@ -66,7 +66,7 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::get_shown_count>(D_METHOD("get_shown_count", "layer"));
 	bind_guarded<&Self::get_tile>(D_METHOD("get_tile", "layer", "tile"));
 	bind_guarded<&Self::build_rect>(D_METHOD("build_rect", "layer", "rect"));
-	bind_guarded<&Self::build_tile>(D_METHOD("build_tile", "layer", "tile"));
+	bind_guarded<&Self::build_tile>(D_METHOD("build_tile", "layer", "tile", "rect"), DEFVAL(Rect2()));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "terrain", PROPERTY_HINT_RESOURCE_TYPE, "ScatterTerrain"), "set_terrain",
 			"get_terrain");

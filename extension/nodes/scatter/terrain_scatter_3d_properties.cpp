@@ -215,9 +215,11 @@ Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect
 			"build_rect", p_layer, [rect = to_world(p_rect, world_offset_)](const LayerSnapshot &) { return rect; });
 }
 
-Ref<ScatterTile> TerrainScatter3D::build_tile(const Variant &p_layer, const Vector2i &p_tile) {
-	return build("build_tile", p_layer,
-			[p_tile](const LayerSnapshot &layer) { return tile_rect(layer.range.tile_size, {p_tile.x, p_tile.y}); });
+Ref<ScatterTile> TerrainScatter3D::build_tile(const Variant &p_layer, const Vector2i &p_tile, const Rect2 &p_rect) {
+	return build("build_tile", p_layer, [&](const LayerSnapshot &layer) {
+		const Rect square = tile_rect(layer.range.tile_size, {p_tile.x, p_tile.y});
+		return p_rect == Rect2() ? square : intersection(square, to_world(p_rect, world_offset_));
+	});
 }
 
 /// What stands in the rectangle of the world that `rect_of` gives for the layer.

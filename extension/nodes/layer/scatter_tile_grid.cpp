@@ -1,0 +1,63 @@
+#include "nodes/layer/scatter_tile_grid.hpp"
+
+#include "nodes/common/property_check.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+
+#include <algorithm>
+#include <array>
+
+using namespace godot;
+
+namespace thicket {
+
+void ScatterTileGrid::set_tile_size(double p_size) {
+	if (accept_number(class_name, "tile_size", p_size, 0.1, 1e6)) {
+		tile_size_ = p_size;
+	}
+}
+
+bool ScatterTileGrid::accept(const char *p_property, double p_along) const {
+	const double farthest = max_coordinate * tile_size_;
+	return accept_number(class_name, p_property, p_along, -farthest, farthest);
+}
+
+Vector2i ScatterTileGrid::get_tile_at(double p_x, double p_z) const {
+	return accept("x", p_x) && accept("z", p_z) ? Vector2i(tile_at(tile_size_, {p_x, p_z})) : Vector2i();
+}
+
+PackedFloat64Array ScatterTileGrid::get_tile_bounds(const Vector2i &p_tile) const {
+	const Rect square = tile_rect(tile_size_, p_tile);
+	PackedFloat64Array result;
+	result.resize(4);
+	std::ranges::copy(std::array{square.min.x, square.min.y, square.max.x, square.max.y}, result.ptrw());
+	return result;
+}
+
+Rect2i ScatterTileGrid::get_tiles_in(const PackedFloat64Array &p_bounds) const {
+	if (p_bounds.size() != 4) {
+		report(class_name, {ErrorCode::wrong_size, "bounds", static_cast<double>(p_bounds.size())});
+		return {};
+	}
+	for (const double along : p_bounds) {
+		if (!accept("bounds", along)) {
+			return {};
+		}
+	}
+	const double *bounds = p_bounds.ptr();
+	const TileRange tiles = tiles_in(tile_size_, {{bounds[0], bounds[1]}, {bounds[2], bounds[3]}});
+	return tiles.empty() ? Rect2i() : Rect2i(Vector2i(tiles.first), Vector2i(tiles.last - tiles.first + 1));
+}
+
+void ScatterTileGrid::_bind_methods() {
+	using Self = ScatterTileGrid;
+	bind_guarded<&Self::set_tile_size>(D_METHOD("set_tile_size", "size"));
+	bind_guarded<&Self::get_tile_size>(D_METHOD("get_tile_size"));
+	bind_guarded<&Self::get_tile_at>(D_METHOD("get_tile_at", "x", "z"));
+	bind_guarded<&Self::get_tile_bounds>(D_METHOD("get_tile_bounds", "tile"));
+	bind_guarded<&Self::get_tiles_in>(D_METHOD("get_tiles_in", "bounds"));
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "tile_size", PROPERTY_HINT_RANGE, "0.1,1000000,0.1,exp,suffix:m"),
+			"set_tile_size", "get_tile_size");
+}
+
+} // namespace thicket

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "core/base/tile_grid.hpp"
+#include "nodes/common/guard.hpp"
+
+#include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/variant/packed_float64_array.hpp>
+#include <godot_cpp/variant/rect2i.hpp>
+#include <godot_cpp/variant/vector2i.hpp>
+
+namespace thicket {
+
+/// Where tiles of a size lie in the world: core/base/tile_grid.hpp for scripts, in double precision. Bounds are min x, min z, max x and max z in meters,
+/// half-open.
+class ScatterTileGrid : public godot::RefCounted {
+	GDCLASS(ScatterTileGrid, godot::RefCounted)
+	THICKET_GUARDED_METHODS
+
+public:
+	/// Meters, 0.1 to 1e6. Any other value prints an error and is ignored.
+	void set_tile_size(double p_size);
+	double get_tile_size() const { return tile_size_; }
+
+	/// The tile that a position lies in. A coordinate beyond max_coordinate tiles prints an error, and the result is tile (0, 0).
+	godot::Vector2i get_tile_at(double p_x, double p_z) const;
+
+	/// The square of a tile.
+	godot::PackedFloat64Array get_tile_bounds(const godot::Vector2i &p_tile) const;
+
+	/// The tiles that have points in bounds: the first one, and how many along x and z. Empty bounds have none. Other than four numbers, and numbers that get_tile_at
+	/// refuses, print an error: no tiles then.
+	godot::Rect2i get_tiles_in(const godot::PackedFloat64Array &p_bounds) const;
+
+	static constexpr const char *class_name = "ScatterTileGrid";
+
+	/// Tiles from the origin; a row of twice as many is counted by an int.
+	static constexpr double max_coordinate = max_tile_coordinate / 2;
+
+protected:
+	static void _bind_methods();
+
+private:
+	bool accept(const char *p_property, double p_along) const;
+
+	double tile_size_ = 64.0;
+};
+
+} // namespace thicket
