@@ -102,7 +102,7 @@ def test_gltf_without_the_engine(copy, game, tmp_path):
     assert "the bake has no tile 1,1" in refused("gltf", copy, tmp_path / "none", "--stand-ins", "--tiles=1,1")
 
     layers = manifest_of(copy)["layers"]
-    layers[0]["models"][1]["path"] = "res://gone.tscn"
+    layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}
     edit_manifest(copy, layers=layers)
     done = reader("gltf", copy, tmp_path / "gone", "--project", game, "--tiles=60000,-20002", "--lod", "1")
     assert done.returncode == 0 and "res://gone.tscn is drawn as a pyramid: res://gone.tscn cannot be loaded" in done.stderr

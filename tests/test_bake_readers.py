@@ -127,7 +127,7 @@ def test_scenes_hold_every_instance_where_it_was_baked(nodes, expected):
 
 
 def test_meshes_are_named_or_copied_once(nodes, world, bake):
-    """A mesh of the project by its path, the bake's own once, and a scene as one mesh of its visible parts."""
+    """A mesh of the project by its path, and those that only the bake has once."""
     meshes = {re.sub(r"(_\d+)_\d+", r"\1", node["name"]): node["mesh"] for node in nodes}
     assert meshes["Oak_0_LOD0"] == "res://oak.tres" and meshes["Oak_0_LOD1"] == "res://far.tres"
     assert meshes["Grass_0"] == "res://world/models/2_0.res"
@@ -190,13 +190,17 @@ def test_an_export_replaces_an_earlier_one_and_nothing_else(bake, game, world, t
 
 def test_a_model_that_cannot_be_had_is_named(copy, game):
     layers = manifest_of(copy)["layers"]
-    layers[0]["models"][1]["path"] = "res://gone.tscn"
+    layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}  # As a manifest names scenes in old bakes.
     edit_manifest(copy, layers=layers)
     assert "res://gone.tscn cannot be loaded: is it in the project?" in refused("godot", copy, game / "without")
     assert not (game / "without/baked_world.res").exists()
     layers[0]["models"][1]["path"] = "models/gone.res"
     edit_manifest(copy, layers=layers)
     assert f"{copy} has no models/gone.res, which its manifest names" in refused("godot", copy, game / "without")
+    (game / "oak.tscn").write_text('[gd_scene format=3]\n[node name="Oak" type="Node3D"]\n')
+    layers[0]["models"][1]["path"] = "res://oak.tscn"
+    edit_manifest(copy, layers=layers)
+    assert "res://oak.tscn is a scene, which only Thicket's library can read" in refused("godot", copy, game / "without")
 
 
 # The node that streams

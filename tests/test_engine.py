@@ -105,6 +105,7 @@ def assert_passed(done):
         "test_navigation",
         "test_import_instances",
         "test_import_tables",
+        "test_bake_models",
         "test_scenes",
         "test_scenes_meddled",
         "test_lifetime",

@@ -26,7 +26,7 @@ LAYERS = [
         "index": 0, "name": "Oak", "radius": 6.0, "levels": 3, "colored": True, "custom_data": True, "tile_size": 64.0,
         "models": [
             {"path": "res://oak.tres", "name": "oak", "lods": [{"path": "res://oak.tres", "distance": 0.0}, {"path": "res://far.tres", "distance": 40.0}]},
-            {"path": "res://rock.tscn", "name": "rock"},
+            {"path": "res://rock.tscn", "name": "rock", "lods": [{"path": "models/0_1.res", "distance": 0.0}]},
         ],
     },
     {

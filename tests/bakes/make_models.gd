@@ -1,9 +1,22 @@
 extends SceneTree
-## Saves the mesh that a small bake has of its own. Arguments: the path.
+## Saves the meshes that a small bake has of its own. Arguments: the folder.
 
 
 func _initialize() -> void:
+	var folder := OS.get_cmdline_user_args()[0]
 	var tuft := SphereMesh.new()
 	tuft.radius = 0.25
-	ResourceSaver.save(tuft, OS.get_cmdline_user_args()[0])
+	ResourceSaver.save(tuft, folder.path_join("2_0.res"))
+	ResourceSaver.save(_rock(), folder.path_join("0_1.res"))
 	quit()
+
+
+## Two boxes, 2 m apart.
+func _rock() -> ArrayMesh:
+	var gray := StandardMaterial3D.new()
+	gray.albedo_color = Color(0.5, 0.25, 0.5)
+	var tool := SurfaceTool.new()
+	tool.set_material(gray)
+	for height: float in [0.0, 2.0]:
+		tool.append_from(BoxMesh.new(), 0, Transform3D(Basis.IDENTITY, Vector3(0.0, height, 0.0)))
+	return tool.commit()

@@ -15,26 +15,6 @@ from conftest import ADDON, CACHE, REPO, run
 PYTHON = CACHE / "bake-venv/bin/python"
 BAKES = REPO / "tests/bakes"
 TOOLS = REPO / "tools/bake"
-ROCK = """[gd_scene load_steps=3 format=3]
-[sub_resource type="StandardMaterial3D" id="gray"]
-albedo_color = Color(0.5, 0.25, 0.5, 1)
-[sub_resource type="BoxMesh" id="box"]
-material = SubResource("gray")
-[node name="Rock" type="Node3D"]
-transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 5, 0, 0)
-[node name="Low" type="MeshInstance3D" parent="."]
-mesh = SubResource("box")
-[node name="High" type="MeshInstance3D" parent="."]
-transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0)
-mesh = SubResource("box")
-[node name="Hidden" type="MeshInstance3D" parent="."]
-transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 9, 0)
-visible = false
-mesh = SubResource("box")
-[node name="Rock_LOD1" type="MeshInstance3D" parent="."]
-transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 20, 0)
-mesh = SubResource("box")
-"""
 
 
 def new_game(folder: Path) -> Path:
@@ -46,7 +26,6 @@ def new_game(folder: Path) -> Path:
         shutil.copy(ADDON / name, scripts)
     (folder / "oak.tres").write_text('[gd_resource type="CylinderMesh" format=3]\n[resource]\nheight = 6.0\n')
     (folder / "far.tres").write_text('[gd_resource type="BoxMesh" format=3]\n[resource]\nsize = Vector3(1, 6, 1)\n')
-    (folder / "rock.tscn").write_text(ROCK)
     return folder
 
 
@@ -62,7 +41,7 @@ def bake(tmp_path_factory, godot, game) -> Path:
     done = run([PYTHON, BAKES / "make_bake.py", folder], timeout=60)
     assert done.returncode == 0, f"{done.stderr}\nthe Python packages come from tools/setup.sh, setup_bake"
     (folder / "models").mkdir()
-    done = godot(["--path", game, "--script", BAKES / "make_models.gd", "--", folder / "models/2_0.res"], timeout=60)
+    done = godot(["--path", game, "--script", BAKES / "make_models.gd", "--", folder / "models"], timeout=60)
     assert (folder / "models/2_0.res").is_file(), done.stdout + done.stderr
     return folder
 

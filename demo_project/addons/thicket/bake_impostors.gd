@@ -60,7 +60,7 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	_layer = layer
 	if name.is_empty() or not name.is_valid_filename():
 		return _refuse(ERR_INVALID_PARAMETER, "'%s' is no name for a file." % name)
-	_meshes.assign(layer.get(&"meshes").map(_mesh_of))
+	_meshes.assign(range((layer.get(&"meshes") as Array).size()).map(_finest))
 	if not _meshes.any(func(mesh: Mesh) -> bool: return mesh != null):
 		return _refuse(ERR_UNCONFIGURED, "The layer has no mesh to bake.")
 	var error := DirAccess.make_dir_recursive_absolute(folder)
@@ -105,15 +105,10 @@ func cancel() -> void:
 		_running = false
 
 
-## What is baked of an entry of [member ScatterLayer.meshes]: itself, or the finest LOD of a scene or a model; null for nothing.
-static func _mesh_of(entry: Resource) -> Mesh:
-	if entry == null or entry is Mesh:
-		return entry
-	var model := entry
-	if entry is PackedScene:
-		model = ClassDB.instantiate(&"ScatterModel") as Resource
-		model.set(&"scene", entry)
-	return model.call(&"get_mesh")
+## What is baked of an entry of [member ScatterLayer.meshes]: its finest LOD; null for nothing.
+func _finest(entry: int) -> Mesh:
+	var lods: Array = _layer.call(&"get_mesh_lods", entry)
+	return lods[0].get(&"mesh") if not lods.is_empty() else null
 
 
 func _refuse(error: Error, why: String) -> Error:

@@ -14,61 +14,32 @@ var material := ""
 ## What went wrong, in a sentence; empty if nothing has.
 var problem := ""
 
-var _layer: Resource
+var _layer: ScatterLayer
 
 
 ## Reads [param layer], whose index in the scatter's list is [param index].
-func _init(layer: Resource, index: int) -> void:
+func _init(layer: ScatterLayer, index: int) -> void:
 	_layer = layer
 	DirAccess.make_dir_recursive_absolute(FOLDER)
-	var override: Material = layer.get(&"material_override")
-	if override != null:
-		material = _path_of(override, "models/%d_material.res" % index)
-	var entries: Array = layer.get(&"meshes")
-	for entry in entries.size():
-		models.append(_model(entries[entry], index, entry))
+	if layer.material_override != null:
+		material = _path_of(layer.material_override, "models/%d_material.res" % index)
+	for entry in layer.meshes.size():
+		models.append(_model(layer.meshes[entry], index, entry))
 
 
 func _model(model: Resource, layer: int, entry: int) -> Dictionary:
 	if model == null:
 		return {"path": "", "name": "", "lods": []}
 	var lods: Array[Dictionary] = []
-	for level: Array in _levels(model, entry):
+	for lod in _layer.get_mesh_lods(entry):
 		var file := "models/%d_%d%s.res" % [layer, entry, "" if lods.is_empty() else "_%d" % lods.size()]
-		lods.append({"path": _path_of(level[0], file), "distance": level[1]})
-	var scene: Resource = model.get(&"scene") if model.is_class("ScatterModel") else null
+		lods.append({"path": _path_of(lod.mesh, file), "distance": lod.distance})
+	var scene := (model as ScatterModel).scene if model is ScatterModel else null
 	var path := _own_path(scene if scene != null else model)
 	var name := _name_of(model, path)
 	if not path and not lods.is_empty():
 		path = lods[0].path
 	return {"path": path, "name": name, "lods": lods}
-
-
-## All levels of detail, each a mesh and the distance from which it is drawn, nearest first: those of the model, and those that the
-## layer adds.
-func _levels(model: Resource, entry: int) -> Array[Array]:
-	var levels: Array[Array] = []
-	if model.is_class("ScatterModel"):
-		var size: float = (model.call(&"get_aabb") as AABB).size.length()
-		var lods: Array = model.get(&"lods")
-		for level in lods.size():
-			if lods[level] == null or lods[level].get(&"mesh") == null:
-				continue
-			var distance: float = lods[level].get(&"distance")
-			if level > 0 and distance == 0.0:
-				distance = 2.5 * size * pow(2.0, level - 1)
-			levels.append([lods[level].get(&"mesh"), maxf(distance, levels[-1][1]) if not levels.is_empty() else 0.0])
-	elif model is Mesh:
-		levels.append([model, 0.0])
-	var distances: PackedFloat32Array = _layer.get(&"lod_distances")
-	var meshes: Array = _layer.get(&"lod_meshes")
-	var count: int = _layer.get(&"meshes").size()
-	for level in distances.size():
-		var at := level * count + entry
-		if at < meshes.size() and meshes[at] != null:
-			levels.append([meshes[at], distances[level]])
-	levels.sort_custom(func(a: Array, b: Array) -> bool: return a[1] < b[1])
-	return levels
 
 
 static func _own_path(resource: Resource) -> String:

@@ -1,5 +1,5 @@
 extends RefCounted
-## Makes one mesh of what a model's path names: of a mesh itself, or of the visible parts of a scene.
+## Reads the mesh that a model's path names. Bakes name meshes, but for old ones, which name the scenes that layers had among their meshes.
 
 ## Why there is no mesh, in a sentence.
 var problem := ""
@@ -11,10 +11,7 @@ func mesh_at(path: String) -> Mesh:
 	if found is Mesh:
 		return found
 	if found is PackedScene:
-		var merged := _merged(found)
-		if merged == null:
-			problem = "%s has no visible MeshInstance3D with a mesh." % path
-		return merged
+		return _finest(found, path)
 	if found == null:
 		problem = "%s cannot be loaded: is it in the project?" % path
 	else:
@@ -22,33 +19,14 @@ func mesh_at(path: String) -> Mesh:
 	return null
 
 
-## All parts of a scene in one mesh, a surface for each material. Of parts that are named for levels of detail, those of the finest.
-func _merged(scene: PackedScene) -> ArrayMesh:
-	var root := scene.instantiate() if scene.can_instantiate() else null
-	if root == null:
+## The finest LOD of a scene. Thicket's library reads it, which a project that only shows bakes does without.
+func _finest(scene: PackedScene, path: String) -> Mesh:
+	if not ClassDB.class_exists(&"ScatterModel"):
+		problem = "%s is a scene, which only Thicket's library can read. Install the whole add-on in this project, or bake again: new bakes hold the mesh." % path
 		return null
-	var tools: Dictionary[Material, SurfaceTool] = {}
-	_append(root, Transform3D(), true, tools)
-	root.free()
-	var mesh: ArrayMesh = null
-	for material: Material in tools:
-		tools[material].set_material(material)
-		mesh = tools[material].commit(mesh)
+	var model: Resource = ClassDB.instantiate(&"ScatterModel")
+	model.set(&"scene", scene)
+	var mesh: Mesh = model.call(&"get_mesh", 0)
+	if mesh == null:
+		problem = "%s has no visible MeshInstance3D with a mesh." % path
 	return mesh
-
-
-func _append(node: Node, above: Transform3D, is_root: bool, r_tools: Dictionary[Material, SurfaceTool]) -> void:
-	var coarse := RegEx.create_from_string("(?i)lod_?[1-9]\\d*$")
-	var here := above
-	if node is Node3D:
-		if not is_root and (not node.visible or coarse.search(node.name) != null):
-			return
-		here = Transform3D() if is_root else above * node.transform
-	if node is MeshInstance3D and node.mesh != null:
-		for surface: int in node.mesh.get_surface_count():
-			var material: Material = node.get_active_material(surface)
-			if not r_tools.has(material):
-				r_tools[material] = SurfaceTool.new()
-			r_tools[material].append_from(node.mesh, surface, here)
-	for child in node.get_children():
-		_append(child, here, false, r_tools)
