@@ -106,6 +106,7 @@ def assert_passed(done):
         "test_import_instances",
         "test_import_tables",
         "test_bake_models",
+        "test_scene_digest",
         "test_scenes",
         "test_scenes_meddled",
         "test_lifetime",

@@ -8,14 +8,6 @@ extends RefCounted
 
 ## Fields of the ground along each side of the rectangle, at whose middles heights are compared.
 const PROBES := 33
-## Properties of layers that say how instances are drawn or met, not where they stand.
-const DRAWING: Array[StringName] = [
-	&"affect_navigation_mesh", &"cast_shadow", &"collision_distance", &"collision_layer", &"collision_mask", &"collision_shape",
-	&"draw_cell_size", &"extra_cull_margin", &"gi_mode", &"instance_height", &"instance_radius", &"lod_bias", &"lod_distances",
-	&"lod_fade", &"lod_meshes", &"material_override", &"physics_material", &"render_layers", &"scene", &"scene_distance",
-	&"thin_begin", &"thin_density", &"thin_end", &"thin_scale_compensation", &"view_distance", &"visibility_range_begin",
-	&"visibility_range_begin_margin", &"visibility_range_end", &"visibility_range_end_margin", &"visibility_range_fade_mode",
-]
 ## Resources of which only the name counts: they say what an instance looks like.
 const LOOKS: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel", &"Material", &"Shader", &"Shape3D", &"PhysicsMaterial"]
 
@@ -25,34 +17,33 @@ var _seen: Dictionary[Object, int] = {}
 
 ## The hashes of all parts, by a name that people understand, as hexadecimal digits. [param rect] is the part of the world
 ## (x and z in meters) whose ground is probed.
-static func parts_of(scatter: Node3D, rect: Rect2) -> Dictionary[String, String]:
+static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[String, String]:
 	var parts: Dictionary[String, String] = {}
 	var add := func(part: String, values: Array) -> void: parts[part] = new()._digest(values)
 	add.call("the add-on", [version()])
-	add.call("the seed", [scatter.get(&"seed")])
-	add.call("the water", [scatter.get(&"water_enabled"), scatter.get(&"water_level")])
-	add.call("the world's offset", [scatter.get(&"world_offset")])
-	for index: int in scatter.call(&"get_layer_count"):
-		var layer: Resource = scatter.call(&"get_layer", index)
+	add.call("the seed", [scatter.seed])
+	add.call("the water", [scatter.water_enabled, scatter.water_level])
+	add.call("the world's offset", [scatter.world_offset])
+	for index in scatter.get_layer_count():
+		var layer := scatter.get_layer(index)
 		if layer != null:
 			add.call("layer %d (%s)" % [index, layer.resource_name], [layer])
-	add.call("the biomes", [scatter.get(&"biomes")])
+	add.call("the biomes", [scatter.biomes])
 	add.call("the regions", scatter.find_children("*", "ScatterRegion3D", true, false))
-	var terrain: Resource = scatter.get(&"terrain")
-	add.call("the terrain", [terrain])
+	add.call("the terrain", [scatter.terrain])
 	var heights := PackedFloat64Array()
 	for row in PROBES:
 		for column in PROBES:
 			var at := rect.position + rect.size * Vector2(column + 0.5, row + 0.5) / PROBES
-			heights.append(terrain.call(&"get_height", Vector3(at.x, 0.0, at.y)))
+			heights.append(scatter.terrain.get_height(Vector3(at.x, 0.0, at.y)))
 	add.call("the heights of the ground", [heights])
-	var state: Resource = scatter.get(&"state")
-	add.call("what was removed and placed by hand", [state.call(&"get_digest") if state != null and _holds_anything(state) else 0])
+	var changes := scatter.state
+	add.call("what was removed and placed by hand", [changes.get_digest() if changes != null and _holds_anything(changes) else 0])
 	return parts
 
 
-static func _holds_anything(state: Resource) -> bool:
-	return state.call(&"get_removed_count") > 0 or state.call(&"get_added_count") > 0
+static func _holds_anything(state: ScatterState) -> bool:
+	return state.get_removed_count() > 0 or state.get_added_count() > 0
 
 
 ## The version of the add-on.
@@ -123,7 +114,7 @@ func _add_object(object: Object) -> void:
 	if object is Node3D:
 		_add_plain(object.global_transform)
 		_add(object.get(&"curve"))
-		if not object.is_class("ScatterRegion3D"):
+		if not object is ScatterRegion3D:
 			return
 	_add_script(object.get_script())
 	for property: Dictionary in object.get_property_list():
@@ -136,7 +127,7 @@ func _add_object(object: Object) -> void:
 
 func _is_left_out(object: Object, property: StringName) -> bool:
 	return property in [&"script", &"resource_name", &"resource_path", &"resource_local_to_scene"] \
-			or (object.is_class("ScatterLayer") and property in DRAWING)
+			or (object is ScatterLayer and not (object as ScatterLayer).affects_placement(property))
 
 
 func _add_script(script: Script) -> void:
