@@ -2,46 +2,47 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import threading
 
 import numpy as np
-from conftest import REPO
+from conftest import REPO, new_project
 
 sys.path.insert(0, str(REPO / "tools/bake"))
-from baking import cluster, grid  # noqa: E402 (only on the path above)
+from baking import cluster  # noqa: E402 (only on the path above)
+from baking.grid import TileGrid, inside  # noqa: E402
 
 
-def test_areas_share_instances_among_them():
+def test_areas_share_instances_among_them(godot, tmp_path):
     """Every place of a tile of the game is in exactly one of the tiles of a bake, edges and what lies beyond them included."""
-    chance = np.random.default_rng(3)
-    for size, game_size in ((32.0, 32.0), (27.0, 20.0), (10.3, 0.7), (64.0, 33.3)):
-        rect = [-1e5 - 17.0, 2e6, 96.5, 81.25]
-        first_x, first_z, columns, rows = grid.grid_of(rect, size)
-        tiles = grid.tiles_of([first_x, first_z, columns, rows])
-        assert len(tiles) == columns * rows
-        for game in chance.permutation(grid.game_tiles((rect[0], rect[1], rect[0] + rect[2], rect[1] + rect[3]), game_size))[:40].tolist():
-            low = np.array(game) * game_size
-            high = (np.array(game) + 1) * game_size
-            x, z = (np.concatenate([chance.uniform(low[axis] - 0.1, high[axis] + 0.1, 50), [low[axis], high[axis]]]) for axis in (0, 1))
-            homes = np.zeros(len(x), int)
-            for tile in tiles:
-                area = grid.area_of(rect, size, tile)
-                if tuple(game) in grid.game_tiles(area, game_size):
-                    within = grid.inside(area, game_size, tuple(game), x, z)
-                    homes += 1 if within is None else within
-            places = [np.clip(along, low[axis], np.nextafter(high[axis], -np.inf)) for axis, along in enumerate((x, z))]
-            wanted = [(place >= rect[axis]) & (place < rect[axis] + rect[axis + 2]) for axis, place in enumerate(places)]
-            assert np.array_equal(homes, (wanted[0] & wanted[1]).astype(int)), (size, game_size, game)
+    rect = [-1e5 - 17.0, 2e6, 96.5, 81.25]
+    sizes = ((32.0, 32.0), (27.0, 20.0), (10.3, 0.7), (64.0, 33.3))
+    cases = [json.dumps([rect, size, game_size]) for size, game_size in sizes]
+    done = godot(["--path", new_project(tmp_path), "--script", REPO / "tests/bakes/dump_grid.gd", "--", *cases], timeout=60)
+    described = [json.loads(line.removeprefix("grid ")) for line in done.stdout.splitlines() if line.startswith("grid ")]
+    assert len(described) == len(sizes), done.stdout + done.stderr
+    for each in described:
+        check_areas(rect, TileGrid.of(each), each["parts"], np.random.default_rng(3))
 
 
-def test_tiles_are_of_a_size_that_fits():
-    oak = {"tile_size": 192.0, "radius": 5.0}
-    assert grid.default_size([0, 0, 1000, 1000], [oak]) == 384.0
-    assert grid.default_size([0, 0, 1000, 1000], [oak, {"tile_size": 128.0, "radius": 5.0}]) == 384.0
-    assert grid.default_size([0, 0, 100_000, 100_000], [oak]) == 1536.0
-    assert grid.default_size([0, 0, 100_000, 100_000], [oak, {"tile_size": 64.0, "radius": 0.4}]) == 384.0
-    assert grid.default_size([0, 0, 1000, 1000], [oak, {"tile_size": 100.5, "radius": 5.0}]) == 384.0
+def check_areas(rect: list[float], grid: TileGrid, parts: dict[str, list[dict]], chance: np.random.Generator) -> None:
+    tiles = grid.tiles()
+    assert len(tiles) == grid.grid[2] * grid.grid[3] == len(parts) and all(tile in grid for tile in tiles)
+    assert (tiles[0][0] - 1, tiles[0][1]) not in grid and (tiles[-1][0], tiles[-1][1] + 1) not in grid
+    bounds_of = {(part["x"], part["y"]): part["bounds"] for each in parts.values() for part in each}
+    for game in chance.permutation(list(bounds_of))[:40].tolist():
+        bounds = bounds_of[tuple(game)]
+        low, high = np.array(bounds[:2]), np.array(bounds[2:])
+        x, z = (np.concatenate([chance.uniform(low[axis] - 0.1, high[axis] + 0.1, 50), [low[axis], high[axis]]]) for axis in (0, 1))
+        homes = np.zeros(len(x), int)
+        for tile in tiles:
+            if any([part["x"], part["y"]] == game for part in parts[f"{tile[0]},{tile[1]}"]):
+                within = inside(grid.area_of(tile), bounds, x, z)
+                homes += 1 if within is None else within
+        places = [np.clip(along, low[axis], np.nextafter(high[axis], -np.inf)) for axis, along in enumerate((x, z))]
+        wanted = [(place >= rect[axis]) & (place < rect[axis] + rect[axis + 2]) for axis, place in enumerate(places)]
+        assert np.array_equal(homes, (wanted[0] & wanted[1]).astype(int)), (grid.tile_size, game)
 
 
 def test_it_is_said_when_a_scheduler_has_no_workers(monkeypatch):

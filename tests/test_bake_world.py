@@ -31,7 +31,7 @@ from conftest import REPO, run
 
 sys.path.insert(0, str(REPO / "tools/bake"))
 from baking.driver import world_digest  # noqa: E402
-from baking.tile_engine import Source, TileEngine  # noqa: E402 (only on the path above)
+from baking.tile_engine import Refused, Source, TileEngine  # noqa: E402 (only on the path above)
 
 
 def copied(baked: Baked, to: Path) -> Baked:
@@ -62,7 +62,10 @@ def test_costs_count_the_engine_too(world, baked):
     try:
         first = engine.core_seconds()
         assert first > 0.1, "an engine that has started has loaded a scene"
-        assert sum(len(data) for data in engine.rows((0, 0), [(1, x, y) for x in range(-8, 8) for y in range(-8, 8)])) > 1_000_000
+        with pytest.raises(Refused, match="once a description was"):
+            next(engine.rows((0, 0)))
+        engine.describe({"rect": "-160,-160,320,320", "tile_size": "320", "layers": "Grass"})
+        assert sum(len(data) for tile in [(-1, -1), (0, -1), (-1, 0), (0, 0)] for _, data in engine.rows(tile)) > 1_000_000
         assert engine.core_seconds() > first + 0.01
     finally:
         engine.close()
@@ -284,9 +287,10 @@ def test_a_full_disk_stops_with_a_sentence(world, baked, tmp_path):
         (["--tiles", "9,0"], "Tile 9,0 is not in the rectangle"),
         (["--node", "Nobody", "--wait", "1"], "there is no TerrainScatter3D after 1 s"),
         (["--workers", "0"], "--workers is 0"),
-        (["--tile-size", "nan"], "--tile-size is nan"),
-        (["--rect", "0,0,-5,5"], "is not X,Z,WIDTH,DEPTH"),
-        (["--rect", "0,0,1e7,1e7"], "97656250000 tiles are more than a bake has, 1000000: choose larger ones with --tile-size, or bake parts"),
+        (["--tile-size", "nan"], "tile_size is 'nan', and has to be from 1 to 1000000 meters"),
+        (["--rect", "0,0,-5,5"], "rect is '0,0,-5,5', and has to be X,Z,WIDTH,DEPTH"),
+        (["--rect", "1e11,0,5,5", "--tile-size", "1"], "is too far from the origin for tiles of 1"),
+        (["--rect", "0,0,1e7,1e7"], "97656250000 tiles are more than a bake has, 1000000: choose larger ones (tile size), or bake parts"),
         (["--scheduler", "tcp://127.0.0.1:1"], "No Dask scheduler answers at tcp://127.0.0.1:1"),
     ],
 )

@@ -107,6 +107,7 @@ def assert_passed(done):
         "test_import_tables",
         "test_bake_models",
         "test_scene_digest",
+        "test_tile_grid",
         "test_scenes",
         "test_scenes_meddled",
         "test_lifetime",

@@ -24,9 +24,7 @@ from baking.driver import Wish, bake
 from baking.tile_engine import Source
 
 SCENE = Source((str(REPO / "tools/godot"),), str(REPO / "demo_project"), "res://demo.tscn")
-LAYERS = ["Oak", "Spruce", "Shrub", "Stones"]
-RECT = [-6144.0, -6144.0, 12288.0, 12288.0]
-TILE_SIZE = 1536.0
+ASKED = {"rect": "-6144,-6144,12288,12288", "tile_size": "1536", "layers": "Oak,Spruce,Shrub,Stones"}
 # Workers and cores of each contender.
 CONTENDERS = ((1, 1), (2, 2), (1, 2))
 
@@ -34,7 +32,7 @@ CONTENDERS = ((1, 1), (2, 2), (1, 2))
 def once(out: Path, workers: int, cores: int) -> None:
     """Bakes, in a process that has so many cores, and prints what that took."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
-    outcome = bake(Wish(SCENE, out, rect=RECT, tile_size=TILE_SIZE, layers=LAYERS, workers=workers, fresh=True), lambda _: None)
+    outcome = bake(Wish(SCENE, out, ASKED, workers=workers, fresh=True), lambda _: None)
     if outcome.failed or outcome.stopped:
         raise SystemExit(outcome.stopped or str(outcome.failed))
     print(json.dumps({

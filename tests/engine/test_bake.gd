@@ -30,6 +30,7 @@ func wood() -> TerrainScatter3D:
 	cone.take_over_path("res://cone.res")
 	trees.meshes = [BoxMesh.new(), cone]
 	trees.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
+	trees.render_layers = 5
 	trees.visibility_range_end = 77.0
 	var stones := make_layer(2.0)
 	stones.tile_size = 48.0
@@ -74,6 +75,7 @@ func test_whole_tiles() -> void:
 		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "with colors")
 		check_equal(node.visibility_range_end, 77.0, "the layer's range")
 		check_equal(node.cast_shadow, GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, "the layer's shadows")
+		check_equal(node.layers, 5, "the layer's render layers")
 		seen[node.multimesh.mesh] = mesh
 	check_equal(seen.size(), 2, "two meshes in all")
 	check(seen.keys().any(func(mesh: Mesh) -> bool: return mesh.resource_path == "res://cone.res"), "one's own file")

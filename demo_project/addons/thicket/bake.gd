@@ -112,27 +112,31 @@ func _refuse(error: Error, why: String) -> Error:
 
 
 func _list_tiles(chosen: PackedInt32Array) -> Error:
+	# World x and z in double precision, as the tiles have them.
+	var offset: Vector3 = _scatter.get(&"world_offset")
+	var low := [_rect.position.x + offset.x, _rect.position.y + offset.z]
+	var bounds := PackedFloat64Array([low[0], low[1], low[0] + _rect.size.x, low[1] + _rect.size.y])
+	var grid := ClassDB.instantiate(&"ScatterTileGrid") as RefCounted
 	var layers: Array = _scatter.get(&"layers")
 	for index in layers.size():
 		if layers[index] == null or not (chosen.is_empty() or chosen.has(index)):
 			continue
-		var size: float = layers[index].get(&"tile_size")
-		var from := Vector2i((_rect.position / size).floor())
-		var to := Vector2i((_rect.end / size).ceil())
-		if float(to.x - from.x) * (to.y - from.y) > MOST_TILES - _tiles.size():
+		grid.set(&"tile_size", layers[index].get(&"tile_size"))
+		var touched: Rect2i = grid.call(&"get_tiles_in", bounds)
+		if not touched.has_area():
+			return _refuse(ERR_PARAMETER_RANGE_ERROR, "The rectangle is too far from the origin for the tiles of layer %d." % index)
+		if touched.size.x * touched.size.y > MOST_TILES - _tiles.size():
 			_tiles.clear()
 			return _refuse(ERR_PARAMETER_RANGE_ERROR, "More than %d tiles: bake a smaller rectangle." % MOST_TILES)
-		for y in range(from.y, to.y):
-			for x in range(from.x, to.x):
+		for y in range(touched.position.y, touched.end.y):
+			for x in range(touched.position.x, touched.end.x):
 				_tiles.append(Vector3i(index, x, y))
 	return OK if not _tiles.is_empty() else _refuse(ERR_UNCONFIGURED, "There is no layer to bake.")
 
 
 func _bake_tile(tile: Vector3i) -> bool:
 	var layer: Resource = _scatter.get(&"layers")[tile.x]
-	var size: float = layer.get(&"tile_size")
-	var area := Rect2(Vector2(tile.y, tile.z) * size, Vector2(size, size)).intersection(_rect)
-	var built: RefCounted = _scatter.call(&"build_rect", tile.x, area)
+	var built: RefCounted = _scatter.call(&"build_tile", tile.x, Vector2i(tile.y, tile.z), _rect)
 	if built.get_mesh_count() == 0:
 		problem = "Layer %d cannot be made; the error that was printed says why." % tile.x
 		return false
@@ -180,12 +184,9 @@ func _instance(layer: Resource, tile: Vector3i, origin: Vector3, multimesh: Mult
 	instance.name = "%s_%d_%d" % [layer.resource_name.validate_node_name(), tile.y, tile.z]
 	instance.position = origin
 	instance.multimesh = multimesh
-	for property: StringName in [
-		&"material_override", &"cast_shadow", &"gi_mode", &"layers", &"lod_bias", &"extra_cull_margin",
-		&"visibility_range_begin", &"visibility_range_begin_margin", &"visibility_range_end",
-		&"visibility_range_end_margin", &"visibility_range_fade_mode",
-	]:
-		instance.set(property, layer.get(property))
+	var properties: Dictionary = layer.call(&"get_geometry_properties")
+	for property: StringName in properties:
+		instance.set(properties[property], layer.get(property))
 	return instance
 
 

@@ -1,65 +1,90 @@
 extends RefCounted
-## Which tiles a bake has, and of which tiles of the game each of them consists; as [code]tools/bake/baking/grid.py[/code] counts them.
+## The tiles of a bake, cut by its rectangle, and the tiles of the game that each of them consists of.
 
-## Rows that a tile should not have by far, for the sake of who reads it.
+## Tiles of a bake, at most: whoever reads its manifest has all of them in memory.
+const MAX_TILES := 1_000_000
+## Rows that a tile should not have by far, for the sake of who reads it: about 300 bytes each.
 const COMFORTABLE_ROWS := 1.5e6
-## Points of a set in the square of its radius, about.
-const POINTS_PER_RADIUS_SQUARED := 0.7
+
+## Why there is no grid, in a sentence; empty if there is one.
+var problem := ""
+## Meters of a tile's side.
+var tile_size := 0.0
+## The first tile, and how many there are along x and z.
+var tiles := Rect2i()
+
+var _edges_x := PackedFloat64Array()
+var _edges_z := PackedFloat64Array()
+var _layers: Array[Dictionary] = []
+var _grids: Array[ScatterTileGrid] = [] # Of each of the layers.
 
 
-## The tile that a coordinate lies in, as the engine counts them: tile n goes from n * size to (n + 1) * size, its end excluded.
-static func tile_at(size: float, along: float) -> int:
-	var tile := floori(along / size)
-	if along < tile * size: # The division rounds; the edges decide.
-		return tile - 1
-	return tile + 1 if along >= (tile + 1) * size else tile
+## Divides [param rect] (x, z, width and depth in meters of the world) into tiles with a side of [param size] meters. Of [param layers]
+## [code]index[/code] and [code]tile_size[/code] count.
+func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
+	tile_size = size
+	var grid := ScatterTileGrid.new()
+	grid.tile_size = tile_size
+	tiles = grid.get_tiles_in(PackedFloat64Array([rect[0], rect[1], rect[0] + rect[2], rect[1] + rect[3]]))
+	var count := tiles.size.x * tiles.size.y
+	if count == 0:
+		problem = "The rectangle %s is too far from the origin for tiles of %s m: choose larger ones (tile size)." % [rect, tile_size]
+	elif count > MAX_TILES:
+		problem = ("%d tiles are more than a bake has, %d: choose larger ones (tile size), or bake parts of the world, each with a rectangle " \
+				+ "along edges of tiles and into a folder of its own. They are read together like one.") % [count, MAX_TILES]
+	if problem:
+		return
+	_edges_x = _edges(grid, tiles.position.x, tiles.size.x, rect[0], rect[0] + rect[2], 0)
+	_edges_z = _edges(grid, tiles.position.y, tiles.size.y, rect[1], rect[1] + rect[3], 1)
+	for layer in layers:
+		var of_layer := ScatterTileGrid.new()
+		of_layer.tile_size = layer.tile_size
+		_layers.append(layer)
+		_grids.append(of_layer)
 
 
-## The first of the tiles that a half-open interval touches, and the one after the last.
-static func tiles_along(size: float, low: float, high: float) -> PackedInt64Array:
-	if not low < high:
-		return PackedInt64Array([0, 0])
-	var last := tile_at(size, high)
-	return PackedInt64Array([tile_at(size, low), last + (1 if last * size < high else 0)])
+## The grid as plain values: [code]tile_size[/code], [code]grid[/code] (first column, first row, columns, rows), and as [code]edges[/code] the meters of
+## the edges between columns and between rows, those of the rectangle at both ends.
+func description() -> Dictionary:
+	return {
+		"tile_size": tile_size, "grid": [tiles.position.x, tiles.position.y, tiles.size.x, tiles.size.y],
+		"edges": [Array(_edges_x), Array(_edges_z)],
+	}
 
 
-## First column, first row, columns and rows of the tiles that a rectangle (x, z, width, depth) touches.
-static func grid_of(rect: Array, size: float) -> PackedInt64Array:
-	var columns := tiles_along(size, rect[0], rect[0] + rect[2])
-	var rows := tiles_along(size, rect[1], rect[1] + rect[3])
-	return PackedInt64Array([columns[0], rows[0], columns[1] - columns[0], rows[1] - rows[0]])
+## What a tile consists of, layer by layer and row by row: of each tile of the game the index of its [code]layer[/code], its number as
+## [code]x[/code] and [code]y[/code], and its [code]bounds[/code] as [method ScatterTileGrid.get_tile_bounds] returns them.
+func parts_of(tile: Vector2i) -> Array[Dictionary]:
+	var parts: Array[Dictionary] = []
+	var at := tile - tiles.position
+	var area := PackedFloat64Array([_edges_x[at.x], _edges_z[at.y], _edges_x[at.x + 1], _edges_z[at.y + 1]])
+	for index in _layers.size():
+		var within := _grids[index].get_tiles_in(area)
+		for y in range(within.position.y, within.end.y):
+			for x in range(within.position.x, within.end.x):
+				parts.append({"layer": _layers[index].index, "x": x, "y": y, "bounds": Array(_grids[index].get_tile_bounds(Vector2i(x, y)))})
+	return parts
 
 
-## What a tile covers, cut by the bake's rectangle: low x, low z, high x, high z in meters, the high ends excluded.
-static func area_of(rect: Array, size: float, tile: PackedInt64Array) -> PackedFloat64Array:
-	return PackedFloat64Array([
-		maxf(tile[0] * size, rect[0]), maxf(tile[1] * size, rect[1]),
-		minf((tile[0] + 1) * size, rect[0] + rect[2]), minf((tile[1] + 1) * size, rect[1] + rect[3]),
-	])
+## Edges between tiles along an axis, 0 for x and 1 for z.
+static func _edges(grid: ScatterTileGrid, first: int, count: int, low: float, high: float, axis: int) -> PackedFloat64Array:
+	var edges := PackedFloat64Array([low])
+	for tile in range(first + 1, first + count):
+		edges.append(grid.get_tile_bounds(Vector2i(tile, tile))[axis])
+	edges.append(high)
+	return edges
 
 
-## The tiles of a layer, of a size in meters, that an area touches, row by row.
-static func game_tiles(area: PackedFloat64Array, size: float) -> Array[Vector2i]:
-	var columns := tiles_along(size, area[0], area[2])
-	var rows := tiles_along(size, area[1], area[3])
-	var tiles: Array[Vector2i] = []
-	for y in range(rows[0], rows[1]):
-		for x in range(columns[0], columns[1]):
-			tiles.append(Vector2i(x, y))
-	return tiles
-
-
-## Meters of a tile that holds whole tiles of all layers, where that is possible below a kilometer: from 256 m on, larger where there
-## would be more than 4,096 of them, up to 2,048 m, and to [constant COMFORTABLE_ROWS] if instances stood everywhere.
-static func default_size(rect: Array, layers: Array) -> float:
+## Meters of a tile that holds whole tiles of all layers, whose sides are [param sizes], where that is possible below a kilometer: from 256 m on,
+## larger where there would be more than 4,096 of them, up to 2,048 m, and to [constant COMFORTABLE_ROWS] if instances stood everywhere,
+## [param density] to a square meter.
+static func default_size(rect: Array, sizes: PackedFloat64Array, density: float) -> float:
 	var base := 0.0
 	var common := 1
-	var density := 0.0
-	for layer: Dictionary in layers:
-		base = maxf(base, layer.tile_size)
-		density += POINTS_PER_RADIUS_SQUARED / layer.radius ** 2
+	for size in sizes:
+		base = maxf(base, size)
 		if common > 0:
-			common = _least_common_multiple(common, int(layer.tile_size)) if layer.tile_size == int(layer.tile_size) else 0
+			common = _least_common_multiple(common, int(size)) if size == int(size) else 0
 			common = common if common <= 1024 else 0
 	if common > 0:
 		base = common

@@ -2,24 +2,20 @@ extends RefCounted
 ## Makes tiles of a scene into files that a bake can be made of elsewhere: what [code]bake_world.gd[/code] does with
 ## [code]out=FOLDER[/code], for machines that have an engine and no Python. [code]tools/bake/README.md[/code] in Thicket's repository says
 ## what is done with the folder. It holds
-## - [code]world.json[/code]: what [code]scene_description.gd[/code] says of the scene, with the layers that are made alone, the
-##   [code]rect[/code] and [code]tile_size[/code] that were asked for, and the models of the layers;
+## - [code]world.json[/code]: what [code]scene_description.gd[/code] says of the scene, and the models of the layers;
 ## - [code]models/[/code]: the files of models that the project has no file of;
 ## - [code]tiles/tile_I_J.rows[/code]: messages as a driver gets them, each a JSON object behind its length (32 bits, little-endian) and then
 ##   as many bytes as its [code]bytes[/code] says. The first says which tile this is, [code]of[/code] which bake, and the
-##   [code]sha256[/code] of all that follows; each further one has a tile of the game, [code]layer[/code], [code]x[/code] and
-##   [code]y[/code], with what [method ScatterTile.get_rows] gives: layer by layer, row by row, all that the tile touches.
+##   [code]sha256[/code] of all that follows; each further one has a tile of the game, as
+##   [code]bake_grid.gd[/code] describes it, with what [method ScatterTile.get_rows] returns: all that the tile consists of.
 ##
 ## Files come into their places whole. What is there and whole is not made again.
 
 const SceneDescription := preload("res://addons/thicket/scene_description.gd")
 const ModelFiles := preload("res://addons/thicket/model_files.gd")
-const BakeGrid := preload("res://addons/thicket/bake_grid.gd")
 
 const WORLD := "world.json"
 const PART := ".part"
-## As many as a bake has at most.
-const MAX_TILES := 1_000_000
 const SECONDS_A_LINE := 10.0
 const CHUNK_BYTES := 1 << 22
 ## What has to be as it was where a folder has been begun, and what is said if not.
@@ -32,9 +28,7 @@ const SAME: Dictionary[String, String] = {
 var problem := ""
 
 var _out := ""
-var _rect: Variant ## x, z, width, depth; null for where the terrain lies.
-var _tile_size := 0.0 ## 0 for one that fits.
-var _layers := PackedStringArray() ## Names or indices; none for all.
+var _described: SceneDescription
 var _tiles: Array[PackedInt64Array] = [] ## Column and row; none for all.
 var _share := PackedInt64Array([1, 1]) ## Which of how many shares of the tiles.
 var _world := {}
@@ -47,17 +41,8 @@ func _init(arguments: Dictionary[String, String]) -> void:
 	_out = arguments.get("out", "")
 	if not _out.is_absolute_path():
 		problem = "out is '%s', and has to be a folder with its whole path." % _out
-	if arguments.has("rect"):
-		_rect = _numbers(arguments.rect, ",")
-		if _rect.size() != 4 or _rect[2] <= 0.0 or _rect[3] <= 0.0 or _rect.any(func(number: float) -> bool: return absf(number) >= 1e12):
-			problem = "rect is '%s', and has to be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0." % arguments.rect
-	if arguments.has("tile_size"):
-		_tile_size = arguments.tile_size.to_float() if arguments.tile_size.is_valid_float() else 0.0
-		if not (_tile_size >= 1.0 and _tile_size <= 1e6):
-			problem = "tile_size is '%s', and has to be from 1 to 1000000 meters." % arguments.tile_size
-	if arguments.has("layers"):
-		for layer in arguments.layers.split(",", false):
-			_layers.append(layer.strip_edges())
+	_described = SceneDescription.new(arguments)
+	problem = problem if problem else _described.problem
 	if arguments.has("tiles"):
 		for text in arguments.tiles.split(" ", false):
 			var pair := text.split(",")
@@ -66,24 +51,16 @@ func _init(arguments: Dictionary[String, String]) -> void:
 			else:
 				_tiles.append(PackedInt64Array([pair[0].to_int(), pair[1].to_int()]))
 	if arguments.has("share"):
-		var share := _numbers(arguments.share, "/")
+		var share := SceneDescription.numbers_in(arguments.share, "/")
 		if share.size() != 2 or share[0] != int(share[0]) or share[1] != int(share[1]) or share[0] < 1.0 or share[0] > share[1]:
 			problem = "share is '%s', and has to be K/N: of N shares of the tiles the one with the number K, from 1 on." % arguments.share
 		else:
 			_share = PackedInt64Array(share)
 
 
-## The numbers in a text; none if one of them is no number.
-static func _numbers(text: String, between: String) -> Array:
-	var parts := Array(text.split(between))
-	if not parts.all(func(part: String) -> bool: return part.is_valid_float()):
-		return []
-	return parts.map(func(part: String) -> float: return part.to_float())
-
-
 ## Makes what is missing, and returns the exit code: 0 if all is there that was asked for, 1 if tiles failed or could not be written, 2
 ## if none was begun.
-func make(scatter: Node3D, scene: String) -> int:
+func make(scatter: TerrainScatter3D, scene: String) -> int:
 	if not _describe(scatter, scene) or not _go_on() or not _begin(scatter):
 		printerr("bake_world: ", problem)
 		return 2
@@ -102,46 +79,21 @@ func make(scatter: Node3D, scene: String) -> int:
 
 
 ## Fills [member _world], but for the models. Returns false with a problem.
-func _describe(scatter: Node3D, scene: String) -> bool:
-	var described := SceneDescription.of(scatter, _rect)
-	for warning: String in described.problems:
+func _describe(scatter: TerrainScatter3D, scene: String) -> bool:
+	if not _described.describe(scatter):
+		problem = _described.problem
+		return false
+	_world = _described.values
+	_world.scene = scene
+	for warning: String in _world.problems:
 		print("bake_world: the scene warns: ", warning)
-	if _rect != null:
-		described.rect = _rect
-	if not (described.rect[2] > 0.0 and described.rect[3] > 0.0):
-		problem = "The terrain does not say where it lies: give rect=X,Z,WIDTH,DEPTH, in meters."
-		return false
-	described.layers = _chosen(described.layers)
-	if problem:
-		return false
-	described.scene = scene
-	described.tile_size = _tile_size if _tile_size > 0.0 else BakeGrid.default_size(described.rect, described.layers)
-	_world = described
-	var grid := BakeGrid.grid_of(_world.rect, _world.tile_size)
-	if grid[2] * grid[3] > MAX_TILES:
-		problem = "%d tiles are more than a bake has, %d: choose larger ones with tile_size, or a part of the world with rect." % [grid[2] * grid[3], MAX_TILES]
+	var first := _described.grid.tiles.position
+	var last := _described.grid.tiles.end - Vector2i.ONE
 	for tile in _tiles:
-		if tile[0] < grid[0] or tile[0] >= grid[0] + grid[2] or tile[1] < grid[1] or tile[1] >= grid[1] + grid[3]:
+		if tile[0] < first.x or tile[0] > last.x or tile[1] < first.y or tile[1] > last.y:
 			problem = "tiles has '%d,%d', which is not in the rectangle: tiles go from %d,%d to %d,%d." % [
-				tile[0], tile[1], grid[0], grid[1], grid[0] + grid[2] - 1, grid[1] + grid[3] - 1]
+				tile[0], tile[1], first.x, first.y, last.x, last.y]
 	return problem.is_empty()
-
-
-func _chosen(layers: Array[Dictionary]) -> Array[Dictionary]:
-	var chosen: Dictionary[int, bool] = {}
-	for name in _layers:
-		var found := layers.filter(func(layer: Dictionary) -> bool: return str(layer.index) == name)
-		if found.is_empty():
-			found = layers.filter(func(layer: Dictionary) -> bool: return layer.name == name)
-		if found.is_empty():
-			var known := layers.map(func(layer: Dictionary) -> String: return ("%d %s" % [layer.index, layer.name]).strip_edges())
-			problem = "layers has '%s', which the scene has not. It has: %s." % [name, ", ".join(known)]
-		for layer: Dictionary in found:
-			chosen[layer.index] = true
-	var left := layers.filter(func(layer: Dictionary) -> bool: return chosen.is_empty() or layer.index in chosen)
-	if left.is_empty() and not problem:
-		problem = "The scene has no layers."
-	return left
 
 
 ## As whoever reads a file finds it.
@@ -183,10 +135,10 @@ static func _parsed(bytes: PackedByteArray) -> Dictionary:
 
 
 ## Writes the models and the description.
-func _begin(scatter: Node3D) -> bool:
+func _begin(scatter: TerrainScatter3D) -> bool:
 	var models: Array[Dictionary] = []
 	for layer: Dictionary in _world.layers:
-		var files := ModelFiles.new(scatter.call(&"get_layer", layer.index), layer.index)
+		var files := ModelFiles.new(scatter.get_layer(layer.index), layer.index)
 		problem = problem if problem else files.problem
 		models.append({"index": layer.index, "models": files.models, "material": files.material})
 		for file in files.written:
@@ -198,22 +150,21 @@ func _begin(scatter: Node3D) -> bool:
 
 
 func _count() -> int:
-	var grid := BakeGrid.grid_of(_world.rect, _world.tile_size)
-	return grid[2] * grid[3] if _tiles.is_empty() else _tiles.size()
+	return _described.grid.tiles.size.x * _described.grid.tiles.size.y if _tiles.is_empty() else _tiles.size()
 
 
-## Column and row of a tile, counted row by row, or as they were listed.
-func _tile(number: int) -> PackedInt64Array:
+## A tile, counted row by row, or as they were listed.
+func _tile(number: int) -> Vector2i:
 	if not _tiles.is_empty():
-		return _tiles[number]
-	var grid := BakeGrid.grid_of(_world.rect, _world.tile_size)
-	return PackedInt64Array([grid[0] + number % grid[2], grid[1] + number / grid[2]])
+		return Vector2i(_tiles[number][0], _tiles[number][1])
+	var tiles := _described.grid.tiles
+	return tiles.position + Vector2i(number % tiles.size.x, number / tiles.size.x)
 
 
-func _make_tile(scatter: Node3D, tile: PackedInt64Array) -> void:
-	var path := _out.path_join("tiles/tile_%d_%d.rows" % [tile[0], tile[1]])
+func _make_tile(scatter: TerrainScatter3D, tile: Vector2i) -> void:
+	var path := _out.path_join("tiles/tile_%d_%d.rows" % [tile.x, tile.y])
 	var header := {
-		"tile": "%d,%d" % [tile[0], tile[1]], "sha256": "0".repeat(64), "bytes": 0,
+		"tile": "%d,%d" % [tile.x, tile.y], "sha256": "0".repeat(64), "bytes": 0,
 		"of": {"scene_digest": _world.scene_digest, "rect": _world.rect, "tile_size": _world.tile_size,
 			"layers": _indices(_world.layers)},
 	}
@@ -223,7 +174,7 @@ func _make_tile(scatter: Node3D, tile: PackedInt64Array) -> void:
 	DirAccess.remove_absolute(path)
 	var failed := _write_whole(path, func(to: FileAccess) -> String: return _write_rows(to, scatter, tile, header))
 	if failed:
-		printerr("bake_world: tile %d,%d failed. %s" % [tile[0], tile[1], failed])
+		printerr("bake_world: tile %d,%d failed. %s" % [tile.x, tile.y, failed])
 	_counts["failed" if failed else "made"] += 1
 
 
@@ -275,22 +226,20 @@ func _store(to: FileAccess, bytes: PackedByteArray) -> String:
 
 
 ## Writes all messages of a tile; the first once more when the digest is known. Returns why it failed.
-func _write_rows(to: FileAccess, scatter: Node3D, tile: PackedInt64Array, header: Dictionary) -> String:
+func _write_rows(to: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, header: Dictionary) -> String:
 	var hashing := HashingContext.new()
 	hashing.start(HashingContext.HASH_SHA256)
 	_store(to, message(header))
-	var area := BakeGrid.area_of(_world.rect, _world.tile_size, tile)
-	for layer: Dictionary in _world.layers:
-		for at in BakeGrid.game_tiles(area, layer.tile_size):
-			var built: RefCounted = scatter.call(&"build_tile", layer.index, at)
-			if built.call(&"get_mesh_count") == 0:
-				return "Tile %d, %d of layer %d cannot be made; what the engine printed says why." % [at.x, at.y, layer.index]
-			var rows: PackedByteArray = built.call(&"get_rows")
-			for bytes: PackedByteArray in [message({"layer": layer.index, "x": at.x, "y": at.y, "bytes": rows.size()}), rows]:
-				hashing.update(bytes)
-				_store(to, bytes)
-			if problem:
-				return ""
+	for part in _described.grid.parts_of(tile):
+		var rows := rows_of(scatter, part)
+		if rows.is_empty():
+			return cannot_make(part)
+		part.bytes = rows.size()
+		for bytes: PackedByteArray in [message(part), rows]:
+			hashing.update(bytes)
+			_store(to, bytes)
+		if problem:
+			return ""
 	header.sha256 = hashing.finish().hex_encode()
 	to.seek(0)
 	to.store_buffer(message(header)) # As long as before.
@@ -303,3 +252,14 @@ static func message(header: Dictionary) -> PackedByteArray:
 	var length := PackedByteArray([0, 0, 0, 0])
 	length.encode_u32(0, text.size())
 	return length + text
+
+
+## The rows of a tile of the game; none where it cannot be made, which the engine has printed.
+static func rows_of(scatter: TerrainScatter3D, part: Dictionary) -> PackedByteArray:
+	var built := scatter.build_tile(part.layer, Vector2i(part.x, part.y))
+	return built.get_rows() if built.get_mesh_count() > 0 else PackedByteArray()
+
+
+## Why a tile has no rows.
+static func cannot_make(part: Dictionary) -> String:
+	return "Tile %d, %d of layer %d cannot be made; what the engine printed says why." % [part.x, part.y, part.layer]

@@ -9,12 +9,12 @@ extends SceneTree
 ##
 ## For a driver it connects to the port of this machine, says the token, and then answers until the connection ends, with which it ends
 ## too. A message is a JSON object behind its length, 32 bits, little-endian; an answer's [code]bytes[/code] says how many bytes follow it. What is asked is [code]do[/code]:
-## - [code]describe[/code]: the layers, the seed and so on, and the digest of the scene, for which the ground is probed in [code]rect[/code]
-##   (x, z, width, depth in meters of the world), or, without one, in the rectangle where the terrain says that it lies;
+## - [code]describe[/code]: what [code]scene_description.gd[/code] says of the scene for a [code]rect[/code], a [code]tile_size[/code] and
+##   [code]layers[/code], each a text as above; without one, it is chosen;
 ## - [code]models[/code]: for each of [code]layers[/code] an answer with what its instances look like, each after the files of what has no
 ##   file in the project; the last answer is [code]{"end": true}[/code];
-## - [code]rows[/code]: for each of [code]tiles[/code], an array of [code][layer, x, y][/code], an answer with what
-##   [method ScatterTile.get_rows] gives.
+## - [code]rows[/code]: for each part of [code]tile[/code], an array of column and row, an answer that says which it is, as
+##   [code]bake_grid.gd[/code] does, with what [method ScatterTile.get_rows] returns; the last answer is [code]{"end": true}[/code].
 ## Whoever is refused gets an [code]error[/code], a sentence.
 ##
 ## Baked is the scene as it is once its ground is there: with the state that the scatter has then, and before any frame after that.
@@ -41,7 +41,8 @@ const FOR_FOLDER: Array[String] = ["out", "rect", "tile_size", "layers", "tiles"
 const FOR_DRIVER: Array[String] = ["connect", "token"]
 
 var _peer := StreamPeerTCP.new()
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
+var _described: SceneDescription
 var _arguments: Dictionary[String, String] = {}
 
 
@@ -137,26 +138,26 @@ func _find_scatter(scene: Node) -> String:
 		found = [scene.get_node_or_null(_arguments.node)]
 	else:
 		found = scene.find_children("*", "TerrainScatter3D", true, false)
-		if scene.is_class("TerrainScatter3D"):
+		if scene is TerrainScatter3D:
 			found.push_front(scene)
 	if found.size() > 1:
 		var paths := found.map(func(node: Node) -> String: return str(scene.get_path_to(node)))
 		return "The scene has several TerrainScatter3D: choose one by its path (--node, or node), of %s." % ", ".join(paths)
-	if found.size() == 1 and found[0] != null and found[0].is_class("TerrainScatter3D"):
+	if found.size() == 1 and found[0] is TerrainScatter3D:
 		_scatter = found[0]
 		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # A game may begin with a pause.
-		_scatter.set(&"viewers", [^"."] as Array[NodePath])
-		_scatter.set(&"viewer_distance_scales", PackedFloat32Array([0.0]))
-		_scatter.set(&"interaction_group", &"")
+		_scatter.viewers = [^"."] as Array[NodePath]
+		_scatter.viewer_distance_scales = PackedFloat32Array([0.0])
+		_scatter.interaction_group = &""
 	return ""
 
 
 func _what_is_missing() -> String:
 	if _scatter == null:
 		return "is no TerrainScatter3D"
-	if _scatter.get(&"terrain") == null:
+	if _scatter.terrain == null:
 		return "is no terrain"
-	if not _scatter.call(&"is_settled"):
+	if not _scatter.is_settled():
 		return "is a scatter that still waits for its ground"
 	return ""
 
@@ -179,27 +180,36 @@ func _answer(problem: String) -> bool:
 		return _send({"error": problem})
 	match (message as Dictionary).get("do") if message is Dictionary else null:
 		"describe":
-			return _send(SceneDescription.of(_scatter, message.get("rect")))
+			return _send_description(message)
 		"models":
 			return _send_models(message.layers)
 		"rows":
-			return _send_rows(message.tiles)
+			return _send_rows(message.tile)
 	return _send({"error": "'%s' cannot be asked for." % message})
 
 
-func _send_rows(tiles: Array) -> bool:
-	for tile: Array in tiles:
-		var built: RefCounted = _scatter.call(&"build_tile", int(tile[0]), Vector2i(int(tile[1]), int(tile[2])))
-		if built.call(&"get_mesh_count") == 0:
-			return _send({"error": "Tile %d, %d of layer %d cannot be made; what the engine printed says why." % [tile[1], tile[2], tile[0]]})
-		if not _send({}, built.call(&"get_rows")):
+func _send_description(asked: Dictionary) -> bool:
+	_described = SceneDescription.new(asked)
+	var fine := _described.problem.is_empty() and _described.describe(_scatter)
+	return _send(_described.values if fine else {"error": _described.problem})
+
+
+## Of a tile of what was described last.
+func _send_rows(tile: Array) -> bool:
+	if _described == null or _described.grid == null or _described.problem:
+		return _send({"error": "Rows can be asked for once a description was."})
+	for part in _described.grid.parts_of(Vector2i(int(tile[0]), int(tile[1]))):
+		var rows := BakeToFolder.rows_of(_scatter, part)
+		if rows.is_empty():
+			return _send({"error": BakeToFolder.cannot_make(part)})
+		if not _send(part, rows):
 			return false
-	return true
+	return _send({"end": true})
 
 
 func _send_models(layers: Array) -> bool:
 	for index: float in layers:
-		var files := ModelFiles.new(_scatter.call(&"get_layer", int(index)), int(index))
+		var files := ModelFiles.new(_scatter.get_layer(int(index)), int(index))
 		for file in files.written:
 			if not _send({"file": file}, files.written[file]):
 				return false

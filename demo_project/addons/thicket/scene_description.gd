@@ -1,33 +1,104 @@
 extends RefCounted
-## What a scattered scene is, for whoever bakes it.
+## What is baked of a scene: its layers, the rectangle and its tiles.
 
 const SceneDigest := preload("res://addons/thicket/scene_digest.gd")
+const BakeGrid := preload("res://addons/thicket/bake_grid.gd")
+
+## Why nothing can be baked, in a sentence; empty if nothing is wrong.
+var problem := ""
+## All of it as plain values: the scene's seed, digest and so on, the layers that were asked for, [code]rect[/code], and what
+## [code]bake_grid.gd[/code] says of the tiles.
+var values: Dictionary = {}
+## The tiles; null before [method describe], and with a [member problem].
+var grid: BakeGrid
+
+var _rect: Array = [] # x, z, width and depth in meters of the world; empty for where the terrain lies.
+var _tile_size := 0.0 # Meters; 0 for a size that fits the layers.
+var _layers := PackedStringArray() # Names or indices; none for all.
 
 
-## The layers, the seed and so on as plain values, and the digest of the scene, for which the ground is probed in [param probed]
-## (x, z, width, depth in meters of the world), or, if that is null, in [code]rect[/code]: where the terrain says that it lies, which is
-## empty for one that does not say.
-static func of(scatter: Node3D, probed: Variant) -> Dictionary:
+## Reads what is asked for: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a text as the command line has it. What is missing or
+## empty is chosen by [method describe]. Sets [member problem] for a text without sense.
+func _init(asked: Dictionary) -> void:
+	if asked.get("rect"):
+		_rect = numbers_in(asked.rect, ",")
+		if _rect.size() != 4 or _rect[2] <= 0.0 or _rect[3] <= 0.0 or _rect.any(func(number: float) -> bool: return absf(number) >= 1e12):
+			problem = "rect is '%s', and has to be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0." % asked.rect
+	if asked.get("tile_size"):
+		var text: String = asked.tile_size
+		_tile_size = text.to_float() if text.is_valid_float() else 0.0
+		if not (_tile_size >= 1.0 and _tile_size <= 1e6):
+			problem = "tile_size is '%s', and has to be from 1 to 1000000 meters." % text
+	for layer: String in asked.get("layers", "").split(",", false):
+		_layers.append(layer.strip_edges())
+
+
+## The numbers in a text; none if a part of it is no number.
+static func numbers_in(text: String, between: String) -> Array:
+	var parts := Array(text.split(between))
+	if not parts.all(func(part: String) -> bool: return part.is_valid_float()):
+		return []
+	return parts.map(func(part: String) -> float: return part.to_float())
+
+
+## Fills [member values] and [member grid]. Returns false with a [member problem]. The ground is probed in the rectangle that is baked.
+func describe(scatter: TerrainScatter3D) -> bool:
+	var layers := _chosen(_layers_of(scatter))
+	var terrain_rect: Variant = scatter.terrain.get(&"rect") # Not every terrain has one.
+	var rect := _rect
+	if rect.is_empty() and terrain_rect is Rect2 and terrain_rect.has_area():
+		rect = [terrain_rect.position.x, terrain_rect.position.y, terrain_rect.size.x, terrain_rect.size.y]
+	if not problem and rect.is_empty():
+		problem = "The terrain does not say where it lies: give a rect, X,Z,WIDTH,DEPTH in meters."
+	if problem:
+		return false
+	grid = BakeGrid.new(rect, _tile_size if _tile_size > 0.0 else _fitting_size(scatter, rect, layers), layers)
+	problem = grid.problem
+	if problem:
+		return false
+	var parts := SceneDigest.parts_of(scatter, Rect2(rect[0], rect[1], rect[2], rect[3]))
+	var offset := scatter.world_offset
+	values = {
+		"seed": str(scatter.seed), "layers": layers, "parts": parts, "world_offset": [offset.x, offset.y, offset.z], "rect": rect,
+		"problems": scatter.get_problems(), "scene_digest": JSON.stringify(parts, "", true).sha256_text(), "thicket": SceneDigest.version(),
+	}.merged(grid.description())
+	return true
+
+
+static func _fitting_size(scatter: TerrainScatter3D, rect: Array, layers: Array[Dictionary]) -> float:
+	var sizes := PackedFloat64Array()
+	var density := 0.0
+	for layer in layers:
+		sizes.append(layer.tile_size)
+		density += scatter.get_layer(layer.index).get_point_density()
+	return BakeGrid.default_size(rect, sizes, density)
+
+
+static func _layers_of(scatter: TerrainScatter3D) -> Array[Dictionary]:
 	var layers: Array[Dictionary] = []
-	for index: int in scatter.call(&"get_layer_count"):
-		var layer: Resource = scatter.call(&"get_layer", index)
+	for index in scatter.get_layer_count():
+		var layer := scatter.get_layer(index)
 		if layer != null:
 			layers.append({
-				"index": index, "name": layer.resource_name, "radius": layer.get(&"radius"), "levels": layer.get(&"progressive_levels"),
-				"tile_size": layer.get(&"tile_size"), "colored": layer.get(&"use_colors"), "custom_data": layer.get(&"use_custom_data"),
-				"view_distance": layer.get(&"view_distance"), "cast_shadow": layer.get(&"cast_shadow"),
-				"render_layers": layer.get(&"render_layers"),
+				"index": index, "name": layer.resource_name, "radius": layer.radius, "levels": layer.progressive_levels,
+				"tile_size": layer.tile_size, "colored": layer.use_colors, "custom_data": layer.use_custom_data,
+				"view_distance": layer.view_distance, "cast_shadow": layer.cast_shadow, "render_layers": layer.render_layers,
 			})
-	var rect := _rect_of_terrain(scatter)
-	var parts := SceneDigest.parts_of(scatter, Rect2(probed[0], probed[1], probed[2], probed[3]) if probed is Array else rect)
-	var offset: Vector3 = scatter.get(&"world_offset")
-	return {
-		"seed": str(scatter.get(&"seed")), "layers": layers, "parts": parts, "world_offset": [offset.x, offset.y, offset.z],
-		"rect": [rect.position.x, rect.position.y, rect.size.x, rect.size.y], "problems": scatter.call(&"get_problems"),
-		"scene_digest": JSON.stringify(parts, "", true).sha256_text(), "thicket": SceneDigest.version(),
-	}
+	return layers
 
 
-static func _rect_of_terrain(scatter: Node3D) -> Rect2:
-	var rect: Variant = (scatter.get(&"terrain") as Resource).get(&"rect")
-	return rect if rect is Rect2 else Rect2()
+func _chosen(layers: Array[Dictionary]) -> Array[Dictionary]:
+	var chosen: Dictionary[int, bool] = {}
+	for name in _layers:
+		var found := layers.filter(func(layer: Dictionary) -> bool: return str(layer.index) == name)
+		if found.is_empty():
+			found = layers.filter(func(layer: Dictionary) -> bool: return layer.name == name)
+		if found.is_empty():
+			var known := layers.map(func(layer: Dictionary) -> String: return ("%d %s" % [layer.index, layer.name]).strip_edges())
+			problem = "The scene has no layer '%s'. It has: %s." % [name, ", ".join(known)]
+		for layer: Dictionary in found:
+			chosen[layer.index] = true
+	var left := layers.filter(func(layer: Dictionary) -> bool: return chosen.is_empty() or layer.index in chosen)
+	if left.is_empty() and not problem:
+		problem = "The scene has no layers."
+	return left

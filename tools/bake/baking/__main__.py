@@ -54,8 +54,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="bake.sh", description="Bakes the world of a scene: every tile of it as a Parquet file.")
     parser.add_argument("scene", help="the scene, a path or res://...; or a folder with tiles that bake_world.gd has made")
     parser.add_argument("out", type=Path, help="the folder for the files; a bake that was begun there goes on")
-    parser.add_argument("--rect", type=_numbers, metavar="X,Z,WIDTH,DEPTH", help="what to bake, in meters; else all of the terrain")
-    parser.add_argument("--tile-size", type=float, metavar="METERS", help="else one that fits the layers")
+    parser.add_argument("--rect", default="", metavar="X,Z,WIDTH,DEPTH", help="what to bake, in meters; else all of the terrain")
+    parser.add_argument("--tile-size", default="", metavar="METERS", help="else one that fits the layers")
     parser.add_argument("--layers", default="", metavar="NAME,NAME", help="names or indices; else all")
     parser.add_argument("--tiles", type=_tiles, metavar="'I,J I,J'", help="these tiles alone; else all of the rectangle")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes of this machine (%(default)s)")
@@ -66,13 +66,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--node", default="", metavar="PATH", help="the TerrainScatter3D, where the scene has several")
     parser.add_argument("--wait", type=float, default=120.0, metavar="SECONDS", help="for the scene's ground to be there (%(default)g)")
     return parser
-
-
-def _numbers(text: str) -> list[float]:
-    numbers = [float(number) for number in text.split(",")]
-    if len(numbers) != 4 or not all(abs(number) < 1e12 for number in numbers) or numbers[2] <= 0 or numbers[3] <= 0:
-        raise argparse.ArgumentTypeError(f"'{text}' is not X,Z,WIDTH,DEPTH with a width and a depth above 0")
-    return numbers
 
 
 def _tiles(text: str) -> list[tuple[int, int]]:
@@ -86,12 +79,10 @@ def _tiles(text: str) -> list[tuple[int, int]]:
 def _wish(chosen: argparse.Namespace) -> Wish:
     if chosen.workers < 1:
         raise BakeError(f"--workers is {chosen.workers}, and has to be 1 at least.")
-    if chosen.tile_size is not None and not 1.0 <= chosen.tile_size <= 1e6:
-        raise BakeError(f"--tile-size is {chosen.tile_size:g}, and has to be from 1 to 1,000,000 meters.")
     return Wish(
         source=_source(chosen),
-        out=chosen.out.resolve(), rect=chosen.rect, tile_size=chosen.tile_size, tiles=chosen.tiles,
-        layers=[name.strip() for name in chosen.layers.split(",") if name.strip()],
+        asked={"rect": chosen.rect, "tile_size": chosen.tile_size, "layers": chosen.layers},
+        out=chosen.out.resolve(), tiles=chosen.tiles,
         workers=chosen.workers, scheduler=chosen.scheduler, shuffle=chosen.shuffle, fresh=chosen.fresh,
     )  # fmt: skip
 

@@ -12,8 +12,9 @@ from pathlib import Path
 
 from distributed import Client, as_completed
 
-from . import cluster, files, grid, tile
+from . import cluster, files, tile
 from .format import FORMAT, VERSION, BakeError, name_of, read_manifest, tile_of_name
+from .grid import TileGrid
 from .report import Map, Outcome, Progress, write_report
 from .tile_engine import EngineGone, Refused, Source
 from .tile_folder import MadeTiles
@@ -22,8 +23,6 @@ from .tile_folder import MadeTiles
 MAP_PIXELS = 1024
 # Of the time, at most, goes to writing the manifest.
 MANIFEST_SHARE = 0.05
-# The manifest of so many takes the driver a gigabyte, two while it is written, and whoever reads it as much.
-MAX_TILES = 1_000_000
 
 
 @dataclass
@@ -32,9 +31,7 @@ class Wish:
 
     source: Source | MadeTiles
     out: Path
-    rect: list[float] | None = None  # None for where the terrain says it lies
-    tile_size: float | None = None  # None for one that fits the layers
-    layers: list[str] = field(default_factory=list)  # Indices or names; none for all
+    asked: dict[str, str] = field(default_factory=dict)  # rect, tile_size and layers, as scene_description.gd reads them
     tiles: list[tuple[int, int]] | None = None  # None for all that the rectangle touches
     workers: int = 1
     scheduler: str | None = None
@@ -62,8 +59,8 @@ def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:
 
 def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
     plan, manifest, starting = _begin(wish, client, say)
-    order = wish.tiles if wish.tiles is not None else grid.tiles_of(manifest["grid"])
-    _refuse_tiles_beyond(order, manifest["grid"])
+    order = wish.tiles if wish.tiles is not None else plan.grid.tiles()
+    _refuse_tiles_beyond(order, plan.grid)
     if wish.shuffle is not None:
         random.Random(wish.shuffle).shuffle(order)
     outcome = Outcome(manifest, starting=[starting])
@@ -76,7 +73,7 @@ def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
         outcome.seconds = time.monotonic() - start
         outcome.driver_seconds = time.process_time() - own
         _keep_costs(outcome)
-        _finish(wish.out, outcome)
+        _finish(wish.out, plan.grid, outcome)
     if wish.scheduler is not None and not outcome.stopped:
         client.run(tile.close_engines)  # Those workers live on.
     write_report(wish.out, wish.workers, outcome, picture)
@@ -86,59 +83,35 @@ def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
 def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict, float]:
     """What is to be made, the manifest so far, which is in its place, and the seconds that an engine took to start."""
     try:
-        described = client.submit(tile.describe, wish.source, wish.rect, pure=False).result()
+        described = client.submit(tile.describe, wish.source, wish.asked, pure=False).result()
     except (EngineGone, Refused) as error:
         raise BakeError(str(error)) from error
     for problem in described["problems"]:
         say(f"The scene warns: {problem}")
-    rect = described["rect"]
-    if not (rect[2] > 0.0 and rect[3] > 0.0):
-        raise BakeError("The terrain does not say where it lies: give --rect X,Z,WIDTH,DEPTH, in meters.")
-    layers = _chosen(described["layers"], wish.layers)
-    size = wish.tile_size or described.get("tile_size") or grid.default_size(rect, layers)
-    uneven = [layer["name"] or str(layer["index"]) for layer in layers if size % layer["tile_size"] != 0.0]
+    rect, layers, grid = list(map(float, described["rect"])), described["layers"], TileGrid.of(described)
+    uneven = [layer["name"] or str(layer["index"]) for layer in layers if grid.tile_size % layer["tile_size"] != 0.0]
     if uneven:
-        say(f"Tiles of {size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}.")
-    bounds = grid.grid_of(rect, size)
-    if bounds[2] * bounds[3] > MAX_TILES:
-        raise BakeError(
-            f"{bounds[2] * bounds[3]} tiles are more than a bake has, {MAX_TILES}: choose larger ones with --tile-size, or bake parts of the "
-            f"world, each with a --rect along edges of tiles and into a folder of its own. They are read together like one."
-        )
+        say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}.")
     plan = tile.Plan(
-        source=wish.source, out=str(wish.out), rect=tuple(rect), tile_size=size, scene_digest=described["scene_digest"],
-        layers=tuple({key: layer[key] for key in ("index", "tile_size", "colored", "custom_data")} for layer in layers),
+        source=wish.source, asked=wish.asked, out=str(wish.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
+        layers=tuple({key: layer[key] for key in ("index", "colored", "custom_data")} for layer in layers),
         parts=described["parts"], pixel=max(rect[2], rect[3]) / MAP_PIXELS,
     )  # fmt: skip
     looks = {each["index"]: each for each in described["models"]}
     manifest = {
         "format": FORMAT, "version": VERSION, "thicket": described["thicket"],
         "scene": wish.source.scene, "scene_digest": plan.scene_digest, "scene_parts": plan.parts, "seed": int(described["seed"]),
-        "rect": list(rect), "tile_size": size, "grid": bounds, "world_offset": described["world_offset"],
+        "rect": rect, "tile_size": grid.tile_size, "grid": list(grid.grid), "world_offset": described["world_offset"],
         "layers": [{**layer, "models": looks[layer["index"]]["models"], "material": looks[layer["index"]]["material"]} for layer in layers],
         "complete": False, "digest": None, "costs": None, "tiles": {},
     }  # fmt: skip
     _go_on_with(wish, manifest)
-    files.sweep_strays(wish.out, set(grid.tiles_of(bounds)))
+    files.sweep_strays(wish.out, set(grid.tiles()))
     for path, content in described["files"].items():
         if any(path.startswith(f"models/{layer['index']}_") for layer in layers):
             files.write_whole(wish.out / path, content)
     files.write_manifest(wish.out, manifest)
     return plan, manifest, described["starting"]
-
-
-def _chosen(layers: list[dict], wanted: list[str]) -> list[dict]:
-    chosen = []
-    for name in wanted:
-        found = [layer for layer in layers if str(layer["index"]) == name] or [layer for layer in layers if layer["name"] == name]
-        if not found:
-            known = ", ".join(f"{layer['index']} {layer['name']}".strip() for layer in layers)
-            raise BakeError(f"The scene has no layer '{name}'. It has: {known}.")
-        chosen += [layer for layer in found if layer not in chosen]
-    chosen = sorted(chosen, key=lambda layer: layer["index"]) if wanted else layers
-    if not chosen:
-        raise BakeError("The scene has no layers.")
-    return chosen
 
 
 def _go_on_with(wish: Wish, manifest: dict) -> None:
@@ -167,10 +140,11 @@ def _go_on_with(wish: Wish, manifest: dict) -> None:
     manifest["costs"] = before.get("costs")
 
 
-def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], bounds: list[int]) -> None:
-    for i, j in tiles:
-        if not (0 <= i - bounds[0] < bounds[2] and 0 <= j - bounds[1] < bounds[3]):
-            raise BakeError(f"Tile {i},{j} is not in the rectangle: tiles go from {bounds[0]},{bounds[1]} to {bounds[0] + bounds[2] - 1},{bounds[1] + bounds[3] - 1}.")
+def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> None:
+    for tile in tiles:
+        if tile not in grid:
+            first_x, first_z, columns, rows = grid.grid
+            raise BakeError(f"Tile {name_of(tile)} is not in the rectangle: tiles go from {first_x},{first_z} to {first_x + columns - 1},{first_z + rows - 1}.")
 
 
 def _make_all(
@@ -252,10 +226,10 @@ def world_digest(tiles: dict[str, dict]) -> str:
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
-def _finish(out: Path, outcome: Outcome) -> None:
+def _finish(out: Path, grid: TileGrid, outcome: Outcome) -> None:
     """The manifest's last word. Keeps quiet where it cannot be written: the tiles are there, and are found again."""
     manifest = outcome.manifest
-    manifest["complete"] = set(manifest["tiles"]) == {name_of(at) for at in grid.tiles_of(manifest["grid"])}
+    manifest["complete"] = set(manifest["tiles"]) == {name_of(at) for at in grid.tiles()}
     manifest["digest"] = world_digest(manifest["tiles"]) if manifest["complete"] else None
     try:
         files.write_manifest(out, manifest)

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from . import files, grid, rows
+from . import files, rows
 from .format import name_of
+from .grid import TileGrid, inside
 from .tile_engine import EngineGone, Refused, Source, TileEngine
 from .tile_folder import MadeTiles, TileFolder
 
@@ -26,21 +27,21 @@ class Plan:
     """All that decides what a tile's file holds, and what its maker has to know."""
 
     source: Source | MadeTiles
+    asked: dict[str, str]  # What the scene was described for
     out: str
     rect: tuple[float, float, float, float]  # x, z, width, depth, meters of the world
-    tile_size: float
-    layers: tuple[dict, ...]  # index, tile_size, colored, custom_data
+    grid: TileGrid
+    layers: tuple[dict, ...]  # index, colored, custom_data
     scene_digest: str
     parts: dict[str, str]  # The digests of the scene's parts
     pixel: float  # Meters of a pixel of the map
 
     def marks(self, tile: tuple[int, int]) -> dict[str, str]:
         """What a tile's file says of itself: a file with other marks is another tile's, or another bake's."""
-        area = grid.area_of(list(self.rect), self.tile_size, tile)
         return {
             "thicket.tile": name_of(tile),
             "thicket.scene_digest": self.scene_digest,
-            "thicket.area": ",".join(map(repr, area)),
+            "thicket.area": ",".join(map(repr, self.grid.area_of(tile))),
             "thicket.layers": ",".join(str(layer["index"]) for layer in self.layers),
         }
 
@@ -65,7 +66,7 @@ def _engine_of(plan: Plan) -> TileEngine:
         _drop_engine()
         begun = time.perf_counter()
         _own.engine = _started(plan.source)
-        described = _own.engine.describe(list(plan.rect))
+        described = _own.engine.describe(plan.asked)
         _own.starting = getattr(_own, "starting", 0.0) + time.perf_counter() - begun
         if described["scene_digest"] != plan.scene_digest:
             raise SceneChanged(
@@ -118,16 +119,14 @@ def close_engines() -> None:
 atexit.register(close_engines)
 
 
-def describe(source: Source | MadeTiles, rect: list[float] | None) -> dict:
-    """What the scene is: what TileEngine.describe says for a rectangle, None for where the terrain lies, with that as its `rect`, what
-    TileEngine.models gives for all layers as `models` and `files`, and the seconds until an engine had started as `starting`. By a new
-    engine, which reads the scene as it is now."""
+def describe(source: Source | MadeTiles, asked: dict[str, str]) -> dict:
+    """What TileEngine.describe says of the scene, what TileEngine.models gives for its layers as `models` and `files`, and the seconds until an engine had
+    started as `starting`. By a new engine, which reads the scene as it is now."""
     _drop_engine()
     begun = time.perf_counter()
     _own.engine = _started(source)
-    described = _own.engine.describe(rect)
+    described = _own.engine.describe(asked)
     described["starting"] = time.perf_counter() - begun
-    described["rect"] = rect or described["rect"]
     described["models"], described["files"] = _own.engine.models([layer["index"] for layer in described["layers"]])
     _begin_to_count((source, described["scene_digest"]))
     return described
@@ -182,12 +181,11 @@ def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
 
 def _asked(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
     """The sorted rows of a tile, and how many of them have a shear."""
-    area = grid.area_of(list(plan.rect), plan.tile_size, tile)
-    wanted = [(layer, at) for layer in plan.layers for at in grid.game_tiles(area, layer["tile_size"])]
+    area, layers = plan.grid.area_of(tile), {layer["index"]: layer for layer in plan.layers}
     parts, sheared = [], 0
-    for (layer, at), data in zip(wanted, engine.rows(tile, [(layer["index"], *at) for layer, at in wanted]), strict=True):
-        part, leaning = rows.parse(data, layer)
-        within = grid.inside(area, layer["tile_size"], at, part["x"], part["z"])
+    for made, data in engine.rows(tile):
+        part, leaning = rows.parse(data, layers[made["layer"]])
+        within = inside(area, made["bounds"], part["x"], part["z"])
         parts.append(part if within is None else {name: column[within] for name, column in part.items()})
         sheared += leaning
     return rows.joined(parts), sheared

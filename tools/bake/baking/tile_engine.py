@@ -124,10 +124,14 @@ class TileEngine:
             raise Refused(f"{header['error']} {self._last_words() if 'printed' in header['error'] else ''}".strip())
         return header, self._take(header["bytes"])
 
-    def describe(self, rect: list[float] | None = None) -> dict:
-        """The scene's layers, seed, digest and so on; see bake_world.gd. rect is x, z, width, depth in meters of the world."""
-        self._send({"do": "describe", "rect": rect})
-        return self._receive()[0]
+    def describe(self, asked: dict[str, str]) -> dict:
+        """What scene_description.gd says of the scene for a `rect`, a `tile_size` and `layers`, each a text; what is missing is chosen there. Raises
+        Refused for what cannot be baked, and for a project with an add-on that does not know of this."""
+        self._send({"do": "describe", **asked})
+        described = self._receive()[0]
+        if "edges" not in described:
+            raise Refused("The project has the add-on of another version of Thicket: copy the one of this checkout into it.")
+        return described
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:
         """For each of the layers what its instances look like, and the contents of the files that this takes, by path."""
@@ -143,11 +147,15 @@ class TileEngine:
             else:
                 found.append(header)
 
-    def rows(self, tile: tuple[int, int], parts: list[tuple[int, int, int]]) -> Iterator[bytearray]:
-        """The rows of the tiles of the game (layer, x, y) that a tile of the bake consists of, in the same order; see ScatterTile.get_rows."""
-        self._send({"do": "rows", "tiles": parts})
-        for _ in parts:
-            yield self._receive()[1]
+    def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, bytearray]]:
+        """What a tile of what was described last consists of: of each tile of the game its `layer`, its `bounds` (see grid.py) and so on, and its rows;
+        see ScatterTile.get_rows."""
+        self._send({"do": "rows", "tile": tile})
+        while True:
+            part, data = self._receive()
+            if part.get("end"):
+                return
+            yield part, data
 
     def peak_memory(self) -> int:
         """The most bytes that the engine had in memory so far; 0 where the system does not tell."""

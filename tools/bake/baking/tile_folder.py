@@ -30,7 +30,10 @@ class MadeTiles:
 def made_tiles(folder: Path) -> MadeTiles:
     """What lies in a folder. Raises BakeError where that is no world's tiles."""
     try:
-        return MadeTiles(str(folder), json.loads((folder / WORLD).read_text(encoding="utf-8"))["scene"])
+        world = json.loads((folder / WORLD).read_text(encoding="utf-8"))
+        if "edges" not in world:
+            raise BakeError(f"{folder} was made by another version of Thicket: make it again with bake_world.gd.")
+        return MadeTiles(str(folder), world["scene"])
     except (OSError, ValueError, LookupError, TypeError) as error:
         raise BakeError(f"{folder / WORLD} cannot be read: {error}") from None
 
@@ -42,8 +45,8 @@ class TileFolder:
         self.folder = folder
         self.world = json.loads((folder / WORLD).read_text(encoding="utf-8"))
 
-    def describe(self, rect: list[float] | None = None) -> dict:
-        """What TileEngine.describe says, of the layers that were made alone, and the `tile_size`. The rectangle is the folder's."""
+    def describe(self, asked: dict[str, str]) -> dict:
+        """As TileEngine.describe, of what was asked for when the folder was made: `asked` is empty."""
         return {key: value for key, value in self.world.items() if key != "models"}
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:
@@ -51,8 +54,8 @@ class TileFolder:
         files = {f"models/{path.name}": path.read_bytes() for path in sorted(self.folder.glob("models/*.res"))}
         return [each for each in self.world["models"] if each["index"] in layers], files
 
-    def rows(self, tile: tuple[int, int], parts: list[tuple[int, int, int]]) -> Iterator[memoryview]:
-        """The rows of the parts of a tile, as TileEngine.rows. Raises Refused for a tile that is not there or not whole."""
+    def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
+        """As TileEngine.rows. Raises Refused for a tile that is not there or not whole."""
         path = self.folder / "tiles" / f"tile_{tile[0]}_{tile[1]}.rows"
         try:
             data = memoryview(path.read_bytes())
@@ -61,23 +64,19 @@ class TileFolder:
         except OSError as error:
             raise Refused(f"{path} cannot be read: {error.strerror}.") from None
         try:
-            yield from self._rows(data, tile, parts)
+            yield from self._parts(data, tile)
         except (ValueError, LookupError, struct.error):
             raise Refused(f"{path} is damaged, or of another bake: bake_world.gd makes it again.") from None
 
-    def _rows(self, data: memoryview, tile: tuple[int, int], parts: list[tuple[int, int, int]]) -> Iterator[memoryview]:
+    def _parts(self, data: memoryview, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
         header, _, data = _message(data)
         mark = {key: self.world[key] for key in ("scene_digest", "rect", "tile_size")}
         mark["layers"] = [layer["index"] for layer in self.world["layers"]]
         if header["tile"] != name_of(tile) or header["of"] != mark or header["sha256"] != hashlib.sha256(data).hexdigest():
             raise ValueError
-        for part in parts:
-            header, rows, data = _message(data)
-            if (header["layer"], header["x"], header["y"]) != part:
-                raise ValueError
-            yield rows
-        if data:
-            raise ValueError
+        while data:
+            part, rows, data = _message(data)
+            yield part, rows
 
     def peak_memory(self) -> int:
         return 0  # There is no engine.
