@@ -20,13 +20,6 @@ const FLOATS := 12
 const PROTON_OUTPUT := "ScatterOutput"
 ## Meters: a layer that has hand-placed instances alone looks for no other ones, the less often the larger its radius is.
 const LEAST_RADIUS := 2.0
-## What a layer takes over of a node that has drawn its mesh.
-const LOOK: Dictionary[StringName, StringName] = {
-	&"material_override": &"material_override", &"cast_shadow": &"cast_shadow", &"gi_mode": &"gi_mode", &"layers": &"render_layers",
-	&"lod_bias": &"lod_bias", &"extra_cull_margin": &"extra_cull_margin", &"visibility_range_begin": &"visibility_range_begin",
-	&"visibility_range_begin_margin": &"visibility_range_begin_margin", &"visibility_range_end": &"visibility_range_end",
-	&"visibility_range_end_margin": &"visibility_range_end_margin", &"visibility_range_fade_mode": &"visibility_range_fade_mode",
-}
 
 
 ## Instances of one mesh or scene.
@@ -140,7 +133,11 @@ static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
 				layer.get(&"material_override") == batch.look.get(&"material_override"):
 			return layer
 	var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
-	layer.resource_name = _free_name(batch.name, r_layers)
+	var taken := PackedStringArray()
+	for other: Resource in r_layers:
+		if other != null:
+			taken.append(other.resource_name)
+	layer.resource_name = layer.call(&"find_free_name", batch.name, taken)
 	layer.set(&"meshes", [batch.mesh])
 	for property: StringName in batch.look:
 		layer.set(property, batch.look[property])
@@ -149,19 +146,6 @@ static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
 	layer.set(&"density", 0.0)
 	r_layers.append(layer)
 	return layer
-
-
-static func _free_name(name: String, layers: Array) -> String:
-	var taken := PackedStringArray()
-	for layer: Resource in layers:
-		if layer != null:
-			taken.append(layer.resource_name)
-	var found := name
-	var number := 2
-	while taken.has(found):
-		found = "%s %d" % [name, number]
-		number += 1
-	return found
 
 
 ## Which of a layer's meshes a mesh is; the first if it is none of them.
@@ -225,10 +209,11 @@ static func _name_of(mesh: Resource, node: Node) -> String:
 ## What differs from how a mesh is drawn usually.
 static func _look_of(node: GeometryInstance3D) -> Dictionary[StringName, Variant]:
 	var look: Dictionary[StringName, Variant] = {}
-	for property: StringName in LOOK:
-		var value: Variant = node.get(property)
-		if value != ClassDB.class_get_property_default_value(node.get_class(), property):
-			look[LOOK[property]] = value
+	var properties: Dictionary = (ClassDB.instantiate(&"ScatterLayer") as Resource).call(&"get_geometry_properties")
+	for own: StringName in properties:
+		var value: Variant = node.get(properties[own])
+		if value != ClassDB.class_get_property_default_value(node.get_class(), properties[own]):
+			look[own] = value
 	return look
 
 

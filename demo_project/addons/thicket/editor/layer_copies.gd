@@ -17,12 +17,7 @@ static func of(layer: Resource, copies: Dictionary[Resource, Resource], with_ass
 
 ## A name that is not taken: itself, or with a number.
 static func free_name(name: String, taken: PackedStringArray) -> String:
-	var result := name
-	var number := 2
-	while taken.has(result):
-		result = "%s %d" % [name, number]
-		number += 1
-	return result
+	return (ClassDB.instantiate(&"ScatterLayer") as Resource).call(&"find_free_name", name, taken)
 
 
 ## The names of layers; null entries have none.

@@ -15,8 +15,6 @@ const TRUNK := 0.2
 ## A layer that keeps more than this part of another's radius to it hardly stands: where the other is as dense as can be, no place is
 ## farther from it than its radius.
 const ROOM := 0.62
-## As the extension has it.
-const MAX_NEIGHBORS := 16
 
 
 ## A layer of these meshes, and of the sizes that they have; null if there is nothing to draw.
@@ -61,11 +59,12 @@ static func place_for(layer: Resource, layers: Array) -> int:
 ## Has new layers keep distances to all others of a list, by their names; large ones do not give way to what grows beneath them.
 static func keep_apart(new: Array[Resource], layers: Array) -> void:
 	var done: Array[Resource] = []
+	var most := ClassDB.class_get_integer_constant(&"ScatterLayer", &"MAX_NEIGHBORS")
 	for layer in new:
 		var spacing: Dictionary = layer.get(&"spacing").duplicate()
 		for other: Resource in layers:
 			var later := new.has(other) and not done.has(other)
-			if other == null or other == layer or other.resource_name.is_empty() or later or spacing.size() >= MAX_NEIGHBORS:
+			if other == null or other == layer or other.resource_name.is_empty() or later or spacing.size() >= most:
 				continue
 			var is_first := layers.find(layer) < layers.find(other)
 			var meters := distance(layer if is_first else other, other if is_first else layer)
