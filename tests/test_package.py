@@ -69,7 +69,8 @@ def libraries(addon: Path) -> list[Path]:
 def test_what_is_in_the_zip(addon):
     """One folder, with all that the README promises and nothing of the build."""
     names = {path.relative_to(addon).as_posix() for path in addon.rglob("*") if path.is_file()}
-    for needed in ("plugin.cfg", "thicket.gdextension", "LICENSE", "THIRD_PARTY.txt", "README.md", "CHANGELOG.md", "editor/plugin.gd"):
+    for needed in ("plugin.cfg", "thicket.gdextension", "LICENSE", "THIRD_PARTY.txt", "README.md", "CHANGELOG.md", "plugin.gd",
+        "editor/.gdignore", "editor/workspace.gd"):
         assert needed in names, needed
     assert any(name.startswith("csharp/") for name in names) and any(name.startswith("tutorials/") for name in names)
     assert not [name for name in names if re.search(r"\.(py|cpp|hpp|o|a|lib|pdb|import\.tmp)$|SConstruct|__pycache__|~$", name)]

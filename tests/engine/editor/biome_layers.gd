@@ -9,7 +9,7 @@ var scatter: Node3D
 
 
 func tree() -> Tree:
-	return addon().desk.panel.tree
+	return workspace().desk.panel.tree
 
 
 func layer(title: String) -> Resource:
@@ -91,21 +91,21 @@ func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 	var before := saved_files()
 	await mouse_click(await name_at(layer("Reed")))
 	await frames(2)
-	check_equal(addon().toolbar.chosen, [layer("Reed")] as Array[Resource], "a click chooses it for tools")
-	check_equal(addon().toolbar.paint.layer, layer("Reed"), "for the brush, too")
-	check_equal(scatter.get_layer(addon().toolbar.paint.layer_index), layer("Reed"), "by the index that the scatter knows")
-	check(addon().desk.panel._remove.disabled and addon().desk.panel._copy.disabled, "which layers there are is the biome's business")
+	check_equal(workspace().toolbar.chosen, [layer("Reed")] as Array[Resource], "a click chooses it for tools")
+	check_equal(workspace().toolbar.paint.layer, layer("Reed"), "for the brush, too")
+	check_equal(scatter.get_layer(workspace().toolbar.paint.layer_index), layer("Reed"), "by the index that the scatter knows")
+	check(workspace().desk.panel._remove.disabled and workspace().desk.panel._copy.disabled, "which layers there are is the biome's business")
 	await key(KEY_DELETE)
 	check(layer("Reed") != null, "the key does not delete it")
 	await mouse_click(await mark_at(layer("Reed"), 2))
 	await settle(scatter)
-	check(addon().desk.marks.is_hidden(layer("Reed")), "the eye hides it")
+	check(workspace().desk.marks.is_hidden(layer("Reed")), "the eye hides it")
 	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances - scatter.get_shown_count(layer("Reed")), "nothing of it is drawn")
 	var state: Dictionary = addon()._get_state()
-	addon().desk.marks.put(layer("Reed"), &"hidden", null)
+	workspace().desk.marks.put(layer("Reed"), &"hidden", null)
 	addon()._set_state(state)
-	check(addon().desk.marks.is_hidden(layer("Reed")), "kept by the editor, for the scene")
-	addon().desk.marks.put(layer("Reed"), &"hidden", null)
+	check(workspace().desk.marks.is_hidden(layer("Reed")), "kept by the editor, for the scene")
+	workspace().desk.marks.put(layer("Reed"), &"hidden", null)
 	await settle(scatter)
 	check_same(saved_files(), before, "nothing of that is in the scene")
 
@@ -114,7 +114,7 @@ func test_a_layer_of_a_biome_is_painted() -> void:
 	var before := saved_files()
 	await mouse_click(await name_at(layer("Reed")))
 	await frames(2)
-	var paint: Node = addon().toolbar.paint
+	var paint: Node = workspace().toolbar.paint
 	paint.set_on(true)
 	paint.choose_mode(1)
 	paint.set_brush(8.0, 1.0, 1.0)
@@ -142,4 +142,4 @@ func test_a_biome_is_replaced() -> void:
 	var titles: Array = tree().rows().map(func(row: TreeItem) -> String: return row.get_text(0))
 	check_equal(titles, ["Rock", "Grass", "Thistle"], "the rows follow")
 	check_equal(tree().row_of(layer("Thistle")).get_parent().get_text(0), "Dry Bed", "below its name")
-	check_equal(addon().toolbar.chosen, [layer("Rock")] as Array[Resource], "tools have a layer that is there")
+	check_equal(workspace().toolbar.chosen, [layer("Rock")] as Array[Resource], "tools have a layer that is there")

@@ -105,12 +105,12 @@ func test_first_stroke() -> void:
 	var before := saved()
 	var stood := instances(scatter, 0)
 	check(stood.size() > 1000, "%d stand" % stood.size())
-	await mouse_click(middle(button("Brush", addon().toolbar)))
-	check(addon().toolbar.paint.is_on(), "a click takes the brush")
-	addon().toolbar.paint.set_brush(1.5, 1.0, 1.0)
-	var dialog: ConfirmationDialog = addon().toolbar.paint.first_stroke
+	await mouse_click(middle(button("Brush", workspace().toolbar)))
+	check(workspace().toolbar.paint.is_on(), "a click takes the brush")
+	workspace().toolbar.paint.set_brush(1.5, 1.0, 1.0)
+	var dialog: ConfirmationDialog = workspace().toolbar.paint.first_stroke
 	for answer: String in ["Cancel", "Only here", "Not here"]:
-		await mouse_click(middle(button("Paint", addon().toolbar)))
+		await mouse_click(middle(button("Paint", workspace().toolbar)))
 		await mouse_click(on_screen(Vector3(0.5, 0.0, 0.5)))
 		if not check(dialog.visible, "the first stroke asks, to %s" % answer):
 			return
@@ -130,7 +130,7 @@ func test_first_stroke() -> void:
 				check(near > 3 and left.size() < 60, "%d are left, %d of them where it was painted" % [left.size(), near])
 			"Not here":
 				check(near == 0 and left.size() > stood.size() / 2, "%d are left, %d of them where it was painted" % [left.size(), near])
-				await until(addon().toolbar.paint.mask_overlay.is_shown, "what is painted is seen")
+				await until(workspace().toolbar.paint.mask_overlay.is_shown, "what is painted is seen")
 				await picture("clicks_mask")
 		if answer != "Cancel":
 			await undo()
@@ -147,21 +147,21 @@ func test_in_vain() -> void:
 	for missing: String in ["terrain", "layer"]:
 		scatter.terrain = ground if missing == "layer" else null
 		scatter.layers = layers if missing == "terrain" else []
-		addon().toolbar.update_layers()
+		workspace().toolbar.update_layers()
 		await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
-		check(missing in addon().toolbar.paint.problem, "why without a %s: '%s'" % [missing, addon().toolbar.paint.problem])
+		check(missing in workspace().toolbar.paint.problem, "why without a %s: '%s'" % [missing, workspace().toolbar.paint.problem])
 		check_equal(selected(), [scatter] as Array[Node], "the selection stays without a " + missing)
 		await mouse_to(on_screen(Vector3(0.5, 0.0, 0.5)), 0)
 		addon().update_overlays()
 		await picture("clicks_no_" + missing)
 	scatter.terrain = ground
 	scatter.layers = layers
-	addon().toolbar.update_layers()
+	workspace().toolbar.update_layers()
 	await settle(scatter)
-	check(not addon().toolbar.paint.first_stroke.visible, "nothing was asked")
+	check(not workspace().toolbar.paint.first_stroke.visible, "nothing was asked")
 	# The same drag without the brush selects what is in the box.
-	await mouse_click(middle(button("Brush", addon().toolbar)))
-	check(not addon().toolbar.paint.is_on(), "a click puts the brush away")
+	await mouse_click(middle(button("Brush", workspace().toolbar)))
+	check(not workspace().toolbar.paint.is_on(), "a click puts the brush away")
 	await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
 	check(not selected() == ([scatter] as Array[Node]), "without it the drag is the editor's: %s" % [selected()])
 	await mouse_click(row_of("Scatter"))
@@ -170,25 +170,25 @@ func test_in_vain() -> void:
 
 ## Another node takes the brush away, and a click in the view is the editor's again.
 func test_put_away() -> void:
-	await mouse_click(middle(button("Brush", addon().toolbar)))
-	check(addon().toolbar.paint.is_on(), "the brush is on")
+	await mouse_click(middle(button("Brush", workspace().toolbar)))
+	check(workspace().toolbar.paint.is_on(), "the brush is on")
 	await mouse_click(row_of("Lamp"))
-	check(not addon().toolbar.paint.is_on(), "another node puts it away")
+	check(not workspace().toolbar.paint.is_on(), "another node puts it away")
 	await mouse_click(row_of("Scatter"))
 	await settle(scatter)
-	check(not addon().toolbar.paint.is_on(), "and it does not come back by itself")
+	check(not workspace().toolbar.paint.is_on(), "and it does not come back by itself")
 	await mouse_click(on_screen(Vector3(0.5, 0.0, 0.5)))
-	check(not addon().toolbar.paint.first_stroke.visible and scatter.layers[0].mask == null, "a click paints nothing")
+	check(not workspace().toolbar.paint.first_stroke.visible and scatter.layers[0].mask == null, "a click paints nothing")
 	await mouse_click(row_of("Scatter"))
 	await settle(scatter)
 
 
 ## A stroke over two layers that are chosen in the panel, by the mouse from the button down to the button up: one step.
 func test_a_stroke_on_two_layers() -> void:
-	addon().toolbar.choose_layers([scatter.layers[0], scatter.layers[1]] as Array[Resource])
+	workspace().toolbar.choose_layers([scatter.layers[0], scatter.layers[1]] as Array[Resource])
 	var before := saved()
-	await mouse_click(middle(button("Brush", addon().toolbar)))
-	await mouse_click(middle(button("Erase", addon().toolbar)))
+	await mouse_click(middle(button("Brush", workspace().toolbar)))
+	await mouse_click(middle(button("Erase", workspace().toolbar)))
 	var version := history(scatter).get_version()
 	await drag_in_view(Vector3(-2.0, 0.0, 0.0), Vector3(2.0, 0.0, 0.5))
 	check_equal(history(scatter).get_version(), version + 1, "one step")
@@ -196,7 +196,7 @@ func test_a_stroke_on_two_layers() -> void:
 		check(layer.mask != null and layer.mask.sample(Vector2(-2.0, 0.0)) < 0.1 and layer.mask.sample(Vector2(2.0, 0.5)) < 0.1,
 				layer.resource_name + " is painted from end to end")
 	await settle(scatter)
-	await until(addon().toolbar.paint.mask_overlay.is_shown, "what is painted is seen")
+	await until(workspace().toolbar.paint.mask_overlay.is_shown, "what is painted is seen")
 	for index in 2:
 		check(instances(scatter, index).values().all(func(at: Vector3) -> bool: return absf(at.x) > 2.0 or absf(at.z - 0.25) > 0.8),
 				scatter.layers[index].resource_name + " stands no more where the brush went")
@@ -205,7 +205,7 @@ func test_a_stroke_on_two_layers() -> void:
 	check(saved() == before, "undone, to the byte")
 	await redo()
 	await undo()
-	await mouse_click(middle(button("Brush", addon().toolbar)))
+	await mouse_click(middle(button("Brush", workspace().toolbar)))
 
 
 ## From the menu to a region that takes away what stands in it, and its side by its handle.
@@ -213,7 +213,7 @@ func test_a_region() -> void:
 	await settle(scatter)
 	var before := saved()
 	var stood := instances(scatter, 0)
-	var menu: MenuButton = addon().toolbar.regions
+	var menu: MenuButton = workspace().toolbar.regions
 	await mouse_click(middle(menu))
 	var popup := menu.get_popup()
 	check(popup.visible, "the menu opens")
@@ -287,7 +287,7 @@ func test_a_radius_is_dragged() -> void:
 func test_a_preset_that_stands_nowhere() -> void:
 	await settle(scatter)
 	var menu: MenuButton
-	for found: MenuButton in addon().toolbar.find_children("*", "MenuButton", true, false):
+	for found: MenuButton in workspace().toolbar.find_children("*", "MenuButton", true, false):
 		menu = found if found.text == "Presets" else menu
 	await mouse_click(middle(menu))
 	check(menu.get_popup().visible, "the menu opens")

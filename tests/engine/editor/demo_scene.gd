@@ -66,8 +66,8 @@ func test_add() -> void:
 	select(scatter)
 	await frames(3)
 	EditorInterface.set_main_screen_editor("3D")
-	check(addon().toolbar.visible, "the toolbar is there for a scatter")
-	check(not addon().toolbar.paint.is_on(), "without layers there is no brush")
+	check(workspace().toolbar.visible, "the toolbar is there for a scatter")
+	check(not workspace().toolbar.paint.is_on(), "without layers there is no brush")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Posts"
 	layer.radius = 1.5
@@ -97,10 +97,10 @@ func test_add() -> void:
 
 ## One stroke that erases is one step, and changes nothing beyond its reach.
 func test_stroke() -> void:
-	addon().toolbar.paint.set_on(true)
-	addon().toolbar.paint.set_brush(6.0, 1.0, 0.8)
-	addon().toolbar.paint.choose_mode(1)
-	addon().toolbar.choose_layer(0)
+	workspace().toolbar.paint.set_on(true)
+	workspace().toolbar.paint.set_brush(6.0, 1.0, 0.8)
+	workspace().toolbar.paint.choose_mode(1)
+	workspace().toolbar.choose_layer(0)
 	var version := history(scatter).get_version()
 	var places := PackedVector3Array()
 	for step in 9:
@@ -162,25 +162,25 @@ func test_paint_and_smooth() -> void:
 	var both := old.duplicate()
 	both.append(layer)
 	scatter.layers = both
-	addon().toolbar.update_layers()
-	addon().toolbar.choose_layer(1)
-	addon().toolbar.paint.set_brush(8.0, 1.0, 1.0)
+	workspace().toolbar.update_layers()
+	workspace().toolbar.choose_layer(1)
+	workspace().toolbar.paint.set_brush(8.0, 1.0, 1.0)
 	await settle(scatter)
 	var full := instances(scatter, 1)
 	var at := Vector2(LOOKED_AT.x, LOOKED_AT.y + 10.0)
-	addon().toolbar.paint.set_on(true)
-	addon().toolbar.paint.choose_mode(2)
+	workspace().toolbar.paint.set_on(true)
+	workspace().toolbar.paint.choose_mode(2)
 	await stroke([on_ground(at.x, at.y)])
 	check(layer.mask == null, "there is nothing to smooth")
 	await ask_first(layer, at, full)
-	addon().toolbar.paint.first_stroke.get_ok_button().pressed.emit()
+	workspace().toolbar.paint.first_stroke.get_ok_button().pressed.emit()
 	await settle(scatter)
 	var kept := instances(scatter, 1)
 	check(kept.size() > 30 and kept.size() < 120, "%d of %d stand where it is painted" % [kept.size(), full.size()])
 	for id: int in kept:
 		check(Vector2(kept[id].x, kept[id].z).distance_to(at) < 9.0 and kept[id] == full[id], "under the brush, not moved")
 	check(layer.mask.resource_path.begins_with("res://demo_stakes_mask"), "the mask has a file: %s" % layer.mask.resource_path)
-	addon().toolbar.paint.choose_mode(2)
+	workspace().toolbar.paint.choose_mode(2)
 	var rim := at + Vector2(8.0, 0.0)
 	var sharp: float = layer.mask.sample(rim - Vector2(2.0, 0.0)) - layer.mask.sample(rim + Vector2(2.0, 0.0))
 	await stroke([on_ground(rim.x, rim.y), on_ground(rim.x, rim.y + 0.5), on_ground(rim.x, rim.y + 6.0)])
@@ -192,14 +192,14 @@ func test_paint_and_smooth() -> void:
 	await settle(scatter)
 	check(instances(scatter, 1) == full, "painting is undone")
 	scatter.layers = old
-	addon().toolbar.update_layers()
+	workspace().toolbar.update_layers()
 
 
 ## Painting a layer that stands everywhere asks first: nothing changes by that, nor when it is dismissed, and "Not here" erases.
 func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
-	var dialog: ConfirmationDialog = addon().toolbar.paint.first_stroke
+	var dialog: ConfirmationDialog = workspace().toolbar.paint.first_stroke
 	for answer: String in ["dismiss", "erase", "paint"]:
-		addon().toolbar.paint.choose_mode(0)
+		workspace().toolbar.paint.choose_mode(0)
 		await stroke([on_ground(at.x, at.y)])
 		check(dialog.visible and layer.mask == null, "the first stroke asks, to %s" % answer)
 		check("%d on show" % full.size() in dialog.dialog_text, "how many would go: %s" % dialog.dialog_text)
@@ -213,8 +213,8 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 			await settle(scatter)
 			var left := instances(scatter, 1)
 			check(left.size() < full.size() - 30 and left.size() > full.size() / 2, "%d of %d are left" % [left.size(), full.size()])
-			check_equal(addon().toolbar.paint.brush.mode, 1, "the brush goes on to erase")
-			await until(addon().toolbar.paint.mask_overlay.is_shown, "the mask is seen while the brush is on")
+			check_equal(workspace().toolbar.paint.brush.mode, 1, "the brush goes on to erase")
+			await until(workspace().toolbar.paint.mask_overlay.is_shown, "the mask is seen while the brush is on")
 			await picture("mask")
 			var file: String = layer.mask.resource_path
 			check(FileAccess.file_exists(file), "the mask has a file")
@@ -230,38 +230,38 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 
 ## A stroke that cannot be made says why and keeps the button; another selection puts the brush away.
 func test_brush_in_the_way() -> void:
-	addon().toolbar.paint.set_on(true)
+	workspace().toolbar.paint.set_on(true)
 	await frames(2)
 	var press := _button(Vector2(300.0, 200.0), true, false)
 	var stop := EditorPlugin.AFTER_GUI_INPUT_STOP
 	scatter.terrain = null
 	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a terrain")
-	check("terrain" in addon().toolbar.paint.problem, "why: '%s'" % addon().toolbar.paint.problem)
+	check("terrain" in workspace().toolbar.paint.problem, "why: '%s'" % workspace().toolbar.paint.problem)
 	await picture("no_terrain")
 	scatter.terrain = ground
 	var layers: Array = scatter.layers
 	scatter.layers = []
-	addon().toolbar.update_layers()
+	workspace().toolbar.update_layers()
 	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a layer")
-	check("layer" in addon().toolbar.paint.problem, "why: '%s'" % addon().toolbar.paint.problem)
+	check("layer" in workspace().toolbar.paint.problem, "why: '%s'" % workspace().toolbar.paint.problem)
 	scatter.layers = layers
-	addon().toolbar.update_layers()
+	workspace().toolbar.update_layers()
 	check_equal(addon()._forward_3d_gui_input(camera(), _button(Vector2(300.0, -20000.0), true, false)), stop, "the sky")
-	check("ground" in addon().toolbar.paint.problem, "why: '%s'" % addon().toolbar.paint.problem)
+	check("ground" in workspace().toolbar.paint.problem, "why: '%s'" % workspace().toolbar.paint.problem)
 	check(EditorInterface.get_selection().get_selected_nodes() == [scatter], "the selection stays")
 	select(EditorInterface.get_edited_scene_root())
 	await frames(2)
-	check(not addon().toolbar.paint.is_on(), "deselecting puts the brush away")
+	check(not workspace().toolbar.paint.is_on(), "deselecting puts the brush away")
 	select(scatter)
 	await frames(2)
-	check(not addon().toolbar.paint.is_on(), "and it does not come back by itself")
+	check(not workspace().toolbar.paint.is_on(), "and it does not come back by itself")
 
 
 ## A preset adds its layers with undo; added again, the names differ and the rules name the new ones.
 func test_presets() -> void:
 	var version := history(scatter).get_version()
-	addon().toolbar.preset_chosen.emit("forest")
-	addon().toolbar.preset_chosen.emit("forest")
+	workspace().toolbar.preset_chosen.emit("forest")
+	workspace().toolbar.preset_chosen.emit("forest")
 	check_equal(history(scatter).get_version(), version + 2, "a preset is one step of undo")
 	var names := PackedStringArray(scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name))
 	check(names.has("Spruce") and names.has("Spruce 2") and names.size() == 13, "names: %s" % names)
@@ -278,15 +278,15 @@ func test_presets() -> void:
 	check_equal(scatter.layers.size(), 1, "undone")
 	var flat: Resource = ClassDB.instantiate(&"ScatterTerrainFlat")
 	scatter.terrain = flat
-	addon().toolbar.preset_chosen.emit("scree")
-	check(not addon()._fresh_layers._fresh.is_empty(), "what is new waits until it stands")
+	workspace().toolbar.preset_chosen.emit("scree")
+	check(not workspace()._fresh_layers._fresh.is_empty(), "what is new waits until it stands")
 	await settle(scatter)
-	await until(func() -> bool: return addon()._fresh_layers._fresh.is_empty(), "what stands nowhere is told")
+	await until(func() -> bool: return workspace()._fresh_layers._fresh.is_empty(), "what stands nowhere is told")
 	await picture("missing")
 	history(scatter).undo()
 	scatter.terrain = ground
 	for preset in ["meadow", "scree"]:
-		addon().toolbar.preset_chosen.emit(preset)
+		workspace().toolbar.preset_chosen.emit(preset)
 		check(scatter.layers.size() > 3 and scatter.get_problems().is_empty(), "%s: %s" % [preset, scatter.get_problems()])
 		history(scatter).undo()
 
@@ -323,7 +323,7 @@ func run_part(part: Node, method: StringName) -> void:
 func test_bake() -> void:
 	select(scatter)
 	await frames(2)
-	var dialog: Node = addon().bake
+	var dialog: Node = workspace().bake
 	dialog.choose_folder(BAKED)
 	var rect := Rect2(LOOKED_AT - Vector2(50.0, 30.0), Vector2(100.0, 60.0))
 	dialog.open(scatter, Vector3(LOOKED_AT.x, 0.0, LOOKED_AT.y))

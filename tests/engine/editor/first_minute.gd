@@ -12,7 +12,7 @@ var _clicks := 0
 
 
 func panel() -> Control:
-	return addon().desk.panel
+	return workspace().desk.panel
 
 
 func click(at: Vector2) -> void:

@@ -14,7 +14,7 @@ var hill: Node3D
 
 
 func buttons() -> Control:
-	return addon().ground_buttons
+	return workspace().ground_buttons
 
 
 func button(text: String) -> Button:

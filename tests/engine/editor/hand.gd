@@ -84,10 +84,10 @@ func test_a_scene_that_is_saved() -> void:
 	await settle(scatter)
 	# What the editor itself adds when it saves is there from here on.
 	EditorInterface.save_scene()
-	hand = addon().toolbar.hand
+	hand = workspace().toolbar.hand
 	surface().grab_focus()
 	hand.set_on(true)
-	addon().toolbar.choose_layer(0)
+	workspace().toolbar.choose_layer(0)
 	hand.planting.choose(false, false, false, false)
 	hand.look()
 	# The row of the tool takes its place.
@@ -210,7 +210,7 @@ func test_give_up_and_delete() -> void:
 
 ## One that stands by its rules is moved and deleted like any other, and undo has it back under its own id.
 func test_instances_of_rules() -> void:
-	addon().toolbar.choose_layer(1)
+	workspace().toolbar.choose_layer(1)
 	await settle(scatter)
 	hand.look()
 	var near: RefCounted = scatter.query_nearest(Vector3(0.5, 0.0, 0.5), 3.0, [1])
@@ -235,7 +235,7 @@ func test_instances_of_rules() -> void:
 	await settle(scatter)
 	check(instances(scatter, 1).has(id), "undone")
 	await redo()
-	addon().toolbar.choose_layer(0)
+	workspace().toolbar.choose_layer(0)
 	hand.look()
 
 
@@ -327,7 +327,7 @@ func test_closed_without_saving() -> void:
 	await select_scatter()
 	await settle(scatter)
 	hand.set_on(true)
-	addon().toolbar.choose_layer(0)
+	workspace().toolbar.choose_layer(0)
 	surface().grab_focus()
 	await frames(3)
 	await click_at(on_screen(Vector3(0.6, 0.0, 0.4)))

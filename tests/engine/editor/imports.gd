@@ -48,8 +48,8 @@ func test_a_node() -> void:
 	var scatter: Node3D = await _make_scene()
 	var old: MultiMeshInstance3D = scatter.get_parent().get_node(^"Old Trees")
 	addon()._edit(scatter)
-	addon().toolbar.import_requested.emit()
-	var dialog: ConfirmationDialog = addon().imports
+	workspace().toolbar.import_requested.emit()
+	var dialog: ConfirmationDialog = workspace().imports
 	check(dialog.visible, "the button opens the dialog")
 	dialog.choose_node(old)
 	check("%d instances" % COUNT in dialog.said(), dialog.said())
@@ -80,11 +80,11 @@ func test_a_node() -> void:
 
 func test_a_table() -> void:
 	var scatter: Node3D = EditorInterface.get_edited_scene_root().get_node(^"Scatter")
-	var dialog: ConfirmationDialog = addon().imports
+	var dialog: ConfirmationDialog = workspace().imports
 	var file := FileAccess.open("res://rocks.csv", FileAccess.WRITE)
 	file.store_string("x,y,z,scale\n-10,2,-30,1.5\n-11,b,-30,2\n")
 	file.close()
-	addon().toolbar.import_requested.emit()
+	workspace().toolbar.import_requested.emit()
 	dialog.choose_table("res://rocks.csv")
 	check("line 3" in dialog.said() and "'b'" in dialog.said() and dialog.get_ok_button().disabled, dialog.said())
 	dialog.start()

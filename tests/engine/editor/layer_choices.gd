@@ -42,7 +42,7 @@ func undo_last(object: Object) -> void:
 
 ## All of it, on a scatter with one layer that is named Posts; undone at the end.
 func choose() -> void:
-	addon().toolbar.preset_chosen.emit("forest")
+	workspace().toolbar.preset_chosen.emit("forest")
 	var names: Array = scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name)
 	check_equal(scatter.layers.map(func(layer: Resource) -> int: return layer.layer_id), [0, 1, 2, 3, 4, 5, 6], "ids of all layers")
 	var fern: Resource = scatter.layers[names.find("Fern")]

@@ -12,7 +12,7 @@ var scatter: Node3D
 
 
 func panel() -> LayersPanel:
-	return addon().desk.panel
+	return workspace().desk.panel
 
 
 func tree() -> Tree:
@@ -113,7 +113,7 @@ func test_first_minute() -> void:
 	EditorInterface.get_selection().clear()
 	EditorInterface.get_selection().add_node(root.get_node("Ground"))
 	await look()
-	await mouse_click(middle(addon().ground_buttons._use))
+	await mouse_click(middle(workspace().ground_buttons._use))
 	check(scatter.terrain != null and scatter.terrain.is_class("ScatterTerrainMeshes"), "a click makes the selected mesh the ground")
 	EditorInterface.get_selection().clear()
 	EditorInterface.get_selection().add_node(scatter)
@@ -123,7 +123,7 @@ func test_first_minute() -> void:
 	await drag_files(MODELS, middle(tree()))
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "a layer for each file, the widest first")
 	check_equal(tree().chosen_layers(), scatter.layers as Array[Resource], "all of them are chosen")
-	check_equal(addon().toolbar.chosen, scatter.layers as Array[Resource], "for the tools, too")
+	check_equal(workspace().toolbar.chosen, scatter.layers as Array[Resource], "for the tools, too")
 	check(not button("Delete").disabled and not button("Duplicate").disabled, "and can be deleted and duplicated")
 	await settle(scatter)
 	await look()
@@ -141,7 +141,7 @@ func test_first_minute() -> void:
 	check_apart("Old Oak", "Fern", 0.8)
 	check_apart("Young Pine", "Fern", 0.6)
 	check_equal(EditorInterface.get_inspector().get_edited_object(), scatter.layers[0], "the inspector shows the first")
-	check(addon().toolbar.visible, "and the tools stay")
+	check(workspace().toolbar.visible, "and the tools stay")
 
 
 func grouped(number: int) -> String:
@@ -168,16 +168,16 @@ func look() -> void:
 func test_choosing() -> void:
 	await mouse_click(await name_at(layer("Young Pine")))
 	await frames(2)
-	check_equal(addon().toolbar.chosen, [layer("Young Pine")] as Array[Resource], "a click chooses the layer of the tools")
-	check_equal(addon().toolbar.paint.layer, layer("Young Pine"), "of each of them")
+	check_equal(workspace().toolbar.chosen, [layer("Young Pine")] as Array[Resource], "a click chooses the layer of the tools")
+	check_equal(workspace().toolbar.paint.layer, layer("Young Pine"), "of each of them")
 	check_equal(EditorInterface.get_inspector().get_edited_object(), layer("Young Pine"), "and shows it in the inspector")
-	check(is_instance_valid(addon()._scatter) and panel()._scatter == scatter, "the scatter is still what is worked on")
-	addon().toolbar.choose_layer(2)
+	check(is_instance_valid(workspace()._scatter) and panel()._scatter == scatter, "the scatter is still what is worked on")
+	workspace().toolbar.choose_layer(2)
 	await frames(2)
 	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[Resource], "the toolbar's choice is the panel's")
 	await mouse_click(await name_at(layer("Old Oak")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await frames(2)
-	check_equal(addon().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[Resource], "Ctrl and a click choose one more")
+	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[Resource], "Ctrl and a click choose one more")
 
 
 func test_marks() -> void:
@@ -185,12 +185,12 @@ func test_marks() -> void:
 	await mouse_click(await name_at(layer("Fern")))
 	await mouse_click(await mark_at(layer("Fern"), 2))
 	await settle(scatter)
-	check(addon().desk.marks.is_hidden(layer("Fern")), "the eye hides")
+	check(workspace().desk.marks.is_hidden(layer("Fern")), "the eye hides")
 	var drawn: int = scatter.get_stats().drawn
 	check_equal(drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "nothing is drawn of it")
 	check(scatter.get_shown_count(2) > 100, "it stands all the same")
 	await mouse_click(await mark_at(layer("Young Pine"), 1))
-	check(addon().desk.marks.is_locked(layer("Young Pine")), "the lock locks")
+	check(workspace().desk.marks.is_locked(layer("Young Pine")), "the lock locks")
 	panel()._colored = [layer("Old Oak")]
 	panel()._on_color(5)
 	await look()
@@ -199,18 +199,18 @@ func test_marks() -> void:
 	await undo()
 	await undo()
 	await undo()
-	check(not addon().desk.marks.is_hidden(layer("Fern")), "undone")
+	check(not workspace().desk.marks.is_hidden(layer("Fern")), "undone")
 	await redo()
 	await redo()
-	check(addon().desk.marks.is_locked(layer("Young Pine")), "redone")
+	check(workspace().desk.marks.is_locked(layer("Young Pine")), "redone")
 	var state: Dictionary = addon()._get_state()
-	addon().desk.marks.put(layer("Fern"), &"hidden", null)
-	addon().desk.marks.put(layer("Young Pine"), &"locked", null)
+	workspace().desk.marks.put(layer("Fern"), &"hidden", null)
+	workspace().desk.marks.put(layer("Young Pine"), &"locked", null)
 	addon()._set_state(state)
-	check(addon().desk.marks.is_hidden(layer("Fern")), "kept by the editor, for the scene")
-	check(addon().desk.marks.is_locked(layer("Young Pine")), "all of them")
-	addon().desk.marks.put(layer("Fern"), &"hidden", null)
-	addon().desk.marks.put(layer("Young Pine"), &"locked", null)
+	check(workspace().desk.marks.is_hidden(layer("Fern")), "kept by the editor, for the scene")
+	check(workspace().desk.marks.is_locked(layer("Young Pine")), "all of them")
+	workspace().desk.marks.put(layer("Fern"), &"hidden", null)
+	workspace().desk.marks.put(layer("Young Pine"), &"locked", null)
 	await settle(scatter)
 	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances, "all is drawn again")
 
@@ -275,8 +275,8 @@ func test_stroke_on_several_layers() -> void:
 	await mouse_click(await name_at(layer("Old Oak")))
 	await mouse_click(await name_at(layer("Young Pine")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await mouse_click(await name_at(layer("Fern")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
-	addon().desk.marks.put(layer("Fern"), &"locked", true)
-	var paint: Node = addon().toolbar.paint
+	workspace().desk.marks.put(layer("Fern"), &"locked", true)
+	var paint: Node = workspace().toolbar.paint
 	paint.set_on(true)
 	paint.choose_mode(1)
 	paint.set_brush(8.0, 1.0, 1.0)
@@ -294,7 +294,7 @@ func test_stroke_on_several_layers() -> void:
 	await mouse_click(await name_at(layer("Fern")))
 	await stroke([Vector3.ZERO])
 	check(paint.problem.contains("locked"), "a locked layer says so: " + paint.problem)
-	addon().desk.marks.put(layer("Fern"), &"locked", null)
+	workspace().desk.marks.put(layer("Fern"), &"locked", null)
 	paint.set_on(false)
 
 
@@ -334,7 +334,7 @@ func test_adding() -> void:
 
 ## The editor keeps marks beside the scene, for the next time it is opened.
 func test_marks_are_kept() -> void:
-	addon().desk.marks.put(layer("Fern"), &"hidden", true)
+	workspace().desk.marks.put(layer("Fern"), &"hidden", true)
 	saved_files()
 	scatter = null
 	EditorInterface.get_selection().clear()
@@ -345,5 +345,5 @@ func test_marks_are_kept() -> void:
 	EditorInterface.edit_node(scatter)
 	await settle(scatter)
 	await look()
-	check(addon().desk.marks.is_hidden(layer("Fern")), "what was hidden is hidden")
+	check(workspace().desk.marks.is_hidden(layer("Fern")), "what was hidden is hidden")
 	check_equal(scatter.get_stats().drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "in the view, too")

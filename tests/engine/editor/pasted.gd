@@ -12,7 +12,7 @@ var pasted: Node3D
 
 
 func panel() -> Control:
-	return addon().desk.panel
+	return workspace().desk.panel
 
 
 ## The plugin looks some times a second, and for what is shared less often.
@@ -63,11 +63,11 @@ func test_paste() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	await select(original)
 	await settle(original)
-	var brush: RefCounted = addon().toolbar.paint.brush
+	var brush: RefCounted = workspace().toolbar.paint.brush
 	brush.radius = 4.0
 	check_equal(brush.begin(original, [original.layers[0], original.layers[1]] as Array[Resource], FROM, 1, Vector2.ZERO), "", "painted")
 	brush.finish(plugin.get_undo_redo())
-	var edits: RefCounted = addon().toolbar.hand.edits
+	var edits: RefCounted = workspace().toolbar.hand.edits
 	check(edits.begin(original, FROM), edits.problem)
 	edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0)
 	edits.commit("Plant")

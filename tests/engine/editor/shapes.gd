@@ -61,7 +61,7 @@ func test_buttons() -> void:
 	await select_scatter()
 	await settle(scatter)
 	var before := scene_bytes()
-	var menu: Node = addon().toolbar.regions
+	var menu: Node = workspace().toolbar.regions
 	var middle := camera().global_position - camera().global_basis.z * (camera().global_position.y / camera().global_basis.z.y)
 	for shape: int in [0, 1, 2, 4]:
 		for exclude: bool in [true, false]:
@@ -92,11 +92,11 @@ func test_a_polygon_by_clicks() -> void:
 	await settle(scatter)
 	var before := scene_bytes()
 	var full := instances(scatter, 0)
-	var tool: Node = addon().toolbar.polygon
+	var tool: Node = workspace().toolbar.polygon
 	var corners: Array[Vector3] = [Vector3(-1, 0, -1), Vector3(1.5, 0, -0.8), Vector3(1.2, 0, 1), Vector3(-0.8, 0, 1.2)]
 	surface().grab_focus()
 	var steps := history(scatter).get_version()
-	addon().toolbar.regions._on_chosen(3)
+	workspace().toolbar.regions._on_chosen(3)
 	check(tool.is_on(), "the tool is on")
 	await click_at(on_screen(corners[0]))
 	await key(KEY_ENTER)
@@ -129,7 +129,7 @@ func test_a_polygon_by_clicks() -> void:
 	# A double click closes, a click on the first corner does, and Escape gives up.
 	for way: String in ["double", "first", "escape"]:
 		surface().grab_focus()
-		addon().toolbar.regions._on_chosen(8)
+		workspace().toolbar.regions._on_chosen(8)
 		for corner in corners:
 			await click_at(on_screen(corner))
 		if way == "double":
@@ -216,7 +216,7 @@ func test_handles_hold_one_side() -> void:
 
 ## The rectangle is drawn in the view; what is baked takes the scatter's place there, and nothing stands twice.
 func test_bake_and_replace() -> void:
-	var by_hand: Node = addon().toolbar.hand
+	var by_hand: Node = workspace().toolbar.hand
 	var edits: RefCounted = by_hand.edits
 	await settle(scatter)
 	check(edits.begin(scatter, SCENE), edits.problem)
@@ -225,12 +225,12 @@ func test_bake_and_replace() -> void:
 	var before := scene_bytes()
 	var state_file := "res://park_posts_state.res"
 	var state := FileAccess.get_file_as_bytes(state_file)
-	var dialog: Node = addon().bake
+	var dialog: Node = workspace().bake
 	dialog.choose_folder(BAKED)
 	dialog.open(scatter, Vector3.ZERO)
 	dialog._draw.pressed.emit()
 	await frames(2)
-	var tool: Node = addon().toolbar.rectangle
+	var tool: Node = workspace().toolbar.rectangle
 	check(not dialog.visible and tool.is_on(), "the dialog waits")
 	surface().grab_focus()
 	await drag_mouse(on_screen(Vector3(-1.05, 0.0, -0.97)), on_screen(Vector3(1.1, 0.0, 1.06)), false, false)

@@ -12,7 +12,7 @@ var other: Node3D
 
 
 func panel() -> Control:
-	return addon().desk.panel
+	return workspace().desk.panel
 
 
 func make_layer(title: String, radius: float, view: float) -> Resource:
@@ -77,16 +77,16 @@ func duplicate_scatter() -> void:
 
 func test_a_duplicate_is_told() -> void:
 	await make_scene()
-	var paint: Node = addon().toolbar.paint
+	var paint: Node = workspace().toolbar.paint
 	paint.set_on(true)
 	paint.set_brush(8.0, 1.0, 1.0)
 	paint.choose_mode(1)
-	addon().toolbar.choose_layer(0)
+	workspace().toolbar.choose_layer(0)
 	await stroke([Vector3.ZERO])
 	paint.set_on(false)
 	check(FileAccess.file_exists("res://glade_grass_mask.res"), "what is painted lies in a file")
 	saved_files()
-	var edits: RefCounted = addon().toolbar.hand.edits
+	var edits: RefCounted = workspace().toolbar.hand.edits
 	check(edits.begin(scatter, SCENE), "hand-placed instances go into a file: " + edits.problem)
 	check(edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0) != 0, "one is planted")
 	edits.commit("Plant")
@@ -155,8 +155,8 @@ func test_files_are_meant() -> void:
 ## A change that would show more than ten times as much asks, and the view stays; the layer has its value.
 func test_far_more() -> void:
 	var grass: Resource = scatter.layers[0]
-	var bar: Control = addon().desk.bar
-	var steps: RefCounted = addon().desk.steps
+	var bar: Control = workspace().desk.bar
+	var steps: RefCounted = workspace().desk.steps
 	await settle(scatter)
 	await look()
 	var before: int = scatter.get_shown_count(0)
@@ -202,7 +202,7 @@ func test_far_more() -> void:
 ## What is under way can be stopped; a change that shows no more asks nothing.
 func test_stop() -> void:
 	var trees: Resource = scatter.layers[1]
-	var bar: Control = addon().desk.bar
+	var bar: Control = workspace().desk.bar
 	trees.spacing = {}
 	await settle(scatter)
 	await look()
@@ -220,7 +220,7 @@ func test_stop() -> void:
 	var kept: int = scatter.get_shown_count(1)
 	check(kept > before and kept < 20 * before and bar.visible, "stopped at %d" % kept)
 	check_equal(trees.radius, 0.25, "the value stays")
-	addon().desk.steps.clear()
+	workspace().desk.steps.clear()
 	check(not bar.visible, "without the plugin the layer is shown as it is")
 	trees.radius = 5.0
 	await settle(scatter)

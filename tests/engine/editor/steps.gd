@@ -78,9 +78,14 @@ func open(path: String) -> Node:
 ## The addon's own plugin.
 func addon() -> EditorPlugin:
 	for found in get_tree().root.find_children("*", "EditorPlugin", true, false):
-		if found.get_script() != null and found.get_script().resource_path == "res://addons/thicket/editor/plugin.gd":
+		if found.get_script() != null and found.get_script().resource_path == "res://addons/thicket/plugin.gd":
 			return found
 	return null
+
+
+## What the plugin does its work with: tools, panel and dialogs.
+func workspace() -> RefCounted:
+	return addon().workspace
 
 
 func camera() -> Camera3D:
@@ -124,7 +129,7 @@ func _cell_at(layer: Resource, column: int, part: Vector2, button := -1) -> Vect
 
 
 func _seen_cell(layer: Resource, column: int, part: Vector2, button: int) -> Vector2:
-	var tree: Tree = addon().desk.panel.tree
+	var tree: Tree = workspace().desk.panel.tree
 	var row: TreeItem = tree.row_of(layer)
 	if row == null or not tree.is_visible_in_tree():
 		return Vector2.INF

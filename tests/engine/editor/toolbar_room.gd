@@ -30,7 +30,7 @@ func asked_for() -> float:
 
 ## All that can be seen of the toolbar stands in it, side by side or one below the other.
 func check_whole(what: String) -> void:
-	var bar: Control = addon().toolbar
+	var bar: Control = workspace().toolbar
 	var before := Rect2()
 	for control: Control in bar.find_children("*", "Control", true, false):
 		if control.is_visible_in_tree() and control.get_parent() == bar:
@@ -43,7 +43,7 @@ func check_whole(what: String) -> void:
 
 func lines() -> int:
 	var tops := {}
-	for control: Control in addon().toolbar.get_children().filter(func(child: Node) -> bool: return child is Control and child.visible):
+	for control: Control in workspace().toolbar.get_children().filter(func(child: Node) -> bool: return child is Control and child.visible):
 		tops[control.position.y] = true
 	return tops.size()
 
@@ -70,7 +70,7 @@ func test_narrow() -> void:
 	await select(null)
 	var alone := asked_for()
 	await select(root.get_node("Scatter"))
-	for tool: Node in addon().toolbar.tools:
+	for tool: Node in workspace().toolbar.tools:
 		tool.set_on(true)
 		await frames(8)
 		var name: String = tool.button.text
@@ -79,10 +79,10 @@ func test_narrow() -> void:
 		check(Rect2(Vector2.ZERO, NARROW).encloses(inspector), "%s: the inspector is in the window: %s" % [name, inspector])
 		check(lines() > 1, name + ": in lines")
 		check_whole(name)
-	addon().toolbar.paint.set_on(true)
+	workspace().toolbar.paint.set_on(true)
 	await frames(8)
 	await picture("toolbar_narrow")
-	addon().toolbar.paint.set_on(false)
+	workspace().toolbar.paint.set_on(false)
 
 
 func test_wide() -> void:
@@ -94,11 +94,11 @@ func test_wide() -> void:
 
 ## Beside other nodes' tools the buttons for the ground stand alone, and the editor's own panel is as it was.
 func test_another_node() -> void:
-	var ground: Control = addon().ground_buttons
+	var ground: Control = workspace().ground_buttons
 	var in_toolbar := ground.get_parent()
 	await select(root.get_node("Mesh"))
-	check(not addon().toolbar.visible and ground.is_visible_in_tree(), "the ground's buttons stay for a mesh")
-	check(in_toolbar == addon().toolbar and ground.get_parent() == addon().toolbar.get_parent(), "beside the toolbar")
+	check(not workspace().toolbar.visible and ground.is_visible_in_tree(), "the ground's buttons stay for a mesh")
+	check(in_toolbar == workspace().toolbar and ground.get_parent() == workspace().toolbar.get_parent(), "beside the toolbar")
 	check_equal((ground.get_parent().get_parent() as Control).size_flags_horizontal, Control.SIZE_FILL, "in a panel of their width")
 	await select(root.get_node("Scatter"))
 	check(ground.get_parent() == in_toolbar and ground.is_visible_in_tree(), "and come back")

@@ -28,7 +28,7 @@ var scatter: Node3D
 
 
 func panel() -> LayersPanel:
-	return addon().desk.panel
+	return workspace().desk.panel
 
 
 func button(text: String) -> Button:
@@ -186,7 +186,7 @@ func foliage(path: String, parameters: Dictionary) -> Material:
 
 
 func menu_of_regions(section: String, item: String) -> int:
-	var popup: PopupMenu = addon().toolbar.regions.get_popup()
+	var popup: PopupMenu = workspace().toolbar.regions.get_popup()
 	var inside := false
 	for index in popup.item_count:
 		if popup.is_item_separator(index):

@@ -95,13 +95,13 @@ func test_paint_and_shapes() -> void:
 	await page_picture("tutorial_paint_and_shapes", true)
 	await ask_why()
 	await page_picture("tutorial_why", true)
-	addon().toolbar.why.set_on(false)
+	workspace().toolbar.why.set_on(false)
 	check_equal(EditorInterface.save_scene(), OK, "saved")
 	get_window().size = SIZE
 
 
 func add_regions() -> void:
-	var regions: Node = addon().toolbar.regions
+	var regions: Node = workspace().toolbar.regions
 	regions._on_chosen(menu_of_regions("Nothing stands in", "Cylinder"))
 	await frames(3)
 	var clearing: Node3D = scatter.get_node("WithoutCylinder")
@@ -136,7 +136,7 @@ func add_regions() -> void:
 
 ## Ferns here only; then all as it was.
 func ask_at_the_first_stroke() -> void:
-	var toolbar: Node = addon().toolbar
+	var toolbar: Node = workspace().toolbar
 	toolbar.paint.set_on(true)
 	toolbar.choose_layers([layer("Fern")] as Array[Resource])
 	toolbar.paint.set_brush(5.0, 1.0, 0.6)
@@ -162,7 +162,7 @@ func ask_at_the_first_stroke() -> void:
 
 
 func erase_a_lane() -> void:
-	var toolbar: Node = addon().toolbar
+	var toolbar: Node = workspace().toolbar
 	toolbar.choose_layers([layer("Spruce"), layer("Birch")] as Array[Resource])
 	toolbar.paint.choose_mode(1)
 	await frames(3)
@@ -178,9 +178,9 @@ func erase_a_lane() -> void:
 
 ## Why does no spruce stand in the clearing?
 func ask_why() -> void:
-	var why: Node = addon().toolbar.why
+	var why: Node = workspace().toolbar.why
 	why.set_on(true)
-	addon().toolbar.choose_layers([layer("Spruce")] as Array[Resource])
+	workspace().toolbar.choose_layers([layer("Spruce")] as Array[Resource])
 	why.choose_colors(1)
 	await look()
 	var at := on_screen(on_ground(-16.0, -10.0))
@@ -196,12 +196,12 @@ func texts_of(node: Node) -> Array[Node]:
 
 
 func tutorial_text() -> RichTextLabel:
-	return texts_of(addon().tutorials)[0]
+	return texts_of(workspace().tutorials)[0]
 
 
 ## Every page is shown whole: its words without their signs, its pictures, and links that lead to others.
 func test_the_window() -> void:
-	var tutorials: Window = addon().tutorials
+	var tutorials: Window = workspace().tutorials
 	for page: String in tutorials.PAGES:
 		tutorials.open(page)
 		await frames(2)
@@ -248,9 +248,9 @@ func test_links_in_the_help() -> void:
 	var at := Vector2(text.get_theme_stylebox(&"normal").content_margin_left + 60.0,
 			text.get_line_offset(line) - text.get_v_scroll_bar().value + 14.0)
 	await picture("tutorial_help")
-	addon().tutorials.page = ""
+	workspace().tutorials.page = ""
 	await mouse_click(text.get_global_transform_with_canvas() * at)
-	check_equal(addon().tutorials.page, "paint_and_shapes.md", "a click opens it")
-	check(addon().tutorials.visible, "in its window")
-	addon().tutorials.hide()
+	check_equal(workspace().tutorials.page, "paint_and_shapes.md", "a click opens it")
+	check(workspace().tutorials.visible, "in its window")
+	workspace().tutorials.hide()
 	EditorInterface.set_main_screen_editor("3D")

@@ -130,7 +130,7 @@ func test_open() -> void:
 
 
 func test_layers() -> void:
-	var panel: Control = addon().desk.panel
+	var panel: Control = workspace().desk.panel
 	await step("New layers", panel.add.bind([make_layer("Heather", 1.0), SphereMesh.new()] as Array[Resource]))
 	await step("An empty layer", panel._on_add.bind(panel.Add.EMPTY))
 	await step("Meshes for it", func() -> void: MeshDrop.add(layer("Layer"), [BoxMesh.new()] as Array[Resource], manager))
@@ -165,7 +165,7 @@ func stroke_of(mode: int, titles: PackedStringArray, at: Vector2) -> void:
 	var layers: Array[Resource] = []
 	for title in titles:
 		layers.append(layer(title))
-	var brush: RefCounted = addon().toolbar.paint.brush
+	var brush: RefCounted = workspace().toolbar.paint.brush
 	brush.radius = 4.0
 	check_equal(brush.begin(scatter, layers, SCENE, mode, at), "", "a stroke")
 	brush.move(at + Vector2(6.0, 0.0))
@@ -181,20 +181,20 @@ func test_masks() -> void:
 	await step("The first one on a file", stroke_of.bind(1, ["Lichen"], Vector2(-5.0, 3.0)))
 	check(FileAccess.get_file_as_string(MOSS).contains("heath_lichen_mask.res"), "a layer that is a file is saved with its mask")
 	await step("A copy of what is painted", func() -> void:
-		addon().desk.panel.choose([layer("Sedge"), layer("Trees")] as Array[Resource])
-		addon().desk.panel.duplicate_chosen())
+		workspace().desk.panel.choose([layer("Sedge"), layer("Trees")] as Array[Resource])
+		workspace().desk.panel.duplicate_chosen())
 	await step("A layer less", func() -> void: LayerEdits.remove(scatter, [layer("Trees")], manager))
 
 
 func by_hand(change: Callable) -> void:
-	var edits: RefCounted = addon().toolbar.hand.edits
+	var edits: RefCounted = workspace().toolbar.hand.edits
 	check(edits.begin(scatter, SCENE), "by hand: " + edits.problem)
 	change.call(edits)
 	edits.commit("By Hand")
 
 
 func import_from(source: Variant, layer_index: int) -> void:
-	var dialog: ConfirmationDialog = addon().imports
+	var dialog: ConfirmationDialog = workspace().imports
 	dialog.fill(scatter, root)
 	if source is Node:
 		dialog.choose_node(source)
@@ -233,13 +233,13 @@ func drag_handle(region: Node3D, handle: int, to: Vector3) -> void:
 
 
 func test_regions() -> void:
-	var menu: Node = addon().toolbar.regions
+	var menu: Node = workspace().toolbar.regions
 	for kind: int in [0, 1, 2, 4]:
 		await select(scatter)
 		await step("A region of shape %d" % kind, menu._on_chosen.bind(kind))
 	await select(scatter)
 	await step("A polygon", func() -> void:
-		var polygon: Node = addon().toolbar.polygon
+		var polygon: Node = workspace().toolbar.polygon
 		menu._on_chosen(8)
 		polygon.corners = PackedVector3Array([Vector3(-1, 0, -1), Vector3(1, 0, -1), Vector3(0, 0, 1)])
 		polygon.close())
@@ -257,7 +257,7 @@ func test_regions() -> void:
 
 
 func bake_impostors(frames_a_side: int) -> void:
-	var button: Node = ImpostorButton.new(layer("Sedge"), addon().toolbar.paint.brush.files)
+	var button: Node = ImpostorButton.new(layer("Sedge"), workspace().toolbar.paint.brush.files)
 	plugin.add_child(button)
 	button.job.impostor.frames = frames_a_side
 	button.job.impostor.frame_size = 16
@@ -272,7 +272,7 @@ func test_files() -> void:
 	await step("Others in their files", bake_impostors.bind(4))
 	check_equal(layer("Sedge").lod_meshes[-1].resource_path, "res://heath_sedge_impostor_0.res", "which the layer refers to")
 	await step("What is baked in its place", func() -> void:
-		var dialog: Node = addon().bake
+		var dialog: Node = workspace().bake
 		dialog.choose_folder("res://baked")
 		dialog.fill(scatter, Rect2(0.0, 0.0, 6.0, 6.0))
 		dialog.choose_replacing(true)
@@ -292,9 +292,9 @@ func test_nodes() -> void:
 		manager.commit_action())
 	await step("The duplicate's own", func() -> void:
 		var other: Node3D = root.get_node("Scatter2")
-		check_equal(Shared.make_unique(other, true, true, addon().toolbar.paint.brush.files, SCENE, manager), "", "made unique"))
+		check_equal(Shared.make_unique(other, true, true, workspace().toolbar.paint.brush.files, SCENE, manager), "", "made unique"))
 	await step("A mesh as ground", func() -> void: GroundButtons.use(scatter, [root.get_node("Ground")] as Array[Node], manager))
-	await step("Another scatter", addon().desk.panel.add_scatter)
+	await step("Another scatter", workspace().desk.panel.add_scatter)
 	await step("A body as its ground", func() -> void: GroundButtons.use(root.get_child(-1), [root.get_node("Floor")] as Array[Node], manager))
 
 

@@ -45,7 +45,7 @@ func make_scatter() -> void:
 
 
 func tool() -> Control:
-	return addon().toolbar.why
+	return workspace().toolbar.why
 
 
 ## Moves the mouse over a place of the 3D view, in its pixels, as a window hands it on.
@@ -83,7 +83,7 @@ func test_hover() -> void:
 	addon().hide_bottom_panel() # The view needs its room.
 	await settle(scatter)
 	tool().set_on(true)
-	addon().toolbar.choose_layer(0)
+	workspace().toolbar.choose_layer(0)
 	check(tool().visible, "the tool shows its settings")
 	var size := EditorInterface.get_editor_viewport_3d(0).get_visible_rect().size
 	var answers := {}
@@ -134,7 +134,7 @@ func test_colors() -> void:
 	var version: int = tool()._version
 	scatter.layers[0].density = 0.3
 	await until(func() -> bool: return tool()._version > version and tool().overlay.is_complete(), "colors follow the settings")
-	addon().toolbar.choose_layer(2)
+	workspace().toolbar.choose_layer(2)
 	tool().look()
 	check(not tool().overlay.is_complete(), "and the chosen layer")
 	tool().choose_colors(0)
@@ -155,9 +155,9 @@ func test_nothing_to_explain() -> void:
 	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "give Hills a terrain" in row), "no ground")
 	scatter.terrain = terrain
 	scatter.layers = []
-	addon().toolbar.update_layers()
+	workspace().toolbar.update_layers()
 	await hover(Vector2(310, 400))
 	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "give Hills a layer" in row), "no layers")
 	scatter.layers = layers
-	addon().toolbar.update_layers()
+	workspace().toolbar.update_layers()
 	tool().set_on(false)

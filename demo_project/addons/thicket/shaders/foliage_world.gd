@@ -5,8 +5,11 @@ extends Node3D
 ##
 ## One node in a scene is enough. It works in the editor and in exported games, and asks for no project setting. In the
 ## editor it shows the wind and leaves the materials as they are, so that nothing is saved with them; bodies are a game's.
+## Without the native library it still serves [member materials]. So it names none of the library's classes as a type.
 ##
 ## @tutorial(Your own tree): res://addons/thicket/tutorials/your_own_tree.md
+
+const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 
 ## As many bodies as the shader takes.
 const MOST_BODIES := 16
@@ -30,8 +33,8 @@ const MOST_BODIES := 16
 ## The radius of each body in meters.
 @export_range(0.0, 10.0) var body_radius := 0.6
 
-var _scatters: Dictionary[TerrainScatter3D, Array] = {} ## The layers of each when its materials were looked up.
-var _layers: Array[ScatterLayer] = []
+var _scatters: Dictionary[Node, Array] = {} ## The layers of each when its materials were looked up.
+var _layers: Array[Resource] = []
 var _found: Array[ShaderMaterial] = []
 var _is_stale := false
 var _shown: Dictionary[ShaderMaterial, PackedStringArray] = {} ## What the renderer was told in the editor.
@@ -51,7 +54,7 @@ func _exit_tree() -> void:
 
 func _process(_delta: float) -> void:
 	for scatter in _scatters:
-		_is_stale = _is_stale or _layers_of(scatter) != _scatters[scatter]
+		_is_stale = _is_stale or LibraryGate.layers_of(scatter) != _scatters[scatter]
 	if _is_stale:
 		_find_materials()
 	var parameters := {&"wind_strength": wind_strength, &"wind_direction": wind_direction}
@@ -84,7 +87,7 @@ func _watch_tree(watch: bool) -> void:
 	if watch:
 		tree.node_added.connect(_on_node_added)
 		tree.node_removed.connect(_on_node_removed)
-		for scatter in _top().find_children("*", "TerrainScatter3D", true, false):
+		for scatter in _top().find_children("*", LibraryGate.SCATTER, true, false):
 			_on_node_added(scatter)
 		_on_node_added(_top())
 	else:
@@ -103,14 +106,13 @@ func _top() -> Node:
 
 
 func _on_node_added(node: Node) -> void:
-	if node is TerrainScatter3D:
-		_scatters[node as TerrainScatter3D] = []
+	if LibraryGate.is_scatter(node):
+		_scatters[node] = []
 		_is_stale = true
 
 
 func _on_node_removed(node: Node) -> void:
-	if node is TerrainScatter3D:
-		_scatters.erase(node as TerrainScatter3D)
+	if _scatters.erase(node):
 		_is_stale = true
 
 
@@ -124,8 +126,8 @@ func _find_materials() -> void:
 		layer.changed.disconnect(_on_layer_changed)
 	_layers.clear()
 	_found.clear()
-	for scatter: TerrainScatter3D in _scatters:
-		var of_scatter := _layers_of(scatter)
+	for scatter in _scatters:
+		var of_scatter := LibraryGate.layers_of(scatter)
 		_scatters[scatter] = of_scatter
 		for layer in of_scatter:
 			if layer and layer not in _layers:
@@ -134,16 +136,8 @@ func _find_materials() -> void:
 				_add_materials(layer)
 
 
-## Its own and those of its biomes.
-func _layers_of(scatter: TerrainScatter3D) -> Array[ScatterLayer]:
-	var result: Array[ScatterLayer] = []
-	for index in scatter.get_layer_count():
-		result.append(scatter.get_layer(index))
-	return result
-
-
-func _add_materials(layer: ScatterLayer) -> void:
-	for material in layer.get_materials():
+func _add_materials(layer: Resource) -> void:
+	for material in LibraryGate.materials_of(layer):
 		var with_shader := material as ShaderMaterial
 		if with_shader and with_shader not in _found and _is_foliage(with_shader.shader):
 			_found.append(with_shader)

@@ -1,6 +1,7 @@
 @tool
-extends EditorPlugin
-## The editor's side of Thicket: tools for the 3D view, gizmos, presets and bake. The nodes work without it.
+extends RefCounted
+## The editor's side of Thicket: tools for the 3D view, gizmos, presets and bake. The nodes work without it. The plugin forwards here what
+## the editor calls it for.
 
 const Bake := preload("res://addons/thicket/editor/bake_dialog.gd")
 const ExtentGizmos := preload("res://addons/thicket/editor/extent_gizmos.gd")
@@ -13,6 +14,7 @@ const LayerDesk := preload("res://addons/thicket/editor/layer_desk.gd")
 const LooseStates := preload("res://addons/thicket/editor/loose_states.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
+const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
 const Tutorials := preload("res://addons/thicket/editor/tutorial_window.gd")
 
@@ -35,29 +37,32 @@ var imports: Import
 ## The pages of the add-on's tutorials.
 var tutorials: Tutorials
 
+var _plugin: EditorPlugin
 var _regions := RegionGizmos.new()
 var _extent := ExtentGizmos.new()
 var _inspector: LayerInspector
 var _fresh_layers := FreshLayers.new()
 var _help_links: HelpLinks
 var _loose_states: LooseStates
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _shown: Array = []
 var _tiles := 0
 var _since_look := 0.0
 
 
-func _enter_tree() -> void:
-	desk = LayerDesk.new(self)
-	toolbar = Toolbar.new(get_undo_redo(), desk.marks)
-	toolbar.redraw_requested.connect(update_overlays)
+func _init(plugin: EditorPlugin) -> void:
+	_plugin = plugin
+	var undo_redo := plugin.get_undo_redo()
+	desk = LayerDesk.new(plugin)
+	toolbar = Toolbar.new(undo_redo, desk.marks)
+	toolbar.redraw_requested.connect(plugin.update_overlays)
 	toolbar.preset_chosen.connect(_add_preset)
 	toolbar.bake_requested.connect(_open_bake)
 	toolbar.import_requested.connect(_open_import)
-	add_control_to_container(CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
+	plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
 	toolbar.hide()
-	ground_buttons = GroundButtons.new(get_undo_redo())
-	add_control_to_container(CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
+	ground_buttons = GroundButtons.new(undo_redo)
+	plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 	desk.enter(toolbar)
 	desk.panel.preset_chosen.connect(_add_preset)
 	desk.panel.notes.ground_wanted.connect(ground_buttons.choose)
@@ -67,35 +72,35 @@ func _enter_tree() -> void:
 	bake.drawing_requested.connect(toolbar.rectangle.set_on.bind(true))
 	toolbar.rectangle.drawn.connect(bake.take_drawn)
 	imports = Import.new()
-	imports.undo_redo = get_undo_redo()
+	imports.undo_redo = undo_redo
 	imports.files = toolbar.paint.brush.files
 	EditorInterface.get_base_control().add_child(imports)
 	tutorials = Tutorials.new()
 	EditorInterface.get_base_control().add_child(tutorials)
 	_help_links = HelpLinks.new(tutorials)
-	add_tool_menu_item(TUTORIALS_ITEM, func() -> void: tutorials.open(tutorials.page if tutorials.page else Tutorials.PAGES[0]))
-	_regions.undo_redo = get_undo_redo()
-	add_node_3d_gizmo_plugin(_regions)
-	add_node_3d_gizmo_plugin(_extent)
+	plugin.add_tool_menu_item(TUTORIALS_ITEM, func() -> void: tutorials.open(tutorials.page if tutorials.page else Tutorials.PAGES[0]))
+	_regions.undo_redo = undo_redo
+	plugin.add_node_3d_gizmo_plugin(_regions)
+	plugin.add_node_3d_gizmo_plugin(_extent)
 	_inspector = LayerInspector.new(toolbar.paint.brush.files)
-	add_inspector_plugin(_inspector)
+	plugin.add_inspector_plugin(_inspector)
 	_loose_states = LooseStates.new(toolbar.paint.brush.files)
 	EditorInterface.get_resource_filesystem().resources_reimported.connect(_reload_scenes)
-	scene_saved.connect(_on_scene_saved)
-	scene_closed.connect(toolbar.paint.brush.files.on_scene_closed)
+	plugin.scene_saved.connect(_on_scene_saved)
+	plugin.scene_closed.connect(toolbar.paint.brush.files.on_scene_closed)
 
 
-func _exit_tree() -> void:
-	_edit(null)
+func leave() -> void:
+	edit(null)
 	EditorInterface.get_resource_filesystem().resources_reimported.disconnect(_reload_scenes)
-	remove_tool_menu_item(TUTORIALS_ITEM)
+	_plugin.remove_tool_menu_item(TUTORIALS_ITEM)
 	_help_links.leave()
-	remove_inspector_plugin(_inspector)
-	remove_node_3d_gizmo_plugin(_extent)
-	remove_node_3d_gizmo_plugin(_regions)
-	remove_control_from_container(CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
+	_plugin.remove_inspector_plugin(_inspector)
+	_plugin.remove_node_3d_gizmo_plugin(_extent)
+	_plugin.remove_node_3d_gizmo_plugin(_regions)
+	_plugin.remove_control_from_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
 	_place_ground_buttons(false)
-	remove_control_from_container(CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
+	_plugin.remove_control_from_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 	desk.leave()
 	toolbar.queue_free()
 	ground_buttons.queue_free()
@@ -104,26 +109,26 @@ func _exit_tree() -> void:
 	tutorials.queue_free()
 
 
-func _handles(object: Object) -> bool:
-	return object is Node3D and object.is_class("TerrainScatter3D")
+func handles(object: Object) -> bool:
+	return object is TerrainScatter3D
 
 
-func _edit(object: Object) -> void:
+func edit(object: Object) -> void:
 	var last := _scatter
-	_scatter = object as Node3D
+	_scatter = object as TerrainScatter3D
 	toolbar.set_scatter(_scatter)
 	desk.set_scatter(_scatter)
 	_extent.scatter = _scatter
-	for node: Node3D in [last, _scatter]:
+	for node: TerrainScatter3D in [last, _scatter]:
 		if is_instance_valid(node):
 			node.update_gizmos()
 
 
-func _make_visible(visible: bool) -> void:
+func make_visible(visible: bool) -> void:
 	toolbar.visible = visible
 	_place_ground_buttons(visible)
 	if not visible:
-		_edit(null)
+		edit(null)
 
 
 ## Puts the buttons for the ground into the toolbar, where they wrap with the rest, or beside it.
@@ -131,25 +136,25 @@ func _place_ground_buttons(in_toolbar: bool) -> void:
 	if in_toolbar == (ground_buttons.get_parent() == toolbar):
 		return
 	if in_toolbar:
-		remove_control_from_container(CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
+		_plugin.remove_control_from_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 		toolbar.add_child(ground_buttons)
 	else:
 		toolbar.remove_child(ground_buttons)
-		add_control_to_container(CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
+		_plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 
 
 ## Before a scene is saved, no state in it is without a file.
-func _apply_changes() -> void:
+func apply_changes() -> void:
 	for root in _open_roots():
 		_loose_states.take_in(root)
 
 
 ## What is painted is written when the scene is.
-func _save_external_data() -> void:
+func save_external_data() -> void:
 	toolbar.paint.brush.files.save()
 
 
-func _process(delta: float) -> void:
+func process(delta: float) -> void:
 	_since_look += delta
 	if _since_look < LOOK_SECONDS:
 		return
@@ -166,34 +171,26 @@ func _process(delta: float) -> void:
 		tool.look()
 
 
-func _get_state() -> Dictionary:
-	return desk.state()
-
-
-func _set_state(state: Dictionary) -> void:
-	desk.set_state(state)
-
-
 ## What the extent and the toolbar show of a scatter.
-func _state(scatter: Node3D) -> Array:
-	var state: Array = [scatter, scatter.global_transform, scatter.get(&"terrain")]
-	for layer: Resource in ScatterLayers.of(scatter):
+func _state(scatter: TerrainScatter3D) -> Array:
+	var state: Array = [scatter, scatter.global_transform, scatter.terrain]
+	for layer in ScatterLayers.of(scatter):
 		state.append_array([layer, layer.resource_name if layer != null else ""])
 	# Tiles come and go as the camera moves; the line waits until they stay.
-	if scatter.call(&"is_settled"):
+	if scatter.is_settled():
 		_tiles = 0
-		for index: int in ScatterLayers.of(scatter).size():
-			_tiles = hash([_tiles, scatter.call(&"get_shown_tiles", index)])
+		for index in ScatterLayers.of(scatter).size():
+			_tiles = hash([_tiles, scatter.get_shown_tiles(index)])
 	state.append(_tiles)
 	return state
 
 
-func _forward_3d_gui_input(camera: Camera3D, event: InputEvent) -> int:
+func input(camera: Camera3D, event: InputEvent) -> int:
 	var tool := toolbar.active_tool()
-	return tool.input(camera, event) if tool != null and is_instance_valid(_scatter) else AFTER_GUI_INPUT_PASS
+	return tool.input(camera, event) if tool != null and is_instance_valid(_scatter) else EditorPlugin.AFTER_GUI_INPUT_PASS
 
 
-func _forward_3d_draw_over_viewport(overlay: Control) -> void:
+func draw_over(overlay: Control) -> void:
 	var tool := toolbar.active_tool()
 	if tool != null and is_instance_valid(_scatter):
 		tool.draw_over(overlay)
@@ -201,7 +198,7 @@ func _forward_3d_draw_over_viewport(overlay: Control) -> void:
 
 func _add_preset(name: String) -> void:
 	if is_instance_valid(_scatter):
-		_fresh_layers.add(name, _scatter, get_undo_redo())
+		_fresh_layers.add(name, _scatter, _plugin.get_undo_redo())
 		toolbar.update_layers()
 
 
@@ -213,12 +210,10 @@ func _on_scene_saved(path: String) -> void:
 
 ## Plants whose files have changed are drawn as they are now.
 func _reload_scenes(paths: PackedStringArray) -> void:
-	for root in _open_roots():
-		for scatter: Node in root.find_children("*", "TerrainScatter3D", true, false) + [root]:
-			if scatter.is_class("TerrainScatter3D"):
-				for layer: Resource in ScatterLayers.of(scatter):
-					if layer != null:
-						layer.call(&"reload_scenes", paths)
+	for scatter in Shared.open_scatters():
+		for layer in ScatterLayers.of(scatter):
+			if layer != null:
+				layer.reload_scenes(paths)
 
 
 func _open_roots() -> Array[Node]:

@@ -1,0 +1,81 @@
+@tool
+extends EditorPlugin
+## Gives the editor Thicket's tools once the native library is loaded. Without it, the plugin warns once and leaves the editor as it is.
+##
+## The editor compiles this script in either case, so it names none of the library's classes: [code]editor/workspace.gd[/code] does the work.
+
+const LibraryGate := preload("res://addons/thicket/library_gate.gd")
+
+## The tools, an object of [code]editor/workspace.gd[/code]; null while there are none.
+var workspace: RefCounted
+
+var _tried := false ## To open the tools, with the library.
+
+
+func _enter_tree() -> void:
+	_open()
+
+
+func _exit_tree() -> void:
+	if workspace != null:
+		workspace.leave()
+		workspace = null
+
+
+## The library may come while the editor runs: once it is built, or once the whole add-on is copied into the project.
+func _process(delta: float) -> void:
+	if workspace != null:
+		workspace.process(delta)
+	elif not _tried and LibraryGate.is_open():
+		_open()
+
+
+func _open() -> void:
+	_tried = LibraryGate.is_open()
+	var script := LibraryGate.load_script("workspace.gd")
+	if script != null:
+		workspace = script.new(self)
+	else:
+		push_warning(LibraryGate.problem())
+
+
+func _handles(object: Object) -> bool:
+	return workspace != null and workspace.handles(object)
+
+
+func _edit(object: Object) -> void:
+	if workspace != null:
+		workspace.edit(object)
+
+
+func _make_visible(visible: bool) -> void:
+	if workspace != null:
+		workspace.make_visible(visible)
+
+
+func _apply_changes() -> void:
+	if workspace != null:
+		workspace.apply_changes()
+
+
+func _save_external_data() -> void:
+	if workspace != null:
+		workspace.save_external_data()
+
+
+func _get_state() -> Dictionary:
+	return workspace.desk.state() if workspace != null else {}
+
+
+func _set_state(state: Dictionary) -> void:
+	if workspace != null:
+		workspace.desk.set_state(state)
+
+
+func _forward_3d_gui_input(camera: Camera3D, event: InputEvent) -> int:
+	return workspace.input(camera, event) if workspace != null else AFTER_GUI_INPUT_PASS
+
+
+func _forward_3d_draw_over_viewport(overlay: Control) -> void:
+	if workspace != null:
+		workspace.draw_over(overlay)

@@ -1,0 +1,53 @@
+@tool
+extends "res://tests/steps.gd"
+## The library comes while the editor runs: the plugin has its tools then, and they work on once it is reloaded. `later` holds what the build would make. No type of the library is
+## named here, as the editor compiles this script, too.
+##
+## Once an extension is loaded the editor reloads all scripts, and no function that waits goes on. So the steps are taken frame by frame.
+
+const SCENE := "res://scene.tscn"
+const ADDON := "res://addons/thicket/"
+
+@export_storage var step := 0
+@export_storage var deadline := 0
+
+
+func test_the_library_comes_later() -> void:
+	check(addon() != null and workspace() == null, "the plugin has no tools yet")
+	var root := Node3D.new()
+	root.name = "Scene"
+	var packed := PackedScene.new()
+	packed.pack(root)
+	root.free()
+	ResourceSaver.save(packed, SCENE)
+	await open(SCENE)
+	check_equal(DirAccess.rename_absolute("res://later/bin", ADDON + "bin"), OK, "the library is in its folder")
+	check_equal(DirAccess.rename_absolute("res://later/thicket.gdextension", ADDON + "thicket.gdextension"), OK, "the editor can find it")
+	deadline = Time.get_ticks_msec() + PATIENCE_MSEC
+	step = 1
+	EditorInterface.get_resource_filesystem().scan()
+	await get_tree().create_timer(2.0 * PATIENCE_MSEC / 1000.0).timeout
+
+
+func _process(_delta: float) -> void:
+	if step == 1 and workspace() != null:
+		step = 2
+		var scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+		scatter.set(&"layers", [ClassDB.instantiate(&"ScatterLayer")])
+		EditorInterface.get_edited_scene_root().add_child(scatter)
+		scatter.owner = EditorInterface.get_edited_scene_root()
+		EditorInterface.edit_node(scatter)
+	elif step == 2 and workspace().toolbar.is_visible_in_tree() and workspace().desk.panel.tree.rows().size() == 1:
+		step = 3
+		print("library later: the tools are there")
+		print("library reloaded: %s" % error_string(GDExtensionManager.reload_extension(ADDON + "thicket.gdextension")))
+		var meshes: Array[Resource] = [BoxMesh.new()]
+		workspace().desk.panel.add(meshes)
+	elif step == 3 and workspace().desk.panel.tree.rows().size() == 2 and workspace().toolbar.chosen.size() == 1:
+		step = 4
+		print("library reloaded: the panel has added a layer")
+		get_tree().quit()
+	elif step in [1, 2, 3] and Time.get_ticks_msec() > deadline:
+		print("FAILED: library later: step %d" % step)
+		step = 5
+		get_tree().quit(1)

@@ -1,0 +1,30 @@
+@tool
+extends "res://tests/steps.gd"
+## The add-on in an editor that has no library for it: the plugin leaves the editor alone. No type of the library is named here, as the
+## editor compiles this script, too.
+
+const SCENE := "res://scene.tscn"
+
+
+func test_the_editor_is_usable() -> void:
+	check(not ClassDB.class_exists(&"TerrainScatter3D"), "the library is not loaded")
+	check(addon() != null and workspace() == null, "the plugin is on and has no tools")
+	var root := Node3D.new()
+	root.name = "Scene"
+	var world := FoliageWorld.new()
+	world.name = "World"
+	root.add_child(world)
+	world.owner = root
+	var packed := PackedScene.new()
+	check_equal(packed.pack(root), OK, "packed")
+	root.free()
+	check_equal(ResourceSaver.save(packed, SCENE), OK, "saved")
+	var opened := await open(SCENE)
+	check(opened.get_node("World") is FoliageWorld, "a node of the add-on that games use is itself")
+	var child := MeshInstance3D.new()
+	opened.add_child(child)
+	child.owner = opened
+	EditorInterface.edit_node(child)
+	EditorInterface.mark_scene_as_unsaved()
+	await frames(30)
+	check_equal(EditorInterface.save_scene(), OK, "a scene is edited and saved")
