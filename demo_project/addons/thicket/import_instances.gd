@@ -293,10 +293,10 @@ static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> v
 			return
 		_append_transform(_space_of(node), r_reading.batch_of(scene, item_name, {}).transforms)
 		return
-	var found := node.find_children("*", "MeshInstance3D", true, false)
+	var meshes := node.find_children("*", "MeshInstance3D", true, false)
 	if node is MeshInstance3D:
-		found.push_front(node)
-	for each: MeshInstance3D in found:
+		meshes.push_front(node)
+	for each: MeshInstance3D in meshes:
 		if each.mesh != null:
 			_append_transform(_space_of(each), r_reading.batch_of(each.mesh, item_name, _look_of(each)).transforms)
 

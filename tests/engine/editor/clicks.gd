@@ -185,7 +185,7 @@ func test_put_away() -> void:
 
 ## A stroke over two layers that are chosen in the panel, by the mouse from the button down to the button up: one step.
 func test_a_stroke_on_two_layers() -> void:
-	workspace().toolbar.choose_layers([scatter.layers[0], scatter.layers[1]] as Array[Resource])
+	workspace().toolbar.choose_layers([scatter.layers[0], scatter.layers[1]] as Array[ScatterLayer])
 	var before := saved()
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 	await mouse_click(middle(button("Erase", workspace().toolbar)))

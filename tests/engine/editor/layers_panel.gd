@@ -122,8 +122,8 @@ func test_first_minute() -> void:
 	check(not panel().notes._ground.visible, "which the panel no longer asks for")
 	await drag_files(MODELS, middle(tree()))
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "a layer for each file, the widest first")
-	check_equal(tree().chosen_layers(), scatter.layers as Array[Resource], "all of them are chosen")
-	check_equal(workspace().toolbar.chosen, scatter.layers as Array[Resource], "for the tools, too")
+	check_equal(tree().chosen_layers(), scatter.layers, "all of them are chosen")
+	check_equal(workspace().toolbar.chosen, scatter.layers, "for the tools, too")
 	check(not button("Delete").disabled and not button("Duplicate").disabled, "and can be deleted and duplicated")
 	await settle(scatter)
 	await look()
@@ -168,16 +168,16 @@ func look() -> void:
 func test_choosing() -> void:
 	await mouse_click(await name_at(layer("Young Pine")))
 	await frames(2)
-	check_equal(workspace().toolbar.chosen, [layer("Young Pine")] as Array[Resource], "a click chooses the layer of the tools")
+	check_equal(workspace().toolbar.chosen, [layer("Young Pine")] as Array[ScatterLayer], "a click chooses the layer of the tools")
 	check_equal(workspace().toolbar.paint.layer, layer("Young Pine"), "of each of them")
 	check_equal(EditorInterface.get_inspector().get_edited_object(), layer("Young Pine"), "and shows it in the inspector")
 	check(is_instance_valid(workspace()._scatter) and panel()._scatter == scatter, "the scatter is still what is worked on")
 	workspace().toolbar.choose_layer(2)
 	await frames(2)
-	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[Resource], "the toolbar's choice is the panel's")
+	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[ScatterLayer], "the toolbar's choice is the panel's")
 	await mouse_click(await name_at(layer("Old Oak")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await frames(2)
-	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[Resource], "Ctrl and a click choose one more")
+	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[ScatterLayer], "Ctrl and a click choose one more")
 
 
 func test_marks() -> void:

@@ -23,7 +23,7 @@ func test_first_forest() -> void:
 	await settle(scatter)
 	check(scatter.get_shown_count(0) < before, "a rule takes some away: %d of %d" % [scatter.get_shown_count(0), before])
 	layer("Spruce").max_slope_degrees = 35.0
-	panel().choose([layer("Spruce")] as Array[Resource])
+	panel().choose([layer("Spruce")] as Array[ScatterLayer])
 	EditorInterface.inspect_object(layer("Spruce"), "", true)
 	await settle(scatter)
 	await look()
@@ -138,7 +138,7 @@ func add_regions() -> void:
 func ask_at_the_first_stroke() -> void:
 	var toolbar: Node = workspace().toolbar
 	toolbar.paint.set_on(true)
-	toolbar.choose_layers([layer("Fern")] as Array[Resource])
+	toolbar.choose_layers([layer("Fern")] as Array[ScatterLayer])
 	toolbar.paint.set_brush(5.0, 1.0, 0.6)
 	toolbar.paint.choose_mode(0)
 	await frames(3)
@@ -163,7 +163,7 @@ func ask_at_the_first_stroke() -> void:
 
 func erase_a_lane() -> void:
 	var toolbar: Node = workspace().toolbar
-	toolbar.choose_layers([layer("Spruce"), layer("Birch")] as Array[Resource])
+	toolbar.choose_layers([layer("Spruce"), layer("Birch")] as Array[ScatterLayer])
 	toolbar.paint.choose_mode(1)
 	await frames(3)
 	var places := PackedVector3Array()
@@ -180,7 +180,7 @@ func erase_a_lane() -> void:
 func ask_why() -> void:
 	var why: Node = workspace().toolbar.why
 	why.set_on(true)
-	workspace().toolbar.choose_layers([layer("Spruce")] as Array[Resource])
+	workspace().toolbar.choose_layers([layer("Spruce")] as Array[ScatterLayer])
 	why.choose_colors(1)
 	await look()
 	var at := on_screen(on_ground(-16.0, -10.0))

@@ -162,7 +162,7 @@ func choose_in_inspector(title: String, property: StringName) -> void:
 
 
 func stroke_of(mode: int, titles: PackedStringArray, at: Vector2) -> void:
-	var layers: Array[Resource] = []
+	var layers: Array[ScatterLayer] = []
 	for title in titles:
 		layers.append(layer(title))
 	var brush: RefCounted = workspace().toolbar.paint.brush
@@ -181,7 +181,7 @@ func test_masks() -> void:
 	await step("The first one on a file", stroke_of.bind(1, ["Lichen"], Vector2(-5.0, 3.0)))
 	check(FileAccess.get_file_as_string(MOSS).contains("heath_lichen_mask.res"), "a layer that is a file is saved with its mask")
 	await step("A copy of what is painted", func() -> void:
-		workspace().desk.panel.choose([layer("Sedge"), layer("Trees")] as Array[Resource])
+		workspace().desk.panel.choose([layer("Sedge"), layer("Trees")] as Array[ScatterLayer])
 		workspace().desk.panel.duplicate_chosen())
 	await step("A layer less", func() -> void: LayerEdits.remove(scatter, [layer("Trees")], manager))
 

@@ -21,7 +21,7 @@ var job := Job.new()
 ## How what stands by hand is taken away where the baked replaces it.
 var edits: HandEdits
 
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _numbers: Array[SpinBox] = []
 var _folder := LineEdit.new()
 var _name := LineEdit.new()
@@ -81,13 +81,13 @@ func _init() -> void:
 
 
 ## Asks about a scatter; offers a rectangle around a position in the world.
-func open(scatter: Node3D, around: Vector3) -> void:
+func open(scatter: TerrainScatter3D, around: Vector3) -> void:
 	fill(scatter, Rect2(Vector2(around.x, around.z).round() - Vector2(SIDE, SIDE) * 0.5, Vector2(SIDE, SIDE)))
 	popup_centered()
 
 
 ## Fills the form, as [method open] does.
-func fill(scatter: Node3D, rect: Rect2) -> void:
+func fill(scatter: TerrainScatter3D, rect: Rect2) -> void:
 	stop()
 	_scatter = scatter
 	_show(rect)
@@ -96,7 +96,7 @@ func fill(scatter: Node3D, rect: Rect2) -> void:
 	_name.text = String(scatter.name).to_snake_case()
 	for child in _layers.get_children():
 		child.free()
-	var layers: Array = scatter.get(&"layers")
+	var layers := scatter.layers
 	for index in layers.size():
 		if layers[index] != null:
 			var box := CheckBox.new()

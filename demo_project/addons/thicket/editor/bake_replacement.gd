@@ -3,7 +3,6 @@ extends RefCounted
 ## Puts a baked scene in place of what a scatter shows in the baked rectangle, as one step of undo.
 
 const HandEdits := preload("res://addons/thicket/editor/hand_edits.gd")
-const Outline := preload("res://addons/thicket/editor/region_outline.gd")
 const RegionMenu := preload("res://addons/thicket/editor/region_menu.gd")
 
 
@@ -11,7 +10,7 @@ const RegionMenu := preload("res://addons/thicket/editor/region_menu.gd")
 ## [param rect], and takes away what stands there by hand, so that nothing stands twice. The region follows no neighbor: a layer that was
 ## not baked and keeps its distance from a baked one counts that as gone. Returns what stands in the way, in a sentence; empty if
 ## it is done.
-static func replace(edits: HandEdits, scatter: Node3D, scene_path: String, rect: Rect2, layers: PackedInt32Array) -> String:
+static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: PackedInt32Array) -> String:
 	var packed := ResourceLoader.load(scene_path, "PackedScene", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene
 	if packed == null:
 		return "%s cannot be loaded." % scene_path
@@ -26,11 +25,11 @@ static func replace(edits: HandEdits, scatter: Node3D, scene_path: String, rect:
 	var baked: Node3D = packed.instantiate(PackedScene.GEN_EDIT_STATE_INSTANCE)
 	baked.transform = scatter.global_transform.affine_inverse()
 	RegionMenu.put_below(undo, scatter, baked)
-	var region := RegionMenu.make(Outline.Shape.POLYGON, true)
+	var region := RegionMenu.make(ScatterRegion3D.SHAPE_POLYGON, true)
 	region.name = "Baked%s" % baked.name
 	var half := rect.size * 0.5
-	region.set(&"polygon", PackedVector2Array([-half, Vector2(half.x, -half.y), half, Vector2(-half.x, half.y)]))
-	region.set(&"layers", _references(scatter, layers))
+	region.polygon = PackedVector2Array([-half, Vector2(half.x, -half.y), half, Vector2(-half.x, half.y)])
+	region.layers = _references(scatter, layers)
 	var middle := rect.get_center()
 	region.transform = scatter.global_transform.affine_inverse() * Transform3D(Basis.IDENTITY, Vector3(middle.x, 0.0, middle.y))
 	RegionMenu.put_below(undo, scatter, region)
@@ -39,25 +38,23 @@ static func replace(edits: HandEdits, scatter: Node3D, scene_path: String, rect:
 
 
 ## The layers as a region names them; none for all.
-static func _references(scatter: Node3D, chosen: PackedInt32Array) -> Array:
-	var layers: Array = scatter.get(&"layers")
+static func _references(scatter: TerrainScatter3D, chosen: PackedInt32Array) -> Array:
+	var layers := scatter.layers
 	var references: Array = []
 	for index in chosen:
 		var name: String = layers[index].resource_name
-		var alike := layers.filter(func(layer: Resource) -> bool: return layer != null and layer.resource_name == name)
+		var alike := layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and layer.resource_name == name)
 		references.append(name if not name.is_empty() and alike.size() == 1 else index)
 	return references if chosen.size() < layers.size() - layers.count(null) else []
 
 
 ## What stands by hand in a rectangle.
-static func _by_hand(scatter: Node3D, rect: Rect2, chosen: PackedInt32Array) -> PackedInt64Array:
+static func _by_hand(scatter: TerrainScatter3D, rect: Rect2, chosen: PackedInt32Array) -> PackedInt64Array:
 	var found := PackedInt64Array()
-	var state: Resource = scatter.get(&"state")
-	if state != null and not (state.call(&"get_added") as PackedInt64Array).is_empty():
-		for id: int in state.call(&"get_added"):
-			var instance: Object = scatter.call(&"get_instance", id)
-			if instance != null and chosen.has(instance.get(&"layer")):
-				var place: Vector3 = instance.get(&"position")
-				if rect.has_point(Vector2(place.x, place.z)):
-					found.append(id)
+	var state := scatter.state
+	if state != null:
+		for id in state.get_added():
+			var instance := scatter.get_instance(id)
+			if instance != null and chosen.has(instance.layer) and rect.has_point(Vector2(instance.position.x, instance.position.z)):
+				found.append(id)
 	return found

@@ -5,13 +5,10 @@ extends RefCounted
 const MaskStroke := preload("res://addons/thicket/editor/mask_stroke.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## As [code]ScatterMask.Mode[/code].
-enum Mode { PAINT, ERASE, SMOOTH }
-
 ## Dabs are this part of the radius apart.
 const SPACING := 0.25
 
-var mode := Mode.PAINT
+var mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
 ## Meters, above 0.
 var radius := 8.0
 ## How far a single dab goes in its middle, 0 to 1.
@@ -21,10 +18,10 @@ var hardness := 0.5
 ## Where masks are kept.
 var files := SceneFiles.new()
 
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _strokes: Array[MaskStroke] = []
 var _title := ""
-var _stroke_mode := Mode.PAINT
+var _stroke_mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
 var _scene_path := ""
 var _last := Vector2.ZERO
 
@@ -37,19 +34,20 @@ func is_painting() -> bool:
 ## Starts a stroke on layers of a scatter with a dab at world x and z. Without a mask a layer gets one: empty for
 ## painting, so that it stands only where it is painted, and full for erasing. Returns what stands in the way, in
 ## a sentence; empty if the stroke has begun.
-func begin(scatter: Node3D, layers: Array[Resource], scene_path: String, stroke_mode: Mode, at: Vector2) -> String:
+func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: String, stroke_mode: ScatterMask.Mode,
+		at: Vector2) -> String:
 	finish(null)
 	for layer in layers:
-		if layer.get(&"mask") == null and stroke_mode != Mode.SMOOTH:
-			var mask := ClassDB.instantiate(&"ScatterMask") as Resource
-			mask.set(&"background", 0.0 if stroke_mode == Mode.PAINT else 1.0)
+		if layer.mask == null and stroke_mode != ScatterMask.MODE_SMOOTH:
+			var mask := ScatterMask.new()
+			mask.background = 0.0 if stroke_mode == ScatterMask.MODE_PAINT else 1.0
 			if not files.create(scene_path, mask, layer.resource_name, "mask"):
 				_give_up(scene_path)
 				return files.problem
-			layer.set(&"mask", mask)
+			layer.mask = mask
 			_stroke_of(mask).new_layers.append(layer)
-		elif layer.get(&"mask") != null:
-			_stroke_of(layer.get(&"mask"))
+		elif layer.mask != null:
+			_stroke_of(layer.mask)
 	if _strokes.is_empty():
 		return "Nothing is painted on %s yet." % ("these layers" if layers.size() > 1 else "this layer")
 	_scatter = scatter
@@ -90,7 +88,7 @@ func finish(undo_redo: EditorUndoRedoManager) -> void:
 		undo_redo.create_action(_title, UndoRedo.MERGE_DISABLE, _scatter)
 		for index in _strokes.size():
 			var stroke := _strokes[index]
-			for layer in stroke.new_layers:
+			for layer: ScatterLayer in stroke.new_layers:
 				undo_redo.add_do_property(layer, &"mask", stroke.mask)
 				undo_redo.add_undo_property(layer, &"mask", null)
 			undo_redo.add_do_method(self, &"restore", stroke.mask, afters[index])
@@ -103,13 +101,13 @@ func finish(undo_redo: EditorUndoRedoManager) -> void:
 
 
 ## Puts packed blocks of pixels back; for undo.
-func restore(mask: Resource, blocks: Dictionary) -> void:
+func restore(mask: ScatterMask, blocks: Dictionary) -> void:
 	MaskStroke.put(mask, blocks)
 	files.mark(mask)
 
 
 ## Layers may share a mask, which is painted once.
-func _stroke_of(mask: Resource) -> MaskStroke:
+func _stroke_of(mask: ScatterMask) -> MaskStroke:
 	for stroke in _strokes:
 		if stroke.mask == mask:
 			return stroke
@@ -120,7 +118,7 @@ func _stroke_of(mask: Resource) -> MaskStroke:
 func _give_up(scene_path: String) -> void:
 	for stroke in _strokes:
 		for layer in stroke.new_layers:
-			layer.set(&"mask", null)
+			layer.mask = null
 			files.drop(stroke.mask, scene_path)
 	_strokes.clear()
 

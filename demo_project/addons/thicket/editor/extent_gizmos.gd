@@ -11,7 +11,7 @@ const SIDES: Array[Vector2i] = [Vector2i.UP, Vector2i.RIGHT, Vector2i.DOWN, Vect
 const MOST_HEIGHTS := 2000
 
 ## The one that is selected; no other is drawn.
-var scatter: Node3D
+var scatter: TerrainScatter3D
 
 var _line := GroundLines.material(Color(COLOR, 0.6))
 
@@ -21,7 +21,7 @@ func _get_gizmo_name() -> String:
 
 
 func _has_gizmo(node: Node3D) -> bool:
-	return node.is_class("TerrainScatter3D")
+	return node is TerrainScatter3D
 
 
 func _redraw(gizmo: EditorNode3DGizmo) -> void:
@@ -34,10 +34,10 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	for index in layers.size():
 		if layers[index] == null:
 			continue
-		var reach := Vector2(layers[index].get(&"tile_size"), layers[index].get(&"view_distance"))
+		var reach := Vector2(layers[index].tile_size, layers[index].view_distance)
 		if not seen.has(reach):
 			seen[reach] = true
-			_add_edges(edges, scatter.call(&"get_shown_tiles", index), reach.x)
+			_add_edges(edges, scatter.get_shown_tiles(index), reach.x)
 	if edges.is_empty():
 		return
 	var lines := GroundLines.new(scatter)

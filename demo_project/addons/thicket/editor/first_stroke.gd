@@ -3,9 +3,8 @@ extends ConfirmationDialog
 ## Asks what the first stroke with Paint on a layer without a mask means: the layer stands everywhere, so there is nothing to add.
 
 ## What was chosen, by the brush's mode, for the stroke that began at world x and z.
-signal chosen(mode: int, at: Vector2)
+signal chosen(mode: ScatterMask.Mode, at: Vector2)
 
-const Brush := preload("res://addons/thicket/editor/brush.gd")
 const TEXT := "%s stands wherever its rules let it, so there is nothing to add.\n
 Only here: it stands where you paint, and nowhere else. %s
 Not here: it stays, and you take it away where you paint."
@@ -19,9 +18,9 @@ var _at := Vector2.ZERO
 func _init() -> void:
 	title = "The first stroke on a layer"
 	ok_button_text = "Only here"
-	confirmed.connect(_choose.bind(Brush.Mode.PAINT))
+	confirmed.connect(_choose.bind(ScatterMask.MODE_PAINT))
 	add_button("Not here", true, "erase")
-	custom_action.connect(func(_action: StringName) -> void: _choose(Brush.Mode.ERASE))
+	custom_action.connect(func(_action: StringName) -> void: _choose(ScatterMask.MODE_ERASE))
 
 
 ## Opens for layers of these names, of which so many instances are on show.
@@ -33,6 +32,6 @@ func ask(names: PackedStringArray, instances: int, at: Vector2) -> void:
 	popup_centered()
 
 
-func _choose(mode: int) -> void:
+func _choose(mode: ScatterMask.Mode) -> void:
 	hide()
 	chosen.emit(mode, _at)

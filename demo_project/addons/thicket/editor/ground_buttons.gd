@@ -8,15 +8,13 @@ const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const BODY := &"StaticBody3D"
 const MESH := &"MeshInstance3D"
 const SCATTER := &"TerrainScatter3D"
-const MESHES := &"ScatterTerrainMeshes"
-const COLLIDERS := &"ScatterTerrainColliders"
 
 var undo_redo: EditorUndoRedoManager
 
 var _use := Controls.button("Use as Ground", &"MeshInstance3D", "")
 var _refresh := Controls.button("Refresh Ground", &"Reload",
 		"Look at the ground again, for changes that nothing tells. What moves in the scene is followed by itself.")
-var _last: Node3D ## The scatter that was selected last.
+var _last: TerrainScatter3D ## The scatter that was selected last.
 
 
 func _init(manager: EditorUndoRedoManager) -> void:
@@ -37,13 +35,13 @@ func _notification(what: int) -> void:
 ## Shows what can be done with what is selected now.
 func update() -> void:
 	var selected := EditorInterface.get_selection().get_selected_nodes()
-	var scatters := selected.filter(_is_scatter)
+	var scatters := selected.filter(func(node: Node) -> bool: return node is TerrainScatter3D)
 	if not scatters.is_empty():
 		_last = scatters[0]
 	var scatter := _meant()
 	var grounds := _grounds_of(selected)
 	visible = scatter != null and not (scatters.is_empty() and grounds.is_empty())
-	_refresh.visible = visible and not scatters.is_empty() and scatter.get(&"terrain") != null
+	_refresh.visible = visible and not scatters.is_empty() and scatter.terrain != null
 	if visible:
 		_use.tooltip_text = "Choose a mesh or a static body as the ground of %s." % scatter.name if grounds.is_empty() \
 				else "Make the selected %s the ground of %s." % [_names(grounds), scatter.name]
@@ -51,27 +49,25 @@ func update() -> void:
 
 ## Makes nodes the ground of a scatter, as one step of undo: meshes join the group of its terrain, bodies its collision mask. It gets a
 ## terrain of that kind unless it has one. Returns why nothing was done, in a sentence; empty if something was.
-static func use(scatter: Node3D, nodes: Array[Node], manager: EditorUndoRedoManager) -> String:
-	var terrain: Resource = scatter.get(&"terrain")
+static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUndoRedoManager) -> String:
 	var meshes: Array[Node] = []
-	var bodies: Array[Node] = []
+	var bodies: Array[StaticBody3D] = []
 	for node in nodes:
-		if node.is_class(BODY):
+		if node is StaticBody3D:
 			bodies.append(node)
-		if not node.is_class(BODY) or terrain != null and terrain.is_class(MESHES):
+		if not node is StaticBody3D or scatter.terrain is ScatterTerrainMeshes:
 			meshes.append_array(_meshes_of(node))
 	if meshes.is_empty() and bodies.is_empty():
 		return "Nothing of it can be ground: select a MeshInstance3D or a StaticBody3D."
 	return _use_bodies(scatter, bodies, manager) if meshes.is_empty() else _use_meshes(scatter, meshes, manager)
 
 
-static func _use_meshes(scatter: Node3D, meshes: Array[Node], manager: EditorUndoRedoManager) -> String:
-	var terrain: Resource = scatter.get(&"terrain")
-	var fits := terrain != null and terrain.is_class(MESHES)
-	var group: StringName = terrain.get(&"group") if fits else &""
+static func _use_meshes(scatter: TerrainScatter3D, meshes: Array[Node], manager: EditorUndoRedoManager) -> String:
+	var terrain := scatter.terrain as ScatterTerrainMeshes
+	var group := terrain.group if terrain != null else &""
 	var new_group := group if group else StringName(str(scatter.name).to_snake_case() + "_ground")
 	meshes = meshes.filter(func(mesh: Node) -> bool: return not mesh.is_in_group(new_group))
-	if meshes.is_empty() and fits and group:
+	if meshes.is_empty() and group:
 		return "That is the ground of %s already." % scatter.name
 	manager.create_action("Use as Ground", UndoRedo.MERGE_DISABLE, scatter)
 	var root := EditorInterface.get_edited_scene_root()
@@ -81,9 +77,9 @@ static func _use_meshes(scatter: Node3D, meshes: Array[Node], manager: EditorUnd
 	for mesh in meshes:
 		manager.add_do_method(mesh, &"add_to_group", new_group, true)
 		manager.add_undo_method(mesh, &"remove_from_group", new_group)
-	if not fits:
-		var made := ClassDB.instantiate(MESHES) as Resource
-		made.set(&"group", new_group)
+	if terrain == null:
+		var made := ScatterTerrainMeshes.new()
+		made.group = new_group
 		_replace_terrain(scatter, made, manager)
 	elif not group:
 		manager.add_do_property(terrain, &"group", new_group)
@@ -92,42 +88,41 @@ static func _use_meshes(scatter: Node3D, meshes: Array[Node], manager: EditorUnd
 	return ""
 
 
-static func _use_bodies(scatter: Node3D, bodies: Array[Node], manager: EditorUndoRedoManager) -> String:
+static func _use_bodies(scatter: TerrainScatter3D, bodies: Array[StaticBody3D], manager: EditorUndoRedoManager) -> String:
 	var layers := 0
 	for body in bodies:
-		layers |= int(body.get(&"collision_layer"))
+		layers |= body.collision_layer
 	if layers == 0:
 		return "%s is in no collision layer, so that no ray can meet it." % _names(bodies)
-	var terrain: Resource = scatter.get(&"terrain")
-	var fits := terrain != null and terrain.is_class(COLLIDERS)
-	var mask: int = terrain.get(&"collision_mask") if fits else 0
-	if fits and mask | layers == mask:
+	var terrain := scatter.terrain as ScatterTerrainColliders
+	var mask := terrain.collision_mask if terrain != null else 0
+	if terrain != null and mask | layers == mask:
 		return "That is the ground of %s already." % scatter.name
 	manager.create_action("Use as Ground", UndoRedo.MERGE_DISABLE, scatter)
-	if fits:
+	if terrain != null:
 		manager.add_do_property(terrain, &"collision_mask", mask | layers)
 		manager.add_undo_property(terrain, &"collision_mask", mask)
 	else:
-		var made := ClassDB.instantiate(COLLIDERS) as Resource
-		made.set(&"collision_mask", layers)
+		var made := ScatterTerrainColliders.new()
+		made.collision_mask = layers
 		_replace_terrain(scatter, made, manager)
 	manager.commit_action()
 	return ""
 
 
-static func _replace_terrain(scatter: Node3D, terrain: Resource, manager: EditorUndoRedoManager) -> void:
+static func _replace_terrain(scatter: TerrainScatter3D, terrain: ScatterTerrain, manager: EditorUndoRedoManager) -> void:
 	manager.add_do_property(scatter, &"terrain", terrain)
-	manager.add_undo_property(scatter, &"terrain", scatter.get(&"terrain"))
+	manager.add_undo_property(scatter, &"terrain", scatter.terrain)
 
 
 ## The meshes that a node and all below it show; those of scatters are none.
 static func _meshes_of(node: Node) -> Array[Node]:
-	if _is_scatter(node):
+	if node is TerrainScatter3D:
 		return []
 	var found: Array[Node] = node.find_children("*", MESH, true, false)
-	if node.is_class(MESH):
+	if node is MeshInstance3D:
 		found.push_front(node)
-	return found.filter(func(mesh: Node) -> bool: return mesh.get(&"mesh") != null and mesh.owner != null or mesh == node)
+	return found.filter(func(mesh: MeshInstance3D) -> bool: return mesh.mesh != null and mesh.owner != null or mesh == node)
 
 
 ## The instances of other scenes whose nodes must be editable here, so that the scene keeps what is changed in them.
@@ -143,29 +138,25 @@ static func _closed_instances(nodes: Array[Node]) -> Array[Node]:
 	return closed
 
 
-static func _is_scatter(node: Node) -> bool:
-	return node.is_class(SCATTER)
-
-
 ## What of these nodes can be ground.
 static func _grounds_of(nodes: Array[Node]) -> Array[Node]:
 	return nodes.filter(func(node: Node) -> bool:
-			return node is Node3D and not _is_scatter(node) and (node.is_class(BODY) or not _meshes_of(node).is_empty()))
+			return node is Node3D and not node is TerrainScatter3D and (node is StaticBody3D or not _meshes_of(node).is_empty()))
 
 
-static func _names(nodes: Array[Node]) -> String:
-	return str(nodes[0].name) if nodes.size() == 1 else "%d nodes" % nodes.size()
+static func _names(nodes: Array) -> String:
+	return str((nodes[0] as Node).name) if nodes.size() == 1 else "%d nodes" % nodes.size()
 
 
 ## The scatter that is selected, or was last, or the only one of the scene; null if that leaves it open.
-func _meant() -> Node3D:
+func _meant() -> TerrainScatter3D:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
 		return null
 	if is_instance_valid(_last) and _last.is_inside_tree() and (_last == root or root.is_ancestor_of(_last)):
 		return _last
 	var found := root.find_children("*", SCATTER, true, false)
-	if _is_scatter(root):
+	if root is TerrainScatter3D:
 		found.append(root)
 	return found[0] if found.size() == 1 else null
 
@@ -195,4 +186,4 @@ func _use_or_tell(nodes: Array[Node]) -> void:
 func _on_refresh() -> void:
 	var scatter := _meant()
 	if scatter != null:
-		scatter.call(&"refresh_ground")
+		scatter.refresh_ground()

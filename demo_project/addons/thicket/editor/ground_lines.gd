@@ -6,7 +6,7 @@ extends RefCounted
 const LIFT := 0.1
 
 ## The ground to follow; null for lines at [member level].
-var terrain: Resource
+var terrain: ScatterTerrain
 ## World height in meters of lines where there is no ground.
 var level := 0.0
 ## How often the ground may still be asked; after that lines go straight from corner to corner.
@@ -23,14 +23,14 @@ func _init(node: Node3D) -> void:
 	level = node.global_position.y
 	var scatter := scatter_of(node)
 	if scatter != null:
-		terrain = scatter.get(&"terrain")
+		terrain = scatter.terrain
 
 
 ## The scatter above a node, or the node itself; null if there is none.
-static func scatter_of(node: Node) -> Node3D:
-	while node != null and not node.is_class("TerrainScatter3D"):
+static func scatter_of(node: Node) -> TerrainScatter3D:
+	while node != null and not node is TerrainScatter3D:
 		node = node.get_parent()
-	return node as Node3D
+	return node as TerrainScatter3D
 
 
 ## A material for lines that are seen through everything, and in full whether their node is selected or not, which those
@@ -64,7 +64,7 @@ func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 func _on_ground(at: Vector2) -> Vector3:
 	var position := Vector3(at.x, level, at.y)
 	if terrain != null:
-		var height: float = terrain.call(&"get_height", position)
+		var height := terrain.get_height(position)
 		if not is_nan(height):
 			position.y = height + LIFT
 	return _to_node * position

@@ -13,7 +13,7 @@ const HALVINGS := 24
 ## The first position, in world meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is
 ## none. [param direction] has a length of 1. A step is half as long as the ray is high above the ground, so a ridge is
 ## missed only where the ground is steeper than 60 degrees and the ray grazes it. Asks the terrain some hundred times.
-static func hit(terrain: Resource, from: Vector3, direction: Vector3) -> Vector3:
+static func hit(terrain: ScatterTerrain, from: Vector3, direction: Vector3) -> Vector3:
 	var at := 0.0
 	var last := NAN
 	var last_at := 0.0
@@ -32,16 +32,16 @@ static func hit(terrain: Resource, from: Vector3, direction: Vector3) -> Vector3
 
 
 ## Meters to the ground along a ray, at most 1000; 100 where there is none.
-static func distance(terrain: Resource, from: Vector3, direction: Vector3) -> float:
+static func distance(terrain: ScatterTerrain, from: Vector3, direction: Vector3) -> float:
 	var position := hit(terrain, from, direction)
 	return minf(position.distance_to(from), 1000.0) if position.is_finite() else 100.0
 
 
-static func _above(terrain: Resource, position: Vector3) -> float:
-	return position.y - float(terrain.call(&"get_height", position))
+static func _above(terrain: ScatterTerrain, position: Vector3) -> float:
+	return position.y - terrain.get_height(position)
 
 
-static func _refine(terrain: Resource, from: Vector3, direction: Vector3, above_at: float, below_at: float) -> Vector3:
+static func _refine(terrain: ScatterTerrain, from: Vector3, direction: Vector3, above_at: float, below_at: float) -> Vector3:
 	for halving in HALVINGS:
 		var middle := 0.5 * (above_at + below_at)
 		if _above(terrain, from + direction * middle) > 0.0:

@@ -15,7 +15,11 @@ const LIFT := 0.04
 var _meshes: Array[ArrayMesh] = [ArrayMesh.new(), ArrayMesh.new()] ## On show, and being made.
 var _material := StandardMaterial3D.new()
 var _instance := RID()
-var _asked: Array = []
+var _scatter: TerrainScatter3D
+var _terrain: ScatterTerrain
+var _middle := Vector2i.ZERO ## Of the veil, in quads.
+var _quad := 0.0 ## The side of a quad, in meters.
+var _asked: Array = [] ## All that the veil follows from; empty for none.
 var _colors: Callable
 var _waiting: Array[Vector2i] = [] ## Parts that are still to be made.
 
@@ -36,6 +40,7 @@ func _notification(what: int) -> void:
 ## Shows nothing.
 func hide() -> void:
 	_asked = []
+	_terrain = null
 	_waiting.clear()
 	_take_off()
 
@@ -54,13 +59,17 @@ func is_complete() -> bool:
 ## [param largest] meters; with the same ground, place and [param version] as last time, nothing. [param colors] is called with a
 ## rectangle of world x and z and a size, and gives a color for the middle of each of the fields into which the size divides the
 ## rectangle, row by row; or none if it cannot, and the veil ends there.
-func cover(scatter: Node3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
+func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
 	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
 	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4
-	var asked := [scatter, scatter.get(&"terrain"), middle, quad, version]
+	var asked := [scatter, scatter.terrain, middle, quad, version]
 	if asked == _asked:
 		return
 	_asked = asked
+	_scatter = scatter
+	_terrain = scatter.terrain
+	_middle = middle
+	_quad = quad
 	_colors = colors
 	_meshes[1].clear_surfaces()
 	_waiting.clear()
@@ -73,8 +82,7 @@ func cover(scatter: Node3D, around: Vector3, away: float, version: Variant, colo
 func work(microseconds: int) -> void:
 	if _waiting.is_empty():
 		return
-	var scatter: Variant = _asked[0]
-	if not is_instance_valid(scatter) or not scatter.is_inside_tree() or scatter.get(&"terrain") == null:
+	if not is_instance_valid(_scatter) or not _scatter.is_inside_tree() or _scatter.terrain == null:
 		return hide()
 	var deadline := Time.get_ticks_usec() + microseconds
 	while not _waiting.is_empty():
@@ -101,24 +109,22 @@ func _show() -> void:
 		_instance = RenderingServer.instance_create()
 		RenderingServer.instance_geometry_set_cast_shadows_setting(_instance, RenderingServer.SHADOW_CASTING_SETTING_OFF)
 	RenderingServer.instance_set_base(_instance, _meshes[0].get_rid())
-	RenderingServer.instance_set_scenario(_instance, (_asked[0] as Node3D).get_world_3d().scenario)
+	RenderingServer.instance_set_scenario(_instance, _scatter.get_world_3d().scenario)
 
 
 func _part(part: Vector2i) -> Array:
-	var terrain: Resource = _asked[1]
-	var quad: float = _asked[3]
 	const SIDE := QUADS / PARTS
-	var first: Vector2 = Vector2(_asked[2] - Vector2i(QUADS, QUADS) / 2 + part * SIDE) * quad
+	var first: Vector2 = Vector2(_middle - Vector2i(QUADS, QUADS) / 2 + part * SIDE) * _quad
 	var size := Vector2i(SIDE + 1, SIDE + 1)
-	var colors: PackedColorArray = _colors.call(Rect2(first - Vector2.ONE * quad * 0.5, Vector2(size) * quad), size)
+	var colors: PackedColorArray = _colors.call(Rect2(first - Vector2.ONE * _quad * 0.5, Vector2(size) * _quad), size)
 	if colors.size() != size.x * size.y:
 		return []
 	var vertices := PackedVector3Array()
 	for z in size.y:
 		for x in size.x:
-			var at := first + Vector2(x, z) * quad
-			var height: float = terrain.call(&"get_height", Vector3(at.x, 0.0, at.y))
-			vertices.append(Vector3(at.x, (0.0 if is_nan(height) else height) + LIFT * quad, at.y))
+			var at := first + Vector2(x, z) * _quad
+			var height := _terrain.get_height(Vector3(at.x, 0.0, at.y))
+			vertices.append(Vector3(at.x, (0.0 if is_nan(height) else height) + LIFT * _quad, at.y))
 			if is_nan(height):
 				colors[z * size.x + x].a = 0.0
 	var indices := PackedInt32Array()

@@ -13,10 +13,10 @@ var undo_redo: EditorUndoRedoManager
 ## Why [method begin] could not, in a sentence.
 var problem := ""
 
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _scene_path := ""
-var _state: Resource
-var _last_state: Resource ## What the scatter had before, if it got a new one.
+var _state: ScatterState
+var _last_state: ScatterState ## What the scatter had before, if it got a new one.
 var _is_new := false
 var _before: Array[PackedByteArray] = [] ## Diffs that take back what was done since [method begin].
 var _ids := PackedInt64Array()
@@ -28,21 +28,21 @@ func is_open() -> bool:
 
 
 ## Opens a step of changes. A scatter without a state in a file gets one. False, with the reason in [member problem], if that cannot be.
-func begin(scatter: Node3D, scene_path: String) -> bool:
+func begin(scatter: TerrainScatter3D, scene_path: String) -> bool:
 	abort()
 	problem = ""
-	var state: Resource = scatter.get(&"state")
+	var state := scatter.state
 	_is_new = state == null or state.resource_path.is_empty() or "::" in state.resource_path
 	if _is_new:
 		_last_state = state
-		state = state.duplicate() if state != null else ClassDB.instantiate(&"ScatterState")
+		state = state.duplicate() if state != null else ScatterState.new()
 		# A game changes copies of its own, and never what the designer has made.
-		state.set(&"designed", true)
+		state.designed = true
 		if not files.create(scene_path, state, scatter.name, "state"):
 			problem = files.problem
 			_last_state = null
 			return false
-		scatter.set(&"state", state)
+		scatter.state = state
 	_scatter = scatter
 	_scene_path = scene_path
 	_state = state
@@ -51,7 +51,7 @@ func begin(scatter: Node3D, scene_path: String) -> bool:
 
 ## Places an instance of a layer, and returns its id; 0 if that cannot be.
 func add(layer_index: int, transform: Transform3D, mesh: int) -> int:
-	var id: int = _scatter.call(&"add_instance", layer_index, transform, mesh)
+	var id := _scatter.add_instance(layer_index, transform, mesh)
 	_added(id)
 	return id
 
@@ -59,7 +59,7 @@ func add(layer_index: int, transform: Transform3D, mesh: int) -> int:
 ## Moves, turns or scales an instance, and returns the id that it has then; 0 if it does not stand.
 func set_transform(id: int, transform: Transform3D) -> int:
 	_touch(id)
-	var moved: int = _scatter.call(&"set_instance_transform", id, transform)
+	var moved := _scatter.set_instance_transform(id, transform)
 	if moved != id:
 		_added(moved)
 	return moved
@@ -68,7 +68,7 @@ func set_transform(id: int, transform: Transform3D) -> int:
 ## Removes an instance for good.
 func remove(id: int) -> void:
 	_touch(id)
-	_state.call(&"remove", id)
+	_state.remove(id)
 
 
 ## Ends the step and makes it one of undo. Nothing is left of it if nothing has changed.
@@ -87,7 +87,7 @@ func commit(name: String) -> void:
 func close_into_action() -> void:
 	if _state == null:
 		return
-	var after: Array[PackedByteArray] = [_state.call(&"diff_of", _ids)]
+	var after: Array[PackedByteArray] = [_state.diff_of(_ids)]
 	if _is_new:
 		undo_redo.add_do_property(_scatter, &"state", _state)
 		undo_redo.add_undo_property(_scatter, &"state", _last_state)
@@ -107,30 +107,29 @@ func abort() -> void:
 	restore(_state, _before)
 	if _is_new:
 		if is_instance_valid(_scatter):
-			_scatter.set(&"state", _last_state)
+			_scatter.state = _last_state
 		files.drop(_state, _scene_path)
 	_close()
 
 
 ## Makes instances what some diffs of a state say; for undo.
-func restore(state: Resource, diffs: Array[PackedByteArray]) -> void:
+func restore(state: ScatterState, diffs: Array[PackedByteArray]) -> void:
 	for diff in diffs:
-		state.call(&"apply_diff", diff)
+		state.apply_diff(diff)
 	files.mark(state)
 
 
 ## Remembers how an instance is, before its first change.
 func _touch(id: int) -> void:
 	if not _ids.has(id):
-		_before.append(_state.call(&"diff_of", PackedInt64Array([id])))
+		_before.append(_state.diff_of(PackedInt64Array([id])))
 		_ids.append(id)
 
 
 ## Remembers that an instance was not there.
 func _added(id: int) -> void:
 	if id != 0 and not _ids.has(id):
-		var blank: Object = ClassDB.instantiate(&"ScatterState")
-		_before.append(blank.call(&"diff_of", PackedInt64Array([id])))
+		_before.append(ScatterState.new().diff_of(PackedInt64Array([id])))
 		_ids.append(id)
 
 

@@ -26,7 +26,7 @@ var _grid: EditorSpinSlider
 var _degrees: EditorSpinSlider
 var _ways := MenuButton.new()
 var _choice := OptionButton.new()
-var _layer: Resource
+var _layer: ScatterLayer
 var _mesh_count := -1
 var _yaw := 0.0
 var _size := 1.0
@@ -74,7 +74,7 @@ func set_steps(grid: float, degrees: float) -> void:
 
 
 ## Takes the layer to plant of, with the number of its meshes.
-func set_layer(layer: Resource, mesh_count: int) -> void:
+func set_layer(layer: ScatterLayer, mesh_count: int) -> void:
 	if layer == _layer and mesh_count == _mesh_count:
 		return
 	_layer = layer
@@ -92,14 +92,14 @@ func roll() -> void:
 	if _layer == null:
 		return
 	if _is_way(Way.RANDOM_TURN):
-		_yaw = deg_to_rad(_random.randf_range(_layer.get(&"min_yaw_degrees"), _layer.get(&"max_yaw_degrees")))
+		_yaw = deg_to_rad(_random.randf_range(_layer.min_yaw_degrees, _layer.max_yaw_degrees))
 	if _is_way(Way.RANDOM_SIZE):
-		_size = _random.randf_range(_layer.get(&"min_scale"), _layer.get(&"max_scale"))
+		_size = _random.randf_range(_layer.min_scale, _layer.max_scale)
 	mesh = _choice.get_selected_id() - 1
 	if mesh == ANY_MESH:
-		var weights: PackedFloat32Array = _layer.get(&"mesh_weights")
+		var weights := _layer.mesh_weights
 		weights.resize(maxi(1, _mesh_count))
-		for index in range((_layer.get(&"mesh_weights") as PackedFloat32Array).size(), weights.size()):
+		for index in range(_layer.mesh_weights.size(), weights.size()):
 			weights[index] = 1.0
 		mesh = maxi(0, _random.rand_weighted(weights))
 
@@ -134,38 +134,38 @@ func snapped_size(basis: Basis, factor: float, with_control: bool) -> float:
 
 
 ## How an instance stands that is planted at a place on the ground.
-func transform_at(place: Vector3, terrain: Resource, with_control: bool) -> Transform3D:
+func transform_at(place: Vector3, terrain: ScatterTerrain, with_control: bool) -> Transform3D:
 	var at := _on_grid(place, terrain, with_control)
 	var up := _up(at, terrain)
 	var basis := Basis(Quaternion(Vector3.UP, up)) * Basis(Vector3.UP, _yaw)
-	at += Vector3.UP * float(_layer.get(&"height_offset")) + up * float(_layer.get(&"offset_along_normal"))
+	at += Vector3.UP * _layer.height_offset + up * _layer.offset_along_normal
 	return Transform3D(basis * Basis.from_scale(Vector3.ONE * _size), at)
 
 
 ## How an instance stands that is moved to above or below a place: as high over the ground as it was.
-func moved(from: Transform3D, place: Vector3, terrain: Resource, with_control: bool) -> Transform3D:
+func moved(from: Transform3D, place: Vector3, terrain: ScatterTerrain, with_control: bool) -> Transform3D:
 	var to := _on_grid(place, terrain, with_control)
-	var below: float = terrain.call(&"get_height", from.origin)
-	var height: float = terrain.call(&"get_height", to)
+	var below := terrain.get_height(from.origin)
+	var height := terrain.get_height(to)
 	to.y = from.origin.y if is_nan(below) or is_nan(height) else height + from.origin.y - below
 	var lean := Quaternion(_up(from.origin, terrain), _up(to, terrain)) if _is_way(Way.ALIGN) else Quaternion.IDENTITY
 	return Transform3D(Basis(lean) * from.basis if lean != Quaternion.IDENTITY else from.basis, to)
 
 
-func _on_grid(place: Vector3, terrain: Resource, with_control: bool) -> Vector3:
+func _on_grid(place: Vector3, terrain: ScatterTerrain, with_control: bool) -> Vector3:
 	if not snaps(with_control):
 		return place
 	var at := Vector3(snappedf(place.x, _grid.value), place.y, snappedf(place.z, _grid.value))
-	var height: float = terrain.call(&"get_height", at)
+	var height := terrain.get_height(at)
 	if not is_nan(height):
 		at.y = height
 	return at
 
 
-func _up(at: Vector3, terrain: Resource) -> Vector3:
+func _up(at: Vector3, terrain: ScatterTerrain) -> Vector3:
 	if not _is_way(Way.ALIGN):
 		return Vector3.UP
-	var normal: Vector3 = terrain.call(&"get_normal", at)
+	var normal := terrain.get_normal(at)
 	return normal.normalized() if normal.is_finite() and normal.y > 0.0 else Vector3.UP
 
 

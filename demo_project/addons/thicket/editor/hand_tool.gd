@@ -95,10 +95,10 @@ func look() -> void:
 	if not is_on() or layer == null or terrain() == null:
 		_ghost.hide()
 		return
-	var built: RefCounted = scatter.call(&"build_rect", layer_index, Rect2(0.0, 0.0, 0.01, 0.01))
+	var built := scatter.build_rect(layer_index, Rect2(0.0, 0.0, 0.01, 0.01))
 	_meshes.clear()
-	for mesh: int in built.call(&"get_mesh_count"):
-		_meshes.append(built.call(&"get_mesh", mesh))
+	for mesh in built.get_mesh_count():
+		_meshes.append(built.get_mesh(mesh))
 	planting.set_layer(layer, _meshes.size())
 	if selected != 0 and not _pressed:
 		var last := _frame.transform
@@ -293,9 +293,9 @@ func _show_ghost() -> void:
 func _pick() -> int:
 	var reach := REACH
 	if _cursor.on_ground.is_finite():
-		reach = minf(reach, _cursor.from.distance_to(_cursor.on_ground) + 2.0 * float(layer.get(&"instance_radius")))
-	var met: Dictionary = scatter.call(&"query_ray", _cursor.from, _cursor.from + _cursor.direction * reach, [layer_index])
-	return met.get("id", 0)
+		reach = minf(reach, _cursor.from.distance_to(_cursor.on_ground) + 2.0 * layer.instance_radius)
+	var met := scatter.query_ray(_cursor.from, _cursor.from + _cursor.direction * reach, [layer_index])
+	return met["id"] if not met.is_empty() else 0
 
 
 ## Selects an instance, if it stands; 0 for none.
@@ -310,17 +310,17 @@ func _select(id: int) -> void:
 func _frame_of(id: int) -> HandFrame:
 	if not is_instance_valid(scatter) or terrain() == null:
 		return null
-	var instance: Object = scatter.call(&"get_instance", id)
-	if instance == null or instance.get(&"layer") != layer_index:
+	var instance := scatter.get_instance(id)
+	if instance == null or instance.layer != layer_index:
 		return null
 	var frame := HandFrame.new()
-	frame.transform = instance.get(&"transform")
-	var mesh: int = instance.get(&"mesh")
+	frame.transform = instance.transform
+	var mesh := instance.mesh
 	if not _meshes.is_empty() and _meshes[mini(mesh, _meshes.size() - 1)] != null:
 		frame.box = _meshes[mesh if mesh < _meshes.size() else 0].get_aabb()
 	else:
-		var radius: float = layer.get(&"instance_radius")
-		frame.box = AABB(Vector3(-radius, 0.0, -radius), Vector3(2.0 * radius, layer.get(&"instance_height"), 2.0 * radius))
+		var radius := layer.instance_radius
+		frame.box = AABB(Vector3(-radius, 0.0, -radius), Vector3(2.0 * radius, layer.instance_height, 2.0 * radius))
 	return frame
 
 

@@ -21,16 +21,16 @@ func _init(window: Tutorials) -> void:
 
 ## Listens no longer.
 func leave() -> void:
-	for tabs in _tabs.filter(is_instance_valid):
+	for tabs: Node in _tabs.filter(is_instance_valid):
 		tabs.child_entered_tree.disconnect(_on_page)
 		for page: Node in tabs.get_children():
-			for text in _texts_of(page):
+			for text: RichTextLabel in _texts_of(page):
 				if text.meta_clicked.is_connected(_on_link):
 					text.meta_clicked.disconnect(_on_link)
 
 
 func _on_page(page: Node) -> void:
-	for text in _texts_of(page):
+	for text: RichTextLabel in _texts_of(page):
 		if not text.meta_clicked.is_connected(_on_link):
 			text.meta_clicked.connect(_on_link)
 

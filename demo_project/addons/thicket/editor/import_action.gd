@@ -4,25 +4,26 @@ extends RefCounted
 ## such a state gets one.
 
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 ## Why [method run] could not, in a sentence.
 var problem := ""
 
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _layer: Variant
 var _reading: ImportInstances.Reading
-var _files: RefCounted
+var _files: SceneFiles
 var _scene_path := ""
-var _layers_before: Array = []
-var _layers_after: Array = []
-var _state_before: Resource
-var _state: Resource
+var _layers_before: Array[ScatterLayer] = []
+var _layers_after: Array[ScatterLayer] = []
+var _state_before: ScatterState
+var _state: ScatterState
 var _ids := PackedInt64Array()
 
 
-## Imports what was read into a scatter; [param layer] as for [method ImportInstances.from_node]. [param files] keep states beside scenes
-## (scene_files.gd). Returns how many were placed; 0, with the reason in [member problem], if that cannot be.
-func run(scatter: Node3D, layer: Variant, reading: ImportInstances.Reading, files: RefCounted, scene_path: String,
+## Imports what was read into a scatter; [param layer] as for [method ImportInstances.from_node]. [param files] keep states beside scenes.
+## Returns how many were placed; 0, with the reason in [member problem], if that cannot be.
+func run(scatter: TerrainScatter3D, layer: Variant, reading: ImportInstances.Reading, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> int:
 	problem = ""
 	_scatter = scatter
@@ -30,8 +31,8 @@ func run(scatter: Node3D, layer: Variant, reading: ImportInstances.Reading, file
 	_reading = reading
 	_files = files
 	_scene_path = scene_path
-	_layers_before = scatter.get(&"layers").duplicate()
-	_state_before = scatter.get(&"state")
+	_layers_before = scatter.layers.duplicate()
+	_state_before = scatter.state
 	if not _find_state():
 		return 0
 	_ids = ImportInstances.place(scatter, layer, reading)
@@ -39,7 +40,7 @@ func run(scatter: Node3D, layer: Variant, reading: ImportInstances.Reading, file
 		problem = "Nothing was placed; the output says why."
 		_drop_state()
 		return 0
-	_layers_after = scatter.get(&"layers").duplicate()
+	_layers_after = scatter.layers.duplicate()
 	_files.mark(_state)
 	undo_redo.create_action("Import %d Instances" % _ids.size(), UndoRedo.MERGE_DISABLE, scatter)
 	undo_redo.add_do_method(self, &"redo")
@@ -50,9 +51,9 @@ func run(scatter: Node3D, layer: Variant, reading: ImportInstances.Reading, file
 
 ## For the history of undo.
 func undo() -> void:
-	_scatter.call(&"remove_instances", _ids)
+	_scatter.remove_instances(_ids)
 	if _layers_after != _layers_before:
-		_scatter.set(&"layers", _layers_before.duplicate())
+		_scatter.layers = _layers_before.duplicate()
 	_files.mark(_state)
 	_drop_state()
 
@@ -60,10 +61,10 @@ func undo() -> void:
 ## For the history of undo.
 func redo() -> void:
 	if _state != _state_before:
-		_scatter.set(&"state", _state)
+		_scatter.state = _state
 		_files.keep(_state, _scene_path)
 	if _layers_after != _layers_before:
-		_scatter.set(&"layers", _layers_after.duplicate())
+		_scatter.layers = _layers_after.duplicate()
 	_ids = ImportInstances.place(_scatter, _layer, _reading)
 	_files.mark(_state)
 
@@ -73,17 +74,17 @@ func _find_state() -> bool:
 	_state = _state_before
 	if _state != null and not _state.resource_path.is_empty() and not "::" in _state.resource_path:
 		return true
-	_state = _state_before.duplicate() if _state_before != null else ClassDB.instantiate(&"ScatterState")
+	_state = _state_before.duplicate() if _state_before != null else ScatterState.new()
 	# A game changes copies of its own, and never what the designer has made.
-	_state.set(&"designed", true)
+	_state.designed = true
 	if not _files.create(_scene_path, _state, _scatter.name, "state"):
 		problem = _files.problem
 		return false
-	_scatter.set(&"state", _state)
+	_scatter.state = _state
 	return true
 
 
 func _drop_state() -> void:
 	if _state != _state_before:
-		_scatter.set(&"state", _state_before)
+		_scatter.state = _state_before
 		_files.drop(_state, _scene_path)

@@ -5,17 +5,18 @@ extends ConfirmationDialog
 
 const ImportAction := preload("res://addons/thicket/editor/import_action.gd")
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 ## What the layer of an import is where each mesh has its own.
 const BY_MESH := -1
 
 ## What was placed last.
 var imported := 0
-## Keeps states beside scenes (scene_files.gd).
-var files: RefCounted
+## Keeps states beside scenes.
+var files: SceneFiles
 var undo_redo: EditorUndoRedoManager
 
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _reading: ImportInstances.Reading
 var _form := GridContainer.new()
 var _sources := OptionButton.new()
@@ -50,13 +51,13 @@ func _init() -> void:
 
 
 ## Asks about a scatter; offers what is in the scene.
-func open(scatter: Node3D, scene: Node) -> void:
+func open(scatter: TerrainScatter3D, scene: Node) -> void:
 	fill(scatter, scene)
 	popup_centered()
 
 
 ## Fills the form, as [method open] does.
-func fill(scatter: Node3D, scene: Node) -> void:
+func fill(scatter: TerrainScatter3D, scene: Node) -> void:
 	_scatter = scatter
 	_table = ""
 	_nodes.clear()
@@ -68,7 +69,7 @@ func fill(scatter: Node3D, scene: Node) -> void:
 	_layers.clear()
 	_layers.add_item("Each mesh its own; new ones where there is none", 0)
 	_layers.set_item_metadata(0, BY_MESH)
-	var layers: Array = scatter.get(&"layers")
+	var layers := scatter.layers
 	for index in layers.size():
 		if layers[index] != null:
 			_layers.add_item(layers[index].resource_name if layers[index].resource_name else "Layer %d" % index)
@@ -172,7 +173,7 @@ func _say() -> void:
 		_said.text = "Choose what to import."
 	else:
 		var parts := PackedStringArray()
-		for batch in _reading.batches.slice(0, 5):
+		for batch: ImportInstances.Batch in _reading.batches.slice(0, 5):
 			parts.append("%d %s" % [batch.size(), batch.name])
 		var rest := "" if _reading.batches.size() <= 5 else " and %d more" % (_reading.batches.size() - 5)
 		_said.text = "%d instances: %s%s. What they are imported from stays; hide it after that." % [

@@ -12,13 +12,13 @@ signal finished(written: bool)
 ## What bakes, or has baked last.
 var job := Job.new()
 
-var _layer: Resource
+var _layer: ScatterLayer
 var _files: SceneFiles
 var _button := Button.new()
 var _bar := ProgressBar.new()
 
 
-func _init(layer: Resource = null, files: SceneFiles = null) -> void:
+func _init(layer: ScatterLayer = null, files: SceneFiles = null) -> void:
 	_layer = layer
 	_files = files
 	_button.text = "Bake Impostors"
@@ -62,9 +62,10 @@ func _process(_delta: float) -> void:
 		_toast(warning)
 	var undo := EditorInterface.get_editor_undo_redo()
 	undo.create_action("Bake Impostors", UndoRedo.MERGE_DISABLE, _layer)
-	for property: StringName in [&"lod_distances", &"lod_meshes"]:
-		undo.add_do_property(_layer, property, job.get(property))
-		undo.add_undo_property(_layer, property, _layer.get(property))
+	undo.add_do_property(_layer, &"lod_distances", job.lod_distances)
+	undo.add_undo_property(_layer, &"lod_distances", _layer.lod_distances)
+	undo.add_do_property(_layer, &"lod_meshes", job.lod_meshes)
+	undo.add_undo_property(_layer, &"lod_meshes", _layer.lod_meshes)
 	_add_files(undo)
 	undo.commit_action()
 	for path in job.files: # No scan, on whose way undo might take a file away.
@@ -76,7 +77,7 @@ func _process(_delta: float) -> void:
 func _add_files(undo: EditorUndoRedoManager) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	var new: Array[Mesh] = []
-	for mesh: Mesh in job.lod_meshes.slice(-_layer.get(&"meshes").size()):
+	for mesh: Mesh in job.lod_meshes.slice(-_layer.meshes.size()):
 		if mesh == null:
 			continue
 		var path := mesh.resource_path

@@ -23,7 +23,7 @@ func _notification(what: int) -> void:
 
 
 ## Shows a mesh in the world of a scatter; without a mesh, nothing.
-func show(scatter: Node3D, mesh: Mesh, transform: Transform3D) -> void:
+func show(scatter: TerrainScatter3D, mesh: Mesh, transform: Transform3D) -> void:
 	if mesh == null:
 		hide()
 		return

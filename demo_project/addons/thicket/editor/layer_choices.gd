@@ -26,7 +26,7 @@ func _update_property() -> void:
 	for box in _boxes.get_children():
 		_boxes.remove_child(box)
 		box.queue_free()
-	var meant := values.map(func(value: Variant) -> Resource: return Names.layer_of(object, value))
+	var meant := values.map(func(value: Variant) -> ScatterLayer: return Names.layer_of(object, value))
 	var titles := PackedStringArray()
 	for layer in Names.others(object):
 		_add_box(Names.title(object, layer), layer in meant, _toggle.bind(layer))
@@ -47,9 +47,9 @@ func _add_box(title: String, ticked: bool, on_toggled: Callable) -> void:
 	_boxes.add_child(box)
 
 
-func _toggle(ticked: bool, layer: Resource) -> void:
+func _toggle(ticked: bool, layer: ScatterLayer) -> void:
 	var object := get_edited_object()
-	var values: Array = object.get(get_edited_property()).duplicate()
+	var values: Array = object.get(get_edited_property())
 	values = values.filter(func(value: Variant) -> bool: return Names.layer_of(object, value) != layer)
 	if ticked:
 		values.append(Names.reference_to(layer))
@@ -57,6 +57,7 @@ func _toggle(ticked: bool, layer: Resource) -> void:
 
 
 func _remove(_ticked: bool, gone: Variant) -> void:
-	var values: Array = get_edited_object().get(get_edited_property()).duplicate()
+	var values: Array = get_edited_object().get(get_edited_property())
+	values = values.duplicate()
 	values.erase(gone)
 	emit_changed(get_edited_property(), values)

@@ -9,7 +9,7 @@ const ASSETS: Array[StringName] = [&"Mesh", &"PackedScene", &"Material", &"Textu
 
 ## A copy of a layer, even of one that is a file. What [param copies] has is copied no more, and it takes what is copied: resources that are
 ## used twice are copied once. [param with_assets] also copies what it is made of: meshes, materials and the like.
-static func of(layer: Resource, copies: Dictionary[Resource, Resource], with_assets := true) -> Resource:
+static func of(layer: ScatterLayer, copies: Dictionary[Resource, Resource], with_assets := true) -> ScatterLayer:
 	if not copies.has(layer):
 		_copy_deep(layer, copies, with_assets)
 	return copies[layer]
@@ -21,9 +21,9 @@ static func free_name(name: String, taken: PackedStringArray) -> String:
 
 
 ## The names of layers; null entries have none.
-static func names(layers: Array) -> PackedStringArray:
+static func names(layers: Array[ScatterLayer]) -> PackedStringArray:
 	var result := PackedStringArray()
-	for layer: Resource in layers:
+	for layer in layers:
 		if layer != null:
 			result.append(layer.resource_name)
 	return result
@@ -52,7 +52,7 @@ static func _copy_value(value: Variant, copies: Dictionary[Resource, Resource], 
 			_copy_deep(resource, copies, with_assets)
 		return copies.get(resource, resource)
 	if value is Array:
-		var array: Array = value.duplicate()
+		var array := (value as Array).duplicate()
 		for index in array.size():
 			array[index] = _copy_value(array[index], copies, with_assets)
 		return array

@@ -20,9 +20,9 @@ var bar: PreviewBar
 
 var _plugin: EditorPlugin
 var _toolbar: Toolbar
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _root: Node ## Of the scene as it was looked at last.
-var _appeared: Array[Node3D] = []
+var _appeared: Array[TerrainScatter3D] = []
 
 
 func _init(plugin: EditorPlugin) -> void:
@@ -53,7 +53,7 @@ func leave() -> void:
 	bar.queue_free()
 
 
-func set_scatter(scatter: Node3D) -> void:
+func set_scatter(scatter: TerrainScatter3D) -> void:
 	var others := scatter != _scatter
 	_scatter = scatter
 	panel.set_scatter(scatter)
@@ -97,8 +97,8 @@ func _apply_marks() -> void:
 
 ## A node that joins a scene which is open already was pasted, duplicated, or made.
 func _on_node_added(node: Node) -> void:
-	if not node.is_class("TerrainScatter3D"):
+	if not node is TerrainScatter3D:
 		return
-	marks.apply(node as Node3D)
+	marks.apply(node as TerrainScatter3D)
 	if is_instance_valid(_root) and _root == EditorInterface.get_edited_scene_root() and _root.is_ancestor_of(node):
-		_appeared.append(node as Node3D)
+		_appeared.append(node as TerrainScatter3D)

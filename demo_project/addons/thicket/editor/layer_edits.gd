@@ -11,42 +11,43 @@ const REFERENCES: Array[StringName] = [&"proximity_layer", &"color_source_layer"
 
 
 ## Adds a layer for each of these meshes, scenes, models and layers at an index, or where each belongs for -1. Returns the new layers.
-static func add(scatter: Object, resources: Array[Resource], at: int, apart: bool, undo_redo: EditorUndoRedoManager) -> Array[Resource]:
-	var old: Array = scatter.get(&"layers")
-	var fresh := resources.filter(func(resource: Resource) -> bool: return not resource.is_class("ScatterLayer") or not resource in old)
+static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, apart: bool,
+		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
+	var old := scatter.layers
+	var fresh := resources.filter(func(resource: Resource) -> bool: return not resource is ScatterLayer or not resource in old)
 	var added := NewLayers.of_resources(fresh, Copies.names(old))
 	if added.is_empty():
 		return added
-	var new := old.duplicate()
+	var new: Array[ScatterLayer] = old.duplicate()
 	for index in added.size():
 		new.insert(at + index if at >= 0 else NewLayers.place_for(added[index], new), added[index])
 	if apart:
-		NewLayers.keep_apart(added.filter(func(layer: Resource) -> bool: return not Copies.is_file(layer)), new)
+		NewLayers.keep_apart(added.filter(func(layer: ScatterLayer) -> bool: return not Copies.is_file(layer)), new)
 	_commit("Add Layers", scatter, new, undo_redo)
 	return added
 
 
 ## Puts copies of layers behind the last of them, with masks of their own. Returns the copies.
-static func copy(scatter: Node3D, layers: Array, apart: bool, files: SceneFiles, scene_path: String,
-		undo_redo: EditorUndoRedoManager) -> Array[Resource]:
-	var old: Array = scatter.get(&"layers")
+static func copy(scatter: TerrainScatter3D, layers: Array[ScatterLayer], apart: bool, files: SceneFiles, scene_path: String,
+		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
+	var old := scatter.layers
 	var names := Copies.names(old)
-	var result: Array[Resource] = []
+	var result: Array[ScatterLayer] = []
 	var masks: Dictionary[Resource, Resource] = {}
-	for layer: Resource in layers:
+	for layer in layers:
 		var copied := Copies.of(layer, {}, false)
 		copied.resource_name = Copies.free_name(layer.resource_name if layer.resource_name else "Layer", names)
-		copied.set(&"layer_id", -1)
+		copied.layer_id = -1
 		names.append(copied.resource_name)
 		if apart and layer.resource_name:
-			var spacing: Dictionary = copied.get(&"spacing").duplicate()
+			var spacing := copied.spacing.duplicate()
 			spacing[layer.resource_name] = NewLayers.distance(layer, copied)
-			copied.set(&"spacing", spacing)
+			copied.spacing = spacing
 		if not files.copy_mask(copied, scene_path, masks):
 			return []
 		result.append(copied)
-	var new := old.duplicate()
-	var at: int = layers.map(func(layer: Resource) -> int: return old.find(layer)).max() + 1
+	var new: Array[ScatterLayer] = old.duplicate()
+	var at: int = layers.map(func(layer: ScatterLayer) -> int: return old.find(layer)).max() + 1
 	for index in result.size():
 		new.insert(at + index, result[index])
 	_commit("Duplicate Layers", scatter, new, undo_redo, func() -> void: files.add_to_undo(masks.values(), scene_path, undo_redo))
@@ -54,19 +55,18 @@ static func copy(scatter: Node3D, layers: Array, apart: bool, files: SceneFiles,
 
 
 ## Takes layers away. Returns what else follows from that, in sentences.
-static func remove(scatter: Node3D, layers: Array, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
-	var new: Array = scatter.get(&"layers").filter(func(layer: Resource) -> bool: return not layer in layers)
+static func remove(scatter: TerrainScatter3D, layers: Array[ScatterLayer], undo_redo: EditorUndoRedoManager) -> PackedStringArray:
+	var new: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return not layer in layers)
 	return _commit("Delete Layers", scatter, new, undo_redo)
 
 
 ## Moves layers so that they stand before the one at an index, in the order that they have. False if that is where they are.
-static func move(scatter: Node3D, layers: Array, to: int, undo_redo: EditorUndoRedoManager) -> bool:
-	var old: Array = scatter.get(&"layers")
-	var new := old.duplicate()
-	new.clear()
+static func move(scatter: TerrainScatter3D, layers: Array[ScatterLayer], to: int, undo_redo: EditorUndoRedoManager) -> bool:
+	var old := scatter.layers
+	var new: Array[ScatterLayer] = []
 	for index in old.size() + 1:
 		if index == to:
-			new.append_array(old.filter(func(layer: Resource) -> bool: return layer in layers))
+			new.append_array(old.filter(func(layer: ScatterLayer) -> bool: return layer in layers))
 		if index < old.size() and not old[index] in layers:
 			new.append(old[index])
 	if new == old:
@@ -76,8 +76,8 @@ static func move(scatter: Node3D, layers: Array, to: int, undo_redo: EditorUndoR
 
 
 ## Gives a layer a name that no other has; who names it follows by itself.
-static func rename(scatter: Node3D, layer: Resource, name: String, undo_redo: EditorUndoRedoManager) -> void:
-	var others := ScatterLayers.of(scatter).filter(func(other: Resource) -> bool: return other != layer)
+static func rename(scatter: TerrainScatter3D, layer: ScatterLayer, name: String, undo_redo: EditorUndoRedoManager) -> void:
+	var others: Array[ScatterLayer] = ScatterLayers.of(scatter).filter(func(other: ScatterLayer) -> bool: return other != layer)
 	var free := Copies.free_name(name.strip_edges(), Copies.names(others))
 	if name.strip_edges().is_empty() or free == layer.resource_name:
 		return
@@ -88,31 +88,32 @@ static func rename(scatter: Node3D, layer: Resource, name: String, undo_redo: Ed
 
 
 ## Makes a list the scatter's, and has all who mention a layer follow. Returns what they mention no more, in sentences.
-static func _commit(title: String, scatter: Object, new: Array, undo_redo: EditorUndoRedoManager, more := Callable()) -> PackedStringArray:
-	var old: Array = scatter.get(&"layers")
+static func _commit(title: String, scatter: TerrainScatter3D, new: Array[ScatterLayer], undo_redo: EditorUndoRedoManager,
+		more := Callable()) -> PackedStringArray:
+	var old := scatter.layers
 	var told := PackedStringArray()
 	undo_redo.create_action(title, UndoRedo.MERGE_DISABLE, scatter)
 	# The list first, both ways: what is mentioned has to be in it.
 	undo_redo.add_do_property(scatter, &"layers", new)
 	undo_redo.add_undo_property(scatter, &"layers", old)
-	for layer: Resource in new:
+	for layer in new:
 		if layer != null and layer in old:
 			_follow_in_layer(layer, old, new, told, undo_redo)
-		elif layer != null and Copies.is_file(layer) and layer.get(&"layer_id") == -1:
+		elif layer != null and Copies.is_file(layer) and layer.layer_id == -1:
 			# The list gives it an id, and its file keeps that: any call has the editor write the file when the scene is saved.
 			undo_redo.add_do_method(layer, &"get_layer_id")
 			undo_redo.add_undo_property(layer, &"layer_id", -1)
-	if scatter is Node:
-		for region: Node in (scatter as Node).find_children("*", "ScatterRegion3D", true, false):
-			_follow_in_region(region, old, new, told, undo_redo)
+	for region: ScatterRegion3D in scatter.find_children("*", "ScatterRegion3D", true, false):
+		_follow_in_region(region, old, new, told, undo_redo)
 	if more.is_valid():
 		more.call()
 	undo_redo.commit_action()
 	return told
 
 
-static func _follow_in_layer(layer: Resource, old: Array, new: Array, r_told: PackedStringArray, undo_redo: EditorUndoRedoManager) -> void:
-	var spacing: Dictionary = layer.get(&"spacing")
+static func _follow_in_layer(layer: ScatterLayer, old: Array[ScatterLayer], new: Array[ScatterLayer], r_told: PackedStringArray,
+		undo_redo: EditorUndoRedoManager) -> void:
+	var spacing := layer.spacing
 	var followed := {}
 	for key: Variant in spacing:
 		var next: Variant = _next(key, old, new)
@@ -129,8 +130,9 @@ static func _follow_in_layer(layer: Resource, old: Array, new: Array, r_told: Pa
 		_change(layer, property, mentioned, next if next != null else "", undo_redo)
 
 
-static func _follow_in_region(region: Node, old: Array, new: Array, r_told: PackedStringArray, undo_redo: EditorUndoRedoManager) -> void:
-	var mentioned: Array = region.get(&"layers")
+static func _follow_in_region(region: ScatterRegion3D, old: Array[ScatterLayer], new: Array[ScatterLayer], r_told: PackedStringArray,
+		undo_redo: EditorUndoRedoManager) -> void:
+	var mentioned := region.layers
 	var followed: Array = mentioned.map(_next.bind(old, new)).filter(func(next: Variant) -> bool: return next != null)
 	if followed.is_empty() and not mentioned.is_empty(): # It would count for all layers.
 		r_told.append("%s counts for no layer that is left." % region.name)
@@ -148,7 +150,7 @@ static func _change(object: Object, property: StringName, before: Variant, after
 
 
 ## What a mention of a layer is in another list; null if the layer is not there. What meant no layer stays as it is.
-static func _next(mentioned: Variant, old: Array, new: Array) -> Variant:
+static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
 	var layer := _meant(mentioned, old)
 	if layer == null:
 		return mentioned
@@ -157,20 +159,20 @@ static func _next(mentioned: Variant, old: Array, new: Array) -> Variant:
 	return new.find(layer) if mentioned is int else mentioned
 
 
-static func _meant(mentioned: Variant, layers: Array) -> Resource:
+static func _meant(mentioned: Variant, layers: Array[ScatterLayer]) -> ScatterLayer:
 	if mentioned is Resource:
 		return mentioned if layers.has(mentioned) else null
 	if mentioned is int:
 		return layers[mentioned] if mentioned >= 0 and mentioned < layers.size() else null
-	for layer: Resource in layers:
+	for layer in layers:
 		if layer != null and mentioned and layer.resource_name == str(mentioned):
 			return layer
 	return null
 
 
-static func _title_of(mentioned: Variant, layers: Array) -> String:
+static func _title_of(mentioned: Variant, layers: Array[ScatterLayer]) -> String:
 	return _title(_meant(mentioned, layers), layers)
 
 
-static func _title(layer: Resource, layers: Array) -> String:
+static func _title(layer: ScatterLayer, layers: Array[ScatterLayer]) -> String:
 	return layer.resource_name if layer.resource_name else "Layer %d" % layers.find(layer)

@@ -22,7 +22,7 @@ func _can_handle(object: Object) -> bool:
 
 
 func _parse_begin(object: Object) -> void:
-	if object.is_class("ScatterLayer") or object.is_class("TerrainScatter3D"):
+	if object is ScatterLayer or object is TerrainScatter3D:
 		add_custom_control(Drop.new(object))
 
 
@@ -34,10 +34,10 @@ func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: P
 			editor = Choice.new()
 		"spacing":
 			editor = Spacing.new()
-		"layers" when object.is_class("ScatterRegion3D"):
+		"layers" when object is ScatterRegion3D:
 			editor = Choices.new()
-		"lod_distances" when object.is_class("ScatterLayer"):
-			add_custom_control(Impostors.new(object as Resource, _files))
+		"lod_distances" when object is ScatterLayer:
+			add_custom_control(Impostors.new(object as ScatterLayer, _files))
 	if editor != null:
 		add_property_editor(name, editor)
 	return editor != null

@@ -15,21 +15,21 @@ const COLOR := &"color"
 var _notes: Dictionary[int, Dictionary] = {} ## By the layer's instance id.
 
 
-func is_hidden(layer: Resource) -> bool:
+func is_hidden(layer: ScatterLayer) -> bool:
 	return _note(layer, HIDDEN, false)
 
 
-func is_locked(layer: Resource) -> bool:
+func is_locked(layer: ScatterLayer) -> bool:
 	return _note(layer, LOCKED, false)
 
 
 ## The color that a layer is marked with; transparent for none.
-func color(layer: Resource) -> Color:
+func color(layer: ScatterLayer) -> Color:
 	return _note(layer, COLOR, Color(0.0, 0.0, 0.0, 0.0))
 
 
 ## Notes something on a layer, by one of the names above; null to forget it.
-func put(layer: Resource, name: StringName, value: Variant) -> void:
+func put(layer: ScatterLayer, name: StringName, value: Variant) -> void:
 	var notes: Dictionary = _notes.get_or_add(layer.get_instance_id(), {})
 	if value:
 		notes[name] = value
@@ -39,12 +39,13 @@ func put(layer: Resource, name: StringName, value: Variant) -> void:
 
 
 ## The same for several layers, as one step of undo that leaves the scene as saved as it is.
-func put_undoable(layers: Array, name: StringName, value: Variant, scatter: Node3D, undo_redo: EditorUndoRedoManager) -> void:
+func put_undoable(layers: Array[ScatterLayer], name: StringName, value: Variant, scatter: TerrainScatter3D,
+		undo_redo: EditorUndoRedoManager) -> void:
 	var action: Array = ["Mark Layers", UndoRedo.MERGE_DISABLE, scatter, false]
 	if undo_redo.get_method_argument_count(&"create_action") > action.size(): # Since 4.5: nothing to save.
 		action.append(false)
 	undo_redo.create_action.callv(action)
-	for layer: Resource in layers:
+	for layer in layers:
 		undo_redo.add_do_method(self, &"put", layer, name, value)
 		undo_redo.add_undo_method(self, &"put", layer, name, _note(layer, name, null))
 	undo_redo.commit_action()
@@ -57,20 +58,19 @@ func clear() -> void:
 
 
 ## Hides in the view what is hidden of a scatter.
-func apply(scatter: Node3D) -> void:
-	if scatter.has_method(&"_set_preview_hidden"):
-		scatter.call(&"_set_preview_hidden", ScatterLayers.of(scatter).filter(
-				func(layer: Resource) -> bool: return layer != null and is_hidden(layer)))
+func apply(scatter: TerrainScatter3D) -> void:
+	scatter._set_preview_hidden(ScatterLayers.of(scatter).filter(
+			func(layer: ScatterLayer) -> bool: return layer != null and is_hidden(layer)))
 
 
 ## All notes on the layers of some scatters of a scene, as the editor keeps them.
-func to_state(root: Node, scatters: Array[Node3D]) -> Dictionary:
+func to_state(root: Node, scatters: Array[TerrainScatter3D]) -> Dictionary:
 	var state := {}
 	for scatter in scatters:
 		var notes := {}
-		for layer: Resource in ScatterLayers.of(scatter):
+		for layer in ScatterLayers.of(scatter):
 			if layer != null and _notes.get(layer.get_instance_id(), {}):
-				notes[layer.get(&"layer_id")] = _notes[layer.get_instance_id()].duplicate()
+				notes[layer.layer_id] = _notes[layer.get_instance_id()].duplicate()
 		if notes:
 			state[String(root.get_path_to(scatter))] = notes
 	return state
@@ -79,14 +79,15 @@ func to_state(root: Node, scatters: Array[Node3D]) -> Dictionary:
 ## Takes them back.
 func from_state(root: Node, state: Dictionary) -> void:
 	for path: String in state:
-		var scatter := root.get_node_or_null(path)
-		if scatter == null or not scatter.is_class("TerrainScatter3D"):
+		var scatter := root.get_node_or_null(path) as TerrainScatter3D
+		if scatter == null:
 			continue
-		for layer: Resource in ScatterLayers.of(scatter):
-			if layer != null and state[path].has(layer.get(&"layer_id")):
-				_notes[layer.get_instance_id()] = (state[path][layer.get(&"layer_id")] as Dictionary).duplicate()
+		var notes: Dictionary = state[path]
+		for layer in ScatterLayers.of(scatter):
+			if layer != null and notes.has(layer.layer_id):
+				_notes[layer.get_instance_id()] = (notes[layer.layer_id] as Dictionary).duplicate()
 	changed.emit()
 
 
-func _note(layer: Resource, name: StringName, otherwise: Variant) -> Variant:
+func _note(layer: ScatterLayer, name: StringName, otherwise: Variant) -> Variant:
 	return _notes[layer.get_instance_id()].get(name, otherwise) if layer != null and _notes.has(layer.get_instance_id()) else otherwise

@@ -5,32 +5,33 @@ extends RefCounted
 const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 
 
-## The [code]TerrainScatter3D[/code] that a region stands below, or the first of the edited scene that has the layer;
+## The [TerrainScatter3D] that a region stands below, or the first of the edited scene that has the layer;
 ## null for none.
-static func scatter_of(object: Object) -> Node3D:
+static func scatter_of(object: Object) -> TerrainScatter3D:
 	if object is Node:
 		var node: Node = object
-		while node != null and not node.is_class("TerrainScatter3D"):
+		while node != null and not node is TerrainScatter3D:
 			node = node.get_parent()
-		return node as Node3D
+		return node as TerrainScatter3D
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
 		return null
 	var scatters: Array = root.find_children("*", "TerrainScatter3D", true, false)
 	scatters.push_front(root)
-	for scatter: Node in scatters:
-		if scatter.is_class("TerrainScatter3D") and object in ScatterLayers.of(scatter):
-			return scatter as Node3D
+	for node: Node in scatters:
+		var scatter := node as TerrainScatter3D
+		if scatter != null and object in ScatterLayers.of(scatter):
+			return scatter
 	return null
 
 
 ## The layers that an object may name, without itself. [param before] leaves those out that come after it in the list.
-static func others(object: Object, before := false) -> Array[Resource]:
-	var result: Array[Resource] = []
+static func others(object: Object, before := false) -> Array[ScatterLayer]:
+	var result: Array[ScatterLayer] = []
 	var scatter := scatter_of(object)
 	if scatter == null:
 		return result
-	for layer: Resource in ScatterLayers.of(scatter):
+	for layer in ScatterLayers.of(scatter):
 		if before and layer == object:
 			break
 		if layer != null and layer != object:
@@ -39,19 +40,19 @@ static func others(object: Object, before := false) -> Array[Resource]:
 
 
 ## What stands for a layer in a property: its name, or the layer itself if it has none.
-static func reference_to(layer: Resource) -> Variant:
+static func reference_to(layer: ScatterLayer) -> Variant:
 	return layer.resource_name if layer.resource_name else layer
 
 
 ## The layer that a value means to an object; null for none.
-static func layer_of(object: Object, value: Variant) -> Resource:
-	if value is Resource:
+static func layer_of(object: Object, value: Variant) -> ScatterLayer:
+	if value is ScatterLayer:
 		return value
 	var scatter := scatter_of(object)
-	var layers: Array = ScatterLayers.of(scatter) if scatter != null else []
+	var layers := ScatterLayers.of(scatter)
 	if value is int:
 		return layers[value] if value >= 0 and value < layers.size() else null
-	for layer: Resource in layers:
+	for layer in layers:
 		if layer != null and value and layer.resource_name == str(value):
 			return layer
 	return null

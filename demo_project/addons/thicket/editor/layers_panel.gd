@@ -18,7 +18,7 @@ const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
 const Steps := preload("res://addons/thicket/editor/preview_steps.gd")
 
 ## Layers were chosen here for tools, the first before all others.
-signal layers_chosen(layers: Array[Resource])
+signal layers_chosen(layers: Array[ScatterLayer])
 signal preset_chosen(name: String)
 
 enum Add { MESHES, LAYERS, EMPTY, FIRST_PRESET }
@@ -40,7 +40,7 @@ var _undo_redo: EditorUndoRedoManager
 var _files: SceneFiles
 var _marks: Marks
 var _steps: Steps
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _shown: Array = []
 var _pictures := Pictures.new()
 var _empty := Label.new()
@@ -50,7 +50,7 @@ var _remove: Button
 var _apart := CheckBox.new()
 var _total := Label.new()
 var _colors := PopupMenu.new()
-var _colored: Array = []
+var _colored: Array[ScatterLayer] = []
 
 
 func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, steps: Steps) -> void:
@@ -68,7 +68,7 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 	tree.size_flags_vertical = SIZE_EXPAND_FILL
 	tree.layers_chosen.connect(_on_chosen)
 	tree.layer_renamed.connect(_on_renamed)
-	tree.layers_moved.connect(func(layers: Array[Resource], to: int) -> void: LayerEdits.move(_scatter, layers, to, _undo_redo))
+	tree.layers_moved.connect(func(layers: Array[ScatterLayer], to: int) -> void: LayerEdits.move(_scatter, layers, to, _undo_redo))
 	tree.resources_dropped.connect(add)
 	tree.mark_pressed.connect(_on_mark)
 	tree.gui_input.connect(_on_tree_input)
@@ -88,13 +88,13 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 
 
 ## Shows the layers of a scatter; null for none.
-func set_scatter(scatter: Node3D) -> void:
+func set_scatter(scatter: TerrainScatter3D) -> void:
 	_scatter = scatter
 	look()
 
 
 ## Chooses layers, as a click on their rows does.
-func choose(layers: Array[Resource]) -> void:
+func choose(layers: Array[ScatterLayer]) -> void:
 	if layers != tree.chosen_layers():
 		tree.choose(layers)
 	_enable()
@@ -104,8 +104,8 @@ func choose(layers: Array[Resource]) -> void:
 func look() -> void:
 	if not is_instance_valid(_scatter):
 		_scatter = null
-	var layers: Array = ScatterLayers.of(_scatter) if _scatter != null else []
-	var biomes := PackedStringArray(layers.map(func(layer: Resource) -> String: return ScatterLayers.biome_name(_scatter, layer)))
+	var layers := ScatterLayers.of(_scatter)
+	var biomes := PackedStringArray(layers.map(func(layer: ScatterLayer) -> String: return ScatterLayers.biome_name(_scatter, layer)))
 	var shown: Array = [_scatter, layers.duplicate(), Copies.names(layers), biomes]
 	if shown != _shown and not get_viewport().gui_is_dragging():
 		_shown = shown
@@ -116,10 +116,10 @@ func look() -> void:
 	if not is_visible_in_tree():
 		return
 	notes.look(_scatter)
-	if _scatter == null or not _scatter.has_method(&"get_shown_count"):
+	if _scatter == null:
 		return
 	var total := 0
-	for layer: Resource in layers:
+	for layer in layers:
 		if layer != null:
 			total += _show_count(layer)
 			_pictures.ask(_scatter, layer)
@@ -165,12 +165,12 @@ func add_scatter() -> void:
 	if root == null:
 		_tell("Open a 3D scene first, or give the new one a root.")
 		return
-	var scatter := ClassDB.instantiate(&"TerrainScatter3D") as Node3D
+	var scatter := TerrainScatter3D.new()
 	scatter.name = "Scatter"
-	scatter.set(&"seed", Shared.free_seed(null))
+	scatter.seed = Shared.free_seed(null)
 	var others := Shared.scatters_of(root)
 	if not others.is_empty():
-		scatter.set(&"terrain", others[0].get(&"terrain"))
+		scatter.terrain = others[0].terrain
 	_undo_redo.create_action("New Scatter", UndoRedo.MERGE_DISABLE, root)
 	_undo_redo.add_do_method(root, &"add_child", scatter, true)
 	_undo_redo.add_do_property(scatter, &"owner", root)
@@ -232,15 +232,15 @@ func _enable() -> void:
 
 
 ## The chosen layers without those of biomes, which others may share: they come and go with their biome.
-func _own_chosen() -> Array[Resource]:
-	var result: Array[Resource] = []
+func _own_chosen() -> Array[ScatterLayer]:
+	var result: Array[ScatterLayer] = []
 	if is_instance_valid(_scatter):
 		result = ScatterLayers.own(_scatter, tree.chosen_layers())
 	return result
 
 
-func _show_count(layer: Resource) -> int:
-	var count: int = _scatter.call(&"get_shown_count", layer)
+func _show_count(layer: ScatterLayer) -> int:
+	var count := _scatter.get_shown_count(layer)
 	var watch := _steps.held_of(_scatter, layer)
 	var text := PreviewBar.grouped(count)
 	var note := notes.note_on(layer)
@@ -251,7 +251,7 @@ func _show_count(layer: Resource) -> int:
 	return count
 
 
-func _choose_new(layers: Array[Resource]) -> void:
+func _choose_new(layers: Array[ScatterLayer]) -> void:
 	if get_viewport().gui_is_dragging(): # Files are being dropped, and rows come once that is over.
 		get_tree().process_frame.connect(_choose_new.bind(layers), CONNECT_ONE_SHOT)
 		return
@@ -260,14 +260,14 @@ func _choose_new(layers: Array[Resource]) -> void:
 	_on_chosen(layers)
 
 
-func _on_chosen(layers: Array[Resource]) -> void:
+func _on_chosen(layers: Array[ScatterLayer]) -> void:
 	_enable()
 	layers_chosen.emit(layers)
 	if not layers.is_empty():
 		EditorInterface.inspect_object(layers[0], "", true)
 
 
-func _on_renamed(layer: Resource, text: String) -> void:
+func _on_renamed(layer: ScatterLayer, text: String) -> void:
 	LayerEdits.rename(_scatter, layer, text, _undo_redo)
 	_shown = []
 	look.call_deferred() # The row is still being edited.
@@ -280,8 +280,8 @@ func _on_add(id: int) -> void:
 		Add.LAYERS:
 			EditorInterface.popup_quick_open(_on_file, LAYER_CLASSES)
 		Add.EMPTY:
-			var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
-			layer.resource_name = Copies.free_name("Layer", Copies.names(_scatter.get(&"layers")))
+			var layer := ScatterLayer.new()
+			layer.resource_name = Copies.free_name("Layer", Copies.names(_scatter.layers))
 			add([layer] as Array[Resource])
 		_:
 			preset_chosen.emit(Presets.NAMES[id - Add.FIRST_PRESET])
@@ -295,10 +295,10 @@ func _on_file(path: String) -> void:
 
 
 ## A mark counts for all chosen layers, if the one that was pressed is among them.
-func _on_mark(layer: Resource, mark: StringName) -> void:
+func _on_mark(layer: ScatterLayer, mark: StringName) -> void:
 	var layers := tree.chosen_layers()
 	if not layer in layers:
-		layers = [layer] as Array[Resource]
+		layers = [layer]
 	match mark:
 		Marks.HIDDEN:
 			_marks.put_undoable(layers, mark, not _marks.is_hidden(layer), _scatter, _undo_redo)

@@ -7,14 +7,14 @@ const Marks := preload("res://addons/thicket/editor/layer_marks.gd")
 const MeshDrop := preload("res://addons/thicket/editor/mesh_drop.gd")
 
 ## Rows were chosen; the one that was clicked last comes first.
-signal layers_chosen(layers: Array[Resource])
-signal layer_renamed(layer: Resource, name: String)
+signal layers_chosen(layers: Array[ScatterLayer])
+signal layer_renamed(layer: ScatterLayer, name: String)
 ## Layers were dragged to before the index [param to].
-signal layers_moved(layers: Array[Resource], to: int)
+signal layers_moved(layers: Array[ScatterLayer], to: int)
 ## Meshes, scenes, models or layers were dropped; [param to] is -1 below all rows.
 signal resources_dropped(resources: Array[Resource], to: int)
 ## One of the names in [code]layer_marks.gd[/code] was pressed on a layer.
-signal mark_pressed(layer: Resource, mark: StringName)
+signal mark_pressed(layer: ScatterLayer, mark: StringName)
 
 enum Column { NAME, COUNT, MARKS }
 const MARKS: Array[StringName] = [Marks.COLOR, Marks.LOCKED, Marks.HIDDEN]
@@ -26,11 +26,11 @@ const MARKS_WIDTH := 100.0
 
 var marks: Marks
 
-var _layers: Array = []
+var _layers: Array[ScatterLayer] = []
 var _pictures: Dictionary[int, Texture2D] = {} ## By the layer's instance id.
 var _selecting := false
 var _asked := false
-var _clicked: Resource
+var _clicked: ScatterLayer
 
 
 func _init() -> void:
@@ -56,7 +56,7 @@ func _init() -> void:
 
 ## Shows the layers that a scatter has, and below the names of its biomes those that it has from them. Rows of layers that stay keep their
 ## pictures and stay chosen.
-func show_layers(layers: Array, biomes: PackedStringArray) -> void:
+func show_layers(layers: Array[ScatterLayer], biomes: PackedStringArray) -> void:
 	var chosen := chosen_layers()
 	_layers = layers.duplicate()
 	_selecting = true
@@ -72,7 +72,7 @@ func show_layers(layers: Array, biomes: PackedStringArray) -> void:
 	choose(chosen)
 
 
-func choose(layers: Array[Resource]) -> void:
+func choose(layers: Array[ScatterLayer]) -> void:
 	_selecting = true
 	deselect_all()
 	for row in rows():
@@ -81,8 +81,8 @@ func choose(layers: Array[Resource]) -> void:
 	_selecting = false
 
 
-func chosen_layers() -> Array[Resource]:
-	var result: Array[Resource] = []
+func chosen_layers() -> Array[ScatterLayer]:
+	var result: Array[ScatterLayer] = []
 	for row in rows():
 		if row.is_selected(Column.NAME):
 			result.append(layer_of(row))
@@ -99,19 +99,19 @@ func rows() -> Array[TreeItem]:
 	return result
 
 
-func row_of(layer: Resource) -> TreeItem:
+func row_of(layer: ScatterLayer) -> TreeItem:
 	for row in rows():
 		if layer_of(row) == layer:
 			return row
 	return null
 
 
-func layer_of(row: TreeItem) -> Resource:
+func layer_of(row: TreeItem) -> ScatterLayer:
 	return row.get_metadata(Column.NAME)
 
 
 ## What a row says of how much is on show, and a note, as a sign with a tooltip; empty for none.
-func show_count(layer: Resource, text: String, note: String) -> void:
+func show_count(layer: ScatterLayer, text: String, note: String) -> void:
 	var row := row_of(layer)
 	if row == null:
 		return
@@ -129,7 +129,7 @@ func update_marks() -> void:
 
 
 ## Begins to type another name.
-func rename(layer: Resource) -> void:
+func rename(layer: ScatterLayer) -> void:
 	var row := row_of(layer)
 	if row != null:
 		row.select(Column.NAME)
@@ -138,14 +138,14 @@ func rename(layer: Resource) -> void:
 		edit_selected(true)
 
 
-func set_picture(layer: Resource, picture: Texture2D) -> void:
+func set_picture(layer: ScatterLayer, picture: Texture2D) -> void:
 	_pictures[layer.get_instance_id()] = picture
 	var row := row_of(layer)
 	if row != null:
 		row.set_icon(Column.NAME, picture)
 
 
-func has_picture(layer: Resource) -> bool:
+func has_picture(layer: ScatterLayer) -> bool:
 	return _pictures.has(layer.get_instance_id())
 
 
@@ -160,7 +160,7 @@ func _add_heading(root: TreeItem, title: String) -> TreeItem:
 	return heading
 
 
-func _add_row(parent: TreeItem, layer: Resource) -> void:
+func _add_row(parent: TreeItem, layer: ScatterLayer) -> void:
 	var row := create_item(parent)
 	var title := layer.resource_name if layer.resource_name else "Layer %d" % _layers.find(layer)
 	row.set_metadata(Column.NAME, layer)
@@ -235,7 +235,7 @@ func _on_button(row: TreeItem, _column: int, id: int, _mouse_button: int) -> voi
 
 
 func _get_drag_data(_at: Vector2) -> Variant:
-	var chosen := chosen_layers().filter(func(layer: Resource) -> bool: return _is_own(row_of(layer)))
+	var chosen: Array[ScatterLayer] = chosen_layers().filter(func(layer: ScatterLayer) -> bool: return _is_own(row_of(layer)))
 	if chosen.is_empty():
 		return null
 	var preview := Label.new()
@@ -246,14 +246,14 @@ func _get_drag_data(_at: Vector2) -> Variant:
 
 func _can_drop_data(at: Vector2, data: Variant) -> bool:
 	drop_mode_flags = DROP_MODE_INBETWEEN
-	if data is Dictionary and data.get("type") == DRAGGED:
+	if data is Dictionary and (data as Dictionary).get("type") == DRAGGED:
 		return data["tree"] == self and _place_at(at) >= 0
 	return MeshDrop.can_take(data, true)
 
 
 func _drop_data(at: Vector2, data: Variant) -> void:
 	var to := _place_at(at)
-	if data.get("type") == DRAGGED:
+	if (data as Dictionary).get("type") == DRAGGED:
 		layers_moved.emit(data["layers"], to)
 	else:
 		resources_dropped.emit(MeshDrop.taken(data, true), to)

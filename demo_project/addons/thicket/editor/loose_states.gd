@@ -5,6 +5,7 @@ extends RefCounted
 ## script has changed of one in a file is saved with the scene.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
 
 var _files: SceneFiles
 var _revisions: Dictionary[int, int] = {} ## Of states, by the ids of the objects, as they were written last.
@@ -18,38 +19,38 @@ func _init(files: SceneFiles) -> void:
 ## True if there were any without a file.
 func take_in(root: Node) -> bool:
 	var moved := false
-	for node: Node in root.find_children("*", "TerrainScatter3D", true, false) + [root]:
-		var state := node.get(&"state") as Resource if node.is_class("TerrainScatter3D") else null
+	for scatter in Shared.scatters_of(root):
+		var state := scatter.state
 		if state == null:
 			continue
 		if _is_loose(state, root.scene_file_path):
-			moved = _move_out(state, node.name, root.scene_file_path) or moved
+			moved = _move_out(state, scatter.name, root.scene_file_path) or moved
 		elif state.resource_path.begins_with("res://") and not "::" in state.resource_path:
 			_look_at(state)
 	return moved
 
 
-func _move_out(state: Resource, owner_name: String, scene_path: String) -> bool:
+func _move_out(state: ScatterState, owner_name: String, scene_path: String) -> bool:
 	if scene_path.is_empty():
 		return false
 	# A game changes a copy of its own, and never what is in the editor's file.
-	state.set(&"designed", true)
+	state.designed = true
 	if not _files.create(scene_path, state, owner_name, "state"):
 		EditorInterface.get_editor_toaster().push_toast(_files.problem, EditorToaster.SEVERITY_ERROR)
 		return false
-	_revisions[state.get_instance_id()] = state.call(&"get_revision")
+	_revisions[state.get_instance_id()] = state.get_revision()
 	return true
 
 
-func _look_at(state: Resource) -> void:
+func _look_at(state: ScatterState) -> void:
 	var id := state.get_instance_id()
-	var revision: int = state.call(&"get_revision")
+	var revision := state.get_revision()
 	if _revisions.get(id, -1) == revision:
 		return
-	var saved: Resource
+	var saved: ScatterState
 	if not _revisions.has(id): # The first time, only its file knows.
 		saved = ResourceLoader.load(state.resource_path, "", ResourceLoader.CACHE_MODE_IGNORE)
-	if saved == null or saved.call(&"get_digest") != state.call(&"get_digest"):
+	if saved == null or saved.get_digest() != state.get_digest():
 		_files.mark(state)
 	_revisions[id] = revision
 
@@ -63,6 +64,6 @@ func on_scene_saved(path: String) -> void:
 				path.get_file(), EditorToaster.SEVERITY_WARNING)
 
 
-static func _is_loose(state: Resource, scene_path: String) -> bool:
+static func _is_loose(state: ScatterState, scene_path: String) -> bool:
 	var path := state.resource_path
-	return (path.is_empty() or path.begins_with(scene_path + "::")) and not (state.call(&"get_data") as PackedByteArray).is_empty()
+	return (path.is_empty() or path.begins_with(scene_path + "::")) and not state.data.is_empty()

@@ -5,23 +5,23 @@ extends "res://addons/thicket/editor/ground_veil.gd"
 const STANDS := Color(0.35, 0.95, 0.3, 0.2)
 const GONE := Color(1.0, 0.25, 0.2, 0.4)
 
-var _mask: Resource
+var _mask: ScatterMask
 var _version := 0 ## One state of the mask from another.
 
 
 ## Takes a mask to show; null for none.
-func watch(mask: Resource) -> void:
+func watch(mask: ScatterMask) -> void:
 	if mask == _mask:
 		return
 	if _mask != null:
-		_mask.disconnect(&"area_changed", _on_changed)
+		_mask.area_changed.disconnect(_on_changed)
 	_mask = mask
 	if _mask != null:
-		_mask.connect(&"area_changed", _on_changed)
+		_mask.area_changed.connect(_on_changed)
 
 
 ## Draws the mask over the ground around a place of it, seen from [param away] meters; while nothing has changed, it does nothing.
-func show(scatter: Node3D, around: Vector3, away: float) -> void:
+func show(scatter: TerrainScatter3D, around: Vector3, away: float) -> void:
 	cover(scatter, around, away, [_mask, _version], _sample)
 	while not is_complete(): # A stroke is seen at once.
 		work(100000)
@@ -32,7 +32,7 @@ func _sample(rect: Rect2, size: Vector2i) -> PackedColorArray:
 	for z in size.y:
 		for x in size.x:
 			var at := rect.position + rect.size * (Vector2(x, z) + Vector2(0.5, 0.5)) / Vector2(size)
-			colors.append(GONE.lerp(STANDS, _mask.call(&"sample", at)))
+			colors.append(GONE.lerp(STANDS, _mask.sample(at)))
 	return colors
 
 

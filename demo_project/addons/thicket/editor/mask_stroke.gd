@@ -5,45 +5,45 @@ extends RefCounted
 ## Pixels along the side of a block.
 const BLOCK := 64
 
-var mask: Resource
+var mask: ScatterMask
 ## Layers that had no mask before the stroke, and share this one now.
-var new_layers: Array[Resource] = []
+var new_layers: Array[ScatterLayer] = []
 
 var _before: Dictionary[Vector2i, PackedByteArray] = {}
 
 
-func _init(painted: Resource) -> void:
+func _init(painted: ScatterMask) -> void:
 	mask = painted
 
 
-## A dab at world x and z; the rest as [code]ScatterMask.paint[/code] has it.
-func dab(at: Vector2, radius: float, strength: float, hardness: float, mode: int) -> void:
+## A dab at world x and z; the rest as in [method ScatterMask.paint].
+func dab(at: Vector2, radius: float, strength: float, hardness: float, mode: ScatterMask.Mode) -> void:
 	var reach := Vector2(radius, radius)
-	var touched: Rect2i = mask.call(&"get_pixel_rect", Rect2(at - reach, 2.0 * reach))
+	var touched := mask.get_pixel_rect(Rect2(at - reach, 2.0 * reach))
 	var first := _block_of(touched.position)
 	var last := _block_of(touched.end - Vector2i.ONE)
 	for y in range(first.y, last.y + 1):
 		for x in range(first.x, last.x + 1):
 			var block := Vector2i(x, y)
 			if not _before.has(block):
-				_before[block] = mask.call(&"get_pixels", _pixels(block))
-	mask.call(&"paint", at, radius, strength, hardness, mode)
+				_before[block] = mask.get_pixels(_pixels(block))
+	mask.paint(at, radius, strength, hardness, mode)
 
 
 ## The blocks that have changed, as they were and as they are now.
 func changes(r_before: Dictionary, r_after: Dictionary) -> void:
 	for block in _before:
-		var now: PackedByteArray = mask.call(&"get_pixels", _pixels(block))
+		var now := mask.get_pixels(_pixels(block))
 		if now != _before[block]:
 			r_before[block] = _before[block].compress(FileAccess.COMPRESSION_ZSTD)
 			r_after[block] = now.compress(FileAccess.COMPRESSION_ZSTD)
 
 
 ## Puts packed blocks of pixels back.
-static func put(painted: Resource, blocks: Dictionary) -> void:
+static func put(painted: ScatterMask, blocks: Dictionary) -> void:
 	for block: Vector2i in blocks:
 		var packed: PackedByteArray = blocks[block]
-		painted.call(&"set_pixels", _pixels(block), packed.decompress(BLOCK * BLOCK, FileAccess.COMPRESSION_ZSTD))
+		painted.set_pixels(_pixels(block), packed.decompress(BLOCK * BLOCK, FileAccess.COMPRESSION_ZSTD))
 
 
 static func _pixels(block: Vector2i) -> Rect2i:

@@ -15,7 +15,7 @@ var _object: Object
 func _init(object: Object) -> void:
 	_object = object
 	var label := Label.new()
-	label.text = HINT_ON_LAYER if object.is_class("ScatterLayer") else HINT_ON_SCATTER
+	label.text = HINT_ON_LAYER if object is ScatterLayer else HINT_ON_SCATTER
 	label.horizontal_alignment = HORIZONTAL_ALIGNMENT_CENTER
 	label.mouse_filter = Control.MOUSE_FILTER_PASS
 	label.modulate.a = 0.7
@@ -32,10 +32,11 @@ func _drop_data(_at: Vector2, data: Variant) -> void:
 
 ## Adds what was dropped on a layer or a scatter, as one step of undo. What cannot be drawn is told in the output and adds nothing.
 static func add(object: Object, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
-	if object.is_class("ScatterLayer"):
-		_add_to_layer(object as Resource, dropped, undo_redo)
+	if object is ScatterLayer:
+		_add_to_layer(object as ScatterLayer, dropped, undo_redo)
 	else:
-		LayerEdits.add(object, dropped, object.get(&"layers").size(), true, undo_redo)
+		var scatter := object as TerrainScatter3D
+		LayerEdits.add(scatter, dropped, scatter.layers.size(), true, undo_redo)
 
 
 ## True if all that is dragged can be drawn. [param with_layers] takes layers, too.
@@ -53,8 +54,8 @@ static func taken(data: Variant, with_layers := false) -> Array[Resource]:
 	return result.filter(func(resource: Resource) -> bool: return resource != null)
 
 
-static func _add_to_layer(layer: Resource, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
-	var old: Array = layer.get(&"meshes")
+static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
+	var old := layer.meshes
 	var fitted := NewLayers.of_meshes(old + dropped)
 	if fitted == null:
 		return
@@ -70,7 +71,7 @@ static func _add_to_layer(layer: Resource, dropped: Array[Resource], undo_redo: 
 
 ## The files among what is dragged that have something to draw; none if one of them has not.
 static func _paths(data: Variant, with_layers: bool) -> PackedStringArray:
-	if not data is Dictionary or data.get("type") != "files":
+	if not data is Dictionary or (data as Dictionary).get("type") != "files":
 		return []
 	for path: String in data["files"]:
 		var type := StringName(EditorInterface.get_resource_filesystem().get_file_type(path))
@@ -80,7 +81,9 @@ static func _paths(data: Variant, with_layers: bool) -> PackedStringArray:
 
 
 static func _resource(data: Variant, with_layers: bool) -> Resource:
-	var resource: Resource = data.get("resource") as Resource if data is Dictionary and data.get("type") == "resource" else null
+	if not data is Dictionary or (data as Dictionary).get("type") != "resource":
+		return null
+	var resource := (data as Dictionary).get("resource") as Resource
 	return resource if resource != null and _is_drawable(resource.get_class(), with_layers) else null
 
 

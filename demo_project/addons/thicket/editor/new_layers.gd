@@ -18,20 +18,20 @@ const ROOM := 0.62
 
 
 ## A layer of these meshes, and of the sizes that they have; null if there is nothing to draw.
-static func of_meshes(meshes: Array) -> Resource:
-	var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
+static func of_meshes(meshes: Array) -> ScatterLayer:
+	var layer := ScatterLayer.new()
 	for mesh: Variant in meshes: # One by one: what a layer refuses is only kept in its list where nothing was before.
-		layer.set(&"meshes", layer.get(&"meshes") + [mesh])
-	return layer if layer.call(&"fit_to_meshes") and layer.get(&"meshes").size() == meshes.size() else null
+		layer.meshes = layer.meshes + [mesh]
+	return layer if layer.fit_to_meshes() and layer.meshes.size() == meshes.size() else null
 
 
 ## A layer for each resource that can be drawn, the widest first, with names that are not taken. Layers are taken as they are.
-static func of_resources(resources: Array[Resource], taken: PackedStringArray) -> Array[Resource]:
-	var result: Array[Resource] = []
-	var made: Array[Resource] = []
+static func of_resources(resources: Array[Resource], taken: PackedStringArray) -> Array[ScatterLayer]:
+	var result: Array[ScatterLayer] = []
+	var made: Array[ScatterLayer] = []
 	var names := taken.duplicate()
 	for resource in resources:
-		if resource.is_class("ScatterLayer"):
+		if resource is ScatterLayer:
 			result.append(resource)
 			continue
 		var layer := of_meshes([resource])
@@ -41,48 +41,47 @@ static func of_resources(resources: Array[Resource], taken: PackedStringArray) -
 		names.append(layer.resource_name)
 		_fit_view(layer)
 		made.append(layer)
-	made.sort_custom(func(a: Resource, b: Resource) -> bool: return a.get(&"radius") > b.get(&"radius"))
+	made.sort_custom(func(a: ScatterLayer, b: ScatterLayer) -> bool: return a.radius > b.radius)
 	_share_ground(made)
 	result.append_array(made)
 	return result
 
 
 ## Where a new layer belongs among others: before the first that is less than half as wide, so that small ones give way.
-static func place_for(layer: Resource, layers: Array) -> int:
+static func place_for(layer: ScatterLayer, layers: Array[ScatterLayer]) -> int:
 	for index in layers.size():
-		var other: Resource = layers[index]
-		if other != null and other.get(&"radius") < 0.5 * layer.get(&"radius"):
+		var other := layers[index]
+		if other != null and other.radius < 0.5 * layer.radius:
 			return index
 	return layers.size()
 
 
 ## Has new layers keep distances to all others of a list, by their names; large ones do not give way to what grows beneath them.
-static func keep_apart(new: Array[Resource], layers: Array) -> void:
-	var done: Array[Resource] = []
-	var most := ClassDB.class_get_integer_constant(&"ScatterLayer", &"MAX_NEIGHBORS")
+static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) -> void:
+	var done: Array[ScatterLayer] = []
 	for layer in new:
-		var spacing: Dictionary = layer.get(&"spacing").duplicate()
-		for other: Resource in layers:
+		var spacing := layer.spacing.duplicate()
+		for other in layers:
 			var later := new.has(other) and not done.has(other)
-			if other == null or other == layer or other.resource_name.is_empty() or later or spacing.size() >= most:
+			if other == null or other == layer or other.resource_name.is_empty() or later or spacing.size() >= ScatterLayer.MAX_NEIGHBORS:
 				continue
 			var is_first := layers.find(layer) < layers.find(other)
 			var meters := distance(layer if is_first else other, other if is_first else layer)
 			if meters > 0.0:
 				spacing[other.resource_name] = meters
-		layer.set(&"spacing", spacing)
+		layer.spacing = spacing
 		done.append(layer)
 
 
 ## Meters that a later layer keeps to an earlier one: half of both widths, less where that would leave it no room or where it is
 ## undergrowth; 0 if the earlier one is.
-static func distance(earlier: Resource, later: Resource) -> float:
-	var wide: float = earlier.get(&"radius")
-	var other: float = later.get(&"radius")
+static func distance(earlier: ScatterLayer, later: ScatterLayer) -> float:
+	var wide := earlier.radius
+	var other := later.radius
 	if wide < other * UNDERGROWTH:
 		return 0.0
 	var apart := wide * TRUNK if other < wide * UNDERGROWTH else 0.5 * (wide + other)
-	var room := ROOM * wide / sqrt(maxf(earlier.get(&"density"), 0.05))
+	var room := ROOM * wide / sqrt(maxf(earlier.density, 0.05))
 	return maxf(snappedf(minf(apart, room), 0.01), 0.01)
 
 
@@ -93,17 +92,17 @@ static func _name_of(resource: Resource) -> String:
 	return file.capitalize() if file and not "::" in resource.resource_path else resource.get_class().capitalize()
 
 
-static func _fit_view(layer: Resource) -> void:
-	var radius: float = layer.get(&"radius")
-	layer.set(&"view_distance", roundf(clampf(radius * VIEW, VIEW_RANGE.x, VIEW_RANGE.y)))
-	layer.set(&"tile_size", pow(2.0, roundf(log(clampf(radius * TILE, TILE_RANGE.x, TILE_RANGE.y)) / log(2.0))))
+static func _fit_view(layer: ScatterLayer) -> void:
+	var radius := layer.radius
+	layer.view_distance = roundf(clampf(radius * VIEW, VIEW_RANGE.x, VIEW_RANGE.y))
+	layer.tile_size = pow(2.0, roundf(log(clampf(radius * TILE, TILE_RANGE.x, TILE_RANGE.y)) / log(2.0)))
 
 
 ## New layers of about one width share the ground: the first takes its part of it, the second its part of what is left, and so on.
-static func _share_ground(layers: Array[Resource]) -> void:
+static func _share_ground(layers: Array[ScatterLayer]) -> void:
 	for index in layers.size():
 		var rest := 1
 		for later in range(index + 1, layers.size()):
-			if layers[later].get(&"radius") > 0.5 * layers[index].get(&"radius"):
+			if layers[later].radius > 0.5 * layers[index].radius:
 				rest += 1
-		layers[index].set(&"density", snappedf(1.0 / rest, 0.01))
+		layers[index].density = snappedf(1.0 / rest, 0.01)

@@ -60,7 +60,7 @@ func _init() -> void:
 
 
 ## Chooses what the left button does.
-func choose_mode(mode: int) -> void:
+func choose_mode(mode: ScatterMask.Mode) -> void:
 	_modes[mode].button_pressed = true
 	_on_mode(mode)
 
@@ -114,7 +114,7 @@ func draw_over(overlay: Control) -> void:
 
 ## The veil of the chosen layer's mask, while the brush is on.
 func look() -> void:
-	var mask: Resource = layer.get(&"mask") if is_on() and layer != null and terrain() != null else null
+	var mask := layer.mask if is_on() and layer != null and terrain() != null else null
 	mask_overlay.watch(mask)
 	if mask == null:
 		mask_overlay.hide()
@@ -133,8 +133,8 @@ func _on_toggled() -> void:
 	_cursor.clear()
 
 
-func _on_mode(mode: int) -> void:
-	brush.mode = mode as Brush.Mode
+func _on_mode(mode: ScatterMask.Mode) -> void:
+	brush.mode = mode
 	redraw_requested.emit()
 
 
@@ -157,25 +157,25 @@ func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
 		return "There is no ground below the brush."
 	var mode := brush.mode
 	if pressed.shift_pressed:
-		mode = Brush.Mode.SMOOTH
+		mode = ScatterMask.MODE_SMOOTH
 	elif pressed.ctrl_pressed:
-		mode = Brush.Mode.ERASE
+		mode = ScatterMask.MODE_ERASE
 	var on_map := Vector2(at.x, at.z)
-	var everywhere := unlocked().filter(func(chosen: Resource) -> bool: return chosen.get(&"mask") == null)
-	if mode == Brush.Mode.PAINT and not everywhere.is_empty():
-		var names := PackedStringArray(everywhere.map(func(chosen: Resource) -> String: return chosen.resource_name))
+	var everywhere := unlocked().filter(func(chosen: ScatterLayer) -> bool: return chosen.mask == null)
+	if mode == ScatterMask.MODE_PAINT and not everywhere.is_empty():
+		var names := PackedStringArray(everywhere.map(func(chosen: ScatterLayer) -> String: return chosen.resource_name))
 		first_stroke.ask(names, everywhere.reduce(
-				func(sum: int, chosen: Resource) -> int: return sum + scatter.call(&"get_shown_count", chosen), 0), on_map)
+				func(sum: int, chosen: ScatterLayer) -> int: return sum + scatter.get_shown_count(chosen), 0), on_map)
 		return ""
 	return brush.begin(scatter, unlocked(), scene_path(), mode, on_map)
 
 
 ## A single dab, as the first of a layer; the brush goes on as it began.
-func _stroke_once(mode: int, at: Vector2) -> void:
+func _stroke_once(mode: ScatterMask.Mode, at: Vector2) -> void:
 	if not is_instance_valid(scatter) or unlocked().is_empty():
 		return
 	choose_mode(mode)
-	problem = brush.begin(scatter, unlocked(), scene_path(), mode as Brush.Mode, at)
+	problem = brush.begin(scatter, unlocked(), scene_path(), mode, at)
 	finish()
 	redraw_requested.emit()
 

@@ -18,7 +18,7 @@ var dialog := UniqueDialog.new()
 
 var _undo_redo: EditorUndoRedoManager
 var _files: SceneFiles
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _ground: HBoxContainer
 var _sharing: HBoxContainer
 var _shared: Shared.Shared
@@ -45,13 +45,13 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 
 
 ## Looks what there is to tell about a scatter; null for none.
-func look(scatter: Node3D) -> void:
+func look(scatter: TerrainScatter3D) -> void:
 	if scatter != _scatter or _looks % SEARCH_EVERY == 0:
 		_shared = Shared.find(scatter) if scatter != null else null
 		_looks = 0
 	_looks += 1
 	_scatter = scatter
-	_ground.visible = scatter != null and scatter.get(&"terrain") == null
+	_ground.visible = scatter != null and scatter.terrain == null
 	_sharing.visible = _shared != null and _shared.is_by_accident()
 	visible = _ground.visible or _sharing.visible
 	if _sharing.visible:
@@ -60,7 +60,7 @@ func look(scatter: Node3D) -> void:
 
 
 ## What is to be told of a single layer; empty for nothing.
-func note_on(layer: Resource) -> String:
+func note_on(layer: ScatterLayer) -> String:
 	if _shared == null:
 		return ""
 	if layer in _shared.files:
@@ -71,8 +71,8 @@ func note_on(layer: Resource) -> String:
 ## Opens the dialog.
 func ask_to_make_unique() -> void:
 	if is_instance_valid(_scatter) and _shared != null:
-		var has_files: bool = (_scatter.get(&"layers") as Array).any(
-				func(layer: Resource) -> bool: return layer != null and Copies.is_file(layer))
+		var has_files := _scatter.layers.any(
+				func(layer: ScatterLayer) -> bool: return layer != null and Copies.is_file(layer))
 		dialog.ask(_shared.tell(_scatter.name), has_files)
 
 

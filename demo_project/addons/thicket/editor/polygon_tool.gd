@@ -4,12 +4,11 @@ extends "res://addons/thicket/editor/scatter_tool.gd"
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundCursor := preload("res://addons/thicket/editor/ground_cursor.gd")
-const Outline := preload("res://addons/thicket/editor/region_outline.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
 const RegionMenu := preload("res://addons/thicket/editor/region_menu.gd")
 
 ## The polygon is finished: a region that is not in the scene yet, and its place in the world.
-signal drawn(region: Node3D, place: Vector3)
+signal drawn(region: ScatterRegion3D, place: Vector3)
 
 const HINT_FIRST := "Click the corners   Enter or double click closes   Backspace takes one back   Esc gives up"
 const HINT_NEXT := "%d corners   Enter or double click closes   Backspace takes one back   Esc gives up"
@@ -100,8 +99,8 @@ func close() -> void:
 		problem = "A region has three corners at least, not in a line."
 		redraw_requested.emit()
 		return
-	var region := RegionMenu.make(Outline.Shape.POLYGON, exclude)
-	region.set(&"polygon", polygon)
+	var region := RegionMenu.make(ScatterRegion3D.SHAPE_POLYGON, exclude)
+	region.polygon = polygon
 	set_on(false)
 	drawn.emit(region, middle)
 
@@ -140,6 +139,6 @@ func _corner() -> Vector3:
 	if EditorSnap.is_on():
 		var step := maxf(0.01, EditorSnap.meters())
 		at = Vector3(snappedf(at.x, step), at.y, snappedf(at.z, step))
-		var height: float = terrain().call(&"get_height", at)
+		var height := terrain().get_height(at)
 		at.y = at.y if is_nan(height) else height
 	return at

@@ -7,20 +7,18 @@ const FOLDER := "res://addons/thicket/presets/"
 const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
 
 
-## New layers of a preset, as an array that fits the scatter's, whose index there starts at [param first_index]; names
+## New layers of a preset, whose index there starts at [param first_index]; names
 ## that [param taken] holds get a number, and so do their mentions in other layers. Empty if there is no such preset.
-static func layers(name: String, taken: PackedStringArray, first_index := 0) -> Array:
+static func layers(name: String, taken: PackedStringArray, first_index := 0) -> Array[ScatterLayer]:
 	var scene := load(FOLDER + name + ".tscn") as PackedScene
 	if scene == null:
 		return []
-	var source := scene.instantiate()
-	var found: Array = source.get(&"layers")
+	var source := scene.instantiate() as TerrainScatter3D
 	var copies: Dictionary[Resource, Resource] = {}
-	var result := found.duplicate()
-	result.clear()
-	for layer: Resource in found:
+	var result: Array[ScatterLayer] = []
+	for layer in source.layers:
 		var copy := Copies.of(layer, copies)
-		copy.set(&"layer_id", -1) # The scatter that it joins gives it one.
+		copy.layer_id = -1 # The scatter that it joins gives it one.
 		result.append(copy)
 	source.free()
 	_rename(result, taken, first_index)
@@ -28,9 +26,9 @@ static func layers(name: String, taken: PackedStringArray, first_index := 0) -> 
 
 
 ## Adds a preset's layers to a scatter, as one step of undo.
-static func add(name: String, scatter: Node3D, undo_redo: EditorUndoRedoManager) -> void:
-	var old: Array = scatter.get(&"layers")
-	var new := old.duplicate()
+static func add(name: String, scatter: TerrainScatter3D, undo_redo: EditorUndoRedoManager) -> void:
+	var old := scatter.layers
+	var new: Array[ScatterLayer] = old.duplicate()
 	new.append_array(layers(name, Copies.names(old), old.size()))
 	undo_redo.create_action("Add Layers: " + name.capitalize(), UndoRedo.MERGE_DISABLE, scatter)
 	undo_redo.add_do_property(scatter, &"layers", new)
@@ -38,18 +36,18 @@ static func add(name: String, scatter: Node3D, undo_redo: EditorUndoRedoManager)
 	undo_redo.commit_action()
 
 
-static func _rename(new_layers: Array, taken: PackedStringArray, first_index: int) -> void:
+static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray, first_index: int) -> void:
 	var names := {}
-	for layer: Resource in new_layers:
+	for layer in new_layers:
 		var name := Copies.free_name(layer.resource_name, taken)
 		names[layer.resource_name] = name
 		layer.resource_name = name
-	for layer: Resource in new_layers:
-		var spacing: Dictionary = layer.get(&"spacing")
+	for layer in new_layers:
+		var spacing := layer.spacing
 		var renamed := {}
 		for key: Variant in spacing:
 			renamed[_renamed(key, names, first_index)] = spacing[key]
-		layer.set(&"spacing", renamed)
+		layer.spacing = renamed
 		for property: StringName in [&"proximity_layer", &"color_source_layer", &"variation_source_layer"]:
 			layer.set(property, _renamed(layer.get(property), names, first_index))
 

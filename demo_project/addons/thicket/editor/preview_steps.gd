@@ -15,44 +15,44 @@ const MANY := 10.0
 const FEW := 50000.0
 ## A step shows at most so many times as much as the one before.
 const STEP := 4.0
-## What a layer's number of instances follows from.
-const NUMBERS: Array[StringName] = [&"radius", &"density", &"view_distance"]
 
 ## A layer of a scatter that is looked after.
 class Watch:
-	var scatter: Node3D
-	var layer: Resource
+	var scatter: TerrainScatter3D
+	var layer: ScatterLayer
 	var state := State.KEPT
 	## True while the view differs from the layer.
 	var held := false
-	## The values of NUMBERS that the view shows, and the instances that were counted with them.
-	var shown: Array = []
+	## The numbers that the view shows, and the instances that were counted with them.
+	var shown: Array[float] = []
 	var count := 0.0
 	var heard: Callable ## Told of a change of the layer.
 
 	func hear() -> void:
 		heard.call(self)
 
-	func numbers() -> Array:
-		return NUMBERS.map(func(name: StringName) -> float: return layer.get(name))
+	## What a layer's number of instances follows from: radius, density and view distance.
+	func numbers() -> Array[float]:
+		return [layer.radius, layer.density, layer.view_distance]
 
 	## The instances that the layer would show as it is now.
 	func estimate() -> float:
 		return count * density_of(numbers()) / maxf(density_of(shown), 1e-9)
 
 	## In proportion to the instances of a layer with these values.
-	static func density_of(values: Array) -> float:
+	static func density_of(values: Array[float]) -> float:
 		return values[1] * pow(values[2] / values[0], 2.0)
 
 	## Shows the layer with other values in the view; with its own for none.
-	func show(values: Array) -> void:
-		var stand_in: Resource = null
+	func show(values: Array[float]) -> void:
+		var stand_in: ScatterLayer = null
 		if not values.is_empty():
 			stand_in = layer.duplicate()
-			for index in NUMBERS.size():
-				stand_in.set(NUMBERS[index], values[index])
+			stand_in.radius = values[0]
+			stand_in.density = values[1]
+			stand_in.view_distance = values[2]
 		held = stand_in != null
-		scatter.call(&"_set_preview_stand_in", layer, stand_in)
+		scatter._set_preview_stand_in(layer, stand_in)
 
 
 var _watches: Array[Watch] = []
@@ -66,7 +66,7 @@ func held() -> Array[Watch]:
 
 
 ## The same for a layer; null for one that is shown as it is.
-func held_of(scatter: Node3D, layer: Resource) -> Watch:
+func held_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 	for watch in _watches:
 		if watch.held and watch.scatter == scatter and watch.layer == layer:
 			return watch
@@ -74,16 +74,16 @@ func held_of(scatter: Node3D, layer: Resource) -> Watch:
 
 
 ## Looks after the layers of a scatter, some times a second; null for none. Those that were looked after before still are.
-func look(scatter: Node3D) -> void:
+func look(scatter: TerrainScatter3D) -> void:
 	for watch: Watch in _watches.duplicate():
 		if not is_instance_valid(watch.scatter) or not watch.layer in ScatterLayers.of(watch.scatter):
 			_forget(watch)
-	if is_instance_valid(scatter) and scatter.has_method(&"_set_preview_stand_in"):
-		for layer: Resource in ScatterLayers.of(scatter):
+	if is_instance_valid(scatter):
+		for layer in ScatterLayers.of(scatter):
 			if layer != null and not _watches.any(func(watch: Watch) -> bool: return watch.layer == layer and watch.scatter == scatter):
 				_begin(scatter, layer)
 	for watch in _watches:
-		if watch.scatter.is_inside_tree() and watch.scatter.call(&"is_settled"):
+		if watch.scatter.is_inside_tree() and watch.scatter.is_settled():
 			_settled(watch)
 
 
@@ -105,12 +105,12 @@ func clear() -> void:
 		_forget(watch)
 
 
-func _begin(scatter: Node3D, layer: Resource) -> void:
+func _begin(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	var watch := Watch.new()
 	watch.scatter = scatter
 	watch.layer = layer
 	watch.shown = watch.numbers()
-	watch.count = scatter.call(&"get_shown_count", layer)
+	watch.count = scatter.get_shown_count(layer)
 	watch.heard = _on_changed
 	layer.changed.connect(watch.hear)
 	_watches.append(watch)
@@ -145,13 +145,13 @@ func _on_changed(watch: Watch) -> void:
 
 func _settled(watch: Watch) -> void:
 	if watch.held and watch.state == State.GROWING:
-		watch.count = watch.scatter.call(&"get_shown_count", watch.layer)
+		watch.count = watch.scatter.get_shown_count(watch.layer)
 		_step(watch)
 	elif watch.held:
-		watch.count = watch.scatter.call(&"get_shown_count", watch.layer)
+		watch.count = watch.scatter.get_shown_count(watch.layer)
 	else:
 		watch.shown = watch.numbers()
-		watch.count = watch.scatter.call(&"get_shown_count", watch.layer)
+		watch.count = watch.scatter.get_shown_count(watch.layer)
 
 
 ## The next step towards what the layer is now; the last shows the layer itself.

@@ -3,7 +3,6 @@ extends MenuButton
 ## Adds a region below the scatter: at the middle of the view on the ground, or, for a polygon, by clicking its corners.
 
 const GroundRay := preload("res://addons/thicket/editor/ground_ray.gd")
-const Outline := preload("res://addons/thicket/editor/region_outline.gd")
 
 ## A polygon is to be drawn, that excludes or includes.
 signal polygon_requested(exclude: bool)
@@ -14,7 +13,7 @@ const SIZES := Vector2(2.0, 200.0)
 const PART := 0.3
 
 var undo_redo: EditorUndoRedoManager
-var scatter: Node3D
+var scatter: TerrainScatter3D
 
 
 func _init() -> void:
@@ -30,40 +29,39 @@ func _init() -> void:
 
 
 ## Adds a region of a shape at the middle of the view, as one step of undo, and selects it.
-func add(shape: Outline.Shape, exclude: bool) -> void:
+func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	var terrain: Resource = scatter.get(&"terrain")
 	var away := 20.0
-	if terrain != null:
-		away = GroundRay.distance(terrain, camera.global_position, -camera.global_basis.z)
+	if scatter.terrain != null:
+		away = GroundRay.distance(scatter.terrain, camera.global_position, -camera.global_basis.z)
 	var size := clampf(snappedf(away * PART, 1.0), SIZES.x, SIZES.y)
 	var region := make(shape, exclude)
-	region.set(&"size", Vector3(size, maxf(size, 10.0), size))
-	region.set(&"radius", 0.5 * size)
-	region.set(&"height", maxf(size, 10.0))
-	if shape == Outline.Shape.PATH:
+	region.size = Vector3(size, maxf(size, 10.0), size)
+	region.radius = 0.5 * size
+	region.height = maxf(size, 10.0)
+	if shape == ScatterRegion3D.SHAPE_PATH:
 		var path := Path3D.new()
 		path.name = "Path3D"
 		path.curve = Curve3D.new()
 		for end: float in [-0.5, 0.5]:
 			path.curve.add_point(Vector3(size * end, 0.0, 0.0))
 		region.add_child(path)
-		region.set(&"path", NodePath("Path3D"))
-		region.set(&"width", maxf(1.0, 0.2 * size))
+		region.path = NodePath("Path3D")
+		region.width = maxf(1.0, 0.2 * size)
 	insert(region, camera.global_position - camera.global_basis.z * away)
 
 
 ## A region that is not in the scene yet.
-static func make(shape: Outline.Shape, exclude: bool) -> Node3D:
-	var region: Node3D = ClassDB.instantiate(&"ScatterRegion3D")
+static func make(shape: ScatterRegion3D.Shape, exclude: bool) -> ScatterRegion3D:
+	var region := ScatterRegion3D.new()
 	region.name = ("Without%s" if exclude else "Only%s") % SHAPE_NAMES[shape]
-	region.set(&"shape", shape)
-	region.set(&"exclude", exclude)
+	region.shape = shape
+	region.exclude = exclude
 	return region
 
 
 ## Puts a region at a place of the world, as one step of undo, and selects it.
-func insert(region: Node3D, place: Vector3) -> void:
+func insert(region: ScatterRegion3D, place: Vector3) -> void:
 	region.transform = scatter.global_transform.affine_inverse() * Transform3D(Basis.IDENTITY, place)
 	undo_redo.create_action("Add %s" % region.name, UndoRedo.MERGE_DISABLE, scatter)
 	put_below(undo_redo, scatter, region)
@@ -87,9 +85,9 @@ static func put_below(undo: EditorUndoRedoManager, parent: Node, node: Node) -> 
 func _on_chosen(id: int) -> void:
 	if not is_instance_valid(scatter):
 		return
-	var shape := (id % SHAPE_NAMES.size()) as Outline.Shape
+	var shape := (id % SHAPE_NAMES.size()) as ScatterRegion3D.Shape
 	var exclude := id < SHAPE_NAMES.size()
-	if shape == Outline.Shape.POLYGON:
+	if shape == ScatterRegion3D.SHAPE_POLYGON:
 		polygon_requested.emit(exclude)
 	else:
 		add(shape, exclude)

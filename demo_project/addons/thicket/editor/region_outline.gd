@@ -1,20 +1,17 @@
 @tool
 extends RefCounted
-## What the gizmo of a [code]ScatterRegion3D[/code] draws: its body, and its border on the ground.
-
-## As [code]ScatterRegion3D.Shape[/code].
-enum Shape { BOX, SPHERE, CYLINDER, POLYGON, PATH }
+## What the gizmo of a [ScatterRegion3D] draws: its body, and its border on the ground.
 
 const SIDES := 48
 
 
 ## The edges of a box, sphere or cylinder, as pairs of ends in the node's own space. Empty for flat regions.
-static func body(region: Node3D) -> PackedVector3Array:
+static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	var lines := PackedVector3Array()
-	var radius: float = region.get(&"radius")
-	match region.get(&"shape"):
-		Shape.BOX:
-			var half: Vector3 = 0.5 * region.get(&"size")
+	var radius := region.radius
+	match region.shape:
+		ScatterRegion3D.SHAPE_BOX:
+			var half := 0.5 * region.size
 			for axis in 3:
 				for corner in 4:
 					var from := half
@@ -23,12 +20,12 @@ static func body(region: Node3D) -> PackedVector3Array:
 					var to := from
 					to[axis] = -from[axis]
 					lines.append_array([from, to])
-		Shape.SPHERE:
+		ScatterRegion3D.SHAPE_SPHERE:
 			_circle(lines, Vector3.ZERO, Vector3.RIGHT * radius, Vector3.BACK * radius)
 			_circle(lines, Vector3.ZERO, Vector3.RIGHT * radius, Vector3.UP * radius)
 			_circle(lines, Vector3.ZERO, Vector3.BACK * radius, Vector3.UP * radius)
-		Shape.CYLINDER:
-			var up: Vector3 = Vector3.UP * 0.5 * region.get(&"height")
+		ScatterRegion3D.SHAPE_CYLINDER:
+			var up: Vector3 = Vector3.UP * 0.5 * region.height
 			_circle(lines, up, Vector3.RIGHT * radius, Vector3.BACK * radius)
 			_circle(lines, -up, Vector3.RIGHT * radius, Vector3.BACK * radius)
 			for side: Vector3 in [Vector3.RIGHT, Vector3.BACK, Vector3.LEFT, Vector3.FORWARD]:
@@ -37,18 +34,18 @@ static func body(region: Node3D) -> PackedVector3Array:
 
 
 ## The region's borders seen from above, [param inwards] meters within it: closed lines of world x and z.
-static func borders(region: Node3D, inwards: float) -> Array[PackedVector2Array]:
+static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVector2Array]:
 	var result: Array[PackedVector2Array] = []
-	var shape: int = region.get(&"shape")
-	if shape == Shape.PATH:
-		var strip := 0.5 * float(region.get(&"width")) - inwards
+	var shape := region.shape
+	if shape == ScatterRegion3D.SHAPE_PATH:
+		var strip := 0.5 * region.width - inwards
 		var points := path_points(region)
 		if strip > 0.0 and points.size() > 1:
 			result = Geometry2D.offset_polyline(points, strip, Geometry2D.JOIN_ROUND, Geometry2D.END_ROUND)
 		return result
 	var outline := PackedVector2Array()
-	if shape == Shape.POLYGON:
-		for corner: Vector2 in region.get(&"polygon"):
+	if shape == ScatterRegion3D.SHAPE_POLYGON:
+		for corner in region.polygon:
 			outline.append(_flat(region.global_transform * Vector3(corner.x, 0.0, corner.y)))
 	else:
 		for corner in body(region):
@@ -68,7 +65,7 @@ static func borders(region: Node3D, inwards: float) -> Array[PackedVector2Array]
 
 
 ## The path that the region follows, as world x and z; empty if there is none.
-static func path_points(region: Node3D) -> PackedVector2Array:
+static func path_points(region: ScatterRegion3D) -> PackedVector2Array:
 	var points := PackedVector2Array()
 	var path := path_node(region)
 	if path != null and path.curve != null:
@@ -78,9 +75,8 @@ static func path_points(region: Node3D) -> PackedVector2Array:
 
 
 ## The path that the region follows; null if there is none.
-static func path_node(region: Node3D) -> Path3D:
-	var path: NodePath = region.get(&"path")
-	return (region.get_parent() if path.is_empty() else region.get_node_or_null(path)) as Path3D
+static func path_node(region: ScatterRegion3D) -> Path3D:
+	return (region.get_parent() if region.path.is_empty() else region.get_node_or_null(region.path)) as Path3D
 
 
 static func _flat(position: Vector3) -> Vector2:

@@ -28,15 +28,15 @@ var _name := ""
 
 ## Draws what is asked for of the layer at an index, around a place of the ground, seen from [param away] meters; called again with the
 ## same, it does nothing. [param version] tells one state of the settings from another.
-func show(scatter: Node3D, kind: Kind, layer: int, around: Vector3, away: float, version: int) -> void:
+func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, away: float, version: int) -> void:
 	var layers := ScatterLayers.of(scatter)
-	var chosen: Resource = layers[layer] if layer >= 0 and layer < layers.size() else null
+	var chosen: ScatterLayer = layers[layer] if layer >= 0 and layer < layers.size() else null
 	if kind == Kind.NOTHING or (chosen == null and kind != Kind.SLOPE):
 		return hide()
 	_kind = kind
 	_name = "" if chosen == null else str(chosen.resource_name) if chosen.resource_name else "Layer %d" % layer
 	# Points are a radius apart: between larger quads their ranks would be a noise.
-	var largest: float = chosen.get(&"radius") * 0.5 if kind == Kind.RANK else INF
+	var largest: float = chosen.radius * 0.5 if kind == Kind.RANK else INF
 	cover(scatter, around, away, [kind, layer, version], _ask.bind(scatter, kind, layer), largest)
 
 
@@ -68,12 +68,12 @@ func draw_legend(overlay: Control) -> void:
 	overlay.draw_string(font, below, ends[1], HORIZONTAL_ALIGNMENT_RIGHT, bar.size.x, size - 2)
 
 
-func _ask(rect: Rect2, size: Vector2i, scatter: Node3D, kind: Kind, layer: int) -> PackedColorArray:
+func _ask(rect: Rect2, size: Vector2i, scatter: TerrainScatter3D, kind: Kind, layer: int) -> PackedColorArray:
 	var values: PackedFloat32Array
 	match kind:
-		Kind.DENSITY: values = scatter.call(&"get_density_map", layer, rect, size)
-		Kind.SLOPE: values = scatter.call(&"get_slope_map", rect, size)
-		Kind.RANK: values = scatter.call(&"get_rank_map", layer, rect, size)
+		Kind.DENSITY: values = scatter.get_density_map(layer, rect, size)
+		Kind.SLOPE: values = scatter.get_slope_map(rect, size)
+		Kind.RANK: values = scatter.get_rank_map(layer, rect, size)
 	var colors := PackedColorArray()
 	for value in values:
 		colors.append(NONE if is_nan(value) else _scales[kind].sample(value / 90.0 if kind == Kind.SLOPE else value))

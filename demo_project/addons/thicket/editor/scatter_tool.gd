@@ -16,13 +16,13 @@ var button := Button.new()
 ## True for a tool that works on the layer which is chosen in the toolbar.
 var needs_layer := true
 ## What the tool works on; null for none.
-var scatter: Node3D
+var scatter: TerrainScatter3D
 ## The chosen layer; null for none.
-var layer: Resource
+var layer: ScatterLayer
 ## Its index in the scatter's list.
 var layer_index := -1
 ## All chosen layers, for a tool that works on several; the one above is the first.
-var layers: Array[Resource] = []
+var layers: Array[ScatterLayer] = []
 ## What is noted on layers: a locked one is not to be changed by a tool.
 var marks: Marks
 var undo_redo: EditorUndoRedoManager
@@ -79,13 +79,13 @@ func _take_key() -> void:
 
 
 ## The ground of the scatter; null for none.
-func terrain() -> Resource:
-	return scatter.get(&"terrain") if is_instance_valid(scatter) else null
+func terrain() -> ScatterTerrain:
+	return scatter.terrain if is_instance_valid(scatter) else null
 
 
 ## The chosen layers that may be changed: those that are not locked.
-func unlocked() -> Array[Resource]:
-	return layers.filter(func(chosen: Resource) -> bool: return marks == null or not marks.is_locked(chosen))
+func unlocked() -> Array[ScatterLayer]:
+	return layers.filter(func(chosen: ScatterLayer) -> bool: return marks == null or not marks.is_locked(chosen))
 
 
 ## Why a tool may not change the chosen layers, in a sentence; empty if it may change one of them.

@@ -31,8 +31,8 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 
 ## Gives a layer, a copy of another, a copy of the mask that both have, if that is a file. [param r_masks] gets the mask and its copy:
 ## layers that shared one share the copy. False, with the reason in [member problem], if that cannot be.
-func copy_mask(layer: Resource, scene_path: String, r_masks: Dictionary[Resource, Resource]) -> bool:
-	var mask: Resource = layer.get(&"mask")
+func copy_mask(layer: ScatterLayer, scene_path: String, r_masks: Dictionary[Resource, Resource]) -> bool:
+	var mask := layer.mask
 	if mask == null or mask.resource_path.is_empty() or "::" in mask.resource_path:
 		return true
 	if not r_masks.has(mask):
@@ -40,7 +40,7 @@ func copy_mask(layer: Resource, scene_path: String, r_masks: Dictionary[Resource
 		if not create(scene_path, copy, layer.resource_name, "mask"):
 			return false
 		r_masks[mask] = copy
-	layer.set(&"mask", r_masks[mask])
+	layer.mask = r_masks[mask]
 	return true
 
 

@@ -74,7 +74,7 @@ func _make_row(key: Variant, title: String, meters: float) -> Control:
 func _list_addable() -> void:
 	var object := get_edited_object()
 	var named: Array = (object.get(get_edited_property()) as Dictionary).keys().map(
-			func(key: Variant) -> Resource: return Names.layer_of(object, key))
+			func(key: Variant) -> ScatterLayer: return Names.layer_of(object, key))
 	var popup := _add.get_popup()
 	popup.clear()
 	_addable = []
@@ -88,12 +88,14 @@ func _list_addable() -> void:
 
 
 func _set_distance(meters: float, key: Variant, changing: bool) -> void:
-	var spacing: Dictionary = get_edited_object().get(get_edited_property()).duplicate()
+	var spacing: Dictionary = get_edited_object().get(get_edited_property())
+	spacing = spacing.duplicate()
 	spacing[key] = meters
 	emit_changed(get_edited_property(), spacing, &"", changing)
 
 
 func _remove(key: Variant) -> void:
-	var spacing: Dictionary = get_edited_object().get(get_edited_property()).duplicate()
+	var spacing: Dictionary = get_edited_object().get(get_edited_property())
+	spacing = spacing.duplicate()
 	spacing.erase(key)
 	emit_changed(get_edited_property(), spacing)

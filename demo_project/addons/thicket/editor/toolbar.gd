@@ -36,9 +36,9 @@ var tools: Array[ScatterTool] = [paint, hand, why, polygon, rectangle]
 ## Adds regions.
 var regions := RegionMenu.new()
 ## The layers that tools work on, the first of them before all others.
-var chosen: Array[Resource] = []
+var chosen: Array[ScatterLayer] = []
 
-var _scatter: Node3D
+var _scatter: TerrainScatter3D
 var _layers := OptionButton.new()
 var _buttons := ButtonGroup.new()
 
@@ -75,7 +75,7 @@ func _init(undo_redo: EditorUndoRedoManager, marks: ScatterTool.Marks) -> void:
 
 
 ## Gives all tools a scatter; null for none. Another one puts the tool that is on away, so that a click on another node cannot paint.
-func set_scatter(scatter: Node3D) -> void:
+func set_scatter(scatter: TerrainScatter3D) -> void:
 	for tool in tools:
 		tool.finish()
 		if scatter != _scatter:
@@ -91,12 +91,12 @@ func update_layers() -> void:
 	_layers.clear()
 	var layers := _scatter_layers()
 	for index in layers.size():
-		var layer: Resource = layers[index]
+		var layer := layers[index]
 		if layer != null:
 			_layers.add_item(layer.resource_name if layer.resource_name else "Layer %d" % index, index)
-	var left := chosen.filter(func(layer: Resource) -> bool: return layer in layers)
+	var left := chosen.filter(func(layer: ScatterLayer) -> bool: return layer in layers)
 	if left.is_empty():
-		left.assign(layers.filter(func(layer: Resource) -> bool: return layer != null).slice(0, 1))
+		left.assign(layers.filter(func(layer: ScatterLayer) -> bool: return layer != null).slice(0, 1))
 	choose_layers(left)
 
 
@@ -104,11 +104,11 @@ func update_layers() -> void:
 func choose_layer(index: int) -> void:
 	var layers := _scatter_layers()
 	if index >= 0 and index < layers.size() and layers[index] != null:
-		choose_layers([layers[index]] as Array[Resource])
+		choose_layers([layers[index]])
 
 
 ## Chooses layers of the scatter, the first before all others.
-func choose_layers(layers: Array[Resource]) -> void:
+func choose_layers(layers: Array[ScatterLayer]) -> void:
 	var others := layers != chosen
 	chosen = layers
 	var index := _scatter_layers().find(chosen[0]) if not chosen.is_empty() else -1
@@ -157,8 +157,8 @@ func _add_regions(undo_redo: EditorUndoRedoManager) -> void:
 	add_child(regions)
 
 
-func _scatter_layers() -> Array:
-	return ScatterLayers.of(_scatter) if is_instance_valid(_scatter) else []
+func _scatter_layers() -> Array[ScatterLayer]:
+	return ScatterLayers.of(_scatter if is_instance_valid(_scatter) else null)
 
 
 func _on_toggled(on: bool, tool: ScatterTool) -> void:

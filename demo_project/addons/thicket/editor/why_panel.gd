@@ -18,13 +18,13 @@ var rows: Array[Array] = []
 func fill(explanations: Array, chosen: int) -> void:
 	rows.clear()
 	# The chosen layer stands first, so that it is never among those that are left out.
-	var ordered := explanations.filter(func(explanation: RefCounted) -> bool: return explanation.layer == chosen)
-	ordered.append_array(explanations.filter(func(explanation: RefCounted) -> bool: return explanation.layer != chosen))
+	var ordered := explanations.filter(func(explanation: ScatterExplanation) -> bool: return explanation.layer == chosen)
+	ordered.append_array(explanations.filter(func(explanation: ScatterExplanation) -> bool: return explanation.layer != chosen))
 	for index in ordered.size():
 		if rows.size() >= MOST_LINES:
 			rows.append([DIM, "… and %d more layers" % (ordered.size() - index)])
 			break
-		var explanation: RefCounted = ordered[index]
+		var explanation: ScatterExplanation = ordered[index]
 		var yes: bool = str(explanation.refused_by).is_empty()
 		var name: String = explanation.layer_name if explanation.layer_name else "Layer %d" % explanation.layer
 		rows.append([YES if yes else NO, "%s %s: %s" % ["✓" if yes else "✗", name, explanation.reason]])

@@ -119,7 +119,7 @@ func _place_of(position: Vector3) -> Vector2:
 
 ## What is shown is asked for again once the settings have changed and all follows them.
 func _notice_changes() -> void:
-	var state: Array = [scatter, terrain(), layer_index, scatter.call(&"is_settled"), scatter.call(&"get_stats").tiles_made]
+	var state: Array = [scatter, terrain(), layer_index, scatter.is_settled(), scatter.get_stats().tiles_made]
 	if state == _state:
 		return
 	_state = state
@@ -140,5 +140,5 @@ func _explain(at: Vector3, at_once: bool) -> void:
 	elif not at.is_finite():
 		panel.rows.clear()
 	else:
-		panel.fill(scatter.call(&"explain_position", at), layer_index)
+		panel.fill(scatter.explain_position(at), layer_index)
 	redraw_requested.emit()

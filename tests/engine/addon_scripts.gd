@@ -1,0 +1,177 @@
+extends SceneTree
+## Checks the add-on's scripts against the library's classes: `godot --headless --path PROJECT --script addon_scripts.gd -- PART`. PART is
+## `compile`, `names` or `renamed`. Prints a line that begins with "WRONG" for each find, and at last "addon scripts: N looked at, M wrong".
+
+const ADDON := "res://addons/thicket/"
+## Scripts behind the gate name the library's classes as types.
+const TYPED := ADDON + "editor/"
+## What variables of other scripts hold: these must compile without the library, so they reach its objects by names, and only through these.
+const UNTYPED: Dictionary[String, StringName] = {
+	"scatter": &"TerrainScatter3D", "_scatter": &"TerrainScatter3D",
+	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "found": &"ScatterLayer",
+	"model": &"ScatterModel", "built": &"ScatterTile", "_baker": &"ImpostorBaker",
+}
+## Variables of scripts that hold objects of Terrain3D, or none, though their members have such names.
+const FOREIGN: Dictionary[String, PackedStringArray] = {
+	"import_instances.gd": ["node", "terrain", "data", "region", "asset", "Object", "look"],
+}
+## Scripts of bakes, which are yet to get types.
+const UNCHECKED: PackedStringArray = ["bake.gd", "bake_to_folder.gd", "bake_world.gd", "model_files.gd", "scene_description.gd",
+	"scene_digest.gd"]
+## Calls that take the name of a member.
+const BY_NAME := "(\\w+|\\])\\)?\\.(?:[gs]et(?:_deferred|_indexed)?|callv?(?:_deferred)?|has_(?:method|signal)|(?:dis)?connect|emit_signal)\\(&?\"(\\w+)\""
+const UNDO := "add_(?:do|undo)_(property|method)\\((\\w+), &\"(\\w+)\""
+const STRING_NAME := "&\"([a-z_]\\w*)\""
+const CLASS_NAME := "\"((?:TerrainScatter3D|Scatter|Poisson|Impostor)[A-Z]\\w*|TerrainScatter3D)\""
+const MEMBER := "\\.([a-z_]\\w*)\\b"
+const NO_CLASSES: PackedStringArray = ["ScatterOutput"] ## A node of ProtonScatter.
+## Names that are no members: of metadata, of the theme, of marks on layers.
+const WORDS: PackedStringArray = ["icon", "index", "hidden", "locked", "color", "source", "mono_font", "prop_subsection", "font_color",
+	"h_separation"]
+
+var _own: Dictionary[String, bool] = {} ## The members of the library's classes.
+var _looked := 0
+var _wrong := 0
+
+
+func _initialize() -> void:
+	for type in ClassDB.get_class_list():
+		if ClassDB.class_get_api_type(type) in [ClassDB.API_EXTENSION, ClassDB.API_EDITOR_EXTENSION]:
+			for list: Array[Dictionary] in [ClassDB.class_get_property_list(type, true), ClassDB.class_get_method_list(type, true),
+					ClassDB.class_get_signal_list(type, true)]:
+				for member in list:
+					_own[member.name] = true
+	var part: String = OS.get_cmdline_user_args()[0]
+	for path in _scripts(ADDON):
+		match part:
+			"compile": _compile(path)
+			"names" when not path.get_file() in UNCHECKED: _check_names(path, _without_comments(FileAccess.get_file_as_string(path)))
+			"renamed": _rename_members(path)
+	if part == "names":
+		_check_looks()
+	print("addon scripts: %d looked at, %d wrong" % [_looked, _wrong])
+	quit()
+
+
+func _scripts(folder: String) -> PackedStringArray:
+	var result := PackedStringArray()
+	for file in DirAccess.get_files_at(folder):
+		if file.get_extension() == "gd":
+			result.append(folder + file)
+	for inner in DirAccess.get_directories_at(folder):
+		result.append_array(_scripts(folder + inner + "/"))
+	return result
+
+
+func _compile(path: String) -> void:
+	_looked += 1
+	var script := load(path) as GDScript
+	_check(script != null and script.can_instantiate(), path, "it does not compile")
+
+
+func _check_names(path: String, code: String) -> void:
+	_looked += 1
+	var seen: Dictionary[int, bool] = {} # Where names begin that a rule has been applied to.
+	for found in RegEx.create_from_string(BY_NAME).search_all(code):
+		seen[found.get_start(2)] = true
+		if found.get_string(1) == "EditorInterface": # Its methods differ between versions of the engine.
+			_check(ClassDB.class_has_method(&"EditorInterface", found.get_string(2)), path, "EditorInterface has no " + found.get_string(2))
+		elif path.begins_with(TYPED):
+			_check(not _own.has(found.get_string(2)) and code[found.get_start(2) - 2] != "&", path,
+					"%s is reached by its name: use its type" % found.get_string(2))
+		elif not found.get_string(1) in UNTYPED:
+			_check(not _own.has(found.get_string(2)) or found.get_string(1) in FOREIGN.get(path.get_file(), []), path,
+					"what does %s hold, whose %s is reached by its name?" % [found.get_string(1), found.get_string(2)])
+	for found in RegEx.create_from_string(UNDO).search_all(code):
+		seen[found.get_start(3)] = true
+		_check(_has_member(code, found.get_string(2), found.get_string(3)), path, "%s has no %s" % [found.get_string(2), found.get_string(3)])
+	if path.begins_with(TYPED):
+		for found in RegEx.create_from_string(STRING_NAME).search_all(code):
+			var name := found.get_string(1)
+			_check(seen.has(found.get_start(1)) or _own.has(name) or name in WORDS or _has_function(code, name)
+					or ClassDB.class_has_method(&"EditorUndoRedoManager", name), path, "%s is no member of a class of the library" % name)
+	else:
+		_check_untyped(path, code)
+	for found in RegEx.create_from_string(CLASS_NAME).search_all(code):
+		_check(ClassDB.class_exists(found.get_string(1)) or found.get_string(1) in NO_CLASSES, path, "there is no class " + found.get_string(1))
+
+
+## Whether the members are there that a script reaches without types, by their names and otherwise.
+func _check_untyped(path: String, code: String) -> void:
+	for variable in UNTYPED:
+		var by_name := "\\b%s\\)?\\.(?:get|set|call)\\(&?\"(\\w+)\"" % variable
+		var by_dot := "\\b%s\\.(\\w+)" % variable
+		for found in RegEx.create_from_string(by_name).search_all(code) + RegEx.create_from_string(by_dot).search_all(code):
+			_check(_class_has(UNTYPED[variable], found.get_string(1)), path, "%s has no %s" % [UNTYPED[variable], found.get_string(1)])
+
+
+## Whether a layer has what an import sets of it, by names that it keeps in a list.
+func _check_looks() -> void:
+	var looks: Dictionary[StringName, StringName] = (load(ADDON + "import_instances.gd") as GDScript).get_script_constant_map()["LOOK"]
+	for property: StringName in looks.values():
+		_check(_class_has(&"ScatterLayer", property), "import_instances.gd", "ScatterLayer has no " + property)
+
+
+## Whether what a variable of a script is declared to be has a member.
+func _has_member(code: String, variable: String, member: String) -> bool:
+	if variable == "self":
+		return _has_function(code, member)
+	var types := PackedStringArray(["Node"])
+	for found in RegEx.create_from_string("\\b%s(?:: | := (?:.* as )?)([A-Z]\\w+)" % variable).search_all(code):
+		types.append(found.get_string(1))
+	for type in types:
+		var loaded := RegEx.create_from_string("const %s := preload\\(\"(res://[^\"]+)\"\\)" % type).search(code)
+		if loaded != null and _has_function(FileAccess.get_file_as_string(loaded.get_string(1)), member):
+			return true
+		if ClassDB.class_exists(type) and _class_has(type, member):
+			return true
+	return false
+
+
+static func _class_has(type: StringName, member: String) -> bool:
+	return ClassDB.class_has_method(type, member) or ClassDB.class_has_signal(type, member) \
+			or ClassDB.class_get_property_list(type).any(func(property: Dictionary) -> bool: return property.name == member)
+
+
+static func _has_function(code: String, name: String) -> bool:
+	return RegEx.create_from_string("(?m)^(?:static )?func %s\\(" % name).search(code) != null
+
+
+## Gives each use of a member of the library another name, one at a time, and compiles: what compiles still would fail only when it runs.
+func _rename_members(path: String) -> void:
+	if not path.begins_with(TYPED):
+		return
+	var source := FileAccess.get_file_as_string(path)
+	for found in RegEx.create_from_string(MEMBER).search_all(_without_strings(_without_comments(source))):
+		if _own.has(found.get_string(1)):
+			_looked += 1
+			var script := GDScript.new()
+			script.source_code = source.insert(found.get_end(), "_renamed")
+			script.take_over_path(TYPED + "renamed_%d.gd" % _looked) # Rules for warnings go by the path.
+			var line := source.count("\n", 0, found.get_start()) + 1
+			_check(script.reload() != OK, path, "line %d compiles though %s has another name" % [line, found.get_string(1)])
+
+
+func _check(condition: bool, path: String, message: String) -> void:
+	if not condition:
+		_wrong += 1
+		print("WRONG %s: %s" % [path.trim_prefix(ADDON), message])
+
+
+static func _without_comments(source: String) -> String:
+	return _blanked(source, "(\"(?:[^\"\\\\]|\\\\.)*\")|#[^\\n]*")
+
+
+static func _without_strings(code: String) -> String:
+	return _blanked(code, "()\"(?:[^\"\\\\]|\\\\.)*\"")
+
+
+## A text with blanks for what a pattern matches, except for matches of its first group.
+static func _blanked(text: String, pattern: String) -> String:
+	var result := ""
+	var end := 0
+	for found in RegEx.create_from_string(pattern).search_all(text):
+		result += text.substr(end, found.get_start() - end)
+		result += found.get_string() if found.get_string(1) else " ".repeat(found.get_string().length())
+		end = found.get_end()
+	return result + text.substr(end)

@@ -1,0 +1,82 @@
+"""The add-on's scripts fit the library: all of them compile with it, and a member that gets another name is noticed before a user clicks."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from conftest import REPO
+from test_editor import complaints, link_library, new_plain_project
+
+# Members that the declared type of a variable does not have are errors, in scripts that know the library's types.
+STRICT = """
+[debug]
+gdscript/warnings/directory_rules={"res://": 0, "res://addons/thicket/editor": 1}
+gdscript/warnings/unsafe_property_access=2
+gdscript/warnings/unsafe_method_access=2
+"""
+# How a script reaches members of a layer, and the parts of the check that find fault with it.
+FAULTS = {
+    "by_name": ("func f(layer: ScatterLayer) -> float:\n\treturn layer.get(&\"radius\")\n", {"names"}),
+    "undo": ("func f(layer: ScatterLayer, undo: UndoRedo) -> void:\n\tundo.add_do_property(layer, &\"radios\", 1.0)\n", {"names"}),
+    "listed": ("const FITTED: Array[StringName] = [&\"radios\"]\n", {"names"}),
+    "class_name": ("func f(node: Node) -> bool:\n\treturn node.is_class(\"ScatterLayr\")\n", {"names"}),
+    "renamed": ("func f(layer: ScatterLayer) -> float:\n\treturn layer.radios\n", {"compile"}),
+    "supertype": ("func f(layer: Resource) -> float:\n\treturn layer.radius\n", {"compile"}),
+    "untyped": ("func f(layers: Array) -> float:\n\treturn layers[0].radius\n", {"renamed"}),
+    "sound": ("func f(layers: Array[ScatterLayer]) -> float:\n\treturn layers[0].radius\n", set()),
+}
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory) -> Path:
+    folder = new_plain_project(tmp_path_factory.mktemp("addon_scripts"))
+    link_library(folder)
+    settings = folder / "project.godot"
+    settings.write_text(settings.read_text() + STRICT)
+    return folder
+
+
+def check(godot, project: Path, part: str) -> tuple[list[str], int, str]:
+    """What is wrong, how much was looked at, and all that was printed."""
+    done = godot(["--path", project, "--script", REPO / "tests/engine/addon_scripts.gd", "--", part], timeout=300)
+    printed = done.stdout + done.stderr
+    last = re.search(r"^addon scripts: (\d+) looked at, (\d+) wrong$", printed, re.MULTILINE)
+    wrong = re.findall(r"^WRONG (.*)$", printed, re.MULTILINE)
+    assert last and len(wrong) == int(last.group(2)), printed[-4000:]
+    return wrong, int(last.group(1)), printed
+
+
+def test_every_script_compiles(godot, project):
+    wrong, looked, printed = check(godot, project, "compile")
+    assert not wrong and not complaints(printed), printed[-8000:]
+    assert looked == len(list((project / "addons/thicket").rglob("*.gd")))
+
+
+def test_members_are_not_reached_by_name(godot, project):
+    """Names that have to be strings, for undo and for lists of properties, are names of members."""
+    wrong, _, printed = check(godot, project, "names")
+    assert not wrong and not complaints(printed), wrong
+
+
+def test_a_renamed_member_is_noticed(godot, project):
+    """Each use of a member of the library's classes fails to compile under another name."""
+    wrong, looked, _ = check(godot, project, "renamed")
+    assert not wrong and looked > 500, wrong
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_faults_are_noticed(godot, tmp_path, fault):
+    """The checks above find each kind of fault, and nothing in a sound script."""
+    source, finders = FAULTS[fault]
+    addon = tmp_path / "addons/thicket"
+    (addon / "editor").mkdir(parents=True)
+    (tmp_path / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Fault"\n' + STRICT)
+    link_library(tmp_path)
+    shutil.copy(REPO / "demo_project/addons/thicket/import_instances.gd", addon)
+    shutil.copy(REPO / "demo_project/addons/thicket/transform_table.gd", addon)
+    (addon / "editor/faulty.gd").write_text("extends RefCounted\n\n\n" + source)
+    found = {part for part in ("compile", "names", "renamed") if check(godot, tmp_path, part)[0]}
+    assert found & finders == finders and bool(found) == bool(finders), found
