@@ -11,10 +11,12 @@ func _initialize() -> void:
 	quit()
 
 
-## Two boxes, 2 m apart.
+## Two boxes, 2 m apart, drawn by a shader that takes its color as three numbers.
 func _rock() -> ArrayMesh:
-	var gray := StandardMaterial3D.new()
-	gray.albedo_color = Color(0.5, 0.25, 0.5)
+	var gray := ShaderMaterial.new()
+	gray.shader = Shader.new()
+	gray.shader.code = "shader_type spatial; uniform vec3 base_color; void fragment() { ALBEDO = base_color; }"
+	gray.set_shader_parameter(&"base_color", Vector3(0.5, 0.25, 0.5))
 	var tool := SurfaceTool.new()
 	tool.set_material(gray)
 	for height: float in [0.0, 2.0]:

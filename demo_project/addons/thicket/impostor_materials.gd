@@ -1,6 +1,8 @@
 extends RefCounted
 ## Reads from materials what [ImpostorBaker] needs to know of them, and sums up what holds for a whole impostor.
 
+const Parameters := preload("res://addons/thicket/shader_parameters.gd")
+
 # ImpostorBaker's, whose constants are not there while the library is missing.
 const CULL_BACK := 0
 const CULL_FRONT := 1
@@ -21,14 +23,6 @@ class Look:
 	var specular := 0.5
 	var backlight := Color.BLACK
 
-# Names that shaders give to what a material has by itself, the usual ones first.
-const COLORS: Array[StringName] = [&"albedo", &"albedo_color", &"base_color", &"color", &"tint"]
-const TEXTURES: Array[StringName] = [
-	&"texture_albedo", &"albedo_texture", &"albedo_map", &"base_color_texture", &"main_texture", &"diffuse_texture",
-]
-const THRESHOLDS: Array[StringName] = [
-	&"alpha_scissor_threshold", &"alpha_scissor", &"alpha_threshold", &"alpha_cutoff",
-]
 ## Where a material is transparent by degrees, an impostor is from here on.
 const HALF := 0.5
 
@@ -94,9 +88,9 @@ func _read_material(material: BaseMaterial3D, look: Look) -> void:
 func _read_shader(material: ShaderMaterial, look: Look) -> void:
 	if material.shader == null:
 		return
-	var color: Variant = _parameter(material, COLORS, TYPE_COLOR)
-	var texture: Variant = _parameter(material, TEXTURES, TYPE_OBJECT)
-	var threshold: Variant = _parameter(material, THRESHOLDS, TYPE_FLOAT)
+	var color: Variant = Parameters.value_of(material, Parameters.COLORS, TYPE_COLOR)
+	var texture: Variant = Parameters.value_of(material, Parameters.TEXTURES, TYPE_OBJECT)
+	var threshold: Variant = Parameters.value_of(material, Parameters.THRESHOLDS, TYPE_FLOAT)
 	var code := material.shader.code
 	look.albedo = color if color != null else Color.WHITE
 	look.texture = _image_of(texture as Texture2D, material)
@@ -108,37 +102,17 @@ func _read_shader(material: ShaderMaterial, look: Look) -> void:
 		look.cull_mode = CULL_DISABLED
 	elif code.contains("cull_front"):
 		look.cull_mode = CULL_FRONT
-	if look.arrays[Mesh.ARRAY_COLOR] != null and _has_word(code, "COLOR"):
+	if look.arrays[Mesh.ARRAY_COLOR] != null and Parameters.has_word(code, "COLOR"):
 		look.vertex_colors = VERTEX_COLOR_LINEAR
-	var rough: Variant = _parameter(material, [&"roughness"], TYPE_FLOAT)
+	var rough: Variant = Parameters.value_of(material, [&"roughness"], TYPE_FLOAT)
 	look.roughness = clampf(rough, 0.0, 1.0) if rough != null else look.roughness
-	var shine: Variant = _parameter(material, [&"specular"], TYPE_FLOAT)
+	var shine: Variant = Parameters.value_of(material, [&"specular"], TYPE_FLOAT)
 	look.specular = clampf(shine, 0.0, 1.0) if shine != null else look.specular
-	var through: Variant = _parameter(material, [&"backlight"], TYPE_COLOR)
+	var through: Variant = Parameters.value_of(material, [&"backlight"], TYPE_COLOR)
 	look.backlight = through if through != null else look.backlight
 	if color == null and texture == null:
 		_warn("%s is baked white: its shader has no parameter with a usual name of a color or a texture (%s, %s). Set stand_ins."
-				% [_name_of(material), COLORS[0], TEXTURES[0]])
-
-
-## The first parameter that is set, or has a default that is known, of the type; null if there is none.
-func _parameter(material: ShaderMaterial, names: Array[StringName], type: Variant.Type) -> Variant:
-	for name in names:
-		# A material keeps what was set for another shader. What an include has cannot be told from here.
-		if not _has_word(material.shader.code, name) and not material.shader.code.contains("#include"):
-			continue
-		var value: Variant = material.get_shader_parameter(name)
-		if value == null:
-			value = RenderingServer.shader_get_parameter_default(material.shader.get_rid(), name)
-		if value is Vector3:
-			value = Color(value.x, value.y, value.z)
-		if typeof(value) == type and (type != TYPE_OBJECT or value is Texture2D):
-			return value
-	return null
-
-
-static func _has_word(code: String, word: String) -> bool:
-	return RegEx.create_from_string("\\b%s\\b" % word).search(code) != null
+				% [_name_of(material), Parameters.COLORS[0], Parameters.TEXTURES[0]])
 
 
 func _image_of(texture: Texture2D, material: Material) -> Image:

@@ -3,9 +3,8 @@ extends SceneTree
 
 const JobReader := preload("job_reader.gd")
 const Models := preload("read_models.gd")
-## What shaders call a color, and a picture of colors.
-const COLORS: Array[StringName] = [&"albedo", &"albedo_color", &"base_color", &"color", &"tint"]
-const TEXTURES: Array[StringName] = [&"albedo_texture", &"texture_albedo", &"base_color_texture", &"color_texture"]
+# This checkout's: the project may have no more of the add-on than it takes to show a bake.
+const Parameters := preload("../../../../demo_project/addons/thicket/shader_parameters.gd")
 
 var _reader := JobReader.new()
 
@@ -46,15 +45,13 @@ func _plain(shaded: ShaderMaterial) -> StandardMaterial3D:
 	plain.resource_name = shaded.resource_name
 	plain.vertex_color_use_as_albedo = true
 	plain.cull_mode = BaseMaterial3D.CULL_DISABLED
-	for parameter in COLORS:
-		var value: Variant = shaded.get_shader_parameter(parameter)
-		if value is Color:
-			plain.albedo_color = value
-			break
-	for parameter in TEXTURES:
-		var value: Variant = shaded.get_shader_parameter(parameter)
-		if value is Texture2D:
-			plain.albedo_texture = value
-			plain.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR
-			break
+	if shaded.shader == null:
+		return plain
+	var color: Variant = Parameters.value_of(shaded, Parameters.COLORS, TYPE_COLOR)
+	if color != null:
+		plain.albedo_color = color
+	var texture: Variant = Parameters.value_of(shaded, Parameters.TEXTURES, TYPE_OBJECT)
+	if texture != null:
+		plain.albedo_texture = texture
+		plain.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR
 	return plain

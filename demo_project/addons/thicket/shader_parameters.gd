@@ -1,0 +1,32 @@
+extends RefCounted
+## What shaders of a user's own call what every material has: for what reads materials without drawing them.
+
+## Names of a color, of a picture of colors, and of the alpha below which nothing is drawn, the usual ones first.
+const COLORS: Array[StringName] = [&"albedo", &"albedo_color", &"base_color", &"color", &"tint"]
+const TEXTURES: Array[StringName] = [
+	&"texture_albedo", &"albedo_texture", &"albedo_map", &"base_color_texture", &"color_texture", &"main_texture", &"diffuse_texture",
+]
+const THRESHOLDS: Array[StringName] = [
+	&"alpha_scissor_threshold", &"alpha_scissor", &"alpha_threshold", &"alpha_cutoff",
+]
+
+
+## The first parameter of a material with one of these names that is set, or has a default that is known, of the type; null if there is none. A vector of
+## three counts as a color, and of objects textures alone.
+static func value_of(material: ShaderMaterial, names: Array[StringName], type: Variant.Type) -> Variant:
+	for name in names:
+		# A material keeps what was set for another shader. What an include has cannot be told from here.
+		if not has_word(material.shader.code, name) and not material.shader.code.contains("#include"):
+			continue
+		var value: Variant = material.get_shader_parameter(name)
+		if value == null:
+			value = RenderingServer.shader_get_parameter_default(material.shader.get_rid(), name)
+		if value is Vector3:
+			value = Color(value.x, value.y, value.z)
+		if typeof(value) == type and (type != TYPE_OBJECT or value is Texture2D):
+			return value
+	return null
+
+
+static func has_word(code: String, word: String) -> bool:
+	return RegEx.create_from_string("\\b%s\\b" % word).search(code) != null
