@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## The editor's side of Thicket: tools for the 3D view, gizmos, presets and bake. The nodes work without it. The plugin forwards here what
-## the editor calls it for.
+## The editor's side of Thicket: tools for the 3D view, gizmos, presets and bake. The nodes work without it. The plugin forwards the
+## editor's calls to this object.
 
 const Bake := preload("res://addons/thicket/editor/bake_dialog.gd")
 const ExtentGizmos := preload("res://addons/thicket/editor/extent_gizmos.gd")
@@ -18,21 +18,21 @@ const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
 const Tutorials := preload("res://addons/thicket/editor/tutorial_window.gd")
 
-## What opens the tutorials, in the menu Project > Tools.
+## The item of the menu Project > Tools that opens the tutorials.
 const TUTORIALS_ITEM := "Thicket Tutorials..."
 
-## Seconds between two looks at what the extent and the tools show.
+## Seconds between two checks of what the extent and the tools show.
 const LOOK_SECONDS := 0.25
 
-## What stands above the 3D view, with the tools.
+## The row above the 3D view, with the tools.
 var toolbar: Toolbar
-## What makes the selected nodes a ground, beside it.
+## The buttons beside it that make the selected nodes a ground.
 var ground_buttons: GroundButtons
-## The panel with the layers, and what belongs to it.
+## The panel with the layers, its marks and its bar.
 var desk: LayerDesk
-## Asks what to bake, and bakes.
+## The dialog that bakes.
 var bake: Bake
-## Asks what to import, and imports.
+## The dialog that imports.
 var imports: Import
 ## The pages of the add-on's tutorials.
 var tutorials: Tutorials
@@ -50,6 +50,7 @@ var _tiles := 0
 var _since_look := 0.0
 
 
+## Puts the tools into the editor.
 func _init(plugin: EditorPlugin) -> void:
 	_plugin = plugin
 	var undo_redo := plugin.get_undo_redo()
@@ -90,6 +91,7 @@ func _init(plugin: EditorPlugin) -> void:
 	plugin.scene_closed.connect(toolbar.paint.brush.files.on_scene_closed)
 
 
+## Takes everything out of the editor.
 func leave() -> void:
 	edit(null)
 	EditorInterface.get_resource_filesystem().resources_reimported.disconnect(_reload_scenes)
@@ -109,10 +111,12 @@ func leave() -> void:
 	tutorials.queue_free()
 
 
+## True for a node that the tools edit.
 func handles(object: Object) -> bool:
 	return object is TerrainScatter3D
 
 
+## Gives the tools a node to edit; null for none.
 func edit(object: Object) -> void:
 	var last := _scatter
 	_scatter = object as TerrainScatter3D
@@ -124,6 +128,7 @@ func edit(object: Object) -> void:
 			node.update_gizmos()
 
 
+## Shows or hides the tools.
 func make_visible(visible: bool) -> void:
 	toolbar.visible = visible
 	_place_ground_buttons(visible)
@@ -143,17 +148,18 @@ func _place_ground_buttons(in_toolbar: bool) -> void:
 		_plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 
 
-## Before a scene is saved, no state in it is without a file.
+## Gives each state of the open scenes a file before a scene is saved.
 func apply_changes() -> void:
 	for root in _open_roots():
 		_loose_states.take_in(root)
 
 
-## What is painted is written when the scene is.
+## Writes what was painted, when the scene is saved.
 func save_external_data() -> void:
 	toolbar.paint.brush.files.save()
 
 
+## Checks some times a second what has changed; called each frame.
 func process(delta: float) -> void:
 	_since_look += delta
 	if _since_look < LOOK_SECONDS:
@@ -185,11 +191,13 @@ func _state(scatter: TerrainScatter3D) -> Array:
 	return state
 
 
+## Hands input over the 3D view to the tool that is on.
 func input(camera: Camera3D, event: InputEvent) -> int:
 	var tool := toolbar.active_tool()
 	return tool.input(camera, event) if tool != null and is_instance_valid(_scatter) else EditorPlugin.AFTER_GUI_INPUT_PASS
 
 
+## Lets the tool that is on draw over the 3D view.
 func draw_over(overlay: Control) -> void:
 	var tool := toolbar.active_tool()
 	if tool != null and is_instance_valid(_scatter):
@@ -208,7 +216,7 @@ func _on_scene_saved(path: String) -> void:
 	_reload_scenes([path])
 
 
-## Plants whose files have changed are drawn as they are now.
+## Redraws plants whose files have changed.
 func _reload_scenes(paths: PackedStringArray) -> void:
 	for scatter in Shared.open_scatters():
 		for layer in ScatterLayers.of(scatter):
