@@ -6,11 +6,14 @@
 #include "core/terrain/inner_patches.hpp"
 #include "core/terrain/smooth_patch.hpp"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <type_traits>
 
 namespace thicket {
@@ -49,14 +52,28 @@ Status validate(const HeightfieldFrame &frame) {
 			check_order("max_height", frame.min_height, frame.max_height));
 }
 
+RefusedPost find_refused_post(std::span<const float> posts, int columns, FloatPosts meaning) {
+	const bool units = meaning == FloatPosts::units;
+	const float min = units ? 0.0F : static_cast<float>(-max_heightfield_height);
+	const float max = units ? 1.0F : static_cast<float>(max_heightfield_height);
+	const auto is_refused = [=](float post) {
+		return post < min || post > max; // False for NAN, which is a hole.
+	};
+	const auto found = std::ranges::find_if(posts, is_refused);
+	if (found == posts.end()) {
+		return {};
+	}
+	const auto index = static_cast<int>(found - posts.begin());
+	return {check_range("posts", *found, min, max), {index % columns, index / columns}};
+}
+
 Status Heightfield::set(const HeightfieldFrame &frame, std::span<const std::uint16_t> posts) {
 	if (const Status status = check(frame, posts.size()); !status.ok()) {
 		return status;
 	}
 	return guarded("posts", static_cast<double>(posts.size()), [&] {
-		posts_ = std::vector<std::uint16_t>(posts.begin(), posts.end());
-		meters_ = {};
-		take(frame, frame.min_height, (frame.max_height - frame.min_height) / 65535.0);
+		const auto copy = std::make_shared<const std::vector<std::uint16_t>>(posts.begin(), posts.end());
+		return set_posts(frame, HeightPosts{{frame.posts, copy}, {}, FloatPosts::meters});
 	});
 }
 
@@ -64,39 +81,120 @@ Status Heightfield::set_meters(const HeightfieldFrame &frame, std::span<const fl
 	if (const Status status = check(frame, posts.size()); !status.ok()) {
 		return status;
 	}
-	for (const float post : posts) {
-		if (std::isnan(post)) {
-			continue;
-		}
-		const Status status = check_range("posts", post, -max_heightfield_height, max_heightfield_height);
-		if (!status.ok()) {
-			return status;
-		}
+	if (const RefusedPost refused = find_refused_post(posts, frame.posts.x, FloatPosts::meters); !refused.status.ok()) {
+		return refused.status;
 	}
 	return guarded("posts", static_cast<double>(posts.size()), [&] {
-		meters_ = std::vector<float>(posts.begin(), posts.end());
-		posts_ = {};
-		take(frame, 0.0, 1.0);
+		const auto copy = std::make_shared<const std::vector<float>>(posts.begin(), posts.end());
+		return set_posts(frame, HeightPosts{{}, {frame.posts, copy}, FloatPosts::meters});
 	});
 }
 
-void Heightfield::take(const HeightfieldFrame &frame, double base, double meters_per_step) {
-	frame_ = frame;
-	posts_per_meter_ = glm::dvec2(frame.posts - 1) / frame.area.size();
-	base_ = base;
-	meters_per_step_ = meters_per_step;
+Status Heightfield::set_posts(const HeightfieldFrame &frame, const HeightPosts &posts) {
+	if (const Status status = validate(frame); !status.ok()) {
+		return status;
+	}
+	if (posts.count() != frame.posts) {
+		return {ErrorCode::wrong_size, "posts", static_cast<double>(posts.count().x)};
+	}
+	return guarded("posts", static_cast<double>(frame.posts.x), [&] {
+		posts_ = HeightPosts(posts);
+		frame_ = frame;
+		posts_per_meter_ = glm::dvec2(frame.posts - 1) / frame.area.size();
+		const bool in_steps = !posts.steps.empty();
+		base_ = in_steps ? frame.min_height : 0.0;
+		meters_per_step_ = in_steps ? (frame.max_height - frame.min_height) / 65535.0 : 1.0;
+	});
+}
+
+Status Heightfield::check_patch(const PixelRect &rect, std::size_t posts, bool fits) const {
+	const glm::ivec2 count = frame_.posts;
+	if (!fits) {
+		return {ErrorCode::missing, "posts of the kind", 0.0};
+	}
+	if (rect.empty() || rect.min.x < 0 || rect.min.y < 0 || rect.max.x > count.x || rect.max.y > count.y) {
+		return {ErrorCode::out_of_range, "rect", static_cast<double>(rect.min.x)};
+	}
+	if (posts != static_cast<std::size_t>(rect.size().x) * static_cast<std::size_t>(rect.size().y)) {
+		return {ErrorCode::wrong_size, "posts", static_cast<double>(posts)};
+	}
+	return {};
+}
+
+Status Heightfield::patch(const PixelRect &rect, std::span<const std::uint16_t> posts) {
+	if (const Status status = check_patch(rect, posts.size(), !posts_.steps.empty()); !status.ok()) {
+		return status;
+	}
+	return guarded("posts", static_cast<double>(posts.size()), [&] { posts_.steps.patch(rect, posts); });
+}
+
+Status Heightfield::patch(const PixelRect &rect, std::span<const float> posts) {
+	if (const Status status = check_patch(rect, posts.size(), !posts_.floats.empty()); !status.ok()) {
+		return status;
+	}
+	const RefusedPost refused = find_refused_post(posts, rect.size().x, posts_.meaning);
+	if (!refused.status.ok()) {
+		return refused.status;
+	}
+	return guarded("posts", static_cast<double>(posts.size()), [&] { posts_.floats.patch(rect, posts); });
+}
+
+/// Patches touch a post from either side, and slopes reach a post farther.
+Rect Heightfield::area_of(const PixelRect &rect) const {
+	constexpr int reach = 2;
+	const glm::dvec2 first = glm::max(rect.min - reach, glm::ivec2(0));
+	const glm::dvec2 last = glm::min(rect.max - 1 + reach, frame_.posts - 1);
+	return {frame_.area.min + first / posts_per_meter_, frame_.area.min + last / posts_per_meter_};
+}
+
+void Heightfield::add_changes(const Heightfield &before, std::vector<Rect> &r_areas) const {
+	const HeightPosts &posts = posts_;
+	const HeightPosts &former = before.posts_;
+	const bool floats_differ = !posts.floats.empty() && posts.meaning != former.meaning;
+	if (!(frame_ == before.frame_) || posts.steps.empty() != former.steps.empty() || floats_differ) {
+		r_areas.push_back(before.frame_.area);
+		r_areas.push_back(frame_.area);
+		return;
+	}
+	std::vector<PixelRect> changed;
+	if (posts.steps.empty()) {
+		posts.floats.add_changes(former.floats, changed);
+	} else {
+		posts.steps.add_changes(former.steps, changed);
+	}
+	for (const PixelRect &rect : changed) {
+		r_areas.push_back(area_of(rect));
+	}
+	std::vector<Rect> parts;
+	weights_.add_changes(before.weights_, parts);
+	for (const Rect &part : parts) {
+		const glm::dvec2 size = frame_.area.size();
+		r_areas.push_back({frame_.area.min + part.min * size, frame_.area.min + part.max * size});
+	}
 }
 
 Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
 	}
-	if (meters_.empty()) {
+	if (posts_.floats.empty()) {
 		sample_posts(positions, r_ground);
 		return {};
 	}
+	const auto meters = [](float post) {
+		return post;
+	};
+	const auto units = [min = frame_.min_height, max = frame_.max_height](float post) {
+		return static_cast<float>(min + (max - min) * post); // Rounded, so that it is as if it were stored in meters.
+	};
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		r_ground[i] = in_area(positions[i]) ? ground_in_area(meters_, positions[i]) : Ground{};
+		if (!in_area(positions[i])) {
+			r_ground[i] = Ground{};
+		} else if (posts_.meaning == FloatPosts::meters) {
+			r_ground[i] = ground_in_area(posts_.floats, meters, positions[i]);
+		} else {
+			r_ground[i] = ground_in_area(posts_.floats, units, positions[i]);
+		}
 	}
 	return {};
 }
@@ -104,7 +202,9 @@ Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Grou
 /// Of whole numbers, of which none is missing.
 void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	InnerPatches patches;
-	const auto stride = static_cast<std::ptrdiff_t>(frame_.posts.x);
+	const auto whole = [](std::uint16_t post) {
+		return post;
+	};
 	const auto compute = [&] {
 		patches.compute({base_, meters_per_step_, posts_per_meter_});
 		for (std::size_t i = 0; i < patches.count; ++i) {
@@ -114,17 +214,18 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 		patches.count = 0;
 	};
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		if (!in_area(positions[i]) || posts_.empty()) {
+		if (!in_area(positions[i]) || posts_.steps.empty()) {
 			r_ground[i] = Ground{};
 			continue;
 		}
 		const Patch patch = patch_at(positions[i]);
 		if (!is_inner_patch(frame_.posts, patch.first)) {
-			r_ground[i] = ground_in_area(posts_, positions[i]);
+			r_ground[i] = ground_in_area(posts_.steps, whole, positions[i]);
 			continue;
 		}
 		// Fast path: most patches are away from the border, and computed many at a time.
-		patches.add(posts_.data() + patch.first.y * stride + patch.first.x, stride, patch.part, i);
+		const PostGrid<std::uint16_t>::Window window = posts_.steps.window(patch.first);
+		patches.add(window.first, window.stride, patch.part, i);
 		if (patches.full()) {
 			compute();
 		}
@@ -165,16 +266,16 @@ bool Heightfield::in_area(glm::dvec2 position) const {
 	return position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
 }
 
-template <typename Post>
-Ground Heightfield::ground_in_area(const std::vector<Post> &posts, glm::dvec2 position) const {
+/// `height_of` turns a post into a height, in steps or in meters.
+template <typename Post, class HeightOf>
+Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &height_of, glm::dvec2 position) const {
 	const auto &[corner, part] = patch_at(position);
 	const int column = corner.x;
 	const int row = corner.y;
-	const auto stride = static_cast<std::size_t>(frame_.posts.x);
 	constexpr bool may_be_missing = std::is_floating_point_v<Post>;
-	const Post *first = &posts[static_cast<std::size_t>(row) * stride + static_cast<std::size_t>(column)];
-	const auto from_first = [first, step = static_cast<std::ptrdiff_t>(stride)](int i, int j) {
-		return static_cast<double>(first[j * step + i]);
+	const typename PostGrid<Post>::Window window = posts.window(corner);
+	const auto from_first = [&](int i, int j) {
+		return static_cast<double>(height_of(window.first[j * window.stride + i]));
 	};
 	const auto from_corner = [&](int i, int j) {
 		return from_first(i - column, j - row);

@@ -3,6 +3,9 @@
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
+#include "core/terrain/changed_blocks.hpp"
+
+#include <glm/common.hpp>
 
 #include <algorithm>
 
@@ -38,10 +41,34 @@ Status WeightMap::set(glm::ivec2 size, int channels, std::span<const std::uint8_
 		return {ErrorCode::wrong_size, "weights", static_cast<double>(weights.size())};
 	}
 	return guarded("weights", static_cast<double>(bytes), [&] {
-		weights_ = std::vector<std::uint8_t>(weights.begin(), weights.end());
+		weights_ = std::make_shared<const std::vector<std::uint8_t>>(weights.begin(), weights.end());
 		size_ = size;
 		channels_ = channels;
 	});
+}
+
+void WeightMap::add_changes(const WeightMap &other, std::vector<Rect> &r_rects) const {
+	if (weights_ == other.weights_) {
+		// Fast path: the same memory has the same weights.
+		return;
+	}
+	if (empty() || other.empty() || size_ != other.size_ || channels_ != other.channels_) {
+		r_rects.push_back({glm::dvec2(0.0), glm::dvec2(1.0)});
+		return;
+	}
+	const auto bytes_of = [this](const WeightMap &map) {
+		return [this, &map](int column, int row) {
+			return map.weights_->data() + (static_cast<std::ptrdiff_t>(row) * size_.x + column) * channels_;
+		};
+	};
+	std::vector<PixelRect> changed;
+	add_changed_blocks(size_, static_cast<std::size_t>(channels_), bytes_of(*this), bytes_of(other), changed);
+	const glm::dvec2 steps = glm::max(glm::dvec2(size_ - 1), glm::dvec2(1.0));
+	for (const PixelRect &rect : changed) {
+		// Weights are interpolated up to the neighbors of a pixel.
+		r_rects.push_back({glm::max(glm::dvec2(rect.min - 1) / steps, glm::dvec2(0.0)),
+				glm::min(glm::dvec2(rect.max) / steps, glm::dvec2(1.0))});
+	}
 }
 
 unsigned WeightMap::channels_of(std::span<const std::int32_t> textures) const {
@@ -76,7 +103,7 @@ int WeightMap::sum(int column, int row, unsigned channels) const {
 	int result = 0;
 	for (unsigned channel = 0; channel < static_cast<unsigned>(channels_); ++channel) {
 		if ((channels >> channel & 1u) != 0) {
-			result += weights_[first + channel];
+			result += (*weights_)[first + channel];
 		}
 	}
 	return result;

@@ -1,0 +1,140 @@
+#pragma once
+
+#include "core/base/pixel_rect.hpp"
+#include "core/terrain/changed_blocks.hpp"
+
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace thicket {
+
+/// Posts on a grid, row by row, x fastest. A value: copies share their memory, and a change of one is not seen in another. A change
+/// copies the blocks that it touches, so its cost does not grow with the grid. Safe on any thread.
+template <typename Post>
+class PostGrid {
+public:
+	static constexpr int block_side = changed_block_side; ///< Patches between posts, along a side.
+
+	PostGrid() = default;
+
+	/// `posts` holds count.x * count.y posts, at least 2 along each side.
+	PostGrid(glm::ivec2 count, std::shared_ptr<const std::vector<Post>> posts) :
+			count_(count), base_(std::move(posts)) {}
+
+	bool empty() const { return base_ == nullptr; }
+	glm::ivec2 count() const { return count_; }
+
+	/// The posts about a patch between four: from the one before to the one behind its two on both axes, as far as they exist.
+	struct Window {
+		const Post *first; ///< The first of the four.
+		std::ptrdiff_t stride;
+	};
+
+	/// The window about the patch whose first post is `patch`, from 0 to count() - 2.
+	Window window(glm::ivec2 patch) const {
+		if (blocks_.empty()) {
+			// Fast path: nothing was changed since the grid was made.
+			return base_window(patch);
+		}
+		const std::shared_ptr<const Block> &block = blocks_[index_of(patch / block_side)];
+		return block == nullptr ? base_window(patch) : Window{block->data() + place_in_block(patch), block_stride};
+	}
+
+	/// One post.
+	Post at(glm::ivec2 post) const {
+		const glm::ivec2 patch = glm::min(post, count_ - 2);
+		const Window near = window(patch);
+		return near.first[(post.y - patch.y) * near.stride + (post.x - patch.x)];
+	}
+
+	/// Replaces the posts of a rectangle within the grid; `posts` holds them row by row. Throws std::bad_alloc, and changes nothing
+	/// then.
+	void patch(const PixelRect &rect, std::span<const Post> posts) {
+		auto blocks = blocks_;
+		const glm::ivec2 count = block_count();
+		blocks.resize(static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y));
+		// A block has the posts around its patches, too.
+		const glm::ivec2 first = glm::max((rect.min - 2) / block_side, glm::ivec2(0));
+		const glm::ivec2 last = glm::min(rect.max / block_side, count - 1);
+		for (glm::ivec2 block = first; block.y <= last.y; ++block.y) {
+			for (block.x = first.x; block.x <= last.x; ++block.x) {
+				blocks[index_of(block)] = patched(block, rect, posts);
+			}
+		}
+		blocks_ = std::move(blocks);
+	}
+
+	/// Adds where a grid of the same size has different posts; see add_changed_blocks.
+	void add_changes(const PostGrid &other, std::vector<PixelRect> &r_rects) const {
+		const auto bytes_of = [](const PostGrid &grid) {
+			return [&grid](int column, int row) {
+				const glm::ivec2 post{column, row};
+				const glm::ivec2 patch = glm::min(post, grid.count_ - 2);
+				const Window near = grid.window(patch);
+				const Post *first = near.first + (post.y - patch.y) * near.stride + (post.x - patch.x);
+				return reinterpret_cast<const std::uint8_t *>(first); // NOLINT(*-reinterpret-cast): its bytes.
+			};
+		};
+		add_changed_blocks(count_, sizeof(Post), bytes_of(*this), bytes_of(other), r_rects);
+	}
+
+private:
+	static constexpr int block_posts = block_side + 3; ///< Of its patches, one before and one behind.
+	static constexpr std::ptrdiff_t block_stride = block_posts;
+	using Block = std::vector<Post>;
+
+	glm::ivec2 block_count() const { return (count_ - 2) / block_side + 1; }
+
+	std::size_t index_of(glm::ivec2 block) const {
+		return static_cast<std::size_t>(block.y) * static_cast<std::size_t>(block_count().x) +
+				static_cast<std::size_t>(block.x);
+	}
+
+	static std::ptrdiff_t place_in_block(glm::ivec2 patch) {
+		return (patch.y % block_side + 1) * block_stride + patch.x % block_side + 1;
+	}
+
+	Window base_window(glm::ivec2 patch) const {
+		const auto stride = static_cast<std::ptrdiff_t>(count_.x);
+		return {base_->data() + patch.y * stride + patch.x, stride};
+	}
+
+	/// A block as it is, with the posts of a rectangle that lie in it.
+	std::shared_ptr<const Block> patched(glm::ivec2 block, const PixelRect &rect, std::span<const Post> posts) const {
+		const glm::ivec2 corner = block * block_side - 1;
+		const glm::ivec2 from = glm::max(corner, glm::ivec2(0));
+		const glm::ivec2 to = glm::min(corner + block_posts, count_);
+		const std::shared_ptr<const Block> before = blocks_.empty() ? nullptr : blocks_[index_of(block)];
+		auto result = before != nullptr ? std::make_shared<Block>(*before)
+										: std::make_shared<Block>(static_cast<std::size_t>(block_posts) * block_posts);
+		const auto in_block = [&](int column, int row) {
+			return result->data() + (row - corner.y) * block_stride + (column - corner.x);
+		};
+		for (int row = from.y; before == nullptr && row < to.y; ++row) {
+			std::copy_n(base_->data() + static_cast<std::ptrdiff_t>(row) * count_.x + from.x, to.x - from.x,
+					in_block(from.x, row));
+		}
+		const glm::ivec2 begin = glm::max(from, rect.min);
+		const glm::ivec2 end = glm::min(to, rect.max);
+		for (int row = begin.y; row < end.y && begin.x < end.x; ++row) {
+			const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row - rect.min.y) * rect.size().x;
+			std::copy_n(posts.data() + offset + (begin.x - rect.min.x), end.x - begin.x, in_block(begin.x, row));
+		}
+		return result;
+	}
+
+	glm::ivec2 count_{0};
+	std::shared_ptr<const std::vector<Post>> base_;
+	std::vector<std::shared_ptr<const Block>>
+			blocks_; ///< Null for those that the base has. Empty: nothing was changed.
+};
+
+} // namespace thicket
