@@ -150,6 +150,8 @@ TEST_CASE("post grid: patches add up, and each copy has its own") {
 		}
 	}
 	CHECK(wrong == 0);
+	CHECK(grid.flattened() == steps);
+	CHECK(untouched.flattened() == before);
 }
 
 TEST_CASE("post grid: changes are found block by block") {

@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## Meshes as ground where a renderer holds their vertices: it alone knows those that were updated in its memory.
+## Ground that a renderer holds: it alone knows what was updated in its memory.
 
 
 func test_updated_vertices_are_ground_after_refresh_ground() -> void:
@@ -50,3 +50,30 @@ func test_updated_vertices_are_ground_after_refresh_ground() -> void:
 		scatter.free()
 		instance.free()
 		check_no_error("compressed %s" % compressed)
+
+
+func test_an_updated_texture_is_ground() -> void:
+	var image := Image.create_empty(257, 257, false, Image.FORMAT_RF)
+	var texture := ImageTexture.create_from_image(image)
+	var terrain := ScatterTerrainHeightmap.new()
+	terrain.heights_in_meters = true
+	terrain.rect = Rect2(-128.0, -128.0, 256.0, 256.0)
+	terrain.image = texture
+	var layer := make_layer(1.0)
+	layer.tile_size = 8.0
+	var scatter := make_scatter([layer], terrain, make_viewer())
+	await settle(scatter)
+	for by_region: bool in [false, true]:
+		var region := Rect2i(120, 122, 10, 4)
+		var height := 4.0 if by_region else 3.0
+		image.fill_rect(region, Color(height, 0.0, 0.0))
+		var made := await made_again(scatter, func() -> void:
+				texture.update(image)
+				if by_region:
+					terrain.update_region(region)
+				else:
+					texture.emit_changed())
+		check(made.size() >= 4 and made.size() <= 9, "by region %s: %d tiles were made" % [by_region, made.size()])
+		check_equal(terrain.get_height(Vector3(125.0 - 128.0, 0.0, 124.0 - 128.0)), height, "by region %s: height" % by_region)
+		check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return one.origin.y > height - 0.2), "plants follow")
+	check_no_error("an updated texture")

@@ -55,6 +55,22 @@ public:
 		return near.first[(post.y - patch.y) * near.stride + (post.x - patch.x)];
 	}
 
+	/// All posts, row by row. Throws std::bad_alloc.
+	std::vector<Post> flattened() const {
+		if (blocks_.empty()) {
+			// Fast path: nothing was changed since the grid was made.
+			return *base_;
+		}
+		std::vector<Post> posts;
+		posts.reserve(base_->size());
+		for (glm::ivec2 post{0}; post.y < count_.y; ++post.y) {
+			for (post.x = 0; post.x < count_.x; ++post.x) {
+				posts.push_back(at(post));
+			}
+		}
+		return posts;
+	}
+
 	/// Replaces the posts of a rectangle within the grid; `posts` holds them row by row. Throws std::bad_alloc, and changes nothing
 	/// then.
 	void patch(const PixelRect &rect, std::span<const Post> posts) {

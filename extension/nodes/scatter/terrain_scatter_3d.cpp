@@ -244,7 +244,7 @@ String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 /// Settings that were changed in this frame count from now on. Refused where there is nothing to ask.
 Status TerrainScatter3D::prepare() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	if (const Ref<ScatterTerrain> terrain = terrain_; terrain.is_valid() && terrain->is_pending(get_instance_id())) {
+	if (const Ref<ScatterTerrain> terrain = terrain_; terrain.is_valid()) {
 		terrain->finish_reading(); // Tells scripts, which may free this node.
 	}
 	if (gameplay->alive()) {

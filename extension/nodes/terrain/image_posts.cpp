@@ -67,6 +67,30 @@ int channels_of(Image::Format format) {
 	}
 }
 
+/// Bytes of a pixel; 0 for formats that are compressed, and for those that only newer engines have.
+std::int64_t pixel_bytes_of(Image::Format format) {
+	switch (format) {
+		case Image::FORMAT_L8:
+		case Image::FORMAT_R8: return 1;
+		case Image::FORMAT_LA8:
+		case Image::FORMAT_RG8:
+		case Image::FORMAT_RGBA4444:
+		case Image::FORMAT_RGB565:
+		case Image::FORMAT_RH: return 2;
+		case Image::FORMAT_RGB8: return 3;
+		case Image::FORMAT_RGBA8:
+		case Image::FORMAT_RF:
+		case Image::FORMAT_RGH:
+		case Image::FORMAT_RGBE9995: return 4;
+		case Image::FORMAT_RGBH: return 6;
+		case Image::FORMAT_RGF:
+		case Image::FORMAT_RGBAH: return 8;
+		case Image::FORMAT_RGBF: return 12;
+		case Image::FORMAT_RGBAF: return 16;
+		default: return 0;
+	}
+}
+
 std::uint16_t step_of(float unit) { return static_cast<std::uint16_t>(unit * 65535.0F + 0.5F); }
 
 } // namespace
@@ -98,13 +122,32 @@ Status read_posts(const Ref<Image> &p_image, const char *p_property, Posts &r_po
 	posts.floats.resize(static_cast<std::size_t>(bytes.size()) / sizeof(float));
 	std::memcpy(posts.floats.data(), bytes.ptr(), posts.floats.size() * sizeof(float));
 	if (!floats) {
+		posts.steps.reserve(posts.floats.size());
 		for (const float value : posts.floats) {
 			posts.steps.push_back(step_of(value));
 		}
-		posts.floats.clear();
+		posts.floats = {};
 	}
 	r_posts = std::move(posts);
 	return {};
+}
+
+bool read_region(const Ref<Image> &p_image, const PixelRect &rect, Posts &r_posts) {
+	const Image::Format format = p_image->get_format();
+	const std::int64_t pixel = pixel_bytes_of(format);
+	if (pixel == 0) {
+		return false;
+	}
+	const PackedByteArray all = p_image->get_data(); // Shared only for as long as this takes.
+	const std::int64_t row = pixel * rect.size().x;
+	PackedByteArray part;
+	part.resize(row * rect.size().y);
+	std::uint8_t *out = part.ptrw();
+	for (std::int64_t y = rect.min.y; y < rect.max.y; ++y, out += row) {
+		std::memcpy(out, all.ptr() + (y * p_image->get_width() + rect.min.x) * pixel, static_cast<std::size_t>(row));
+	}
+	const Ref<Image> region = Image::create_from_data(rect.size().x, rect.size().y, false, format, part);
+	return read_posts(region, "image", r_posts).ok();
 }
 
 Status read_posts(const PackedByteArray &p_bytes, glm::ivec2 p_count, const char *p_property, Posts &r_posts) {

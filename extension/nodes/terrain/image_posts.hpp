@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/pixel_rect.hpp"
 #include "core/base/status.hpp"
 #include "core/terrain/weight_map.hpp"
 
@@ -29,6 +30,10 @@ bool has_content(const godot::Ref<godot::Image> &p_image);
 
 /// The first channel of an image: floats of formats that hold floats, 16 bits of all others. Errors name `p_property`.
 Status read_posts(const godot::Ref<godot::Image> &p_image, const char *p_property, Posts &r_posts);
+
+/// The same of a rectangle within an image; cheap for a small one. False where that cannot be done: for formats that are compressed, and
+/// those that this does not know.
+bool read_region(const godot::Ref<godot::Image> &p_image, const PixelRect &rect, Posts &r_posts);
 
 /// `p_count` posts from a file's bytes: as many bytes for 8 bits, two each for 16 bits, four each for floats, all
 /// little-endian. Errors name `p_property`.

@@ -4,17 +4,12 @@
 #include "core/base/progress.hpp"
 #include "core/base/split_mix.hpp"
 #include "nodes/common/convert.hpp"
-#include "nodes/common/threads.hpp"
 #include "nodes/terrain/changed_areas.hpp"
-
-#include <godot_cpp/classes/worker_thread_pool.hpp>
 
 #include <algorithm>
 #include <bit>
 #include <span>
 #include <utility>
-
-using namespace godot;
 
 namespace thicket {
 
@@ -142,46 +137,5 @@ void MeshWork::update(GroundWorld &r_world) const {
 		return Status{};
 	});
 }
-
-MeshBuilder::~MeshBuilder() {
-	cancel();
-	finish(true);
-}
-
-void MeshBuilder::start(MeshWork work) {
-	work_ = std::move(work);
-	cancelled_ = false;
-	busy_ = true;
-	if (has_threads()) {
-		task_ = WorkerThreadPool::get_singleton()->add_native_task(&MeshBuilder::run, this, false, "Thicket ground");
-	} else {
-		run(this);
-	}
-}
-
-void MeshBuilder::run(void *p_builder) {
-	auto &builder = *static_cast<MeshBuilder *>(p_builder);
-	builder.work_.run(&builder.cancelled_);
-}
-
-bool MeshBuilder::finish(bool wait) {
-	if (!busy_ || (task_ >= 0 && !wait && !WorkerThreadPool::get_singleton()->is_task_completed(task_))) {
-		return false;
-	}
-	if (task_ >= 0) {
-		WorkerThreadPool::get_singleton()->wait_for_task_completion(task_); // Even if it is: the pool then forgets it.
-		task_ = -1;
-	}
-	busy_ = false;
-	if (cancelled_) {
-		work_ = {};
-		return false;
-	}
-	return true;
-}
-
-MeshWork MeshBuilder::take() { return std::exchange(work_, {}); }
-
-void MeshBuilder::cancel() { cancelled_ = true; }
 
 } // namespace thicket

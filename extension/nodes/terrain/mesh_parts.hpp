@@ -68,33 +68,4 @@ private:
 	void update(GroundWorld &r_world) const;
 };
 
-/// Does such work on the engine's WorkerThreadPool, or at once where it has no threads. Main thread only, apart from the work itself.
-class MeshBuilder {
-public:
-	MeshBuilder() = default;
-	~MeshBuilder();
-	MeshBuilder(const MeshBuilder &) = delete;
-	MeshBuilder &operator=(const MeshBuilder &) = delete;
-
-	/// Not while it is busy.
-	void start(MeshWork work);
-
-	bool busy() const { return busy_; }
-
-	/// True once, when the work is done and can be taken. With `wait` it waits for that.
-	bool finish(bool wait);
-	MeshWork take();
-
-	/// Forgets what it is at. It is busy until a worker has noticed.
-	void cancel();
-
-private:
-	static void run(void *p_builder);
-
-	MeshWork work_; ///< A worker's until its task has ended.
-	std::atomic<bool> cancelled_ = false;
-	std::int64_t task_ = -1;
-	bool busy_ = false;
-};
-
 } // namespace thicket

@@ -242,6 +242,12 @@ bool ScatterTerrain::read_again() {
 	return distrust();
 }
 
+void ScatterTerrain::update_warnings() {
+	for (const GroundHost &host : hosts_) {
+		host.node->call_deferred("update_configuration_warnings");
+	}
+}
+
 void ScatterTerrain::emit_terrain_changed(const Rect2 &p_rect) { emit_signal("terrain_changed", p_rect); }
 
 double ScatterTerrain::get_height(const Vector3 &p_global_position) { return ground_at(p_global_position).height; }

@@ -153,6 +153,9 @@ protected:
 	/// The node of the first host; null for none.
 	godot::Node3D *first_node() const { return hosts_.empty() ? nullptr : hosts_.front().node; }
 
+	/// The editor asks all hosts for their problems again, soon.
+	void update_warnings();
+
 	/// Tells that the ground has changed within a world rect, in meters of x and z.
 	void emit_terrain_changed(const godot::Rect2 &p_rect);
 

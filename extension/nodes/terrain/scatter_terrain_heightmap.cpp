@@ -4,12 +4,8 @@
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/watch.hpp"
 
-#include <godot_cpp/classes/file_access.hpp>
 #include <godot_cpp/classes/texture2d.hpp>
 #include <godot_cpp/core/class_db.hpp>
-#include <godot_cpp/variant/packed_byte_array.hpp>
-
-#include <vector>
 
 using namespace godot;
 
@@ -32,106 +28,18 @@ bool accept_image(const char *property, const Ref<Resource> &p_image) {
 
 } // namespace
 
-std::shared_ptr<const Terrain> ScatterTerrainHeightmap::make_snapshot(const GroundHost &) {
-	refresh();
-	return field_;
-}
+std::shared_ptr<const Terrain> ScatterTerrainHeightmap::make_snapshot(const GroundHost &) { return field_; }
 
 String ScatterTerrainHeightmap::find_problem() {
-	refresh();
-	return status_.ok() ? String() : sentence(class_name, status_);
-}
-
-void ScatterTerrainHeightmap::change() {
-	field_stale_ = true;
-	emit_changed();
+	if (image_.is_null() && heightmap_path_.is_empty()) {
+		return sentence(class_name, {ErrorCode::missing, "heightmap_path", 0.0});
+	}
+	return problem_;
 }
 
 void ScatterTerrainHeightmap::image_changed() {
-	posts_stale_ = true;
+	sources_stale_ = true;
 	change();
-}
-
-void ScatterTerrainHeightmap::refresh() {
-	if (!field_stale_) {
-		// Fast path: nothing has changed since the field was made.
-		return;
-	}
-	field_stale_ = false;
-	status_ = build();
-	report(class_name, status_);
-}
-
-Status ScatterTerrainHeightmap::build() {
-	if (posts_stale_) {
-		const Status status = read_all();
-		posts_stale_ = !status.ok();
-		if (!status.ok()) {
-			return status;
-		}
-	}
-	HeightfieldFrame frame;
-	frame.posts = posts_.count;
-	frame.min_height = min_height_;
-	frame.max_height = max_height_;
-	frame.area = to_core(rect_);
-	const auto field = std::make_shared<Heightfield>();
-	const Status status = set_posts(*field, frame);
-	if (status.ok()) {
-		field->set_weights(weights_);
-		field_ = field;
-	}
-	return status;
-}
-
-// Heights between 0 and 1 become meters only here: they follow the heights that stand for 0 and 1.
-Status ScatterTerrainHeightmap::set_posts(Heightfield &r_field, const HeightfieldFrame &frame) const {
-	if (posts_.floats.empty()) {
-		return r_field.set(frame, posts_.steps);
-	}
-	if (heights_in_meters_) {
-		HeightfieldFrame in_meters = frame;
-		in_meters.min_height = 0.0;
-		in_meters.max_height = 0.0;
-		return r_field.set_meters(in_meters, posts_.floats);
-	}
-	if (const Status status = validate(frame); !status.ok()) {
-		return status;
-	}
-	std::vector<float> meters;
-	meters.reserve(posts_.floats.size());
-	for (const float unit : posts_.floats) {
-		if (unit < 0.0F || unit > 1.0F) {
-			return {ErrorCode::out_of_range, image_.is_valid() ? "image" : "heightmap_path", unit};
-		}
-		meters.push_back(static_cast<float>(min_height_ + (max_height_ - min_height_) * unit));
-	}
-	return r_field.set_meters(frame, meters);
-}
-
-Status ScatterTerrainHeightmap::read_all() {
-	const Status status = image_.is_valid() ? read_posts(image_of(image_), "image", posts_) : read_file();
-	if (!status.ok() || weight_image_.is_null()) {
-		weights_ = {};
-		return status;
-	}
-	return read_weights(image_of(weight_image_), "weight_image", weights_);
-}
-
-Status ScatterTerrainHeightmap::read_file() {
-	if (heightmap_path_.is_empty()) {
-		return {ErrorCode::missing, "heightmap_path", 0.0};
-	}
-	for (const int count : {post_count_.x, post_count_.y}) {
-		if (count < 2) {
-			return {ErrorCode::out_of_range, "post_count", static_cast<double>(count)};
-		}
-	}
-	const PackedByteArray bytes = FileAccess::get_file_as_bytes(heightmap_path_);
-	if (bytes.is_empty()) {
-		return {ErrorCode::missing, "heightmap_path", 0.0};
-	}
-	return read_posts(bytes, {post_count_.x, post_count_.y}, "heightmap_path", posts_);
 }
 
 void ScatterTerrainHeightmap::set_heightmap_path(const String &p_path) {
@@ -235,6 +143,7 @@ void ScatterTerrainHeightmap::_bind_methods() {
 	bind_guarded<&Self::is_heights_in_meters>(D_METHOD("is_heights_in_meters"));
 	bind_guarded<&Self::set_weight_image>(D_METHOD("set_weight_image", "image"));
 	bind_guarded<&Self::get_weight_image>(D_METHOD("get_weight_image"));
+	bind_guarded<&Self::update_region>(D_METHOD("update_region", "region"));
 	bind_guarded<&Self::image_changed>(D_METHOD("_image_changed"));
 	bind_guarded<&Self::set_rect>(D_METHOD("set_rect", "rect"));
 	bind_guarded<&Self::get_rect>(D_METHOD("get_rect"));

@@ -2,17 +2,24 @@
 
 #include "core/terrain/heightfield.hpp"
 #include "nodes/common/guard.hpp"
-#include "nodes/terrain/image_posts.hpp"
+#include "nodes/common/worker_task.hpp"
+#include "nodes/terrain/heightmap_work.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
 #include <godot_cpp/variant/rect2.hpp>
+#include <godot_cpp/variant/rect2i.hpp>
 #include <godot_cpp/variant/vector2i.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace thicket {
 
 /// Ground from a grid of heights: a raw file, an Image or a Texture2D, of 8, 16 or 32 bits. Properties may be set in
-/// any order; the ground is read when it is first needed after a change. What cannot be read prints one error, and the
-/// ground stays what it was.
+/// any order; a worker reads the ground when it is needed after a change, and hosts hear where it is not as it was. What cannot
+/// be read prints one error, and the ground stays what it was.
 class ScatterTerrainHeightmap : public ScatterTerrain {
 	GDCLASS(ScatterTerrainHeightmap, ScatterTerrain)
 	THICKET_GUARDED_METHODS
@@ -52,21 +59,33 @@ public:
 	void set_max_height(double p_height);
 	double get_max_height() const;
 
+	/// Reads the posts of a part of `image` again, in pixels. What lies outside the image is left out. Main thread only.
+	void update_region(const godot::Rect2i &p_region);
+
+	bool is_behind() const override { return field_stale_ || task_.busy() || !regions_.empty(); }
+	bool is_pending(std::uint64_t /*host*/) const override { return field_stale_ || task_.busy(); }
+	void finish_reading() override;
+
 protected:
 	static void _bind_methods();
 	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
 	godot::String find_problem() override;
+	void follow() override;
+	bool distrust() override;
 
 private:
-	void change();
+	void change() { field_stale_ = true; }
 	void image_changed();
 	void exchange_image(godot::Ref<godot::Resource> &r_image, const godot::Ref<godot::Resource> &p_next,
 			const godot::Ref<godot::Resource> &p_other);
-	void refresh();
-	Status build();
-	Status read_all();
-	Status read_file();
-	Status set_posts(Heightfield &r_field, const HeightfieldFrame &frame) const;
+	void start(bool at_once);
+	void take_built();
+	void patch_regions(std::chrono::steady_clock::time_point deadline);
+	bool patch_band(const PixelRect &band);
+	void end_regions();
+	void emit_changes(const std::vector<Rect> &areas, bool everywhere);
+	void set_problem(const godot::String &p_problem);
+	godot::String sentence_of(const Status &status, glm::ivec2 refused_post) const;
 
 	godot::String heightmap_path_;
 	godot::Vector2i post_count_{0, 0};
@@ -77,12 +96,15 @@ private:
 	double min_height_ = 0.0;
 	double max_height_ = 100.0;
 
-	Posts posts_; ///< As read; a change of rect or heights needs no second reading.
-	WeightMap weights_;
 	std::shared_ptr<const Heightfield> field_;
-	Status status_;
-	bool posts_stale_ = true;
-	bool field_stale_ = true;
+	godot::String problem_; ///< Why it is not what was set; empty for no reason.
+	bool sources_stale_ = true;
+	bool field_stale_ = true; ///< `field_` is not what was set, and no worker is at it.
+	WorkerTask<HeightmapWork> task_;
+
+	std::vector<PixelRect> regions_;     ///< Of the image, still to be read.
+	std::shared_ptr<Heightfield> draft_; ///< `field_` with those that were; null for none.
+	std::vector<Rect> draft_changes_;
 };
 
 } // namespace thicket

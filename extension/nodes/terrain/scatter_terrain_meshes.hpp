@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nodes/common/guard.hpp"
+#include "nodes/common/worker_task.hpp"
 #include "nodes/terrain/ground_watch.hpp"
 #include "nodes/terrain/mesh_parts.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
@@ -94,7 +95,7 @@ private:
 	FreshCopy fresh_;                   ///< or through with it.
 	std::vector<MeshReading> readings_; ///< Read.
 	std::vector<std::uint64_t> gone_;
-	MeshBuilder builder_;
+	WorkerTask<MeshWork> builder_;
 	bool building_ = false; ///< The builder does not only free memory.
 
 	std::map<std::uint64_t, std::pair<std::uint64_t, std::weak_ptr<const MeshCopy>>>

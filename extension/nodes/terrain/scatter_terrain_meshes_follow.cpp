@@ -213,7 +213,7 @@ void ScatterTerrainMeshes::build(bool wait) {
 			work.worlds.back().before = world.parts;
 		}
 	}
-	builder_.start(std::move(work));
+	builder_.start(std::move(work), wait);
 	if (wait && builder_.finish(true)) {
 		take_built();
 	}
@@ -348,9 +348,7 @@ void ScatterTerrainMeshes::refuse(std::uint64_t id, const String &p_why) {
 	}
 	why = p_why;
 	ERR_PRINT(p_why);
-	for (const GroundHost &host : hosts()) {
-		host.node->call_deferred("update_configuration_warnings");
-	}
+	update_warnings();
 }
 
 bool ScatterTerrainMeshes::distrust() {

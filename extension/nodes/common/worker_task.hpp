@@ -1,0 +1,76 @@
+#pragma once
+
+#include "nodes/common/threads.hpp"
+
+#include <godot_cpp/classes/worker_thread_pool.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <utility>
+
+namespace thicket {
+
+/// Does one piece of work at a time on the engine's WorkerThreadPool, or at once where it has no threads. `Work` has a member
+/// `run(const std::atomic<bool> *cancel)`, which throws nothing. Main thread only, apart from the work itself.
+template <class Work>
+class WorkerTask {
+public:
+	WorkerTask() = default;
+	~WorkerTask() {
+		cancel();
+		finish(true);
+	}
+	WorkerTask(const WorkerTask &) = delete;
+	WorkerTask &operator=(const WorkerTask &) = delete;
+
+	/// Not while it is busy. `at_once`: on the calling thread, for a caller who waits for it.
+	void start(Work work, bool at_once = false) {
+		work_ = std::move(work);
+		cancelled_ = false;
+		busy_ = true;
+		if (!at_once && has_threads()) {
+			task_ = godot::WorkerThreadPool::get_singleton()->add_native_task(
+					&WorkerTask::run, this, false, "Thicket ground");
+		} else {
+			run(this);
+		}
+	}
+
+	bool busy() const { return busy_; }
+
+	/// True once, when the work is done and can be taken. With `wait` it waits for that.
+	bool finish(bool wait) {
+		godot::WorkerThreadPool *pool = godot::WorkerThreadPool::get_singleton();
+		if (!busy_ || (task_ >= 0 && !wait && !pool->is_task_completed(task_))) {
+			return false;
+		}
+		if (task_ >= 0) {
+			pool->wait_for_task_completion(task_); // Even if it is: the pool then forgets it.
+			task_ = -1;
+		}
+		busy_ = false;
+		if (cancelled_) {
+			work_ = {};
+			return false;
+		}
+		return true;
+	}
+
+	Work take() { return std::exchange(work_, {}); }
+
+	/// Forgets what it is at. It is busy until a worker has noticed.
+	void cancel() { cancelled_ = true; }
+
+private:
+	static void run(void *p_task) {
+		auto &task = *static_cast<WorkerTask *>(p_task);
+		task.work_.run(&task.cancelled_);
+	}
+
+	Work work_; ///< A worker's until its task has ended.
+	std::atomic<bool> cancelled_ = false;
+	std::int64_t task_ = -1;
+	bool busy_ = false;
+};
+
+} // namespace thicket
