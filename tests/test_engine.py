@@ -131,6 +131,7 @@ def assert_passed(done):
         "test_hterrain",
         "test_hterrain_changes",
         "test_terrain_calls",
+        "test_ground_needs",
         "test_heightmaps",
         "test_layer_rules",
         "test_layer_placement",

@@ -122,9 +122,9 @@ TEST_CASE("ground: of the layers around only those with a rule for the slope ask
 TEST_CASE("ground: an explanation knows the normal whatever the layer looks at") {
 	const std::vector<glm::dvec2> places{{10.0, 10.0}, {-20.0, 30.0}};
 	DensityProbe probe;
-	REQUIRE(probe.find(upright_layer(), places).ok());
+	REQUIRE(probe.find(upright_layer(), places, true).ok());
 	for (const GroundQuery &query : probe.queries()) {
-		CHECK(query.normals);
+		CHECK(query.needs.normals);
 	}
 }
 

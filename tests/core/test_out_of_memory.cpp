@@ -354,10 +354,7 @@ TEST_CASE("out of memory: a tile in two steps goes on from the points that were 
 				for (const GroundQuery &query : job.tool.queries()) {
 					const auto where = job.tool.positions().subspan(query.first, query.count);
 					const auto there = std::span(ground).subspan(query.first, query.count);
-					REQUIRE(terrain.sample(where, there).ok());
-					if (!query.textures.empty()) {
-						REQUIRE(terrain.weigh(where, query.textures, there).ok());
-					}
+					REQUIRE(terrain.query(where, query.needs, there).ok());
 				}
 				return job;
 			},

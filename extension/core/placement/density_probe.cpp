@@ -9,7 +9,7 @@ namespace thicket {
 struct DensityProbe::Workspace {
 	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
 
-	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, const Rect &rect);
+	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, const Rect &rect, bool explains);
 
 	TileFilter filter;
 	bool found = false;
@@ -19,9 +19,11 @@ struct DensityProbe::Workspace {
 	std::span<const Ground> own_ground; ///< Of the places, and then of what lies around them.
 };
 
-Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const glm::dvec2> places, const Rect &rect) {
+Status DensityProbe::Workspace::find(
+		const LayerSettings &layer, std::span<const glm::dvec2> places, const Rect &rect, bool explains) {
 	LayerSettings rules = layer;
 	rules.instance_data = {}; // Layers that colors follow take time, and decide nothing.
+	rules.placement = {};     // Nor does how an instance is placed.
 	filter.set(rules);
 	if (const double points = filter.points_around(rect); points > max_probed_points) {
 		return {ErrorCode::too_many_points, "rect", points};
@@ -33,7 +35,7 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 	queries.clear();
 	filter.add_queries(positions, queries);
 	for (GroundQuery &query : queries) {
-		query.normals = true; // Whoever asks for an explanation may look at the slope, too.
+		query.needs.normals = query.needs.normals || explains; // An explanation names the slope.
 	}
 	found = true;
 	return {};
@@ -44,7 +46,7 @@ DensityProbe::~DensityProbe() = default;
 DensityProbe::DensityProbe(DensityProbe &&) noexcept = default;
 DensityProbe &DensityProbe::operator=(DensityProbe &&) noexcept = default;
 
-Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> places) {
+Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains) {
 	workspace_->found = false;
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
@@ -56,7 +58,8 @@ Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2
 	if (!rect.finite()) {
 		return {ErrorCode::not_finite, "places", rect.min.x};
 	}
-	return guarded("places", static_cast<double>(places.size()), [&] { return workspace_->find(layer, places, rect); });
+	return guarded("places", static_cast<double>(places.size()),
+			[&] { return workspace_->find(layer, places, rect, explains); });
 }
 
 std::span<const glm::dvec2> DensityProbe::positions() const { return workspace_->positions; }

@@ -30,8 +30,8 @@ public:
 
 	/// Takes a layer and some places (world meters), and finds the points of other layers that its rules look at there: in all of the
 	/// rectangle around the places, so they should lie close together. Refuses an invalid layer, places that are not finite, and more than
-	/// max_probed_points as `rect`.
-	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places);
+	/// max_probed_points as `rect`. `explains`: the ground is to be known with its normals, whatever the rules read.
+	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains = false);
 
 	/// Where the ground has to be known after `find`, and in which portions. Valid until the next call of it.
 	std::span<const glm::dvec2> positions() const;

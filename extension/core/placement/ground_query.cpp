@@ -11,18 +11,6 @@ namespace {
 /// Positions in one call of the terrain.
 constexpr std::size_t batch = 2048;
 
-Status ask(const Terrain &terrain, const GroundQuery &query, std::span<const glm::dvec2> positions,
-		std::span<Ground> r_ground) {
-	Status status;
-	if (query.normals) {
-		status = terrain.sample(positions, r_ground);
-	} else {
-		// Fast path: heights alone, as nobody looks at the normals.
-		status = terrain.sample_heights(positions, r_ground);
-	}
-	return status.ok() && !query.textures.empty() ? terrain.weigh(positions, query.textures, r_ground) : status;
-}
-
 } // namespace
 
 Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
@@ -33,7 +21,7 @@ Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions,
 				return {ErrorCode::cancelled, "tile", 0.0};
 			}
 			const std::size_t count = std::min(batch, query.count - done);
-			const Status status = ask(terrain, query, positions.subspan(query.first + done, count),
+			const Status status = terrain.query(positions.subspan(query.first + done, count), query.needs,
 					r_ground.subspan(query.first + done, count));
 			if (!status.ok()) {
 				return status;

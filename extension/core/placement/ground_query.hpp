@@ -16,8 +16,7 @@ namespace thicket {
 struct GroundQuery {
 	std::size_t first = 0;
 	std::size_t count = 0;
-	std::span<const std::int32_t> textures; ///< Those whose weight has to be known; none: the weight stays 1.
-	bool normals = true;                    ///< Whether anybody looks at the normals; see Terrain::sample_heights.
+	GroundNeeds needs;
 };
 
 /// Asks a terrain for the ground of some positions, in portions of far below a millisecond of work. `r_ground` has one entry for each

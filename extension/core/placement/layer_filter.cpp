@@ -122,11 +122,11 @@ void LayerFilter::add_queries(
 	const std::vector<std::int32_t> &textures = layer_->rules.ground_textures;
 	const bool slope = rules_.look_at_slope();
 	if (slope || !normals || probes_.empty()) {
-		r_queries.push_back({r_positions.size(), position_count(), textures, slope || normals});
+		r_queries.push_back({r_positions.size(), position_count(), {textures, slope || normals}});
 	} else {
 		// Fast path: of the probes nobody looks at the normals.
-		r_queries.push_back({r_positions.size(), positions_.size(), textures, true});
-		r_queries.push_back({r_positions.size() + positions_.size(), probes_.size(), textures, false});
+		r_queries.push_back({r_positions.size(), positions_.size(), {textures, true}});
+		r_queries.push_back({r_positions.size() + positions_.size(), probes_.size(), {textures, false}});
 	}
 	r_positions.insert(r_positions.end(), positions_.begin(), positions_.end());
 	r_positions.insert(r_positions.end(), probes_.begin(), probes_.end());

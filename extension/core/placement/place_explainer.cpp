@@ -32,7 +32,7 @@ Status PlaceExplainer::find(const LayerSettings &layer, glm::dvec2 place) {
 		return status;
 	}
 	const std::array<glm::dvec2, 2> places{place, point_.front().position};
-	return probe_.find(layer, places);
+	return probe_.find(layer, places, true);
 }
 
 Status PlaceExplainer::explain(std::span<const Ground> ground, PlaceExplanation &r_explanation) {

@@ -65,7 +65,7 @@ struct TileBuilder::Workspace {
 };
 
 void TileBuilder::Workspace::add_origin_probes() {
-	queries.push_back({positions.size(), origin_probes.size(), {}, false});
+	queries.push_back({positions.size(), origin_probes.size(), {.textures = {}, .normals = false}});
 	for (const glm::dvec2 probe : origin_probes) {
 		positions.push_back(rect.center() + probe * rect.size());
 	}

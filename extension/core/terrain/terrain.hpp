@@ -19,6 +19,13 @@ struct Ground {
 	float weight = 1.0f; ///< How much of it belongs to the textures that were asked for, 0 to 1; see Terrain::weigh.
 };
 
+/// What callers have to know of the ground beside its height. A source is called for nothing else.
+struct GroundNeeds {
+	std::span<const std::int32_t>
+			textures;    ///< Those whose weight counts, see Terrain::weigh; none: the weight stays 1.
+	bool normals = true; ///< False where no rule and no placement reads normals.
+};
+
 /// Ground for many positions at once. An implementation is a pure function of the position: asked twice, in whatever
 /// batch, it gives the same bits, or tiles that were made apart would not fit.
 class Terrain {
@@ -30,8 +37,8 @@ public:
 	/// Called from several threads at once, so an implementation keeps no state of the call.
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const = 0;
 
-	/// As `sample`, for who needs no normals: a terrain to which they are dear leaves them as they are in `r_ground`, if it has no ground
-	/// whose normal is not finite or does not point up. The heights are the same to the bit.
+	/// As `sample`, for callers that need no normals: a terrain to which normals are expensive leaves those of `r_ground` as they are. The
+	/// heights are bit-identical, except where `sample` refuses ground because of its normal.
 	virtual Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 		return sample(positions, r_ground);
 	}
@@ -43,6 +50,18 @@ public:
 			[[maybe_unused]] std::span<const std::int32_t> textures,
 			[[maybe_unused]] std::span<Ground> r_ground) const {
 		return {};
+	}
+
+	/// The parts of the ground that `needs` names, and no others.
+	Status query(std::span<const glm::dvec2> positions, const GroundNeeds &needs, std::span<Ground> r_ground) const {
+		Status status;
+		if (needs.normals) {
+			status = sample(positions, r_ground);
+		} else {
+			// Fast path: heights alone, since no caller reads the normals.
+			status = sample_heights(positions, r_ground);
+		}
+		return status.ok() && !needs.textures.empty() ? weigh(positions, needs.textures, r_ground) : status;
 	}
 
 	/// The ground at one position; no ground if `sample` fails. For many positions, `sample` is the cheaper.

@@ -26,7 +26,7 @@ Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::spa
 		return ask_ground(*ground, positions, queries, r_answers);
 	}
 	for (const GroundQuery &query : queries) {
-		const Status status = terrain.sample_now(positions.subspan(query.first, query.count), query.textures,
+		const Status status = terrain.sample_now(positions.subspan(query.first, query.count), query.needs,
 				std::span(r_answers).subspan(query.first, query.count));
 		if (!status.ok()) {
 			return status;

@@ -60,7 +60,7 @@ Status LayerExplainer::densities(
 		std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_densities) const {
 	DensityProbe probe;
 	std::vector<Ground> answers;
-	Status status = probe.find(*layers[layer]->settings, places);
+	Status status = probe.find(*layers[layer]->settings, places, false);
 	if (status.ok()) {
 		status = ask_at_once(ground.get(), terrain, probe.positions(), probe.queries(), answers);
 	}

@@ -42,7 +42,7 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 	if (count > 0) {
 		const std::weak_ptr<const void> alive = life_;
 		status = ground_.source.sample_now(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count),
-				part->textures, std::span(job->ground).subspan(job->answered, count));
+				{part->textures, part->normals}, std::span(job->ground).subspan(job->answered, count));
 		if (alive.expired() || ask_ground_.empty() || ask_ground_.front() != job) {
 			return 0; // A script has freed or changed the stream that asked it.
 		}

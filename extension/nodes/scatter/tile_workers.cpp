@@ -262,7 +262,8 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 	if (job.status.ok() && job.step == TileJob::Step::start) {
 		job.positions.assign(builder.positions().begin(), builder.positions().end());
 		for (const GroundQuery &query : builder.queries()) {
-			job.parts.push_back({query.first + query.count, {query.textures.begin(), query.textures.end()}});
+			const std::span<const std::int32_t> textures = query.needs.textures;
+			job.parts.push_back({query.first + query.count, {textures.begin(), textures.end()}, query.needs.normals});
 		}
 		job.ground.resize(job.positions.size());
 		job.step = TileJob::Step::needs_ground;

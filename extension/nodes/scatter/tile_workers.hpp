@@ -31,10 +31,11 @@ struct TileJob {
 	std::shared_ptr<const Terrain> terrain; ///< Null where the main thread has to ask a script for the ground.
 	Step step = Step::start;
 
-	/// Some of `positions`, one after the other, for which the same textures count; see GroundQuery.
+	/// Some of `positions`, one after the other, of which the same has to be known; see GroundQuery.
 	struct Part {
 		std::size_t end = 0; ///< In `positions`; where the next part begins.
 		std::vector<std::int32_t> textures;
+		bool normals = true;
 	};
 
 	std::vector<glm::dvec2> positions;

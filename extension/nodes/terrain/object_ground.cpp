@@ -95,13 +95,21 @@ void ObjectGround::close() {
 }
 
 Status ObjectGround::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+	return sample_all(positions, true, r_ground);
+}
+
+Status ObjectGround::sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+	return sample_all(positions, false, r_ground);
+}
+
+Status ObjectGround::sample_all(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
 		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
 	}
 	for (std::size_t first = 0; first < positions.size(); first += slice) {
 		const std::size_t count = std::min(slice, positions.size() - first);
 		const CallGate::Inside inside(gate_);
-		const Status status = sample_slice(positions.subspan(first, count), r_ground.subspan(first, count));
+		const Status status = sample_slice(positions.subspan(first, count), normals, r_ground.subspan(first, count));
 		if (!status.ok()) {
 			return status;
 		}
@@ -109,19 +117,20 @@ Status ObjectGround::sample(std::span<const glm::dvec2> positions, std::span<Gro
 	return {};
 }
 
-Status ObjectGround::sample_slice(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
+Status ObjectGround::sample_slice(
+		std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const {
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		if (const Status status = ground_at(positions[i], r_ground[i]); !status.ok()) {
+		if (const Status status = ground_at(positions[i], normals, r_ground[i]); !status.ok()) {
 			return status;
 		}
 	}
 	return {};
 }
 
-Status ObjectGround::ground_at(glm::dvec2 position, Ground &r_ground) const {
+Status ObjectGround::ground_at(glm::dvec2 position, bool normal, Ground &r_ground) const {
 	r_ground = {};
 	Status status = height_at(position, r_ground.height);
-	if (status.ok() && std::isfinite(r_ground.height)) {
+	if (normal && status.ok() && std::isfinite(r_ground.height)) {
 		status = has_normal_ ? normal_at(position, r_ground) : slope_by_heights(position, r_ground);
 	}
 	return status;
@@ -179,6 +188,9 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 	}
 	const std::vector<unsigned> channels = map_ ? map_->channels_of(textures) : std::vector<unsigned>();
 	for (std::size_t i = 0; i < positions.size(); ++i) {
+		if (!std::isfinite(r_ground[i].height)) {
+			continue; // Some plug-ins crash beyond their ground.
+		}
 		if (map_) {
 			r_ground[i].weight = map_->weight(map_->to_map(in_engine(positions[i])), channels);
 		} else if (has_textures_) {

@@ -37,6 +37,7 @@ public:
 	/// As Terrain::sample, on any thread if the object's methods may be called there. A method that is gone or gives no
 	/// number is refused by its name.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
+	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
 
@@ -56,8 +57,9 @@ public:
 private:
 	bool take_methods(const godot::Variant &p_object);
 	bool take_map(const godot::Variant &p_object);
-	Status sample_slice(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const;
-	Status ground_at(glm::dvec2 position, Ground &r_ground) const;
+	Status sample_all(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const;
+	Status sample_slice(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const;
+	Status ground_at(glm::dvec2 position, bool normal, Ground &r_ground) const;
 	glm::dvec2 in_engine(glm::dvec2 position) const { return position - glm::dvec2(offset_.x, offset_.z); }
 	Status height_at(glm::dvec2 position, float &r_height) const;
 	Status slope_by_heights(glm::dvec2 position, Ground &r_ground) const;

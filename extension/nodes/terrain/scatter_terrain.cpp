@@ -30,6 +30,24 @@ Status wrong_size(const char *property, int64_t size) {
 	return {ErrorCode::wrong_size, property, static_cast<double>(size)};
 }
 
+std::vector<std::size_t> with_ground(std::span<const Ground> ground) {
+	std::vector<std::size_t> found;
+	for (std::size_t i = 0; i < ground.size(); ++i) {
+		if (std::isfinite(ground[i].height)) {
+			found.push_back(i);
+		}
+	}
+	return found;
+}
+
+std::vector<glm::dvec2> picked(std::span<const glm::dvec2> positions, std::span<const std::size_t> indices) {
+	std::vector<glm::dvec2> some;
+	for (const std::size_t i : indices) {
+		some.push_back(positions[i]);
+	}
+	return some;
+}
+
 } // namespace
 
 /// A script that says that it may be called from worker threads.
@@ -38,7 +56,12 @@ public:
 	explicit ScriptGround(const Ref<ScatterTerrain> &p_script) : script_(p_script) {}
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
-		return script_->ask_script(positions, r_ground);
+		const Status status = sample_heights(positions, r_ground);
+		return status.ok() ? script_->ask_slopes(positions, r_ground) : status;
+	}
+
+	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
+		return script_->ask_heights(positions, r_ground);
 	}
 
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
@@ -70,10 +93,10 @@ bool ScatterTerrain::is_main_thread_only() {
 	return only_on_main_thread();
 }
 
-Status ScatterTerrain::sample_now(std::uint64_t host, std::span<const glm::dvec2> positions,
-		std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
+Status ScatterTerrain::sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
+		std::span<Ground> r_ground) {
 	const Ref<ScatterTerrain> held(this);
-	return sample_for(find_host(host), positions, textures, r_ground);
+	return sample_for(find_host(host), positions, needs, r_ground);
 }
 
 std::shared_ptr<const Terrain> ScatterTerrain::make_snapshot(const GroundHost &) {
@@ -103,17 +126,15 @@ bool ScatterTerrain::only_on_main_thread() {
 
 std::size_t ScatterTerrain::max_positions_per_call() const { return script_slice; }
 
-Status ScatterTerrain::sample_for(const GroundHost &, std::span<const glm::dvec2> positions,
-		std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
-	const Status status = ask_script(positions, r_ground);
-	return status.ok() && !textures.empty() ? ask_weights(positions, textures, r_ground) : status;
+Status ScatterTerrain::sample_for(const GroundHost &, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
+		std::span<Ground> r_ground) {
+	return ScriptGround(Ref<ScatterTerrain>(this)).query(positions, needs, r_ground);
 }
 
-Status ScatterTerrain::ask_script(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
-	const PackedVector2Array where = packed_vectors(positions);
+Status ScatterTerrain::ask_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
 	PackedFloat32Array heights;
-	GDVIRTUAL_CALL(_get_heights, where, heights);
-	if (heights.size() != where.size()) {
+	GDVIRTUAL_CALL(_get_heights, packed_vectors(positions), heights);
+	if (heights.size() != static_cast<int64_t>(positions.size())) {
 		return wrong_size("_get_heights() result", heights.size());
 	}
 	const float *height = heights.ptr();
@@ -121,46 +142,57 @@ Status ScatterTerrain::ask_script(std::span<const glm::dvec2> positions, std::sp
 		ground.height = *height++;
 		ground.normal = {0.0F, 1.0F, 0.0F};
 	}
-	return GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? ask_normals(where, r_ground)
-												 : difference_normals(positions, r_ground);
+	return {};
+}
+
+Status ScatterTerrain::ask_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
+	const std::vector<std::size_t> found = with_ground(r_ground);
+	if (found.empty()) {
+		return {};
+	}
+	return GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? ask_normals(positions, found, r_ground)
+												 : difference_normals(positions, found, r_ground);
 }
 
 Status ScatterTerrain::ask_weights(
 		std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
-	if (!GDVIRTUAL_IS_OVERRIDDEN(_get_weights)) {
+	const std::vector<std::size_t> found = with_ground(r_ground);
+	if (found.empty() || !GDVIRTUAL_IS_OVERRIDDEN(_get_weights)) {
 		return {};
 	}
 	PackedFloat32Array weights;
-	GDVIRTUAL_CALL(_get_weights, packed_vectors(positions), packed_integers(textures), weights);
-	if (weights.size() != static_cast<int64_t>(positions.size())) {
+	GDVIRTUAL_CALL(_get_weights, packed_vectors(picked(positions, found)), packed_integers(textures), weights);
+	if (weights.size() != static_cast<int64_t>(found.size())) {
 		return wrong_size("_get_weights() result", weights.size());
 	}
 	const float *weight = weights.ptr();
-	for (Ground &ground : r_ground) {
-		ground.weight = std::isfinite(*weight) ? std::clamp(*weight, 0.0F, 1.0F) : 0.0F;
+	for (const std::size_t i : found) {
+		r_ground[i].weight = std::isfinite(*weight) ? std::clamp(*weight, 0.0F, 1.0F) : 0.0F;
 		++weight;
 	}
 	return {};
 }
 
-Status ScatterTerrain::ask_normals(const PackedVector2Array &p_positions, std::span<Ground> r_ground) {
+Status ScatterTerrain::ask_normals(
+		std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground) {
 	PackedVector3Array normals;
-	GDVIRTUAL_CALL(_get_normals, p_positions, normals);
-	if (normals.size() != p_positions.size()) {
+	GDVIRTUAL_CALL(_get_normals, packed_vectors(picked(positions, found)), normals);
+	if (normals.size() != static_cast<int64_t>(found.size())) {
 		return wrong_size("_get_normals() result", normals.size());
 	}
 	const Vector3 *given = normals.ptr();
-	for (Ground &ground : r_ground) {
-		take_normal(*given++, ground);
+	for (const std::size_t i : found) {
+		take_normal(*given++, r_ground[i]);
 	}
 	return {};
 }
 
-Status ScatterTerrain::difference_normals(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
+Status ScatterTerrain::difference_normals(
+		std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground) {
 	std::vector<glm::dvec2> around;
-	around.reserve(4 * positions.size());
-	for (const glm::dvec2 &position : positions) {
-		const SlopeStencil stencil(position);
+	around.reserve(4 * found.size());
+	for (const std::size_t i : found) {
+		const SlopeStencil stencil(positions[i]);
 		around.insert(around.end(), stencil.positions().begin(), stencil.positions().end());
 	}
 	PackedFloat32Array heights;
@@ -169,9 +201,10 @@ Status ScatterTerrain::difference_normals(std::span<const glm::dvec2> positions,
 		return wrong_size("_get_heights() result", heights.size());
 	}
 	const float *height = heights.ptr();
-	for (std::size_t i = 0; i < positions.size(); ++i) {
+	for (const std::size_t i : found) {
 		r_ground[i].normal =
-				SlopeStencil(positions[i]).normal(r_ground[i].height, std::span<const float, 4>(height + 4 * i, 4));
+				SlopeStencil(positions[i]).normal(r_ground[i].height, std::span<const float, 4>(height, 4));
+		height += 4;
 	}
 	return {};
 }
@@ -181,7 +214,7 @@ GroundHost ScatterTerrain::find_host(std::uint64_t id) const {
 	return found != hosts_.end() ? *found : hosts_.empty() ? GroundHost{} : hosts_.front();
 }
 
-Ground ScatterTerrain::ground_at(const Vector3 &p_global_position) {
+Ground ScatterTerrain::ground_at(const Vector3 &p_global_position, bool normal) {
 	const Ref<ScatterTerrain> held(this); // A script that is asked may let go of it.
 	const glm::dvec2 position{p_global_position.x, p_global_position.z};
 	const Ground none{std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
@@ -191,8 +224,9 @@ Ground ScatterTerrain::ground_at(const Vector3 &p_global_position) {
 	if (terrain == nullptr && !is_main_thread_only()) {
 		return none;
 	}
-	const Status status =
-			terrain ? terrain->sample({&position, 1}, {&ground, 1}) : sample_now(0, {&position, 1}, {}, {&ground, 1});
+	const GroundNeeds needs{.textures = {}, .normals = normal};
+	const Status status = terrain ? terrain->query({&position, 1}, needs, {&ground, 1})
+								  : sample_now(0, {&position, 1}, needs, {&ground, 1});
 	if (!status.ok()) {
 		ERR_PRINT(String((std::string(class_name) + ": " + describe(status)).c_str()));
 	}
@@ -250,10 +284,12 @@ void ScatterTerrain::update_warnings() {
 
 void ScatterTerrain::emit_terrain_changed(const Rect2 &p_rect) { emit_signal("terrain_changed", p_rect); }
 
-double ScatterTerrain::get_height(const Vector3 &p_global_position) { return ground_at(p_global_position).height; }
+double ScatterTerrain::get_height(const Vector3 &p_global_position) {
+	return ground_at(p_global_position, false).height;
+}
 
 Vector3 ScatterTerrain::get_normal(const Vector3 &p_global_position) {
-	return to_engine(ground_at(p_global_position).normal);
+	return to_engine(ground_at(p_global_position, true).normal);
 }
 
 void ScatterTerrain::_bind_methods() {

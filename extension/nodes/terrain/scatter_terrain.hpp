@@ -74,10 +74,9 @@ public:
 	/// False while that which gives the ground is away for the time being: tiles are then left as they are.
 	virtual bool is_available() const { return true; }
 
-	/// On the main thread: the ground under `positions` in the world of the host of this id, and how much of it belongs to
-	/// `textures` (see Terrain::weigh; none: not asked for). `r_ground` has the size of `positions`. A script that gives a wrong
-	/// number of heights, normals or weights is refused; its NAN heights stand for no ground.
-	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
+	/// On the main thread: the parts that `needs` names of the ground under `positions` in the world of the host of this id. `r_ground` has the
+	/// size of `positions`. A script that gives a wrong number of heights, normals or weights is refused; its NAN heights stand for no ground.
+	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground);
 
 	/// A node in the tree begins to use this ground, or no longer does. Each `enter` has its `leave`, while the node is still
@@ -131,8 +130,8 @@ protected:
 	virtual godot::String find_problem();
 	virtual godot::String find_remark() { return {}; }
 	virtual bool only_on_main_thread();
-	virtual Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
-			std::span<const std::int32_t> textures, std::span<Ground> r_ground);
+	virtual Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
+			std::span<Ground> r_ground);
 
 	/// Called after a host has come or gone. `first`: another one is the first now.
 	virtual void hosts_changed(bool /*first*/) {}
@@ -163,12 +162,16 @@ private:
 	friend class ScriptGround;
 
 	GroundHost find_host(std::uint64_t id) const;
-	Status ask_script(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
+	// Calls of a script. `found`: indices of positions with ground; normals and weights are requested for these alone.
+	Status ask_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
+	Status ask_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Status ask_weights(
 			std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures, std::span<Ground> r_ground);
-	Status ask_normals(const godot::PackedVector2Array &p_positions, std::span<Ground> r_ground);
-	Status difference_normals(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
-	Ground ground_at(const godot::Vector3 &p_global_position);
+	Status ask_normals(
+			std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground);
+	Status difference_normals(
+			std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground);
+	Ground ground_at(const godot::Vector3 &p_global_position, bool normal);
 
 	std::vector<GroundHost> hosts_;
 	std::chrono::steady_clock::time_point deadline_;
@@ -184,10 +187,10 @@ struct HostedTerrain {
 	bool is_available() const { return terrain.is_valid() && terrain->is_available(); }
 
 	/// See ScatterTerrain. Not for a null `terrain`.
-	Status sample_now(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
-			std::span<Ground> r_ground) const {
+	Status sample_now(
+			std::span<const glm::dvec2> positions, const GroundNeeds &needs, std::span<Ground> r_ground) const {
 		const godot::Ref<ScatterTerrain> held = terrain; // A script may do away with this object.
-		return held->sample_now(host, positions, textures, r_ground);
+		return held->sample_now(host, positions, needs, r_ground);
 	}
 };
 

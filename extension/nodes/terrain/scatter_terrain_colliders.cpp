@@ -127,7 +127,7 @@ bool ScatterTerrainColliders::is_available() const {
 }
 
 Status ScatterTerrainColliders::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
-		std::span<const std::int32_t>, std::span<Ground> r_ground) {
+		const GroundNeeds &, std::span<Ground> r_ground) {
 	const bool in_scene = host.node != nullptr && host.node->is_inside_tree() && check().ok();
 	const Ref<World3D> world = in_scene ? host.node->get_world_3d() : Ref<World3D>();
 	PhysicsDirectSpaceState3D *space = world.is_valid() ? world->get_direct_space_state() : nullptr;

@@ -51,8 +51,8 @@ protected:
 	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
 	godot::String find_problem() override;
 	bool only_on_main_thread() override { return true; }
-	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
-			std::span<const std::int32_t> textures, std::span<Ground> r_ground) override;
+	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
+			std::span<Ground> r_ground) override;
 	void hosts_changed(bool first) override;
 	void offset_changed(const GroundHost &host) override;
 	void follow() override;

@@ -50,13 +50,12 @@ std::shared_ptr<const Terrain> ScatterTerrainObject::ground_for(const GroundHost
 }
 
 Status ScatterTerrainObject::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
-		std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
+		const GroundNeeds &needs, std::span<Ground> r_ground) {
 	const std::shared_ptr<const Terrain> ground = ground_for(host); // Whoever is asked may change the property.
 	if (ground == nullptr) {
 		return {ErrorCode::missing, "ScatterTerrainObject.node", 0.0};
 	}
-	const Status status = ground->sample(positions, r_ground);
-	return status.ok() && !textures.empty() ? ground->weigh(positions, textures, r_ground) : status;
+	return ground->query(positions, needs, r_ground);
 }
 
 /// Looks for the node, and for what may be had of it. That may run its script, which may do anything: change the path, free

@@ -47,8 +47,8 @@ protected:
 	godot::String find_problem() override;
 	godot::String find_remark() override;
 	bool only_on_main_thread() override { return copy_ == nullptr && ground_ != nullptr && !thread_safe_; }
-	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
-			std::span<const std::int32_t> textures, std::span<Ground> r_ground) override;
+	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
+			std::span<Ground> r_ground) override;
 	void hosts_changed(bool first) override;
 	void offset_changed(const GroundHost &host) override;
 

@@ -1,0 +1,170 @@
+extends "terrain_harness.gd"
+## Scripts and nodes that give ground are called only for what layers need, and not outside of their bounds.
+
+## A terrain of 40 x 40 m about the origin that answers 0 outside, and counts its calls.
+class Counting extends Node3D:
+	var data := CountingData.new()
+
+	func _notification(what: int) -> void:
+		if what == NOTIFICATION_PREDELETE:
+			data.free()
+
+
+class CountingData extends Object:
+	var heights := 0
+	var normals := 0
+	var textures := 0
+	var outside := 0
+	var above_nothing := 0 ## Of normals and textures, where there is no ground.
+	var hole_is_nan := false
+	var mutex := Mutex.new()
+
+	func _count(at: Vector3, kind: StringName) -> void:
+		mutex.lock()
+		set(kind, get(kind) + 1)
+		outside += int(not CountingData.covers(at))
+		above_nothing += int(kind != &"heights" and CountingData.is_hole(at))
+		mutex.unlock()
+
+	static func covers(at: Vector3) -> bool:
+		return Rect2(-20.0, -20.0, 40.0, 40.0).has_point(Vector2(at.x, at.z))
+
+	static func is_hole(at: Vector3) -> bool:
+		return Vector2(at.x, at.z).length() < 8.0
+
+	func get_height(at: Vector3) -> float:
+		_count(at, &"heights")
+		if CountingData.is_hole(at) and hole_is_nan:
+			return NAN
+		return 0.0 if CountingData.is_hole(at) or not CountingData.covers(at) else 5.0 + 0.1 * at.x
+
+	func get_normal(at: Vector3) -> Vector3:
+		_count(at, &"normals")
+		return Vector3(-0.1, 1.0, 0.0).normalized()
+
+	func get_texture_id(at: Vector3) -> Vector3:
+		_count(at, &"textures")
+		return Vector3(1.0, 2.0, 0.0)
+
+
+## Heights only, so that slopes follow from heights around a position.
+class HeightsOnly extends Node3D:
+	var heights := 0
+	var outside := 0
+	var mutex := Mutex.new()
+
+	func get_height(at: Vector3) -> float:
+		mutex.lock()
+		heights += 1
+		outside += int(not CountingData.covers(at))
+		mutex.unlock()
+		return 5.0
+
+
+## A script that counts positions.
+class CountingScript extends ScatterTerrain:
+	var heights := 0
+	var normals := 0
+	var weights := 0
+	var above_nothing := 0
+	var threaded := false
+	var mutex := Mutex.new()
+
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		var result := PackedFloat32Array()
+		for at in positions:
+			result.push_back(NAN if at.length() < 8.0 else 2.0)
+		_add(&"heights", positions)
+		return result
+
+	func _get_normals(positions: PackedVector2Array) -> PackedVector3Array:
+		var result := PackedVector3Array()
+		result.resize(positions.size())
+		result.fill(Vector3.UP)
+		_add(&"normals", positions)
+		return result
+
+	func _get_weights(positions: PackedVector2Array, _textures: PackedInt32Array) -> PackedFloat32Array:
+		var result := PackedFloat32Array()
+		result.resize(positions.size())
+		result.fill(1.0)
+		_add(&"weights", positions)
+		return result
+
+	func _is_thread_safe() -> bool:
+		return threaded
+
+	func _add(kind: StringName, positions: PackedVector2Array) -> void:
+		mutex.lock()
+		set(kind, get(kind) + positions.size())
+		if kind != &"heights":
+			for at in positions:
+				above_nothing += int(at.length() < 8.0)
+		mutex.unlock()
+
+
+## The same without normals of its own.
+class SlopesByHeights extends ScatterTerrain:
+	var most := 0
+
+	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+		most = maxi(most, positions.size())
+		var result := PackedFloat32Array()
+		result.resize(positions.size())
+		return result
+
+
+func upright(aligned := 0.0, textures := PackedInt32Array()) -> ScatterLayer:
+	var layer := make_layer(1.0)
+	layer.tile_size = 16.0
+	layer.view_distance = 32.0
+	layer.align_to_normal = aligned
+	layer.ground_textures = textures
+	return layer
+
+
+func test_an_object_is_called_for_what_layers_need() -> void:
+	for thread_safe: bool in [false, true]:
+		for needs: int in 4:
+			var what := "thread_safe %s, normals %s, textures %s" % [thread_safe, needs & 1, needs & 2]
+			var node := Counting.new()
+			var textures := PackedInt32Array([1]) if needs & 2 else PackedInt32Array()
+			node.data.hole_is_nan = true
+			var scatter := make_on(node, thread_safe, upright(float(needs & 1), textures))
+			await settle(scatter)
+			check(scatter.get_stats()["instances"] > 1000, what + ": instances")
+			check_equal(node.data.normals > 1000, bool(needs & 1), what + ": normals")
+			check_equal(node.data.textures > 1000, bool(needs & 2), what + ": textures")
+			check_equal(node.data.above_nothing, 0, what + ": heights alone where there is no ground")
+			var normals := node.data.normals
+			check(scatter.terrain.get_height(Vector3(10.0, 0.0, 10.0)) > 0.0, what + ": a height")
+			scatter.get_density_map(0, Rect2(-16, -16, 32, 32), Vector2i(8, 8))
+			check_equal(node.data.normals, normals, what + ": a height and a density need no normal")
+			scatter.free()
+			node.free()
+
+
+func test_a_script_is_called_for_what_layers_need() -> void:
+	for threaded: bool in [false, true]:
+		for needs: int in 4:
+			var what := "threaded %s, normals %s, textures %s" % [threaded, needs & 1, needs & 2]
+			var terrain := CountingScript.new()
+			terrain.threaded = threaded
+			var textures := PackedInt32Array([1]) if needs & 2 else PackedInt32Array()
+			var scatter := make_scatter([upright(float(needs & 1), textures)], terrain, make_viewer())
+			await settle(scatter)
+			check(scatter.get_stats()["instances"] > 1000, what + ": instances")
+			check_equal(terrain.normals > 1000, bool(needs & 1), what + ": normals")
+			check_equal(terrain.weights > 1000, bool(needs & 2), what + ": weights")
+			check_equal(terrain.above_nothing, 0, what + ": heights alone where there is no ground")
+			scatter.free()
+
+
+func test_slopes_are_measured_where_a_layer_needs_them() -> void:
+	for aligned: bool in [false, true]:
+		var terrain := SlopesByHeights.new()
+		var scatter := make_scatter([upright(float(aligned))], terrain, make_viewer())
+		await settle(scatter)
+		check(scatter.get_stats()["instances"] > 1000, "instances")
+		check_equal(terrain.most, 128 if aligned else 32, "positions at once, aligned %s" % aligned)
+		scatter.free()
