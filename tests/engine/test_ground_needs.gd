@@ -168,3 +168,69 @@ func test_slopes_are_measured_where_a_layer_needs_them() -> void:
 		check(scatter.get_stats()["instances"] > 1000, "instances")
 		check_equal(terrain.most, 128 if aligned else 32, "positions at once, aligned %s" % aligned)
 		scatter.free()
+
+
+## All that stands, by the height that the terrain has for nothing.
+func count_at(scatter: TerrainScatter3D, height: float) -> int:
+	return all_transforms(scatter).filter(func(one: Transform3D) -> bool: return absf(one.origin.y - height) < 1e-4).size()
+
+
+func test_no_call_outside_of_bounds() -> void:
+	for thread_safe: bool in [false, true]:
+		for offset: Vector3 in [Vector3.ZERO, Vector3(4.0, 0.0, -4.0)]:
+			var what := "thread_safe %s, offset %s" % [thread_safe, offset]
+			var node := Counting.new()
+			var scatter := make_on(node, thread_safe, upright(1.0, PackedInt32Array([1])))
+			scatter.world_offset = offset
+			(scatter.terrain as ScatterTerrainObject).bounds = Rect2(-20.0 + offset.x, -20.0 + offset.z, 40.0, 40.0)
+			await settle(scatter)
+			check_equal(node.data.outside, 0, what + ": calls outside")
+			var stand := all_transforms(scatter)
+			check(stand.size() > 500, what + ": instances inside")
+			check(stand.all(func(one: Transform3D) -> bool: return CountingData.covers(one.origin)), what + ": none outside")
+			check(is_nan(scatter.terrain.get_height(offset + Vector3(30.0, 0.0, 0.0))), what + ": no height outside")
+			check_equal(node.data.outside, 0, what + ": none for that height")
+			scatter.free()
+			node.free()
+		var heights := HeightsOnly.new()
+		var scatter := make_on(heights, thread_safe, upright(1.0))
+		(scatter.terrain as ScatterTerrainObject).bounds = Rect2(-20.0, -20.0, 40.0, 40.0)
+		await settle(scatter)
+		check(heights.heights > 1000, "heights")
+		check_equal(heights.outside, 0, "slopes are measured inside")
+		scatter.free()
+		heights.free()
+
+
+func test_a_height_that_stands_for_no_ground() -> void:
+	for thread_safe: bool in [false, true]:
+		var node := Counting.new()
+		var scatter := make_on(node, thread_safe, upright(1.0, PackedInt32Array([1])))
+		var terrain := scatter.terrain as ScatterTerrainObject
+		await settle(scatter)
+		check(count_at(scatter, 0.0) > 500, "on nothing, without a limit")
+		node.data.above_nothing = 0
+		terrain.no_ground_enabled = true
+		await settle(scatter)
+		check_equal(count_at(scatter, 0.0), 0, "none on nothing")
+		check(all_transforms(scatter).size() > 500, "the others stand")
+		check_equal(node.data.above_nothing, 0, "heights alone where there is no ground")
+		check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
+		terrain.no_ground_height = 5.0
+		await settle(scatter)
+		check(count_at(scatter, 0.0) > 500, "another height stands for it")
+		scatter.free()
+		node.free()
+
+
+func test_wrong_limits_are_refused() -> void:
+	var terrain := ScatterTerrainObject.new()
+	terrain.bounds = Rect2(1.0, 2.0, 3.0, 4.0)
+	terrain.bounds = Rect2(0.0, 0.0, -1.0, 5.0)
+	check_error(["ScatterTerrainObject.bounds", "size of 0 or more", "-1"], "a negative size")
+	terrain.bounds = Rect2(NAN, 0.0, 1.0, 5.0)
+	check_error(["ScatterTerrainObject.bounds", "finite"], "not a number")
+	check_equal(terrain.bounds, Rect2(1.0, 2.0, 3.0, 4.0), "the last bounds stay")
+	terrain.no_ground_height = INF
+	check_error(["ScatterTerrainObject.no_ground_height", "inf"], "an infinite height")
+	check_equal(terrain.no_ground_height, 0.0, "the last height stays")

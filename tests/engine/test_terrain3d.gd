@@ -32,6 +32,25 @@ func test_heights_holes_and_normals_are_its_own() -> void:
 		node.free()
 
 
+func test_limits_have_no_effect_on_a_copy() -> void:
+	var node := make_terrain3d()
+	var scatter := make_on(node)
+	var terrain := scatter.terrain as ScatterTerrainObject
+	await settle(scatter)
+	var before := digests(scatter, 0)
+	check_equal(scatter.get_problems().size(), 0, "no problem")
+	terrain.bounds = Rect2(-4.0, -4.0, 8.0, 8.0)
+	check("bounds and no_ground_height have no effect" in "\n".join(scatter.get_problems()), "a warning of bounds")
+	await settle(scatter)
+	check_equal(digests(scatter, 0), before, "the ground is the same")
+	terrain.bounds = Rect2()
+	check_equal(scatter.get_problems().size(), 0, "no problem without bounds")
+	terrain.no_ground_enabled = true
+	check("bounds and no_ground_height have no effect" in "\n".join(scatter.get_problems()), "a warning of a height")
+	scatter.free()
+	node.free()
+
+
 func test_no_place_is_asked_for() -> void:
 	for thread_safe: bool in [false, true]:
 		var node := make_terrain3d()

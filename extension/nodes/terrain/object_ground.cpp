@@ -38,8 +38,9 @@ float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_
 
 } // namespace
 
-std::shared_ptr<ObjectGround> ObjectGround::of(const Variant &p_object) {
+std::shared_ptr<ObjectGround> ObjectGround::of(const Variant &p_object, const GroundLimits &limits) {
 	auto ground = std::make_shared<ObjectGround>();
+	ground->limits_ = limits;
 	if (ground->take_methods(p_object)) {
 		return ground;
 	}
@@ -55,6 +56,7 @@ std::shared_ptr<ObjectGround> ObjectGround::at_offset(glm::dvec3 offset) const {
 	ground->has_normal_ = has_normal_;
 	ground->has_textures_ = has_textures_;
 	ground->map_ = map_;
+	ground->limits_ = limits_;
 	ground->offset_ = offset;
 	return ground;
 }
@@ -136,10 +138,17 @@ Status ObjectGround::ground_at(glm::dvec2 position, bool normal, Ground &r_groun
 	return status;
 }
 
+/// As the object gets the position: a float may round up to the far edge.
+bool ObjectGround::within_bounds(glm::dvec2 position) const {
+	const glm::dvec2 asked = glm::dvec2(glm::vec2(in_engine(position))) + glm::dvec2(offset_.x, offset_.z);
+	return limits_.bounds.empty() || (limits_.bounds.contains(position) && limits_.bounds.contains(asked));
+}
+
 Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 	r_height = std::numeric_limits<float>::quiet_NaN();
 	const glm::dvec2 asked = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
-	if (!std::isfinite(asked.x) || !std::isfinite(asked.y) || (map_ && !map_->has_ground(asked))) {
+	const bool known = !map_ || map_->has_ground(asked);
+	if (!std::isfinite(asked.x) || !std::isfinite(asked.y) || !known || !within_bounds(position)) {
 		return {};
 	}
 	Variant result;
@@ -151,6 +160,9 @@ Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 		return {ErrorCode::missing, "number from the height method of ScatterTerrainObject.node", 0.0};
 	}
 	const auto height = static_cast<double>(result);
+	if (limits_.no_ground == static_cast<float>(height)) {
+		return {};
+	}
 	r_height = static_cast<float>((map_ ? map_->height_in_world(height) : height) + offset_.y);
 	return {};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/rect.hpp"
 #include "core/terrain/terrain.hpp"
 #include "nodes/terrain/call_gate.hpp"
 #include "nodes/terrain/terrain_map.hpp"
@@ -12,8 +13,15 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 
 namespace thicket {
+
+/// Where the methods of an object know the ground, for those that return a height everywhere.
+struct GroundLimits {
+	Rect bounds;                    ///< World meters of x and z; empty for none. Half-open, as Rect2.has_point.
+	std::optional<float> no_ground; ///< A height that stands for no ground.
+};
 
 /// Ground from the methods of an object of the engine, whatever its class:
 /// - `get_height(Vector3)` and maybe `get_normal(Vector3)`, of the object itself or of its property `data`, in world
@@ -25,7 +33,7 @@ namespace thicket {
 class ObjectGround : public Terrain {
 public:
 	/// Null if the object has none of these. Looking for them may run scripts of the object, which may free it.
-	static std::shared_ptr<ObjectGround> of(const godot::Variant &p_object);
+	static std::shared_ptr<ObjectGround> of(const godot::Variant &p_object, const GroundLimits &limits);
 
 	/// The same ground in a world in which the engine's origin is at `offset`, in meters: the object stands in the engine's
 	/// space. For each node that uses it there is one.
@@ -61,6 +69,7 @@ private:
 	Status sample_slice(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const;
 	Status ground_at(glm::dvec2 position, bool normal, Ground &r_ground) const;
 	glm::dvec2 in_engine(glm::dvec2 position) const { return position - glm::dvec2(offset_.x, offset_.z); }
+	bool within_bounds(glm::dvec2 position) const;
 	Status height_at(glm::dvec2 position, float &r_height) const;
 	Status slope_by_heights(glm::dvec2 position, Ground &r_ground) const;
 	Status normal_at(glm::dvec2 position, Ground &r_ground) const;
@@ -75,6 +84,7 @@ private:
 	bool has_normal_ = false;
 	bool has_textures_ = false;
 	std::shared_ptr<const TerrainMap> map_;
+	GroundLimits limits_;
 	glm::dvec3 offset_{0.0}; ///< Guarded by gate_; that of a map never changes.
 
 	CallGate gate_; ///< Methods are called inside of it, so that the object stays for so long.

@@ -1,17 +1,26 @@
 #include "nodes/terrain/scatter_terrain_object.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
 using namespace godot;
 
 namespace thicket {
+
+namespace {
+
+/// As far as floats go: raster files mark holes by the lowest of them.
+constexpr double max_no_ground_height = std::numeric_limits<float>::max();
+
+} // namespace
 
 std::shared_ptr<const Terrain> ScatterTerrainObject::make_snapshot(const GroundHost &host) {
 	find();
@@ -86,7 +95,7 @@ ScatterTerrainObject::Found ScatterTerrainObject::look() const {
 		const std::shared_ptr<const GroundCopy> before = copy_; // Scripts that are asked may let go of it.
 		found.attempt = copy_ground(found.target, before.get());
 		if (found.attempt.copy == nullptr) {
-			found.ground = ObjectGround::of(found.target);
+			found.ground = ObjectGround::of(found.target, limits());
 		}
 		found.glance = glance_at(found.target, found.ground == nullptr || found.ground->source() == nullptr);
 	}
@@ -161,8 +170,13 @@ void ScatterTerrainObject::take_copy(const Found &found) {
 	}
 	edited_ = false;
 	edits_.clear();
+	const String plugin(name_of(copy_->plugin()));
 	if (const String remark = copy_->remark(); !remark.is_empty()) {
-		remark_ = vformat("ScatterTerrainObject.node: \"%s\" (%s) %s", node_, String(name_of(copy_->plugin())), remark);
+		remark_ = vformat("ScatterTerrainObject.node: \"%s\" (%s) %s", node_, plugin, remark);
+	} else if (no_ground_enabled_ || !to_core(bounds_).empty()) {
+		remark_ = vformat("ScatterTerrainObject.bounds and no_ground_height have no effect: \"%s\" (%s) tells where "
+		                  "its ground is.",
+				node_, plugin);
 	}
 }
 
@@ -234,6 +248,52 @@ void ScatterTerrainObject::set_thread_safe(bool p_thread_safe) {
 
 bool ScatterTerrainObject::is_thread_safe() const { return thread_safe_; }
 
+GroundLimits ScatterTerrainObject::limits() const {
+	GroundLimits limits;
+	limits.bounds = to_core(bounds_);
+	if (no_ground_enabled_) {
+		limits.no_ground = static_cast<float>(no_ground_height_);
+	}
+	return limits;
+}
+
+void ScatterTerrainObject::set_bounds(const Rect2 &p_bounds) {
+	const Rect bounds = to_core(p_bounds);
+	if (!bounds.finite() || !(p_bounds.size.x >= 0) || !(p_bounds.size.y >= 0)) {
+		ERR_PRINT(vformat(
+				"ScatterTerrainObject.bounds must be finite, with a size of 0 or more, got %s. Set Rect2() for a "
+				"ground without bounds.",
+				p_bounds));
+		return;
+	}
+	if (!(bounds_ == p_bounds)) {
+		bounds_ = p_bounds;
+		change();
+	}
+}
+
+Rect2 ScatterTerrainObject::get_bounds() const { return bounds_; }
+
+void ScatterTerrainObject::set_no_ground_enabled(bool p_enabled) {
+	if (no_ground_enabled_ != p_enabled) {
+		no_ground_enabled_ = p_enabled;
+		change();
+	}
+}
+
+bool ScatterTerrainObject::is_no_ground_enabled() const { return no_ground_enabled_; }
+
+void ScatterTerrainObject::set_no_ground_height(double p_height) {
+	if (accept_number(
+				"ScatterTerrainObject", "no_ground_height", p_height, -max_no_ground_height, max_no_ground_height) &&
+			no_ground_height_ != p_height) {
+		no_ground_height_ = p_height;
+		change();
+	}
+}
+
+double ScatterTerrainObject::get_no_ground_height() const { return no_ground_height_; }
+
 String ScatterTerrainObject::get_recognized() const { return recognized_; }
 
 void ScatterTerrainObject::_bind_methods() {
@@ -242,6 +302,12 @@ void ScatterTerrainObject::_bind_methods() {
 	bind_guarded<&Self::get_node>(D_METHOD("get_node"));
 	bind_guarded<&Self::set_thread_safe>(D_METHOD("set_thread_safe", "thread_safe"));
 	bind_guarded<&Self::is_thread_safe>(D_METHOD("is_thread_safe"));
+	bind_guarded<&Self::set_bounds>(D_METHOD("set_bounds", "bounds"));
+	bind_guarded<&Self::get_bounds>(D_METHOD("get_bounds"));
+	bind_guarded<&Self::set_no_ground_enabled>(D_METHOD("set_no_ground_enabled", "enabled"));
+	bind_guarded<&Self::is_no_ground_enabled>(D_METHOD("is_no_ground_enabled"));
+	bind_guarded<&Self::set_no_ground_height>(D_METHOD("set_no_ground_height", "height"));
+	bind_guarded<&Self::get_no_ground_height>(D_METHOD("get_no_ground_height"));
 	bind_guarded<&Self::get_recognized>(D_METHOD("get_recognized"));
 	bind_guarded<&Self::change>(D_METHOD("_change"));
 	bind_guarded<&Self::poll>(D_METHOD("_poll"));
@@ -259,6 +325,10 @@ void ScatterTerrainObject::_bind_methods() {
 						 PROPERTY_USAGE_EDITOR | PROPERTY_USAGE_READ_ONLY),
 			"", "get_recognized");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "thread_safe"), "set_thread_safe", "is_thread_safe");
+	ADD_PROPERTY(PropertyInfo(Variant::RECT2, "bounds", PROPERTY_HINT_NONE, "suffix:m"), "set_bounds", "get_bounds");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "no_ground_enabled"), "set_no_ground_enabled", "is_no_ground_enabled");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "no_ground_height", PROPERTY_HINT_NONE, "suffix:m"),
+			"set_no_ground_height", "get_no_ground_height");
 }
 
 } // namespace thicket

@@ -38,6 +38,17 @@ public:
 	void set_thread_safe(bool p_thread_safe);
 	bool is_thread_safe() const;
 
+	/// Outside of this rectangle of the world, in meters of x and z, there is no ground, and the node is not called; none for one without an
+	/// area. One that is not finite or of a negative size prints an error and is ignored. Of no account where the ground is copied.
+	void set_bounds(const godot::Rect2 &p_bounds);
+	godot::Rect2 get_bounds() const;
+
+	/// A height that the node returns where it has no ground, as an exact value; finite.
+	void set_no_ground_enabled(bool p_enabled);
+	bool is_no_ground_enabled() const;
+	void set_no_ground_height(double p_height);
+	double get_no_ground_height() const;
+
 	/// What the node was found to be, in words; empty while there is none.
 	godot::String get_recognized() const;
 
@@ -67,6 +78,7 @@ private:
 		std::weak_ptr<ObjectGround> ground;
 	};
 
+	GroundLimits limits() const;
 	void find();
 	Found look() const;
 	void take(const Found &found);
@@ -99,6 +111,9 @@ private:
 
 	godot::NodePath node_;
 	bool thread_safe_ = false;
+	godot::Rect2 bounds_;
+	bool no_ground_enabled_ = false;
+	double no_ground_height_ = 0.0;
 
 	/// The last that could be used: a copy, or an object as of the engine's space, which is closed when its node is gone.
 	std::shared_ptr<const GroundCopy> copy_;
