@@ -9,7 +9,7 @@ const TYPED := ADDON + "editor/"
 const UNTYPED: Dictionary[String, StringName] = {
 	"scatter": &"TerrainScatter3D", "_scatter": &"TerrainScatter3D",
 	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "found": &"ScatterLayer",
-	"model": &"ScatterModel", "built": &"ScatterTile", "_baker": &"ImpostorBaker",
+	"model": &"ScatterModel", "lod": &"ScatterLod", "grid": &"ScatterTileGrid", "built": &"ScatterTile", "_baker": &"ImpostorBaker",
 }
 ## Variables of scripts that hold objects of Terrain3D, or none, though their members have such names.
 const FOREIGN: Dictionary[String, PackedStringArray] = {
@@ -47,8 +47,6 @@ func _initialize() -> void:
 			"compile": _compile(path)
 			"names" when not path.get_file() in UNCHECKED: _check_names(path, _without_comments(FileAccess.get_file_as_string(path)))
 			"renamed": _rename_members(path)
-	if part == "names":
-		_check_looks()
 	print("addon scripts: %d looked at, %d wrong" % [_looked, _wrong])
 	quit()
 
@@ -103,13 +101,6 @@ func _check_untyped(path: String, code: String) -> void:
 		var by_dot := "\\b%s\\.(\\w+)" % variable
 		for found in RegEx.create_from_string(by_name).search_all(code) + RegEx.create_from_string(by_dot).search_all(code):
 			_check(_class_has(UNTYPED[variable], found.get_string(1)), path, "%s has no %s" % [UNTYPED[variable], found.get_string(1)])
-
-
-## Whether a layer has what an import sets of it, by names that it keeps in a list.
-func _check_looks() -> void:
-	var looks: Dictionary[StringName, StringName] = (load(ADDON + "import_instances.gd") as GDScript).get_script_constant_map()["LOOK"]
-	for property: StringName in looks.values():
-		_check(_class_has(&"ScatterLayer", property), "import_instances.gd", "ScatterLayer has no " + property)
 
 
 ## Whether what a variable of a script is declared to be has a member.

@@ -108,7 +108,8 @@ func cancel() -> void:
 ## What is baked of an entry of [member ScatterLayer.meshes]: its finest LOD; null for nothing.
 func _finest(entry: int) -> Mesh:
 	var lods: Array = _layer.call(&"get_mesh_lods", entry)
-	return lods[0].get(&"mesh") if not lods.is_empty() else null
+	var lod: Resource = lods[0] if not lods.is_empty() else null
+	return lod.get(&"mesh") if lod != null else null
 
 
 func _refuse(error: Error, why: String) -> Error:

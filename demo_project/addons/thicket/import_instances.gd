@@ -209,7 +209,8 @@ static func _name_of(mesh: Resource, node: Node) -> String:
 ## What differs from how a mesh is drawn usually.
 static func _look_of(node: GeometryInstance3D) -> Dictionary[StringName, Variant]:
 	var look: Dictionary[StringName, Variant] = {}
-	var properties: Dictionary = (ClassDB.instantiate(&"ScatterLayer") as Resource).call(&"get_geometry_properties")
+	var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
+	var properties: Dictionary = layer.call(&"get_geometry_properties")
 	for own: StringName in properties:
 		var value: Variant = node.get(properties[own])
 		if value != ClassDB.class_get_property_default_value(node.get_class(), properties[own]):

@@ -17,7 +17,7 @@ static func of(layer: ScatterLayer, copies: Dictionary[Resource, Resource], with
 
 ## A name that is not taken: itself, or with a number.
 static func free_name(name: String, taken: PackedStringArray) -> String:
-	return (ClassDB.instantiate(&"ScatterLayer") as Resource).call(&"find_free_name", name, taken)
+	return ScatterLayer.new().find_free_name(name, taken)
 
 
 ## The names of layers; null entries have none.
