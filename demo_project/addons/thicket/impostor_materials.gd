@@ -3,22 +3,14 @@ extends RefCounted
 
 const Parameters := preload("res://addons/thicket/shader_parameters.gd")
 
-# ImpostorBaker's, whose constants are not there while the library is missing.
-const CULL_BACK := 0
-const CULL_FRONT := 1
-const CULL_DISABLED := 2
-const VERTEX_COLOR_UNUSED := 0
-const VERTEX_COLOR_LINEAR := 1
-const VERTEX_COLOR_SRGB := 2
-
 ## What a surface is drawn with.
 class Look:
 	var arrays: Array
 	var albedo := Color.WHITE
 	var texture: Image
 	var alpha_threshold := 0.0
-	var cull_mode := CULL_BACK
-	var vertex_colors := VERTEX_COLOR_UNUSED
+	var cull_mode := 0 # An ImpostorBaker.CullMode.
+	var vertex_colors := 0 # An ImpostorBaker.VertexColorMode.
 	var roughness := 1.0
 	var specular := 0.5
 	var backlight := Color.BLACK
@@ -42,6 +34,8 @@ var _images: Dictionary[Texture2D, Image] = {}
 func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
 	var look := Look.new()
 	look.arrays = arrays
+	look.cull_mode = _constant(&"CULL_BACK")
+	look.vertex_colors = _constant(&"VERTEX_COLOR_UNUSED")
 	var known: Material = stand_ins.get(material, material)
 	if known is BaseMaterial3D:
 		_read_material(known as BaseMaterial3D, look)
@@ -57,10 +51,15 @@ func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
 	return look
 
 
+## One of ImpostorBaker's constants, which cannot be named: the editor compiles this script where the library is missing, too.
+static func _constant(name: StringName) -> int:
+	return ClassDB.class_get_integer_constant(&"ImpostorBaker", name)
+
+
 func _read_material(material: BaseMaterial3D, look: Look) -> void:
 	look.albedo = material.albedo_color
 	look.texture = _image_of(material.albedo_texture, material)
-	look.cull_mode = [CULL_BACK, CULL_FRONT, CULL_DISABLED][material.cull_mode]
+	look.cull_mode = _constant([&"CULL_BACK", &"CULL_FRONT", &"CULL_DISABLED"][material.cull_mode])
 	match material.transparency:
 		BaseMaterial3D.TRANSPARENCY_DISABLED:
 			look.alpha_threshold = 0.0
@@ -69,7 +68,7 @@ func _read_material(material: BaseMaterial3D, look: Look) -> void:
 		_:
 			look.alpha_threshold = HALF
 	if material.vertex_color_use_as_albedo:
-		look.vertex_colors = VERTEX_COLOR_SRGB if material.vertex_color_is_srgb else VERTEX_COLOR_LINEAR
+		look.vertex_colors = _constant(&"VERTEX_COLOR_SRGB" if material.vertex_color_is_srgb else &"VERTEX_COLOR_LINEAR")
 	look.roughness = material.roughness
 	look.specular = material.metallic_specular
 	if material.backlight_enabled:
@@ -99,11 +98,11 @@ func _read_shader(material: ShaderMaterial, look: Look) -> void:
 	elif code.contains("ALPHA") or code.contains("discard"):
 		look.alpha_threshold = HALF
 	if code.contains("cull_disabled"):
-		look.cull_mode = CULL_DISABLED
+		look.cull_mode = _constant(&"CULL_DISABLED")
 	elif code.contains("cull_front"):
-		look.cull_mode = CULL_FRONT
+		look.cull_mode = _constant(&"CULL_FRONT")
 	if look.arrays[Mesh.ARRAY_COLOR] != null and Parameters.has_word(code, "COLOR"):
-		look.vertex_colors = VERTEX_COLOR_LINEAR
+		look.vertex_colors = _constant(&"VERTEX_COLOR_LINEAR")
 	var rough: Variant = Parameters.value_of(material, [&"roughness"], TYPE_FLOAT)
 	look.roughness = clampf(rough, 0.0, 1.0) if rough != null else look.roughness
 	var shine: Variant = Parameters.value_of(material, [&"specular"], TYPE_FLOAT)
