@@ -6,8 +6,7 @@ const Copies := preload("res://addons/thicket/editor/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
 const NewLayers := preload("res://addons/thicket/editor/new_layers.gd")
-## What names a single layer.
-const REFERENCES: Array[StringName] = [&"proximity_layer", &"color_source_layer", &"variation_source_layer"]
+const Names := preload("res://addons/thicket/editor/layer_names.gd")
 
 
 ## Adds a layer for each of these meshes, scenes, models and layers at an index, or where each belongs for -1. Returns the new layers.
@@ -122,7 +121,7 @@ static func _follow_in_layer(layer: ScatterLayer, old: Array[ScatterLayer], new:
 		else:
 			r_told.append("%s keeps no distance to %s any more." % [_title(layer, old), _title_of(key, old)])
 	_change(layer, &"spacing", spacing, followed, undo_redo)
-	for property in REFERENCES:
+	for property in Names.reference_properties():
 		var mentioned: Variant = layer.get(property)
 		var next: Variant = _next(mentioned, old, new)
 		if next == null:

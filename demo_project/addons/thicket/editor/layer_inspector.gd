@@ -7,6 +7,7 @@ const Choice := preload("res://addons/thicket/editor/layer_choice.gd")
 const Choices := preload("res://addons/thicket/editor/layer_choices.gd")
 const Drop := preload("res://addons/thicket/editor/mesh_drop.gd")
 const Impostors := preload("res://addons/thicket/editor/impostor_button.gd")
+const Names := preload("res://addons/thicket/editor/layer_names.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Spacing := preload("res://addons/thicket/editor/spacing_editor.gd")
 
@@ -30,7 +31,7 @@ func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: P
 		_usage: int, _wide: bool) -> bool:
 	var editor: EditorProperty
 	match name:
-		"proximity_layer", "color_source_layer", "variation_source_layer":
+		_ when object is ScatterLayer and name in Names.reference_properties():
 			editor = Choice.new()
 		"spacing":
 			editor = Spacing.new()

@@ -39,6 +39,15 @@ static func others(object: Object, before := false) -> Array[ScatterLayer]:
 	return result
 
 
+## The properties of a layer that name one other layer. They take a layer, a name or an index, and no other property takes values of several types.
+static func reference_properties() -> PackedStringArray:
+	var result := PackedStringArray()
+	for property in ClassDB.class_get_property_list(&"ScatterLayer", true):
+		if property.usage & PROPERTY_USAGE_NIL_IS_VARIANT:
+			result.append(property.name)
+	return result
+
+
 ## What stands for a layer in a property: its name, or the layer itself if it has none.
 static func reference_to(layer: ScatterLayer) -> Variant:
 	return layer.resource_name if layer.resource_name else layer

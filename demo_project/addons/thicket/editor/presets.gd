@@ -3,6 +3,7 @@ extends RefCounted
 ## Layers to start from: copies of those in the scenes of the presets folder.
 
 const Copies := preload("res://addons/thicket/editor/layer_copies.gd")
+const Names := preload("res://addons/thicket/editor/layer_names.gd")
 const FOLDER := "res://addons/thicket/presets/"
 const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
 
@@ -48,7 +49,7 @@ static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray, f
 		for key: Variant in spacing:
 			renamed[_renamed(key, names, first_index)] = spacing[key]
 		layer.spacing = renamed
-		for property: StringName in [&"proximity_layer", &"color_source_layer", &"variation_source_layer"]:
+		for property in Names.reference_properties():
 			layer.set(property, _renamed(layer.get(property), names, first_index))
 
 
