@@ -152,6 +152,7 @@ TEST_CASE("links: by index and by identity, and the larger of what is said twice
 	layers[2].spacing = {{first, 3.0}, {second, 1.0}};
 	CHECK(linked(layers)[2]->neighbors.size() == 1); // Proximity alone.
 	CHECK(problems(layers, 2, "which is not in the list") == 2);
+	CHECK(problems(layers, 2, "Layers of different TerrainScatter3D nodes cannot refer to each other") == 2);
 	second.index = 2;
 	layers[2].spacing = {{second, 1.0}};
 	CHECK(problems(layers, 2, "the layer itself") == 1);

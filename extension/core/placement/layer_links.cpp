@@ -89,9 +89,11 @@ std::string quoted(const LayerReference &reference) {
 	return reference.index >= 0 ? "layer " + std::to_string(reference.index) : "a layer without a name";
 }
 
-/// Why the reference means no layer.
-std::string_view nobody(const LayerReference &reference) {
-	return reference.name.empty() ? ", which is not in the list." : ", and no layer has that name.";
+/// Why the reference means no layer. Users try it with layers of a second node.
+std::string nobody(const LayerReference &reference) {
+	return std::string(reference.name.empty() ? ", which is not in the list of this node. "
+											  : ", and no layer has that name in this node. ") +
+			"Layers of different TerrainScatter3D nodes cannot refer to each other: move both layers into one node.";
 }
 
 } // namespace
