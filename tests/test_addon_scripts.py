@@ -13,7 +13,7 @@ from test_editor import complaints, link_library, new_plain_project
 # Members that the declared type of a variable does not have are errors, in scripts that know the library's types.
 STRICT = """
 [debug]
-gdscript/warnings/directory_rules={"res://": 0, "res://addons/thicket/editor": 1}
+gdscript/warnings/directory_rules={"res://": 0, "res://addons/thicket/editor": 1, "res://addons/thicket/baking": 1}
 gdscript/warnings/unsafe_property_access=2
 gdscript/warnings/unsafe_method_access=2
 """
@@ -75,8 +75,9 @@ def test_faults_are_noticed(godot, tmp_path, fault):
     (addon / "editor").mkdir(parents=True)
     (tmp_path / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Fault"\n' + STRICT)
     link_library(tmp_path)
-    shutil.copy(REPO / "demo_project/addons/thicket/import_instances.gd", addon)
-    shutil.copy(REPO / "demo_project/addons/thicket/transform_table.gd", addon)
+    (addon / "editor/.gdignore").touch()
+    shutil.copytree(REPO / "demo_project/addons/thicket/baking", addon / "baking")
+    shutil.copy(REPO / "demo_project/addons/thicket/library_gate.gd", addon)
     (addon / "editor/faulty.gd").write_text("extends RefCounted\n\n\n" + source)
     found = {part for part in ("compile", "names", "renamed") if check(godot, tmp_path, part)[0]}
     assert found & finders == finders and bool(found) == bool(finders), found

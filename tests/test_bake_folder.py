@@ -3,6 +3,7 @@ changed on the way."""
 
 from __future__ import annotations
 
+import re
 import resource
 import shutil
 import signal
@@ -214,3 +215,13 @@ def test_what_the_folder_says_cannot_be_asked_for(made, tmp_path):
     (spoiled / tile_folder.WORLD).write_text("{")
     refused = bake_of(spoiled, tmp_path / "out")
     assert refused.code == 2 and "world.json cannot be read" in refused.said and "Traceback" not in refused.said, refused.said
+
+
+def test_without_the_library_it_says_what_is_missing(godot, tmp_path):
+    """As on a machine that the library is not built for: one sentence with the remedy, and no error of a script."""
+    addon = tmp_path / "addons/thicket"
+    shutil.copytree(REPO / "demo_project/addons/thicket", addon, ignore=shutil.ignore_patterns("bin", "*.gdextension*"))
+    (tmp_path / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Plain"\n')
+    done = godot(["--path", tmp_path, "--script", "res://addons/thicket/bake_world.gd", "--", "scene=res://world.tscn", "out=/nowhere"])
+    assert done.returncode == 2 and "ERROR" not in done.stderr, done.stderr
+    assert re.search(r"^bake_world: .*no native library .*addons/thicket/bin", done.stderr, re.MULTILINE), done.stderr

@@ -1,7 +1,7 @@
 extends SceneTree
 ## Prints how the add-on divides rectangles into tiles. Arguments: for each case a rectangle, a size of tiles and one of a layer's tiles, as an array in JSON.
 
-const BakeGrid := preload("res://addons/thicket/bake_grid.gd")
+const BakeGrid := preload("res://addons/thicket/baking/bake_grid.gd")
 
 
 func _initialize() -> void:

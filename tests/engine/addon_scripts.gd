@@ -3,31 +3,31 @@ extends SceneTree
 ## `compile`, `names` or `renamed`. Prints a line that begins with "WRONG" for each find, and at last "addon scripts: N looked at, M wrong".
 
 const ADDON := "res://addons/thicket/"
-## Scripts behind the gate name the library's classes as types.
-const TYPED := ADDON + "editor/"
+const GATE := ADDON + "library_gate.gd"
 ## What variables of other scripts hold: these must compile without the library, so they reach its objects by names, and only through these.
 const UNTYPED: Dictionary[String, StringName] = {
 	"scatter": &"TerrainScatter3D", "_scatter": &"TerrainScatter3D",
 	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "found": &"ScatterLayer",
-	"model": &"ScatterModel", "lod": &"ScatterLod", "grid": &"ScatterTileGrid", "built": &"ScatterTile", "_baker": &"ImpostorBaker",
+	"model": &"ScatterModel", "built": &"ScatterTile", "grid": &"ScatterTileGrid", "lod": &"ScatterLod",
+	"_baker": &"ImpostorBaker",
 }
 ## Variables of scripts that hold objects of Terrain3D, or none, though their members have such names.
 const FOREIGN: Dictionary[String, PackedStringArray] = {
 	"import_instances.gd": ["node", "terrain", "data", "region", "asset", "Object", "look"],
 }
-## Scripts of bakes, which are yet to get types.
-const UNCHECKED: PackedStringArray = ["bake.gd", "bake_to_folder.gd", "bake_world.gd", "model_files.gd", "scene_description.gd",
-	"scene_digest.gd"]
+## Names by which scripts behind the gate reach what not every object has: where a terrain of any class lies, the curve of a path.
+const DYNAMIC: Dictionary[String, PackedStringArray] = {"scene_description.gd": ["rect"], "scene_digest.gd": ["curve"]}
 ## Calls that take the name of a member.
-const BY_NAME := "(\\w+|\\])\\)?\\.(?:[gs]et(?:_deferred|_indexed)?|callv?(?:_deferred)?|has_(?:method|signal)|(?:dis)?connect|emit_signal)\\(&?\"(\\w+)\""
+const BY_NAME := "(\\w+|\\])\\)?\\.(?:[gs]et(?:_deferred|_indexed)?|callv?(?:_deferred)?|has_(?:method|signal)|(?:dis)?connect|emit_signal)" \
+		+ "\\(&?\"(\\w+)\""
 const UNDO := "add_(?:do|undo)_(property|method)\\((\\w+), &\"(\\w+)\""
 const STRING_NAME := "&\"([a-z_]\\w*)\""
 const CLASS_NAME := "\"((?:TerrainScatter3D|Scatter|Poisson|Impostor)[A-Z]\\w*|TerrainScatter3D)\""
 const MEMBER := "\\.([a-z_]\\w*)\\b"
 const NO_CLASSES: PackedStringArray = ["ScatterOutput"] ## A node of ProtonScatter.
-## Names that are no members: of metadata, of the theme, of marks on layers.
+## Names that are no members of a class: of metadata, of the theme, of marks on layers, and of a script.
 const WORDS: PackedStringArray = ["icon", "index", "hidden", "locked", "color", "source", "mono_font", "prop_subsection", "font_color",
-	"h_separation"]
+	"h_separation", "script"]
 
 var _own: Dictionary[String, bool] = {} ## The members of the library's classes.
 var _looked := 0
@@ -45,8 +45,11 @@ func _initialize() -> void:
 	for path in _scripts(ADDON):
 		match part:
 			"compile": _compile(path)
-			"names" when not path.get_file() in UNCHECKED: _check_names(path, _without_comments(FileAccess.get_file_as_string(path)))
+			"names": _check_names(path, _without_comments(FileAccess.get_file_as_string(path)))
 			"renamed": _rename_members(path)
+	if part == "names":
+		for folder in _typed_folders():
+			_check(FileAccess.file_exists(ADDON + folder + "/.gdignore"), folder, "the editor indexes it")
 	print("addon scripts: %d looked at, %d wrong" % [_looked, _wrong])
 	quit()
 
@@ -59,6 +62,15 @@ func _scripts(folder: String) -> PackedStringArray:
 	for inner in DirAccess.get_directories_at(folder):
 		result.append_array(_scripts(folder + inner + "/"))
 	return result
+
+
+## Whether a script is behind the gate, and so names the library's classes as types.
+static func _is_typed(path: String) -> bool:
+	return _typed_folders().has(path.trim_prefix(ADDON).get_base_dir())
+
+
+static func _typed_folders() -> PackedStringArray:
+	return (load(GATE) as GDScript).get_script_constant_map()["TYPED"]
 
 
 func _compile(path: String) -> void:
@@ -74,20 +86,22 @@ func _check_names(path: String, code: String) -> void:
 		seen[found.get_start(2)] = true
 		if found.get_string(1) == "EditorInterface": # Its methods differ between versions of the engine.
 			_check(ClassDB.class_has_method(&"EditorInterface", found.get_string(2)), path, "EditorInterface has no " + found.get_string(2))
-		elif path.begins_with(TYPED):
-			_check(not _own.has(found.get_string(2)) and code[found.get_start(2) - 2] != "&", path,
-					"%s is reached by its name: use its type" % found.get_string(2))
+		elif _is_typed(path):
+			var name := found.get_string(2)
+			_check(_is_dictionary(code, found.get_string(1)) or name in DYNAMIC.get(path.get_file(), []) or not _own.has(name)
+					and code[found.get_start(2) - 2] != "&", path, "%s is reached by its name: use its type" % name)
 		elif not found.get_string(1) in UNTYPED:
 			_check(not _own.has(found.get_string(2)) or found.get_string(1) in FOREIGN.get(path.get_file(), []), path,
 					"what does %s hold, whose %s is reached by its name?" % [found.get_string(1), found.get_string(2)])
 	for found in RegEx.create_from_string(UNDO).search_all(code):
 		seen[found.get_start(3)] = true
 		_check(_has_member(code, found.get_string(2), found.get_string(3)), path, "%s has no %s" % [found.get_string(2), found.get_string(3)])
-	if path.begins_with(TYPED):
+	if _is_typed(path):
 		for found in RegEx.create_from_string(STRING_NAME).search_all(code):
 			var name := found.get_string(1)
 			_check(seen.has(found.get_start(1)) or _own.has(name) or name in WORDS or _has_function(code, name)
-					or ClassDB.class_has_method(&"EditorUndoRedoManager", name), path, "%s is no member of a class of the library" % name)
+					or _class_has(&"Resource", name) or ClassDB.class_has_method(&"EditorUndoRedoManager", name), path,
+					"%s is no member of a class of the library" % name)
 	else:
 		_check_untyped(path, code)
 	for found in RegEx.create_from_string(CLASS_NAME).search_all(code):
@@ -101,6 +115,11 @@ func _check_untyped(path: String, code: String) -> void:
 		var by_dot := "\\b%s\\.(\\w+)" % variable
 		for found in RegEx.create_from_string(by_name).search_all(code) + RegEx.create_from_string(by_dot).search_all(code):
 			_check(_class_has(UNTYPED[variable], found.get_string(1)), path, "%s has no %s" % [UNTYPED[variable], found.get_string(1)])
+
+
+## Whether a variable of a script holds a dictionary, or the name is that of a cast to one.
+static func _is_dictionary(code: String, variable: String) -> bool:
+	return variable == "Dictionary" or RegEx.create_from_string("\\b%s: Dictionary\\b" % variable).search(code) != null
 
 
 ## Whether what a variable of a script is declared to be has a member.
@@ -130,7 +149,7 @@ static func _has_function(code: String, name: String) -> bool:
 
 ## Gives each use of a member of the library another name, one at a time, and compiles: what compiles still would fail only when it runs.
 func _rename_members(path: String) -> void:
-	if not path.begins_with(TYPED):
+	if not _is_typed(path):
 		return
 	var source := FileAccess.get_file_as_string(path)
 	for found in RegEx.create_from_string(MEMBER).search_all(_without_strings(_without_comments(source))):
@@ -138,7 +157,7 @@ func _rename_members(path: String) -> void:
 			_looked += 1
 			var script := GDScript.new()
 			script.source_code = source.insert(found.get_end(), "_renamed")
-			script.take_over_path(TYPED + "renamed_%d.gd" % _looked) # Rules for warnings go by the path.
+			script.take_over_path(path.get_base_dir() + "/renamed_%d.gd" % _looked) # Rules for warnings go by the path.
 			var line := source.count("\n", 0, found.get_start()) + 1
 			_check(script.reload() != OK, path, "line %d compiles though %s has another name" % [line, found.get_string(1)])
 

@@ -1,7 +1,7 @@
 extends "models_harness.gd"
 ## The levels of detail that bakes and their readers find are those that the extension draws.
 
-const ModelFiles := preload("res://addons/thicket/model_files.gd")
+const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
 const ReadModels := preload("../../tools/bake/reading/scripts/read_models.gd")
 
 ## Names of two parts, the first of which is finer.

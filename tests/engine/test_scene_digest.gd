@@ -1,7 +1,7 @@
 extends "harness.gd"
 ## Which changes of a scene a bake notices: those that instances follow from, and no others.
 
-const SceneDigest := preload("res://addons/thicket/scene_digest.gd")
+const SceneDigest := preload("res://addons/thicket/baking/scene_digest.gd")
 
 const RECT := Rect2(-32.0, -32.0, 64.0, 64.0)
 ## Stored properties that are the engine's, not a layer's.

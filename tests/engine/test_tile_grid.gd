@@ -2,7 +2,7 @@ extends "harness.gd"
 ## Where tiles lie, as scripts ask the extension; and what divides a world by that: bakes, and parts of tiles.
 
 const Bake := preload("res://addons/thicket/bake.gd")
-const BakeGrid := preload("res://addons/thicket/bake_grid.gd")
+const BakeGrid := preload("res://addons/thicket/baking/bake_grid.gd")
 
 
 func grid_of(size: float) -> ScatterTileGrid:

@@ -119,9 +119,10 @@ func _list_tiles(chosen: PackedInt32Array) -> Error:
 	var grid := ClassDB.instantiate(&"ScatterTileGrid") as RefCounted
 	var layers: Array = _scatter.get(&"layers")
 	for index in layers.size():
-		if layers[index] == null or not (chosen.is_empty() or chosen.has(index)):
+		var layer: Resource = layers[index]
+		if layer == null or not (chosen.is_empty() or chosen.has(index)):
 			continue
-		grid.set(&"tile_size", layers[index].get(&"tile_size"))
+		grid.set(&"tile_size", layer.get(&"tile_size"))
 		var touched: Rect2i = grid.call(&"get_tiles_in", bounds)
 		if not touched.has_area():
 			return _refuse(ERR_PARAMETER_RANGE_ERROR, "The rectangle is too far from the origin for the tiles of layer %d." % index)

@@ -32,7 +32,7 @@ func _process(delta: float) -> void:
 
 func _open() -> void:
 	_tried = LibraryGate.is_open()
-	var script := LibraryGate.load_script("workspace.gd")
+	var script := LibraryGate.load_script("editor/workspace.gd")
 	if script != null:
 		workspace = script.new(self)
 	else:

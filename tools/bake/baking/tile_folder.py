@@ -1,4 +1,4 @@
-"""Tiles that an engine has made into a folder, on a machine without a driver: see demo_project/addons/thicket/bake_to_folder.gd for what
+"""Tiles that an engine has made into a folder, on a machine without a driver: see demo_project/addons/thicket/baking/bake_to_folder.gd for what
 lies there. In place of the engine itself."""
 
 from __future__ import annotations

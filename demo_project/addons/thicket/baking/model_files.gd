@@ -38,7 +38,7 @@ func _model(model: Resource, layer: int, entry: int) -> Dictionary:
 	var path := _own_path(scene if scene != null else model)
 	var name := _name_of(model, path)
 	if not path and not lods.is_empty():
-		path = lods[0].path
+		path = lods[0]["path"]
 	return {"path": path, "name": name, "lods": lods}
 
 

@@ -1,8 +1,8 @@
 extends RefCounted
 ## What is baked of a scene: its layers, the rectangle and its tiles.
 
-const SceneDigest := preload("res://addons/thicket/scene_digest.gd")
-const BakeGrid := preload("res://addons/thicket/bake_grid.gd")
+const SceneDigest := preload("res://addons/thicket/baking/scene_digest.gd")
+const BakeGrid := preload("res://addons/thicket/baking/bake_grid.gd")
 
 ## Why nothing can be baked, in a sentence; empty if nothing is wrong.
 var problem := ""
@@ -21,15 +21,16 @@ var _layers := PackedStringArray() # Names or indices; none for all.
 ## empty is chosen by [method describe]. Sets [member problem] for a text without sense.
 func _init(asked: Dictionary) -> void:
 	if asked.get("rect"):
-		_rect = numbers_in(asked.rect, ",")
+		_rect = numbers_in(asked["rect"], ",")
 		if _rect.size() != 4 or _rect[2] <= 0.0 or _rect[3] <= 0.0 or _rect.any(func(number: float) -> bool: return absf(number) >= 1e12):
-			problem = "rect is '%s', and has to be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0." % asked.rect
+			problem = "rect is '%s', and has to be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0." % asked["rect"]
 	if asked.get("tile_size"):
-		var text: String = asked.tile_size
+		var text: String = asked["tile_size"]
 		_tile_size = text.to_float() if text.is_valid_float() else 0.0
 		if not (_tile_size >= 1.0 and _tile_size <= 1e6):
 			problem = "tile_size is '%s', and has to be from 1 to 1000000 meters." % text
-	for layer: String in asked.get("layers", "").split(",", false):
+	var layers: String = asked.get("layers", "")
+	for layer in layers.split(",", false):
 		_layers.append(layer.strip_edges())
 
 
@@ -46,8 +47,10 @@ func describe(scatter: TerrainScatter3D) -> bool:
 	var layers := _chosen(_layers_of(scatter))
 	var terrain_rect: Variant = scatter.terrain.get(&"rect") # Not every terrain has one.
 	var rect := _rect
-	if rect.is_empty() and terrain_rect is Rect2 and terrain_rect.has_area():
-		rect = [terrain_rect.position.x, terrain_rect.position.y, terrain_rect.size.x, terrain_rect.size.y]
+	if rect.is_empty() and terrain_rect is Rect2:
+		var ground: Rect2 = terrain_rect
+		if ground.has_area():
+			rect = [ground.position.x, ground.position.y, ground.size.x, ground.size.y]
 	if not problem and rect.is_empty():
 		problem = "The terrain does not say where it lies: give a rect, X,Z,WIDTH,DEPTH in meters."
 	if problem:
@@ -69,7 +72,7 @@ static func _fitting_size(scatter: TerrainScatter3D, rect: Array, layers: Array[
 	var sizes := PackedFloat64Array()
 	var density := 0.0
 	for layer in layers:
-		sizes.append(layer.tile_size)
+		sizes.append(layer["tile_size"])
 		density += scatter.get_layer(layer.index).get_point_density()
 	return BakeGrid.default_size(rect, sizes, density)
 

@@ -99,20 +99,21 @@ func _add_object(object: Object) -> void:
 	_seen[object] = _seen.size()
 	_add_plain(object.get_class())
 	if object is Resource:
-		var path: String = object.resource_path
+		var path := (object as Resource).resource_path
 		_add_plain(path.get_slice("::", 0) if path.begins_with("res://") else "")
 		if LOOKS.any(func(kind: StringName) -> bool: return object.is_class(kind)):
 			return
 		if not "::" in path:
 			_add_file(path)
 	if object is Image:
-		_add_plain([object.get_format(), object.get_size()])
-		_hashing.update(object.get_data())
+		var image := object as Image
+		_add_plain([image.get_format(), image.get_size()])
+		_hashing.update(image.get_data())
 		return
 	if object is Texture2D and not object.get_class() == "NoiseTexture2D":
-		_add(object.get_image())
+		_add((object as Texture2D).get_image())
 	if object is Node3D:
-		_add_plain(object.global_transform)
+		_add_plain((object as Node3D).global_transform)
 		_add(object.get(&"curve"))
 		if not object is ScatterRegion3D:
 			return
@@ -122,7 +123,7 @@ func _add_object(object: Object) -> void:
 			_add_plain(property.name)
 			_add(object.get(property.name))
 			if object is Node and property.type == TYPE_NODE_PATH: # The path that a region follows.
-				_add_object(object.get_node_or_null(object.get(property.name)))
+				_add_object((object as Node).get_node_or_null(object.get(property.name)))
 
 
 func _is_left_out(object: Object, property: StringName) -> bool:

@@ -38,7 +38,7 @@ func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 	_edges_z = _edges(grid, tiles.position.y, tiles.size.y, rect[1], rect[1] + rect[3], 1)
 	for layer in layers:
 		var of_layer := ScatterTileGrid.new()
-		of_layer.tile_size = layer.tile_size
+		of_layer.tile_size = layer["tile_size"]
 		_layers.append(layer)
 		_grids.append(of_layer)
 

@@ -11,8 +11,8 @@ extends RefCounted
 ##
 ## Files come into their places whole. What is there and whole is not made again.
 
-const SceneDescription := preload("res://addons/thicket/scene_description.gd")
-const ModelFiles := preload("res://addons/thicket/model_files.gd")
+const SceneDescription := preload("res://addons/thicket/baking/scene_description.gd")
+const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
 
 const WORLD := "world.json"
 const PART := ".part"
@@ -84,7 +84,7 @@ func _describe(scatter: TerrainScatter3D, scene: String) -> bool:
 		problem = _described.problem
 		return false
 	_world = _described.values
-	_world.scene = scene
+	_world["scene"] = scene
 	for warning: String in _world.problems:
 		print("bake_world: the scene warns: ", warning)
 	var first := _described.grid.tiles.position
@@ -111,7 +111,7 @@ func _go_on() -> bool:
 		return true
 	var now: Dictionary = _as_json(_world)
 	for world: Dictionary in [before, now]:
-		world.layers = _indices(world.layers)
+		world["layers"] = _indices(world["layers"])
 	for key in SAME:
 		if before[key] != now[key]:
 			problem = "%s holds tiles of another bake, in which %s. Take another folder, or remove what lies in this one." % [
@@ -137,7 +137,7 @@ static func _parsed(bytes: PackedByteArray) -> Dictionary:
 ## Writes the models and the description.
 func _begin(scatter: TerrainScatter3D) -> bool:
 	var models: Array[Dictionary] = []
-	for layer: Dictionary in _world.layers:
+	for layer: Dictionary in _world["layers"]:
 		var files := ModelFiles.new(scatter.get_layer(layer.index), layer.index)
 		problem = problem if problem else files.problem
 		models.append({"index": layer.index, "models": files.models, "material": files.material})
@@ -165,8 +165,8 @@ func _make_tile(scatter: TerrainScatter3D, tile: Vector2i) -> void:
 	var path := _out.path_join("tiles/tile_%d_%d.rows" % [tile.x, tile.y])
 	var header := {
 		"tile": "%d,%d" % [tile.x, tile.y], "sha256": "0".repeat(64), "bytes": 0,
-		"of": {"scene_digest": _world.scene_digest, "rect": _world.rect, "tile_size": _world.tile_size,
-			"layers": _indices(_world.layers)},
+		"of": {"scene_digest": _world["scene_digest"], "rect": _world["rect"], "tile_size": _world["tile_size"],
+			"layers": _indices(_world["layers"])},
 	}
 	if _is_whole(path, header):
 		_counts.kept += 1
@@ -256,10 +256,10 @@ static func message(header: Dictionary) -> PackedByteArray:
 
 ## The rows of a tile of the game; none where it cannot be made, which the engine has printed.
 static func rows_of(scatter: TerrainScatter3D, part: Dictionary) -> PackedByteArray:
-	var built := scatter.build_tile(part.layer, Vector2i(part.x, part.y))
+	var built := scatter.build_tile(part["layer"], Vector2i(part["x"], part["y"]))
 	return built.get_rows() if built.get_mesh_count() > 0 else PackedByteArray()
 
 
 ## Why a tile has no rows.
 static func cannot_make(part: Dictionary) -> String:
-	return "Tile %d, %d of layer %d cannot be made; what the engine printed says why." % [part.x, part.y, part.layer]
+	return "Tile %d, %d of layer %d cannot be made; what the engine printed says why." % [part["x"], part["y"], part["layer"]]

@@ -1,0 +1,218 @@
+extends RefCounted
+## Makes tiles of a scene's [TerrainScatter3D], into a folder or for a driver in another program: the work of [code]bake_world.gd[/code].
+## [constant USAGE] lists its arguments. [code]bake_to_folder.gd[/code] describes the folder, of which [code]bake.sh[/code] in Thicket's
+## repository makes a bake. That script is a driver, too, and starts as many engines as it needs.
+##
+## For a driver it connects to the port of this machine, sends the token, and then answers until the connection ends, with which it ends
+## too. A message is a JSON object behind its length, 32 bits, little-endian; [code]bytes[/code] of an answer is the number of bytes that
+## follow it. A request has [code]do[/code]:
+## - [code]describe[/code]: what [code]scene_description.gd[/code] says of the scene for a [code]rect[/code], a [code]tile_size[/code] and
+##   [code]layers[/code], each a text as above; without one, it is chosen;
+## - [code]models[/code]: for each of [code]layers[/code] an answer with what its instances look like, each after the files of what has no
+##   file in the project; the last answer is [code]{"end": true}[/code];
+## - [code]rows[/code]: for each part of [code]tile[/code], an array of column and row, an answer that says which it is, as
+##   [code]bake_grid.gd[/code] does, with what [method ScatterTile.get_rows] returns; the last answer is [code]{"end": true}[/code].
+## A refusal has [code]error[/code], a sentence.
+##
+## Baked is the scene as it is once its ground is there: with the state that the scatter has then, and before any frame after that.
+
+const BakeToFolder := preload("res://addons/thicket/baking/bake_to_folder.gd")
+const SceneDescription := preload("res://addons/thicket/baking/scene_description.gd")
+const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
+
+const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of which bake.sh makes a bake on any machine. What is there is not made again.
+  godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn out=/FOLDER [ARGUMENT=VALUE ...]
+    scene=res://...              the scene
+    out=/FOLDER                  the folder, with its whole path
+    rect=X,Z,WIDTH,DEPTH         what to make, in meters; else all of the terrain
+    tile_size=METERS             else one that fits the layers
+    layers=NAME,NAME             names or indices; else all
+    tiles='I,J I,J'              these tiles alone; else all of the rectangle
+    share=K/N                    of N shares of the tiles the K-th: for N of these at a time, each with another K
+    node=PATH                    the TerrainScatter3D, where the scene has several
+    wait=SECONDS                 for the scene's ground to be there (120)
+Ends with 0 if all tiles are there that were asked for, 1 if some are not, 2 if it could not begin.
+For a driver, in place of out and what follows it: connect=PORT and token=WORD."""
+const FOR_ALL: Array[String] = ["scene", "node", "wait"]
+const FOR_FOLDER: Array[String] = ["out", "rect", "tile_size", "layers", "tiles", "share"]
+const FOR_DRIVER: Array[String] = ["connect", "token"]
+
+var _tree: SceneTree
+var _peer := StreamPeerTCP.new()
+var _scatter: TerrainScatter3D
+var _described: SceneDescription
+var _arguments: Dictionary[String, String] = {}
+
+
+## Takes the arguments from the command line.
+func _init(tree: SceneTree) -> void:
+	_tree = tree
+	for argument in OS.get_cmdline_user_args():
+		var parts := argument.split("=", true, 1)
+		_arguments[parts[0]] = parts[1] if parts.size() > 1 else ""
+
+
+## Makes all that was requested, over many frames, and ends the program.
+func run() -> void:
+	var wrong := _what_is_wrong()
+	var folder := BakeToFolder.new(_arguments) if not wrong and _arguments.has("out") else null
+	if folder != null:
+		wrong = folder.problem
+	elif not wrong and not await _connect():
+		wrong = "connect is '%s', and nobody listens at this port of this machine." % _arguments.connect
+	var problem: String = await _open_scene() if not wrong else ""
+	if folder != null and problem:
+		wrong = problem
+	if wrong:
+		printerr("bake_world: ", wrong)
+		_tree.quit(2)
+		return
+	# From here on no frame passes, so that the scene stays as it is; in a physics frame, so that ground may be asked for by rays.
+	await _tree.physics_frame
+	if folder != null:
+		_tree.quit(folder.make(_scatter, _arguments["scene"]))
+		return
+	while _answer(problem):
+		pass
+	_tree.quit()
+
+
+## What is wrong with the arguments, in a sentence.
+func _what_is_wrong() -> String:
+	if not (_arguments.has("out") or _arguments.has("connect")):
+		return "out is missing.\n" + USAGE
+	var known := FOR_ALL + (FOR_FOLDER if _arguments.has("out") else FOR_DRIVER)
+	for name in _arguments:
+		if not name in known:
+			return "%s is '%s', and is nothing that can be given here. That are: %s." % [name, _arguments[name], ", ".join(known)]
+	if _arguments.has("wait") and not _arguments["wait"].is_valid_float():
+		return "wait is '%s', and has to be a number of seconds." % _arguments["wait"]
+	return ""
+
+
+func _connect() -> bool:
+	if _peer.connect_to_host("127.0.0.1", int(_arguments.get("connect", "0"))) != OK:
+		return false
+	while _peer.get_status() == StreamPeerTCP.STATUS_CONNECTING:
+		await _tree.process_frame
+		_peer.poll()
+	if _peer.get_status() != StreamPeerTCP.STATUS_CONNECTED:
+		return false
+	_peer.set_no_delay(true)
+	return _send({"token": _arguments.get("token", "")})
+
+
+## Loads the scene and waits for its ground. Returns what is wrong, in a sentence; nothing if all is there.
+func _open_scene() -> String:
+	var path: String = _arguments.get("scene", "")
+	if not ResourceLoader.exists(path, "PackedScene"):
+		return "There is no scene '%s'." % path
+	var packed := load(path) as PackedScene
+	var scene := packed.instantiate() if packed != null else null
+	if scene == null:
+		return "The scene %s cannot be loaded." % path
+	_find_scatter(scene)
+	_tree.root.add_child(scene)
+	_tree.current_scene = scene
+	var deadline := Time.get_ticks_msec() + int(1000.0 * float(_arguments.get("wait", "120")))
+	var missing := "is no TerrainScatter3D"
+	var frames := 0
+	while frames < 3 or missing:
+		await _tree.process_frame
+		frames += 1
+		var several := _find_scatter(scene)
+		if several:
+			return several
+		missing = _what_is_missing()
+		if missing and Time.get_ticks_msec() > deadline:
+			return "In the scene %s there %s after %s s." % [path, missing, _arguments.get("wait", "120")]
+	return ""
+
+
+## Looks for the scatter, and lets it stream no more than the tile that it is in. Returns what is wrong, if more than one could be meant.
+func _find_scatter(scene: Node) -> String:
+	if _scatter != null:
+		return ""
+	var found: Array[Node] = []
+	if _arguments.has("node"):
+		found = [scene.get_node_or_null(_arguments["node"])]
+	else:
+		found = scene.find_children("*", "TerrainScatter3D", true, false)
+		if scene is TerrainScatter3D:
+			found.push_front(scene)
+	if found.size() > 1:
+		var paths := found.map(func(node: Node) -> String: return str(scene.get_path_to(node)))
+		return "The scene has several TerrainScatter3D: choose one by its path (--node, or node), of %s." % ", ".join(paths)
+	if found.size() == 1 and found[0] is TerrainScatter3D:
+		_scatter = found[0]
+		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # A game may begin with a pause.
+		_scatter.viewers = [^"."] as Array[NodePath]
+		_scatter.viewer_distance_scales = PackedFloat32Array([0.0])
+		_scatter.interaction_group = &""
+	return ""
+
+
+func _what_is_missing() -> String:
+	if _scatter == null:
+		return "is no TerrainScatter3D"
+	if _scatter.terrain == null:
+		return "is no terrain"
+	if not _scatter.is_settled():
+		return "is a scatter that still waits for its ground"
+	return ""
+
+
+func _send(header: Dictionary, payload := PackedByteArray()) -> bool:
+	header["bytes"] = payload.size()
+	return _peer.put_data(BakeToFolder.message(header)) == OK and (payload.is_empty() or _peer.put_data(payload) == OK)
+
+
+## Waits for the next message and answers it. Returns false when the connection has ended.
+func _answer(problem: String) -> bool:
+	var length := _peer.get_data(4)
+	if length[0] != OK:
+		return false
+	var text := _peer.get_data((length[1] as PackedByteArray).decode_u32(0))
+	if text[0] != OK:
+		return false
+	var message: Variant = JSON.parse_string((text[1] as PackedByteArray).get_string_from_utf8())
+	if problem:
+		return _send({"error": problem})
+	match (message as Dictionary).get("do") if message is Dictionary else null:
+		"describe":
+			return _send_description(message)
+		"models":
+			return _send_models(message["layers"])
+		"rows":
+			return _send_rows(message.tile)
+	return _send({"error": "'%s' cannot be asked for." % message})
+
+
+func _send_description(asked: Dictionary) -> bool:
+	_described = SceneDescription.new(asked)
+	var fine := _described.problem.is_empty() and _described.describe(_scatter)
+	return _send(_described.values if fine else {"error": _described.problem})
+
+
+## Of a tile of what was described last.
+func _send_rows(tile: Array) -> bool:
+	if _described == null or _described.grid == null or _described.problem:
+		return _send({"error": "Rows can be asked for once a description was."})
+	for part in _described.grid.parts_of(Vector2i(int(tile[0]), int(tile[1]))):
+		var rows := BakeToFolder.rows_of(_scatter, part)
+		if rows.is_empty():
+			return _send({"error": BakeToFolder.cannot_make(part)})
+		if not _send(part, rows):
+			return false
+	return _send({"end": true})
+
+
+func _send_models(layers: Array) -> bool:
+	for index: float in layers:
+		var files := ModelFiles.new(_scatter.get_layer(int(index)), int(index))
+		for file in files.written:
+			if not _send({"file": file}, files.written[file]):
+				return false
+		if not _send({"error": files.problem} if files.problem else {"index": int(index), "models": files.models, "material": files.material}):
+			return false
+	return _send({"end": true})
