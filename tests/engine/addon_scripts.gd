@@ -22,6 +22,7 @@ const BY_NAME := "(\\w+|\\])\\)?\\.(?:[gs]et(?:_deferred|_indexed)?|callv?(?:_de
 		+ "\\(&?\"(\\w+)\""
 const UNDO := "add_(?:do|undo)_(property|method)\\((\\w+), &\"(\\w+)\""
 const STRING_NAME := "&\"([a-z_]\\w*)\""
+const CONSTANT := "&\"([A-Z][A-Z0-9_]+)\""
 const CLASS_NAME := "\"((?:TerrainScatter3D|Scatter|Poisson|Impostor)[A-Z]\\w*|TerrainScatter3D)\""
 const MEMBER := "\\.([a-z_]\\w*)\\b"
 const NO_CLASSES: PackedStringArray = ["ScatterOutput"] ## A node of ProtonScatter.
@@ -30,6 +31,7 @@ const WORDS: PackedStringArray = ["icon", "index", "hidden", "locked", "color", 
 	"h_separation", "script"]
 
 var _own: Dictionary[String, bool] = {} ## The members of the library's classes.
+var _constants: Dictionary[String, bool] = {}
 var _looked := 0
 var _wrong := 0
 
@@ -41,6 +43,8 @@ func _initialize() -> void:
 					ClassDB.class_get_signal_list(type, true)]:
 				for member in list:
 					_own[member.name] = true
+			for constant in ClassDB.class_get_integer_constant_list(type, true):
+				_constants[constant] = true
 	var part: String = OS.get_cmdline_user_args()[0]
 	for path in _scripts(ADDON):
 		match part:
@@ -104,6 +108,8 @@ func _check_names(path: String, code: String) -> void:
 					"%s is no member of a class of the library" % name)
 	else:
 		_check_untyped(path, code)
+	for found in RegEx.create_from_string(CONSTANT).search_all(code):
+		_check(_constants.has(found.get_string(1)), path, "no class of the library has a constant " + found.get_string(1))
 	for found in RegEx.create_from_string(CLASS_NAME).search_all(code):
 		_check(ClassDB.class_exists(found.get_string(1)) or found.get_string(1) in NO_CLASSES, path, "there is no class " + found.get_string(1))
 
