@@ -1,5 +1,6 @@
 // What is drawn with distance: the properties of the group Distance.
 
+#include "nodes/common/threads.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 #include <godot_cpp/core/memory.hpp>
@@ -60,14 +61,17 @@ PackedFloat32Array ScatterLayer::get_lod_distances() const { return lod_distance
 
 TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) const {
 	TypedArray<ScatterLod> result;
-	const auto count = static_cast<int64_t>(meshes_.size());
+	const LayerMeshes meshes = meshes_; // Scripts of a scene that is read may replace the list.
+	while (on_main_thread() && meshes.read_step()) { // For answers that cannot wait, as read_models.
+	}
+	const auto count = static_cast<int64_t>(meshes.size());
 	if (p_index < 0 || p_index >= count) {
 		report("ScatterLayer.get_mesh_lods", {ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
 		return result;
 	}
 	LayerDrawing drawing;
 	LodSettings lod;
-	meshes_.draw(lod_meshes_, lod_distances_, drawing, lod);
+	meshes.draw(lod_meshes_, lod_distances_, drawing, lod);
 	const auto add = [&](double distance, const Ref<Mesh> &mesh, const MeshShadow &shadow, double density) {
 		if (mesh.is_valid()) {
 			const Ref<ScatterLod> made(memnew(ScatterLod));
@@ -82,7 +86,7 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) const {
 	const auto entry = static_cast<std::size_t>(p_index);
 	add(0.0, drawing.meshes[entry], drawing.shadows[entry], drawing.densities[entry]);
 	for (std::size_t row = 0; row < lod.lod_distances.size(); ++row) {
-		const std::size_t at = row * meshes_.size() + entry;
+		const std::size_t at = row * meshes.size() + entry;
 		add(lod.lod_distances[row], drawing.lod_meshes[at], drawing.lod_shadows[at], drawing.lod_densities[at]);
 	}
 	return result;
