@@ -239,7 +239,9 @@ func test_broken_scripts() -> void:
 			var ground := BrokenGround.new()
 			ground.threaded = threaded
 			ground.extra = extra
-			var scatter := make_scatter([make_layer()], ground, make_viewer())
+			var layer := make_layer()
+			layer.align_to_normal = 1.0 # Otherwise no normal is needed.
+			var scatter := make_scatter([layer], ground, make_viewer())
 			await settle(scatter)
 			check_error(["_get_heights()", "wrong size"], "%+d heights" % extra)
 			check_equal(scatter.get_stats()["instances"], 0, "instances")

@@ -53,13 +53,13 @@ func load_demo() -> void:
 
 func test_forest_along_a_path() -> void:
 	load_demo()
+	var viewer := make_viewer()
+	scatter.viewers = [scatter.get_path_to(viewer)]
 	await frames(1) # Its plants are built in the first frame.
 	check_equal(scatter.get_problems(), PackedStringArray(), "warnings of the demo")
 	for layer in scatter.layers:
 		layer.use_colors = false # The program that makes the same tiles places; it does not color.
 	check(scatter.layers.size() >= 4, "layers of the demo")
-	var viewer := make_viewer()
-	scatter.viewers = [scatter.get_path_to(viewer)]
 	var again := 0
 	for place in PATH:
 		viewer.global_position = Vector3(place.x, 500.0, place.y)
