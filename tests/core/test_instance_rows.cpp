@@ -15,6 +15,9 @@
 #include <limits>
 #include <random>
 #include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 using namespace thicket;
@@ -187,7 +190,31 @@ TEST_CASE("rows hold every number of a tile, column by column") {
 	}
 	check_column<std::uint16_t>(bytes, at, tile, [](const auto &, std::size_t, std::size_t mesh) { return mesh; });
 	CHECK(at == bytes.size());
-	CHECK(bytes.size() == row_header_bytes + size_of(tile) * (row_bytes + 16));
+}
+
+TEST_CASE("the list of columns says what rows hold, for each kind of instance data") {
+	for (const auto &[colors, custom] : {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
+		LayerSettings layer = rich_layer();
+		layer.instance_data.use_colors = colors;
+		layer.instance_data.use_custom_data = custom;
+		const TileInstances tile = built(layer, hills(), tile_of_hills);
+		REQUIRE(size_of(tile) > 1000);
+		std::size_t bytes = 0;
+		std::string names;
+		for (const RowColumn &column : row_columns(layer.instance_data)) {
+			bytes += static_cast<std::size_t>(std::string_view(column.type).back() - '0');
+			names.append(column.name).append(" ");
+		}
+		std::vector<const MeshInstances *> meshes;
+		for (const MeshInstances &mesh : tile.meshes) {
+			meshes.push_back(&mesh);
+		}
+		CHECK(instance_rows(tile.origin, meshes).size() == row_header_bytes + size_of(tile) * bytes);
+		CHECK(names ==
+				std::string("id x y z qx qy qz qw scale_x scale_y scale_z rank ") +
+						(colors ? "color_r color_g color_b color_a " : "") +
+						(custom ? "variation wind_phase custom_rank custom_scale " : "") + "model ");
+	}
 }
 
 TEST_CASE("nothing has a header and no rows") {

@@ -5,6 +5,7 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -71,6 +72,91 @@ private:
 	std::span<std::uint8_t>::iterator at_;
 };
 
+/// What the columns of a tile are written from.
+struct RowSource {
+	glm::dvec3 origin{0.0};
+	std::span<const MeshInstances *const> meshes;
+	std::span<const TurnAndScale> turned; ///< Of all instances, mesh by mesh.
+
+	/// Calls `visit(const MeshInstances &, std::size_t instance, std::size_t mesh)` for all instances.
+	template <class Visit>
+	void for_each(const Visit &visit) const {
+		for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
+			for (std::size_t i = 0; i < meshes[mesh]->size(); ++i) {
+				visit(*meshes[mesh], i, mesh);
+			}
+		}
+	}
+};
+
+float float_of(const MeshInstances &mesh, std::size_t instance, std::size_t at) {
+	return mesh.buffer[instance * mesh.stride + at];
+}
+
+/// A column with what writes it.
+struct WrittenColumn {
+	RowColumn column;
+	void (*write)(const RowSource &, ColumnWriter &);
+};
+
+void write_ids(const RowSource &source, ColumnWriter &r_out) {
+	source.for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) { r_out.put(mesh.ids[i]); });
+}
+
+template <int axis>
+void write_position(const RowSource &source, ColumnWriter &r_out) {
+	source.for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) {
+		r_out.put(source.origin[axis] + double{float_of(mesh, i, 4 * axis + 3)});
+	});
+}
+
+template <auto part>
+void write_rotation(const RowSource &source, ColumnWriter &r_out) {
+	std::ranges::for_each(source.turned, [&](const TurnAndScale &each) { r_out.put(each.rotation.*part); });
+}
+
+template <int axis>
+void write_scale(const RowSource &source, ColumnWriter &r_out) {
+	std::ranges::for_each(source.turned, [&](const TurnAndScale &each) { r_out.put(each.scale[axis]); });
+}
+
+void write_ranks(const RowSource &source, ColumnWriter &r_out) {
+	source.for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) { r_out.put(mesh.ranks[i]); });
+}
+
+constexpr std::array leading_columns{
+		WrittenColumn{{"id", "<u8"}, write_ids},
+		WrittenColumn{{"x", "<f8"}, write_position<0>},
+		WrittenColumn{{"y", "<f8"}, write_position<1>},
+		WrittenColumn{{"z", "<f8"}, write_position<2>},
+		WrittenColumn{{"qx", "<f4"}, write_rotation<&glm::quat::x>},
+		WrittenColumn{{"qy", "<f4"}, write_rotation<&glm::quat::y>},
+		WrittenColumn{{"qz", "<f4"}, write_rotation<&glm::quat::z>},
+		WrittenColumn{{"qw", "<f4"}, write_rotation<&glm::quat::w>},
+		WrittenColumn{{"scale_x", "<f4"}, write_scale<0>},
+		WrittenColumn{{"scale_y", "<f4"}, write_scale<1>},
+		WrittenColumn{{"scale_z", "<f4"}, write_scale<2>},
+		WrittenColumn{{"rank", "<u4"}, write_ranks},
+};
+
+/// What write_instance_data writes, in its order.
+constexpr std::array color_columns{RowColumn{"color_r", "<f4"}, RowColumn{"color_g", "<f4"},
+		RowColumn{"color_b", "<f4"}, RowColumn{"color_a", "<f4"}};
+constexpr std::array custom_columns{RowColumn{"variation", "<f4"}, RowColumn{"wind_phase", "<f4"},
+		RowColumn{"custom_rank", "<f4"}, RowColumn{"custom_scale", "<f4"}};
+constexpr RowColumn model_column{"model", "<u2"};
+
+/// The last character of a column's type is the number of its bytes.
+constexpr std::size_t bytes_of(const RowColumn &column) { return static_cast<std::size_t>(column.type[2] - '0'); }
+
+std::size_t row_bytes(std::size_t further) {
+	std::size_t bytes = bytes_of(model_column) + further * sizeof(float);
+	for (const WrittenColumn &each : leading_columns) {
+		bytes += bytes_of(each.column);
+	}
+	return bytes;
+}
+
 } // namespace
 
 TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform) {
@@ -100,6 +186,21 @@ TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform) 
 	return result;
 }
 
+std::vector<RowColumn> row_columns(const InstanceData &data) {
+	std::vector<RowColumn> result;
+	for (const WrittenColumn &each : leading_columns) {
+		result.push_back(each.column);
+	}
+	if (data.use_colors) {
+		result.insert(result.end(), color_columns.begin(), color_columns.end());
+	}
+	if (data.use_custom_data) {
+		result.insert(result.end(), custom_columns.begin(), custom_columns.end());
+	}
+	result.push_back(model_column);
+	return result;
+}
+
 std::vector<std::uint8_t> instance_rows(glm::dvec3 origin, std::span<const MeshInstances *const> meshes) {
 	std::size_t rows = 0;
 	for (const MeshInstances *mesh : meshes) {
@@ -108,45 +209,28 @@ std::vector<std::uint8_t> instance_rows(glm::dvec3 origin, std::span<const MeshI
 	const std::size_t further = meshes.empty() ? 0 : meshes.front()->stride - transform_floats;
 	std::vector<TurnAndScale> turned;
 	turned.reserve(rows);
-	const auto for_each = [meshes](const auto &visit) {
-		for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
-			for (std::size_t i = 0; i < meshes[mesh]->size(); ++i) {
-				visit(*meshes[mesh], i, mesh);
-			}
-		}
-	};
-	const auto floats_of = [](const MeshInstances &mesh, std::size_t i) {
-		return std::span(mesh.buffer).subspan(i * mesh.stride, mesh.stride);
-	};
-	for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) {
-		turned.push_back(turn_and_scale(floats_of(mesh, i).first<transform_floats>()));
+	const RowSource placed{origin, meshes, {}};
+	placed.for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) {
+		turned.push_back(turn_and_scale(std::span(mesh.buffer).subspan(i * mesh.stride).first<transform_floats>()));
 	});
+	const RowSource source{origin, meshes, turned};
 
-	std::vector<std::uint8_t> bytes(row_header_bytes + rows * (row_bytes + further * sizeof(float)));
+	std::vector<std::uint8_t> bytes(row_header_bytes + rows * row_bytes(further));
 	ColumnWriter out(bytes);
 	out.put(static_cast<std::uint32_t>(rows));
 	out.put(static_cast<std::uint32_t>(further));
 	out.put(static_cast<std::uint32_t>(std::ranges::count(turned, true, &TurnAndScale::sheared)));
 	out.put(std::uint32_t{0});
-	for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) { out.put(mesh.ids[i]); });
-	for (int axis = 0; axis < 3; ++axis) {
-		for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) {
-			out.put(origin[axis] + double{floats_of(mesh, i)[static_cast<std::size_t>(4 * axis + 3)]});
-		});
+	for (const WrittenColumn &each : leading_columns) {
+		each.write(source, out);
 	}
-	for (const auto part : {&glm::quat::x, &glm::quat::y, &glm::quat::z, &glm::quat::w}) {
-		std::ranges::for_each(turned, [&](const TurnAndScale &each) { out.put(each.rotation.*part); });
-	}
-	for (int axis = 0; axis < 3; ++axis) {
-		std::ranges::for_each(turned, [&](const TurnAndScale &each) { out.put(each.scale[axis]); });
-	}
-	for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) { out.put(mesh.ranks[i]); });
 	for (std::size_t more = 0; more < further; ++more) {
-		for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) {
-			out.put(floats_of(mesh, i)[transform_floats + more]);
+		source.for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) {
+			out.put(float_of(mesh, i, transform_floats + more));
 		});
 	}
-	for_each([&](const MeshInstances &, std::size_t, std::size_t mesh) { out.put(static_cast<std::uint16_t>(mesh)); });
+	source.for_each(
+			[&](const MeshInstances &, std::size_t, std::size_t mesh) { out.put(static_cast<std::uint16_t>(mesh)); });
 	return bytes;
 }
 

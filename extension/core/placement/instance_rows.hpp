@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/placement/instance_data.hpp"
 #include "core/placement/tile_instances.hpp"
 
 #include <glm/gtc/quaternion.hpp>
@@ -24,14 +25,23 @@ struct TurnAndScale {
 /// is not turned.
 TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform);
 
-/// Bytes before the columns of `instance_rows`, and of one instance in them beside its further floats.
+/// A column of `instance_rows`: its name, and its numbers as NumPy names them, "<u8" for unsigned integers of 8 bytes, "<f4" for floats of 4,
+/// little-endian.
+struct RowColumn {
+	const char *name;
+	const char *type;
+};
+
+/// Bytes before the columns of `instance_rows`.
 inline constexpr std::size_t row_header_bytes = 16;
-inline constexpr std::size_t row_bytes = 8 + 3 * 8 + 7 * 4 + 4 + 2;
+
+/// The columns of a layer's instances in their order: id, position, rotation as a quaternion, scale, thinning rank, what the layer's instance data adds,
+/// and the mesh.
+std::vector<RowColumn> row_columns(const InstanceData &data);
 
 /// The instances of a tile as columns for tables and files, all numbers little-endian and each column without gaps: the number of
-/// instances, of further floats an instance, of instances with a shear (see TurnAndScale), and a 0, 32 bits each; then the
-/// columns id (64 bits), x, y, z (doubles, `origin` added), the rotation's x, y, z, w, the scale's x, y, z (floats), the thinning
-/// rank (32 bits), each of the further floats, and the mesh (16 bits). Mesh by mesh, in the order of each. Throws std::bad_alloc.
+/// instances, of further floats an instance, of instances with a shear (see TurnAndScale), and a 0, 32 bits each; then `row_columns`, with `origin`
+/// added to positions. Mesh by mesh, in the order of each. Throws std::bad_alloc.
 std::vector<std::uint8_t> instance_rows(glm::dvec3 origin, std::span<const MeshInstances *const> meshes);
 
 } // namespace thicket

@@ -1,5 +1,6 @@
 // When a layer may be used, the properties at the top of its inspector and those for experts at its end.
 
+#include "core/placement/instance_rows.hpp"
 #include "core/state/instance_state.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -57,6 +58,14 @@ bool ScatterLayer::affects_placement(const StringName &p_property) const {
 	return layer_property_use(p_property) == PropertyUse::placement;
 }
 
+Dictionary ScatterLayer::get_row_columns() const {
+	Dictionary result;
+	for (const RowColumn &column : row_columns(settings_.instance_data)) {
+		result[String(column.name)] = String(column.type);
+	}
+	return result;
+}
+
 double ScatterLayer::get_point_density() const { return point_density(settings_.set); }
 
 void ScatterLayer::bind_basics() {
@@ -72,6 +81,7 @@ void ScatterLayer::bind_advanced() {
 	bind_integer<layer_id>();
 	bind_guarded<&ScatterLayer::affects_placement>(D_METHOD("affects_placement", "property"));
 	bind_guarded<&ScatterLayer::get_point_density>(D_METHOD("get_point_density"));
+	bind_guarded<&ScatterLayer::get_row_columns>(D_METHOD("get_row_columns"));
 }
 
 // The order of the inspector: what stands there, where, how it is drawn, and what it is to a game.

@@ -231,6 +231,9 @@ public:
 	/// False for a property that only decides how instances are drawn, or how a game meets them: see PropertyUse.
 	bool affects_placement(const godot::StringName &p_property) const;
 
+	/// The columns of ScatterTile.get_rows for the layer, by name: the types of their numbers.
+	godot::Dictionary get_row_columns() const;
+
 	/// free_layer_name, for scripts.
 	godot::String find_free_name(const godot::String &p_name, const godot::PackedStringArray &p_taken) const;
 

@@ -61,7 +61,7 @@ PackedFloat32Array ScatterLayer::get_lod_distances() const { return lod_distance
 
 TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) const {
 	TypedArray<ScatterLod> result;
-	const LayerMeshes meshes = meshes_; // Scripts of a scene that is read may replace the list.
+	const LayerMeshes meshes = meshes_;              // Scripts of a scene that is read may replace the list.
 	while (on_main_thread() && meshes.read_step()) { // For answers that cannot wait, as read_models.
 	}
 	const auto count = static_cast<int64_t>(meshes.size());
