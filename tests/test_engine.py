@@ -132,6 +132,7 @@ def assert_passed(done):
         "test_hterrain_changes",
         "test_terrain_calls",
         "test_ground_needs",
+        "test_ground_recheck",
         "test_heightmaps",
         "test_layer_rules",
         "test_layer_placement",

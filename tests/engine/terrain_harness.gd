@@ -60,7 +60,8 @@ func made_again(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i]:
 	var made: Array[Vector2i] = []
 	var note := func(_layer: int, tile: Vector2i) -> void: made.push_back(tile)
 	scatter.tile_shown.connect(note)
-	edit.call()
+	@warning_ignore("redundant_await")
+	await edit.call()
 	await settle(scatter)
 	scatter.tile_shown.disconnect(note)
 	return made

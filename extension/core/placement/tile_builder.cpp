@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace thicket {
@@ -33,6 +34,18 @@ double origin_height(std::span<const Ground> ground) {
 	return count > 0.0 ? std::floor(sum / count + 0.5) : 0.0;
 }
 
+/// Replaces `r_probes` by some of the positions, in an order in which the first few are spread as widely as all.
+void choose_probes(
+		std::span<const glm::dvec2> positions, std::span<const Ground> ground, std::vector<GroundProbe> &r_probes) {
+	constexpr std::uint32_t golden = 2654435769; // Multiples of the golden section, modulo 2^32.
+	const std::size_t count = std::min(positions.size(), max_ground_probes);
+	r_probes.clear();
+	for (std::uint32_t i = 0; i < count; ++i) {
+		const std::size_t at = positions.size() > count ? (std::uint64_t{golden * i} * positions.size()) >> 32U : i;
+		r_probes.push_back({positions[at], ground[at].height});
+	}
+}
+
 } // namespace
 
 /// What stays between the steps, and the memory that stays between tiles.
@@ -52,6 +65,7 @@ struct TileBuilder::Workspace {
 	std::vector<glm::dvec2> positions; ///< Of all layers, then of the origin's probes.
 	std::vector<GroundQuery> queries;
 
+	std::vector<GroundProbe> probes;
 	std::vector<Ground> ground; ///< For `build`, which asks the terrain itself.
 	SampleStats stats;          ///< Of the last call that sampled.
 
@@ -83,6 +97,7 @@ Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const 
 		const PieceGrid &grid, TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads &threads) {
 	found = false;
 	rect = p_rect;
+	probes.clear();
 	positions.clear();
 	queries.clear();
 	add_origin_probes();
@@ -122,6 +137,7 @@ Status TileBuilder::Workspace::find_points(
 
 Status TileBuilder::Workspace::place(
 		std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel) {
+	probes.clear();
 	if (const Status status = filter.filter(known, cancel); !status.ok()) {
 		return status;
 	}
@@ -130,6 +146,7 @@ Status TileBuilder::Workspace::place(
 	const glm::dvec3 origin{center.x, origin_height(known.last(origin_probes.size())), center.y};
 	StandingPoints points{own.positions(), known.subspan(filter.own_first(), own.positions().size()), own.ids(),
 			own.standing(), own.thinning_ranks()};
+	choose_probes(points.positions, points.ground, probes);
 	Status status = shares.find(filter, points, cancel);
 	if (status.ok()) {
 		status = writer.write(own.settings(), points, origin, r_tile, cancel);
@@ -191,6 +208,8 @@ Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile,
 	return guarded("tile", std::max(workspace_->rect.size().x, workspace_->rect.size().y),
 			[&] { return workspace_->place(ground, r_tile, cancel); });
 }
+
+std::span<const GroundProbe> TileBuilder::probes() const { return workspace_->probes; }
 
 const SampleStats &TileBuilder::sample_stats() const { return workspace_->stats; }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/ground_probe.hpp"
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/placement/ground_query.hpp"
@@ -57,6 +58,10 @@ public:
 	/// The second step: filters and places the points of `find_points`. `ground[i]` belongs to `positions()[i]`; any
 	/// other length is refused as `ground`, and so is a call without points found before. May be repeated. Errors as `build`.
 	Status place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel = nullptr);
+
+	/// After `build` or `place` without `threads`: some of the layer's own positions, spread over the tile, with the heights that the
+	/// tile was made with; none where there is nothing to place. Valid until the next call.
+	std::span<const GroundProbe> probes() const;
 
 	/// What the sampler did last.
 	const SampleStats &sample_stats() const;

@@ -20,6 +20,7 @@ enum class FramePart : std::uint8_t {
 	divide,
 	fade,
 	rings,
+	recheck,
 	told,    ///< Requests answered, scenes shown, changes told.
 	patched, ///< Tiles drawn anew that a game has changed.
 	signals,

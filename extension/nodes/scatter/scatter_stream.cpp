@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -72,6 +73,7 @@ void ScatterStream::set_layers(
 	if (!status.ok()) {
 		return;
 	}
+	recheck_failed_ = false;
 	error_reported_.resize(layers.size());
 	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
 		const SharedSnapshot before = layer < layers_.size() ? layers_[layer] : nullptr;
@@ -89,17 +91,27 @@ void ScatterStream::set_layers(
 	display_.set_layers(layers);
 	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
 		if (outdated[layer].everywhere) {
+			constexpr double infinity = std::numeric_limits<double>::infinity();
+			recheck_.hold(layer, {glm::dvec2(-infinity), glm::dvec2(infinity)});
 			streamer_.invalidate(layer);
 			continue;
 		}
 		for (const Rect &area : outdated[layer].areas) {
+			recheck_.hold(layer, area);
 			streamer_.invalidate(layer, area);
 		}
 	}
 }
 
+/// The tile that is shown under a request's key stays as it is.
+void ScatterStream::keep_shown(const TileRequest &request) {
+	streamer_.finish(request);
+	recheck_.keep(request.key);
+}
+
 bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
+	allow_recheck(std::chrono::microseconds(budget));
 	take_finished();
 	times_.spent_on(FramePart::made);
 	accept(viewers);
@@ -152,6 +164,7 @@ void ScatterStream::request_tiles() {
 		cancel(request.ticket);
 	}
 	for (const TileKey &key : changes_.drop) {
+		recheck_.hide(key);
 		if (display_.drop(key)) {
 			events_.push_back({false, key.layer, key.tile});
 		}
@@ -182,7 +195,7 @@ void ScatterStream::sort_work() {
 void ScatterStream::start(const TileRequest &request) {
 	const SharedSnapshot &layer = layers_[request.key.layer];
 	if (layer == nullptr || !ground_.source.is_available()) {
-		streamer_.finish(request); // The tile that is shown there stays.
+		keep_shown(request);
 		return;
 	}
 	const auto job = std::make_shared<TileJob>();
@@ -278,7 +291,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 	}
 	if (!job->status.ok() && display_.holds(job->request.key)) {
 		std::erase(jobs_, job);
-		streamer_.finish(job->request);
+		keep_shown(job->request);
 		return;
 	}
 	if (!streamer_.ready(job->request)) {
@@ -316,6 +329,7 @@ void ScatterStream::stop() {
 		ring->clear();
 	}
 	uploads_.clear();
+	recheck_.clear();
 	display_.clear();
 	streamer_.clear();
 	world_.clear();
@@ -332,7 +346,8 @@ bool ScatterStream::follows(std::span<const Viewer> viewers, const DrawLimits &l
 }
 
 bool ScatterStream::idle() const {
-	return streamer_.idle() && display_.settled() && std::ranges::none_of(jobs_, is_unseen) &&
+	return streamer_.idle() && display_.settled() && !recheck_.has_changes() &&
+			std::ranges::none_of(jobs_, is_unseen) &&
 			std::ranges::all_of(rings_, [](const NearRing *ring) { return ring->settled(); });
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/near/near_queue.hpp"
 #include "core/placement/layer_edits.hpp"
+#include "core/streaming/ground_recheck.hpp"
 #include "nodes/scatter/frame_times.hpp"
 #include "nodes/scatter/tile_display.hpp"
 #include "nodes/scatter/tile_workers.hpp"
@@ -36,6 +37,7 @@ struct StreamFigures {
 	std::uint64_t tiles_made = 0;
 	std::uint64_t points_sampled = 0;
 	std::uint64_t points_computed = 0; ///< For these, around them too, and for tiles that queries have asked for.
+	std::uint64_t heights_rechecked = 0;
 };
 
 /// Brings the streamer, the workers, the uploads and the display together: one call a frame, under a budget. Main thread only.
@@ -67,6 +69,9 @@ public:
 	/// The tiles that were shown and hidden since the last call, in order. A tile that was made anew is shown again without having
 	/// been hidden.
 	std::vector<TileEvent> take_events();
+
+	/// Positions, in world meters, under visible tiles where the ground is found to have changed without a report, since the last call.
+	std::vector<glm::dvec2> take_ground_changes();
 
 	/// True when all tiles that are wanted are shown, and drawn as they should be, and the rings have nothing to do.
 	bool idle() const;
@@ -110,8 +115,9 @@ private:
 		divide,     ///< Draws a tile in cells, or as a whole again.
 		fade,       ///< Prepares what is to fade in.
 		rings,      ///< Lets bodies come and go.
+		recheck,    ///< Compares the ground under some visible tiles with what they were made on.
 	};
-	static constexpr std::size_t step_kinds = 7;
+	static constexpr std::size_t step_kinds = 8;
 
 	std::size_t jobs_per_worker() const;
 	void accept(std::span<const Viewer> viewers);
@@ -130,6 +136,11 @@ private:
 	std::size_t positions_at_once(bool in_physics_frame) const;
 	bool upload_step();
 	void finish_upload();
+	bool rechecks() const;
+	void keep_shown(const TileRequest &request);
+	void allow_recheck(Clock::duration budget);
+	bool recheck_step();
+	std::size_t recheck_heights(std::size_t most);
 	bool do_step(Step step);
 	bool may_divide() const;
 	bool may_fade() const;
@@ -157,6 +168,12 @@ private:
 	std::vector<Viewer> viewers_; ///< Of the last frame, those that are out of reach left out.
 	Status viewer_status_;        ///< Of the first one that was left out.
 	Status update_status_;
+
+	GroundRecheck recheck_;
+	Clock::duration recheck_left_{0};    ///< Time that re-checks may take; below 0 after one that took longer.
+	Clock::duration usual_height_{1000}; ///< The usual time for one height.
+	bool recheck_due_ = false;           ///< Once a frame.
+	bool recheck_failed_ = false;        ///< Until the layers or the ground change.
 	StreamFigures figures_;
 	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.
 	Step next_step_ = Step::ask_ground;

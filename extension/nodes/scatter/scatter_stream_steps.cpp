@@ -70,6 +70,9 @@ std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
 
 void ScatterStream::physics_frame() {
 	std::size_t left = positions_at_once(true);
+	if (left > 0) {
+		left -= recheck_heights(std::max<std::size_t>(left / 16, 1)); // Rays call no script.
+	}
 	while (left > 0) {
 		const std::size_t asked = ground_step(left);
 		left = asked > 0 ? left - asked : 0;
@@ -104,6 +107,9 @@ void ScatterStream::finish_upload() {
 	}
 	std::erase(jobs_, job);
 	if (streamer_.finish(job->request)) {
+		if (rechecks()) {
+			recheck_.show(job->request.key, job->request.rect, std::move(job->probes), job->stale);
+		}
 		display_.show(uploads_.take());
 		events_.push_back({true, job->request.key.layer, job->request.key.tile});
 	} else {
@@ -146,6 +152,7 @@ bool ScatterStream::do_step(Step step) {
 		case Step::divide: uploads_since_divide_ = 0; return display_.divide_step();
 		case Step::fade: uploads_since_fade_ = 0; return display_.fade_step();
 		case Step::rings: return ring_step();
+		case Step::recheck: return recheck_step();
 	}
 	return false;
 }

@@ -170,6 +170,9 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	if (!stream->frame(viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0))) || !here) {
 		return;
 	}
+	for (const glm::dvec2 position : stream->take_ground_changes()) {
+		mark_ground_changed(position);
+	}
 	gameplay->answer_requests();
 	gameplay->work_until(start + budget);
 	stream->times().spent_on(FramePart::told);

@@ -298,6 +298,7 @@ private:
 	void mark_dirty();
 	void mark_ground_dirty();
 	void mark_ground_edited(const godot::Rect2 &p_rect);
+	void mark_ground_changed(glm::dvec2 position);
 	void mark_area_edited(const godot::Rect2 &) { mark_edited(); }
 	void schedule_patch();
 	void patch_now();

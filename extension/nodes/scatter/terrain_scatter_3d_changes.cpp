@@ -17,6 +17,9 @@ namespace {
 /// Meters around a change of the ground in which slopes may be others: heights are compared over less than that.
 constexpr double slope_margin = 1.0;
 
+/// Meters around a single position that stand for it, since a rectangle without an area is no change.
+constexpr double point_margin = 1e-3;
+
 /// A rectangle of the engine; all of the world for one without an area, or that is not finite.
 Rect world_rect(const Rect2 &p_rect) {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -98,6 +101,12 @@ void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
 	const Rect rect = world_rect(p_rect);
 	ground_change_.everywhere = ground_change_.everywhere || !rect.finite();
 	ground_change_.add(rect, slope_margin);
+	mark_edited();
+}
+
+/// Found by a re-check. The tile there is regenerated; whether others differ, their own heights tell.
+void TerrainScatter3D::mark_ground_changed(glm::dvec2 position) {
+	ground_change_.add({position, position}, point_margin);
 	mark_edited();
 }
 

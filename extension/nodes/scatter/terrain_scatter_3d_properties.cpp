@@ -261,7 +261,8 @@ Ref<ScatterTile> TerrainScatter3D::build(
 /// Microseconds, of the parts that took any.
 Dictionary TerrainScatter3D::to_dictionary(const FrameTimes &times) {
 	constexpr std::array<const char *, static_cast<std::size_t>(FramePart::count)> names{"follow", "gameplay", "made",
-			"wanted", "ask_ground", "upload", "free", "lod", "divide", "fade", "rings", "told", "patched", "signals"};
+			"wanted", "ask_ground", "upload", "free", "lod", "divide", "fade", "rings", "recheck", "told", "patched",
+			"signals"};
 	Dictionary parts;
 	for (std::size_t part = 0; part < names.size(); ++part) {
 		if (const std::int64_t spent = times.microseconds(static_cast<FramePart>(part)); spent > 0) {
@@ -302,6 +303,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	const GroundFigures ground = terrain_.is_valid() ? terrain_->figures() : GroundFigures();
 	stats["ground_checks"] = number(ground.checks);
 	stats["ground_reads"] = number(ground.reads);
+	stats["ground_rechecks"] = number(figures.heights_rechecked);
 	stats["worker_usec"] = number(figures.worker_microseconds);
 	stats["worker_frees"] = number(stream_->freed_by_workers());
 	stats["buffers_reused"] = number(stream_->buffers_reused());

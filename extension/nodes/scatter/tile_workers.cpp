@@ -283,6 +283,9 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 	if (!job.status.ok()) {
 		return;
 	}
+	if (!job.unseen) {
+		job.probes.assign(worker.builder.probes().begin(), worker.builder.probes().end());
+	}
 	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
 		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh), worker.spare));
 	}

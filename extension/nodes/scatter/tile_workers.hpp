@@ -45,6 +45,7 @@ struct TileJob {
 
 	Status status;
 	std::shared_ptr<const KeptTile> tile; ///< What the rules give, whatever a game has changed.
+	std::vector<GroundProbe> probes;      ///< See TileBuilder::probes; none if `unseen`.
 	std::vector<MeshUpload> uploads;      ///< The same for the renderer, a part for each mesh; none if `unseen`.
 	std::uint64_t microseconds = 0;       ///< Spent on it by workers.
 	std::uint64_t points_computed = 0;    ///< For it; see SampleStats::computed.

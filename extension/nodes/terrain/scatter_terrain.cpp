@@ -209,6 +209,29 @@ Status ScatterTerrain::difference_normals(
 	return {};
 }
 
+bool ScatterTerrain::can_change_unreported() const { return GDVIRTUAL_IS_OVERRIDDEN(_get_heights); }
+
+Status ScatterTerrain::recheck_now(
+		std::uint64_t host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights) {
+	const Ref<ScatterTerrain> held(this);
+	return recheck_for(find_host(host), positions, r_heights);
+}
+
+Status ScatterTerrain::recheck_for(
+		const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights) {
+	std::vector<Ground> ground(positions.size());
+	const Status status = sample_for(host, positions, {.textures = {}, .normals = false}, ground);
+	std::ranges::transform(ground, r_heights.begin(), &Ground::height);
+	return status;
+}
+
+/// The switch has no effect on ground that reports all of its changes.
+void ScatterTerrain::_validate_property(PropertyInfo &p_property) const {
+	if (p_property.name == StringName("recheck_enabled") && !can_change_unreported()) {
+		p_property.usage = PROPERTY_USAGE_STORAGE;
+	}
+}
+
 GroundHost ScatterTerrain::find_host(std::uint64_t id) const {
 	const auto found = std::ranges::find(hosts_, id, &GroundHost::id);
 	return found != hosts_.end() ? *found : hosts_.empty() ? GroundHost{} : hosts_.front();
@@ -295,6 +318,9 @@ Vector3 ScatterTerrain::get_normal(const Vector3 &p_global_position) {
 void ScatterTerrain::_bind_methods() {
 	bind_guarded<&ScatterTerrain::get_height>(D_METHOD("get_height", "global_position"));
 	bind_guarded<&ScatterTerrain::get_normal>(D_METHOD("get_normal", "global_position"));
+	bind_guarded<&ScatterTerrain::set_recheck_enabled>(D_METHOD("set_recheck_enabled", "enabled"));
+	bind_guarded<&ScatterTerrain::is_recheck_enabled>(D_METHOD("is_recheck_enabled"));
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "recheck_enabled"), "set_recheck_enabled", "is_recheck_enabled");
 	GDVIRTUAL_BIND(_get_heights, "positions");
 	GDVIRTUAL_BIND(_get_normals, "positions");
 	GDVIRTUAL_BIND(_get_weights, "positions", "textures");

@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -79,6 +80,18 @@ public:
 	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground);
 
+	/// Whether this ground can change without a report, so that what was made on it is re-checked; false where the user has turned it off.
+	bool rechecks() const { return recheck_enabled_ && can_change_unreported(); }
+	void set_recheck_enabled(bool p_enabled) { recheck_enabled_ = p_enabled; }
+	bool is_recheck_enabled() const { return recheck_enabled_; }
+
+	/// On the main thread, at the times of `sample_now`: heights for re-checks, NAN for no ground, none where it cannot be read at present.
+	Status recheck_now(
+			std::uint64_t host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights);
+
+	/// Meters by which heights of unchanged ground may differ. So little is not worth a new tile.
+	virtual double recheck_tolerance() const { return 0.01; }
+
 	/// A node in the tree begins to use this ground, or no longer does. Each `enter` has its `leave`, while the node is still
 	/// there. Main thread only, as is the next.
 	void enter(godot::Node3D *p_host, glm::dvec3 offset);
@@ -133,6 +146,11 @@ protected:
 	virtual Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground);
 
+	virtual bool can_change_unreported() const;
+	virtual Status recheck_for(
+			const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights);
+	void _validate_property(godot::PropertyInfo &p_property) const;
+
 	/// Called after a host has come or gone. `first`: another one is the first now.
 	virtual void hosts_changed(bool /*first*/) {}
 
@@ -173,6 +191,7 @@ private:
 			std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground);
 	Ground ground_at(const godot::Vector3 &p_global_position, bool normal);
 
+	bool recheck_enabled_ = true;
 	std::vector<GroundHost> hosts_;
 	std::chrono::steady_clock::time_point deadline_;
 	std::uint64_t followed_frame_ = ~std::uint64_t{0}; ///< The engine's frame of the last `follow`.

@@ -3,8 +3,11 @@
 #include "nodes/common/property_check.hpp"
 #include "nodes/terrain/collider_shapes.hpp"
 
+#include <godot_cpp/classes/animatable_body3d.hpp>
 #include <godot_cpp/classes/physics_direct_space_state3d.hpp>
 #include <godot_cpp/classes/physics_ray_query_parameters3d.hpp>
+#include <godot_cpp/classes/physics_server3d.hpp>
+#include <godot_cpp/classes/static_body3d.hpp>
 #include <godot_cpp/classes/world3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
@@ -30,6 +33,11 @@ constexpr real_t into_high_body = 1e-6F;
 /// More bodies over a position than this hide the ground.
 constexpr int max_bodies = 64;
 
+/// How exact a hit is, as a part of the ray's length.
+constexpr double hit_error = 4e-7;
+
+constexpr Status no_space{ErrorCode::missing, "physics space of ScatterTerrainColliders", 0.0};
+
 /// Casts one ray after another straight down. Instances of a scatter stand on the ground and are none.
 class Plumb {
 public:
@@ -40,13 +48,22 @@ public:
 			ray_(PhysicsRayQueryParameters3D::create(Vector3(), Vector3(), static_cast<std::uint32_t>(p_mask))) {}
 
 	/// No ground where nothing is hit.
-	Ground ground_at(glm::dvec2 position) {
+	Ground ground_at(glm::dvec2 position) { return ground_of(hit_at(position)); }
+
+	/// The height of the ground, NAN for none. Unknown where a moving body hides it.
+	std::optional<float> rest_height(glm::dvec2 position) {
+		const Dictionary hit = hit_at(position);
+		return hit.is_empty() || rests(hit) ? std::optional(ground_of(hit).height) : std::nullopt;
+	}
+
+private:
+	Dictionary hit_at(glm::dvec2 position) {
 		const auto x = static_cast<real_t>(position.x - offset_.x);
 		const auto z = static_cast<real_t>(position.y - offset_.z);
-		if (!std::isfinite(x) || !std::isfinite(z)) {
-			return {};
-		}
-		const Dictionary hit = first_ground(x, z);
+		return std::isfinite(x) && std::isfinite(z) ? first_ground(x, z) : Dictionary();
+	}
+
+	Ground ground_of(const Dictionary &hit) const {
 		if (hit.is_empty()) {
 			return {};
 		}
@@ -61,7 +78,19 @@ public:
 		return {static_cast<float>(point.y + offset_.y), normal / (normal.y < 0.0F ? -length : length)};
 	}
 
-private:
+	/// Whether the body of a hit stays where it is: characters and vehicles pass over ground that stays the same.
+	bool rests(const Dictionary &hit) const {
+		const Object *collider = hit[collider_key_];
+		if (const auto *body = Object::cast_to<PhysicsBody3D>(collider)) {
+			return Object::cast_to<StaticBody3D>(body) != nullptr && Object::cast_to<AnimatableBody3D>(body) == nullptr;
+		}
+		if (collider != nullptr && collider->is_class("SoftBody3D")) {
+			return false;
+		}
+		return PhysicsServer3D::get_singleton()->body_get_mode(static_cast<RID>(hit[body_key_])) ==
+				PhysicsServer3D::BODY_MODE_STATIC;
+	}
+
 	/// A ray does not meet the body that it starts in.
 	Dictionary first_ground(real_t x, real_t z) {
 		ray_->set_to(Vector3(x, bottom_, z));
@@ -98,6 +127,7 @@ private:
 	Ref<PhysicsRayQueryParameters3D> ray_;
 	Variant position_key_ = "position";
 	Variant normal_key_ = "normal";
+	Variant body_key_ = "rid";
 	Variant id_key_ = "collider_id";
 	Variant collider_key_ = "collider";
 	std::uint64_t collider_id_ = 0; ///< Of the last hit.
@@ -126,19 +156,40 @@ bool ScatterTerrainColliders::is_available() const {
 	return first_node() != nullptr && first_node()->is_inside_tree() && check().ok();
 }
 
-Status ScatterTerrainColliders::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
-		const GroundNeeds &, std::span<Ground> r_ground) {
+PhysicsDirectSpaceState3D *ScatterTerrainColliders::space_of(const GroundHost &host) const {
 	const bool in_scene = host.node != nullptr && host.node->is_inside_tree() && check().ok();
 	const Ref<World3D> world = in_scene ? host.node->get_world_3d() : Ref<World3D>();
-	PhysicsDirectSpaceState3D *space = world.is_valid() ? world->get_direct_space_state() : nullptr;
+	return world.is_valid() ? world->get_direct_space_state() : nullptr;
+}
+
+Status ScatterTerrainColliders::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+		const GroundNeeds &, std::span<Ground> r_ground) {
+	PhysicsDirectSpaceState3D *space = space_of(host);
 	if (space == nullptr) {
-		return {ErrorCode::missing, "physics space of ScatterTerrainColliders", 0.0};
+		return no_space;
 	}
 	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_, host.offset);
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		r_ground[i] = plumb.ground_at(positions[i]);
 	}
 	return {};
+}
+
+Status ScatterTerrainColliders::recheck_for(
+		const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights) {
+	PhysicsDirectSpaceState3D *space = space_of(host);
+	if (space == nullptr) {
+		return no_space;
+	}
+	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_, host.offset);
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		r_heights[i] = plumb.rest_height(positions[i]);
+	}
+	return {};
+}
+
+double ScatterTerrainColliders::recheck_tolerance() const {
+	return ScatterTerrain::recheck_tolerance() + hit_error * (ray_top_ - ray_bottom_);
 }
 
 void ScatterTerrainColliders::set_collision_mask(int64_t p_mask) {

@@ -6,6 +6,7 @@
 #include "nodes/terrain/scatter_terrain.hpp"
 #include "nodes/terrain/tree_walk.hpp"
 
+#include <godot_cpp/classes/physics_direct_space_state3d.hpp>
 #include <godot_cpp/variant/aabb.hpp>
 
 #include <glm/vec3.hpp>
@@ -31,6 +32,9 @@ public:
 	bool is_behind() const override { return watch_.restless() || !queue_.empty(); }
 	GroundFigures figures() const override { return figures_; }
 
+	/// A hit is exact to a part of the ray's length.
+	double recheck_tolerance() const override;
+
 	/// Physics layers whose bodies are ground, a bit each, 32 bits. Anything else prints an error and is ignored.
 	void set_collision_mask(int64_t p_mask);
 	int64_t get_collision_mask() const;
@@ -53,6 +57,9 @@ protected:
 	bool only_on_main_thread() override { return true; }
 	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground) override;
+	bool can_change_unreported() const override { return true; }
+	Status recheck_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+			std::span<std::optional<float>> r_heights) override;
 	void hosts_changed(bool first) override;
 	void offset_changed(const GroundHost &host) override;
 	void follow() override;
@@ -65,6 +72,7 @@ private:
 	};
 
 	Status check() const;
+	godot::PhysicsDirectSpaceState3D *space_of(const GroundHost &host) const;
 	bool is_in_scene() const;
 	GroundWatch::Look look() const;
 	void start_over();

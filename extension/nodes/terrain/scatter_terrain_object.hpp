@@ -60,6 +60,7 @@ protected:
 	bool only_on_main_thread() override { return copy_ == nullptr && ground_ != nullptr && !thread_safe_; }
 	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground) override;
+	bool can_change_unreported() const override { return copy_ == nullptr; }
 	void hosts_changed(bool first) override;
 	void offset_changed(const GroundHost &host) override;
 

@@ -1,0 +1,127 @@
+#include "core/streaming/ground_recheck.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+constexpr std::size_t probes_per_visit = 2;
+
+/// Tiles to look at in one call, whether they are due or not.
+constexpr std::size_t max_looks = 64;
+
+/// So many changes are handed over at once, without a wait for more.
+constexpr std::size_t many_changes = 32;
+
+constexpr double max_unrest = 5.0;
+constexpr double calmed_by_probe = 0.25;
+
+bool differs(float a, float b, double tolerance) {
+	if (!std::isfinite(a) || !std::isfinite(b)) {
+		return std::isfinite(a) != std::isfinite(b);
+	}
+	return std::abs(double{a} - double{b}) > tolerance;
+}
+
+} // namespace
+
+bool GroundRecheck::Before::operator()(const TileKey &a, const TileKey &b) const {
+	return std::tie(a.layer, a.grid, a.tile.y, a.tile.x) < std::tie(b.layer, b.grid, b.tile.y, b.tile.x);
+}
+
+void GroundRecheck::show(const TileKey &key, const Rect &rect, std::vector<GroundProbe> probes, bool outdated) {
+	Tile &tile = tiles_[key];
+	tile.rect = rect;
+	tile.probes = std::move(probes);
+	tile.next = 0;
+	tile.version = ++versions_;
+	tile.held = outdated;
+}
+
+void GroundRecheck::hide(const TileKey &key) { tiles_.erase(key); }
+
+void GroundRecheck::clear() {
+	tiles_.clear();
+	asked_.clear();
+	changes_.clear();
+}
+
+void GroundRecheck::hold(std::uint32_t layer, const Rect &area) {
+	const TileKey first{.layer = layer, .grid = 0, .tile = glm::ivec2(std::numeric_limits<int>::min())};
+	for (auto at = tiles_.lower_bound(first); at != tiles_.end() && at->first.layer == layer; ++at) {
+		at->second.held = at->second.held || meet(at->second.rect, area);
+	}
+	std::erase_if(changes_, [&area, layer](const Change &change) {
+		return change.layer == layer && meet({change.position, change.position}, area);
+	});
+}
+
+void GroundRecheck::keep(const TileKey &key) {
+	if (const auto found = tiles_.find(key); found != tiles_.end()) {
+		found->second.held = false;
+	}
+}
+
+void GroundRecheck::next(double now, std::size_t most, std::vector<glm::dvec2> &r_positions) {
+	r_positions.clear();
+	asked_.clear();
+	auto at = tiles_.lower_bound(next_);
+	for (std::size_t looks = std::min(tiles_.size(), max_looks); looks > 0 && r_positions.size() < most; --looks) {
+		at = at != tiles_.end() ? at : tiles_.begin();
+		visit(at->first, at->second, now, most, r_positions);
+		++at;
+	}
+	next_ = at != tiles_.end() ? at->first : TileKey{.tile = glm::ivec2(std::numeric_limits<int>::min())};
+}
+
+void GroundRecheck::visit(
+		const TileKey &key, Tile &r_tile, double now, std::size_t most, std::vector<glm::dvec2> &r_positions) {
+	if (r_tile.held || now < r_tile.due) {
+		return;
+	}
+	r_tile.due = now + pause * std::exp2(r_tile.unrest);
+	const std::size_t wanted = std::min({probes_per_visit, r_tile.probes.size(), most - r_positions.size()});
+	for (std::size_t i = 0; i < wanted; ++i) {
+		asked_.push_back({key, r_tile.version, r_tile.next});
+		r_positions.push_back(r_tile.probes[r_tile.next].position);
+		r_tile.next = (r_tile.next + 1) % r_tile.probes.size();
+	}
+}
+
+void GroundRecheck::answer(double now, std::span<const std::optional<float>> heights, double tolerance) {
+	for (std::size_t i = 0; i < std::min(heights.size(), asked_.size()); ++i) {
+		const auto found = tiles_.find(asked_[i].key);
+		if (found == tiles_.end() || found->second.version != asked_[i].version || found->second.held || !heights[i]) {
+			continue;
+		}
+		Tile &tile = found->second;
+		const GroundProbe &probe = tile.probes[asked_[i].probe];
+		if (!differs(probe.height, *heights[i], tolerance)) {
+			tile.unrest = std::max(0.0, tile.unrest - calmed_by_probe);
+			continue;
+		}
+		first_change_ = changes_.empty() ? now : first_change_;
+		changes_.push_back({asked_[i].key.layer, probe.position});
+		tile.held = true;
+		tile.unrest = std::min(max_unrest, tile.unrest + 1.0);
+		tile.due = now + pause * std::exp2(tile.unrest);
+	}
+	asked_.clear();
+}
+
+std::vector<glm::dvec2> GroundRecheck::take_changes(double now) {
+	std::vector<glm::dvec2> positions;
+	if (changes_.size() >= many_changes || now - first_change_ >= pause) {
+		for (const Change &change : std::exchange(changes_, {})) {
+			positions.push_back(change.position);
+		}
+	}
+	return positions;
+}
+
+} // namespace thicket

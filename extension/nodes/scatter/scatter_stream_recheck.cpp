@@ -1,0 +1,88 @@
+// How a stream follows ground that changes without a report: a few heights in each frame are compared with those of visible tiles.
+
+#include "nodes/scatter/scatter_stream.hpp"
+
+#include "nodes/common/property_check.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Heights to read in one frame.
+constexpr std::size_t heights_per_frame = 16;
+
+/// What re-checks may take of a frame's budget, on average: one part of so many.
+constexpr int budget_parts = 16;
+
+/// Time that re-checks may save up, as a number of frames.
+constexpr int saved_frames = 8;
+
+double seconds_now() {
+	return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+} // namespace
+
+bool ScatterStream::rechecks() const {
+	const Ref<ScatterTerrain> &terrain = ground_.source.terrain;
+	return terrain.is_valid() && terrain->rechecks();
+}
+
+/// Once a frame. A height that takes longer than the time allowed, as in a slow script, is paid for by frames without any.
+void ScatterStream::allow_recheck(Clock::duration budget) {
+	const Clock::duration share = budget / budget_parts;
+	recheck_left_ = std::min(recheck_left_ + share, saved_frames * share);
+	recheck_due_ = true;
+}
+
+bool ScatterStream::recheck_step() {
+	const bool in_physics_frames = ground_.source.terrain.is_valid() && ground_.source.terrain->needs_physics_frames();
+	if (in_physics_frames || !recheck_due_) {
+		return false;
+	}
+	return recheck_heights(heights_per_frame) > 0;
+}
+
+/// Reads the ground of a few positions; returns of how many. A script that is called for it may do anything, even free this object.
+std::size_t ScatterStream::recheck_heights(std::size_t most) {
+	recheck_due_ = false;
+	if (recheck_failed_ || recheck_left_ <= Clock::duration(0) || !ground_.source.is_available() || !rechecks()) {
+		return 0;
+	}
+	const auto affordable = static_cast<std::size_t>(recheck_left_ / std::max(usual_height_, Clock::duration(1)));
+	const std::size_t count = std::clamp<std::size_t>(affordable, 1, std::min(most, heights_per_frame));
+	const Clock::time_point start = Clock::now();
+	std::vector<glm::dvec2> positions;
+	recheck_.next(seconds_now(), count, positions);
+	if (positions.empty()) {
+		return 0;
+	}
+	const std::weak_ptr<const void> alive = life_;
+	const Ref<ScatterTerrain> terrain = ground_.source.terrain;
+	std::vector<std::optional<float>> heights(positions.size());
+	const Status status = terrain->recheck_now(ground_.source.host, positions, heights);
+	if (alive.expired()) {
+		return positions.size();
+	}
+	figures_.heights_rechecked += positions.size();
+	if (status.ok()) {
+		recheck_.answer(seconds_now(), heights, terrain->recheck_tolerance());
+	} else if (ground_.source.is_available()) {
+		report("TerrainScatter3D", status);
+		recheck_failed_ = true;
+	}
+	const Clock::duration spent = Clock::now() - start;
+	recheck_left_ -= spent;
+	usual_height_ += (spent / static_cast<int>(positions.size()) - usual_height_) / 8;
+	return positions.size();
+}
+
+std::vector<glm::dvec2> ScatterStream::take_ground_changes() { return recheck_.take_changes(seconds_now()); }
+
+} // namespace thicket
