@@ -94,7 +94,7 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
         say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}.")
     plan = tile.Plan(
         source=wish.source, asked=wish.asked, out=str(wish.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
-        layers=tuple({key: layer[key] for key in ("index", "colored", "custom_data")} for layer in layers),
+        layers={layer["index"]: described["columns"][str(layer["index"])] for layer in layers},
         parts=described["parts"], pixel=max(rect[2], rect[3]) / MAP_PIXELS,
     )  # fmt: skip
     looks = {each["index"]: each for each in described["models"]}

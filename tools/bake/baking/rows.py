@@ -9,11 +9,6 @@ import pyarrow as pa
 
 from .columns import SCHEMA
 
-# Of the numbers that each instance has, in the engine's order; what stands between `rank` and `model` are the floats of color and
-# custom data.
-_SENT = [("id", "<u8"), *((name, "<f8") for name in ("x", "y", "z"))]
-_SENT += [(name, "<f4") for name in ("qx", "qy", "qz", "qw", "scale_x", "scale_y", "scale_z")]
-_SENT += [("rank", "<u4")]
 _HEADER_BYTES = 16
 
 Columns = dict[str, np.ndarray]
@@ -23,56 +18,44 @@ class BadRows(ValueError):
     """What came is no table of rows."""
 
 
-def parse(data: bytes | bytearray, layer: dict) -> tuple[Columns, int]:
-    """The columns in what ScatterTile.get_rows gives for a layer, and how many instances have a shear. Of a layer, `index`, `colored`
-    and `custom_data` count. Raises BadRows where the size does not fit."""
+def parse(data: bytes | bytearray, layer: int, kinds: dict[str, str]) -> tuple[Columns, int]:
+    """The columns in what ScatterTile.get_rows returns for a layer, whose index and ScatterLayer.get_row_columns are given, and how many instances have a
+    shear. Raises BadRows where the size does not fit."""
     if len(data) < _HEADER_BYTES:
         raise BadRows(f"{len(data)} bytes are too few for rows")
-    rows, floats, sheared, _ = (int(number) for number in np.frombuffer(data, "<u4", 4))
-    wanted = 4 * (bool(layer["colored"]) + bool(layer["custom_data"]))
-    if rows and floats != wanted:
-        raise BadRows(f"{floats} floats of color and custom data where the layer has {wanted}")
+    rows, _, sheared, _ = (int(number) for number in np.frombuffer(data, "<u4", 4))
+    expected = _HEADER_BYTES + rows * sum(np.dtype(kind).itemsize for kind in kinds.values())
+    if len(data) != expected:
+        raise BadRows(f"{len(data)} bytes where {rows} rows have {expected}")
+    columns: Columns = {}
     at = _HEADER_BYTES
-
-    def take(kind: str) -> np.ndarray:
-        nonlocal at
-        size = np.dtype(kind).itemsize * rows
-        if at + size > len(data):
-            raise BadRows(f"{len(data)} bytes are too few for {rows} rows")
-        column = np.frombuffer(data, kind, rows, at)
-        at += size
-        return column
-
-    columns = {name: take(kind) for name, kind in _SENT}
-    further = [take("<f4") for _ in range(floats)]
-    columns["model"] = take("<u2")
-    if at != len(data):
-        raise BadRows(f"{len(data) - at} bytes more than {rows} rows have")
-    columns["layer"] = np.full(rows, layer["index"], np.uint16)
-    _add_further(columns, further, layer)
+    for name, kind in kinds.items():
+        columns[name] = np.frombuffer(data, kind, rows, at)
+        at += columns[name].nbytes
+    columns["layer"] = np.full(rows, layer, np.uint16)
+    _add_further(columns, rows)
     return columns, sheared
 
 
-def _add_further(columns: Columns, further: list[np.ndarray], layer: dict) -> None:
-    rows = len(columns["id"])
+def _add_further(columns: Columns, rows: int) -> None:
     color = np.zeros(rows, np.uint32)
-    if layer["colored"] and rows:
-        for place, channel in enumerate(further[:4]):
-            color |= np.rint(np.clip(channel, 0.0, 1.0) * np.float32(255.0)).astype(np.uint32) << np.uint32(8 * place)
+    has_color, has_custom = "color_r" in columns, "variation" in columns
+    if has_color:
+        for place, channel in enumerate("rgba"):
+            share = np.clip(columns[f"color_{channel}"], 0.0, 1.0)
+            color |= np.rint(share * np.float32(255.0)).astype(np.uint32) << np.uint32(8 * place)
     columns["color"] = color
-    custom = further[-4:] if layer["custom_data"] and rows else [np.zeros(rows, np.float32)] * 2
-    columns["variation"], columns["wind_phase"] = custom[0], custom[1]
-    columns["has_color"] = np.full(rows, bool(layer["colored"]))
-    columns["has_custom"] = np.full(rows, bool(layer["custom_data"]))
+    for name in ("variation", "wind_phase"):
+        columns.setdefault(name, np.zeros(rows, np.float32))
+    columns["has_color"], columns["has_custom"] = np.full(rows, has_color), np.full(rows, has_custom)
 
 
 def joined(parts: list[Columns]) -> Columns:
     """All rows of some parts, sorted by layer, then id."""
-    names = [*SCHEMA.names, "has_color", "has_custom"]
     if not parts:
-        empty = parse(bytes(_HEADER_BYTES), {"index": 0, "colored": False, "custom_data": False})[0]
-        return {name: empty[name] for name in names}
-    whole = {name: np.concatenate([part[name] for part in parts]) for name in names}
+        empty = to_columns(SCHEMA.empty_table())
+        return {name: empty[name] for name in [*SCHEMA.names, "has_color", "has_custom"]}
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in [*SCHEMA.names, "has_color", "has_custom"]}
     order = np.lexsort((whole["id"], whole["layer"]))
     return {name: column.take(order) for name, column in whole.items()}
 

@@ -31,7 +31,7 @@ class Plan:
     out: str
     rect: tuple[float, float, float, float]  # x, z, width, depth, meters of the world
     grid: TileGrid
-    layers: tuple[dict, ...]  # index, colored, custom_data
+    layers: dict[int, dict[str, str]]  # By index: the columns of their rows, see rows.py
     scene_digest: str
     parts: dict[str, str]  # The digests of the scene's parts
     pixel: float  # Meters of a pixel of the map
@@ -42,7 +42,7 @@ class Plan:
             "thicket.tile": name_of(tile),
             "thicket.scene_digest": self.scene_digest,
             "thicket.area": ",".join(map(repr, self.grid.area_of(tile))),
-            "thicket.layers": ",".join(str(layer["index"]) for layer in self.layers),
+            "thicket.layers": ",".join(map(str, self.layers)),
         }
 
 
@@ -181,10 +181,10 @@ def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
 
 def _asked(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
     """The sorted rows of a tile, and how many of them have a shear."""
-    area, layers = plan.grid.area_of(tile), {layer["index"]: layer for layer in plan.layers}
+    area = plan.grid.area_of(tile)
     parts, sheared = [], 0
     for made, data in engine.rows(tile):
-        part, leaning = rows.parse(data, layers[made["layer"]])
+        part, leaning = rows.parse(data, made["layer"], plan.layers[made["layer"]])
         within = inside(area, made["bounds"], part["x"], part["z"])
         parts.append(part if within is None else {name: column[within] for name, column in part.items()})
         sheared += leaning
@@ -196,7 +196,7 @@ def _entry(plan: Plan, path: Path, columns: rows.Columns, marks: dict[str, str])
     return {
         "file": path.relative_to(plan.out).as_posix(),
         "rows": len(columns["id"]),
-        "rows_of_layer": [int(counts[layer["index"]]) if layer["index"] < len(counts) else 0 for layer in plan.layers],
+        "rows_of_layer": [int(counts[layer]) if layer < len(counts) else 0 for layer in plan.layers],
         "digest": marks["thicket.digest"],
         "bounds": rows.bounds(columns),
         "sheared": int(marks["thicket.sheared"]),
@@ -207,7 +207,7 @@ def _pixels(plan: Plan, columns: rows.Columns) -> list[tuple[np.ndarray, np.ndar
     """For each layer the pixels of the map that instances stand in, as row << 16 | column, and how many stand there."""
     found = []
     for layer in plan.layers:
-        own = columns["layer"] == layer["index"]
+        own = columns["layer"] == layer
         column = np.clip((columns["x"][own] - plan.rect[0]) // plan.pixel, 0, 0xFFFF).astype(np.uint32)
         row = np.clip((columns["z"][own] - plan.rect[1]) // plan.pixel, 0, 0xFFFF).astype(np.uint32)
         found.append(np.unique(row << np.uint32(16) | column, return_counts=True))

@@ -129,7 +129,7 @@ class TileEngine:
         Refused for what cannot be baked, and for a project with an add-on that does not know of this."""
         self._send({"do": "describe", **asked})
         described = self._receive()[0]
-        if "edges" not in described:
+        if "columns" not in described:
             raise Refused("The project has the add-on of another version of Thicket: copy the one of this checkout into it.")
         return described
 

@@ -31,7 +31,7 @@ def made_tiles(folder: Path) -> MadeTiles:
     """What lies in a folder. Raises BakeError where that is no world's tiles."""
     try:
         world = json.loads((folder / WORLD).read_text(encoding="utf-8"))
-        if "edges" not in world:
+        if "columns" not in world:
             raise BakeError(f"{folder} was made by another version of Thicket: make it again with bake_world.gd.")
         return MadeTiles(str(folder), world["scene"])
     except (OSError, ValueError, LookupError, TypeError) as error:

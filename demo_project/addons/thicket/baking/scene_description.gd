@@ -61,9 +61,12 @@ func describe(scatter: TerrainScatter3D) -> bool:
 		return false
 	var parts := SceneDigest.parts_of(scatter, Rect2(rect[0], rect[1], rect[2], rect[3]))
 	var offset := scatter.world_offset
+	var columns := {}
+	for layer in layers:
+		columns[str(layer.index)] = scatter.get_layer(layer.index).get_row_columns()
 	values = {
 		"seed": str(scatter.seed), "layers": layers, "parts": parts, "world_offset": [offset.x, offset.y, offset.z], "rect": rect,
-		"problems": scatter.get_problems(), "scene_digest": JSON.stringify(parts, "", true).sha256_text(), "thicket": SceneDigest.version(),
+		"problems": scatter.get_problems(), "scene_digest": JSON.stringify(parts, "", true).sha256_text(), "thicket": SceneDigest.version(), "columns": columns,
 	}.merged(grid.description())
 	return true
 
