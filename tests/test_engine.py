@@ -121,6 +121,7 @@ def assert_passed(done):
         "test_mask",
         "test_models",
         "test_model_layers",
+        "test_stripped",
         pytest.param("test_viewers", marks=pytest.mark.alone),
         "test_world_offset",
         "test_terrains",

@@ -58,6 +58,8 @@ var changes := {
 	"instance_radius": [0.3, BODIES, HITS], "instance_height": [1.0, BODIES, HITS], "regrowth_time": [0.05, REGROWN],
 	"collision_shape": [ScatterLayer.COLLISION_BOX, BODIES], "collision_distance": [12.0, BODIES],
 	"collision_layer": [4, BODIES], "collision_mask": [8, BODIES], "physics_material": [slippery(), BODIES],
+	# Used in place of what an export has stripped alone, see test_stripped.gd.
+	"convex_hulls": [[PackedVector3Array([Vector3.UP])]], "mask_texture_image": [Image.create_empty(2, 2, false, Image.FORMAT_R8)],
 	"affect_navigation_mesh": [false], # Asked for by the bake of a navigation mesh alone, see test_navigation.gd.
 	"scene": [scene_of(Marker3D.new()), SCENES], "scene_distance": [4.0, SCENES],
 }

@@ -53,7 +53,6 @@ func test_entries() -> void:
 	many.resize(257)
 	layer.meshes = many
 	check_error(["ScatterLayer.meshes", "257"], "too many")
-	check(layer.meshes.is_read_only(), "a list that cannot be changed in place")
 	var typed: Array[Mesh] = [mesh]
 	layer.meshes = typed
 	check_equal(layer.meshes.size(), 1, "a typed list is taken")
@@ -67,6 +66,35 @@ func test_entries() -> void:
 	var scatter := make_scatter([loaded], ScatterTerrainFlat.new(), make_viewer())
 	var told := "\n".join(scatter.get_problems())
 	check("ScatterLayer.meshes[0], a scene without a file, has nothing to draw: it is empty" in told, "warned: " + told)
+
+
+## Scripts share the list with the layer, as they do a node's layers.
+func test_a_list_that_is_changed_in_place() -> void:
+	var layer := make_model_layer([BoxMesh.new()])
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	await settle(scatter)
+	var list := layer.meshes
+	list.append(pack(make_tree()))
+	check(not scatter.is_settled(), "a node notices it at once")
+	await settle(scatter)
+	var tile := scatter.get_tile(0, scatter.get_shown_tiles(0)[0])
+	check_equal(tile.get_mesh_count(), 2, "and draws what was added")
+	check_equal(tile.get_mesh(1).get_surface_count(), 2, "which it reads")
+	list[0] = null
+	await settle(scatter)
+	check(scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(0) == null, "what was taken out is not drawn")
+	var kept := list.duplicate()
+	list.append(ImageTexture.new())
+	await settle(scatter)
+	check_error(["ScatterLayer.meshes[2]", "ImageTexture"], "a change that is refused")
+	check_equal(layer.meshes, kept, "the list of before is back")
+	layer.meshes.resize(257)
+	await settle(scatter)
+	check_error(["ScatterLayer.meshes", "257"], "too many")
+	check_equal(layer.meshes, kept, "the list of before is back again")
+	layer.meshes.resize(1)
+	check_equal(layer.get_materials().size(), 0, "whatever asks the layer has the list as it is")
+	await settle(scatter)
 
 
 ## A scene is read when it is needed: what is wrong with it is found then, once, and the entry draws nothing.

@@ -164,8 +164,10 @@ void Dictionary::set_typed(uint32_t p_key_type, const StringName &p_key_class, c
 			p_value_class._native_ptr(), p_value_script._native_ptr());
 }
 
-void _err_print_error(const char *p_function, const char *p_file, int p_line, const String &p_message) {
-	gdextension_interface::print_error(p_message.utf8().get_data(), p_function, p_file, p_line, false);
+void _err_print_error(const char *p_function, const char *p_file, int p_line, const String &p_message,
+		bool p_editor_notify, bool p_is_warning) {
+	const auto print = p_is_warning ? gdextension_interface::print_warning : gdextension_interface::print_error;
+	print(p_message.utf8().get_data(), p_function, p_file, p_line, static_cast<GDExtensionBool>(p_editor_notify));
 }
 
 } // namespace godot

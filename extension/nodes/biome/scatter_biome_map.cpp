@@ -305,6 +305,8 @@ PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_ow
 	const bool given = image_.is_valid();
 	if (!complaint_.is_empty()) {
 		result.push_back(complaint_);
+	} else if (const String stripped = stripped_problem(); !stripped.is_empty()) {
+		result.push_back(stripped);
 	} else if (given && pixels_.size.x == 0) {
 		result.push_back("ScatterBiomeMap.map_image is empty: there is no biome anywhere.");
 	} else if (!given && biomes_.size() > 1) {
@@ -334,6 +336,7 @@ void ScatterBiomeMap::_bind_methods() {
 
 void ScatterBiomeMap::bind_map() {
 	using Self = ScatterBiomeMap;
+	bind_guarded<&Self::embed_stripped_data>(D_METHOD("embed_stripped_data"));
 	bind_guarded<&Self::set_map_image>(D_METHOD("set_map_image", "image"));
 	bind_guarded<&Self::get_map_image>(D_METHOD("get_map_image"));
 	bind_guarded<&Self::set_map_rect>(D_METHOD("set_map_rect", "rect"));

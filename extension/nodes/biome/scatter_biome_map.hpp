@@ -44,6 +44,9 @@ public:
 	void set_map_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_map_image() const { return image_; }
 
+	/// Puts the image of a texture in place of it, as an export strips textures. False if there is none.
+	bool embed_stripped_data();
+
 	/// World meters that the image covers: x, and z as y. Its sides are at least 0.001.
 	void set_map_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_map_rect() const { return rect_; }
@@ -96,6 +99,9 @@ public:
 
 	/// True if a biome has water at a level of its own.
 	bool has_own_water() const;
+
+	/// What cannot work because an export has stripped it; empty if nothing was.
+	godot::String stripped_problem() const;
 
 	/// What is likely not meant, for the editor's warnings, by a node with these layers of its own.
 	godot::PackedStringArray problems(const godot::TypedArray<ScatterLayer> &p_own);

@@ -1,6 +1,7 @@
 #include "nodes/gameplay/collision_shapes.hpp"
 
-#include <godot_cpp/classes/convex_polygon_shape3d.hpp>
+#include "nodes/model/convex_corners.hpp"
+
 #include <godot_cpp/classes/physics_server3d.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/packed_vector3_array.hpp>
@@ -80,13 +81,7 @@ const CollisionShapes::Corners *CollisionShapes::corners_of(const ShapeSource &s
 		// Fast path: the mesh is as it was when its hull was made.
 		return usable(corners);
 	}
-	corners = {source.boxes[mesh], ++last_number_, {}};
-	const Ref<ConvexPolygonShape3D> hull = of->create_convex_shape(true, false);
-	const PackedVector3Array points = hull.is_valid() ? hull->get_points() : PackedVector3Array();
-	for (const Vector3 &point : points) {
-		corners.points.emplace_back(point.x, point.y, point.z);
-	}
-	keep_outermost(corners.points, max_corners);
+	corners = {source.boxes[mesh], ++last_number_, convex_corners(of)};
 	return usable(corners);
 }
 
@@ -98,7 +93,7 @@ const CollisionShapes::Corners *CollisionShapes::corners_of(const BodyPart &part
 	}
 	part_corners_.push_back({part, {AABB(), ++last_number_, part.corners}});
 	Corners &corners = part_corners_.back().second;
-	keep_outermost(corners.points, max_corners);
+	keep_outermost(corners.points, max_convex_corners);
 	return usable(corners);
 }
 

@@ -61,10 +61,8 @@ public:
 	/// Frees all: nobody may use one of them any more.
 	void clear();
 
-	/// The most shapes that are kept without being used,
+	/// The most shapes that are kept without being used.
 	static constexpr std::size_t max_idle = 256;
-	/// and the most corners of a convex one: those farthest out.
-	static constexpr std::size_t max_corners = 64;
 
 private:
 	/// Kind, corners' number (0 for none), and three sizes: in meters, or the scale of the corners.

@@ -50,7 +50,33 @@ String nothing_to_draw(std::size_t entry, const Ref<PackedScene> &p_scene, const
 
 bool LayerMeshes::set_entries(const Array &p_entries) {
 	Array entries;
-	std::vector<Ref<ScatterModel>> models;
+	for (int64_t index = 0; index < p_entries.size(); ++index) {
+		entries.push_back(p_entries[index]);
+	}
+	if (!take(entries)) {
+		return false;
+	}
+	entries_ = entries;
+	return true;
+}
+
+bool LayerMeshes::differs() const {
+	bool same = entries_.size() == static_cast<int64_t>(taken_.size());
+	for (std::size_t entry = 0; same && entry < taken_.size(); ++entry) {
+		same = entries_[static_cast<int64_t>(entry)].get_validated_object() == taken_[entry].resource.ptr();
+	}
+	return !same;
+}
+
+void LayerMeshes::restore() {
+	entries_ = Array();
+	for (const Entry &entry : taken_) {
+		entries_.push_back(entry.resource.is_valid() ? Variant(entry.resource) : Variant());
+	}
+}
+
+bool LayerMeshes::take(const Array &p_entries) {
+	std::vector<Entry> taken;
 	for (int64_t index = 0; index < p_entries.size(); ++index) {
 		const Variant &entry = p_entries[index];
 		Object *object = entry.get_validated_object();
@@ -58,7 +84,7 @@ bool LayerMeshes::set_entries(const Array &p_entries) {
 		const Ref<PackedScene> scene(Object::cast_to<PackedScene>(object));
 		if (scene.is_valid()) {
 			model = model_of(scene);
-			if (model.is_null() && !entries_.is_empty()) {
+			if (model.is_null() && !taken_.empty()) {
 				return false;
 			}
 		} else if (model.is_null() && entry.get_type() != Variant::NIL && Object::cast_to<Mesh>(object) == nullptr) {
@@ -70,22 +96,19 @@ bool LayerMeshes::set_entries(const Array &p_entries) {
 				return false;
 			}
 		}
-		entries.push_back(entry);
-		models.push_back(model);
+		taken.push_back({Ref<Resource>(Object::cast_to<Resource>(object)), model});
 	}
-	entries.make_read_only();
-	entries_ = entries;
-	models_ = std::move(models);
+	taken_ = std::move(taken);
 	return true;
 }
 
 /// The model that was made of a scene before, else a new one. Null, with an error, for an empty scene.
 Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
-	for (std::size_t entry = 0; entry < size(); ++entry) {
-		if (models_[entry].is_valid() && Ref<PackedScene>(entries_[static_cast<int64_t>(entry)]) == p_scene) {
-			// Fast path: the scene was read before.
-			return models_[entry];
-		}
+	const auto known = std::ranges::find_if(
+			taken_, [&](const Entry &entry) { return entry.model.is_valid() && entry.resource == p_scene; });
+	if (known != taken_.end()) {
+		// Fast path: the scene was read before.
+		return known->model;
 	}
 	Ref<ScatterModel> model(memnew(ScatterModel));
 	model->set_scene(p_scene);
@@ -93,24 +116,24 @@ Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
 }
 
 Ref<Mesh> LayerMeshes::mesh(std::size_t entry) const {
-	if (models_[entry].is_null()) {
-		return entries_[static_cast<int64_t>(entry)];
+	if (taken_[entry].model.is_null()) {
+		return taken_[entry].resource;
 	}
-	const std::vector<DrawnLod> lods = models_[entry]->drawn_lods();
+	const std::vector<DrawnLod> lods = taken_[entry].model->drawn_lods();
 	return lods.empty() ? Ref<Mesh>() : lods.front().mesh;
 }
 
 bool LayerMeshes::read_step() const {
 	return std::ranges::any_of(
-			models_, [](const Ref<ScatterModel> &model) { return model.is_valid() && model->read_step(); });
+			taken_, [](const Entry &entry) { return entry.model.is_valid() && entry.model->read_step(); });
 }
 
 std::vector<Object *> LayerMeshes::sources() const {
 	std::vector<Object *> result;
-	for (std::size_t entry = 0; entry < size(); ++entry) {
-		Object *source = models_[entry].ptr();
+	for (const Entry &entry : taken_) {
+		Object *source = entry.model.ptr();
 		if (source == nullptr) {
-			source = Ref<Mesh>(entries_[static_cast<int64_t>(entry)]).ptr();
+			source = Ref<Mesh>(entry.resource).ptr();
 		}
 		if (source != nullptr) {
 			result.push_back(source);
@@ -121,13 +144,13 @@ std::vector<Object *> LayerMeshes::sources() const {
 
 bool LayerMeshes::reload(const PackedStringArray &p_paths) {
 	bool any = false;
-	const std::vector<Ref<ScatterModel>> models = models_; // Reading a scene runs its scripts.
-	for (const Ref<ScatterModel> &model : models) {
-		const Ref<PackedScene> scene = model.is_valid() ? model->get_scene() : Ref<PackedScene>();
+	const std::vector<Entry> taken = taken_; // Reading a scene runs its scripts.
+	for (const Entry &entry : taken) {
+		const Ref<PackedScene> scene = entry.model.is_valid() ? entry.model->get_scene() : Ref<PackedScene>();
 		const String path = scene.is_valid() ? scene->get_path() : String();
 		if (!path.is_empty() && p_paths.has(path)) {
 			any = true;
-			model->reload();
+			entry.model->reload();
 		}
 	}
 	return any;
@@ -145,14 +168,15 @@ bool LayerMeshes::has_mesh() const {
 std::vector<DrawnLod> LayerMeshes::lods_of(
 		std::size_t entry, const TypedArray<Mesh> &p_meshes, const PackedFloat32Array &p_distances) const {
 	std::vector<DrawnLod> result;
-	if (models_[entry].is_valid()) {
-		result = models_[entry]->drawn_lods();
+	const auto count = static_cast<int64_t>(size());
+	if (taken_[entry].model.is_valid()) {
+		result = taken_[entry].model->drawn_lods();
 	} else if (const Ref<Mesh> near_by = mesh(entry); near_by.is_valid()) {
 		result.push_back({0.0, near_by, {}, ScatterLod::CAST_SHADOW_LAYER, 1.0});
 	}
 	for (int64_t row = 0; row < p_distances.size(); ++row) {
-		const int64_t at = row * entries_.size() + static_cast<int64_t>(entry);
-		const bool whole = (row + 1) * entries_.size() <= p_meshes.size();
+		const int64_t at = row * count + static_cast<int64_t>(entry);
+		const bool whole = (row + 1) * count <= p_meshes.size();
 		if (!result.empty() && whole && Ref<Mesh>(p_meshes[at]).is_valid()) {
 			result.push_back({p_distances.ptr()[row], Ref<Mesh>(p_meshes[at]), {}, ScatterLod::CAST_SHADOW_LAYER, 1.0});
 		}
@@ -182,10 +206,10 @@ void LayerMeshes::draw(const TypedArray<Mesh> &p_meshes, const PackedFloat32Arra
 std::vector<std::vector<BodyPart>> LayerMeshes::bodies() const {
 	std::vector<std::vector<BodyPart>> result(size());
 	for (std::size_t entry = 0; entry < size(); ++entry) {
-		if (models_[entry].is_null()) {
+		if (taken_[entry].model.is_null()) {
 			continue;
 		}
-		for (const ModelShape &shape : models_[entry]->model_shapes()) {
+		for (const ModelShape &shape : taken_[entry].model->model_shapes()) {
 			if (std::optional<BodyPart> part = body_part(shape)) {
 				result[entry].push_back(std::move(*part));
 			}
@@ -199,20 +223,21 @@ void LayerMeshes::add_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.meshes has no mesh: the layer draws nothing.");
 	}
 	for (std::size_t entry = 0; entry < size(); ++entry) {
-		const Ref<PackedScene> scene = entries_[static_cast<int64_t>(entry)];
-		if (models_[entry].is_null()) {
+		const Ref<PackedScene> scene = taken_[entry].resource;
+		if (taken_[entry].model.is_null()) {
 			if (scene.is_valid()) {
 				r_problems.push_back(nothing_to_draw(entry, scene, empty_scene));
 			}
 			continue;
 		}
-		if (!models_[entry]->problem().is_empty()) {
-			r_problems.push_back(nothing_to_draw(entry, models_[entry]->get_scene(), models_[entry]->problem()));
+		if (!taken_[entry].model->problem().is_empty()) {
+			r_problems.push_back(
+					nothing_to_draw(entry, taken_[entry].model->get_scene(), taken_[entry].model->problem()));
 		}
-		const PackedStringArray &remarks = models_[entry]->remarks();
+		const PackedStringArray &remarks = taken_[entry].model->remarks();
 		for (const String &remark : remarks) {
 			r_problems.push_back(vformat("ScatterLayer.meshes[%d], %s: %s", static_cast<int64_t>(entry),
-					name_of(models_[entry]->get_scene()), remark));
+					name_of(taken_[entry].model->get_scene()), remark));
 		}
 	}
 }

@@ -24,12 +24,21 @@ public:
 	/// list, so that saving does not lose it.
 	bool set_entries(const godot::Array &p_entries);
 
+	/// Scripts share the list, and may change it in place: true if they have since it was taken over.
+	bool differs() const;
+
+	/// Takes over such a change. False, with an error, if it is refused as by `set_entries`.
+	bool take_changes() { return take(entries_); }
+
+	/// Forgets such a change: scripts see a new list, with the entries that were taken over last.
+	void restore();
+
 	/// Reads the next part of a scene that was not read yet: see ScatterModel. Until then nothing is drawn for it. Returns false if all is read.
 	bool read_step() const;
 
-	/// Read-only.
+	/// As scripts see it.
 	const godot::Array &entries() const { return entries_; }
-	std::size_t size() const { return static_cast<std::size_t>(entries_.size()); }
+	std::size_t size() const { return taken_.size(); }
 
 	/// Whatever emits `changed` when an entry looks otherwise: meshes and models. No null among them.
 	std::vector<godot::Object *> sources() const;
@@ -52,18 +61,24 @@ public:
 	void add_problems(godot::PackedStringArray &r_problems) const;
 
 	/// The model of an entry, which for a scene is the one that was made of it; null for a mesh.
-	godot::Ref<ScatterModel> model(std::size_t entry) const { return models_[entry]; }
+	godot::Ref<ScatterModel> model(std::size_t entry) const { return taken_[entry].model; }
 
 	/// The mesh of an entry near by; null for none, and while its scene is not read.
 	godot::Ref<godot::Mesh> mesh(std::size_t entry) const;
 
 private:
+	struct Entry {
+		godot::Ref<godot::Resource> resource; ///< Null for an empty entry.
+		godot::Ref<ScatterModel> model;       ///< Null for meshes, and for empty scenes.
+	};
+
+	bool take(const godot::Array &p_entries);
 	godot::Ref<ScatterModel> model_of(const godot::Ref<godot::PackedScene> &p_scene) const;
 	std::vector<DrawnLod> lods_of(std::size_t entry, const godot::TypedArray<godot::Mesh> &p_meshes,
 			const godot::PackedFloat32Array &p_distances) const;
 
 	godot::Array entries_;
-	std::vector<godot::Ref<ScatterModel>> models_; ///< Of each entry; null for meshes, and for empty scenes.
+	std::vector<Entry> taken_; ///< What was taken over of them last.
 };
 
 } // namespace thicket

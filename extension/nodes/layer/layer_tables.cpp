@@ -50,6 +50,9 @@ void LayerTables::refresh_image(const MaskFrame &frame) {
 	const Ref<Texture2D> texture = mask_texture.texture;
 	if (new_pixels) {
 		pixels_ = texture.is_valid() ? channel_pixels(texture->get_image(), frame.channel) : ChannelPixels{};
+		if (texture.is_valid() && pixels_.values.empty()) {
+			pixels_ = channel_pixels(mask_texture_image, frame.channel);
+		}
 	}
 	image_missing = texture.is_valid() && pixels_.values.empty();
 	image_status = {};

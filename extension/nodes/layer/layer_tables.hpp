@@ -4,6 +4,7 @@
 #include "core/base/status.hpp"
 #include "nodes/layer/field_sources.hpp"
 
+#include <godot_cpp/classes/image.hpp>
 #include <godot_cpp/classes/texture2d.hpp>
 
 #include <concepts>
@@ -52,6 +53,7 @@ public:
 	std::shared_ptr<const CurveTable> noise_curve;
 	godot::Ref<godot::Noise> noise_source; ///< A copy. Noise cannot be compared: another object means another noise.
 	TextureSource mask_texture;
+	godot::Ref<godot::Image> mask_texture_image; ///< Used where the texture has none.
 
 	// What is made of them.
 	std::shared_ptr<const DensityField> noise;

@@ -15,6 +15,22 @@ using namespace godot;
 namespace thicket {
 
 bool LayerWatch::differs(const TypedArray<ScatterLayer> &p_layers) const {
+	return lists_differ(p_layers) || std::ranges::any_of(seen_, [](const Seen &seen) {
+		return seen.layer.is_valid() && seen.layer->meshes_differ();
+	});
+}
+
+/// Layers that are told emit `changed`: scripts may do anything.
+void LayerWatch::take_mesh_changes() const {
+	const std::vector<Seen> layers = seen_;
+	for (const Seen &seen : layers) {
+		if (seen.layer.is_valid() && seen.layer->meshes_differ()) {
+			seen.layer->take_mesh_changes();
+		}
+	}
+}
+
+bool LayerWatch::lists_differ(const TypedArray<ScatterLayer> &p_layers) const {
 	bool same = p_layers.size() == static_cast<int64_t>(seen_.size());
 	for (std::size_t index = 0; same && index < seen_.size(); ++index) {
 		const Object *layer =
@@ -25,7 +41,7 @@ bool LayerWatch::differs(const TypedArray<ScatterLayer> &p_layers) const {
 }
 
 bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give) {
-	const bool changed = differs(p_layers);
+	const bool changed = lists_differ(p_layers);
 	if (changed) {
 		const std::vector<Seen> before = seen_;
 		listen(false);
@@ -40,6 +56,7 @@ bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_
 		}
 		listen(true);
 	}
+	take_mesh_changes();
 	if (changed || p_give) {
 		give_ids(own_count);
 	}

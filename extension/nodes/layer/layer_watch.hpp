@@ -26,14 +26,14 @@ public:
 	/// `node` has the methods `_mark_dirty` and `_mark_area_edited(rect)`, which hear of changes of the layers.
 	explicit LayerWatch(godot::Object *node) : node_(node) {}
 
-	/// True if the list is not the one of the last `look`.
+	/// True if the list is not the one of the last `look`, or if a script has changed the meshes of a layer in place.
 	bool differs(const godot::TypedArray<ScatterLayer> &p_layers) const;
 
 	/// Takes in the list: listens to the layers that are new, and no longer to those that are gone, and gives each layer
 	/// whose layer_id is -1 one of its own: its index if no other layer has that, else the lowest that none has. Layers
 	/// from `own_count` on come and go with biomes: they get ids that none has had, so that one which comes back has kept its
-	/// own. Layers emit `changed` for it. Where the list is the same, they get one only if `p_give`. Returns what `differs` would have
-	/// returned.
+	/// own. Layers emit `changed` for it. Where the list is the same, they get one only if `p_give`. Takes over what scripts have
+	/// changed in the layers' meshes. Returns whether the list is another one than that of the last call.
 	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give);
 
 	/// Makes all layers of the list follow when one of them was renamed, and returns the renames. Nothing follows while the
@@ -47,6 +47,8 @@ private:
 		godot::String name;             ///< By which others speak of it.
 	};
 
+	bool lists_differ(const godot::TypedArray<ScatterLayer> &p_layers) const;
+	void take_mesh_changes() const;
 	bool is_taken(const godot::String &p_name, const Seen &by_other_than) const;
 	void listen(bool p_listen) const;
 	void give_ids(std::size_t own_count);

@@ -82,6 +82,7 @@ void ScatterLayer::bind_advanced() {
 	bind_guarded<&ScatterLayer::affects_placement>(D_METHOD("affects_placement", "property"));
 	bind_guarded<&ScatterLayer::get_point_density>(D_METHOD("get_point_density"));
 	bind_guarded<&ScatterLayer::get_row_columns>(D_METHOD("get_row_columns"));
+	bind_export();
 }
 
 // The order of the inspector: what stands there, where, how it is drawn, and what it is to a game.

@@ -170,6 +170,11 @@ public:
 	void set_meshes(const godot::Array &p_meshes);
 	godot::Array get_meshes() const;
 
+	/// Scripts share the list that `get_meshes` returns: whether they have changed it in place, and the call that takes this over as
+	/// `set_meshes` would. A list that is refused is replaced by the one of before.
+	bool meshes_differ() const { return meshes_.differs(); }
+	void take_mesh_changes();
+
 	/// Reads the next part of the scenes and models in `meshes`; see LayerMeshes. A snapshot, and all that asks for meshes, has what is read so far.
 	bool read_step();
 
@@ -211,7 +216,7 @@ public:
 
 	/// The LODs that an entry of `meshes` is drawn by, the finest first, with nothing left open: those of its model, and those of `lod_meshes`.
 	/// None for an entry that draws nothing; an index that is not there prints an error.
-	godot::TypedArray<ScatterLod> get_mesh_lods(int64_t p_index) const;
+	godot::TypedArray<ScatterLod> get_mesh_lods(int64_t p_index);
 
 	/// Meters from a viewer to a tile's box, ascending, 0 to 1e6 each; at most max_lods.
 	void set_lod_distances(const godot::PackedFloat32Array &p_distances);
@@ -239,6 +244,17 @@ public:
 
 	/// Points of the layer's set in a square meter, on average, before any rule.
 	double get_point_density() const;
+
+	/// Stores what the layer needs of its meshes and its mask texture where an export strips them: corners of convex hulls, one entry for each of
+	/// the meshes, and the texture's image. False if there is nothing to store. The stored data is used only for what was stripped.
+	bool embed_stripped_data();
+	void set_convex_hulls(const godot::Array &p_hulls);
+	godot::Array get_convex_hulls() const;
+	void set_mask_texture_image(const godot::Ref<godot::Image> &p_image);
+	godot::Ref<godot::Image> get_mask_texture_image() const;
+
+	/// What cannot work because it was stripped from the export.
+	void add_stripped_problems(godot::PackedStringArray &r_problems) const;
 
 	/// Has the layer keep an id that a node gave it.
 	void take_id(std::int64_t p_id);
@@ -287,6 +303,8 @@ private:
 	void refresh();
 	godot::Ref<godot::Resource> resource(std::string_view property) const;
 	void read_models();
+	bool needs_stored_hulls() const;
+	void use_stored_hulls(LayerCollision &r_collision) const;
 	void watch_meshes(bool p_watch);
 	void watch_mask(bool p_watch);
 	bool stores(const ScatterLayer *p_layer) const;
@@ -324,6 +342,7 @@ private:
 	static void bind_sources();
 	static void bind_lod();
 	static void bind_gameplay();
+	static void bind_export();
 
 	// Each has what single properties stand for; `refresh` adds the tables made of resources, the snapshot what is made of lists.
 	LayerSettings settings_;
@@ -355,6 +374,7 @@ private:
 
 	godot::Ref<godot::PhysicsMaterial> physics_material_;
 	godot::Ref<godot::PackedScene> scene_;
+	std::vector<BodyPart> convex_hulls_; ///< Of each of the meshes.
 };
 
 } // namespace thicket

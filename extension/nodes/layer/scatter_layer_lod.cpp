@@ -59,7 +59,8 @@ void ScatterLayer::set_lod_distances(const PackedFloat32Array &p_distances) {
 
 PackedFloat32Array ScatterLayer::get_lod_distances() const { return lod_distances_; }
 
-TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) const {
+TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
+	read_models();
 	TypedArray<ScatterLod> result;
 	const LayerMeshes meshes = meshes_;              // Scripts of a scene that is read may replace the list.
 	while (on_main_thread() && meshes.read_step()) { // For answers that cannot wait, as read_models.

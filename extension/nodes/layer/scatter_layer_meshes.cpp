@@ -31,18 +31,35 @@ struct Extent {
 	}
 };
 
+/// False, with an error, for too many entries.
+bool accept_count(const Array &p_meshes) {
+	const bool fits = p_meshes.size() <= static_cast<int64_t>(max_meshes);
+	if (!fits) {
+		report(layer_class_name, {ErrorCode::out_of_range, "meshes", static_cast<double>(p_meshes.size())});
+	}
+	return fits;
+}
+
 } // namespace
 
 void ScatterLayer::set_meshes(const Array &p_meshes) {
-	if (p_meshes.size() > static_cast<int64_t>(max_meshes)) {
-		report(layer_class_name, {ErrorCode::out_of_range, "meshes", static_cast<double>(p_meshes.size())});
-		return;
-	}
 	LayerMeshes next = meshes_;
-	if (next.set_entries(p_meshes)) {
+	if (accept_count(p_meshes) && next.set_entries(p_meshes)) {
 		watch_meshes(false);
 		meshes_ = next;
 		watch_meshes(true);
+		changed();
+	}
+}
+
+void ScatterLayer::take_mesh_changes() {
+	watch_meshes(false);
+	const bool taken = accept_count(meshes_.entries()) && meshes_.take_changes();
+	if (!taken) {
+		meshes_.restore();
+	}
+	watch_meshes(true);
+	if (taken) {
 		changed();
 	}
 }
@@ -66,6 +83,9 @@ bool ScatterLayer::read_step() {
 
 /// For answers that cannot wait. Other threads than the main one get what is read so far.
 void ScatterLayer::read_models() {
+	if (meshes_.differs()) {
+		take_mesh_changes();
+	}
 	while (on_main_thread() && read_step()) {}
 }
 

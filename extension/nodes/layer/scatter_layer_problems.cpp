@@ -1,6 +1,7 @@
 // What is likely not meant in a layer, in sentences for the editor's warnings.
 
 #include "core/placement/edge_probes.hpp"
+#include "nodes/common/stripped.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 using namespace godot;
@@ -70,7 +71,7 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
 		r_problems.push_back("Nothing stands: nothing is painted on ScatterLayer.mask, and its background is 0.");
 	}
-	if (tables_.image_missing) {
+	if (tables_.image_missing && !is_stripped(tables_.mask_texture.texture)) {
 		r_problems.push_back("Nothing stands: ScatterLayer.mask_texture has no image that can be read.");
 	}
 }
@@ -112,6 +113,7 @@ PackedStringArray ScatterLayer::problems() {
 	add_source_problems(result);
 	add_lod_problems(result);
 	add_gameplay_problems(result);
+	add_stripped_problems(result);
 	return result;
 }
 

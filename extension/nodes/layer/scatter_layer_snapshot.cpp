@@ -144,6 +144,8 @@ LayerGameplay ScatterLayer::gameplay() const {
 	result.scene.scene = scene_;
 	if (result.collision.shape == BodyShape::model) {
 		result.collision.parts = meshes_.bodies();
+	} else if (needs_stored_hulls()) {
+		use_stored_hulls(result.collision);
 	}
 	return result;
 }

@@ -1,9 +1,12 @@
 #include "nodes/model/mesh_merge.hpp"
 
+#include "nodes/common/boxes.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/stripped.hpp"
 #include "nodes/common/surface_streams.hpp"
 
 #include <godot_cpp/classes/array_mesh.hpp>
+#include <godot_cpp/classes/placeholder_mesh.hpp>
 #include <godot_cpp/classes/rendering_server.hpp>
 #include <godot_cpp/core/memory.hpp>
 #include <godot_cpp/core/object.hpp>
@@ -19,6 +22,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <set>
 
 using namespace godot;
@@ -232,6 +236,22 @@ bool is_as_it_is(const MeshPart &part) {
 			std::ranges::all_of(part.materials, [](const Ref<Material> &material) { return material.is_null(); });
 }
 
+Ref<Mesh> merged_placeholder(std::span<const MeshPart> parts) {
+	std::optional<AABB> box;
+	for (const MeshPart &part : parts) {
+		if (is_stripped(part.mesh)) {
+			const AABB of_part = transformed(part.mesh->get_aabb(), part.transform);
+			box = box ? joined(*box, of_part) : of_part;
+		}
+	}
+	if (!box) {
+		return {};
+	}
+	Ref<PlaceholderMesh> mesh(memnew(PlaceholderMesh));
+	mesh->set_aabb(*box);
+	return mesh;
+}
+
 } // namespace
 
 Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
@@ -246,7 +266,7 @@ Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
 		}
 	}
 	if (surfaces.empty()) {
-		return {};
+		return merged_placeholder(parts);
 	}
 	Ref<ArrayMesh> mesh(memnew(ArrayMesh));
 	for (Surface &surface : surfaces) {

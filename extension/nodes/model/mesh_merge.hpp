@@ -21,7 +21,7 @@ struct MeshPart {
 
 /// One mesh that looks as the parts do, each in its place: the part's own mesh where there is one part as it is, else a new one with a surface for
 /// each material and format of vertices. LODs that surfaces have for the engine's automatic choice are kept. Bones and blend shapes are not: a mesh
-/// stands in its rest pose. Null if the parts have no surface.
+/// stands in its rest pose. For parts that an export has stripped, a placeholder with the box around them. Null if the parts have neither.
 godot::Ref<godot::Mesh> merged_mesh(std::span<const MeshPart> parts);
 
 /// A copy of a mesh for each of some values, which all its vertices have in CUSTOM3; as above without bones and blend shapes. Null where the mesh has no

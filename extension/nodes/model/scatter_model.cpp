@@ -1,7 +1,7 @@
 #include "nodes/model/scatter_model.hpp"
 
 #include "core/model/model_lods.hpp"
-#include "nodes/common/convert.hpp"
+#include "nodes/common/boxes.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/threads.hpp"
 #include "nodes/common/watch.hpp"
@@ -11,7 +11,6 @@
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/object.hpp>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -33,12 +32,6 @@ TypedArray<ScatterLod> array_of(const std::vector<Ref<ScatterLod>> &lods) {
 		result.push_back(lod);
 	}
 	return result;
-}
-
-AABB joined(const AABB &p_a, const AABB &p_b) {
-	const glm::dvec3 min = glm::min(to_core(p_a.position), to_core(p_b.position));
-	const glm::dvec3 max = glm::max(to_core(p_a.position + p_a.size), to_core(p_b.position + p_b.size));
-	return {to_engine(min), to_engine(max - min)};
 }
 
 /// Sets a flag for as long as it lives.

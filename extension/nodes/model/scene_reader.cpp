@@ -2,6 +2,7 @@
 
 #include "core/model/model_lods.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/stripped.hpp"
 #include "nodes/model/mesh_merge.hpp"
 
 #include <godot_cpp/classes/collision_shape3d.hpp>
@@ -128,7 +129,7 @@ bool Walk::accept(Node *p_node, const Transform3D &p_transform) {
 
 void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name) {
 	const Ref<Mesh> mesh = p_node->get_mesh();
-	if (mesh.is_null() || mesh->get_surface_count() == 0) {
+	if (mesh.is_null() || (mesh->get_surface_count() == 0 && !is_stripped(mesh))) {
 		return;
 	}
 	if (parts.size() >= max_model_parts) {

@@ -115,6 +115,8 @@ void add_viewer_problems(
 void add_terrain_problems(const Ref<ScatterTerrain> &p_terrain, PackedStringArray &r_problems) {
 	if (p_terrain.is_null()) {
 		r_problems.push_back("No terrain: set TerrainScatter3D.terrain to a ScatterTerrain to show anything.");
+	} else if (const String stripped = p_terrain->stripped(); !stripped.is_empty()) {
+		r_problems.push_back(stripped);
 	} else if (const String problem = p_terrain->problem(); !problem.is_empty()) {
 		r_problems.push_back(problem);
 	} else if (const String remark = p_terrain->remark(); !remark.is_empty()) {
@@ -155,6 +157,24 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 						   "Set one to -1 for an id of its own."));
 		}
 	}
+}
+
+PackedStringArray stripped_problems(
+		const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterTerrain> &p_terrain, const ScatterBiomeMap *biomes) {
+	PackedStringArray result;
+	const auto add = [&result](const String &p_problem) {
+		if (!p_problem.is_empty()) {
+			result.push_back(p_problem);
+		}
+	};
+	add(p_terrain.is_valid() ? p_terrain->stripped() : String());
+	add(biomes != nullptr ? biomes->stripped_problem() : String());
+	for (int64_t index = 0; index < p_layers.size(); ++index) {
+		if (const Ref<ScatterLayer> layer = p_layers[index]; layer.is_valid()) {
+			layer->add_stripped_problems(result);
+		}
+	}
+	return result;
 }
 
 } // namespace thicket

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/status.hpp"
+#include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/scatter/scatter_viewers.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
@@ -27,5 +28,9 @@ void add_transform_problem(const godot::Node3D &node, glm::dvec3 offset, godot::
 /// What keeps a node in the tree from streaming around its viewers. `refused` is the error of one that is out of reach.
 void add_viewer_problems(const godot::Node3D &node, const ViewerSettings &viewers, const Status &refused,
 		godot::PackedStringArray &r_problems);
+
+/// What cannot work because an export has stripped it, a sentence each. `biomes` may be null.
+godot::PackedStringArray stripped_problems(const godot::TypedArray<ScatterLayer> &p_layers,
+		const godot::Ref<ScatterTerrain> &p_terrain, const ScatterBiomeMap *biomes);
 
 } // namespace thicket

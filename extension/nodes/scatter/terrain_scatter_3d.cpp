@@ -263,28 +263,6 @@ Status TerrainScatter3D::prepare() {
 	return layer_list_.snapshots().empty() ? Status{ErrorCode::missing, needed, 0.0} : Status{};
 }
 
-/// Reads the models of the layers, at least a part of one. False while some are unread after `deadline`, and if a script in one of them has freed
-/// the node.
-bool TerrainScatter3D::read_models(Clock::time_point deadline) const {
-	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	const TypedArray<ScatterLayer> layers = all_layers();
-	for (int64_t index = 0; index < layers.size(); ++index) {
-		const Ref<ScatterLayer> own = layers[index];
-		const Ref<ScatterLayer> layer = in_editor() ? previews_.shown(own) : own;
-		while (layer.is_valid() && layer->read_step()) {
-			if (!gameplay->alive() || Clock::now() >= deadline) {
-				return false;
-			}
-		}
-	}
-	return true;
-}
-
-/// Whether the layers can be drawn. Without a terrain they are not, so no model is needed.
-bool TerrainScatter3D::models_are_read(Clock::time_point deadline) const {
-	return terrain_.is_null() || read_models(deadline);
-}
-
 void TerrainScatter3D::refresh() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<ScatterStream> stream = stream_;
@@ -307,6 +285,10 @@ void TerrainScatter3D::refresh() {
 		return;
 	}
 	regions_.update(std::exchange(recentered_, false));
+	warn_of_stripped();
+	if (!gameplay->alive()) {
+		return;
+	}
 	if (!grounded || all_layers().is_empty()) {
 		layer_list_.clear();
 		gameplay->clear();

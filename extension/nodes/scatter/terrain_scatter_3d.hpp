@@ -291,6 +291,7 @@ private:
 	Status prepare();
 	bool read_models(std::chrono::steady_clock::time_point deadline) const;
 	bool models_are_read(std::chrono::steady_clock::time_point deadline) const;
+	void warn_of_stripped();
 	void refresh();
 	bool waits_for_ground() const;
 	void notice_layers();
@@ -354,6 +355,7 @@ private:
 	NavigationParse navigation_;
 	std::shared_ptr<AtOnceBuilder> at_once_ = std::make_shared<AtOnceBuilder>();
 	LayerList layer_list_;
+	bool warned_of_stripped_ = false; ///< Once is enough.
 	LayerPreviews previews_;
 	RegionRegister regions_;
 	godot::PackedStringArray layer_names_; ///< By index, as regions were told of them last.

@@ -88,6 +88,11 @@ String ScatterTerrain::remark() {
 	return find_remark();
 }
 
+String ScatterTerrain::stripped() {
+	const Ref<ScatterTerrain> held(this);
+	return find_stripped();
+}
+
 bool ScatterTerrain::is_main_thread_only() {
 	const Ref<ScatterTerrain> held(this);
 	return only_on_main_thread();

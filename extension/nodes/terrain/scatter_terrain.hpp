@@ -60,6 +60,9 @@ public:
 	/// What should be known of a ground that can be used, in one sentence; empty for nothing.
 	godot::String remark();
 
+	/// What cannot work because an export has stripped it; empty if nothing was.
+	godot::String stripped();
+
 	/// False when this ground tells no textures apart, so that layers which ask for some stand everywhere.
 	virtual bool has_textures() const;
 
@@ -142,6 +145,7 @@ protected:
 	virtual std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host);
 	virtual godot::String find_problem();
 	virtual godot::String find_remark() { return {}; }
+	virtual godot::String find_stripped() { return {}; }
 	virtual bool only_on_main_thread();
 	virtual Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground);

@@ -2,6 +2,7 @@
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/stripped.hpp"
 #include "nodes/common/watch.hpp"
 
 #include <godot_cpp/classes/texture2d.hpp>
@@ -35,6 +36,28 @@ String ScatterTerrainHeightmap::find_problem() {
 		return sentence(class_name, {ErrorCode::missing, "heightmap_path", 0.0});
 	}
 	return problem_;
+}
+
+String ScatterTerrainHeightmap::find_stripped() {
+	if (is_stripped(image_)) {
+		return stripped_problem("ScatterTerrainHeightmap.image", "there is no ground");
+	}
+	return is_stripped(weight_image_)
+			? stripped_problem("ScatterTerrainHeightmap.weight_image", "the ground has no textures")
+			: String();
+}
+
+bool ScatterTerrainHeightmap::embed_stripped_data() {
+	bool any = false;
+	for (Ref<Resource> *own : {&image_, &weight_image_}) {
+		const Ref<Texture2D> texture = *own;
+		const Ref<Image> image = texture.is_valid() ? texture->get_image() : Ref<Image>();
+		if (has_content(image)) {
+			exchange_image(*own, image, own == &image_ ? weight_image_ : image_);
+			any = true;
+		}
+	}
+	return any;
 }
 
 void ScatterTerrainHeightmap::image_changed() {

@@ -49,6 +49,9 @@ public:
 	void set_weight_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_weight_image() const;
 
+	/// Puts the images of textures in place of these, as an export strips textures. False if there are none.
+	bool embed_stripped_data();
+
 	/// World meters from the first post to the last: x, and z as y.
 	void set_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_rect() const;
@@ -72,6 +75,7 @@ protected:
 	godot::String find_problem() override;
 	void follow() override;
 	bool distrust() override;
+	godot::String find_stripped() override;
 
 private:
 	void change() { field_stale_ = true; }

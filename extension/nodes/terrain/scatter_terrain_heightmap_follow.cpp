@@ -5,6 +5,7 @@
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/stripped.hpp"
 #include "nodes/terrain/changed_areas.hpp"
 
 #include <godot_cpp/core/error_macros.hpp>
@@ -188,7 +189,7 @@ void ScatterTerrainHeightmap::emit_changes(const std::vector<Rect> &areas, bool 
 }
 
 void ScatterTerrainHeightmap::set_problem(const String &p_problem) {
-	if (!p_problem.is_empty()) {
+	if (!p_problem.is_empty() && !is_stripped(image_)) { // Of that a node warns.
 		ERR_PRINT(p_problem);
 	}
 	if (!(problem_ == p_problem)) {

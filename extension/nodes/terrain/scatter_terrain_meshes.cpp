@@ -2,6 +2,7 @@
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/stripped.hpp"
 
 #include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/scene_tree.hpp>
@@ -43,6 +44,19 @@ String ScatterTerrainMeshes::find_remark() {
 	}
 	const auto others = static_cast<std::int64_t>(refusals_.size()) - 1;
 	return refusals_.begin()->second + (others > 0 ? vformat(" (And %d other nodes of the group.)", others) : String());
+}
+
+String ScatterTerrainMeshes::find_stripped() {
+	const auto has_stripped_mesh = [this](const Variant &node) {
+		Object *source = nullptr;
+		look()(node, source);
+		return is_stripped(Ref<Resource>(Object::cast_to<Mesh>(source)));
+	};
+	if (is_in_scene() && std::ranges::any_of(members(), has_stripped_mesh)) {
+		return stripped_problem(
+				vformat("A mesh in the group \"%s\" of ScatterTerrainMeshes", group_), "it is no ground");
+	}
+	return {};
 }
 
 bool ScatterTerrainMeshes::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }

@@ -45,6 +45,7 @@ protected:
 	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
 	godot::String find_problem() override;
 	godot::String find_remark() override;
+	godot::String find_stripped() override;
 	void hosts_changed(bool first) override;
 	void offset_changed(const GroundHost &host) override;
 	void follow() override;

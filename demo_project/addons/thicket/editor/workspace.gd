@@ -14,6 +14,7 @@ const LayerDesk := preload("res://addons/thicket/editor/layer_desk.gd")
 const LooseStates := preload("res://addons/thicket/editor/loose_states.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
+const ServerExport := preload("res://addons/thicket/editor/server_export.gd")
 const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
 const Tutorials := preload("res://addons/thicket/editor/tutorial_window.gd")
@@ -44,6 +45,7 @@ var _inspector: LayerInspector
 var _fresh_layers := FreshLayers.new()
 var _help_links: HelpLinks
 var _loose_states: LooseStates
+var _server_export := ServerExport.new()
 var _scatter: TerrainScatter3D
 var _shown: Array = []
 var _tiles := 0
@@ -85,6 +87,7 @@ func _init(plugin: EditorPlugin) -> void:
 	plugin.add_node_3d_gizmo_plugin(_extent)
 	_inspector = LayerInspector.new(toolbar.paint.brush.files)
 	plugin.add_inspector_plugin(_inspector)
+	plugin.add_export_plugin(_server_export)
 	_loose_states = LooseStates.new(toolbar.paint.brush.files)
 	EditorInterface.get_resource_filesystem().resources_reimported.connect(_reload_scenes)
 	plugin.scene_saved.connect(_on_scene_saved)
@@ -97,6 +100,7 @@ func leave() -> void:
 	EditorInterface.get_resource_filesystem().resources_reimported.disconnect(_reload_scenes)
 	_plugin.remove_tool_menu_item(TUTORIALS_ITEM)
 	_help_links.leave()
+	_plugin.remove_export_plugin(_server_export)
 	_plugin.remove_inspector_plugin(_inspector)
 	_plugin.remove_node_3d_gizmo_plugin(_extent)
 	_plugin.remove_node_3d_gizmo_plugin(_regions)

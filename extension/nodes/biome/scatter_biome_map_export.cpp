@@ -1,0 +1,28 @@
+// What a biome map keeps for an export as a dedicated server, which puts placeholders in place of textures.
+
+#include "nodes/biome/scatter_biome_map.hpp"
+#include "nodes/common/stripped.hpp"
+#include "nodes/terrain/image_posts.hpp"
+
+#include <godot_cpp/classes/texture2d.hpp>
+
+using namespace godot;
+
+namespace thicket {
+
+String ScatterBiomeMap::stripped_problem() const {
+	return is_stripped(image_) ? thicket::stripped_problem("ScatterBiomeMap.map_image", "there is no biome anywhere")
+							   : String();
+}
+
+bool ScatterBiomeMap::embed_stripped_data() {
+	const Ref<Texture2D> texture = image_;
+	const Ref<Image> image = texture.is_valid() ? texture->get_image() : Ref<Image>();
+	const bool any = has_content(image);
+	if (any) {
+		set_map_image(image);
+	}
+	return any;
+}
+
+} // namespace thicket

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <godot_cpp/variant/aabb.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
+
+namespace thicket {
+
+/// The smallest box around both.
+godot::AABB joined(const godot::AABB &p_a, const godot::AABB &p_b);
+
+/// The smallest box around the corners of a box in the space that a transform leads to.
+godot::AABB transformed(const godot::AABB &p_box, const godot::Transform3D &p_transform);
+
+} // namespace thicket

@@ -1,0 +1,51 @@
+// What a TerrainScatter3D needs of its resources before it can draw: models that are read, and nothing that an export has stripped.
+
+#include "nodes/scatter/scatter_problems.hpp"
+#include "nodes/scatter/terrain_scatter_3d.hpp"
+
+#include <godot_cpp/classes/engine.hpp>
+#include <godot_cpp/classes/os.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+
+using namespace godot;
+
+namespace thicket {
+
+/// Reads the models of the layers, at least a part of one. False while some are unread after `deadline`, and if a script in one of them has freed
+/// the node.
+bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadline) const {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const TypedArray<ScatterLayer> layers = all_layers();
+	for (int64_t index = 0; index < layers.size(); ++index) {
+		const Ref<ScatterLayer> own = layers[index];
+		const Ref<ScatterLayer> layer = Engine::get_singleton()->is_editor_hint() ? previews_.shown(own) : own;
+		while (layer.is_valid() && layer->read_step()) {
+			if (!gameplay->alive() || std::chrono::steady_clock::now() >= deadline) {
+				return false;
+			}
+		}
+	}
+	return true;
+}
+
+/// Whether the layers can be drawn. Without a terrain they are not, so no model is needed.
+bool TerrainScatter3D::models_are_read(std::chrono::steady_clock::time_point deadline) const {
+	return terrain_.is_null() || read_models(deadline);
+}
+
+/// An exported server shows nobody the problems of a node.
+void TerrainScatter3D::warn_of_stripped() {
+	static const bool on_server = OS::get_singleton()->has_feature("dedicated_server");
+	if (!on_server || warned_of_stripped_) {
+		return;
+	}
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const PackedStringArray problems = stripped_problems(all_layers(), terrain_, biomes_.ptr());
+	if (gameplay->alive() && problems.size() > 0) {
+		warned_of_stripped_ = true;
+		WARN_PRINT(vformat("TerrainScatter3D \"%s\": %s (Of %d such problems, see get_problems().)", get_name(),
+				problems[0], problems.size()));
+	}
+}
+
+} // namespace thicket

@@ -1,0 +1,113 @@
+extends "models_harness.gd"
+## What an export as a dedicated server leaves: placeholders in place of meshes and textures. Collision, masks, heights and biomes stay.
+
+const AREA := Rect2(-64, -64, 128, 128)
+
+
+func stripes(horizontal: bool) -> ImageTexture:
+	var image := Image.create_empty(64, 64, false, Image.FORMAT_RGB8)
+	for at in 64 * 64:
+		var stripe := (at / 64 if horizontal else at % 64) / 8 % 2
+		image.set_pixel(at % 64, at / 64, Color(stripe, 0, 0))
+	return ImageTexture.create_from_image(image)
+
+
+func rock() -> ArrayMesh:
+	var mesh := ArrayMesh.new()
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, SphereMesh.new().get_mesh_arrays())
+	return mesh
+
+
+func solid_layer(entry: Resource, shape: ScatterLayer.CollisionShape) -> ScatterLayer:
+	var layer := make_layer(4.0)
+	layer.meshes = [entry]
+	layer.collision_shape = shape
+	layer.collision_distance = 40.0
+	return layer
+
+
+## As the engine's export does it: through the list itself, and through the nodes of a scene.
+func strip(layer: ScatterLayer) -> void:
+	for index in layer.meshes.size():
+		if layer.meshes[index] is Mesh:
+			layer.meshes[index] = (layer.meshes[index] as Mesh).create_placeholder()
+		elif layer.meshes[index] is PackedScene:
+			var scene := (layer.meshes[index] as PackedScene).instantiate()
+			for shown: MeshInstance3D in scene.find_children("*", "MeshInstance3D", true, false):
+				shown.mesh = shown.mesh.create_placeholder()
+			layer.meshes[index] = pack(scene)
+	if layer.mask_texture:
+		layer.mask_texture = layer.mask_texture.create_placeholder()
+
+
+## The heights that rays from above meet, at each instance near the middle.
+func met(scatter: TerrainScatter3D) -> PackedInt64Array:
+	await settle(scatter)
+	await physics_frame
+	await physics_frame
+	var near := scatter.query_sphere(Vector3.ZERO, 30.0)
+	var heights := PackedInt64Array()
+	for index in near.size():
+		var top := near.get_position(index) + Vector3(0.3, 9.0, 0.2)
+		var hit := root.world_3d.direct_space_state.intersect_ray(PhysicsRayQueryParameters3D.create(top, top + Vector3.DOWN * 9.5))
+		heights.append(roundi(hit["position"].y * 100.0) if hit else -1)
+	return heights
+
+
+## What rays meet as it is, and after a copy was exported.
+func check_same(layer: ScatterLayer, what: String) -> void:
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var before := await met(scatter)
+	check(before.size() > 20 and before.count(-1) < before.size(), "%s: %d instances, %d free" % [what, before.size(), before.count(-1)])
+	var exported := layer.duplicate() as ScatterLayer
+	exported.embed_stripped_data()
+	strip(exported)
+	ResourceSaver.save(exported, "user://exported.res")
+	scatter.layers = [ResourceLoader.load("user://exported.res", "", ResourceLoader.CACHE_MODE_IGNORE)]
+	check_equal(await met(scatter), before, what + ": the same is met")
+	check_equal(scatter.get_problems(), PackedStringArray(), what + ": no problem")
+	scatter.free()
+
+
+func test_shapes_of_models_stay() -> void:
+	await check_same(solid_layer(pack(make_tree()), ScatterLayer.COLLISION_MODEL), "model")
+
+
+func test_convex_hulls_are_stored() -> void:
+	await check_same(solid_layer(rock(), ScatterLayer.COLLISION_CONVEX), "mesh")
+	await check_same(solid_layer(pack(make_tree()), ScatterLayer.COLLISION_CONVEX), "scene")
+
+
+func test_the_image_of_a_mask_is_stored() -> void:
+	var layer := solid_layer(BoxMesh.new(), ScatterLayer.COLLISION_BOX)
+	layer.mask_texture = stripes(false)
+	layer.mask_texture_rect = AREA
+	await check_same(layer, "mask")
+
+
+func test_images_of_grounds_and_biomes_take_the_place_of_textures() -> void:
+	var ground := ScatterTerrainHeightmap.new()
+	ground.image = stripes(true)
+	ground.weight_image = stripes(false)
+	check(ground.embed_stripped_data(), "a ground")
+	check(ground.image is Image and ground.weight_image is Image, "has images")
+	check(not ground.embed_stripped_data(), "which no export strips")
+	var map := ScatterBiomeMap.new()
+	map.map_image = stripes(true)
+	check(map.embed_stripped_data() and map.map_image is Image, "a biome map has one, too")
+
+
+func test_what_was_not_stored_is_a_problem() -> void:
+	var convex := solid_layer(rock(), ScatterLayer.COLLISION_CONVEX)
+	var masked := solid_layer(BoxMesh.new(), ScatterLayer.COLLISION_BOX)
+	masked.mask_texture = stripes(false)
+	strip(convex)
+	strip(masked)
+	var ground := ScatterTerrainHeightmap.new()
+	ground.image = PlaceholderTexture2D.new()
+	var scatter := make_scatter([convex, masked], ground, make_viewer())
+	await frames(3)
+	var told := "\n".join(scatter.get_problems())
+	for words: String in ["ScatterTerrainHeightmap.image was stripped", "ScatterLayer.meshes[0] was stripped", "ScatterLayer.mask_texture was stripped"]:
+		check(words in told, "told: %s, got %s" % [words, told])
+	check_no_error("nothing is printed here; a server prints one warning")
