@@ -145,6 +145,17 @@ func make_layer(radius := 2.0) -> ScatterLayer:
 	return layer
 
 
+## A scene with one of its nodes given an instance shader parameter, as the editor saves it: an engine without a renderer does not.
+func with_shader_parameter(scene: PackedScene, node: String, value: String) -> PackedScene:
+	ResourceSaver.save(scene, "user://with_parameter.tscn")
+	var text := FileAccess.get_file_as_string("user://with_parameter.tscn")
+	var at := text.find("\n", text.find('[node name="%s"' % node)) + 1
+	var file := FileAccess.open("user://with_parameter.tscn", FileAccess.WRITE)
+	file.store_string(text.insert(at, "instance_shader_parameters/%s\n" % value))
+	file.close()
+	return ResourceLoader.load("user://with_parameter.tscn", "", ResourceLoader.CACHE_MODE_IGNORE)
+
+
 ## A curve that is one straight line between two points, whose x are its domain.
 func make_line(from: Vector2, to: Vector2) -> Curve:
 	var curve := Curve.new()

@@ -150,6 +150,79 @@ func test_what_cannot_be_drawn_is_told() -> void:
 	check_equal(model.shapes.size(), 2, "the other shapes are there")
 
 
+## A plate that a blend shape lifts by two meters, and another one moves along x.
+func bending_mesh() -> ArrayMesh:
+	var mesh := ArrayMesh.new()
+	var arrays := PlaneMesh.new().get_mesh_arrays()
+	var shapes: Array[Array] = []
+	for offset: Vector3 in [Vector3.UP * 2.0, Vector3.RIGHT]:
+		mesh.add_blend_shape("Shape%d" % shapes.size())
+		var moved := []
+		moved.resize(Mesh.ARRAY_TANGENT + 1)
+		moved[Mesh.ARRAY_VERTEX] = PackedVector3Array(Array(arrays[Mesh.ARRAY_VERTEX]).map(func(at: Vector3) -> Vector3: return at + offset))
+		moved[Mesh.ARRAY_NORMAL] = arrays[Mesh.ARRAY_NORMAL]
+		moved[Mesh.ARRAY_TANGENT] = arrays[Mesh.ARRAY_TANGENT]
+		shapes.append(moved)
+	mesh.blend_shape_mode = Mesh.BLEND_SHAPE_MODE_NORMALIZED
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, shapes)
+	return mesh
+
+
+func test_weights_of_blend_shapes_are_drawn() -> void:
+	var scene := Node3D.new()
+	var shown := put_mesh(bending_mesh(), "Plate", scene, scene)
+	shown.set_blend_shape_value(0, 0.5)
+	shown.set_blend_shape_value(1, 0.25)
+	var model := ScatterModel.new()
+	model.scene = pack(scene)
+	var box := model.get_mesh().get_aabb()
+	check(box.position.is_equal_approx(Vector3(-0.75, 1.0, -1.0)), "moved by both shapes: %s" % box)
+	check((box.size - Vector3(2.0, 0.0, 2.0)).length() < 0.001, "as large as before: %s" % box)
+	for normal: Vector3 in model.get_mesh().surface_get_arrays(0)[Mesh.ARRAY_NORMAL]:
+		check(normal.distance_to(Vector3.UP) < 0.001, "a normal: %s" % normal)
+
+
+func test_overlays_are_drawn() -> void:
+	var scene := Node3D.new()
+	var glow := material_of(TRUNK)
+	put_mesh(box(Vector3.ONE, material_of(LEAF)), "Stone", scene, scene).material_overlay = glow
+	put_mesh(box(Vector3.ONE, material_of(LEAF)), "Plain", scene, scene, Transform3D(Basis(), Vector3.UP * 4.0))
+	var model := ScatterModel.new()
+	model.scene = pack(scene)
+	var mesh := model.get_mesh()
+	var over := range(mesh.get_surface_count()).filter(func(surface: int) -> bool: return mesh.surface_get_material(surface) == glow)
+	if check(over.size() == 1, "one surface has the overlay"):
+		var heights := Array(mesh.surface_get_arrays(over[0])[Mesh.ARRAY_VERTEX]).map(func(at: Vector3) -> float: return at.y)
+		check_equal(heights.max(), 0.5, "over the part that has it")
+
+
+func tinted(name: String) -> ShaderMaterial:
+	var material := ShaderMaterial.new()
+	material.shader = Shader.new()
+	material.shader.code = "shader_type spatial;\nrender_mode unshaded;\ninstance uniform vec4 %s : source_color = vec4(1.0);\nvoid fragment() { ALBEDO = %s.rgb; }" % [name, name]
+	return material
+
+
+func test_what_nodes_have_for_a_whole_instance_is_that_of_the_lod() -> void:
+	var scene := Node3D.new()
+	var leaves := put_mesh(box(Vector3.ONE, tinted("tint")), "Leaves", scene, scene)
+	leaves.transparency = 0.25
+	var trunk := put_mesh(box(Vector3.ONE, material_of(TRUNK)), "Trunk", scene, scene, Transform3D(Basis(), Vector3.UP))
+	trunk.transparency = 0.25
+	var model := ScatterModel.new()
+	model.scene = with_shader_parameter(pack(scene), "Leaves", "tint = Color(1, 0, 0, 1)")
+	check_equal(model.lods[0].instance_shader_parameters, {&"tint": Color.RED}, "a parameter")
+	check_equal(model.lods[0].transparency, 0.25, "transparency")
+	check_equal(model.get_remarks(), PackedStringArray(), "nothing is drawn otherwise")
+	scene = Node3D.new()
+	put_mesh(box(Vector3.ONE, tinted("tint")), "Leaves", scene, scene).transparency = 0.25
+	put_mesh(box(Vector3.ONE, tinted("tint")), "Other", scene, scene, Transform3D(Basis(), Vector3.UP * 2.0))
+	model.scene = with_shader_parameter(pack(scene), "Leaves", "tint = Color(1, 0, 0, 1)")
+	var told := "\n".join(model.get_remarks())
+	check("\"Other\" has a different instance shader parameter \"tint\"" in told, "told: %s" % told)
+	check("\"Other\" has a different transparency" in told, "told: %s" % told)
+
+
 func test_bad_scenes_are_refused_and_the_model_stays() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(make_tree())

@@ -33,6 +33,34 @@ func share(color: Color) -> float:
 		return absf(pixel.r - color.r) + absf(pixel.g - color.g) + absf(pixel.b - color.b) < 0.1)
 
 
+## Cubes as above, whose color is an instance shader parameter that their scene sets.
+func make_tinted_view() -> TerrainScatter3D:
+	var scatter := make_view()
+	var material := ShaderMaterial.new()
+	material.shader = Shader.new()
+	material.shader.code = "shader_type spatial;\nrender_mode unshaded;\ninstance uniform vec4 tint : source_color = vec4(1.0, 0.0, 0.0, 1.0);\nvoid fragment() { ALBEDO = tint.rgb; }"
+	var shown := MeshInstance3D.new()
+	shown.name = "Shown"
+	shown.mesh = BoxMesh.new()
+	shown.mesh.material = material
+	var root_node := Node3D.new()
+	root_node.add_child(shown)
+	shown.owner = root_node
+	var packed := PackedScene.new()
+	packed.pack(root_node)
+	root_node.free()
+	scatter.layers[0].meshes = [with_shader_parameter(packed, "Shown", "tint = Color(0, 1, 0, 1)")]
+	return scatter
+
+
+func test_instance_shader_parameters_of_a_scene() -> void:
+	var scatter := make_tinted_view()
+	scatter.layers[0].tile_size = 32.0
+	await settle(scatter)
+	check(await share(GREEN) > 0.15 and await share(RED) == 0.0, "all are green")
+	check_equal(scatter.get_problems(), PackedStringArray(), "the renderer has room for them")
+
+
 func test_what_a_camera_sees() -> void:
 	var scatter := make_view()
 	await settle(scatter)
@@ -271,3 +299,16 @@ func test_a_recenter_a_thousand_kilometers_out_is_not_seen() -> void:
 	check(difference(before, await picture()) < 0.005, "and in the end")
 	camera.position.x += 8.0
 	check(difference(before, await picture()) > 0.05, "a camera that moves sees something else")
+
+
+## The last test: the engine goes on to print errors for what it has no room for.
+func test_the_limit_of_instance_uniforms_is_a_problem() -> void:
+	var scatter := make_tinted_view()
+	scatter.layers[0].tile_size = 4.0
+	await settle(scatter)
+	var many: int = scatter.get_draw_stats()["multimeshes"]
+	var told := "\n".join(scatter.get_problems())
+	check(many > 256 and "%d multimeshes have shaders with instance uniforms" % many in told, "%d: %s" % [many, told])
+	check(not errors.take().is_empty(), "the engine has no room for all")
+	scatter.free()
+	errors.take()

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string>
 
 using namespace godot;
 
@@ -77,6 +78,17 @@ std::vector<Ref<Material>> materials_of(const LayerDrawing &drawing) {
 		}
 	}
 	return materials;
+}
+
+bool use_instance_uniforms(std::span<const Ref<Material>> materials) {
+	return std::ranges::any_of(materials, [](const Ref<Material> &material) {
+		const auto *own = Object::cast_to<ShaderMaterial>(material.ptr());
+		const Ref<Shader> shader = own != nullptr ? own->get_shader() : Ref<Shader>();
+		const String code = shader.is_valid() ? static_cast<String>(shader->call("get_code")) : String();
+		const std::string text = code.utf8().get_data();
+		return text.find("instance uniform") != std::string::npos ||
+				text.find("scatter_scale.gdshaderinc") != std::string::npos;
+	});
 }
 
 double sway_reach(std::span<const Ref<Material>> materials) {

@@ -14,6 +14,9 @@ namespace thicket {
 /// their LODs and of what casts their shadows.
 std::vector<godot::Ref<godot::Material>> materials_of(const LayerDrawing &drawing);
 
+/// True if the shader of one of these declares an instance uniform, or includes the add-on's scatter_scale.gdshaderinc.
+bool use_instance_uniforms(std::span<const godot::Ref<godot::Material>> materials);
+
 /// How far shaders with the uniforms of foliage.gdshaderinc may move a vertex, meters of the world, for the material that moves it
 /// farthest: max(wind_sway, 0) * strength + max(wind_flutter, 0) * strength + max(bend_reach, 0), where the strength is 2 or the material's
 /// own wind_strength, whichever is larger, because a FoliageWorld may set any up to 2 at any time. A parameter that is not set has the

@@ -37,7 +37,7 @@ void add_row(
 	for (const DrawnLod *begins : row) {
 		r_drawing.lod_meshes.push_back(begins != nullptr ? begins->mesh : Ref<Mesh>());
 		r_drawing.lod_shadows.push_back(begins != nullptr ? shadow_of(*begins) : MeshShadow());
-		r_drawing.lod_densities.push_back(begins != nullptr ? begins->density : 1.0);
+		r_drawing.lod_looks.push_back(begins != nullptr ? begins->look : LodLook());
 	}
 }
 
@@ -172,13 +172,13 @@ std::vector<DrawnLod> LayerMeshes::lods_of(
 	if (taken_[entry].model.is_valid()) {
 		result = taken_[entry].model->drawn_lods();
 	} else if (const Ref<Mesh> near_by = mesh(entry); near_by.is_valid()) {
-		result.push_back({0.0, near_by, {}, ScatterLod::CAST_SHADOW_LAYER, 1.0});
+		result.push_back({0.0, near_by, {}, ScatterLod::CAST_SHADOW_LAYER, {}});
 	}
 	for (int64_t row = 0; row < p_distances.size(); ++row) {
 		const int64_t at = row * count + static_cast<int64_t>(entry);
 		const bool whole = (row + 1) * count <= p_meshes.size();
 		if (!result.empty() && whole && Ref<Mesh>(p_meshes[at]).is_valid()) {
-			result.push_back({p_distances.ptr()[row], Ref<Mesh>(p_meshes[at]), {}, ScatterLod::CAST_SHADOW_LAYER, 1.0});
+			result.push_back({p_distances.ptr()[row], Ref<Mesh>(p_meshes[at]), {}, ScatterLod::CAST_SHADOW_LAYER, {}});
 		}
 	}
 	std::ranges::stable_sort(result, {}, &DrawnLod::distance);
@@ -193,7 +193,7 @@ void LayerMeshes::draw(const TypedArray<Mesh> &p_meshes, const PackedFloat32Arra
 		lods.push_back(lods_of(entry, p_meshes, p_distances));
 		r_drawing.meshes.push_back(lods.back().empty() ? Ref<Mesh>() : lods.back().front().mesh);
 		r_drawing.shadows.push_back(lods.back().empty() ? MeshShadow() : shadow_of(lods.back().front()));
-		r_drawing.densities.push_back(lods.back().empty() ? 1.0 : lods.back().front().density);
+		r_drawing.looks.push_back(lods.back().empty() ? LodLook() : lods.back().front().look);
 		for (std::size_t lod = 1; lod < lods.back().size(); ++lod) {
 			distances.insert(lods.back()[lod].distance);
 		}

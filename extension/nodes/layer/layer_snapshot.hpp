@@ -7,6 +7,7 @@
 #include "core/query/instance_query.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/model/body_part.hpp"
+#include "nodes/model/scatter_lod.hpp"
 
 #include <godot_cpp/classes/material.hpp>
 #include <godot_cpp/classes/mesh.hpp>
@@ -45,8 +46,8 @@ struct MeshShadow {
 struct MeshLook {
 	godot::Ref<godot::Mesh> mesh; ///< Never null.
 	MeshShadow shadow;
-	double density = 1.0; ///< Share of the instances, 0 to 1.
-	bool fades = false;   ///< All its materials can: they include scatter_fade.gdshaderinc.
+	LodLook look;
+	bool fades = false; ///< All its materials can: they include scatter_fade.gdshaderinc.
 };
 
 /// What is drawn for the instances of a layer, and how the renderer draws it. The numbers of enumerations are the engine's.
@@ -59,8 +60,8 @@ struct LayerDrawing {
 	std::vector<MeshShadow> shadows;     ///< Of each of the meshes,
 	std::vector<MeshShadow> lod_shadows; ///< and of the lod_meshes that are not null.
 
-	std::vector<double> densities;     ///< As MeshLook has it, of each of the meshes,
-	std::vector<double> lod_densities; ///< and of the lod_meshes that are not null.
+	std::vector<LodLook> looks;     ///< Of each of the meshes,
+	std::vector<LodLook> lod_looks; ///< and of the lod_meshes that are not null.
 
 	std::vector<bool> fades;     ///< Whether all materials of each of the meshes can fade,
 	std::vector<bool> lod_fades; ///< and of each of the lod_meshes.

@@ -1,6 +1,5 @@
 // What is drawn with distance: the properties of the group Distance.
 
-#include "nodes/common/threads.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 #include <godot_cpp/core/memory.hpp>
@@ -62,9 +61,7 @@ PackedFloat32Array ScatterLayer::get_lod_distances() const { return lod_distance
 TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 	read_models();
 	TypedArray<ScatterLod> result;
-	const LayerMeshes meshes = meshes_;              // Scripts of a scene that is read may replace the list.
-	while (on_main_thread() && meshes.read_step()) { // For answers that cannot wait, as read_models.
-	}
+	const LayerMeshes meshes = meshes_;
 	const auto count = static_cast<int64_t>(meshes.size());
 	if (p_index < 0 || p_index >= count) {
 		report("ScatterLayer.get_mesh_lods", {ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
@@ -73,22 +70,22 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 	LayerDrawing drawing;
 	LodSettings lod;
 	meshes.draw(lod_meshes_, lod_distances_, drawing, lod);
-	const auto add = [&](double distance, const Ref<Mesh> &mesh, const MeshShadow &shadow, double density) {
+	const auto add = [&](double distance, const Ref<Mesh> &mesh, const MeshShadow &shadow, const LodLook &look) {
 		if (mesh.is_valid()) {
 			const Ref<ScatterLod> made(memnew(ScatterLod));
 			made->set_mesh(mesh);
 			made->set_distance(distance);
 			made->set_shadow_mesh(shadow.mesh);
 			made->set_cast_shadow(static_cast<ScatterLod::CastShadow>(shadow.setting));
-			made->set_density(density);
+			made->set_look(look);
 			result.push_back(made);
 		}
 	};
 	const auto entry = static_cast<std::size_t>(p_index);
-	add(0.0, drawing.meshes[entry], drawing.shadows[entry], drawing.densities[entry]);
+	add(0.0, drawing.meshes[entry], drawing.shadows[entry], drawing.looks[entry]);
 	for (std::size_t row = 0; row < lod.lod_distances.size(); ++row) {
 		const std::size_t at = row * meshes.size() + entry;
-		add(lod.lod_distances[row], drawing.lod_meshes[at], drawing.lod_shadows[at], drawing.lod_densities[at]);
+		add(lod.lod_distances[row], drawing.lod_meshes[at], drawing.lod_shadows[at], drawing.lod_looks[at]);
 	}
 	return result;
 }

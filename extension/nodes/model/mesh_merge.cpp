@@ -145,6 +145,70 @@ double largest_scale(const Transform3D &p_transform) {
 	return std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});
 }
 
+/// Adds to each stream of a surface how far the blend shapes move it.
+class Blend {
+public:
+	/// Nothing for a mesh of a kind without blend shapes.
+	Blend(const MeshPart &part, int32_t index) : weights_(part.blend_weights) {
+		const Ref<ArrayMesh> mesh = weights_.empty() ? Ref<Mesh>() : part.mesh;
+		if (mesh.is_null()) {
+			weights_.clear();
+			return;
+		}
+		shapes_ = mesh->surface_get_blend_shape_arrays(index);
+		weights_.resize(std::min(weights_.size(), static_cast<std::size_t>(shapes_.size())));
+		const bool relative = static_cast<int64_t>(mesh->call("get_blend_shape_mode")) == relative_mode;
+		for (const double weight : weights_) {
+			rest_ -= relative ? 0.0 : weight; // Else a shape holds whole positions, not offsets.
+		}
+	}
+
+	void apply(int64_t stream, Array &r_arrays) const {
+		PackedVector3Array values = r_arrays[stream];
+		if (weights_.empty() || values.size() == 0) {
+			return;
+		}
+		Vector3 *value = values.ptrw();
+		std::for_each_n(value, values.size(), [this](Vector3 &each) { each = to_engine(rest_ * to_core(each)); });
+		for (std::size_t shape = 0; shape < weights_.size(); ++shape) {
+			const Array arrays = shapes_[static_cast<int64_t>(shape)];
+			const PackedVector3Array moved = arrays[stream];
+			for (int64_t at = 0; at < std::min(moved.size(), values.size()); ++at) {
+				value[at] = to_engine(to_core(value[at]) + weights_[shape] * to_core(moved.ptr()[at]));
+			}
+		}
+		r_arrays[stream] = values;
+	}
+
+	bool moves() const { return !weights_.empty(); }
+
+private:
+	static constexpr int64_t relative_mode = 1; ///< Mesh.BLEND_SHAPE_MODE_RELATIVE.
+
+	std::vector<double> weights_;
+	TypedArray<Array> shapes_;
+	double rest_ = 1.0; ///< Weight of the surface itself.
+};
+
+/// Where a vertex is moved, its normal and its tangent keep their lengths.
+void normalize_streams(Array &r_arrays) {
+	PackedVector3Array normals = r_arrays[SurfaceStream::normals];
+	std::for_each_n(normals.ptrw(), normals.size(),
+			[](Vector3 &normal) { normal = to_engine(glm::normalize(to_core(normal))); });
+	if (normals.size() > 0) {
+		r_arrays[SurfaceStream::normals] = normals;
+	}
+}
+
+void blend(const MeshPart &part, int32_t index, Array &r_arrays) {
+	const Blend shapes(part, index);
+	if (shapes.moves()) {
+		shapes.apply(SurfaceStream::positions, r_arrays);
+		shapes.apply(SurfaceStream::normals, r_arrays);
+		normalize_streams(r_arrays);
+	}
+}
+
 /// One surface of a part, moved to where the part is.
 Surface surface_of(const MeshPart &part, int32_t index) {
 	Surface result;
@@ -163,6 +227,7 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 	}
 	result.arrays[SurfaceStream::bones] = Variant();
 	result.arrays[SurfaceStream::weights] = Variant();
+	blend(part, index, result.arrays);
 	if (part.transform != Transform3D()) {
 		transform_streams(part.transform, result.arrays);
 	}
@@ -232,7 +297,7 @@ void add_to_mesh(Surface &r_surface, ArrayMesh &r_mesh) {
 }
 
 bool is_as_it_is(const MeshPart &part) {
-	return part.transform == Transform3D() &&
+	return part.transform == Transform3D() && part.overlay.is_null() && part.blend_weights.empty() &&
 			std::ranges::all_of(part.materials, [](const Ref<Material> &material) { return material.is_null(); });
 }
 
@@ -263,6 +328,11 @@ Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
 	for (const MeshPart &part : parts) {
 		for (int32_t index = 0; index < part.mesh->get_surface_count(); ++index) {
 			add(surface_of(part, index), surfaces);
+			if (part.overlay.is_valid()) {
+				Surface over = surface_of(part, index);
+				over.material = part.overlay;
+				add(std::move(over), surfaces);
+			}
 		}
 	}
 	if (surfaces.empty()) {
@@ -278,7 +348,7 @@ Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
 std::vector<Ref<Mesh>> faded_meshes(const Ref<Mesh> &mesh, std::span<const glm::vec4> values) {
 	std::vector<Surface> surfaces;
 	for (int32_t index = 0; index < mesh->get_surface_count(); ++index) {
-		Surface surface = surface_of({mesh, Transform3D(), {}}, index);
+		Surface surface = surface_of({mesh, Transform3D(), {}, {}, {}}, index);
 		if (!surface.pieces.empty() && surface.pieces.front().vertices > 0) {
 			surface.format |= custom3_of_floats;
 			surfaces.push_back(std::move(surface));

@@ -17,11 +17,14 @@ struct MeshPart {
 	godot::Transform3D transform; ///< From the mesh's space into the model's; not mirrored, not flat.
 	std::vector<godot::Ref<godot::Material>>
 			materials; ///< In place of those of its surfaces; null for a surface's own.
+	godot::Ref<godot::Material>
+			overlay; ///< Drawn over all surfaces, as GeometryInstance3D.material_overlay; null for none.
+	std::vector<double> blend_weights; ///< Of the mesh's blend shapes; empty if all are 0.
 };
 
 /// One mesh that looks as the parts do, each in its place: the part's own mesh where there is one part as it is, else a new one with a surface for
-/// each material and format of vertices. LODs that surfaces have for the engine's automatic choice are kept. Bones and blend shapes are not: a mesh
-/// stands in its rest pose. For parts that an export has stripped, a placeholder with the box around them. Null if the parts have neither.
+/// each material and format of vertices. LODs that surfaces have for the engine's automatic choice are kept. Bones are not: a mesh
+/// stands in its rest pose, with the weights of its blend shapes. An overlay becomes surfaces of its own. For parts that an export has stripped, a placeholder with the box around them. Null if the parts have neither.
 godot::Ref<godot::Mesh> merged_mesh(std::span<const MeshPart> parts);
 
 /// A copy of a mesh for each of some values, which all its vertices have in CUSTOM3; as above without bones and blend shapes. Null where the mesh has no

@@ -41,10 +41,42 @@ void ScatterLod::set_distance(double p_distance) {
 }
 
 void ScatterLod::set_density(double p_density) {
-	if (accept_number(class_name, "density", p_density, 0.0, 1.0) && density_ != p_density) {
-		density_ = p_density;
+	if (accept_number(class_name, "density", p_density, 0.0, 1.0) && look_.density != p_density) {
+		look_.density = p_density;
 		emit_changed();
 	}
+}
+
+void ScatterLod::set_transparency(double p_transparency) {
+	if (accept_number(class_name, "transparency", p_transparency, 0.0, 1.0) && look_.transparency != p_transparency) {
+		look_.transparency = p_transparency;
+		emit_changed();
+	}
+}
+
+void ScatterLod::set_instance_shader_parameters(const Dictionary &p_parameters) {
+	ShaderParameters parameters;
+	const Array names = p_parameters.keys();
+	for (int64_t index = 0; index < names.size(); ++index) {
+		parameters.emplace_back(StringName(static_cast<String>(names[index])), p_parameters[names[index]]);
+	}
+	look_.parameters = parameters.empty() ? nullptr : std::make_shared<const ShaderParameters>(std::move(parameters));
+	emit_changed();
+}
+
+void ScatterLod::set_look(const LodLook &look) {
+	if (!(look == look_)) {
+		look_ = look;
+		emit_changed();
+	}
+}
+
+Dictionary ScatterLod::get_instance_shader_parameters() const {
+	Dictionary result;
+	for (const auto &[name, value] : look_.parameters != nullptr ? *look_.parameters : ShaderParameters()) {
+		result[name] = value;
+	}
+	return result;
 }
 
 void ScatterLod::set_cast_shadow(CastShadow p_setting) {
@@ -76,6 +108,14 @@ void ScatterLod::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "cast_shadow", PROPERTY_HINT_ENUM,
 						 "As the Layer:-1,Off:0,On:1,Double-Sided:2,Shadows Only:3"),
 			"set_cast_shadow", "get_cast_shadow");
+	bind_guarded<&Self::set_transparency>(D_METHOD("set_transparency", "transparency"));
+	bind_guarded<&Self::get_transparency>(D_METHOD("get_transparency"));
+	bind_guarded<&Self::set_instance_shader_parameters>(D_METHOD("set_instance_shader_parameters", "parameters"));
+	bind_guarded<&Self::get_instance_shader_parameters>(D_METHOD("get_instance_shader_parameters"));
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "transparency", PROPERTY_HINT_RANGE, "0,1,0.01"), "set_transparency",
+			"get_transparency");
+	ADD_PROPERTY(PropertyInfo(Variant::DICTIONARY, "instance_shader_parameters"), "set_instance_shader_parameters",
+			"get_instance_shader_parameters");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "shadow_mesh", PROPERTY_HINT_RESOURCE_TYPE, "Mesh"), "set_shadow_mesh",
 			"get_shadow_mesh");
 	BIND_ENUM_CONSTANT(CAST_SHADOW_LAYER);

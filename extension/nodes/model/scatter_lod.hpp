@@ -5,10 +5,28 @@
 #include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/string_name.hpp>
+#include <godot_cpp/variant/variant.hpp>
 
 #include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
 
 namespace thicket {
+
+/// Values of instance uniforms, by name.
+using ShaderParameters = std::vector<std::pair<godot::StringName, godot::Variant>>;
+
+/// How the renderer draws all instances of an LOD, apart from its meshes.
+struct LodLook {
+	double density = 1.0;                               ///< Share of the instances, 0 to 1.
+	double transparency = 0.0;                          ///< As GeometryInstance3D has it, 0 to 1.
+	std::shared_ptr<const ShaderParameters> parameters; ///< Null for none. Other values are another object.
+
+	friend bool operator==(const LodLook &, const LodLook &) = default;
+};
 
 /// How a ScatterModel looks from a distance on: one of its levels of detail. Emits `changed` whenever anything is set, and whenever one of its meshes does.
 class ScatterLod : public godot::Resource {
@@ -42,7 +60,18 @@ public:
 
 	/// Share of the instances that are drawn while this LOD is, 0 to 1.
 	void set_density(double p_density);
-	double get_density() const { return density_; }
+	double get_density() const { return look_.density; }
+
+	/// As GeometryInstance3D.transparency, 0 to 1.
+	void set_transparency(double p_transparency);
+	double get_transparency() const { return look_.transparency; }
+
+	/// Values of instance uniforms for the shaders of the mesh, by name.
+	void set_instance_shader_parameters(const godot::Dictionary &p_parameters);
+	godot::Dictionary get_instance_shader_parameters() const;
+
+	void set_look(const LodLook &look);
+	const LodLook &look() const { return look_; }
 
 	static constexpr const char *class_name = "ScatterLod";
 
@@ -55,7 +84,7 @@ private:
 	godot::Ref<godot::Mesh> mesh_;
 	godot::Ref<godot::Mesh> shadow_mesh_;
 	double distance_ = 0.0;
-	double density_ = 1.0;
+	LodLook look_;
 	CastShadow cast_shadow_ = CAST_SHADOW_LAYER;
 };
 

@@ -228,7 +228,7 @@ std::vector<DrawnLod> ScatterModel::drawn_lods() const {
 			distance = lod->get_distance() > 0.0 ? lod->get_distance() : usual_lod_distance(size, result.size());
 			distance = std::max(distance, result.back().distance);
 		}
-		result.push_back({distance, mesh, lod->get_shadow_mesh(), lod->get_cast_shadow(), lod->get_density()});
+		result.push_back({distance, mesh, lod->get_shadow_mesh(), lod->get_cast_shadow(), lod->look()});
 	}
 	return result;
 }

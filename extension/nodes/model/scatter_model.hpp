@@ -25,7 +25,7 @@ struct DrawnLod {
 	godot::Ref<godot::Mesh> mesh;   ///< Never null.
 	godot::Ref<godot::Mesh> shadow; ///< Null where the mesh casts its own shadow.
 	std::int64_t cast_shadow = -1;  ///< ScatterLod::CastShadow.
-	double density = 1.0;           ///< Share of the instances, 0 to 1.
+	LodLook look;
 
 	friend bool operator==(const DrawnLod &, const DrawnLod &) = default;
 };

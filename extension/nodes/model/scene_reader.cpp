@@ -4,6 +4,7 @@
 #include "nodes/common/convert.hpp"
 #include "nodes/common/stripped.hpp"
 #include "nodes/model/mesh_merge.hpp"
+#include "nodes/model/part_look.hpp"
 
 #include <godot_cpp/classes/collision_shape3d.hpp>
 #include <godot_cpp/classes/geometry_instance3d.hpp>
@@ -40,6 +41,7 @@ struct ScenePart {
 	MeshPart part;
 	PartRange range;
 	int64_t cast_shadow = shadow_on;
+	PartLook look;
 };
 
 /// What is handed down from node to node.
@@ -66,12 +68,14 @@ public:
 	std::vector<ScenePart> parts;
 	std::vector<ModelShape> shapes;
 	PackedStringArray remarks;
+	std::set<std::string> parameter_names; ///< Of instance shader parameters in the scene.
+
+	void remark(const String &p_sentence);
 
 private:
 	void add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name);
 	void add_shape(CollisionShape3D *p_node, const Above &above);
 	void remark_on(Node *p_node);
-	void remark(const String &p_sentence);
 	void fail(const String &p_problem);
 	bool accept(Node *p_node, const Transform3D &p_transform);
 };
@@ -127,6 +131,15 @@ bool Walk::accept(Node *p_node, const Transform3D &p_transform) {
 	return true;
 }
 
+std::vector<double> blend_weights_of(const MeshInstance3D &node) {
+	std::vector<double> weights;
+	for (int32_t shape = 0; shape < node.get_blend_shape_count(); ++shape) {
+		weights.push_back(node.get_blend_shape_value(shape));
+	}
+	const bool at_rest = std::ranges::all_of(weights, [](double weight) { return weight == 0.0; });
+	return at_rest ? std::vector<double>() : weights;
+}
+
 void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name) {
 	const Ref<Mesh> mesh = p_node->get_mesh();
 	if (mesh.is_null() || (mesh->get_surface_count() == 0 && !is_stripped(mesh))) {
@@ -144,7 +157,8 @@ void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &n
 		remark(vformat("\"%s\" has a skeleton: it is drawn in its rest pose.", p_node->get_name()));
 	}
 	ScenePart part;
-	part.part = {mesh, above.transform, {}};
+	part.part = {mesh, above.transform, {}, p_node->get_material_overlay(), blend_weights_of(*p_node)};
+	part.look = look_of(*p_node, parameter_names);
 	const Ref<Material> over_all = p_node->get_material_override();
 	for (int32_t surface = 0; surface < mesh->get_surface_count(); ++surface) {
 		part.part.materials.push_back(over_all.is_valid() ? over_all : p_node->get_surface_override_material(surface));
@@ -210,6 +224,23 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 	return result;
 }
 
+/// What is only a shadow is not seen.
+void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod) {
+	std::vector<const PartLook *> looks;
+	for (const std::size_t part : parts) {
+		if (r_walk.parts[part].cast_shadow != shadows_only) {
+			looks.push_back(&r_walk.parts[part].look);
+		}
+	}
+	PackedStringArray remarks;
+	if (!looks.empty()) {
+		join_looks(looks, r_lod, remarks);
+	}
+	for (const String &sentence : remarks) {
+		r_walk.remark(sentence);
+	}
+}
+
 /// Fills in `r_walk`, or its problem.
 void walk_over(const Ref<PackedScene> &p_scene, Walk &r_walk) {
 	if (!p_scene->can_instantiate()) {
@@ -221,6 +252,7 @@ void walk_over(const Ref<PackedScene> &p_scene, Walk &r_walk) {
 		r_walk.problem = "it cannot be instantiated";
 		return;
 	}
+	r_walk.parameter_names = instance_parameters_of(p_scene);
 	r_walk.visit(root, {}, true);
 	memdelete(root);
 }
@@ -262,8 +294,10 @@ bool SceneReader::step() {
 	if (now.merged == now.lods.size()) {
 		return false;
 	}
+	const std::vector<std::size_t> &parts = now.lods[now.merged].parts;
 	const Ref<ScatterLod> lod = made_lod(now.walk.parts, now.lods[now.merged++]);
 	if (lod->get_mesh().is_valid()) {
+		join(now.walk, parts, *lod.ptr());
 		now.result.lods.push_back(lod);
 	}
 	return true;

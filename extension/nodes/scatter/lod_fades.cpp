@@ -15,7 +15,7 @@ namespace {
 std::size_t variant_of(bool comes, LodEnd end) { return (comes ? 3 : 0) + static_cast<std::size_t>(end); }
 
 bool same_look(const MeshLook &a, const MeshLook &b) {
-	return a.mesh == b.mesh && a.shadow == b.shadow && a.density == b.density;
+	return a.mesh == b.mesh && a.shadow == b.shadow && a.look == b.look;
 }
 
 /// A mesh for each of the ranges: itself where nothing fades, and where it has no surface.
@@ -35,12 +35,11 @@ std::vector<Ref<Mesh>> faded(const Ref<Mesh> &mesh, std::span<const FadeRange> r
 } // namespace
 
 std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
-	std::vector<MeshLook> lods{
-			{drawing.meshes[mesh], drawing.shadows[mesh], drawing.densities[mesh], drawing.fades[mesh]}};
+	std::vector<MeshLook> lods{{drawing.meshes[mesh], drawing.shadows[mesh], drawing.looks[mesh], drawing.fades[mesh]}};
 	for (std::size_t at = mesh; at < drawing.lod_meshes.size(); at += drawing.meshes.size()) {
 		if (drawing.lod_meshes[at].is_valid()) {
-			lods.push_back({drawing.lod_meshes[at], drawing.lod_shadows[at], drawing.lod_densities[at],
-					drawing.lod_fades[at]});
+			lods.push_back(
+					{drawing.lod_meshes[at], drawing.lod_shadows[at], drawing.lod_looks[at], drawing.lod_fades[at]});
 		} else {
 			lods.push_back(lods.back());
 		}
@@ -102,7 +101,7 @@ void LodChain::make_next(const LodChain *before) {
 		const std::vector<Ref<Mesh>> shadows = faded(look.plain.shadow.mesh, ranges);
 		for (std::size_t variant = 0; variant < variants; ++variant) {
 			look.faded[variant] = {
-					meshes[variant], {shadows[variant], look.plain.shadow.setting}, look.plain.density, true};
+					meshes[variant], {shadows[variant], look.plain.shadow.setting}, look.plain.look, true};
 		}
 	} else {
 		look.faded.fill(look.plain);

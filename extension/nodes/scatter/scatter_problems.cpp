@@ -2,7 +2,9 @@
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/layer/layer_materials.hpp"
 
+#include <godot_cpp/classes/rendering_server.hpp>
 #include <godot_cpp/core/object.hpp>
 
 #include <glm/geometric.hpp>
@@ -156,6 +158,32 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 					String("has the same layer_id as another: both use the same random numbers and ids. "
 						   "Set one to -1 for an id of its own."));
 		}
+	}
+}
+
+void add_uniform_problem(
+		const TileDisplay &display, std::span<const SharedSnapshot> layers, PackedStringArray &r_problems) {
+	constexpr std::uint64_t room = 256; // 16 slots each in a uniform buffer of 64 KiB.
+	if (String(RenderingServer::get_singleton()->call("get_current_rendering_method")) != String("gl_compatibility")) {
+		return;
+	}
+	std::uint64_t multimeshes = 0;
+	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
+		const SharedSnapshot &snapshot = layers[layer];
+		if (snapshot == nullptr || !use_instance_uniforms(materials_of(snapshot->drawing))) {
+			continue;
+		}
+		for (const glm::ivec2 &tile : display.tiles(layer)) {
+			const DisplayedTile *shown = display.find(layer, tile);
+			multimeshes += shown != nullptr ? shown->multimesh_count() : 0;
+		}
+	}
+	if (multimeshes > room) {
+		r_problems.push_back(vformat(
+				"%d multimeshes have shaders with instance uniforms, and the Compatibility renderer has room for %d: "
+				"the others are drawn with the defaults. Increase ScatterLayer.tile_size, lower "
+				"ScatterLayer.view_distance, or use shaders without instance uniforms.",
+				static_cast<int64_t>(multimeshes), static_cast<int64_t>(room)));
 	}
 }
 

@@ -4,6 +4,7 @@
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/scatter/scatter_viewers.hpp"
+#include "nodes/scatter/tile_display.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
@@ -11,6 +12,8 @@
 #include <godot_cpp/variant/typed_array.hpp>
 
 #include <glm/vec3.hpp>
+
+#include <span>
 
 namespace thicket {
 
@@ -28,6 +31,11 @@ void add_transform_problem(const godot::Node3D &node, glm::dvec3 offset, godot::
 /// What keeps a node in the tree from streaming around its viewers. `refused` is the error of one that is out of reach.
 void add_viewer_problems(const godot::Node3D &node, const ViewerSettings &viewers, const Status &refused,
 		godot::PackedStringArray &r_problems);
+
+/// The Compatibility renderer prints an error for each multimesh with instance uniforms beyond its limit, and draws it with the defaults of its
+/// shader: adds a sentence if more are displayed.
+void add_uniform_problem(
+		const TileDisplay &display, std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems);
 
 /// What cannot work because an export has stripped it, a sentence each. `biomes` may be null.
 godot::PackedStringArray stripped_problems(const godot::TypedArray<ScatterLayer> &p_layers,

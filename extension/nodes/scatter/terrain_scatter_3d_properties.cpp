@@ -351,6 +351,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 		}
 	}
 	add_layer_problems(layers, terrain_, has_water, problems);
+	add_uniform_problem(display(), layer_list_.snapshots(), problems);
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {
 		if (const Status status = gameplay_->check_state(*state.ptr()); !status.ok()) {
 			problems.push_back(

@@ -56,12 +56,12 @@ void TileDisplay::show_lods(const Drawing &drawing, std::span<const std::uint32_
 	r_cell.visual.set_scale(r_cell.scale);
 	r_cell.visual.set_drawn(r_cell.drawn);
 	const bool complete = r_cell.others.size() == others;
-	const bool cut = r_cell.drawn < visible_prefix(ranks, r_cell.density * first.density);
+	const bool cut = r_cell.drawn < visible_prefix(ranks, r_cell.density * first.look.density);
 	for (std::size_t index = 0; index < r_cell.others.size(); ++index) {
 		TileVisual &other = r_cell.others[index];
 		if (complete) {
 			const MeshLook &look = drawing.chain.look(r_cell.span, index + 1);
-			const std::size_t due = visible_prefix(ranks, r_cell.density * look.density);
+			const std::size_t due = visible_prefix(ranks, r_cell.density * look.look.density);
 			other.set_look(look);
 			other.set_drawn(cut ? std::min(due, r_cell.drawn) : due);
 		}

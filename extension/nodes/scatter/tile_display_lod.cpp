@@ -218,7 +218,7 @@ bool TileDisplay::draw_cell(
 	cell.lod = lod_at(drawing.lod, distance.near, cell.lod);
 	cell.span = drawing.fades ? lod_span(drawing.lod, drawing.chain.steps(), distance, cell.span)
 							  : LodSpan{cell.lod, cell.lod, false};
-	const double of_lod = first_look(drawing, r_part, cell).density;
+	const double of_lod = first_look(drawing, r_part, cell).look.density;
 	wanted_ -= std::exchange(cell.wanted, visible_prefix(ranks, thinned * drawing.share * of_lod));
 	wanted_ += cell.wanted;
 	drawn_ -= cell.drawn;

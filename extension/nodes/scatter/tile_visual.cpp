@@ -64,6 +64,7 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 		layer_shadow_ = other.layer_shadow_;
 		look_shadow_ = other.look_shadow_;
 		casts_apart_ = other.casts_apart_;
+		look_ = other.look_;
 		visible_ = other.visible_;
 		material_ = std::move(other.material_);
 		drawn_ = other.drawn_;
@@ -119,7 +120,7 @@ void TileVisual::free() {
 
 void TileVisual::apply(const LayerDrawing &drawing) {
 	// Every member is named, so that nobody adds one without a look at this function.
-	const auto &[meshes, lod_meshes, shadows, lod_shadows, densities, lod_densities, fades, lod_fades, surfaces, boxes,
+	const auto &[meshes, lod_meshes, shadows, lod_shadows, looks, lod_looks, fades, lod_fades, surfaces, boxes,
 			mesh_reach, cell_size, material, cast_shadow, gi_mode, render_layers, lod_bias, margin, begin, begin_margin,
 			end, end_margin, fade_mode] = drawing;
 	RenderingServer *server = RenderingServer::get_singleton();
@@ -201,11 +202,31 @@ void TileVisual::set_look(const MeshLook &look) {
 	if (casts_apart) {
 		set_mesh(look.shadow.mesh, shadow_by_);
 	}
+	apply_look(look.look);
 	if (casts_apart != casts_apart_ || look.shadow.setting != look_shadow_) {
 		casts_apart_ = casts_apart;
 		look_shadow_ = look.shadow.setting;
 		apply_shadows();
 	}
+}
+
+void TileVisual::apply_look(const LodLook &look) {
+	if (look == look_) {
+		// Fast path: the renderer knows it.
+		return;
+	}
+	RenderingServer *server = RenderingServer::get_singleton();
+	const std::shared_ptr<const ShaderParameters> before = std::exchange(look_, look).parameters;
+	for_each_handle([&](const Handle &handle) {
+		server->instance_geometry_set_transparency(handle.instance, static_cast<float>(look.transparency));
+		for (const auto &[name, value] :
+				before != nullptr && before != look.parameters ? *before : ShaderParameters()) {
+			server->instance_geometry_set_shader_parameter(handle.instance, name, Variant());
+		}
+		for (const auto &[name, value] : look.parameters != nullptr ? *look.parameters : ShaderParameters()) {
+			server->instance_geometry_set_shader_parameter(handle.instance, name, value);
+		}
+	});
 }
 
 void TileVisual::set_drawn(std::size_t count) {

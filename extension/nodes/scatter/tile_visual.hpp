@@ -88,6 +88,7 @@ private:
 	void allocate(int64_t instances);
 	void set_mesh(const godot::Ref<godot::Mesh> &mesh, Handle &r_handle);
 	void apply_shadows();
+	void apply_look(const LodLook &look);
 
 	InstanceData data_;
 	int64_t instances_ = 0;
@@ -96,6 +97,7 @@ private:
 	Handle shadow_by_;              ///< Of another mesh that casts the shadow, if any of the looks has one.
 	std::int64_t layer_shadow_ = 1; ///< GeometryInstance3D.ShadowCastingSetting, of the layer;
 	std::int64_t look_shadow_ = -1; ///< of the look, as MeshShadow has it.
+	LodLook look_;                  ///< As the renderer knows it.
 	bool casts_apart_ = false;      ///< The look that is drawn has a mesh of its own for the shadow.
 	bool visible_ = false;
 	godot::Ref<godot::Material> material_;

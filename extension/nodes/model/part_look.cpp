@@ -1,0 +1,113 @@
+#include "nodes/model/part_look.hpp"
+
+#include <godot_cpp/classes/scene_state.hpp>
+#include <godot_cpp/classes/shader.hpp>
+#include <godot_cpp/classes/shader_material.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+
+#include <algorithm>
+#include <string_view>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr std::string_view prefix = "instance_shader_parameters/";
+constexpr int deepest = 64; ///< Scenes within scenes.
+
+void add_parameters(const Ref<PackedScene> &p_scene, int depth, std::set<std::string> &r_names) {
+	const Ref<SceneState> state = p_scene.is_valid() && depth < deepest ? p_scene->get_state() : Ref<SceneState>();
+	for (int32_t node = 0; state.is_valid() && node < state->get_node_count(); ++node) {
+		add_parameters(state->get_node_instance(node), depth + 1, r_names);
+		for (int32_t at = 0; at < state->get_node_property_count(node); ++at) {
+			const std::string name = String(state->get_node_property_name(node, at)).utf8().get_data();
+			if (name.starts_with(prefix)) {
+				r_names.insert(name.substr(prefix.size()));
+			}
+		}
+	}
+}
+
+String code_of(const Ref<Material> &p_material) {
+	const Ref<ShaderMaterial> material = p_material;
+	const Ref<Shader> shader = material.is_valid() ? material->get_shader() : Ref<Shader>();
+	return shader.is_valid() ? static_cast<String>(shader->call("get_code")) : String();
+}
+
+const Variant *find(const ShaderParameters &parameters, const StringName &p_name) {
+	const auto found = std::ranges::find(parameters, p_name, [](const auto &entry) { return entry.first; });
+	return found != parameters.end() ? &found->second : nullptr;
+}
+
+bool same(const Variant &p_a, const Variant &p_b) {
+	return p_a.get_type() == p_b.get_type() && static_cast<String>(p_a) == static_cast<String>(p_b);
+}
+
+/// Whether a part is drawn with another value than this one.
+bool differs(const PartLook &part, const StringName &p_name, const Variant &p_value) {
+	const Variant *own = find(part.parameters, p_name);
+	const std::string name = String(p_name).utf8().get_data();
+	const std::string code = part.shaders.utf8().get_data();
+	return own != nullptr ? !same(*own, p_value) : code.find(name) != std::string::npos;
+}
+
+} // namespace
+
+std::set<std::string> instance_parameters_of(const Ref<PackedScene> &p_scene) {
+	std::set<std::string> names;
+	add_parameters(p_scene, 0, names);
+	return names;
+}
+
+PartLook look_of(const MeshInstance3D &node, const std::set<std::string> &names) {
+	PartLook look{node.get_name(), node.get_transparency(), {},
+			names.empty() ? String() : code_of(node.get_material_override())};
+	const Ref<Mesh> mesh = node.get_mesh();
+	for (int32_t surface = 0; !names.empty() && surface < mesh->get_surface_count(); ++surface) {
+		const Ref<Material> own = node.get_surface_override_material(surface);
+		look.shaders = look.shaders + code_of(own.is_valid() ? own : mesh->surface_get_material(surface));
+	}
+	for (const std::string &name : names) {
+		const Variant value = node.get_instance_shader_parameter(name.c_str());
+		if (value.get_type() != Variant::NIL) {
+			look.parameters.emplace_back(name.c_str(), value);
+		}
+	}
+	return look;
+}
+
+void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, PackedStringArray &r_remarks) {
+	const auto remark = [&r_remarks](const PartLook &part, const String &p_what) {
+		r_remarks.push_back(
+				vformat("\"%s\" has a different %s than other parts of its LOD: all are drawn with one, that of "
+						"the first part that has one.",
+						part.name, p_what));
+	};
+	const PartLook &first = *parts.front();
+	r_lod.set_transparency(first.transparency);
+	Dictionary joined;
+	ShaderParameters all;
+	for (const PartLook *part : parts) {
+		if (part->transparency != first.transparency) {
+			remark(*part, "transparency");
+		}
+		for (const auto &[name, value] : part->parameters) {
+			if (find(all, name) == nullptr) {
+				all.emplace_back(name, value);
+				joined[name] = value;
+			}
+		}
+	}
+	for (const auto &[name, value] : all) {
+		for (const PartLook *part : parts) {
+			if (differs(*part, name, value)) {
+				remark(*part, vformat("instance shader parameter \"%s\"", String(name)));
+			}
+		}
+	}
+	r_lod.set_instance_shader_parameters(joined);
+}
+
+} // namespace thicket
