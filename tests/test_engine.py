@@ -180,7 +180,8 @@ def test_what_asks_for_too_much_memory_is_told_and_the_engine_goes_on(godot, pro
     assert_passed(godot(["--verbose", "--path", project, "--script", script], preexec_fn=with_little_memory))
 
 
-@pytest.mark.parametrize("script", ["test_collision", "test_collision_contacts", "test_collision_reuse", "test_ground_follows"])
+@pytest.mark.parametrize("script", ["test_collision", "test_collision_contacts", "test_collision_reuse", "test_ground_follows",
+                                    "test_removal_budget"])
 @pytest.mark.parametrize("physics", ["project", "jolt_project"])
 def test_bodies(godot, request, physics, script):
     folder = request.getfixturevalue(physics)

@@ -1,5 +1,5 @@
-#include "core/near/near_queue.hpp"
 #include "flat_world.hpp"
+#include "near_follower.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <set>
 #include <utility>
@@ -16,34 +17,6 @@
 
 using namespace thicket;
 using namespace thicket::test;
-
-namespace {
-
-constexpr double distance = 20.0;
-
-/// Whoever makes and frees what stands near by.
-struct Follower {
-	NearQueue queue;
-	std::set<std::uint64_t> held;
-
-	Follower() { queue.set_distances(std::array{distance}); }
-
-	void look(glm::dvec3 center, const InstanceWorld &world) { queue.look_around(std::array{center}, world); }
-
-	/// How many have come and gone.
-	int follow() {
-		int steps = 0;
-		for (Leaving leaving; queue.next_leaving(leaving); ++steps) {
-			CHECK(held.erase(leaving.id) == 1);
-		}
-		for (PlacedInstance instance; queue.next_entering(instance); ++steps) {
-			CHECK(held.insert(instance.id).second);
-		}
-		return steps;
-	}
-};
-
-} // namespace
 
 TEST_CASE("near queue: all within the distance come, the nearest first, and leave an eighth farther away") {
 	FlatWorld flat;
@@ -81,7 +54,7 @@ TEST_CASE("near queue: all within the distance come, the nearest first, and leav
 	CHECK(follower.queue.settled());
 }
 
-TEST_CASE("near queue: what stands no longer is gone, what stands otherwise has changed") {
+TEST_CASE("near queue: a removed instance is gone, one that is placed differently has changed") {
 	FlatWorld flat;
 	flat.load();
 	Follower follower;
@@ -112,6 +85,59 @@ TEST_CASE("near queue: what stands no longer is gone, what stands otherwise has 
 	PlacedInstance again;
 	CHECK_FALSE(follower.queue.next_changed(again));
 	CHECK(follower.queue.settled());
+}
+
+TEST_CASE("near queue: where very many are gone, the nearest go first, across all cells and layers") {
+	FlatWorld flat;
+	flat.settings.set.radius = 0.9;
+	flat.set_layers();
+	flat.load(3);
+	NearQueue queue;
+	const glm::dvec3 center{3.0, 0.0, -2.0};
+	std::map<std::uint64_t, glm::dvec3> held;
+	queue.set_distances(std::array{2.0 * distance});
+	const auto look = [&] {
+		queue.look_around(std::array{center}, flat.world);
+	};
+	for (look(); !queue.settled(); look()) {
+		for (PlacedInstance instance; queue.next_entering(instance);) {
+			held[instance.id] = instance.position;
+		}
+	}
+	CHECK(held.size() > NearQueue::max_looked); // Or one look finds all that is gone.
+	// Within a frame the order is exact; the next frame looks at cells that are farther away.
+	const auto check_nearest_first = [&](std::size_t expected) {
+		std::size_t gone = 0;
+		double nearest_of_last = 0.0;
+		for (int frame = 0; frame < NearQueue::most_waiting && !queue.settled(); ++frame) {
+			look();
+			double last = 0.0;
+			for (Leaving leaving; queue.next_gone(leaving); ++gone) {
+				REQUIRE(held.contains(leaving.id));
+				CHECK(leaving.position == held[leaving.id]);
+				const double away = glm::distance(leaving.position, center);
+				nearest_of_last = last == 0.0 ? away : nearest_of_last;
+				CHECK(away >= last);
+				last = away;
+				held.erase(leaving.id);
+			}
+		}
+		CHECK(nearest_of_last > 0.5 * distance);
+		CHECK(gone == expected);
+	};
+	std::size_t felled = 0;
+	for (const auto &[id, position] : std::map(held)) {
+		if (id % 2 == 0 && flat.state.remove(id)) {
+			++felled;
+		}
+	}
+	CHECK(felled > 100);
+	flat.world.touch();
+	check_nearest_first(felled);
+	queue.set_distances(std::array{0.0}); // The layer has no bodies any more.
+	check_nearest_first(held.size());
+	CHECK(held.empty());
+	CHECK(queue.settled());
 }
 
 TEST_CASE("near queue: what was entered in this look has not changed in it") {
@@ -305,6 +331,11 @@ TEST_CASE("near queue: nobody looks again while nobody moves, nor for a small st
 	CHECK(looks());
 	CHECK_FALSE(looks());
 	flat.world.touch();
+	CHECK(looks());
+	flat.world.keep(
+			0, {40, 0}, flat.make({40, 0})); // While tiles stream in far away, what was found near by still holds.
+	CHECK_FALSE(looks());
+	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
 	CHECK(looks());
 }
 

@@ -40,11 +40,23 @@ std::vector<std::uint64_t> ids_of(const std::vector<PlacedInstance> &instances) 
 	return result;
 }
 
+std::vector<std::uint64_t> ids_of(const std::vector<NearLeaving> &leaving) {
+	std::vector<std::uint64_t> result;
+	for (const NearLeaving &each : leaving) {
+		result.push_back(each.id);
+	}
+	return result;
+}
+
 /// Does at once all that a look asks for.
 void follow(NearSet &set, const NearChanges &changes) {
-	for (const std::uint64_t id : changes.leave) {
-		CHECK(set.holds(id));
-		set.release(id);
+	for (const NearLeaving &leaving : changes.leave) {
+		CHECK(set.holds(leaving.id));
+		set.release(leaving.id);
+	}
+	for (const PlacedInstance &instance : changes.changed) {
+		CHECK(set.holds(instance.id));
+		REQUIRE(set.hold(instance));
 	}
 	for (const PlacedInstance &instance : changes.enter) {
 		CHECK_FALSE(set.holds(instance.id));
@@ -71,7 +83,7 @@ TEST_CASE("near set: the nearest enter first, the farthest leave first") {
 	centers[0].x = 8.1; // 5 is within 4, 2 to 4 are not.
 	set.look(centers, {2.5, 4.0}, standing, changes);
 	CHECK(ids_of(changes.enter) == Ids{8, 9, 7, 10});
-	CHECK(changes.leave == Ids{2, 3, 4});
+	CHECK(ids_of(changes.leave) == Ids{2, 3, 4});
 	CHECK(changes.gone == 0);
 }
 
@@ -88,7 +100,7 @@ TEST_CASE("near set: both ends of the range count as near, in space") {
 	set.look(centers, {1.0, 5.0}, standing, changes);
 	CHECK(changes.leave.empty());
 	set.look(centers, {1.0, 4.999}, standing, changes);
-	CHECK(changes.leave == Ids{1});
+	CHECK(ids_of(changes.leave) == Ids{1});
 }
 
 TEST_CASE("near set: a range of 0 holds nothing, and one that is inside out leaves where it enters") {
@@ -104,13 +116,14 @@ TEST_CASE("near set: a range of 0 holds nothing, and one that is inside out leav
 	CHECK(changes.leave.empty());
 	set.look(centers, {0.0, 10.0}, standing, changes);
 	CHECK(changes.enter.empty());
-	CHECK(changes.leave == Ids{3, 2, 1});
+	CHECK(ids_of(changes.leave) == Ids{1, 2, 3}); // None is there any more: the nearest goes first.
+	CHECK(changes.gone == 3);
 	set.look({}, {2.0, 3.0}, standing, changes); // No center: nothing is near.
 	CHECK(changes.enter.empty());
-	CHECK(changes.leave == Ids{1, 2, 3});
+	CHECK(ids_of(changes.leave) == Ids{1, 2, 3});
 }
 
-TEST_CASE("near set: what stands no longer leaves first of all") {
+TEST_CASE("near set: removed instances leave first of all, the nearest of them first") {
 	NearSet set;
 	NearChanges changes;
 	std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
@@ -121,11 +134,11 @@ TEST_CASE("near set: what stands no longer leaves first of all") {
 	centers[0].x = -3.5; // 5 and 6 are beyond 8 now.
 	set.look(centers, {6.0, 8.0}, standing, changes);
 	CHECK(changes.enter.empty());
-	CHECK(changes.leave == Ids{3, 2, 6, 5});
+	CHECK(ids_of(changes.leave) == Ids{2, 3, 6, 5});
 	CHECK(changes.gone == 2);
 }
 
-TEST_CASE("near set: what stands otherwise leaves and enters again") {
+TEST_CASE("near set: an instance that is placed differently has changed, and neither enters nor leaves") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
@@ -139,22 +152,31 @@ TEST_CASE("near set: what stands otherwise leaves and enters again") {
 	standing[1].position.y += 0.25;
 	standing[2].basis[1][1] = 1.1f;
 	standing[3].mesh = 1;
-	standing[4].position.x = 6.0; // Between enter and leave: it was held, so it comes back.
+	standing[4].position.x = 6.0; // Between enter and leave: it is held, so it stays.
 	set.look(centers, {5.0, 7.0}, standing, changes);
-	CHECK(changes.leave == Ids{5, 4, 3, 2});
-	CHECK(changes.gone == 4);
-	CHECK(ids_of(changes.enter) == Ids{2, 3, 4, 5});
+	CHECK(changes.leave.empty());
+	CHECK(changes.enter.empty());
+	CHECK(ids_of(changes.changed) == Ids{2, 3, 4, 5});
+	CHECK(changes.changed[0].position.y == standing[1].position.y);
 	follow(set, changes);
 	set.look(centers, {5.0, 7.0}, standing, changes);
 	CHECK(changes.leave.empty());
 	CHECK(changes.enter.empty());
+	CHECK(changes.changed.empty());
 
 	for (PlacedInstance &instance : standing) {
 		instance.layer = 3;
 	}
 	set.look(centers, {5.0, 7.0}, standing, changes);
-	CHECK(changes.leave.size() == 5);
-	CHECK(changes.enter.size() == 5);
+	CHECK(changes.changed.size() == 5);
+	follow(set, changes);
+
+	standing[4].position.x = 7.5; // Beyond both.
+	set.look(centers, {5.0, 7.0}, standing, changes);
+	CHECK(ids_of(changes.leave) == Ids{5});
+	CHECK(changes.leave[0].position.x == 6.0);
+	CHECK(changes.gone == 1);
+	CHECK(changes.changed.empty());
 }
 
 TEST_CASE("near set: a walk to and fro inside of the hysteresis changes nothing") {
@@ -173,7 +195,7 @@ TEST_CASE("near set: a walk to and fro inside of the hysteresis changes nothing"
 		for (const PlacedInstance &instance : changes.enter) {
 			++entered[instance.id];
 		}
-		for (const std::uint64_t id : changes.leave) {
+		for (const std::uint64_t id : ids_of(changes.leave)) {
 			++left[id];
 		}
 		follow(set, changes);
@@ -196,7 +218,7 @@ TEST_CASE("near set: several centers, and an instance that is handed in several 
 	set.look(centers, {2.0, 3.0}, standing, changes);
 	CHECK(changes.enter.empty());
 	set.look(std::span(centers).first(1), {2.0, 3.0}, standing, changes);
-	CHECK(changes.leave == Ids{101, 100, 99, 98});
+	CHECK(ids_of(changes.leave) == Ids{101, 100, 99, 98});
 }
 
 TEST_CASE("near set: forgets what it is told to forget") {
@@ -256,6 +278,7 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 		};
 
 		std::set<std::uint64_t> enter;
+		std::set<std::uint64_t> changed;
 		std::set<std::uint64_t> leave;
 		for (const auto &[id, position] : held) {
 			leave.insert(id);
@@ -263,8 +286,11 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 		for (const PlacedInstance &instance : here) {
 			const auto was = held.find(instance.id);
 			if (was == held.end() || was->second != instance.position) {
-				if (away(instance.position) <= (was == held.end() ? range.enter : range.leave)) {
+				if (was == held.end() && away(instance.position) <= range.enter) {
 					enter.insert(instance.id);
+				} else if (was != held.end() && away(instance.position) <= range.leave) {
+					changed.insert(instance.id);
+					leave.erase(instance.id);
 				}
 			} else if (away(instance.position) <= range.leave) {
 				leave.erase(instance.id);
@@ -274,15 +300,23 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 		const Ids entering = ids_of(changes.enter);
 		CHECK(std::set<std::uint64_t>(entering.begin(), entering.end()) == enter);
 		CHECK(entering.size() == enter.size());
-		CHECK(std::set<std::uint64_t>(changes.leave.begin(), changes.leave.end()) == leave);
-		CHECK(changes.leave.size() == leave.size());
+		const Ids changing = ids_of(changes.changed);
+		CHECK(std::set<std::uint64_t>(changing.begin(), changing.end()) == changed);
+		CHECK(changing.size() == changed.size());
+		const Ids leaving = ids_of(changes.leave);
+		CHECK(std::set<std::uint64_t>(leaving.begin(), leaving.end()) == leave);
+		CHECK(leaving.size() == leave.size());
 		CHECK(std::is_sorted(changes.enter.begin(), changes.enter.end(),
 				[&away](const auto &a, const auto &b) { return away(a.position) < away(b.position); }));
 
 		// There is not always time for all of it.
-		for (const std::uint64_t id : changes.leave) {
+		for (const std::uint64_t id : leaving) {
 			set.release(id);
 			held.erase(id);
+		}
+		for (const PlacedInstance &instance : changes.changed) {
+			REQUIRE(set.hold(instance));
+			held[instance.id] = instance.position;
 		}
 		const std::size_t done =
 				changes.enter.size() - changes.enter.size() * static_cast<std::size_t>(percent(random)) / 200;

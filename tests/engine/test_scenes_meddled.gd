@@ -43,10 +43,10 @@ func test_out_of_the_tree() -> void:
 	root.add_child(scatter)
 	await settle(scatter)
 	check(not standing_scenes.is_empty(), "scenes again")
-	standing_scenes.clear()
-	scatter.terrain = null
-	await frames(2)
+	scatter.terrain = null # The node stays, so scenes leave as ever: step by step, each with its signal.
+	await settle(scatter)
 	check_equal(scatter.get_child_count(true), 0, "children without ground")
+	check_equal(standing_scenes.size(), 0, "scenes without ground, by their signals")
 
 
 func test_felled_and_taken() -> void:

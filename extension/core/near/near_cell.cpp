@@ -14,6 +14,24 @@ double squared(glm::dvec3 a, glm::dvec3 b) { return glm::dot(a - b, a - b); }
 
 } // namespace
 
+double squared_to(glm::dvec3 position, std::span<const glm::dvec3> centers) {
+	double nearest = std::numeric_limits<double>::infinity();
+	for (const glm::dvec3 &center : centers) {
+		nearest = std::min(nearest, glm::dot(position - center, position - center));
+	}
+	return nearest;
+}
+
+double squared_to_cell(const Rect &cell, std::span<const glm::dvec3> centers) {
+	double nearest = std::numeric_limits<double>::infinity();
+	for (const glm::dvec3 &center : centers) {
+		const glm::dvec2 at{center.x, center.z};
+		const glm::dvec2 apart = at - glm::clamp(at, cell.min, cell.max);
+		nearest = std::min(nearest, glm::dot(apart, apart));
+	}
+	return nearest;
+}
+
 bool same_within(double slack, std::span<const glm::dvec3> now, std::span<const glm::dvec3> then) {
 	return std::ranges::equal(
 			now, then, [slack](const glm::dvec3 &a, const glm::dvec3 &b) { return squared(a, b) <= slack * slack; });
@@ -34,16 +52,16 @@ Rect reached(const Rect &cell, std::span<const glm::dvec3> centers, double reach
 
 } // namespace
 
-bool NearCell::outdated(double slack, std::uint64_t world_version) const {
-	return again_ || version_ != world_version || !same_within(slack, centers_, looked_at_);
+bool NearCell::outdated(double slack, const NearVersion &now) const {
+	return again_ || version_ != now || !same_within(slack, centers_, looked_at_);
 }
 
 std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
-		std::uint64_t world_version, std::vector<PlacedInstance> &r_standing) {
+		const NearVersion &now, std::vector<PlacedInstance> &r_standing) {
 	forget_changes();
 	r_standing.clear();
 	const Rect rect = reached(of, centers_, range.leave);
-	if (!rect.empty() && layer < world.layers().size()) {
+	if (range.enter > 0.0 && !rect.empty() && layer < world.layers().size()) {
 		world.known_in(layer, rect, r_standing);
 	}
 	const std::size_t cost = r_standing.size() + near_.size();
@@ -51,24 +69,33 @@ std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange 
 		return cost;
 	}
 	for (const PlacedInstance &instance : changes_.enter) {
-		double nearest = std::numeric_limits<double>::infinity();
-		for (const glm::dvec3 &center : centers_) {
-			nearest = std::min(nearest, squared(center, instance.position));
-		}
-		away_.push_back(nearest);
+		away_.push_back(squared_to(instance.position, centers_));
 	}
 	looked_at_ = centers_;
-	maybe_changed_ = true;
 	again_ = false;
 	frames_ = 0;
-	version_ = world_version;
+	version_ = now;
 	return cost;
 }
 
-std::uint64_t NearCell::take_leaving() {
-	const std::uint64_t id = changes_.leave[left_++];
-	near_.release(id);
-	return id;
+void NearCell::follow(std::uint32_t layer, const Rect &of, const InstanceWorld &world, const NearVersion &now) {
+	if (version_.world != 0 && version_.queue == now.queue && version_.world != now.world &&
+			!world.changed_since(version_.world, layer, of)) {
+		// Fast path: a look would find the same.
+		version_ = now;
+	}
+}
+
+NearLeaving NearCell::take_leaving() {
+	const NearLeaving leaving = changes_.leave[left_++];
+	near_.release(leaving.id);
+	return leaving;
+}
+
+PlacedInstance NearCell::take_changed() {
+	const PlacedInstance instance = changes_.changed[changed_++];
+	near_.hold(instance);
+	return instance;
 }
 
 PlacedInstance NearCell::take_entering() {
@@ -77,37 +104,13 @@ PlacedInstance NearCell::take_entering() {
 	return instance;
 }
 
-bool NearCell::take_changed(PlacedInstance &r_instance) {
-	if (!maybe_changed_) {
-		// Fast path: nothing that enters is held, as a look at all of it has shown.
-		return false;
-	}
-	const auto first = changes_.enter.begin() + static_cast<std::ptrdiff_t>(entered_);
-	const auto changed = std::find_if(
-			first, changes_.enter.end(), [this](const PlacedInstance &instance) { return near_.holds(instance.id); });
-	maybe_changed_ = changed != changes_.enter.end();
-	if (!maybe_changed_) {
-		return false;
-	}
-	r_instance = *changed;
-	near_.hold(r_instance);
-	away_.erase(away_.begin() + (changed - changes_.enter.begin()));
-	changes_.enter.erase(changed);
-	const auto leaves =
-			std::find(changes_.leave.begin() + static_cast<std::ptrdiff_t>(left_), changes_.leave.end(), r_instance.id);
-	if (leaves != changes_.leave.end()) {
-		changes_.gone -= leaves - changes_.leave.begin() < static_cast<std::ptrdiff_t>(changes_.gone) ? 1 : 0;
-		changes_.leave.erase(leaves);
-	}
-	return true;
-}
-
 void NearCell::forget_changes() {
 	changes_.clear();
 	away_.clear();
 	left_ = 0;
+	changed_ = 0;
 	entered_ = 0;
-	version_ = 0;
+	version_ = {};
 }
 
 } // namespace thicket

@@ -18,7 +18,23 @@ namespace thicket {
 struct Leaving {
 	std::uint32_t layer = 0;
 	std::uint64_t id = 0;
+	glm::dvec3 position{
+			0.0}; ///< As held. An instance that has moved into a different cell meanwhile is held there, and stays.
 };
+
+/// What a look has found holds for. Both are 0 for nothing.
+struct NearVersion {
+	std::uint64_t world = 0; ///< InstanceWorld::version.
+	std::uint64_t queue = 0; ///< Rises with what else makes it useless: different distances, released instances.
+
+	friend bool operator==(const NearVersion &, const NearVersion &) = default;
+};
+
+/// The squared distance from a position to the nearest of some centers; infinite without any.
+double squared_to(glm::dvec3 position, std::span<const glm::dvec3> centers);
+
+/// The same on the map, from the nearest position in a rectangle.
+double squared_to_cell(const Rect &cell, std::span<const glm::dvec3> centers);
 
 /// True if as many centers are where they were, each to `slack` meters.
 bool same_within(double slack, std::span<const glm::dvec3> now, std::span<const glm::dvec3> then);
@@ -33,45 +49,59 @@ public:
 	/// From the centers within whose reach the cell lies, before `add_center` says which they are now.
 	void forget_centers() { centers_.clear(); }
 	void add_center(glm::dvec3 center) { centers_.push_back(center); }
+	std::span<const glm::dvec3> centers() const { return centers_; }
 
 	/// Counts the frames since the last look.
 	void begin_frame() { ++frames_; }
 
 	/// True if it has to be looked at: a center has moved by more than `slack` meters since, or another one came, or the world changed.
-	bool outdated(double slack, std::uint64_t world_version) const;
+	bool outdated(double slack, const NearVersion &now) const;
+
+	/// Frames since the last look.
+	int frames() const { return frames_; }
 
 	/// True if nothing of that is so, and yet the last look is long ago.
 	bool due() const { return frames_ >= look_frames; }
 
-	/// Finds out anew what has to come and go in the square `of`, which is half-open, in a world of this version. The cost in instances.
+	/// Finds out anew what has to come and go in the square `of`, which is half-open. The cost in instances.
 	std::size_t look(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
-			std::uint64_t world_version, std::vector<PlacedInstance> &r_standing);
+			const NearVersion &now, std::vector<PlacedInstance> &r_standing);
 
-	/// What was found still holds in a world of this version.
-	bool fresh(std::uint64_t world_version) const { return version_ == world_version; }
+	/// What was found still holds.
+	bool fresh(const NearVersion &now) const { return version_ == now; }
+
+	/// If the world has changed since the last look, but not in the square `of`, what was found holds for it as it is now.
+	void follow(std::uint32_t layer, const Rect &of, const InstanceWorld &world, const NearVersion &now);
 
 	/// No center reaches it, and nothing is held.
-	bool idle() const { return centers_.empty() && near_.size() == 0; }
+	bool idle() const { return centers_.empty() && holds_nothing(); }
+	bool holds_nothing() const { return near_.size() == 0; }
 
 	/// Fresh, with nothing to be taken out.
-	bool settled(std::uint64_t world_version) const {
-		return fresh(world_version) && !again_ && !any_leaving() && !any_entering();
-	}
+	bool settled(const NearVersion &now) const { return fresh(now) && !again_ && !any_change(); }
 
 	/// How many looks of its queue came before its last one: who waits longest is next.
 	std::uint64_t looked = 0;
 
 	bool any_gone() const { return left_ < changes_.gone; }
 	bool any_leaving() const { return left_ < changes_.leave.size(); }
+	bool any_changed() const { return changed_ < changes_.changed.size(); }
 	bool any_entering() const { return entered_ < changes_.enter.size(); }
+	bool any_change() const { return change_count() > 0; }
 
-	/// The squared distance of the next that enters.
-	double away() const { return away_[entered_]; }
+	/// How much there is to take out.
+	std::size_t change_count() const {
+		return changes_.leave.size() - left_ + changes_.changed.size() - changed_ + changes_.enter.size() - entered_;
+	}
+
+	/// The squared distance of the next that enters, or leaves.
+	double away_entering() const { return away_[entered_]; }
+	double away_leaving() const { return changes_.leave[left_].distance_squared; }
 
 	// As in NearQueue; only where there is one to take out.
-	std::uint64_t take_leaving();
+	NearLeaving take_leaving();
+	PlacedInstance take_changed();
 	PlacedInstance take_entering();
-	bool take_changed(PlacedInstance &r_instance);
 
 	bool holds(std::uint64_t id) const { return near_.holds(id); }
 
@@ -87,14 +117,14 @@ private:
 
 	NearSet near_;
 	NearChanges changes_;
-	std::vector<double> away_;   ///< Squared distances of changes_.enter.
-	std::size_t left_ = 0;       ///< How many of changes_.leave are out.
-	std::size_t entered_ = 0;    ///< How many of changes_.enter are.
-	bool maybe_changed_ = false; ///< Something that enters may be held.
+	std::vector<double> away_; ///< Squared distances of changes_.enter.
+	std::size_t left_ = 0;     ///< How many of changes_.leave are out,
+	std::size_t changed_ = 0;  ///< of changes_.changed,
+	std::size_t entered_ = 0;  ///< and of changes_.enter.
 
-	bool again_ = false;        ///< The cell has to be looked at, whatever has moved; `changes_` are of use until then.
-	int frames_ = 0;            ///< Since the last look.
-	std::uint64_t version_ = 0; ///< Of the world that was looked at; 0, which no world has, for none.
+	bool again_ = false;  ///< The cell has to be looked at, whatever has moved; `changes_` are of use until then.
+	int frames_ = 0;      ///< Since the last look.
+	NearVersion version_; ///< Of the last look, or what `follow` has made of it.
 	std::vector<glm::dvec3> centers_;   ///< As they are now,
 	std::vector<glm::dvec3> looked_at_; ///< and as they were at the last look.
 };

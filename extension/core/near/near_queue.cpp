@@ -25,6 +25,11 @@ NearQueue::Key NearQueue::Layer::key(glm::dvec3 position) const {
 			static_cast<std::int64_t>(std::floor(position.z / side))};
 }
 
+Rect NearQueue::Layer::rect(const Key &key) const {
+	const glm::dvec2 corner = side * glm::dvec2(key.first, key.second);
+	return {corner, corner + side};
+}
+
 /// Gives the cells another size. What is held stays held. False where memory does not suffice: they stay as they are.
 bool NearQueue::Layer::divide(double new_side) {
 	Layer next;
@@ -51,9 +56,18 @@ void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
 	for (auto &[at, cell] : cells) {
 		cell.forget_centers();
 	}
+	if (distance == 0.0) {
+		std::erase_if(cells, [](const auto &entry) { return entry.second.holds_nothing(); });
+	}
 	const glm::dvec3 reach(leave_share * distance);
 	for (const glm::dvec3 &center : now) {
-		if (distance == 0.0 || !possible(center)) {
+		if (!possible(center)) {
+			continue;
+		}
+		if (distance == 0.0) { // What is still held goes, the nearest first.
+			for (auto &[at, cell] : cells) {
+				cell.add_center(center);
+			}
 			continue;
 		}
 		const Key first = key(center - reach);
@@ -78,95 +92,141 @@ void NearQueue::set_distances(std::span<const double> distances) {
 			// Fast path: with the same distance the cells are the same, and what was found holds.
 			continue;
 		}
-		++renewals_;
+		++changes_;
 		layer.distance = distances[i];
 		layer.stale = true;
 		if (layer.distance > 0.0) {
-			layer.divide(std::max(least_side, leave_share * layer.distance));
+			layer.divide(std::max(least_side, leave_share * layer.distance / cells_in_reach));
+			renew_divided(static_cast<std::uint32_t>(i));
 		}
 	}
 }
 
 void NearQueue::look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
 	world_ = &world;
+	centers_.assign(centers.begin(), centers.end());
 	ready_.clear();
 	outdated_.clear();
+	busy_.clear();
 	looked_ = 0;
 	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
 		Layer &layer = layers_[index];
 		if (layer.stale || !same_within(layer.slack(), centers, layer.centers)) {
 			layer.find_cells(centers);
 		}
-		for (auto &[key, cell] : layer.cells) {
-			cell.begin_frame();
-			const bool outdated = cell.outdated(layer.slack(), version());
-			if (!outdated && !cell.due()) {
-				// Fast path: what was found still holds.
-				continue;
-			}
-			outdated_.push_back({index, key, &cell, !outdated});
-		}
+		find_outdated(index);
 	}
-	std::ranges::stable_sort(
-			outdated_, {}, [](const Visit &visit) { return std::pair(visit.due, visit.cell->looked); });
-	for (const Visit &visit : outdated_) {
-		if (looked_ >= max_looked) {
-			break;
-		}
-		look(visit);
-	}
+	look_at_nearest();
 	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
 		for (auto &[key, cell] : layers_[index].cells) {
-			if (cell.fresh(version()) && (cell.any_leaving() || cell.any_entering())) {
-				ready_.push_back({index, key, &cell, false});
+			if (cell.fresh(version()) && cell.any_change()) {
+				ready_.push_back({index, key, &cell, false, {}});
 			}
 		}
+	}
+}
+
+void NearQueue::look_at_nearest() {
+	std::ranges::stable_sort(outdated_, {}, &Visit::order);
+	for (const Visit &visit : outdated_) {
+		const auto &[due, in_time, place] = visit.order;
+		std::size_t nearer = 0;
+		for (const auto &[away, changes] : busy_) {
+			nearer += !in_time || away > place ? 0 : changes;
+		}
+		if (looked_ >= max_looked || nearer >= max_found) {
+			return;
+		}
+		look(visit);
+		busy_.emplace_back(in_time ? place : 0.0, visit.cell->change_count());
+	}
+}
+
+void NearQueue::find_outdated(std::uint32_t index) {
+	Layer &layer = layers_[index];
+	for (auto &[key, cell] : layer.cells) {
+		cell.begin_frame();
+		cell.follow(index, layer.rect(key), *world_, version());
+		const bool outdated = cell.outdated(layer.slack(), version());
+		const double away = outdated || cell.any_change() ? squared_to_cell(layer.rect(key), centers_of(cell)) : 0.0;
+		if (!outdated && cell.any_change()) {
+			busy_.emplace_back(away, cell.change_count());
+		}
+		if (!outdated && !cell.due()) {
+			// Fast path: what was found still holds.
+			continue;
+		}
+		const bool late = cell.frames() > most_waiting;
+		const double place = late ? static_cast<double>(cell.looked) : away;
+		outdated_.push_back({index, key, &cell, !outdated, {!outdated, !late, place}});
 	}
 }
 
 void NearQueue::look(const Visit &visit) {
 	const Layer &layer = layers_[visit.layer];
-	const glm::dvec2 corner = layer.side * glm::dvec2(visit.key.first, visit.key.second);
 	const NearRange range{enter_share * layer.distance, leave_share * layer.distance};
-	looked_ += visit.cell->look(visit.layer, {corner, corner + layer.side}, range, *world_, version(), standing_);
+	looked_ += visit.cell->look(visit.layer, layer.rect(visit.key), range, *world_, version(), standing_);
 	visit.cell->looked = ++looks_;
 }
 
-bool NearQueue::next(bool (NearCell::*any)() const, Leaving &r_leaving) {
-	for (const Visit &visit : ready_) {
-		if ((visit.cell->*any)()) {
-			r_leaving = {visit.layer, visit.cell->take_leaving()};
-			return true;
+namespace {
+
+/// The visit to the cell with the least `away`, of those cells that have `any`; null for none.
+template <class Visit>
+const Visit *nearest_of(
+		const std::vector<Visit> &visits, bool (NearCell::*any)() const, double (NearCell::*away)() const) {
+	const Visit *nearest = nullptr;
+	for (const Visit &visit : visits) {
+		if ((visit.cell->*any)() && (nearest == nullptr || (visit.cell->*away)() < (nearest->cell->*away)())) {
+			nearest = &visit;
 		}
 	}
-	return false;
+	return nearest;
+}
+
+template <class Visit>
+const Visit *first_of(const std::vector<Visit> &visits, bool (NearCell::*any)() const) {
+	const auto found = std::ranges::find_if(visits, [any](const Visit &visit) { return (visit.cell->*any)(); });
+	return found != visits.end() ? &*found : nullptr;
+}
+
+template <class Visit>
+bool take_leaving(const Visit *visit, Leaving &r_leaving) {
+	if (visit != nullptr) {
+		const NearLeaving leaving = visit->cell->take_leaving();
+		r_leaving = {visit->layer, leaving.id, leaving.position};
+	}
+	return visit != nullptr;
+}
+
+} // namespace
+
+bool NearQueue::next_gone(Leaving &r_leaving) {
+	return take_leaving(nearest_of(ready_, &NearCell::any_gone, &NearCell::away_leaving), r_leaving);
+}
+
+bool NearQueue::next_leaving(Leaving &r_leaving) {
+	return take_leaving(first_of(ready_, &NearCell::any_leaving), r_leaving);
 }
 
 bool NearQueue::next_changed(PlacedInstance &r_instance) {
-	return std::ranges::any_of(
-			ready_, [&r_instance](const Visit &visit) { return visit.cell->take_changed(r_instance); });
+	const Visit *visit = first_of(ready_, &NearCell::any_changed);
+	if (visit != nullptr) {
+		r_instance = visit->cell->take_changed();
+	}
+	return visit != nullptr;
 }
 
-bool NearQueue::next_gone(Leaving &r_leaving) { return next(&NearCell::any_gone, r_leaving); }
-
-bool NearQueue::next_leaving(Leaving &r_leaving) { return next(&NearCell::any_leaving, r_leaving); }
-
 bool NearQueue::next_entering(PlacedInstance &r_instance) {
-	NearCell *nearest = nullptr;
-	for (const Visit &visit : ready_) {
-		if (visit.cell->any_entering() && (nearest == nullptr || visit.cell->away() < nearest->away())) {
-			nearest = visit.cell;
-		}
+	const Visit *visit = nearest_of(ready_, &NearCell::any_entering, &NearCell::away_entering);
+	if (visit != nullptr) {
+		r_instance = visit->cell->take_entering();
 	}
-	if (nearest == nullptr) {
-		return false;
-	}
-	r_instance = nearest->take_entering();
-	return true;
+	return visit != nullptr;
 }
 
 bool NearQueue::settled() const {
-	return std::ranges::none_of(layers_, [this](const Layer &layer) {
+	return due_cells_.empty() && std::ranges::none_of(layers_, [this](const Layer &layer) {
 		const bool wanted = layer.distance > 0.0 || !layer.cells.empty();
 		return wanted &&
 				(world_ == nullptr || layer.stale || std::ranges::any_of(layer.cells, [this](const auto &entry) {
@@ -194,7 +254,7 @@ void NearQueue::release(std::uint32_t layer, std::uint64_t id) {
 
 void NearQueue::release(std::uint64_t id) {
 	ready_.clear();
-	++renewals_;
+	++changes_;
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
 		release(layer, id);
 	}
@@ -202,6 +262,8 @@ void NearQueue::release(std::uint64_t id) {
 
 void NearQueue::release_layer(std::uint32_t layer) {
 	ready_.clear();
+	std::erase_if(due_cells_, [layer](const Renewal &renewal) { return renewal.layer == layer; });
+	std::ranges::make_heap(due_cells_, farther);
 	layers_[layer].cells.clear();
 	layers_[layer].stale = true;
 }

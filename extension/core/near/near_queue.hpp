@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -19,8 +20,8 @@ namespace thicket {
 /// frees what stands for it; the queue counts it as held, or not, from then on.
 ///
 /// Distances are meters in space, from the nearest center to the instance's position. Everything within a layer's distance
-/// comes; what is held leaves beyond `leave_share` of it. Where very much is near, only some cells are looked at in a frame, those
-/// first that wait longest, and only what was found in the world as it is now comes and goes.
+/// comes; what is held leaves beyond `leave_share` of it. Where very much is near, only some cells are looked at in a frame: those that
+/// have waited for more than `most_waiting` frames, then the nearest. Only what was found in the world as it is now comes and goes.
 class NearQueue {
 public:
 	/// What a center may move, as a share of the distance, before anybody looks again.
@@ -30,8 +31,16 @@ public:
 	/// Apart from `enter_share`, so that nobody who walks to and fro makes something come and go.
 	static constexpr double leave_share = 1.125;
 
-	/// After so many instances no other cell is looked at in a frame: about half a millisecond.
-	static constexpr std::size_t max_looked = 2048;
+	/// After so many instances no other cell is looked at in a frame: about a quarter of a millisecond.
+	static constexpr std::size_t max_looked = 1024;
+
+	static constexpr int most_waiting = 32;
+
+	/// Nor a cell beyond those that have so much to do: more than a frame has time for.
+	static constexpr std::size_t max_found = 256;
+
+	/// The sides of so many cells reach as far as what is held: a look at one of them is a small part of a frame's work.
+	static constexpr double cells_in_reach = 2.0;
 
 	/// The distance of each layer, 0 for nothing. What is held of layers that are no more has to be released before.
 	void set_distances(std::span<const double> distances);
@@ -40,17 +49,31 @@ public:
 	/// called in every frame. The world is remembered until `forget_world`.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
 
-	/// Takes out what is held and stands otherwise than it did: it stays held, as it stands now. False for none.
-	bool next_changed(PlacedInstance &r_instance);
-
-	/// Takes out what stands no longer, or not as it did: to be done before anything enters. False for none.
+	/// Takes out the nearest instance that is removed, or whose layer has no distance any more. False for none.
 	bool next_gone(Leaving &r_leaving);
 
-	/// Takes out what stands no longer or is too far away, of each cell the farthest first. False for none.
+	/// Takes out an instance that is removed or too far away, of each cell first the removed ones, then the farthest. False for none.
 	bool next_leaving(Leaving &r_leaving);
+
+	/// Takes out an instance that is held in a different position, basis, mesh or layer. It stays held, as it is now. False for none.
+	bool next_changed(PlacedInstance &r_instance);
 
 	/// Takes out the nearest that is to come, which is held from then on. False for none.
 	bool next_entering(PlacedInstance &r_instance);
+
+	/// All that is held of a layer has to be rebuilt: `next_due` takes it out, whatever moves or changes meanwhile.
+	void renew(std::uint32_t layer);
+
+	/// Takes out the nearest instance that `renew` left to be rebuilt, as far as centers were at the last look. It stays held. It may come a
+	/// second time after a change of its layer's distance. False for none.
+	bool next_due(PlacedInstance &r_instance);
+
+	/// The instances that are held within `reach` meters of one of these positions, in space: at most `most` of them, nearest first.
+	std::vector<PlacedInstance> held_within(
+			std::span<const glm::dvec3> positions, double reach, std::size_t most) const;
+
+	/// The centers at the last look.
+	std::span<const glm::dvec3> centers() const { return centers_; }
 
 	/// True if there is nothing to take out, and the world is as it was at the last look at every cell.
 	bool settled() const;
@@ -82,29 +105,49 @@ private:
 
 		double slack() const { return look_share * distance; }
 		Key key(glm::dvec3 position) const;
+		Rect rect(const Key &key) const;
 		bool divide(double new_side);
 		void find_cells(std::span<const glm::dvec3> now);
+	};
+
+	/// A cell with instances that are due.
+	struct Renewal {
+		double away = 0.0; ///< The squared distance of the cell, or of the next instance once `listed`.
+		std::uint32_t layer = 0;
+		Key key;
+		bool listed = false;
+		std::vector<std::pair<double, PlacedInstance>> due; ///< By squared distances, nearest last.
 	};
 
 	struct Visit {
 		std::uint32_t layer = 0;
 		Key key;
 		NearCell *cell = nullptr;
-		bool due = false; ///< It can wait for those that are outdated.
+		bool due = false;                       ///< It can wait for those that are outdated.
+		std::tuple<bool, bool, double> order{}; ///< Of looks.
 	};
 
-	/// Rises with everything that makes what was found of no use: another world, other distances, what was released.
-	std::uint64_t version() const { return world_->version() + renewals_; }
+	NearVersion version() const { return {world_->version(), changes_}; }
+	void find_outdated(std::uint32_t layer);
+	void look_at_nearest();
 	void look(const Visit &visit);
-	bool next(bool (NearCell::*any)() const, Leaving &r_leaving);
+
+	static bool farther(const Renewal &a, const Renewal &b) { return a.away > b.away; }
+	void renew_divided(std::uint32_t layer);
+	bool list_due(Renewal &r_renewal) const;
+	std::span<const glm::dvec3> centers_of(const NearCell &cell) const;
 
 	const InstanceWorld *world_ = nullptr;
+	std::vector<glm::dvec3> centers_;
 	std::vector<Layer> layers_;
+	std::vector<Renewal> due_cells_; ///< A heap, the nearest on top.
 	std::vector<Visit> outdated_;
+	std::vector<std::pair<double, std::size_t>>
+			busy_;             ///< Squared distances of fresh cells, and how much they have to do.
 	std::vector<Visit> ready_; ///< Cells with something to take out, found in the world as it was at `look_around`.
 	std::vector<PlacedInstance> standing_;
 	std::uint64_t looks_ = 0;
-	std::uint64_t renewals_ = 0;
+	std::uint64_t changes_ = 1;
 	std::size_t looked_ = 0; ///< Instances, in this frame.
 };
 
@@ -127,13 +170,14 @@ public:
 	/// True if `look_around` with these centers would find nothing else to do.
 	bool follows(std::span<const glm::dvec3> centers) const { return queue_.follows(centers); }
 
-	/// The instance stands no longer, or not as it did: what was made for it goes at once, whatever the budget.
+	/// The instance is removed, or placed differently: what was made for it goes at once, whatever the budget.
 	virtual void drop(std::uint64_t id) = 0;
 
-	/// The same for all that stand no longer. Asks only for what was made.
+	/// The same for all that are removed: for a few, as the budget does not count. Calls `gone` only for what was made.
 	virtual void drop_if(const std::function<bool(std::uint64_t id)> &gone) = 0;
 
-	/// Where the engine's origin is in the world, meters: what stands is moved along at once.
+	/// Where the engine's origin is in the world, meters. What can be seen, and what is near a center, is moved along at once; the
+	/// rest by `step`.
 	virtual void set_world_offset(glm::dvec3 offset) = 0;
 
 	/// Frees everything now.

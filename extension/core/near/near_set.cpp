@@ -52,7 +52,7 @@ bool NearSet::Held::is_near(std::span<const glm::dvec3> centers, double reach_sq
 }
 
 bool NearSet::hold(const PlacedInstance &instance) {
-	const Held held{instance.position, instance.basis, instance.layer, instance.mesh, looks_, 0};
+	const Held held{instance.position, instance.basis, instance.layer, instance.mesh, looks_, 0, 0};
 	return guarded("instance", 1.0, [&] { held_.insert_or_assign(instance.id, held); }).ok();
 }
 
@@ -72,6 +72,7 @@ std::vector<PlacedInstance> NearSet::held() const {
 
 void NearChanges::clear() {
 	enter.clear();
+	changed.clear();
 	leave.clear();
 	gone = 0;
 }
@@ -83,52 +84,72 @@ bool NearSet::look(std::span<const glm::dvec3> centers, const NearRange &range,
 	}).ok();
 }
 
+void NearSet::sort_nearest(std::vector<Distant> &r_distant) {
+	std::sort(r_distant.begin(), r_distant.end(), [](const Distant &a, const Distant &b) {
+		return a.distance_squared != b.distance_squared ? a.distance_squared < b.distance_squared : a.id < b.id;
+	});
+}
+
+/// `from` is sorted, so an instance that was handed in several times is in a row.
+void NearSet::take(
+		std::span<const Distant> from, std::span<const PlacedInstance> standing, std::vector<PlacedInstance> &r_to) {
+	r_to.clear();
+	for (const Distant &distant : from) {
+		if (r_to.empty() || r_to.back().id != distant.id) {
+			r_to.push_back(standing[distant.index]);
+		}
+	}
+}
+
 void NearSet::find_changes(std::span<const glm::dvec3> centers, const NearRange &range,
 		std::span<const PlacedInstance> standing, NearChanges &r_changes) {
 	++looks_;
 	entering_.clear();
-	gone_.clear();
+	changed_.clear();
 	leaving_.clear();
 	const bool ever = range.enter > 0.0;
 	const double leave = std::max(range.enter, range.leave);
 	for (std::size_t i = 0; i < standing.size() && ever; ++i) {
 		const PlacedInstance &instance = standing[i];
 		const auto held = held_.find(instance.id);
-		if (held != held_.end() && held->second.stands_as(instance)) {
+		const bool is_held = held != held_.end();
+		if (is_held && held->second.stands_as(instance)) {
 			held->second.seen = looks_;
 			continue;
 		}
 		const double away = distance_squared(centers, instance.position);
-		const double reach = held != held_.end() ? leave : range.enter;
+		const double reach = is_held ? leave : range.enter;
 		if (away <= reach * reach) {
-			entering_.push_back({away, instance.id, i});
+			(is_held ? changed_ : entering_).push_back({away, instance.id, i});
+			if (is_held) {
+				held->second.changed = looks_;
+			}
 		}
 	}
-	for (auto &[id, held] : held_) {
-		const bool near = ever && held.is_near(centers, leave * leave);
-		if (!near || held.seen != looks_) {
-			(near ? gone_ : leaving_).push_back({distance_squared(centers, held.position), id, 0});
-		}
-	}
-	std::sort(entering_.begin(), entering_.end(), [](const Distant &a, const Distant &b) {
-		return a.distance_squared != b.distance_squared ? a.distance_squared < b.distance_squared : a.id < b.id;
-	});
-	r_changes.enter.clear();
-	for (const Distant &distant : entering_) {
-		if (r_changes.enter.empty() || r_changes.enter.back().id != distant.id) {
-			r_changes.enter.push_back(standing[distant.index]);
-		}
-	}
+	sort_nearest(entering_);
+	sort_nearest(changed_);
+	take(entering_, standing, r_changes.enter);
+	take(changed_, standing, r_changes.changed);
 	r_changes.leave.clear();
-	r_changes.gone = gone_.size();
-	for (std::vector<Distant> *part : {&gone_, &leaving_}) {
-		std::sort(part->begin(), part->end(), [](const Distant &a, const Distant &b) {
-			return a.distance_squared != b.distance_squared ? a.distance_squared > b.distance_squared : a.id < b.id;
-		});
-		for (const Distant &distant : *part) {
-			r_changes.leave.push_back(distant.id);
+	for (auto &[id, held] : held_) {
+		if (held.changed == looks_) {
+			continue;
+		}
+		const bool near = held.is_near(centers, leave * leave);
+		if (!ever || !near || held.seen != looks_) {
+			const NearLeaving leaving{id, held.position, distance_squared(centers, held.position)};
+			(near || !ever ? r_changes.leave : leaving_).push_back(leaving);
 		}
 	}
+	r_changes.gone = r_changes.leave.size();
+	const auto nearer = [](const NearLeaving &a, const NearLeaving &b) {
+		return a.distance_squared != b.distance_squared ? a.distance_squared < b.distance_squared : a.id < b.id;
+	};
+	std::sort(r_changes.leave.begin(), r_changes.leave.end(), nearer);
+	std::sort(leaving_.begin(), leaving_.end(), [&nearer](const NearLeaving &a, const NearLeaving &b) {
+		return a.distance_squared != b.distance_squared ? nearer(b, a) : a.id < b.id;
+	});
+	r_changes.leave.insert(r_changes.leave.end(), leaving_.begin(), leaving_.end());
 }
 
 } // namespace thicket

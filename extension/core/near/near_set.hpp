@@ -18,14 +18,24 @@ struct NearRange {
 	double leave = 0.0; ///< At least `enter`: in between, what is held stays held, so nothing comes and goes twice.
 };
 
-/// What has to be done about it. What is held and stands within `leave`, but otherwise than it did, is in both:
-/// it leaves, then enters.
-struct NearChanges {
-	std::vector<PlacedInstance> enter; ///< Nearest first.
+/// Something that is held and has to leave.
+struct NearLeaving {
+	std::uint64_t id = 0;
+	glm::dvec3 position{0.0};      ///< As held.
+	double distance_squared = 0.0; ///< To the nearest center.
 
-	/// What stands no longer, or not as it did, then the others; of each the farthest first.
-	std::vector<std::uint64_t> leave;
-	std::size_t gone = 0; ///< How many of `leave` stand no longer, or not as they did.
+	friend bool operator==(const NearLeaving &, const NearLeaving &) = default;
+};
+
+/// The difference between what is held and what should be. An instance is in one of the lists, and once.
+struct NearChanges {
+	std::vector<PlacedInstance> enter;   ///< Not held, nearest first.
+	std::vector<PlacedInstance> changed; ///< Held in a different position, basis, mesh or layer; nearest first.
+
+	/// First the `gone` ones, nearest first: instances that are removed, or all for a range of 0. A player must not run into what
+	/// is no longer there. Then those that are only too far away, farthest first.
+	std::vector<NearLeaving> leave;
+	std::size_t gone = 0;
 
 	void clear();
 };
@@ -64,8 +74,9 @@ private:
 		glm::mat3 basis{1.0f};
 		std::uint32_t layer = 0;
 		std::uint32_t mesh = 0;
-		std::uint64_t seen = 0; ///< The last look that found it standing as it did.
-		std::size_t center = 0; ///< A center that it was near.
+		std::uint64_t seen = 0;    ///< The last look that found it standing as it did.
+		std::uint64_t changed = 0; ///< The last look that found it near, but standing otherwise.
+		std::size_t center = 0;    ///< A center that it was near.
 
 		bool is_near(std::span<const glm::dvec3> centers, double reach_squared);
 		bool stands_as(const PlacedInstance &instance) const;
@@ -77,14 +88,18 @@ private:
 	struct Distant {
 		double distance_squared = 0.0;
 		std::uint64_t id = 0;
-		std::size_t index = 0; ///< In `standing`, of what enters.
+		std::size_t index = 0; ///< In `standing`.
 	};
+
+	static void sort_nearest(std::vector<Distant> &r_distant);
+	static void take(
+			std::span<const Distant> from, std::span<const PlacedInstance> standing, std::vector<PlacedInstance> &r_to);
 
 	std::unordered_map<std::uint64_t, Held> held_; ///< Whatever comes out of it is sorted.
 	std::uint64_t looks_ = 0;
 	std::vector<Distant> entering_;
-	std::vector<Distant> gone_;
-	std::vector<Distant> leaving_;
+	std::vector<Distant> changed_;
+	std::vector<NearLeaving> leaving_;
 };
 
 } // namespace thicket

@@ -32,6 +32,23 @@ void InstanceWorld::set_layers(std::vector<QueryLayer> layers) {
 	touch();
 }
 
+void InstanceWorld::touch() {
+	touched_ = ++version_;
+	new_tiles_.clear();
+}
+
+bool InstanceWorld::changed_since(std::uint64_t version, std::uint32_t layer, const Rect &rect) const {
+	const auto is_before = [version](const TileChange &change) {
+		return change.version <= version;
+	};
+	const auto first = std::ranges::partition_point(new_tiles_, is_before);
+	return version < touched_ ||
+			std::any_of(
+					first, new_tiles_.end(),
+					[layer, &rect](
+							const TileChange &change) { return change.layer == layer && meet(change.rect, rect); });
+}
+
 void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
 	if (area.empty()) {
 		// Fast path: what touches no tile changes no answer, so nobody has to ask again.
@@ -63,7 +80,11 @@ void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<c
 	const std::size_t size = size_of(*instances);
 	kept_since_looking_ += size;
 	tiles_.insert_or_assign(Key{layer, tile.x, tile.y}, Entry{std::move(instances), size, ++uses_});
-	touch();
+	if (layer < layers_.size() && new_tiles_.size() < most_new_tiles) {
+		new_tiles_.push_back({++version_, layer, tile_rect(layers_[layer].tile_size, tile)});
+	} else {
+		touch();
+	}
 	if (!look_from_ && kept_since_looking_ > max_idle_instances / 4) {
 		kept_since_looking_ = 0;
 		idle_.clear();

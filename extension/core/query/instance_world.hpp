@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -54,7 +55,10 @@ public:
 
 	/// Rises with everything that may change an answer: tiles that came or went, layers, the state.
 	std::uint64_t version() const { return version_; }
-	void touch() { ++version_; }
+	void touch();
+
+	/// False if `known_in` returns the same for this rectangle as at that version. May be true without need, for what is long ago.
+	bool changed_since(std::uint64_t version, std::uint32_t layer, const Rect &rect) const;
 
 	std::span<const QueryLayer> layers() const { return layers_; }
 	const InstanceState *state() const { return state_; }
@@ -126,6 +130,14 @@ private:
 
 	using Key = std::tuple<std::uint32_t, std::int32_t, std::int32_t>;
 
+	/// A tile became known, as the only change of that version.
+	struct TileChange {
+		std::uint64_t version = 0;
+		std::uint32_t layer = 0;
+		Rect rect;
+	};
+	static constexpr std::size_t most_new_tiles = 256;
+
 	void look_for_idle();
 	void forget_some();
 
@@ -134,7 +146,9 @@ private:
 	TileMaker maker_;
 	const InstanceState *state_ = nullptr;
 	std::uint64_t version_ = 1;
-	std::uint64_t edits_ = 0; ///< Rises with everything that makes tiles outdated.
+	std::uint64_t touched_ = 1;        ///< The version of the last change that may be anywhere.
+	std::deque<TileChange> new_tiles_; ///< The changes since then, in order.
+	std::uint64_t edits_ = 0;          ///< Rises with everything that makes tiles outdated.
 	mutable std::uint64_t uses_ = 0;
 
 	std::size_t kept_since_looking_ = 0;              ///< Instances.

@@ -74,7 +74,6 @@ void PendingDiff::work() {
 			return {ErrorCode::cancelled, "data"};
 		}
 		if (status.ok()) {
-			changes_.find_left();
 			log_.make_way_for(content.log, content.size());
 		}
 		return status;

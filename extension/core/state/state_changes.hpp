@@ -12,7 +12,6 @@ namespace thicket {
 /// The changes of one call, as they are told.
 struct StateChanges {
 	std::vector<InstanceChange> list;
-	std::vector<std::uint64_t> left; ///< Ids of hand-placed instances in `list` that stood elsewhere before.
 
 	/// Ids that were changed otherwise while a pending diff was under way: what `list` has of them is not to be told, but `instead`.
 	std::vector<std::uint64_t> overruled; ///< Ascending.
@@ -42,15 +41,6 @@ struct StateChanges {
 		}
 		for (const InstanceChange &change : instead) {
 			use(change);
-		}
-	}
-
-	/// Fills `left`.
-	void find_left() {
-		for (const InstanceChange &change : list) {
-			if (change.kind == InstanceChangeKind::left) {
-				left.push_back(change.id);
-			}
 		}
 	}
 };

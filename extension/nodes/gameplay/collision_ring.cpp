@@ -4,6 +4,7 @@
 
 #include <godot_cpp/classes/physics_server3d.hpp>
 
+#include <algorithm>
 #include <utility>
 
 using namespace godot;
@@ -12,8 +13,8 @@ namespace thicket {
 
 namespace {
 
-/// Bodies in a frame: a microsecond or two each.
-constexpr int most_freed = 16;
+/// Offsets of the last frames whose bodies are looked for around the viewers.
+constexpr std::size_t most_offsets = 8;
 
 } // namespace
 
@@ -44,73 +45,110 @@ void CollisionRing::set_space(const RID &space, std::uint64_t node_id) {
 }
 
 void CollisionRing::set_layers(std::vector<CollisionLayer> layers) {
-	for (std::uint32_t layer = static_cast<std::uint32_t>(layers.size()); layer < layers_.size(); ++layer) {
-		fall_all(layer);
-	}
-	layers_.resize(layers.size());
+	layers_.resize(std::max(layers_.size(), layers.size()));
+	layers.resize(layers_.size());
 	std::vector<double> distances;
-	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
-		CollisionLayer &is = layers_[layer].is;
-		CollisionLayer &next = layers[layer];
-		distances.push_back(next.shape.kind == ScatterLayer::COLLISION_NONE ? 0.0 : next.distance);
-		is.distance = next.distance;
-		if (!(is.settings == next.settings)) {
-			is.settings = next.settings;
-			for (const auto &[id, body] : layers_[layer].bodies) {
-				if (body.rid.is_valid()) {
-					apply(is.settings, body.rid);
-				}
-			}
-		}
-		if (!(is.shape == next.shape)) {
-			reshape(layer, std::move(next.shape));
+	std::vector<std::uint32_t> changed;
+	for (std::uint32_t index = 0; index < layers.size(); ++index) {
+		Layer &layer = layers_[index];
+		CollisionLayer &next = layers[index];
+		const bool collides = next.shape.kind != ScatterLayer::COLLISION_NONE;
+		distances.push_back(collides ? next.distance : 0.0);
+		const bool same_settings = layer.is.settings == next.settings;
+		const bool same_shape = layer.is.shape == next.shape;
+		layer.settings_version = same_settings ? layer.settings_version : ++last_version_;
+		layer.shape_version = same_shape ? layer.shape_version : ++last_version_;
+		layer.is = std::move(next);
+		if (collides && !(same_settings && same_shape)) {
+			changed.push_back(index);
 		}
 	}
 	queue_.set_distances(distances);
-}
-
-void CollisionRing::reshape(std::uint32_t layer, ShapeSource source) {
-	Layer &of = layers_[layer];
-	of.is.shape = std::move(source);
-	std::vector<PlacedInstance> standing;
-	for (const auto &[id, body] : of.bodies) {
-		standing.push_back(body.instance);
-	}
-	for (const PlacedInstance &instance : standing) {
-		fall(layer, instance.id);
-		stand(instance);
+	for (const std::uint32_t index : changed) {
+		queue_.renew(index);
 	}
 }
 
 void CollisionRing::look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
 	if (space_.is_valid()) {
 		++frame_;
-		tidy_pool();
 		queue_.look_around(centers, world);
-		for (Leaving gone; queue_.next_gone(gone);) {
-			fall(gone.layer, gone.id);
-		}
 	}
 }
 
 bool CollisionRing::step() {
-	Leaving leaving;
-	const bool left = queue_.next_leaving(leaving);
-	if (left) {
-		fall(leaving.layer, leaving.id);
-	}
+	const bool removed = remove_some();
+	const bool renewed = renew_some();
 	PlacedInstance instance;
 	const bool entered = queue_.next_entering(instance);
 	if (entered) {
 		stand(instance);
 	}
-	return left || entered;
+	if (removed || renewed || entered) {
+		return true;
+	}
+	const bool tidied = tidy_some(); // Nothing meets these bodies: they can wait.
+	return shapes_.free_some() || tidied;
 }
 
+/// Removed instances first: a player must not run into them. What is only far away can wait.
+bool CollisionRing::remove_some() {
+	int count = 0;
+	Leaving leaving;
+	for (; count < most_per_step && queue_.next_gone(leaving); ++count) {
+		leave(leaving);
+	}
+	for (; count < most_per_step && queue_.next_leaving(leaving); ++count) {
+		leave(leaving);
+	}
+	return count > 0;
+}
+
+/// Lets instances that have moved, and bodies of layers that have changed, follow.
+bool CollisionRing::renew_some() {
+	int count = 0;
+	PlacedInstance instance;
+	for (; count < most_per_step && queue_.next_changed(instance); ++count) {
+		stand(instance);
+	}
+	for (; count < most_per_step && queue_.next_due(instance); ++count) {
+		renew(instance);
+	}
+	if (count == 0) {
+		offsets_before_.clear();
+	}
+	return count > 0;
+}
+
+/// Makes a body what its layer and the world offset ask for now.
+void CollisionRing::renew(const PlacedInstance &instance) {
+	Layer &layer = layers_[instance.layer];
+	const auto found = layer.bodies.find(instance.id);
+	if (found == layer.bodies.end()) {
+		return;
+	}
+	Body &body = found->second;
+	if (body.shape_version != layer.shape_version) {
+		stand(PlacedInstance(body.instance));
+		return;
+	}
+	if (body.settings_version != layer.settings_version && body.rid.is_valid()) {
+		apply(layer.is.settings, body.rid);
+	}
+	body.settings_version = layer.settings_version;
+	if (body.offset != offset_) {
+		place(body);
+	}
+}
+
+/// In place of the body that the instance has by now, if any.
 void CollisionRing::stand(const PlacedInstance &instance) {
+	fall(instance.layer, instance.id);
 	Layer &layer = layers_[instance.layer];
 	Body &body = layer.bodies[instance.id];
 	body.instance = instance;
+	body.settings_version = layer.settings_version;
+	body.shape_version = layer.shape_version;
 	if (BodyFit fit; fit_body(instance.basis, fit)) {
 		body.rotation = fit.rotation;
 		body.shapes = shapes_.take(layer.is.shape, instance.mesh, fit);
@@ -124,7 +162,7 @@ void CollisionRing::stand(const PlacedInstance &instance) {
 	for (const CollisionShapes::Placed &placed : body.shapes) {
 		server->body_add_shape(body.rid, placed.shape->rid, to_engine(placed.rotation, placed.origin, glm::dvec3(0.0)));
 	}
-	server->body_set_state(body.rid, PhysicsServer3D::BODY_STATE_TRANSFORM, transform_of(body));
+	place(body);
 	server->body_set_space(body.rid, space_);
 	owners_[body.rid.get_id()] = instance.id;
 }
@@ -139,17 +177,19 @@ void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
 	bodies.erase(found);
 	if (body.rid.is_valid()) {
 		PhysicsServer3D::get_singleton()->body_clear_shapes(body.rid);
-		pool_.push_back({body.rid, frame_ + rest_frames});
+		pool_.push_back({body.rid, frame_});
 		++still_in_space_;
 		shapes_.give_back(body.shapes);
 	}
 }
 
-void CollisionRing::fall_all(std::uint32_t layer) {
-	while (!layers_[layer].bodies.empty()) {
-		fall(layer, layers_[layer].bodies.begin()->first);
+/// An instance that was found in a different cell of the queue since has a body there, and keeps it.
+void CollisionRing::leave(const Leaving &leaving) {
+	const auto &bodies = layers_[leaving.layer].bodies;
+	const auto found = bodies.find(leaving.id);
+	if (found != bodies.end() && found->second.instance.position == leaving.position) {
+		fall(leaving.layer, leaving.id);
 	}
-	queue_.release_layer(layer);
 }
 
 void CollisionRing::drop(std::uint64_t id) {
@@ -181,24 +221,41 @@ void CollisionRing::apply(const CollisionLayer::Settings &settings, const RID &b
 	server->body_set_param(body, PhysicsServer3D::BODY_PARAM_BOUNCE, settings.bounce);
 }
 
-Transform3D CollisionRing::transform_of(const Body &body) const {
-	return to_engine(body.rotation, body.instance.position, offset_);
+void CollisionRing::place(Body &r_body) {
+	r_body.offset = offset_;
+	if (r_body.rid.is_valid()) {
+		PhysicsServer3D::get_singleton()->body_set_state(r_body.rid, PhysicsServer3D::BODY_STATE_TRANSFORM,
+				to_engine(r_body.rotation, r_body.instance.position, offset_));
+	}
 }
 
+/// Bodies around the viewers move at once, and so do those that would be left where the viewers are now, in the engine's space: the
+/// physics of the same frame meets both. The others follow step by step.
 void CollisionRing::set_world_offset(glm::dvec3 offset) {
+	if (offset == offset_) {
+		return;
+	}
+	offsets_before_.push_back(offset_);
+	if (offsets_before_.size() > most_offsets) {
+		offsets_before_.erase(offsets_before_.begin());
+	}
 	offset_ = offset;
-	for (const Layer &layer : layers_) {
-		for (const auto &[id, body] : layer.bodies) {
-			if (body.rid.is_valid()) {
-				PhysicsServer3D::get_singleton()->body_set_state(
-						body.rid, PhysicsServer3D::BODY_STATE_TRANSFORM, transform_of(body));
-			}
+	std::vector<glm::dvec3> positions(queue_.centers().begin(), queue_.centers().end());
+	for (const glm::dvec3 &center : queue_.centers()) {
+		for (const glm::dvec3 &before : offsets_before_) {
+			positions.push_back(center - offset + before);
 		}
+	}
+	for (const PlacedInstance &instance : queue_.held_within(positions, moved_reach, moved_at_once)) {
+		renew(instance);
+	}
+	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
+		queue_.renew(layer);
 	}
 }
 
 RID CollisionRing::take_body() {
-	if (!pool_.empty() && pool_.front().usable_at <= frame_) {
+	if (pool_.size() > still_in_space_ && rested(pool_.front())) {
 		// Fast path: one that has rested is as good as a new one.
 		const RID body = pool_.front().rid;
 		pool_.pop_front();
@@ -211,16 +268,23 @@ RID CollisionRing::take_body() {
 	return body;
 }
 
-void CollisionRing::tidy_pool() {
+/// Takes bodies that fell in earlier frames out of the space, and frees those that the pool has no use for.
+bool CollisionRing::tidy_some() {
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
-	for (; still_in_space_ > 0; --still_in_space_) {
-		server->body_set_space(pool_[pool_.size() - still_in_space_].rid, RID());
+	int count = 0;
+	for (; count < most_per_step && still_in_space_ > 0; ++count, --still_in_space_) {
+		const Pooled &oldest = pool_[pool_.size() - still_in_space_];
+		if (oldest.fell_at == frame_) {
+			break;
+		}
+		server->body_set_space(oldest.rid, RID());
 	}
-	for (int i = 0; i < most_freed && pool_.size() > max_pooled && pool_.front().usable_at <= frame_; ++i) {
+	for (; count < most_per_step && pool_.size() > max_pooled + still_in_space_ && rested(pool_.front()); ++count) {
 		owners_.erase(pool_.front().rid.get_id());
 		server->free_rid(pool_.front().rid);
 		pool_.pop_front();
 	}
+	return count > 0;
 }
 
 std::uint64_t CollisionRing::instance_of(const RID &body) const {
@@ -230,12 +294,16 @@ std::uint64_t CollisionRing::instance_of(const RID &body) const {
 
 void CollisionRing::clear() {
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
-		fall_all(layer);
+		while (!layers_[layer].bodies.empty()) {
+			fall(layer, layers_[layer].bodies.begin()->first);
+		}
+		queue_.release_layer(layer);
 	}
 	for (const Pooled &body : pool_) {
 		PhysicsServer3D::get_singleton()->free_rid(body.rid);
 	}
 	queue_.forget_world();
+	offsets_before_.clear();
 	pool_.clear();
 	still_in_space_ = 0;
 	owners_.clear();

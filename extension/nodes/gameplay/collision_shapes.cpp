@@ -7,6 +7,7 @@
 #include <godot_cpp/variant/packed_vector3_array.hpp>
 
 #include <algorithm>
+#include <utility>
 
 using namespace godot;
 
@@ -106,6 +107,7 @@ CollisionShapes::Shape *CollisionShapes::take(const Key &key, const std::vector<
 	const auto [found, fresh] = shapes_.try_emplace(key);
 	if (fresh) {
 		found->second = make(key, corners);
+		found->second.key = &found->first;
 	} else {
 		// Fast path: one shape serves all bodies of its size.
 		idle_ -= found->second.users == 0 ? 1 : 0;
@@ -163,22 +165,30 @@ std::vector<CollisionShapes::Placed> CollisionShapes::take(
 
 void CollisionShapes::give_back(const std::vector<Placed> &shapes) {
 	for (const Placed &placed : shapes) {
-		idle_ += --placed.shape->users == 0 ? 1 : 0;
-	}
-	if (idle_ > max_idle) {
-		free_idle();
+		Shape *shape = placed.shape;
+		if (--shape->users > 0) {
+			continue;
+		}
+		++idle_;
+		if (!std::exchange(shape->listed, true)) {
+			idle_list_.push_back(shape);
+		}
 	}
 }
 
-void CollisionShapes::free_idle() {
-	std::erase_if(shapes_, [](const auto &entry) {
-		const bool idle = entry.second.users == 0;
-		if (idle) {
-			PhysicsServer3D::get_singleton()->free_rid(entry.second.rid);
+bool CollisionShapes::free_some() {
+	int looked = 0;
+	for (; looked < freed_at_once && idle_ > max_idle; ++looked) {
+		Shape *shape = idle_list_.front();
+		idle_list_.pop_front();
+		shape->listed = false;
+		if (shape->users == 0) {
+			PhysicsServer3D::get_singleton()->free_rid(shape->rid);
+			shapes_.erase(Key(*shape->key));
+			--idle_;
 		}
-		return idle;
-	});
-	idle_ = 0;
+	}
+	return looked > 0;
 }
 
 void CollisionShapes::clear() {
@@ -186,6 +196,7 @@ void CollisionShapes::clear() {
 		PhysicsServer3D::get_singleton()->free_rid(shape.rid);
 	}
 	shapes_.clear();
+	idle_list_.clear();
 	corners_.clear();
 	part_corners_.clear();
 	idle_ = 0;

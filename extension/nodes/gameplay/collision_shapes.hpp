@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -36,10 +37,15 @@ struct ShapeSource {
 /// while. Main thread only.
 class CollisionShapes {
 public:
-	/// Stays where it is as long as somebody uses it.
+	/// Kind, corners' number (0 for none), and three sizes: in meters, or the scale of the corners.
+	using Key = std::tuple<BodyPart::Kind, std::uint64_t, float, float, float>;
+
+	/// Stays where it is as long as it has users.
 	struct Shape {
 		godot::RID rid;
 		std::size_t users = 0;
+		const Key *key = nullptr;
+		bool listed = false; ///< In the list of idle ones; it may have users again.
 	};
 
 	/// A shape where it is in a body, whose axes are those of the instance, without its scale.
@@ -58,16 +64,18 @@ public:
 	std::vector<Placed> take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit);
 	void give_back(const std::vector<Placed> &shapes);
 
+	/// Frees a few of the shapes without users, as long as there are more than `max_idle`. False if there is nothing to free.
+	bool free_some();
+
 	/// Frees all: nobody may use one of them any more.
 	void clear();
 
 	/// The most shapes that are kept without being used.
 	static constexpr std::size_t max_idle = 256;
+	/// How many of the others `free_some` frees.
+	static constexpr int freed_at_once = 16;
 
 private:
-	/// Kind, corners' number (0 for none), and three sizes: in meters, or the scale of the corners.
-	using Key = std::tuple<BodyPart::Kind, std::uint64_t, float, float, float>;
-
 	/// The corners of a mesh's convex hull at scale 1.
 	struct Corners {
 		godot::AABB box; ///< Of the mesh they were taken from.
@@ -81,9 +89,9 @@ private:
 	static const Corners *usable(const Corners &corners);
 	Shape *take(const Key &key, const std::vector<glm::vec3> &corners);
 	void add_part(const BodyPart &part, const BodyFit &fit, std::vector<Placed> &r_shapes);
-	void free_idle();
 
 	std::map<Key, Shape> shapes_;
+	std::deque<Shape *> idle_list_; ///< Those without users, the longest idle first, and some that have users again.
 	std::map<std::uint64_t, Corners> corners_;               ///< By the mesh's object id.
 	std::vector<std::pair<BodyPart, Corners>> part_corners_; ///< Of convex parts of models.
 	std::uint64_t last_number_ = 0;

@@ -52,6 +52,14 @@ void ScatterGameplay::clear() {
 	scenes_.clear();
 }
 
+void ScatterGameplay::retire() {
+	backlog_.clear();
+	give_up_requests();
+	collision_.set_layers({});
+	world_.clear();
+	scenes_.set_layers({});
+}
+
 void ScatterGameplay::set_layers(
 		const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker) {
 	// The editor shows meshes only: a scene there would be one to select, and its scripts would run.

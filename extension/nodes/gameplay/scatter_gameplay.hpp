@@ -94,6 +94,9 @@ public:
 
 	/// Nothing stands any more: bodies and scenes go, tiles are forgotten, requests complete without an answer.
 	void clear();
+
+	/// The same for a node that goes on without layers or ground: bodies and scenes leave step by step, the nearest first.
+	void retire();
 	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker);
 	void set_world_offset(glm::dvec3 offset);
 	glm::dvec3 world_offset() const { return offset_; }
@@ -172,6 +175,9 @@ public:
 
 	/// What changes more instances than this at once is told, drawn and followed by scenes over the next frames.
 	static constexpr std::size_t most_at_once = 1024;
+
+	/// Of so many instances that a call removes or moves, bodies and scenes are gone when it returns.
+	static constexpr std::size_t most_dropped_at_once = 128;
 
 private:
 	using Area = std::variant<Rect, QueryRequests::Sphere>;

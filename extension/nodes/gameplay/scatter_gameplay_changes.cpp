@@ -12,7 +12,6 @@
 #include <glm/common.hpp>
 
 #include <map>
-#include <unordered_set>
 #include <utility>
 
 using namespace godot;
@@ -95,15 +94,13 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 	const InstanceState *state = state_.is_valid() ? &state_->state() : nullptr;
 	world_.set_state(state);
 	host_->set_overlay(state);
-	if (running_) {
+	if (running_ && size_of(before) + size_of(state_) > most_at_once) {
+		host_->redraw_all_later(); // Bodies and scenes follow step by step, too.
+	} else if (running_) {
 		for (NearRing *ring : rings_) {
 			ring->drop_if([this](std::uint64_t id) { return stands_no_longer(id); });
 		}
-		if (size_of(before) + size_of(state_) > most_at_once) {
-			host_->redraw_all_later();
-		} else {
-			host_->redraw_all();
-		}
+		host_->redraw_all();
 	}
 }
 
@@ -220,19 +217,18 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 		return;
 	}
 	if (changes->size() > most_at_once) {
-		const std::unordered_set<std::uint64_t> moved(changes->left.begin(), changes->left.end());
-		collision_.drop_if([this, &moved](std::uint64_t id) { return stands_no_longer(id) || moved.contains(id); });
-		if (!moved.empty()) {
-			scenes_.drop_if([&moved](std::uint64_t id) { return moved.contains(id); });
-		}
-		redraw_later(*changes);
+		redraw_later(*changes); // Bodies and scenes follow step by step, too.
 		return;
 	}
-	changes->for_each([this](const InstanceChange &change) {
+	std::size_t dropped = 0;
+	changes->for_each([this, &dropped](const InstanceChange &change) {
 		const std::int64_t index = layer_index_of(change.id);
 		if (index >= 0 && change.kind != InstanceChangeKind::data) {
 			const auto layer = static_cast<std::uint32_t>(index);
 			host_->redraw(layer, area_of(change.id, change.added.position, layer));
+			if (++dropped > most_dropped_at_once) {
+				return; // Bodies and scenes follow step by step, the nearest first.
+			}
 			for (NearRing *ring : rings_) {
 				ring->drop(change.id);
 			}

@@ -48,7 +48,6 @@ void ScatterState::tell(std::vector<InstanceChange> changes) {
 	if (!changes.empty()) {
 		const auto shared = std::make_shared<StateChanges>();
 		shared->list = std::move(changes);
-		shared->find_left();
 		follow({shared, nullptr});
 	}
 	tell_untold();

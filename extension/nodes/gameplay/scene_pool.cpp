@@ -52,20 +52,37 @@ void ScenePool::give(const Ref<PackedScene> &scene, Node3D *node) {
 	if (found->nodes.size() < max_idle) {
 		found->nodes.emplace_back(node);
 	} else {
-		dispose(NodeHandle(node));
+		discard(node);
 	}
 }
 
+void ScenePool::discard(Node3D *node) { discarded_.emplace_back(node); }
+
+void ScenePool::free_some() {
+	for (int freed = 0; freed < freed_per_frame && !discarded_.empty(); discarded_.pop_back()) {
+		if (waits(discarded_.back().get())) {
+			dispose(discarded_.back());
+			++freed;
+		}
+	}
+}
+
+void ScenePool::clear() {
+	keep_only({});
+	for (const NodeHandle &node : discarded_) {
+		if (waits(node.get())) {
+			dispose(node);
+		}
+	}
+	discarded_.clear();
+}
+
 void ScenePool::keep_only(std::span<const Ref<PackedScene>> scenes) {
-	std::erase_if(idle_, [scenes](const Idle &idle) {
+	std::erase_if(idle_, [this, scenes](const Idle &idle) {
 		if (std::find(scenes.begin(), scenes.end(), idle.scene) != scenes.end()) {
 			return false;
 		}
-		for (const NodeHandle &node : idle.nodes) {
-			if (waits(node.get())) {
-				dispose(node);
-			}
-		}
+		discarded_.insert(discarded_.end(), idle.nodes.begin(), idle.nodes.end());
 		return true;
 	});
 }

@@ -38,15 +38,25 @@ public:
 	/// no Node3D. Making one runs scripts.
 	godot::Node3D *take(const godot::Ref<godot::PackedScene> &scene);
 
-	/// Takes an instance of the scene in, out of the tree by now; frees it where there are `max_idle` of that scene already.
+	/// Takes an instance of the scene in, out of the tree by now; discards it where there are `max_idle` of that scene already.
 	void give(const godot::Ref<godot::PackedScene> &scene, godot::Node3D *node);
+
+	/// Takes a node in that is never used again; `free_some` frees it.
+	void discard(godot::Node3D *node);
+
+	/// Frees at most `freed_per_frame` discarded nodes. To be called once a frame: the engine frees them at its end, when no clock of ours
+	/// runs.
+	void free_some();
+	static constexpr int freed_per_frame = 4;
 
 	/// Frees a node at the end of the frame, not at once: a script of it may be on the stack.
 	static void dispose(const NodeHandle &handle);
 
-	/// Frees the instances of all other scenes.
+	/// Discards the instances of all other scenes.
 	void keep_only(std::span<const godot::Ref<godot::PackedScene>> scenes);
-	void clear() { keep_only({}); }
+
+	/// Frees all nodes at the end of this frame.
+	void clear();
 
 	/// Instances that wait, of all scenes. Those that a script has freed count until they are met.
 	std::size_t idle_count() const;
@@ -61,6 +71,7 @@ private:
 	};
 
 	std::vector<Idle> idle_; ///< As many as there are scenes: a few.
+	std::vector<NodeHandle> discarded_;
 };
 
 } // namespace thicket

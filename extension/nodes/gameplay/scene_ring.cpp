@@ -23,19 +23,20 @@ void SceneRing::set_layers(std::vector<SceneLayer> layers) {
 	pool_->keep_only(scenes);
 	layers_.resize(std::max(layers_.size(), layers.size())); // A layer that is gone has to let go of its scenes.
 	layers.resize(layers_.size());
+	std::vector<std::uint32_t> changed;
 	for (std::uint32_t index = 0; index < layers.size(); ++index) {
 		Layer &layer = layers_[index];
 		const bool same_scene = layer.is.scene == layers[index].scene;
 		layer.refused = layer.refused && same_scene;
 		layer.is = std::move(layers[index]);
-	}
-	outdated_.clear();
-	for (const auto &[key, shown] : shown_) {
-		if (!(shown.scene == layers_[key.layer].is.scene)) {
-			outdated_.push_back(key);
+		if (!same_scene) {
+			changed.push_back(index);
 		}
 	}
 	update_distances();
+	for (const std::uint32_t index : changed) {
+		queue_.renew(index);
+	}
 }
 
 void SceneRing::update_distances() {
@@ -47,27 +48,31 @@ void SceneRing::update_distances() {
 }
 
 void SceneRing::look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
-	if (centers.empty()) {
-		return;
-	}
-	queue_.look_around(centers, world);
-	// On the spot: it would be odd to see its mesh in between.
-	for (PlacedInstance changed; queue_.next_changed(changed);) {
-		move(changed);
+	pool_->free_some();
+	if (!centers.empty()) {
+		queue_.look_around(centers, world);
 	}
 }
 
 bool SceneRing::step() {
-	if (outdated_step()) {
+	if (!leaving_.empty()) {
+		put_last_back();
 		return true;
 	}
 	// What leaves goes first: what comes can use its scene.
+	if (leave_outdated() || leave_gone()) {
+		return true;
+	}
+	PlacedInstance instance;
+	if (queue_.next_changed(instance)) {
+		move(instance); // Its mesh is not seen in between.
+		return true;
+	}
 	for (Leaving leaving; queue_.next_leaving(leaving);) {
-		if (leave({leaving.id, leaving.layer})) {
+		if (leave(leaving)) {
 			return true;
 		}
 	}
-	PlacedInstance instance;
 	const bool entering = queue_.next_entering(instance);
 	if (entering) {
 		enter(instance);
@@ -76,10 +81,9 @@ bool SceneRing::step() {
 }
 
 /// Lets go of a scene that its layer does not have any more; the next look may bring the layer's new one.
-bool SceneRing::outdated_step() {
-	while (!outdated_.empty()) {
-		const Key key = outdated_.back();
-		outdated_.pop_back();
+bool SceneRing::leave_outdated() {
+	for (PlacedInstance instance; queue_.next_due(instance);) {
+		const Key key{instance.id, instance.layer};
 		const auto found = shown_.find(key);
 		if (found != shown_.end() && !(found->second.scene == layers_[key.layer].is.scene)) {
 			queue_.release(key.layer, key.id);
@@ -87,6 +91,22 @@ bool SceneRing::outdated_step() {
 		}
 	}
 	return false;
+}
+
+bool SceneRing::leave_gone() {
+	for (Leaving leaving; queue_.next_gone(leaving);) {
+		if (leave(leaving)) {
+			return true;
+		}
+	}
+	return false;
+}
+
+/// An instance that was found in a different cell of the queue since has a scene there, and keeps it.
+bool SceneRing::leave(const Leaving &leaving) {
+	const auto found = shown_.find({leaving.id, leaving.layer});
+	return found != shown_.end() && found->second.instance.position == leaving.position &&
+			leave(Key{leaving.id, leaving.layer});
 }
 
 /// False if no scene stands there. Runs scripts.
@@ -103,6 +123,10 @@ bool SceneRing::leave(const Key &key) {
 
 /// Runs scripts, which may free the node, drop the instance or change the layers.
 void SceneRing::enter(const PlacedInstance &instance) {
+	if (shown_.contains({instance.id, instance.layer})) {
+		move(instance);
+		return;
+	}
 	const godot::Ref<godot::PackedScene> scene = layers_[instance.layer].is.scene;
 	const std::weak_ptr<const void> alive = life_;
 	const std::uint64_t epoch = epoch_;

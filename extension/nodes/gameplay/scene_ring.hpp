@@ -57,7 +57,7 @@ public:
 	explicit SceneRing(SceneHost host);
 	~SceneRing() override = default;
 
-	/// The layers by their indices. Scenes of another PackedScene than their layer has now leave.
+	/// The layers by their indices. Scenes of a PackedScene that is not the one of their layer leave step by step, nearest first.
 	void set_layers(std::vector<SceneLayer> layers);
 
 	/// The node is gone, and all its children with it: nothing of it is touched from now on.
@@ -66,14 +66,15 @@ public:
 	/// Without anybody to be near to, what stands stays: a camera may be gone for a frame.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
 	bool step() override;
-	bool settled() const override { return outdated_.empty() && queue_.settled(); }
+	bool settled() const override { return leaving_.empty() && queue_.settled(); }
 	void drop(std::uint64_t id) override;
 	void drop_if(const std::function<bool(std::uint64_t id)> &gone) override;
 	void set_world_offset(glm::dvec3 offset) override;
 	void clear() override;
 
-	/// Takes the scenes of dropped instances out of the tree.
+	/// Takes scenes of dropped instances out of the tree, at most `recycled_at_once`; `step` takes the rest.
 	void recycle();
+	static constexpr int recycled_at_once = 128;
 
 	/// A child of the node has come or gone: looks for scenes that scripts have taken away.
 	void children_changed();
@@ -114,7 +115,9 @@ private:
 	void update_distances();
 	void move(const PlacedInstance &instance);
 	bool leave(const Key &key);
-	bool outdated_step();
+	bool leave(const Leaving &leaving);
+	bool leave_gone();
+	bool leave_outdated();
 	void enter(const PlacedInstance &instance);
 
 	bool ours(const Shown &shown) const;
@@ -132,7 +135,6 @@ private:
 	std::vector<Layer>
 			layers_; ///< What the queue holds without an entry in shown_ is to have no scene until it was out of range.
 	std::map<Key, Shown> shown_;
-	std::vector<Key> outdated_;  ///< Those that show another scene than their layer has.
 	std::vector<Shown> leaving_; ///< Still in the tree, for those who want to take them.
 	std::uint64_t epoch_ = 0;    ///< Rises with each `clear`.
 	glm::dvec3 offset_{0.0};

@@ -142,18 +142,19 @@ void SceneRing::put_last_back() {
 	left->set_as_top_level(shown.top_level);
 	const bool wanted =
 			std::ranges::any_of(layers_, [&shown](const Layer &layer) { return layer.is.scene == shown.scene; });
-	if (!wanted || left->get_parent() == host_.parent) {
-		ScenePool::dispose(
-				shown.node); // The last: the tree was busy, and what cannot be taken out cannot be used again.
-	} else {
+	if (left->get_parent() == host_.parent) {
+		ScenePool::dispose(shown.node); // The tree was busy, and what cannot be taken out cannot be used again.
+	} else if (wanted) {
 		pool_->give(shown.scene, left);
+	} else {
+		pool_->discard(left);
 	}
 }
 
 void SceneRing::recycle() {
 	recycle_due_ = false;
 	const std::weak_ptr<const void> alive = life_;
-	while (!alive.expired() && !leaving_.empty()) {
+	for (int count = 0; count < recycled_at_once && !alive.expired() && !leaving_.empty(); ++count) {
 		put_last_back();
 	}
 }
@@ -239,7 +240,6 @@ void SceneRing::set_world_offset(glm::dvec3 offset) {
 
 void SceneRing::clear() {
 	++epoch_;
-	outdated_.clear();
 	queue_.forget_world();
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
 		queue_.release_layer(layer);

@@ -313,27 +313,36 @@ void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	}
 }
 
-void ScatterStream::stop() {
-	for (const std::shared_ptr<TileJob> &job : jobs_) {
-		job->cancelled = true;
+/// Ends all jobs, and tells that all tiles are hidden.
+void ScatterStream::forget_work() {
+	while (!jobs_.empty()) {
+		cancel(jobs_.front()->request.ticket);
 	}
 	workers_.stop();
-	jobs_.clear();
 	ask_ground_.clear();
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
 		for (const glm::ivec2 &tile : display_.tiles(layer)) {
 			events_.push_back({false, layer, tile});
 		}
 	}
-	for (NearRing *ring : rings_) {
-		ring->clear();
-	}
 	uploads_.clear();
 	recheck_.clear();
-	display_.clear();
 	streamer_.clear();
 	world_.clear();
 	figures_ = {};
+}
+
+void ScatterStream::stop() {
+	forget_work();
+	for (NearRing *ring : rings_) {
+		ring->clear();
+	}
+	display_.clear();
+}
+
+void ScatterStream::retire() {
+	forget_work();
+	display_.retire();
 }
 
 std::vector<TileEvent> ScatterStream::take_events() { return std::exchange(events_, {}); }

@@ -66,6 +66,12 @@ public:
 	/// Waits for the workers and clears the display. The stream may go on afterwards, from nothing.
 	void stop();
 
+	/// The same, but what is shown goes step by step, by `dissolve_until`.
+	void retire();
+
+	/// Lets bodies leave and frees what is shown no longer until `deadline`, at least one step.
+	void dissolve_until(std::chrono::steady_clock::time_point deadline);
+
 	/// The tiles that were shown and hidden since the last call, in order. A tile that was made anew is shown again without having
 	/// been hidden.
 	std::vector<TileEvent> take_events();
@@ -130,6 +136,7 @@ private:
 	void settle_unseen(const std::shared_ptr<TileJob> &job);
 	bool ring_step();
 	void cancel(std::uint64_t ticket);
+	void forget_work();
 	void take_finished();
 	void settle(const std::shared_ptr<TileJob> &job);
 	std::size_t ground_step(std::size_t most);

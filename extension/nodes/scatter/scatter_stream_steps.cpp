@@ -127,6 +127,15 @@ bool ScatterStream::ring_step() {
 	return moved;
 }
 
+void ScatterStream::dissolve_until(Clock::time_point deadline) {
+	bool left = true;
+	while (left) {
+		left = ring_step();
+		left = display_.free_step() || left;
+		left = left && Clock::now() < deadline;
+	}
+}
+
 bool ScatterStream::may_divide() const {
 	return display_.has_divisions() && (uploads_.size() == 0 || uploads_since_divide_ >= uploads_before_divide);
 }

@@ -135,8 +135,11 @@ void TerrainScatter3D::process_frame() {
 		refresh();
 	}
 	stream->times().spent_on(FramePart::follow);
-	if (here && terrain_.is_valid() && !layer_list_.snapshots().empty()) {
+	const bool stands = terrain_.is_valid() && !layer_list_.snapshots().empty();
+	if (here && stands) {
 		work(start);
+	} else if (here) {
+		dissolve(start);
 	}
 	if (here) {
 		frame_time_ = Clock::now() - start;
@@ -183,6 +186,25 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	}
 }
 
+/// Without layers or ground: what stood goes, under the same budget.
+void TerrainScatter3D::dissolve(Clock::time_point start) {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const std::shared_ptr<ScatterStream> stream = stream_;
+	if (gameplay->settled() && stream->display().leaving_count() == 0) {
+		return;
+	}
+	const Presence here(gameplay);
+	const Clock::time_point deadline = start + std::chrono::microseconds(frame_budget_usec_);
+	if (!in_editor()) {
+		const std::vector<Viewer> viewers = find_viewers(*this, viewers_, world_offset_);
+		gameplay->look_around(near_centers(viewers));
+	}
+	stream->dissolve_until(deadline);
+	if (here) {
+		gameplay->work_until(deadline);
+	}
+}
+
 void TerrainScatter3D::patch_in_steps(Clock::time_point deadline) {
 	while (display().patch_step() && Clock::now() < deadline) {}
 }
@@ -222,8 +244,8 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 bool TerrainScatter3D::is_settled() const {
 	const bool behind = (terrain_.is_valid() && terrain_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
 	return !dirty_ && ground_change_.empty() && !behind && !layer_watch_->differs(all_layers()) &&
-			(layer_list_.snapshots().empty() ||
-					(stream_->idle() && !display().has_patches() && gameplay_->settled() && follows()));
+			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && follows())) &&
+			gameplay_->settled();
 }
 
 /// Whether the next frame would find the viewers where the last one did, and the limits of drawing as they were.
@@ -291,8 +313,8 @@ void TerrainScatter3D::refresh() {
 	}
 	if (!grounded || all_layers().is_empty()) {
 		layer_list_.clear();
-		gameplay->clear();
-		stream->stop();
+		gameplay->retire();
+		stream->retire();
 		return;
 	}
 	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(), ground_change);

@@ -286,6 +286,7 @@ private:
 	void notice_transform();
 	void process_frame();
 	void work(std::chrono::steady_clock::time_point start);
+	void dissolve(std::chrono::steady_clock::time_point start);
 	void patch_in_steps(std::chrono::steady_clock::time_point deadline);
 	void emit_events();
 	Status prepare();

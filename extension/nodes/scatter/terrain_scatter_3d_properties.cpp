@@ -284,6 +284,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["instance_bytes"] = number(display().instance_bytes());
 	stats["drawn"] = number(display().drawn_count());
 	stats["multimeshes"] = number(display().multimesh_count());
+	stats["multimeshes_leaving"] = number(display().leaving_count());
 	stats["uploads"] = number(display().upload_count());
 	stats["redrawn"] = number(display().redrawn_count());
 	stats["lod_looks"] = number(display().lod_look_count());

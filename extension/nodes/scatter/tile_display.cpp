@@ -168,7 +168,9 @@ void TileDisplay::show(TileUpload upload) {
 	if (division_ && division_->key == key) {
 		cancel_division();
 	}
-	// The old visuals go now: for as long as both were visible, each instance would be drawn twice.
+	// The old visuals are hidden now: for as long as both were visible, each instance would be drawn twice.
+	tile.set_visible(false);
+	leave(std::move(tile));
 	tile = std::move(upload.tile);
 	note_division(order(key), tile);
 	if (upload.overlay_version != overlay_version_) {
@@ -233,6 +235,18 @@ bool TileDisplay::free_step() {
 	leaving_.pop_back();
 	leaving_hidden_ = leaving_.size();
 	return true;
+}
+
+void TileDisplay::retire() {
+	cancel_division();
+	for (auto &[key, tile] : tiles_) {
+		leave(std::move(tile));
+	}
+	std::vector<TileVisual> leaving = std::exchange(leaving_, {});
+	const std::size_t hidden = leaving_hidden_;
+	clear();
+	leaving_ = std::move(leaving);
+	leaving_hidden_ = hidden;
 }
 
 void TileDisplay::clear() {

@@ -116,6 +116,12 @@ public:
 	bool drop(const TileKey &key);
 	bool free_step();
 
+	/// Takes all tiles away. What they hold is hidden and then freed step by step, by `free_step`.
+	void retire();
+
+	/// Visuals that wait to be freed.
+	std::size_t leaving_count() const { return leaving_.size(); }
+
 	/// Frees everything now.
 	void clear();
 

@@ -1,0 +1,44 @@
+// Follows a NearQueue as a ring of bodies does, and checks that each thing comes and goes once.
+
+#pragma once
+
+#include "core/near/near_queue.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstdint>
+#include <set>
+
+namespace thicket::test {
+
+inline constexpr double distance = 20.0;
+
+/// Keeps the ids of what is near.
+struct Follower {
+	NearQueue queue;
+	std::set<std::uint64_t> held;
+
+	Follower() { queue.set_distances(std::array{distance}); }
+
+	void look(glm::dvec3 center, const InstanceWorld &world) { queue.look_around(std::array{center}, world); }
+
+	/// How many have come and gone.
+	int follow() {
+		int steps = 0;
+		for (Leaving leaving; queue.next_leaving(leaving); ++steps) {
+			CHECK(held.erase(leaving.id) == 1);
+		}
+		for (PlacedInstance instance; queue.next_changed(instance); ++steps) {
+			CHECK(held.contains(instance.id));
+		}
+		for (PlacedInstance instance; queue.next_entering(instance); ++steps) {
+			CHECK(held.insert(instance.id).second);
+		}
+		return steps;
+	}
+};
+
+} // namespace thicket::test

@@ -1,0 +1,90 @@
+#include "flat_world.hpp"
+#include "near_follower.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+TEST_CASE("near queue: what is due comes once each, the nearest first, whatever moves meanwhile") {
+	FlatWorld flat;
+	flat.load(3);
+	Follower follower;
+	const glm::dvec3 center{3.0, 0.0, -2.0};
+	follower.look(center, flat.world);
+	follower.follow();
+	const auto take_due = [&](std::size_t most, double &r_last) {
+		std::set<std::uint64_t> due;
+		PlacedInstance instance;
+		while (due.size() < most && follower.queue.next_due(instance)) {
+			const double away = glm::distance(instance.position, center);
+			CHECK(away >= r_last - 0.9); // The center moves by 0.4 m meanwhile.
+			r_last = away;
+			CHECK(due.insert(instance.id).second);
+			CHECK(follower.held.contains(instance.id));
+		}
+		return due;
+	};
+	double last = 0.0;
+	CHECK(take_due(1000, last).empty());
+	CHECK(follower.queue.settled());
+	follower.queue.renew(0);
+	CHECK_FALSE(follower.queue.settled());
+	std::set<std::uint64_t> due = take_due(60, last);
+	CHECK(due.size() == 60);
+	follower.look(center + glm::dvec3(0.4, 0.0, 0.0), flat.world);
+	follower.follow();
+	due.merge(take_due(10000, last));
+	CHECK(due == follower.held);
+	CHECK(follower.queue.settled());
+
+	// A different distance divides the cells: all that is held comes, though some of it a second time.
+	follower.queue.renew(0);
+	last = 0.0;
+	due = take_due(60, last);
+	follower.queue.set_distances(std::array{60.0});
+	last = 0.0;
+	const std::set<std::uint64_t> rest = take_due(10000, last);
+	CHECK(rest == follower.held);
+
+	// What has left by then is no longer due.
+	follower.look(center, flat.world);
+	follower.follow();
+	follower.queue.renew(0);
+	follower.queue.release_layer(0);
+	CHECK(take_due(10000, last).empty());
+}
+
+TEST_CASE("near queue: finds the nearest of what is held around positions") {
+	FlatWorld flat;
+	flat.load(3);
+	Follower follower;
+	follower.look({}, flat.world);
+	follower.follow();
+	const std::array<glm::dvec3, 2> positions{glm::dvec3{4.0, 0.0, 4.0}, glm::dvec3{-15.0, 0.0, 0.0}};
+	std::set<std::uint64_t> expected = flat.within(positions[0], 6.0);
+	expected.merge(flat.within(positions[1], 6.0));
+	const std::vector<PlacedInstance> found = follower.queue.held_within(positions, 6.0, 1000);
+	std::set<std::uint64_t> ids;
+	double last = 0.0;
+	for (const PlacedInstance &instance : found) {
+		const double away = std::min(
+				glm::distance(instance.position, positions[0]), glm::distance(instance.position, positions[1]));
+		CHECK(away >= last);
+		last = away;
+		ids.insert(instance.id);
+	}
+	CHECK(ids == expected);
+	CHECK(found.size() == expected.size());
+	const std::vector<PlacedInstance> first = follower.queue.held_within(positions, 6.0, 10);
+	REQUIRE(first.size() == 10);
+	CHECK(first[9].id == found[9].id);
+	CHECK(follower.queue.held_within({}, 1e6, 10).empty());
+}
