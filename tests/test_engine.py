@@ -264,6 +264,13 @@ def test_cross_fade(godot_xvfb, project, renderer):
     assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=240))
 
 
+@pytest.mark.parametrize("renderer", RENDERERS)
+def test_high_cameras(godot_xvfb, project, renderer):
+    """What is in view is seen from high up, by orthogonal cameras, and by cameras that are no viewers."""
+    script = ENGINE / "test_high_cameras.gd"
+    assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=240))
+
+
 FOLIAGE_SCENE = """[gd_scene format=3]
 
 [ext_resource type="Script" path="res://addons/thicket/shaders/foliage_world.gd" id="1"]

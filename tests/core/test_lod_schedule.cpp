@@ -72,12 +72,41 @@ TEST_CASE("lod schedule: a tile has one visit to come, however often it is sched
 	CHECK(schedule.settled());
 }
 
-TEST_CASE("lod schedule: distances count from the nearest viewer, in three dimensions") {
+TEST_CASE("lod schedule: distances count from the nearest viewer, in three dimensions up to the height limit") {
 	LodSchedule schedule;
-	CHECK(schedule.distance_to(glm::dvec3(0.0), glm::dvec3(1.0)) == std::numeric_limits<double>::infinity());
+	Sight sight;
+	const auto near = [&](glm::dvec3 min, glm::dvec3 max) {
+		return schedule.distances_to(min, max, sight).near;
+	};
+	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == std::numeric_limits<double>::infinity());
 	schedule.move(std::vector<Viewer>{{{-3.0, 0.5}, 1.0, 5.0}, {{100.0, 100.0}, 1.0, 0.5}});
-	CHECK(schedule.distance_to(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(5.0));
-	CHECK(schedule.distance_to(glm::dvec3(99.0, 0.0, 99.0), glm::dvec3(101.0, 1.0, 101.0)) == 0.0);
+	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(5.0));
+	CHECK(near(glm::dvec3(99.0, 0.0, 99.0), glm::dvec3(101.0, 1.0, 101.0)) == 0.0);
+	sight = {5.0, 0.2};
+	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(4.0)); // Where the fade-out begins.
+	sight = {2.0, 0.2};
+	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(3.0)); // On the map.
+}
+
+TEST_CASE("lod schedule: no height hides what the view reaches on the map, and each viewer sees as far as its scale "
+          "says") {
+	const Sight sight{100.0, 0.2};
+	for (const double scale : {0.1, 0.5, 1.0, 3.0}) {
+		for (const double height : {0.0, 60.0, 90.0, 300.0, 1e6}) {
+			LodSchedule schedule;
+			schedule.move(std::vector<Viewer>{{{0.0, 0.0}, scale, height}});
+			for (const double across : {0.0, 5.0, 40.0, 79.0, 99.0, 250.0, 299.0}) {
+				const glm::dvec3 at(across, 0.0, 0.0);
+				const DistanceRange distance = schedule.distances_to(at, at, sight);
+				const bool in_view = across <= 100.0 * scale;
+				INFO("scale ", scale, ", height ", height, ", across ", across);
+				CHECK((distance.sight <= 100.0) == in_view);
+				if (across <= 100.0 * (scale - 0.2)) {
+					CHECK(distance.sight <= 80.0 + 1e-9); // The fade-out has not begun.
+				}
+			}
+		}
+	}
 }
 
 TEST_CASE("lod schedule: with the margins of LOD no change is ever missed, and few looks are taken") {
@@ -100,7 +129,7 @@ TEST_CASE("lod schedule: with the margins of LOD no change is ever missed, and f
 		return glm::dvec3(x * 32.0, 0.0, 0.0);
 	};
 	const auto distance = [&](int x) {
-		return schedule.distance_to(box_min(x), box_min(x) + glm::dvec3(32.0, 10.0, 32.0));
+		return schedule.distances_to(box_min(x), box_min(x) + glm::dvec3(32.0, 10.0, 32.0), settings.sight()).near;
 	};
 	for (int x = -20; x < 20; ++x) {
 		tiles[x] = {};

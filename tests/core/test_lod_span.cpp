@@ -26,10 +26,13 @@ LodSettings settings_of(std::vector<double> distances, double fade, double sight
 
 /// How much of an instance a mesh draws, as scatter_fade_shares has it: what has come, less what has gone.
 double share_of(const FadeRange &range, double away) {
-	const auto part = [away](double begin, double end) {
-		return std::clamp((away - begin) / std::max(end - begin, 1e-4), 0.0, 1.0);
+	if (range.z == 0.0F) {
+		return 1.0;
+	}
+	const auto part = [away, &range](double end) {
+		return std::clamp((away - end) / std::max(end * range.z, 1e-4) + 1.0, 0.0, 1.0);
 	};
-	return part(range.x, range.y) - part(range.z, range.w);
+	return part(range.x) - part(std::abs(range.y));
 }
 
 /// All meshes together, of an instance in a box that is drawn so.

@@ -152,27 +152,28 @@ func test_nothing_pops_and_without_a_fade_it_would() -> void:
 	check(sharp > 2.5 * MOST_CHANGE, "without a fade a block changes by %.2f" % sharp)
 
 
+## The camera goes away on the map, and another one, which is no viewer, takes the pictures: what fades does so by the viewer's distance.
 func test_it_ends_softly_where_sight_ends() -> void:
 	stage()
+	var viewer := make_viewer()
 	camera.rotation_degrees.x = -90.0
 	camera.position = Vector3(0.0, 70.0, 0.0)
 	var layer := make_wood([plane(material(0.5), 4.0)], [])
 	layer.view_distance = 90.0
 	layer.lod_fade = 0.5
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
-	await settle(scatter)
-	var below := (await picture()).get_region(Rect2i(70, 50, 20, 20))
-	camera.position.y = 84.0
-	await settle(scatter)
-	var fading := (await picture()).get_region(Rect2i(70, 50, 20, 20))
-	camera.position.y = 88.0
-	await settle(scatter)
-	var nearly_gone := (await picture()).get_region(Rect2i(70, 50, 20, 20))
-	var lit := func(image: Image) -> int: return image.get_data().size() - image.get_data().count(0)
-	check(lit.call(below) > 60, "%d pixels near by" % lit.call(below))
-	check(lit.call(fading) < 0.6 * lit.call(below), "%d of %d pixels close to the end" % [lit.call(fading), lit.call(below)])
-	check(lit.call(nearly_gone) < 0.4 * lit.call(below), "%d pixels at the end" % lit.call(nearly_gone))
-	check(lit.call(fading) > lit.call(nearly_gone), "they go bit by bit")
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var lit := {}
+	for away: float in [0.0, 60.0, 80.0, 88.0, 110.0]:
+		viewer.position.x = away
+		await settle(scatter)
+		var seen := (await picture()).get_region(Rect2i(75, 40, 10, 40))
+		lit[away] = seen.get_data().size() - seen.get_data().count(0)
+	check(lit[0.0] > 60, "%d pixels near by" % lit[0.0])
+	check(lit[60.0] < 0.8 * lit[0.0], "they go bit by bit: %s" % lit)
+	check(lit[80.0] < 0.5 * lit[0.0] and lit[80.0] < lit[60.0], "they go bit by bit: %s" % lit)
+	check(lit[88.0] < 0.25 * lit[0.0] and lit[88.0] < lit[80.0], "nearly gone: %s" % lit)
+	check(lit[60.0] > 0 and lit[80.0] > 0, "not at once: %s" % lit)
+	check_equal(lit[110.0], 0, "pixels beyond the end")
 
 
 ## Two LODs take a second multimesh where both are drawn, and nowhere else. A material that cannot fade takes none.

@@ -103,8 +103,8 @@ func test_two_levels_cover_each_pixel_once() -> void:
 	look()
 	var near := pane(material({}))
 	var far := pane(material({}))
-	near.mesh = faded(near.mesh, Vector4(-2.0, -1.0, 8.0, 13.0))
-	far.mesh = faded(far.mesh, Vector4(8.0, 13.0, 1e9, 2e9))
+	near.mesh = faded(near.mesh, Vector4(0.0, 13.0, 5.0 / 13.0, 1e9))
+	far.mesh = faded(far.mesh, Vector4(13.0, 1e9, 5.0 / 13.0, 1e9))
 	far.visible = false
 	near.visible = true
 	for away: float in [7.0, 8.5, 10.0, 11.25, 12.7, 14.0]:
@@ -214,7 +214,7 @@ func test_shadows_are_there_while_it_fades() -> void:
 	root.add_child(sun)
 	var plant := pane(material({}))
 	var plain := plant.mesh
-	plant.mesh = faded(plain, Vector4(-2.0, -1.0, 11.0, 13.0))
+	plant.mesh = faded(plain, Vector4(0.0, 13.0, 2.0 / 13.0, 1e9))
 	plant.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_SHADOWS_ONLY
 	var dark := func(image: Image) -> int:
 		var open := image.get_pixel(4, 64).get_luminance()
@@ -227,7 +227,7 @@ func test_shadows_are_there_while_it_fades() -> void:
 	sun.shadow_enabled = true
 	var shadow: int = dark.call(await picture())
 	check(shadow > 300, "a shadow of %d pixels, though the light is far away" % shadow)
-	plant.mesh = faded(plain, Vector4(-2.0, -1.0, 5.0, 6.0))
+	plant.mesh = faded(plain, Vector4(0.0, 6.0, 1.0 / 6.0, 1e9))
 	check_equal(dark.call(await picture()), 0, "dark pixels of what is out of sight")
 
 

@@ -120,7 +120,7 @@ func test_meshes_and_thinning_follow_the_distance() -> void:
 
 func test_a_mesh_changes_back_a_little_nearer() -> void:
 	var layer := make_layer(2.0)
-	layer.view_distance = 1.0
+	layer.view_distance = 120.0 # Height counts up to where the fade-out begins.
 	layer.lod_meshes = [BoxMesh.new()]
 	layer.lod_distances = PackedFloat32Array([100.0])
 	var viewer := make_viewer(Vector3(16.0, 0.0, 16.0))

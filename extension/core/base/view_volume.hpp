@@ -8,10 +8,15 @@
 
 namespace thicket {
 
-/// How near and how far a box is from the viewer that is nearest to it. Meters.
+/// How near and how far a box is from the viewer that is nearest to it, as sight_distance measures. Meters.
 struct DistanceRange {
 	double near = 0.0;
 	double far = 0.0;
+	double sight = 0.0; ///< As `far`, for the end of sight: less what a viewer sees farther than others.
+
+	DistanceRange() = default;
+	DistanceRange(double its_near, double its_far) : DistanceRange(its_near, its_far, its_far) {}
+	DistanceRange(double its_near, double its_far, double its_sight) : near(its_near), far(its_far), sight(its_sight) {}
 };
 
 /// What a camera sees: the space between six planes. World meters.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/sight.hpp"
 #include "core/base/status.hpp"
 
 #include <cstddef>
@@ -19,7 +20,7 @@ inline constexpr double lod_hysteresis =
 		0.95; ///< A finer mesh comes back at this share of the distance at which it went.
 
 /// How a layer's tiles and their cells are drawn with distance. Distances are meters from a viewer to the box of what is drawn
-/// as one, 0 inside it.
+/// as one, as sight_distance measures, 0 inside it.
 struct LodSettings {
 	/// Where the next coarser mesh begins, ascending, 0 to max_lod_distance; at most max_lods.
 	std::vector<double> lod_distances;
@@ -36,6 +37,8 @@ struct LodSettings {
 	/// The share of a distance, up to it, over which a mesh becomes the next one, or the last one goes at `sight_end`; 0 for at once.
 	double fade = usual_lod_fade;
 	double sight_end = 0.0; ///< Where nothing is drawn any more. Meters; 0 for nowhere.
+
+	Sight sight() const { return {sight_end, fade}; }
 
 	friend bool operator==(const LodSettings &, const LodSettings &) = default;
 };

@@ -55,7 +55,7 @@ LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, co
 	}
 	span.ends = settings.fade > 0.0 && settings.sight_end > 0.0 && !steps.empty() &&
 			steps[std::min(span.last, steps.size() - 1)].fades &&
-			distance.far > settings.sight_end * (1.0 - settings.fade) * (shown.ends ? coarser_goes : coarser_comes);
+			distance.sight > settings.sight_end * (1.0 - settings.fade) * (shown.ends ? coarser_goes : coarser_comes);
 	return span;
 }
 
@@ -78,24 +78,26 @@ double span_margin(const LodSettings &settings, std::span<const LodStep> steps, 
 		}
 	}
 	if (settings.fade > 0.0 && settings.sight_end > 0.0 && std::ranges::any_of(steps, &LodStep::fades)) {
-		keep_from(distance.far, settings.sight_end * (1.0 - settings.fade) * coarser_comes);
-		keep_from(distance.far, settings.sight_end * (1.0 - settings.fade) * coarser_goes);
+		keep_from(distance.sight, settings.sight_end * (1.0 - settings.fade) * coarser_comes);
+		keep_from(distance.sight, settings.sight_end * (1.0 - settings.fade) * coarser_goes);
 	}
 	return margin;
 }
 
 FadeRange fade_range(const LodSettings &settings, std::size_t first, std::size_t last, bool comes, LodEnd end) {
 	FadeRange range = no_fade;
-	const double before = 1.0 - settings.fade;
 	if (comes && first > 0 && first <= settings.lod_distances.size()) {
-		const double begin = settings.lod_distances[first - 1];
-		range.x = static_cast<float>(begin * before);
-		range.y = static_cast<float>(begin);
+		range.x = static_cast<float>(settings.lod_distances[first - 1]);
 	}
-	if (end == LodEnd::sight || (end == LodEnd::next && last < settings.lod_distances.size())) {
-		const double distance = end == LodEnd::sight ? settings.sight_end : settings.lod_distances[last];
-		range.z = static_cast<float>(distance * before);
-		range.w = static_cast<float>(distance);
+	if (end == LodEnd::sight) {
+		range.y = static_cast<float>(-settings.sight_end);
+	} else if (end == LodEnd::next && last < settings.lod_distances.size()) {
+		range.y = static_cast<float>(settings.lod_distances[last]);
+	}
+	if (range != no_fade) {
+		constexpr double farthest = 1e9;
+		range.z = static_cast<float>(settings.fade);
+		range.w = static_cast<float>(std::min(settings.sight().height_limit(1.0), farthest));
 	}
 	return range;
 }

@@ -38,8 +38,8 @@ LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, co
 /// How much the distances may change before lod_span is to be asked again. Meters, 0 or more, infinite where nothing changes.
 double span_margin(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance);
 
-/// Where a mesh comes and goes, as scatter_fade.gdshaderinc takes it: meters from the camera at which its fade-in begins and ends, and its fade-out
-/// begins and ends.
+/// Where a mesh comes and goes, as scatter_fade.gdshaderinc takes it: meters from a viewer at which its fade-in ends, and its fade-out, which is
+/// negative for the end of sight; the share of either distance, up to it, over which it fades; and the height limit of sight_distance.
 using FadeRange = glm::vec4;
 
 /// How a mesh goes with distance.
@@ -49,6 +49,6 @@ enum class LodEnd : std::uint8_t { stays, next, sight };
 FadeRange fade_range(const LodSettings &settings, std::size_t first, std::size_t last, bool comes, LodEnd end);
 
 /// Of a mesh that neither comes nor goes.
-inline constexpr FadeRange no_fade{-2.0F, -1.0F, 1e9F, 2e9F};
+inline constexpr FadeRange no_fade{0.0F, 1e9F, 0.0F, 0.0F};
 
 } // namespace thicket

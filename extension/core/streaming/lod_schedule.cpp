@@ -76,17 +76,23 @@ std::optional<TileKey> LodSchedule::next() {
 	return key;
 }
 
-DistanceRange LodSchedule::distances_to(glm::dvec3 min, glm::dvec3 max) const {
+DistanceRange LodSchedule::distances_to(glm::dvec3 min, glm::dvec3 max, const Sight &sight) const {
 	constexpr double nowhere = std::numeric_limits<double>::infinity();
 	DistanceRange nearest{nowhere, nowhere};
 	for (const Viewer &viewer : viewers_) {
 		const glm::dvec3 at = position_of(viewer);
 		const glm::dvec3 before = min - at;
 		const glm::dvec3 behind = at - max;
-		const double near = length(glm::max(glm::max(before, behind), glm::dvec3(0.0)));
+		const glm::dvec3 gap = glm::max(glm::max(before, behind), glm::dvec3(0.0));
+		const glm::dvec3 reach = glm::max(glm::abs(before), glm::abs(behind));
+		const double limit = sight.height_limit(viewer.radius_scale);
+		const double near = sight_distance(length({gap.x, 0.0, gap.z}), length(gap), limit);
+		const double far = sight_distance(length({reach.x, 0.0, reach.z}), length(reach), limit);
 		if (near < nearest.near) {
-			nearest = {near, length(glm::max(glm::abs(before), glm::abs(behind)))};
+			nearest.near = near;
+			nearest.far = far;
 		}
+		nearest.sight = std::min(nearest.sight, far - sight.beyond(viewer.radius_scale));
 	}
 	return nearest;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/sight.hpp"
 #include "core/base/view_volume.hpp"
 #include "core/streaming/tile_streamer.hpp"
 
@@ -45,8 +46,7 @@ public:
 	double traveled() const { return traveled_; }
 
 	/// From the viewer that is nearest to a box to the nearest and to the farthest point of it. Meters, infinite without viewers.
-	DistanceRange distances_to(glm::dvec3 min, glm::dvec3 max) const;
-	double distance_to(glm::dvec3 min, glm::dvec3 max) const { return distances_to(min, max).near; }
+	DistanceRange distances_to(glm::dvec3 min, glm::dvec3 max, const Sight &sight) const;
 
 private:
 	struct Visit {

@@ -36,8 +36,9 @@ inline constexpr double max_flight_step = 50.0;
 struct Viewer {
 	glm::dvec2 position{0.0}; ///< World meters, finite, within max_tile_coordinate tiles of every layer.
 	double radius_scale =
-			1.0;         ///< Times the view distance of each layer; finite, 0 or more. At most max_view_tiles count.
-	double height = 0.0; ///< World y in meters, finite. Tiles are streamed in the plane: it counts for LOD only.
+			1.0; ///< Times the view distance of each layer; finite, 0 or more. At most max_view_tiles count.
+	double height =
+			0.0; ///< World y in meters, finite. Tiles are streamed in the plane: it counts for LODs and thinning.
 };
 
 /// Names a tile of a layer. Every tile size that a layer is given starts a new `grid`, a number not used before, so

@@ -104,7 +104,7 @@ void add_viewer_problems(
 					name + String(" has a position that is not finite: no tiles are generated around it."));
 		}
 	}
-	if (viewers.paths.is_empty() && !has_camera(node)) {
+	if (viewers.paths.is_empty() && active_cameras(node).empty()) {
 		r_problems.push_back(
 				"No viewer: TerrainScatter3D.viewers is empty and the viewport has no current Camera3D, so "
 				"no tiles are generated. Make a Camera3D current, or list nodes in viewers.");

@@ -1,6 +1,7 @@
 #include "nodes/scatter/scatter_viewers.hpp"
 
-#include "nodes/gameplay/instance_answers.hpp"
+#include "core/terrain/view_focus.hpp"
+#include "nodes/common/convert.hpp"
 
 #include <godot_cpp/classes/camera3d.hpp>
 #include <godot_cpp/classes/editor_interface.hpp>
@@ -10,6 +11,8 @@
 #include <godot_cpp/classes/viewport.hpp>
 #include <godot_cpp/core/object.hpp>
 
+#include <glm/geometric.hpp>
+
 #include <cmath>
 
 using namespace godot;
@@ -18,11 +21,41 @@ namespace thicket {
 
 namespace {
 
-Node3D *active_camera(const Node3D &node) {
-	if (Engine::get_singleton()->is_editor_hint()) {
-		return EditorInterface::get_singleton()->get_editor_viewport_3d(0)->get_camera_3d();
+constexpr int32_t editor_viewports = 4;
+
+/// A perspective camera with a field of view of 75 degrees, the engine's default, sees this many times its distance from top to bottom.
+constexpr double size_per_distance = 1.5347;
+
+bool in_editor() { return Engine::get_singleton()->is_editor_hint(); }
+
+/// The cameras of the editor's 3D viewports that are visible, or of the first while none is, as behind the script editor.
+std::vector<Camera3D *> editor_cameras() {
+	std::vector<Camera3D *> cameras;
+	for (int32_t index = 0; index < editor_viewports; ++index) {
+		const SubViewport *viewport = EditorInterface::get_singleton()->get_editor_viewport_3d(index);
+		Node *container = viewport != nullptr ? viewport->get_parent() : nullptr;
+		if (container != nullptr && static_cast<bool>(container->call("is_visible_in_tree"))) {
+			cameras.push_back(viewport->get_camera_3d());
+		}
 	}
-	return node.get_viewport()->get_camera_3d();
+	if (cameras.empty()) {
+		cameras.push_back(EditorInterface::get_singleton()->get_editor_viewport_3d(0)->get_camera_3d());
+	}
+	return cameras;
+}
+
+bool is_orthogonal(const Camera3D &camera) { return camera.get_projection() == Camera3D::PROJECTION_ORTHOGONAL; }
+
+/// What an orthogonal camera looks at, in the world.
+glm::dvec3 focus_of(const Camera3D &camera, glm::dvec3 offset, const ViewGround &ground) {
+	const Transform3D transform = camera.get_global_transform();
+	ParallelView view;
+	view.from = to_world(transform.origin, offset);
+	view.direction = -glm::normalize(to_core(transform.basis)[2]);
+	view.reach = camera.get_far();
+	// The editor has such a camera stand half of what it sees away from what it turns around.
+	view.usual_depth = in_editor() ? 0.5 * (view.reach - camera.get_near()) : 0.0;
+	return view_focus(view, ground.terrain, ground.terrain == nullptr ? ground.level() : 0.0);
 }
 
 } // namespace
@@ -32,36 +65,50 @@ bool has_place(const Node3D &viewer) {
 	return std::isfinite(at.x) && std::isfinite(at.z);
 }
 
-bool has_camera(const Node3D &node) { return active_camera(node) != nullptr; }
+std::vector<Camera3D *> active_cameras(const Node3D &node) {
+	std::vector<Camera3D *> cameras =
+			in_editor() ? editor_cameras() : std::vector{node.get_viewport()->get_camera_3d()};
+	std::erase(cameras, nullptr);
+	return cameras;
+}
 
-std::vector<Viewer> find_viewers(const Node3D &node, const ViewerSettings &settings, glm::dvec3 offset) {
-	std::vector<Viewer> result;
+FoundViewers find_viewers(
+		const Node3D &node, const ViewerSettings &settings, glm::dvec3 offset, const ViewGround &ground) {
+	FoundViewers result;
 	const auto add = [&](const Node3D *viewer, int64_t index) {
-		if (viewer == nullptr || !viewer->is_inside_tree()) {
+		if (viewer == nullptr || !viewer->is_inside_tree() || !has_place(*viewer)) {
 			return;
 		}
 		const Vector3 at = viewer->get_global_position();
-		if (std::isfinite(at.x) && std::isfinite(at.z)) {
-			const glm::dvec3 world = offset + glm::dvec3(at.x, std::isfinite(at.y) ? at.y : 0.0, at.z);
-			const PackedFloat32Array &scales = settings.distance_scales;
-			result.push_back({{world.x, world.z}, index < scales.size() ? scales.ptr()[index] : 1.0, world.y});
+		glm::dvec3 place = offset + glm::dvec3(at.x, std::isfinite(at.y) ? at.y : 0.0, at.z);
+		double above = 0.0;
+		const Camera3D *camera = Object::cast_to<Camera3D>(viewer);
+		if (camera != nullptr && is_orthogonal(*camera)) {
+			const glm::dvec3 focus = focus_of(*camera, offset, ground);
+			const bool finite = std::isfinite(focus.x) && std::isfinite(focus.y) && std::isfinite(focus.z);
+			place = finite ? focus : place;
+			above = camera->get_size() / size_per_distance;
 		}
+		const PackedFloat32Array &scales = settings.distance_scales;
+		const double scale = index < scales.size() ? scales.ptr()[index] : 1.0;
+		result.viewers.push_back({{place.x, place.z}, scale, place.y + above});
+		result.places.push_back(place);
+		result.ids.push_back(viewer->get_instance_id());
 	};
 	for (int64_t index = 0; index < settings.paths.size(); ++index) {
 		add(Object::cast_to<Node3D>(node.get_node_or_null(settings.paths[index])), index);
 	}
 	if (settings.paths.is_empty()) {
-		add(active_camera(node), 0);
+		for (const Camera3D *camera : active_cameras(node)) {
+			add(camera, 0);
+		}
 	}
 	return result;
 }
 
 std::vector<glm::dvec3> find_near_centers(
-		const Node3D &node, std::span<const Viewer> viewers, const StringName &p_group, glm::dvec3 offset) {
-	std::vector<glm::dvec3> centers;
-	for (const Viewer &viewer : viewers) {
-		centers.emplace_back(viewer.position.x, viewer.height, viewer.position.y);
-	}
+		const Node3D &node, const FoundViewers &viewers, const StringName &p_group, glm::dvec3 offset) {
+	std::vector<glm::dvec3> centers = viewers.places;
 	if (p_group == StringName()) {
 		return centers;
 	}

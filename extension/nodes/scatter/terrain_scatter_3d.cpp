@@ -3,11 +3,13 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/scatter/build_at_once.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
 
 #include <godot_cpp/classes/engine.hpp>
+#include <godot_cpp/classes/viewport.hpp>
 #include <godot_cpp/classes/world3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
 
@@ -110,6 +112,7 @@ void TerrainScatter3D::stop() {
 	gameplay()->stop();
 	stream->stop();
 	stream->take_events();
+	fade_viewers_.clear();
 }
 
 void TerrainScatter3D::process_frame() {
@@ -159,18 +162,19 @@ void TerrainScatter3D::work(Clock::time_point start) {
 			return;
 		}
 	}
-	const std::vector<Viewer> viewers = find_viewers(*this, viewers_, world_offset_);
+	const FoundViewers found = viewers_now();
 	const DrawLimits limits = draw_limits();
-	was_settled_ = was_settled_ && stream->follows(viewers, limits);
+	was_settled_ = was_settled_ && stream->follows(found.viewers, limits);
+	set_fade_viewers(found);
 	if (!in_editor()) {
-		const std::vector<glm::dvec3> centers = near_centers(viewers);
+		const std::vector<glm::dvec3> centers = near_centers(found);
 		was_settled_ = was_settled_ && gameplay->follows(centers);
 		gameplay->look_around(centers);
 	}
 	stream->times().spent_on(FramePart::gameplay);
 	const auto left = std::chrono::duration_cast<std::chrono::microseconds>(start + budget - Clock::now());
 	stream->display().set_limits(limits);
-	if (!stream->frame(viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0))) || !here) {
+	if (!stream->frame(found.viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0))) || !here) {
 		return;
 	}
 	for (const glm::dvec2 position : stream->take_ground_changes()) {
@@ -196,8 +200,7 @@ void TerrainScatter3D::dissolve(Clock::time_point start) {
 	const Presence here(gameplay);
 	const Clock::time_point deadline = start + std::chrono::microseconds(frame_budget_usec_);
 	if (!in_editor()) {
-		const std::vector<Viewer> viewers = find_viewers(*this, viewers_, world_offset_);
-		gameplay->look_around(near_centers(viewers));
+		gameplay->look_around(near_centers(viewers_now()));
 	}
 	stream->dissolve_until(deadline);
 	if (here) {
@@ -253,12 +256,31 @@ bool TerrainScatter3D::follows() const {
 	if (!is_inside_tree()) {
 		return true;
 	}
-	const std::vector<Viewer> viewers = find_viewers(*this, viewers_, world_offset_);
-	return stream_->follows(viewers, draw_limits()) && (in_editor() || gameplay_->follows(near_centers(viewers)));
+	const FoundViewers found = viewers_now();
+	return stream_->follows(found.viewers, draw_limits()) && (in_editor() || gameplay_->follows(near_centers(found)));
 }
 
-std::vector<glm::dvec3> TerrainScatter3D::near_centers(std::span<const Viewer> viewers) const {
-	return find_near_centers(*this, viewers, interaction_group_, world_offset_);
+FoundViewers TerrainScatter3D::viewers_now() const {
+	// Ground that is a script is not called for this: it may free the node.
+	const bool by_script = terrain_.is_valid() && terrain_->get_class() == String("ScatterTerrain");
+	return find_viewers(*this, viewers_, world_offset_,
+			{by_script ? nullptr : ground_.get(), [this] { return display().usual_height(); }});
+}
+
+std::vector<glm::dvec3> TerrainScatter3D::near_centers(const FoundViewers &found) const {
+	return find_near_centers(*this, found, interaction_group_, world_offset_);
+}
+
+void TerrainScatter3D::set_fade_viewers(const FoundViewers &found) {
+	std::vector<FadeViewer> viewers;
+	for (std::size_t at = 0; at < found.viewers.size(); ++at) {
+		const Viewer &viewer = found.viewers[at];
+		const glm::dvec3 place = glm::dvec3(viewer.position.x, viewer.height, viewer.position.y) - world_offset_;
+		viewers.push_back({found.ids[at], glm::vec4(glm::dvec4(place, viewer.radius_scale - 1.0))});
+	}
+	const Camera3D *camera = get_viewport()->get_camera_3d();
+	const Vector3 at = camera != nullptr ? camera->get_global_position() : Vector3();
+	fade_viewers_.set_viewers(viewers, glm::vec3(to_core(at)));
 }
 
 String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
@@ -320,6 +342,7 @@ void TerrainScatter3D::refresh() {
 	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(), ground_change);
 	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
 	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, {terrain_, get_instance_id()}});
+	fade_viewers_.set_layers(layer_list_.snapshots());
 	if (former != nullptr && former != ground_) {
 		stream->let_go(std::move(former));
 	}

@@ -9,6 +9,7 @@
 #include "nodes/region/region_register.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
 #include "nodes/scatter/build_at_once.hpp"
+#include "nodes/scatter/fade_viewers.hpp"
 #include "nodes/scatter/layer_explainer.hpp"
 #include "nodes/scatter/layer_list.hpp"
 #include "nodes/scatter/layer_previews.hpp"
@@ -34,7 +35,6 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <span>
 #include <vector>
 
 namespace thicket {
@@ -319,7 +319,9 @@ private:
 	TileMaker tile_maker() const;
 	DrawLimits draw_limits() const;
 	bool follows() const;
-	std::vector<glm::dvec3> near_centers(std::span<const Viewer> viewers) const;
+	FoundViewers viewers_now() const;
+	std::vector<glm::dvec3> near_centers(const FoundViewers &found) const;
+	void set_fade_viewers(const FoundViewers &found);
 	static godot::Dictionary to_dictionary(const FrameTimes &times);
 	godot::String ground_problem();
 	LayerExplainer layer_explainer() const;
@@ -358,6 +360,7 @@ private:
 	LayerList layer_list_;
 	bool warned_of_stripped_ = false; ///< Once is enough.
 	LayerPreviews previews_;
+	FadeViewers fade_viewers_;
 	RegionRegister regions_;
 	godot::PackedStringArray layer_names_; ///< By index, as regions were told of them last.
 	std::shared_ptr<const Terrain> ground_;

@@ -107,10 +107,14 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 	constexpr double infinity = std::numeric_limits<double>::infinity();
 	double beyond = infinity; // Of what a viewer sees, in meters.
 	double away = infinity;
-	for (const Viewer &viewer : find_viewers(*this, viewers_, world_offset_)) {
-		const double sight = layer.range.view_distance * viewer.radius_scale;
-		beyond = std::min(beyond, std::sqrt(distance_squared(area, viewer.position)) - sight);
-		away = std::min(away, glm::distance(at, glm::dvec3(viewer.position.x, viewer.height, viewer.position.y)));
+	const Sight sight = layer.lod.sight();
+	for (const Viewer &viewer : viewers_now().viewers) {
+		const double seen = layer.range.view_distance * viewer.radius_scale;
+		beyond = std::min(beyond, std::sqrt(distance_squared(area, viewer.position)) - seen);
+		away = std::min(away,
+				sight_distance(glm::distance(point, viewer.position),
+						glm::distance(at, glm::dvec3(viewer.position.x, viewer.height, viewer.position.y)),
+						sight.height_limit(viewer.radius_scale)));
 	}
 	if (display().find(r_explanation.layer, tile) == nullptr) {
 		if (std::isinf(beyond)) {

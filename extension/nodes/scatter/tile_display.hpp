@@ -149,6 +149,9 @@ public:
 	/// Multimeshes on show: one for each mesh of a tile that is drawn as a whole, more for a tile in cells.
 	std::uint64_t multimesh_count() const { return multimeshes_; }
 
+	/// World y in meters about which the instances of the tiles stand; 0 without any.
+	double usual_height() const;
+
 	/// Adds up what is drawn now.
 	void count_drawn(DrawCounter &r_counter) const;
 
@@ -178,8 +181,9 @@ private:
 	void visit_all();
 	void apply_drawing(const TileKey &key, DisplayedTile &r_tile);
 	void refine(const TileKey &key, DisplayedTile &r_tile);
-	DistanceRange distances_to(const DisplayedTile &tile) const;
-	double distance_to(const DisplayedTile &tile) const { return distances_to(tile).near; }
+	Sight sight_of(std::uint32_t layer) const;
+	DistanceRange distances_to(std::uint32_t layer, const DisplayedTile &tile) const;
+	double distance_to(std::uint32_t layer, const DisplayedTile &tile) const { return distances_to(layer, tile).near; }
 
 	/// What is drawn of the instances of a mesh at any distance.
 	struct Drawing {

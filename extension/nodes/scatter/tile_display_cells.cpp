@@ -69,8 +69,9 @@ void TileDisplay::upload_cells(
 /// How a tile should be divided that is divided so now; 0 for one that is not on show.
 std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const {
 	const LayerSnapshot *layer = layer_at(key.layer);
-	return layer != nullptr && tile.draws_anything() ? division_at(layer->cells, layer->lod, distance_to(tile), shown)
-													 : 1;
+	return layer != nullptr && tile.draws_anything()
+			? division_at(layer->cells, layer->lod, distance_to(key.layer, tile), shown)
+			: 1;
 }
 
 /// Has a tile divided otherwise, soon, if its distance asks for that.
@@ -107,7 +108,7 @@ bool TileDisplay::begin_division() {
 		double nearest = 0.0;
 		std::size_t chosen = to_divide_.size();
 		for (std::size_t at = 0; at < to_divide_.size(); ++at) {
-			const double distance = distance_to(tiles_.at(order(to_divide_[at])));
+			const double distance = distance_to(to_divide_[at].layer, tiles_.at(order(to_divide_[at])));
 			if (chosen == to_divide_.size() || distance < nearest) {
 				chosen = at;
 				nearest = distance;
@@ -128,7 +129,7 @@ bool TileDisplay::begin_division_of(const TileKey &key, DisplayedTile &r_tile) {
 	const std::uint64_t then = rest + r_tile.most_multimeshes(across);
 	const bool grows = across > r_tile.across && then > limits_.max_multimeshes;
 	if (grows) {
-		const FartherCells farther = cells_beyond(gives_way * distance_to(r_tile));
+		const FartherCells farther = cells_beyond(gives_way * distance_to(key.layer, r_tile));
 		if (then - limits_.max_multimeshes <= farther.spare) {
 			division_ = Division{key_of(*farther.farthest), 1, {}};
 			return true;
@@ -152,7 +153,7 @@ TileDisplay::FartherCells TileDisplay::cells_beyond(double distance) const {
 	double farthest = distance;
 	for (const Order &at : divided_) {
 		const DisplayedTile &tile = tiles_.at(at);
-		const double its = distance_to(tile);
+		const double its = distance_to(std::get<0>(at), tile);
 		if (its > distance) {
 			result.spare += tile.multimesh_count() - std::min(tile.multimesh_count(), tile.most_multimeshes(1));
 		}

@@ -119,8 +119,8 @@ bool TileDisplay::upload_others(const TileKey &key, const DisplayedTile &tile, s
 		const Drawing drawing = drawing_of(key, tile, mesh);
 		for (std::size_t at = 0; drawing.fades && at < part.cells.size(); ++at) {
 			DisplayedTile::Cell &cell = part.cells[at];
-			const DistanceRange distance =
-					schedule_.distances_to(origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max));
+			const DistanceRange distance = schedule_.distances_to(
+					origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max), drawing.lod.sight());
 			cell.span = lod_span(drawing.lod, drawing.chain.steps(), distance, cell.span);
 			while (cell.others.size() < drawing.chain.looks_beyond_first(cell.span)) {
 				if (limit.is_reached()) {

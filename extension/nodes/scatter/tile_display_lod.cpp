@@ -121,9 +121,26 @@ void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
 	}
 }
 
-DistanceRange TileDisplay::distances_to(const DisplayedTile &tile) const {
+Sight TileDisplay::sight_of(std::uint32_t layer) const {
+	const LayerSnapshot *known = layer_at(layer);
+	return known != nullptr ? known->lod.sight() : Sight();
+}
+
+DistanceRange TileDisplay::distances_to(std::uint32_t layer, const DisplayedTile &tile) const {
 	const glm::dvec3 origin = tile.tile->origin;
-	return schedule_.distances_to(origin + glm::dvec3(tile.min), origin + glm::dvec3(tile.max));
+	return schedule_.distances_to(origin + glm::dvec3(tile.min), origin + glm::dvec3(tile.max), sight_of(layer));
+}
+
+double TileDisplay::usual_height() const {
+	double sum = 0.0;
+	std::size_t count = 0;
+	for (const auto &[at, tile] : tiles_) {
+		if (tile.draws_anything()) {
+			sum += tile.tile->origin.y + 0.5 * (static_cast<double>(tile.min.y) + static_cast<double>(tile.max.y));
+			++count;
+		}
+	}
+	return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
 /// Draws a tile as its layer says for its distance, and schedules the next visit to it.
@@ -134,7 +151,7 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 		return;
 	}
 	apply_drawing(key, r_tile);
-	const DistanceRange distance = distances_to(r_tile);
+	const DistanceRange distance = distances_to(key.layer, r_tile);
 	double margin = std::numeric_limits<double>::infinity();
 	const bool whole = r_tile.across > 1 ? draw_cells(key, r_tile, margin) : draw_whole(key, distance, r_tile, margin);
 	r_tile.look_at_all = false;
@@ -196,8 +213,8 @@ bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &
 				continue;
 			}
 			const DisplayedTile::Cell &cell = part.cells[at];
-			const DistanceRange distance =
-					schedule_.distances_to(origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max));
+			const DistanceRange distance = schedule_.distances_to(
+					origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max), drawing.lod.sight());
 			whole = draw_cell(drawing, distance, part, at) && whole;
 			part.due[at] = now + drawing.margin(distance);
 			r_margin = std::min(r_margin, part.due[at] - now);

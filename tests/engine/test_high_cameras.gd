@@ -1,0 +1,191 @@
+extends "picture_harness.gd"
+## What is in view is seen from high up and by orthogonal cameras, with materials that fade and with others: tiles, thinning, LODs and
+## fades measure alike. Shares of red pixels, from where 80 m of the ground fill the picture from top to bottom.
+
+const TALL := 80.0 ## Meters of the ground in the picture.
+
+var camera: Camera3D
+
+
+## Red cubes, a quarter of the ground or so.
+func cubes(fades: bool) -> ScatterLayer:
+	var material: Material = StandardMaterial3D.new()
+	if fades:
+		material = (load("res://addons/thicket/shaders/foliage.tres") as Material).duplicate()
+		(material as ShaderMaterial).set_shader_parameter(&"albedo", Color.RED)
+	else:
+		(material as StandardMaterial3D).albedo_color = Color.RED
+	var mesh := BoxMesh.new()
+	mesh.size = Vector3.ONE * 2.0
+	mesh.material = material
+	var layer := ScatterLayer.new()
+	layer.radius = 4.0
+	layer.meshes = [mesh]
+	return layer
+
+
+func stage() -> void:
+	root.size = Vector2i(240, 180)
+	var sky := WorldEnvironment.new()
+	sky.environment = Environment.new()
+	sky.environment.background_mode = Environment.BG_COLOR
+	sky.environment.background_color = Color.DODGER_BLUE
+	root.add_child(sky)
+	var sun := DirectionalLight3D.new()
+	sun.rotation_degrees.x = -80.0
+	root.add_child(sun)
+	camera = Camera3D.new()
+	camera.far = 10000.0
+	root.add_child(camera)
+	camera.make_current()
+
+
+func red() -> float:
+	return await share_of_pixels(func(pixel: Color) -> bool: return pixel.r > 0.3 and pixel.g < 0.2 and pixel.b < 0.2)
+
+
+func look_down_from(height: float, orthogonal: bool) -> void:
+	camera.projection = Camera3D.PROJECTION_ORTHOGONAL if orthogonal else Camera3D.PROJECTION_PERSPECTIVE
+	camera.rotation_degrees = Vector3(-90.0, 0.0, 0.0)
+	camera.position = Vector3(0.0, height, 0.0)
+	camera.fov = 2.0 * rad_to_deg(atan(0.5 * TALL / height))
+	camera.size = TALL
+
+
+func look_from_afar(distance: float) -> void:
+	camera.projection = Camera3D.PROJECTION_ORTHOGONAL
+	camera.size = TALL
+	camera.position = Vector3.ONE.normalized() * distance
+	camera.look_at(Vector3.ZERO)
+
+
+func test_high_and_orthogonal_cameras_see_what_low_ones_see() -> void:
+	stage()
+	for fades: bool in [false, true]:
+		var layer := cubes(fades)
+		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+		scatter.viewers = []
+		look_down_from(100.0, false)
+		await settle(scatter)
+		var near := await red()
+		check(near > 0.1 and near < 0.5, "%.3f are red from 100 m up" % near)
+		for height: float in [240.0, 300.0, 1000.0]:
+			for orthogonal: bool in [false, true]:
+				look_down_from(height, orthogonal)
+				await settle(scatter)
+				var seen := await red()
+				# Without perspective the lit sides of the cubes are hidden.
+				check(seen > 0.6 * near and seen < 1.2 * near, "fades %s, %d m up, orthogonal %s: %.3f are red, %.3f from 100 m" % [
+						fades, height, orthogonal, seen, near])
+		for distance: float in [170.0, 1700.0]:
+			look_from_afar(distance)
+			await settle(scatter)
+			var seen := await red()
+			check(seen > 0.7 * near, "fades %s, isometric from %d m: %.3f are red" % [fades, distance, seen])
+		scatter.queue_free()
+		await frames(2)
+
+
+## Who draws is not who is streamed around: the picture is complete all the same.
+func test_a_camera_that_is_no_viewer_sees_all_that_is_drawn() -> void:
+	stage()
+	var shares := {}
+	for fades: bool in [false, true]:
+		var layer := cubes(fades)
+		layer.view_distance = 150.0
+		layer.lod_distances = PackedFloat32Array([30.0])
+		layer.lod_meshes = layer.meshes
+		var player := make_viewer()
+		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), player)
+		look_from_afar(1700.0)
+		await settle(scatter)
+		var seen := await red()
+		player.position = Vector3(20.0, 0.0, 20.0)
+		await settle(scatter)
+		shares[fades] = [seen, await red()]
+		scatter.queue_free()
+		player.queue_free()
+		await frames(2)
+	check(shares[false][0] > 0.1, "%s are red" % [shares])
+	for index in 2: # The material that fades lights the shaded sides as well.
+		check(absf(shares[true][index] / shares[false][index] - 1.15) < 0.1, "as many are red with a material that fades: %s" % shares)
+
+
+## The tiles lie around the point of the ground in the middle of the picture, hills or not.
+func test_tiles_lie_where_an_orthogonal_camera_looks() -> void:
+	stage()
+	var terrain := ScatterTerrainFlat.new()
+	terrain.height = 300.0
+	var layer := cubes(true)
+	layer.view_distance = 64.0
+	camera.projection = Camera3D.PROJECTION_ORTHOGONAL
+	camera.position = Vector3(1000.0, 1300.0, 0.0)
+	camera.rotation_degrees = Vector3(-45.0, 0.0, 0.0) # Meets the ground 1,000 m ahead.
+	var scatter := make_scatter([layer], terrain, camera)
+	scatter.viewers = []
+	await settle(scatter)
+	var middle := Vector2.ZERO
+	var shown := scatter.get_shown_tiles(0)
+	for tile: Vector2i in shown:
+		middle += (Vector2(tile) + Vector2.ONE * 0.5) * layer.tile_size / shown.size()
+	check(middle.distance_to(Vector2(1000.0, -1000.0)) < layer.tile_size, "the middle of the tiles is %s" % middle)
+
+
+## A small view shows fine LODs, a large one coarse LODs, however far away the camera is.
+func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
+	stage()
+	var layer := cubes(false)
+	var sphere := SphereMesh.new()
+	layer.lod_meshes = [sphere]
+	layer.lod_distances = PackedFloat32Array([60.0])
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	scatter.viewers = []
+	var fine := {}
+	for size: float in [40.0, 400.0]:
+		for height: float in [200.0, 2000.0]:
+			look_down_from(height, true)
+			camera.size = size
+			await settle(scatter)
+			var meshes := scatter.get_tile(0, Vector2i.ZERO).get_multimeshes(0).map(
+					func(multimesh: RID) -> RID: return RenderingServer.multimesh_get_mesh(multimesh))
+			fine[[size, height]] = layer.meshes[0].get_rid() in meshes
+	check_equal(fine, {[40.0, 200.0]: true, [40.0, 2000.0]: true, [400.0, 200.0]: false, [400.0, 2000.0]: false},
+			"whether the fine mesh is drawn below the camera")
+
+
+## Twice the view distance for one viewer is twice as much to see, to a soft end.
+func test_a_viewers_scale_counts_for_the_fade() -> void:
+	stage()
+	var player := make_viewer()
+	var layer := cubes(true)
+	layer.view_distance = 60.0
+	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), player)
+	look_down_from(400.0, true)
+	camera.size = 300.0
+	var seen := {}
+	for scale: float in [0.5, 1.0, 2.0]:
+		scatter.viewer_distance_scales = PackedFloat32Array([scale])
+		await settle(scatter)
+		seen[scale] = await red()
+	check(seen[1.0] > 2.5 * seen[0.5] and seen[1.0] < 6.0 * seen[0.5], "four times the ground: %s" % seen)
+	check(seen[2.0] > 3.0 * seen[1.0] and seen[2.0] < 5.0 * seen[1.0], "four times the ground: %s" % seen)
+
+
+## Two nodes share a material: each of them has its own viewer, and hides nothing of the other.
+func test_nodes_share_a_material() -> void:
+	stage()
+	var layer := cubes(true)
+	layer.view_distance = 50.0
+	look_down_from(400.0, true)
+	camera.size = 300.0
+	var players: Array[Node3D] = [make_viewer(Vector3(-70.0, 0.0, 0.0)), make_viewer(Vector3(70.0, 0.0, 0.0))]
+	var scatters: Array[TerrainScatter3D] = []
+	var seen: Array[float] = []
+	for player in players:
+		scatters.append(make_scatter([layer], ScatterTerrainFlat.new(), player))
+		await settle(scatters[-1])
+		seen.append(await red())
+	check(seen[0] > 0.01 and absf(seen[1] - 2.0 * seen[0]) < 0.3 * seen[0], "twice as much: %s" % [seen])
+	scatters[0].free()
+	await frames(2)
+	check(absf(await red() - seen[0]) < 0.3 * seen[0], "as much as before once one node is freed: %s" % [seen])
