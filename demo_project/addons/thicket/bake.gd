@@ -147,7 +147,8 @@ func _bake_tile(tile: Vector3i) -> bool:
 		if buffer.is_empty() or mesh == null:
 			continue
 		var file := "%s_%s_%d_%d_%d.res" % [_name, _file_part(tile.x), mesh_index, tile.y, tile.z]
-		var multimesh := _multimesh(layer, buffer, _in_file(mesh, tile.x, mesh_index))
+		var ids: PackedInt64Array = built.get_ids(mesh_index)
+		var multimesh := _multimesh(layer, buffer, ids.size(), _in_file(mesh, tile.x, mesh_index))
 		if multimesh == null or not _save(multimesh, file):
 			return false
 		instances += multimesh.instance_count
@@ -155,16 +156,15 @@ func _bake_tile(tile: Vector3i) -> bool:
 	return true
 
 
-func _multimesh(layer: Resource, buffer: PackedFloat32Array, mesh: Mesh) -> MultiMesh:
+func _multimesh(layer: Resource, buffer: PackedFloat32Array, count: int, mesh: Mesh) -> MultiMesh:
 	if mesh == null:
 		return null
 	var multimesh := MultiMesh.new()
 	multimesh.transform_format = MultiMesh.TRANSFORM_3D
-	multimesh.use_colors = layer.get(&"use_colors") == true
-	multimesh.use_custom_data = layer.get(&"use_custom_data") == true
+	multimesh.use_colors = layer.get(&"use_colors")
+	multimesh.use_custom_data = layer.get(&"use_custom_data")
 	multimesh.mesh = mesh
-	var stride := 12 + 4 * int(multimesh.use_colors) + 4 * int(multimesh.use_custom_data)
-	multimesh.instance_count = buffer.size() / stride
+	multimesh.instance_count = count
 	multimesh.buffer = buffer
 	return multimesh
 
