@@ -258,12 +258,12 @@ def desk_project(plain_project) -> Path:
 @pytest.mark.parametrize(
     "script",
     ["layers_panel", "shared_layers", "biome_layers", "undo_steps", "toolbar_room", "pasted", "first_minute"]
-    + ["loose_states", "clicks", "navigation"],
+    + ["loose_states", "clicks", "navigation", "viewports"],
 )
 def test_layers_desk(godot, godot_xvfb, desk_project, script):
     """The panel with mouse and keys, what a duplicate shares, questions before far more is shown, undo of every step to the byte, the
     toolbar in a narrow window, a node pasted into another scene, what scripts have placed, the
-    brush, regions and a radius by clicks alone, a navigation mesh: checks in the scripts."""
+    brush, regions and a radius by clicks alone, a navigation mesh, what each of the viewports shows: checks in the scripts."""
     godot(["--path", desk_project, "--import"], timeout=120)
     done = godot_xvfb(["--editor", "--path", desk_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)
