@@ -89,7 +89,7 @@ TEST_CASE("lod schedule: distances count from the nearest viewer, in three dimen
 }
 
 TEST_CASE("lod schedule: no height hides what the view reaches on the map, and each viewer sees as far as its scale "
-          "says") {
+		  "says") {
 	const Sight sight{100.0, 0.2};
 	for (const double scale : {0.1, 0.5, 1.0, 3.0}) {
 		for (const double height : {0.0, 60.0, 90.0, 300.0, 1e6}) {
