@@ -18,8 +18,14 @@ constexpr std::size_t max_looks = 64;
 /// So many changes are handed over at once, without a wait for more.
 constexpr std::size_t many_changes = 32;
 
-constexpr double max_unrest = 5.0;
-constexpr double calmed_by_probe = 0.25;
+/// A change adds so much unrest, which doubles the pause; a height that stayed the same takes away 1.
+constexpr unsigned unrest_of_change = 4;
+constexpr unsigned max_unrest = 5 * unrest_of_change;
+
+/// Seconds until a tile is checked again.
+double pause_of(unsigned unrest) {
+	return GroundRecheck::pause * static_cast<double>(1U << (unrest / unrest_of_change));
+}
 
 bool differs(float a, float b, double tolerance) {
 	if (!std::isfinite(a) || !std::isfinite(b)) {
@@ -84,7 +90,7 @@ void GroundRecheck::visit(
 	if (r_tile.held || now < r_tile.due) {
 		return;
 	}
-	r_tile.due = now + pause * std::exp2(r_tile.unrest);
+	r_tile.due = now + pause_of(r_tile.unrest);
 	const std::size_t wanted = std::min({probes_per_visit, r_tile.probes.size(), most - r_positions.size()});
 	for (std::size_t i = 0; i < wanted; ++i) {
 		asked_.push_back({key, r_tile.version, r_tile.next});
@@ -102,14 +108,14 @@ void GroundRecheck::answer(double now, std::span<const std::optional<float>> hei
 		Tile &tile = found->second;
 		const GroundProbe &probe = tile.probes[asked_[i].probe];
 		if (!differs(probe.height, *heights[i], tolerance)) {
-			tile.unrest = std::max(0.0, tile.unrest - calmed_by_probe);
+			tile.unrest -= tile.unrest > 0 ? 1 : 0;
 			continue;
 		}
 		first_change_ = changes_.empty() ? now : first_change_;
 		changes_.push_back({asked_[i].key.layer, probe.position});
 		tile.held = true;
-		tile.unrest = std::min(max_unrest, tile.unrest + 1.0);
-		tile.due = now + pause * std::exp2(tile.unrest);
+		tile.unrest = std::min(max_unrest, tile.unrest + unrest_of_change);
+		tile.due = now + pause_of(tile.unrest);
 	}
 	asked_.clear();
 }

@@ -46,7 +46,7 @@ public:
 
 	std::size_t size() const { return tiles_.size(); }
 
-	/// Seconds between two checks of a tile. Each change doubles it, up to 32 times, until heights stay the same: ground that never comes
+	/// Seconds between two checks of a tile. Each change doubles it, up to 8 s, until heights stay the same. So ground that never comes
 	/// to rest does not keep all workers busy.
 	static constexpr double pause = 0.25;
 
@@ -60,7 +60,7 @@ private:
 		std::vector<GroundProbe> probes;
 		std::size_t next = 0;      ///< Of `probes`.
 		double due = 0.0;          ///< When it is to be checked.
-		double unrest = 0.0;       ///< The pause is doubled so many times.
+		unsigned unrest = 0;       ///< The more of it, the longer the pause: see pause_of.
 		std::uint64_t version = 0; ///< Changes with each `show`.
 		bool held = false;
 	};

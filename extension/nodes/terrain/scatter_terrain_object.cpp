@@ -175,7 +175,7 @@ void ScatterTerrainObject::take_copy(const Found &found) {
 		remark_ = vformat("ScatterTerrainObject.node: \"%s\" (%s) %s", node_, plugin, remark);
 	} else if (no_ground_enabled_ || !to_core(bounds_).empty()) {
 		remark_ = vformat("ScatterTerrainObject.bounds and no_ground_height have no effect: \"%s\" (%s) tells where "
-		                  "its ground is.",
+						  "its ground is.",
 				node_, plugin);
 	}
 }
