@@ -218,13 +218,13 @@ func test_refused_properties() -> void:
 	sampler.cell_size = 2.5
 	for bad: int in [-1, 5, 1 << 40, -(1 << 62)]:
 		sampler.set("method", bad)
-		check_error(["PoissonSampler.method is out of range, got "], "method %d" % bad)
+		check_error(["PoissonSampler.method must be between 0 and "], "method %d" % bad)
 	for bad: float in [-0.5, 1000.5, -1e300]:
 		sampler.cell_size = bad
-		check_error(["PoissonSampler.cell_size is out of range, got -" if bad < 0.0 else "got 1000.5"], "cells of %s" % bad)
+		check_error(["PoissonSampler.cell_size must be between 0 and 1000, got " + ("-" if bad < 0.0 else "1000.5")], "cells of %s" % bad)
 	for bad: float in [NAN, INF, -INF]:
 		sampler.cell_size = bad
-		check_error(["PoissonSampler.cell_size must be finite, got %s" % bad], "cells of %s" % bad)
+		check_error(["PoissonSampler.cell_size must be finite, between 0 and 1000, got %s" % bad], "cells of %s" % bad)
 	check_equal(sampler.method, PoissonSampler.METHOD_ACCUMULATOR, "the method stays")
 	check_equal(sampler.cell_size, 2.5, "and the cells")
 	check_equal(ClassDB.class_get_enum_constants("PoissonSampler", "Method").size(), 5, "methods")

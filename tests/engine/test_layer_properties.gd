@@ -175,7 +175,7 @@ func test_refused() -> void:
 	for rect: Rect2 in [Rect2(0, 0, 0, 5), Rect2(0, 0, 5, -1), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5), Rect2(2e9, 0, 5, 5)]:
 		refuse(layer, "mask_texture_rect", rect)
 	for property: String in ["instance_radius", "instance_height"]:
-		refuse(layer, property, 0.0, ["positive"])
+		refuse(layer, property, 0.0, ["between 0.001 and 10000"])
 		refuse(layer, property, 10001.0, ["range"])
 	for property: String in ["collision_distance", "scene_distance"]:
 		refuse(layer, property, -1.0, ["range"])

@@ -150,7 +150,7 @@ func test_whole_properties() -> void:
 		refuse(mask, "pixel_size", value, ["finite"])
 		refuse(mask, "background", value, ["finite"])
 	for value: float in [0.0, -1.0]:
-		refuse(mask, "pixel_size", value, ["positive"])
+		refuse(mask, "pixel_size", value, ["must be between 0.0"])
 	for value: float in [0.01, 2000.0]:
 		refuse(mask, "pixel_size", value, ["range"])
 	for value: float in [-0.1, 1.1]:

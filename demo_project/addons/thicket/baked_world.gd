@@ -28,7 +28,7 @@ const MOST_LOADING := 4
 @export_range(0.0, 100000.0, 1.0, "or_greater", "suffix:m") var view_distance := 512.0:
 	set(value):
 		if not (value >= 0.0 and value < 1e6):
-			push_error("BakedWorld: view_distance must be from 0 to 10^6, got %s" % value)
+			push_error("BakedWorld.view_distance must be between 0 and 1000000 m, got %s. The last valid value stays; set one in this range." % value)
 			return
 		view_distance = value
 		_is_stale = true

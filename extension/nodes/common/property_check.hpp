@@ -18,7 +18,7 @@ struct NumberProperty {
 
 	const char *name;
 	Number Values::*member;
-	Limit min; ///< The smallest value taken. Above zero, the error for a smaller one says "must be positive".
+	Limit min; ///< The smallest value taken.
 	Limit max; ///< The largest value taken.
 	godot::PropertyHint hint = godot::PROPERTY_HINT_NONE;
 	const char *hint_string = "";
@@ -28,8 +28,8 @@ struct NumberProperty {
 template <class Values, class Number, class... Rest>
 NumberProperty(const char *, Number Values::*, Rest...) -> NumberProperty<Values, Number>;
 
-/// True for a finite value in [min, max]; otherwise prints one error that names owner, property and value, and is
-/// false.
+/// True for a finite value in [min, max]; otherwise prints one error that names owner, property, the allowed range and the value, and
+/// is false.
 bool accept_number(const char *owner, const char *property, double value, double min, double max);
 
 /// Prints `owner`.`status` as an error of the engine; silent for a status that is fine or was cancelled.

@@ -2,6 +2,8 @@
 extends RefCounted
 ## Keeps what tools make, as painted masks and hand-placed instances, in files of their own beside the scene: a scene holds settings only.
 
+const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists, has room and may be written, then save the scene again."
+
 ## Why [method create] gave nothing, in a sentence.
 var problem := ""
 
@@ -22,7 +24,7 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	var path := _free_path(scene_path, owner_name, kind)
 	var error := ResourceSaver.save(resource, path)
 	if error != OK:
-		problem = "Cannot write %s: %s." % [path, error_string(error)]
+		problem = UNWRITABLE % [path, error_string(error)]
 		return false
 	resource.take_over_path(path)
 	_unsaved[path] = scene_path
@@ -135,7 +137,7 @@ func _remove(path: String) -> void:
 static func _store(path: String, bytes: PackedByteArray) -> bool:
 	var file := FileAccess.open(path, FileAccess.WRITE)
 	if file == null:
-		push_error("cannot write %s: %s" % [path, error_string(FileAccess.get_open_error())])
+		push_error(UNWRITABLE % [path, error_string(FileAccess.get_open_error())])
 		return false
 	file.store_buffer(bytes)
 	file.close()
@@ -146,7 +148,7 @@ static func _store(path: String, bytes: PackedByteArray) -> bool:
 static func _write(resource: Resource) -> void:
 	var error := ResourceSaver.save(resource, resource.resource_path)
 	if error != OK:
-		push_error("cannot write %s: %s" % [resource.resource_path, error_string(error)])
+		push_error(UNWRITABLE % [resource.resource_path, error_string(error)])
 
 
 ## scene_layer_mask.res, or with a number where another lies already.
