@@ -282,6 +282,10 @@ func warns(edit: Callable, words: String) -> void:
 		check_equal(problems, PackedStringArray(), "no warning")
 
 
+func test_a_mesh_without_surfaces_is_reported() -> void:
+	warns(func(layer: ScatterLayer) -> void: layer.meshes = [BoxMesh.new(), ArrayMesh.new()], "meshes[1] has no surfaces")
+
+
 func warns_of_gameplay() -> void:
 	warns(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_CONVEX, "")
 	warns(func(layer: ScatterLayer) -> void: layer.instance_height = 0.5, "")

@@ -1,5 +1,7 @@
 #include "nodes/layer/layer_meshes.hpp"
 
+#include "nodes/common/stripped.hpp"
+
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/memory.hpp>
 #include <godot_cpp/core/object.hpp>
@@ -227,6 +229,13 @@ void LayerMeshes::add_problems(PackedStringArray &r_problems) const {
 		if (taken_[entry].model.is_null()) {
 			if (scene.is_valid()) {
 				r_problems.push_back(nothing_to_draw(entry, scene, empty_scene));
+			}
+			const Ref<Mesh> mesh = taken_[entry].resource;
+			if (mesh.is_valid() && mesh->get_surface_count() == 0 && !is_stripped(mesh)) {
+				r_problems.push_back(
+						vformat("ScatterLayer.meshes[%d] has no surfaces, so nothing is drawn of it. Give the mesh at "
+								"least 1 surface, or choose a different mesh.",
+								static_cast<int64_t>(entry)));
 			}
 			continue;
 		}
