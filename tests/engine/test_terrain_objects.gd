@@ -168,6 +168,8 @@ func test_a_failure_leaves_what_stands() -> void:
 	await settle(scatter)
 	check_error(["ScatterTerrainObject.node"], "a wrong answer")
 	check_equal(digests(scatter, 0), before, "what stands after a wrong answer")
+	await frames(60)
+	check_no_error("a re-check does not report it once more")
 
 
 func test_shared_terrain_has_another_host_when_the_first_goes() -> void:

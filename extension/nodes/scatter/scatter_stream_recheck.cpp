@@ -74,7 +74,10 @@ std::size_t ScatterStream::recheck_heights(std::size_t most) {
 	if (status.ok()) {
 		recheck_.answer(seconds_now(), heights, terrain->recheck_tolerance());
 	} else if (ground_.source.is_available()) {
-		report("TerrainScatter3D", status);
+		// One error, whether a tile or a re-check meets it first.
+		if (std::ranges::find(error_reported_, true) == error_reported_.end()) {
+			report("TerrainScatter3D", status);
+		}
 		recheck_failed_ = true;
 	}
 	const Clock::duration spent = Clock::now() - start;
