@@ -1,11 +1,18 @@
-// What a TerrainScatter3D is told has changed: settings, layers, ground, regions. It counts from the next frame on.
+// How a TerrainScatter3D follows changes of settings, layers, ground and regions, from the next frame on.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
+
+#include "core/base/tile_grid.hpp"
+#include "nodes/scatter/build_at_once.hpp"
+
+#include <godot_cpp/classes/engine.hpp>
 
 #include <glm/common.hpp>
 
 #include <limits>
 #include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 using namespace godot;
@@ -123,6 +130,85 @@ void TerrainScatter3D::remove_region(ScatterRegion3D *p_region) {
 void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 	regions_.mark(p_region);
 	mark_edited();
+}
+
+void TerrainScatter3D::refresh() {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const std::shared_ptr<ScatterStream> stream = stream_;
+	const Ref<ScatterTerrain> terrain = terrain_;
+	dirty_ = false;
+	set_physics_process_internal(terrain.is_valid() && terrain->needs_physics_frames());
+	const bool pending = terrain.is_valid() && terrain->is_pending(get_instance_id());
+	const EditedArea ground_change = pending ? EditedArea() : std::exchange(ground_change_, {});
+	std::shared_ptr<const Terrain> former;
+	if (!ground_change.empty() && terrain.is_valid()) {
+		std::shared_ptr<const Terrain> ground =
+				terrain->snapshot(get_instance_id()); // Asks scripts, and so does the next.
+		if (!gameplay->alive() || !(terrain == terrain_)) {
+			return;
+		}
+		former = std::exchange(ground_, std::move(ground));
+	}
+	const bool grounded = terrain.is_valid() && (ground_ != nullptr || terrain->is_main_thread_only());
+	if (!gameplay->alive() || !(terrain == terrain_)) {
+		return;
+	}
+	regions_.update(std::exchange(recentered_, false));
+	warn_of_stripped();
+	if (!gameplay->alive()) {
+		return;
+	}
+	if (!grounded || all_layers().is_empty()) {
+		layer_list_.clear();
+		gameplay->retire();
+		stream->retire();
+		return;
+	}
+	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(), ground_change);
+	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
+	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, {terrain_, get_instance_id()}});
+	fade_viewers_.set_layers(layer_list_.snapshots());
+	if (former != nullptr && former != ground_) {
+		stream->let_go(std::move(former));
+	}
+}
+
+/// Whether ground that was still being read can be had now.
+bool TerrainScatter3D::waits_for_ground() const {
+	return !ground_change_.empty() && terrain_.is_valid() && !terrain_->is_pending(get_instance_id());
+}
+
+LayerWorld TerrainScatter3D::layer_world() {
+	static const LayerPreviews none;
+	return {static_cast<std::uint64_t>(seed_), water_enabled_ ? water_level_ : no_water, biomes_, regions_,
+			Engine::get_singleton()->is_editor_hint() ? previews_ : none};
+}
+
+/// Tiles for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
+TileMaker TerrainScatter3D::tile_maker() const {
+	return [layers = layer_list_.snapshots(), ground = ground_, builder = at_once_,
+				   terrain = HostedTerrain{terrain_, get_instance_id()}](
+				   std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+		r_tiles.assign(tiles.size(), nullptr);
+		if (!terrain.is_available()) {
+			return {};
+		}
+		std::vector<TileOrder> orders;
+		std::vector<std::size_t> ordered; // Which tile each is for.
+		for (std::size_t i = 0; i < tiles.size(); ++i) {
+			const SharedSnapshot &layer = tiles[i].layer < layers.size() ? layers[tiles[i].layer] : nullptr;
+			if (layer != nullptr) {
+				orders.push_back({layer->settings, tile_rect(layer->range.tile_size, tiles[i].tile)});
+				ordered.push_back(i);
+			}
+		}
+		std::vector<std::shared_ptr<const KeptTile>> made;
+		const Status status = builder->build_all(orders, ground.get(), terrain, made);
+		for (std::size_t i = 0; i < made.size(); ++i) {
+			r_tiles[ordered[i]] = std::move(made[i]);
+		}
+		return status;
+	};
 }
 
 } // namespace thicket
