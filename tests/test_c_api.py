@@ -194,19 +194,19 @@ def test_parts_are_read_as_the_whole(sampler):
     assert sampler.points(count, 0) == (0, [])
     for first, asked, named in ((0, count + 1, "count"), (count + 1, 0, "first"), (1, 2**64 - 1, "count"), (2**64 - 1, 2, "first")):
         given = sampler.library.thicket_read_points(sampler.handle, U64(first), U64(asked), None)
-        assert given == code("OUT_OF_RANGE") and sampler.message().startswith(f"{named} is out of range, got ")
+        assert given == code("OUT_OF_RANGE") and sampler.message().startswith(f"{named} must be at most ")
     assert sampler.count() == count, "a bad question takes no point away"
 
 
 REFUSED_SETS = [
     ({"radius": -1.0}, "NOT_POSITIVE", "radius must be positive, got -1"),
     ({"radius": float("nan")}, "NOT_FINITE", "radius must be finite, got nan"),
-    ({"radius": 2e6}, "OUT_OF_RANGE", "radius is out of range, got 2000000"),
-    ({"levels": 0}, "OUT_OF_RANGE", "levels is out of range, got 0"),
-    ({"levels": 9}, "OUT_OF_RANGE", "levels is out of range, got 9"),
+    ({"radius": 2e6}, "OUT_OF_RANGE", "radius must be between 0.001 and 1000000, got 2000000"),
+    ({"levels": 0}, "OUT_OF_RANGE", "levels must be between 1 and 8, got 0"),
+    ({"levels": 9}, "OUT_OF_RANGE", "levels must be between 1 and 8, got 9"),
     ({"rect": (0.0, 0.0, float("inf"), 1.0)}, "NOT_FINITE", "rect must be finite, got inf"),
     ({"rect": (0.0, 0.0, -3.0, 1.0)}, "INVERTED", "rect ends before it starts, got -3"),
-    ({"rect": (0.0, 0.0, 1e9, 1.0)}, "OUT_OF_RANGE", "rect is out of range, got 1e+09"),
+    ({"rect": (0.0, 0.0, 1e9, 1.0)}, "OUT_OF_RANGE", "rect must be between -5931641.6 and 5931641.6, got 1000000000"),
     ({"rect": (0.0, 0.0, 1e5, 1e5)}, "TOO_MANY_POINTS", "rect asks for too many points, got "),
 ]
 
@@ -231,12 +231,12 @@ REFUSED_DOMAINS = [
         "size is out of range, got 200000; in single precision a domain measures at most 131072 radii",
     ),
     ({"radius": 0.0}, "NOT_POSITIVE", "radius must be positive, got 0"),
-    ({"method": 0}, "OUT_OF_RANGE", "method is out of range, got 0"),
-    ({"method": 5}, "OUT_OF_RANGE", "method is out of range, got 5"),
-    ({"toroidal": 2}, "OUT_OF_RANGE", "toroidal is out of range, got 2"),
-    ({"single_precision": -1}, "OUT_OF_RANGE", "single_precision is out of range, got -1"),
-    ({"cell_size": 1001.0}, "OUT_OF_RANGE", "cell_size is out of range, got 1001"),
-    ({"darts_each": 0.5}, "OUT_OF_RANGE", "darts_each is out of range, got 0.5"),
+    ({"method": 0}, "OUT_OF_RANGE", "method must be between 1 and 4, got 0"),
+    ({"method": 5}, "OUT_OF_RANGE", "method must be between 1 and 4, got 5"),
+    ({"toroidal": 2}, "OUT_OF_RANGE", "toroidal must be between 0 and 1, got 2"),
+    ({"single_precision": -1}, "OUT_OF_RANGE", "single_precision must be between 0 and 1, got -1"),
+    ({"cell_size": 1001.0}, "OUT_OF_RANGE", "cell_size must be between 0 and 1000, got 1001"),
+    ({"darts_each": 0.5}, "OUT_OF_RANGE", "darts_each must be between 1 and 1000000, got 0.5"),
 ]
 
 

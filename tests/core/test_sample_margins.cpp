@@ -57,7 +57,7 @@ TEST_CASE("sample margins: the sampler refuses what the widest one does not deci
 		CHECK(text.starts_with(
 				"rect needs a wider margin of cells than is allowed, got 0 (seed 18446744073709551615, radius "
 				"2.5, position ("));
-		CHECK(text.ends_with("))"));
+		CHECK(text.find(")). Choose a different seed") != std::string::npos);
 	}
 	// Only part of a large block may be undecided; what can be decided without a margin is not refused.
 	TileSampler sampler({.first = 1, .widest = 2});

@@ -252,11 +252,11 @@ func test_points() -> void:
 			check_equal(all.get_rank(index), all.ranks[index], "rank %d" % index)
 		for index: int in [-1, all.size(), 1 << 40]:
 			check_equal(all.get_id(index), 0, "no id %d" % index)
-			check_error(["PoissonPoints.index is out of range"], "id %d" % index)
+			check_error(["PoissonPoints.index must be between 0 and"], "id %d" % index)
 			check_equal(all.get_position(index), Vector2.ZERO, "no position %d" % index)
-			check_error(["PoissonPoints.index is out of range"], "position %d" % index)
+			check_error(["PoissonPoints.index must be between 0 and"], "position %d" % index)
 			check_equal(all.get_rank(index), 0.0, "no rank %d" % index)
-			check_error(["PoissonPoints.index is out of range"], "rank %d" % index)
+			check_error(["PoissonPoints.index must be between 0 and"], "rank %d" % index)
 	check_equal(Vector2(exact.x[5], exact.y[5]), exact.positions[5], "x and y")
 	# So many that threads share the work, against so few that they do not.
 	var many := sampler.sample(Rect2(0.0, 0.0, 400.0, 300.0))

@@ -351,7 +351,7 @@ func test_warnings_of_sources() -> void:
 		layer.use_custom_data = true
 		layer.variation_source = ScatterLayer.SOURCE_RANK, "")
 	warns(func(layer: ScatterLayer) -> void:
-		follow(layer, ScatterLayer.SOURCE_HEIGHT, -5.0), "color_source_max ends before it starts")
+		follow(layer, ScatterLayer.SOURCE_HEIGHT, -5.0), "color_source_max must be at least 0 (where its range begins), got -5")
 
 
 func test_warnings() -> void:
@@ -395,4 +395,4 @@ func test_warnings() -> void:
 	warns(func(layer: ScatterLayer) -> void: layer.color_gradient = Gradient.new(), "without use_colors")
 	warns(func(layer: ScatterLayer) -> void: layer.max_tilt_degrees = 20.0, "")
 	warns_of_gameplay()
-	warns(func(layer: ScatterLayer) -> void: layer.min_tilt_degrees = 20.0, "max_tilt_degrees ends before it starts")
+	warns(func(layer: ScatterLayer) -> void: layer.min_tilt_degrees = 20.0, "max_tilt_degrees must be at least 20")

@@ -6,15 +6,18 @@
 
 namespace thicket {
 
-/// Refuses a value that is not finite or outside [min, max]. `property` is a string literal.
-inline Status check_range(const char *property, double value, double min, double max) {
+/// Refuses a value that is not finite or outside `allowed`. `property` and `remedy` are string literals.
+inline Status check_range(const char *property, double value, const AllowedRange &allowed, const char *remedy = "") {
+	Status status = Status::out_of_range(property, value, allowed, remedy);
 	if (!std::isfinite(value)) {
-		return {ErrorCode::not_finite, property, value};
+		status.code = ErrorCode::not_finite;
+		return status;
 	}
-	if (value < min || value > max) {
-		return {ErrorCode::out_of_range, property, value};
-	}
-	return {};
+	return value < allowed.min || value > allowed.max ? status : Status();
+}
+
+inline Status check_range(const char *property, double value, double min, double max) {
+	return check_range(property, value, between(min, max));
 }
 
 /// Refuses a value that is not finite or not above 0.
@@ -28,10 +31,15 @@ inline Status check_positive(const char *property, double value) {
 	return {};
 }
 
+/// Remedies that several rooms name.
+inline constexpr const char *negative_size = "Use a size that is not negative";
+inline constexpr const char *newer_version = "A different version of Thicket wrote it: update this one";
+
 /// Refuses a range whose end lies before its start, under the name of its end.
 inline Status check_order(const char *max_property, double min, double max) {
 	if (max < min) {
-		return {ErrorCode::inverted, max_property, max};
+		return {ErrorCode::inverted, max_property, max, {}, at_least(min, "where its range begins"),
+				"Raise it, or lower the number before it"};
 	}
 	return {};
 }

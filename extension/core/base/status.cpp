@@ -1,22 +1,48 @@
 #include "core/base/status.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace thicket {
 
 namespace {
 
-const char *demand(ErrorCode code) {
+/// Whole numbers in full, all others in nine digits.
+std::string as_text(double number) {
+	constexpr double largest_whole = 1e15;
+	const bool is_whole = std::abs(number) < largest_whole && number == std::floor(number);
+	std::array<char, 32> text{};
+	std::snprintf(text.data(), text.size(), is_whole ? "%.0f" : "%.9g", number);
+	return text.data();
+}
+
+std::string text_of(const AllowedRange &allowed) {
+	std::string text;
+	if (allowed.min == allowed.max) {
+		text = as_text(allowed.min);
+	} else if (allowed.has_min() && allowed.has_max()) {
+		text = "between " + as_text(allowed.min) + " and " + as_text(allowed.max);
+	} else if (allowed.has_min()) {
+		text = "at least " + as_text(allowed.min);
+	} else if (allowed.has_max()) {
+		text = "at most " + as_text(allowed.max);
+	}
+	return *allowed.note == '\0' ? text : text + " (" + allowed.note + ")";
+}
+
+/// What is demanded of a property, up to its value. `allowed` is empty for no known range.
+std::string demand(ErrorCode code, const std::string &allowed) {
+	const bool known = !allowed.empty();
 	switch (code) {
 		case ErrorCode::none: return "is fine";
-		case ErrorCode::not_finite: return "must be finite";
+		case ErrorCode::not_finite: return known ? "must be finite, " + allowed : "must be finite";
 		case ErrorCode::not_positive: return "must be positive";
-		case ErrorCode::out_of_range: return "is out of range";
-		case ErrorCode::inverted: return "ends before it starts";
+		case ErrorCode::out_of_range: return known ? "must be " + allowed : "is out of range";
+		case ErrorCode::inverted: return known ? "must be " + allowed : "ends before it starts";
 		case ErrorCode::too_many_points: return "asks for too many points";
 		case ErrorCode::missing: return "is missing";
-		case ErrorCode::wrong_size: return "has the wrong size";
+		case ErrorCode::wrong_size: return known ? "has the wrong size, must be " + allowed : "has the wrong size";
 		case ErrorCode::out_of_memory: return "needs more memory than there is";
 		case ErrorCode::corrupt: return "is truncated, damaged or of another kind";
 		case ErrorCode::foreign: return "was made for another seed, radius or number of levels";
@@ -26,10 +52,16 @@ const char *demand(ErrorCode code) {
 	return "is invalid";
 }
 
-std::string as_text(double number) {
-	std::array<char, 32> text{};
-	std::snprintf(text.data(), text.size(), "%.9g", number);
-	return text.data();
+/// The remedy where a call site names none.
+const char *usual_remedy(ErrorCode code) {
+	switch (code) {
+		case ErrorCode::too_many_points: return "Make the area smaller or the radius larger";
+		case ErrorCode::out_of_memory: return "Ask for less at once, or free memory";
+		case ErrorCode::corrupt: return "Use an undamaged copy that this version wrote";
+		case ErrorCode::foreign: return "Restore those that it was made for, or start with a new state";
+		case ErrorCode::margin_too_wide: return "Choose a different seed, and report this one as a bug";
+		default: return "";
+	}
 }
 
 } // namespace
@@ -37,16 +69,23 @@ std::string as_text(double number) {
 std::string describe(const Status &status) {
 	std::string text = status.property;
 	text += ' ';
-	text += demand(status.code);
+	text += demand(status.code, text_of(status.allowed));
 	const bool has_value = status.code != ErrorCode::missing && status.code != ErrorCode::none &&
 			status.code != ErrorCode::corrupt && status.code != ErrorCode::cancelled;
 	if (has_value) {
 		text += ", got ";
 		text += as_text(status.value);
 	}
+	if (status.code == ErrorCode::too_many_points && status.allowed.has_max()) {
+		text += "; at most " + as_text(status.allowed.max) + " are made at once";
+	}
 	if (const PointSetSite &site = status.site; site.radius > 0.0) {
 		text += " (seed " + std::to_string(site.seed) + ", radius " + as_text(site.radius) + ", position (" +
 				as_text(site.position.x) + ", " + as_text(site.position.y) + "))";
+	}
+	if (const char *remedy = *status.remedy != '\0' ? status.remedy : usual_remedy(status.code); *remedy != '\0') {
+		text += ". ";
+		text += remedy;
 	}
 	return text;
 }

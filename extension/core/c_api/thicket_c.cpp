@@ -22,6 +22,7 @@ using thicket::ErrorCode;
 using thicket::Progress;
 using thicket::SamplePoint;
 using thicket::Status;
+using thicket::at_most;
 
 struct thicket_sampler {
 	thicket::TileSampler tiles;
@@ -158,10 +159,10 @@ thicket::DomainRequest request_of(const thicket_domain &domain) {
 Status check_part(const thicket_sampler &sampler, std::uint64_t first, std::uint64_t count, const void *buffer) {
 	const std::uint64_t held = count_of(sampler);
 	if (first > held) {
-		return {ErrorCode::out_of_range, "first", static_cast<double>(first)};
+		return Status::out_of_range("first", first, at_most(held, "the points that are held"));
 	}
 	if (count > held - first) {
-		return {ErrorCode::out_of_range, "count", static_cast<double>(count)};
+		return Status::out_of_range("count", count, at_most(held - first, "the points from first on"));
 	}
 	if (buffer == nullptr && count > 0) {
 		return {ErrorCode::missing, "buffer", 0.0};

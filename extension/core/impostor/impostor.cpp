@@ -116,11 +116,14 @@ Status validate(const ImpostorSettings &settings) {
 					check_range("frame_size", settings.frame_size, min_frame_size, max_frame_size),
 					check_range("samples", settings.samples, 1.0, max_impostor_samples));
 	if (status.ok() && (settings.frame_size & (settings.frame_size - 1)) != 0) {
-		return {ErrorCode::out_of_range, "frame_size", static_cast<double>(settings.frame_size)};
+		return Status::out_of_range("frame_size", settings.frame_size,
+				between(min_frame_size, max_frame_size, "powers of two"), "Use 64, 128 or 256");
 	}
 	const int side = settings.frames * settings.frame_size;
 	return status.ok() && side > max_atlas_side
-			? Status{ErrorCode::out_of_range, "frames", static_cast<double>(settings.frames)}
+			? Status::out_of_range("frames", settings.frames,
+					  at_most(max_atlas_side / settings.frame_size, "for an atlas of this frame_size"),
+					  "Lower frames or frame_size")
 			: status;
 }
 
@@ -134,7 +137,7 @@ Status bake_impostor(std::span<const ImpostorSurface> surfaces, const ImpostorSe
 		made.settings = settings;
 		measure(surfaces, made);
 		if (!(made.radius > 0.0F)) {
-			return {ErrorCode::not_positive, "radius", made.radius};
+			return {ErrorCode::not_positive, "radius", made.radius, {}, {}, "Add surfaces that have an extent"};
 		}
 		const Status status = take_pictures(surfaces, progress, made);
 		if (status.ok()) {

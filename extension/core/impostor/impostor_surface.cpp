@@ -19,7 +19,7 @@ constexpr double farthest_vertex = 1e6; // Meters.
 template <class Vector>
 Status check_vectors(const char *property, std::span<const Vector> vectors, std::size_t count, double largest) {
 	if (!vectors.empty() && vectors.size() != count) {
-		return {ErrorCode::wrong_size, property, static_cast<double>(vectors.size())};
+		return Status::wrong_size(property, vectors.size(), exactly(count, "one a vertex"));
 	}
 	for (const Vector &vector : vectors) {
 		for (int axis = 0; axis < Vector::length(); ++axis) {
@@ -53,11 +53,12 @@ void ImpostorSurface::transform(const glm::mat3 &basis, glm::vec3 offset) {
 
 Status ImpostorSurface::check() const {
 	if (indices.size() % 3 != 0) {
-		return {ErrorCode::wrong_size, "indices", static_cast<double>(indices.size())};
+		return Status::wrong_size("indices", indices.size(), at_least(0, "three a triangle"));
 	}
 	for (const std::uint32_t index : indices) {
 		if (index >= positions.size()) {
-			return {ErrorCode::out_of_range, "indices", static_cast<double>(index)};
+			return Status::out_of_range(
+					"indices", index, at_most(static_cast<double>(positions.size()) - 1.0, "the last vertex"));
 		}
 	}
 	const std::size_t count = positions.size();

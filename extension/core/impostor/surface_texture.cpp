@@ -35,7 +35,7 @@ Status SurfaceTexture::set(int width, int height, std::span<const std::uint8_t> 
 			check_range("texture", height, 1.0, max_texture_side));
 	const std::size_t count = 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 	if (!sides.ok() || rgba.size() != count) {
-		return sides.ok() ? Status{ErrorCode::wrong_size, "texture", static_cast<double>(rgba.size())} : sides;
+		return sides.ok() ? Status::wrong_size("texture", rgba.size(), exactly(count, "bytes")) : sides;
 	}
 	return guarded("texture", static_cast<double>(count), [&] {
 		SurfaceTexture made;

@@ -26,7 +26,7 @@ Status DensityProbe::Workspace::find(
 	rules.placement = {};     // Nor does how an instance is placed.
 	filter.set(rules);
 	if (const double points = filter.points_around(rect); points > max_probed_points) {
-		return {ErrorCode::too_many_points, "rect", points};
+		return Status::too_many_points("rect", points, max_probed_points);
 	}
 	if (const Status status = filter.sample_around(places, rect); !status.ok()) {
 		return status;
@@ -71,7 +71,7 @@ Status DensityProbe::look(std::span<const Ground> ground) {
 		return {ErrorCode::missing, "places", 0.0};
 	}
 	if (ground.size() != workspace_->positions.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(ground.size())};
+		return Status::wrong_size("ground", ground.size(), exactly(workspace_->positions.size()));
 	}
 	return guarded("ground", static_cast<double>(ground.size()), [&] {
 		Workspace &work = *workspace_;

@@ -24,7 +24,9 @@ std::array<const InstanceSource *, 2> distance_sources_at(const LayerSettings &l
 }
 
 Status too_deep(std::size_t depth) {
-	return {ErrorCode::out_of_range, "depth of neighbors", static_cast<double>(depth)};
+	return Status::out_of_range("depth of neighbors", depth,
+			at_most(max_neighbor_depth, "layers in a chain that refer to each other"),
+			"Remove spacing, proximity_layer or color_source_layer from a layer of the chain");
 }
 
 } // namespace
@@ -50,7 +52,8 @@ void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 	if (depth > max_neighbor_depth) {
 		status_ = too_deep(depth);
 	} else if (layer.neighbors.size() > max_neighbors) {
-		status_ = {ErrorCode::out_of_range, "neighbors", static_cast<double>(layer.neighbors.size())};
+		status_ = Status::out_of_range(
+				"neighbors", layer.neighbors.size(), at_most(max_neighbors), "Remove entries of spacing");
 	}
 	for (std::size_t i = 0; status_.ok() && i < layer.neighbors.size(); ++i) {
 		status_ = check(layer.neighbors[i]);
@@ -64,7 +67,8 @@ void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 		}
 	}
 	if (status_.ok() && size_ == nodes_.size()) {
-		status_ = {ErrorCode::out_of_range, "neighbors of neighbors", static_cast<double>(size_ + 1)};
+		status_ = Status::out_of_range("neighbors of neighbors", size_ + 1, at_most(nodes_.size(), "layers in all"),
+				"Remove entries of spacing from the layers that this one refers to");
 	}
 	if (status_.ok()) {
 		nodes_[size_++].layer = &layer;

@@ -25,7 +25,7 @@ bool thins(const LodSettings &settings) { return settings.thin_density < 1.0; }
 
 Status validate(const LodSettings &settings) {
 	if (settings.lod_distances.size() > max_lods) {
-		return {ErrorCode::out_of_range, "lod_distances", static_cast<double>(settings.lod_distances.size())};
+		return Status::out_of_range("lod_distances", settings.lod_distances.size(), at_most(max_lods, "entries"));
 	}
 	double last = 0.0;
 	for (const double distance : settings.lod_distances) {

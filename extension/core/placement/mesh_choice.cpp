@@ -10,7 +10,7 @@ namespace thicket {
 
 Status validate_mesh_weights(std::span<const float> weights) {
 	if (weights.size() > max_meshes) {
-		return {ErrorCode::out_of_range, "mesh_weights", static_cast<double>(weights.size())};
+		return Status::out_of_range("mesh_weights", weights.size(), at_most(max_meshes, "entries"));
 	}
 	for (const float weight : weights) {
 		const Status status = check_range("mesh_weights", weight, 0.0, std::numeric_limits<float>::max());

@@ -1,5 +1,6 @@
 #include "core/placement/place_grid.hpp"
 
+#include "core/base/check.hpp"
 #include "core/base/guard.hpp"
 #include "core/base/trigonometry.hpp"
 #include "core/rules/rules.hpp"
@@ -15,13 +16,13 @@ Status grid_places(const Rect &rect, glm::ivec2 size, std::vector<glm::dvec2> &r
 		return {ErrorCode::not_positive, "size", static_cast<double>(std::min(size.x, size.y))};
 	}
 	if (std::max(size.x, size.y) > max_grid_side || count > max_grid_places) {
-		return {ErrorCode::out_of_range, "size", count};
+		return Status::out_of_range("size", count, at_most(max_grid_places, "positions"), "Lower its width or height");
 	}
 	if (!rect.finite()) {
 		return {ErrorCode::not_finite, "rect", rect.size().x};
 	}
 	if (rect.min.x > rect.max.x || rect.min.y > rect.max.y) {
-		return {ErrorCode::inverted, "rect", std::min(rect.size().x, rect.size().y)};
+		return {ErrorCode::inverted, "rect", std::min(rect.size().x, rect.size().y), {}, {}, negative_size};
 	}
 	return guarded_answer("size", count, r_places, [&] {
 		r_places.clear();

@@ -203,7 +203,7 @@ Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile,
 		return {ErrorCode::missing, "points", 0.0};
 	}
 	if (ground.size() != workspace_->positions.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(ground.size())};
+		return Status::wrong_size("ground", ground.size(), exactly(workspace_->positions.size()));
 	}
 	return guarded("tile", std::max(workspace_->rect.size().x, workspace_->rect.size().y),
 			[&] { return workspace_->place(ground, r_tile, cancel); });

@@ -21,7 +21,7 @@ Status check_rect(const Rect &rect) {
 	}
 	const glm::dvec2 size = rect.size();
 	if (size.x < 0.0 || size.y < 0.0) {
-		return {ErrorCode::inverted, "rect", std::min(size.x, size.y)};
+		return {ErrorCode::inverted, "rect", std::min(size.x, size.y), {}, {}, negative_size};
 	}
 	return {};
 }

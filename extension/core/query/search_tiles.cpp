@@ -10,6 +10,8 @@ namespace thicket {
 
 namespace {
 
+constexpr const char *shorter_ray = "Shorten the ray, or name fewer layers";
+
 /// Finds the tiles of one layer after another, row by row, so that only those near the ray are ever looked at.
 class RayWalk {
 public:
@@ -26,7 +28,7 @@ public:
 		// There is a tile in every row, save where the ray leaves the set.
 		if (const double most = points_ + (1.0 + rows.last.y - rows.first.y) * window.tile_points();
 				most > InstanceQuery::max_points) {
-			return {ErrorCode::too_many_points, "to", most};
+			return Status::too_many_points("to", most, InstanceQuery::max_points, shorter_ray);
 		}
 		for (std::int32_t y = rows.first.y; y <= rows.last.y; ++y) {
 			const Rect area = window.standing_area({rows.first.x, y});
@@ -37,7 +39,7 @@ public:
 			const TileRange near = window.touching(rect_between(part.start, part.end, margin));
 			for (std::int32_t x = near.first.x; x <= near.last.x; ++x) {
 				if (!add_tile(window, index, {x, y}, part, reach)) {
-					return {ErrorCode::too_many_points, "to", points_};
+					return Status::too_many_points("to", points_, InstanceQuery::max_points, shorter_ray);
 				}
 			}
 		}

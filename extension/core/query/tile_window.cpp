@@ -17,6 +17,7 @@ namespace thicket {
 namespace {
 
 constexpr double longest_shape = 1e4;
+constexpr const char *smaller_area = "Make the area smaller, or name fewer layers";
 
 struct Near {
 	double distance_squared;
@@ -31,7 +32,7 @@ Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &
 	// A circle touches more than half of the tiles around it, so this refuses none that the count below would let pass.
 	const double most = r_points + range.count() * window.tile_points();
 	if (most > 2.0 * InstanceQuery::max_points) {
-		return {ErrorCode::too_many_points, area.property, most};
+		return Status::too_many_points(area.property, most, InstanceQuery::max_points, smaller_area);
 	}
 	std::vector<Near> near;
 	for (std::int32_t y = range.first.y; y <= range.last.y; ++y) {
@@ -46,7 +47,7 @@ Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &
 	}
 	r_points += static_cast<double>(near.size()) * window.tile_points();
 	if (r_points > InstanceQuery::max_points) {
-		return {ErrorCode::too_many_points, area.property, r_points};
+		return Status::too_many_points(area.property, r_points, InstanceQuery::max_points, smaller_area);
 	}
 	std::sort(near.begin(), near.end(), [](const Near &a, const Near &b) {
 		return std::tie(a.distance_squared, a.tile.y, a.tile.x) < std::tie(b.distance_squared, b.tile.y, b.tile.x);
@@ -104,7 +105,8 @@ Status find_layers(
 	std::sort(r_indices.begin(), r_indices.end());
 	r_indices.erase(std::unique(r_indices.begin(), r_indices.end()), r_indices.end());
 	if (!r_indices.empty() && r_indices.back() >= layers.size()) {
-		return {ErrorCode::out_of_range, "layer", static_cast<double>(r_indices.back())};
+		return Status::out_of_range(
+				"layer", r_indices.back(), at_most(static_cast<double>(layers.size()) - 1.0, "the last layer"));
 	}
 	std::erase_if(r_indices, [&](std::uint32_t index) { return !layers[index].wanted; });
 	for (const std::uint32_t index : r_indices) {

@@ -62,12 +62,12 @@ Status BiomeMap::set(glm::ivec2 size, std::span<const std::uint8_t> pixels, cons
 		return status;
 	}
 	if (pixels.size() != static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {
-		return {ErrorCode::wrong_size, "pixels", static_cast<double>(pixels.size())};
+		return Status::wrong_size("pixels", pixels.size(), exactly(double{1.0} * size.x * size.y));
 	}
 	const auto bad =
 			std::ranges::find_if(pixels, [](std::uint8_t index) { return index >= max_biomes && index != no_biome; });
 	if (bad != pixels.end()) {
-		return {ErrorCode::out_of_range, "pixels", static_cast<double>(*bad)};
+		return Status::out_of_range("pixels", *bad, at_most(max_biomes - 1, "the last biome"));
 	}
 	return guarded("pixels", static_cast<double>(pixels.size()), [&] {
 		BiomeMap next;

@@ -36,7 +36,7 @@ BiomeDensity::BiomeDensity(std::shared_ptr<const BiomeMap> map, const PerBiome<f
 
 Status BiomeDensity::sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const {
 	if (positions.size() != r_density.size()) {
-		return {ErrorCode::wrong_size, "density", static_cast<double>(r_density.size())};
+		return Status::wrong_size("density", r_density.size(), exactly(positions.size()));
 	}
 	if (positions.empty()) {
 		return {};

@@ -19,10 +19,10 @@ Status CurveTable::set(double min, double max, std::span<const float> samples) {
 		return status;
 	}
 	if (min == max) {
-		return {ErrorCode::inverted, "max", max};
+		return {ErrorCode::inverted, "max", max, {}, {}, "Use a maximum above the minimum"};
 	}
 	if (samples.size() < 2 || samples.size() > max_curve_samples) {
-		return {ErrorCode::wrong_size, "samples", static_cast<double>(samples.size())};
+		return Status::wrong_size("samples", samples.size(), between(2, max_curve_samples));
 	}
 	for (const float sample : samples) {
 		if (const Status status = check_range("samples", sample, 0.0, 1.0); !status.ok()) {

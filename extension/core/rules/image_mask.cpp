@@ -49,7 +49,7 @@ Status ImageMask::set(glm::ivec2 size, std::span<const std::uint8_t> pixels, con
 		return status;
 	}
 	if (pixels.size() != static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {
-		return {ErrorCode::wrong_size, "pixels", static_cast<double>(pixels.size())};
+		return Status::wrong_size("pixels", pixels.size(), exactly(double{1.0} * size.x * size.y));
 	}
 	return guarded("pixels", static_cast<double>(pixels.size()), [&] {
 		pixels_ = std::vector<std::uint8_t>(pixels.begin(), pixels.end());
@@ -61,7 +61,7 @@ Status ImageMask::set(glm::ivec2 size, std::span<const std::uint8_t> pixels, con
 
 Status ImageMask::sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const {
 	if (positions.size() != r_density.size()) {
-		return {ErrorCode::wrong_size, "density", static_cast<double>(r_density.size())};
+		return Status::wrong_size("density", r_density.size(), exactly(positions.size()));
 	}
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		r_density[i] = static_cast<float>(at(positions[i]));

@@ -54,7 +54,7 @@ double PaintedMask::background() const { return background_ / 255.0; }
 
 Status PaintedMask::sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const {
 	if (positions.size() != r_density.size()) {
-		return {ErrorCode::wrong_size, "density", static_cast<double>(r_density.size())};
+		return Status::wrong_size("density", r_density.size(), exactly(positions.size()));
 	}
 	const auto within_limit = [](double below) {
 		return below >= -pixel_limit && below <= pixel_limit - 2;
@@ -101,7 +101,7 @@ Status PaintedMask::write(const PixelRect &region, std::span<const std::uint8_t>
 		return status;
 	}
 	if (pixels.size() != pixel_count(region)) {
-		return {ErrorCode::wrong_size, "pixels", static_cast<double>(pixels.size())};
+		return Status::wrong_size("pixels", pixels.size(), exactly(pixel_count(region)));
 	}
 	const std::size_t columns = pixel_columns(region);
 	return guarded("region", static_cast<double>(pixels.size()), [&] {

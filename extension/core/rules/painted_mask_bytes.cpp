@@ -112,7 +112,7 @@ Status PaintedMask::from_bytes(std::span<const std::uint8_t> bytes) {
 		return corrupt;
 	}
 	if (const auto version = reader.take<std::uint32_t>(); reader.good() && version != format_version) {
-		return {ErrorCode::out_of_range, "version", static_cast<double>(version)};
+		return Status::out_of_range("version", version, exactly(format_version), newer_version);
 	}
 	if (bytes.size() < header_size + checksum_size) {
 		return corrupt;

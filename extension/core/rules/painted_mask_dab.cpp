@@ -27,7 +27,9 @@ Status check_brush(const Brush &brush, double pixel_size) {
 Status check_reach(double center, double radius, double pixel_size) {
 	constexpr double limit = PaintedMask::pixel_limit;
 	const bool inside = (center - radius) / pixel_size - 1.0 >= -limit && (center + radius) / pixel_size + 1.0 <= limit;
-	return inside ? Status{} : Status{ErrorCode::out_of_range, "center", center};
+	return inside ? Status{}
+				  : Status::out_of_range(
+							"center", center, between(-limit * pixel_size, limit * pixel_size, "less the radius"));
 }
 
 /// How far a dab takes a pixel towards its aim, 0 to 1.

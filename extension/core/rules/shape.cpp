@@ -45,7 +45,7 @@ Status check_position(const Shape &shape) {
 
 Status check_outline(const std::vector<glm::dvec2> &outline, std::size_t least) {
 	if (outline.size() < least || outline.size() > max_outline_points) {
-		return {ErrorCode::wrong_size, "outline", static_cast<double>(outline.size())};
+		return Status::wrong_size("outline", outline.size(), between(least, max_outline_points, "points"));
 	}
 	for (const glm::dvec2 point : outline) {
 		if (const Status status =
@@ -70,7 +70,7 @@ Status check_kind(const Shape &shape) {
 		case ShapeKind::path:
 			return first_failure(check_outline(shape.outline, 2), check_size("half_width", shape.half_size.x));
 	}
-	return {ErrorCode::out_of_range, "kind", static_cast<double>(shape.kind)};
+	return Status::out_of_range("kind", static_cast<int>(shape.kind), between(0, static_cast<int>(ShapeKind::path)));
 }
 
 Rect around(const std::vector<glm::dvec2> &points) {

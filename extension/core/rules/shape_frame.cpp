@@ -15,7 +15,7 @@ Status take_apart(const glm::dmat3 &basis, ShapeFrame &r_frame) {
 			return {ErrorCode::not_finite, "scale", length};
 		}
 		if (length <= 0.0) {
-			return {ErrorCode::not_positive, "scale", length};
+			return {ErrorCode::not_positive, "scale", length, {}, {}, "Scale no axis to 0"};
 		}
 		frame.scale[axis] = length;
 		frame.axes[axis] /= length;
@@ -24,7 +24,8 @@ Status take_apart(const glm::dmat3 &basis, ShapeFrame &r_frame) {
 	const double shear = std::max({std::abs(glm::dot(axes[0], axes[1])), std::abs(glm::dot(axes[0], axes[2])),
 			std::abs(glm::dot(axes[1], axes[2]))});
 	if (!(shear <= max_shape_shear)) {
-		return {ErrorCode::out_of_range, "shear", shear};
+		return Status::out_of_range(
+				"shear", shear, at_most(max_shape_shear), "Scale a turned parent by the same factor on all axes");
 	}
 	// Gram and Schmidt; up goes first, so that what stands upright stays so.
 	axes[0] = glm::normalize(axes[0] - glm::dot(axes[0], axes[1]) * axes[1]);

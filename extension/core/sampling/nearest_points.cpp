@@ -87,7 +87,8 @@ Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec
 		return status;
 	}
 	if (points.empty()) {
-		return {ErrorCode::out_of_range, "places", places.front().x};
+		return {ErrorCode::out_of_range, "places", places.front().x, {}, {},
+				"Move closer to the origin: the set ends there"};
 	}
 	const Buckets buckets(points, area, reach.x);
 	r_points.reserve(places.size());

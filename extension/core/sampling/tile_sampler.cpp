@@ -85,7 +85,7 @@ Status validate_rect(const PointSet &set, const Rect &rect) {
 	}
 	const glm::dvec2 size = rect.size();
 	if (size.x < 0.0 || size.y < 0.0) {
-		return {ErrorCode::inverted, "rect", std::min(size.x, size.y)};
+		return {ErrorCode::inverted, "rect", std::min(size.x, size.y), {}, {}, negative_size};
 	}
 	const double limit = lattice_unit(set) * cell_size * cell_limit;
 	for (const double bound : {rect.min.x, rect.min.y, rect.max.x, rect.max.y}) {
@@ -95,7 +95,7 @@ Status validate_rect(const PointSet &set, const Rect &rect) {
 	}
 	const double expected = expected_points(set, rect);
 	if (expected > max_points_per_call) {
-		return {ErrorCode::too_many_points, "rect", expected};
+		return Status::too_many_points("rect", expected, max_points_per_call);
 	}
 	return {};
 }

@@ -138,7 +138,7 @@ double InstanceState::time() const { return content_->time; }
 
 Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp) {
 	if (layer > max_state_layer) {
-		return {ErrorCode::out_of_range, "layer", static_cast<double>(layer)};
+		return Status::out_of_range("layer", layer, at_most(max_state_layer));
 	}
 	if (const Status status = guarded("layer", layer, [&] { content_->layers.try_emplace(layer); }); !status.ok()) {
 		return status;
@@ -270,7 +270,7 @@ Status InstanceState::move(
 	}
 	const bool by_hand = is_added(id);
 	if (layer_of(id) != instance.layer || (by_hand ? added(id) == nullptr : removed(id))) {
-		return {ErrorCode::missing, "id"};
+		return Status::missing("id", "Use the id of an instance, which is never 0");
 	}
 	const AddedInstance placed = without_signed_zeros(instance);
 	const std::uint64_t to =
@@ -304,11 +304,11 @@ void InstanceState::put_for(
 
 Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> bytes) {
 	if (bytes.size() > max_instance_data) {
-		return {ErrorCode::wrong_size, "data", static_cast<double>(bytes.size())};
+		return Status::wrong_size("data", bytes.size(), at_most(max_instance_data, "bytes an instance"));
 	}
 	Content::Entry to = content_->entry(id);
 	if (is_added(id) && to.instance == nullptr) {
-		return {ErrorCode::missing, "id"};
+		return Status::missing("id", "Use the id of an instance, which is never 0");
 	}
 	to.data = bytes;
 	const auto step = [&] {

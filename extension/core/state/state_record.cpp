@@ -193,7 +193,7 @@ bool take_record(ByteReader bytes, StateRecord &r_record, const std::atomic<bool
 
 Status validate(const AddedInstance &instance) {
 	if (instance.layer > max_state_layer) {
-		return {ErrorCode::out_of_range, "layer", static_cast<double>(instance.layer)};
+		return Status::out_of_range("layer", instance.layer, at_most(max_state_layer));
 	}
 	for (int axis = 0; axis < 3; ++axis) {
 		if (const Status status =
@@ -295,7 +295,7 @@ Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record, const st
 		return corrupt;
 	}
 	if (const auto version = reader.take<std::uint32_t>(); reader.good() && version != format_version) {
-		return {ErrorCode::out_of_range, "version", static_cast<double>(version)};
+		return Status::out_of_range("version", version, exactly(format_version), newer_version);
 	}
 	if (!reader.good() || reader.rest().size() < checksum_size) {
 		return corrupt;

@@ -21,12 +21,6 @@ constexpr double max_viewer_tiles = max_tile_coordinate - 2.0 * max_view_tiles;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Rect everywhere{glm::dvec2(-infinity), glm::dvec2(infinity)};
 
-Status validate(const StreamLayer &layer) {
-	return first_failure(check_positive("tile_size", layer.tile_size),
-			check_range("tile_size", layer.tile_size, min_tile_size, max_tile_size),
-			check_range("view_distance", layer.view_distance, 0.0, max_view_tiles * layer.tile_size));
-}
-
 Status validate(const Viewer &viewer, std::span<const LayerTiles> layers) {
 	double reach = max_viewer_tiles * max_tile_size;
 	for (const LayerTiles &layer : layers) {
@@ -38,6 +32,15 @@ Status validate(const Viewer &viewer, std::span<const LayerTiles> layers) {
 }
 
 } // namespace
+
+Status validate(const StreamLayer &layer) {
+	static_assert(max_view_tiles == 64.0, "the note below names it");
+	return first_failure(check_positive("tile_size", layer.tile_size),
+			check_range("tile_size", layer.tile_size, min_tile_size, max_tile_size),
+			check_range("view_distance", layer.view_distance,
+					between(0.0, max_view_tiles * layer.tile_size, "64 x tile_size"),
+					"Raise tile_size or lower view_distance"));
+}
 
 struct TileStreamer::State {
 	std::vector<LayerTiles> layers;

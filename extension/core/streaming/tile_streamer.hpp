@@ -28,6 +28,9 @@ inline constexpr double max_tile_size = 1e9;
 /// The farthest that a viewer sees, in tiles, whatever its radius scale: about 13,000 tiles for a viewer and layer.
 inline constexpr double max_view_tiles = 64.0;
 
+/// Whether a layer can be streamed so: the ranges of StreamLayer.
+Status validate(const StreamLayer &layer);
+
 /// A viewer that moves farther than this between two updates, in meters, has jumped; else it has flown: 1,000 m/s at 20
 /// frames a second.
 inline constexpr double max_flight_step = 50.0;

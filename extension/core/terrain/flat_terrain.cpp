@@ -6,7 +6,7 @@ namespace thicket {
 
 Status FlatTerrain::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		const bool somewhere = std::isfinite(positions[i].x) && std::isfinite(positions[i].y);

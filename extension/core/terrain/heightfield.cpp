@@ -24,8 +24,9 @@ Status check(const HeightfieldFrame &frame, std::size_t posts) {
 	if (const Status status = validate(frame); !status.ok()) {
 		return status;
 	}
-	if (posts != static_cast<std::size_t>(frame.posts.x) * static_cast<std::size_t>(frame.posts.y)) {
-		return {ErrorCode::wrong_size, "posts", static_cast<double>(posts)};
+	if (const std::size_t needed = static_cast<std::size_t>(frame.posts.x) * static_cast<std::size_t>(frame.posts.y);
+			posts != needed) {
+		return Status::wrong_size("posts", posts, exactly(needed));
 	}
 	return {};
 }
@@ -95,7 +96,7 @@ Status Heightfield::set_posts(const HeightfieldFrame &frame, const HeightPosts &
 		return status;
 	}
 	if (posts.count() != frame.posts) {
-		return {ErrorCode::wrong_size, "posts", static_cast<double>(posts.count().x)};
+		return Status::wrong_size("posts", posts.count().x, exactly(frame.posts.x, "columns"));
 	}
 	return guarded("posts", static_cast<double>(frame.posts.x), [&] {
 		posts_ = HeightPosts(posts);
@@ -113,10 +114,12 @@ Status Heightfield::check_patch(const PixelRect &rect, std::size_t posts, bool f
 		return {ErrorCode::missing, "posts of the kind", 0.0};
 	}
 	if (rect.empty() || rect.min.x < 0 || rect.min.y < 0 || rect.max.x > count.x || rect.max.y > count.y) {
-		return {ErrorCode::out_of_range, "rect", static_cast<double>(rect.min.x)};
+		return {ErrorCode::out_of_range, "rect", static_cast<double>(rect.min.x), {}, {},
+				"Stay within the posts of the map"};
 	}
-	if (posts != static_cast<std::size_t>(rect.size().x) * static_cast<std::size_t>(rect.size().y)) {
-		return {ErrorCode::wrong_size, "posts", static_cast<double>(posts)};
+	if (const std::size_t needed = static_cast<std::size_t>(rect.size().x) * static_cast<std::size_t>(rect.size().y);
+			posts != needed) {
+		return Status::wrong_size("posts", posts, exactly(needed));
 	}
 	return {};
 }
@@ -175,7 +178,7 @@ void Heightfield::add_changes(const Heightfield &before, std::vector<Rect> &r_ar
 
 Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	if (posts_.floats.empty()) {
 		sample_posts(positions, r_ground);
@@ -246,7 +249,7 @@ Heightfield::Patch Heightfield::patch_at(glm::dvec2 position) const {
 Status Heightfield::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 		std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	if (weights_.empty()) {
 		return {};

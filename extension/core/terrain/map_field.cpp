@@ -20,13 +20,13 @@ constexpr int textures_per_splat = 4;
 Status check_layer(const char *name, const PixelGrid &layer, glm::ivec2 posts) {
 	return layer.empty() || layer.size() == posts
 			? Status{}
-			: Status{ErrorCode::wrong_size, name, static_cast<double>(layer.size().x)};
+			: Status::wrong_size(name, layer.size().x, exactly(posts.x, "columns, as the height map"));
 }
 
 Status check(const MapLayers &layers) {
 	const glm::ivec2 posts = layers.heights.size();
 	if (posts.x < 2 || posts.y < 2) {
-		return {ErrorCode::wrong_size, "height map", static_cast<double>(std::min(posts.x, posts.y))};
+		return Status::wrong_size("height map", std::min(posts.x, posts.y), at_least(2, "posts on each side"));
 	}
 	Status status = first_failure(check_layer("color map", layers.colors, posts),
 			check_layer("splat index map", layers.indices, posts),
@@ -129,7 +129,7 @@ Ground MapField::ground_at(glm::dvec2 position) const {
 
 Status MapField::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		r_ground[i] = ground_at(positions[i]);
@@ -165,7 +165,7 @@ double MapField::indexed_at(int column, int row, std::span<const std::int32_t> t
 Status MapField::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 		std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	if (!layers_.has_textures()) {
 		return {};

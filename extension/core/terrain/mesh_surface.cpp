@@ -72,18 +72,21 @@ Status append_faces(const MeshSurface &surface, std::vector<glm::vec3> &r_corner
 		return {};
 	}
 	if (surface.vertices.size() / bytes_of(surface.positions) < surface.vertex_count) {
-		return {ErrorCode::wrong_size, "vertices", static_cast<double>(surface.vertices.size())};
+		return Status::wrong_size("vertices", surface.vertices.size(),
+				at_least(surface.vertex_count * bytes_of(surface.positions), "bytes"));
 	}
 	const std::size_t index_bytes = surface.index_count > 0 ? surface.indices.size() / surface.index_count : 0;
 	if (surface.index_count > 0 && index_bytes != sizeof(std::uint16_t) && index_bytes != sizeof(std::uint32_t)) {
-		return {ErrorCode::wrong_size, "indices", static_cast<double>(surface.indices.size())};
+		return Status::wrong_size("indices", surface.indices.size(),
+				between(2 * surface.index_count, 4 * surface.index_count, "bytes, 2 or 4 each"));
 	}
 	return guarded("corners", static_cast<double>(corners), [&] {
 		r_corners.reserve(r_corners.size() + corners);
 		Status status;
 		const auto add = [&](std::size_t vertex) {
 			if (vertex >= surface.vertex_count) {
-				status = {ErrorCode::out_of_range, "index of a vertex", static_cast<double>(vertex)};
+				status = Status::out_of_range("index of a vertex", vertex,
+						at_most(static_cast<double>(surface.vertex_count) - 1.0), "Import the mesh again");
 				return false;
 			}
 			r_corners.push_back(position_at(surface, vertex));

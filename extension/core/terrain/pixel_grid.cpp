@@ -20,7 +20,7 @@ Status PixelGrid::set(glm::ivec2 size, int pixel_bytes, SharedBytes bytes) {
 	const std::size_t needed =
 			static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(pixel_bytes);
 	if (bytes.bytes.size() < needed) {
-		return {ErrorCode::wrong_size, "bytes", static_cast<double>(bytes.bytes.size())};
+		return Status::wrong_size("bytes", bytes.bytes.size(), at_least(needed));
 	}
 	size_ = size;
 	pixel_bytes_ = static_cast<std::size_t>(pixel_bytes);
@@ -57,10 +57,10 @@ std::shared_ptr<PixelGrid::Block> PixelGrid::copy_of(glm::ivec2 block) const {
 
 Status PixelGrid::patch(const PixelRect &rect, std::span<const std::uint8_t> image) {
 	if (rect.empty() || rect.min.x < 0 || rect.min.y < 0 || rect.max.x > size_.x || rect.max.y > size_.y) {
-		return {ErrorCode::out_of_range, "rect", static_cast<double>(rect.min.x)};
+		return {ErrorCode::out_of_range, "rect", static_cast<double>(rect.min.x), {}, {}, "Stay within the grid"};
 	}
 	if (image.size() < offset(0, size_.y, size_.x)) {
-		return {ErrorCode::wrong_size, "image", static_cast<double>(image.size())};
+		return Status::wrong_size("image", image.size(), at_least(offset(0, size_.y, size_.x), "bytes"));
 	}
 	return guarded("blocks", static_cast<double>(image.size()), [&] {
 		auto blocks = blocks_;

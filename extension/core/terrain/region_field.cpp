@@ -45,10 +45,12 @@ Status check(const FieldRegion &region, int side) {
 		return map.size() == glm::ivec2(side);
 	};
 	if (!fits(region.heights)) {
-		return {ErrorCode::wrong_size, "height map of a region", static_cast<double>(region.heights.size().x)};
+		return Status::wrong_size(
+				"height map of a region", region.heights.size().x, exactly(side, "pixels on each side"));
 	}
 	if (!region.controls.empty() && !fits(region.controls)) {
-		return {ErrorCode::wrong_size, "control map of a region", static_cast<double>(region.controls.size().x)};
+		return Status::wrong_size(
+				"control map of a region", region.controls.size().x, exactly(side, "pixels on each side"));
 	}
 	const int limit = RegionField::max_location;
 	return first_failure(check_range("location of a region", region.location.x, -limit, limit - 1),
@@ -85,7 +87,8 @@ Status RegionField::set(int side, double spacing, std::vector<FieldRegion> regio
 		}
 		const std::size_t cells = static_cast<std::size_t>(layout->size.x) * static_cast<std::size_t>(layout->size.y);
 		if (cells > max_table) {
-			return {ErrorCode::out_of_range, "locations of regions", static_cast<double>(cells)};
+			return Status::out_of_range(
+					"locations of regions", cells, at_most(max_table, "cells in the rectangle around all"));
 		}
 		layout->table.assign(cells, -1);
 		for (std::size_t i = 0; i < regions.size(); ++i) {
@@ -94,7 +97,8 @@ Status RegionField::set(int side, double spacing, std::vector<FieldRegion> regio
 					layout->table[static_cast<std::size_t>(at.y) * static_cast<std::size_t>(layout->size.x) +
 							static_cast<std::size_t>(at.x)];
 			if (entry >= 0) {
-				return {ErrorCode::out_of_range, "location of a region", static_cast<double>(regions[i].location.x)};
+				return {ErrorCode::out_of_range, "location of a region", static_cast<double>(regions[i].location.x), {},
+						{}, "Remove the second region at this location"};
 			}
 			entry = static_cast<std::int32_t>(i);
 		}
@@ -207,7 +211,7 @@ Ground RegionField::ground_at(glm::dvec2 position) const {
 
 Status RegionField::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		r_ground[i] = ground_at(positions[i]);
@@ -237,7 +241,7 @@ float RegionField::weight_at(const Place &place, glm::dvec2 position, std::span<
 Status RegionField::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 		std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		Place place{};

@@ -61,7 +61,7 @@ Status TriangleParts::set(std::span<const Part> parts) {
 
 Status TriangleParts::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		r_ground[i] = ground_at(positions[i]);

@@ -31,10 +31,10 @@ Status check_corner(glm::dvec3 corner) {
 
 Status check_corners(std::span<const glm::dvec3> corners) {
 	if (corners.size() % 3 != 0) {
-		return {ErrorCode::wrong_size, "corners", static_cast<double>(corners.size())};
+		return Status::wrong_size("corners", corners.size(), at_least(0, "three a triangle"));
 	}
 	if (corners.size() / 3 > TriangleTerrain::max_triangles) {
-		return {ErrorCode::out_of_range, "triangles", static_cast<double>(corners.size() / 3)};
+		return Status::out_of_range("triangles", corners.size() / 3, at_most(TriangleTerrain::max_triangles));
 	}
 	const std::size_t refused = TriangleTerrain::find_refused_corner(corners);
 	return refused < corners.size() ? check_corner(corners[refused]) : Status{};
@@ -129,7 +129,7 @@ TriangleTerrain::Box TriangleTerrain::around(const Box &a, const Box &b) {
 
 Status TriangleTerrain::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	Top top;
 	for (std::size_t i = 0; i < positions.size(); ++i) {

@@ -38,7 +38,7 @@ Status WeightMap::set(glm::ivec2 size, int channels, std::span<const std::uint8_
 	const std::size_t bytes =
 			static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(channels);
 	if (weights.size() != bytes) {
-		return {ErrorCode::wrong_size, "weights", static_cast<double>(weights.size())};
+		return Status::wrong_size("weights", weights.size(), exactly(bytes, "bytes"));
 	}
 	return guarded("weights", static_cast<double>(bytes), [&] {
 		weights_ = std::make_shared<const std::vector<std::uint8_t>>(weights.begin(), weights.end());

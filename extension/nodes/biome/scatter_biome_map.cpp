@@ -40,7 +40,7 @@ bool is_in(const Ref<ScatterLayer> &p_layer, const TypedArray<ScatterLayer> &p_l
 
 void ScatterBiomeMap::set_biomes(const TypedArray<ScatterBiome> &p_biomes) {
 	if (p_biomes.size() > static_cast<int64_t>(max_biomes)) {
-		report(class_name, {ErrorCode::wrong_size, "biomes", static_cast<double>(p_biomes.size())});
+		report(class_name, Status::wrong_size("biomes", p_biomes.size(), at_most(max_biomes, "entries")));
 		return;
 	}
 	biomes_ = p_biomes;
@@ -51,7 +51,7 @@ void ScatterBiomeMap::set_map_image(const Ref<Resource> &p_image) {
 	const Ref<Image> image = p_image;
 	const Ref<Texture2D> texture = p_image;
 	if (p_image.is_valid() && image.is_null() && texture.is_null()) {
-		report(class_name, {ErrorCode::missing, "map_image", 0.0});
+		report(class_name, Status::missing("map_image", "Set an image that has pixels"));
 		return;
 	}
 	watch(image_.ptr(), "changed", this, "_image_changed", false);
@@ -188,7 +188,8 @@ Status ScatterBiomeMap::make(BiomeMap &r_map) {
 	}
 	for (const int side : {pixels_.size.x, pixels_.size.y}) {
 		if (side > max_biome_map_pixels) {
-			return {ErrorCode::out_of_range, "map_image", static_cast<double>(side)};
+			return Status::out_of_range(
+					"map_image", side, at_most(max_biome_map_pixels, "pixels on each side"), "Scale the image down");
 		}
 	}
 	Status status = r_map.set(

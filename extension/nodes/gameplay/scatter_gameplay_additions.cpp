@@ -23,7 +23,8 @@ constexpr std::size_t transform_size = 12; ///< Floats.
 
 Status check_mesh(int64_t mesh) {
 	const bool known = mesh >= 0 && mesh < static_cast<int64_t>(max_meshes);
-	return known ? Status{} : Status{ErrorCode::out_of_range, "mesh", static_cast<double>(mesh)};
+	return known ? Status{}
+				 : Status::out_of_range("mesh", mesh, between(0, max_meshes - 1, "an index of ScatterLayer.meshes"));
 }
 
 /// A transform of a buffer: three rows of a basis, each with a number of the origin after it.
@@ -55,8 +56,9 @@ bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &
 		return false;
 	}
 	const bool wanted = r_layer < world_.layers().size() && world_.layers()[r_layer].wanted;
-	const Status status =
-			wanted ? claim(r_layer) : Status{ErrorCode::out_of_range, "layer", static_cast<double>(r_layer)};
+	const Status status = wanted
+			? claim(r_layer)
+			: Status{ErrorCode::missing, "layer", 0.0, {}, {}, "Fix what get_problems() reports of the layer"};
 	report(name.c_str(), status);
 	return status.ok();
 }
@@ -85,12 +87,13 @@ PackedInt64Array ScatterGameplay::add_instances(
 	const std::size_t count = floats / transform_size;
 	const bool one_mesh = p_meshes.size() == 0;
 	if (floats % transform_size != 0) {
-		report("TerrainScatter3D.add_instances", {ErrorCode::wrong_size, "transforms", static_cast<double>(floats)});
+		report("TerrainScatter3D.add_instances",
+				Status::wrong_size("transforms", floats, at_least(0, "12 floats an instance")));
 		return {};
 	}
 	if (!one_mesh && p_meshes.size() != static_cast<int64_t>(count)) {
 		report("TerrainScatter3D.add_instances",
-				{ErrorCode::wrong_size, "meshes", static_cast<double>(p_meshes.size())});
+				Status::wrong_size("meshes", p_meshes.size(), exactly(count, "one an instance, or none")));
 		return {};
 	}
 	std::uint32_t layer = 0;

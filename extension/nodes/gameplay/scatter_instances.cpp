@@ -48,7 +48,7 @@ Ref<ScatterInstances> ScatterInstances::of(FoundInstances found, glm::dvec3 offs
 bool ScatterInstances::has(const char *p_method, int64_t p_index) const {
 	if (p_index < 0 || p_index >= size()) {
 		report((std::string("ScatterInstances.") + p_method).c_str(),
-				{ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
+				Status::out_of_range("index", p_index, at_most(size() - 1, "from 0; size() counts them")));
 		return false;
 	}
 	return true;

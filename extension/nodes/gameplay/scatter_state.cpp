@@ -123,9 +123,9 @@ Status ScatterState::move(std::uint64_t id, const AddedInstance &instance, std::
 bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 	PackedByteArray bytes;
 	const std::uint64_t revision = state_.revision();
-	Status status{ErrorCode::corrupt, "data"};
+	Status status{ErrorCode::corrupt, "data", 0.0, {}, {}, "Use values that var_to_bytes() encodes, no objects"};
 	if (p_id == 0) {
-		status = {ErrorCode::missing, "id"};
+		status = Status::missing("id", "Pass the id of an instance, which is never 0");
 	} else if (encode(p_data, bytes)) {
 		status = state_.set_data(core_id(p_id), span_of(bytes));
 	}
@@ -201,7 +201,7 @@ Error ScatterState::apply_diff(const PackedByteArray &p_diff) {
 
 Error ScatterState::merge(const Ref<ScatterState> &p_other) {
 	if (p_other.is_null()) {
-		return told("merge", {ErrorCode::missing, "other", 0.0});
+		return told("merge", Status::missing("other", "Pass a ScatterState"));
 	}
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;

@@ -28,7 +28,8 @@ Status read(const Array &p_arrays, int64_t p_which, Variant::Type p_type, std::v
 		return {};
 	}
 	if (value.get_type() != p_type) {
-		return {ErrorCode::wrong_size, "arrays", static_cast<double>(p_which)};
+		return {ErrorCode::wrong_size, "arrays", static_cast<double>(p_which), {}, {},
+				"Use arrays as Mesh.surface_get_arrays returns them"};
 	}
 	const Packed packed = value;
 	r_list.reserve(static_cast<std::size_t>(packed.size()));
@@ -80,7 +81,8 @@ Status read_arrays(const Array &p_arrays, ImpostorSurface &r_surface) {
 Status read_texture(const Ref<Image> &p_image, SurfaceTexture &r_texture) {
 	const Ref<Image> copy = p_image->duplicate();
 	if (copy->is_compressed() && copy->decompress() != OK) {
-		return {ErrorCode::out_of_range, "texture", static_cast<double>(p_image->get_format())};
+		return {ErrorCode::out_of_range, "texture", static_cast<double>(p_image->get_format()), {}, {},
+				"Use an image format that the engine can decompress"};
 	}
 	copy->clear_mipmaps();
 	copy->convert(Image::FORMAT_RGBA8);

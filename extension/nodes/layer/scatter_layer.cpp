@@ -1,8 +1,11 @@
 // When a layer may be used, the properties at the top of its inspector and those for experts at its end.
 
+#include "core/base/check.hpp"
 #include "core/placement/instance_rows.hpp"
 #include "core/state/instance_state.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
+
+#include <cmath>
 
 using namespace godot;
 
@@ -40,13 +43,12 @@ Status ScatterLayer::check() {
 	if (!status.ok()) {
 		return status;
 	}
-	if (point_density(whole.set) * range_.tile_size * range_.tile_size > max_tile_points) {
-		return {ErrorCode::too_many_points, "tile_size", range_.tile_size};
-	}
-	if (range_.view_distance > max_view_tiles * range_.tile_size) {
-		return {ErrorCode::out_of_range, "view_distance", range_.view_distance};
-	}
-	return {};
+	static_assert(max_tile_points == 4e6, "the note below names it");
+	const double largest = std::sqrt(max_tile_points / point_density(whole.set));
+	return first_failure(
+			check_range("tile_size", range_.tile_size, at_most(largest, "4 million points a tile at this radius"),
+					"Lower tile_size or raise radius"),
+			validate(range_));
 }
 
 void ScatterLayer::take_id(std::int64_t p_id) {

@@ -34,7 +34,8 @@ constexpr auto max_lod_meshes = static_cast<int64_t>(max_lods * max_meshes);
 
 void ScatterLayer::set_lod_meshes(const TypedArray<Mesh> &p_meshes) {
 	if (p_meshes.size() > max_lod_meshes) {
-		report(layer_class_name, {ErrorCode::out_of_range, "lod_meshes", static_cast<double>(p_meshes.size())});
+		report(layer_class_name,
+				Status::out_of_range("lod_meshes", p_meshes.size(), at_most(max_lod_meshes, "entries")));
 		return;
 	}
 	watch_meshes(false);
@@ -64,7 +65,8 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 	const LayerMeshes meshes = meshes_;
 	const auto count = static_cast<int64_t>(meshes.size());
 	if (p_index < 0 || p_index >= count) {
-		report("ScatterLayer.get_mesh_lods", {ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
+		report("ScatterLayer.get_mesh_lods",
+				Status::out_of_range("index", p_index, between(0, count - 1, "an index of meshes")));
 		return result;
 	}
 	LayerDrawing drawing;

@@ -35,7 +35,9 @@ struct Extent {
 bool accept_count(const Array &p_meshes) {
 	const bool fits = p_meshes.size() <= static_cast<int64_t>(max_meshes);
 	if (!fits) {
-		report(layer_class_name, {ErrorCode::out_of_range, "meshes", static_cast<double>(p_meshes.size())});
+		report(layer_class_name,
+				Status::out_of_range(
+						"meshes", p_meshes.size(), at_most(max_meshes, "entries"), "Divide them among layers"));
 	}
 	return fits;
 }

@@ -73,7 +73,7 @@ Variant ScatterLayer::accept_reference(const char *p_property, const Variant &p_
 
 void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 	if (p_spacing.size() > static_cast<int64_t>(max_neighbors)) {
-		report(layer_class_name, {ErrorCode::wrong_size, "spacing", static_cast<double>(p_spacing.size())});
+		report(layer_class_name, Status::wrong_size("spacing", p_spacing.size(), at_most(max_neighbors, "entries")));
 		return;
 	}
 	Dictionary spacing; // A copy, since scripts share dictionaries.

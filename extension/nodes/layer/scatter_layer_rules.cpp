@@ -44,7 +44,8 @@ constexpr ResourceProperty noise_curve{"noise_curve", &LayerTables::noise_curve,
 
 void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 	if (p_textures.size() > max_texture + 1) {
-		report(layer_class_name, {ErrorCode::wrong_size, "ground_textures", static_cast<double>(p_textures.size())});
+		report(layer_class_name,
+				Status::wrong_size("ground_textures", p_textures.size(), at_most(max_texture + 1, "entries")));
 		return;
 	}
 	for (const int32_t texture : p_textures) {

@@ -36,7 +36,7 @@ PackedFloat64Array ScatterTileGrid::get_tile_bounds(const Vector2i &p_tile) cons
 
 Rect2i ScatterTileGrid::get_tiles_in(const PackedFloat64Array &p_bounds) const {
 	if (p_bounds.size() != 4) {
-		report(class_name, {ErrorCode::wrong_size, "bounds", static_cast<double>(p_bounds.size())});
+		report(class_name, Status::wrong_size("bounds", p_bounds.size(), exactly(4, "min x, min z, max x, max z")));
 		return {};
 	}
 	for (const double along : p_bounds) {

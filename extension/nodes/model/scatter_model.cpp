@@ -190,7 +190,7 @@ void ScatterModel::take_lods(const TypedArray<ScatterLod> &p_lods) {
 
 void ScatterModel::set_lods(const TypedArray<ScatterLod> &p_lods) {
 	if (p_lods.size() > max_model_lods) {
-		report(class_name, {ErrorCode::out_of_range, "lods", static_cast<double>(p_lods.size())});
+		report(class_name, Status::out_of_range("lods", p_lods.size(), at_most(max_model_lods, "entries")));
 	} else if (accept_edit("lods")) {
 		hand_set_.lods = true;
 		take_lods(p_lods);

@@ -98,7 +98,9 @@ void ScatterRegion3D::set_size(const Vector3 &p_size) {
 
 void ScatterRegion3D::set_polygon(const PackedVector2Array &p_polygon) {
 	if (p_polygon.size() > static_cast<int64_t>(max_outline_points)) {
-		report(class_name, {ErrorCode::out_of_range, "polygon", static_cast<double>(p_polygon.size())});
+		report(class_name,
+				Status::out_of_range(
+						"polygon", p_polygon.size(), at_most(max_outline_points, "points"), "Simplify the outline"));
 		return;
 	}
 	for (const Vector2 &corner : p_polygon) {

@@ -91,7 +91,7 @@ Status LayerExplainer::ranks(
 	const PointSet &set = layers[layer]->settings->set;
 	const glm::dvec2 sides = area.size() + 2.0 * set.radius;
 	if (const double count = sides.x * sides.y * point_density(set); count > max_probed_points) {
-		return {ErrorCode::too_many_points, "rect", count};
+		return Status::too_many_points("rect", count, max_probed_points);
 	}
 	TileSampler sampler;
 	std::vector<SamplePoint> points;

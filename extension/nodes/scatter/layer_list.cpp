@@ -124,7 +124,8 @@ std::vector<LinkedLayer> LayerList::link(const std::vector<std::size_t> &order) 
 		const double tile_size = entries_[order[at]].unlinked->range.tile_size;
 		const double points = points_to_sample(layer, tile_size);
 		return points > ScatterLayer::max_tile_points
-				? Status{ErrorCode::too_many_points, far_looking_property(layer, tile_size), points}
+				? Status::too_many_points(far_looking_property(layer, tile_size), points, ScatterLayer::max_tile_points,
+						  "Lower tile_size or this distance, or raise the radius")
 				: Status{};
 	};
 	std::vector<LinkedLayer> linked = link_layers(layers, before_all, check);

@@ -33,7 +33,8 @@ bool ScatterExplanation::check_index(const char *p_method, int64_t p_index) cons
 	const bool there = p_index >= 0 && p_index < get_rule_count();
 	if (!there) {
 		report((std::string("ScatterExplanation.") + p_method).c_str(),
-				{ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
+				Status::out_of_range(
+						"index", p_index, between(0, get_rule_count() - 1, "get_rule_count() counts them")));
 	}
 	return there;
 }

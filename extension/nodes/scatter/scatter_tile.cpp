@@ -55,7 +55,8 @@ bool ScatterTile::is_empty() const {
 const ScatterTile::Part *ScatterTile::find(const char *p_method, int64_t p_index) const {
 	if (p_index < 0 || p_index >= get_mesh_count()) {
 		report((std::string("ScatterTile.") + p_method).c_str(),
-				{ErrorCode::out_of_range, "index", static_cast<double>(p_index)});
+				Status::out_of_range(
+						"index", p_index, between(0, get_mesh_count() - 1, "get_mesh_count() counts them")));
 		return nullptr;
 	}
 	return &parts_[static_cast<std::size_t>(p_index)];

@@ -301,8 +301,11 @@ Status TerrainScatter3D::prepare() {
 	if (!gameplay->alive()) {
 		return {ErrorCode::cancelled};
 	}
-	const char *needed = terrain_.is_null() ? "terrain" : "layers";
-	return layer_list_.snapshots().empty() ? Status{ErrorCode::missing, needed, 0.0} : Status{};
+	if (!layer_list_.snapshots().empty()) {
+		return {};
+	}
+	return terrain_.is_null() ? Status::missing("terrain", "Set TerrainScatter3D.terrain")
+							  : Status::missing("layers", "Add a layer that get_problems() reports nothing of");
 }
 
 /// The engine's call for each node that a navigation mesh is baked from.

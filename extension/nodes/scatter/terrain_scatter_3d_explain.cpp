@@ -217,8 +217,8 @@ PackedFloat32Array TerrainScatter3D::map_of(
 	if (status.ok() && gameplay->alive()) {
 		const LayerExplainer explainer = layer_explainer();
 		const bool known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
-		status = !explainer.terrain.is_available() ? Status{ErrorCode::missing, "terrain"}
-				: p_layer != nullptr && !known     ? Status{ErrorCode::missing, "layer"}
+		status = !explainer.terrain.is_available() ? Status::missing("terrain", "Set TerrainScatter3D.terrain")
+				: p_layer != nullptr && !known     ? Status::missing("layer", "Fix what get_problems() reports of it")
 												   : ask(explainer, layer, places, values);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);

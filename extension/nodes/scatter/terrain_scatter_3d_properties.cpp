@@ -235,8 +235,8 @@ Ref<ScatterTile> TerrainScatter3D::build(
 	SharedSnapshot snapshot;
 	if (status.ok()) {
 		snapshot = layer < layer_list_.snapshots().size() ? layer_list_.snapshots()[layer] : nullptr;
-		status = !terrain_->is_available() ? Status{ErrorCode::missing, "terrain"}
-				: snapshot == nullptr      ? Status{ErrorCode::missing, "layer"}
+		status = !terrain_->is_available() ? Status::missing("terrain", "Set TerrainScatter3D.terrain")
+				: snapshot == nullptr      ? Status::missing("layer", "Fix what get_problems() reports of it")
 										   : Status{};
 	}
 	const Rect rect = status.ok() ? rect_of(*snapshot) : Rect();

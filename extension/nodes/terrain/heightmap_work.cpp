@@ -80,16 +80,16 @@ Status HeightmapWork::read(HeightPosts &r_posts, WeightMap &r_weights) {
 
 Status HeightmapWork::read_file(Posts &r_posts) const {
 	if (sources.path.is_empty()) {
-		return {ErrorCode::missing, "heightmap_path", 0.0};
+		return Status::missing("heightmap_path", "Set it, or an image");
 	}
 	for (const int count : {sources.post_count.x, sources.post_count.y}) {
 		if (count < 2) {
-			return {ErrorCode::out_of_range, "post_count", static_cast<double>(count)};
+			return Status::out_of_range("post_count", count, at_least(2), "Set the columns and rows of the file");
 		}
 	}
 	const PackedByteArray bytes = FileAccess::get_file_as_bytes(sources.path);
 	if (bytes.is_empty()) {
-		return {ErrorCode::missing, "heightmap_path", 0.0};
+		return Status::missing("file of heightmap_path", "Check that it exists, can be read and is not empty");
 	}
 	return read_posts(bytes, sources.post_count, "heightmap_path", r_posts);
 }

@@ -108,11 +108,12 @@ bool has_content(const Ref<Image> &p_image) {
 
 Status read_posts(const Ref<Image> &p_image, const char *p_property, Posts &r_posts) {
 	if (!has_content(p_image)) {
-		return {ErrorCode::wrong_size, p_property, 0.0};
+		return Status::wrong_size(p_property, 0, at_least(1, "pixels"));
 	}
 	const Ref<Image> image = plain_copy(p_image);
 	if (image.is_null()) {
-		return {ErrorCode::out_of_range, p_property, static_cast<double>(p_image->get_format())};
+		return {ErrorCode::out_of_range, p_property, static_cast<double>(p_image->get_format()), {}, {},
+				"Use an image format that the engine can decompress"};
 	}
 	const bool floats = holds_floats(image->get_format());
 	image->convert(Image::FORMAT_RF); // Holds 16 bits exactly, too.
@@ -154,7 +155,8 @@ Status read_posts(const PackedByteArray &p_bytes, glm::ivec2 p_count, const char
 	const std::int64_t count = std::int64_t{p_count.x} * p_count.y;
 	const std::int64_t each = count > 0 && p_bytes.size() % count == 0 ? p_bytes.size() / count : 0;
 	if (each != 1 && each != 2 && each != 4) {
-		return {ErrorCode::wrong_size, p_property, static_cast<double>(p_bytes.size())};
+		return Status::wrong_size(
+				p_property, p_bytes.size(), between(count, 4 * count, "bytes: 1, 2 or 4 for each of post_count"));
 	}
 	Posts posts;
 	posts.count = p_count;
@@ -176,11 +178,12 @@ Status read_posts(const PackedByteArray &p_bytes, glm::ivec2 p_count, const char
 
 Status read_weights(const Ref<Image> &p_image, const char *p_property, WeightMap &r_weights) {
 	if (!has_content(p_image)) {
-		return {ErrorCode::wrong_size, p_property, 0.0};
+		return Status::wrong_size(p_property, 0, at_least(1, "pixels"));
 	}
 	const Ref<Image> image = plain_copy(p_image);
 	if (image.is_null()) {
-		return {ErrorCode::out_of_range, p_property, static_cast<double>(p_image->get_format())};
+		return {ErrorCode::out_of_range, p_property, static_cast<double>(p_image->get_format()), {}, {},
+				"Use an image format that the engine can decompress"};
 	}
 	const auto channels = static_cast<std::size_t>(channels_of(p_image->get_format()));
 	image->convert(Image::FORMAT_RGBA8);

@@ -106,7 +106,7 @@ Status ObjectGround::sample_heights(std::span<const glm::dvec2> positions, std::
 
 Status ObjectGround::sample_all(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	for (std::size_t first = 0; first < positions.size(); first += slice) {
 		const std::size_t count = std::min(slice, positions.size() - first);
@@ -157,7 +157,7 @@ Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 		return status;
 	}
 	if (!is_number(result)) {
-		return {ErrorCode::missing, "number from the height method of ScatterTerrainObject.node", 0.0};
+		return Status::missing("number from the height method of ScatterTerrainObject.node", "Return a float");
 	}
 	const auto height = static_cast<double>(result);
 	if (limits_.no_ground == static_cast<float>(height)) {
@@ -187,7 +187,7 @@ Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
 		return status;
 	}
 	if (result.get_type() != Variant::VECTOR3) {
-		return {ErrorCode::missing, "Vector3 from get_normal() of ScatterTerrainObject.node", 0.0};
+		return Status::missing("Vector3 from get_normal() of ScatterTerrainObject.node", "Return a Vector3");
 	}
 	take_normal(static_cast<Vector3>(result), r_ground);
 	return {};
@@ -196,7 +196,7 @@ Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
 Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 		std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
-		return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	const std::vector<unsigned> channels = map_ ? map_->channels_of(textures) : std::vector<unsigned>();
 	for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -224,7 +224,8 @@ Status ObjectGround::weigh_by_textures(
 		return status;
 	}
 	if (result.get_type() != Variant::VECTOR3) {
-		return {ErrorCode::missing, "Vector3 from get_texture_id() of ScatterTerrainObject.node", 0.0};
+		return Status::missing("Vector3 from get_texture_id() of ScatterTerrainObject.node",
+				"Return base texture, overlay texture and blend");
 	}
 	r_ground.weight = weight_of(static_cast<Vector3>(result), textures);
 	return {};
@@ -233,12 +234,12 @@ Status ObjectGround::weigh_by_textures(
 Status ObjectGround::call(
 		const StringName &p_method, const char *p_refusal, glm::dvec2 position, Variant &r_result) const {
 	if (!open_ || source() == nullptr) {
-		return {ErrorCode::missing, gone, 0.0};
+		return Status::missing(gone, "Set ScatterTerrainObject.node to a node in the tree");
 	}
 	const Variant where(to_engine(glm::dvec3(position.x, 0.0, position.y)));
 	Variant source(source_);
 	const bool called = call_script(source, p_method, r_result, where) == GDEXTENSION_CALL_OK;
-	return called ? Status{} : Status{ErrorCode::missing, p_refusal, 0.0};
+	return called ? Status{} : Status::missing(p_refusal, "See the error that the script printed");
 }
 
 } // namespace thicket

@@ -26,10 +26,6 @@ constexpr const char *class_name = "ScatterTerrain";
 /// Positions that a script on the main thread is asked for at a time: some 0.1 ms of GDScript, neighbors for slopes included.
 constexpr std::size_t script_slice = 32;
 
-Status wrong_size(const char *property, int64_t size) {
-	return {ErrorCode::wrong_size, property, static_cast<double>(size)};
-}
-
 std::vector<std::size_t> with_ground(std::span<const Ground> ground) {
 	std::vector<std::size_t> found;
 	for (std::size_t i = 0; i < ground.size(); ++i) {
@@ -140,7 +136,7 @@ Status ScatterTerrain::ask_heights(std::span<const glm::dvec2> positions, std::s
 	PackedFloat32Array heights;
 	GDVIRTUAL_CALL(_get_heights, packed_vectors(positions), heights);
 	if (heights.size() != static_cast<int64_t>(positions.size())) {
-		return wrong_size("_get_heights() result", heights.size());
+		return Status::wrong_size("_get_heights() result", heights.size(), exactly(positions.size(), "one a position"));
 	}
 	const float *height = heights.ptr();
 	for (Ground &ground : r_ground) {
@@ -168,7 +164,7 @@ Status ScatterTerrain::ask_weights(
 	PackedFloat32Array weights;
 	GDVIRTUAL_CALL(_get_weights, packed_vectors(picked(positions, found)), packed_integers(textures), weights);
 	if (weights.size() != static_cast<int64_t>(found.size())) {
-		return wrong_size("_get_weights() result", weights.size());
+		return Status::wrong_size("_get_weights() result", weights.size(), exactly(found.size(), "one a position"));
 	}
 	const float *weight = weights.ptr();
 	for (const std::size_t i : found) {
@@ -183,7 +179,7 @@ Status ScatterTerrain::ask_normals(
 	PackedVector3Array normals;
 	GDVIRTUAL_CALL(_get_normals, packed_vectors(picked(positions, found)), normals);
 	if (normals.size() != static_cast<int64_t>(found.size())) {
-		return wrong_size("_get_normals() result", normals.size());
+		return Status::wrong_size("_get_normals() result", normals.size(), exactly(found.size(), "one a position"));
 	}
 	const Vector3 *given = normals.ptr();
 	for (const std::size_t i : found) {
@@ -203,7 +199,7 @@ Status ScatterTerrain::difference_normals(
 	PackedFloat32Array heights;
 	GDVIRTUAL_CALL(_get_heights, packed_vectors(around), heights);
 	if (heights.size() != static_cast<int64_t>(around.size())) {
-		return wrong_size("_get_heights() result", heights.size());
+		return Status::wrong_size("_get_heights() result", heights.size(), exactly(around.size(), "one a position"));
 	}
 	const float *height = heights.ptr();
 	for (const std::size_t i : found) {

@@ -36,7 +36,8 @@ constexpr int max_bodies = 64;
 /// How exact a hit is, as a part of the ray's length.
 constexpr double hit_error = 4e-7;
 
-constexpr Status no_space{ErrorCode::missing, "physics space of ScatterTerrainColliders", 0.0};
+constexpr Status no_space =
+		Status::missing("physics space of ScatterTerrainColliders", "Add the node to a scene with a World3D");
 
 /// Casts one ray after another straight down. Instances of a scatter stand on the ground and are none.
 class Plumb {
@@ -149,7 +150,9 @@ String ScatterTerrainColliders::find_problem() {
 }
 
 Status ScatterTerrainColliders::check() const {
-	return ray_top_ > ray_bottom_ ? Status{} : Status{ErrorCode::inverted, "ray_bottom", ray_bottom_};
+	return ray_top_ > ray_bottom_ ? Status{}
+								  : Status{ErrorCode::inverted, "ray_bottom", ray_bottom_, {},
+											at_most(ray_top_, "ray_top"), "Lower ray_bottom or raise ray_top"};
 }
 
 bool ScatterTerrainColliders::is_available() const {

@@ -23,7 +23,9 @@ bool accept_image(const char *property, const Ref<Resource> &p_image) {
 	if (p_image.is_null() || texture.is_valid() || has_content(image)) {
 		return true;
 	}
-	report(class_name, {image.is_valid() ? ErrorCode::wrong_size : ErrorCode::missing, property, 0.0});
+	report(class_name,
+			{image.is_valid() ? ErrorCode::wrong_size : ErrorCode::missing, property, 0.0, {}, {},
+					"Use an image that has pixels"});
 	return false;
 }
 
@@ -33,7 +35,7 @@ std::shared_ptr<const Terrain> ScatterTerrainHeightmap::make_snapshot(const Grou
 
 String ScatterTerrainHeightmap::find_problem() {
 	if (image_.is_null() && heightmap_path_.is_empty()) {
-		return sentence(class_name, {ErrorCode::missing, "heightmap_path", 0.0});
+		return sentence(class_name, Status::missing("heightmap_path", "Set it, or an image"));
 	}
 	return problem_;
 }

@@ -25,7 +25,7 @@ public:
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
 		if (positions.size() != r_ground.size()) {
-			return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+			return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 		}
 		for (std::size_t i = 0; i < positions.size(); ++i) {
 			r_ground[i] = ground_at(positions[i]);
@@ -36,7 +36,7 @@ public:
 	/// A normal takes four more calls of the noise, and those take nearly all of the time.
 	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
 		if (positions.size() != r_ground.size()) {
-			return {ErrorCode::wrong_size, "ground", static_cast<double>(r_ground.size())};
+			return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 		}
 		for (std::size_t i = 0; i < positions.size(); ++i) {
 			// Fast path: the height is that of `sample`.

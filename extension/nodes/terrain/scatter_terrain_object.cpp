@@ -62,7 +62,7 @@ Status ScatterTerrainObject::sample_for(const GroundHost &host, std::span<const 
 		const GroundNeeds &needs, std::span<Ground> r_ground) {
 	const std::shared_ptr<const Terrain> ground = ground_for(host); // Whoever is asked may change the property.
 	if (ground == nullptr) {
-		return {ErrorCode::missing, "ScatterTerrainObject.node", 0.0};
+		return Status::missing("ScatterTerrainObject.node", "Set it to a node in the tree that has get_height()");
 	}
 	return ground->query(positions, needs, r_ground);
 }

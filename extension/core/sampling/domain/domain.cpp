@@ -21,7 +21,7 @@ Status validate_size(const DomainRequest &request) {
 	}
 	const double expected = expected_points(request);
 	if (!(expected <= max_domain_points)) {
-		return {ErrorCode::too_many_points, "size", expected};
+		return Status::too_many_points("size", expected, max_domain_points);
 	}
 	return {};
 }
