@@ -7,11 +7,16 @@ import sys
 import threading
 
 import numpy as np
+import pytest
 from conftest import REPO, new_project
 
 sys.path.insert(0, str(REPO / "tools/bake"))
-from baking import cluster  # noqa: E402 (only on the path above)
+from baking import cluster, driver, report, schedule  # noqa: E402 (only on the path above)
+from baking.__main__ import main  # noqa: E402
+from baking.format import FORMAT, MANIFEST, VERSION, BakeError  # noqa: E402
 from baking.grid import TileGrid, inside  # noqa: E402
+from baking.tile_engine import Source  # noqa: E402
+from reading.glb import BINARY_CHUNK, MAGIC, GlbError, read_glb  # noqa: E402
 
 
 def test_areas_share_instances_among_them(godot, tmp_path):
@@ -62,3 +67,67 @@ def test_it_is_said_when_a_scheduler_has_no_workers(monkeypatch):
     with cluster.watched(Scheduler(), "tcp://here:1", said.append):
         assert looked.wait(10.0)
     assert [each.split(":1", 1)[1][:16] for each in said] == [" has no workers:", " has workers: 3.", " has no workers:"]
+
+
+WORLD = {
+    "scene": "res://world.tscn", "seed": 1, "rect": [0, 0, 32, 32], "grid": [0, 0, 1, 1], "tile_size": 32, "complete": False, "digest": None,
+    "layers": [], "tiles": {}, "scene_digest": "", "scene_parts": {},
+}  # fmt: skip
+
+
+def test_a_report_that_cannot_be_written_is_said(tmp_path):
+    outcome = report.Outcome(dict(WORLD))
+    (tmp_path / "map.png").mkdir()
+    report.write_report(tmp_path, 1, outcome, report.Map((0, 0, 32, 32), 1.0, []))
+    assert str(tmp_path / "map.png") in outcome.unreported, outcome.unreported
+
+
+def test_what_a_killed_bake_left_and_cannot_be_removed_is_said(tmp_path):
+    stuck = tmp_path / "tiles/.tile_0_0.part"
+    stuck.mkdir(parents=True)
+    with pytest.raises(BakeError, match="Cannot remove .*tile_0_0.part"):
+        driver.bake(driver.Wish(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path), print)
+
+
+def test_a_manifest_that_cannot_be_used_is_said(tmp_path):
+    """One that is no manifest is replaced, and said so; one that lacks what decides is refused by name."""
+    wish = driver.Wish(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path)
+    said: list[str] = []
+    driver._go_on_with(wish, dict(WORLD), said.append)
+    assert not said, "a new folder has none"
+    (tmp_path / MANIFEST).write_text("{")
+    driver._go_on_with(wish, dict(WORLD), said.append)
+    assert len(said) == 1 and str(tmp_path / MANIFEST) in said[0] and "replaced" in said[0], said
+    (tmp_path / MANIFEST).write_text(json.dumps({**WORLD, "format": FORMAT, "version": VERSION, "rect": None} | {"scene": "res://world.tscn"}))
+    with pytest.raises(BakeError, match="rectangle is None"):
+        driver._go_on_with(wish, dict(WORLD), said.append)
+    (tmp_path / MANIFEST).write_text(json.dumps({"format": FORMAT, "version": VERSION, "scene": "res://world.tscn"}))
+    with pytest.raises(BakeError, match="has no rect, tile_size, layers"):
+        driver._go_on_with(wish, dict(WORLD), said.append)
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--tiles", "0,0 1;2"], "'1;2' must be a pair of whole numbers I,J"),
+        (["--wait", "nan"], "--wait is nan, and has to be from 0 to 1e+06 seconds"),
+        (["--project", "/nowhere"], "--project is /nowhere, and has to be a folder with a project.godot"),
+    ],
+)
+def test_a_bake_is_refused_before_an_engine_starts(tmp_path, capsys, options, sentence):
+    try:
+        code = main(["res://world.tscn", str(tmp_path / "out"), *options])
+    except SystemExit as ended:
+        code = ended.code
+    assert code == 2 and sentence in capsys.readouterr().err and not (tmp_path / "out").exists()
+
+
+def test_a_forecast_is_refused_for_workers_that_are_no_numbers(tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        schedule.main([str(tmp_path), "--workers", "1,many"])
+    assert "--workers is '1,many'" in capsys.readouterr().err
+
+
+def test_a_model_without_json_is_no_binary_gltf():
+    with pytest.raises(GlbError, match="JSON cannot be read"):
+        read_glb(np.array([MAGIC, 2, 20, 0, BINARY_CHUNK], "<u4").tobytes())

@@ -31,6 +31,7 @@ def test_a_folder_without_a_bake_is_refused(tmp_path):
         ({"rect": [0, 0, -5, 5]}, "rect is no rectangle; it is [0, 0, -5, 5]"),
         ({"tile_size": 0}, "tile_size is no length; it is 0"),
         ({"layers": [{"index": 0}]}, "has something in it that cannot be read: KeyError('radius')"),
+        ({"layers": [{"index": 0, "radius": 0, "models": []}]}, "the radius of layer 0 is 0, and must be above 0 m"),
         ({"tiles": {"0,0": {"file": "../../other", "rows": 1, "digest": ""}}}, "the file of tile 0,0 lies outside of the bake"),
     ],
 )
@@ -53,6 +54,13 @@ def test_damaged_tiles_are_refused(copy, tmp_path):
     broken[100:2000] = bytes(1900)
     second.write_bytes(broken)
     assert "tile_60001_-20002.parquet is damaged" in refused("gltf", copy, tmp_path / "gltf", "--stand-ins")
+
+
+def test_a_folder_that_cannot_be_written_is_refused_by_name(copy, tmp_path):
+    (tmp_path / "file").write_text("mine")
+    for writer, options in (("maps", ()), ("gltf", ("--stand-ins",))):
+        said = refused(writer, copy, tmp_path / "file", *options)
+        assert f"Cannot read or write {tmp_path / 'file'}" in said, said
 
 
 def test_the_command_says_how_it_is_used(bake):

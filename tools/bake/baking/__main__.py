@@ -10,11 +10,14 @@ from pathlib import Path
 
 from .command_line import REPO, with_values
 from .driver import Wish, bake
-from .format import BakeError
+from .format import BakeError, tile_of_name
 from .report import Outcome
 from .tile_engine import Source
 from .tile_folder import WORLD, MadeTiles, made_tiles
 from .words import amount, duration
+
+
+MOST_WAIT = 1e6  # Seconds that --wait may be.
 
 
 def main(arguments: list[str]) -> int:
@@ -35,7 +38,10 @@ def main(arguments: list[str]) -> int:
 def _tell(wish: Wish, outcome: Outcome) -> int:
     total = sum(tile["rows"] for tile in outcome.manifest["tiles"].values())
     print(f"{amount(total)} instances in {len(outcome.manifest['tiles'])} tiles, {outcome.made} of them made now in {duration(outcome.seconds)}")
-    print(f"report and map: {wish.out / 'report.md'}")
+    if outcome.unreported:
+        print(f"bake: {outcome.unreported} The tiles are not affected.", file=sys.stderr)
+    else:
+        print(f"report and map: {wish.out / 'report.md'}")
     if outcome.manifest["complete"]:
         print(f"digest: {outcome.manifest['digest']}")
     for (i, j), why in sorted(outcome.failed.items())[:10]:
@@ -71,14 +77,18 @@ def _parser() -> argparse.ArgumentParser:
 def _tiles(text: str) -> list[tuple[int, int]]:
     tiles = []
     for pair in text.split():
-        i, _, j = pair.partition(",")
-        tiles.append((int(i), int(j)))
+        try:
+            tiles.append(tile_of_name(pair))
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"'{pair}' must be a pair of whole numbers I,J; separate pairs by spaces") from None
     return tiles
 
 
 def _wish(chosen: argparse.Namespace) -> Wish:
     if chosen.workers < 1:
-        raise BakeError(f"--workers is {chosen.workers}, and has to be 1 at least.")
+        raise BakeError(f"--workers is {chosen.workers}, and has to be 1 or more. Leave it out for one per processor core.")
+    if not 0.0 <= chosen.wait <= MOST_WAIT:
+        raise BakeError(f"--wait is {chosen.wait:g}, and has to be from 0 to {MOST_WAIT:g} seconds.")
     return Wish(
         source=_source(chosen),
         asked={"rect": chosen.rect, "tile_size": chosen.tile_size, "layers": chosen.layers},
@@ -94,23 +104,25 @@ def _source(chosen: argparse.Namespace) -> Source | MadeTiles:
         return Source((str(REPO / "tools/godot"),), str(project), scene, chosen.node, chosen.wait)
     for option, given in {"--rect": chosen.rect, "--tile-size": chosen.tile_size, "--layers": chosen.layers, "--node": chosen.node}.items():
         if given:
-            raise BakeError(f"{option} is {given}, but what {folder} holds was chosen when it was made.")
+            raise BakeError(f"{option} is {given}, but what {folder} holds was chosen when it was made. Leave out {option}, or make a different folder with bake_world.gd.")
     return made_tiles(folder)
 
 
 def _project_and_scene(scene: str, project: Path) -> tuple[Path, str]:
     """The project that a scene belongs to, and the scene's path in it."""
     if scene.startswith("res://"):
+        if not (project / "project.godot").is_file():
+            raise BakeError(f"--project is {project}, and has to be a folder with a project.godot.")
         return project.resolve(), scene
     path = Path(scene).resolve()
     if not path.is_file() and (project / scene).is_file():
         path = (project / scene).resolve()  # As demo_project/run.sh names scenes.
     if not path.is_file():
-        raise BakeError(f"There is no scene {scene}.")
+        raise BakeError(f"There is no scene {scene}. Name the file by its path, or by res://... with --project.")
     for folder in path.parents:
         if (folder / "project.godot").is_file():
             return folder, f"res://{path.relative_to(folder).as_posix()}"
-    raise BakeError(f"{scene} lies in no project: there is no project.godot above it.")
+    raise BakeError(f"{scene} lies in no project: no folder above it has a project.godot. Move the scene into a project of Godot.")
 
 
 if __name__ == "__main__":

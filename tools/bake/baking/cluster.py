@@ -96,7 +96,7 @@ def watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Itera
         with contextlib.suppress(OSError, TimeoutError):  # Who waits for tiles hears of it.
             workers = len(client.nthreads())
             if there and workers == 0:
-                say(f"The scheduler at {scheduler} has no workers: this waits until there are some. Interrupt it to go on another time.")
+                say(f"The scheduler at {scheduler} has no workers: the bake waits until some connect. Start workers, or interrupt it and run the same command later.")
             elif not there and workers > 0:
                 say(f"The scheduler at {scheduler} has workers: {workers}.")
             there = workers > 0

@@ -13,7 +13,7 @@ from pathlib import Path
 from distributed import Client, as_completed
 
 from . import cluster, files, tile
-from .format import FORMAT, VERSION, BakeError, name_of, read_manifest, tile_of_name
+from .format import FORMAT, MANIFEST, VERSION, BakeError, name_of, read_manifest, tile_of_name
 from .grid import TileGrid
 from .report import Map, Outcome, Progress, write_report
 from .tile_engine import EngineGone, Refused, Source
@@ -54,7 +54,7 @@ def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:
     except (OSError, TimeoutError) as error:
         if wish.scheduler is None:
             raise
-        raise BakeError(f"No Dask scheduler answers at {wish.scheduler}: {error}") from error
+        raise BakeError(f"No Dask scheduler answers at {wish.scheduler}: {error}. Check --scheduler (tcp://HOST:PORT), or leave it out.") from error
 
 
 def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
@@ -91,7 +91,7 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
     rect, layers, grid = list(map(float, described["rect"])), described["layers"], TileGrid.of(described)
     uneven = [layer["name"] or str(layer["index"]) for layer in layers if grid.tile_size % layer["tile_size"] != 0.0]
     if uneven:
-        say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}.")
+        say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}. A --tile-size that all of theirs divide avoids that.")
     plan = tile.Plan(
         source=wish.source, asked=wish.asked, out=str(wish.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
         layers={layer["index"]: described["columns"][str(layer["index"])] for layer in layers},
@@ -105,7 +105,7 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
         "layers": [{**layer, "models": looks[layer["index"]]["models"], "material": looks[layer["index"]]["material"]} for layer in layers],
         "complete": False, "digest": None, "costs": None, "tiles": {},
     }  # fmt: skip
-    _go_on_with(wish, manifest)
+    _go_on_with(wish, manifest, say)
     files.sweep_strays(wish.out, set(grid.tiles()))
     for path, content in described["files"].items():
         if any(path.startswith(f"models/{layer['index']}_") for layer in layers):
@@ -114,19 +114,24 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
     return plan, manifest, described["starting"]
 
 
-def _go_on_with(wish: Wish, manifest: dict) -> None:
+def _go_on_with(wish: Wish, manifest: dict, say: Callable[[str], None]) -> None:
     """Takes over what a bake that was begun in the folder knows of its tiles, if it is one of the same world."""
     if wish.fresh:
         files.empty(wish.out)
     try:
         before = read_manifest(wish.out)
-    except BakeError:
-        return  # Tiles that are there all the same say themselves what they are.
-    again = f"Bake into another folder, or begin anew in {wish.out} with --fresh."
+    except BakeError as error:
+        if (wish.out / MANIFEST).exists():
+            say(f"{error}. It is replaced; every tile in the folder is checked by itself.")
+        return  # Each tile's file names the bake that it belongs to.
+    again = f"Bake into a different folder, or start again in {wish.out} with --fresh."
     if before.get("version") != VERSION:
         raise BakeError(f"{wish.out} holds a bake of version {before.get('version')}, this is version {VERSION}. {again}")
+    missing = [key for key in ("scene", "rect", "tile_size", "layers", "scene_digest", "tiles") if key not in before]
+    if missing:
+        raise BakeError(f"{wish.out / MANIFEST} has no {', '.join(missing)}. {again}")
     if before["scene"] != manifest["scene"]:
-        raise BakeError(f"{wish.out} holds a bake of another scene, {before['scene']}. {again}")
+        raise BakeError(f"{wish.out} holds a bake of another scene, {before['scene']}, not {manifest['scene']}. {again}")
     for key, name in {"rect": "the rectangle", "tile_size": "the size of tiles"}.items():
         if before[key] != manifest[key]:
             raise BakeError(f"{wish.out} holds a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
@@ -144,7 +149,7 @@ def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> No
     for tile in tiles:
         if tile not in grid:
             first_x, first_z, columns, rows = grid.grid
-            raise BakeError(f"Tile {name_of(tile)} is not in the rectangle: tiles go from {first_x},{first_z} to {first_x + columns - 1},{first_z + rows - 1}.")
+            raise BakeError(f"Tile {name_of(tile)} is not in the rectangle: tiles go from {first_x},{first_z} to {first_x + columns - 1},{first_z + rows - 1}. Change --tiles or --rect.")
 
 
 def _make_all(
@@ -184,7 +189,7 @@ def _make_all(
 
 def _worker_problem(result: object) -> str:
     error = result[1] if isinstance(result, tuple) and len(result) > 1 else result
-    return f"Its workers were killed, or failed: {error}"
+    return f"Its workers were killed, or failed: {error}. Check their memory, then bake again: it makes only what is missing."
 
 
 def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> None:

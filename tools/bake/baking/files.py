@@ -53,7 +53,7 @@ def write_whole(path: Path, content: bytes | memoryview) -> None:
     except OSError as error:
         with contextlib.suppress(OSError):
             partial.unlink()
-        raise CannotWrite(f"Cannot write {path}: {error.strerror or error}.") from error
+        raise CannotWrite(f"Cannot write {path}: {error.strerror or error}. Free space there, or choose a folder that may be written.") from error
 
 
 def tile_path(out: Path, tile: tuple[int, int]) -> Path:
@@ -101,7 +101,7 @@ def locked(out: Path) -> Iterator[None]:
         out.mkdir(parents=True, exist_ok=True)
         lock = (out / LOCK).open("a+")
     except OSError as error:
-        raise CannotWrite(f"Cannot write into {out}: {error.strerror}.") from error
+        raise CannotWrite(f"Cannot write into {out}: {error.strerror}. Choose a folder that may be written.") from error
     with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -110,11 +110,19 @@ def locked(out: Path) -> Iterator[None]:
         yield
 
 
+def remove(path: Path) -> None:
+    """Removes a file, if it is there. Raises CannotWrite where it stays."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise CannotWrite(f"Cannot remove {path}: {error.strerror or error}. Make its folder writable, or choose a different one.") from error
+
+
 def sweep(out: Path) -> None:
     """Removes what a bake that was killed left unfinished."""
     for folder in (out, out / "tiles", out / "models"):
         for partial in folder.glob(f".*{PART}"):
-            partial.unlink(missing_ok=True)
+            remove(partial)
 
 
 def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
@@ -122,10 +130,10 @@ def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
     names = {tile_path(out, tile).name for tile in tiles}
     for path in (out / "tiles").glob("tile_*.parquet"):
         if path.name not in names:
-            path.unlink(missing_ok=True)
+            remove(path)
 
 
 def empty(out: Path) -> None:
     """Removes a bake, and nothing else that lies in its folder."""
     for path in [out / MANIFEST, *(out / "tiles").glob("tile_*.parquet"), *(out / "models").glob("*.res")]:
-        path.unlink(missing_ok=True)
+        remove(path)

@@ -31,9 +31,9 @@ def read_manifest(folder: Path) -> dict:
     try:
         said = json.loads(manifest.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise BakeError(f"{folder} is no bake: there is no {MANIFEST}") from None
+        raise BakeError(f"{folder} is no bake: there is no {MANIFEST} in it") from None
     except (OSError, ValueError) as error:
         raise BakeError(f"{manifest} cannot be read: {error}") from None
     if not isinstance(said, dict) or said.get("format") != FORMAT:
-        raise BakeError(f"{manifest} is not the manifest of a bake")
+        raise BakeError(f"{manifest} is not the manifest of a bake: its format must be {FORMAT}")
     return said

@@ -36,6 +36,7 @@ class Outcome:
     engine_memory: int = 0
     failed: dict[tuple[int, int], str] = field(default_factory=dict)
     stopped: str = ""
+    unreported: str = ""  # Why the report or the map was not written
 
     @property
     def driver_seconds_a_tile(self) -> float:
@@ -141,14 +142,16 @@ class Map:
 
 
 def write_report(out: Path, workers: int, outcome: Outcome, picture: Map) -> None:
-    """Writes map.png and report.md beside the manifest. Keeps quiet where that cannot be: the bake is what counts."""
+    """Writes map.png and report.md beside the manifest. A failure ends no bake: it sets `unreported`."""
     try:
         files.write_whole(out / "report.md", report(workers, outcome, picture).encode())
         partial = out / f".map.png{files.PART}"
         picture.picture().save(partial, "PNG")
         partial.rename(out / "map.png")
-    except (files.CannotWrite, OSError):
-        pass
+    except files.CannotWrite as error:
+        outcome.unreported = str(error)
+    except OSError as error:
+        outcome.unreported = f"Cannot write {out / 'map.png'}: {error.strerror or error}."
 
 
 def report(workers: int, outcome: Outcome, picture: Map) -> str:

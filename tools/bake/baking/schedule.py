@@ -55,7 +55,7 @@ def read_costs(folder: Path) -> Costs:
     seconds = [tile["core_seconds"] for tile in manifest["tiles"].values() if tile.get("core_seconds") is not None]
     costs = manifest.get("costs")
     if not seconds or not costs:
-        raise BakeError(f"{folder / MANIFEST} does not say what its tiles cost: a run has to make 10 of them at least.")
+        raise BakeError(f"{folder / MANIFEST} does not say what its tiles cost. Bake 10 tiles or more in one run.")
     return Costs(seconds, costs["start_seconds"], costs["driver_seconds"], costs["bytes"])
 
 
@@ -122,9 +122,12 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--cores", type=int, help="how many they share, on one machine; else every worker has one, and so has the driver")
     parser.add_argument("--tiles", type=int, help="for a world of so many tiles that cost the same; else for the bake itself")
     chosen = parser.parse_args(arguments)
-    workers = [int(count) for count in chosen.workers.split(",")]
+    counts = chosen.workers.split(",")
+    if not all(count.strip().isdecimal() for count in counts):
+        parser.error(f"--workers is '{chosen.workers}', and has to be whole numbers with commas between, such as 1,10,100")
+    workers = [int(count) for count in counts]
     if min([*workers, *(count for count in (chosen.cores, chosen.tiles) if count is not None)]) < 1:
-        parser.error("--workers, --cores and --tiles have to be 1 at least")
+        parser.error(f"--workers {chosen.workers}, --cores {chosen.cores} and --tiles {chosen.tiles}: all have to be 1 or more")
     try:
         costs = read_costs(chosen.out)
     except BakeError as error:

@@ -52,7 +52,7 @@ class SceneChanged(RuntimeError):
 
 def changed_parts(before: dict[str, str], now: dict[str, str]) -> str:
     """The names of the parts of a scene that differ, for a sentence."""
-    return ", ".join(part for part in {**before, **now} if before.get(part) != now.get(part)) or "nothing that has a name"
+    return ", ".join(part for part in {**before, **now} if before.get(part) != now.get(part)) or "no part that has a name"
 
 
 # The engine of each thread of this process, and the source that it was started with.
@@ -70,7 +70,8 @@ def _engine_of(plan: Plan) -> TileEngine:
         _own.starting = getattr(_own, "starting", 0.0) + time.perf_counter() - begun
         if described["scene_digest"] != plan.scene_digest:
             raise SceneChanged(
-                f"The scene {plan.source.scene} has changed while it was baked: {changed_parts(plan.parts, described['parts'])}."
+                f"The scene {plan.source.scene} has changed while it was baked: {changed_parts(plan.parts, described['parts'])}. "
+                "Change it back to go on, or bake from the start with --fresh."
             )
         _begin_to_count((plan.source, plan.scene_digest))
     return _own.engine
@@ -144,7 +145,7 @@ def make(plan: Plan, tile: tuple[int, int]) -> dict:
     known = files.read_tile(path, marks)
     try:
         if known is None:
-            path.unlink(missing_ok=True)  # Nobody shall take it for a tile.
+            files.remove(path)  # No reader shall take it for a tile.
             columns, sheared = _made(plan, tile)
             marks |= {"thicket.digest": rows.digest(columns), "thicket.sheared": str(sheared)}
             files.write_tile(path, columns, marks)
@@ -175,7 +176,7 @@ def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
         except (EngineGone, rows.BadRows) as error:
             _drop_engine()  # Whatever it was in the middle of.
             if attempt == _ATTEMPTS:
-                raise EngineGone(f"{_ATTEMPTS} engines in a row could not make it. {error}") from error
+                raise EngineGone(f"{_ATTEMPTS} engines in a row could not make it. {error} Bake again: it makes only what is missing.") from error
     raise AssertionError
 
 

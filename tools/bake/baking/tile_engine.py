@@ -63,7 +63,8 @@ class TileEngine:
                     command, cwd=source.project, stdin=subprocess.DEVNULL, stdout=self.log, stderr=self.log
                 )
             except OSError as error:
-                raise EngineGone(f"Godot cannot be started: {error}") from error
+                raise EngineGone(f"{source.godot[0]} cannot be started in {source.project}: {error}. Set GODOT to the program of Godot.") from error
+            self.project = source.project
             self.connection = self._accept(listener, token, time.monotonic() + source.wait + 60.0)
         self.connection.settimeout(ANSWER_TIMEOUT)
         self.family = self._family()
@@ -82,7 +83,7 @@ class TileEngine:
             except (EngineGone, ValueError):
                 pass
             self.connection.close()  # Somebody else of this machine.
-        raise EngineGone(f"The engine did not come up. {self._last_words()}")
+        raise EngineGone(f"The engine did not connect in time, or ended before: check the project, {self.project}. {self._last_words()}")
 
     def _family(self) -> list[psutil.Process]:
         """The engine's process, and those between it and this one: what runs Godot may be a wrapper."""

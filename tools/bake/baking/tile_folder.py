@@ -35,7 +35,7 @@ def made_tiles(folder: Path) -> MadeTiles:
             raise BakeError(f"{folder} was made by another version of Thicket: make it again with bake_world.gd.")
         return MadeTiles(str(folder), world["scene"])
     except (OSError, ValueError, LookupError, TypeError) as error:
-        raise BakeError(f"{folder / WORLD} cannot be read: {error}") from None
+        raise BakeError(f"{folder / WORLD} cannot be read: {error}. Make the folder again with bake_world.gd.") from None
 
 
 class TileFolder:
@@ -62,7 +62,7 @@ class TileFolder:
         except FileNotFoundError:
             raise Refused(f"{path} is not there: bake_world.gd has not made it yet.") from None
         except OSError as error:
-            raise Refused(f"{path} cannot be read: {error.strerror}.") from None
+            raise Refused(f"{path} cannot be read: {error.strerror}. Make it readable, or make it again with bake_world.gd.") from None
         try:
             yield from self._parts(data, tile)
         except (ValueError, LookupError, struct.error):

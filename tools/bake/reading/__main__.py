@@ -24,6 +24,9 @@ def main(arguments: list[str]) -> int:
     except BakeError as error:
         say(str(error))
         return 1
+    except OSError as error:
+        say(f"Cannot read or write {error.filename or chosen.bake}: {error.strerror or error}; check that it exists, has room and may be written")
+        return 1
     except KeyboardInterrupt:
         say("interrupted")
         return 130

@@ -82,19 +82,21 @@ class Bake:
         return next(layer for layer in self.layers if layer.index == index)
 
 
-def _refused(value: object, what: str, manifest: Path) -> BakeError:
-    return BakeError(f"{manifest}: {what} is {json.dumps(value, default=str)[:80]}")
+def _refused(value: object, what: str, manifest: Path, remedy: str) -> BakeError:
+    return BakeError(f"{manifest}: {what} is {json.dumps(value, default=str)[:80]}; {remedy}")
 
 
 def _model(entry: dict) -> Model:
     lods = entry.get("lods") or [{"path": entry.get("path", "")}]
     begins = [float(lod.get("distance") or 0.0) for lod in lods]
     if sorted(begins) != begins or begins[0] != 0:
-        raise ValueError(f"the levels of {entry.get('name')} begin at {begins}")
+        raise ValueError(f"the levels of {entry.get('name')} begin at {begins}: the first must begin at 0, each later one no nearer")
     return Model(str(entry.get("name", "")), tuple(Level(str(lod.get("path", "")), begin) for lod, begin in zip(lods, begins)))
 
 
 def _layer(entry: dict) -> Layer:
+    if not 0.0 < float(entry["radius"]) < np.inf:
+        raise ValueError(f"the radius of layer {entry['index']} is {entry['radius']}, and must be above 0 m")
     return Layer(
         index=int(entry["index"]),
         name=str(entry.get("name", "")) or f"Layer{entry['index']}",
@@ -113,7 +115,7 @@ def _tile(folder: Path, key: str, entry: dict) -> Tile:
     x, z = tile_of_name(key)
     file = (folder / entry["file"]).resolve()
     if not file.is_relative_to(folder):
-        raise ValueError(f"the file of tile {key} lies outside of the bake")
+        raise ValueError(f"the file of tile {key} lies outside of the bake: {entry['file']}")
     bounds = entry.get("bounds")
     rows_of_layer = tuple(int(rows) for rows in entry.get("rows_of_layer", []))
     return Tile(x, z, file, int(entry["rows"]), rows_of_layer, str(entry["digest"]), tuple(bounds) if bounds else None)
@@ -125,10 +127,10 @@ def open_bake(folder: Path | str) -> Bake:
     folder = Path(folder).resolve()
     said, manifest = read_manifest(folder), folder / MANIFEST
     if said.get("version") != VERSION:
-        raise _refused(said.get("version"), f"version is not {VERSION}, the one that is known here; it", manifest)
+        raise _refused(said.get("version"), f"version is not {VERSION}, the one that is known here; it", manifest, "bake again with this version of Thicket")
     for name in NEEDED:
         if name not in said:
-            raise BakeError(f"{manifest} has no {name}")
+            raise BakeError(f"{manifest} has no {name}: bake again, which writes all of it")
     try:
         tiles = [_tile(folder, key, entry) for key, entry in said["tiles"].items()]
         bake = Bake(
@@ -142,13 +144,13 @@ def open_bake(folder: Path | str) -> Bake:
             tiles=tuple(sorted(tiles, key=lambda tile: (tile.z, tile.x))),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise BakeError(f"{manifest} has something in it that cannot be read: {error!r}") from None
+        raise BakeError(f"{manifest} has something in it that cannot be read: {error!r}; bake again with --fresh") from None
     if len(bake.rect) != 4 or not (np.isfinite(bake.rect).all() and min(bake.rect[2:]) > 0):
-        raise _refused(said["rect"], "rect is no rectangle; it", manifest)
+        raise _refused(said["rect"], "rect is no rectangle; it", manifest, "it must be x, z, width and depth in meters, the last two above 0")
     if not (np.isfinite(bake.tile_size) and bake.tile_size > 0):
-        raise _refused(said["tile_size"], "tile_size is no length; it", manifest)
+        raise _refused(said["tile_size"], "tile_size is no length; it", manifest, "it must be meters above 0")
     if len(bake.world_offset) != 3 or not np.isfinite(bake.world_offset).all():
-        raise _refused(said["world_offset"], "world_offset is no vector; it", manifest)
+        raise _refused(said["world_offset"], "world_offset is no vector; it", manifest, "it must be three finite numbers")
     return bake
 
 
@@ -172,7 +174,7 @@ def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> It
     with _open_tile(tile) as file:
         missing = [name for name in columns if name not in file.schema_arrow.names]
         if missing:
-            raise BakeError(f"{tile.file} has no column {missing[0]}")
+            raise BakeError(f"{tile.file} has no column {missing[0]}; bake again with --fresh")
         try:
             for batch in file.iter_batches(batch_size=most_rows, columns=columns):
                 yield {name: _numbers(batch.column(name)) for name in columns}
@@ -244,5 +246,5 @@ def groups_of(bake: Bake, tile: Tile, instances: Instances) -> Iterator[tuple[La
         end = starts[number + 1] if number + 1 < len(starts) else len(order)
         index, model = int(sorted_keys[start] >> 16), int(sorted_keys[start] & 0xFFFF)
         if index not in layers or model >= len(layers[index].models):
-            raise BakeError(f"{tile.file} has instances of layer {index}, model {model}, which the manifest does not name")
+            raise BakeError(f"{tile.file} has instances of layer {index}, model {model}, which the manifest does not name; bake again, which makes only what is missing")
         yield layers[index], model, order[start:end]

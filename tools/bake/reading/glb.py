@@ -23,13 +23,16 @@ class GlbError(Exception):
 def read_glb(data: bytes) -> tuple[dict, bytes]:
     """The JSON and the bytes of its buffer. Raises GlbError for anything else than a whole file of version 2."""
     if len(data) < 20 or struct.unpack_from("<II", data) != (MAGIC, 2) or struct.unpack_from("<I", data, 8)[0] != len(data):
-        raise GlbError("it is no whole binary glTF 2.0")
+        raise GlbError(f"it is no whole binary glTF 2.0, in {len(data)} bytes")
     chunks, at = {}, 12
     while at + 8 <= len(data):
         length, kind = struct.unpack_from("<II", data, at)
         chunks[kind] = data[at + 8 : at + 8 + length]
         at += 8 + length
-    return json.loads(chunks[JSON_CHUNK]), chunks.get(BINARY_CHUNK, b"")
+    try:
+        return json.loads(chunks[JSON_CHUNK]), chunks.get(BINARY_CHUNK, b"")
+    except (LookupError, ValueError) as error:
+        raise GlbError(f"its JSON cannot be read: {error!r}") from None
 
 
 class Glb:

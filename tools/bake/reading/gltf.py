@@ -56,7 +56,7 @@ class Models:
             return path
         source = (self._bake.folder / path).resolve()
         if not source.is_relative_to(self._bake.folder) or not source.is_file():
-            raise BakeError(f"{self._bake.folder} has no {path}")
+            raise BakeError(f"{self._bake.folder} has no {path}, which its manifest names; bake again")
         return str(shutil.copyfile(source, folder / source.name))
 
     def add(self, glb: Glb, layer: Layer, model: int) -> int:
@@ -102,14 +102,14 @@ def chosen_tiles(bake: Bake, wanted: list[str]) -> list[Tile]:
     known = {str(tile): tile for tile in bake.tiles}
     for name in wanted:
         if name not in known:
-            raise BakeError(f"--tiles: the bake has no tile {name}")
+            raise BakeError(f"--tiles: the bake has no tile {name}; its first is {next(iter(known), 'none')}, in the form I,J")
     return [tile for tile in ([known[name] for name in wanted] or bake.tiles) if tile.rows]
 
 
 def vector(text: str) -> np.ndarray:
     numbers = [float(part) for part in text.split(",")] if re.fullmatch(r"[-+.,\deE]+", text) else []
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
-        raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,Z")
+        raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,Z: three finite numbers in meters with commas between")
     return np.array(numbers)
 
 
@@ -127,7 +127,7 @@ def export(chosen: argparse.Namespace) -> None:
     if chosen.lod < 0:
         raise BakeError(f"--lod is {chosen.lod}, where 0 or more is expected")
     if not chosen.stand_ins and not (chosen.project / "project.godot").is_file():
-        raise BakeError(f"--project: {chosen.project} is no project of Godot")
+        raise BakeError(f"--project: {chosen.project} is no project of Godot: it has no project.godot; use --stand-ins to do without")
     bake = open_bake(chosen.bake)
     tiles = chosen_tiles(bake, chosen.tiles.split())
     models = Models(bake, chosen.lod)

@@ -50,7 +50,7 @@ class Meshes:
             return path
         source = (self._bake.folder / path).resolve()
         if not source.is_relative_to(self._bake.folder) or not source.is_file():
-            raise BakeError(f"{self._bake.folder} has no {path}, which its manifest names")
+            raise BakeError(f"{self._bake.folder} has no {path}, which its manifest names; bake again")
         target = self._folder / "models" / source.name
         shutil.copyfile(source, target)
         return f"{self._inside}/models/{source.name}"
@@ -111,7 +111,7 @@ def project_of(folder: Path) -> Path:
                 if not (parent / script).is_file():
                     raise BakeError(f"{parent} has no {script}: copy the add-on, or these two scripts alone: {', '.join(ADDON)}")
             return parent
-    raise BakeError(f"{folder} lies in no project of Godot: scenes name their meshes by paths in one")
+    raise BakeError(f"{folder} lies in no project of Godot: no folder above it has a project.godot; choose a folder in the game's project")
 
 
 def check_folder(bake: Bake, folder: Path) -> None:

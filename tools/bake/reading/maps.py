@@ -69,7 +69,7 @@ class Map:
         self.left, self.top, width, depth = bake.rect
         self.width, self.height = max(1, math.ceil(width / meters)), max(1, math.ceil(depth / meters))
         if max(self.width, self.height) > MOST_PIXELS:
-            raise BakeError(f"--meters is {meters}, which gives {self.width} x {self.height} pixels, more than a PNG can have")
+            raise BakeError(f"--meters is {meters}, which gives {self.width} x {self.height} pixels, more than the {MOST_PIXELS} that a side of a PNG can have: choose a larger one")
         self._slots = np.full(1 << 16, -1, np.int64)
         for slot, layer in enumerate(bake.layers):
             self._slots[layer.index] = slot
@@ -87,7 +87,10 @@ class Map:
         row_bytes = self.width * len(self._bake.layers) * 12
         most = memory // row_bytes
         if most < 1:
-            raise BakeError(f"--memory is too small for one row of {self.width} pixels in {len(self._bake.layers)} layers: {row_bytes / 1e6:.0f} MB")
+            raise BakeError(
+                f"--memory is {memory / 1e6:g}, too small for one row of {self.width} pixels in {len(self._bake.layers)} layers: "
+                f"at least {math.ceil(row_bytes / 1e6)} MB are needed; raise it, or choose larger --meters"
+            )
         for first in range(0, self.height, most):
             band = np.zeros((len(self._bake.layers), min(most, self.height - first), self.width), np.uint32)
             for tile in self._bake.tiles:
@@ -103,7 +106,7 @@ class Map:
             slots, rows = self._slots[batch["layer"]], self.rows(batch["z"]) - first
             if (slots < 0).any():
                 unknown = batch["layer"][slots < 0][0]
-                raise BakeError(f"{tile.file} has instances of layer {unknown}, which the manifest does not name")
+                raise BakeError(f"{tile.file} has instances of layer {unknown}, which the manifest does not name; bake again, which makes only what is missing")
             columns = self.columns(batch["x"])
             inside = (rows >= 0) & (rows < band.shape[1])
             for slot in np.unique(slots[inside]):
@@ -163,7 +166,7 @@ def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, 
     (folder / "maps.json").write_text(json.dumps({**about, "height": plan.height, "bits": bits, "maps": described}, indent=1), encoding="utf-8")
     for entry in described:
         if entry["pixels_beyond_white"]:
-            say(f"{entry['file']}: {entry['pixels_beyond_white']} pixels have more instances than points of this radius can; they are white")
+            say(f"{entry['file']}: {entry['pixels_beyond_white']} pixels have more instances than points of the layer's radius can have; they are white, so use smaller --meters to tell them apart")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

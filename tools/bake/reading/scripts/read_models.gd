@@ -28,5 +28,5 @@ func _finest(scene: PackedScene, path: String) -> Mesh:
 	model.set(&"scene", scene)
 	var mesh: Mesh = model.call(&"get_mesh", 0)
 	if mesh == null:
-		problem = "%s has no visible MeshInstance3D with a mesh." % path
+		problem = "%s has no visible MeshInstance3D with a mesh: add one, or remove the scene from the layer and bake again." % path
 	return mesh

@@ -45,8 +45,10 @@ func _take_mesh(job: Dictionary) -> String:
 	if mesh.resource_path.is_empty() or "::" in mesh.resource_path:
 		var error := ResourceSaver.save(mesh, job.own, ResourceSaver.FLAG_COMPRESS)
 		if error != OK:
-			return "Cannot write %s: %s." % [job.own, error_string(error)]
+			return "Cannot write %s: %s. Check that its folder has room and may be written." % [job.own, error_string(error)]
 		mesh = ResourceLoader.load(job.own, "", ResourceLoader.CACHE_MODE_REPLACE)
+		if mesh == null:
+			return "%s was written and cannot be loaded: export again." % job.own
 	_meshes.append(mesh)
 	return ""
 
@@ -62,7 +64,7 @@ func _built(mesh: ArrayMesh) -> ArrayMesh:
 func _take_material(job: Dictionary) -> String:
 	var material := ResourceLoader.load(job.path) as Material
 	if material == null:
-		return "%s cannot be loaded as a material." % job.path
+		return "%s cannot be loaded as a material: is it in the project?" % job.path
 	_materials.append(material)
 	return ""
 
@@ -77,9 +79,9 @@ func _write_tile(job: Dictionary, payload: PackedByteArray) -> String:
 		root.add_child(node, true)
 		node.owner = root
 	var scene := PackedScene.new()
-	scene.pack(root)
+	var error := scene.pack(root)
 	root.free()
-	return _save(scene, job.file)
+	return _save(scene, job.file) if error == OK else "Cannot pack the scene of %s: %s." % [job.file, error_string(error)]
 
 
 func _instance(entry: Dictionary, payload: PackedByteArray) -> MultiMeshInstance3D:
@@ -133,10 +135,13 @@ func _write_world(job: Dictionary, payload: PackedByteArray) -> String:
 	var world := World.new()
 	world.name = "BakedWorld"
 	world.index = ResourceLoader.load(job.index, "", ResourceLoader.CACHE_MODE_REPLACE)
+	if world.index == null:
+		world.free()
+		return "%s was written and cannot be loaded: export again." % job.index
 	var scene := PackedScene.new()
-	scene.pack(world)
+	var error := scene.pack(world)
 	world.free()
-	return _save(scene, job.scene)
+	return _save(scene, job.scene) if error == OK else "Cannot pack the scene of %s: %s." % [job.scene, error_string(error)]
 
 
 ## Writes beside the final path first, and moves there what is whole.
@@ -145,4 +150,4 @@ func _save(resource: Resource, path: String) -> String:
 	var error := ResourceSaver.save(resource, partial, ResourceSaver.FLAG_COMPRESS)
 	if error == OK:
 		error = DirAccess.rename_absolute(partial, path)
-	return "" if error == OK else "Cannot write %s: %s." % [path, error_string(error)]
+	return "" if error == OK else "Cannot write %s: %s. Check that its folder has room and may be written." % [path, error_string(error)]
