@@ -195,10 +195,11 @@ def test_a_full_disk_stops_with_a_sentence(world, made, tmp_path):
         (["out=/tmp/made", "rect=0,0,1e7,1e7", "tile_size=32"], "97656250000 tiles are more than a bake has, 1000000"),
         (["out=/tmp/made"], "The terrain does not say where it lies: give a rect"),
         (["out=/tmp/made", *ASKED, "node=Nobody", "wait=1"], "In the scene res://world.tscn there is no TerrainScatter3D after 1 s"),
+        (["out=/tmp/made", *ASKED, "wait=-1"], "wait is '-1', and has to be a number of seconds, 0 or more"),
         (["out=/tmp/made", *ASKED, "wait=long"], "wait is 'long', and has to be a number of seconds"),
         (["out=/tmp/made", "rekt=0,0,5,5"], "rekt is '0,0,5,5', and is nothing that can be given here"),
         (["out=/tmp/made", "scene=res://none.tscn"], "There is no scene 'res://none.tscn'."),
-        (["connect=1", "token=x"], "connect is '1', and nobody listens"),
+        (["connect=1", "token=x"], "connect is '1', and no driver listens"),
     ],
 )
 def test_what_cannot_be_made_is_said(world, arguments, sentence):

@@ -28,7 +28,7 @@ func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 	tiles = grid.get_tiles_in(PackedFloat64Array([rect[0], rect[1], rect[0] + rect[2], rect[1] + rect[3]]))
 	var count := tiles.size.x * tiles.size.y
 	if count == 0:
-		problem = "The rectangle %s is too far from the origin for tiles of %s m: choose larger ones (tile size)." % [rect, tile_size]
+		problem = "The rectangle %s is too far from the origin for tiles of %s m: use larger tiles (tile size) or a nearer rectangle." % [rect, tile_size]
 	elif count > MAX_TILES:
 		problem = ("%d tiles are more than a bake has, %d: choose larger ones (tile size), or bake parts of the world, each with a rectangle " \
 				+ "along edges of tiles and into a folder of its own. They are read together like one.") % [count, MAX_TILES]

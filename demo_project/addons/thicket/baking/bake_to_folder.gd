@@ -16,12 +16,13 @@ const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
 
 const WORLD := "world.json"
 const PART := ".part"
+const UNWRITABLE := "Cannot write %s: %s. Check that the disk has room and the folder may be written, or choose a different out."
 const SECONDS_A_LINE := 10.0
 const CHUNK_BYTES := 1 << 22
-## What has to be as it was where a folder has been begun, and what is said if not.
+## Keys that must be as they were where a folder has been begun, and what to report if not: the value there, and the one now.
 const SAME: Dictionary[String, String] = {
-	"scene": "the scene is another", "rect": "the rectangle is another", "tile_size": "tiles are of another size",
-	"layers": "there are other layers", "parts": "",
+	"scene": "the scene is another (%s, not %s)", "rect": "the rectangle is another (%s, not %s)",
+	"tile_size": "tiles are of another size (%s m, not %s m)", "layers": "there are other layers (%s, not %s)", "parts": "",
 }
 
 ## What is wrong with the arguments, or why no more can be made, in a sentence; empty if nothing is.
@@ -40,20 +41,20 @@ var _counts := {"made": 0, "kept": 0, "failed": 0}
 func _init(arguments: Dictionary[String, String]) -> void:
 	_out = arguments.get("out", "")
 	if not _out.is_absolute_path():
-		problem = "out is '%s', and has to be a folder with its whole path." % _out
+		problem = "out is '%s', and has to be a folder with its whole path, such as out=/home/me/baked." % _out
 	_described = SceneDescription.new(arguments)
 	problem = problem if problem else _described.problem
 	if arguments.has("tiles"):
 		for text in arguments.tiles.split(" ", false):
 			var pair := text.split(",")
 			if pair.size() != 2 or not (pair[0].is_valid_int() and pair[1].is_valid_int()):
-				problem = "tiles has '%s', and has to be pairs I,J with spaces between." % text
+				problem = "tiles has '%s', and has to be pairs of whole numbers I,J with spaces between." % text
 			else:
 				_tiles.append(PackedInt64Array([pair[0].to_int(), pair[1].to_int()]))
 	if arguments.has("share"):
 		var share := SceneDescription.numbers_in(arguments.share, "/")
 		if share.size() != 2 or share[0] != int(share[0]) or share[1] != int(share[1]) or share[0] < 1.0 or share[0] > share[1]:
-			problem = "share is '%s', and has to be K/N: of N shares of the tiles the one with the number K, from 1 on." % arguments.share
+			problem = "share is '%s', and has to be K/N: of N shares of the tiles the one with the number K, from 1 to N." % arguments.share
 		else:
 			_share = PackedInt64Array(share)
 
@@ -91,7 +92,7 @@ func _describe(scatter: TerrainScatter3D, scene: String) -> bool:
 	var last := _described.grid.tiles.end - Vector2i.ONE
 	for tile in _tiles:
 		if tile[0] < first.x or tile[0] > last.x or tile[1] < first.y or tile[1] > last.y:
-			problem = "tiles has '%d,%d', which is not in the rectangle: tiles go from %d,%d to %d,%d." % [
+			problem = "tiles has '%d,%d', which is not in the rectangle: tiles go from %d,%d to %d,%d. Change tiles or rect." % [
 				tile[0], tile[1], first.x, first.y, last.x, last.y]
 	return problem.is_empty()
 
@@ -114,8 +115,9 @@ func _go_on() -> bool:
 		world["layers"] = _indices(world["layers"])
 	for key in SAME:
 		if before[key] != now[key]:
-			problem = "%s holds tiles of another bake, in which %s. Take another folder, or remove what lies in this one." % [
-				_out, SAME[key] if key != "parts" else "these parts of the scene are not the same: " + _changed(before.parts, now.parts)]
+			problem = "%s holds tiles of another bake, in which %s. Choose a different out, or remove the files in this one." % [
+				_out, SAME[key] % [before[key], now[key]] if key != "parts"
+				else "these parts of the scene are not the same: " + _changed(before.parts, now.parts)]
 			return false
 	return true
 
@@ -197,17 +199,19 @@ func _is_whole(path: String, header: Dictionary) -> bool:
 ## there is a problem.
 func _write_whole(path: String, write: Callable) -> String:
 	var partial := path.get_base_dir().path_join("." + path.get_file() + PART)
-	DirAccess.make_dir_recursive_absolute(path.get_base_dir())
-	var file := FileAccess.open(partial, FileAccess.WRITE)
+	var error := DirAccess.make_dir_recursive_absolute(path.get_base_dir())
+	var file := FileAccess.open(partial, FileAccess.WRITE) if error == OK else null
 	if file == null:
-		problem = "Cannot write %s: %s." % [path, error_string(FileAccess.get_open_error())]
+		problem = UNWRITABLE % [path, error_string(error if error != OK else FileAccess.get_open_error())]
 		return ""
 	_stored = 0
 	var failed: String = write.call(file)
 	file.close()
 	# What was kept back until now may have found no room.
-	if not failed and not problem and (_length(partial) != _stored or DirAccess.rename_absolute(partial, path) != OK):
-		problem = "Cannot write %s: is the disk full?" % path
+	if not failed and not problem:
+		error = DirAccess.rename_absolute(partial, path) if _length(partial) == _stored else ERR_FILE_CANT_WRITE
+		if error != OK:
+			problem = UNWRITABLE % [path, error_string(error)]
 	if failed or problem:
 		DirAccess.remove_absolute(partial)
 	return failed
@@ -221,7 +225,7 @@ static func _length(path: String) -> int:
 func _store(to: FileAccess, bytes: PackedByteArray) -> String:
 	_stored += bytes.size()
 	if not to.store_buffer(bytes):
-		problem = "Cannot write %s: is the disk full?" % to.get_path_absolute()
+		problem = UNWRITABLE % [to.get_path_absolute(), error_string(to.get_error())]
 	return ""
 
 
@@ -242,7 +246,9 @@ func _write_rows(to: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, head
 			return ""
 	header.sha256 = hashing.finish().hex_encode()
 	to.seek(0)
-	to.store_buffer(message(header)) # As long as before.
+	var stored := _stored
+	_store(to, message(header)) # As long as before.
+	_stored = stored
 	return ""
 
 
@@ -262,4 +268,4 @@ static func rows_of(scatter: TerrainScatter3D, part: Dictionary) -> PackedByteAr
 
 ## Why a tile has no rows.
 static func cannot_make(part: Dictionary) -> String:
-	return "Tile %d, %d of layer %d cannot be made; what the engine printed says why." % [part["x"], part["y"], part["layer"]]
+	return "Tile %d, %d of layer %d cannot be made; the error that was printed says why." % [part["x"], part["y"], part["layer"]]

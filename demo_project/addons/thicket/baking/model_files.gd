@@ -60,8 +60,12 @@ func _path_of(resource: Resource, file: String) -> String:
 	var path := FOLDER.path_join("%d_%s" % [Time.get_ticks_usec(), file.get_file()])
 	var error := ResourceSaver.save(resource, path, ResourceSaver.FLAG_COMPRESS)
 	if error != OK:
-		problem = "Cannot write %s: %s." % [file, error_string(error)]
+		problem = "Cannot write %s for %s: %s. Check that %s has room and may be written." % [path, file, error_string(error), FOLDER]
 		return ""
-	written[file] = FileAccess.get_file_as_bytes(path)
+	var bytes := FileAccess.get_file_as_bytes(path)
+	if bytes.is_empty():
+		problem = "Cannot read %s for %s: %s. Check that %s has room and may be read." % [
+			path, file, error_string(FileAccess.get_open_error()), FOLDER]
+	written[file] = bytes
 	DirAccess.remove_absolute(path)
 	return file

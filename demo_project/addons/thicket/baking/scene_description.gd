@@ -23,7 +23,7 @@ func _init(asked: Dictionary) -> void:
 	if asked.get("rect"):
 		_rect = numbers_in(asked["rect"], ",")
 		if _rect.size() != 4 or _rect[2] <= 0.0 or _rect[3] <= 0.0 or _rect.any(func(number: float) -> bool: return absf(number) >= 1e12):
-			problem = "rect is '%s', and has to be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0." % asked["rect"]
+			problem = "rect is '%s', and has to be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0 and all below 1e12." % asked["rect"]
 	if asked.get("tile_size"):
 		var text: String = asked["tile_size"]
 		_tile_size = text.to_float() if text.is_valid_float() else 0.0
@@ -52,7 +52,9 @@ func describe(scatter: TerrainScatter3D) -> bool:
 		if ground.has_area():
 			rect = [ground.position.x, ground.position.y, ground.size.x, ground.size.y]
 	if not problem and rect.is_empty():
-		problem = "The terrain does not say where it lies: give a rect, X,Z,WIDTH,DEPTH in meters."
+		problem = "The terrain does not say where it lies: give a rect, X,Z,WIDTH,DEPTH in meters, or set the rect of a terrain that has one."
+	if not problem and SceneDigest.version().is_empty():
+		problem = "%s cannot be read or has no version: install the whole add-on in the project." % SceneDigest.PLUGIN
 	if problem:
 		return false
 	grid = BakeGrid.new(rect, _tile_size if _tile_size > 0.0 else _fitting_size(scatter, rect, layers), layers)
@@ -101,10 +103,10 @@ func _chosen(layers: Array[Dictionary]) -> Array[Dictionary]:
 			found = layers.filter(func(layer: Dictionary) -> bool: return layer.name == name)
 		if found.is_empty():
 			var known := layers.map(func(layer: Dictionary) -> String: return ("%d %s" % [layer.index, layer.name]).strip_edges())
-			problem = "The scene has no layer '%s'. It has: %s." % [name, ", ".join(known)]
+			problem = "The scene has no layer '%s'. It has: %s. Name layers by index or name in layers." % [name, ", ".join(known)]
 		for layer: Dictionary in found:
 			chosen[layer.index] = true
 	var left := layers.filter(func(layer: Dictionary) -> bool: return chosen.is_empty() or layer.index in chosen)
 	if left.is_empty() and not problem:
-		problem = "The scene has no layers."
+		problem = "The scene has no layers: add one to TerrainScatter3D.layers."
 	return left

@@ -8,6 +8,8 @@ extends RefCounted
 
 ## Fields of the ground along each side of the rectangle, at whose middles heights are compared.
 const PROBES := 33
+## The file that has the version.
+const PLUGIN := "res://addons/thicket/plugin.cfg"
 ## Resources of which only the name counts: they say what an instance looks like.
 const LOOKS: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel", &"Material", &"Shader", &"Shape3D", &"PhysicsMaterial"]
 
@@ -46,11 +48,10 @@ static func _holds_anything(state: ScatterState) -> bool:
 	return state.get_removed_count() > 0 or state.get_added_count() > 0
 
 
-## The version of the add-on.
+## The version of the add-on; empty where [constant PLUGIN] cannot be read.
 static func version() -> String:
 	var config := ConfigFile.new()
-	config.load("res://addons/thicket/plugin.cfg")
-	return config.get_value("plugin", "version", "")
+	return config.get_value("plugin", "version", "") if config.load(PLUGIN) == OK else ""
 
 
 func _digest(values: Array) -> String:

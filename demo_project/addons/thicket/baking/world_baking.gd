@@ -33,6 +33,14 @@ const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of wh
     wait=SECONDS                 for the scene's ground to be there (120)
 Ends with 0 if all tiles are there that were asked for, 1 if some are not, 2 if it could not begin.
 For a driver, in place of out and what follows it: connect=PORT and token=WORD."""
+const NO_SCATTER := "is no TerrainScatter3D"
+const NO_TERRAIN := "is no terrain"
+const NO_GROUND := "is a scatter that still waits for its ground"
+## What to do about each.
+const REMEDIES: Dictionary[String, String] = {
+	NO_SCATTER: "Add one, or set node to its path.", NO_TERRAIN: "Set the terrain of the TerrainScatter3D.",
+	NO_GROUND: "Raise wait, or check that the terrain has ground.",
+}
 const FOR_ALL: Array[String] = ["scene", "node", "wait"]
 const FOR_FOLDER: Array[String] = ["out", "rect", "tile_size", "layers", "tiles", "share"]
 const FOR_DRIVER: Array[String] = ["connect", "token"]
@@ -59,7 +67,7 @@ func run() -> void:
 	if folder != null:
 		wrong = folder.problem
 	elif not wrong and not await _connect():
-		wrong = "connect is '%s', and nobody listens at this port of this machine." % _arguments.connect
+		wrong = "connect is '%s', and no driver listens at this port of this machine. Start the driver first, or use out." % _arguments.connect
 	var problem: String = await _open_scene() if not wrong else ""
 	if folder != null and problem:
 		wrong = problem
@@ -84,9 +92,9 @@ func _what_is_wrong() -> String:
 	var known := FOR_ALL + (FOR_FOLDER if _arguments.has("out") else FOR_DRIVER)
 	for name in _arguments:
 		if not name in known:
-			return "%s is '%s', and is nothing that can be given here. That are: %s." % [name, _arguments[name], ", ".join(known)]
-	if _arguments.has("wait") and not _arguments["wait"].is_valid_float():
-		return "wait is '%s', and has to be a number of seconds." % _arguments["wait"]
+			return "%s is '%s', and is nothing that can be given here. Arguments are: %s." % [name, _arguments[name], ", ".join(known)]
+	if _arguments.has("wait") and not (_arguments["wait"].is_valid_float() and _arguments["wait"].to_float() >= 0.0):
+		return "wait is '%s', and has to be a number of seconds, 0 or more." % _arguments["wait"]
 	return ""
 
 
@@ -106,16 +114,16 @@ func _connect() -> bool:
 func _open_scene() -> String:
 	var path: String = _arguments.get("scene", "")
 	if not ResourceLoader.exists(path, "PackedScene"):
-		return "There is no scene '%s'." % path
+		return "There is no scene '%s'. Set scene to the res:// path of one in the project." % path
 	var packed := load(path) as PackedScene
 	var scene := packed.instantiate() if packed != null else null
 	if scene == null:
-		return "The scene %s cannot be loaded." % path
+		return "The scene %s cannot be loaded; the error that was printed says why." % path
 	_find_scatter(scene)
 	_tree.root.add_child(scene)
 	_tree.current_scene = scene
 	var deadline := Time.get_ticks_msec() + int(1000.0 * float(_arguments.get("wait", "120")))
-	var missing := "is no TerrainScatter3D"
+	var missing := NO_SCATTER
 	var frames := 0
 	while frames < 3 or missing:
 		await _tree.process_frame
@@ -125,7 +133,8 @@ func _open_scene() -> String:
 			return several
 		missing = _what_is_missing()
 		if missing and Time.get_ticks_msec() > deadline:
-			return "In the scene %s there %s after %s s." % [path, missing, _arguments.get("wait", "120")]
+			var at: String = " at node '%s'" % _arguments["node"] if _arguments.has("node") else ""
+			return "In the scene %s there %s after %s s%s. %s" % [path, missing, _arguments.get("wait", "120"), at, REMEDIES[missing]]
 	return ""
 
 
@@ -154,11 +163,11 @@ func _find_scatter(scene: Node) -> String:
 
 func _what_is_missing() -> String:
 	if _scatter == null:
-		return "is no TerrainScatter3D"
+		return NO_SCATTER
 	if _scatter.terrain == null:
-		return "is no terrain"
+		return NO_TERRAIN
 	if not _scatter.is_settled():
-		return "is a scatter that still waits for its ground"
+		return NO_GROUND
 	return ""
 
 
@@ -185,7 +194,7 @@ func _answer(problem: String) -> bool:
 			return _send_models(message["layers"])
 		"rows":
 			return _send_rows(message.tile)
-	return _send({"error": "'%s' cannot be asked for." % message})
+	return _send({"error": "'%s' is no request: do must be describe, models or rows." % message})
 
 
 func _send_description(asked: Dictionary) -> bool:
@@ -197,7 +206,7 @@ func _send_description(asked: Dictionary) -> bool:
 ## Of a tile of what was described last.
 func _send_rows(tile: Array) -> bool:
 	if _described == null or _described.grid == null or _described.problem:
-		return _send({"error": "Rows can be asked for once a description was."})
+		return _send({"error": "Rows were requested before describe succeeded: request that first."})
 	for part in _described.grid.parts_of(Vector2i(int(tile[0]), int(tile[1]))):
 		var rows := BakeToFolder.rows_of(_scatter, part)
 		if rows.is_empty():
