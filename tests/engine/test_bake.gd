@@ -146,7 +146,9 @@ func test_refusals() -> void:
 		check(bake.begin(scatter, wrong[0], FOLDER, wrong[1]) != OK, "refused: %s" % [wrong])
 		check(wrong[2] in bake.problem, "and says why: " + bake.problem)
 		check(not bake.step(1.0), "nothing to do")
-	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", [7]) != OK, "no such layer")
+	for indices: PackedInt32Array in [[7], [0, 7], [-1, 0]]:
+		check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", indices) != OK, "no such layer: %s" % indices)
+		check(str(indices[0] if indices[0] != 0 else 7) in bake.problem and "layers" in bake.problem, bake.problem)
 	scatter.terrain = null
 	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "terrain" in bake.problem, bake.problem)
 
@@ -165,6 +167,39 @@ func test_layer_that_cannot_be_made() -> void:
 	check("Layer 1" in bake.problem and bake.progress < 1.0, bake.problem)
 	check(not errors.take().is_empty(), "an error says why")
 	check_equal(all_files(), PackedStringArray(), "nothing is left")
+
+
+## A file of an earlier bake that stays, and an index of a baked world whose lists do not fit together, are reported.
+func test_failures_that_leave_something() -> void:
+	empty_folder()
+	var scatter := wood()
+	await settle(scatter)
+	var bake := Bake.new()
+	bake.begin(scatter, Rect2(0, 0, 64, 64), FOLDER, "wood")
+	await run_to_end(bake)
+	var kept := ""
+	for file in all_files():
+		if file.ends_with("_0_1_1.res"):
+			kept = FOLDER.path_join(file)
+	DirAccess.remove_absolute(kept)
+	DirAccess.make_dir_absolute(kept)
+	FileAccess.open(kept.path_join("mine"), FileAccess.WRITE).store_string("mine")
+	bake.begin(scatter, Rect2(0, 0, 16, 16), FOLDER, "wood")
+	await run_to_end(bake)
+	check_equal(bake.problem, "", "the bake is written")
+	check_error([kept, "Delete it"], "the file that stays")
+	DirAccess.remove_absolute(kept.path_join("mine"))
+	DirAccess.remove_absolute(kept)
+	var index := preload("res://addons/thicket/baked_world_index.gd").new()
+	index.tile_size = 32.0
+	index.world_offset = PackedFloat64Array([0, 0, 0])
+	index.tiles = PackedInt32Array([0, 0, 1, 0])
+	index.instances = PackedInt32Array([5])
+	index.centers = PackedFloat64Array([0, 0, 0])
+	var world := preload("res://addons/thicket/baked_world.gd").new()
+	world.index = index
+	check_error(["BakedWorld.index", "tiles", "4, 3"], "an index")
+	world.free()
 
 
 ## Where a ray meets the ground: on it, from above, the first time; none where there is no ground.

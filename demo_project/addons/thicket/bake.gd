@@ -14,6 +14,7 @@ extends RefCounted
 const UNFINISHED := ".bake_unfinished/"
 ## Most tiles of all layers together.
 const MOST_TILES := 100000
+const UNWRITABLE := "Cannot write %s: %s. Check that the folder has room and may be written."
 
 ## What went wrong, in a sentence; empty while nothing has.
 var problem := ""
@@ -49,17 +50,17 @@ func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers :=
 	_folder = folder if folder.ends_with("/") else folder + "/"
 	scene_path = _folder + name + ".tscn"
 	if not _rect.is_finite() or not _rect.has_area():
-		return _refuse(ERR_INVALID_PARAMETER, "The rectangle is empty.")
+		return _refuse(ERR_INVALID_PARAMETER, "The rectangle must be finite and have an area, got %s." % rect)
 	if name.is_empty() or not name.is_valid_filename():
-		return _refuse(ERR_INVALID_PARAMETER, "'%s' is no name for a file." % name)
+		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without / : ? * and the like, got '%s'." % name)
 	if scatter.get(&"terrain") == null:
-		return _refuse(ERR_UNCONFIGURED, "The scatter has no terrain.")
+		return _refuse(ERR_UNCONFIGURED, "%s has no terrain: set TerrainScatter3D.terrain." % scatter.name)
 	var error := _list_tiles(layers)
 	if error != OK:
 		return error
 	error = DirAccess.make_dir_recursive_absolute(_folder + UNFINISHED)
 	if error != OK:
-		return _refuse(error, "Cannot make the folder %s: %s." % [_folder, error_string(error)])
+		return _refuse(error, "Cannot make the folder %s: %s. Choose a folder that may be written." % [_folder, error_string(error)])
 	_empty_unfinished()
 	_name = name
 	_running = true
@@ -118,6 +119,11 @@ func _list_tiles(chosen: PackedInt32Array) -> Error:
 	var bounds := PackedFloat64Array([low[0], low[1], low[0] + _rect.size.x, low[1] + _rect.size.y])
 	var grid := ClassDB.instantiate(&"ScatterTileGrid") as RefCounted
 	var layers: Array = _scatter.get(&"layers")
+	_tiles.clear()
+	for index in chosen:
+		if not layers.is_empty() and (index < 0 or index >= layers.size() or layers[index] == null):
+			return _refuse(ERR_INVALID_PARAMETER, "layers has %d, and %s has no layer there: indices go from 0 to %d." % [
+				index, _scatter.name, layers.size() - 1])
 	for index in layers.size():
 		var layer: Resource = layers[index]
 		if layer == null or not (chosen.is_empty() or chosen.has(index)):
@@ -125,21 +131,22 @@ func _list_tiles(chosen: PackedInt32Array) -> Error:
 		grid.set(&"tile_size", layer.get(&"tile_size"))
 		var touched: Rect2i = grid.call(&"get_tiles_in", bounds)
 		if not touched.has_area():
-			return _refuse(ERR_PARAMETER_RANGE_ERROR, "The rectangle is too far from the origin for the tiles of layer %d." % index)
+			return _refuse(ERR_PARAMETER_RANGE_ERROR,
+					"The rectangle %s is too far from the origin for the tiles of layer %d: raise its tile_size." % [_rect, index])
 		if touched.size.x * touched.size.y > MOST_TILES - _tiles.size():
-			_tiles.clear()
-			return _refuse(ERR_PARAMETER_RANGE_ERROR, "More than %d tiles: bake a smaller rectangle." % MOST_TILES)
+			return _refuse(ERR_PARAMETER_RANGE_ERROR,
+					"The rectangle %s has more than %d tiles: bake a smaller one, or raise tile_size of the layers." % [_rect, MOST_TILES])
 		for y in range(touched.position.y, touched.end.y):
 			for x in range(touched.position.x, touched.end.x):
 				_tiles.append(Vector3i(index, x, y))
-	return OK if not _tiles.is_empty() else _refuse(ERR_UNCONFIGURED, "There is no layer to bake.")
+	return OK if not _tiles.is_empty() else _refuse(ERR_UNCONFIGURED, "%s has no layer to bake: add one to TerrainScatter3D.layers." % _scatter.name)
 
 
 func _bake_tile(tile: Vector3i) -> bool:
 	var layer: Resource = _scatter.get(&"layers")[tile.x]
 	var built: RefCounted = _scatter.call(&"build_tile", tile.x, Vector2i(tile.y, tile.z), _rect)
 	if built.get_mesh_count() == 0:
-		problem = "Layer %d cannot be made; the error that was printed says why." % tile.x
+		problem = "Layer %d cannot be baked; the error that was printed says why." % tile.x
 		return false
 	for mesh_index: int in built.get_mesh_count():
 		var buffer: PackedFloat32Array = built.get_buffer(mesh_index)
@@ -202,7 +209,7 @@ func _save(resource: Resource, file: String) -> bool:
 	var error := ResourceSaver.save(resource, _folder + UNFINISHED + file)
 	resource.set_path_cache(_folder + file)
 	if error != OK:
-		problem = "Cannot write %s: %s." % [_folder + file, error_string(error)]
+		problem = UNWRITABLE % [_folder + file, error_string(error)]
 		return false
 	_written.append(file)
 	return true
@@ -216,8 +223,11 @@ func _write_scene() -> bool:
 		scene.add_child(instance, true)
 		instance.owner = scene
 	var packed := PackedScene.new()
-	packed.pack(scene)
+	var error := packed.pack(scene)
 	scene.free()
+	if error != OK:
+		problem = "Cannot pack %s: %s." % [scene_path, error_string(error)]
+		return false
 	return _save(packed, scene_path.get_file())
 
 
@@ -227,11 +237,13 @@ func _move_all() -> bool:
 	for file in _written:
 		var error := DirAccess.rename_absolute(_folder + UNFINISHED + file, _folder + file)
 		if error != OK:
-			problem = "Cannot write %s: %s." % [_folder + file, error_string(error)]
+			problem = UNWRITABLE % [_folder + file, error_string(error)]
 			return false
 		stale.erase(file)
 	for file in stale:
-		DirAccess.remove_absolute(_folder + file)
+		var error := DirAccess.remove_absolute(_folder + file)
+		if error != OK:
+			push_warning("Cannot remove %s, a file of an earlier bake: %s. Delete it by hand." % [_folder + file, error_string(error)])
 	for file in _written:
 		if ResourceLoader.has_cached(_folder + file):
 			ResourceLoader.load(_folder + file, "", ResourceLoader.CACHE_MODE_REPLACE)

@@ -59,13 +59,13 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	_baked = []
 	_layer = layer
 	if name.is_empty() or not name.is_valid_filename():
-		return _refuse(ERR_INVALID_PARAMETER, "'%s' is no name for a file." % name)
+		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without / : ? * and the like, got '%s'." % name)
 	_meshes.assign(range((layer.get(&"meshes") as Array).size()).map(_finest))
 	if not _meshes.any(func(mesh: Mesh) -> bool: return mesh != null):
-		return _refuse(ERR_UNCONFIGURED, "The layer has no mesh to bake.")
+		return _refuse(ERR_UNCONFIGURED, "The layer has no mesh to bake: add one to ScatterLayer.meshes.")
 	var error := DirAccess.make_dir_recursive_absolute(folder)
 	if error != OK:
-		return _refuse(error, "Cannot make the folder %s: %s." % [folder, error_string(error)])
+		return _refuse(error, "Cannot make the folder %s: %s. Choose a folder that may be written." % [folder, error_string(error)])
 	_stem = folder.path_join(name)
 	impostor.material_override = layer.get(&"material_override")
 	_running = true
@@ -136,10 +136,14 @@ func _save() -> bool:
 		if FileAccess.file_exists(path):
 			replaced[path] = Replaced.new()
 			replaced[path].bytes = FileAccess.get_file_as_bytes(path)
+			if FileAccess.get_open_error() != OK: # Undo could not bring it back.
+				problem = "Cannot read %s, which is to be replaced: %s. Make it readable, or remove it." % [
+					path, error_string(FileAccess.get_open_error())]
+				return false
 			replaced[path].resource = load(path) if ResourceLoader.has_cached(path) else null
 		var error := ResourceSaver.save(_baked[index], path)
 		if error != OK:
-			problem = "Cannot write %s: %s." % [path, error_string(error)]
+			problem = "Cannot write %s: %s. Check that its folder has room and may be written." % [path, error_string(error)]
 			return false
 		_baked[index].take_over_path(path)
 		files.append(path)

@@ -17,6 +17,7 @@ signal tile_failed(tile: Vector2i)
 
 ## Files that are read at once.
 const MOST_LOADING := 4
+const INVALID := "BakedWorld.index: %s must have %s, got %s. Nothing that depends on it is shown. Export the bake again."
 
 ## Which tiles there are.
 @export var index: Index:
@@ -110,10 +111,16 @@ func _look_up() -> void:
 	_failed.clear()
 	if index == null:
 		return
-	@warning_ignore("integer_division")
-	for number in index.tiles.size() / 2:
+	var count := index.instances.size()
+	if index.tiles.size() != 2 * count or index.centers.size() != 3 * count or count > 0 and not index.tile_size > 0.0:
+		push_error(INVALID % ["tiles, centers and tile_size", "2 and 3 numbers for each of the %d entries of instances, and meters above 0" % count,
+				"%d, %d and %s" % [index.tiles.size(), index.centers.size(), index.tile_size]])
+		return
+	for number in count:
 		_numbers[Vector2i(index.tiles[2 * number], index.tiles[2 * number + 1])] = number
-	if index.world_offset.size() == 3:
+	if index.world_offset.size() not in [0, 3]:
+		push_error(INVALID % ["world_offset", "3 numbers", index.world_offset.size()])
+	elif not index.world_offset.is_empty():
 		world_offset = Vector3(index.world_offset[0], index.world_offset[1], index.world_offset[2])
 	_is_stale = true
 
@@ -175,10 +182,12 @@ func _request() -> void:
 		var path := index.tile_path(tile)
 		if not ResourceLoader.exists(path, "PackedScene"):
 			_fail(tile, "%s is missing" % path)
-		elif _reads_on_threads and ResourceLoader.load_threaded_request(path, "PackedScene") != OK:
-			_fail(tile, "%s cannot be read" % path)
-		else:
+			continue
+		var error := ResourceLoader.load_threaded_request(path, "PackedScene") if _reads_on_threads else OK
+		if error == OK:
 			_loading[tile] = path
+		else:
+			_fail(tile, "%s cannot be requested (%s) and so cannot be read" % [path, error_string(error)])
 
 
 func _take(deadline: int) -> void:

@@ -75,12 +75,13 @@ static func from_csv(scatter: Node3D, layer: Variant, path: String) -> int:
 static func read_node(node: Node) -> Reading:
 	var reading := Reading.new()
 	if node == null:
-		reading.problems.append("There is no node to import from.")
+		reading.problems.append("There is no node to import from: node is null.")
 		return reading
 	_read_below(node, reading)
 	reading.batches = reading.batches.filter(func(batch: Batch) -> bool: return batch.size() > 0)
 	if reading.size() == 0 and reading.problems.is_empty():
-		reading.problems.append("%s has no instances: no MultiMeshInstance3D, no output of ProtonScatter, no Terrain3D." % node.name)
+		reading.problems.append(("%s has no instances: no MultiMeshInstance3D, no output of ProtonScatter, no Terrain3D. "
+				+ "Choose a node that has one, or build its instances first.") % node.name)
 	return reading
 
 
@@ -89,7 +90,7 @@ static func read_csv(path: String) -> Reading:
 	var reading := Reading.new()
 	var file := FileAccess.open(path, FileAccess.READ)
 	if file == null:
-		reading.problems.append("%s cannot be opened: %s." % [path, error_string(FileAccess.get_open_error())])
+		reading.problems.append("%s cannot be opened: %s. Check its path." % [path, error_string(FileAccess.get_open_error())])
 		return reading
 	var table := Table.new()
 	table.read(file.get_as_text())
@@ -98,7 +99,7 @@ static func read_csv(path: String) -> Reading:
 	var batch := reading.batch_of(null, path.get_file().get_basename(), {})
 	batch.transforms = table.transforms
 	if table.problems.is_empty() and batch.size() == 0:
-		reading.problems.append("%s has no transforms." % path)
+		reading.problems.append("%s has no transforms: it needs a line of 3, 6, 7, 9 or 12 numbers for each instance." % path)
 	return reading
 
 
@@ -164,7 +165,7 @@ static func _mesh_index(scatter: Node3D, layer: Variant, mesh: Resource) -> int:
 
 static func _import(scatter: Node3D, layer: Variant, reading: Reading) -> int:
 	if layer == null and reading.batches.any(func(batch: Batch) -> bool: return batch.mesh == null):
-		reading.problems.append("A table names no mesh: say which layer its instances are of.")
+		reading.problems.append("A table names no mesh: set layer to the layer that its instances belong to, by object, name or index.")
 	for problem in reading.problems:
 		push_error("Import of instances: " + problem)
 	return place(scatter, layer, reading).size() if reading.problems.is_empty() else 0
@@ -188,9 +189,9 @@ static func _read_multimesh(node: MultiMeshInstance3D, r_reading: Reading) -> vo
 	if multimesh == null or multimesh.instance_count == 0 or multimesh.visible_instance_count == 0:
 		return
 	if multimesh.mesh == null:
-		r_reading.problems.append("%s has no mesh." % node.name)
+		r_reading.problems.append("%s has no mesh: set the mesh of its multimesh." % node.name)
 	elif multimesh.transform_format != MultiMesh.TRANSFORM_3D:
-		r_reading.problems.append("%s has transforms in two dimensions." % node.name)
+		r_reading.problems.append("%s has transforms in two dimensions: its multimesh must have the transform_format TRANSFORM_3D." % node.name)
 	else:
 		var name := _name_of(multimesh.mesh, node)
 		_append(node, _buffer_of(multimesh), r_reading.batch_of(multimesh.mesh, name, _look_of(node)))
@@ -276,7 +277,7 @@ static func _read_proton_item(item: Node, r_reading: Reading) -> void:
 	for child in item.get_children():
 		drawn = drawn or child is MultiMeshInstance3D
 		if child is GPUParticles3D:
-			r_reading.problems.append("%s is made of particles, which keep no transforms: let ProtonScatter make instances." % item.name)
+			r_reading.problems.append("%s is made of particles, which keep no transforms: set its render mode in ProtonScatter to Use Instancing, and rebuild." % item.name)
 			return
 	for child in item.get_children():
 		if drawn:
@@ -290,7 +291,7 @@ static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> v
 	if not node.scene_file_path.is_empty():
 		var scene := load(node.scene_file_path) as PackedScene
 		if scene == null:
-			r_reading.problems.append("%s cannot be loaded." % node.scene_file_path)
+			r_reading.problems.append("%s cannot be loaded; the error that was printed says why." % node.scene_file_path)
 			return
 		_append_transform(_space_of(node), r_reading.batch_of(scene, item_name, {}).transforms)
 		return
@@ -335,7 +336,7 @@ static func _terrain_3d_batch(terrain: Node, mesh_id: int, r_reading: Reading) -
 	var asset: Object = (terrain.get(&"assets") as Object).call(&"get_mesh_asset", mesh_id)
 	var mesh: Mesh = asset.call(&"get_mesh", 0) if asset != null else null
 	if mesh == null:
-		r_reading.problems.append("%s has instances of mesh %d, which is not there." % [terrain.name, mesh_id])
+		r_reading.problems.append("%s has instances of mesh %d, which its assets do not have: add the mesh, or clear its instances." % [terrain.name, mesh_id])
 		return null
 	var look: Dictionary[StringName, Variant] = {}
 	if asset.get(&"material_override") != null:

@@ -68,7 +68,8 @@ func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 	_baker.samples = samples
 	_baker.full_sphere = full_sphere
 	if _baker.frames != frames or _baker.frame_size != frame_size or _baker.samples != samples:
-		return _refuse(ERR_PARAMETER_RANGE_ERROR, "frames, frame_size or samples is out of range.")
+		return _refuse(ERR_PARAMETER_RANGE_ERROR, "frames must be 2 to 32, frame_size a power of two from 16 to 512, frames * frame_size at most 8192, "
+				+ "samples 1 to 8; got %d, %d and %d." % [frames, frame_size, samples])
 	_reader = Reader.new()
 	_reader.stand_ins = stand_ins
 	for index in meshes.size():
@@ -78,7 +79,7 @@ func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 			return error
 	warnings = _reader.warnings
 	if _reader.area <= 0.0:
-		return _refuse(ERR_INVALID_DATA, "There are no triangles to bake.")
+		return _refuse(ERR_INVALID_DATA, "There are no triangles to bake: meshes must have one with triangles, got %d meshes." % meshes.size())
 	_task = WorkerThreadPool.add_task(_baker.bake, false, "Bake an impostor")
 	return OK
 
@@ -132,10 +133,10 @@ func _refuse(error: Error, why: String) -> Error:
 
 func _add(mesh: Mesh, transform: Transform3D) -> Error:
 	if mesh == null:
-		return _refuse(ERR_INVALID_PARAMETER, "A mesh is missing.")
+		return _refuse(ERR_INVALID_PARAMETER, "A mesh is missing: an entry of meshes is null. Remove it, or set a mesh.")
 	for surface in mesh.get_surface_count():
 		if mesh is ArrayMesh and (mesh as ArrayMesh).surface_get_primitive_type(surface) != Mesh.PRIMITIVE_TRIANGLES:
-			_reader.warnings.append("Surface %d has no triangles and is left out." % surface)
+			_reader.warnings.append("Surface %d of %s has no triangles and is left out: impostors show triangles only." % [surface, _name_of(mesh)])
 			continue
 		var material := material_override if material_override != null else mesh.surface_get_material(surface)
 		var arrays := mesh.surface_get_arrays(surface)
@@ -143,8 +144,12 @@ func _add(mesh: Mesh, transform: Transform3D) -> Error:
 		var error: Error = _baker.add_surface(look.arrays, transform, look.albedo, look.texture, look.alpha_threshold,
 				look.cull_mode, look.vertex_colors)
 		if error != OK:
-			return _refuse(error, "Surface %d cannot be baked; the error that was printed says why." % surface)
+			return _refuse(error, "Surface %d of %s cannot be baked; the error that was printed says why." % [surface, _name_of(mesh)])
 	return OK
+
+
+static func _name_of(mesh: Mesh) -> String:
+	return mesh.resource_path if not mesh.resource_path.is_empty() else "the mesh '%s'" % mesh.resource_name
 
 
 ## A quad whose box is the model's, so that nothing that is culled by it is missed; the shader turns it to the camera.

@@ -42,7 +42,7 @@ func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
 	elif known is ShaderMaterial:
 		_read_shader(known as ShaderMaterial, look)
 	elif known != null:
-		_warn("%s is baked white: its colors are not known." % _name_of(known))
+		_warn("%s is baked white: colors of a %s are not known. Set stand_ins." % [_name_of(known), known.get_class()])
 	var size := _area_of(arrays, transform)
 	area += size
 	roughness += size * look.roughness
@@ -74,7 +74,7 @@ func _read_material(material: BaseMaterial3D, look: Look) -> void:
 	if material.backlight_enabled:
 		look.backlight = material.backlight
 	if material.uv1_triplanar:
-		_warn("%s is baked with the mesh's own texture coordinates: it is triplanar." % _name_of(material))
+		_warn("%s is triplanar and is baked with the mesh's UVs instead. Set stand_ins to a material without uv1_triplanar." % _name_of(material))
 	var uvs: Variant = look.arrays[Mesh.ARRAY_TEX_UV]
 	if uvs != null and (material.uv1_scale != Vector3.ONE or material.uv1_offset != Vector3.ZERO):
 		var scale := Vector2(material.uv1_scale.x, material.uv1_scale.y)
@@ -120,7 +120,8 @@ func _image_of(texture: Texture2D, material: Material) -> Image:
 	if not _images.has(texture):
 		_images[texture] = texture.get_image()
 	if _images[texture] == null or _images[texture].is_empty():
-		_warn("%s is baked without its texture, whose pixels cannot be read." % _name_of(material))
+		_warn("%s is baked without its texture %s, whose pixels cannot be read. Set stand_ins, or use an imported image." % [
+				_name_of(material), texture.resource_path if texture.resource_path else texture.get_class()])
 		return null
 	return _images[texture]
 

@@ -87,12 +87,12 @@ func _take_names(fields: Array[String], number: int) -> void:
 		if not PARTS.has(part) and part != ONE_SCALE:
 			problems.append("line %d: no column is called '%s'; known are %s and scale" % [number, field, ", ".join(PARTS)])
 		elif _names.has(part):
-			problems.append("line %d: '%s' comes twice" % [number, field])
+			problems.append("line %d: '%s' comes twice; name each column once" % [number, field])
 		_names.append(part)
 		_columns.append(PARTS.find(part))
 	for part in PARTS.slice(0, 3):
 		if not _names.has(part):
-			problems.append("line %d: there is no column '%s'" % [number, part])
+			problems.append("line %d: there is no column '%s'; x, y and z are needed" % [number, part])
 
 
 func _take_count(count: int) -> void:
@@ -128,11 +128,11 @@ func _values_one_by_one(line: String, number: int) -> PackedFloat64Array:
 	var values := PackedFloat64Array()
 	for index in fields.size():
 		if not fields[index].is_valid_float():
-			problems.append("line %d: %s is '%s', which is no number" % [number, _names[index], fields[index]])
+			problems.append("line %d: %s is '%s', which is no number; write it with a decimal point" % [number, _names[index], fields[index]])
 			return PackedFloat64Array()
 		values.append(fields[index].to_float())
 		if not absf(values[-1]) <= MOST:
-			problems.append("line %d: %s is %s, which is beyond 10^9" % [number, _names[index], fields[index]])
+			problems.append("line %d: %s is %s, which is beyond 10^9; numbers must be between -10^9 and 10^9" % [number, _names[index], fields[index]])
 			return PackedFloat64Array()
 	return values
 
