@@ -69,7 +69,7 @@ class Map:
         self.left, self.top, width, depth = bake.rect
         self.width, self.height = max(1, math.ceil(width / meters)), max(1, math.ceil(depth / meters))
         if max(self.width, self.height) > MOST_PIXELS:
-            raise BakeError(f"--meters is {meters}, which gives {self.width} x {self.height} pixels, more than the {MOST_PIXELS} that a side of a PNG can have: choose a larger one")
+            raise BakeError(f"--meters is {meters}, which gives {self.width} x {self.height} pixels, more than a PNG can have: at most {MOST_PIXELS} a side; choose a larger one")
         self._slots = np.full(1 << 16, -1, np.int64)
         for slot, layer in enumerate(bake.layers):
             self._slots[layer.index] = slot
@@ -88,8 +88,8 @@ class Map:
         most = memory // row_bytes
         if most < 1:
             raise BakeError(
-                f"--memory is {memory / 1e6:g}, too small for one row of {self.width} pixels in {len(self._bake.layers)} layers: "
-                f"at least {math.ceil(row_bytes / 1e6)} MB are needed; raise it, or choose larger --meters"
+                f"--memory is too small for one row of {self.width} pixels in {len(self._bake.layers)} layers: it is {memory / 1e6:g} MB, "
+                f"and has to be {row_bytes / 1e6:g} MB or more; raise it, or choose larger --meters"
             )
         for first in range(0, self.height, most):
             band = np.zeros((len(self._bake.layers), min(most, self.height - first), self.width), np.uint32)
