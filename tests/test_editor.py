@@ -121,10 +121,11 @@ def plain_project(tmp_path) -> Path:
     return new_plain_project(tmp_path)
 
 
-def test_bake(godot, plain_project):
-    """What a bake writes, how it is given up, what it refuses; where the brush's ray meets the ground."""
+@pytest.mark.parametrize("script", ["test_bake", "test_scene_files"])
+def test_scripts_of_the_editor(godot, plain_project, script):
+    """What a bake writes, how it is given up, what it refuses; where the brush's ray meets the ground; files that cannot be written."""
     link_library(plain_project)
-    done = godot(["--verbose", "--path", plain_project, "--script", REPO / "tests/engine/test_bake.gd"], timeout=120)
+    done = godot(["--verbose", "--path", plain_project, "--script", REPO / f"tests/engine/{script}.gd"], timeout=120)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and re.search(r"^thicket engine tests: \d+ checks, 0 failed$", printed, re.M), printed
     assert "leaked" not in printed, printed

@@ -299,7 +299,7 @@ func test_a_preset_that_stands_nowhere() -> void:
 	check(scatter.layers.size() > 4, "the preset's layers: %d" % scatter.layers.size())
 	await settle(scatter)
 	await until(func() -> bool: return not told().is_empty(), "it is told")
-	check("Nothing stands here of" in told() and "Slope is 0°" in told(), "why: " + told())
+	check("No instance is visible here of" in told() and "Slope is 0°" in told(), "why: " + told())
 	await get_tree().create_timer(1.0).timeout # It is faded in.
 	await picture("clicks_scree")
 	await undo()

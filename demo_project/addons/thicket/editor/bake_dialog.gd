@@ -131,7 +131,7 @@ func start() -> void:
 		return
 	var chosen := _chosen()
 	if chosen.is_empty():
-		_state.text = "Choose a layer."
+		_state.text = "No layer is chosen: check at least one under Layers."
 		return
 	if job.begin(_scatter, _rect(), _folder.text, _name.text, chosen) != OK:
 		_state.text = job.problem

@@ -49,7 +49,7 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 		elif layer.mask != null:
 			_stroke_of(layer.mask)
 	if _strokes.is_empty():
-		return "Nothing is painted on %s yet." % ("these layers" if layers.size() > 1 else "this layer")
+		return "Smooth needs a mask, and %s none yet: paint or erase first." % ("these layers have" if layers.size() > 1 else "this layer has")
 	_scatter = scatter
 	_scene_path = scene_path
 	_stroke_mode = stroke_mode

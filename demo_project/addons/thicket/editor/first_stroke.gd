@@ -5,11 +5,11 @@ extends ConfirmationDialog
 ## What was chosen, by the brush's mode, for the stroke that began at world x and z.
 signal chosen(mode: ScatterMask.Mode, at: Vector2)
 
-const TEXT := "%s stands wherever its rules let it, so there is nothing to add.\n
-Only here: it stands where you paint, and nowhere else. %s
+const TEXT := "%s grows wherever its rules permit, so there is nothing to add.\n
+Only here: it grows where you paint, and nowhere else. %s
 Not here: it stays, and you take it away where you paint."
-const TEXT_OF_MANY := "%s stand wherever their rules let them, so there is nothing to add.\n
-Only here: they stand where you paint, and nowhere else. %s
+const TEXT_OF_MANY := "%s grow wherever their rules permit, so there is nothing to add.\n
+Only here: they grow where you paint, and nowhere else. %s
 Not here: they stay, and you take them away where you paint."
 
 var _at := Vector2.ZERO
@@ -26,7 +26,7 @@ func _init() -> void:
 ## Opens for layers of these names, of which so many instances are on show.
 func ask(names: PackedStringArray, instances: int, at: Vector2) -> void:
 	_at = at
-	var gone := "All others of the %d on show go." % instances if instances > 0 else ""
+	var gone := "All others of the %d visible instances go." % instances if instances > 0 else ""
 	var one := names[0] if names[0] else "The layer"
 	dialog_text = TEXT % [one, gone] if names.size() == 1 else TEXT_OF_MANY % [", ".join(names), gone]
 	popup_centered()

@@ -41,4 +41,4 @@ func _why(missing: Array[ScatterLayer]) -> String:
 	var sentences := PackedStringArray()
 	for explanation in _scatter.explain_position(camera.global_position - camera.global_basis.z * away, missing):
 		sentences.append("%s: %s" % [explanation.layer_name, explanation.reason])
-	return "Nothing stands here of " + " ".join(sentences)
+	return "No instance is visible here of " + " ".join(sentences)

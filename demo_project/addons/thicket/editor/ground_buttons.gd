@@ -13,7 +13,7 @@ var undo_redo: EditorUndoRedoManager
 
 var _use := Controls.button("Use as Ground", &"MeshInstance3D", "")
 var _refresh := Controls.button("Refresh Ground", &"Reload",
-		"Look at the ground again, for changes that nothing tells. What moves in the scene is followed by itself.")
+		"Read the ground again, for changes that emit no signal. Nodes that move in the scene are followed automatically.")
 var _last: TerrainScatter3D ## The scatter that was selected last.
 
 
@@ -58,7 +58,7 @@ static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUn
 		if not node is StaticBody3D or scatter.terrain is ScatterTerrainMeshes:
 			meshes.append_array(_meshes_of(node))
 	if meshes.is_empty() and bodies.is_empty():
-		return "Nothing of it can be ground: select a MeshInstance3D or a StaticBody3D."
+		return "%s cannot be ground: select a MeshInstance3D with a mesh or a StaticBody3D." % _names(nodes)
 	return _use_bodies(scatter, bodies, manager) if meshes.is_empty() else _use_meshes(scatter, meshes, manager)
 
 
@@ -93,7 +93,7 @@ static func _use_bodies(scatter: TerrainScatter3D, bodies: Array[StaticBody3D], 
 	for body in bodies:
 		layers |= body.collision_layer
 	if layers == 0:
-		return "%s is in no collision layer, so that no ray can meet it." % _names(bodies)
+		return "collision_layer of %s is 0, so no ray can meet it: set at least one layer." % _names(bodies)
 	var terrain := scatter.terrain as ScatterTerrainColliders
 	var mask := terrain.collision_mask if terrain != null else 0
 	if terrain != null and mask | layers == mask:

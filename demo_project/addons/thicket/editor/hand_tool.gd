@@ -145,9 +145,9 @@ func _on_key(key: InputEventKey) -> int:
 ## Why nothing can be done, in a sentence; empty if something can.
 func _obstacle() -> String:
 	if terrain() == null:
-		return "There is no ground to plant on: give %s a terrain." % scatter.name
+		return "There is no ground to plant on: set the terrain of %s, or press Use as Ground." % scatter.name
 	if layer == null:
-		return "There is nothing to plant: give %s a layer." % scatter.name
+		return "There is nothing to plant: add a layer to %s in the Scatter panel." % scatter.name
 	return ""
 
 
@@ -173,13 +173,13 @@ func _press(mouse: InputEventMouseButton) -> String:
 
 func _plant(with_control: bool) -> String:
 	if not _cursor.on_ground.is_finite():
-		return "There is no ground below the mouse."
+		return "There is no ground below the mouse: click where the terrain is."
 	if not edits.begin(scatter, scene_path()):
 		return edits.problem
 	var id := edits.add(layer_index, planting.transform_at(_cursor.on_ground, terrain(), with_control), planting.mesh)
 	edits.commit("Plant %s" % layer.resource_name)
 	if id == 0:
-		return "It cannot be planted; the error that was printed says why."
+		return "No instance of %s was planted; the Output panel says why." % layer.resource_name
 	planting.roll()
 	_select(id)
 	return ""
@@ -219,6 +219,8 @@ func _change(to: Transform3D) -> void:
 	if id != 0:
 		selected = id
 		_frame.transform = to
+	else:
+		problem = "The instance was not changed; the Output panel says why."
 
 
 func _release() -> void:

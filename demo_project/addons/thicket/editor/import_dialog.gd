@@ -165,12 +165,12 @@ func _say() -> void:
 	var problems := _reading.problems.duplicate()
 	var tables := _reading.batches.any(func(batch: ImportInstances.Batch) -> bool: return batch.mesh == null)
 	if tables and _layer() == null:
-		problems.append("A table names no mesh: choose the layer that its instances are of.")
+		problems.append("A table names no mesh: choose the layer that its instances belong to.")
 	get_ok_button().disabled = _reading.size() == 0 or not problems.is_empty()
 	if not problems.is_empty():
 		_said.text = "\n".join(problems)
 	elif _reading.size() == 0:
-		_said.text = "Choose what to import."
+		_said.text = "Choose a node or a table to import."
 	else:
 		var parts := PackedStringArray()
 		for batch: ImportInstances.Batch in _reading.batches.slice(0, 5):

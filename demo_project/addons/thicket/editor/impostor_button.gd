@@ -41,7 +41,7 @@ func press() -> void:
 		return
 	var path := _place()
 	if path.is_empty():
-		_end(false, "Save the scene first: impostors go into files beside it.")
+		_end(false, "The scene has no file yet. Save the scene first: impostors go into files beside it.")
 	elif job.begin(_layer, path.get_base_dir(), path.get_file()) != OK:
 		_end(false, job.problem)
 	else:

@@ -26,6 +26,16 @@ static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, 
 	return added
 
 
+## The resources that [method add] was given and made no layer of, in a sentence; empty for none. [param added] is what it returned.
+static func left_out(resources: Array[Resource], added: Array[ScatterLayer]) -> String:
+	var names := PackedStringArray()
+	for resource in resources:
+		if not added.any(func(layer: ScatterLayer) -> bool: return layer == resource or layer.meshes.has(resource)):
+			names.append(resource.resource_path if resource.resource_path else resource.get_class())
+	return "" if names.is_empty() else "Not added: %s. A mesh needs surfaces, a scene a visible MeshInstance3D, and a layer must not be in the list yet." % \
+			", ".join(names)
+
+
 ## Puts copies of layers behind the last of them, with masks of their own. Returns the copies.
 static func copy(scatter: TerrainScatter3D, layers: Array[ScatterLayer], apart: bool, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:

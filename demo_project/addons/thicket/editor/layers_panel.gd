@@ -131,8 +131,8 @@ func add(resources: Array[Resource], at := -1) -> void:
 	if not is_instance_valid(_scatter):
 		return
 	var added := LayerEdits.add(_scatter, resources, at, _apart.button_pressed, _undo_redo)
+	_tell(LayerEdits.left_out(resources, added))
 	if added.is_empty():
-		_tell("Nothing here can be drawn, or it is there already.")
 		return
 	_choose_new(added)
 
@@ -163,7 +163,7 @@ func remove_chosen() -> void:
 func add_scatter() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
-		_tell("Open a 3D scene first, or give the new one a root.")
+		_tell("No scene is open to add a scatter to. Open a 3D scene first, or add a root node to the new one.")
 		return
 	var scatter := TerrainScatter3D.new()
 	scatter.name = "Scatter"
@@ -292,6 +292,8 @@ func _on_file(path: String) -> void:
 	var resource := load(path) as Resource if not path.is_empty() else null
 	if resource != null:
 		add([resource] as Array[Resource])
+	elif not path.is_empty():
+		_tell("%s cannot be loaded; the Output panel says why." % path)
 
 
 ## A mark counts for all chosen layers, if the one that was pressed is among them.

@@ -30,13 +30,13 @@ func _drop_data(_at: Vector2, data: Variant) -> void:
 	add(_object, taken(data), EditorInterface.get_editor_undo_redo())
 
 
-## Adds what was dropped on a layer or a scatter, as one step of undo. What cannot be drawn is told in the output and adds nothing.
+## Adds what was dropped on a layer or a scatter, as one step of undo. What cannot be drawn is named in a toast and adds nothing.
 static func add(object: Object, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
 	if object is ScatterLayer:
 		_add_to_layer(object as ScatterLayer, dropped, undo_redo)
 	else:
 		var scatter := object as TerrainScatter3D
-		LayerEdits.add(scatter, dropped, scatter.layers.size(), true, undo_redo)
+		_tell(LayerEdits.left_out(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, undo_redo)))
 
 
 ## True if all that is dragged can be drawn. [param with_layers] takes layers, too.
@@ -51,13 +51,21 @@ static func taken(data: Variant, with_layers := false) -> Array[Resource]:
 		result.append(_resource(data, with_layers))
 	for path in _paths(data, with_layers):
 		result.append(load(path))
+		if result[-1] == null:
+			_tell("%s cannot be loaded; the Output panel says why." % path)
 	return result.filter(func(resource: Resource) -> bool: return resource != null)
+
+
+static func _tell(sentence: String) -> void:
+	if not sentence.is_empty():
+		EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)
 
 
 static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
 	var old := layer.meshes
 	var fitted := NewLayers.of_meshes(old + dropped)
 	if fitted == null:
+		_tell(LayerEdits.left_out(dropped, []))
 		return
 	undo_redo.create_action("Add Meshes", UndoRedo.MERGE_DISABLE, layer)
 	undo_redo.add_do_property(layer, &"meshes", old + dropped)

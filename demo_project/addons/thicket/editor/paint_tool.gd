@@ -148,13 +148,13 @@ func _on_key(key: InputEventKey) -> int:
 ## Begins a stroke at a place on the ground. Returns why it cannot, in a sentence.
 func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
 	if terrain() == null:
-		return "There is no ground to paint on: give %s a terrain." % scatter.name
+		return "There is no ground to paint on: set the terrain of %s, or press Use as Ground." % scatter.name
 	if layer == null:
-		return "There is nothing to paint: give %s a layer." % scatter.name
+		return "There is nothing to paint: add a layer to %s in the Scatter panel." % scatter.name
 	if not lock_problem().is_empty():
 		return lock_problem()
 	if not at.is_finite():
-		return "There is no ground below the brush."
+		return "There is no ground below the brush: paint where the terrain is."
 	var mode := brush.mode
 	if pressed.shift_pressed:
 		mode = ScatterMask.MODE_SMOOTH

@@ -29,7 +29,7 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 	_undo_redo = undo_redo
 	_files = files
 	_ground = _row(&"NodeWarning")
-	_label(_ground).text = "There is no ground yet to stand on."
+	_label(_ground).text = "The scatter has no terrain, so nothing is placed."
 	var choose := Button.new()
 	choose.text = "Use as Ground..."
 	choose.tooltip_text = "Choose a mesh or a static body of the scene. Other grounds are in the inspector, under Terrain."
@@ -64,8 +64,8 @@ func note_on(layer: ScatterLayer) -> String:
 	if _shared == null:
 		return ""
 	if layer in _shared.files:
-		return "%s is a file that stands in another scatter, too: a change changes both." % layer.resource_path.get_file()
-	return "Another scatter has this layer, too: a change changes both." if layer in _shared.layers else ""
+		return "%s is a file that another scatter uses, too: a change applies to both." % layer.resource_path.get_file()
+	return "Another scatter has this layer, too: a change applies to both. Press Make Unique to copy it." if layer in _shared.layers else ""
 
 
 ## Opens the dialog.

@@ -96,7 +96,7 @@ func close() -> void:
 		polygon.append(Vector2(corner.x, corner.z))
 		area += 0.5 * polygon[index].cross(Vector2(corners[index - 1].x - middle.x, corners[index - 1].z - middle.z))
 	if corners.size() < 3 or absf(area) < LEAST_AREA:
-		problem = "A region has three corners at least, not in a line."
+		problem = "A region needs at least three corners, not in a line, got %d. Click more of them." % corners.size()
 		redraw_requested.emit()
 		return
 	var region := RegionMenu.make(ScatterRegion3D.SHAPE_POLYGON, exclude)
@@ -126,9 +126,9 @@ func _on_key(key: InputEventKey) -> int:
 
 func _add_corner() -> void:
 	if terrain() == null:
-		problem = "There is no ground to draw on: give %s a terrain." % scatter.name
+		problem = "There is no ground to draw on: set the terrain of %s, or press Use as Ground." % scatter.name
 	elif not _cursor.on_ground.is_finite():
-		problem = "There is no ground below the mouse."
+		problem = "There is no ground below the mouse: click where the terrain is."
 	elif corners.is_empty() or corners[-1].distance_to(_corner()) > 0.01:
 		corners.append(_corner())
 

@@ -9,12 +9,15 @@ const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
 
 
 ## New layers of a preset, whose index there starts at [param first_index]; names
-## that [param taken] holds get a number, and so do their mentions in other layers. Empty if there is no such preset.
+## that [param taken] holds get a number, and so do their mentions in other layers. Empty, with an error, if there is no such preset.
 static func layers(name: String, taken: PackedStringArray, first_index := 0) -> Array[ScatterLayer]:
-	var scene := load(FOLDER + name + ".tscn") as PackedScene
-	if scene == null:
+	var path := FOLDER + name + ".tscn"
+	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
+	var source := scene.instantiate() as TerrainScatter3D if scene != null else null
+	if source == null:
+		push_error("The preset %s cannot be loaded from %s: it must be a scene whose root is a TerrainScatter3D. Presets are: %s. Install the whole add-on again." % [
+			name, path, ", ".join(NAMES)])
 		return []
-	var source := scene.instantiate() as TerrainScatter3D
 	var copies: Dictionary[Resource, Resource] = {}
 	var result: Array[ScatterLayer] = []
 	for layer in source.layers:
@@ -31,6 +34,8 @@ static func add(name: String, scatter: TerrainScatter3D, undo_redo: EditorUndoRe
 	var old := scatter.layers
 	var new: Array[ScatterLayer] = old.duplicate()
 	new.append_array(layers(name, Copies.names(old), old.size()))
+	if new.size() == old.size():
+		return
 	undo_redo.create_action("Add Layers: " + name.capitalize(), UndoRedo.MERGE_DISABLE, scatter)
 	undo_redo.add_do_property(scatter, &"layers", new)
 	undo_redo.add_undo_property(scatter, &"layers", old)

@@ -3,6 +3,7 @@ extends RefCounted
 ## Keeps what tools make, as painted masks and hand-placed instances, in files of their own beside the scene: a scene holds settings only.
 
 const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists, has room and may be written, then save the scene again."
+const UNREMOVABLE := "Cannot remove %s, which no scene uses any more: %s. Delete it by hand."
 
 ## Why [method create] gave nothing, in a sentence.
 var problem := ""
@@ -19,7 +20,7 @@ var _unused: Dictionary[String, String] = {} ## Files that a saved scene may ref
 func create(scene_path: String, resource: Resource, owner_name: String, kind: String) -> bool:
 	problem = ""
 	if scene_path.is_empty():
-		problem = "Save the scene first: what you make goes into a file beside it."
+		problem = "The scene has no file yet. Save the scene first: what you make goes into a file beside it."
 		return false
 	var path := _free_path(scene_path, owner_name, kind)
 	var error := ResourceSaver.save(resource, path)
@@ -72,8 +73,8 @@ func keep(resource: Resource, scene_path: String) -> void:
 	_unused.erase(path)
 	if not FileAccess.file_exists(path):
 		_unsaved[path] = scene_path
-		if not _put_back(path) or _unwritten.has(path):
-			_write(resource)
+		if (not _put_back(path) or _unwritten.has(path)) and not _write(resource):
+			mark(resource)
 		_unwritten.erase(path)
 	elif _unwritten.erase(path):
 		mark(resource)
@@ -114,14 +115,14 @@ func mark(resource: Resource) -> void:
 
 
 ## Writes what has changed since the last call. Resources that nobody holds any more, as after closing a scene
-## without saving it, are left as they are on disk.
+## without saving it, are left as they are on disk. A file that cannot be written is written by a later call.
 func save() -> void:
-	for reference: WeakRef in _changed.values():
-		var resource := reference.get_ref() as Resource
+	for id: int in _changed.keys():
+		var resource := _changed[id].get_ref() as Resource
 		# One inside of a scene is saved with it, by the editor.
-		if resource != null and not resource.resource_path.is_empty() and not "::" in resource.resource_path:
-			_write(resource)
-	_changed.clear()
+		var has_file := resource != null and not resource.resource_path.is_empty() and not "::" in resource.resource_path
+		if not has_file or _write(resource):
+			_changed.erase(id)
 
 
 func _put_back(path: String) -> bool:
@@ -129,8 +130,15 @@ func _put_back(path: String) -> bool:
 
 
 func _remove(path: String) -> void:
+	if not FileAccess.file_exists(path): # The user may have deleted it.
+		return
 	_removed[path] = FileAccess.get_file_as_bytes(path)
-	DirAccess.remove_absolute(path)
+	var error := FileAccess.get_open_error()
+	if error != OK: # Redo writes the resource itself.
+		_removed.erase(path)
+	error = DirAccess.remove_absolute(path)
+	if error != OK:
+		push_error(UNREMOVABLE % [path, error_string(error)])
 	EditorInterface.get_resource_filesystem().update_file(path)
 
 
@@ -139,16 +147,22 @@ static func _store(path: String, bytes: PackedByteArray) -> bool:
 	if file == null:
 		push_error(UNWRITABLE % [path, error_string(FileAccess.get_open_error())])
 		return false
-	file.store_buffer(bytes)
+	var stored := file.store_buffer(bytes)
+	file.flush()
+	var error := file.get_error()
 	file.close()
+	if not stored or error != OK:
+		push_error(UNWRITABLE % [path, error_string(error if error != OK else ERR_FILE_CANT_WRITE)])
+		return false
 	EditorInterface.get_resource_filesystem().update_file(path)
 	return true
 
 
-static func _write(resource: Resource) -> void:
+static func _write(resource: Resource) -> bool:
 	var error := ResourceSaver.save(resource, resource.resource_path)
 	if error != OK:
 		push_error(UNWRITABLE % [resource.resource_path, error_string(error)])
+	return error == OK
 
 
 ## scene_layer_mask.res, or with a number where another lies already.

@@ -35,7 +35,7 @@ func _init() -> void:
 	box.add_child(_text)
 	add_child(box)
 	for name in PAGES:
-		_list.add_item(Text.title(FileAccess.get_file_as_string(FOLDER + name)))
+		_list.add_item(Text.title(_text_of(name)))
 
 
 func _ready() -> void:
@@ -48,12 +48,15 @@ func open(link: String) -> void:
 	var name := link.trim_prefix(FOLDER)
 	var index := PAGES.find(name)
 	if index < 0:
-		OS.shell_open(link)
+		var error := OS.shell_open(link)
+		if error != OK:
+			EditorInterface.get_editor_toaster().push_toast("Cannot open %s: %s. Open it in a web browser." % [link, error_string(error)],
+					EditorToaster.SEVERITY_WARNING)
 		return
 	if name != page:
 		page = name
 		_list.select(index)
-		_show(FileAccess.get_file_as_string(FOLDER + name))
+		_show(_text_of(name))
 	if not visible:
 		popup_centered(Vector2i(SIZE * EditorInterface.get_editor_scale()))
 
@@ -71,9 +74,18 @@ func _show(markdown: String) -> void:
 	_text.scroll_to_line(0)
 
 
+## A page in Markdown; where its file cannot be read, one that says so.
+static func _text_of(name: String) -> String:
+	var text := FileAccess.get_file_as_string(FOLDER + name)
+	return text if text else "# %s\n\nCannot read %s: %s. Install the whole add-on again." % [
+		name, FOLDER + name, error_string(FileAccess.get_open_error())]
+
+
 ## The engine does not import what lies beside the pages, so that no game gets it.
 func _add_picture(file: String) -> void:
 	var image := Image.new()
 	if FileAccess.file_exists(FOLDER + file) and image.load_jpg_from_buffer(FileAccess.get_file_as_bytes(FOLDER + file)) == OK:
 		_text.add_image(ImageTexture.create_from_image(image), 100, 0, Color.WHITE, INLINE_ALIGNMENT_CENTER, Rect2(), null, false, "", true)
+	else:
+		_text.append_text("The picture %s cannot be read. Install the whole add-on again." % (FOLDER + file))
 	_text.append_text("\n\n")

@@ -134,9 +134,9 @@ func _explain(at: Vector3, at_once: bool) -> void:
 	_asked_at = Time.get_ticks_msec()
 	_explained = at
 	if terrain() == null:
-		panel.tell("There is no ground: give %s a terrain." % scatter.name)
+		panel.tell("There is no ground: set the terrain of %s, or press Use as Ground." % scatter.name)
 	elif ScatterLayers.of(scatter).is_empty():
-		panel.tell("There is nothing to explain: give %s a layer." % scatter.name)
+		panel.tell("There is nothing to explain: add a layer to %s in the Scatter panel." % scatter.name)
 	elif not at.is_finite():
 		panel.rows.clear()
 	else:

@@ -1,0 +1,55 @@
+extends "harness.gd"
+## Files that the editor's tools cannot write or read are reported, and written once that can be.
+
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const Presets := preload("res://addons/thicket/editor/presets.gd")
+const LayerEdits := preload("res://addons/thicket/editor/layer_edits.gd")
+
+const FOLDER := "user://scene_files"
+const PATH := FOLDER + "/mask.res"
+
+
+## A file that could not be written is written by the next call.
+func test_what_was_not_written_is_written_later() -> void:
+	DirAccess.remove_absolute(PATH)
+	DirAccess.remove_absolute(FOLDER)
+	var mask := ScatterMask.new()
+	mask.take_over_path(PATH)
+	var files := SceneFiles.new()
+	files.mark(mask)
+	files.save()
+	check(not errors.take().is_empty(), "the folder is missing: an error")
+	DirAccess.make_dir_absolute(FOLDER)
+	files.save()
+	check(FileAccess.file_exists(PATH), "the folder is there: the file is written")
+	DirAccess.remove_absolute(PATH)
+	files.save()
+	check(not FileAccess.file_exists(PATH), "and written once")
+
+
+func test_a_full_disk_is_reported() -> void:
+	if not FileAccess.file_exists("/dev/full"):
+		check(true, "this system has no /dev/full")
+		return
+	var bytes := PackedByteArray()
+	bytes.resize(1 << 20)
+	SceneFiles.new().put("/dev/full", bytes, null)
+	var messages := errors.take()
+	check(Array(messages).any(func(message: String) -> bool: return "Cannot write /dev/full" in message), str(messages))
+
+
+func test_a_preset_that_is_missing_is_reported() -> void:
+	check(Presets.layers("moor", []).is_empty(), "no layers")
+	check_error(["moor", "forest, meadow, scree"], "no such preset")
+
+
+## Of what is dropped, each resource that became no layer is named.
+func test_what_is_left_out_is_named() -> void:
+	var drawn := BoxMesh.new()
+	var empty := ArrayMesh.new()
+	empty.resource_path = "res://empty.res"
+	var layer := ScatterLayer.new()
+	layer.meshes = [drawn]
+	var sentence := LayerEdits.left_out([drawn, empty, layer], [layer])
+	check("res://empty.res" in sentence and not "BoxMesh" in sentence and not "ScatterLayer" in sentence, sentence)
+	check_equal(LayerEdits.left_out([drawn], [layer]), "", "none")
