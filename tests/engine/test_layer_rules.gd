@@ -194,7 +194,7 @@ func test_textures_too_large() -> void:
 	var before := instances(scatter)
 	layer.mask_texture = ImageTexture.create_from_image(Image.create_empty(16385, 1, false, Image.FORMAT_L8))
 	await settle(scatter)
-	check_error(["layers[0]: ScatterLayer.mask_texture", "range", "16385"], "more pixels than can be")
+	check_error(["layers[0]: ScatterLayer.mask_texture must be between", "16385"], "more pixels than can be")
 	check(instances(scatter) == before, "what stood stands")
 	check("mask_texture" in "\n".join(scatter.get_problems()), "a warning")
 	layer.mask_texture = ImageTexture.create_from_image(Image.create_empty(16384, 1, false, Image.FORMAT_L8))

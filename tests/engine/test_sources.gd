@@ -260,7 +260,7 @@ func test_ranges_that_cannot_be() -> void:
 	check_error(["layers[1]: ScatterLayer.color_source_max", "0.5"], "it ends before it starts")
 	fern.color_source_max = 1001.0
 	await settle(scatter)
-	check_error(["layers[1]: ScatterLayer.color_source_max", "range", "1001"], "too far")
+	check_error(["layers[1]: ScatterLayer.color_source_max must be between", "1001"], "too far")
 	fern.color_source_max = 900.0
 	scatter.layers[OAK].radius = 0.25
 	scatter.layers[OAK].tile_size = 10.0

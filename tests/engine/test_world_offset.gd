@@ -356,7 +356,7 @@ func test_how_far_out_a_radius_reaches() -> void:
 	await frames(30)
 	await settle(scatter)
 	check_equal(instances(scatter, 0).size(), 0, "instances beyond the last cell")
-	check_error(["TerrainScatter3D, layer 0", "range"], "beyond the last cell")
+	check_error(["TerrainScatter3D, layer 0", "must be between"], "beyond the last cell")
 
 
 func test_bad_values() -> void:

@@ -89,7 +89,7 @@ Status HeightmapWork::read_file(Posts &r_posts) const {
 	}
 	const PackedByteArray bytes = FileAccess::get_file_as_bytes(sources.path);
 	if (bytes.is_empty()) {
-		return Status::missing("file of heightmap_path", "Check that it exists, can be read and is not empty");
+		return Status::missing("heightmap_path", "Check that the file exists, can be read and is not empty");
 	}
 	return read_posts(bytes, sources.post_count, "heightmap_path", r_posts);
 }
