@@ -99,6 +99,7 @@ def assert_passed(done):
     [
         "test_streaming",
         "test_bad_input",
+        "test_problems",
         "test_changes",
         "test_queries",
         "test_explain",

@@ -38,6 +38,9 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 } // namespace
 
 void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
+	if (settings_.rules.density <= 0.0) {
+		r_problems.push_back("ScatterLayer.density is 0: no instances are placed. Set it above 0, at most 1.");
+	}
 	if (settings_.rules.clumping.size > 0.0 && settings_.rules.clumping.coverage <= 0.0) {
 		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing stands.");
 	}
@@ -58,6 +61,10 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 			"noise_curve", resource("noise_curve"), tables_.noise_curve, "the noise, from -1 to 1", r_problems);
 	if (resource("noise_curve").is_valid() && resource("noise").is_null()) {
 		r_problems.push_back("ScatterLayer.noise_curve is not used without a noise.");
+	}
+	if (const Ref<Curve> scale_curve = resource("scale_curve");
+			scale_curve.is_valid() && scale_curve->get_point_count() == 0) {
+		r_problems.push_back("ScatterLayer.scale_curve has no points: it is not used. Add points, or clear it.");
 	}
 	if (resource("scale_curve").is_valid() && settings_.placement.min_scale == settings_.placement.max_scale) {
 		r_problems.push_back("ScatterLayer.scale_curve is not used while min_scale and max_scale are the same.");
@@ -92,6 +99,11 @@ void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
 	meshes_.add_problems(r_problems);
 	if (mesh_weights_.size() > static_cast<int64_t>(meshes_.size())) {
 		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is not used.");
+	}
+	if (const Ref<Resource> gradient = resource("color_gradient");
+			gradient.is_valid() && static_cast<int64_t>(gradient->call("get_point_count")) == 0) {
+		r_problems.push_back(
+				"ScatterLayer.color_gradient has no points: all instances are black. Add points, or clear it.");
 	}
 	if (resource("color_gradient").is_valid() && !settings_.instance_data.use_colors) {
 		r_problems.push_back("ScatterLayer.color_gradient is not used without use_colors.");

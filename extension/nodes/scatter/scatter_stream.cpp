@@ -4,13 +4,10 @@
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/threads.hpp"
 
-#include <godot_cpp/core/error_macros.hpp>
-
 #include <algorithm>
 #include <iterator>
 #include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 
 using namespace godot;
@@ -41,13 +38,6 @@ StreamLayer range_of(const SharedSnapshot &layer) { return layer != nullptr ? la
 
 bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
 
-void report_tile(const TileKey &key, const Status &status) {
-	const std::string tile = std::to_string(key.tile.x) + ", " + std::to_string(key.tile.y);
-	const std::string text =
-			"TerrainScatter3D, layer " + std::to_string(key.layer) + ", tile (" + tile + "): " + describe(status);
-	ERR_PRINT(String(text.c_str()));
-}
-
 } // namespace
 
 ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(spare_thread_count()) {}
@@ -73,8 +63,9 @@ void ScatterStream::set_layers(
 	if (!status.ok()) {
 		return;
 	}
-	recheck_failed_ = false;
-	error_reported_.resize(layers.size());
+	forget_failure(recheck_failure_);
+	failures_changed_ = failures_changed_ || failures_.size() > layers.size();
+	failures_.resize(layers.size());
 	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
 		const SharedSnapshot before = layer < layers_.size() ? layers_[layer] : nullptr;
 		if (layer < layers_.size() && !interchangeable(before, layers[layer])) {
@@ -82,7 +73,7 @@ void ScatterStream::set_layers(
 		}
 		if (before == nullptr || layers[layer] == nullptr || before->settings != layers[layer]->settings ||
 				!outdated[layer].empty()) {
-			error_reported_[layer] = false;
+			forget_failure(failures_[layer]);
 		}
 	}
 	mark_stale(layers, outdated);
@@ -259,17 +250,6 @@ void ScatterStream::take_finished() {
 	}
 	for (std::shared_ptr<const KeptTile> &tile : world_.take_forgotten()) {
 		workers_.let_go(std::move(tile));
-	}
-}
-
-/// An error of a tile that was made as its layer and the ground are now.
-void ScatterStream::report_once(const TileJob &job) {
-	const std::uint32_t index = job.request.key.layer;
-	const bool present = index < layers_.size() && layers_[index] != nullptr &&
-			layers_[index]->settings == job.layer->settings && ground_.terrain == job.terrain;
-	if (present && !job.stale && ground_.source.is_available() && !error_reported_[index]) {
-		error_reported_[index] = true;
-		report_tile(job.request.key, job.status);
 	}
 }
 

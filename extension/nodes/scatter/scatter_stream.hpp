@@ -9,11 +9,16 @@
 #include "nodes/scatter/upload_queue.hpp"
 #include "nodes/terrain/scatter_terrain.hpp"
 
+#include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/string.hpp>
+
 #include <array>
 #include <chrono>
 #include <deque>
 #include <memory>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace thicket {
@@ -29,6 +34,12 @@ struct TileEvent {
 	bool shown = false;
 	std::uint32_t layer = 0;
 	glm::ivec2 tile{0};
+};
+
+/// The error of tiles that could not be made, which has been printed.
+struct LayerFailure {
+	godot::String sentence; ///< Empty for none.
+	bool by_script = false; ///< By the ground's script, whose sentence names no layer.
 };
 
 /// Figures since the stream began.
@@ -89,6 +100,12 @@ public:
 	/// The error of a viewer that no tiles can be streamed around; the others are served.
 	const Status &viewer_status() const { return viewer_status_; }
 
+	/// What has kept tiles from being made, a sentence each, until their layer or the ground changes.
+	godot::PackedStringArray failures() const;
+
+	/// Whether these have changed since the last call.
+	bool take_failures_changed() { return std::exchange(failures_changed_, false); }
+
 	TileDisplay &display() { return display_; }
 	const TileDisplay &display() const { return display_; }
 
@@ -133,6 +150,9 @@ private:
 	void start_missing();
 	void mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated);
 	void report_once(const TileJob &job);
+	void report_recheck(const Status &status);
+	LayerFailure print_failure(const std::string &where, const Status &status);
+	void forget_failure(LayerFailure &r_failure);
 	void settle_unseen(const std::shared_ptr<TileJob> &job);
 	bool ring_step();
 	void cancel(std::uint64_t ticket);
@@ -164,7 +184,7 @@ private:
 	UploadQueue uploads_;
 	TileDisplay display_;
 	std::vector<SharedSnapshot> layers_;
-	std::vector<bool> error_reported_; ///< Of each layer: one error until it or the ground changes, not one a tile.
+	std::vector<LayerFailure> failures_; ///< Of each layer: one error until it or the ground changes, not one a tile.
 	StreamGround ground_;
 
 	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All jobs from their request to their upload.
@@ -180,7 +200,8 @@ private:
 	Clock::duration recheck_left_{0};    ///< Time that re-checks may take; below 0 after one that took longer.
 	Clock::duration usual_height_{1000}; ///< The usual time for one height.
 	bool recheck_due_ = false;           ///< Once a frame.
-	bool recheck_failed_ = false;        ///< Until the layers or the ground change.
+	LayerFailure recheck_failure_;       ///< The last one, of no layer. Until the layers or the ground change.
+	bool failures_changed_ = false;
 	StreamFigures figures_;
 	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.
 	Step next_step_ = Step::ask_ground;

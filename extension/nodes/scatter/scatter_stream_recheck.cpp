@@ -2,8 +2,6 @@
 
 #include "nodes/scatter/scatter_stream.hpp"
 
-#include "nodes/common/property_check.hpp"
-
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -52,7 +50,8 @@ bool ScatterStream::recheck_step() {
 /// Reads the ground of a few positions; returns of how many. A script that is called for it may do anything, even free this object.
 std::size_t ScatterStream::recheck_heights(std::size_t most) {
 	recheck_due_ = false;
-	if (recheck_failed_ || recheck_left_ <= Clock::duration(0) || !ground_.source.is_available() || !rechecks()) {
+	const bool has_failed = !recheck_failure_.sentence.is_empty();
+	if (has_failed || recheck_left_ <= Clock::duration(0) || !ground_.source.is_available() || !rechecks()) {
 		return 0;
 	}
 	const auto affordable = static_cast<std::size_t>(recheck_left_ / std::max(usual_height_, Clock::duration(1)));
@@ -74,11 +73,7 @@ std::size_t ScatterStream::recheck_heights(std::size_t most) {
 	if (status.ok()) {
 		recheck_.answer(seconds_now(), heights, terrain->recheck_tolerance());
 	} else if (ground_.source.is_available()) {
-		// One error, whether a tile or a re-check meets it first.
-		if (std::ranges::find(error_reported_, true) == error_reported_.end()) {
-			report("TerrainScatter3D", status);
-		}
-		recheck_failed_ = true;
+		report_recheck(status);
 	}
 	const Clock::duration spent = Clock::now() - start;
 	recheck_left_ -= spent;

@@ -175,6 +175,9 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	if (!stream->frame(found.viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0))) || !here) {
 		return;
 	}
+	if (stream->take_failures_changed()) {
+		update_configuration_warnings();
+	}
 	for (const glm::dvec2 position : stream->take_ground_changes()) {
 		mark_ground_changed(position);
 	}
@@ -225,6 +228,8 @@ void TerrainScatter3D::emit_events() {
 	}
 	const bool settled = is_settled();
 	if (settled && !std::exchange(was_settled_, settled)) {
+		instance_load_.measure(display(), layer_list_.snapshots());
+		notice_load();
 		emit_signal("settled");
 	} else {
 		was_settled_ = settled;

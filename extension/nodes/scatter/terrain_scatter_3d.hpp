@@ -11,6 +11,7 @@
 #include "nodes/scatter/build_at_once.hpp"
 #include "nodes/scatter/fade_viewers.hpp"
 #include "nodes/scatter/layer_explainer.hpp"
+#include "nodes/scatter/instance_load.hpp"
 #include "nodes/scatter/layer_list.hpp"
 #include "nodes/scatter/layer_previews.hpp"
 #include "nodes/scatter/node_layers.hpp"
@@ -284,6 +285,7 @@ private:
 	void start();
 	void stop();
 	void notice_transform();
+	void notice_load();
 	void process_frame();
 	void work(std::chrono::steady_clock::time_point start);
 	void dissolve(std::chrono::steady_clock::time_point start);
@@ -358,6 +360,7 @@ private:
 	NavigationParse navigation_;
 	std::shared_ptr<AtOnceBuilder> at_once_ = std::make_shared<AtOnceBuilder>();
 	LayerList layer_list_;
+	InstanceLoad instance_load_;
 	bool warned_of_stripped_ = false; ///< Once is enough.
 	LayerPreviews previews_;
 	FadeViewers fade_viewers_;
@@ -372,7 +375,8 @@ private:
 	bool was_inside_ = false; ///< The tree, at any time.
 	bool dirty_ = true;
 	bool was_settled_ = true;
-	bool displaced_ = false; ///< See is_displaced; as the tree warns of it.
+	int64_t load_problems_ = 0; ///< Of instance_load_, as the tree warns of them.
+	bool displaced_ = false;    ///< See is_displaced; as the tree warns of it.
 };
 
 } // namespace thicket

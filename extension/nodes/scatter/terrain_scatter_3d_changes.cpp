@@ -168,6 +168,8 @@ void TerrainScatter3D::refresh() {
 	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
 	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, {terrain_, get_instance_id()}});
 	fade_viewers_.set_layers(layer_list_.snapshots());
+	instance_load_.forget();
+	notice_load();
 	if (former != nullptr && former != ground_) {
 		stream->let_go(std::move(former));
 	}

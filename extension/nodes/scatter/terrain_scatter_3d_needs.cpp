@@ -7,6 +7,8 @@
 #include <godot_cpp/classes/os.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
+#include <utility>
+
 using namespace godot;
 
 namespace thicket {
@@ -45,6 +47,15 @@ void TerrainScatter3D::warn_of_stripped() {
 		warned_of_stripped_ = true;
 		WARN_PRINT(vformat("TerrainScatter3D \"%s\": %s (Of %d such problems, see get_problems().)", get_name(),
 				problems[0], problems.size()));
+	}
+}
+
+/// The tree warns of layers that ask for too many instances.
+void TerrainScatter3D::notice_load() {
+	PackedStringArray problems;
+	instance_load_.add_problems(layer_list_.snapshots(), problems);
+	if (std::exchange(load_problems_, problems.size()) != problems.size()) {
+		update_configuration_warnings();
 	}
 }
 

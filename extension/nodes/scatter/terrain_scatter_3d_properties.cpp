@@ -339,6 +339,9 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 		return problems;
 	}
 	add_terrain_problems(terrain_, problems);
+	for (const String &failure : stream_->failures()) {
+		problems.push_back(failure);
+	}
 	TypedArray<ScatterLayer> layers;
 	const TypedArray<ScatterLayer> &by_index = all_layers();
 	for (const std::size_t index : node_layers_.order()) {
@@ -352,6 +355,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 		}
 	}
 	add_layer_problems(layers, terrain_, has_water, problems);
+	instance_load_.add_problems(layer_list_.snapshots(), problems);
 	add_uniform_problem(display(), layer_list_.snapshots(), problems);
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {
 		if (const Status status = gameplay_->check_state(*state.ptr()); !status.ok()) {

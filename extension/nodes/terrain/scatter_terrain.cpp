@@ -26,6 +26,15 @@ constexpr const char *class_name = "ScatterTerrain";
 /// Positions that a script on the main thread is asked for at a time: some 0.1 ms of GDScript, neighbors for slopes included.
 constexpr std::size_t script_slice = 32;
 
+constexpr ScriptMethod heights_method{"_get_heights", "_get_heights() result", "array of numbers from _get_heights()",
+		"a PackedFloat32Array with a height in meters for each position, NAN for no ground", Variant::FLOAT};
+constexpr ScriptMethod normals_method{"_get_normals", "_get_normals() result", "array of Vector3 from _get_normals()",
+		"a PackedVector3Array with a normal for each position", Variant::VECTOR3};
+constexpr ScriptMethod weights_method{"_get_weights", "_get_weights() result", "array of numbers from _get_weights()",
+		"a PackedFloat32Array with a weight from 0 to 1 for each position", Variant::FLOAT};
+
+std::int64_t count_of(std::span<const glm::dvec2> positions) { return static_cast<std::int64_t>(positions.size()); }
+
 std::vector<std::size_t> with_ground(std::span<const Ground> ground) {
 	std::vector<std::size_t> found;
 	for (std::size_t i = 0; i < ground.size(); ++i) {
@@ -134,9 +143,10 @@ Status ScatterTerrain::sample_for(const GroundHost &, std::span<const glm::dvec2
 
 Status ScatterTerrain::ask_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
 	PackedFloat32Array heights;
-	GDVIRTUAL_CALL(_get_heights, packed_vectors(positions), heights);
-	if (heights.size() != static_cast<int64_t>(positions.size())) {
-		return Status::wrong_size("_get_heights() result", heights.size(), exactly(positions.size(), "one a position"));
+	const Status status =
+			answers_.call(this, heights_method, count_of(positions), heights, Variant(packed_vectors(positions)));
+	if (!status.ok()) {
+		return status;
 	}
 	const float *height = heights.ptr();
 	for (Ground &ground : r_ground) {
@@ -162,9 +172,11 @@ Status ScatterTerrain::ask_weights(
 		return {};
 	}
 	PackedFloat32Array weights;
-	GDVIRTUAL_CALL(_get_weights, packed_vectors(picked(positions, found)), packed_integers(textures), weights);
-	if (weights.size() != static_cast<int64_t>(found.size())) {
-		return Status::wrong_size("_get_weights() result", weights.size(), exactly(found.size(), "one a position"));
+	const std::vector<glm::dvec2> grounded = picked(positions, found);
+	const Status status = answers_.call(this, weights_method, count_of(grounded), weights,
+			Variant(packed_vectors(grounded)), Variant(packed_integers(textures)));
+	if (!status.ok()) {
+		return status;
 	}
 	const float *weight = weights.ptr();
 	for (const std::size_t i : found) {
@@ -177,9 +189,11 @@ Status ScatterTerrain::ask_weights(
 Status ScatterTerrain::ask_normals(
 		std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground) {
 	PackedVector3Array normals;
-	GDVIRTUAL_CALL(_get_normals, packed_vectors(picked(positions, found)), normals);
-	if (normals.size() != static_cast<int64_t>(found.size())) {
-		return Status::wrong_size("_get_normals() result", normals.size(), exactly(found.size(), "one a position"));
+	const std::vector<glm::dvec2> grounded = picked(positions, found);
+	const Status status =
+			answers_.call(this, normals_method, count_of(grounded), normals, Variant(packed_vectors(grounded)));
+	if (!status.ok()) {
+		return status;
 	}
 	const Vector3 *given = normals.ptr();
 	for (const std::size_t i : found) {
@@ -197,9 +211,10 @@ Status ScatterTerrain::difference_normals(
 		around.insert(around.end(), stencil.positions().begin(), stencil.positions().end());
 	}
 	PackedFloat32Array heights;
-	GDVIRTUAL_CALL(_get_heights, packed_vectors(around), heights);
-	if (heights.size() != static_cast<int64_t>(around.size())) {
-		return Status::wrong_size("_get_heights() result", heights.size(), exactly(around.size(), "one a position"));
+	const Status status =
+			answers_.call(this, heights_method, count_of(around), heights, Variant(packed_vectors(around)));
+	if (!status.ok()) {
+		return status;
 	}
 	const float *height = heights.ptr();
 	for (const std::size_t i : found) {

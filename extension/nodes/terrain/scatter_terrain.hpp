@@ -2,6 +2,7 @@
 
 #include "core/terrain/terrain.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/terrain/script_answer.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/classes/ref.hpp>
@@ -59,6 +60,9 @@ public:
 
 	/// What should be known of a ground that can be used, in one sentence; empty for nothing.
 	godot::String remark();
+
+	/// A sentence about the method of a script that has caused the error `status`; empty if none has. Any thread.
+	godot::String script_problem(const Status &status) const { return answers_.sentence(status); }
 
 	/// What cannot work because an export has stripped it; empty if nothing was.
 	godot::String stripped();
@@ -195,6 +199,7 @@ private:
 			std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground);
 	Ground ground_at(const godot::Vector3 &p_global_position, bool normal);
 
+	ScriptAnswers answers_;
 	bool recheck_enabled_ = true;
 	std::vector<GroundHost> hosts_;
 	std::chrono::steady_clock::time_point deadline_;

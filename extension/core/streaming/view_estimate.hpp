@@ -1,0 +1,22 @@
+#pragma once
+
+#include "core/sampling/point_set.hpp"
+#include "core/streaming/tile_streamer.hpp"
+
+#include <numbers>
+
+namespace thicket {
+
+/// The usual area in square meters of the tiles around one viewer: all that reach into a disc of the view distance.
+inline double view_area(const StreamLayer &layer) {
+	const double size = layer.tile_size;
+	const double reach = layer.view_distance;
+	return std::numbers::pi * reach * reach + 4.0 * reach * size + size * size;
+}
+
+/// Instances there, if rules keep the share `density` of the set's points.
+inline double expected_instances(const PointSet &set, double density, const StreamLayer &layer) {
+	return point_density(set) * density * view_area(layer);
+}
+
+} // namespace thicket

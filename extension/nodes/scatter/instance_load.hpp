@@ -1,0 +1,28 @@
+#pragma once
+
+#include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/scatter/tile_display.hpp"
+
+#include <godot_cpp/variant/packed_string_array.hpp>
+
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// Finds layers whose settings ask for more instances than a machine can be expected to hold.
+class InstanceLoad {
+public:
+	/// The settings or the ground have changed.
+	void forget() { shares_.clear(); }
+
+	/// Learns how many of the points the rules keep. Call it while all tiles are displayed.
+	void measure(const TileDisplay &display, std::span<const SharedSnapshot> layers);
+
+	void add_problems(std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems) const;
+
+private:
+	std::vector<double> shares_; ///< Of each layer's points, 0 to 1. Empty until measured.
+};
+
+} // namespace thicket

@@ -1,0 +1,66 @@
+// What keeps tiles from being made: printed once for each layer, and kept for the node's problems.
+
+#include "nodes/scatter/scatter_stream.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <algorithm>
+#include <string>
+
+using namespace godot;
+
+namespace thicket {
+
+/// An error of a tile that was made as its layer and the ground are now.
+void ScatterStream::report_once(const TileJob &job) {
+	const std::uint32_t index = job.request.key.layer;
+	const bool present = index < layers_.size() && layers_[index] != nullptr &&
+			layers_[index]->settings == job.layer->settings && ground_.terrain == job.terrain;
+	if (present && !job.stale && ground_.source.is_available() && failures_[index].sentence.is_empty()) {
+		const glm::ivec2 tile = job.request.key.tile;
+		failures_[index] = print_failure("layer " + std::to_string(index) + ", tile (" + std::to_string(tile.x) + ", " +
+						std::to_string(tile.y) + ")",
+				job.status);
+	}
+}
+
+/// An error of the ground in a re-check. Only one is printed, whether a tile or a re-check meets it first.
+void ScatterStream::report_recheck(const Status &status) {
+	const auto has_failed = [](const LayerFailure &failure) {
+		return !failure.sentence.is_empty();
+	};
+	const auto first = std::ranges::find_if(failures_, has_failed);
+	recheck_failure_ = first != failures_.end() ? *first : print_failure("re-check of the ground", status);
+}
+
+LayerFailure ScatterStream::print_failure(const std::string &where, const Status &status) {
+	failures_changed_ = true;
+	const String text = String::utf8((where + ": " + describe(status) + ".").c_str());
+	const Ref<ScatterTerrain> &terrain = ground_.source.terrain;
+	const String by_script = terrain.is_valid() ? terrain->script_problem(status) : String();
+	ERR_PRINT(String("TerrainScatter3D, ") + text + (by_script.is_empty() ? by_script : String(" ") + by_script));
+	return {by_script.is_empty() ? String("Not all tiles could be made: ") + text : by_script, !by_script.is_empty()};
+}
+
+void ScatterStream::forget_failure(LayerFailure &r_failure) {
+	failures_changed_ = failures_changed_ || !r_failure.sentence.is_empty();
+	r_failure = {};
+}
+
+PackedStringArray ScatterStream::failures() const {
+	PackedStringArray result;
+	bool by_script = false; // A script fails for all layers alike.
+	const auto add = [&](const LayerFailure &failure) {
+		if (!failure.sentence.is_empty() && !(failure.by_script && by_script)) {
+			by_script = by_script || failure.by_script;
+			result.push_back(failure.sentence);
+		}
+	};
+	std::ranges::for_each(failures_, add);
+	if (result.size() == 0) {
+		add(recheck_failure_);
+	}
+	return result;
+}
+
+} // namespace thicket

@@ -1,0 +1,48 @@
+// The estimate of how many instances a layer has around a viewer.
+
+#include "core/base/tile_grid.hpp"
+#include "core/streaming/view_estimate.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace thicket;
+
+namespace {
+
+/// Tiles that a viewer within tile (0, 0) is near enough to.
+int tiles_in_view(const StreamLayer &layer, glm::dvec2 viewer) {
+	int count = 0;
+	for (int y = -10; y <= 10; ++y) {
+		for (int x = -10; x <= 10; ++x) {
+			const double away = distance_squared(tile_rect(layer.tile_size, {x, y}), viewer);
+			count += away <= layer.view_distance * layer.view_distance ? 1 : 0;
+		}
+	}
+	return count;
+}
+
+} // namespace
+
+TEST_CASE("the area in view is that of the tiles around a viewer, over all its positions") {
+	for (const double reach : {0.0, 20.0, 64.0, 200.0}) {
+		const StreamLayer layer{32.0, reach};
+		constexpr int steps = 64;
+		double area = 0.0;
+		for (int step = 0; step < steps * steps; ++step) {
+			const glm::dvec2 viewer((step % steps + 0.5) / steps * 32.0, (step / steps + 0.5) / steps * 32.0);
+			area += tiles_in_view(layer, viewer) * 32.0 * 32.0 / (steps * steps);
+		}
+		CHECK(view_area(layer) == doctest::Approx(area).epsilon(0.01));
+	}
+}
+
+TEST_CASE("expected instances follow the point density, the density and the area") {
+	const StreamLayer layer{32.0, 64.0};
+	const PointSet set{.radius = 2.0};
+	const double all = expected_instances(set, 1.0, layer);
+	CHECK(all == doctest::Approx(point_density(set) * view_area(layer)));
+	CHECK(expected_instances(set, 0.25, layer) == doctest::Approx(0.25 * all));
+	CHECK(expected_instances({.radius = 1.0}, 1.0, layer) == doctest::Approx(4.0 * all));
+}
