@@ -144,8 +144,8 @@ REFUSED = [
     ("sample", {"rect": "wide"}, TypeError, "rect must be four numbers, (min_x, min_y, max_x, max_y), got 'wide'"),
     ("sample", {"levels": 0}, ValueError, "levels must be between 1 and 8, got 0"),
     ("sample", {"levels": 9}, ValueError, "levels must be between 1 and 8, got 9"),
-    ("sample", {"layer": 65536}, ValueError, "layer is out of range, got 65536"),
-    ("sample", {"threads": -1}, ValueError, "threads is out of range, got -1"),
+    ("sample", {"layer": 65536}, ValueError, "layer must be between 0 and 65535, got 65536"),
+    ("sample", {"threads": -1}, ValueError, "threads must be between 0 and "),
     ("sample_domain", {"size": (0, 1)}, ValueError, "size must be positive, got 0"),
     ("sample_domain", {"size": (3, 9), "toroidal": True}, ValueError, "size is out of range, got 3; a toroidal domain measures at least 4 radii"),
     ("sample_domain", {"size": (2e5, 9), "precision": "single"}, ValueError, "size is out of range, got 200000; in single precision"),
@@ -184,7 +184,7 @@ for work in (lambda: thicket.sample((0, 0, 8000, 8000), 1.0), lambda: thicket.sa
 print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
 """
     done = script(wheel_python, text)
-    assert re.fullmatch(r"rect needs more memory than there is, got \S+\nsize needs more memory than there is, got 8000\nTrue\n", done.stdout), (
+    assert re.fullmatch(r"rect needs more memory than there is, got .+\nsize needs more memory than there is, got 8000\. .+\nTrue\n", done.stdout), (
         done.stdout + done.stderr
     )
 

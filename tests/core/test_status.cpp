@@ -38,5 +38,5 @@ TEST_CASE("statuses: a view distance beyond the tiles names the limit and what t
 	const Status status = validate(StreamLayer{.tile_size = 16.0, .view_distance = 1500.0});
 	CHECK(describe(status) ==
 			"view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Raise tile_size or lower "
-	        "view_distance");
+			"view_distance");
 }

@@ -38,11 +38,10 @@ TEST_CASE("the area in view is that of the tiles around a viewer, over all its p
 	}
 }
 
-TEST_CASE("expected instances follow the point density, the density and the area") {
+TEST_CASE("expected instances follow the point density, the share that is kept and the area") {
 	const StreamLayer layer{32.0, 64.0};
-	const PointSet set{.radius = 2.0};
-	const double all = expected_instances(set, 1.0, layer);
-	CHECK(all == doctest::Approx(point_density(set) * view_area(layer)));
-	CHECK(expected_instances(set, 0.25, layer) == doctest::Approx(0.25 * all));
-	CHECK(expected_instances({.radius = 1.0}, 1.0, layer) == doctest::Approx(4.0 * all));
+	const double all = expected_instances(0.2, 1.0, layer);
+	CHECK(all == doctest::Approx(0.2 * view_area(layer)));
+	CHECK(expected_instances(0.2, 0.25, layer) == doctest::Approx(0.25 * all));
+	CHECK(expected_instances(0.8, 1.0, layer) == doctest::Approx(4.0 * all));
 }

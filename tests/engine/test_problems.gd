@@ -205,7 +205,6 @@ func test_settings_that_place_or_color_nothing() -> void:
 	layer.max_scale = 2.0
 	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
 	for case: Array in [
-		["density", 0.0, "ScatterLayer.density is 0: no instances are placed. Set it above 0"],
 		["scale_curve", Curve.new(), "ScatterLayer.scale_curve has no points: it is not used. Add points, or clear it."],
 		["color_gradient", colorless, "ScatterLayer.color_gradient has no points: all instances are black. Add points"],
 	]:

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/sampling/point_set.hpp"
 #include "core/streaming/tile_streamer.hpp"
 
 #include <numbers>
@@ -14,9 +13,9 @@ inline double view_area(const StreamLayer &layer) {
 	return std::numbers::pi * reach * reach + 4.0 * reach * size + size * size;
 }
 
-/// Instances there, if rules keep the share `density` of the set's points.
-inline double expected_instances(const PointSet &set, double density, const StreamLayer &layer) {
-	return point_density(set) * density * view_area(layer);
+/// Instances there, if rules keep the share `density` of a set with so many points a square meter.
+inline double expected_instances(double point_density, double density, const StreamLayer &layer) {
+	return point_density * density * view_area(layer);
 }
 
 } // namespace thicket

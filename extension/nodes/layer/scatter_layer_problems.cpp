@@ -38,9 +38,6 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 } // namespace
 
 void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
-	if (settings_.rules.density <= 0.0) {
-		r_problems.push_back("ScatterLayer.density is 0: no instances are placed. Set it above 0, at most 1.");
-	}
 	if (settings_.rules.clumping.size > 0.0 && settings_.rules.clumping.coverage <= 0.0) {
 		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing stands.");
 	}

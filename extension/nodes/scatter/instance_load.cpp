@@ -20,7 +20,7 @@ constexpr double many_instances = 2e6;
 constexpr double kept_bytes = 20.0;
 
 double expected_in_view(const LayerSnapshot &layer) {
-	return expected_instances(layer.settings->set, layer.settings->rules.density, layer.range);
+	return expected_instances(point_density(layer.settings->set), layer.settings->rules.density, layer.range);
 }
 
 } // namespace

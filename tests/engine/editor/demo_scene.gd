@@ -202,7 +202,7 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 		workspace().toolbar.paint.choose_mode(0)
 		await stroke([on_ground(at.x, at.y)])
 		check(dialog.visible and layer.mask == null, "the first stroke asks, to %s" % answer)
-		check("%d on show" % full.size() in dialog.dialog_text, "how many would go: %s" % dialog.dialog_text)
+		check("%d visible instances" % full.size() in dialog.dialog_text, "how many would go: %s" % dialog.dialog_text)
 		if answer == "dismiss":
 			await picture("first_stroke", dialog)
 			dialog.get_cancel_button().pressed.emit()

@@ -74,7 +74,8 @@ func test_buttons() -> void:
 				return
 			check(region.global_position.distance_to(middle) < 0.1, "at the middle of the view: %s" % region.global_position)
 			check(region.owner == root and EditorInterface.get_selection().get_selected_nodes() == [region], "of the scene, and selected")
-			check(scatter.get_problems().is_empty(), "nothing in the way: %s" % scatter.get_problems())
+			var problems: PackedStringArray = scatter.get_problems() # The node has moved so that shapes and world differ; it warns of that.
+			check(problems.size() == 1 and "global_transform" in problems[0], "nothing else in the way: %s" % problems)
 			if shape == 4 and exclude:
 				await picture("region_path")
 			await undo()
