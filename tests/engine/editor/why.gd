@@ -152,12 +152,12 @@ func test_nothing_to_explain() -> void:
 	tool().choose_colors(1)
 	scatter.terrain = null
 	await hover(Vector2(300, 300))
-	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "give Hills a terrain" in row), "no ground")
+	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "set the terrain of Hills" in row), "no ground")
 	scatter.terrain = terrain
 	scatter.layers = []
 	workspace().toolbar.update_layers()
 	await hover(Vector2(310, 400))
-	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "give Hills a layer" in row), "no layers")
+	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "add a layer to Hills" in row), "no layers")
 	scatter.layers = layers
 	workspace().toolbar.update_layers()
 	tool().set_on(false)
