@@ -52,6 +52,7 @@ func nearest(of: String, to: String, reach: float) -> PackedFloat64Array:
 func test_what_stands_where() -> void:
 	load_scene(SCENE)
 	standing = {}
+	await frames(1) # Its plants are built in the first frame.
 	check_equal(scatter.get_problems(), PackedStringArray(), "warnings of the scene")
 	for place in PLACES:
 		await look_from(place)
