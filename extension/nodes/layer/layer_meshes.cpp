@@ -106,8 +106,9 @@ bool LayerMeshes::take(const Array &p_entries) {
 
 /// The model that was made of a scene before, else a new one. Null, with an error, for an empty scene.
 Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
-	const auto known = std::ranges::find_if(
-			taken_, [&](const Entry &entry) { return entry.model.is_valid() && entry.resource == p_scene; });
+	const auto known = std::ranges::find_if(taken_, [&](const Entry &entry) {
+		return entry.model.is_valid() && entry.resource.ptr() == static_cast<const Resource *>(p_scene.ptr());
+	});
 	if (known != taken_.end()) {
 		// Fast path: the scene was read before.
 		return known->model;

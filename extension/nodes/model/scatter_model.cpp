@@ -101,17 +101,17 @@ void ScatterModel::read() {
 	while (unread_.is_valid() && on_main_thread() && read_step()) {}
 }
 
-void ScatterModel::finish_reading(SceneReading reading) {
+void ScatterModel::finish_reading(const SceneReading &reading) {
 	const Ref<PackedScene> scene = std::exchange(unread_, {});
 	reader_ = nullptr;
-	if (!take_over(std::move(reading), scene) && scene_ == scene && !lods_.is_empty()) {
+	if (!take_over(reading, scene) && scene_ == scene && !lods_.is_empty()) {
 		scene_ = source_;
 		notify_property_list_changed();
 	}
 }
 
 /// Takes over what a scene has; false, with an error, if that is nothing.
-bool ScatterModel::take_over(SceneReading reading, const Ref<PackedScene> &p_scene) {
+bool ScatterModel::take_over(const SceneReading &reading, const Ref<PackedScene> &p_scene) {
 	problem_ = lods_.is_empty() ? reading.problem : String();
 	if (!reading.problem.is_empty()) {
 		refuse(p_scene, reading.problem);

@@ -96,8 +96,8 @@ private:
 	};
 
 	void read();
-	bool take_over(SceneReading reading, const godot::Ref<godot::PackedScene> &p_scene);
-	void finish_reading(SceneReading reading);
+	bool take_over(const SceneReading &reading, const godot::Ref<godot::PackedScene> &p_scene);
+	void finish_reading(const SceneReading &reading);
 	bool accept_edit(const char *p_property) const;
 	void take_lods(const godot::TypedArray<ScatterLod> &p_lods);
 	void watch_lods(bool p_watch);
