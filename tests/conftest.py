@@ -130,6 +130,12 @@ def run(command: list[str | Path], timeout: float, **options) -> subprocess.Comp
         pytest.fail(f"{command[0]} ran longer than {timeout} s; it had printed:\n{printed[-4000:]}", pytrace=False)
 
 
+def in_godots_root(command: list[str | Path], timeout: float) -> subprocess.CompletedProcess[str]:
+    """Runs a program where Godot was installed into the cache."""
+    enter = 'source tools/find.sh; enter_root "$(godot_root)"; exec "${enter[@]}" "$@"'
+    return run(["bash", "-c", enter, "bash", *command], timeout, cwd=REPO)
+
+
 def build(*arguments: str | Path, timeout: float, cwd: Path = REPO):
     """Builds with scons; fails the test with what it has printed if that fails."""
     built = run(["scons", "-Q", f"-j{os.cpu_count()}", *arguments], timeout=timeout, cwd=cwd)

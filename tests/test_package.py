@@ -14,7 +14,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from conftest import CACHE, REPO, check_engine_tests, run
+from conftest import CACHE, REPO, check_engine_tests, in_godots_root, run
 from golden import emulators
 from golden.matrix import ZIG
 
@@ -291,12 +291,6 @@ custom_template/release="/usr/bin/godot-template-release"
 binary_format/embed_pck=false
 binary_format/architecture="x86_64"
 """
-
-
-def in_godots_root(command: list[str | Path], timeout: float) -> subprocess.CompletedProcess[str]:
-    """Runs a program where Godot was installed into the cache."""
-    enter = 'source tools/find.sh; enter_root "$(godot_root)"; exec "${enter[@]}" "$@"'
-    return run(["bash", "-c", enter, "bash", *command], timeout, cwd=REPO)
 
 
 @pytest.mark.full

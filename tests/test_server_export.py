@@ -10,7 +10,7 @@ import zlib
 from pathlib import Path
 
 import pytest
-from conftest import REPO, run
+from conftest import REPO, in_godots_root
 
 ADDON = REPO / "demo_project/addons/thicket"
 FIXTURE = REPO / "tests/engine/server_export"
@@ -37,12 +37,6 @@ custom_template/release="/usr/bin/godot-template-release"
 binary_format/embed_pck=false
 binary_format/architecture="x86_64"
 """
-
-
-def in_godots_root(command: list[str | Path], timeout: float) -> subprocess.CompletedProcess[str]:
-    """Runs a program where Godot was installed into the cache."""
-    enter = 'source tools/find.sh; enter_root "$(godot_root)"; exec "${enter[@]}" "$@"'
-    return run(["bash", "-c", enter, "bash", *command], timeout, cwd=REPO)
 
 
 def png(path: Path, color) -> None:
