@@ -76,3 +76,14 @@ func make_on(node: Node, thread_safe := false, layer := make_layer()) -> Terrain
 	var scatter := make_scatter([layer], terrain, make_viewer())
 	terrain.node = scatter.get_path_to(node)
 	return scatter
+
+
+## Makes an edit, and checks that the tiles `under` it were made again, as far as they are visible, and no others. `any`: at least one was.
+func check_made_under(scatter: TerrainScatter3D, under: Array[Vector2i], any: bool, what: String, edit: Callable) -> void:
+	var made := await made_again(scatter, edit)
+	var shown := scatter.get_shown_tiles(0)
+	for tile in under:
+		check(made.has(tile) or not shown.has(tile), "%s: tile %s was made again" % [what, tile])
+	for tile in made:
+		check(under.has(tile), "%s: tile %s was made for nothing" % [what, tile])
+	check(not made.is_empty() or not any, "%s: %d tiles were made" % [what, made.size()])

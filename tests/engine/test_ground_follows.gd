@@ -68,14 +68,7 @@ func tiles_under(areas: Array[Rect2]) -> Array[Vector2i]:
 
 ## Makes an edit, and checks that the tiles under the areas were made anew, as far as they are on show, and no others.
 func check_made(scatter: TerrainScatter3D, areas: Array[Rect2], what: String, edit: Callable) -> void:
-	var made := await made_again(scatter, edit)
-	var under := tiles_under(areas)
-	var shown := scatter.get_shown_tiles(0)
-	for tile in under:
-		check(made.has(tile) or not shown.has(tile), "%s: tile %s was made anew" % [what, tile])
-	for tile in made:
-		check(under.has(tile), "%s: tile %s was made for nothing" % [what, tile])
-	check(not made.is_empty() or areas.is_empty(), "%s: something was made" % what)
+	await check_made_under(scatter, tiles_under(areas), not areas.is_empty(), what, edit)
 
 
 ## Meters by which the instance that is farthest off stands above or below the ground that is expected; `height` of a position is NAN

@@ -35,14 +35,8 @@ func tiles_under(region: Rect2i, post_spacing := 1.0) -> Array[Vector2i]:
 
 
 func check_made(scatter: TerrainScatter3D, region: Rect2i, what: String, edit: Callable) -> void:
-	var made := await made_again(scatter, edit)
 	var under := tiles_under(region)
-	var shown := scatter.get_shown_tiles(0)
-	for tile in under:
-		check(made.has(tile) or not shown.has(tile), "%s: tile %s was made again" % [what, tile])
-	for tile in made:
-		check(under.has(tile), "%s: tile %s was made for nothing" % [what, tile])
-	check(not made.is_empty() or under.is_empty(), "%s: %d tiles were made" % [what, made.size()])
+	await check_made_under(scatter, under, not under.is_empty(), what, edit)
 
 
 ## All plants are at the heights that the posts of an image have, a meter apart.

@@ -227,14 +227,20 @@ func serve_slab(at: Vector3, width: float) -> Array[RID]:
 	return [body, shape]
 
 
-func test_bodies_of_the_physics_server() -> void:
-	var ground := serve_slab(Vector3(0.0, -1.0, 0.0), 30.0)
+## A scatter on the bodies that are there, settled.
+func make_on_bodies() -> TerrainScatter3D:
 	var terrain := ScatterTerrainColliders.new()
 	terrain.rays_per_frame = 2000
 	var scatter := make_scatter([small_tiles()], terrain, make_viewer())
 	await physics_frame
 	await physics_frame
 	await settle(scatter)
+	return scatter
+
+
+func test_bodies_of_the_physics_server() -> void:
+	var ground := serve_slab(Vector3(0.0, -1.0, 0.0), 30.0)
+	var scatter := await make_on_bodies()
 	var on_both := all_transforms(scatter).size()
 	check(on_both > 300, "instances on the body")
 	var step := serve_slab(Vector3(8.0, 1.0, 8.0), 8.0)
@@ -255,12 +261,7 @@ func test_bodies_of_the_physics_server() -> void:
 ## What walks or rolls over the ground hides it, and changes nothing.
 func test_moving_bodies_are_no_change() -> void:
 	var ground := serve_slab(Vector3(0.0, -1.0, 0.0), 60.0)
-	var terrain := ScatterTerrainColliders.new()
-	terrain.rays_per_frame = 2000
-	var scatter := make_scatter([small_tiles()], terrain, make_viewer())
-	await physics_frame
-	await physics_frame
-	await settle(scatter)
+	var scatter := await make_on_bodies()
 	var made: int = scatter.get_stats()["tiles_made"]
 	var rigid := RigidBody3D.new()
 	rigid.freeze = true
