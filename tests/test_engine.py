@@ -135,6 +135,8 @@ def assert_passed(done):
         "test_terrain_calls",
         "test_ground_needs",
         "test_ground_recheck",
+        "test_ground_meshes",
+        "test_ground_heightmaps",
         "test_heightmaps",
         "test_layer_rules",
         "test_layer_placement",
