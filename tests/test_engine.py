@@ -102,6 +102,8 @@ def assert_passed(done):
         "test_problems",
         "test_changes",
         "test_queries",
+        "test_threads",
+        "test_snapshots",
         "test_explain",
         "test_navigation",
         "test_import_instances",

@@ -4,9 +4,11 @@
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/sampler/poisson_points.hpp"
 #include "nodes/sampler/poisson_sampler.hpp"
+#include "nodes/common/main_calls.hpp"
 #include "nodes/common/precision.hpp"
 #include "nodes/gameplay/scatter_instances.hpp"
 #include "nodes/gameplay/scatter_request.hpp"
+#include "nodes/gameplay/scatter_snapshot.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/impostor/impostor_baker.hpp"
 #include "nodes/layer/scatter_layer.hpp"
@@ -52,6 +54,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterInstance);
 	GDREGISTER_CLASS(ScatterInstances);
 	GDREGISTER_CLASS(ScatterRequest);
+	GDREGISTER_CLASS(ScatterSnapshot);
 	GDREGISTER_CLASS(ScatterLod);
 	GDREGISTER_CLASS(ScatterModel);
 	GDREGISTER_CLASS(ScatterLayer);
@@ -64,7 +67,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(TerrainScatter3D);
 }
 
-void terminate(ModuleInitializationLevel) {}
+void terminate(ModuleInitializationLevel) { drop_main_thread_calls(); }
 
 } // namespace thicket
 

@@ -105,7 +105,7 @@ def configure(env):
 
 
 def program_flags(env):
-    """What tests and benches have besides."""
+    """What the extension, tests and benches have besides."""
     if sanitizers(env):
         # To compile so many checks would take longer than to run them. What they check, the core, keeps its level.
         env.Append(CCFLAGS=["-O1"])

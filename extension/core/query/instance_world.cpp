@@ -8,17 +8,13 @@
 
 namespace thicket {
 
-namespace {
-
-std::size_t size_of(const KeptTile &tile) {
-	std::size_t size = 1; // A tile without instances takes memory, too.
+std::size_t instance_count(const KeptTile &tile) {
+	std::size_t count = 0;
 	for (const KeptMesh &mesh : tile.meshes) {
-		size += mesh.size();
+		count += mesh.size();
 	}
-	return size;
+	return count;
 }
-
-} // namespace
 
 void InstanceWorld::set_layers(std::vector<QueryLayer> layers) {
 	const auto outdated = [&](const auto &entry) {
@@ -77,7 +73,7 @@ void InstanceWorld::clear() {
 }
 
 void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> instances) {
-	const std::size_t size = size_of(*instances);
+	const std::size_t size = instance_count(*instances) + 1; // A tile without instances takes memory, too.
 	kept_since_looking_ += size;
 	tiles_.insert_or_assign(Key{layer, tile.x, tile.y}, Entry{std::move(instances), size, ++uses_});
 	if (layer < layers_.size() && new_tiles_.size() < most_new_tiles) {
@@ -134,6 +130,17 @@ void InstanceWorld::forget_some() {
 			tiles_.erase(found);
 		}
 	}
+}
+
+std::vector<KnownTile> InstanceWorld::known_tiles() const {
+	std::vector<KnownTile> result;
+	result.reserve(tiles_.size());
+	for (const auto &[key, entry] : tiles_) {
+		if (!entry.outdated) {
+			result.push_back({key, entry.tile});
+		}
+	}
+	return result;
 }
 
 std::shared_ptr<const KeptTile> InstanceWorld::find(const WorldTile &tile) const {

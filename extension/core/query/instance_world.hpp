@@ -26,6 +26,20 @@ namespace thicket {
 using TileMaker =
 		std::function<Status(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles)>;
 
+/// A layer, and x and y of a tile.
+using WorldTileKey = std::tuple<std::uint32_t, std::int32_t, std::int32_t>;
+
+inline WorldTileKey key_of(const WorldTile &tile) { return {tile.layer, tile.tile.x, tile.tile.y}; }
+
+/// A tile that is known, for a snapshot.
+struct KnownTile {
+	WorldTileKey key;
+	std::shared_ptr<const KeptTile> tile; ///< Never null.
+};
+
+/// Of all meshes.
+std::size_t instance_count(const KeptTile &tile);
+
 /// What stands in a world, for all who ask: the tiles that are known (shared with those on show, and some that were made for
 /// queries) and what a game has changed. One thread at a time.
 class InstanceWorld {
@@ -49,6 +63,9 @@ public:
 
 	/// The tiles that were forgotten since the last call: to give back their memory takes some time, which another thread may have.
 	std::vector<std::shared_ptr<const KeptTile>> take_forgotten();
+
+	/// All known tiles, ascending.
+	std::vector<KnownTile> known_tiles() const;
 
 	/// A known tile; null for one that is not.
 	std::shared_ptr<const KeptTile> find(const WorldTile &tile) const;
@@ -128,7 +145,7 @@ private:
 		InstanceWorld &world_;
 	};
 
-	using Key = std::tuple<std::uint32_t, std::int32_t, std::int32_t>;
+	using Key = WorldTileKey;
 
 	/// A tile became known, as the only change of that version.
 	struct TileChange {

@@ -210,6 +210,11 @@ public:
 	/// the other's stay. Refuses stamps that contradict this state's as `layer`.
 	Status merge(const InstanceState &other, std::vector<InstanceChange> &r_changes);
 
+	/// A copy that shares this state's memory, for some microseconds: each copies what it changes, so another thread may read the copy. It
+	/// remembers no changes. `complete` is called on it, on any thread, before `added_in` and before anything changes it.
+	InstanceState share();
+	Status complete();
+
 	/// FNV-1a of what `save` writes, with a clock and stamps of 0: equal for equal content.
 	std::uint64_t digest() const;
 
@@ -220,8 +225,6 @@ private:
 
 	explicit InstanceState(std::unique_ptr<Content> content);
 
-	/// See Content::share.
-	InstanceState share();
 	Status take_over(PendingDiff &diff, StateChanges &r_changes);
 	void pass_over(PendingDiff &diff);
 	Status repeat(const StateStep &step, std::vector<InstanceChange> &r_changes);

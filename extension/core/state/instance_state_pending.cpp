@@ -84,6 +84,10 @@ InstanceState::InstanceState(std::unique_ptr<Content> content) : content_(std::m
 
 InstanceState InstanceState::share() { return InstanceState(content_->share()); }
 
+Status InstanceState::complete() {
+	return guarded("state", static_cast<double>(content_->size()), [this] { content_->complete(); });
+}
+
 Status InstanceState::queue_diff(std::span<const std::uint8_t> bytes, std::shared_ptr<PendingDiff> &r_diff) {
 	return guarded("data", static_cast<double>(bytes.size()), [&] {
 		const bool is_first = journal_ == nullptr;

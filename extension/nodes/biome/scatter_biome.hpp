@@ -16,9 +16,11 @@ namespace thicket {
 /// `changed` is emitted by every setter. The array of layers is shared with scripts, and what they do to it counts.
 class ScatterBiome : public godot::Resource {
 	GDCLASS(ScatterBiome, godot::Resource)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
 	/// The water in the biome.
 	enum WaterMode : std::int64_t {
 		WATER_MODE_INHERIT, ///< That of the node.
@@ -57,6 +59,8 @@ private:
 	double density_ = 1.0;
 	WaterMode water_mode_ = WATER_MODE_INHERIT;
 	double water_level_ = 0.0;
+
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -320,14 +320,20 @@ PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_ow
 	return result;
 }
 
+void ScatterBiomeMap::add_used(SceneUse::List &r_used) const {
+	for (std::size_t index = 0; index < biome_count(); ++index) {
+		r_used.add(Ref<ScatterBiome>(biomes_[static_cast<int64_t>(index)]));
+	}
+}
+
 void ScatterBiomeMap::_bind_methods() {
 	using Self = ScatterBiomeMap;
 	bind_guarded<&Self::set_biomes>(D_METHOD("set_biomes", "biomes"));
 	bind_guarded<&Self::get_biomes>(D_METHOD("get_biomes"));
 	bind_guarded<&Self::get_biome_at>(D_METHOD("get_biome_at", "position"));
 	bind_guarded<&Self::get_weights_at>(D_METHOD("get_weights_at", "position"));
-	bind_guarded<&Self::outdate>(D_METHOD("_outdate"));
-	bind_guarded<&Self::image_changed>(D_METHOD("_image_changed"));
+	bind_guarded<&Self::outdate>(ThreadUse::relayed, D_METHOD("_outdate"));
+	bind_guarded<&Self::image_changed>(ThreadUse::relayed, D_METHOD("_image_changed"));
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "biomes", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:ScatterBiome", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_biomes", "get_biomes");

@@ -21,9 +21,11 @@ namespace thicket {
 /// arrays of their layers, are shared with scripts: what they do to them counts from the next `notice`.
 class ScatterBiomeMap : public godot::Resource {
 	GDCLASS(ScatterBiomeMap, godot::Resource)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
 	/// BiomePixels, for scripts.
 	enum MapMode : std::int64_t {
 		MAP_MODE_COLORS,
@@ -80,6 +82,9 @@ public:
 			}
 		}
 	}
+
+	/// Adds what the main thread reads along with the map, but for the layers of its biomes.
+	void add_used(SceneUse::List &r_used) const;
 
 	/// True if scripts have changed one of the arrays since the last `notice`.
 	bool differs() const;
@@ -147,6 +152,8 @@ private:
 	bool outdated_ = true;      ///< `map_` is not what the properties say.
 	Status status_;             ///< What is wrong with them.
 	godot::String complaint_;   ///< The error that was printed last; empty while all is well.
+
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -3,7 +3,11 @@
 // The border between the engine and our code: no exception may pass it, for the engine would end. What the core guards
 // (core/base/guard.hpp) comes as a status; this is for all else that takes memory in a bound method, a notification or a job.
 
+#include "nodes/common/main_calls.hpp"
+#include "nodes/common/thread_rule.hpp"
+
 #include <godot_cpp/classes/global_constants.hpp>
+#include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/variant/string_name.hpp>
 #include <godot_cpp/variant/variant.hpp>
@@ -56,9 +60,41 @@ struct MemberFunction<R (C::*)(Args...) const> {
 /// `Class.method`, in memory that stays for as long as the library is loaded.
 const char *kept_method_name(const godot::StringName &p_class, const godot::StringName &p_method);
 
-/// The name of a bound method, as `Class.method`. Not a string of its own: hundreds of those would each have to be destroyed.
+/// Name and rule of a bound method. The name is no string of its own: hundreds of those would each have to be destroyed.
 template <auto method>
-inline const char *guarded_method_name = "";
+inline BoundMethod bound_method;
+
+/// The guard of an object; null for a class whose methods may all be called on any thread.
+template <typename Self>
+ThreadGuard *thread_guard_of(Self *p_self) {
+	if constexpr (requires { p_self->thread_guard(); }) {
+		return &p_self->thread_guard();
+	} else {
+		return nullptr;
+	}
+}
+
+template <typename R>
+struct RefTarget {
+	using Type = void;
+};
+
+template <typename T>
+struct RefTarget<godot::Ref<T>> {
+	using Type = T;
+};
+
+/// The result of a call that was not made: nothing, 0, an empty array.
+template <typename R>
+R refused_result(godot::Error error) {
+	if constexpr (std::is_same_v<R, godot::Error>) {
+		return error; // The default one means that all is well.
+	} else if constexpr (requires { RefTarget<R>::Type::make_empty(); }) {
+		return RefTarget<R>::Type::make_empty(); // As the class reference promises, the result is never null.
+	} else {
+		return R();
+	}
+}
 
 /// An argument for an error; what no Variant can hold is left out.
 template <typename T>
@@ -72,36 +108,51 @@ godot::Variant argument_of(const T &p_argument) {
 	}
 }
 
-/// Calls a method for the engine. An exception becomes an error that names it and what it was asked for.
+/// Calls a method for the engine, if its rule allows this thread. An exception becomes an error that names it and what it was asked for.
 template <auto method, typename R, typename Self, typename... Args>
 R call_guarded(Self *p_self, const Args &...p_arguments) {
+	const BoundMethod &bound = bound_method<method>;
+	const ThreadTurn turn(thread_guard_of(p_self), bound, std::is_const_v<Self>);
+	if (!turn.granted()) {
+		if (bound.rule.use == ThreadUse::relayed) {
+			const std::array<godot::Variant, sizeof...(Args)> arguments{argument_of(p_arguments)...};
+			call_on_main_thread(p_self, bound.name, arguments);
+		} else {
+			turn.report();
+		}
+		return refused_result<R>(godot::ERR_BUSY);
+	}
 	try {
 		return (p_self->*method)(p_arguments...);
 	} catch (...) {
 		const std::array<godot::Variant, sizeof...(Args)> arguments{argument_of(p_arguments)...};
-		report_failed_call(guarded_method_name<method>, arguments);
+		report_failed_call(bound.name, arguments);
 	}
-	if constexpr (std::is_same_v<R, godot::Error>) {
-		return godot::ERR_OUT_OF_MEMORY; // The default one means that all is well.
-	} else {
-		return R();
-	}
+	return refused_result<R>(godot::ERR_OUT_OF_MEMORY);
 }
 
-/// ClassDB::bind_method for a method that may run out of memory:
-/// `bind_guarded<&PoissonSampler::sample>(D_METHOD("sample", "rect"))`. The class has THICKET_GUARDED_METHODS.
+/// ClassDB::bind_method for a method with a thread rule of its own; it may run out of memory:
+/// `bind_guarded<&ScatterRequest::cancel>(ThreadUse::any, D_METHOD("cancel"))`. The class has THICKET_GUARDED_METHODS.
 template <auto method, typename Definition, typename... Defaults>
-void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults) {
+void bind_guarded(const ThreadRule &rule, const Definition &p_definition, const Defaults &...p_defaults) {
 	using Member = MemberFunction<decltype(method)>;
-	guarded_method_name<method> = kept_method_name(Member::Class::get_class_static(), p_definition.name);
+	bound_method<method> = {kept_method_name(Member::Class::get_class_static(), p_definition.name), rule};
 	godot::ClassDB::bind_method(p_definition, Member::template entry<method>, p_defaults...);
+}
+
+/// The same with the rule of the class.
+template <auto method, typename Definition, typename... Defaults>
+	requires(!std::is_convertible_v<Definition, ThreadRule>)
+void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults) {
+	bind_guarded<method>(MemberFunction<decltype(method)>::Class::thread_rule(), p_definition, p_defaults...);
 }
 
 } // namespace thicket
 
-/// In a class whose methods are bound with bind_guarded, after GDCLASS: what the engine calls in their place. These have to be
-/// members of the class itself, as godot-cpp binds nothing else.
-#define THICKET_GUARDED_METHODS \
+/// In a class whose methods are bound with bind_guarded, after GDCLASS: the rule of those that are bound without one, and what the
+/// engine calls in their place. These have to be members of the class itself, as godot-cpp binds nothing else. A class with
+/// other rules than ThreadUse::any has a `ThreadGuard &thread_guard() const` besides, or inherits it.
+#define THICKET_GUARDED_METHODS(m_use) \
 	template <typename> \
 	friend struct ::thicket::MemberFunction; \
 	template <auto method, typename R, typename... Args> \
@@ -111,4 +162,9 @@ void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults)
 	template <auto method, typename R, typename... Args> \
 	R guarded_const_entry(Args... p_arguments) const { \
 		return ::thicket::call_guarded<method, R>(this, p_arguments...); \
-	}
+	} \
+\
+public: \
+	static constexpr ::thicket::ThreadRule thread_rule() { return ::thicket::ThreadUse::m_use; } \
+\
+private:

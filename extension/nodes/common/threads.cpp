@@ -5,6 +5,7 @@
 #include <godot_cpp/classes/worker_thread_pool.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <thread>
 #include <vector>
@@ -13,14 +14,29 @@ using namespace godot;
 
 namespace thicket {
 
+namespace {
+
+std::atomic<std::thread::id> main_thread; ///< None until it has asked.
+
+} // namespace
+
 bool has_threads() {
 	const Variant most = ProjectSettings::get_singleton()->get_setting("threading/worker_pool/max_threads", -1);
 	return OS::get_singleton()->has_feature("threads") && static_cast<int64_t>(most) != 0;
 }
 
 bool on_main_thread() {
+	const std::thread::id caller = std::this_thread::get_id();
+	if (const std::thread::id known = main_thread.load(std::memory_order_relaxed); known != std::thread::id()) {
+		// Fast path: to ask the engine takes ten times as long.
+		return caller == known;
+	}
 	const OS *system = OS::get_singleton();
-	return system->get_thread_caller_id() == system->get_main_thread_id();
+	const bool on_main = system->get_thread_caller_id() == system->get_main_thread_id();
+	if (on_main) {
+		main_thread.store(caller, std::memory_order_relaxed);
+	}
+	return on_main;
 }
 
 std::size_t spare_thread_count() {

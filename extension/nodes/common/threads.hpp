@@ -10,7 +10,7 @@ namespace thicket {
 /// Whether the engine has threads to work on. Builds for the web may have none, and a project may forbid them.
 bool has_threads();
 
-/// Whether the caller runs on the engine's main thread.
+/// Whether the caller runs on the engine's main thread. Costs a few nanoseconds.
 bool on_main_thread();
 
 /// How many to work on besides the one that asks: 0 to 8.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 
 using namespace godot;
 
@@ -18,8 +19,8 @@ namespace {
 /// A script's condition.
 class Predicate {
 public:
-	Predicate(const char *p_method, const Callable &p_callable, glm::dvec3 offset) :
-			method_(p_method), callable_(p_callable), offset_(offset) {}
+	Predicate(std::string method, const Callable &p_callable, glm::dvec3 offset) :
+			method_(std::move(method)), callable_(p_callable), offset_(offset) {}
 
 	bool operator()(const PlacedInstance &instance) {
 		if (failed_) {
@@ -32,15 +33,15 @@ public:
 		failed_ = call_script(callable_, "call", result, id, layer, transform) != GDEXTENSION_CALL_OK ||
 				result.get_type() != Variant::BOOL;
 		if (failed_) {
-			const std::string problem = std::string("TerrainScatter3D.") + method_ +
-					": predicate must take (id: int, layer: int, transform: Transform3D) and return a bool";
+			const std::string problem =
+					method_ + ": predicate must take (id: int, layer: int, transform: Transform3D) and return a bool";
 			ERR_PRINT(String(problem.c_str()));
 		}
 		return !failed_ && static_cast<bool>(result);
 	}
 
 private:
-	const char *method_;
+	std::string method_;
 	Variant callable_;
 	glm::dvec3 offset_;
 	bool failed_ = false;
@@ -65,14 +66,18 @@ AddedInstance to_added(const Transform3D &p_transform, glm::dvec3 offset) {
 }
 
 std::function<bool(const PlacedInstance &)> to_predicate(
-		const char *p_method, const Callable &p_predicate, glm::dvec3 offset) {
+		std::string method, const Callable &p_predicate, glm::dvec3 offset) {
 	if (p_predicate.is_null()) {
 		return {};
 	}
-	const auto predicate = std::make_shared<Predicate>(p_method, p_predicate, offset);
+	const auto predicate = std::make_shared<Predicate>(std::move(method), p_predicate, offset);
 	return [predicate](const PlacedInstance &instance) {
 		return (*predicate)(instance);
 	};
+}
+
+Variant decoded(std::span<const std::uint8_t> bytes) {
+	return bytes.empty() ? Variant() : packed_bytes(bytes).decode_var(0, false);
 }
 
 } // namespace thicket

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 
 namespace thicket {
 
@@ -22,8 +23,11 @@ namespace thicket {
 godot::Transform3D to_engine(const PlacedInstance &instance, glm::dvec3 offset);
 AddedInstance to_added(const godot::Transform3D &p_transform, glm::dvec3 offset);
 /// A predicate of a script, (id: int, layer: int, transform: Transform3D) -> bool, as QueryFilter::accepts; none for a null one.
-/// One that cannot be called lets nothing pass and prints one error.
+/// One that cannot be called lets nothing pass and prints one error, for `method` (`Class.method`).
 std::function<bool(const PlacedInstance &)> to_predicate(
-		const char *p_method, const godot::Callable &p_predicate, glm::dvec3 offset);
+		std::string method, const godot::Callable &p_predicate, glm::dvec3 offset);
+
+/// A value of a script that a state keeps as bytes; null for none.
+godot::Variant decoded(std::span<const std::uint8_t> bytes);
 
 } // namespace thicket

@@ -5,6 +5,7 @@
 #include "nodes/gameplay/collision_ring.hpp"
 #include "nodes/gameplay/scatter_instances.hpp"
 #include "nodes/gameplay/scatter_request.hpp"
+#include "nodes/gameplay/scatter_snapshot.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/gameplay/scene_ring.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
@@ -23,6 +24,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <utility>
 #include <variant>
@@ -39,6 +41,9 @@ public:
 
 	/// Settings that were changed in this frame count from now on. Refused where there is nothing to ask. May run scripts.
 	virtual Status prepare() = 0;
+
+	/// Generates tiles on any thread, several at once, from what the layers and the ground are now. For after `prepare`.
+	virtual TileMaker make_worker_maker() = 0;
 
 	/// What lies over the picture from now on; null for nothing.
 	virtual void set_overlay(const InstanceState *state) = 0;
@@ -114,6 +119,9 @@ public:
 	/// Around these world positions bodies and scenes stand.
 	void look_around(std::span<const glm::dvec3> centers);
 
+	/// Takes in what other threads have requested and canceled since the last frame. Runs scripts.
+	void take_requests();
+
 	/// Answers the requests whose tiles are there. Runs no scripts: `complete_requests` does.
 	void answer_requests();
 	void complete_requests();
@@ -128,6 +136,13 @@ public:
 	/// True if `look_around` would find nothing else to do for these positions.
 	bool follows(std::span<const glm::dvec3> centers) const;
 
+	// As script_queries.hpp needs them.
+
+	/// Asks what is known, and has made for it what is not. Holds the state meanwhile.
+	bool ask(const char *p_method, const AskedQuery &query);
+	bool find_filter(const char *p_method, const godot::Variant &p_layers, const godot::Callable &p_predicate,
+			QueryFilter &r_filter) const;
+
 	// Questions. `p_layers` are layer references, none for all; a predicate takes (id, layer, transform) and says whether
 	// that instance counts. What is refused prints an error, and the answer is empty.
 
@@ -141,6 +156,11 @@ public:
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	godot::Ref<ScatterInstance> get_instance(int64_t p_id);
 	bool has_instance(int64_t p_id);
+
+	/// The world as it is now, for queries on other threads. Empty, with an error, where there is nothing to ask.
+	godot::Ref<ScatterSnapshot> make_snapshot();
+
+	/// On any thread, while the node is there. What another thread requests waits for `take_requests`, which prints the errors, too.
 	godot::Ref<ScatterRequest> request_rect(const godot::Rect2 &p_rect, const godot::Variant &p_layers);
 	godot::Ref<ScatterRequest> request_sphere(
 			const godot::Vector3 &p_center, double p_radius, const godot::Variant &p_layers);
@@ -180,7 +200,19 @@ public:
 	static constexpr std::size_t most_dropped_at_once = 128;
 
 private:
-	using Area = std::variant<Rect, QueryRequests::Sphere>;
+	/// Of the engine's space, not yet the world's.
+	struct SphereInScene {
+		godot::Vector3 center;
+		double radius = 0.0;
+	};
+
+	/// A request as it was made, on any thread.
+	struct Wanted {
+		const char *method = "";
+		std::variant<godot::Rect2, SphereInScene> area;
+		godot::Variant layers;
+		godot::Ref<ScatterRequest> request;
+	};
 
 	/// Changes that are being told over some frames.
 	struct Untold {
@@ -202,14 +234,9 @@ private:
 
 	SceneHost scene_host();
 	bool prepare(const char *p_method);
-	template <class Query>
-	bool ask(const char *p_method, const Query &query);
-	bool find_filter(const char *p_method, const godot::Variant &p_layers, const godot::Callable &p_predicate,
-			QueryFilter &r_filter) const;
-	FoundInstances find_in_sphere(const char *p_method, const godot::Vector3 &p_center, double p_radius,
-			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	std::vector<PlacedInstance> find_by_id(const char *p_method, int64_t p_id, bool even_removed);
-	godot::Ref<ScatterRequest> request(const char *p_method, const Area &area, const godot::Variant &p_layers);
+	godot::Ref<ScatterRequest> request(Wanted wanted);
+	void open_request(const Wanted &wanted);
 	void give_up_requests();
 
 	void add_obstructions(
@@ -239,6 +266,8 @@ private:
 	/// What this node is removing or restoring and has not told yet, in the order of telling.
 	std::span<const PlacedInstance> changing_;
 
+	std::mutex wanted_mutex_;
+	std::vector<Wanted> wanted_; ///< By other threads; guarded by `wanted_mutex_`.
 	QueryRequests requests_;
 	std::map<std::int64_t, godot::Ref<ScatterRequest>> open_; ///< By their numbers in requests_.
 	std::vector<std::pair<godot::Ref<ScatterRequest>, godot::Ref<ScatterInstances>>> answered_;

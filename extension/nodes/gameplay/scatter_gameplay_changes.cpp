@@ -4,6 +4,7 @@
 
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/gameplay/script_queries.hpp"
 
 #include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/core/error_macros.hpp>
@@ -130,7 +131,7 @@ bool ScatterGameplay::remove_instance(int64_t p_id) {
 PackedInt64Array ScatterGameplay::remove_in_sphere(
 		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) {
 	std::vector<PlacedInstance> found;
-	find_in_sphere("remove_in_sphere", p_center, p_radius, p_layers, p_predicate).read_all(found);
+	find_in_sphere(*this, {"remove_in_sphere", p_layers, p_predicate}, p_center, p_radius).read_all(found);
 	return packed_ids(remove_all(found));
 }
 

@@ -3,16 +3,21 @@
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/threads.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/gameplay/script_queries.hpp"
 #include "nodes/layer/layer_reference.hpp"
 
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/memory.hpp>
 
-#include <glm/geometric.hpp>
-
+#include <map>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 using namespace godot;
 
@@ -28,6 +33,14 @@ void report_query(const char *p_method, const Status &status) {
 	}
 }
 
+Array copied(const Array &p_array) {
+	Array copy;
+	for (int64_t index = 0; index < p_array.size(); ++index) {
+		copy.push_back(p_array[index]);
+	}
+	return copy;
+}
+
 } // namespace
 
 /// False, with an error, where there is nothing to ask, and for a node that is gone by now.
@@ -37,9 +50,7 @@ bool ScatterGameplay::prepare(const char *p_method) {
 	return status.ok() && alive();
 }
 
-/// Asks what is known, and has made for it what is not. Holds the state meanwhile.
-template <class Query>
-bool ScatterGameplay::ask(const char *p_method, const Query &query) {
+bool ScatterGameplay::ask(const char *p_method, const AskedQuery &query) {
 	if (!prepare(p_method)) {
 		return false;
 	}
@@ -58,79 +69,41 @@ bool ScatterGameplay::find_filter(
 		ERR_PRINT(String(name_of(p_method).c_str()) + String(": ") + problem);
 		return false;
 	}
-	r_filter.accepts = to_predicate(p_method, p_predicate, offset_);
+	r_filter.accepts = to_predicate(name_of(p_method), p_predicate, offset_);
 	return true;
 }
 
 Ref<ScatterInstances> ScatterGameplay::query_rect(
 		const Rect2 &p_rect, const Variant &p_layers, const Callable &p_predicate) {
-	const glm::dvec3 offset = offset_;
-	QueryFilter filter;
-	FoundInstances found;
-	if (find_filter("query_rect", p_layers, p_predicate, filter)) {
-		ask("query_rect",
-				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, offset), filter, found); });
-	}
-	return ScatterInstances::of(std::move(found), offset);
+	return answer_rect(*this, {"query_rect", p_layers, p_predicate}, p_rect);
 }
 
 Ref<ScatterInstances> ScatterGameplay::query_sphere(
 		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) {
-	const glm::dvec3 offset = offset_;
-	return ScatterInstances::of(find_in_sphere("query_sphere", p_center, p_radius, p_layers, p_predicate), offset);
-}
-
-FoundInstances ScatterGameplay::find_in_sphere(const char *p_method, const Vector3 &p_center, double p_radius,
-		const Variant &p_layers, const Callable &p_predicate) {
-	const glm::dvec3 center = to_world(p_center, offset_);
-	QueryFilter filter;
-	FoundInstances found;
-	if (find_filter(p_method, p_layers, p_predicate, filter)) {
-		ask(p_method, [&](const InstanceQuery &query) { return query.in_sphere(center, p_radius, filter, found); });
-	}
-	return found;
+	return answer_sphere(*this, {"query_sphere", p_layers, p_predicate}, p_center, p_radius);
 }
 
 Dictionary ScatterGameplay::query_ray(
 		const Vector3 &p_from, const Vector3 &p_to, const Variant &p_layers, const Callable &p_predicate) {
-	const glm::dvec3 offset = offset_;
-	const glm::dvec3 from = to_world(p_from, offset);
-	const glm::dvec3 to = to_world(p_to, offset);
-	QueryFilter filter;
-	std::vector<RayHit> hits;
-	if (find_filter("query_ray", p_layers, p_predicate, filter)) {
-		ask("query_ray", [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
-	}
-	Dictionary result;
-	if (!hits.empty()) {
-		const PlacedInstance &instance = hits.front().instance;
-		const double length = glm::length(to - from);
-		const double share = length > 0.0 ? hits.front().distance / length : 0.0;
-		result["id"] = script_id(instance.id);
-		result["layer"] = static_cast<int64_t>(instance.layer);
-		result["mesh"] = static_cast<int64_t>(instance.mesh);
-		result["transform"] = to_engine(instance, offset);
-		result["distance"] = hits.front().distance;
-		result["position"] = to_engine(from + share * (to - from), offset);
-	}
-	return result;
+	return answer_ray(*this, {"query_ray", p_layers, p_predicate}, p_from, p_to);
 }
 
 Ref<ScatterInstance> ScatterGameplay::query_nearest(
 		const Vector3 &p_position, double p_max_distance, const Variant &p_layers, const Callable &p_predicate) {
-	const glm::dvec3 offset = offset_;
-	const glm::dvec3 position = to_world(p_position, offset);
-	QueryFilter filter;
-	std::vector<NearestInstance> found;
-	if (find_filter("query_nearest", p_layers, p_predicate, filter)) {
-		ask("query_nearest",
-				[&](const InstanceQuery &query) { return query.nearest(position, p_max_distance, filter, found); });
+	return answer_nearest(*this, {"query_nearest", p_layers, p_predicate}, p_position, p_max_distance);
+}
+
+Ref<ScatterSnapshot> ScatterGameplay::make_snapshot() {
+	if (!prepare("make_snapshot")) {
+		return ScatterSnapshot::make_empty();
 	}
-	if (found.empty()) {
-		return {};
+	std::optional<InstanceState> state;
+	if (state_.is_valid()) {
+		state = state_->share();
 	}
-	const PlacedInstance &instance = found.front().instance;
-	return ScatterInstance::of(instance, offset, get_instance_data(script_id(instance.id)), found.front().distance);
+	return ScatterSnapshot::of(
+			std::make_shared<const InstanceSnapshot>(world_, std::move(state), host_->make_worker_maker()),
+			LayerNames(host_->layers()), offset_);
 }
 
 /// The instance of an id, or, if `even_removed`, where it would stand. Empty for none.
@@ -142,44 +115,71 @@ std::vector<PlacedInstance> ScatterGameplay::find_by_id(const char *p_method, in
 	return found;
 }
 
-Ref<ScatterInstance> ScatterGameplay::get_instance(int64_t p_id) {
-	const glm::dvec3 offset = offset_;
-	const std::vector<PlacedInstance> found = find_by_id("get_instance", p_id, false);
-	return found.empty() ? Ref<ScatterInstance>() : ScatterInstance::of(found.front(), offset, get_instance_data(p_id));
-}
+Ref<ScatterInstance> ScatterGameplay::get_instance(int64_t p_id) { return answer_id(*this, "get_instance", p_id); }
 
 bool ScatterGameplay::has_instance(int64_t p_id) { return !find_by_id("has_instance", p_id, false).empty(); }
 
 Ref<ScatterRequest> ScatterGameplay::request_rect(const Rect2 &p_rect, const Variant &p_layers) {
-	return request("request_rect", to_world(p_rect, offset_), p_layers);
+	return request({"request_rect", p_rect, p_layers, memnew(ScatterRequest)});
 }
 
 Ref<ScatterRequest> ScatterGameplay::request_sphere(const Vector3 &p_center, double p_radius, const Variant &p_layers) {
-	return request("request_sphere", QueryRequests::Sphere{to_world(p_center, offset_), p_radius}, p_layers);
+	return request({"request_sphere", SphereInScene{p_center, p_radius}, p_layers, memnew(ScatterRequest)});
 }
 
-Ref<ScatterRequest> ScatterGameplay::request(const char *p_method, const Area &area, const Variant &p_layers) {
-	const Ref<ScatterRequest> request(memnew(ScatterRequest));
-	QueryFilter filter;
-	std::int64_t number = 0;
-	if (find_filter(p_method, p_layers, {}, filter) && prepare(p_method)) {
-		report_query(p_method, requests_.add(world_, area, filter, number));
-	}
-	if (number == 0) {
-		request->give_up();
-		return request;
-	}
-	open_[number] = request;
-	request->begin([weak = weak_from_this(), number] {
-		if (const std::shared_ptr<ScatterGameplay> gameplay = weak.lock()) {
-			gameplay->requests_.cancel(number);
-			gameplay->open_.erase(number);
+Ref<ScatterRequest> ScatterGameplay::request(Wanted wanted) {
+	const Ref<ScatterRequest> request = wanted.request;
+	if (on_main_thread()) {
+		const std::shared_ptr<ScatterGameplay> self = shared_from_this();
+		open_request(wanted);
+	} else {
+		if (wanted.layers.get_type() == Variant::ARRAY) {
+			wanted.layers = copied(wanted.layers); // Scripts share an array, and may change theirs.
 		}
-	});
+		const std::lock_guard lock(wanted_mutex_);
+		wanted_.push_back(std::move(wanted));
+	}
 	return request;
 }
 
+void ScatterGameplay::open_request(const Wanted &wanted) {
+	QueryFilter filter;
+	std::int64_t number = 0;
+	if (find_filter(wanted.method, wanted.layers, {}, filter) && prepare(wanted.method)) {
+		std::variant<Rect, QueryRequests::Sphere> area;
+		if (const Rect2 *rect = std::get_if<Rect2>(&wanted.area)) {
+			area = to_world(*rect, offset_);
+		} else {
+			const auto &sphere = std::get<SphereInScene>(wanted.area);
+			area = QueryRequests::Sphere{to_world(sphere.center, offset_), sphere.radius};
+		}
+		report_query(wanted.method, requests_.add(world_, area, filter, number));
+	}
+	if (number == 0) {
+		wanted.request->give_up();
+	} else {
+		open_[number] = wanted.request;
+	}
+}
+
+void ScatterGameplay::take_requests() {
+	std::vector<Wanted> taken;
+	{
+		const std::lock_guard lock(wanted_mutex_);
+		taken.swap(wanted_);
+	}
+	for (const Wanted &wanted : taken) {
+		if (!wanted.request->is_canceled()) {
+			open_request(wanted);
+		}
+	}
+}
+
 void ScatterGameplay::answer_requests() {
+	std::erase_if(open_, [this](const auto &open) {
+		const bool canceled = open.second->is_canceled();
+		return canceled && requests_.cancel(open.first);
+	});
 	for (QueryRequests::Answer &answer : requests_.frame(world_)) {
 		if (auto open = open_.extract(answer.request)) {
 			answered_.emplace_back(open.mapped(), ScatterInstances::of(std::move(answer.found), offset_));
@@ -195,6 +195,14 @@ void ScatterGameplay::complete_requests() {
 
 void ScatterGameplay::give_up_requests() {
 	requests_.clear();
+	std::vector<Wanted> unopened;
+	{
+		const std::lock_guard lock(wanted_mutex_);
+		unopened.swap(wanted_);
+	}
+	for (const Wanted &wanted : unopened) {
+		wanted.request->give_up();
+	}
 	for (const auto &[number, request] : std::exchange(open_, {})) {
 		request->give_up();
 	}

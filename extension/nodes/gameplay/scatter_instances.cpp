@@ -19,7 +19,8 @@ namespace {
 
 /// A value of each instance, by its index, in a packed array that is made on the first call.
 template <class Array, class Value>
-Array cached(std::optional<Array> &r_cache, const FoundInstances &found, const Value &value_of) {
+Array cached(std::mutex &r_mutex, std::optional<Array> &r_cache, const FoundInstances &found, const Value &value_of) {
+	const std::lock_guard lock(r_mutex);
 	if (r_cache) {
 		// Fast path: what was found never changes.
 		return *r_cache;
@@ -75,22 +76,24 @@ Transform3D ScatterInstances::get_transform(int64_t p_index) const {
 }
 
 PackedInt64Array ScatterInstances::get_ids() const {
-	return cached(ids_, found_, [this](std::size_t i) { return script_id(found_.id(i)); });
+	return cached(mutex_, ids_, found_, [this](std::size_t i) { return script_id(found_.id(i)); });
 }
 
 PackedInt32Array ScatterInstances::get_layers() const {
-	return cached(layers_, found_, [this](std::size_t i) { return static_cast<std::int32_t>(found_.layer(i)); });
+	return cached(
+			mutex_, layers_, found_, [this](std::size_t i) { return static_cast<std::int32_t>(found_.layer(i)); });
 }
 
 PackedInt32Array ScatterInstances::get_meshes() const {
-	return cached(meshes_, found_, [this](std::size_t i) { return static_cast<std::int32_t>(found_.mesh(i)); });
+	return cached(mutex_, meshes_, found_, [this](std::size_t i) { return static_cast<std::int32_t>(found_.mesh(i)); });
 }
 
 PackedVector3Array ScatterInstances::get_positions() const {
-	return cached(positions_, found_, [this](std::size_t i) { return to_engine(found_.position(i), offset_); });
+	return cached(mutex_, positions_, found_, [this](std::size_t i) { return to_engine(found_.position(i), offset_); });
 }
 
 PackedFloat32Array ScatterInstances::get_transforms() const {
+	const std::lock_guard lock(mutex_);
 	if (transforms_) {
 		// Fast path: what was found never changes.
 		return *transforms_;

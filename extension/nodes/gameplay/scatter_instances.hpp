@@ -5,6 +5,7 @@
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/core/memory.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
@@ -15,6 +16,7 @@
 #include <glm/vec3.hpp>
 
 #include <cstdint>
+#include <mutex>
 #include <optional>
 
 namespace thicket {
@@ -22,9 +24,12 @@ namespace thicket {
 /// What a query has found, as it stood then. An index that is not there prints an error and gives a default.
 class ScatterInstances : public godot::RefCounted {
 	GDCLASS(ScatterInstances, godot::RefCounted)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(any)
 
 public:
+	/// The result of a call that was refused.
+	static godot::Ref<ScatterInstances> make_empty() { return memnew(ScatterInstances); }
+
 	/// `offset` is where the engine's origin is in the world, in meters, for all positions that scripts get.
 	static godot::Ref<ScatterInstances> of(FoundInstances found, glm::dvec3 offset);
 
@@ -53,6 +58,7 @@ private:
 
 	FoundInstances found_;
 	glm::dvec3 offset_{0.0};
+	mutable std::mutex mutex_; ///< For all that follows.
 	mutable std::optional<godot::PackedInt64Array> ids_;
 	mutable std::optional<godot::PackedInt32Array> layers_;
 	mutable std::optional<godot::PackedInt32Array> meshes_;
@@ -63,7 +69,7 @@ private:
 /// One instance, as it stood when it was asked for.
 class ScatterInstance : public godot::RefCounted {
 	GDCLASS(ScatterInstance, godot::RefCounted)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(any)
 
 public:
 	static godot::Ref<ScatterInstance> of(

@@ -9,36 +9,54 @@ using namespace godot;
 
 namespace thicket {
 
-Ref<ScatterInstances> ScatterRequest::get_result() const {
-	return result_.is_valid() ? result_ : Ref<ScatterInstances>(memnew(ScatterInstances));
+bool ScatterRequest::is_completed() const {
+	const std::lock_guard lock(mutex_);
+	return completed_;
 }
 
-bool ScatterRequest::cancel() {
-	if (completed_) {
+bool ScatterRequest::is_canceled() const {
+	const std::lock_guard lock(mutex_);
+	return canceled_;
+}
+
+Ref<ScatterInstances> ScatterRequest::get_result() const {
+	const std::lock_guard lock(mutex_);
+	return result_.is_valid() ? result_ : ScatterInstances::make_empty();
+}
+
+/// False if it was completed before.
+bool ScatterRequest::finish(const Ref<ScatterInstances> &p_result, bool p_canceled) {
+	const std::lock_guard lock(mutex_);
+	if (std::exchange(completed_, true)) {
 		return false;
 	}
-	canceled_ = true;
-	if (const auto withdraw = std::exchange(withdraw_, {})) {
-		withdraw();
-	}
-	give_up();
+	canceled_ = p_canceled;
+	result_ = p_result;
 	return true;
 }
 
-void ScatterRequest::complete(const Ref<ScatterInstances> &p_result) {
-	if (std::exchange(completed_, true)) {
-		return;
+bool ScatterRequest::cancel() {
+	const bool first = finish({}, true);
+	if (first) {
+		tell_later(); // The node finds out in its next frame.
 	}
-	withdraw_ = {};
-	result_ = p_result;
-	tell(this);
+	return first;
+}
+
+void ScatterRequest::complete(const Ref<ScatterInstances> &p_result) {
+	if (finish(p_result, false)) {
+		tell(this);
+	}
 }
 
 void ScatterRequest::give_up() {
-	if (!std::exchange(completed_, true)) {
-		withdraw_ = {};
-		call_deferred("_tell", Ref<ScatterRequest>(this)); // Held by the call: whoever awaits the signal holds nothing.
+	if (finish({}, false)) {
+		tell_later();
 	}
+}
+
+void ScatterRequest::tell_later() {
+	call_deferred("_tell", Ref<ScatterRequest>(this)); // Held by the call: whoever awaits the signal holds nothing.
 }
 
 void ScatterRequest::tell(const Ref<ScatterRequest> &) { emit_signal("completed", get_result()); }
@@ -49,7 +67,7 @@ void ScatterRequest::_bind_methods() {
 	bind_guarded<&Self::is_canceled>(D_METHOD("is_canceled"));
 	bind_guarded<&Self::get_result>(D_METHOD("get_result"));
 	bind_guarded<&Self::cancel>(D_METHOD("cancel"));
-	bind_guarded<&Self::tell>(D_METHOD("_tell", "request"));
+	bind_guarded<&Self::tell>(ThreadUse::relayed, D_METHOD("_tell", "request"));
 	ADD_SIGNAL(MethodInfo(
 			"completed", PropertyInfo(Variant::OBJECT, "result", PROPERTY_HINT_RESOURCE_TYPE, "ScatterInstances")));
 }

@@ -6,20 +6,19 @@
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
 
-#include <functional>
-#include <utility>
+#include <mutex>
 
 namespace thicket {
 
 /// A query whose tiles are made by workers. It completes in a later frame than it was made in, whatever happens: refused, canceled
-/// or left behind by its node it completes with nothing found.
+/// or left behind by its node it completes with nothing found. All methods may be called on any thread.
 class ScatterRequest : public godot::RefCounted {
 	GDCLASS(ScatterRequest, godot::RefCounted)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(any)
 
 public:
-	bool is_completed() const { return completed_; }
-	bool is_canceled() const { return canceled_; }
+	bool is_completed() const;
+	bool is_canceled() const;
 
 	/// Nothing found until it is completed.
 	godot::Ref<ScatterInstances> get_result() const;
@@ -28,9 +27,6 @@ public:
 	bool cancel();
 
 	// For nodes.
-
-	/// `withdraw` is called when it is canceled.
-	void begin(std::function<void()> withdraw) { withdraw_ = std::move(withdraw); }
 
 	/// Emits `completed(result)`. Does nothing the second time.
 	void complete(const godot::Ref<ScatterInstances> &p_result);
@@ -42,10 +38,12 @@ protected:
 	static void _bind_methods();
 
 private:
+	bool finish(const godot::Ref<ScatterInstances> &p_result, bool p_canceled);
+	void tell_later();
 	void tell(const godot::Ref<ScatterRequest> &p_self);
 
+	mutable std::mutex mutex_; ///< For all that follows.
 	godot::Ref<ScatterInstances> result_;
-	std::function<void()> withdraw_;
 	bool completed_ = false;
 	bool canceled_ = false;
 };

@@ -143,10 +143,7 @@ bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 	return true;
 }
 
-Variant ScatterState::get_instance_data(int64_t p_id) const {
-	const std::span<const std::uint8_t> bytes = state_.data(core_id(p_id));
-	return bytes.empty() ? Variant() : packed_bytes(bytes).decode_var(0, false);
-}
+Variant ScatterState::get_instance_data(int64_t p_id) const { return decoded(state_.data(core_id(p_id))); }
 
 PackedInt64Array ScatterState::get_removed(int64_t p_layer_id) const {
 	return packed_ids(state_.removed_ids(core_layer(p_layer_id)));
@@ -270,8 +267,9 @@ void ScatterState::_bind_methods() {
 	bind_guarded<&Self::diff_since>(D_METHOD("diff_since", "revision"));
 	bind_guarded<&Self::diff_of>(D_METHOD("diff_of", "ids"));
 	bind_guarded<&Self::apply_diff>(D_METHOD("apply_diff", "diff"));
-	bind_guarded<&Self::apply_diff_async>(D_METHOD("apply_diff_async", "diff", "callback"), DEFVAL(Callable()));
-	bind_guarded<&Self::finish_diffs>(D_METHOD("_finish_diffs"));
+	bind_guarded<&Self::apply_diff_async>(
+			ThreadUse::main, D_METHOD("apply_diff_async", "diff", "callback"), DEFVAL(Callable()));
+	bind_guarded<&Self::finish_diffs>(ThreadUse::relayed, D_METHOD("_finish_diffs"));
 	bind_guarded<&Self::merge>(D_METHOD("merge", "other"));
 	bind_guarded<&Self::clear>(D_METHOD("clear"));
 	bind_guarded<&Self::get_revision>(D_METHOD("get_revision"));

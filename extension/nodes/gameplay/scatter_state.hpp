@@ -50,9 +50,11 @@ struct Removal {
 /// What a game has changed about a scattered world: removed and hand-placed instances, and data. A resource to save, and bytes to send.
 class ScatterState : public godot::Resource {
 	GDCLASS(ScatterState, godot::Resource)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
 	~ScatterState() override;
 
 	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 for ever. False for an id of 0.
@@ -113,6 +115,9 @@ public:
 
 	// For nodes.
 	const InstanceState &state() const { return state_; }
+
+	/// See InstanceState::share.
+	InstanceState share() { return state_.share(); }
 	Status add(const AddedInstance &instance, std::uint64_t &r_id);
 
 	/// See InstanceState::add_all. Tells of all of them after that.
@@ -166,6 +171,8 @@ private:
 	const godot::StringName instances_changed_ =
 			"instances_changed"; ///< The signal: making a name costs as much as a removal.
 	std::uint64_t frame_ = std::numeric_limits<std::uint64_t>::max(); ///< The last in which a node moved the clock on.
+
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

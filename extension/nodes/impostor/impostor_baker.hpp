@@ -25,7 +25,7 @@ namespace thicket {
 /// is the addon's impostor.gd. Any method may be called from any thread; a bake works on what was there when it began.
 class ImpostorBaker : public godot::RefCounted {
 	GDCLASS(ImpostorBaker, godot::RefCounted)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(any)
 
 public:
 	/// CulledSide, for scripts.

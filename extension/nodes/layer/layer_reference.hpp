@@ -26,6 +26,28 @@ godot::String find_layer(
 godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_references,
 		std::vector<std::uint32_t> &r_indices);
 
+/// The layers of a list as they were: another thread can find one among them.
+class LayerNames {
+public:
+	explicit LayerNames(const godot::TypedArray<ScatterLayer> &p_layers);
+
+	int64_t size() const { return static_cast<int64_t>(entries_.size()); }
+	bool is_named(int64_t p_index, const godot::String &p_name) const;
+	bool holds(int64_t p_index, const godot::Ref<ScatterLayer> &p_layer) const;
+
+private:
+	struct Entry {
+		std::uint64_t id; ///< Of the layer as an object of the engine; 0 for an empty entry.
+		godot::String name;
+	};
+
+	std::vector<Entry> entries_;
+};
+
+/// The same among these, on any thread.
+godot::String find_layers(
+		const LayerNames &p_layers, const godot::Variant &p_references, std::vector<std::uint32_t> &r_indices);
+
 /// What a property that is saved keeps of a reference: the name, if it is one or the layer has one; the layer itself if it
 /// has no name, or its index. Scenes then hold no layer twice. Null for what cannot mean a layer.
 godot::Variant stored_reference(const godot::Variant &p_reference);

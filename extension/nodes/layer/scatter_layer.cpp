@@ -88,6 +88,16 @@ void ScatterLayer::bind_advanced() {
 }
 
 // The order of the inspector: what stands there, where, how it is drawn, and what it is to a game.
+void ScatterLayer::add_used(SceneUse::List &r_used) const {
+	r_used.add(mask_);
+	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
+		if (const Ref<ScatterModel> model = meshes_.model(entry); model.is_valid()) {
+			r_used.add(model);
+			model->add_used(r_used);
+		}
+	}
+}
+
 void ScatterLayer::_bind_methods() {
 	bind_basics();
 	bind_placement();

@@ -3,6 +3,7 @@
 #include "core/placement/mesh_choice.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/scene_use.hpp"
 #include "nodes/layer/layer_meshes.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/layer/layer_tables.hpp"
@@ -77,9 +78,11 @@ struct SwitchProperty {
 /// mask comes as `area_changed`, with the rectangle of the world outside which the mask is as it was.
 class ScatterLayer : public godot::Resource {
 	GDCLASS(ScatterLayer, godot::Resource)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
 	/// ImageChannel, for scripts.
 	enum MaskChannel : std::int64_t {
 		MASK_CHANNEL_RED,
@@ -278,6 +281,9 @@ public:
 	/// True if the layer stands nowhere unless there is water.
 	bool needs_water() const { return settings_.rules.min_water_depth > -unlimited_height; }
 
+	/// Adds what the main thread reads along with the layer.
+	void add_used(SceneUse::List &r_used) const;
+
 	/// What is likely not meant, for the editor's warnings.
 	godot::PackedStringArray problems();
 
@@ -375,6 +381,8 @@ private:
 	godot::Ref<godot::PhysicsMaterial> physics_material_;
 	godot::Ref<godot::PackedScene> scene_;
 	std::vector<BodyPart> convex_hulls_; ///< Of each of the meshes.
+
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -75,7 +75,7 @@ void ScatterLayer::bind_masks() {
 	ADD_SUBGROUP("Mask", "mask_");
 	bind_guarded<&ScatterLayer::set_mask>(D_METHOD("set_mask", "mask"));
 	bind_guarded<&ScatterLayer::get_mask>(D_METHOD("get_mask"));
-	bind_guarded<&ScatterLayer::mask_area_changed>(D_METHOD("_mask_area_changed", "rect"));
+	bind_guarded<&ScatterLayer::mask_area_changed>(ThreadUse::relayed, D_METHOD("_mask_area_changed", "rect"));
 	add_layer_property(PropertyUse::placement,
 			PropertyInfo(Variant::OBJECT, "mask", PROPERTY_HINT_RESOURCE_TYPE, "ScatterMask"), "set_mask", "get_mask");
 	bind_resource<mask_texture>();

@@ -195,7 +195,8 @@ void ScatterLayer::bind_resource() {
 	const godot::String on_change = "_" + name + godot::String("_changed");
 	bind_guarded<&ScatterLayer::set_resource<property>>(godot::D_METHOD(godot::StringName(setter), "resource"));
 	bind_guarded<&ScatterLayer::get_resource<property>>(godot::D_METHOD(godot::StringName(getter)));
-	bind_guarded<&ScatterLayer::resource_changed<property>>(godot::D_METHOD(godot::StringName(on_change)));
+	bind_guarded<&ScatterLayer::resource_changed<property>>(
+			ThreadUse::relayed, godot::D_METHOD(godot::StringName(on_change)));
 	add_layer_property(use_of<property>(),
 			godot::PropertyInfo(godot::Variant::OBJECT, name, godot::PROPERTY_HINT_RESOURCE_TYPE,
 					ResourceOf<property>::get_class_static()),

@@ -19,9 +19,11 @@ namespace thicket {
 /// A dab, and pixels put back, emit `area_changed` with the rectangle that they changed; everything else emits `changed`.
 class ScatterMask : public godot::Resource {
 	GDCLASS(ScatterMask, godot::Resource)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
 	/// Brush::Mode.
 	enum Mode : std::int64_t {
 		MODE_PAINT,
@@ -82,6 +84,8 @@ private:
 	PaintedMask mask_;
 	double background_ = 1.0;                             ///< As it was set; the mask's own is rounded.
 	mutable std::shared_ptr<const PaintedMask> snapshot_; ///< Null where it has to be made.
+
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -291,6 +291,12 @@ void ScatterModel::_validate_property(PropertyInfo &p_property) const {
 	}
 }
 
+void ScatterModel::add_used(SceneUse::List &r_used) const {
+	for (int64_t index = 0; index < lods_.size(); ++index) {
+		r_used.add(Ref<ScatterLod>(lods_[index]));
+	}
+}
+
 void ScatterModel::_bind_methods() {
 	using Self = ScatterModel;
 	bind_guarded<&Self::set_scene>(D_METHOD("set_scene", "scene"));

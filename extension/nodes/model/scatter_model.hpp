@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nodes/common/guard.hpp"
+#include "nodes/common/scene_use.hpp"
 #include "nodes/model/scatter_lod.hpp"
 #include "nodes/model/scene_reader.hpp"
 
@@ -37,9 +38,11 @@ struct DrawnLod {
 /// model is first needed: a node in steps (`read_step`), a getter all at once. On other threads, getters return what has been read so far.
 class ScatterModel : public godot::Resource {
 	GDCLASS(ScatterModel, godot::Resource)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
 	/// A scene to read LODs and shapes from; they follow it. An empty scene prints an error, and the property stays. If reading another one fails,
 	/// an error is printed then, the model keeps what it has, and the property goes back to the scene that this is from; a model that has
 	/// nothing keeps the scene, so that saving does not lose it. Null keeps what was read last, from then on to be edited by hand.
@@ -72,6 +75,9 @@ public:
 
 	/// What is drawn otherwise than the scene shows it, or left out: a sentence each.
 	godot::PackedStringArray get_remarks();
+
+	/// Adds what the main thread reads along with the model.
+	void add_used(SceneUse::List &r_used) const;
 
 	/// What has been read so far. `drawn_lods` is what is drawn from which distance on, and empty if no LOD has a mesh; `problem` says why the
 	/// last scene could not be read, as the rest of a sentence that names it, and is empty if it could.
@@ -113,6 +119,8 @@ private:
 	godot::TypedArray<godot::Shape3D> shapes_;
 	godot::TypedArray<godot::Transform3D> shape_transforms_;
 	godot::PackedStringArray remarks_;
+
+	mutable ThreadGuard thread_guard_;
 };
 
 /// A name for a scene in an error: its path, or what it is.

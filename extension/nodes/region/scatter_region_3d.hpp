@@ -52,9 +52,11 @@ struct RegionSizes {
 /// It counts while it is in the tree and not hidden. Only the tiles that it touches are made anew when it changes.
 class ScatterRegion3D : public godot::Node3D {
 	GDCLASS(ScatterRegion3D, godot::Node3D)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
 	enum Shape {
 		SHAPE_BOX,      ///< `size`, around the node.
 		SHAPE_SPHERE,   ///< `radius`.
@@ -153,6 +155,8 @@ private:
 				points; ///< Shares its memory with the curve's, which lies elsewhere once that changes.
 	};
 	SeenPath seen_;
+
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

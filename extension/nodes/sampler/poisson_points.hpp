@@ -5,6 +5,7 @@
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/core/memory.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_float64_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
@@ -21,9 +22,12 @@ namespace thicket {
 /// prints an error and gives a default.
 class PoissonPoints : public godot::RefCounted {
 	GDCLASS(PoissonPoints, godot::RefCounted)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(any)
 
 public:
+	/// The result of a call that was refused.
+	static godot::Ref<PoissonPoints> make_empty() { return memnew(PoissonPoints); }
+
 	/// Copies points, with positions in single precision, or in double precision if `exact`. Where there is not enough memory it
 	/// prints an error and is empty.
 	static godot::Ref<PoissonPoints> of(std::span<const SamplePoint> points, bool exact);

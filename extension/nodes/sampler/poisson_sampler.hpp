@@ -25,9 +25,11 @@ namespace thicket {
 /// prints an error and gives nothing. Objects are independent of each other and agree bit for bit.
 class PoissonSampler : public godot::RefCounted {
 	GDCLASS(PoissonSampler, godot::RefCounted)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
 	/// How `sample_domain` fills a rectangle; see DomainMethod for all but the first.
 	enum Method : std::int64_t {
 		METHOD_TILES, ///< The window of the infinite set that `sample` looks at.
@@ -133,6 +135,8 @@ private:
 	DomainStats stats_;
 	std::atomic<bool> busy_ = false;
 	std::atomic<bool> cancelled_ = false; ///< Of the call under way.
+
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -34,7 +34,7 @@ struct LayerExplanation {
 /// The same for scripts, as it was when they asked. An index of a rule that is not there prints an error and gives a default.
 class ScatterExplanation : public godot::RefCounted {
 	GDCLASS(ScatterExplanation, godot::RefCounted)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(any)
 
 public:
 	/// `offset` is where the engine's origin is in the world, in meters.

@@ -43,6 +43,7 @@ Ref<ScatterTile> ScatterTile::shown(
 		}
 	}
 	result->display_ = display;
+	result->thread_guard_.enter_scene(); // Its buffers are read back from the renderer.
 	result->layer_ = layer;
 	result->number_ = tile;
 	return result;
@@ -132,12 +133,12 @@ void ScatterTile::_bind_methods() {
 	bind_guarded<&Self::get_origin>(D_METHOD("get_origin"));
 	bind_guarded<&Self::get_mesh_count>(D_METHOD("get_mesh_count"));
 	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh", "index"));
-	bind_guarded<&Self::get_buffer>(D_METHOD("get_buffer", "index"));
+	bind_guarded<&Self::get_buffer>(ThreadUse::owner, D_METHOD("get_buffer", "index"));
 	bind_guarded<&Self::get_ids>(D_METHOD("get_ids", "index"));
 	bind_guarded<&Self::get_rows>(D_METHOD("get_rows"));
 	bind_guarded<&Self::get_multimesh>(D_METHOD("get_multimesh", "index"));
 	bind_guarded<&Self::get_multimeshes>(D_METHOD("get_multimeshes", "index"));
-	bind_guarded<&Self::get_digest>(D_METHOD("get_digest"));
+	bind_guarded<&Self::get_digest>(ThreadUse::owner, D_METHOD("get_digest"));
 }
 
 } // namespace thicket

@@ -7,6 +7,7 @@
 #include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/core/memory.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
@@ -27,9 +28,14 @@ namespace thicket {
 /// there prints an error and gives a default.
 class ScatterTile : public godot::RefCounted {
 	GDCLASS(ScatterTile, godot::RefCounted)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(any)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
+	/// The result of a call that was refused.
+	static godot::Ref<ScatterTile> make_empty() { return memnew(ScatterTile); }
+
 	/// One that was built. `offset` is where the engine's origin is in the world.
 	static godot::Ref<ScatterTile> built(
 			KeptTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, glm::dvec3 offset);
@@ -81,6 +87,8 @@ private:
 	std::weak_ptr<const TileDisplay> display_;
 	std::uint32_t layer_ = 0;
 	glm::ivec2 number_{0};
+
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

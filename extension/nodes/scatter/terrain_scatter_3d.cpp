@@ -83,8 +83,11 @@ void TerrainScatter3D::start() {
 	navigation_.start(this, "_parse_navigation");
 	set_process_internal(true);
 	was_inside_ = true;
-	if (!std::exchange(running_, true) && terrain_.is_valid()) {
-		terrain_->enter(this, world_offset_);
+	if (!std::exchange(running_, true)) {
+		thread_guard_.enter_scene();
+		if (terrain_.is_valid()) {
+			terrain_->enter(this, world_offset_);
+		}
 	}
 	notice_transform();
 	mark_ground_dirty();
@@ -102,6 +105,7 @@ void TerrainScatter3D::stop() {
 	if (!std::exchange(running_, false)) {
 		return;
 	}
+	thread_guard_.leave_scene();
 	navigation_.stop();
 	if (terrain_.is_valid()) {
 		terrain_->leave(this);
@@ -111,6 +115,7 @@ void TerrainScatter3D::stop() {
 	stream->stop();
 	stream->take_events();
 	fade_viewers_.clear();
+	used_.replace({});
 }
 
 void TerrainScatter3D::process_frame() {
@@ -121,6 +126,13 @@ void TerrainScatter3D::process_frame() {
 	const std::shared_ptr<ScatterStream> stream = stream_;
 	stream->times().begin();
 	const Presence here(gameplay_);
+	make_main_thread_calls();
+	if (here) {
+		gameplay()->take_requests();
+	}
+	if (!here) {
+		return;
+	}
 	if (terrain_.is_valid()) {
 		terrain_->follow_scene(start + std::chrono::microseconds(frame_budget_usec_));
 		if (!here) {

@@ -47,9 +47,11 @@ namespace thicket {
 /// Both are shared with whoever calls them, because scripts that run in the middle of a call may free the node.
 class TerrainScatter3D : public godot::Node3D, public RegionHost {
 	GDCLASS(TerrainScatter3D, godot::Node3D)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
 	TerrainScatter3D();
 	~TerrainScatter3D() override;
 
@@ -179,7 +181,7 @@ public:
 
 	// Gameplay; see ScatterGameplay.
 
-	void set_state(const godot::Ref<ScatterState> &p_state) { gameplay()->set_state(p_state); }
+	void set_state(const godot::Ref<ScatterState> &p_state);
 	godot::Ref<ScatterState> get_state() const { return gameplay_->get_state(); }
 	godot::Ref<ScatterInstances> query_rect(
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate) {
@@ -199,12 +201,15 @@ public:
 	}
 	godot::Ref<ScatterInstance> get_instance(int64_t p_id) { return gameplay()->get_instance(p_id); }
 	bool has_instance(int64_t p_id) { return gameplay()->has_instance(p_id); }
+	godot::Ref<ScatterSnapshot> make_snapshot() { return gameplay()->make_snapshot(); }
+
+	// From any thread.
 	godot::Ref<ScatterRequest> request_rect(const godot::Rect2 &p_rect, const godot::Variant &p_layers) {
-		return gameplay()->request_rect(p_rect, p_layers);
+		return gameplay_->request_rect(p_rect, p_layers);
 	}
 	godot::Ref<ScatterRequest> request_sphere(
 			const godot::Vector3 &p_center, double p_radius, const godot::Variant &p_layers) {
-		return gameplay()->request_sphere(p_center, p_radius, p_layers);
+		return gameplay_->request_sphere(p_center, p_radius, p_layers);
 	}
 	bool remove_instance(int64_t p_id) { return gameplay()->remove_instance(p_id); }
 	bool restore_instance(int64_t p_id) { return gameplay()->restore_instance(p_id); }
@@ -258,6 +263,7 @@ private:
 		godot::Node3D *node() override { return &node_; }
 		godot::TypedArray<ScatterLayer> layers() const override { return node_.all_layers(); }
 		Status prepare() override { return node_.prepare(); }
+		TileMaker make_worker_maker() override { return node_.worker_tile_maker(); }
 		void set_overlay(const InstanceState *state) override { node_.display().set_state(state); }
 		void redraw(std::uint32_t layer, const Rect &area) override;
 		void redraw_all() override;
@@ -310,6 +316,7 @@ private:
 			const godot::Ref<godot::NavigationMeshSourceGeometryData3D> &p_geometry, godot::Node *p_node);
 	void recycle_scenes() { gameplay()->recycle_scenes(); }
 	void watch_terrain(bool p_watch);
+	void use_resources();
 
 	/// As scripts have left them: they share the lists.
 	const godot::TypedArray<ScatterLayer> &all_layers() const {
@@ -319,6 +326,7 @@ private:
 	LayerWorld layer_world();
 	void adopt_terrain();
 	TileMaker tile_maker() const;
+	TileMaker worker_tile_maker() const;
 	DrawLimits draw_limits() const;
 	bool follows() const;
 	FoundViewers viewers_now() const;
@@ -361,6 +369,7 @@ private:
 	std::shared_ptr<AtOnceBuilder> at_once_ = std::make_shared<AtOnceBuilder>();
 	LayerList layer_list_;
 	InstanceLoad instance_load_;
+	SceneUse used_;                   ///< While the node is in the tree.
 	bool warned_of_stripped_ = false; ///< Once is enough.
 	LayerPreviews previews_;
 	FadeViewers fade_viewers_;
@@ -377,6 +386,8 @@ private:
 	bool was_settled_ = true;
 	int64_t load_problems_ = 0; ///< Of instance_load_, as the tree warns of them.
 	bool displaced_ = false;    ///< See is_displaced; as the tree warns of it.
+
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

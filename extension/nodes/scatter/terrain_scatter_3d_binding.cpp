@@ -10,6 +10,15 @@ using namespace godot;
 
 namespace thicket {
 
+namespace {
+
+constexpr ThreadRule answered_by_snapshot{
+		ThreadUse::main, "Use a ScatterSnapshot of make_snapshot(), or request_rect() and request_sphere()."};
+constexpr ThreadRule frame{
+		ThreadUse::main, "Set process_thread_group of the node and its parents to Inherit or Main Thread."};
+
+} // namespace
+
 // Makes these complete before a method that gives one is named: for WebAssembly, clang 19 else declares it as one that gives
 // nothing, and the linker puts a function that traps in its place.
 static_assert(std::is_destructible_v<TypedArray<Vector2i>> && std::is_destructible_v<Ref<ScatterTile>> &&
@@ -47,26 +56,27 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::get_preview_instances>(D_METHOD("get_preview_instances"));
 	bind_guarded<&Self::set_max_multimeshes>(D_METHOD("set_max_multimeshes", "count"));
 	bind_guarded<&Self::get_max_multimeshes>(D_METHOD("get_max_multimeshes"));
-	bind_guarded<&Self::mark_dirty>(D_METHOD("_mark_dirty"));
-	bind_guarded<&Self::mark_ground_dirty>(D_METHOD("_mark_ground_dirty"));
-	bind_guarded<&Self::mark_ground_edited>(D_METHOD("_mark_ground_edited", "rect"));
-	bind_guarded<&Self::mark_area_edited>(D_METHOD("_mark_area_edited", "rect"));
-	bind_guarded<&Self::patch_now>(D_METHOD("_patch"));
-	bind_guarded<&Self::process_frame>(D_METHOD("_process_frame"));
-	bind_guarded<&Self::parse_navigation>(D_METHOD("_parse_navigation", "mesh", "geometry", "node"));
-	bind_guarded<&Self::set_preview_hidden>(D_METHOD("_set_preview_hidden", "layers"));
-	bind_guarded<&Self::set_preview_stand_in>(D_METHOD("_set_preview_stand_in", "layer", "stand_in"));
-	bind_guarded<&Self::regenerate>(D_METHOD("regenerate"));
-	bind_guarded<&Self::refresh_ground>(D_METHOD("refresh_ground"));
-	bind_guarded<&Self::is_settled>(D_METHOD("is_settled"));
-	bind_guarded<&Self::get_stats>(D_METHOD("get_stats"));
-	bind_guarded<&Self::get_draw_stats>(D_METHOD("get_draw_stats", "camera"), DEFVAL(Variant()));
-	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
-	bind_guarded<&Self::get_shown_tiles>(D_METHOD("get_shown_tiles", "layer"));
-	bind_guarded<&Self::get_shown_count>(D_METHOD("get_shown_count", "layer"));
-	bind_guarded<&Self::get_tile>(D_METHOD("get_tile", "layer", "tile"));
-	bind_guarded<&Self::build_rect>(D_METHOD("build_rect", "layer", "rect"));
-	bind_guarded<&Self::build_tile>(D_METHOD("build_tile", "layer", "tile", "rect"), DEFVAL(Rect2()));
+	bind_guarded<&Self::mark_dirty>(ThreadUse::relayed, D_METHOD("_mark_dirty"));
+	bind_guarded<&Self::mark_ground_dirty>(ThreadUse::relayed, D_METHOD("_mark_ground_dirty"));
+	bind_guarded<&Self::mark_ground_edited>(ThreadUse::relayed, D_METHOD("_mark_ground_edited", "rect"));
+	bind_guarded<&Self::mark_area_edited>(ThreadUse::relayed, D_METHOD("_mark_area_edited", "rect"));
+	bind_guarded<&Self::patch_now>(ThreadUse::main, D_METHOD("_patch"));
+	bind_guarded<&Self::process_frame>(frame, D_METHOD("_process_frame"));
+	bind_guarded<&Self::parse_navigation>(ThreadUse::main, D_METHOD("_parse_navigation", "mesh", "geometry", "node"));
+	bind_guarded<&Self::set_preview_hidden>(ThreadUse::main, D_METHOD("_set_preview_hidden", "layers"));
+	bind_guarded<&Self::set_preview_stand_in>(ThreadUse::main, D_METHOD("_set_preview_stand_in", "layer", "stand_in"));
+	bind_guarded<&Self::regenerate>(ThreadUse::main, D_METHOD("regenerate"));
+	bind_guarded<&Self::refresh_ground>(ThreadUse::main, D_METHOD("refresh_ground"));
+	bind_guarded<&Self::is_settled>(ThreadUse::main, D_METHOD("is_settled"));
+	bind_guarded<&Self::get_stats>(ThreadUse::main, D_METHOD("get_stats"));
+	bind_guarded<&Self::get_draw_stats>(ThreadUse::main, D_METHOD("get_draw_stats", "camera"), DEFVAL(Variant()));
+	bind_guarded<&Self::get_problems>(ThreadUse::main, D_METHOD("get_problems"));
+	bind_guarded<&Self::get_shown_tiles>(ThreadUse::main, D_METHOD("get_shown_tiles", "layer"));
+	bind_guarded<&Self::get_shown_count>(ThreadUse::main, D_METHOD("get_shown_count", "layer"));
+	bind_guarded<&Self::get_tile>(ThreadUse::main, D_METHOD("get_tile", "layer", "tile"));
+	bind_guarded<&Self::build_rect>(answered_by_snapshot, D_METHOD("build_rect", "layer", "rect"));
+	bind_guarded<&Self::build_tile>(
+			answered_by_snapshot, D_METHOD("build_tile", "layer", "tile", "rect"), DEFVAL(Rect2()));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "terrain", PROPERTY_HINT_RESOURCE_TYPE, "ScatterTerrain"), "set_terrain",
 			"get_terrain");
@@ -95,8 +105,8 @@ void TerrainScatter3D::bind_streaming() {
 
 void TerrainScatter3D::bind_places() {
 	using Self = TerrainScatter3D;
-	bind_guarded<&Self::get_layer_count>(D_METHOD("get_layer_count"));
-	bind_guarded<&Self::get_layer>(D_METHOD("get_layer", "index"));
+	bind_guarded<&Self::get_layer_count>(ThreadUse::main, D_METHOD("get_layer_count"));
+	bind_guarded<&Self::get_layer>(ThreadUse::main, D_METHOD("get_layer", "index"));
 	bind_guarded<&Self::set_water_enabled>(D_METHOD("set_water_enabled", "enabled"));
 	bind_guarded<&Self::is_water_enabled>(D_METHOD("is_water_enabled"));
 	bind_guarded<&Self::set_water_level>(D_METHOD("set_water_level", "level"));
@@ -114,20 +124,22 @@ void TerrainScatter3D::bind_changes() {
 	bind_guarded<&Self::get_state>(D_METHOD("get_state"));
 	bind_guarded<&Self::set_interaction_group>(D_METHOD("set_interaction_group", "group"));
 	bind_guarded<&Self::get_interaction_group>(D_METHOD("get_interaction_group"));
-	bind_guarded<&Self::remove_instance>(D_METHOD("remove_instance", "id"));
-	bind_guarded<&Self::restore_instance>(D_METHOD("restore_instance", "id"));
-	bind_guarded<&Self::remove_in_sphere>(D_METHOD("remove_in_sphere", "center", "radius", "layers", "predicate"),
-			DEFVAL(Array()), DEFVAL(Callable()));
-	bind_guarded<&Self::add_instance>(D_METHOD("add_instance", "layer", "transform", "mesh"), DEFVAL(0));
+	bind_guarded<&Self::remove_instance>(ThreadUse::main, D_METHOD("remove_instance", "id"));
+	bind_guarded<&Self::restore_instance>(ThreadUse::main, D_METHOD("restore_instance", "id"));
+	bind_guarded<&Self::remove_in_sphere>(ThreadUse::main,
+			D_METHOD("remove_in_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()),
+			DEFVAL(Callable()));
+	bind_guarded<&Self::add_instance>(
+			ThreadUse::main, D_METHOD("add_instance", "layer", "transform", "mesh"), DEFVAL(0));
 	bind_guarded<&Self::add_instances>(
-			D_METHOD("add_instances", "layer", "transforms", "meshes"), DEFVAL(PackedInt32Array()));
-	bind_guarded<&Self::remove_instances>(D_METHOD("remove_instances", "ids"));
-	bind_guarded<&Self::set_instance_transform>(D_METHOD("set_instance_transform", "id", "transform"));
-	bind_guarded<&Self::set_instance_data>(D_METHOD("set_instance_data", "id", "data"));
-	bind_guarded<&Self::get_instance_data>(D_METHOD("get_instance_data", "id"));
-	bind_guarded<&Self::get_scene>(D_METHOD("get_scene", "id"));
-	bind_guarded<&Self::take_scene>(D_METHOD("take_scene", "id"));
-	bind_guarded<&Self::recycle_scenes>(D_METHOD("_recycle_scenes"));
+			ThreadUse::main, D_METHOD("add_instances", "layer", "transforms", "meshes"), DEFVAL(PackedInt32Array()));
+	bind_guarded<&Self::remove_instances>(ThreadUse::main, D_METHOD("remove_instances", "ids"));
+	bind_guarded<&Self::set_instance_transform>(ThreadUse::main, D_METHOD("set_instance_transform", "id", "transform"));
+	bind_guarded<&Self::set_instance_data>(ThreadUse::main, D_METHOD("set_instance_data", "id", "data"));
+	bind_guarded<&Self::get_instance_data>(ThreadUse::main, D_METHOD("get_instance_data", "id"));
+	bind_guarded<&Self::get_scene>(ThreadUse::main, D_METHOD("get_scene", "id"));
+	bind_guarded<&Self::take_scene>(ThreadUse::main, D_METHOD("take_scene", "id"));
+	bind_guarded<&Self::recycle_scenes>(ThreadUse::main, D_METHOD("_recycle_scenes"));
 	ADD_GROUP("Gameplay", "");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "state", PROPERTY_HINT_RESOURCE_TYPE, "ScatterState"), "set_state",
 			"get_state");
@@ -137,23 +149,27 @@ void TerrainScatter3D::bind_changes() {
 
 void TerrainScatter3D::bind_queries() {
 	using Self = TerrainScatter3D;
-	bind_guarded<&Self::query_rect>(
-			D_METHOD("query_rect", "rect", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
-	bind_guarded<&Self::query_sphere>(
-			D_METHOD("query_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
-	bind_guarded<&Self::query_ray>(
-			D_METHOD("query_ray", "from", "to", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
-	bind_guarded<&Self::query_nearest>(D_METHOD("query_nearest", "position", "max_distance", "layers", "predicate"),
+	bind_guarded<&Self::query_rect>(answered_by_snapshot, D_METHOD("query_rect", "rect", "layers", "predicate"),
 			DEFVAL(Array()), DEFVAL(Callable()));
-	bind_guarded<&Self::explain_position>(D_METHOD("explain_position", "position", "layers"), DEFVAL(Array()));
-	bind_guarded<&Self::get_density_map>(D_METHOD("get_density_map", "layer", "rect", "size"));
-	bind_guarded<&Self::get_slope_map>(D_METHOD("get_slope_map", "rect", "size"));
-	bind_guarded<&Self::get_rank_map>(D_METHOD("get_rank_map", "layer", "rect", "size"));
-	bind_guarded<&Self::get_instance>(D_METHOD("get_instance", "id"));
-	bind_guarded<&Self::has_instance>(D_METHOD("has_instance", "id"));
-	bind_guarded<&Self::get_body_instance>(D_METHOD("get_body_instance", "body"));
-	bind_guarded<&Self::request_rect>(D_METHOD("request_rect", "rect", "layers"), DEFVAL(Array()));
-	bind_guarded<&Self::request_sphere>(D_METHOD("request_sphere", "center", "radius", "layers"), DEFVAL(Array()));
+	bind_guarded<&Self::query_sphere>(answered_by_snapshot,
+			D_METHOD("query_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_ray>(answered_by_snapshot, D_METHOD("query_ray", "from", "to", "layers", "predicate"),
+			DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_nearest>(answered_by_snapshot,
+			D_METHOD("query_nearest", "position", "max_distance", "layers", "predicate"), DEFVAL(Array()),
+			DEFVAL(Callable()));
+	bind_guarded<&Self::explain_position>(
+			ThreadUse::main, D_METHOD("explain_position", "position", "layers"), DEFVAL(Array()));
+	bind_guarded<&Self::get_density_map>(ThreadUse::main, D_METHOD("get_density_map", "layer", "rect", "size"));
+	bind_guarded<&Self::get_slope_map>(ThreadUse::main, D_METHOD("get_slope_map", "rect", "size"));
+	bind_guarded<&Self::get_rank_map>(ThreadUse::main, D_METHOD("get_rank_map", "layer", "rect", "size"));
+	bind_guarded<&Self::get_instance>(answered_by_snapshot, D_METHOD("get_instance", "id"));
+	bind_guarded<&Self::has_instance>(answered_by_snapshot, D_METHOD("has_instance", "id"));
+	bind_guarded<&Self::get_body_instance>(ThreadUse::main, D_METHOD("get_body_instance", "body"));
+	bind_guarded<&Self::make_snapshot>(ThreadUse::main, D_METHOD("make_snapshot"));
+	bind_guarded<&Self::request_rect>(ThreadUse::any, D_METHOD("request_rect", "rect", "layers"), DEFVAL(Array()));
+	bind_guarded<&Self::request_sphere>(
+			ThreadUse::any, D_METHOD("request_sphere", "center", "radius", "layers"), DEFVAL(Array()));
 }
 
 void TerrainScatter3D::bind_signals() {

@@ -4,6 +4,7 @@
 
 #include "core/base/tile_grid.hpp"
 #include "nodes/scatter/build_at_once.hpp"
+#include "nodes/scatter/shared_builder.hpp"
 
 #include <godot_cpp/classes/engine.hpp>
 
@@ -36,6 +37,20 @@ Rect world_rect(const Rect2 &p_rect) {
 	return rect.empty() || !rect.finite() ? Rect{glm::dvec2(-infinity), glm::dvec2(infinity)} : rect;
 }
 
+/// Adds an order for each tile of a layer that stands. Returns which of the tiles each order is for.
+std::vector<std::size_t> order_tiles(
+		std::span<const SharedSnapshot> layers, std::span<const WorldTile> tiles, std::vector<TileOrder> &r_orders) {
+	std::vector<std::size_t> ordered;
+	for (std::size_t i = 0; i < tiles.size(); ++i) {
+		const SharedSnapshot layer = tiles[i].layer < layers.size() ? layers[tiles[i].layer] : nullptr;
+		if (layer != nullptr) {
+			r_orders.push_back({layer->settings, tile_rect(layer->range.tile_size, tiles[i].tile)});
+			ordered.push_back(i);
+		}
+	}
+	return ordered;
+}
+
 } // namespace
 
 void TerrainScatter3D::mark_edited() {
@@ -59,6 +74,7 @@ void TerrainScatter3D::mark_dirty() {
 		regions_.rename_layer(rename.from, rename.to);
 	}
 	mark_edited();
+	use_resources();
 	update_configuration_warnings();
 	PackedStringArray names;
 	const TypedArray<ScatterLayer> named = all_layers();
@@ -70,6 +86,28 @@ void TerrainScatter3D::mark_dirty() {
 		layer_names_ = names;
 		regions_.update_warnings(); // They may name layers.
 	}
+}
+
+/// In the tree, what the node reads in its frames is the main thread's alone.
+void TerrainScatter3D::use_resources() {
+	if (!running_) {
+		return;
+	}
+	SceneUse::List used;
+	used.add(terrain_);
+	used.add(get_state());
+	used.add(biomes_);
+	if (biomes_.is_valid()) {
+		biomes_->add_used(used);
+	}
+	const TypedArray<ScatterLayer> &layers = all_layers();
+	for (int64_t index = 0; index < layers.size(); ++index) {
+		if (const Ref<ScatterLayer> layer = layers[index]; layer.is_valid()) {
+			used.add(layer);
+			layer->add_used(used);
+		}
+	}
+	used_.replace(std::move(used));
 }
 
 /// Scripts share the lists of layers and biomes, and may change them without a setter.
@@ -196,18 +234,37 @@ TileMaker TerrainScatter3D::tile_maker() const {
 			return {};
 		}
 		std::vector<TileOrder> orders;
-		std::vector<std::size_t> ordered; // Which tile each is for.
-		for (std::size_t i = 0; i < tiles.size(); ++i) {
-			const SharedSnapshot &layer = tiles[i].layer < layers.size() ? layers[tiles[i].layer] : nullptr;
-			if (layer != nullptr) {
-				orders.push_back({layer->settings, tile_rect(layer->range.tile_size, tiles[i].tile)});
-				ordered.push_back(i);
-			}
-		}
+		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
 		std::vector<std::shared_ptr<const KeptTile>> made;
 		const Status status = builder->build_all(orders, ground.get(), terrain, made);
 		for (std::size_t i = 0; i < made.size(); ++i) {
 			r_tiles[ordered[i]] = std::move(made[i]);
+		}
+		return status;
+	};
+}
+
+/// The same for other threads, which call no script and ask nothing of the scene.
+TileMaker TerrainScatter3D::worker_tile_maker() const {
+	return [layers = layer_list_.snapshots(), ground = ground_, builder = std::make_shared<SharedBuilder>(),
+				   available = terrain_.is_valid() && terrain_->is_available()](
+				   std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+		r_tiles.assign(tiles.size(), nullptr);
+		if (!available) {
+			return {};
+		}
+		if (ground == nullptr) {
+			return Status::missing("thread_safe_ground",
+					"The terrain can be sampled on the main thread only (a script that is not thread-safe, or "
+			        "colliders), so the snapshot "
+					"has the tiles that were loaded when it was made, and no others. Use request_rect() or "
+			        "request_sphere()");
+		}
+		std::vector<TileOrder> orders;
+		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
+		Status status;
+		for (std::size_t i = 0; status.ok() && i < orders.size(); ++i) {
+			status = builder->build(orders[i], *ground, r_tiles[ordered[i]]);
 		}
 		return status;
 	};

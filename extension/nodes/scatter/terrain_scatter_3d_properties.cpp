@@ -95,6 +95,14 @@ void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
 	mark_ground_dirty();
 }
 
+void TerrainScatter3D::set_state(const Ref<ScatterState> &p_state) {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	gameplay->set_state(p_state);
+	if (gameplay->alive()) {
+		use_resources();
+	}
+}
+
 void TerrainScatter3D::set_viewers(const TypedArray<NodePath> &p_viewers) {
 	viewers_.paths = p_viewers;
 	update_configuration_warnings();

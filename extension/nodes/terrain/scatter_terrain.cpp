@@ -332,8 +332,8 @@ Vector3 ScatterTerrain::get_normal(const Vector3 &p_global_position) {
 }
 
 void ScatterTerrain::_bind_methods() {
-	bind_guarded<&ScatterTerrain::get_height>(D_METHOD("get_height", "global_position"));
-	bind_guarded<&ScatterTerrain::get_normal>(D_METHOD("get_normal", "global_position"));
+	bind_guarded<&ScatterTerrain::get_height>(ThreadUse::main, D_METHOD("get_height", "global_position"));
+	bind_guarded<&ScatterTerrain::get_normal>(ThreadUse::main, D_METHOD("get_normal", "global_position"));
 	bind_guarded<&ScatterTerrain::set_recheck_enabled>(D_METHOD("set_recheck_enabled", "enabled"));
 	bind_guarded<&ScatterTerrain::is_recheck_enabled>(D_METHOD("is_recheck_enabled"));
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "recheck_enabled"), "set_recheck_enabled", "is_recheck_enabled");

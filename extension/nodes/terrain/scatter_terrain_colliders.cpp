@@ -242,8 +242,8 @@ void ScatterTerrainColliders::_bind_methods() {
 	bind_guarded<&Self::get_ray_bottom>(D_METHOD("get_ray_bottom"));
 	bind_guarded<&Self::set_rays_per_frame>(D_METHOD("set_rays_per_frame", "rays"));
 	bind_guarded<&Self::get_rays_per_frame>(D_METHOD("get_rays_per_frame"));
-	bind_guarded<&Self::source_changed>(D_METHOD("_source_changed", "source"));
-	bind_guarded<&Self::node_added>(D_METHOD("_node_added", "node"));
+	bind_guarded<&Self::source_changed>(ThreadUse::relayed, D_METHOD("_source_changed", "source"));
+	bind_guarded<&Self::node_added>(ThreadUse::relayed, D_METHOD("_node_added", "node"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "collision_mask", PROPERTY_HINT_LAYERS_3D_PHYSICS), "set_collision_mask",
 			"get_collision_mask");
 	ADD_PROPERTY(

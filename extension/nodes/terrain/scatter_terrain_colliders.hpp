@@ -23,7 +23,7 @@ namespace thicket {
 /// bodies are followed: where one comes, goes, moves or changes, the ground is another within half a second or so.
 class ScatterTerrainColliders : public ScatterTerrain {
 	GDCLASS(ScatterTerrainColliders, ScatterTerrain)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
 	bool needs_physics_frames() const override { return true; }

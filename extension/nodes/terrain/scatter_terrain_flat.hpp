@@ -8,7 +8,7 @@ namespace thicket {
 /// Level ground without an edge.
 class ScatterTerrainFlat : public ScatterTerrain {
 	GDCLASS(ScatterTerrainFlat, ScatterTerrain)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
 	/// World height in meters, finite, +-1e6. Anything else prints an error and is ignored.

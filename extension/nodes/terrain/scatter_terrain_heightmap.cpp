@@ -170,7 +170,7 @@ void ScatterTerrainHeightmap::_bind_methods() {
 	bind_guarded<&Self::get_weight_image>(D_METHOD("get_weight_image"));
 	bind_guarded<&Self::embed_stripped_data>(D_METHOD("embed_stripped_data"));
 	bind_guarded<&Self::update_region>(D_METHOD("update_region", "region"));
-	bind_guarded<&Self::image_changed>(D_METHOD("_image_changed"));
+	bind_guarded<&Self::image_changed>(ThreadUse::relayed, D_METHOD("_image_changed"));
 	bind_guarded<&Self::set_rect>(D_METHOD("set_rect", "rect"));
 	bind_guarded<&Self::get_rect>(D_METHOD("get_rect"));
 	bind_guarded<&Self::set_min_height>(D_METHOD("set_min_height", "height"));

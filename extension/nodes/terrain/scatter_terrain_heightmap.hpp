@@ -22,7 +22,7 @@ namespace thicket {
 /// be read prints one error, and the ground stays what it was.
 class ScatterTerrainHeightmap : public ScatterTerrain {
 	GDCLASS(ScatterTerrainHeightmap, ScatterTerrain)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
 	bool has_textures() const override { return weight_image_.is_valid(); }

@@ -173,7 +173,7 @@ void ScatterTerrainMeshes::_bind_methods() {
 	bind_guarded<&Self::set_group>(D_METHOD("set_group", "group"));
 	bind_guarded<&Self::get_group>(D_METHOD("get_group"));
 	bind_guarded<&Self::refresh>(D_METHOD("refresh"));
-	bind_guarded<&Self::source_changed>(D_METHOD("_source_changed", "source"));
+	bind_guarded<&Self::source_changed>(ThreadUse::relayed, D_METHOD("_source_changed", "source"));
 	ADD_PROPERTY(PropertyInfo(Variant::STRING_NAME, "group"), "set_group", "get_group");
 }
 

@@ -25,7 +25,7 @@ namespace thicket {
 /// thread copies what the renderer has of a mesh, in steps; a worker builds the ground, which is as it was until then.
 class ScatterTerrainMeshes : public ScatterTerrain {
 	GDCLASS(ScatterTerrainMeshes, ScatterTerrain)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
 	/// The group, in the scene tree of the TerrainScatter3D that uses this ground. Empty: no ground.

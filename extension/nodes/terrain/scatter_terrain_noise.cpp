@@ -134,7 +134,7 @@ void ScatterTerrainNoise::_bind_methods() {
 	bind_guarded<&Self::get_amplitude>(D_METHOD("get_amplitude"));
 	bind_guarded<&Self::set_base_height>(D_METHOD("set_base_height", "height"));
 	bind_guarded<&Self::get_base_height>(D_METHOD("get_base_height"));
-	bind_guarded<&Self::change>(D_METHOD("_change"));
+	bind_guarded<&Self::change>(ThreadUse::relayed, D_METHOD("_change"));
 	ADD_PROPERTY(
 			PropertyInfo(Variant::OBJECT, "noise", PROPERTY_HINT_RESOURCE_TYPE, "Noise"), "set_noise", "get_noise");
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "amplitude", PROPERTY_HINT_RANGE, "0,500,0.01,or_greater,suffix:m"),

@@ -11,7 +11,7 @@ namespace thicket {
 /// time.
 class ScatterTerrainNoise : public ScatterTerrain {
 	GDCLASS(ScatterTerrainNoise, ScatterTerrain)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
 	/// Where the heights come from; its own fractal settings give the octaves. Null: no ground.

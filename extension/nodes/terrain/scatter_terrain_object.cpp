@@ -309,16 +309,16 @@ void ScatterTerrainObject::_bind_methods() {
 	bind_guarded<&Self::set_no_ground_height>(D_METHOD("set_no_ground_height", "height"));
 	bind_guarded<&Self::get_no_ground_height>(D_METHOD("get_no_ground_height"));
 	bind_guarded<&Self::get_recognized>(D_METHOD("get_recognized"));
-	bind_guarded<&Self::change>(D_METHOD("_change"));
-	bind_guarded<&Self::poll>(D_METHOD("_poll"));
-	bind_guarded<&Self::node_gone>(D_METHOD("_node_gone"));
-	bind_guarded<&Self::node_moved>(D_METHOD("_node_moved", "transform"));
-	bind_guarded<&Self::area_edited>(D_METHOD("_area_edited", "area"));
-	bind_guarded<&Self::maps_changed>(D_METHOD("_maps_changed"));
-	bind_guarded<&Self::map_edited>(D_METHOD("_map_edited", "x", "z", "width", "depth", "channel"), DEFVAL(Variant()),
-			DEFVAL(Variant()), DEFVAL(Variant()), DEFVAL(Variant()));
+	bind_guarded<&Self::change>(ThreadUse::relayed, D_METHOD("_change"));
+	bind_guarded<&Self::poll>(ThreadUse::main, D_METHOD("_poll"));
+	bind_guarded<&Self::node_gone>(ThreadUse::relayed, D_METHOD("_node_gone"));
+	bind_guarded<&Self::node_moved>(ThreadUse::relayed, D_METHOD("_node_moved", "transform"));
+	bind_guarded<&Self::area_edited>(ThreadUse::relayed, D_METHOD("_area_edited", "area"));
+	bind_guarded<&Self::maps_changed>(ThreadUse::relayed, D_METHOD("_maps_changed"));
+	bind_guarded<&Self::map_edited>(ThreadUse::relayed, D_METHOD("_map_edited", "x", "z", "width", "depth", "channel"),
+			DEFVAL(Variant()), DEFVAL(Variant()), DEFVAL(Variant()), DEFVAL(Variant()));
 	bind_guarded<&Self::source_edited>(
-			D_METHOD("_source_edited", "first", "second"), DEFVAL(Variant()), DEFVAL(Variant()));
+			ThreadUse::relayed, D_METHOD("_source_edited", "first", "second"), DEFVAL(Variant()), DEFVAL(Variant()));
 	ADD_PROPERTY(PropertyInfo(Variant::NODE_PATH, "node", PROPERTY_HINT_NODE_PATH_VALID_TYPES, "Node"), "set_node",
 			"get_node");
 	ADD_PROPERTY(PropertyInfo(Variant::STRING, "recognized", PROPERTY_HINT_NONE, "",

@@ -23,7 +23,7 @@ namespace thicket {
 /// error says so, and what stands stays.
 class ScatterTerrainObject : public ScatterTerrain {
 	GDCLASS(ScatterTerrainObject, ScatterTerrain)
-	THICKET_GUARDED_METHODS
+	THICKET_GUARDED_METHODS(owner)
 
 public:
 	bool has_textures() const override;

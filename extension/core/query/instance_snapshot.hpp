@@ -1,0 +1,70 @@
+#pragma once
+
+#include "core/base/mutex.hpp"
+#include "core/query/instance_query.hpp"
+#include "core/query/instance_world.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <vector>
+
+namespace thicket {
+
+/// A world as it was at one moment, for queries on any number of threads at once. Answers are those that the world would have given
+/// then. Holds the tiles that were known, and generates others on the thread of the query.
+class InstanceSnapshot {
+public:
+	/// `world` is copied. `state` shares the memory of the world's state (InstanceState::share); none if nothing was changed. `maker` is
+	/// called on several threads at once, and may refuse: queries that need the tile are refused then.
+	InstanceSnapshot(const InstanceWorld &world, std::optional<InstanceState> state, TileMaker maker);
+
+	/// Runs a query, as InstanceWorld::ask does.
+	template <class Query>
+	Status ask(Query &&query) const {
+		Source source(*this);
+		const Status status = complete_state();
+		return status.ok() ? query(InstanceQuery{layers_, source, state()}) : status;
+	}
+
+	std::span<const QueryLayer> layers() const { return layers_; }
+
+	/// Null if nothing was changed.
+	const InstanceState *state() const { return state_.has_value() ? &*state_ : nullptr; }
+
+	/// Tiles that queries have generated are forgotten once they have more instances than this.
+	static constexpr std::size_t max_made_instances = 400'000;
+
+private:
+	using Tile = std::shared_ptr<const KeptTile>;
+
+	class Source : public TileSource {
+	public:
+		explicit Source(const InstanceSnapshot &snapshot) : snapshot_(snapshot) {}
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, Tile &r_tile) override;
+		Status find_tiles(std::span<const WorldTile> tiles, std::vector<Tile> &r_tiles) override;
+
+	private:
+		const InstanceSnapshot &snapshot_;
+	};
+
+	Status complete_state() const;
+	Tile find(const WorldTile &tile) const;
+	void keep(const WorldTile &tile, const Tile &made) const;
+
+	std::vector<QueryLayer> layers_;
+	std::vector<KnownTile> known_; ///< Ascending.
+	TileMaker maker_;
+
+	mutable Mutex mutex_; ///< For all that follows, but `state_` once it is complete.
+	mutable std::optional<InstanceState> state_;
+	mutable bool complete_ = false;
+	mutable std::map<WorldTileKey, Tile> made_;
+	mutable std::size_t made_instances_ = 0;
+};
+
+} // namespace thicket

@@ -1,0 +1,63 @@
+#include "nodes/common/main_calls.hpp"
+
+#include "nodes/common/guard.hpp"
+#include "nodes/common/script_call.hpp"
+
+#include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/callable.hpp>
+
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+std::mutex mutex;
+std::vector<Variant> calls;    ///< Callables with their arguments; guarded by `mutex`.
+std::atomic<bool> any = false; ///< Whether there are some.
+
+} // namespace
+
+void call_on_main_thread(const Object *p_object, const char *method, std::span<const Variant> arguments) noexcept {
+	guarded_call(method, [&] {
+		Array bound;
+		for (const Variant &argument : arguments) {
+			bound.push_back(argument);
+		}
+		Callable callable(const_cast<Object *>(p_object), StringName(std::strrchr(method, '.') + 1));
+		const std::lock_guard lock(mutex);
+		calls.push_back(Variant(callable.bindv(bound)));
+		any = true;
+	});
+}
+
+void make_main_thread_calls() {
+	if (!any.load(std::memory_order_relaxed)) {
+		// Fast path: most frames have none.
+		return;
+	}
+	std::vector<Variant> taken;
+	{
+		const std::lock_guard lock(mutex);
+		taken = std::exchange(calls, {});
+		any = false;
+	}
+	for (Variant &callable : taken) {
+		Variant result;
+		static_cast<void>(call_script(callable, "call", result));
+	}
+}
+
+void drop_main_thread_calls() {
+	const std::lock_guard lock(mutex);
+	calls.clear();
+	any = false;
+}
+
+} // namespace thicket

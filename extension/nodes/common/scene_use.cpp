@@ -1,0 +1,27 @@
+#include "nodes/common/scene_use.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/variant/string.hpp>
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+void SceneUse::replace(List list) {
+	for (const List::Use &use : list.uses_) {
+		if (!use.guard->enter_scene()) {
+			ERR_PRINT(vformat(
+					"A node in the scene tree uses a %s while a call of it has been under way on another thread for a "
+					"second. Let the call return before the node gets the object.",
+					use.object->get_class()));
+		}
+	}
+	const List before = std::exchange(used_, std::move(list)); // Frees what nothing else holds.
+	for (const List::Use &use : before.uses_) {
+		use.guard->leave_scene();
+	}
+}
+
+} // namespace thicket

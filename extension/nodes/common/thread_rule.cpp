@@ -1,0 +1,165 @@
+#include "nodes/common/thread_rule.hpp"
+
+#include "nodes/common/threads.hpp"
+
+#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/variant/string.hpp>
+
+#include <chrono>
+#include <thread>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// The last turn that this thread has taken and not ended.
+constinit thread_local ThreadTurn *innermost = nullptr;
+
+} // namespace
+
+/// A callback of a method has freed the object: the turns of this thread end without it.
+ThreadGuard::~ThreadGuard() {
+	for (ThreadTurn *turn = innermost; turn != nullptr; turn = turn->outer_) {
+		if (turn->guard_ == this) {
+			turn->guard_ = nullptr;
+		}
+	}
+}
+
+bool ThreadGuard::enter_scene() {
+	scene_uses_.fetch_add(1); // From now on, no other thread takes a turn.
+	bool written = false;
+	if (calls_.load() == 0 || ThreadTurn::held_by_this_thread(*this, written)) {
+		return true;
+	}
+	const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+	while (calls_.load() != 0) {
+		if (std::chrono::steady_clock::now() > deadline) {
+			return false;
+		}
+		std::this_thread::yield();
+	}
+	return true;
+}
+
+bool ThreadTurn::held_by_this_thread(const ThreadGuard &guard, bool &r_written) {
+	bool held = false;
+	for (const ThreadTurn *turn = innermost; turn != nullptr; turn = turn->outer_) {
+		if (turn->guard_ == &guard) {
+			held = true;
+			r_written = r_written || !turn->reads_;
+		}
+	}
+	return held;
+}
+
+/// False if another thread is in a method that excludes this one.
+bool ThreadTurn::take(bool reads) {
+	bool written = false;
+	const bool held = held_by_this_thread(*guard_, written);
+	if (held && (written || reads)) {
+		guard_ = nullptr; // The outer turn keeps the others out.
+		return true;
+	}
+	std::int32_t calls = guard_->calls_.load();
+	if (reads) {
+		while (calls >= 0) {
+			if (guard_->calls_.compare_exchange_weak(calls, calls + 1)) {
+				return true;
+			}
+		}
+	} else {
+		// A const method may have called back into another one on its thread: then that is the one reader.
+		before_ = held ? 1 : 0;
+		calls = before_;
+		if (guard_->calls_.compare_exchange_strong(calls, ThreadGuard::writing)) {
+			return true;
+		}
+	}
+	guard_ = nullptr;
+	return false;
+}
+
+void ThreadTurn::release() {
+	if (reads_) {
+		guard_->calls_.fetch_sub(1);
+	} else {
+		guard_->calls_.store(before_);
+	}
+	guard_ = nullptr;
+}
+
+ThreadTurn::ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads) noexcept :
+		method_(method), reads_(reads) {
+	const ThreadUse use = method.rule.use;
+	if (use == ThreadUse::any) {
+		return;
+	}
+	const bool on_main = on_main_thread();
+	if (!on_main && (use == ThreadUse::main || guard == nullptr)) {
+		refusal_ = Refusal::not_main;
+		return;
+	}
+	if (guard == nullptr) {
+		return;
+	}
+	if (on_main && reads && guard->in_scene()) {
+		// Fast path: no other thread may change it.
+		return;
+	}
+	guard_ = guard;
+	if (!take(reads)) {
+		refusal_ = !on_main && guard->in_scene() ? Refusal::in_scene : Refusal::busy;
+		return;
+	}
+	if (guard_ == nullptr) {
+		return; // Within another turn of this thread.
+	}
+	// Only now: enter_scene() sees the turn, or the turn sees enter_scene().
+	if (!on_main && guard->in_scene()) {
+		release();
+		refusal_ = Refusal::in_scene;
+		return;
+	}
+	outer_ = innermost;
+	innermost = this;
+}
+
+ThreadTurn::~ThreadTurn() {
+	if (innermost == this) {
+		innermost = outer_;
+	}
+	if (guard_ != nullptr) {
+		release();
+	}
+}
+
+void ThreadTurn::report() const {
+	const char *problem = "";
+	const char *remedy = "";
+	switch (refusal_) {
+		case Refusal::none: return;
+		case Refusal::not_main:
+			problem = "called on a worker thread, but only the main thread may call it.";
+			remedy = "Use call_deferred().";
+			break;
+		case Refusal::in_scene:
+			problem = "called on a worker thread while the scene tree uses the object: only the main thread may call "
+			          "it then.";
+			remedy = "Use call_deferred(), or an object that no node in the tree uses.";
+			break;
+		case Refusal::busy:
+			problem = "called while another call of the same object is under way on another thread; one thread at a "
+			          "time may use it.";
+			remedy = "Take one object for each thread, or lock a Mutex around the calls.";
+			break;
+	}
+	if (method_.rule.remedy != nullptr && refusal_ != Refusal::busy) {
+		remedy = method_.rule.remedy;
+	}
+	ERR_PRINT(String(method_.name) + String("() ") + String(problem) + String(" ") + String(remedy));
+}
+
+} // namespace thicket

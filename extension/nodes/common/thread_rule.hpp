@@ -1,0 +1,97 @@
+#pragma once
+
+// Which threads may call a bound method. Each method has a rule, declared at its binding or, for most, by its class; call_guarded
+// (guard.hpp) checks it before the method runs.
+
+#include <atomic>
+#include <cstdint>
+
+namespace thicket {
+
+enum class ThreadUse : std::uint8_t {
+	/// Any thread, several at once.
+	any,
+
+	/// The main thread only.
+	main,
+
+	/// One thread at a time (const methods: several), and only the main thread while the scene tree uses the object. So a loader may
+	/// fill an object that nothing uses yet, and no other thread changes what the main thread reads in its frames.
+	owner,
+
+	/// As `owner`. The main thread makes a call that is refused, in its next frame: for handlers of signals, which any thread may emit.
+	relayed,
+};
+
+struct ThreadRule {
+	constexpr ThreadRule(ThreadUse allowed, const char *instead = nullptr) :
+			use(allowed), remedy(instead) {} // NOLINT: as an argument
+
+	ThreadUse use;
+	const char *remedy; ///< A sentence for the error: what other threads can do. Null for the usual one.
+};
+
+/// A method as it was bound.
+struct BoundMethod {
+	const char *name = ""; ///< `Class.method`
+	ThreadRule rule = ThreadUse::any;
+};
+
+class ThreadTurn;
+
+/// Which threads are in methods of an object, and whether the scene tree uses it. A member of each class whose methods have the rules
+/// `main`, `owner` or `relayed`.
+class ThreadGuard {
+public:
+	ThreadGuard() = default;
+	~ThreadGuard();
+	ThreadGuard(const ThreadGuard &) = delete;
+	ThreadGuard &operator=(const ThreadGuard &) = delete;
+
+	/// The main thread uses the object from now on, in frames and queries; `leave_scene` undoes one call. Waits, for a second at most, for
+	/// another thread that is in one of its methods. False if that takes longer.
+	bool enter_scene();
+	void leave_scene() { scene_uses_.fetch_sub(1); }
+	bool in_scene() const { return scene_uses_.load() > 0; }
+
+private:
+	friend class ThreadTurn;
+
+	static constexpr std::int32_t writing = -1;
+
+	std::atomic<std::int32_t> scene_uses_ = 0;
+	std::atomic<std::int32_t> calls_ = 0; ///< Threads in const methods, or `writing` for one in another.
+};
+
+/// One call of a method, from its check to its end. What the method calls back may call the same object again, and may free it.
+class ThreadTurn {
+public:
+	/// `guard` is null for an object whose methods all have the rule `any`; `reads` is true for a const method.
+	ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads) noexcept;
+	~ThreadTurn();
+	ThreadTurn(const ThreadTurn &) = delete;
+	ThreadTurn &operator=(const ThreadTurn &) = delete;
+
+	bool granted() const { return refusal_ == Refusal::none; }
+
+	/// Prints why the call was refused, and what to do.
+	void report() const;
+
+private:
+	friend class ThreadGuard;
+
+	enum class Refusal : std::uint8_t { none, not_main, in_scene, busy };
+
+	static bool held_by_this_thread(const ThreadGuard &guard, bool &r_written);
+	bool take(bool reads);
+	void release();
+
+	const BoundMethod &method_;
+	ThreadGuard *guard_ = nullptr; ///< Null if nothing was taken, or the object is gone.
+	std::int32_t before_ = 0;      ///< ThreadGuard::calls_, if this turn replaced it by `writing`.
+	bool reads_ = false;
+	Refusal refusal_ = Refusal::none;
+	ThreadTurn *outer_ = nullptr; ///< The turn of this thread within which this one was taken.
+};
+
+} // namespace thicket

@@ -1,0 +1,103 @@
+#include "nodes/gameplay/scatter_snapshot.hpp"
+
+#include "nodes/common/property_check.hpp"
+#include "nodes/gameplay/script_queries.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/core/memory.hpp>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+std::string name_of(const char *p_method) { return std::string("ScatterSnapshot.") + p_method; }
+
+} // namespace
+
+Ref<ScatterSnapshot> ScatterSnapshot::of(
+		std::shared_ptr<const InstanceSnapshot> snapshot, LayerNames layers, glm::dvec3 offset) {
+	const Ref<ScatterSnapshot> result(memnew(ScatterSnapshot));
+	result->snapshot_ = std::move(snapshot);
+	result->layers_ = std::move(layers);
+	result->offset_ = offset;
+	return result;
+}
+
+bool ScatterSnapshot::ask(const char *p_method, const AskedQuery &query) const {
+	const std::shared_ptr<const InstanceSnapshot> held = snapshot_; // A predicate may let go of this object.
+	const Status status = held != nullptr
+			? held->ask(query)
+			: Status::missing("world", "Make the snapshot of a node that has a terrain and layers");
+	report(name_of(p_method).c_str(), status);
+	return status.ok();
+}
+
+bool ScatterSnapshot::find_filter(
+		const char *p_method, const Variant &p_layers, const Callable &p_predicate, QueryFilter &r_filter) const {
+	if (const String problem = find_layers(layers_, p_layers, r_filter.layers); !problem.is_empty()) {
+		ERR_PRINT(String(name_of(p_method).c_str()) + String(": ") + problem);
+		return false;
+	}
+	r_filter.accepts = to_predicate(name_of(p_method), p_predicate, offset_);
+	return true;
+}
+
+Ref<ScatterInstances> ScatterSnapshot::query_rect(
+		const Rect2 &p_rect, const Variant &p_layers, const Callable &p_predicate) const {
+	return answer_rect(*this, {"query_rect", p_layers, p_predicate}, p_rect);
+}
+
+Ref<ScatterInstances> ScatterSnapshot::query_sphere(
+		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) const {
+	return answer_sphere(*this, {"query_sphere", p_layers, p_predicate}, p_center, p_radius);
+}
+
+Dictionary ScatterSnapshot::query_ray(
+		const Vector3 &p_from, const Vector3 &p_to, const Variant &p_layers, const Callable &p_predicate) const {
+	return answer_ray(*this, {"query_ray", p_layers, p_predicate}, p_from, p_to);
+}
+
+Ref<ScatterInstance> ScatterSnapshot::query_nearest(
+		const Vector3 &p_position, double p_max_distance, const Variant &p_layers, const Callable &p_predicate) const {
+	const Ref<ScatterSnapshot> self(const_cast<ScatterSnapshot *>(this)); // A predicate may let go of it.
+	return answer_nearest(*this, {"query_nearest", p_layers, p_predicate}, p_position, p_max_distance);
+}
+
+Ref<ScatterInstance> ScatterSnapshot::get_instance(int64_t p_id) const {
+	return answer_id(*this, "get_instance", p_id);
+}
+
+bool ScatterSnapshot::has_instance(int64_t p_id) const {
+	std::vector<PlacedInstance> found;
+	ask("has_instance", [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); });
+	return !found.empty();
+}
+
+Variant ScatterSnapshot::get_instance_data(int64_t p_id) const {
+	const InstanceState *state = snapshot_ != nullptr ? snapshot_->state() : nullptr;
+	return state != nullptr ? decoded(state->data(core_id(p_id))) : Variant();
+}
+
+void ScatterSnapshot::_bind_methods() {
+	using Self = ScatterSnapshot;
+	bind_guarded<&Self::query_rect>(
+			D_METHOD("query_rect", "rect", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_sphere>(
+			D_METHOD("query_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_ray>(
+			D_METHOD("query_ray", "from", "to", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::query_nearest>(D_METHOD("query_nearest", "position", "max_distance", "layers", "predicate"),
+			DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::get_instance>(D_METHOD("get_instance", "id"));
+	bind_guarded<&Self::has_instance>(D_METHOD("has_instance", "id"));
+	bind_guarded<&Self::get_instance_data>(D_METHOD("get_instance_data", "id"));
+}
+
+} // namespace thicket

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "core/query/instance_snapshot.hpp"
+#include "nodes/common/guard.hpp"
+#include "nodes/gameplay/scatter_instances.hpp"
+#include "nodes/layer/layer_reference.hpp"
+
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/variant/callable.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/rect2.hpp>
+#include <godot_cpp/variant/variant.hpp>
+#include <godot_cpp/variant/vector3.hpp>
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+namespace thicket {
+
+/// A query, for script_queries.hpp.
+using AskedQuery = std::function<Status(const InstanceQuery &query)>;
+
+/// What stood around a TerrainScatter3D at one moment: its queries on any thread, several at once. Nothing that happens later changes it. Methods
+/// are those of the node.
+class ScatterSnapshot : public godot::RefCounted {
+	GDCLASS(ScatterSnapshot, godot::RefCounted)
+	THICKET_GUARDED_METHODS(any)
+
+public:
+	/// `offset` is where the engine's origin is in the world, in meters.
+	static godot::Ref<ScatterSnapshot> of(
+			std::shared_ptr<const InstanceSnapshot> snapshot, LayerNames layers, glm::dvec3 offset);
+
+	/// Nothing stands in it.
+	static godot::Ref<ScatterSnapshot> make_empty() { return memnew(ScatterSnapshot); }
+
+	godot::Ref<ScatterInstances> query_rect(
+			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
+	godot::Ref<ScatterInstances> query_sphere(const godot::Vector3 &p_center, double p_radius,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
+	godot::Dictionary query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
+	godot::Ref<ScatterInstance> query_nearest(const godot::Vector3 &p_position, double p_max_distance,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
+	godot::Ref<ScatterInstance> get_instance(int64_t p_id) const;
+	bool has_instance(int64_t p_id) const;
+	godot::Variant get_instance_data(int64_t p_id) const;
+
+	// As script_queries.hpp needs them.
+	glm::dvec3 world_offset() const { return offset_; }
+	bool ask(const char *p_method, const AskedQuery &query) const;
+	bool find_filter(const char *p_method, const godot::Variant &p_layers, const godot::Callable &p_predicate,
+			QueryFilter &r_filter) const;
+
+protected:
+	static void _bind_methods();
+
+private:
+	std::shared_ptr<const InstanceSnapshot> snapshot_; ///< Null for an empty one.
+	LayerNames layers_{godot::TypedArray<ScatterLayer>()};
+	glm::dvec3 offset_{0.0};
+};
+
+} // namespace thicket

@@ -1,0 +1,118 @@
+#pragma once
+
+// Queries of scripts, as a TerrainScatter3D and its snapshots answer them. An `Asker` has
+//   glm::dvec3 world_offset() const;
+//   bool find_filter(method, layers, predicate, QueryFilter &r_filter);   // false, with an error, for what is refused
+//   bool ask(method, query);                                              // calls query(const InstanceQuery &); false, with an error
+//   Variant get_instance_data(int64_t id) const;
+// Predicates are scripts, which may do anything: an asker outlives its calls.
+
+#include "nodes/common/convert.hpp"
+#include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/gameplay/scatter_instances.hpp"
+
+#include <godot_cpp/variant/callable.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/rect2.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <utility>
+#include <vector>
+
+namespace thicket {
+
+/// What is wanted, beside a position.
+struct QueryWish {
+	const char *method;
+	const godot::Variant &layers;
+	const godot::Callable &predicate;
+};
+
+template <class Asker>
+godot::Ref<ScatterInstances> answer_rect(Asker &asker, const QueryWish &wish, const godot::Rect2 &p_rect) {
+	const glm::dvec3 offset = asker.world_offset();
+	QueryFilter filter;
+	FoundInstances found;
+	if (asker.find_filter(wish.method, wish.layers, wish.predicate, filter)) {
+		asker.ask(wish.method,
+				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, offset), filter, found); });
+	}
+	return ScatterInstances::of(std::move(found), offset);
+}
+
+template <class Asker>
+FoundInstances find_in_sphere(Asker &asker, const QueryWish &wish, const godot::Vector3 &p_center, double p_radius) {
+	const glm::dvec3 center = to_world(p_center, asker.world_offset());
+	QueryFilter filter;
+	FoundInstances found;
+	if (asker.find_filter(wish.method, wish.layers, wish.predicate, filter)) {
+		asker.ask(wish.method,
+				[&](const InstanceQuery &query) { return query.in_sphere(center, p_radius, filter, found); });
+	}
+	return found;
+}
+
+template <class Asker>
+godot::Ref<ScatterInstances> answer_sphere(
+		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_center, double p_radius) {
+	const glm::dvec3 offset = asker.world_offset();
+	return ScatterInstances::of(find_in_sphere(asker, wish, p_center, p_radius), offset);
+}
+
+template <class Asker>
+godot::Dictionary answer_ray(
+		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_from, const godot::Vector3 &p_to) {
+	const glm::dvec3 offset = asker.world_offset();
+	const glm::dvec3 from = to_world(p_from, offset);
+	const glm::dvec3 to = to_world(p_to, offset);
+	QueryFilter filter;
+	std::vector<RayHit> hits;
+	if (asker.find_filter(wish.method, wish.layers, wish.predicate, filter)) {
+		asker.ask(wish.method, [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
+	}
+	godot::Dictionary result;
+	if (!hits.empty()) {
+		const PlacedInstance &instance = hits.front().instance;
+		const double length = glm::length(to - from);
+		const double share = length > 0.0 ? hits.front().distance / length : 0.0;
+		result["id"] = script_id(instance.id);
+		result["layer"] = static_cast<int64_t>(instance.layer);
+		result["mesh"] = static_cast<int64_t>(instance.mesh);
+		result["transform"] = to_engine(instance, offset);
+		result["distance"] = hits.front().distance;
+		result["position"] = to_engine(from + share * (to - from), offset);
+	}
+	return result;
+}
+
+template <class Asker>
+godot::Ref<ScatterInstance> answer_nearest(
+		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_position, double p_max_distance) {
+	const glm::dvec3 offset = asker.world_offset();
+	const glm::dvec3 position = to_world(p_position, offset);
+	QueryFilter filter;
+	std::vector<NearestInstance> found;
+	if (asker.find_filter(wish.method, wish.layers, wish.predicate, filter)) {
+		asker.ask(wish.method,
+				[&](const InstanceQuery &query) { return query.nearest(position, p_max_distance, filter, found); });
+	}
+	if (found.empty()) {
+		return {};
+	}
+	const PlacedInstance &instance = found.front().instance;
+	return ScatterInstance::of(
+			instance, offset, asker.get_instance_data(script_id(instance.id)), found.front().distance);
+}
+
+/// Null for an instance that does not stand.
+template <class Asker>
+godot::Ref<ScatterInstance> answer_id(Asker &asker, const char *method, int64_t p_id) {
+	const glm::dvec3 offset = asker.world_offset();
+	std::vector<PlacedInstance> found;
+	asker.ask(method, [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); });
+	return found.empty() ? godot::Ref<ScatterInstance>()
+						 : ScatterInstance::of(found.front(), offset, asker.get_instance_data(p_id));
+}
+
+} // namespace thicket

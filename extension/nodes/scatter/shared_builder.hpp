@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/base/mutex.hpp"
+#include "core/base/status.hpp"
+#include "core/placement/kept_tile.hpp"
+#include "core/placement/tile_builder.hpp"
+#include "core/placement/tile_crew.hpp"
+#include "core/sampling/block_cache.hpp"
+#include "core/terrain/terrain.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace thicket {
+
+/// Generates tiles on the threads of its callers, several at once. Keeps the points around, and a few workspaces.
+class SharedBuilder {
+public:
+	Status build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const KeptTile> &r_tile);
+
+private:
+	static constexpr std::size_t most_spare = 8;
+
+	std::unique_ptr<TileBuilder> take();
+	void give_back(std::unique_ptr<TileBuilder> builder);
+
+	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
+	Mutex mutex_;
+	std::vector<std::unique_ptr<TileBuilder>> spare_; ///< Guarded by `mutex_`.
+};
+
+} // namespace thicket

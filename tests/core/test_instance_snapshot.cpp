@@ -1,0 +1,129 @@
+// A world as it was: several threads ask it at once while the world goes on.
+
+#include "core/query/instance_snapshot.hpp"
+#include "flat_world.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <thread>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+using Tiles = std::vector<std::shared_ptr<const KeptTile>>;
+
+std::vector<std::uint64_t> ids_in(const InstanceSnapshot &snapshot, const Rect &rect) {
+	std::vector<PlacedInstance> found;
+	CHECK(snapshot.ask([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); }).ok());
+	std::vector<std::uint64_t> ids;
+	for (const PlacedInstance &instance : found) {
+		ids.push_back(instance.id);
+	}
+	return ids;
+}
+
+/// Generates tiles on any thread, and counts them.
+TileMaker counting_maker(FlatWorld &flat, std::atomic<std::size_t> &r_made) {
+	return [&](std::span<const WorldTile> tiles, Tiles &r_tiles) -> Status {
+		r_tiles.clear();
+		for (const WorldTile &tile : tiles) {
+			r_tiles.push_back(flat.make(tile.tile));
+			++r_made;
+		}
+		return {};
+	};
+}
+
+} // namespace
+
+TEST_CASE("instance snapshot: threads get the answers of its moment, whatever the world does meanwhile") {
+	FlatWorld flat;
+	InstanceState state;
+	std::atomic<std::size_t> made = 0;
+	flat.world.set_maker(counting_maker(flat, made));
+	flat.world.set_state(&state);
+	const Rect rect{{-20.0, -20.0}, {20.0, 20.0}};
+	std::vector<PlacedInstance> standing;
+	const auto ask_world = [&] {
+		std::vector<PlacedInstance> found;
+		CHECK(flat.world.ask([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); }).ok());
+		return found;
+	};
+	standing = ask_world();
+	REQUIRE(standing.size() > 100);
+	REQUIRE(state.remove(standing[0].id));
+	AddedInstance added;
+	added.layer = flat.world.layers()[0].set.layer;
+	std::uint64_t placed = 0;
+	REQUIRE(state.add(added, placed).ok());
+	const std::size_t expected = ask_world().size();
+	REQUIRE(expected == standing.size());
+	const InstanceSnapshot snapshot(flat.world, state.share(), counting_maker(flat, made));
+	std::atomic<std::size_t> wrong = 0;
+	std::vector<std::thread> threads;
+	for (int thread = 0; thread < 4; ++thread) {
+		threads.emplace_back([&] {
+			for (int round = 0; round < 20; ++round) {
+				std::vector<PlacedInstance> found;
+				const Status status =
+						snapshot.ask([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); });
+				wrong += status.ok() && found.size() == expected ? 0 : 1;
+			}
+		});
+	}
+	for (std::size_t i = 1; i < standing.size(); ++i) {
+		CHECK(state.remove(standing[i].id));
+	}
+	CHECK(state.remove(placed));
+	flat.world.clear();
+	for (std::thread &thread : threads) {
+		thread.join();
+	}
+	CHECK(wrong == 0);
+	CHECK(ask_world().empty());
+	CHECK(ids_in(snapshot, rect).size() == expected);
+}
+
+TEST_CASE("instance snapshot: known tiles are taken over, others are generated once") {
+	FlatWorld flat;
+	std::atomic<std::size_t> made = 0;
+	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
+	const InstanceSnapshot snapshot(flat.world, std::nullopt, counting_maker(flat, made));
+	const double size = flat.world.layers()[0].tile_size;
+	const Rect known{{1.0, 1.0}, {size - 1.0, size - 1.0}};
+	const Rect unknown{{size + 1.0, 1.0}, {2.0 * size - 1.0, size - 1.0}};
+	CHECK_FALSE(ids_in(snapshot, known).empty());
+	const std::size_t for_known = made;
+	const std::vector<std::uint64_t> first = ids_in(snapshot, unknown);
+	const std::size_t for_unknown = made;
+	CHECK(for_unknown > for_known);
+	CHECK(ids_in(snapshot, unknown) == first);
+	CHECK(made == for_unknown);
+}
+
+TEST_CASE("instance snapshot: a tile that cannot be had refuses the query, and no other") {
+	FlatWorld flat;
+	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
+	const InstanceSnapshot snapshot(flat.world, std::nullopt, [](std::span<const WorldTile> tiles, Tiles &r_tiles) {
+		r_tiles.assign(tiles.size(), nullptr);
+		return Status::missing("ground", "Ask elsewhere");
+	});
+	const double size = flat.world.layers()[0].tile_size;
+	std::vector<PlacedInstance> found;
+	const auto ask = [&](double from) {
+		const Rect rect{{from, 0.4 * size}, {from + 1.0, 0.6 * size}};
+		return snapshot.ask([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); });
+	};
+	CHECK(ask(0.5 * size).ok());
+	CHECK(ask(1.5 * size).code == ErrorCode::missing);
+	CHECK(found.empty());
+}

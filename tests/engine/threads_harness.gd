@@ -1,0 +1,89 @@
+extends "queries_harness.gd"
+## For tests of threads: calls on worker threads, and the thread rules that the class reference states.
+
+const ANY := "Any thread may call this method"
+const MAIN := "Only the main thread may call this method"
+const OWNER := "One thread at a time may call this method"
+
+
+## What a callable returns on a thread of its own, while the main thread waits for it.
+func on_thread(work: Callable) -> Variant:
+	var thread := Thread.new()
+	thread.start(work)
+	return thread.wait_to_finish()
+
+
+## Runs each callable on a thread of its own, again and again, and `meanwhile` on the main thread in each frame.
+func on_threads_for(milliseconds: int, works: Array[Callable], meanwhile := Callable()) -> int:
+	var stop: Array[bool] = [false]
+	var threads: Array[Thread] = []
+	for work in works:
+		var thread := Thread.new()
+		thread.start(func() -> int:
+			var calls := 0
+			while not stop[0]:
+				work.call()
+				calls += 1
+			return calls)
+		threads.push_back(thread)
+	var deadline := Time.get_ticks_msec() + milliseconds
+	while Time.get_ticks_msec() < deadline:
+		await process_frame
+		if meanwhile.is_valid():
+			meanwhile.call()
+	stop[0] = true
+	var sum := 0
+	for thread in threads:
+		sum += thread.wait_to_finish() as int
+	return sum
+
+
+## The errors since the last look, each once.
+func take_kinds() -> PackedStringArray:
+	var kinds := PackedStringArray()
+	for message in errors.take():
+		if not kinds.has(message):
+			kinds.push_back(message)
+	return kinds
+
+
+## All errors since the last look have one of these words in them, and there was one.
+func check_only_errors(words: Array, what: String) -> void:
+	var kinds := take_kinds()
+	check(not kinds.is_empty(), what + ": refused")
+	for message in kinds:
+		check(words.any(func(word: String) -> bool: return word in message), "%s: %s" % [what, message])
+
+
+## The pages of the class reference, by class: {method: its description}; "" for the class's own description.
+func read_pages() -> Dictionary[String, Dictionary]:
+	var pages: Dictionary[String, Dictionary] = {}
+	var folder := (get_script() as Script).resource_path.get_base_dir().path_join("../../extension/doc_classes")
+	for file in DirAccess.get_files_at(folder):
+		pages[file.get_basename()] = read_page(folder.path_join(file))
+	return pages
+
+
+func read_page(path: String) -> Dictionary:
+	var texts := {}
+	var parser := XMLParser.new()
+	parser.open(path)
+	var method := ""
+	var tag := ""
+	while parser.read() == OK:
+		match parser.get_node_type():
+			XMLParser.NODE_ELEMENT:
+				tag = parser.get_node_name()
+				if tag == "method":
+					method = parser.get_named_attribute_value("name")
+				elif tag == "signal" or tag == "member":
+					method = "-"
+			XMLParser.NODE_ELEMENT_END:
+				tag = ""
+				if parser.get_node_name() == "methods":
+					method = "-"
+			XMLParser.NODE_TEXT:
+				if tag == "description":
+					texts[method] = texts.get(method, "") + parser.get_node_data()
+	texts.erase("-")
+	return texts

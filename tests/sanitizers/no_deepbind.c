@@ -1,0 +1,12 @@
+/* Preloaded into Godot for a sanitized build of the extension. The engine loads libraries with RTLD_DEEPBIND, with which a library
+ * calls the C library's malloc and pthread functions past the sanitizer's own: strips the flag. */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+
+void *dlopen(const char *path, int flags) {
+	static void *(*next)(const char *, int);
+	if (!next) {
+		next = (void *(*)(const char *, int))dlsym(RTLD_NEXT, "dlopen");
+	}
+	return next(path, flags & ~RTLD_DEEPBIND);
+}

@@ -1,0 +1,71 @@
+"""The extension in the real engine, with every access to memory checked: by ThreadSanitizer, and by AddressSanitizer and
+UndefinedBehaviorSanitizer. The engine itself is as it is: what it does is not checked."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from conftest import ADDON, BUILD_DIR, REPO, build, new_project, run
+from test_engine import ENGINE, PASSED
+
+pytestmark = pytest.mark.full
+
+# Of each sanitizer: the libraries that have to be there before the engine, and its options.
+SANITIZERS = {
+    # Engine code is not instrumented, so what its own calls of the C library look like says nothing.
+    "thread": (["libtsan.so"], "TSAN_OPTIONS", "ignore_noninstrumented_modules=1:report_signal_unsafe=0:history_size=4:exitcode=66"
+               f":suppressions={REPO / 'tests/sanitizers/thread.supp'}"),
+    # The engine keeps memory until its end, and frees some of it by functions of its own.
+    "address,undefined": (["libasan.so", "libubsan.so"], "ASAN_OPTIONS", "verify_asan_link_order=0:detect_leaks=0:exitcode=66"),
+}  # fmt: skip
+
+# What calls from many threads, loads on threads, or frees in the middle of calls.
+SCRIPTS = ["test_threads", "test_snapshots", "background_load", "test_state_async", "test_terrain_calls", "test_callbacks", "test_lifetime",
+           "test_domain_calls"]  # fmt: skip
+
+
+def runtime(folder: Path, names: list[str]) -> str:
+    """The libraries to preload, where programs in Godot's root find them, too. The shim comes first: a sanitizer's own dlopen refuses
+    the flag that it strips."""
+    shim = folder / "no_deepbind.so"
+    done = run(["gcc", "-shared", "-fPIC", "-O1", "-o", shim, REPO / "tests/sanitizers/no_deepbind.c"], timeout=60)
+    assert done.returncode == 0, done.stderr
+    preloaded = [shim]
+    for name in names:
+        found = run(["gcc", f"-print-file-name={name}"], timeout=60).stdout.strip()
+        preloaded.append(Path(shutil.copy(os.path.realpath(found), folder / name)))
+    return ":".join(map(str, preloaded))
+
+
+@pytest.fixture(scope="module", params=SANITIZERS)
+def sanitized(request, tmp_path_factory):
+    """Runs Godot with arguments on a project whose extension was built with a sanitizer."""
+    libraries, variable, options = SANITIZERS[request.param]
+    name = request.param.replace(",", ".")
+    build(f"sanitize={request.param}", "compiledb=no", "extension", timeout=3600)
+    built = BUILD_DIR.with_name(f"{BUILD_DIR.name}.{name}") / "addon"
+    project = new_project(tmp_path_factory.mktemp(name))
+    addon = project / "addons/thicket"
+    addon.unlink()
+    shutil.copytree(ADDON, addon, ignore=shutil.ignore_patterns("bin", "thicket.gdextension"))
+    shutil.copytree(built / "bin", addon / "bin")
+    shutil.copy(built / "thicket.gdextension", addon)
+    preloaded = runtime(tmp_path_factory.mktemp("runtime"), libraries)
+
+    def call(script: str, timeout: float):
+        command = [REPO / "tools/godot", "--preload", preloaded, "--headless", "--path", project, "--script", ENGINE / f"{script}.gd"]
+        return run(command, timeout, env={**os.environ, variable: options, "UBSAN_OPTIONS": "print_stacktrace=1"})
+
+    return call
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_no_report(sanitized, script):
+    done = sanitized(script, timeout=3600)
+    printed = done.stdout + done.stderr
+    assert not re.search(r"WARNING: ThreadSanitizer|ERROR: AddressSanitizer|runtime error:", printed), printed[-12000:]
+    assert done.returncode == 0 and PASSED.search(done.stdout), printed[-12000:]
