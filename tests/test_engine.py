@@ -143,6 +143,7 @@ def assert_passed(done):
         "test_layer_rules",
         "test_layer_placement",
         "test_regions",
+        "test_saves",
         "test_state",
         "test_callbacks",
         "test_state_async",

@@ -21,6 +21,13 @@ void report(const char *owner, const Status &status) {
 	}
 }
 
+godot::Error error_of(const Status &status) {
+	if (status.ok()) {
+		return godot::OK;
+	}
+	return status.code == ErrorCode::corrupt ? godot::ERR_FILE_CORRUPT : godot::ERR_INVALID_DATA;
+}
+
 godot::String sentence(const char *owner, const Status &status) {
 	return godot::String((std::string(owner) + "." + describe(status)).c_str());
 }

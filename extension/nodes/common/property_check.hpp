@@ -35,6 +35,9 @@ bool accept_number(const char *owner, const char *property, double value, double
 /// Prints `owner`.`status` as an error of the engine; silent for a status that is fine or was cancelled.
 void report(const char *owner, const Status &status);
 
+/// What a method returns whose bytes or other arguments were refused with this status.
+godot::Error error_of(const Status &status);
+
 /// The sentence that `report` prints.
 godot::String sentence(const char *owner, const Status &status);
 

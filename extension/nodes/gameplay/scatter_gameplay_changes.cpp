@@ -79,7 +79,11 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 			return;
 		}
 	}
-	const bool copied = p_state.is_valid() && p_state->is_designed() && !Engine::get_singleton()->is_editor_hint();
+	const bool is_game = !Engine::get_singleton()->is_editor_hint();
+	const bool copied = p_state.is_valid() && p_state->is_designed() && is_game;
+	if (p_state.is_valid() && is_game && !copied) {
+		p_state->warn_if_cached();
+	}
 	const Ref<ScatterState> before = std::exchange(state_, copied ? p_state->copy() : p_state);
 	if (before.is_valid()) {
 		before->remove_listener(this);

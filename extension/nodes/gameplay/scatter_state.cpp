@@ -264,6 +264,8 @@ void ScatterState::_bind_methods() {
 	bind_guarded<&Self::get_added_count>(D_METHOD("get_added_count"));
 	bind_guarded<&Self::from_bytes>(D_METHOD("from_bytes", "bytes"));
 	bind_guarded<&Self::to_bytes>(D_METHOD("to_bytes"));
+	bind_guarded<&Self::save_to_file>(D_METHOD("save_to_file", "path"));
+	bind_guarded<&Self::load_from_file>(D_METHOD("load_from_file", "path"));
 	bind_guarded<&Self::diff_since>(D_METHOD("diff_since", "revision"));
 	bind_guarded<&Self::diff_of>(D_METHOD("diff_of", "ids"));
 	bind_guarded<&Self::apply_diff>(D_METHOD("apply_diff", "diff"));

@@ -77,6 +77,12 @@ public:
 	godot::Error from_bytes(const godot::PackedByteArray &p_bytes);
 	godot::PackedByteArray to_bytes() const;
 
+	/// What to_bytes returns, as a file: see replace_file. An error is printed, and leaves the old file as it was.
+	godot::Error save_to_file(const godot::String &p_path) const;
+
+	/// What save_to_file wrote, in place of all that is here. After an error, which is printed, nothing has changed.
+	godot::Error load_from_file(const godot::String &p_path);
+
 	/// For a peer that knows this state as it was at `revision`.
 	godot::PackedByteArray diff_since(int64_t p_revision) const;
 
@@ -107,6 +113,9 @@ public:
 	/// Whether a designer has made it, so that a running game changes a copy.
 	void set_designed(bool p_designed) { designed_ = p_designed; }
 	bool is_designed() const { return designed_; }
+
+	/// Warns, once, where `load()` would return this same object: a game that loads what it has saved gets what it has played since.
+	void warn_if_cached();
 
 	/// The same content, of no file and not a designer's.
 	godot::Ref<ScatterState> copy() const;
@@ -168,6 +177,7 @@ private:
 	Leavings leavings_;
 	bool telling_ = false;
 	bool designed_ = false;
+	bool warned_ = false; ///< See warn_if_cached.
 	const godot::StringName instances_changed_ =
 			"instances_changed"; ///< The signal: making a name costs as much as a removal.
 	std::uint64_t frame_ = std::numeric_limits<std::uint64_t>::max(); ///< The last in which a node moved the clock on.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/status.hpp"
+#include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/classes/global_constants.hpp>
 #include <godot_cpp/core/error_macros.hpp>
@@ -12,11 +13,10 @@ namespace thicket {
 
 /// Says which method of a ScatterState was refused, and why.
 inline godot::Error told(const char *p_method, const Status &status) {
-	if (status.ok()) {
-		return godot::OK;
+	if (!status.ok()) {
+		ERR_PRINT(godot::String((std::string("ScatterState.") + p_method + ": " + describe(status)).c_str()));
 	}
-	ERR_PRINT(godot::String((std::string("ScatterState.") + p_method + ": " + describe(status)).c_str()));
-	return status.code == ErrorCode::corrupt ? godot::ERR_FILE_CORRUPT : godot::ERR_INVALID_DATA;
+	return error_of(status);
 }
 
 } // namespace thicket

@@ -100,17 +100,20 @@ void ScatterMask::set_data(const PackedByteArray &p_data) {
 		clear();
 		return;
 	}
-	const Status status = mask_.from_bytes({p_data.ptr(), static_cast<std::size_t>(p_data.size())});
-	report(class_name, for_scripts(status));
-	if (!status.ok()) {
-		return;
+	report(class_name, take(p_data));
+}
+
+Status ScatterMask::take(const PackedByteArray &p_bytes) {
+	const Status status = mask_.from_bytes({p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())});
+	if (status.ok()) {
+		// The bytes know it to 1/255 only; what a scene says beside them is finer.
+		if (std::lround(255.0 * background_) != std::lround(255.0 * mask_.background())) {
+			background_ = mask_.background();
+		}
+		snapshot_ = nullptr;
+		emit_changed();
 	}
-	// The bytes know it to 1/255 only; what a scene says beside them is finer.
-	if (std::lround(255.0 * background_) != std::lround(255.0 * mask_.background())) {
-		background_ = mask_.background();
-	}
-	snapshot_ = nullptr;
-	emit_changed();
+	return for_scripts(status);
 }
 
 PackedByteArray ScatterMask::get_data() const {
@@ -208,6 +211,8 @@ void ScatterMask::_bind_methods() {
 	bind_guarded<&Self::get_background>(D_METHOD("get_background"));
 	bind_guarded<&Self::set_data>(D_METHOD("set_data", "data"));
 	bind_guarded<&Self::get_data>(D_METHOD("get_data"));
+	bind_guarded<&Self::save_to_file>(D_METHOD("save_to_file", "path"));
+	bind_guarded<&Self::load_from_file>(D_METHOD("load_from_file", "path"));
 	bind_guarded<&Self::paint>(D_METHOD("paint", "center", "radius", "strength", "hardness", "mode"), DEFVAL(1.0),
 			DEFVAL(0.5), DEFVAL(MODE_PAINT));
 	bind_guarded<&Self::get_pixels>(D_METHOD("get_pixels", "rect"));

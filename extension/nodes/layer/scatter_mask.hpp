@@ -45,6 +45,12 @@ public:
 	void set_data(const godot::PackedByteArray &p_data);
 	godot::PackedByteArray get_data() const;
 
+	/// All of it as a file: see replace_file. An error is printed, and leaves the old file as it was.
+	godot::Error save_to_file(const godot::String &p_path) const;
+
+	/// What save_to_file wrote, in place of all that is here. After an error, which is printed, nothing has changed.
+	godot::Error load_from_file(const godot::String &p_path);
+
 	/// One dab of a Brush. Returns the rectangle of the world (x, z) outside which nothing has changed; empty if nothing has,
 	/// or where a value was refused.
 	godot::Rect2 paint(
@@ -79,6 +85,9 @@ protected:
 private:
 	bool accept_while_blank(const char *p_property, double p_value) const;
 	void reset(double p_pixel_size, double p_background);
+
+	/// What bytes say, in place of all that is here; nothing where they are refused.
+	Status take(const godot::PackedByteArray &p_bytes);
 	godot::Rect2 announce(const Status &status, const Rect &changed);
 
 	PaintedMask mask_;
