@@ -1,5 +1,7 @@
 #include "nodes/common/file_replace.hpp"
 
+#include "core/base/disk_file.hpp"
+
 #include <godot_cpp/classes/dir_access.hpp>
 #include <godot_cpp/classes/file_access.hpp>
 #include <godot_cpp/classes/project_settings.hpp>
@@ -8,128 +10,11 @@
 #include <string>
 #include <string_view>
 
-#if defined(_WIN32)
-#ifndef NOMINMAX
-#define NOMINMAX
-#endif
-#include <windows.h>
-
-#include <algorithm>
-#elif !defined(WEB_ENABLED)
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cstdio>
-#include <cstdlib>
-#include <memory>
-#endif
-
 using namespace godot;
 
 namespace thicket {
 
 namespace {
-
-// The engine writes files, but neither waits for the disk nor, on Windows, replaces a file in one step. These do, with paths in UTF-8.
-
-#if defined(_WIN32)
-
-/// As the system wants it, also where it is longer than 260 characters.
-std::wstring native_path(const std::string &path) {
-	const int size = MultiByteToWideChar(CP_UTF8, 0, path.c_str(), -1, nullptr, 0);
-	std::wstring result(static_cast<std::size_t>(std::max(size, 1)), L'\0');
-	MultiByteToWideChar(CP_UTF8, 0, path.c_str(), -1, result.data(), size);
-	result.pop_back(); // The end of the string.
-	std::replace(result.begin(), result.end(), L'/', L'\\');
-	const bool has_drive = result.size() > 2 && result[1] == L':';
-	return has_drive ? L"\\\\?\\" + result : result;
-}
-
-std::string resolved(const std::string &path) { return path; }
-
-bool can_be_replaced(const std::string &path) {
-	const DWORD attributes = GetFileAttributesW(native_path(path).c_str());
-	return attributes == INVALID_FILE_ATTRIBUTES ||
-			(attributes & (FILE_ATTRIBUTE_DIRECTORY | FILE_ATTRIBUTE_READONLY | FILE_ATTRIBUTE_DEVICE)) == 0;
-}
-
-bool sync_file(const std::string &path, const std::string & /*replaced*/) {
-	void *file = CreateFileW(native_path(path).c_str(), GENERIC_WRITE, FILE_SHARE_READ, nullptr, OPEN_EXISTING,
-			FILE_ATTRIBUTE_NORMAL, nullptr);
-	if (file == INVALID_HANDLE_VALUE) {
-		return false;
-	}
-	const bool synced = FlushFileBuffers(file) != 0;
-	return CloseHandle(file) != 0 && synced;
-}
-
-bool move_over(const std::string &from, const std::string &to) {
-	return MoveFileExW(native_path(from).c_str(), native_path(to).c_str(),
-				   MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH) != 0;
-}
-
-#elif !defined(WEB_ENABLED)
-
-/// The file that a link leads to: the link itself is to stay.
-std::string resolved(const std::string &path) {
-	const std::unique_ptr<char, decltype(&std::free)> target(realpath(path.c_str(), nullptr), &std::free);
-	return target != nullptr ? std::string(target.get()) : path;
-}
-
-/// False for folders, devices and files that may not be written: the folder alone would let any of them be replaced.
-bool can_be_replaced(const std::string &path) {
-	struct stat found = {};
-	return stat(path.c_str(), &found) != 0 || (S_ISREG(found.st_mode) && access(path.c_str(), W_OK) == 0);
-}
-
-/// Waits until the disk has the file, and gives it the permissions of the one that it replaces.
-bool sync_file(const std::string &path, const std::string &replaced) {
-	const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
-	if (file < 0) {
-		return false;
-	}
-	struct stat before = {};
-	if (stat(replaced.c_str(), &before) == 0) {
-		static_cast<void>(fchmod(file, before.st_mode & 07777U)); // Some disks know no permissions.
-	}
-#ifdef F_FULLFSYNC
-	const bool synced =
-			fcntl(file, F_FULLFSYNC) == 0 || fsync(file) == 0; // On macOS fsync leaves it in the disk's own memory.
-#else
-	const bool synced = fsync(file) == 0;
-#endif
-	return close(file) == 0 && synced;
-}
-
-bool move_over(const std::string &from, const std::string &to) {
-	if (std::rename(from.c_str(), to.c_str()) != 0) {
-		return false;
-	}
-	const std::string folder = to.substr(0, to.rfind('/') + 1);
-	const int opened = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC);
-	if (opened >= 0) {
-		static_cast<void>(
-				fsync(opened)); // Some systems refuse this for folders; the file is in its place all the same.
-		close(opened);
-	}
-	return true;
-}
-
-#else
-
-// In a browser the engine keeps files in memory, and copies them to the browser's store after it has closed one.
-std::string resolved(const std::string &path) { return path; }
-
-bool can_be_replaced(const std::string & /*path*/) { return true; }
-
-bool sync_file(const std::string & /*path*/, const std::string & /*replaced*/) { return true; }
-
-bool move_over(const std::string &from, const std::string &to) {
-	return DirAccess::rename_absolute(String::utf8(from.c_str()), String::utf8(to.c_str())) == OK;
-}
-
-#endif
 
 std::string system_path(const String &p_path) {
 	const String path = ProjectSettings::get_singleton()->globalize_path(p_path);
@@ -172,7 +57,7 @@ Error refuse(const char *p_deed, const String &p_path, const char *p_why, Error 
 } // namespace
 
 Error replace_file(const String &p_path, const PackedByteArray &p_bytes, String &r_problem) {
-	const std::string path = resolved(system_path(p_path));
+	const std::string path = resolved_path(system_path(p_path));
 	const auto failed = [&](const char *p_why, Error p_error) {
 		return refuse("write", p_path, p_why, p_error, r_problem);
 	};
@@ -195,7 +80,8 @@ Error replace_file(const String &p_path, const PackedByteArray &p_bytes, String 
 	const char *why = nullptr;
 	if (error != OK || !sync_file(partial, path)) {
 		why = "the disk is full or has failed. Free space there, or choose a different disk. The old file is as it was";
-	} else if (!move_over(partial, path)) {
+	} else if (!(has_disk ? move_over(partial, path)
+						  : DirAccess::rename_absolute(beside, String::utf8(path.c_str())) == OK)) {
 		why = "the new file cannot take its place. Close programs that have it open. The old file is as it was";
 	}
 	if (why != nullptr) {
