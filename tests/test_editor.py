@@ -144,9 +144,9 @@ def editor_project(plain_project) -> Path:
     return plain_project
 
 
-@pytest.mark.parametrize("script", ["impostors", "imports"])
+@pytest.mark.parametrize("script", ["impostors", "imports", "whole_files"])
 def test_small_scenes(godot, godot_xvfb, editor_project, script):
-    """Impostors by one click, imports of instances: checks in these scripts."""
+    """Impostors by one click, imports of instances, files that are replaced: checks in these scripts."""
     run = godot_xvfb if script == "imports" else godot  # Without a renderer no scene is saved in silence.
     done = run(["--editor", "--path", editor_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)

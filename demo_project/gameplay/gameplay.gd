@@ -7,7 +7,7 @@ extends Node3D
 
 const Tour := preload("res://gameplay/tour.gd")
 const TREE := preload("res://gameplay/tree.tscn")
-const SAVED := "user://gameplay_state.res"
+const SAVED := "user://gameplay.state"
 const HIGHLIGHT := preload("res://shaders/highlight.gdshader")
 ## Radians from straight away from the player, to his left, that trees fall.
 const ASIDE := 0.8
@@ -96,20 +96,17 @@ func fell() -> void:
 
 ## Writes what the game has changed, and nothing else.
 func save() -> void:
-	var error := ResourceSaver.save(world.state, SAVED)
+	var error := world.state.save_to_file(SAVED)
 	_say("saved" if error == OK else "not saved: " + error_string(error))
 
 
 ## Puts the world back to what was saved last.
 func load_saved() -> void:
-	var saved: ScatterState
-	if ResourceLoader.exists(SAVED):
-		saved = ResourceLoader.load(SAVED, "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
-	if saved == null:
+	if not FileAccess.file_exists(SAVED):
 		_say("nothing to load")
 		return
-	world.state = saved
-	_say("loaded")
+	var error := world.state.load_from_file(SAVED)
+	_say("loaded" if error == OK else "not loaded: " + error_string(error))
 
 
 func _say(what: String) -> void:

@@ -21,7 +21,7 @@ func _ready() -> void:
 		elif argument.begins_with("--state="):
 			_file = argument.trim_prefix("--state=")
 	if _file != "" and FileAccess.file_exists(_file):
-		var error := world.state.from_bytes(FileAccess.get_file_as_bytes(_file))
+		var error := world.state.load_from_file(_file)
 		if error != OK:
 			return _end("cannot load %s: %s" % [_file, error_string(error)])
 	var error: Error = session.call(&"host", port)
@@ -34,11 +34,8 @@ func _ready() -> void:
 
 func _on_client_left(client: int) -> void:
 	print("server: %d has left, %d felled" % [client, world.state.get_removed_count()])
-	if _file == "":
-		return
-	var file := FileAccess.open(_file, FileAccess.WRITE)
-	if file == null or not file.store_buffer(world.state.to_bytes()):
-		push_error("server: cannot write %s" % _file)
+	if _file != "":
+		world.state.save_to_file(_file) # An error is in the log, and the next save may find room.
 
 
 func _end(why: String) -> void:

@@ -151,4 +151,4 @@ func test_felled_after_a_restart() -> void:
 	check(not drawn(world.place_of("Oak"), notes.id), "nothing is drawn from there")
 	await stand_before(stood.origin)
 	await check_felled(notes.id, stood)
-	DirAccess.remove_absolute("user://gameplay_state.res")
+	DirAccess.remove_absolute("user://gameplay.state")

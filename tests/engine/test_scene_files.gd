@@ -27,17 +27,6 @@ func test_what_was_not_written_is_written_later() -> void:
 	check(not FileAccess.file_exists(PATH), "and written once")
 
 
-func test_a_full_disk_is_reported() -> void:
-	if not FileAccess.file_exists("/dev/full"):
-		check(true, "this system has no /dev/full")
-		return
-	var bytes := PackedByteArray()
-	bytes.resize(1 << 20)
-	SceneFiles.new().put("/dev/full", bytes, null)
-	var messages := errors.take()
-	check(Array(messages).any(func(message: String) -> bool: return "Cannot write /dev/full" in message), str(messages))
-
-
 func test_a_preset_that_is_missing_is_reported() -> void:
 	check(Presets.layers("moor", []).is_empty(), "no layers")
 	check_error(["moor", "forest, meadow, scree"], "no such preset")

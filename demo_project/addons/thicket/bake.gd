@@ -11,6 +11,8 @@ extends RefCounted
 ## [/codeblock]
 ## All files are written beside their final paths first and moved there at the end, so whoever cancels finds what was there before.
 
+const WholeFile := preload("res://addons/thicket/whole_file.gd")
+
 const UNFINISHED := ".bake_unfinished/"
 ## Most tiles of all layers together.
 const MOST_TILES := 100000
@@ -206,7 +208,7 @@ func _file_part(layer: int) -> String:
 
 ## Writes a resource to its unfinished path. Whoever refers to it then names its final path.
 func _save(resource: Resource, file: String) -> bool:
-	var error := ResourceSaver.save(resource, _folder + UNFINISHED + file)
+	var error := WholeFile.save_new(resource, _folder + UNFINISHED + file)
 	resource.set_path_cache(_folder + file)
 	if error != OK:
 		problem = UNWRITABLE % [_folder + file, error_string(error)]

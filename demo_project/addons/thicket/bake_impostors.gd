@@ -13,6 +13,7 @@ extends RefCounted
 ## [member lod_distances].
 
 const Impostor := preload("res://addons/thicket/impostor.gd")
+const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
 ## What lay in a file before an impostor was written into it.
 class Replaced:
@@ -141,7 +142,7 @@ func _save() -> bool:
 					path, error_string(FileAccess.get_open_error())]
 				return false
 			replaced[path].resource = load(path) if ResourceLoader.has_cached(path) else null
-		var error := ResourceSaver.save(_baked[index], path)
+		var error := WholeFile.save(_baked[index], path)
 		if error != OK:
 			problem = "Cannot write %s: %s. Check that its folder has room and may be written." % [path, error_string(error)]
 			return false

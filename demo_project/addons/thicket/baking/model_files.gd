@@ -2,6 +2,8 @@ extends RefCounted
 ## What the instances of a layer look like, as paths of files: those that meshes have in the project, and files made here of what is
 ## built into a scene or made by a script.
 
+const WholeFile := preload("res://addons/thicket/whole_file.gd")
+
 const FOLDER := "user://thicket_models"
 
 ## One for each entry of the layer's [code]meshes[/code]: a [Dictionary] of [code]path[/code], [code]name[/code] and
@@ -58,7 +60,7 @@ func _path_of(resource: Resource, file: String) -> String:
 	if own:
 		return own
 	var path := FOLDER.path_join("%d_%s" % [Time.get_ticks_usec(), file.get_file()])
-	var error := ResourceSaver.save(resource, path, ResourceSaver.FLAG_COMPRESS)
+	var error := WholeFile.save_new(resource, path, ResourceSaver.FLAG_COMPRESS)
 	if error != OK:
 		problem = "Cannot write %s for %s: %s. Check that %s has room and may be written." % [path, file, error_string(error), FOLDER]
 		return ""

@@ -2,6 +2,8 @@
 extends RefCounted
 ## Keeps what tools make, as painted masks and hand-placed instances, in files of their own beside the scene: a scene holds settings only.
 
+const WholeFile := preload("res://addons/thicket/whole_file.gd")
+
 const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists, has room and may be written, then save the scene again."
 const UNREMOVABLE := "Cannot remove %s, which no scene uses any more: %s. Delete it by hand."
 
@@ -23,7 +25,7 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 		problem = "The scene has no file yet. Save the scene first: what you make goes into a file beside it."
 		return false
 	var path := _free_path(scene_path, owner_name, kind)
-	var error := ResourceSaver.save(resource, path)
+	var error := WholeFile.save(resource, path)
 	if error != OK:
 		problem = UNWRITABLE % [path, error_string(error)]
 		return false
@@ -143,25 +145,16 @@ func _remove(path: String) -> void:
 
 
 static func _store(path: String, bytes: PackedByteArray) -> bool:
-	var file := FileAccess.open(path, FileAccess.WRITE)
-	if file == null:
-		push_error(UNWRITABLE % [path, error_string(FileAccess.get_open_error())])
-		return false
-	var stored := file.store_buffer(bytes)
-	file.flush()
-	var error := file.get_error()
-	file.close()
-	if not stored or error != OK:
-		push_error(UNWRITABLE % [path, error_string(error if error != OK else ERR_FILE_CANT_WRITE)])
-		return false
-	EditorInterface.get_resource_filesystem().update_file(path)
-	return true
+	return _reported(path, WholeFile.store(path, bytes))
 
 
 static func _write(resource: Resource) -> bool:
-	var error := ResourceSaver.save(resource, resource.resource_path)
+	return _reported(resource.resource_path, WholeFile.save(resource, resource.resource_path))
+
+
+static func _reported(path: String, error: Error) -> bool:
 	if error != OK:
-		push_error(UNWRITABLE % [resource.resource_path, error_string(error)])
+		push_error(UNWRITABLE % [path, error_string(error)])
 	return error == OK
 
 

@@ -7,7 +7,8 @@ const Text := preload("res://addons/thicket/editor/tutorial_text.gd")
 const FOLDER := "res://addons/thicket/tutorials/"
 ## The pages, in the order in which they are offered.
 const PAGES: PackedStringArray = [
-	"first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md", "streaming_world.md", "far_forest.md",
+	"first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md", "saves_and_mods.md", "streaming_world.md",
+	"far_forest.md",
 ]
 const SIZE := Vector2(900.0, 720.0)
 const LIST_WIDTH := 220.0

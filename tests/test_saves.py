@@ -1,0 +1,98 @@
+"""Saved games: what the tutorial teaches, and disks that are full."""
+
+from __future__ import annotations
+
+import re
+import resource
+import shutil
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import REPO, new_project
+from test_engine import COMPLAINT, assert_passed
+
+ENGINE = REPO / "tests/engine"
+ADDON = REPO / "demo_project/addons/thicket"
+TUTORIAL = ADDON / "tutorials/game_that_fells.md"
+
+# Saves, loads, plays on and loads again, by the functions of the tutorial's script.
+TWICE = """extends SceneTree
+
+func _initialize() -> void:
+	var game: Node3D = load("res://tutorial.gd").new()
+	root.add_child(game)
+	await process_frame
+	game.forest.remove_in_sphere(Vector3.ZERO, 10.0)
+	var saved: int = game.forest.state.get_removed_count()
+	game.save()
+	game.restore()
+	print("loaded: ", game.forest.state.get_removed_count() == saved)
+	game.forest.remove_in_sphere(Vector3.ZERO, 40.0)
+	print("played on: ", game.forest.state.get_removed_count() > saved)
+	game.restore()
+	print("loaded again: ", game.forest.state.get_removed_count() == saved)
+	quit()
+"""
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory) -> Path:
+    return new_project(tmp_path_factory.mktemp("saves"))
+
+
+def test_the_tutorials_save_can_be_loaded_twice(godot, project):
+    """A player saves, loads, plays on and loads again: what was saved comes back each time."""
+    (project / "tutorial.gd").write_text(re.search(r"^```gdscript\n(.*?)^```", TUTORIAL.read_text(), re.MULTILINE | re.DOTALL).group(1))
+    (project / "twice.gd").write_text(TWICE)
+    done = godot(["--path", project, "--script", "twice.gd"], timeout=60)
+    printed = done.stdout + done.stderr
+    for line in ("loaded: true", "played on: true", "loaded again: true"):
+        assert f"\n{line}\n" in printed, printed
+    assert done.returncode == 0 and not COMPLAINT.search(printed), printed
+
+
+@pytest.mark.parametrize("page", ["README.md", "demo_project/addons/thicket/tutorials/game_that_fells.md", "extension/doc_classes/ScatterState.xml"])
+def test_pages_show_saves_that_run_no_code(page):
+    """No page teaches a game to save or load its changes as a resource."""
+    text = (REPO / page).read_text(encoding="utf-8")
+    assert re.search(r"save_to_file\(\"user://", text) and re.search(r"load_from_file\(\"user://", text)
+    assert not re.search(r"ResourceSaver\.[sS]ave\(|state = load\(", text)
+
+
+def test_scripts_replace_files_by_one_helper():
+    """Scripts of the add-on write through whole_file.gd, which checks what the engine does not. The bake into a folder checks by itself."""
+    writing = re.compile(r"^[^#\n]*(ResourceSaver\.save\(|FileAccess\.WRITE|\.save_(png|exr|jpg|webp)\()", re.MULTILINE)
+    scripts = {path.name for path in ADDON.rglob("*.gd") if writing.search(path.read_text(encoding="utf-8"))}
+    assert scripts == {"whole_file.gd", "bake_to_folder.gd"}
+
+
+@pytest.fixture
+def small_disk(tmp_path) -> Path:
+    """A disk of 1 MB, where the tests may mount one."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    if not shutil.which("mount") or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", folder], capture_output=True).returncode != 0:
+        pytest.skip("no disk may be mounted here")
+    yield folder
+    subprocess.run(["umount", folder], check=True)
+
+
+def test_a_full_disk_leaves_the_old_files(godot, project, small_disk):
+    """States, masks, impostors and what the editor's tools write."""
+    script = ENGINE / "full_disk.gd"
+    assert_passed(godot(["--path", project, "--script", script, "--", f"folder={small_disk}", "fill"], timeout=120))
+
+
+def test_a_limit_of_file_sizes_leaves_the_old_files(godot, project, tmp_path):
+    """The same where the system lets no file become larger than 96 KiB."""
+
+    def with_small_files():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (96 << 10, 96 << 10))
+
+    folder = tmp_path / "limited"
+    folder.mkdir()
+    arguments = ["--path", project, "--script", ENGINE / "full_disk.gd", "--", f"folder={folder}"]
+    assert_passed(godot(arguments, timeout=120, preexec_fn=with_small_files))
