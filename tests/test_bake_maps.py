@@ -46,7 +46,7 @@ def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, siz
         assert np.array_equal(gray, np.minimum(want * one, 65535))
         assert about["instances"] == want.sum() and about["pixels_beyond_white"] == (want * one > 65535).sum()
         assert about["pixels_beyond_white"] == 0 or f"{about['file']}: " in done.stderr
-    assert not list((tmp_path / "maps").glob("*.partial"))
+    assert not list((tmp_path / "maps").glob(".*.part"))
 
 
 def test_maps_of_8_bits(bake, expected, tmp_path):

@@ -8,7 +8,7 @@ import threading
 
 import numpy as np
 import pytest
-from conftest import REPO, new_project
+from conftest import REPO, new_project, run
 
 sys.path.insert(0, str(REPO / "tools/bake"))
 from baking import cluster, driver, report, schedule  # noqa: E402 (only on the path above)
@@ -16,6 +16,7 @@ from baking.__main__ import main  # noqa: E402
 from baking.format import FORMAT, MANIFEST, VERSION, BakeError  # noqa: E402
 from baking.grid import TileGrid, inside  # noqa: E402
 from baking.tile_engine import Source  # noqa: E402
+from baking.whole_file import whole_file, write_whole  # noqa: E402
 from reading.glb import BINARY_CHUNK, MAGIC, GlbError, read_glb  # noqa: E402
 
 
@@ -131,3 +132,56 @@ def test_a_forecast_is_refused_for_workers_that_are_no_numbers(tmp_path, capsys)
 def test_a_model_without_json_is_no_binary_gltf():
     with pytest.raises(GlbError, match="JSON cannot be read"):
         read_glb(np.array([MAGIC, 2, 20, 0, BINARY_CHUNK], "<u4").tobytes())
+
+
+# In a process of its own, whose files the system keeps small.
+FULL_DISK = """
+import resource, sys
+from pathlib import Path
+sys.path.insert(0, "tools/bake")
+import numpy as np
+from baking.whole_file import CannotWrite, whole_file, write_whole
+from reading.glb import Glb
+
+def streamed(path, size):
+    with whole_file(path) as file:
+        for _ in range(size // 1000):
+            file.write(bytes(1000))
+
+def glb(path, size):
+    model = Glb("test")
+    model.add_accessor(np.zeros(size // 4, np.float32))
+    model.write(path)
+
+folder = Path(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
+for write in (streamed, glb, lambda path, size: write_whole(path, bytes(size))):
+    path = folder / "file"
+    write(path, 4000)
+    before = path.read_bytes()
+    try:
+        write(path, 200000)
+        print("written")
+    except CannotWrite as error:
+        print(error)
+    print(path.read_bytes() == before, [each.name for each in folder.iterdir()])
+"""
+
+
+def test_a_full_disk_leaves_what_was_there(tmp_path):
+    """Files of a bake and of what reads it: refused in a sentence, with the old file as it was and nothing beside it."""
+    done = run([sys.executable, "-c", FULL_DISK, tmp_path], timeout=60, cwd=REPO)
+    sentence = f"Cannot write {tmp_path / 'file'}: File too large. Free space there, or choose a folder that may be written."
+    assert done.stdout.splitlines() == [sentence, "True ['file']"] * 3, done.stdout + done.stderr
+
+
+def test_what_fails_within_a_file_is_raised_as_it_is(tmp_path):
+    """An error of something else, a file that is read say, is not reported as this one's."""
+    path = tmp_path / "file"
+    write_whole(path, b"old")
+    with pytest.raises(FileNotFoundError, match="missing"), whole_file(path) as file:
+        file.write(b"new")
+        (tmp_path / "missing").read_bytes()
+    with pytest.raises(KeyboardInterrupt), whole_file(path):
+        raise KeyboardInterrupt
+    assert path.read_bytes() == b"old" and [each.name for each in tmp_path.iterdir()] == ["file"]

@@ -5,8 +5,6 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import json
-import os
-import secrets
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,9 +14,8 @@ import pyarrow.parquet as pq
 from . import rows
 from .columns import SCHEMA
 from .format import MANIFEST, tile_of_name
+from .whole_file import PART, CannotWrite, write_whole
 
-# What files are called until they are whole.
-PART = ".part"
 LOCK = ".lock"
 
 # Hardly any two instances have the same number but in these: a dictionary of others takes longer and makes larger files.
@@ -29,31 +26,6 @@ _ENCODINGS |= {"id": "DELTA_BINARY_PACKED"}
 
 class Taken(RuntimeError):
     """Another bake is at work on the folder."""
-
-
-class CannotWrite(RuntimeError):
-    """A file could not be written: a full disk, a folder that is read-only. A sentence."""
-
-
-def write_whole(path: Path, content: bytes | memoryview) -> None:
-    """Puts a file into its place with all of its content, or, raising CannotWrite, leaves what was there."""
-    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}{PART}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with partial.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.rename(path)
-        folder = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            partial.unlink()
-        raise CannotWrite(f"Cannot write {path}: {error.strerror or error}. Free space there, or choose a folder that may be written.") from error
 
 
 def tile_path(out: Path, tile: tuple[int, int]) -> Path:

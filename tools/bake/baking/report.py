@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from . import files
+from .whole_file import CannotWrite, whole_file, write_whole
 from .words import amount, duration
 
 GROUND = (0.93, 0.92, 0.88)
@@ -144,14 +144,11 @@ class Map:
 def write_report(out: Path, workers: int, outcome: Outcome, picture: Map) -> None:
     """Writes map.png and report.md beside the manifest. A failure ends no bake: it sets `unreported`."""
     try:
-        files.write_whole(out / "report.md", report(workers, outcome, picture).encode())
-        partial = out / f".map.png{files.PART}"
-        picture.picture().save(partial, "PNG")
-        partial.rename(out / "map.png")
-    except files.CannotWrite as error:
+        write_whole(out / "report.md", report(workers, outcome, picture).encode())
+        with whole_file(out / "map.png") as file:
+            picture.picture().save(file, "PNG")
+    except CannotWrite as error:
         outcome.unreported = str(error)
-    except OSError as error:
-        outcome.unreported = f"Cannot write {out / 'map.png'}: {error.strerror or error}."
 
 
 def report(workers: int, outcome: Outcome, picture: Map) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from baking.command_line import with_values
 from baking.format import BakeError
+from baking.whole_file import CannotWrite
 
 from . import gltf, godot, maps
 from .say import say
@@ -21,7 +22,7 @@ def main(arguments: list[str]) -> int:
     chosen = _parser().parse_args(with_values(arguments, ("--tiles", "--origin")))
     try:
         WRITERS[chosen.writer].export(chosen)
-    except BakeError as error:
+    except (BakeError, CannotWrite) as error:
         say(str(error))
         return 1
     except OSError as error:

@@ -8,6 +8,7 @@ import struct
 from pathlib import Path
 
 import numpy as np
+from baking.whole_file import write_whole
 
 MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
 COMPONENTS = {np.dtype(np.float32): 5126, np.dtype(np.uint8): 5121, np.dtype(np.uint16): 5123, np.dtype(np.uint32): 5125}
@@ -151,10 +152,8 @@ class Glb:
         return struct.pack("<III", MAGIC, 2, 12 + len(chunks)) + chunks
 
     def write(self, path: Path) -> None:
-        """Writes beside the path first, and moves there what is whole."""
-        partial = path.with_name(path.name + ".partial")
-        partial.write_bytes(self.to_bytes())
-        partial.replace(path)
+        """Puts the file into its place whole, or raises CannotWrite and leaves what was there."""
+        write_whole(path, self.to_bytes())
 
 
 def _shift(entry: dict, key: str, by: int) -> None:

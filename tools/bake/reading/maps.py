@@ -15,6 +15,7 @@ from typing import BinaryIO
 import numpy as np
 import png
 from baking.format import BakeError
+from baking.whole_file import whole_file, write_whole
 
 from .bake import Bake, Layer, Tile, open_bake, read_batches
 from .say import say
@@ -41,6 +42,7 @@ class GrayPng:
     def end(self) -> None:
         self._chunk(self._packer.flush())
         png.write_chunk(self._file, b"IEND")
+        self._file.flush()
 
     def _chunk(self, data: bytes) -> None:
         if data:
@@ -141,7 +143,7 @@ def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, 
     totals, clipped = np.zeros(len(names), np.int64), np.zeros(len(names), np.int64)
     folder.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
-        files = [stack.enter_context((folder / f"{name}.partial").open("wb")) for name in names]
+        files = [stack.enter_context(whole_file(folder / name)) for name in names]
         writers = [GrayPng(file, plan.width, plan.height, bits) for file in files]
         done = 0
         for band in plan.bands(memory):
@@ -156,14 +158,12 @@ def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, 
             progress(done / plan.height)
         for writer in writers:
             writer.end()
-    for name in names:
-        (folder / f"{name}.partial").replace(folder / name)
     described = [
         {"file": name, "layer": layer.index, "name": layer.name, "gray_of_one": gray, "instances": int(total), "pixels_beyond_white": int(beyond)}
         for name, layer, gray, total, beyond in zip(names, bake.layers, grays, totals, clipped)
     ]
     about = {"scene": bake.scene, "scene_digest": bake.scene_digest, "rect": bake.rect, "meters_a_pixel": meters, "width": plan.width}
-    (folder / "maps.json").write_text(json.dumps({**about, "height": plan.height, "bits": bits, "maps": described}, indent=1), encoding="utf-8")
+    write_whole(folder / "maps.json", json.dumps({**about, "height": plan.height, "bits": bits, "maps": described}, indent=1).encode())
     for entry in described:
         if entry["pixels_beyond_white"]:
             say(f"{entry['file']}: {entry['pixels_beyond_white']} pixels have more instances than points of the layer's radius can have; they are white, so use smaller --meters to tell them apart")
