@@ -47,7 +47,6 @@ func test_replaced_files_keep_their_ids() -> void:
 		check(FileAccess.get_file_as_bytes(path) == bytes, "the bytes")
 		check_whole(path, id, mask, "put back " + path)
 		DirAccess.make_dir_absolute(WholeFile.beside(path))
-		check(WholeFile.save(make_mask(2.0), path) != OK, "in the way of the new file")
-		check(WholeFile.store(path, bytes) != OK, "in the way of the bytes")
+		check(WholeFile.store(path, bytes.slice(1)) != OK, "something is in the way of the new file")
 		DirAccess.remove_absolute(WholeFile.beside(path))
 		check_whole(path, id, mask, "after an error, " + path)
