@@ -72,7 +72,7 @@ def test_it_is_said_when_a_scheduler_has_no_workers(monkeypatch):
 
 WORLD = {
     "scene": "res://world.tscn", "seed": 1, "rect": [0, 0, 32, 32], "grid": [0, 0, 1, 1], "tile_size": 32, "complete": False, "digest": None,
-    "layers": [], "tiles": {}, "scene_digest": "", "scene_parts": {},
+    "layers": [], "tiles": {}, "scene_digest": "", "scene_parts": {}, "world_offset": [0, 0, 0],
 }  # fmt: skip
 
 
@@ -99,11 +99,11 @@ def test_a_manifest_that_cannot_be_used_is_said(tmp_path):
     (tmp_path / MANIFEST).write_text("{")
     driver._go_on_with(wish, dict(WORLD), said.append)
     assert len(said) == 1 and str(tmp_path / MANIFEST) in said[0] and "replaced" in said[0], said
-    (tmp_path / MANIFEST).write_text(json.dumps({**WORLD, "format": FORMAT, "version": VERSION, "rect": None} | {"scene": "res://world.tscn"}))
-    with pytest.raises(BakeError, match="rectangle is None"):
+    (tmp_path / MANIFEST).write_text(json.dumps({**WORLD, "format": FORMAT, "version": VERSION, "rect": None}))
+    with pytest.raises(BakeError, match="manifest.json: rect must be an array of 4 values, got null; put the manifest of the bake back"):
         driver._go_on_with(wish, dict(WORLD), said.append)
     (tmp_path / MANIFEST).write_text(json.dumps({"format": FORMAT, "version": VERSION, "scene": "res://world.tscn"}))
-    with pytest.raises(BakeError, match="has no rect, tile_size, layers"):
+    with pytest.raises(BakeError, match="manifest.json: scene_digest is missing, and must be there"):
         driver._go_on_with(wish, dict(WORLD), said.append)
 
 

@@ -26,13 +26,13 @@ def test_a_folder_without_a_bake_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("values", "says"),
     [
-        ({"version": 2}, "version is not 1, the one that is known here; it is 2"),
+        ({"version": 2}, "version must be 1, the one that is known here, got 2; bake again with this version of Thicket"),
         ({"format": "other"}, "is not the manifest of a bake"),
-        ({"rect": [0, 0, -5, 5]}, "rect is no rectangle; it is [0, 0, -5, 5]"),
-        ({"tile_size": 0}, "tile_size is no length; it is 0"),
-        ({"layers": [{"index": 0}]}, "has something in it that cannot be read: KeyError('radius')"),
-        ({"layers": [{"index": 0, "radius": 0, "models": []}]}, "the radius of layer 0 is 0, and must be above 0 m"),
-        ({"tiles": {"0,0": {"file": "../../other", "rows": 1, "digest": ""}}}, "the file of tile 0,0 lies outside of the bake"),
+        ({"rect": [0, 0, -5, 5]}, "rect must be x, z, width and depth in meters, the last two above 0, got -5; put the manifest of the bake back"),
+        ({"tile_size": 0}, "tile_size must be a number from 0.001 to 1e+12, got 0"),
+        ({"layers": [{"index": 0}]}, "layers[0].radius is missing, and must be there"),
+        ({"layers": [{"index": 0, "radius": 0, "models": []}]}, "layers[0].radius must be a number from 0.001 to 1e+06, got 0"),
+        ({"tiles": {"0,0": {"file": "../../other", "rows": 1, "digest": "0" * 64}}}, "the file of tile 0,0 lies outside of the bake"),
     ],
 )
 def test_a_manifest_without_sense_is_refused(copy, tmp_path, values, says):
@@ -41,19 +41,20 @@ def test_a_manifest_without_sense_is_refused(copy, tmp_path, values, says):
 
 
 def test_damaged_tiles_are_refused(copy, tmp_path):
-    """Missing, cut off, or not the one that the manifest means: each is told with the file's name."""
+    """Missing, cut off, or not the one that the manifest means: each is told with the file's name, and how to bake it again."""
     first, second = (copy / f"tiles/tile_{x}_-20002.parquet" for x in (60000, 60001))
     whole = first.read_bytes()
     for damage in (lambda: first.unlink(), lambda: first.write_bytes(whole[: len(whole) // 2]), lambda: shutil.copy(copy / "tiles/tile_60002_-20001.parquet", first)):
         damage()
         said = refused("maps", copy, tmp_path / "maps")
         assert "tile_60000_-20002.parquet" in said or "tile 60000,-20002 cannot be read" in said, said
-        assert "bake again, which makes only what is missing" in said
+        assert "bake that tile again: give the command of the bake --tiles 60000,-20002" in said
     first.write_bytes(whole)
     broken = bytearray(second.read_bytes())
     broken[100:2000] = bytes(1900)
     second.write_bytes(broken)
-    assert "tile_60001_-20002.parquet is damaged" in refused("gltf", copy, tmp_path / "gltf", "--stand-ins")
+    assert "tile 60001,-20002 is damaged" in refused("gltf", copy, tmp_path / "gltf", "--stand-ins")
+    assert "tile_60001_-20002.parquet is damaged" in refused("gltf", copy, tmp_path / "gltf", "--stand-ins", "--no-verify")
 
 
 def test_a_folder_that_cannot_be_written_is_refused_by_name(copy, tmp_path):

@@ -7,6 +7,7 @@ little outside of their tile. FOLDER/expected.npz holds the columns of all tiles
 
 from __future__ import annotations
 
+import hashlib
 import json
 import sys
 from pathlib import Path
@@ -14,6 +15,10 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools/bake"))
+from baking import rows  # noqa: E402 (only on the path above)
+from baking.columns import SCHEMA  # noqa: E402
 
 TILE_SIZE = 50.0
 OFFSET = (3_000_000.0, 16.0, -1_000_000.0)
@@ -71,7 +76,9 @@ def write_tile(folder: Path, x: int, z: int, columns: dict[str, np.ndarray]) -> 
     oak = columns["layer"] == 0
     nullable = ("color", "variation", "wind_phase")
     table = pa.table({name: pa.array(values, mask=~oak if name in nullable else None) for name, values in columns.items()})
-    table = table.replace_schema_metadata({"thicket.tile": f"{x},{z}", "thicket.scene_digest": "5ce7e", "thicket.digest": "d16e57"})
+    table = pa.Table.from_arrays(table.columns, schema=SCHEMA)
+    digest = rows.digest(rows.to_columns(table))
+    table = table.replace_schema_metadata({"thicket.tile": f"{x},{z}", "thicket.scene_digest": "5ce7e", "thicket.digest": digest})
     file = f"tiles/tile_{x}_{z}.parquet"
     pq.write_table(table, folder / file, compression="zstd", row_group_size=64)
     places = np.stack([columns[axis] for axis in "xyz"], axis=1)
@@ -79,7 +86,8 @@ def write_tile(folder: Path, x: int, z: int, columns: dict[str, np.ndarray]) -> 
         "file": file,
         "rows": len(oak),
         "rows_of_layer": [int((columns["layer"] == layer["index"]).sum()) for layer in LAYERS],
-        "digest": "d16e57",
+        "digest": digest,
+        "sha256": hashlib.sha256((folder / file).read_bytes()).hexdigest(),
         "bounds": [*places.min(axis=0), *places.max(axis=0)] if len(oak) else None,
     }
 

@@ -13,8 +13,9 @@ from pathlib import Path
 from distributed import Client, as_completed
 
 from . import cluster, files, tile
-from .format import FORMAT, MANIFEST, VERSION, BakeError, name_of, read_manifest, tile_of_name
+from .format import FORMAT, MANIFEST, VERSION, BakeError, name_of, tile_of_name
 from .grid import TileGrid
+from .manifest import check_manifest, read_manifest
 from .report import Map, Outcome, Progress, write_report
 from .tile_engine import EngineGone, Refused, Source
 from .tile_folder import MadeTiles
@@ -127,9 +128,7 @@ def _go_on_with(wish: Wish, manifest: dict, say: Callable[[str], None]) -> None:
     again = f"Bake into a different folder, or start again in {wish.out} with --fresh."
     if before.get("version") != VERSION:
         raise BakeError(f"{wish.out} holds a bake of version {before.get('version')}, this is version {VERSION}. {again}")
-    missing = [key for key in ("scene", "rect", "tile_size", "layers", "scene_digest", "tiles") if key not in before]
-    if missing:
-        raise BakeError(f"{wish.out / MANIFEST} has no {', '.join(missing)}. {again}")
+    check_manifest(before, wish.out / MANIFEST)
     if before["scene"] != manifest["scene"]:
         raise BakeError(f"{wish.out} holds a bake of another scene, {before['scene']}, not {manifest['scene']}. {again}")
     for key, name in {"rect": "the rectangle", "tile_size": "the size of tiles"}.items():
@@ -165,7 +164,7 @@ def _make_all(
             at = next(waiting, None)
             if at is None:
                 return
-            future = client.submit(tile.make, plan, at, pure=False, retries=0)
+            future = client.submit(tile.make, plan, at, outcome.manifest["tiles"].get(name_of(at), {}), pure=False, retries=0)
             tile_of_key[future.key] = at
             futures.add(future)
 

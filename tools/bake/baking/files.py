@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import hashlib
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -33,21 +34,27 @@ def tile_path(out: Path, tile: tuple[int, int]) -> Path:
     return out / "tiles" / f"tile_{tile[0]}_{tile[1]}.parquet"
 
 
-def write_tile(path: Path, columns: rows.Columns, marks: dict[str, str]) -> None:
-    """Writes sorted rows, with marks for the file's metadata."""
+def write_tile(path: Path, columns: rows.Columns, marks: dict[str, str]) -> str:
+    """Writes sorted rows, with marks for the file's metadata. Returns the SHA-256 of the file."""
     table = rows.to_table(columns).replace_schema_metadata(marks)
     sink = pa.BufferOutputStream()
     pq.write_table(
         table, sink, compression="zstd", use_dictionary=_DICTIONARIES, column_encoding=_ENCODINGS, write_page_checksum=True
     )
-    write_whole(path, sink.getvalue())
+    content = sink.getvalue()
+    write_whole(path, content)
+    return hashlib.sha256(content).hexdigest()
 
 
-def read_tile(path: Path, marks: dict[str, str]) -> tuple[rows.Columns, dict[str, str]] | None:
-    """The rows and all marks of a file that is whole and bears these marks; None for any other, or none. Every bit of the rows counts:
-    they have to have the digest that the file names."""
+def read_tile(path: Path, marks: dict[str, str], known: dict) -> tuple[rows.Columns, dict[str, str], str] | None:
+    """The rows, all marks and the SHA-256 of a file that is whole and bears these marks; None for any other, or none. Every bit of the rows counts:
+    they have to have the digest that the file names. `known` is what a manifest says of the tile: the file must have its `digest` and `sha256`, as far as it has them."""
     try:
-        with pq.ParquetFile(path, page_checksum_verification=True, memory_map=False) as file:
+        content = path.read_bytes()
+        sha256 = hashlib.sha256(content).hexdigest()
+        if known.get("sha256", sha256) != sha256:
+            return None
+        with pq.ParquetFile(pa.BufferReader(content), page_checksum_verification=True) as file:
             table = file.read()
         found = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
         if any(found.get(name) != value for name, value in marks.items()):
@@ -55,7 +62,8 @@ def read_tile(path: Path, marks: dict[str, str]) -> tuple[rows.Columns, dict[str
         columns = rows.to_columns(table)
     except (OSError, ValueError, pa.ArrowException):  # A UnicodeDecodeError is a ValueError, and so is BadRows.
         return None
-    return (columns, found) if rows.digest(columns) == found.get("thicket.digest") else None
+    digest = rows.digest(columns)
+    return (columns, found, sha256) if digest == found.get("thicket.digest") == known.get("digest", digest) else None
 
 
 def write_manifest(out: Path, manifest: dict) -> None:

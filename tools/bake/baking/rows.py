@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable
 
 import numpy as np
 import pyarrow as pa
@@ -79,26 +80,38 @@ def to_columns(table: pa.Table) -> Columns:
         raise BadRows("its columns are others")
     columns: Columns = {}
     for name in SCHEMA.names:
-        column = table[name].combine_chunks()
-        column = column.chunk(0) if isinstance(column, pa.ChunkedArray) and column.num_chunks else column
-        if isinstance(column, pa.ChunkedArray):
-            column = pa.array([], column.type)
-        if name in _MASKS:
-            columns[_MASKS[name]] = column.is_valid().to_numpy(zero_copy_only=False)
-            column = column.fill_null(0)
-        columns[name] = column.to_numpy(zero_copy_only=False)
+        columns[name], mask = column_of(table, name)
+        if mask is not None:
+            columns[_MASKS[name]] = mask
     return columns
+
+
+def column_of(table: pa.Table, name: str) -> tuple[np.ndarray, np.ndarray | None]:
+    """A column of a table, 0 for null, and where it has values; None for a column that has them everywhere."""
+    column = table[name].combine_chunks()
+    column = column.chunk(0) if isinstance(column, pa.ChunkedArray) and column.num_chunks else column
+    if isinstance(column, pa.ChunkedArray):
+        column = pa.array([], column.type)
+    mask = None
+    if name in _MASKS:
+        mask = column.is_valid().to_numpy(zero_copy_only=False)
+        column = column.fill_null(0)
+    return column.to_numpy(zero_copy_only=False), mask
 
 
 def digest(columns: Columns) -> str:
     """SHA-256 over every bit of sorted rows, as hexadecimal digits: column by column in the order of SCHEMA, each as its name, a zero
     and its little-endian numbers (0 for none), the ones that may be empty with a byte a row, 1 for a number, before them."""
+    return digest_of((columns[name], columns.get(_MASKS.get(name, ""))) for name in SCHEMA.names)
+
+
+def digest_of(columns: Iterable[tuple[np.ndarray, np.ndarray | None]]) -> str:
+    """As digest, for columns as column_of returns them, in the order of SCHEMA."""
     hashing = hashlib.sha256()
-    for name in SCHEMA.names:
+    for name, (column, mask) in zip(SCHEMA.names, columns, strict=True):
         hashing.update(name.encode() + b"\0")
-        if name in _MASKS:
-            hashing.update(np.ascontiguousarray(columns[_MASKS[name]], np.uint8))
-        column = columns[name]
+        if mask is not None:
+            hashing.update(np.ascontiguousarray(mask, np.uint8))
         hashing.update(np.ascontiguousarray(column, column.dtype.newbyteorder("<")))
     return hashing.hexdigest()
 

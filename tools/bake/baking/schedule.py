@@ -20,7 +20,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .format import MANIFEST, BakeError, read_manifest
+from .format import MANIFEST, BakeError
+from .manifest import check_costs, read_manifest
 from .words import amount, duration
 
 
@@ -52,6 +53,7 @@ class Forecast:
 def read_costs(folder: Path) -> Costs:
     """What the manifest of a bake says. Raises BakeError where it says nothing."""
     manifest = read_manifest(folder)
+    check_costs(manifest, folder / MANIFEST)
     seconds = [tile["core_seconds"] for tile in manifest["tiles"].values() if tile.get("core_seconds") is not None]
     costs = manifest.get("costs")
     if not seconds or not costs:

@@ -133,8 +133,8 @@ def describe(source: Source | MadeTiles, asked: dict[str, str]) -> dict:
     return described
 
 
-def make(plan: Plan, tile: tuple[int, int]) -> dict:
-    """Makes a tile's file, unless it is there and whole. Returns the tile's entry in the manifest and, beside it, `made` (False for one
+def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
+    """Makes a tile's file, unless it is there, whole, and has the digests of its entry in the manifest so far, which may be empty. Returns the tile's entry in the manifest and, beside it, `made` (False for one
     that was there), `pixels` (see _pixels), `seconds`, `core_seconds` (of this process and the engine), `starting` (seconds besides, for an
     engine that had to be started) and `memory`. What goes wrong comes as `failed` (this tile cannot be made; others can), `stop` (no other
     could be either), each a sentence."""
@@ -142,15 +142,15 @@ def make(plan: Plan, tile: tuple[int, int]) -> dict:
     _own.starting = 0.0
     path = files.tile_path(Path(plan.out), tile)
     marks = plan.marks(tile)
-    known = files.read_tile(path, marks)
+    known = files.read_tile(path, marks, entry)
     try:
         if known is None:
             files.remove(path)  # No reader shall take it for a tile.
             columns, sheared = _made(plan, tile)
             marks |= {"thicket.digest": rows.digest(columns), "thicket.sheared": str(sheared)}
-            files.write_tile(path, columns, marks)
+            sha256 = files.write_tile(path, columns, marks)
         else:
-            columns, marks = known
+            columns, marks, sha256 = known
     except (SceneChanged, files.CannotWrite) as error:
         return {"tile": tile, "stop": str(error)}
     except (Refused, EngineGone) as error:
@@ -159,7 +159,7 @@ def make(plan: Plan, tile: tuple[int, int]) -> dict:
     return {
         "tile": tile,
         "made": known is None,
-        "entry": _entry(plan, path, columns, marks),
+        "entry": {**_entry(plan, path, columns, marks), "sha256": sha256},
         "pixels": _pixels(plan, columns),
         "seconds": time.perf_counter() - start - _own.starting,
         "core_seconds": _core_seconds_of_tile(),

@@ -39,7 +39,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("bake", type=Path, help="folder that a bake has written")
     writers = parser.add_subparsers(dest="writer", required=True, prog="bake_export.sh BAKE")
     for name, writer in WRITERS.items():
-        writer.add_options(writers.add_parser(name, description=writer.__doc__))
+        options = writers.add_parser(name, description=writer.__doc__)
+        options.add_argument("--no-verify", dest="verify", action="store_false", help="read tiles without comparing them with the manifest's digests")
+        writer.add_options(options)
     return parser
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,9 +10,10 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 from baking.columns import SCHEMA
-from baking.format import MANIFEST, VERSION, BakeError, name_of, read_manifest, tile_of_name
+from baking.format import MANIFEST, BakeError, name_of, tile_of_name
+from baking.manifest import REMEDY, check_manifest, read_manifest
 
-NEEDED = ("format", "version", "scene", "scene_digest", "rect", "tile_size", "world_offset", "layers", "tiles")
+from .verify import check
 
 
 @dataclass(frozen=True)
@@ -54,11 +54,18 @@ class Tile:
     file: Path
     rows: int
     rows_of_layer: tuple[int, ...]
-    digest: str
+    digest: str  # Of the rows.
+    sha256: str  # Of the file; "" in manifests of older bakes.
     bounds: tuple[float, ...] | None  # Least x, y, z, then greatest; None for no rows.
+    is_verified: bool  # Whether the file is compared with the digests before it is read.
 
     def __str__(self) -> str:
         return name_of((self.x, self.z))
+
+    @property
+    def remedy(self) -> str:
+        """What to do about a file that cannot be used."""
+        return f"bake that tile again: give the command of the bake --tiles {self}"
 
 
 @dataclass(frozen=True)
@@ -82,93 +89,72 @@ class Bake:
         return next(layer for layer in self.layers if layer.index == index)
 
 
-def _refused(value: object, what: str, manifest: Path, remedy: str) -> BakeError:
-    return BakeError(f"{manifest}: {what} is {json.dumps(value, default=str)[:80]}; {remedy}")
-
-
 def _model(entry: dict) -> Model:
     lods = entry.get("lods") or [{"path": entry.get("path", "")}]
-    begins = [float(lod.get("distance") or 0.0) for lod in lods]
-    if sorted(begins) != begins or begins[0] != 0:
-        raise ValueError(f"the levels of {entry.get('name')} begin at {begins}: the first must begin at 0, each later one no nearer")
-    return Model(str(entry.get("name", "")), tuple(Level(str(lod.get("path", "")), begin) for lod, begin in zip(lods, begins)))
+    return Model(entry.get("name", ""), tuple(Level(lod["path"], float(lod.get("distance", 0.0))) for lod in lods))
 
 
 def _layer(entry: dict) -> Layer:
-    if not 0.0 < float(entry["radius"]) < np.inf:
-        raise ValueError(f"the radius of layer {entry['index']} is {entry['radius']}, and must be above 0 m")
     return Layer(
         index=int(entry["index"]),
-        name=str(entry.get("name", "")) or f"Layer{entry['index']}",
+        name=entry.get("name") or f"Layer{int(entry['index'])}",
         radius=float(entry["radius"]),
-        colored=bool(entry.get("colored", False)),
-        custom_data=bool(entry.get("custom_data", False)),
+        colored=entry.get("colored", False),
+        custom_data=entry.get("custom_data", False),
         models=tuple(_model(model) for model in entry["models"]),
-        view_distance=float(entry.get("view_distance") or 0.0),
+        view_distance=float(entry.get("view_distance", 0.0)),
         cast_shadow=int(entry.get("cast_shadow", 1)),
         render_layers=int(entry.get("render_layers", 1)),
-        material=str(entry.get("material") or ""),
+        material=entry.get("material", ""),
     )
 
 
-def _tile(folder: Path, key: str, entry: dict) -> Tile:
+def _tile(folder: Path, key: str, entry: dict, is_verified: bool) -> Tile:
     x, z = tile_of_name(key)
     file = (folder / entry["file"]).resolve()
     if not file.is_relative_to(folder):
-        raise ValueError(f"the file of tile {key} lies outside of the bake: {entry['file']}")
+        raise BakeError(f"{folder / MANIFEST}: the file of tile {key} lies outside of the bake: {entry['file']}; {REMEDY}")
     bounds = entry.get("bounds")
     rows_of_layer = tuple(int(rows) for rows in entry.get("rows_of_layer", []))
-    return Tile(x, z, file, int(entry["rows"]), rows_of_layer, str(entry["digest"]), tuple(bounds) if bounds else None)
+    return Tile(x, z, file, int(entry["rows"]), rows_of_layer, entry["digest"], entry.get("sha256", ""), tuple(bounds) if bounds else None, is_verified)
 
 
-def open_bake(folder: Path | str) -> Bake:
-    """What the manifest of a bake says. A bake that is still under way has the tiles that are done. Raises BakeError where there is no
-    bake, where another version has written it, and where something in it has no sense."""
+def open_bake(folder: Path | str, verify: bool = True) -> Bake:
+    """What the manifest of a bake says. A bake that is still under way has the tiles that are done. Without `verify`, files of tiles are read without a look
+    at their digests. Raises BakeError where there is no bake, where another version has written it, and where something in it has no sense."""
     folder = Path(folder).resolve()
-    said, manifest = read_manifest(folder), folder / MANIFEST
-    if said.get("version") != VERSION:
-        raise _refused(said.get("version"), f"version is not {VERSION}, the one that is known here; it", manifest, "bake again with this version of Thicket")
-    for name in NEEDED:
-        if name not in said:
-            raise BakeError(f"{manifest} has no {name}: bake again, which writes all of it")
-    try:
-        tiles = [_tile(folder, key, entry) for key, entry in said["tiles"].items()]
-        bake = Bake(
-            folder=folder,
-            scene=str(said["scene"]),
-            scene_digest=str(said["scene_digest"]),
-            rect=tuple(float(number) for number in said["rect"]),
-            tile_size=float(said["tile_size"]),
-            world_offset=tuple(float(number) for number in said["world_offset"]),
-            layers=tuple(_layer(entry) for entry in said["layers"]),
-            tiles=tuple(sorted(tiles, key=lambda tile: (tile.z, tile.x))),
-        )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise BakeError(f"{manifest} has something in it that cannot be read: {error!r}; bake again with --fresh") from None
-    if len(bake.rect) != 4 or not (np.isfinite(bake.rect).all() and min(bake.rect[2:]) > 0):
-        raise _refused(said["rect"], "rect is no rectangle; it", manifest, "it must be x, z, width and depth in meters, the last two above 0")
-    if not (np.isfinite(bake.tile_size) and bake.tile_size > 0):
-        raise _refused(said["tile_size"], "tile_size is no length; it", manifest, "it must be meters above 0")
-    if len(bake.world_offset) != 3 or not np.isfinite(bake.world_offset).all():
-        raise _refused(said["world_offset"], "world_offset is no vector; it", manifest, "it must be three finite numbers")
-    return bake
+    said = read_manifest(folder)
+    check_manifest(said, folder / MANIFEST)
+    tiles = [_tile(folder, key, entry, verify) for key, entry in said["tiles"].items()]
+    return Bake(
+        folder=folder,
+        scene=said["scene"],
+        scene_digest=said["scene_digest"],
+        rect=tuple(float(number) for number in said["rect"]),
+        tile_size=float(said["tile_size"]),
+        world_offset=tuple(float(number) for number in said["world_offset"]),
+        layers=tuple(_layer(entry) for entry in said["layers"]),
+        tiles=tuple(sorted(tiles, key=lambda tile: (tile.z, tile.x))),
+    )
 
 
 def _open_tile(tile: Tile) -> pq.ParquetFile:
+    if tile.is_verified:
+        check(tile)
     try:
         file = pq.ParquetFile(tile.file)
     except (OSError, pa.ArrowException) as error:
-        raise BakeError(f"tile {tile} cannot be read: {error}; bake again, which makes only what is missing") from None
+        raise BakeError(f"tile {tile} cannot be read: {error}; {tile.remedy}") from None
     if file.metadata.num_rows != tile.rows:
         found = file.metadata.num_rows
         file.close()
-        raise BakeError(f"{tile.file} has {found} rows and the manifest says {tile.rows}; bake again, which makes only what is missing")
+        raise BakeError(f"{tile.file} has {found} rows and the manifest says {tile.rows}; {tile.remedy}")
     return file
 
 
 def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
-    """Columns of a tile, at most `most_rows` rows at once, in the file's order. Raises BakeError for a file that is missing, damaged, or has not as
-    many rows as the manifest says."""
+    """Columns of a tile, at most `most_rows` rows at once, in the file's order. Raises BakeError for a file that is missing or damaged, that has not as
+    many rows as the manifest says, or not the digest that the manifest has (unless the bake was opened without `verify`)."""
     if tile.rows == 0:
         return
     with _open_tile(tile) as file:
@@ -179,7 +165,7 @@ def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> It
             for batch in file.iter_batches(batch_size=most_rows, columns=columns):
                 yield {name: _numbers(batch.column(name)) for name in columns}
         except (OSError, pa.ArrowException) as error:
-            raise BakeError(f"{tile.file} is damaged: {error}; bake again, which makes only what is missing") from None
+            raise BakeError(f"{tile.file} is damaged: {error}; {tile.remedy}") from None
 
 
 def _numbers(column: pa.Array) -> np.ndarray:
@@ -246,5 +232,5 @@ def groups_of(bake: Bake, tile: Tile, instances: Instances) -> Iterator[tuple[La
         end = starts[number + 1] if number + 1 < len(starts) else len(order)
         index, model = int(sorted_keys[start] >> 16), int(sorted_keys[start] & 0xFFFF)
         if index not in layers or model >= len(layers[index].models):
-            raise BakeError(f"{tile.file} has instances of layer {index}, model {model}, which the manifest does not name; bake again, which makes only what is missing")
+            raise BakeError(f"{tile.file} has instances of layer {index}, model {model}, which the manifest does not name; {tile.remedy}")
         yield layers[index], model, order[start:end]

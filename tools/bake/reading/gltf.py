@@ -128,7 +128,7 @@ def export(chosen: argparse.Namespace) -> None:
         raise BakeError(f"--lod is {chosen.lod}, where 0 or more is expected")
     if not chosen.stand_ins and not (chosen.project / "project.godot").is_file():
         raise BakeError(f"--project: {chosen.project} is no project of Godot: it has no project.godot; use --stand-ins to do without")
-    bake = open_bake(chosen.bake)
+    bake = open_bake(chosen.bake, chosen.verify)
     tiles = chosen_tiles(bake, chosen.tiles.split())
     models = Models(bake, chosen.lod)
     if not chosen.stand_ins:

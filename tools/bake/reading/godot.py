@@ -160,4 +160,4 @@ def export(chosen: argparse.Namespace) -> None:
     """Writes the scenes. Raises BakeError for a value without sense, before anything is written."""
     if not (np.isfinite(chosen.cell) and chosen.cell > 0):
         raise BakeError(f"--cell is {chosen.cell}, where meters above 0 are expected")
-    write_scenes(open_bake(chosen.bake), chosen.folder.resolve(), chosen.cell)
+    write_scenes(open_bake(chosen.bake, chosen.verify), chosen.folder.resolve(), chosen.cell)

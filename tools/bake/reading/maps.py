@@ -108,7 +108,7 @@ class Map:
             slots, rows = self._slots[batch["layer"]], self.rows(batch["z"]) - first
             if (slots < 0).any():
                 unknown = batch["layer"][slots < 0][0]
-                raise BakeError(f"{tile.file} has instances of layer {unknown}, which the manifest does not name; bake again, which makes only what is missing")
+                raise BakeError(f"{tile.file} has instances of layer {unknown}, which the manifest does not name; {tile.remedy}")
             columns = self.columns(batch["x"])
             inside = (rows >= 0) & (rows < band.shape[1])
             for slot in np.unique(slots[inside]):
@@ -178,7 +178,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def export(chosen: argparse.Namespace) -> None:
     """Writes the maps. Raises BakeError for a value without sense, before anything is written."""
-    bake = open_bake(chosen.bake)
+    bake = open_bake(chosen.bake, chosen.verify)
     meters = usual_meters(bake) if chosen.meters is None else chosen.meters
     if not (math.isfinite(meters) and meters > 0):
         raise BakeError(f"--meters is {meters}, where a length above 0 is expected")

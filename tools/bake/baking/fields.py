@@ -1,0 +1,160 @@
+"""Checks of values that were read from JSON. Each check takes a value and raises Refused, which names the field and what is allowed there."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterable
+
+Check = Callable[[object], None]
+
+MOST_CHARACTERS = 1000
+_SHOWN = 80  # Characters of a refused value.
+
+
+class Refused(ValueError):
+    """A value that is not allowed. `str` is a sentence without its end: `layers[0].radius must be a number ..., got null`."""
+
+    def __init__(self, value: object, allowed: str):
+        super().__init__()
+        self.value, self.allowed, self.path = value, allowed, ""
+
+    def within(self, name: str) -> Refused:
+        """The same, for a value that is part of a field with this name, or of an entry [I]."""
+        self.path = name + (f".{self.path}" if self.path and not self.path.startswith("[") else self.path)
+        return self
+
+    def __str__(self) -> str:
+        return f"{self.path or 'it'} must be {self.allowed}, got {shown(self.value)}"
+
+
+class Missing(Refused):
+    """A field that must be there."""
+
+    def __str__(self) -> str:
+        return f"{self.path} is missing, and must be there"
+
+
+def shown(value: object) -> str:
+    """The beginning of a value, without more work than that takes."""
+    if isinstance(value, (dict, list)):
+        return f"an {'object' if isinstance(value, dict) else 'array'} with {len(value)} entries"
+    try:
+        return json.dumps(value)[:_SHOWN]
+    except ValueError:  # A whole number with thousands of digits.
+        return "a huge number"
+
+
+def number(least: float, most: float, allowed: str = "") -> Check:
+    """A finite number in a range."""
+    allowed = allowed or f"a number from {least:g} to {most:g}"
+
+    def check(value: object) -> None:
+        if type(value) not in (int, float) or not least <= value <= most:
+            raise Refused(value, allowed)
+
+    return check
+
+
+def whole(least: int, most: int) -> Check:
+    """A whole number in a range."""
+    allowed = f"a whole number from {least} to {most}"
+
+    def check(value: object) -> None:
+        if type(value) not in (int, float) or not least <= value <= most or value != int(value):
+            raise Refused(value, allowed)
+
+    return check
+
+
+def text(pattern: str = "", allowed: str = "") -> Check:
+    """A text that a path or a terminal can hold; with a pattern, one that fits it as a whole."""
+    allowed = allowed or f"a text of at most {MOST_CHARACTERS} characters, none of them a zero or half of a surrogate pair"
+    form = re.compile(pattern or r"[^\0\ud800-\udfff]*")
+
+    def check(value: object) -> None:
+        if type(value) is not str or len(value) > MOST_CHARACTERS or not form.fullmatch(value):
+            raise Refused(value, allowed)
+
+    return check
+
+
+def flag(value: object) -> None:
+    """true or false."""
+    if type(value) is not bool:
+        raise Refused(value, "true or false")
+
+
+def nullable(check: Check) -> Check:
+    """null, or what another check lets pass."""
+
+    def check_or_null(value: object) -> None:
+        if value is not None:
+            try:
+                check(value)
+            except Refused as refused:
+                refused.allowed += ", or null" if not refused.path else ""
+                raise
+
+    return check_or_null
+
+
+def items(check: Check, least: int = 0, most: int = 1 << 20) -> Check:
+    """An array of so many values that a check lets pass."""
+    allowed = f"an array of {least} values" if least == most else f"an array of {least} to {most} values"
+
+    def check_items(value: object) -> None:
+        if type(value) is not list or not least <= len(value) <= most:
+            raise Refused(value, allowed)
+        for number, item in enumerate(value):
+            try:
+                check(item)
+            except Refused as refused:
+                raise refused.within(f"[{number}]") from None
+
+    return check_items
+
+
+def members(checks: dict[str, Check], needed: Iterable[str] = ()) -> Check:
+    """An object with the needed fields. Those that have a check must pass it; others may be anything."""
+    needed = tuple(needed)
+
+    def check_members(value: object) -> None:
+        if type(value) is not dict:
+            raise Refused(value, "an object")
+        for name in needed:
+            if name not in value:
+                raise Missing(None, "").within(name)
+        for name, check in checks.items():
+            if name in value:
+                try:
+                    check(value[name])
+                except Refused as refused:
+                    raise refused.within(name) from None
+
+    return check_members
+
+
+def mapping(key: Check, check: Check, most: int) -> Check:
+    """An object of at most so many fields; each key and each value passes its check."""
+
+    def check_mapping(value: object) -> None:
+        if type(value) is not dict or len(value) > most:
+            raise Refused(value, f"an object of at most {most} fields")
+        for name, item in value.items():
+            try:
+                key(name)
+                check(item)
+            except Refused as refused:
+                raise refused.within(f"[{json.dumps(name)[:_SHOWN]}]") from None
+
+    return check_mapping
+
+
+def without_repeats(pairs: list[tuple[str, object]]) -> dict:
+    """For `object_pairs_hook` of `json.loads`: raises ValueError for a field that an object has twice."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        raise ValueError(f"the field {json.dumps(next(name for name in names if names.count(name) > 1))[:_SHOWN]} is there twice")
+    return found

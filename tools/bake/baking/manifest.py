@@ -1,0 +1,123 @@
+"""Reads manifest.json, and checks it before anybody trusts it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from . import fields
+from .fields import flag, items, mapping, members, nullable, number, text, whole
+from .format import FORMAT, MANIFEST, VERSION, BakeError, tile_of_name
+
+MOST_TILES = 1_000_000
+MOST_METERS = 1e12
+RADII = (1e-3, 1e6)  # Meters.
+REMEDY = "put the manifest of the bake back, or bake again with --fresh"
+
+_meters = number(-MOST_METERS, MOST_METERS)
+_length = number(1e-3, MOST_METERS)
+_distance = number(0.0, MOST_METERS)
+_whole_32 = whole(-(2**31), 2**31 - 1)
+_rows = whole(0, 2**31 - 1)
+_cost = nullable(number(0.0, 1e12))
+_sha256 = text("[0-9a-f]{64}", "64 hexadecimal digits, a SHA-256")
+_levels = items(members({"path": text(), "distance": _distance}, ["path"]))
+_layer = members(
+    {
+        "index": whole(0, 0xFFFF), "name": text(), "radius": number(*RADII), "colored": flag, "custom_data": flag, "view_distance": _distance,
+        "cast_shadow": whole(0, 3), "render_layers": whole(0, 0xFFFFFFFF), "material": text(),
+        "models": items(members({"path": text(), "name": text(), "lods": nullable(_levels)}), most=0xFFFF),
+    },
+    ["index", "radius", "models"],
+)  # fmt: skip
+_tile = members(
+    {
+        "file": text(), "rows": _rows, "rows_of_layer": items(_rows), "digest": _sha256, "sha256": _sha256,
+        "bounds": nullable(items(_meters, 6, 6)), "sheared": _rows, "seconds": _cost, "core_seconds": _cost,
+    },
+    ["file", "rows", "digest"],
+)  # fmt: skip
+_tile_name = text(r"(0|-?[1-9][0-9]{0,9}),(0|-?[1-9][0-9]{0,9})", "two whole numbers I,J as the key")
+_manifest = members(
+    {
+        "scene": text(), "scene_digest": text(), "scene_parts": mapping(text(), text(), 1 << 20),
+        "rect": items(_meters, 4, 4), "tile_size": _length, "grid": items(_whole_32, 4, 4), "world_offset": items(_meters, 3, 3),
+        "layers": items(_layer, 1, 0x10000), "tiles": mapping(_tile_name, _tile, MOST_TILES), "complete": flag, "digest": nullable(_sha256),
+    },
+    ["scene", "scene_digest", "rect", "tile_size", "world_offset", "layers", "tiles"],
+)  # fmt: skip
+_costs = members(
+    {
+        "tiles": mapping(text(), members({"core_seconds": _cost}), MOST_TILES),
+        "costs": nullable(members(dict.fromkeys(("start_seconds", "driver_seconds", "bytes"), number(0.0, 1e12)), ["start_seconds", "driver_seconds", "bytes"])),
+    },
+    ["tiles"],
+)
+
+
+def read_json(path: Path) -> dict:
+    """The JSON object in a file. Raises BakeError for anything else, and for one that has a field twice."""
+    try:
+        said = json.loads(path.read_bytes().decode(), object_pairs_hook=fields.without_repeats)
+    except FileNotFoundError:
+        raise
+    except RecursionError:
+        raise BakeError(f"{path} cannot be read: its values are nested too deeply") from None
+    except (OSError, ValueError) as error:  # A UnicodeDecodeError is a ValueError.
+        raise BakeError(f"{path} cannot be read: {error}") from None
+    if not isinstance(said, dict):
+        raise BakeError(f"{path} must hold a JSON object")
+    return said
+
+
+def read_manifest(folder: Path) -> dict:
+    """The manifest in a folder, of whatever version, its fields unchecked. Raises BakeError where there is none, or none that can be read."""
+    manifest = folder / MANIFEST
+    try:
+        said = read_json(manifest)
+    except FileNotFoundError:
+        raise BakeError(f"{folder} is no bake: there is no {MANIFEST} in it") from None
+    if said.get("format") != FORMAT:
+        raise BakeError(f"{manifest} is not the manifest of a bake: its format must be {FORMAT}")
+    return said
+
+
+def check_manifest(said: dict, manifest: Path) -> None:
+    """Raises BakeError for a manifest of another version, and for the first field that is missing or has a value without sense."""
+    version = said.get("version")
+    if type(version) is not int or version != VERSION:
+        raise BakeError(f"{manifest}: version must be {VERSION}, the one that is known here, got {fields.shown(version)}; bake again with this version of Thicket")
+    try:
+        _manifest(said)
+        _check_sense(said)
+    except fields.Refused as refused:
+        raise BakeError(f"{manifest}: {refused}; {REMEDY}") from None
+
+
+def check_costs(said: dict, manifest: Path) -> None:
+    """As check_manifest, for the fields that a forecast reads."""
+    try:
+        _costs(said)
+    except fields.Refused as refused:
+        raise BakeError(f"{manifest}: {refused}; {REMEDY}") from None
+
+
+def _check_sense(said: dict) -> None:
+    """What concerns more than one value."""
+    if min(said["rect"][2:]) <= 0:
+        raise fields.Refused(min(said["rect"][2:]), "x, z, width and depth in meters, the last two above 0").within("rect")
+    indices = [layer["index"] for layer in said["layers"]]
+    for number, layer in enumerate(said["layers"]):
+        if indices.index(layer["index"]) != number:
+            raise fields.Refused(layer["index"], "a different number for each layer").within("index").within(f"[{number}]").within("layers")
+        for model, entry in enumerate(layer["models"]):
+            begins = [level.get("distance", 0.0) for level in entry.get("lods") or []]
+            if begins and (begins[0] != 0 or sorted(begins) != begins):
+                name = f"layers[{number}].models[{model}].lods"
+                raise fields.Refused(next((begin for begin in begins if begin), 0), "levels of which the first begins at 0 m, and each later one no nearer").within(name)
+    for name, tile in said["tiles"].items():
+        if max(map(abs, tile_of_name(name))) >= 2**31:
+            raise fields.Refused(name, "two whole numbers I,J below 2147483648 as the key").within(f"[{json.dumps(name)}]").within("tiles")
+        bounds = tile.get("bounds")
+        if bounds and any(low > high for low, high in zip(bounds[:3], bounds[3:])):
+            raise fields.Refused(max(bounds[:3]), "smallest x, y, z, then largest x, y, z").within("bounds").within(f"[{json.dumps(name)}]").within("tiles")

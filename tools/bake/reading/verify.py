@@ -1,0 +1,61 @@
+"""Compares the files of tiles with the digests that the manifest has of them, before anything of them is used."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+from baking import rows
+from baking.columns import SCHEMA
+from baking.format import BakeError
+
+if TYPE_CHECKING:
+    from .bake import Tile
+
+_CHUNK = 1 << 20
+# A file that changed this lately may change again and keep its time, which has steps of milliseconds.
+_SETTLED_NANOSECONDS = 2 * 10**9
+
+# By path: the file's size, its time and so on, and the digest that it was found to have.
+_verified: dict[Path, tuple] = {}
+
+
+def check(tile: Tile) -> None:
+    """Raises BakeError for a tile whose file has not the digest that the manifest has. A file is read once in a process, and again if its size or time
+    changes. `sha256` of the manifest is that of the file's bytes; older manifests have `digest` alone, that of the rows, and then every row is read."""
+    try:
+        status = tile.file.stat()
+        seen = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns, tile.sha256 or tile.digest)
+        if _verified.get(tile.file) == seen:
+            return
+        found = _bytes_digest(tile.file) if tile.sha256 else _rows_digest(tile.file)
+    except (OSError, ValueError, pa.ArrowException) as error:
+        raise BakeError(f"tile {tile} cannot be read: {error}; {tile.remedy}") from None
+    if found != (tile.sha256 or tile.digest):
+        what = "SHA-256" if tile.sha256 else "digest of rows"
+        raise BakeError(
+            f"tile {tile} is damaged, or belongs to another bake: {tile.file} has the {what} {found}, and the manifest has {tile.sha256 or tile.digest}; "
+            f"{tile.remedy}, or read it as it is with --no-verify"
+        )
+    if time.time_ns() - max(status.st_mtime_ns, status.st_ctime_ns) > _SETTLED_NANOSECONDS:
+        _verified[tile.file] = seen
+
+
+def _bytes_digest(path: Path) -> str:
+    hashing = hashlib.sha256()
+    with path.open("rb") as file:
+        while part := file.read(_CHUNK):
+            hashing.update(part)
+    return hashing.hexdigest()
+
+
+def _rows_digest(path: Path) -> str:
+    """What `rows.digest` says, a column at a time."""
+    with pq.ParquetFile(path) as file:
+        if not file.schema_arrow.remove_metadata().equals(SCHEMA):
+            raise ValueError("its columns are others")
+        return rows.digest_of(rows.column_of(file.read(columns=[name]), name) for name in SCHEMA.names)
