@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bakes.small import BAKES, bake, copy, edit_manifest, expected, game, manifest_of, of_tile, reader, refused  # noqa: F401 (some are fixtures)
+from bakes.small import BAKES, bake, copy, edit_manifest, expected, game, manifest_of, of_tile, reader, refused, stops_of  # noqa: F401 (some are fixtures)
 from conftest import REPO, run
 from scipy.spatial.transform import Rotation
 from test_demo import complaints
@@ -85,7 +85,7 @@ def world(bake, game) -> Path:
 @pytest.fixture(scope="module")
 def nodes(godot, game, world) -> list[dict]:
     """What stands in the scenes of the tiles, as the engine has loaded them."""
-    done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://world/baked_world.res"], timeout=60)
+    done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://world/baked_world.baked"], timeout=60)
     found = [json.loads(line) for line in re.findall(r"^node (.*)$", done.stdout, re.MULTILINE)]
     assert done.returncode == 0 and found and not complaints(done.stdout + done.stderr), done.stdout + done.stderr
     for node in found:
@@ -170,7 +170,7 @@ def test_cells_are_smaller_where_levels_change_near_by(godot, copy, game):
     layers[0]["models"][0]["lods"][1]["distance"] = 5.0
     edit_manifest(copy, layers=layers)
     assert reader("godot", copy, game / "near").returncode == 0
-    done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://near/baked_world.res"], timeout=60)
+    done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://near/baked_world.baked"], timeout=60)
     here = [node for node in map(json.loads, re.findall(r"^node (.*)$", done.stdout, re.MULTILINE)) if node["tile"] == [60001, -20001]]
     assert 5 <= sum(node["name"].endswith("_LOD0") for node in here) <= 9
     assert all(5 <= node["end"] < 5 + 30 for node in here if node["name"].endswith("_LOD0"))
@@ -188,11 +188,11 @@ def test_an_export_replaces_an_earlier_one_and_nothing_else(bake, game, world, t
     bare = tmp_path / "bare"
     bare.mkdir()
     (bare / "project.godot").write_text("config_version=5\n")
-    assert "has no addons/thicket/baked_world.gd: copy the add-on, or these two scripts alone" in refused("godot", bake, bare / "out")
+    assert "has no addons/thicket/baked_world.gd: copy the add-on, or these scripts alone" in refused("godot", bake, bare / "out")
     assert "--cell is -1.0, where meters above 0 are expected" in refused("godot", bake, game / "again", "--cell", "-1")
     again = game / "again"
     shutil.copytree(world, again)
-    (again / "tiles/tile_1_1.scn").write_bytes(b"of an earlier bake")
+    (again / "tiles/tile_1_1.baked").write_bytes(b"of an earlier bake")
     assert reader("godot", bake, again).returncode == 0
     assert sorted(file.name for file in (again / "tiles").iterdir()) == sorted(file.name for file in (world / "tiles").iterdir())
 
@@ -202,7 +202,7 @@ def test_a_model_that_cannot_be_had_is_named(copy, game):
     layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}  # As a manifest names scenes in old bakes.
     edit_manifest(copy, layers=layers)
     assert "res://gone.tscn cannot be loaded: is it in the project?" in refused("godot", copy, game / "without")
-    assert not (game / "without/baked_world.res").exists()
+    assert not (game / "without/baked_world.baked").exists()
     layers[0]["models"][1]["path"] = "models/gone.res"
     edit_manifest(copy, layers=layers)
     assert f"{copy} has no models/gone.res, which its manifest names" in refused("godot", copy, game / "without")
@@ -213,15 +213,6 @@ def test_a_model_that_cannot_be_had_is_named(copy, game):
 
 
 # The node that streams
-
-
-def stops_of(engine, game: Path, *steps: str) -> tuple[list[dict], str]:
-    """What is shown after each step, and what was printed. See tests/bakes/stream_tiles.gd."""
-    done = engine(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "stream: done" in done.stdout and "never settled" not in done.stdout, printed[-4000:]
-    assert "leaked" not in printed, printed[-4000:]
-    return [json.loads(line) for line in re.findall(r"^stop (.*)$", done.stdout, re.MULTILINE)], printed
 
 
 def distance(tile: str, place: tuple[float, float]) -> float:
@@ -266,19 +257,3 @@ def test_the_world_moves_with_the_origin(godot, game, world):
     assert stops[0]["tiles"] == stops[1]["tiles"]
     for key, place in stops[0]["places"].items():
         assert stops[1]["places"][key] == [place[0] - 64, place[1], place[2]]
-
-
-def test_a_tile_that_cannot_be_shown_is_told_and_the_others_come(godot, game, world):
-    """One file is missing, one is no scene, one is of another export: an error each, once, that names the file."""
-    hurt = game / "hurt"
-    shutil.copytree(world, hurt)
-    (hurt / "tiles/tile_60000_-20002.scn").unlink()
-    (hurt / "tiles/tile_60001_-20002.scn").write_text("no scene")
-    shutil.copy(hurt / "tiles/tile_60003_-20000.scn", hurt / "tiles/tile_60002_-20000.scn")
-    stops, printed = stops_of(godot, game, "90,-40", "other=res://hurt/baked_world.res", "far=200", "far=201")
-    told = [line for line in complaints(printed) if "BakedWorld" in line]
-    for name, why in (("60000, -20002", "is missing"), ("60001, -20002", "cannot be read"), ("60002, -20000", "is not what this world has there")):
-        (line,) = [line for line in told if f"({name})" in line]
-        assert f"{why}. Export the bake again." in line and "res://hurt/tiles/tile_" in line
-    assert sorted(stops[-1]["failed"]) == [[60000, -20002], [60001, -20002], [60002, -20000]]
-    assert len(stops[-1]["tiles"]) == 8

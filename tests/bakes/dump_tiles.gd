@@ -2,12 +2,21 @@ extends SceneTree
 ## Prints what each tile of an exported world holds: a line of JSON for each of its nodes. Arguments: the index's path.
 
 
+const Index := preload("res://addons/thicket/baked_world_index.gd")
+const Tile := preload("res://addons/thicket/baked_world_tile.gd")
+
+
 func _initialize() -> void:
-	var index: Resource = load(OS.get_cmdline_user_args()[0])
+	var index := Index.new()
+	index.read(OS.get_cmdline_user_args()[0])
+	var meshes: Array[Mesh] = []
+	for mesh in index.meshes:
+		meshes.append(load(mesh))
 	for number in index.instances.size():
 		var tile := Vector2i(index.tiles[2 * number], index.tiles[2 * number + 1])
-		var root := (load(index.tile_path(tile)) as PackedScene).instantiate()
-		for node: MultiMeshInstance3D in root.get_children():
+		var file := Tile.new(index, number, meshes, [])
+		file.run()
+		for node: MultiMeshInstance3D in file.node.get_children():
 			var multimesh := node.multimesh
 			print("node ", JSON.stringify({
 				"tile": [tile.x, tile.y],
@@ -24,5 +33,5 @@ func _initialize() -> void:
 				"box": [node.custom_aabb.position.x, node.custom_aabb.position.y, node.custom_aabb.position.z,
 					node.custom_aabb.end.x, node.custom_aabb.end.y, node.custom_aabb.end.z],
 			}))
-		root.free()
+		file.drop()
 	quit()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -18,12 +19,12 @@ TOOLS = REPO / "tools/bake"
 
 
 def new_game(folder: Path) -> Path:
-    """A project that has no extension, only the two scripts that stream a world, and the models of the small bake."""
+    """A project that has no extension, only the scripts that stream a world, and the models of the small bake."""
     scripts = folder / "addons/thicket"
     scripts.mkdir(parents=True)
     (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Baked"\n')
-    for name in ("baked_world.gd", "baked_world_index.gd"):
-        shutil.copy(ADDON / name, scripts)
+    for script in ADDON.glob("baked_world*.gd"):
+        shutil.copy(script, scripts)
     (folder / "oak.tres").write_text('[gd_resource type="CylinderMesh" format=3]\n[resource]\nheight = 6.0\n')
     (folder / "far.tres").write_text('[gd_resource type="BoxMesh" format=3]\n[resource]\nsize = Vector3(1, 6, 1)\n')
     return folder
@@ -86,3 +87,12 @@ def of_tile(rows: dict[str, np.ndarray], tile: list[int], layer: int, model: int
     here = (rows["tile_x"] == tile[0]) & (rows["tile_z"] == tile[1]) & (rows["layer"] == layer) & (rows["model"] == model)
     found = select(rows, here)
     return select(found, np.lexsort((found["id"], found["rank"])))
+
+
+def stops_of(engine, game: Path, *steps: str) -> tuple[list[dict], str]:
+    """What is shown after each step, and what was printed. See tests/bakes/stream_tiles.gd."""
+    done = engine(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0 and "stream: done" in done.stdout and "never settled" not in done.stdout, printed[-4000:]
+    assert "leaked" not in printed, printed[-4000:]
+    return [json.loads(line) for line in re.findall(r"^stop (.*)$", done.stdout, re.MULTILINE)], printed

@@ -29,7 +29,7 @@ func _initialize() -> void:
 		elif argument.begins_with("far="):
 			_world.view_distance = value.to_float()
 		elif argument.begins_with("other="):
-			_world.index = load(value)
+			_world.index_file = value
 		else:
 			_camera.position = Vector3(argument.get_slice(",", 0).to_float(), 920.0, argument.get_slice(",", 1).to_float())
 		await _settle()

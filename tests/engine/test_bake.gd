@@ -192,13 +192,16 @@ func test_failures_that_leave_something() -> void:
 	DirAccess.remove_absolute(kept)
 	var index := preload("res://addons/thicket/baked_world_index.gd").new()
 	index.tile_size = 32.0
-	index.world_offset = PackedFloat64Array([0, 0, 0])
 	index.tiles = PackedInt32Array([0, 0, 1, 0])
 	index.instances = PackedInt32Array([5])
 	index.centers = PackedFloat64Array([0, 0, 0])
+	FileAccess.open(FOLDER.path_join("world.baked"), FileAccess.WRITE).store_buffer(index.packed())
 	var world := preload("res://addons/thicket/baked_world.gd").new()
-	world.index = index
-	check_error(["BakedWorld.index", "tiles", "4, 3"], "an index")
+	world.index_file = FOLDER.path_join("world.baked")
+	check_error(["BakedWorld.index_file", "68 bytes for 1 tiles, got 44"], "an index")
+	world.index_file = FOLDER.path_join("none.baked")
+	check_error(["BakedWorld.index_file", "cannot be opened"], "no index")
+	DirAccess.remove_absolute(FOLDER.path_join("world.baked"))
 	world.free()
 
 

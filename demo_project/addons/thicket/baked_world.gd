@@ -2,28 +2,35 @@ class_name BakedWorld
 extends Node3D
 ## Streams the tiles of a baked world around the current camera. Plain GDScript: it needs no extension, so it runs where none can be loaded.
 ##
-## [code]bash demo_project/bake_export.sh OUT godot FOLDER[/code] writes the tiles of a bake as scenes, and [code]baked_world.scn[/code] with one such node.
+## [code]bash demo_project/bake_export.sh OUT godot FOLDER[/code] writes the tiles of a bake, and [code]baked_world.scn[/code] with one such node.
 ## Files are read on threads, and at most [member frame_budget_usec] of a frame go into tiles that come or go, or one tile where that takes longer. What is
 ## baked stands as it is: for rules, felling and queries use [code]TerrainScatter3D[/code].
+##
+## The index and the tiles are data: reading them runs no code of whoever wrote them, so they may come from players. The index has the SHA-256 of
+## each tile, and a tile with a different one is not shown. Meshes and materials are loaded as the game's own files, and only from [code]res://[/code].
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")
+const Tile := preload("res://addons/thicket/baked_world_tile.gd")
+const Models := preload("res://addons/thicket/baked_world_models.gd")
 
 ## A tile is in the tree from now on.
 signal tile_shown(tile: Vector2i)
 ## A tile is gone.
 signal tile_freed(tile: Vector2i)
-## A tile cannot be loaded; an error says why. It is not tried again until [member index] is set.
+## A tile cannot be loaded; an error says why. It is not tried again until [member index_file] is set.
 signal tile_failed(tile: Vector2i)
 
 ## Files that are read at once.
 const MOST_LOADING := 4
-const INVALID := "BakedWorld.index: %s must have %s, got %s. Nothing that depends on it is shown. Export the bake again."
+const UNUSABLE := "BakedWorld.index_file is %s, which must be the index of a baked world: %s. Nothing is shown. Export the bake again (bake_export.sh)."
+const OUTDATED := "BakedWorld.index names %s, which an earlier version exported, with scenes for tiles. Scenes may run code, so nothing is shown. " \
+		+ "Export the bake again (bake_export.sh); the bake itself is still good."
 
-## Which tiles there are.
-@export var index: Index:
+## The index of the world, [code]baked_world.baked[/code]. The tiles lie beside it. Empty for nothing.
+@export_file("*.baked") var index_file := "":
 	set(value):
 		_drop_all()
-		index = value
+		index_file = value
 		_look_up()
 ## Tiles that are nearer to the camera than this are shown, in meters in the plane of x and z. A tile goes when it is farther away by a quarter of its side.
 @export_range(0.0, 100000.0, 1.0, "or_greater", "suffix:m") var view_distance := 512.0:
@@ -46,13 +53,17 @@ var world_offset := Vector3.ZERO:
 		for tile in _shown:
 			_shown[tile].position = _place_of(_numbers[tile])
 
+var _index: Index # Null for none, and for one that cannot be used.
+var _models: Models
 var _numbers: Dictionary[Vector2i, int] = {} # Of each tile in the index.
 var _shown: Dictionary[Vector2i, Node3D] = {}
-var _loading: Dictionary[Vector2i, String] = {} # The path that is being read.
+var _loading: Dictionary[Vector2i, Tile] = {}
 var _failed: Dictionary[Vector2i, bool] = {}
 var _wanted: Array[Vector2i] = [] # Neither shown nor being read, the nearest last.
-# What stands for a renderer in a headless engine may not be told of multimeshes by several threads.
-var _reads_on_threads := DisplayServer.get_name() != "headless"
+# Most builds for the web have no threads.
+var _has_threads: bool = OS.has_feature("threads") and ProjectSettings.get_setting("threading/worker_pool/max_threads", -1) != 0
+# Without a display the engine has a stand-in for a renderer, which several threads may not use for multimeshes.
+var _builds_on_threads: bool = _has_threads and DisplayServer.get_name() != "headless"
 var _is_stale := true
 var _looked_from := Vector2.INF # World x, z.
 
@@ -62,19 +73,27 @@ func _exit_tree() -> void:
 	_is_stale = true
 
 
+## Worlds that earlier versions exported set an index that was a resource.
+func _set(property: StringName, value: Variant) -> bool:
+	if property != &"index":
+		return false
+	push_error(OUTDATED % ((value as Resource).resource_path if value is Resource else str(value)))
+	return true
+
+
 func _process(_delta: float) -> void:
 	var from := _viewer()
-	if from == null or index == null:
+	if from == null or _index == null:
 		return
 	var place := from.global_position - global_position
 	var here := Vector2(place.x + world_offset.x, place.z + world_offset.z)
-	if _is_stale or here.distance_to(_looked_from) > index.tile_size / 16.0:
+	if _is_stale or here.distance_to(_looked_from) > _index.tile_size / 16.0:
 		_look_around(here)
+	var deadline := Time.get_ticks_usec() + frame_budget_usec
 	# Whoever hears a signal may have changed anything.
-	if index != null:
+	if _index != null and _has_models(deadline):
 		_request()
-	if index != null:
-		_take(Time.get_ticks_usec() + frame_budget_usec)
+		_take(deadline)
 
 
 ## The tiles that are in the tree, in no order.
@@ -82,7 +101,7 @@ func get_shown_tiles() -> Array[Vector2i]:
 	return _shown.keys()
 
 
-## The scene of a tile: a [MultiMeshInstance3D] for each layer and model. Null while it is not shown.
+## The root of a tile, which has a [MultiMeshInstance3D] for each layer and model. Null while it is not shown.
 func get_tile(tile: Vector2i) -> Node3D:
 	return _shown.get(tile)
 
@@ -91,13 +110,13 @@ func get_tile(tile: Vector2i) -> Node3D:
 func get_instance_count() -> int:
 	var sum := 0
 	for tile in _shown:
-		sum += index.instances[_numbers[tile]]
+		sum += _index.instances[_numbers[tile]]
 	return sum
 
 
 ## Whether everything that is near enough is shown, but for what cannot be loaded.
 func is_settled() -> bool:
-	return index != null and not _is_stale and _wanted.is_empty() and _loading.is_empty()
+	return _index != null and not _is_stale and _wanted.is_empty() and _loading.is_empty()
 
 
 func _viewer() -> Node3D:
@@ -109,35 +128,33 @@ func _viewer() -> Node3D:
 func _look_up() -> void:
 	_numbers.clear()
 	_failed.clear()
-	if index == null:
+	_index = null
+	if index_file.is_empty():
 		return
-	var count := index.instances.size()
-	if index.tiles.size() != 2 * count or index.centers.size() != 3 * count or count > 0 and not index.tile_size > 0.0:
-		push_error(INVALID % ["tiles, centers and tile_size", "2 and 3 numbers for each of the %d entries of instances, and meters above 0" % count,
-				"%d, %d and %s" % [index.tiles.size(), index.centers.size(), index.tile_size]])
+	var index := Index.new()
+	if not index.read(index_file):
+		push_error(UNUSABLE % [index_file, index.problem])
 		return
-	for number in count:
+	_index = index
+	for number in index.instances.size():
 		_numbers[Vector2i(index.tiles[2 * number], index.tiles[2 * number + 1])] = number
-	if index.world_offset.size() not in [0, 3]:
-		push_error(INVALID % ["world_offset", "3 numbers", index.world_offset.size()])
-	elif not index.world_offset.is_empty():
-		world_offset = Vector3(index.world_offset[0], index.world_offset[1], index.world_offset[2])
+	world_offset = Vector3(index.world_offset[0], index.world_offset[1], index.world_offset[2])
 	_is_stale = true
 
 
 ## In double precision up to the last step.
 func _place_of(number: int) -> Vector3:
 	return Vector3(
-		index.centers[3 * number] - world_offset.x,
-		index.centers[3 * number + 1] - world_offset.y,
-		index.centers[3 * number + 2] - world_offset.z,
+		_index.centers[3 * number] - world_offset.x,
+		_index.centers[3 * number + 1] - world_offset.y,
+		_index.centers[3 * number + 2] - world_offset.z,
 	)
 
 
 ## Meters from a place to the square of a tile.
 func _distance(tile: Vector2i, here: Vector2) -> float:
-	var least := Vector2(tile) * index.tile_size
-	return here.distance_to(here.clamp(least, least + Vector2.ONE * index.tile_size))
+	var least := Vector2(tile) * _index.tile_size
+	return here.distance_to(here.clamp(least, least + Vector2.ONE * _index.tile_size))
 
 
 func _look_around(here: Vector2) -> void:
@@ -145,7 +162,7 @@ func _look_around(here: Vector2) -> void:
 	_looked_from = here
 	var gone: Array[Vector2i] = []
 	for tile: Vector2i in _shown.keys():
-		if _distance(tile, here) > view_distance + index.tile_size / 4.0:
+		if _distance(tile, here) > view_distance + _index.tile_size / 4.0:
 			gone.append(tile)
 			_shown[tile].queue_free()
 			_shown.erase(tile)
@@ -162,8 +179,8 @@ func _look_around(here: Vector2) -> void:
 
 
 func _tiles_near(here: Vector2) -> Array[Vector2i]:
-	var least := Vector2i(((here - Vector2.ONE * view_distance) / index.tile_size).floor())
-	var greatest := Vector2i(((here + Vector2.ONE * view_distance) / index.tile_size).floor())
+	var least := Vector2i(((here - Vector2.ONE * view_distance) / _index.tile_size).floor())
+	var greatest := Vector2i(((here + Vector2.ONE * view_distance) / _index.tile_size).floor())
 	var near: Array[Vector2i] = []
 	# Whichever are fewer: the squares around, or the tiles that there are.
 	if float(greatest.x - least.x + 1) * (greatest.y - least.y + 1) > _numbers.size():
@@ -176,49 +193,62 @@ func _tiles_near(here: Vector2) -> Array[Vector2i]:
 	return near
 
 
+## Whether the meshes and materials are there, which tiles need to be read.
+func _has_models(deadline: int) -> bool:
+	if _models == null:
+		_models = Models.new(_index, _builds_on_threads)
+	return _models.load_step(deadline)
+
+
 func _request() -> void:
-	while index != null and not _wanted.is_empty() and _loading.size() < MOST_LOADING:
-		var tile: Vector2i = _wanted.pop_back()
-		var path := index.tile_path(tile)
-		if not ResourceLoader.exists(path, "PackedScene"):
-			_fail(tile, "%s is missing" % path)
-			continue
-		var error := ResourceLoader.load_threaded_request(path, "PackedScene") if _reads_on_threads else OK
-		if error == OK:
-			_loading[tile] = path
-		else:
-			_fail(tile, "%s cannot be requested (%s) and so cannot be read" % [path, error_string(error)])
+	while not _wanted.is_empty() and _loading.size() < MOST_LOADING:
+		var wanted: Vector2i = _wanted.pop_back()
+		var tile := Tile.new(_index, _numbers[wanted], _models.meshes, _models.materials)
+		if _has_threads:
+			tile.task = WorkerThreadPool.add_task(tile.run if _builds_on_threads else tile.read, false, "Read a tile of a BakedWorld")
+		_loading[wanted] = tile
 
 
 func _take(deadline: int) -> void:
-	for tile: Vector2i in _loading.keys():
-		if not _loading.has(tile):
+	for at: Vector2i in _loading.keys():
+		# A signal may have dropped all.
+		if not _loading.has(at):
 			return
-		var path := _loading[tile]
-		if _reads_on_threads and ResourceLoader.load_threaded_get_status(path) == ResourceLoader.THREAD_LOAD_IN_PROGRESS:
+		var tile := _loading[at]
+		if _has_threads and not WorkerThreadPool.is_task_completed(tile.task):
 			continue
-		_loading.erase(tile)
-		var scene := (ResourceLoader.load_threaded_get(path) if _reads_on_threads else ResourceLoader.load(path)) as PackedScene
-		if scene == null:
-			_fail(tile, "%s cannot be read" % path)
-		elif _distance(tile, _looked_from) <= view_distance + index.tile_size / 4.0:
-			_show(tile, scene, path)
+		_loading.erase(at)
+		_finish(tile)
+		if tile.node == null:
+			_fail(at, tile.problem)
+		elif _distance(at, _looked_from) <= view_distance + _index.tile_size / 4.0:
+			_show(at, tile)
+		else:
+			tile.drop()
 		if Time.get_ticks_usec() >= deadline:
 			return
 
 
-func _show(tile: Vector2i, scene: PackedScene, path: String) -> void:
-	var node := scene.instantiate() as Node3D
-	var number := _numbers[tile]
-	if node == null or node.get_meta(&"baked", []) != [tile, index.instances[number], index.scene_digest]:
-		if node != null:
-			node.free()
-		_fail(tile, "%s is not what this world has there" % path)
+## Frees the task of a tile that was read, and does what no thread has done.
+func _finish(tile: Tile) -> void:
+	if _has_threads:
+		WorkerThreadPool.wait_for_task_completion(tile.task)
+	else:
+		tile.read()
+	if not _builds_on_threads:
+		tile.build()
+
+
+func _show(at: Vector2i, tile: Tile) -> void:
+	var place := _place_of(_numbers[at])
+	if not place.is_finite():
+		tile.drop()
+		_fail(at, "its center is %s, which must be finite" % place)
 		return
-	node.position = _place_of(number)
-	add_child(node)
-	_shown[tile] = node
-	tile_shown.emit(tile)
+	tile.node.position = place
+	_shown[at] = tile.node
+	add_child(tile.node)
+	tile_shown.emit(at)
 
 
 func _fail(tile: Vector2i, why: String) -> void:
@@ -228,11 +258,18 @@ func _fail(tile: Vector2i, why: String) -> void:
 
 
 func _drop_all() -> void:
-	for tile in _loading:
-		if _reads_on_threads: # The engine keeps what was requested and not taken.
-			ResourceLoader.load_threaded_get(_loading[tile])
+	var loading := _loading
+	_loading = {}
+	for at in loading:
+		loading[at].is_cancelled = true
+	for at in loading:
+		if _has_threads:
+			WorkerThreadPool.wait_for_task_completion(loading[at].task)
+		loading[at].drop()
 	for tile in _shown:
 		_shown[tile].queue_free()
-	_loading.clear()
+	if _models != null:
+		_models.drop()
+	_models = null
 	_shown.clear()
 	_wanted.clear()

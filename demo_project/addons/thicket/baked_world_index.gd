@@ -1,23 +1,98 @@
 class_name BakedWorldIndex
-extends Resource
-## Which tiles a baked world has. [code]demo_project/bake_export.sh[/code] writes it, [BakedWorld] reads it.
+extends RefCounted
+## Which tiles a baked world has, and the meshes and materials that they name. [code]demo_project/bake_export.sh[/code] writes it as
+## [code]baked_world.baked[/code], [BakedWorld] reads it.
 
+const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
+
+const _DIGEST_BYTES := 32
+const _TILE_BYTES := 36 + _DIGEST_BYTES
+const MOST_METERS := 1e12
+
+## The file that it was read from.
+var path := ""
 ## What names the settings that all instances follow from.
-@export var scene_digest := ""
+var scene_digest := ""
 ## The side of a tile in meters.
-@export var tile_size := 0.0
+var tile_size := 0.0
 ## By how much places in the world differ from places in the scene that was baked: x, y, z in meters.
-@export var world_offset := PackedFloat64Array()
+var world_offset := PackedFloat64Array([0.0, 0.0, 0.0])
 ## The layers, in the order of the bake.
-@export var layer_names := PackedStringArray()
+var layer_names := PackedStringArray()
+## Paths of the meshes that tiles number, all in [code]res://[/code].
+var meshes := PackedStringArray()
+## Paths of the materials that tiles number, all in [code]res://[/code].
+var materials := PackedStringArray()
 ## Column and row of each tile: tile (i, j) begins at i and j times [member tile_size] in the world's x and z.
-@export var tiles := PackedInt32Array()
+var tiles := PackedInt32Array()
 ## How many instances each tile has.
-@export var instances := PackedInt32Array()
+var instances := PackedInt32Array()
 ## Where each tile's transforms start from in the world: x, y, z in meters.
-@export var centers := PackedFloat64Array()
+var centers := PackedFloat64Array()
+## The SHA-256 of each tile's file, 32 bytes each; see [code]baked_world_file.gd[/code].
+var digests := PackedByteArray()
+
+## What is wrong with the file; empty if nothing is.
+var problem := ""
 
 
-## The file of the tile with this column and row, beside the file of this resource.
+## Reads the index in a file. Returns false with a [member problem] for any other file.
+func read(from: String) -> bool:
+	path = from
+	var file := BakedFile.new()
+	if file.read(from):
+		_take(file)
+	problem = file.problem if file.problem else problem
+	return problem.is_empty()
+
+
+## The content of the file that [method read] takes.
+func packed() -> PackedByteArray:
+	var header := {
+		"kind": "index", "scene_digest": scene_digest, "tile_size": tile_size, "world_offset": Array(world_offset), "count": instances.size(),
+		"layer_names": layer_names, "meshes": meshes, "materials": materials,
+	}
+	var payload := tiles.to_byte_array()
+	for part: PackedByteArray in [instances.to_byte_array(), centers.to_byte_array(), digests]:
+		payload.append_array(part)
+	return BakedFile.packed(header, payload)
+
+
+## The file of the tile with this column and row, beside the file of the index.
 func tile_path(tile: Vector2i) -> String:
-	return "%s/tiles/tile_%d_%d.scn" % [resource_path.get_base_dir(), tile.x, tile.y]
+	return "%s/tiles/tile_%d_%d.%s" % [path.get_base_dir(), tile.x, tile.y, BakedFile.EXTENSION]
+
+
+## The SHA-256 that the file of the tile with this number must have.
+func digest_of(number: int) -> PackedByteArray:
+	return digests.slice(number * _DIGEST_BYTES, (number + 1) * _DIGEST_BYTES)
+
+
+func _take(file: BakedFile) -> void:
+	var header := file.header
+	if file.text(header, "kind") != "index":
+		problem = "it is no index of a baked world"
+		return
+	scene_digest = file.text(header, "scene_digest")
+	tile_size = file.number(header, "tile_size", 0.01, MOST_METERS)
+	world_offset = file.numbers(header, "world_offset", 3)
+	layer_names = PackedStringArray(file.list(header, "layer_names", TYPE_STRING))
+	meshes = PackedStringArray(file.list(header, "meshes", TYPE_STRING))
+	materials = PackedStringArray(file.list(header, "materials", TYPE_STRING))
+	for resource in meshes + materials:
+		if not is_in_project(resource):
+			problem = "its meshes and materials must lie in res://, got %s" % resource.left(80)
+	var count := file.whole(header, "count", 0, BakedFile.MOST_BYTES / _TILE_BYTES)
+	if file.payload.size() != count * _TILE_BYTES:
+		problem = "it must have %d bytes for %d tiles, got %d" % [count * _TILE_BYTES, count, file.payload.size()]
+	if problem or file.problem:
+		return
+	tiles = file.payload.slice(0, count * 8).to_int32_array()
+	instances = file.payload.slice(count * 8, count * 12).to_int32_array()
+	centers = file.payload.slice(count * 12, count * 36).to_float64_array()
+	digests = file.payload.slice(count * 36)
+
+
+## Whether a path can only mean a file of the game itself: loading a resource from elsewhere may run foreign scripts.
+static func is_in_project(resource: String) -> bool:
+	return resource.begins_with("res://") and not ".." in resource

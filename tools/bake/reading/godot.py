@@ -1,4 +1,4 @@
-"""Writes a bake as scenes of Godot: one for each tile, and a world that streams them. See READERS.md."""
+"""Writes a bake for Godot: a file for each tile, and a world that streams them. See READERS.md."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ from .piped_script import PipedScript
 from .say import say
 
 SCRIPT = "write_tiles.gd"
-ADDON = ("addons/thicket/baked_world.gd", "addons/thicket/baked_world_index.gd")
-STALE = ("tiles/tile_*.scn", "models/*", "baked_world.res", "baked_world.scn")
+ADDON = tuple(f"addons/thicket/baked_world{part}.gd" for part in ("", "_file", "_format", "_index", "_models", "_tile"))
+WORLD, INDEX = "baked_world.scn", "baked_world.baked"
+OLD_INDEX = "baked_world.res"  # Earlier versions wrote tiles as scenes, and this.
+STALE = ("tiles/tile_*.baked", "tiles/tile_*.scn", "models/*", INDEX, OLD_INDEX, WORLD)
 
 
 class Meshes:
@@ -91,14 +93,14 @@ def write_tile(bake: Bake, tile: Tile, inside: str, cell: float, meshes: Meshes,
 
 
 def tile_file(tile: Tile) -> str:
-    return f"tiles/tile_{tile.x}_{tile.z}.scn"
+    return f"tiles/tile_{tile.x}_{tile.z}.baked"
 
 
 def write_world(bake: Bake, inside: str, tiles: list[Tile], engine: PipedScript) -> None:
     payload = np.array([[tile.x, tile.z] for tile in tiles], "<i4").reshape(-1, 2).tobytes()
     payload += np.array([tile.rows for tile in tiles], "<i4").tobytes()
     payload += np.array([center_of(bake, tile) for tile in tiles], "<f8").reshape(-1, 3).tobytes()
-    job = {"do": "world", "index": f"{inside}/baked_world.res", "scene": f"{inside}/baked_world.scn", "count": len(tiles)}
+    job = {"do": "world", "index": f"{inside}/{INDEX}", "scene": f"{inside}/{WORLD}", "count": len(tiles)}
     job |= {"scene_digest": bake.scene_digest, "tile_size": bake.tile_size, "world_offset": list(bake.world_offset)}
     engine.ask({**job, "layer_names": [layer.name for layer in bake.layers]}, payload)
 
@@ -109,7 +111,7 @@ def project_of(folder: Path) -> Path:
         if (parent / "project.godot").is_file():
             for script in ADDON:
                 if not (parent / script).is_file():
-                    raise BakeError(f"{parent} has no {script}: copy the add-on, or these two scripts alone: {', '.join(ADDON)}")
+                    raise BakeError(f"{parent} has no {script}: copy the add-on, or these scripts alone: {', '.join(ADDON)}")
             return parent
     raise BakeError(f"{folder} lies in no project of Godot: no folder above it has a project.godot; choose a folder in the game's project")
 
@@ -118,7 +120,7 @@ def check_folder(bake: Bake, folder: Path) -> None:
     """Refuses folders that hold something else, so that nothing is lost that nobody baked."""
     if folder == bake.folder or folder.is_relative_to(bake.folder) or bake.folder.is_relative_to(folder):
         raise BakeError(f"{folder} and the bake in {bake.folder} lie in each other: choose another folder")
-    if folder.is_dir() and any(folder.iterdir()) and not (folder / "baked_world.res").is_file() and not (folder / ".unfinished").is_file():
+    if folder.is_dir() and any(folder.iterdir()) and not any((folder / name).is_file() for name in (INDEX, OLD_INDEX, ".unfinished")):
         raise BakeError(f"{folder} has files in it that no export has written: choose an empty folder")
 
 
@@ -147,8 +149,11 @@ def write_scenes(bake: Bake, folder: Path, cell: float) -> None:
             if (number + 1) % 100 == 0 or number + 1 == len(tiles):
                 say(f"{number + 1} of {len(tiles)} tiles")
         write_world(bake, inside, tiles, engine)
+        for name in (INDEX, WORLD):
+            if not (folder / name).is_file():
+                raise BakeError(f"Godot did not write {folder / name}; check that {project} has the add-on of this checkout. It had printed:\n{engine.printed()}")
     (folder / ".unfinished").unlink()
-    say(f"{inside}/baked_world.scn streams {bake.rows} instances in {len(tiles)} tiles")
+    say(f"{inside}/{WORLD} streams {bake.rows} instances in {len(tiles)} tiles")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

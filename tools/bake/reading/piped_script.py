@@ -58,6 +58,9 @@ class PipedScript:
 
     def _ended(self) -> BakeError:
         self._process.wait()
+        return BakeError(f"Godot ended with status {self._process.returncode} before its work was done; it had printed:\n{self.printed()}")
+
+    def printed(self) -> str:
+        """The end of the engine's errors so far."""
         self._said.seek(0)
-        said = self._said.read().decode(errors="replace")[-KEPT:]
-        return BakeError(f"Godot ended with status {self._process.returncode} before its work was done; it had printed:\n{said}")
+        return self._said.read().decode(errors="replace")[-KEPT:]

@@ -1,15 +1,18 @@
 extends SceneTree
-## Writes the tiles of a bake as scenes of MultiMeshInstance3Ds, without the extension. godot.py says what to write.
+## Writes the tiles of a bake as files that BakedWorld reads, without the extension. godot.py says what to write.
 
 const JobReader := preload("job_reader.gd")
 const Models := preload("read_models.gd")
+const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 const Index := preload("res://addons/thicket/baked_world_index.gd")
 const World := preload("res://addons/thicket/baked_world.gd")
+
+const UNWRITABLE := "Cannot write %s: %s. Check that its folder has room and may be written."
 
 var _reader := JobReader.new()
 var _meshes: Array[Mesh] = []
 var _materials: Array[Material] = []
-var _folder := ""
+var _digests := PackedByteArray() # Of the tiles, in the order in which they were written.
 
 
 func _initialize() -> void:
@@ -45,7 +48,7 @@ func _take_mesh(job: Dictionary) -> String:
 	if mesh.resource_path.is_empty() or "::" in mesh.resource_path:
 		var error := ResourceSaver.save(mesh, job.own, ResourceSaver.FLAG_COMPRESS)
 		if error != OK:
-			return "Cannot write %s: %s. Check that its folder has room and may be written." % [job.own, error_string(error)]
+			return UNWRITABLE % [job.own, error_string(error)]
 		mesh = ResourceLoader.load(job.own, "", ResourceLoader.CACHE_MODE_REPLACE)
 		if mesh == null:
 			return "%s was written and cannot be loaded: export again." % job.own
@@ -65,50 +68,29 @@ func _take_material(job: Dictionary) -> String:
 	var material := ResourceLoader.load(job.path) as Material
 	if material == null:
 		return "%s cannot be loaded as a material: is it in the project?" % job.path
+	if not Index.is_in_project(material.resource_path):
+		return "%s is a material inside of another file, which tiles cannot name: save it as a file of its own." % job.path
 	_materials.append(material)
 	return ""
 
 
 func _write_tile(job: Dictionary, payload: PackedByteArray) -> String:
-	var root := Node3D.new()
-	root.name = "Tile_%d_%d" % job.tile
-	# By which a world knows its own tiles.
-	root.set_meta(&"baked", [Vector2i(int(job.tile[0]), int(job.tile[1])), int(job.instances), job.scene_digest])
+	var nodes: Array[Dictionary] = []
 	for entry: Dictionary in job.nodes:
-		var node := _instance(entry, payload)
-		root.add_child(node, true)
-		node.owner = root
-	var scene := PackedScene.new()
-	var error := scene.pack(root)
-	root.free()
-	return _save(scene, job.file) if error == OK else "Cannot pack the scene of %s: %s." % [job.file, error_string(error)]
-
-
-func _instance(entry: Dictionary, payload: PackedByteArray) -> MultiMeshInstance3D:
-	var multimesh := MultiMesh.new()
-	multimesh.transform_format = MultiMesh.TRANSFORM_3D
-	multimesh.use_colors = entry.use_colors
-	multimesh.use_custom_data = entry.use_custom_data
-	multimesh.mesh = _meshes[entry.mesh]
-	multimesh.instance_count = entry.count
-	multimesh.buffer = payload.slice(entry.from, entry.to).to_float32_array()
-	var node := MultiMeshInstance3D.new()
-	node.name = entry.name
-	node.multimesh = multimesh
-	node.cast_shadow = entry.cast_shadow as GeometryInstance3D.ShadowCastingSetting
-	node.layers = entry.render_layers
-	if entry.material >= 0:
-		node.material_override = _materials[entry.material]
-	node.visibility_range_begin = entry.begin
-	node.visibility_range_end = entry.end
-	if entry.has("least"):
-		node.custom_aabb = _box(entry)
-	return node
+		nodes.append({
+			"name": entry.name, "mesh": entry.mesh, "material": entry.material, "count": entry.count, "from": entry.from,
+			"use_colors": entry.use_colors, "use_custom_data": entry.use_custom_data, "cast_shadow": entry.cast_shadow,
+			"render_layers": entry.render_layers, "begin": entry.begin, "end": entry.end, "box": _box(entry) if entry.has("least") else null,
+		})
+	var header := {"tile": job.tile, "instances": job.instances, "scene_digest": job.scene_digest, "nodes": nodes}
+	var content := BakedFile.packed(header, payload)
+	_digests.append_array(BakedFile.digest_in(content))
+	return _write(content, job.file)
 
 
 ## The box around what a node may draw in any of its levels of detail. The engine measures distances from the middle of a box, so the levels of a
 ## model need the same one, or there would be a gap between them.
-func _box(entry: Dictionary) -> AABB:
+func _box(entry: Dictionary) -> Array[float]:
 	var least := Vector3(entry.least[0], entry.least[1], entry.least[2])
 	var greatest := Vector3(entry.greatest[0], entry.greatest[1], entry.greatest[2])
 	var reach := 0.0
@@ -116,7 +98,8 @@ func _box(entry: Dictionary) -> AABB:
 		var box := _meshes[mesh].get_aabb()
 		for corner in 8:
 			reach = maxf(reach, box.get_endpoint(corner).length())
-	return AABB(least, greatest - least).grow(reach * float(entry.largest_scale))
+	var box := AABB(least, greatest - least).grow(reach * float(entry.largest_scale))
+	return [box.position.x, box.position.y, box.position.z, box.size.x, box.size.y, box.size.z]
 
 
 func _write_world(job: Dictionary, payload: PackedByteArray) -> String:
@@ -125,23 +108,36 @@ func _write_world(job: Dictionary, payload: PackedByteArray) -> String:
 	index.tile_size = job.tile_size
 	index.world_offset = PackedFloat64Array(job.world_offset)
 	index.layer_names = PackedStringArray(job.layer_names)
+	index.meshes = PackedStringArray(_meshes.map(func(mesh: Mesh) -> String: return mesh.resource_path))
+	index.materials = PackedStringArray(_materials.map(func(material: Material) -> String: return material.resource_path))
 	var count := int(job.count)
 	index.tiles = payload.slice(0, count * 8).to_int32_array()
 	index.instances = payload.slice(count * 8, count * 12).to_int32_array()
 	index.centers = payload.slice(count * 12, count * 36).to_float64_array()
-	var problem := _save(index, job.index)
+	index.digests = _digests
+	var problem := _write(index.packed(), job.index)
 	if problem:
 		return problem
 	var world := World.new()
 	world.name = "BakedWorld"
-	world.index = ResourceLoader.load(job.index, "", ResourceLoader.CACHE_MODE_REPLACE)
-	if world.index == null:
-		world.free()
-		return "%s was written and cannot be loaded: export again." % job.index
+	world.index_file = job.index
 	var scene := PackedScene.new()
 	var error := scene.pack(world)
 	world.free()
 	return _save(scene, job.scene) if error == OK else "Cannot pack the scene of %s: %s." % [job.scene, error_string(error)]
+
+
+## As [method _save], for the bytes of a file.
+func _write(content: PackedByteArray, path: String) -> String:
+	var partial := path + ".partial"
+	var file := FileAccess.open(partial, FileAccess.WRITE)
+	var is_stored := file != null and file.store_buffer(content)
+	var error := file.get_error() if file != null else FileAccess.get_open_error()
+	if file != null:
+		file.close()
+	if is_stored:
+		error = DirAccess.rename_absolute(partial, path)
+	return "" if is_stored and error == OK else UNWRITABLE % [path, error_string(error)]
 
 
 ## Writes beside the final path first, and moves there what is whole.
@@ -150,4 +146,4 @@ func _save(resource: Resource, path: String) -> String:
 	var error := ResourceSaver.save(resource, partial, ResourceSaver.FLAG_COMPRESS)
 	if error == OK:
 		error = DirAccess.rename_absolute(partial, path)
-	return "" if error == OK else "Cannot write %s: %s. Check that its folder has room and may be written." % [path, error_string(error)]
+	return "" if error == OK else UNWRITABLE % [path, error_string(error)]

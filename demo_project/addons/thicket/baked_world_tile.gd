@@ -1,0 +1,131 @@
+extends RefCounted
+## Reads the file of one tile of a baked world and builds its nodes.
+##
+## The header of such a file has [code]tile[/code] (column and row), [code]instances[/code], [code]scene_digest[/code] and [code]nodes[/code]:
+## [code]name[/code], [code]mesh[/code] and [code]material[/code] (numbers in the index, -1 for no material), [code]count[/code], [code]from[/code] (where
+## its part of the payload begins, which is [member MultiMesh.buffer]), [code]use_colors[/code], [code]use_custom_data[/code], [code]cast_shadow[/code],
+## [code]render_layers[/code], [code]begin[/code] and [code]end[/code] (the visibility range in meters), and, where levels of detail share one,
+## [code]box[/code] (least x, y, z and size of the custom AABB).
+
+const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
+const Index := preload("res://addons/thicket/baked_world_index.gd")
+
+const MOST_NODES := 1 << 16
+const MOST_METERS := 1e9
+
+## The tile's root, without a parent; null before [method build], and with a [member problem].
+var node: Node3D
+## Why there is no node; empty if there is one.
+var problem := ""
+## The task of the engine's pool that reads this.
+var task := -1
+## Ends the work early. Any thread may set it.
+var is_cancelled := false
+
+var _file := BakedFile.new()
+var _path: String
+var _tile: Vector2i
+var _instances: int
+var _scene_digest: String
+var _digest: PackedByteArray
+var _meshes: Array[Mesh]
+var _materials: Array[Material]
+
+
+## The tile with this number of an index, and what the numbers of meshes and materials in its file mean; null for those that are missing.
+func _init(index: Index, number: int, meshes: Array[Mesh], materials: Array[Material]) -> void:
+	_tile = Vector2i(index.tiles[2 * number], index.tiles[2 * number + 1])
+	_path = index.tile_path(_tile)
+	_instances = index.instances[number]
+	_scene_digest = index.scene_digest
+	_digest = index.digest_of(number)
+	_meshes = meshes
+	_materials = materials
+
+
+## Reads the file and checks its digest, on any thread. Sets [member problem] for a file that cannot be used.
+func read() -> void:
+	if not _file.read(_path):
+		problem = "%s cannot be read: %s" % [_path, _file.problem]
+	elif _file.digest != _digest:
+		problem = "%s is not the file that the index names: its SHA-256 is %s, and it must be %s" % [_path, _file.digest.hex_encode(), _digest.hex_encode()]
+
+
+## Builds [member node] of what [method read] read, unless there is a [member problem]: on any thread if the engine has a renderer.
+func build() -> void:
+	if problem or is_cancelled:
+		return
+	node = Node3D.new()
+	_add_all()
+	if _file.problem or is_cancelled:
+		problem = "%s has a value that cannot be used: %s" % [_path, _file.problem]
+		drop()
+	_file = null
+
+
+## [method read], then [method build].
+func run() -> void:
+	read()
+	build()
+
+
+## Frees the node, unless somebody has taken it.
+func drop() -> void:
+	if node != null:
+		node.free()
+	node = null
+
+
+func _add_all() -> void:
+	var file := _file
+	var header := file.header
+	node.name = "Tile_%d_%d" % [_tile.x, _tile.y]
+	if file.numbers(header, "tile", 2) != PackedFloat64Array([_tile.x, _tile.y]) or file.text(header, "scene_digest") != _scene_digest \
+			or file.whole(header, "instances", 0, 0x7fffffff) != _instances:
+		file.problem = "it belongs to a different tile or bake"
+	var entries := file.list(header, "nodes", TYPE_DICTIONARY)
+	if entries.size() > MOST_NODES:
+		file.problem = "nodes must have %d entries at most, got %d" % [MOST_NODES, entries.size()]
+	var left := BakedFile.MOST_BYTES # Nodes may share bytes, so all together could be far more than the file.
+	for entry: Dictionary in entries:
+		if file.problem or is_cancelled:
+			return
+		left -= _add(file, entry, left)
+
+
+## Adds the node of an entry. Returns the bytes of its buffer, [param most] at most.
+func _add(file: BakedFile, entry: Dictionary, most: int) -> int:
+	var colors := file.flag(entry, "use_colors")
+	var custom := file.flag(entry, "use_custom_data")
+	var stride := 4 * (12 + 4 * int(colors) + 4 * int(custom))
+	var count := file.whole(entry, "count", 0, mini(most, file.payload.size()) / stride)
+	var from := file.whole(entry, "from", 0, file.payload.size() - count * stride)
+	var mesh := file.whole(entry, "mesh", 0, _meshes.size() - 1)
+	var material := file.whole(entry, "material", -1, _materials.size() - 1)
+	var name := file.text(entry, "name")
+	var drawn := MultiMeshInstance3D.new()
+	drawn.name = name if name else "Instances"
+	drawn.cast_shadow = file.whole(entry, "cast_shadow", 0, 3) as GeometryInstance3D.ShadowCastingSetting
+	drawn.layers = file.whole(entry, "render_layers", 0, 0xffffffff)
+	drawn.visibility_range_begin = file.number(entry, "begin", 0.0, MOST_METERS)
+	drawn.visibility_range_end = file.number(entry, "end", 0.0, MOST_METERS)
+	var box := file.numbers(entry, "box", 6) if entry.get("box") != null else PackedFloat64Array()
+	if file.problem or _meshes[mesh] == null: # A mesh that is missing was reported when it was loaded.
+		drawn.free()
+		return 0
+	var multimesh := MultiMesh.new()
+	multimesh.transform_format = MultiMesh.TRANSFORM_3D
+	multimesh.use_colors = colors
+	multimesh.use_custom_data = custom
+	# Before the buffer: the renderer would have to read that back for the box around the instances.
+	multimesh.mesh = _meshes[mesh]
+	multimesh.instance_count = count
+	if count > 0:
+		multimesh.buffer = file.payload.slice(from, from + count * stride).to_float32_array()
+	drawn.multimesh = multimesh
+	if material >= 0:
+		drawn.material_override = _materials[material]
+	if not box.is_empty():
+		drawn.custom_aabb = AABB(Vector3(box[0], box[1], box[2]), Vector3(box[3], box[4], box[5]))
+	node.add_child(drawn, true)
+	return count * stride

@@ -1,0 +1,7 @@
+extends SceneTree
+## Instantiates the scene that the first argument names, and frees it.
+
+
+func _initialize() -> void:
+	(load(OS.get_cmdline_user_args()[0]) as PackedScene).instantiate().free()
+	quit()
