@@ -44,6 +44,11 @@ void ChangeLog::seal() {
 	open_.reserve(block_size);
 }
 
+/// The first entry after a revision, of entries whose revisions rise.
+ChangeLog::Entries::const_iterator ChangeLog::after(const Entries &entries, std::uint64_t revision) {
+	return std::ranges::upper_bound(entries, revision, {}, &Entry::revision);
+}
+
 template <typename Use>
 void ChangeLog::for_each_after(std::uint64_t revision, const Use &use) const {
 	auto block = blocks_.end();
@@ -51,16 +56,14 @@ void ChangeLog::for_each_after(std::uint64_t revision, const Use &use) const {
 		--block;
 	}
 	for (; block != blocks_.end(); ++block) {
-		for (const Entry &entry : *block->entries) {
-			if (entry.revision + block->raise > revision) {
-				use(Entry{entry.revision + block->raise, entry.id});
-			}
+		const Entries &entries = *block->entries;
+		const auto begin = revision < block->raise ? entries.begin() : after(entries, revision - block->raise);
+		for (auto entry = begin; entry != entries.end(); ++entry) {
+			use(Entry{entry->revision + block->raise, entry->id});
 		}
 	}
-	for (const Entry &entry : open_) {
-		if (entry.revision > revision) {
-			use(entry);
-		}
+	for (auto entry = after(open_, revision); entry != open_.end(); ++entry) {
+		use(*entry);
 	}
 }
 

@@ -53,6 +53,7 @@ private:
 
 	void push(Entry entry);
 	void seal();
+	static Entries::const_iterator after(const Entries &entries, std::uint64_t revision);
 
 	/// Calls `use(entry)` for all after a revision.
 	template <typename Use>
