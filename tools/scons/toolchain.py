@@ -39,6 +39,7 @@ def options():
         ("highway", "the sources of Highway " + installed.version("highway"), installed.highway_folder()),
         ("zig", "the program zig, for use_zig=yes", installed.zig_program()),
         ("sanitize", "comma-separated sanitizers: address, undefined, thread", ""),
+        BoolVariable("count_steps", "with g++ on Linux: programs that count their steps (tests/cost), in a build folder of their own", False),
         ("CXX", "the C++ compiler", ""),
         BoolVariable("dev_build", "for a debugger: -Og -g3, in a build folder of its own", False),
         BoolVariable("werror", "treat warnings in our own code as errors", True),
@@ -95,6 +96,9 @@ def configure(env):
         flags = ["-fsanitize=" + sanitizer, "-fno-omit-frame-pointer", "-fno-sanitize-recover=all"]
         env.Append(CCFLAGS=flags, LINKFLAGS=flags)
         name += "." + sanitizer
+    if env["count_steps"]:
+        env.Append(CCFLAGS=["-fsanitize-coverage=trace-pc"], LINKFLAGS=["-Wl,--wrap=%s" % each for each in ("memmove", "memcpy", "memset")])
+        name += ".steps"
     name += ".dev" if env["dev_build"] else ""
     name += ".godot-cpp" if env["godot_cpp"] else ""
     # Short lines while building: a compiler's own messages stay, compile_commands.json has the full commands.
