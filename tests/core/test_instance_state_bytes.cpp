@@ -2,7 +2,7 @@
 
 #include "core/state/id_codec.hpp"
 #include "core/state/id_table.hpp"
-#include "core/state/state_record.hpp"
+#include "core/state/state_format.hpp"
 #include "state_fixture.hpp"
 
 #include <algorithm>
@@ -117,14 +117,14 @@ TEST_CASE("state bytes: the same content has the same bytes, however it came to 
 TEST_CASE("state bytes: the format is as it was") {
 	InstanceState state;
 	REQUIRE(state.claim(1, 0x0807060504030201).ok());
-	CHECK(bytes_of(state).size() == 4 + 4 + 1 + 8 + 2 + 6 * 4 + 8);
+	CHECK(bytes_of(state).size() == 4 + 4 + 1 + 8 + 1 + 6 + 8);
 	state.remove(point_id(1, -cell_limit, -cell_limit + 1));                             // Code 1 of layer 1.
 	state.remove(point_id(1, -cell_limit + 1, -cell_limit), 2.0);                        // Code 2.
-	const StateBytes expected{'T', 'S', 'T', 'A', 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // Header.
-			0, 0, 1, 0, 1, 2, 3, 4, 5, 6, 7, 8,                                          // One layer.
-			2, 0, 0, 0, 0xee, 11, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // Two removed: 46, 4 ones, 1; nothing between.
-			1, 0, 0, 0, 0x40, 0, 0, 0, 0, 0, 0, 0, 0x40,           // The second of them until 2 seconds.
-			0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,        // Four empty lists.
+	const StateBytes expected{'T', 'S', 'T', 'A', 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // Header.
+			1, 1, 1, 2, 3, 4, 5, 6, 7, 8,                                                // One layer.
+			2, 1, 0, 0, 0, 0,                                                            // The sizes of the lists.
+			0xee, 11, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // Two removed: 46, 4 ones, 1; nothing between.
+			0x40, 0, 0, 0, 0, 0, 0, 0, 0x40,           // The second of them until 2 seconds.
 			0, 0, 0, 0, 0, 0, 0, 0};
 	CHECK(bytes_of(state) == sealed(expected));
 	CHECK(bytes_of(small_state()).size() < 260);
@@ -147,11 +147,11 @@ TEST_CASE("state bytes: every damaged byte, every truncation and every byte too 
 	check_refused_bytes(longer);
 	InstanceState state = small_state();
 	check_refused_bytes(diff_of(state, 3));
-	InstanceState version_2;
+	InstanceState other;
 	std::vector<InstanceChange> changes;
 	StateBytes bytes = whole;
-	bytes[4] = 2;
-	CHECK(describe(version_2.load(bytes, changes)).starts_with("version must be 1, got 2"));
+	bytes[4] = 3;
+	CHECK(describe(other.load(bytes, changes)).starts_with("version must be between 1 and 2, got 3"));
 }
 
 TEST_CASE("state bytes: what is damaged and sealed again is refused or taken as it stands") {
@@ -193,8 +193,10 @@ TEST_CASE("state bytes: what contradicts itself is refused") {
 	good.gone = {placed + 1};
 	good.added = {placed + 2};
 	good.instances = {instance_at(1.0, 2.0)};
+	good.placed_at = {3.0};
 	good.with_data = {point + 1, point + 3, placed + 2};
 	good.data = {{1}, {2}, {3}};
+	good.data_at = {0.0, 1.0, 2.0};
 	good.stamps[1] = 9;
 	const auto taken = [](const StateRecord &record) {
 		StateBytes bytes;
@@ -233,14 +235,18 @@ TEST_CASE("state bytes: what contradicts itself is refused") {
 	for (const double time : {-0.0, -1.0, 2e12, std::nan("")}) {
 		CHECK(refused([time](StateRecord &bad) { bad.time = time; }));
 		CHECK(refused([time](StateRecord &bad) { bad.until[0].second = time; }));
+		CHECK(refused([time](StateRecord &bad) { bad.placed_at[0] = time; }));
+		CHECK(refused([time](StateRecord &bad) { bad.data_at[0] = time; }));
 	}
 	CHECK(refused([](StateRecord &bad) { bad.until[0].second = 0.0; }));
+	CHECK(refused([](StateRecord &bad) { bad.origin = {7, 5, 4}; }));
 	StateRecord whole = good;
 	whole.whole = true;
 	whole.gone.clear();
 	CHECK(taken(whole));
 	whole.with_data.erase(whole.with_data.begin() + 1);
 	whole.data.pop_back();
+	whole.data_at.pop_back();
 	CHECK_FALSE(taken(whole)); // Says of a point that it stands, and nothing more.
 }
 
@@ -293,7 +299,7 @@ TEST_CASE("id codec: any ascending list comes back") {
 		ByteReader reader(bytes);
 		CHECK(reader.take<std::uint8_t>() == 9);
 		std::vector<std::uint64_t> read;
-		REQUIRE(take_ascending(reader, read));
+		REQUIRE(take_ascending(reader, list.size(), read));
 		REQUIRE(read == list);
 		CHECK(reader.take<std::uint8_t>() == 7);
 		CHECK(reader.at_end());

@@ -185,8 +185,11 @@ TEST_CASE("state exchange: a damaged diff is refused, and nothing has changed") 
 TEST_CASE("state exchange: merging holds what either holds") {
 	StateRandom random(24);
 	for (int round = 0; round < 60; ++round) {
-		const InstanceState a = state_of(random, 60);
-		const InstanceState b = state_of(random, 60);
+		InstanceState a = state_of(random, 60);
+		InstanceState b = state_of(random, 60);
+		Changes until_then; // Of states with one clock nothing grows again when they meet.
+		REQUIRE(a.advance(b.time() - a.time(), until_then).ok());
+		REQUIRE(b.advance(a.time() - b.time(), until_then).ok());
 		InstanceState both = copy_of(a);
 		Told told;
 		Changes changes;
@@ -200,11 +203,16 @@ TEST_CASE("state exchange: merging holds what either holds") {
 		}
 		for (const InstanceState *one : {&a, &b}) {
 			REQUIRE(std::ranges::all_of(one->removed_ids(), [&](std::uint64_t id) { return both.removed(id); }));
-			REQUIRE(std::ranges::all_of(
-					one->added_ids(), [&](std::uint64_t id) { return *both.added(id) == *one->added(id); }));
+			REQUIRE(std::ranges::all_of(one->added_ids(), [&](std::uint64_t id) { return both.added(id) != nullptr; }));
+		}
+		for (const std::uint64_t id : both.added_ids()) {
+			const auto is_there = [&](const InstanceState &one) {
+				return one.added(id) != nullptr && *one.added(id) == *both.added(id);
+			};
+			REQUIRE((is_there(a) || is_there(b)));
 		}
 		for (const std::uint64_t id : both.data_ids()) {
-			REQUIRE(std::ranges::equal(both.data(id), b.data(id).empty() ? a.data(id) : b.data(id)));
+			REQUIRE((std::ranges::equal(both.data(id), a.data(id)) || std::ranges::equal(both.data(id), b.data(id))));
 		}
 		CHECK(both.time() == std::max(a.time(), b.time()));
 	}
@@ -223,15 +231,7 @@ TEST_CASE("state exchange: merging knows neither order nor repetition") {
 		CHECK(changes.empty());
 		CHECK(bytes_of(again) == bytes_of(merged(a, b)));
 		CHECK(bytes_of(merged(merged(a, b), c)) == bytes_of(merged(a, merged(b, c))));
-		// Of data of both, those of the other stay; all else is the same either way.
-		InstanceState forth = merged(a, b);
-		InstanceState back = merged(b, a);
-		for (InstanceState *one : {&forth, &back}) {
-			for (const std::uint64_t id : one->data_ids()) {
-				REQUIRE(one->set_data(id, {}).ok());
-			}
-		}
-		CHECK(bytes_of(forth) == bytes_of(back));
+		CHECK(bytes_of(merged(a, b)) == bytes_of(merged(b, a)));
 	}
 }
 

@@ -1,11 +1,13 @@
-// Any bytes as a state or a diff, and any changes to one: they are refused, or leave a state that is whole.
+// Any bytes as a state or a diff, and any changes to one: they are refused, or leave a state that is whole and within limits.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
 
 #include "core/base/bytes.hpp"
 #include "core/base/instance_id.hpp"
+#include "core/state/diff_summary.hpp"
 #include "core/state/instance_state.hpp"
+#include "core/state/state_format.hpp"
 
 #include <algorithm>
 #include <string>
@@ -141,12 +143,61 @@ void damage(Stored &r_stored, Bytes &r_bytes) {
 	}
 }
 
+/// Limits that bytes mostly keep to, and sometimes not.
+DiffLimits read_limits(Bytes &r_bytes) {
+	DiffLimits limits;
+	if (r_bytes.chance(2)) {
+		limits.max_changes = r_bytes.below(200);
+		limits.max_total_changes = r_bytes.below(400);
+		limits.max_added = r_bytes.below(100);
+		limits.max_data_size = r_bytes.below(10);
+		limits.allow_replacement = r_bytes.chance(2);
+		limits.max_clock_advance = static_cast<double>(r_bytes.below(100));
+	}
+	if (r_bytes.chance(4)) {
+		const double side = static_cast<double>(1 + r_bytes.below(300));
+		limits.area = {{-side, -side}, {side, side}};
+	}
+	return limits;
+}
+
+/// Gives bytes to a state that has limits. What is refused changes nothing; what is applied or joined keeps to them, and counts once.
+void feed_within(const InstanceState &state, const Stored &stored, const DiffLimits &limits) {
+	for (const bool joining : {false, true}) {
+		InstanceState fed = copy_of(state);
+		const auto give = [&](Changes &r_changes) {
+			return joining ? fed.merge_diff(stored, r_changes, limits) : fed.apply(stored, r_changes, limits);
+		};
+		Changes changes;
+		DiffSummary summary;
+		const bool seen = fed.inspect(stored, summary, limits).ok();
+		if (!give(changes).ok()) {
+			promise(saved(fed) == saved(state) && changes.empty(), "a refused diff changes nothing");
+			continue;
+		}
+		promise(seen && summary.changes <= limits.max_changes, "what is taken was seen before");
+		promise(fed.added_count() <= std::max<std::size_t>(limits.max_added, state.added_count()),
+				"not too many are placed");
+		promise(joining || summary.replaces_everything || fed.time() <= state.time() + limits.max_clock_advance,
+				"the clock moves by what is allowed");
+		const Stored after = saved(copy_of(fed));
+		const double time = fed.time();
+		changes.clear();
+		promise(give(changes).ok() && (changes.empty() || fed.time() > time), "a diff counts once");
+		promise(limits.max_clock_advance > 0.0 || saved(fed) == after, "a diff counts once, to the byte");
+	}
+}
+
 /// Gives bytes to a state; refused, they change nothing, and taken as a whole state, they are what it would write.
 void feed(const InstanceState &state, const Stored &stored) {
 	InstanceState fed = copy_of(state);
 	Changes changes;
+	StateHeader header;
 	if (fed.load(stored, changes).ok()) {
-		promise(saved(fed) == stored, "what is taken is what would be written");
+		promise(read_header(stored, header).ok() && header.whole, "what is taken has a front");
+		const bool is_as_saved = header.format == state_format && header.origin.name == 0;
+		promise(!is_as_saved || saved(fed) == stored, "what is taken is what would be written");
+		copy_of(fed);
 	} else {
 		promise(saved(fed) == saved(state) && changes.empty(), "a refused state changes nothing");
 	}
@@ -172,18 +223,26 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 		change(state, bytes);
 	}
 	InstanceState peer = copy_of(state);
+	state.set_origin(bytes.chance(2) ? 7 : 0);
 	const std::uint64_t known = state.revision();
 	for (std::uint32_t step = bytes.below(20); step > 0; --step) {
 		change(state, bytes);
 	}
 	Stored some = diff(state, known);
 	Changes changes;
-	if (peer.apply(some, changes).ok()) {
+	Stored missing = state.origin() != 0 ? diff(state, 0) : some;
+	const Status status = peer.apply(some, changes);
+	promise(status.ok() || is_missing_earlier(status) || status.code == ErrorCode::foreign,
+			"a diff is taken, or one is missing");
+	if (status.ok() || peer.apply(missing, changes).ok()) {
 		promise(peer.digest() == state.digest(), "a peer that gets the diff holds the same");
 	}
+	const DiffLimits limits = read_limits(bytes);
 	Stored all = saved(state);
 	damage(bytes.chance(2) ? some : all, bytes);
 	feed(state, some);
 	feed(state, all);
+	feed_within(peer, some, limits);
+	feed_within(peer, all, limits);
 	return 0;
 }

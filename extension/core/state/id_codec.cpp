@@ -169,7 +169,6 @@ std::uint64_t id_of(std::uint64_t code) {
 
 void append_ascending(
 		std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel) {
-	append(r_bytes, static_cast<std::uint32_t>(numbers.size()));
 	BitWriter bits(r_bytes);
 	std::array<std::uint64_t, block_size> gaps{};
 	std::uint64_t next = 0; // The least that the next number can be.
@@ -189,8 +188,8 @@ void append_ascending(
 	bits.finish();
 }
 
-bool take_ascending(ByteReader &r_bytes, std::vector<std::uint64_t> &r_numbers, const std::atomic<bool> *cancel) {
-	const auto count = r_bytes.take<std::uint32_t>();
+bool take_ascending(ByteReader &r_bytes, std::size_t count, std::vector<std::uint64_t> &r_numbers,
+		const std::atomic<bool> *cancel) {
 	// A number takes a bit at least.
 	if (!r_bytes.good() || count > 8 * r_bytes.rest().size()) {
 		return false;
@@ -200,7 +199,7 @@ bool take_ascending(ByteReader &r_bytes, std::vector<std::uint64_t> &r_numbers, 
 	BitReader bits(r_bytes.rest());
 	std::uint64_t next = 0;
 	int parameter = 0;
-	for (std::uint32_t at = 0; at < count; ++at) {
+	for (std::size_t at = 0; at < count; ++at) {
 		if (at % block_size == 0) {
 			if (is_cancelled(cancel)) {
 				return false;

@@ -3,11 +3,11 @@
 #include "core/base/guard.hpp"
 #include "core/base/split_mix.hpp"
 #include "core/base/word_hash.hpp"
+#include "core/state/free_id.hpp"
 #include "core/state/instance_state_content.hpp"
 #include "core/state/state_step.hpp"
 
 #include <algorithm>
-#include <unordered_set>
 
 namespace thicket {
 
@@ -15,7 +15,6 @@ namespace {
 
 using Kind = StateStep::Kind;
 
-constexpr std::uint64_t no_id = IdTable<double>::none;
 constexpr std::uint64_t added_bit = std::uint64_t{1} << 63;
 constexpr int layer_shift = 48;
 constexpr std::uint64_t cell_mask = (std::uint64_t{1} << layer_shift) - 1;
@@ -35,15 +34,10 @@ std::uint64_t hash_of(const AddedInstance &instance) {
 	return split_mix(hash.value()) & cell_mask;
 }
 
-/// The id of an instance without signed zeros, the next free one where that is taken.
+/// The id of an instance without signed zeros.
 template <typename Taken>
-std::uint64_t free_id(const AddedInstance &placed, const Taken &taken) {
-	const std::uint64_t prefix = added_bit | std::uint64_t{placed.layer} << layer_shift;
-	std::uint64_t id = prefix | hash_of(placed);
-	while (id == no_id || taken(id)) {
-		id = prefix | ((id + 1) & cell_mask);
-	}
-	return id;
+std::uint64_t id_for(const AddedInstance &placed, const Taken &taken) {
+	return free_id(added_bit | std::uint64_t{placed.layer} << layer_shift, hash_of(placed), taken);
 }
 
 bool is_of(std::uint64_t id, int layer) { return layer < 0 || layer_of(id) == layer; }
@@ -89,7 +83,7 @@ bool InstanceState::removed(std::uint64_t id) const {
 	return content_->removed.contains(id);
 }
 
-const AddedInstance *InstanceState::added(std::uint64_t id) const { return content_->added.value(id).get(); }
+const AddedInstance *InstanceState::added(std::uint64_t id) const { return content_->instance_of(id); }
 
 std::span<const std::uint8_t> InstanceState::data(std::uint64_t id) const { return content_->bytes_of(id); }
 
@@ -102,7 +96,7 @@ Status InstanceState::added_in(std::uint16_t layer, const Rect &rect, std::vecto
 	const std::size_t first = r_ids.size();
 	const Status status = guarded("rect", std::max(rect.size().x, rect.size().y), [&] {
 		content_->grid.for_each_near(layer, finite, [&](std::uint64_t id) {
-			const glm::dvec3 position = content_->added.value(id)->position;
+			const glm::dvec3 position = content_->added.value(id)->instance.position;
 			if (rect.contains({position.x, position.z})) {
 				r_ids.push_back(id);
 			}
@@ -135,8 +129,11 @@ bool InstanceState::any_removed(std::uint16_t layer) const {
 
 std::uint64_t InstanceState::revision() const { return content_->revision; }
 double InstanceState::time() const { return content_->time; }
+std::uint64_t InstanceState::origin() const { return content_->origin; }
+void InstanceState::set_origin(std::uint64_t name) { content_->origin = name; }
+std::uint64_t InstanceState::known_revision(std::uint64_t origin) const { return content_->known.of(origin); }
 
-Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp) {
+Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp, double cell_side) {
 	if (layer > max_state_layer) {
 		return Status::out_of_range("layer", layer, at_most(max_state_layer));
 	}
@@ -148,11 +145,12 @@ Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp) {
 		return {ErrorCode::foreign, "layer", static_cast<double>(layer)};
 	}
 	const auto step = [&] {
-		return StateStep{.kind = Kind::claim, .id = layer, .to = stamp};
+		return StateStep{.kind = Kind::claim, .id = layer, .to = stamp, .number = cell_side};
 	};
 	return Journal::noting(journal_.get(), "layer", layer, step, [&] {
 		own.stamp = stamp;
 		own.claimed = true;
+		own.cell_side = cell_side;
 		return Status();
 	});
 }
@@ -165,6 +163,7 @@ void InstanceState::release_claims() {
 	static_cast<void>(Journal::noting(journal_.get(), "layers", 0.0, step, [] { return Status(); }));
 	for (auto &[number, layer] : content_->layers) {
 		layer.claimed = false;
+		layer.cell_side = 0.0;
 	}
 	std::erase_if(content_->layers, [](const auto &layer) { return !layer.second.holds_any(); });
 }
@@ -182,7 +181,7 @@ bool InstanceState::is_foreign(std::uint16_t layer, std::uint64_t stamp) const {
 StateChange InstanceState::remove(std::uint64_t id, double until) {
 	Content::Entry to;
 	if (!is_added(id)) {
-		to.data = data(id);
+		to = content_->entry(id);
 		to.removed = true;
 		to.until = until > 0.0 && until <= max_state_time ? until : 0.0;
 	}
@@ -204,7 +203,9 @@ StateChange InstanceState::restore(std::uint64_t id) {
 	StateChange change;
 	change.status = Journal::noting(journal_.get(), "id", static_cast<double>(id), step, [&] {
 		if (removed(id)) {
-			change = content_->change_one(id, {.data = data(id)}, "id", static_cast<double>(id));
+			Content::Entry to = content_->entry(id);
+			to.removed = false;
+			change = content_->change_one(id, to, "id", static_cast<double>(id));
 		}
 		return change.status;
 	});
@@ -212,7 +213,7 @@ StateChange InstanceState::restore(std::uint64_t id) {
 }
 
 StateChange InstanceState::put(std::uint64_t id, const AddedInstance &instance) {
-	return content_->change_one(id, {.instance = &instance, .data = data(id)}, "instance", 1.0);
+	return content_->change_one(id, content_->placed_as(id, instance), "instance", 1.0);
 }
 
 Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
@@ -220,7 +221,7 @@ Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 		return status;
 	}
 	const AddedInstance placed = without_signed_zeros(instance);
-	const std::uint64_t id = free_id(placed, [this](std::uint64_t any) { return added(any) != nullptr; });
+	const std::uint64_t id = id_for(placed, [this](std::uint64_t any) { return content_->added.contains(any); });
 	const auto step = [&] {
 		return step_of(id, placed);
 	};
@@ -235,17 +236,17 @@ Status InstanceState::add_all(std::span<const AddedInstance> instances, std::vec
 	r_ids.clear();
 	return guarded("instances", static_cast<double>(instances.size()), [&]() -> Status {
 		std::vector<AddedInstance> placed;
-		std::unordered_set<std::uint64_t> new_ids;
+		IdTable<bool> new_ids;
 		placed.reserve(instances.size());
-		new_ids.reserve(instances.size());
+		new_ids.expect(instances.size());
 		r_ids.reserve(instances.size());
 		for (const AddedInstance &instance : instances) {
 			if (const Status status = validate(instance); !status.ok()) {
 				return status;
 			}
 			placed.push_back(without_signed_zeros(instance));
-			r_ids.push_back(free_id(
-					placed.back(), [&](std::uint64_t any) { return added(any) != nullptr || new_ids.contains(any); }));
+			r_ids.push_back(id_for(placed.back(),
+					[&](std::uint64_t any) { return content_->added.contains(any) || new_ids.contains(any); }));
 			new_ids.insert(r_ids.back());
 		}
 		Journal::Noting noting(journal_.get());
@@ -254,7 +255,7 @@ Status InstanceState::add_all(std::span<const AddedInstance> instances, std::vec
 		}
 		const auto each = [&](const auto &use) {
 			for (std::size_t at = 0; at < placed.size(); ++at) {
-				use(r_ids[at], Content::Entry{.instance = &placed[at]});
+				use(r_ids[at], Content::Entry{.instance = &placed[at], .placed_at = content_->time});
 			}
 		};
 		content_->change_all(each, r_changes);
@@ -274,7 +275,7 @@ Status InstanceState::move(
 	}
 	const AddedInstance placed = without_signed_zeros(instance);
 	const std::uint64_t to =
-			by_hand ? id : free_id(placed, [this](std::uint64_t any) { return added(any) != nullptr; });
+			by_hand ? id : id_for(placed, [this](std::uint64_t any) { return content_->added.contains(any); });
 	Journal::Noting noting(journal_.get());
 	const Status status = guarded("instance", 1.0, [&] {
 		noting.note([&] {
@@ -294,7 +295,13 @@ Status InstanceState::move(
 void InstanceState::put_for(
 		std::uint64_t id, std::uint64_t to, const AddedInstance &instance, std::vector<InstanceChange> &r_changes) {
 	const auto each = [&](const auto &use) {
-		use(to, Content::Entry{.instance = &instance, .data = data(id)});
+		Content::Entry entry = content_->placed_as(to, instance);
+		if (to != id) {
+			const Content::Entry own = content_->entry(id);
+			entry.data = own.data;
+			entry.data_at = own.data_at;
+		}
+		use(to, entry);
 		if (to != id) {
 			use(id, Content::Entry{.removed = true});
 		}
@@ -309,6 +316,9 @@ Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> b
 	Content::Entry to = content_->entry(id);
 	if (is_added(id) && to.instance == nullptr) {
 		return Status::missing("id", "Use the id of an instance, which is never 0");
+	}
+	if (!std::ranges::equal(to.data, bytes)) {
+		to.data_at = content_->time_of_write(to.data.empty() ? -1.0 : to.data_at);
 	}
 	to.data = bytes;
 	const auto step = [&] {

@@ -3,6 +3,7 @@
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/sampling/point_set.hpp"
+#include "core/state/diff_limits.hpp"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -27,8 +28,7 @@ constexpr bool is_added(std::uint64_t id) { return id >> 63 != 0; }
 constexpr std::uint16_t layer_of(std::uint64_t id) { return static_cast<std::uint16_t>(id >> 48 & 0x7fff); }
 
 inline constexpr std::uint16_t max_state_layer = 0x7fff;
-inline constexpr std::size_t max_instance_data = 65536; ///< Bytes an instance.
-inline constexpr double max_state_time = 1e12;          ///< Seconds.
+inline constexpr double max_state_time = 1e12; ///< Seconds.
 
 /// An instance that was placed by hand. A zero has no sign.
 struct AddedInstance {
@@ -53,6 +53,7 @@ enum class InstanceChangeKind : std::uint8_t {
 };
 
 class PendingDiff;
+struct DiffSummary;
 struct StateChanges;
 struct StateStep;
 
@@ -79,8 +80,12 @@ struct StateChange {
 /// for ever (as many as the state holds, and 65536): a peer that asks for older ones gets all there is. Not thread safe.
 ///
 /// Layers are stamped with what names their point set (see `claim`), because ids of points mean nothing in another set; what is placed by
-/// hand stands in any. Clocks are those of one
-/// world: what comes from another state turns this one's forward, never back.
+/// hand stands in any.
+///
+/// A state's clock belongs to its owner: diffs of some ids move it forward only, and no further than the receiver's limits allow.
+///
+/// Two ways lead from one state to another. A state that follows an authority applies that state's diffs in their order (`apply`). States
+/// without an authority are joined (`merge`, `merge_diff`), in any order.
 ///
 /// Where memory does not suffice, a call says so by its status and leaves the state as it was, to the bit, and the lists that it
 /// would add to; bytes that it would write are none then. Only the log of changes may be given up, as if they were too many.
@@ -126,9 +131,19 @@ public:
 	/// Seconds on the state's own clock.
 	double time() const;
 
+	/// Names this state, as long as it lives, to states that apply its diffs: a random number, another for every state. 0 for no name, as
+	/// at first: then diffs have no order. Copies and loaded bytes have none of it.
+	void set_origin(std::uint64_t name);
+	std::uint64_t origin() const;
+
+	/// The last revision of a state of that name that is known here by its diffs; 0 for none. `load` and `clear` forget it, and of more
+	/// than 256 states those that sent nothing for the longest time.
+	std::uint64_t known_revision(std::uint64_t origin) const;
+
 	/// Stamps a layer with a number that names its point set (see stamp_of). Refuses, as `layer`, a layer above max_state_layer, and one
-	/// of which points are held under another stamp. From then on no points of another stamp are taken in for it.
-	Status claim(std::uint16_t layer, std::uint64_t stamp);
+	/// of which points are held under another stamp. From then on no points of another stamp are taken in for it. `cell_side` says how
+	/// many meters the set's cells are wide, so that limits and summaries of diffs know where its points stand; 0 for unknown.
+	Status claim(std::uint16_t layer, std::uint64_t stamp, double cell_side = 0.0);
 
 	/// Keeps stamps only of layers of which something is held, so that a state without a world takes in any other.
 	void release_claims();
@@ -147,7 +162,7 @@ public:
 	StateChange restore(std::uint64_t id);
 
 	/// Places an instance by hand. Its id is a function of the instance, so that peers who place the same get the same id; one that
-	/// is taken gives the next free id. Refuses what AddedInstance refuses, naming it, and leaves everything as it was.
+	/// is taken gives the next free id (see free_id). Refuses what AddedInstance refuses, naming it, and leaves everything as it was.
 	Status add(const AddedInstance &instance, std::uint64_t &r_id);
 
 	/// Places many instances, as `add` would one after the other, with the same ids; all of them, or none. Replaces `r_ids` by the ids
@@ -181,22 +196,37 @@ public:
 	/// ErrorCode::corrupt, and stamps that contradict those of this state's layers as `layer`; then nothing has changed. Adds the changes.
 	Status load(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes);
 
-	/// Replaces `r_bytes` by what has changed since a revision of this state, restored ids included, for `apply`.
-	Status diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes) const;
+	/// Replaces `r_bytes` by what has changed since a revision of this state, restored ids included, for `apply`. The diff carries this
+	/// state's name and both revisions, if it has a name and `ordered` is true.
+	Status diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes, bool ordered = true) const;
 
 	/// Replaces `r_bytes` by what is held of some ids now, for `apply`, which makes them again what they were: for steps of undo.
 	Status diff_of(std::span<const std::uint64_t> ids, std::vector<std::uint8_t> &r_bytes) const;
 
 	/// Takes over what `diff_since` of another state gave: those ids become what they are there, all others stay. A diff that had to give
-	/// all there is, and what `save` gave, replaces everything. Refuses as `load` does.
-	Status apply(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes);
+	/// all there is, and what `save` gave, replaces everything, the clock too. Refuses as `load` does, and what the limits forbid
+	/// (is_beyond_limits).
+	///
+	/// Of a state with a name it follows the order: a diff that ends at a known revision is late or repeated and changes nothing; one that
+	/// begins after the last known revision is refused (is_missing_earlier): diffs are missing before it.
+	Status apply(
+			std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes, const DiffLimits &limits = {});
+
+	/// Finds out whether diffs are missing before this one: `r_missing`, and then `r_since` is the revision for the sender's `diff_since`.
+	/// Reads the front of the bytes alone. Refuses what begins as no diff.
+	Status missing_before(std::span<const std::uint8_t> bytes, bool &r_missing, std::uint64_t &r_since) const;
+
+	/// Finds out what a diff names, and changes nothing. Refuses what `apply` refuses for its size, and what is no diff; then `r_summary` has
+	/// what the front of the bytes says.
+	Status inspect(std::span<const std::uint8_t> bytes, DiffSummary &r_summary, const DiffLimits &limits = {}) const;
 
 	/// Queues a diff that another thread applies meanwhile, for some microseconds here: `apply` in three parts. `bytes` stay as long as
 	/// `r_diff` does.
 	/// Until a queued diff is finished, all that is asked here is as if there was none. What comes of it in the end is the same as if
 	/// `apply` had been called when it was queued: what was done since is done again after it. Hand-placed ids stay what they were.
-	/// While any diff is pending, `apply`, `merge`, `load` and `clear` are not to be called.
-	Status queue_diff(std::span<const std::uint8_t> bytes, std::shared_ptr<PendingDiff> &r_diff);
+	/// While any diff is pending, `apply`, `merge`, `merge_diff`, `load` and `clear` are not to be called.
+	Status queue_diff(
+			std::span<const std::uint8_t> bytes, std::shared_ptr<PendingDiff> &r_diff, const DiffLimits &limits = {});
 
 	/// The first that was queued and is not finished, on which PendingDiff::work can be called; null for none.
 	std::shared_ptr<PendingDiff> pending_diff() const;
@@ -206,16 +236,26 @@ public:
 	/// changed nothing. One is pending.
 	Status finish_pending_diff(StateChanges &r_changes);
 
-	/// Adds what another state holds: removed by either is removed (for the longer time), placed by either is placed, and of data of both
-	/// the other's stay. Refuses stamps that contradict this state's as `layer`.
+	/// Joins what another state holds to what is held here. Removed by either is removed, for the longer time; placed by either is placed.
+	/// Of two different data, and of two different places of one hand-placed id, those count that were written last by the clock of the
+	/// state that wrote them; at the same time, the greater bytes or numbers. The clock becomes the later one, and what is due by then
+	/// stands. A join knows no order and no repetition: states that have met in any way hold the same. So what was undone comes back from a
+	/// state that still holds it: a point that was restored, a hand-placed instance that was removed, data that were erased.
+	/// Refuses stamps that contradict this state's as `layer`.
 	Status merge(const InstanceState &other, std::vector<InstanceChange> &r_changes);
+
+	/// The same for what a diff or a saved state says, in any order, with losses and repetitions. What the diff says of restored points and
+	/// of hand-placed ones that are gone changes nothing. The clock moves by at most what the limits allow. Refuses as `apply` does, except
+	/// that a whole state is joined, and replaces nothing.
+	Status merge_diff(
+			std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes, const DiffLimits &limits = {});
 
 	/// A copy that shares this state's memory, for some microseconds: each copies what it changes, so another thread may read the copy. It
 	/// remembers no changes. `complete` is called on it, on any thread, before `added_in` and before anything changes it.
 	InstanceState share();
 	Status complete();
 
-	/// FNV-1a of what `save` writes, with a clock and stamps of 0: equal for equal content.
+	/// FNV-1a of what release 0.2.0 saved, with a clock and stamps of 0: equal for equal content, on every machine and in every version.
 	std::uint64_t digest() const;
 
 private:

@@ -30,14 +30,42 @@ StateRecord::Entry InstanceState::Content::entry(std::uint64_t id) const {
 	Entry entry;
 	entry.removed = removed.contains(id);
 	entry.until = entry.removed ? removed.value(id) : 0.0;
-	entry.instance = added.value(id).get();
-	entry.data = bytes_of(id);
+	if (const Placed *placed = added.value(id).get()) {
+		entry.instance = &placed->instance;
+		entry.placed_at = placed->at;
+	}
+	if (const Data *own = data.value(id).get()) {
+		entry.data = own->bytes;
+		entry.data_at = own->at;
+	}
 	return entry;
 }
 
+const AddedInstance *InstanceState::Content::instance_of(std::uint64_t id) const {
+	const Placed *placed = added.value(id).get();
+	return placed != nullptr ? &placed->instance : nullptr;
+}
+
+StateRecord::Entry InstanceState::Content::placed_as(std::uint64_t id, const AddedInstance &instance) const {
+	Entry to = entry(id);
+	const bool same = to.instance != nullptr && *to.instance == instance;
+	to.placed_at = same ? to.placed_at : time_of_write(to.instance != nullptr ? to.placed_at : -1.0);
+	to.instance = &instance;
+	return to;
+}
+
+double InstanceState::Content::time_of_write(double former) const {
+	constexpr double step = 0x1p-20; // Seconds: a microsecond, in a number that adds up without rounding.
+	if (time > former) {
+		return time;
+	}
+	const double later = former + step > former ? former + step : std::nextafter(former, 2.0 * max_state_time);
+	return std::min(later, max_state_time);
+}
+
 std::span<const std::uint8_t> InstanceState::Content::bytes_of(std::uint64_t id) const {
-	const Bytes *own = data.value(id).get();
-	return own != nullptr ? std::span<const std::uint8_t>(*own) : std::span<const std::uint8_t>();
+	const Data *own = data.value(id).get();
+	return own != nullptr ? std::span<const std::uint8_t>(own->bytes) : std::span<const std::uint8_t>();
 }
 
 std::unique_ptr<InstanceState::Content> InstanceState::Content::share() {
@@ -48,6 +76,8 @@ std::unique_ptr<InstanceState::Content> InstanceState::Content::share() {
 	other->data = data.share();
 	other->log.start_at(revision);
 	other->revision = revision;
+	other->origin = origin;
+	other->known = known;
 	other->time = time;
 	other->whole = false;
 	return other;
@@ -57,7 +87,8 @@ void InstanceState::Content::complete() {
 	if (whole) {
 		return;
 	}
-	added.for_each([this](std::uint64_t id, const SharedInstance &own) { grid.insert(id, square_position(*own)); });
+	added.for_each(
+			[this](std::uint64_t id, const SharedInstance &own) { grid.insert(id, square_position(own->instance)); });
 	due.reserve(removed.valued());
 	gather_due();
 	whole = true;
@@ -104,26 +135,28 @@ void InstanceState::Content::shrink() noexcept {
 void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_room) {
 	bool data_stay = true;
 	if (is_added(id)) {
-		data_stay = plan_added(id, to.instance, r_room);
+		data_stay = plan_added(id, to, r_room);
 	} else {
 		plan_removed(id, to, r_room);
 	}
-	const bool holds = data.contains(id);
+	const Data *own = data.value(id).get();
+	const bool holds = own != nullptr;
 	const bool was = data_stay && holds;
-	const bool same = was ? std::ranges::equal(bytes_of(id), to.data) : to.data.empty();
-	if (same && was == holds) {
+	const bool same = was ? std::ranges::equal(own->bytes, to.data) : to.data.empty();
+	const bool later = same && was && own->at != to.data_at;
+	if (same && was == holds && !later) {
 		// Fast path: data that stay as they are need no room.
 		return;
 	}
 	data.make_room(id, !holds && !to.data.empty(), !to.data.empty(),
 			r_room.new_ids != nullptr ? &r_room.new_ids->data : nullptr);
-	if (same) {
+	if (same && !later) {
 		return;
 	}
-	++r_room.changes;
+	r_room.changes += later ? 0 : 1;
 	layers.try_emplace(layer_of(id));
 	if (!to.data.empty()) {
-		r_room.data.emplace(id, std::make_shared<const Bytes>(to.data.begin(), to.data.end()));
+		r_room.data.emplace(id, std::make_shared<const Data>(Data{Bytes(to.data.begin(), to.data.end()), to.data_at}));
 	}
 }
 
@@ -141,21 +174,27 @@ void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, Roo
 }
 
 /// False if the instance that is there will go, with its data. One that stays, elsewhere, keeps them.
-bool InstanceState::Content::plan_added(std::uint64_t id, const AddedInstance *to, Room &r_room) {
-	const AddedInstance *own = added.value(id).get();
+bool InstanceState::Content::plan_added(std::uint64_t id, const Entry &to, Room &r_room) {
+	const Placed *own = added.value(id).get();
 	const bool was = own != nullptr;
-	if (was ? to != nullptr && *to == *own : to == nullptr) {
+	const bool same = was ? to.instance != nullptr && *to.instance == own->instance : to.instance == nullptr;
+	if (same && (!was || own->at == to.placed_at)) {
+		return true;
+	}
+	added.make_room(id, !was, true, r_room.new_ids != nullptr ? &r_room.new_ids->added : nullptr);
+	if (to.instance != nullptr) {
+		r_room.added.emplace(id, std::make_shared<const Placed>(Placed{*to.instance, to.placed_at}));
+	}
+	if (same) {
 		return true;
 	}
 	r_room.changes += was ? 1 : 0;
-	added.make_room(id, !was, true, r_room.new_ids != nullptr ? &r_room.new_ids->added : nullptr);
-	if (to != nullptr) {
+	if (to.instance != nullptr) {
 		++r_room.changes;
-		layers.try_emplace(to->layer);
-		r_room.added.emplace(id, std::make_shared<const AddedInstance>(*to));
-		r_room.grid.insert(id, square_position(*to));
+		layers.try_emplace(to.instance->layer);
+		r_room.grid.insert(id, square_position(*to.instance));
 	}
-	return !was || to != nullptr;
+	return !was || to.instance != nullptr;
 }
 
 void InstanceState::Content::make_room(const Room &room, std::vector<InstanceChange> &r_changes) {
@@ -166,11 +205,11 @@ void InstanceState::Content::make_room(const Room &room, std::vector<InstanceCha
 void InstanceState::Content::change(
 		std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept {
 	if (is_added(id)) {
-		change_added(id, to.instance, r_room, r_changes);
+		change_added(id, to, r_room, r_changes);
 	} else {
 		change_removed(id, to, r_changes);
 	}
-	change_data(id, to.data, r_room, r_changes);
+	change_data(id, to, r_room, r_changes);
 }
 
 void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes) {
@@ -192,10 +231,15 @@ void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, s
 }
 
 void InstanceState::Content::change_added(
-		std::uint64_t id, const AddedInstance *to, Room &r_room, std::vector<InstanceChange> &r_changes) {
-	const AddedInstance *own = added.value(id).get();
+		std::uint64_t id, const Entry &entry, Room &r_room, std::vector<InstanceChange> &r_changes) {
+	const AddedInstance *to = entry.instance;
+	const Placed *own = added.value(id).get();
 	const bool was = own != nullptr;
-	if (was ? to != nullptr && *to == *own : to == nullptr) {
+	if (was ? to != nullptr && *to == own->instance : to == nullptr) {
+		if (was && own->at != entry.placed_at) {
+			added.insert(id, std::move(r_room.added.find(id)->second));
+			note(id);
+		}
 		return;
 	}
 	const bool moves = was && to != nullptr;
@@ -213,7 +257,7 @@ void InstanceState::Content::change_added(
 
 void InstanceState::Content::place(std::uint64_t id, Room &r_room) {
 	const auto planned = r_room.added.find(id);
-	const AddedInstance &instance = *planned->second;
+	const AddedInstance &instance = planned->second->instance;
 	Layer &layer = layers[instance.layer];
 	grid.take(r_room.grid, id, square_position(instance));
 	layer.max_scale = std::max(layer.max_scale, scale_of(instance));
@@ -222,7 +266,7 @@ void InstanceState::Content::place(std::uint64_t id, Room &r_room) {
 }
 
 AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
-	const AddedInstance instance = *added.value(id);
+	const AddedInstance instance = *instance_of(id);
 	added.erase(id);
 	grid.erase(id, square_position(instance));
 	Layer &layer = layers[instance.layer];
@@ -232,9 +276,15 @@ AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
 }
 
 void InstanceState::Content::change_data(
-		std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room, std::vector<InstanceChange> &r_changes) {
-	const bool was = data.contains(id);
-	if (was ? std::ranges::equal(bytes_of(id), to) : to.empty()) {
+		std::uint64_t id, const Entry &entry, Room &r_room, std::vector<InstanceChange> &r_changes) {
+	const std::span<const std::uint8_t> to = entry.data;
+	const Data *own = data.value(id).get();
+	const bool was = own != nullptr;
+	if (was ? std::ranges::equal(own->bytes, to) : to.empty()) {
+		if (was && own->at != entry.data_at) {
+			data.insert(id, std::move(r_room.data.find(id)->second));
+			note(id);
+		}
 		return;
 	}
 	if (!is_added(id)) {
@@ -246,7 +296,7 @@ void InstanceState::Content::change_data(
 		data.insert(id, std::move(r_room.data.find(id)->second));
 	}
 	note(id);
-	const AddedInstance *placed = added.value(id).get();
+	const AddedInstance *placed = instance_of(id);
 	r_changes.push_back({id, InstanceChangeKind::data, placed != nullptr ? *placed : AddedInstance()});
 }
 

@@ -7,6 +7,7 @@
 #include "core/state/change_log.hpp"
 #include "core/state/id_table.hpp"
 #include "core/state/instance_state.hpp"
+#include "core/state/known_revisions.hpp"
 #include "core/state/state_record.hpp"
 
 #include <atomic>
@@ -27,6 +28,7 @@ struct InstanceState::Content {
 	struct Layer {
 		std::uint64_t stamp = 0;
 		bool claimed = false;
+		double cell_side = 0.0; ///< Meters; 0 for a layer that was claimed without.
 		std::size_t removed = 0;
 		std::size_t added = 0;
 		std::size_t with_data = 0; ///< Points that have data, removed or not.
@@ -47,18 +49,32 @@ struct InstanceState::Content {
 		}
 	};
 
-	using SharedInstance = std::shared_ptr<const AddedInstance>;
-	using SharedBytes = std::shared_ptr<const Bytes>;
+	/// A hand-placed instance, and the clock when it was placed or moved.
+	struct Placed {
+		AddedInstance instance;
+		double at = 0.0;
+	};
+
+	/// Data of an instance, one byte at least, and the clock when they were set.
+	struct Data {
+		Bytes bytes;
+		double at = 0.0;
+	};
+
+	using SharedInstance = std::shared_ptr<const Placed>;
+	using SharedData = std::shared_ptr<const Data>;
 
 	std::map<std::uint16_t, Layer> layers;
 	IdTable<double> removed; ///< With the times at which points grow again.
 	IdTable<SharedInstance> added;
-	IdTable<SharedBytes> data;
+	IdTable<SharedData> data;
 	AddedGrid grid;       ///< Of `added`.
 	std::vector<Due> due; ///< A heap, the first on top. Some are out of date: what counts is the time in `removed`.
 	ChangeLog log;
 	std::uint64_t revision = 0;
-	bool logging = true; ///< Off where what is changed is forgotten anyway.
+	std::uint64_t origin = 0; ///< Names this state to others; 0 for no name.
+	KnownRevisions known;     ///< Of others.
+	bool logging = true;      ///< Off where what is changed is forgotten anyway.
 	double time = 0.0;
 	bool whole = true; ///< False after `share`, before `complete`.
 	const std::atomic<bool> *cancel =
@@ -68,6 +84,13 @@ struct InstanceState::Content {
 
 	Entry entry(std::uint64_t id) const;
 	std::span<const std::uint8_t> bytes_of(std::uint64_t id) const;
+	const AddedInstance *instance_of(std::uint64_t id) const;
+
+	/// An entry with an instance placed here and now, and the data that are held.
+	Entry placed_as(std::uint64_t id, const AddedInstance &instance) const;
+
+	/// The time of a write that replaces one of `former`: the clock, or later than `former` where that is ahead of the clock.
+	double time_of_write(double former) const;
 
 	/// The same content in the same memory, for some microseconds: each copies what it changes. It is not whole before `complete` was
 	/// called, which may be on another thread, and remembers no changes.
@@ -84,13 +107,13 @@ struct InstanceState::Content {
 	struct NewIds {
 		IdTable<double>::NewIds removed;
 		IdTable<SharedInstance>::NewIds added;
-		IdTable<SharedBytes>::NewIds data;
+		IdTable<SharedData>::NewIds data;
 	};
 
 	/// The memory that changes need. All of it is had before the first of them is made, so that none fails.
 	struct Room {
 		std::map<std::uint64_t, SharedInstance> added;
-		std::map<std::uint64_t, SharedBytes> data;
+		std::map<std::uint64_t, SharedData> data;
 		AddedGrid grid;
 		std::size_t changes = 0;   ///< To be told.
 		std::size_t due = 0;       ///< Points that will grow again.
@@ -146,12 +169,41 @@ struct InstanceState::Content {
 	StateRecord record_of(std::vector<std::uint64_t> ids, bool whole) const;
 	StateRecord whole_record() const { return record_of(all_ids(), true); }
 
-	/// See InstanceState::merge. Throws std::bad_alloc and changes nothing.
-	Status take_in(const StateRecord &record, std::vector<InstanceChange> &r_changes);
+	/// The cell of a point in world meters; false for a layer whose cells are not known.
+	bool find_cell(std::uint64_t id, Rect &r_cell) const;
 
-	/// Takes over what a record says, and its stamps. A whole one replaces everything but the clock.
+	/// See InstanceState::merge. The clock moves to `clock` if that is later. Throws std::bad_alloc and changes nothing.
+	Status take_in(
+			const StateRecord &record, double clock, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
+
+	/// Whether what `each` says (see change_all), which comes from a record, keeps to limits: how much is held then, and where what is
+	/// changed stands.
+	template <typename Each>
+	Status check_changes(const StateRecord &record, const Each &each, const DiffLimits &limits) const {
+		if (limits.area.empty() && size() + record.size() + record.with_data.size() <= limits.max_total_changes &&
+				added.size() + record.added.size() <= limits.max_added) {
+			// Fast path: even if all of it is new, it is no more than is allowed.
+			return {};
+		}
+		std::size_t held = size();
+		std::size_t placed = added.size();
+		Status status;
+		each([&](std::uint64_t id, const Entry &to) {
+			const bool was_placed = added.contains(id);
+			const bool is_placed = to.instance != nullptr;
+			held += std::size_t{to.removed} + std::size_t{is_placed} + std::size_t{!to.data.empty()};
+			held -= std::size_t{removed.contains(id)} + std::size_t{was_placed} + std::size_t{data.contains(id)};
+			placed += std::size_t{is_placed} - std::size_t{was_placed};
+			if (status.ok() && !limits.area.empty()) {
+				status = check_place(id, to, limits);
+			}
+		});
+		return status.ok() ? check_held(held, placed, limits) : status;
+	}
+
+	/// Takes over what a record says, and its stamps. A whole one replaces everything but the clock. Refuses what limits forbid.
 	/// Throws std::bad_alloc and changes nothing, as does the next.
-	void follow(const StateRecord &record, std::vector<InstanceChange> &r_changes);
+	Status follow(const StateRecord &record, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
 
 	/// The same, and forgets which changes led here. Counts as a change, even where nothing is another.
 	void start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes);
@@ -160,18 +212,20 @@ struct InstanceState::Content {
 	void take_stamps(const StateRecord &record);
 
 private:
+	Entry joined(std::uint64_t id, const Entry &theirs, double clock) const;
+	Status check_place(std::uint64_t id, const Entry &to, const DiffLimits &limits) const;
+	Status check_held(std::size_t held, std::size_t placed, const DiffLimits &limits) const;
 	void shrink() noexcept;
 	void plan(std::uint64_t id, const Entry &to, Room &r_room);
 	void plan_removed(std::uint64_t id, const Entry &to, Room &r_room);
-	bool plan_added(std::uint64_t id, const AddedInstance *to, Room &r_room);
+	bool plan_added(std::uint64_t id, const Entry &to, Room &r_room);
 	void make_room(const Room &room, std::vector<InstanceChange> &r_changes);
 
 	// From here on all memory is there.
 	void change(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept;
 	void change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
-	void change_added(std::uint64_t id, const AddedInstance *to, Room &r_room, std::vector<InstanceChange> &r_changes);
-	void change_data(
-			std::uint64_t id, std::span<const std::uint8_t> to, Room &r_room, std::vector<InstanceChange> &r_changes);
+	void change_added(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes);
+	void change_data(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes);
 	void place(std::uint64_t id, Room &r_room);
 	AddedInstance take_away(std::uint64_t id);
 	void plan_return(std::uint64_t id, double until);

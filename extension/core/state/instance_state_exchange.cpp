@@ -4,6 +4,7 @@
 
 #include "core/base/bytes.hpp"
 #include "core/base/guard.hpp"
+#include "core/state/state_format.hpp"
 
 #include <algorithm>
 
@@ -28,10 +29,15 @@ Status InstanceState::load(std::span<const std::uint8_t> bytes, std::vector<Inst
 	return guarded("data", static_cast<double>(bytes.size()), [&] { content_->start_from(record, r_changes); });
 }
 
-Status InstanceState::diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes) const {
+Status InstanceState::diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes, bool ordered) const {
 	const bool known = revision <= content_->revision && content_->log.knows(revision);
 	return guarded_answer("state", static_cast<double>(content_->size()), r_bytes, [&] {
-		write(known ? content_->record_of(content_->log.since(revision), false) : content_->whole_record(), r_bytes);
+		StateRecord record =
+				known ? content_->record_of(content_->log.since(revision), false) : content_->whole_record();
+		if (ordered && content_->origin != 0) {
+			record.origin = {content_->origin, known ? revision : 0, content_->revision};
+		}
+		write(record, r_bytes);
 	});
 }
 
@@ -45,47 +51,51 @@ Status InstanceState::diff_of(std::span<const std::uint64_t> ids, std::vector<st
 	});
 }
 
-Status InstanceState::apply(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes) {
+Status InstanceState::apply(
+		std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes, const DiffLimits &limits) {
 	StateRecord record;
-	if (const Status status = read(bytes, record, content_->cancel); !status.ok()) {
+	if (const Status status = read(bytes, record, limits, content_->cancel); !status.ok()) {
 		return status;
+	}
+	const StateOrigin &origin = record.origin;
+	const std::uint64_t known = content_->known.of(origin.name);
+	if (origin.name != 0 && (origin.end < known || (origin.end == known && origin.base < known))) {
+		return {}; // Late or repeated.
+	}
+	if (origin.name != 0 && origin.base > known) {
+		return thicket::missing_before(origin.base, known);
 	}
 	if (const Status status = content_->check_stamps(record, record.whole); !status.ok()) {
 		return status;
 	}
-	return guarded("data", static_cast<double>(bytes.size()), [&] {
-		content_->follow(record, r_changes);
-		content_->time = std::max(content_->time, record.time);
+	return guarded("data", static_cast<double>(bytes.size()), [&]() -> Status {
+		content_->known.make_room();
+		if (const Status status = content_->follow(record, limits, r_changes); !status.ok()) {
+			return status;
+		}
+		if (record.whole) {
+			content_->time = record.time;
+			content_->known.clear();
+		} else {
+			const double latest = content_->time + std::max(limits.max_clock_advance, 0.0);
+			content_->time = std::max(content_->time, std::min(record.time, latest));
+		}
+		if (origin.name != 0) {
+			content_->known.set(origin.name, origin.end);
+		}
+		return {};
 	});
 }
 
-Status InstanceState::merge(const InstanceState &other, std::vector<InstanceChange> &r_changes) {
-	return guarded("other", static_cast<double>(other.content_->size()),
-			[&] { return content_->take_in(other.content_->whole_record(), r_changes); });
-}
-
-Status InstanceState::Content::take_in(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
-	if (const Status status = check_stamps(record, false); !status.ok()) {
-		return status;
+Status InstanceState::missing_before(
+		std::span<const std::uint8_t> bytes, bool &r_missing, std::uint64_t &r_since) const {
+	StateHeader header;
+	const Status status = read_header(bytes, header);
+	if (status.ok()) {
+		r_since = content_->known.of(header.origin.name);
+		r_missing = header.origin.name != 0 && header.origin.base > r_since;
 	}
-	make_room_for_stamps(record);
-	const auto each = [&](const auto &use) {
-		record.for_each([&](std::uint64_t id, const Entry &theirs) {
-			Entry both = entry(id);
-			if (theirs.removed) {
-				const bool for_ever = theirs.until == 0.0 || (both.removed && both.until == 0.0);
-				both.until = for_ever ? 0.0 : std::max(both.until, theirs.until);
-				both.removed = true;
-			}
-			both.instance = both.instance != nullptr ? both.instance : theirs.instance;
-			both.data = theirs.data.empty() ? both.data : theirs.data;
-			use(id, both);
-		});
-	};
-	change_all(each, r_changes);
-	take_stamps(record);
-	time = std::max(time, record.time);
-	return {};
+	return status;
 }
 
 std::uint64_t InstanceState::digest() const {
@@ -95,7 +105,7 @@ std::uint64_t InstanceState::digest() const {
 		stamp = 0;
 	}
 	std::vector<std::uint8_t> bytes;
-	write(record, bytes);
+	write(record, bytes, nullptr, former_state_format);
 	return checksum(bytes);
 }
 
@@ -136,7 +146,7 @@ std::vector<std::uint64_t> InstanceState::Content::all_ids() const {
 	ids.reserve(size());
 	removed.for_each([&ids](std::uint64_t id, double) { ids.push_back(id); });
 	added.for_each([&ids](std::uint64_t id, const SharedInstance &) { ids.push_back(id); });
-	data.for_each([&](std::uint64_t id, const SharedBytes &) {
+	data.for_each([&](std::uint64_t id, const SharedData &) {
 		if (!removed.contains(id) && !added.contains(id)) {
 			ids.push_back(id);
 		}
@@ -156,12 +166,14 @@ void InstanceState::Content::add_to(StateRecord &r_record, std::uint64_t code) c
 	} else if (now.instance != nullptr) {
 		r_record.added.push_back(code);
 		r_record.instances.push_back(*now.instance);
+		r_record.placed_at.push_back(now.placed_at);
 	} else {
 		(is_added(id) ? r_record.gone : r_record.standing).push_back(code);
 	}
 	if (!now.data.empty()) {
 		r_record.with_data.push_back(code);
 		r_record.data.emplace_back(now.data.begin(), now.data.end());
+		r_record.data_at.push_back(now.data_at);
 	}
 }
 
@@ -185,16 +197,12 @@ StateRecord InstanceState::Content::record_of(std::vector<std::uint64_t> ids, bo
 	return record;
 }
 
-void InstanceState::Content::follow(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
+Status InstanceState::Content::follow(
+		const StateRecord &record, const DiffLimits &limits, std::vector<InstanceChange> &r_changes) {
 	std::vector<std::uint64_t> unnamed;
 	if (record.whole) {
 		unnamed = all_ids();
 		std::erase_if(unnamed, [&record](std::uint64_t id) { return record.names(id); });
-	}
-	make_room_for_stamps(record);
-	if (record.removed.size() > removed.size()) {
-		// Fast path: the table grows once, and not shard by shard as ids come.
-		removed.expect(record.removed.size() - removed.size());
 	}
 	const auto each = [&](const auto &use) {
 		for (const std::uint64_t id : unnamed) {
@@ -202,19 +210,29 @@ void InstanceState::Content::follow(const StateRecord &record, std::vector<Insta
 		}
 		record.for_each(use);
 	};
+	if (const Status status = check_changes(record, each, limits); !status.ok()) {
+		return status;
+	}
+	make_room_for_stamps(record);
+	if (record.removed.size() > removed.size()) {
+		// Fast path: the table grows once, and not shard by shard as ids come.
+		removed.expect(record.removed.size() - removed.size());
+	}
 	change_all(each, r_changes);
 	for (auto &[number, layer] : layers) {
 		layer.stamp = !record.whole || layer.claimed ? layer.stamp : 0;
 	}
 	take_stamps(record);
+	return {};
 }
 
 void InstanceState::Content::start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes) {
 	logging = false;
-	const Status status = guarded("changes", 0.0, [&] { follow(record, r_changes); });
+	const Status status = guarded("changes", 0.0, [&] { return follow(record, DiffLimits::none(), r_changes); });
 	logging = true;
 	throw_if_out_of_memory(status);
 	time = record.time;
+	known.clear();
 	log.start_at(++revision);
 	std::erase_if(layers, [](const auto &layer) { return !layer.second.claimed && !layer.second.holds_any(); });
 }

@@ -68,7 +68,7 @@ void PendingDiff::work() {
 		first_note_ = content.revision;
 		content.complete();
 		content.cancel = &cancel_;
-		const Status status = next_->apply(bytes_, changes_.list);
+		const Status status = next_->apply(bytes_, changes_.list, limits_);
 		content.cancel = nullptr;
 		if (cancel_) {
 			return {ErrorCode::cancelled, "data"};
@@ -88,12 +88,13 @@ Status InstanceState::complete() {
 	return guarded("state", static_cast<double>(content_->size()), [this] { content_->complete(); });
 }
 
-Status InstanceState::queue_diff(std::span<const std::uint8_t> bytes, std::shared_ptr<PendingDiff> &r_diff) {
+Status InstanceState::queue_diff(
+		std::span<const std::uint8_t> bytes, std::shared_ptr<PendingDiff> &r_diff, const DiffLimits &limits) {
 	return guarded("data", static_cast<double>(bytes.size()), [&] {
 		const bool is_first = journal_ == nullptr;
 		auto journal = is_first ? std::make_unique<Journal>() : nullptr;
 		Journal &queue = is_first ? *journal : *journal_;
-		const auto diff = std::make_shared<PendingDiff>(bytes);
+		const auto diff = std::make_shared<PendingDiff>(bytes, limits);
 		if (is_first) {
 			diff->start_from(share(), content_->log, content_->revision);
 		}
@@ -207,7 +208,7 @@ Status InstanceState::repeat(const StateStep &step, std::vector<InstanceChange> 
 			return status.code == ErrorCode::missing ? Status() : status; // What had them is gone.
 		}
 		case Kind::advance: return advance(step.number, r_changes);
-		case Kind::claim: return claim(static_cast<std::uint16_t>(step.id), step.to);
+		case Kind::claim: return claim(static_cast<std::uint16_t>(step.id), step.to, step.number);
 		case Kind::release_claims: release_claims(); return {};
 	}
 	return {};

@@ -16,7 +16,7 @@ namespace thicket {
 class PendingDiff {
 public:
 	/// `bytes` stay as long as this does.
-	explicit PendingDiff(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+	PendingDiff(std::span<const std::uint8_t> bytes, const DiffLimits &limits) : bytes_(bytes), limits_(limits) {}
 
 	/// Whether `work` can be called: not before those that were queued earlier are finished.
 	bool can_work() const { return base_.has_value(); }
@@ -37,6 +37,7 @@ private:
 	void start_from(InstanceState base, const ChangeLog &log, std::uint64_t revision) noexcept;
 
 	std::span<const std::uint8_t> bytes_;
+	DiffLimits limits_;
 	std::size_t steps_before_ = 0; ///< Of those that the state records: made before this was queued.
 	std::optional<InstanceState> base_;
 	std::optional<InstanceState> next_; ///< The base with the diff applied.

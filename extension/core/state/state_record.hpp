@@ -4,7 +4,6 @@
 #include "core/state/id_codec.hpp"
 #include "core/state/instance_state.hpp"
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -13,6 +12,15 @@
 #include <vector>
 
 namespace thicket {
+
+/// Who wrote a record, and which changes of that state it holds.
+struct StateOrigin {
+	std::uint64_t name = 0; ///< Of the state; 0 for none: then the record can be applied at any time, in any order.
+	std::uint64_t base = 0; ///< The record holds what changed after this revision; 0 in a whole one.
+	std::uint64_t end = 0;  ///< The revision of the state when it was written.
+
+	friend bool operator==(const StateOrigin &, const StateOrigin &) = default;
+};
 
 /// What a state says of some ids, or of all: the content of its bytes. All lists ascend. Ids are in the order of their codes
 /// (code_of), and are codes here.
@@ -24,11 +32,14 @@ struct StateRecord {
 		bool removed = false;
 		double until = 0.0;                      ///< 0 for ever.
 		const AddedInstance *instance = nullptr; ///< Of a hand-placed one that is there.
+		double placed_at = 0.0;                  ///< When it was placed or moved.
 		std::span<const std::uint8_t> data{};
+		double data_at = 0.0; ///< When they were set.
 	};
 
 	bool whole = true; ///< What is not in it is as it was generated. Otherwise it says nothing of what is not in it.
 	double time = 0.0;
+	StateOrigin origin;
 
 	Codes removed;                                       ///< Points of the sets.
 	std::vector<std::pair<std::uint64_t, double>> until; ///< Indices in `removed`, and times above 0.
@@ -36,10 +47,12 @@ struct StateRecord {
 	Codes gone;     ///< Hand-placed ones that are no longer there; none of a whole state.
 	Codes added;
 	std::vector<AddedInstance> instances; ///< As many as `added`.
+	std::vector<double> placed_at;        ///< As many.
 
 	/// Of ids in `removed`, `standing` and `added`; of others there are none.
 	Codes with_data;
 	std::vector<std::vector<std::uint8_t>> data; ///< As many as `with_data`.
+	std::vector<double> data_at;                 ///< As many.
 
 	std::map<std::uint16_t, std::uint64_t> stamps; ///< Of the layers of all these ids, and no others; 0 for none.
 
@@ -52,28 +65,37 @@ struct StateRecord {
 	/// Whether anything is said of an id.
 	bool names(std::uint64_t id) const;
 
+	/// How many ids it names.
+	std::size_t size() const { return removed.size() + standing.size() + gone.size() + added.size(); }
+
 	/// Calls `use(id, entry)` for all ids.
 	template <typename Use>
 	void for_each(Use &&use) const {
 		auto next_until = until.begin();
 		for (std::size_t at = 0; at < removed.size(); ++at) {
 			const bool timed = next_until != until.end() && next_until->first == at;
-			use(id_of(removed[at]), Entry{true, timed ? next_until->second : 0.0, nullptr, data_of(removed[at])});
+			use_entry(removed[at], {.removed = true, .until = timed ? next_until->second : 0.0}, use);
 			next_until += timed ? 1 : 0;
 		}
 		for (const std::uint64_t code : standing) {
-			use(id_of(code), Entry{false, 0.0, nullptr, data_of(code)});
+			use_entry(code, {}, use);
 		}
 		for (const std::uint64_t code : gone) {
 			use(id_of(code), Entry{});
 		}
 		for (std::size_t at = 0; at < added.size(); ++at) {
-			use(id_of(added[at]), Entry{false, 0.0, &instances[at], data_of(added[at])});
+			use_entry(added[at], {.instance = &instances[at], .placed_at = placed_at[at]}, use);
 		}
 	}
 
 private:
-	std::span<const std::uint8_t> data_of(std::uint64_t code) const;
+	template <typename Use>
+	void use_entry(std::uint64_t code, Entry entry, Use &use) const {
+		add_data(code, entry);
+		use(id_of(code), entry);
+	}
+
+	void add_data(std::uint64_t code, Entry &r_entry) const;
 };
 
 /// Refuses what AddedInstance refuses, naming it.
@@ -82,11 +104,7 @@ Status validate(const AddedInstance &instance);
 /// The same with zeros that have no sign, so that equal instances have the same bits.
 AddedInstance without_signed_zeros(AddedInstance instance);
 
-/// Replaces `r_bytes` by the stored form of a record, and by nothing of use once `cancel` was raised.
-void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel = nullptr);
-
-/// Reads a stored form, and nothing else: what is read is written again to the byte. After an error the record is unspecified.
-/// Once `cancel` was raised it refuses anything, within some milliseconds.
-Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record, const std::atomic<bool> *cancel = nullptr);
+/// Whether `left` is written before `right` where both were placed at the same time. No two different ones are equal.
+bool is_less(const AddedInstance &left, const AddedInstance &right);
 
 } // namespace thicket

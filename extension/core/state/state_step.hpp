@@ -20,7 +20,7 @@ struct StateStep {
 	Kind kind = Kind::remove;
 	std::uint64_t id = 0;
 	std::uint64_t to = 0; ///< `move`: the id that the instance has then. `claim`: the stamp.
-	double number = 0.0;  ///< `remove`: until when. `advance`: seconds.
+	double number = 0.0;  ///< `remove`: until when. `advance`: seconds. `claim`: meters a cell is wide.
 	std::shared_ptr<const AddedInstance> instance{};
 	std::vector<std::uint8_t> data{};
 	std::vector<std::uint64_t> restored{}; ///< By `advance`: all that may be.

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "core/base/split_mix.hpp"
+
+#include <cstdint>
+
+namespace thicket {
+
+/// The id that is given to a hand-placed instance: `first` of the 2^48 that begin with `prefix`, or if that is taken, one that is free
+/// and comes after one that is taken. Where taken ids after `first` leave no gap, that is the next free one. The same for the same taken
+/// ids. Calls `taken(id)` at most 100 times for equal instances, however many there are: their number is doubled until an id is free, then
+/// bisected.
+template <typename Taken>
+std::uint64_t free_id(std::uint64_t prefix, std::uint64_t first, const Taken &taken) {
+	constexpr std::uint64_t mask = (std::uint64_t{1} << 48) - 1;
+	constexpr std::uint64_t no_id = ~std::uint64_t{0};
+	const auto is_taken = [&](std::uint64_t step) {
+		const std::uint64_t id = prefix | ((first + step) & mask);
+		return id == no_id || taken(id);
+	};
+	for (; is_taken(0); first = split_mix(first) & mask) {
+		std::uint64_t free = 1;
+		while (free <= mask && is_taken(free)) {
+			free *= 2;
+		}
+		std::uint64_t last_taken = free / 2;
+		if (free == 1) {
+			last_taken = 0;
+		}
+		while (free <= mask && free - last_taken > 1) {
+			const std::uint64_t middle = last_taken + (free - last_taken) / 2;
+			(is_taken(middle) ? last_taken : free) = middle;
+		}
+		if (free <= mask) {
+			return prefix | ((first + free) & mask);
+		}
+	}
+	return prefix | (first & mask);
+}
+
+} // namespace thicket

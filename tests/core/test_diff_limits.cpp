@@ -1,0 +1,299 @@
+// What a receiver allows a diff to do, and what it finds out about one before it is applied.
+
+#include "allocation_count.hpp"
+#include "core/state/diff_summary.hpp"
+#include "core/state/state_format.hpp"
+#include "pending_diff_fixture.hpp"
+
+#include <bit>
+#include <string>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+/// A diff of few bytes that removes many points of neighboring codes, at a clock; of layer 0 without a stamp.
+StateBytes bomb(std::uint32_t count, std::uint32_t format, double clock = 0.0) {
+	StateBytes bytes{'T', 'S', 'T', 'A'};
+	append(bytes, format);
+	bytes.push_back(1);
+	append(bytes, std::bit_cast<std::uint64_t>(clock));
+	const std::size_t list = (6ULL * ((count + 127ULL) / 128) + count + 7) / 8;
+	if (format == former_state_format) {
+		bytes.resize(bytes.size() + 2 + 2 + 8);
+		append(bytes, count);
+		bytes.resize(bytes.size() + list + 5 * 4ULL);
+	} else {
+		bytes.push_back(1);
+		bytes.resize(bytes.size() + 1 + 8);
+		for (std::uint32_t rest = count; rest > 0; rest >>= 7) {
+			bytes.push_back(static_cast<std::uint8_t>(rest | (rest >= 0x80 ? 0x80 : 0)));
+		}
+		bytes.resize(bytes.size() + 5 + list);
+	}
+	bytes.resize(bytes.size() + 8);
+	return sealed(bytes);
+}
+
+/// Refused by limits, with these words, at once, joined and on another thread; and nothing has changed.
+void check_refused(
+		const InstanceState &state, const StateBytes &diff, const DiffLimits &limits, const std::string &words) {
+	InstanceState victim = copy_of(state);
+	REQUIRE(victim.claim(1, 7, 10.0).ok());
+	const StateBytes before = bytes_of(victim);
+	const std::uint64_t revision = victim.revision();
+	Changes changes;
+	const Status status = victim.apply(diff, changes, limits);
+	CHECK(is_beyond_limits(status));
+	CHECK(describe(status).starts_with(words));
+	if (limits.allow_replacement) {
+		CHECK(is_beyond_limits(victim.merge_diff(diff, changes, limits)));
+	}
+	CHECK(changes.empty());
+	std::shared_ptr<PendingDiff> pending;
+	REQUIRE(victim.queue_diff(diff, pending, limits).ok());
+	pending->work();
+	StateChanges told;
+	CHECK(is_beyond_limits(victim.finish_pending_diff(told)));
+	CHECK(told.size() == 0);
+	CHECK(bytes_of(victim) == before);
+	CHECK(victim.revision() == revision);
+}
+
+bool is_applied(const InstanceState &state, const StateBytes &diff, const DiffLimits &limits) {
+	InstanceState taker = copy_of(state);
+	REQUIRE(taker.claim(1, 7, 10.0).ok());
+	InstanceState joined = copy_of(taker);
+	REQUIRE(joined.claim(1, 7, 10.0).ok());
+	Changes changes;
+	const bool applied = taker.apply(diff, changes, limits).ok();
+	CHECK(joined.merge_diff(diff, changes, limits).ok() == applied);
+	return applied;
+}
+
+StateBytes diff_of_removals(int count, int x = 0) {
+	InstanceState state;
+	for (int i = 0; i < count; ++i) {
+		state.remove(point_id(1, x, i));
+	}
+	return diff_of(state, 0);
+}
+
+} // namespace
+
+TEST_CASE("diff limits: a bomb is refused by its counts, before any id is read") {
+	for (const std::uint32_t format : {former_state_format, state_format}) {
+		CAPTURE(format);
+		const StateBytes diff = bomb(8'000'000, format);
+		CHECK(diff.size() < 1'100'000);
+		InstanceState state;
+		Changes changes;
+		const std::size_t before = allocation_count();
+		const Status status = state.apply(diff, changes);
+		CHECK(allocation_count() - before < 10);
+		CHECK(is_beyond_limits(status));
+		CHECK(describe(status) ==
+				"changes must be at most 2097152 (max_changes of diff_limits), got 8000000. Refuse the sender, or "
+		        "raise that "
+				"limit in diff_limits");
+		CHECK(is_beyond_limits(state.merge_diff(diff, changes)));
+		CHECK(state.revision() == 0);
+		// It is what its name says: a smaller one is applied.
+		REQUIRE(state.apply(bomb(3000, format), changes).ok());
+		CHECK(state.removed_count() == 3000);
+		DiffLimits limits;
+		limits.max_changes = 2999;
+		check_refused(
+				{}, bomb(3000, format), limits, "changes must be at most 2999 (max_changes of diff_limits), got 3000");
+	}
+}
+
+TEST_CASE("diff limits: every kind of id counts, and no list is longer than the limit") {
+	InstanceState state;
+	for (int i = 0; i < 3; ++i) {
+		state.remove(point_id(1, i, 0));
+		added_to(state, instance_at(i, 5.0));
+	}
+	state.restore(point_id(1, 0, 0));
+	state.remove(state.added_ids().front());
+	const StateBytes diff = diff_of(state, 0);
+	DiffLimits limits;
+	limits.max_changes = 6;
+	CHECK(is_applied({}, diff, limits));
+	limits.max_changes = 5;
+	check_refused({}, diff, limits, "changes must be at most 5");
+	StateRecord record;
+	REQUIRE(read(diff, record).ok());
+	StateBytes former;
+	write(record, former, nullptr, former_state_format);
+	check_refused({}, former, limits, "changes must be at most 5");
+}
+
+TEST_CASE("diff limits: what is held afterwards") {
+	InstanceState state;
+	for (int i = 0; i < 10; ++i) {
+		state.remove(point_id(1, 0, i));
+	}
+	DiffLimits limits;
+	limits.max_total_changes = 12;
+	CHECK(is_applied(state, diff_of_removals(12), limits)); // Ten of them are removed already.
+	check_refused(state, diff_of_removals(13), limits,
+			"total changes must be at most 12 (max_total_changes of diff_limits), got 13");
+	// A state that holds more already takes what adds nothing.
+	limits.max_total_changes = 5;
+	CHECK(is_applied(state, diff_of_removals(10), limits));
+	check_refused(state, diff_of_removals(11), limits, "total changes must be at most 5");
+	InstanceState placer;
+	for (int i = 0; i < 4; ++i) {
+		added_to(placer, instance_at(i, 5.0));
+	}
+	limits = {};
+	limits.max_added = 4;
+	CHECK(is_applied(state, diff_of(placer, 0), limits));
+	limits.max_added = 3;
+	check_refused(state, diff_of(placer, 0), limits,
+			"hand-placed instances must be at most 3 (max_added of diff_limits), got 4");
+}
+
+TEST_CASE("diff limits: bytes of data") {
+	InstanceState writer;
+	REQUIRE(writer.set_data(point_id(1, 1, 1), StateBytes(100, 3)).ok());
+	DiffLimits limits;
+	limits.max_data_size = 100;
+	CHECK(is_applied({}, diff_of(writer, 0), limits));
+	limits.max_data_size = 99;
+	check_refused({}, diff_of(writer, 0), limits, "data must be at most 99 (max_data_size of diff_limits), got 100");
+}
+
+TEST_CASE("diff limits: the area that a sender may change") {
+	DiffLimits limits;
+	limits.area = {{0.0, 0.0}, {100.0, 50.0}}; // Cells are 10 m wide.
+	CHECK(is_applied({}, diff_of_removals(5, 9), limits));
+	check_refused({}, diff_of_removals(5, 11), limits, "x must be between 0 and 100 (area of diff_limits), got 115");
+	check_refused({}, diff_of_removals(8, 1), limits, "z must be between 0 and 50 (area of diff_limits), got 65");
+	InstanceState elsewhere;
+	elsewhere.remove(point_id(2, 1, 1));
+	check_refused({}, diff_of(elsewhere, 0), limits, "the position of points of a layer is missing. Assign");
+	// Hand-placed instances need no cells. One that stands outside may not be moved or taken away.
+	InstanceState far;
+	const std::uint64_t id = added_to(far, instance_at(500.0, 10.0));
+	check_refused({}, diff_of(far, 0), limits, "x must be between 0 and 100 (area of diff_limits), got 500");
+	InstanceState near = copy_of(far);
+	Changes changes;
+	std::uint64_t moved = 0;
+	const std::uint64_t known = near.revision();
+	REQUIRE(near.move(id, instance_at(50.0, 10.0), moved, changes).ok());
+	CHECK(is_applied({}, diff_of(near, known), limits));
+	check_refused(far, diff_of(near, known), limits, "x must be between");
+	near.remove(id);
+	InstanceState holder = copy_of(far);
+	CHECK_FALSE(holder.apply(diff_of(near, known), changes, limits).ok());
+	CHECK(holder.merge_diff(diff_of(near, known), changes, limits).ok() == false);
+}
+
+TEST_CASE("diff limits: a diff that replaces everything") {
+	InstanceState state;
+	state.remove(point_id(1, 1, 1));
+	DiffLimits limits;
+	limits.allow_replacement = false;
+	check_refused(state, bytes_of(some_state(3, 20)), limits,
+			"replaces_everything must be 0 (allow_replacement of diff_limits), got 1");
+	// A join replaces nothing.
+	Changes changes;
+	REQUIRE(state.merge_diff(diff_of_removals(3), changes, limits).ok());
+	InstanceState other;
+	other.remove(point_id(1, 7, 7));
+	REQUIRE(state.merge_diff(bytes_of(other), changes, limits).ok());
+	CHECK(state.removed(point_id(1, 1, 1)));
+	CHECK(state.removed(point_id(1, 7, 7)));
+}
+
+TEST_CASE("diff limits: a foreign clock moves this one by what is allowed, and restores nothing before its time") {
+	for (const std::uint32_t format : {former_state_format, state_format}) {
+		const StateBytes poisoned = bomb(0, format, 1e12);
+		InstanceState state;
+		state.remove(point_id(1, 1, 1), 100.0);
+		Changes changes;
+		DiffLimits limits;
+		limits.max_clock_advance = 0.0;
+		StateBytes diff = poisoned;
+		if (format == state_format) {
+			InstanceState sender;
+			REQUIRE(sender.advance(1e12, changes).ok());
+			diff = diff_of(sender, 0);
+			CHECK(diff.size() < 51);
+		} else {
+			diff = bomb(1, format, 1e12);
+		}
+		REQUIRE(state.apply(diff, changes, limits).ok());
+		CHECK(state.time() == 0.0);
+		REQUIRE(state.merge_diff(diff, changes, limits).ok());
+		CHECK(state.time() == 0.0);
+		REQUIRE(state.apply(diff, changes).ok());
+		CHECK(state.time() == 60.0);
+		REQUIRE(state.advance(1.0, changes).ok());
+		CHECK(state.removed(point_id(1, 1, 1)));
+		REQUIRE(state.advance(39.0, changes).ok());
+		CHECK_FALSE(state.removed(point_id(1, 1, 1)));
+		state.remove(point_id(1, 1, 1), 300.0);
+		REQUIRE(state.advance(200.0, changes).ok());
+		CHECK_FALSE(state.removed(point_id(1, 1, 1))); // It grows again as it should.
+	}
+	// Who replaces everything brings the clock.
+	InstanceState owner;
+	Changes changes;
+	REQUIRE(owner.advance(5.0, changes).ok());
+	InstanceState follower;
+	REQUIRE(follower.advance(900.0, changes).ok());
+	REQUIRE(follower.apply(bytes_of(owner), changes).ok());
+	CHECK(follower.time() == 5.0);
+}
+
+TEST_CASE("diff summary: what a diff names, by layer, and where") {
+	InstanceState sender;
+	sender.set_origin(99);
+	sender.remove(point_id(1, 3, 4));
+	sender.remove(point_id(1, 5, 9));
+	sender.remove(point_id(1, 0, 0));
+	sender.restore(point_id(1, 0, 0));
+	REQUIRE(sender.set_data(point_id(1, 3, 4), StateBytes(5, 1)).ok());
+	added_to(sender, instance_at(-7.0, 8.0, 2));
+	sender.remove(added_to(sender, instance_at(1.0, 8.0, 2)));
+	sender.remove(point_id(3, 1, 1));
+	Changes changes;
+	REQUIRE(sender.advance(2.0, changes).ok());
+	InstanceState receiver;
+	REQUIRE(receiver.claim(1, 7, 10.0).ok());
+	DiffSummary summary;
+	REQUIRE(receiver.inspect(diff_of(sender, 0), summary).ok());
+	CHECK_FALSE(summary.replaces_everything);
+	CHECK(summary.origin == StateOrigin{99, 0, sender.revision()});
+	CHECK(summary.time == 2.0);
+	CHECK(summary.changes == 6);
+	REQUIRE(summary.layers.size() == 3);
+	const DiffSummary::Layer &oaks = summary.layers.at(1);
+	CHECK(oaks.removed == 2);
+	CHECK(oaks.standing == 1);
+	CHECK(oaks.with_data == 1);
+	CHECK(oaks.data_bytes == 5);
+	CHECK(oaks.bounds.min == glm::dvec2(0.0, 0.0));
+	CHECK(oaks.bounds.max == glm::dvec2(60.0, 100.0));
+	CHECK(oaks.has_all_bounds);
+	const DiffSummary::Layer &placed = summary.layers.at(2);
+	CHECK(placed.added == 1);
+	CHECK(placed.gone == 1);
+	CHECK(placed.bounds.min == glm::dvec2(-7.0, 8.0));
+	CHECK_FALSE(summary.layers.at(3).has_bounds);
+	CHECK_FALSE(summary.layers.at(3).has_all_bounds);
+	CHECK(receiver.revision() == 0);
+	// What is too large is not read, and its front says how large it is.
+	DiffLimits limits;
+	limits.max_changes = 5;
+	CHECK(is_beyond_limits(receiver.inspect(diff_of(sender, 0), summary, limits)));
+	CHECK(summary.changes == 6);
+	CHECK(summary.layers.empty());
+	REQUIRE(receiver.inspect(bytes_of(sender), summary).ok());
+	CHECK(summary.replaces_everything);
+	CHECK(receiver.inspect(StateBytes{1, 2, 3}, summary).code == ErrorCode::corrupt);
+}

@@ -1,0 +1,241 @@
+// Diffs of a named state are applied in its order, however they arrive.
+
+#include "core/state/diff_limits.hpp"
+#include "core/state/known_revisions.hpp"
+#include "pending_diff_fixture.hpp"
+
+#include <array>
+#include <string>
+#include <utility>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+constexpr std::uint64_t owner_name = 77;
+
+/// Three removals of an owner, and the diff of each.
+struct Three {
+	InstanceState owner;
+	std::vector<StateBytes> diffs;
+
+	Three() {
+		owner.set_origin(owner_name);
+		for (int x = 0; x < 3; ++x) {
+			const std::uint64_t known = owner.revision();
+			owner.remove(point_id(1, x, 0));
+			diffs.push_back(diff_of(owner, known));
+		}
+	}
+};
+
+/// Messages that arrive in any order, some twice, some never.
+class Channel {
+public:
+	explicit Channel(StateRandom &random) : random_(random) {}
+
+	void send(const StateBytes &message) {
+		for (auto copies = random_() % 5; copies < 4; copies += 3) { // None, one or two.
+			messages_.push_back(message);
+		}
+	}
+
+	bool take(StateBytes &r_message) {
+		if (messages_.empty()) {
+			return false;
+		}
+		std::swap(messages_[random_() % messages_.size()], messages_.back());
+		r_message = std::move(messages_.back());
+		messages_.pop_back();
+		return true;
+	}
+
+private:
+	StateRandom &random_;
+	std::vector<StateBytes> messages_;
+};
+
+struct Receiver {
+	InstanceState state;
+	std::uint64_t sent = 0; ///< The revision up to which the owner has sent.
+};
+
+/// Applies a message; the revision to ask the owner for if something is missing before it.
+bool receive(InstanceState &r_state, const StateBytes &message, std::uint64_t &r_since) {
+	Changes changes;
+	const std::uint64_t before = r_state.revision();
+	const Status status = r_state.apply(message, changes);
+	bool missing = false;
+	if (status.ok()) {
+		return false;
+	}
+	REQUIRE(is_missing_earlier(status));
+	REQUIRE(r_state.revision() == before);
+	REQUIRE(changes.empty());
+	REQUIRE(r_state.missing_before(message, missing, r_since).ok());
+	REQUIRE(missing);
+	return true;
+}
+
+} // namespace
+
+TEST_CASE("diff order: a repeated and a late diff change nothing") {
+	const Three three;
+	InstanceState peer;
+	Changes changes;
+	REQUIRE(peer.apply(three.diffs[0], changes).ok());
+	REQUIRE(peer.apply(three.diffs[1], changes).ok());
+	CHECK(peer.known_revision(owner_name) == 2);
+	peer.restore(point_id(1, 0, 0));
+	const StateBytes before = bytes_of(peer);
+	const std::uint64_t revision = peer.revision();
+	changes.clear();
+	for (const std::size_t late : {0U, 1U}) {
+		bool missing = true;
+		std::uint64_t since = 0;
+		REQUIRE(peer.missing_before(three.diffs[late], missing, since).ok());
+		CHECK_FALSE(missing);
+		CHECK(peer.apply(three.diffs[late], changes).ok());
+	}
+	CHECK(changes.empty());
+	CHECK(peer.revision() == revision);
+	CHECK(bytes_of(peer) == before);
+}
+
+TEST_CASE("diff order: a diff after a lost one is refused, and the answer says what to ask for") {
+	Three three;
+	InstanceState peer;
+	Changes changes;
+	REQUIRE(peer.apply(three.diffs[0], changes).ok());
+	changes.clear();
+	const Status status = peer.apply(three.diffs[2], changes);
+	CHECK(is_missing_earlier(status));
+	CHECK_FALSE(is_beyond_limits(status));
+	CHECK(describe(status).starts_with(
+			"base_revision must be at most 1 (the last one known of its sender), got 2. Ask"));
+	CHECK(changes.empty());
+	CHECK(peer.removed_count() == 1);
+	bool missing = false;
+	std::uint64_t since = 0;
+	REQUIRE(peer.missing_before(three.diffs[2], missing, since).ok());
+	CHECK(missing);
+	CHECK(since == 1);
+	REQUIRE(peer.apply(diff_of(three.owner, since), changes).ok());
+	CHECK(peer.digest() == three.owner.digest());
+	CHECK(peer.known_revision(owner_name) == 3);
+}
+
+TEST_CASE("diff order: one that begins earlier than what is known is applied") {
+	const Three three;
+	InstanceState peer;
+	Changes changes;
+	REQUIRE(peer.apply(three.diffs[0], changes).ok());
+	REQUIRE(peer.apply(diff_of(three.owner, 0), changes).ok());
+	CHECK(peer.digest() == three.owner.digest());
+}
+
+TEST_CASE("diff order: steps of undo, saved changes and diffs of nameless states have none") {
+	Three three;
+	InstanceState peer;
+	Changes changes;
+	StateBytes bytes;
+	const std::uint64_t ids[] = {point_id(1, 2, 0)};
+	REQUIRE(three.owner.diff_of(ids, bytes).ok());
+	REQUIRE(peer.apply(bytes, changes).ok());
+	CHECK(peer.removed(ids[0]));
+	REQUIRE(three.owner.diff_since(1, bytes, false).ok());
+	REQUIRE(peer.apply(bytes, changes).ok());
+	CHECK(peer.removed_count() == 2);
+	CHECK(peer.known_revision(owner_name) == 0);
+}
+
+TEST_CASE("diff order: a state that is loaded or cleared or replaced has to be told everything") {
+	const Three three;
+	const StateBytes saved = bytes_of(three.owner);
+	const auto is_forgotten = [&](auto forget) {
+		InstanceState peer;
+		Changes changes;
+		REQUIRE(peer.apply(three.diffs[0], changes).ok());
+		forget(peer, changes);
+		return peer.known_revision(owner_name) == 0 && is_missing_earlier(peer.apply(three.diffs[1], changes));
+	};
+	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.load(saved, r_changes).ok()); }));
+	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.apply(saved, r_changes).ok()); }));
+	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.clear(r_changes).ok()); }));
+	// A diff of everything is as good as all before it.
+	InstanceState owner;
+	owner.set_origin(owner_name);
+	Changes changes;
+	REQUIRE(owner.load(saved, changes).ok());
+	InstanceState peer;
+	REQUIRE(peer.apply(diff_of(owner, 0), changes).ok());
+	CHECK(peer.known_revision(owner_name) == owner.revision());
+}
+
+TEST_CASE("diff order: diffs that another thread applies keep it, too") {
+	const Three three;
+	InstanceState peer;
+	queue(peer, three.diffs[0]);
+	queue(peer, three.diffs[1]);
+	StateChanges changes;
+	finish(peer, changes);
+	finish(peer, changes);
+	CHECK(peer.known_revision(owner_name) == 2);
+	queue(peer, three.diffs[0]);
+	peer.restore(point_id(1, 0, 0));
+	finish(peer, changes);
+	CHECK(peer.removed_count() == 1);
+	InstanceState other;
+	queue(other, three.diffs[1]);
+	other.pending_diff()->work();
+	CHECK(is_missing_earlier(other.finish_pending_diff(changes)));
+}
+
+TEST_CASE("diff order: strangers fill no memory") {
+	KnownRevisions known;
+	for (std::uint64_t name = 1; name <= 1000; ++name) {
+		known.make_room();
+		known.set(name, name + 5);
+		known.set(1, 6); // One that keeps sending is kept.
+	}
+	CHECK(known.of(1000) == 1005);
+	CHECK(known.of(1) == 6);
+	CHECK(known.of(1000 - KnownRevisions::most) == 0);
+}
+
+TEST_CASE("diff order: receivers over a channel that reorders, loses and repeats end with what the owner has") {
+	StateRandom random(31);
+	int asked = 0;
+	for (int run = 0; run < 20; ++run) {
+		InstanceState owner;
+		owner.set_origin(owner_name);
+		std::array<Receiver, 3> receivers;
+		std::vector<Channel> channels(receivers.size(), Channel(random));
+		for (int round = 0; round < 500; ++round) {
+			disturb(owner, random, 1 + static_cast<int>(random() % 3));
+			if (random() % 200 == 0) {
+				Changes changes;
+				REQUIRE(owner.load(bytes_of(owner), changes).ok());
+			}
+			for (std::size_t i = 0; i < receivers.size(); ++i) {
+				if (random() % 2 == 0) {
+					channels[i].send(diff_of(owner, receivers[i].sent));
+					receivers[i].sent = owner.revision();
+				}
+				StateBytes message;
+				std::uint64_t since = 0;
+				if (random() % 3 != 0 && channels[i].take(message) && receive(receivers[i].state, message, since)) {
+					channels[i].send(diff_of(owner, since));
+					++asked;
+				}
+			}
+		}
+		for (Receiver &receiver : receivers) {
+			Changes changes;
+			REQUIRE(receiver.state.apply(diff_of(owner, receiver.state.known_revision(owner_name)), changes).ok());
+			REQUIRE(receiver.state.digest() == owner.digest());
+		}
+	}
+	CHECK(asked > 1000);
+}

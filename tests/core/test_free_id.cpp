@@ -1,0 +1,97 @@
+// The ids of hand-placed instances: which they are, and how many are looked at to find a free one.
+
+#include "core/state/free_id.hpp"
+#include "state_fixture.hpp"
+
+#include <algorithm>
+#include <set>
+
+using namespace thicket;
+
+namespace {
+
+constexpr std::uint64_t prefix = std::uint64_t{0x8001} << 48;
+
+/// Ids that are taken, and how often that was asked.
+struct Ids {
+	std::set<std::uint64_t> taken;
+	std::size_t looks = 0;
+
+	std::uint64_t take(std::uint64_t first) {
+		const std::uint64_t id = free_id(prefix, first, [this](std::uint64_t any) {
+			++looks;
+			return taken.contains(any);
+		});
+		CHECK(taken.insert(id).second);
+		return id;
+	}
+};
+
+} // namespace
+
+TEST_CASE("free id: equal instances get ids one after the other, at a cost that hardly grows") {
+	Ids ids;
+	constexpr std::uint64_t first = 0xfffffffffff0; // The numbers go on at 0.
+	std::size_t before = 0;
+	for (std::uint64_t count = 0; count < 40000; ++count) {
+		ids.looks = 0;
+		REQUIRE(ids.take(first) == (prefix | ((first + count) & 0xffffffffffff)));
+		REQUIRE(ids.looks <= 2 + 2 * 17);
+		before = std::max(before, ids.looks);
+	}
+	CHECK(before > 20); // It does look further than at the next one.
+}
+
+TEST_CASE("free id: gaps are used or passed, and no id is given twice") {
+	StateRandom random(51);
+	Ids ids;
+	for (int i = 0; i < 20000; ++i) {
+		ids.looks = 0;
+		ids.take(random() % 8);
+		REQUIRE(ids.looks < 100);
+		if (random() % 3 == 0) {
+			const auto any = ids.taken.lower_bound(prefix | random() % 7000);
+			if (any != ids.taken.end()) {
+				ids.taken.erase(any);
+			}
+		}
+	}
+}
+
+TEST_CASE("free id: taken ids at all doubled distances end in another place") {
+	Ids ids;
+	ids.taken.insert(prefix | 5);
+	for (std::uint64_t step = 1; step < std::uint64_t{1} << 48; step *= 2) {
+		ids.taken.insert(prefix | ((5 + step) & 0xffffffffffff));
+	}
+	ids.take(5);
+	CHECK(ids.looks < 100);
+	// No instance has the id of all ones.
+	Ids last;
+	const std::uint64_t id = free_id(std::uint64_t{0xffff} << 48, 0xffffffffffff, [](std::uint64_t) { return false; });
+	CHECK(id == std::uint64_t{0xffff} << 48);
+}
+
+TEST_CASE("free id: many equal instances get the ids that they get one by one") {
+	InstanceState one_by_one;
+	InstanceState together;
+	std::vector<AddedInstance> equal(3000, instance_at(5.0, 7.0));
+	for (std::size_t at = 0; at < equal.size(); at += 7) {
+		equal[at] = instance_at(static_cast<double>(at), 0.0);
+	}
+	std::vector<std::uint64_t> expected;
+	for (const AddedInstance &instance : equal) {
+		expected.push_back(added_to(one_by_one, instance));
+	}
+	std::vector<std::uint64_t> ids;
+	std::vector<InstanceChange> changes;
+	REQUIRE(together.add_all(equal, ids, changes).ok());
+	CHECK(ids == expected);
+	CHECK(std::set<std::uint64_t>(ids.begin(), ids.end()).size() == ids.size());
+	// The first of them have the ids of release 0.2.0, and so have all that stand alone.
+	AddedInstance oak = instance_at(1.5, -2.5, 4);
+	oak.mesh = 2;
+	oak.basis[0][1] = 0.25f;
+	CHECK(added_to(together, oak) == 0x8004cd76691298f4);
+	CHECK(added_to(together, oak) == 0x8004cd76691298f5);
+}
