@@ -9,7 +9,6 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 
 // Format 2. Numbers are little-endian; a count is written in 7 bits a byte, the lowest first, with the highest bit set in all bytes but
 // its last. A list is written as id_codec.hpp says, ids in it are codes:
@@ -291,36 +290,6 @@ private:
 	Status refused_;
 };
 
-bool are_points(const StateRecord::Codes &codes) { return codes.empty() || !is_added(codes.back()); }
-
-bool are_added(const StateRecord::Codes &codes) { return codes.empty() || is_added(codes.front()); }
-
-/// Whether each of `part` is in one of `lists`.
-bool covers(const std::array<const StateRecord::Codes *, 3> &lists, const StateRecord::Codes &part) {
-	return std::ranges::all_of(part, [&lists](std::uint64_t code) {
-		return std::ranges::any_of(
-				lists, [code](const StateRecord::Codes *list) { return std::ranges::binary_search(*list, code); });
-	});
-}
-
-bool disjoint(const StateRecord::Codes &left, const StateRecord::Codes &right) {
-	return std::ranges::none_of(left, [&right](std::uint64_t code) { return std::ranges::binary_search(right, code); });
-}
-
-/// Whether the lists say one thing of each id, and nothing twice.
-bool consistent(const StateRecord &record) {
-	const bool kinds = are_points(record.removed) && are_points(record.standing) && are_added(record.gone) &&
-			are_added(record.added);
-	const bool once = disjoint(record.standing, record.removed) && disjoint(record.gone, record.added);
-	const bool no_more_than_whole = !record.whole ||
-			(record.gone.empty() && covers({&record.with_data, &record.with_data, &record.with_data}, record.standing));
-	const bool stamped = std::ranges::equal(
-			record.layers(), record.stamps, {}, [](const auto &a) { return a.first; },
-			[](const auto &b) { return b.first; });
-	return kinds && once && no_more_than_whole && stamped &&
-			covers({&record.removed, &record.standing, &record.added}, record.with_data);
-}
-
 bool take_origin(ByteReader &r_bytes, StateHeader &r_header) {
 	r_header.origin.name = r_bytes.take<std::uint64_t>();
 	r_header.origin.end = take_count(r_bytes);
@@ -423,7 +392,7 @@ Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record, const Di
 		r_record.origin = header.origin;
 		r_record.stamps = header.stamps;
 		RecordReader record(ByteReader(reader.rest().first(rest - checksum_size)), header, limits, cancel);
-		if (!record.take(r_record) || !consistent(r_record)) {
+		if (!record.take(r_record) || !is_consistent(r_record)) {
 			return record.refused().ok() ? corrupt : record.refused();
 		}
 		std::vector<std::uint8_t> again;

@@ -10,6 +10,26 @@
 
 namespace thicket {
 
+namespace {
+
+bool are_points(const StateRecord::Codes &codes) { return codes.empty() || !is_added(codes.back()); }
+
+bool are_added(const StateRecord::Codes &codes) { return codes.empty() || is_added(codes.front()); }
+
+/// Whether each of `part` is in one of `lists`.
+bool covers(const std::array<const StateRecord::Codes *, 3> &lists, const StateRecord::Codes &part) {
+	return std::ranges::all_of(part, [&lists](std::uint64_t code) {
+		return std::ranges::any_of(
+				lists, [code](const StateRecord::Codes *list) { return std::ranges::binary_search(*list, code); });
+	});
+}
+
+bool disjoint(const StateRecord::Codes &left, const StateRecord::Codes &right) {
+	return std::ranges::none_of(left, [&right](std::uint64_t code) { return std::ranges::binary_search(right, code); });
+}
+
+} // namespace
+
 Status validate(const AddedInstance &instance) {
 	if (instance.layer > max_state_layer) {
 		return Status::out_of_range("layer", instance.layer, at_most(max_state_layer));
@@ -91,6 +111,19 @@ bool is_less(const AddedInstance &left, const AddedInstance &right) {
 		order = order != 0 || mine == theirs ? order : mine < theirs ? -1 : 1;
 	});
 	return order < 0;
+}
+
+bool is_consistent(const StateRecord &record) {
+	const bool kinds = are_points(record.removed) && are_points(record.standing) && are_added(record.gone) &&
+			are_added(record.added);
+	const bool once = disjoint(record.standing, record.removed) && disjoint(record.gone, record.added);
+	const bool no_more_than_whole = !record.whole ||
+			(record.gone.empty() && covers({&record.with_data, &record.with_data, &record.with_data}, record.standing));
+	const bool stamped = std::ranges::equal(
+			record.layers(), record.stamps, {}, [](const auto &a) { return a.first; },
+			[](const auto &b) { return b.first; });
+	return kinds && once && no_more_than_whole && stamped &&
+			covers({&record.removed, &record.standing, &record.added}, record.with_data);
 }
 
 } // namespace thicket

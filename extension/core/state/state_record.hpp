@@ -98,6 +98,9 @@ private:
 	void add_data(std::uint64_t code, Entry &r_entry) const;
 };
 
+/// Whether the lists of a record say one thing of each id, and nothing twice, and have the stamps of their layers.
+bool is_consistent(const StateRecord &record);
+
 /// Refuses what AddedInstance refuses, naming it.
 Status validate(const AddedInstance &instance);
 
