@@ -17,7 +17,7 @@ from bakes import make_bake
 from conftest import REPO
 
 sys.path.insert(0, str(REPO / "tools/bake"))
-from baking import driver, files, rows, schedule  # noqa: E402 (only on the path above)
+from baking import driver, files, report, rows, schedule, tile, tile_folder  # noqa: E402 (only on the path above)
 from baking.format import MANIFEST, BakeError  # noqa: E402
 from baking.tile_engine import Source  # noqa: E402
 from reading import verify  # noqa: E402
@@ -269,6 +269,52 @@ def test_a_spoiled_text_ends_in_a_sentence(bake, tmp_path, capsys):
     contents = list(spoiled(good))
     refused = sum(check_said(bake, tmp_path / "out", content, capsys) > 0 for content in contents)
     assert len(contents) > 200 and refused > 0.6 * len(contents)
+
+
+MADE = {
+    "scene": "res://world.tscn", "scene_digest": "5ce7e", "thicket": "0.2.0", "seed": "7", "problems": [], "parts": {"the seed": "1"}, "rect": [0, 0, 64, 64],
+    "tile_size": 64.0, "world_offset": [0, 0, 0], "grid": [0, 0, 1, 1], "edges": [[0, 64], [0, 64]], "columns": {"0": {"id": "<u8"}},
+    "layers": [{"index": 0, "name": "Oak", "radius": 6.0, "tile_size": 64.0}], "models": [{"index": 0, "models": [{"path": "res://oak.tres"}], "material": ""}],
+}  # fmt: skip
+
+
+class AtOnce:
+    """In the place of a Dask client: does what is submitted."""
+
+    def __init__(self):
+        self.value = None
+
+    def submit(self, work, *arguments, **_):
+        self.value = work(*arguments)
+        return self
+
+    def result(self):
+        return self.value
+
+
+def test_a_folder_of_tiles_of_any_content_ends_in_a_sentence(tmp_path):
+    """What bake_world.gd has made elsewhere, up to the first tile."""
+    made = tmp_path / "made"
+    made.mkdir()
+    refused = 0
+    contents = [*replaced(MADE), *spoiled(json.dumps(MADE))]
+    for content in (json.dumps(MADE), *contents):
+        (made / tile_folder.WORLD).write_bytes(content if isinstance(content, bytes) else content.encode("utf-8", "surrogatepass"))
+        out = tmp_path / "out"
+        shutil.rmtree(out, ignore_errors=True)
+        out.mkdir()
+        try:
+            wish = driver.Wish(tile_folder.made_tiles(made), out)
+            plan, manifest, _ = driver._begin(wish, AtOnce(), lambda said: None)
+            report.Map(plan.rect, plan.pixel, manifest["layers"])
+        except BakeError as error:
+            assert str(made) in str(error) and "make the folder again with bake_world.gd" in str(error), (error, content)
+            refused += 1
+        except Exception as error:
+            raise AssertionError(f"{type(error).__name__} for {content[:3000]!r}") from error
+        finally:
+            tile.close_engines()
+    assert 0.6 * len(contents) < refused < len(contents)
 
 
 def test_a_refusal_names_the_field_what_is_allowed_and_what_to_do(bake):

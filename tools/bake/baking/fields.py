@@ -67,13 +67,13 @@ def whole(least: int, most: int) -> Check:
     return check
 
 
-def text(pattern: str = "", allowed: str = "") -> Check:
+def text(pattern: str = "", allowed: str = "", most: int = MOST_CHARACTERS) -> Check:
     """A text that a path or a terminal can hold; with a pattern, one that fits it as a whole."""
-    allowed = allowed or f"a text of at most {MOST_CHARACTERS} characters, none of them a zero or half of a surrogate pair"
+    allowed = allowed or f"a text of at most {most} characters, none of them a zero or half of a surrogate pair"
     form = re.compile(pattern or r"[^\0\ud800-\udfff]*")
 
     def check(value: object) -> None:
-        if type(value) is not str or len(value) > MOST_CHARACTERS or not form.fullmatch(value):
+        if type(value) is not str or len(value) > most or not form.fullmatch(value):
             raise Refused(value, allowed)
 
     return check

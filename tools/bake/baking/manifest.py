@@ -14,8 +14,9 @@ MOST_METERS = 1e12
 RADII = (1e-3, 1e6)  # Meters.
 REMEDY = "put the manifest of the bake back, or bake again with --fresh"
 
-_meters = number(-MOST_METERS, MOST_METERS)
-_length = number(1e-3, MOST_METERS)
+METERS = number(-MOST_METERS, MOST_METERS)
+LENGTH = number(1e-3, MOST_METERS)
+RECT = items(METERS, 4, 4)
 _distance = number(0.0, MOST_METERS)
 _whole_32 = whole(-(2**31), 2**31 - 1)
 _rows = whole(0, 2**31 - 1)
@@ -33,7 +34,7 @@ _layer = members(
 _tile = members(
     {
         "file": text(), "rows": _rows, "rows_of_layer": items(_rows), "digest": _sha256, "sha256": _sha256,
-        "bounds": nullable(items(_meters, 6, 6)), "sheared": _rows, "seconds": _cost, "core_seconds": _cost,
+        "bounds": nullable(items(METERS, 6, 6)), "sheared": _rows, "seconds": _cost, "core_seconds": _cost,
     },
     ["file", "rows", "digest"],
 )  # fmt: skip
@@ -41,7 +42,7 @@ _tile_name = text(r"(0|-?[1-9][0-9]{0,9}),(0|-?[1-9][0-9]{0,9})", "two whole num
 _manifest = members(
     {
         "scene": text(), "scene_digest": text(), "scene_parts": mapping(text(), text(), 1 << 20),
-        "rect": items(_meters, 4, 4), "tile_size": _length, "grid": items(_whole_32, 4, 4), "world_offset": items(_meters, 3, 3),
+        "rect": RECT, "tile_size": LENGTH, "grid": items(_whole_32, 4, 4), "world_offset": items(METERS, 3, 3),
         "layers": items(_layer, 1, 0x10000), "tiles": mapping(_tile_name, _tile, MOST_TILES), "complete": flag, "digest": nullable(_sha256),
     },
     ["scene", "scene_digest", "rect", "tile_size", "world_offset", "layers", "tiles"],
@@ -102,10 +103,15 @@ def check_costs(said: dict, manifest: Path) -> None:
         raise BakeError(f"{manifest}: {refused}; {REMEDY}") from None
 
 
+def check_rect(rect: list) -> None:
+    """Raises Refused for a rectangle without a width or a depth."""
+    if min(rect[2:]) <= 0:
+        raise fields.Refused(min(rect[2:]), "x, z, width and depth in meters, the last two above 0").within("rect")
+
+
 def _check_sense(said: dict) -> None:
     """What concerns more than one value."""
-    if min(said["rect"][2:]) <= 0:
-        raise fields.Refused(min(said["rect"][2:]), "x, z, width and depth in meters, the last two above 0").within("rect")
+    check_rect(said["rect"])
     indices = [layer["index"] for layer in said["layers"]]
     for number, layer in enumerate(said["layers"]):
         if indices.index(layer["index"]) != number:

@@ -10,7 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from .fields import Refused as BadField
+from .fields import items, mapping, members, number, text, whole
 from .format import BakeError, name_of
+from .manifest import LENGTH, METERS, MOST_TILES, RADII, RECT, check_rect, read_json
 from .tile_engine import Refused
 
 WORLD = "world.json"
@@ -27,15 +30,53 @@ class MadeTiles:
         return TileFolder(Path(self.folder))
 
 
+_layer = members({"index": whole(0, 0xFFFF), "name": text(), "radius": number(*RADII), "tile_size": LENGTH}, ["index", "name", "radius", "tile_size"])
+_models = members({"index": whole(0, 0xFFFF), "models": items(members({})), "material": text()}, ["index", "models", "material"])
+_checks = {
+    "scene": text(), "scene_digest": text(), "thicket": text(), "seed": text("-?[0-9]{1,20}", "a whole number in a text"), "problems": items(text(most=1 << 20)),
+    "parts": mapping(text(), text(), 1 << 20), "rect": RECT, "tile_size": LENGTH, "world_offset": items(METERS, 3, 3),
+    "layers": items(_layer, 1, 0x10000), "models": items(_models), "grid": items(whole(-(2**31), 2**31 - 1), 4, 4),
+    "edges": items(items(METERS, 2, MOST_TILES + 1), 2, 2), "columns": mapping(text(), mapping(text(), text(), 100), 0x10000),
+}  # fmt: skip
+_world = members(_checks, _checks)
+
+
 def made_tiles(folder: Path) -> MadeTiles:
     """What lies in a folder. Raises BakeError where that is no world's tiles."""
+    return MadeTiles(str(folder), _read_world(folder)["scene"])
+
+
+def _read_world(folder: Path) -> dict:
+    again = "make the folder again with bake_world.gd"
     try:
-        world = json.loads((folder / WORLD).read_text(encoding="utf-8"))
-        if "columns" not in world:
-            raise BakeError(f"{folder} was made by another version of Thicket: make it again with bake_world.gd.")
-        return MadeTiles(str(folder), world["scene"])
-    except (OSError, ValueError, LookupError, TypeError) as error:
-        raise BakeError(f"{folder / WORLD} cannot be read: {error}. Make the folder again with bake_world.gd.") from None
+        world = read_json(folder / WORLD)
+    except (OSError, BakeError) as error:
+        raise BakeError(f"{error}; {again}") from None
+    if "columns" not in world:
+        raise BakeError(f"{folder} was made by another version of Thicket: {again}")
+    try:
+        _world(world)
+        _check_sense(world)
+    except BadField as refused:
+        raise BakeError(f"{folder / WORLD}: {refused}; {again}") from None
+    return world
+
+
+def _check_sense(world: dict) -> None:
+    """What concerns more than one value."""
+    check_rect(world["rect"])
+    sides = world["grid"][2:]
+    if min(sides) < 1 or sides[0] * sides[1] > MOST_TILES:
+        raise BadField(sides, f"first column, first row, columns and rows of 1 to {MOST_TILES} tiles").within("grid")
+    if [len(edges) - 1 for edges in world["edges"]] != sides:
+        raise BadField(world["edges"], "the edges of as many columns and rows as grid has").within("edges")
+    indices = [layer["index"] for layer in world["layers"]]
+    if len(set(indices)) < len(indices):
+        raise BadField(indices, "layers with an index of their own each").within("layers")
+    if {str(index) for index in indices} - world["columns"].keys():
+        raise BadField(world["columns"], "an object with the columns of each layer").within("columns")
+    if set(indices) - {each["index"] for each in world["models"]}:
+        raise BadField(world["models"], "an array with an entry for each layer").within("models")
 
 
 class TileFolder:
@@ -43,7 +84,10 @@ class TileFolder:
 
     def __init__(self, folder: Path):
         self.folder = folder
-        self.world = json.loads((folder / WORLD).read_text(encoding="utf-8"))
+        try:
+            self.world = _read_world(folder)
+        except BakeError as error:  # It was there and sound when the bake began.
+            raise Refused(str(error)) from None
 
     def describe(self, asked: dict[str, str]) -> dict:
         """As TileEngine.describe, of what was asked for when the folder was made: `asked` is empty."""
