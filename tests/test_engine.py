@@ -149,6 +149,7 @@ def assert_passed(done):
         "test_state_async",
         "test_state_bulk",
         "test_state_handlers",
+        "test_state_peers",
         "test_edits",
         "test_neighbors",
         "test_biomes",

@@ -50,6 +50,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterTerrainMeshes);
 	GDREGISTER_CLASS(ScatterTerrainColliders);
 	GDREGISTER_CLASS(ScatterMask);
+	GDREGISTER_CLASS(ScatterDiffLimits);
 	GDREGISTER_CLASS(ScatterState);
 	GDREGISTER_CLASS(ScatterInstance);
 	GDREGISTER_CLASS(ScatterInstances);

@@ -124,7 +124,7 @@ Status ScatterGameplay::claim(std::uint32_t layer) {
 		set_state(Ref<ScatterState>(memnew(ScatterState)));
 	}
 	const PointSet &set = world_.layers()[layer].set;
-	const Status status = state_->claim(set.layer, stamp_of(set));
+	const Status status = state_->claim(set.layer, stamp_of(set), lattice_unit(set) * (1u << lattice_bits));
 	return status.ok() ? status : Status{ErrorCode::foreign, "state of layer", static_cast<double>(layer)};
 }
 

@@ -171,10 +171,10 @@ Error ScatterState::from_bytes(const PackedByteArray &p_bytes) {
 	return error;
 }
 
-PackedByteArray ScatterState::diff_since(int64_t p_revision) const {
+PackedByteArray ScatterState::diff_since(int64_t p_revision, bool p_ordered) const {
 	std::vector<std::uint8_t> bytes;
 	const auto revision = static_cast<std::uint64_t>(std::max<int64_t>(p_revision, 0));
-	told("diff_since", state_.diff_since(revision, bytes));
+	told("diff_since", state_.diff_since(revision, bytes, p_ordered));
 	return packed_bytes(bytes);
 }
 
@@ -191,7 +191,7 @@ PackedByteArray ScatterState::diff_of(const PackedInt64Array &p_ids) const {
 Error ScatterState::apply_diff(const PackedByteArray &p_diff) {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
-	const Error error = told("apply_diff", state_.apply(span_of(p_diff), changes));
+	const Error error = told("apply_diff", state_.apply(span_of(p_diff), changes, limits()));
 	tell(std::move(changes));
 	return error;
 }
@@ -248,6 +248,7 @@ PackedByteArray ScatterState::get_data() const {
 Ref<ScatterState> ScatterState::copy() const {
 	const Ref<ScatterState> result(memnew(ScatterState));
 	result->set_data(get_data());
+	result->diff_limits_ = diff_limits_;
 	return result;
 }
 
@@ -266,13 +267,20 @@ void ScatterState::_bind_methods() {
 	bind_guarded<&Self::to_bytes>(D_METHOD("to_bytes"));
 	bind_guarded<&Self::save_to_file>(D_METHOD("save_to_file", "path"));
 	bind_guarded<&Self::load_from_file>(D_METHOD("load_from_file", "path"));
-	bind_guarded<&Self::diff_since>(D_METHOD("diff_since", "revision"));
+	bind_guarded<&Self::diff_since>(D_METHOD("diff_since", "revision", "ordered"), DEFVAL(true));
 	bind_guarded<&Self::diff_of>(D_METHOD("diff_of", "ids"));
 	bind_guarded<&Self::apply_diff>(D_METHOD("apply_diff", "diff"));
 	bind_guarded<&Self::apply_diff_async>(
 			ThreadUse::main, D_METHOD("apply_diff_async", "diff", "callback"), DEFVAL(Callable()));
 	bind_guarded<&Self::finish_diffs>(ThreadUse::relayed, D_METHOD("_finish_diffs"));
 	bind_guarded<&Self::merge>(D_METHOD("merge", "other"));
+	bind_guarded<&Self::merge_diff>(D_METHOD("merge_diff", "diff"));
+	bind_guarded<&Self::inspect_diff>(D_METHOD("inspect_diff", "diff"));
+	bind_guarded<&Self::get_origin>(D_METHOD("get_origin"));
+	bind_guarded<&Self::get_known_revision>(D_METHOD("get_known_revision", "origin"));
+	bind_guarded<&Self::get_missing_since>(D_METHOD("get_missing_since", "diff"));
+	bind_guarded<&Self::set_diff_limits>(D_METHOD("set_diff_limits", "limits"));
+	bind_guarded<&Self::get_diff_limits>(D_METHOD("get_diff_limits"));
 	bind_guarded<&Self::clear>(D_METHOD("clear"));
 	bind_guarded<&Self::get_revision>(D_METHOD("get_revision"));
 	bind_guarded<&Self::get_digest>(D_METHOD("get_digest"));
@@ -285,6 +293,9 @@ void ScatterState::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::PACKED_BYTE_ARRAY, "data", PROPERTY_HINT_NONE, "", PROPERTY_USAGE_STORAGE),
 			"set_data", "get_data");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "designed"), "set_designed", "is_designed");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::OBJECT, "diff_limits", PROPERTY_HINT_RESOURCE_TYPE, ScatterDiffLimits::class_name),
+			"set_diff_limits", "get_diff_limits");
 	ADD_SIGNAL(MethodInfo("instances_changed", PropertyInfo(Variant::PACKED_INT64_ARRAY, "ids")));
 }
 

@@ -4,9 +4,12 @@
 #include "core/state/state_changes.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/gameplay/diff_task.hpp"
+#include "nodes/gameplay/scatter_diff_limits.hpp"
 
+#include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/variant/callable.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/variant.hpp>
@@ -55,6 +58,8 @@ class ScatterState : public godot::Resource {
 public:
 	ThreadGuard &thread_guard() const { return thread_guard_; }
 
+	/// Names itself to states that will apply its diffs, by a number that no other state has.
+	ScatterState();
 	~ScatterState() override;
 
 	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 for ever. False for an id of 0.
@@ -83,8 +88,8 @@ public:
 	/// What save_to_file wrote, in place of all that is here. After an error, which is printed, nothing has changed.
 	godot::Error load_from_file(const godot::String &p_path);
 
-	/// For a peer that knows this state as it was at `revision`.
-	godot::PackedByteArray diff_since(int64_t p_revision) const;
+	/// For a peer that knows this state as it was at `revision`, or for a save if not ordered.
+	godot::PackedByteArray diff_since(int64_t p_revision, bool p_ordered = true) const;
 
 	/// What is held of some instances now, as a diff that makes them so again.
 	godot::PackedByteArray diff_of(const godot::PackedInt64Array &p_ids) const;
@@ -94,7 +99,22 @@ public:
 	/// merge very much waits for all diffs that are under way.
 	void apply_diff_async(const godot::PackedByteArray &p_diff, const godot::Callable &p_callback = godot::Callable());
 	godot::Error merge(const godot::Ref<ScatterState> &p_other);
+	godot::Error merge_diff(const godot::PackedByteArray &p_diff);
 	void clear();
+
+	/// What apply_diff, apply_diff_async and merge_diff take from others; null for what suits a client of a server (see DiffLimits).
+	void set_diff_limits(const godot::Ref<ScatterDiffLimits> &p_limits);
+	godot::Ref<ScatterDiffLimits> get_diff_limits() const { return diff_limits_; }
+
+	/// See InstanceState::inspect; with the error of apply_diff for it.
+	godot::Dictionary inspect_diff(const godot::PackedByteArray &p_diff) const;
+
+	/// See InstanceState::origin, and known_revision.
+	int64_t get_origin() const;
+	int64_t get_known_revision(int64_t p_origin) const;
+
+	/// The revision for the sender's diff_since if diffs are missing before this one, otherwise -1.
+	int64_t get_missing_since(const godot::PackedByteArray &p_diff) const;
 
 	int64_t get_revision() const;
 	int64_t get_digest() const;
@@ -137,7 +157,9 @@ public:
 
 	/// Removes all of them, then tells of all of them. The ids of those that stood.
 	std::vector<std::uint64_t> remove_all(std::span<const Removal> removals);
-	Status claim(std::uint16_t layer, std::uint64_t stamp) { return state_.claim(layer, stamp); }
+	Status claim(std::uint16_t layer, std::uint64_t stamp, double cell_side) {
+		return state_.claim(layer, stamp, cell_side);
+	}
 	void add_listener(const std::shared_ptr<StateListener> &listener);
 	void remove_listener(const StateListener *listener);
 
@@ -145,6 +167,9 @@ protected:
 	static void _bind_methods();
 
 private:
+	/// For diffs of others.
+	DiffLimits limits() const { return diff_limits_.is_valid() ? diff_limits_->limits() : DiffLimits(); }
+
 	/// What listeners have followed, and scripts have not heard of.
 	struct Untold {
 		SharedChanges changes;          ///< Null for none.
@@ -171,6 +196,7 @@ private:
 	void wait_for_diffs();
 
 	InstanceState state_;
+	godot::Ref<ScatterDiffLimits> diff_limits_;
 	std::vector<std::weak_ptr<StateListener>> listeners_;
 	std::deque<Untold> untold_;
 	std::deque<std::shared_ptr<DiffTask>> diffs_; ///< In the order of the calls. The first is under way.

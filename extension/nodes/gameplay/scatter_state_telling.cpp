@@ -125,7 +125,7 @@ void ScatterState::remove_listener(const StateListener *listener) {
 
 void ScatterState::apply_diff_async(const PackedByteArray &p_diff, const Callable &p_callback) {
 	const auto task = std::make_shared<DiffTask>(p_diff, p_callback);
-	task->refused = state_.queue_diff(task->bytes(), task->diff);
+	task->refused = state_.queue_diff(task->bytes(), task->diff, limits());
 	diffs_.push_back(task);
 	if (diffs_.size() == 1) {
 		start_diff();

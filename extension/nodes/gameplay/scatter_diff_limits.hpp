@@ -1,0 +1,66 @@
+#pragma once
+
+#include "core/state/diff_limits.hpp"
+#include "nodes/common/guard.hpp"
+
+#include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/variant/rect2.hpp>
+
+#include <cstdint>
+
+namespace thicket {
+
+/// What a ScatterState lets diffs of others do. A new one suits a server that takes diffs of players; a state without one has the
+/// defaults of DiffLimits, for a client that follows its server. A property ignores a number out of its range, with an error.
+class ScatterDiffLimits : public godot::Resource {
+	GDCLASS(ScatterDiffLimits, godot::Resource)
+	THICKET_GUARDED_METHODS(owner)
+
+public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
+	/// See DiffLimits. Counts are 0 to max_count.
+	void set_max_changes(int64_t p_count);
+	int64_t get_max_changes() const { return static_cast<int64_t>(limits_.max_changes); }
+	void set_max_total_changes(int64_t p_count);
+	int64_t get_max_total_changes() const { return static_cast<int64_t>(limits_.max_total_changes); }
+	void set_max_added(int64_t p_count);
+	int64_t get_max_added() const { return static_cast<int64_t>(limits_.max_added); }
+
+	/// Bytes, 0 to max_instance_data.
+	void set_max_data_size(int64_t p_bytes);
+	int64_t get_max_data_size() const { return static_cast<int64_t>(limits_.max_data_size); }
+
+	/// World meters, finite; without an area for no bound.
+	void set_area(const godot::Rect2 &p_area);
+	godot::Rect2 get_area() const { return area_; }
+
+	void set_allow_replacement(bool p_allow);
+	bool is_replacement_allowed() const { return limits_.allow_replacement; }
+
+	/// Seconds, 0 to max_state_time.
+	void set_max_clock_advance(double p_seconds);
+	double get_max_clock_advance() const { return limits_.max_clock_advance; }
+
+	const DiffLimits &limits() const { return limits_; }
+
+	static constexpr const char *class_name = "ScatterDiffLimits";
+	static constexpr int64_t max_count = int64_t{1} << 31;
+
+protected:
+	static void _bind_methods();
+
+private:
+	void set_count(const char *p_property, int64_t p_count, int64_t p_max, std::uint64_t &r_limit);
+
+	/// For players, of whom a server expects single changes.
+	DiffLimits limits_{.max_changes = 65536,
+			.max_total_changes = 1'000'000,
+			.max_added = 65536,
+			.max_data_size = 4096,
+			.allow_replacement = false,
+			.max_clock_advance = 0.0};
+	godot::Rect2 area_;
+};
+
+} // namespace thicket

@@ -1,0 +1,104 @@
+// What a ScatterState finds out about diffs of others, and what it lets them do.
+
+#include "core/base/split_mix.hpp"
+#include "core/state/diff_summary.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/gameplay/scatter_state.hpp"
+#include "nodes/gameplay/state_refusal.hpp"
+
+#include <godot_cpp/variant/rect2.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <random>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// A number that no other state has, in this run or in another: one random number a run, and a count.
+std::uint64_t new_origin() {
+	static const std::uint64_t run = [] {
+		std::random_device device;
+		const std::uint64_t high = device();
+		return high << 32 | device();
+	}();
+	static std::atomic<std::uint64_t> count{0};
+	const std::uint64_t name = split_mix(run + split_mix_gamma * (count.fetch_add(1, std::memory_order_relaxed) + 1));
+	return name != 0 ? name : 1;
+}
+
+std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {
+	return {p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())};
+}
+
+Variant number(std::uint64_t value) { return static_cast<int64_t>(value); }
+
+Dictionary dictionary_of(const DiffSummary::Layer &layer) {
+	Dictionary result;
+	result["removed"] = number(layer.removed);
+	result["restored"] = number(layer.standing);
+	result["added"] = number(layer.added);
+	result["taken_away"] = number(layer.gone);
+	result["with_data"] = number(layer.with_data);
+	result["data_bytes"] = number(layer.data_bytes);
+	if (layer.has_bounds) {
+		const glm::dvec2 size = layer.bounds.size();
+		result["bounds"] = Rect2(static_cast<real_t>(layer.bounds.min.x), static_cast<real_t>(layer.bounds.min.y),
+				static_cast<real_t>(size.x), static_cast<real_t>(size.y));
+	}
+	result["bounds_are_complete"] = layer.has_all_bounds;
+	return result;
+}
+
+} // namespace
+
+ScatterState::ScatterState() { state_.set_origin(new_origin()); }
+
+Error ScatterState::merge_diff(const PackedByteArray &p_diff) {
+	wait_for_diffs();
+	std::vector<InstanceChange> changes;
+	const Error error = told("merge_diff", state_.merge_diff(span_of(p_diff), changes, limits()));
+	tell(std::move(changes));
+	return error;
+}
+
+void ScatterState::set_diff_limits(const Ref<ScatterDiffLimits> &p_limits) { diff_limits_ = p_limits; }
+
+Dictionary ScatterState::inspect_diff(const PackedByteArray &p_diff) const {
+	DiffSummary summary;
+	const Status status = state_.inspect(span_of(p_diff), summary, limits());
+	Dictionary layers;
+	for (const auto &[layer, content] : summary.layers) {
+		layers[number(layer)] = dictionary_of(content);
+	}
+	Dictionary result;
+	result["error"] = static_cast<int64_t>(error_of_state(status));
+	result["message"] = status.ok() ? String() : String(describe(status).c_str());
+	result["replaces_everything"] = summary.replaces_everything;
+	result["origin"] = number(summary.origin.name);
+	result["base_revision"] = number(summary.origin.base);
+	result["revision"] = number(summary.origin.end);
+	result["time"] = summary.time;
+	result["changes"] = number(summary.changes);
+	result["layers"] = layers;
+	return result;
+}
+
+int64_t ScatterState::get_origin() const { return static_cast<int64_t>(state_.origin()); }
+
+int64_t ScatterState::get_known_revision(int64_t p_origin) const {
+	return static_cast<int64_t>(state_.known_revision(static_cast<std::uint64_t>(p_origin)));
+}
+
+int64_t ScatterState::get_missing_since(const PackedByteArray &p_diff) const {
+	bool missing = false;
+	std::uint64_t since = 0;
+	const Error error = told("get_missing_since", state_.missing_before(span_of(p_diff), missing, since));
+	return error == OK && missing ? static_cast<int64_t>(since) : -1;
+}
+
+} // namespace thicket
