@@ -3,7 +3,8 @@ extends Node
 ## has been changed: a few bytes for each felled tree. The server alone decides.
 ##
 ## A client asks what stands somewhere, and to fell. The server answers, and once a frame sends every client what is new to
-## it, by [method ScatterState.diff_since]. Whoever joins late gets all of it in the same way.
+## it, by [method ScatterState.diff_since]. A client that joins late gets all of it in the same way. A client that lacks a
+## diff, because it was lost or the server was restarted, asks for it.
 
 ## The server's word on a question of [method ask].
 signal answered(question: int, ids: PackedInt64Array)
@@ -29,6 +30,8 @@ func host(at_port: int) -> Error:
 	peer.set_bind_ip("127.0.0.1")
 	var error := peer.create_server(at_port, MOST_CLIENTS)
 	if error == OK:
+		# Clients send wishes. Were they to send diffs, these would be small.
+		world.state.diff_limits = ScatterDiffLimits.new()
 		_begin(peer)
 		multiplayer.peer_disconnected.connect(func(client: int) -> void: _known.erase(client))
 	return error
@@ -100,6 +103,14 @@ func _fell(id: int) -> void:
 		world.call(&"fell", id)
 
 
+## The next frame sends a client all changes after a revision.
+@rpc("any_peer", "call_remote", "reliable")
+func _send_since(revision: int) -> void:
+	var client := multiplayer.get_remote_sender_id()
+	if _known.has(client):
+		_known[client] = clampi(revision, 0, world.state.get_revision())
+
+
 @rpc("authority", "call_remote", "reliable")
 func _answer(question: int, ids: PackedInt64Array) -> void:
 	answered.emit(question, ids)
@@ -107,6 +118,10 @@ func _answer(question: int, ids: PackedInt64Array) -> void:
 
 @rpc("authority", "call_remote", "reliable")
 func _sync(diff: PackedByteArray) -> void:
+	var since := world.state.get_missing_since(diff)
+	if since >= 0:
+		_send_since.rpc_id(1, since)
+		return
 	var error := world.state.apply_diff(diff)
 	if error != OK:
 		push_error("the server's word cannot be applied: %s" % error_string(error))
