@@ -61,6 +61,7 @@ private:
 			.allow_replacement = false,
 			.max_clock_advance = 0.0};
 	godot::Rect2 area_;
+	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket
