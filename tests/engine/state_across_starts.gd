@@ -18,15 +18,21 @@ func test_save() -> void:
 	scatter.set_instance_data(placed, {"planted": "spring"})
 	for ending: String in [".tres", ".res"]:
 		check_equal(ResourceSaver.save(scatter.state, folder.path_join("state" + ending)), OK, "saved as " + ending)
+	check_equal(scatter.state.save_to_file(folder.path_join("state.bytes")), OK, "saved as bytes")
 	var notes := FileAccess.open(folder.path_join("notes"), FileAccess.WRITE)
 	notes.store_var([felled, placed, scatter.state.get_digest(), digests(scatter, 0)])
 
 
 func test_load() -> void:
 	var noted: Array = FileAccess.open(folder.path_join("notes"), FileAccess.READ).get_var()
-	for ending: String in [".tres", ".res"]:
+	for ending: String in [".tres", ".res", ".bytes"]:
 		var scatter := make_wood()
-		scatter.state = load(folder.path_join("state" + ending)) as ScatterState
+		var path := folder.path_join("state" + ending)
+		if ending == ".bytes":
+			scatter.state = ScatterState.new()
+			check_equal(scatter.state.load_from_file(path), OK, "loaded")
+		else:
+			scatter.state = ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
 		await settle(scatter)
 		check_equal(scatter.state.get_digest(), noted[2], "digest from " + ending)
 		for id: int in noted[0]:
