@@ -33,9 +33,9 @@ func _ready() -> void:
 
 
 func _on_client_left(client: int) -> void:
-	print("server: %d has left, %d felled" % [client, world.state.get_removed_count()])
 	if _file != "":
 		world.state.save_to_file(_file) # An error is in the log, and the next save may find room.
+	print("server: %d has left, %d felled" % [client, world.state.get_removed_count()])
 
 
 func _end(why: String) -> void:
