@@ -46,14 +46,14 @@ LONG_CASES = [
 SPREAD = ["test_core", "test_engine"]
 # The files that take longest come first and those whose tests are spread come last, so that all workers end together.
 LONG = [
-    "test_package", "test_platforms", "test_sanitizers", "test_fast_paths", "test_fuzz", "test_growth", "test_build", "test_editor",
-    "test_demo", "test_figures", "test_python_package", "test_lint", "test_golden", "test_analysis", "test_bake_world", "test_tutorials", "test_domain_statistics",
+    "test_package", "test_platforms", "test_sanitizers", "test_engine_sanitizers", "test_fast_paths", "test_fuzz", "test_growth", "test_build",
+    "test_editor", "test_demo", "test_figures", "test_python_package", "test_lint", "test_golden", "test_analysis", "test_bake_world",
+    "test_tutorials", "test_domain_statistics",
 ]  # fmt: skip
 # Files that go to one worker: only one build may run in this tree, and one test would wait for another's until it fails;
 # and the second looks at what the first has set up.
-TOGETHER = {name: "builds" for name in ("test_package", "test_sanitizers", "test_fuzz", "test_growth", "test_build", "test_platforms")} | {
-    "test_peers": "test_figures"
-}
+BUILDS = ("test_package", "test_sanitizers", "test_engine_sanitizers", "test_fuzz", "test_growth", "test_build", "test_platforms")
+TOGETHER = {name: "builds" for name in BUILDS} | {"test_peers": "test_figures"}
 
 
 def group(item: pytest.Item) -> str | None:

@@ -24,7 +24,7 @@ SANITIZERS = {
 }  # fmt: skip
 
 # What calls from many threads, loads on threads, or frees in the middle of calls.
-SCRIPTS = ["test_threads", "test_snapshots", "background_load", "test_state_async", "test_terrain_calls", "test_callbacks", "test_lifetime",
+SCRIPTS = ["test_threads", "test_snapshots", "background_load", "test_state_async", "test_terrain_calls", "test_lifetime",
            "test_domain_calls"]  # fmt: skip
 
 

@@ -147,12 +147,12 @@ void ThreadTurn::report() const {
 			break;
 		case Refusal::in_scene:
 			problem = "called on a worker thread while the scene tree uses the object: only the main thread may call "
-			          "it then.";
+					  "it then.";
 			remedy = "Use call_deferred(), or an object that no node in the tree uses.";
 			break;
 		case Refusal::busy:
 			problem = "called while another call of the same object is under way on another thread; one thread at a "
-			          "time may use it.";
+					  "time may use it.";
 			remedy = "Take one object for each thread, or lock a Mutex around the calls.";
 			break;
 	}

@@ -3,6 +3,7 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/threads.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
 
@@ -62,6 +63,9 @@ void TerrainScatter3D::notified(int p_what) {
 		// a call. Deferred calls are made in the same frame.
 		case NOTIFICATION_INTERNAL_PROCESS: call_deferred("_process_frame"); break;
 		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: {
+			if (!on_main_thread()) {
+				break; // In a process thread group; `_process_frame` prints the error.
+			}
 			const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 			const std::shared_ptr<ScatterStream> stream = stream_;
 			stream->physics_frame();
