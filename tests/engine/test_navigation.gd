@@ -189,6 +189,29 @@ func test_scale_lean_and_height_count() -> void:
 	check(clearance(mesh, Vector2(12, 12)) > TRUNK, "at head height")
 
 
+## A scale that is a mistake. Where it stands does not matter, nor how many there are.
+func test_a_giant_is_left_out_and_nothing_else() -> void:
+	var region := make_region()
+	var scatter := plant(region, [solid_layer()])
+	scatter.state = ScatterState.new()
+	var expected := obstructions(region).size()
+	check(expected > 40, "%d trunks" % expected)
+	var giant := Basis.from_scale(Vector3.ONE * 1e6)
+	var first := scatter.add_instance(0, Transform3D(giant, Vector3(3, 0, 2)))
+	check(obstructions(region).size() == expected, "all others are obstructions")
+	check_error(["hand-placed instance %d of layer 0" % first, "1000 m", "smaller scale"], "one giant")
+	scatter.add_instance(0, Transform3D(giant, Vector3(50000, 0, 0)))
+	check(obstructions(region).size() == expected, "with two, as well")
+	check_error(["%d and 1 more of layer 0" % first], "two giants")
+	# One that is as large as a rock may be reaches from far outside into the bake, and counts.
+	scatter.remove_instances(scatter.state.get_added())
+	scatter.state.clear()
+	check(obstructions(region).size() == expected, "as before")
+	scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3(200, 1, 200)), Vector3(90, 0, 0)))
+	check(obstructions(region).size() == expected + 1, "a large one counts")
+	check(clearance(bake(region), Vector2(20, 0)) > 5.0, "and nobody walks there")
+
+
 func test_slopes() -> void:
 	var region := make_region()
 	var body := region.get_node(^"Floor") as StaticBody3D

@@ -36,6 +36,9 @@ struct Obstruction {
 bool obstruct(const glm::dmat3 &basis, glm::dvec3 foot, const InstanceShape &shape, const NavigationAgent &agent,
 		Obstruction &r_obstruction);
 
+/// A hand-placed instance whose obstruction reaches farther, in meters, is a mistake: it would block the whole of any bake.
+inline constexpr double max_obstruction_reach = 1000.0;
+
 /// Meters from the foot of an instance of that scale at which its obstruction ends at the farthest.
 double obstruction_reach(const InstanceShape &shape, double scale, const NavigationAgent &agent);
 

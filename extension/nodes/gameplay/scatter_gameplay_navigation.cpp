@@ -2,6 +2,7 @@
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
+#include "core/base/guard.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/gameplay/navigation_parse.hpp"
 
@@ -9,12 +10,15 @@
 #include <godot_cpp/variant/packed_vector3_array.hpp>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <string>
+#include <vector>
 
 using namespace godot;
 
@@ -68,6 +72,34 @@ void add(const Obstruction &obstruction, NavigationMeshSourceGeometryData3D &r_g
 			static_cast<float>(obstruction.top - obstruction.bottom), false);
 }
 
+double largest_scale(const glm::mat3 &basis) {
+	return std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});
+}
+
+/// The hand-placed instances of a layer that may obstruct an area of the world, by id.
+std::vector<std::uint64_t> hand_placed(const InstanceState &state, std::uint16_t layer, const Rect &area,
+		const InstanceShape &shape, const NavigationAgent &agent) {
+	const double reach = obstruction_reach(shape, state.max_added_scale(layer), agent);
+	if (reach > max_obstruction_reach) {
+		return state.added_ids(layer); // One is too large, wherever it stands.
+	}
+	std::vector<std::uint64_t> ids;
+	throw_if_out_of_memory(state.added_in(layer, grown(area, reach), ids));
+	return ids;
+}
+
+void report_too_large(std::uint32_t layer, std::span<const std::uint64_t> ids) {
+	if (ids.empty()) {
+		return;
+	}
+	const std::string others = ids.size() > 1 ? " and " + std::to_string(ids.size() - 1) + " more" : "";
+	ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without the hand-placed instance " +
+			std::to_string(script_id(ids.front())) + others + " of layer " + std::to_string(layer) +
+			", which would reach farther than " + std::to_string(static_cast<int>(max_obstruction_reach)) +
+			" m. Remove it, or place it with a smaller scale.")
+					.c_str()));
+}
+
 } // namespace
 
 void ScatterGameplay::add_obstructions(const NavigationBake &bake) {
@@ -91,12 +123,11 @@ void ScatterGameplay::add_obstructions(
 	}
 	const QueryLayer &queried = world_.layers()[layer];
 	const InstanceShape shape = queried.shape;
+	const std::uint16_t layer_id = queried.set.layer;
 	const Ref<ScatterState> state = state_;
-	const double added_scale = state.is_valid() ? state->state().max_added_scale(queried.set.layer) : 0.0;
-	const double reach = obstruction_reach(shape, std::max(queried.max_scale, added_scale), bake.agent);
 	const glm::dvec3 offset = offset_;
-	const glm::dvec2 moved(offset.x, offset.z);
-	const Rect rect{ground.min + moved - reach, ground.max + moved + reach};
+	const Rect area{ground.min + glm::dvec2(offset.x, offset.z), ground.max + glm::dvec2(offset.x, offset.z)};
+	const Rect rect = grown(area, obstruction_reach(shape, queried.max_scale, bake.agent));
 	const QueryFilter filter{.layers = {layer}, .accepts = {}};
 	std::vector<PlacedInstance> found;
 	const Status status = world_.ask([&](const InstanceQuery &query) { return query.in_rect(rect, filter, found); });
@@ -106,13 +137,33 @@ void ScatterGameplay::add_obstructions(
 						.c_str()));
 	}
 	Obstruction obstruction;
+	const auto obstructs_bake = [&](glm::dvec3 position, const glm::mat3 &basis) {
+		const glm::dvec3 foot = bake.basis * (position - offset) + bake.origin;
+		return obstruct(bake.basis * glm::dmat3(basis), foot, shape, bake.agent, obstruction) &&
+				meets(bake, obstruction);
+	};
 	for (const PlacedInstance &instance : found) {
-		const glm::dvec3 foot = bake.basis * (instance.position - offset) + bake.origin;
-		if (obstruct(bake.basis * glm::dmat3(instance.basis), foot, shape, bake.agent, obstruction) &&
-				meets(bake, obstruction)) {
+		if (!is_added(instance.id) && obstructs_bake(instance.position, instance.basis)) {
 			add(obstruction, *bake.geometry.ptr());
 		}
 	}
+	if (state.is_null()) {
+		return;
+	}
+	// Those that were placed by hand may be larger, so they are looked for in an area of their own.
+	std::vector<std::uint64_t> too_large;
+	for (const std::uint64_t id : hand_placed(state->state(), layer_id, area, shape, bake.agent)) {
+		const AddedInstance *added = state->state().added(id);
+		if (added == nullptr || !obstructs_bake(added->position, added->basis)) {
+			continue;
+		}
+		if (obstruction_reach(shape, largest_scale(added->basis), bake.agent) > max_obstruction_reach) {
+			too_large.push_back(id);
+		} else {
+			add(obstruction, *bake.geometry.ptr());
+		}
+	}
+	report_too_large(layer, too_large);
 }
 
 } // namespace thicket
