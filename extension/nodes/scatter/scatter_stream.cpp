@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -101,6 +102,18 @@ void ScatterStream::keep_shown(const TileRequest &request) {
 }
 
 bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
+	const std::weak_ptr<const void> alive = life_;
+	try {
+		return work_in_frame(viewers, budget);
+	} catch (const std::bad_alloc &) {
+		if (!alive.expired()) {
+			start_over();
+		}
+		throw;
+	}
+}
+
+bool ScatterStream::work_in_frame(std::span<const Viewer> viewers, std::uint64_t budget) {
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	allow_recheck(std::chrono::microseconds(budget));
 	take_finished();

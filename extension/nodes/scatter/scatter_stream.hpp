@@ -68,7 +68,7 @@ public:
 	/// One frame's work: requests the tiles that are wanted and uploads those that are made, until `budget` microseconds are spent.
 	/// Does one step even if there is no time for it, so that work always goes on. Without viewers, all tiles stay, and those that
 	/// queries have asked for are made all the same. Returns false if a script that was asked for the ground has freed this
-	/// object.
+	/// object. Throws std::bad_alloc without enough memory; the next frames make up for it.
 	[[nodiscard]] bool frame(std::span<const Viewer> viewers, std::uint64_t budget);
 
 	/// Asks terrains that may only be asked in a physics frame, for as many positions as they allow.
@@ -149,6 +149,8 @@ private:
 	void start(const TileRequest &request);
 	void start_missing();
 	void mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated);
+	bool work_in_frame(std::span<const Viewer> viewers, std::uint64_t budget);
+	void start_over();
 	void report_once(const TileJob &job);
 	void report_recheck(const Status &status);
 	LayerFailure print_failure(const std::string &where, const Status &status);

@@ -24,6 +24,24 @@ void ScatterStream::report_once(const TileJob &job) {
 	}
 }
 
+/// After a frame without enough memory, which may have lost any tile on its way. What was under way is requested again, and what is on
+/// show is generated again.
+void ScatterStream::start_over() {
+	const auto is_seen = [](const std::shared_ptr<TileJob> &job) {
+		return !job->unseen;
+	};
+	for (const std::shared_ptr<TileJob> &job : jobs_) {
+		job->cancelled = job->cancelled || is_seen(job);
+	}
+	std::erase_if(jobs_, is_seen);
+	std::erase_if(ask_ground_, is_seen);
+	uploads_.clear();
+	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
+		streamer_.cancel(layer);
+		streamer_.invalidate(layer);
+	}
+}
+
 /// An error of the ground in a re-check. Only one is printed, whether a tile or a re-check meets it first.
 void ScatterStream::report_recheck(const Status &status) {
 	const auto has_failed = [](const LayerFailure &failure) {

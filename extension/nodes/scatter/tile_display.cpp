@@ -159,25 +159,27 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 
 void TileDisplay::show(TileUpload upload) {
 	const TileKey key = upload.job->request.key;
+	if (division_ && division_->key == key) {
+		cancel_division();
+	}
+	marks_.reserve(marks_.size() + 1); // So that nothing throws between `uncount` and `count`.
 	DisplayedTile &tile = tiles_[order(key)];
+	leaving_.reserve(leaving_.size() + tile.multimesh_count());
 	uncount(tile);
 	upload.tile.set_lod(tile.finest_lod());
 	upload.tile.is_cut = tile.is_cut;
 	upload.tile.to_divide = tile.to_divide;
 	upload.tile.to_fade = tile.to_fade;
-	if (division_ && division_->key == key) {
-		cancel_division();
-	}
 	// The old visuals are hidden now: for as long as both were visible, each instance would be drawn twice.
 	tile.set_visible(false);
 	leave(std::move(tile));
 	tile = std::move(upload.tile);
-	note_division(order(key), tile);
 	if (upload.overlay_version != overlay_version_) {
 		patch(key, tile);
 	}
 	tile.set_offset(context_.offset); // The origin may have moved since the first part was uploaded.
 	count(tile);
+	note_division(order(key), tile);
 	refine(key, tile);
 	tile.set_visible(visible_);
 }

@@ -223,6 +223,7 @@ private:
 	bool patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
 			DisplayedTile::Part &r_part, std::shared_ptr<const KeptMesh> shown);
 	void patch(const TileKey &key, DisplayedTile &r_tile);
+	bool patch_parts(const TileKey &key, DisplayedTile &r_tile);
 	std::vector<std::shared_ptr<const KeptMesh>> overlay(const DisplayedTile &tile) const;
 
 	// How tiles are divided into cells.

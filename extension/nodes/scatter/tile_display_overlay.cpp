@@ -1,5 +1,6 @@
 // What a game has changed, in the picture: instances that are removed, placed by hand, or shown by other means.
 
+#include "core/base/guard.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/scatter/tile_display.hpp"
 
@@ -7,7 +8,10 @@
 
 #include <algorithm>
 #include <map>
+#include <new>
+#include <optional>
 #include <utility>
+#include <vector>
 
 using namespace godot;
 
@@ -21,6 +25,45 @@ bool same(const KeptMesh &a, const KeptMesh &b) {
 		equal = a.same(i, b, i);
 	}
 	return equal;
+}
+
+/// How a cell of a part comes by its instances.
+struct CellPatch {
+	std::optional<std::size_t> before; ///< The cell on show that becomes it; none for a new one.
+	std::optional<MeshUpload> upload;  ///< None where the renderer has the instances already.
+};
+
+/// One for each cell of `next`, in which the cells on show of `part` are used again.
+std::vector<CellPatch> cell_patches(
+		const DisplayedTile::Part &part, const DisplayedTile::Part &next, const DisplayedTile &tile, std::size_t mesh) {
+	const bool whole = tile.across == 1;
+	const std::size_t count = whole ? std::max(next.cell_count(), part.cells.size()) : next.division.cells.size();
+	std::vector<CellPatch> result;
+	result.reserve(count);
+	std::size_t before = 0;
+	for (std::size_t at = 0; at < count; ++at) {
+		while (!whole && before < part.cells.size() &&
+				part.division.cells[before].number < next.division.cells[at].number) {
+			++before;
+		}
+		const bool stands = before < part.cells.size() &&
+				(whole || part.division.cells[before].number == next.division.cells[at].number);
+		const bool unchanged = stands && !whole &&
+				same_instances(*part.shown, part.division.order_of(part.division.cells[before]), *next.shown,
+						next.division.order_of(next.division.cells[at]));
+		if (unchanged) {
+			// Fast path: the renderer has the same instances of the cell.
+			result.push_back({before++, {}});
+			continue;
+		}
+		CellPatch patch{{}, to_upload(next, at, tile.reach_of(mesh))};
+		if (stands) {
+			// Fast path: its visuals take the other instances.
+			patch.before = before++;
+		}
+		result.push_back(std::move(patch));
+	}
+	return result;
 }
 
 } // namespace
@@ -67,10 +110,16 @@ void TileDisplay::patch() {
 }
 
 void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
-	uncount(r_tile);
-	patch(key, r_tile);
-	count(r_tile);
-	refine(key, r_tile);
+	try {
+		marks_.reserve(marks_.size() + 1); // So that `patch` throws nothing, and the counts stay right.
+		uncount(r_tile);
+		patch(key, r_tile);
+		count(r_tile);
+		refine(key, r_tile);
+	} catch (const std::bad_alloc &) {
+		marked_all_ = true; // Others may be lost with it.
+		throw;
+	}
 }
 
 void TileDisplay::mark_later(std::uint32_t layer, const Rect &area) {
@@ -101,13 +150,22 @@ bool TileDisplay::patch_step() {
 	return false;
 }
 
-/// Updates neither the counts nor what the distance asks for: both are left to the caller.
+/// Updates neither the counts nor what the distance asks for: both are left to the caller. Where memory ends the tile stays on show as it
+/// is, until there is some.
 void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
+	bool patched = false;
+	report("TerrainScatter3D", guarded("tile", r_tile.rect.size().x, [&] { patched = patch_parts(key, r_tile); }));
+	if (!patched) {
+		mark(key.layer, r_tile.rect);
+	}
+}
+
+/// False without the memory for it.
+bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layer_at(key.layer);
 	const std::vector<std::shared_ptr<const KeptMesh>> shown = overlay(r_tile);
 	if (shown.size() != r_tile.parts.size()) {
-		mark(key.layer, r_tile.rect); // No memory for now: it stays on show as it is until there is.
-		return;
+		return false;
 	}
 	if (division_ && division_->key == key) {
 		cancel_division(); // What it has uploaded is out of date.
@@ -119,17 +177,17 @@ void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 			// Fast path: the renderer has the same instances.
 			part.shown = shown[mesh];
 		} else if (!patch_part(r_tile, mesh, layer, part, shown[mesh])) {
-			mark(key.layer, r_tile.rect); // As above.
-			return;
+			return false;
 		}
 		for (const DisplayedTile::Cell &cell : part.cells) {
 			r_tile.min = glm::min(r_tile.min, cell.min);
 			r_tile.max = glm::max(r_tile.max, cell.max);
 		}
 	}
+	return true;
 }
 
-/// Shows other instances of a mesh. A cell that has what it had is not uploaded anew. False without the memory for it.
+/// Shows other instances of a mesh. A cell that has what it had is not uploaded anew. False, and nothing changed, without the memory for it.
 bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
 		DisplayedTile::Part &r_part, std::shared_ptr<const KeptMesh> shown) {
 	DisplayedTile::Part next;
@@ -140,44 +198,41 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 		r_part.shown = next.shown;
 		return true;
 	}
-	const bool whole = tile.across == 1;
-	std::size_t before = 0;
-	std::vector<DisplayedTile::Cell> gone;
-	const std::size_t count = whole ? std::max(next.cell_count(), r_part.cells.size()) : next.division.cells.size();
-	for (std::size_t at = 0; at < count; ++at) {
-		while (!whole && before < r_part.cells.size() &&
-				r_part.division.cells[before].number < next.division.cells[at].number) {
-			gone.push_back(std::move(r_part.cells[before++]));
+	const std::vector<CellPatch> patches = cell_patches(r_part, next, tile, mesh);
+	std::vector<DisplayedTile::Cell> fresh;
+	fresh.reserve(patches.size());
+	for (const CellPatch &patch : patches) {
+		if (!patch.before) {
+			fresh.push_back(make_cell(tile, next, layer->drawing, *patch.upload));
 		}
-		const bool stands = before < r_part.cells.size() &&
-				(whole || r_part.division.cells[before].number == next.division.cells[at].number);
-		const bool unchanged = stands && !whole &&
-				same_instances(*r_part.shown, r_part.division.order_of(r_part.division.cells[before]), *next.shown,
-						next.division.order_of(next.division.cells[at]));
-		if (unchanged) {
-			// Fast path: the renderer has the same instances of the cell.
-			next.cells.push_back(std::move(r_part.cells[before++]));
+	}
+	next.cells.reserve(patches.size());
+	std::vector<DisplayedTile::Cell> gone;
+	gone.reserve(r_part.cells.size());
+	std::vector<bool> stays(r_part.cells.size());
+	// From here on nothing takes memory: some cells have moved to the new part, and the others must follow.
+	std::size_t made = 0;
+	for (const CellPatch &patch : patches) {
+		if (!patch.before) {
+			next.cells.push_back(std::move(fresh[made++]));
+			next.cells.back().visual.set_visible(visible_);
 			continue;
 		}
-		const MeshUpload upload = to_upload(next, at, tile.reach_of(mesh));
-		if (stands) {
-			// Fast path: its visuals take the other instances.
-			next.cells.push_back(std::move(r_part.cells[before++]));
-			next.cells.back().set_instances(upload);
+		stays[*patch.before] = true;
+		next.cells.push_back(std::move(r_part.cells[*patch.before]));
+		if (patch.upload) {
+			next.cells.back().set_instances(*patch.upload);
 			++upload_count_;
-		} else {
-			next.cells.push_back(make_cell(tile, next, layer->drawing, upload));
-			next.cells.back().visual.set_visible(visible_);
 		}
 	}
-	while (before < r_part.cells.size()) {
-		gone.push_back(std::move(r_part.cells[before++]));
+	for (std::size_t before = 0; before < r_part.cells.size(); ++before) {
+		if (!stays[before]) {
+			r_part.cells[before].for_each_visual([](TileVisual &visual) { visual.set_visible(false); });
+			gone.push_back(std::move(r_part.cells[before]));
+		}
 	}
-	for (DisplayedTile::Cell &cell : gone) {
-		cell.for_each_visual([](TileVisual &visual) { visual.set_visible(false); });
-	}
-	leave(std::move(gone));
 	r_part = std::move(next);
+	leave(std::move(gone));
 	return true;
 }
 
