@@ -1,5 +1,7 @@
 #include "nodes/common/convert.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
+
 #include <algorithm>
 
 using namespace godot;
@@ -11,8 +13,7 @@ namespace {
 template <class Packed, class Element>
 Packed copied(std::span<const Element> elements) {
 	Packed result;
-	result.resize(static_cast<int64_t>(elements.size()));
-	std::ranges::copy(elements, result.ptrw());
+	std::ranges::copy(elements, resize(result, static_cast<int64_t>(elements.size())).begin());
 	return result;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/rect.hpp"
+#include "nodes/common/engine_arrays.hpp"
 
 #include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
@@ -18,6 +19,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -51,11 +53,7 @@ godot::Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, glm::d
 template <class Packed, class Element, class Convert>
 Packed packed(std::span<const Element> elements, Convert of) {
 	Packed result;
-	result.resize(static_cast<std::int64_t>(elements.size()));
-	auto *out = result.ptrw(); // Once: each time is a call into the engine.
-	for (const Element &element : elements) {
-		*out++ = of(element);
-	}
+	std::ranges::transform(elements, resize(result, static_cast<std::int64_t>(elements.size())).begin(), of);
 	return result;
 }
 

@@ -1,5 +1,7 @@
 #include "nodes/common/watch.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
+
 #include <godot_cpp/variant/array.hpp>
 #include <godot_cpp/variant/callable.hpp>
 
@@ -29,7 +31,7 @@ void watch(Object *p_source, const StringName &p_signal, Object *p_watcher, cons
 void watch(Object *p_source, const StringName &p_signal, Object *p_watcher, const StringName &p_method, bool p_watch,
 		const Variant &p_argument) {
 	Array arguments;
-	arguments.push_back(p_argument);
+	append(arguments, p_argument);
 	connect_or_not(p_source, p_signal, Callable(p_watcher, p_method).bindv(arguments), p_watch);
 }
 

@@ -1,5 +1,6 @@
 #include "nodes/gameplay/collision_shapes.hpp"
 
+#include "nodes/common/convert.hpp"
 #include "nodes/model/convex_corners.hpp"
 
 #include <godot_cpp/classes/physics_server3d.hpp>
@@ -32,13 +33,8 @@ Dictionary round_shape(float radius, float height) {
 }
 
 PackedVector3Array scaled(const std::vector<glm::vec3> &points, glm::vec3 scale) {
-	PackedVector3Array result;
-	result.resize(static_cast<int64_t>(points.size()));
-	Vector3 *out = result.ptrw();
-	for (const glm::vec3 &point : points) {
-		*out++ = Vector3(point.x * scale.x, point.y * scale.y, point.z * scale.z);
-	}
-	return result;
+	return packed<PackedVector3Array>(
+			std::span(points), [scale](const glm::vec3 &point) { return to_engine(point * scale); });
 }
 
 } // namespace

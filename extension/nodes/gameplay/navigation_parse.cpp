@@ -1,6 +1,7 @@
 #include "nodes/gameplay/navigation_parse.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 
 #include <godot_cpp/classes/navigation_server3d.hpp>
 #include <godot_cpp/classes/scene_tree.hpp>
@@ -100,17 +101,14 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	const PackedFloat32Array vertices = r_geometry.get_vertices();
 	const PackedInt32Array indices = r_geometry.get_indices();
 	PackedVector3Array faces;
-	faces.resize(6);
-	Vector3 *corner = faces.ptrw();
+	const std::span<Vector3> corner = resize(faces, 6);
 	corner[1] = Vector3(far_away, 0, 0);
 	corner[2] = Vector3(0, far_away, 0);
 	corner[3] = Vector3(0, 0, far_away);
 	r_geometry.add_faces(faces, Transform3D());
 	const PackedFloat32Array probed = r_geometry.get_vertices();
 	// The setter of indices wants no more of them than there are numbers in the vertices, which most meshes have not.
-	PackedFloat32Array room = vertices;
-	room.resize(std::max(vertices.size(), indices.size()));
-	r_geometry.set_vertices(room);
+	r_geometry.set_vertices(resized_copy(vertices, std::max(vertices.size(), indices.size())));
 	r_geometry.set_indices(indices);
 	r_geometry.set_vertices(vertices);
 	if (probed.size() < vertices.size() + 12) {

@@ -1,6 +1,7 @@
 #include "nodes/gameplay/scatter_instances.hpp"
 
 #include "nodes/common/bind_value.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
@@ -26,8 +27,7 @@ Array cached(std::mutex &r_mutex, std::optional<Array> &r_cache, const FoundInst
 		return *r_cache;
 	}
 	Array values;
-	values.resize(static_cast<int64_t>(found.size()));
-	auto *out = values.ptrw();
+	const auto out = resize(values, static_cast<int64_t>(found.size()));
 	for (std::size_t i = 0; i < found.size(); ++i) {
 		out[i] = value_of(i);
 	}
@@ -99,8 +99,7 @@ PackedFloat32Array ScatterInstances::get_transforms() const {
 		return *transforms_;
 	}
 	PackedFloat32Array transforms;
-	transforms.resize(size() * static_cast<int64_t>(transform_floats));
-	float *floats = transforms.ptrw();
+	auto floats = resize(transforms, size() * static_cast<int64_t>(transform_floats)).begin();
 	for (std::size_t i = 0; i < found_.size(); ++i) {
 		const PlacedInstance instance = found_[i];
 		const glm::vec3 position(instance.position - offset_);

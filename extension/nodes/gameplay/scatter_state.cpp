@@ -2,6 +2,7 @@
 
 #include "core/base/check.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 #include "nodes/gameplay/state_refusal.hpp"
 
@@ -34,10 +35,10 @@ bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 		return false;
 	}
 	for (int64_t room = 256; room <= far_too_large; room *= 16) {
-		r_bytes.resize(room);
+		resize(r_bytes, room);
 		const int64_t size = r_bytes.encode_var(0, p_value, false);
 		if (size >= 0) {
-			r_bytes.resize(size);
+			r_bytes = resized_copy(r_bytes, size);
 			return true;
 		}
 	}
@@ -71,12 +72,18 @@ bool ScatterState::remove(int64_t p_id, double p_until) {
 std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> removals) {
 	std::vector<InstanceChange> changes;
 	std::vector<std::uint64_t> ids;
+	changes.reserve(removals.size()); // What is changed must be told.
+	ids.reserve(removals.size());
 	for (const auto &[id, until] : removals) {
 		InstanceChange change{id, InstanceChangeKind::removed, {}};
 		if (const AddedInstance *added = state_.added(id)) {
 			change.added = *added;
 		}
-		if (state_.remove(id, until)) {
+		const StateChange removed = state_.remove(id, until);
+		if (told("remove", removed.status) != OK) {
+			break; // The others would fail as well.
+		}
+		if (removed) {
 			changes.push_back(change);
 			ids.push_back(id);
 		}

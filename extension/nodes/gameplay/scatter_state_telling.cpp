@@ -1,6 +1,7 @@
 // Who hears of what has changed in a ScatterState, and diffs that are applied on a thread.
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/gameplay/state_refusal.hpp"
 
@@ -19,11 +20,9 @@ constexpr std::size_t many_changes = 16384;
 /// Adds them to an array that has ids of others already.
 void add_ids(std::span<const InstanceChange> changes, PackedInt64Array &r_ids) {
 	const int64_t first = r_ids.size();
-	r_ids.resize(first + static_cast<int64_t>(changes.size()));
-	int64_t *out = r_ids.ptrw() + first;
-	for (const InstanceChange &change : changes) {
-		*out++ = script_id(change.id);
-	}
+	r_ids = resized_copy(r_ids, first + static_cast<int64_t>(changes.size()));
+	std::ranges::transform(changes, writable(r_ids).subspan(static_cast<std::size_t>(first)).begin(),
+			[](const InstanceChange &change) { return script_id(change.id); });
 }
 
 } // namespace

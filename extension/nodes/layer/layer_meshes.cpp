@@ -1,5 +1,6 @@
 #include "nodes/layer/layer_meshes.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/stripped.hpp"
 
 #include <godot_cpp/core/error_macros.hpp>
@@ -53,7 +54,7 @@ String nothing_to_draw(std::size_t entry, const Ref<PackedScene> &p_scene, const
 bool LayerMeshes::set_entries(const Array &p_entries) {
 	Array entries;
 	for (int64_t index = 0; index < p_entries.size(); ++index) {
-		entries.push_back(p_entries[index]);
+		append(entries, p_entries[index]);
 	}
 	if (!take(entries)) {
 		return false;
@@ -73,7 +74,7 @@ bool LayerMeshes::differs() const {
 void LayerMeshes::restore() {
 	entries_ = Array();
 	for (const Entry &entry : taken_) {
-		entries_.push_back(entry.resource.is_valid() ? Variant(entry.resource) : Variant());
+		append(entries_, entry.resource.is_valid() ? Variant(entry.resource) : Variant());
 	}
 }
 

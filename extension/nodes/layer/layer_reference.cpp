@@ -1,5 +1,7 @@
 #include "nodes/layer/layer_reference.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
+
 #include <godot_cpp/core/object.hpp>
 
 #include <algorithm>
@@ -87,7 +89,7 @@ String find_all_in(const Layers &p_layers, const Variant &p_references, std::vec
 	if (is_list(p_references.get_type())) {
 		references = static_cast<Array>(p_references);
 	} else {
-		references.push_back(p_references);
+		append(references, p_references);
 	}
 	std::vector<std::uint32_t> indices;
 	for (int64_t at = 0; at < references.size(); ++at) {

@@ -1,6 +1,7 @@
 // How it is drawn: the properties of the group Drawing.
 
 #include "nodes/layer/layer_materials.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 #include <array>
@@ -66,7 +67,7 @@ TypedArray<Material> ScatterLayer::get_materials() {
 	meshes_.draw(lod_meshes_, lod_distances_, drawing, lod);
 	TypedArray<Material> result;
 	for (const Ref<Material> &material : materials_of(drawing)) {
-		result.push_back(material);
+		append(result, material);
 	}
 	return result;
 }

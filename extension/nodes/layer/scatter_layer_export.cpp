@@ -1,6 +1,7 @@
 // What a layer keeps for an export as a dedicated server, which puts placeholders in place of meshes and textures.
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/stripped.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 #include "nodes/model/convex_corners.hpp"
@@ -38,7 +39,7 @@ void ScatterLayer::set_convex_hulls(const Array &p_hulls) {
 Array ScatterLayer::get_convex_hulls() const {
 	Array result;
 	for (const BodyPart &hull : convex_hulls_) {
-		result.push_back(packed_corners(hull.corners));
+		append(result, packed_corners(hull.corners));
 	}
 	return result;
 }
@@ -59,7 +60,7 @@ bool ScatterLayer::embed_stripped_data() {
 		for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
 			const std::vector<glm::vec3> corners = convex_corners(meshes_.mesh(entry));
 			any = any || !corners.empty();
-			hulls.push_back(packed_corners(corners));
+			append(hulls, packed_corners(corners));
 		}
 		if (any) {
 			set_convex_hulls(hulls);

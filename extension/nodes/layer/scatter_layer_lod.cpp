@@ -2,6 +2,8 @@
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
+
 #include <godot_cpp/core/memory.hpp>
 
 #include <cstddef>
@@ -80,7 +82,7 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 			made->set_shadow_mesh(shadow.mesh);
 			made->set_cast_shadow(static_cast<ScatterLod::CastShadow>(shadow.setting));
 			made->set_look(look);
-			result.push_back(made);
+			append(result, made);
 		}
 	};
 	const auto entry = static_cast<std::size_t>(p_index);

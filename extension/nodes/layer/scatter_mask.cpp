@@ -1,5 +1,6 @@
 #include "nodes/layer/scatter_mask.hpp"
 
+#include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
@@ -7,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <string_view>
 #include <vector>
@@ -116,15 +116,7 @@ Status ScatterMask::take(const PackedByteArray &p_bytes) {
 	return for_scripts(status);
 }
 
-PackedByteArray ScatterMask::get_data() const {
-	PackedByteArray result;
-	if (!blank()) {
-		const std::vector<std::uint8_t> bytes = mask_.to_bytes();
-		result.resize(static_cast<int64_t>(bytes.size()));
-		std::memcpy(result.ptrw(), bytes.data(), bytes.size());
-	}
-	return result;
-}
+PackedByteArray ScatterMask::get_data() const { return blank() ? PackedByteArray() : packed_bytes(mask_.to_bytes()); }
 
 Rect2 ScatterMask::announce(const Status &status, const Rect &changed) {
 	report(class_name, for_scripts(status));
@@ -156,12 +148,7 @@ PackedByteArray ScatterMask::get_pixels(const Rect2i &p_rect) const {
 	std::vector<std::uint8_t> pixels;
 	const Status status = mask_.read(pixel_rect(p_rect), pixels);
 	report(class_name, for_scripts(status));
-	PackedByteArray result;
-	if (status.ok() && !pixels.empty()) {
-		result.resize(static_cast<int64_t>(pixels.size()));
-		std::memcpy(result.ptrw(), pixels.data(), pixels.size());
-	}
-	return result;
+	return status.ok() ? packed_bytes(pixels) : PackedByteArray();
 }
 
 Rect2 ScatterMask::set_pixels(const Rect2i &p_rect, const PackedByteArray &p_pixels) {

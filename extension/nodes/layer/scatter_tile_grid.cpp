@@ -1,5 +1,6 @@
 #include "nodes/layer/scatter_tile_grid.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
@@ -29,8 +30,7 @@ Vector2i ScatterTileGrid::get_tile_at(double p_x, double p_z) const {
 PackedFloat64Array ScatterTileGrid::get_tile_bounds(const Vector2i &p_tile) const {
 	const Rect square = tile_rect(tile_size_, p_tile);
 	PackedFloat64Array result;
-	result.resize(4);
-	std::ranges::copy(std::array{square.min.x, square.min.y, square.max.x, square.max.y}, result.ptrw());
+	std::ranges::copy(std::array{square.min.x, square.min.y, square.max.x, square.max.y}, resize(result, 4).begin());
 	return result;
 }
 

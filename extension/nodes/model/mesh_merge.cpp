@@ -2,6 +2,7 @@
 
 #include "nodes/common/boxes.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/stripped.hpp"
 #include "nodes/common/surface_streams.hpp"
 
@@ -22,6 +23,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -66,9 +69,18 @@ struct Surface {
 
 template <class Packed>
 void append(const Variant &p_more, Variant &r_all) {
-	Packed all = r_all;
-	all.append_array(static_cast<Packed>(p_more));
+	const Packed before = r_all;
+	const Packed more = p_more;
+	Packed all = resized_copy(before, before.size() + more.size());
+	std::copy_n(more.ptr(), more.size(), writable(all).begin() + before.size());
 	r_all = all;
+}
+
+/// A stream with memory of its own.
+template <class Packed>
+Packed own_stream(const Array &p_arrays, int64_t stream) {
+	const Packed shared = p_arrays[stream];
+	return resized_copy(shared, shared.size());
 }
 
 /// Appends a stream of vertices to one of the same type.
@@ -87,22 +99,24 @@ void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 	const glm::dmat3 basis = to_core(p_transform.basis);
 	const glm::dmat3 for_normals = glm::transpose(glm::inverse(basis));
 	const glm::dvec3 origin = to_core(p_transform.origin);
-	PackedVector3Array positions = r_arrays[SurfaceStream::positions];
-	std::for_each_n(positions.ptrw(), positions.size(),
-			[&](Vector3 &position) { position = to_engine(basis * to_core(position) + origin); });
+	auto positions = own_stream<PackedVector3Array>(r_arrays, SurfaceStream::positions);
+	for (Vector3 &position : writable(positions)) {
+		position = to_engine(basis * to_core(position) + origin);
+	}
 	r_arrays[SurfaceStream::positions] = positions;
-	PackedVector3Array normals = r_arrays[SurfaceStream::normals];
-	std::for_each_n(normals.ptrw(), normals.size(),
-			[&](Vector3 &normal) { normal = to_engine(glm::normalize(for_normals * to_core(normal))); });
+	auto normals = own_stream<PackedVector3Array>(r_arrays, SurfaceStream::normals);
+	for (Vector3 &normal : writable(normals)) {
+		normal = to_engine(glm::normalize(for_normals * to_core(normal)));
+	}
 	if (normals.size() > 0) {
 		r_arrays[SurfaceStream::normals] = normals;
 	}
-	PackedFloat32Array tangents = r_arrays[SurfaceStream::tangents];
-	float *tangent = tangents.ptrw();
-	for (int64_t at = 0; at + 3 < tangents.size(); at += 4) {
+	auto tangents = own_stream<PackedFloat32Array>(r_arrays, SurfaceStream::tangents);
+	const std::span<float> tangent = writable(tangents);
+	for (std::size_t at = 0; at + 3 < tangent.size(); at += 4) {
 		const glm::dvec3 turned = glm::normalize(basis * glm::dvec3{tangent[at], tangent[at + 1], tangent[at + 2]});
 		for (int axis = 0; axis < 3; ++axis) {
-			tangent[at + axis] = static_cast<float>(turned[axis]);
+			tangent[at + static_cast<std::size_t>(axis)] = static_cast<float>(turned[axis]);
 		}
 	}
 	if (tangents.size() > 0) {
@@ -113,10 +127,8 @@ void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
 	PackedInt32Array indices = p_arrays[SurfaceStream::indices];
 	if (indices.size() == 0) {
-		indices.resize(vertices);
-		for (int32_t at = 0; at < vertices; ++at) {
-			indices.ptrw()[at] = at;
-		}
+		const std::span<int32_t> all = resize(indices, vertices);
+		std::iota(all.begin(), all.end(), 0);
 	}
 	return indices;
 }
@@ -126,16 +138,16 @@ PackedInt32Array unpacked(const PackedByteArray &p_bytes, int64_t vertices) {
 	constexpr int64_t most_of_two_bytes = 65536;
 	PackedInt32Array result;
 	if (vertices > most_of_two_bytes) {
-		result.resize(p_bytes.size() / 4);
-		std::memcpy(result.ptrw(), p_bytes.ptr(), static_cast<std::size_t>(4 * result.size()));
+		const std::span<int32_t> out = resize(result, p_bytes.size() / 4);
+		std::memcpy(out.data(), p_bytes.ptr(), out.size_bytes());
 		return result;
 	}
-	result.resize(p_bytes.size() / 2);
-	int32_t *out = result.ptrw();
-	for (int64_t at = 0; at < result.size(); ++at) {
+	const std::uint8_t *from = p_bytes.ptr();
+	for (int32_t &out : resize(result, p_bytes.size() / 2)) {
 		std::uint16_t index = 0;
-		std::memcpy(&index, p_bytes.ptr() + 2 * at, sizeof(index));
-		out[at] = index;
+		std::memcpy(&index, from, sizeof(index));
+		out = index;
+		from += sizeof(index);
 	}
 	return result;
 }
@@ -164,16 +176,16 @@ public:
 	}
 
 	void apply(int64_t stream, Array &r_arrays) const {
-		PackedVector3Array values = r_arrays[stream];
+		auto values = own_stream<PackedVector3Array>(r_arrays, stream);
 		if (weights_.empty() || values.size() == 0) {
 			return;
 		}
-		Vector3 *value = values.ptrw();
-		std::for_each_n(value, values.size(), [this](Vector3 &each) { each = to_engine(rest_ * to_core(each)); });
+		const std::span<Vector3> value = writable(values);
+		std::ranges::for_each(value, [this](Vector3 &each) { each = to_engine(rest_ * to_core(each)); });
 		for (std::size_t shape = 0; shape < weights_.size(); ++shape) {
 			const Array arrays = shapes_[static_cast<int64_t>(shape)];
 			const PackedVector3Array moved = arrays[stream];
-			for (int64_t at = 0; at < std::min(moved.size(), values.size()); ++at) {
+			for (std::size_t at = 0; at < std::min(static_cast<std::size_t>(moved.size()), value.size()); ++at) {
 				value[at] = to_engine(to_core(value[at]) + weights_[shape] * to_core(moved.ptr()[at]));
 			}
 		}
@@ -192,9 +204,10 @@ private:
 
 /// Where a vertex is moved, its normal and its tangent keep their lengths.
 void normalize_streams(Array &r_arrays) {
-	PackedVector3Array normals = r_arrays[SurfaceStream::normals];
-	std::for_each_n(normals.ptrw(), normals.size(),
-			[](Vector3 &normal) { normal = to_engine(glm::normalize(to_core(normal))); });
+	auto normals = own_stream<PackedVector3Array>(r_arrays, SurfaceStream::normals);
+	for (Vector3 &normal : writable(normals)) {
+		normal = to_engine(glm::normalize(to_core(normal)));
+	}
 	if (normals.size() > 0) {
 		r_arrays[SurfaceStream::normals] = normals;
 	}
@@ -263,20 +276,17 @@ void add(Surface surface, std::vector<Surface> &r_surfaces) {
 
 /// The indices of all pieces, each as it is where so much detail may go.
 PackedInt32Array joined_indices(const Surface &surface, double edge_length) {
-	PackedInt32Array result;
+	std::vector<int32_t> result;
 	int32_t first = 0;
 	for (const Piece &piece : surface.pieces) {
 		const PackedInt32Array *indices = &piece.indices;
 		for (const IndexLod &lod : piece.lods) {
 			indices = lod.edge_length <= edge_length ? &lod.indices : indices;
 		}
-		const int64_t from = result.size();
-		result.resize(from + indices->size());
-		std::transform(indices->ptr(), indices->ptr() + indices->size(), result.ptrw() + from,
-				[first](int32_t index) { return index + first; });
+		std::ranges::transform(*indices, std::back_inserter(result), [first](int32_t index) { return index + first; });
 		first += piece.vertices;
 	}
-	return result;
+	return packed_integers(result);
 }
 
 void add_to_mesh(Surface &r_surface, ArrayMesh &r_mesh) {
@@ -359,9 +369,9 @@ std::vector<Ref<Mesh>> faded_meshes(const Ref<Mesh> &mesh, std::span<const glm::
 		Ref<ArrayMesh> copy(memnew(ArrayMesh));
 		for (Surface &surface : surfaces) {
 			PackedFloat32Array stream;
-			stream.resize(int64_t{4} * surface.pieces.front().vertices);
-			for (int64_t at = 0; at < stream.size(); ++at) {
-				stream.ptrw()[at] = value[static_cast<glm::length_t>(at % 4)];
+			const std::span<float> floats = resize(stream, int64_t{4} * surface.pieces.front().vertices);
+			for (std::size_t at = 0; at < floats.size(); ++at) {
+				floats[at] = value[static_cast<glm::length_t>(at % 4)];
 			}
 			surface.arrays[SurfaceStream::custom3] = stream;
 			add_to_mesh(surface, *copy.ptr());

@@ -2,6 +2,7 @@
 
 #include "core/model/model_lods.hpp"
 #include "nodes/common/boxes.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/threads.hpp"
 #include "nodes/common/watch.hpp"
@@ -29,7 +30,7 @@ constexpr std::array read_properties{"lods", "shapes", "shape_transforms"};
 TypedArray<ScatterLod> array_of(const std::vector<Ref<ScatterLod>> &lods) {
 	TypedArray<ScatterLod> result;
 	for (const Ref<ScatterLod> &lod : lods) {
-		result.push_back(lod);
+		append(result, lod);
 	}
 	return result;
 }
@@ -120,8 +121,8 @@ bool ScatterModel::take_over(const SceneReading &reading, const Ref<PackedScene>
 	TypedArray<Shape3D> shapes;
 	TypedArray<Transform3D> transforms;
 	for (const ModelShape &shape : reading.shapes) {
-		shapes.push_back(shape.shape);
-		transforms.push_back(shape.transform);
+		append(shapes, shape.shape);
+		append(transforms, shape.transform);
 	}
 	source_ = scene_;
 	if (!hand_set_.lods) {

@@ -2,6 +2,7 @@
 
 #include "nodes/region/scatter_region_3d.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/layer/layer_reference.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
@@ -49,7 +50,7 @@ void ScatterRegion3D::set_exclude(bool p_exclude) {
 void ScatterRegion3D::set_layers(const Array &p_layers) {
 	Array stored;
 	for (int64_t i = 0; i < p_layers.size(); ++i) {
-		stored.push_back(stored_reference(p_layers[i]));
+		append(stored, stored_reference(p_layers[i]));
 		if (stored[i].get_type() == Variant::NIL) {
 			ERR_PRINT("ScatterRegion3D.layers: " + no_reference(p_layers[i]));
 			return;
@@ -62,7 +63,7 @@ void ScatterRegion3D::set_layers(const Array &p_layers) {
 Array ScatterRegion3D::get_layers() const {
 	Array result;
 	for (int64_t i = 0; i < layers_.size(); ++i) {
-		result.push_back(stored_reference(layers_[i])); // A layer may have got a name.
+		append(result, stored_reference(layers_[i])); // A layer may have got a name.
 	}
 	result.make_read_only();
 	return result;
@@ -73,7 +74,7 @@ void ScatterRegion3D::rename_layer(const String &p_from, const String &p_to) {
 	bool any = false;
 	for (int64_t i = 0; i < layers_.size(); ++i) {
 		const bool meant = layers_[i].get_type() == Variant::STRING && static_cast<String>(layers_[i]) == p_from;
-		renamed.push_back(meant ? Variant(p_to) : layers_[i]);
+		append(renamed, meant ? Variant(p_to) : layers_[i]);
 		any = any || meant;
 	}
 	if (any) {

@@ -1,6 +1,8 @@
 #include "nodes/sampler/poisson_points.hpp"
 
+#include "core/base/guard.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/threads.hpp"
 
@@ -48,12 +50,10 @@ void for_each_part(std::size_t size, const Work &work) {
 } // namespace
 
 Ref<PoissonPoints> PoissonPoints::of(std::span<const SamplePoint> points, bool exact) {
-	Ref<PoissonPoints> result(memnew(PoissonPoints));
-	if (!result->fill(points, exact)) {
-		report("PoissonSampler", {ErrorCode::out_of_memory, "rect", static_cast<double>(points.size())});
-		result = Ref<PoissonPoints>(memnew(PoissonPoints));
-	}
-	return result;
+	const Ref<PoissonPoints> result(memnew(PoissonPoints));
+	const Status status = guarded("rect", static_cast<double>(points.size()), [&] { result->fill(points, exact); });
+	report("PoissonSampler", status);
+	return status.ok() ? result : Ref<PoissonPoints>(memnew(PoissonPoints));
 }
 
 Ref<PoissonPoints> PoissonPoints::of_positions(const PackedFloat64Array &p_x, const PackedFloat64Array &p_y) {
@@ -64,21 +64,13 @@ Ref<PoissonPoints> PoissonPoints::of_positions(const PackedFloat64Array &p_x, co
 	return result;
 }
 
-/// False if there is not enough memory: then an array stays smaller than it was asked to be.
-bool PoissonPoints::fill(std::span<const SamplePoint> points, bool exact) {
+void PoissonPoints::fill(std::span<const SamplePoint> points, bool exact) {
 	const auto count = static_cast<int64_t>(points.size());
-	const auto resized = [count](auto &r_array) {
-		r_array.resize(count);
-		return r_array.size() == count;
-	};
-	if (!resized(ids_) || !resized(ranks_) || (exact ? !resized(x_) || !resized(y_) : !resized(positions_))) {
-		return false;
-	}
-	int64_t *ids = ids_.ptrw();
-	float *ranks = ranks_.ptrw();
-	double *x = exact ? x_.ptrw() : nullptr;
-	double *y = exact ? y_.ptrw() : nullptr;
-	Vector2 *positions = exact ? nullptr : positions_.ptrw();
+	int64_t *ids = resize(ids_, count).data();
+	float *ranks = resize(ranks_, count).data();
+	double *x = resize(x_, exact ? count : 0).data();
+	double *y = resize(y_, exact ? count : 0).data();
+	Vector2 *positions = resize(positions_, exact ? 0 : count).data();
 	for_each_part(points.size(), [&](std::size_t first, std::size_t end) {
 		const std::span<const SamplePoint> part = points.subspan(first, end - first);
 		std::ranges::transform(part, ids + first, [](const SamplePoint &point) { return script_id(point.id); });
@@ -92,7 +84,6 @@ bool PoissonPoints::fill(std::span<const SamplePoint> points, bool exact) {
 		}
 	});
 	size_ = count;
-	return true;
 }
 
 bool PoissonPoints::has(int64_t p_index) const {
@@ -124,14 +115,15 @@ PackedVector2Array PoissonPoints::get_positions() const {
 		// Fast path: points never change, so their positions are made once.
 		return positions_;
 	}
-	positions_.resize(size_);
-	Vector2 *out = positions_.ptrw();
+	PackedVector2Array positions;
+	const std::span<Vector2> out = resize(positions, size_);
 	const double *x = x_.ptr();
 	const double *y = y_.ptr();
-	for (int64_t index = 0; index < positions_.size(); ++index) {
+	for (std::size_t index = 0; index < out.size(); ++index) {
 		out[index] = to_engine(glm::dvec2(x[index], y[index]));
 	}
-	return positions_;
+	positions_ = positions;
+	return positions;
 }
 
 void PoissonPoints::_bind_methods() {

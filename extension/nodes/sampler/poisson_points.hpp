@@ -60,7 +60,7 @@ protected:
 
 private:
 	bool has(int64_t p_index) const;
-	bool fill(std::span<const SamplePoint> points, bool exact);
+	void fill(std::span<const SamplePoint> points, bool exact);
 
 	int64_t size_ = 0;
 	godot::PackedInt64Array ids_;

@@ -1,7 +1,9 @@
 #include "nodes/sampler/poisson_sampler.hpp"
 
 #include "core/base/check.hpp"
+#include "core/base/guard.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/threads.hpp"
 #include "nodes/sampler/script_progress.hpp"
@@ -36,12 +38,8 @@ public:
 			last_(last_before(p_rect.position.x + p_rect.size.x, p_rect.position.x),
 					last_before(p_rect.position.y + p_rect.size.y, p_rect.position.y)) {}
 
-	/// False if there is not enough memory.
-	bool resize(std::size_t p_count) {
-		positions.resize(static_cast<int64_t>(p_count));
-		next_ = positions.ptrw();
-		return positions.size() == static_cast<int64_t>(p_count);
-	}
+	/// Throws std::bad_alloc if there is not enough memory.
+	void resize(std::size_t p_count) { next_ = thicket::resize(positions, static_cast<int64_t>(p_count)).data(); }
 
 	void add(const glm::dvec2 &p_position) {
 		*next_++ = Vector2(std::min(static_cast<real_t>(p_position.x), last_.x),
@@ -61,14 +59,10 @@ public:
 	explicit DoubleWriter(const Rect &p_rect) :
 			last_(last_before(p_rect.max.x, p_rect.min.x), last_before(p_rect.max.y, p_rect.min.y)) {}
 
-	/// False if there is not enough memory.
-	bool resize(std::size_t p_count) {
-		const auto count = static_cast<int64_t>(p_count);
-		x.resize(count);
-		y.resize(count);
-		next_x_ = x.ptrw();
-		next_y_ = y.ptrw();
-		return x.size() == count && y.size() == count;
+	/// Throws std::bad_alloc if there is not enough memory.
+	void resize(std::size_t p_count) {
+		next_x_ = thicket::resize(x, static_cast<int64_t>(p_count)).data();
+		next_y_ = thicket::resize(y, static_cast<int64_t>(p_count)).data();
 	}
 
 	void add(const glm::dvec2 &p_position) {
@@ -89,8 +83,9 @@ private:
 template <typename Points, typename PositionOf, typename Writer>
 Status write(const Points &points, const PositionOf &position_of, const Progress &progress, Writer &r_writer) {
 	constexpr std::size_t piece = 1 << 20;
-	if (!r_writer.resize(points.size())) {
-		return {ErrorCode::out_of_memory, "rect", static_cast<double>(points.size())};
+	const Status status = guarded("rect", static_cast<double>(points.size()), [&] { r_writer.resize(points.size()); });
+	if (!status.ok()) {
+		return status;
 	}
 	for (std::size_t start = 0; start < points.size(); start += piece) {
 		if (progress.cancelled()) {

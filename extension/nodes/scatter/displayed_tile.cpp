@@ -1,5 +1,7 @@
 #include "nodes/scatter/displayed_tile.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
+
 #include <glm/common.hpp>
 
 #include <algorithm>
@@ -119,8 +121,7 @@ MeshUpload to_upload(const DisplayedTile::Part &part, std::size_t cell, float re
 	MeshUpload upload;
 	upload.aabb = box_around(drawn.min, drawn.max, reach * part.shown->max_scale());
 	const auto floats = static_cast<int64_t>(drawn.size() * part.shown->stride());
-	upload.buffer.resize(floats);
-	gather(*part.shown, part.division.order_of(drawn), {upload.buffer.ptrw(), static_cast<std::size_t>(floats)});
+	gather(*part.shown, part.division.order_of(drawn), resize(upload.buffer, floats));
 	return upload;
 }
 
@@ -129,14 +130,13 @@ PackedFloat32Array read_back(const DisplayedTile::Part &part) {
 		return part.cells.front().visual.read_back();
 	}
 	const std::size_t stride = part.shown->stride();
-	const std::size_t floats = part.shown->size() * stride;
 	PackedFloat32Array result;
-	result.resize(static_cast<int64_t>(floats));
+	const std::span<float> floats = resize(result, static_cast<int64_t>(part.shown->size() * stride));
 	for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {
 		const PackedFloat32Array buffer = part.cells[cell].visual.read_back();
 		const std::span<const float> read(buffer.ptr(), static_cast<std::size_t>(buffer.size()));
 		const std::span<const std::uint32_t> order = part.division.order_of(part.division.cells[cell]);
-		spread(read, order.first(std::min(order.size(), read.size() / stride)), stride, {result.ptrw(), floats});
+		spread(read, order.first(std::min(order.size(), read.size() / stride)), stride, floats);
 	}
 	return result;
 }

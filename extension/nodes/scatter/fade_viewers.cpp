@@ -1,5 +1,6 @@
 #include "nodes/scatter/fade_viewers.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/layer/layer_materials.hpp"
 
 #include <godot_cpp/classes/rendering_server.hpp>
@@ -120,9 +121,7 @@ void FadeViewers::write(std::span<const glm::vec4> viewers) {
 		return;
 	}
 	PackedFloat32Array places;
-	places.resize(static_cast<int64_t>(4 * most_viewers));
-	float *out = places.ptrw();
-	std::fill(out, out + places.size(), 0.0F);
+	const std::span<float> out = resize(places, static_cast<int64_t>(4 * most_viewers));
 	for (std::size_t at = 0; at < viewers.size(); ++at) {
 		for (glm::length_t axis = 0; axis < 4; ++axis) {
 			out[4 * at + static_cast<std::size_t>(axis)] = viewers[at][axis];

@@ -1,6 +1,7 @@
 #include "nodes/scatter/mesh_upload.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -36,7 +37,7 @@ PackedFloat32Array SpareBuffers::take(std::size_t floats) {
 		buffers_.pop_back();
 		reused_.fetch_add(1, std::memory_order_relaxed);
 	}
-	buffer.resize(static_cast<int64_t>(floats));
+	resize(buffer, static_cast<int64_t>(floats));
 	return buffer;
 }
 
@@ -44,7 +45,7 @@ MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spa
 	MeshUpload upload;
 	upload.aabb = box_around(mesh.min, mesh.max, reach * mesh.max_scale);
 	upload.buffer = r_spare.take(mesh.buffer.size());
-	std::ranges::copy(mesh.buffer, upload.buffer.ptrw());
+	std::ranges::copy(mesh.buffer, writable(upload.buffer).begin());
 	return upload;
 }
 
@@ -52,8 +53,7 @@ MeshUpload to_upload(const KeptMesh &mesh, float reach) {
 	MeshUpload upload;
 	upload.aabb = box_around(mesh.min(), mesh.max(), reach * mesh.max_scale());
 	const std::size_t floats = mesh.size() * mesh.stride();
-	upload.buffer.resize(static_cast<int64_t>(floats));
-	mesh.read_all({upload.buffer.ptrw(), floats});
+	mesh.read_all(resize(upload.buffer, static_cast<int64_t>(floats)));
 	return upload;
 }
 

@@ -1,5 +1,7 @@
 #include "nodes/scatter/node_layers.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -75,7 +77,7 @@ void NodeLayers::update(const TypedArray<ScatterLayer> &p_own, const ScatterBiom
 	const Layers layers = placed(wanted, own_count_, by_index_);
 	TypedArray<ScatterLayer> next;
 	for (const Ref<ScatterLayer> &layer : layers) {
-		next.push_back(layer);
+		append(next, layer);
 	}
 	by_index_ = next;
 	order_.clear();

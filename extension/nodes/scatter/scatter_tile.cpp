@@ -1,6 +1,7 @@
 #include "nodes/scatter/scatter_tile.hpp"
 
 #include "core/placement/instance_rows.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
@@ -105,7 +106,7 @@ TypedArray<RID> ScatterTile::get_multimeshes(int64_t p_index) const {
 	TypedArray<RID> result;
 	if (const Part *part = find("get_multimeshes", p_index)) {
 		for (const RID &multimesh : part->multimeshes) {
-			result.push_back(multimesh);
+			append(result, multimesh);
 		}
 	}
 	return result;

@@ -5,6 +5,7 @@
 #include "core/base/tile_grid.hpp"
 #include "core/placement/place_grid.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/scatter/layer_explainer.hpp"
@@ -170,7 +171,7 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 		} else {
 			explain_layer(layer, gameplay, explanation);
 		}
-		result.push_back(ScatterExplanation::of(std::move(explanation), offset));
+		append(result, ScatterExplanation::of(std::move(explanation), offset));
 	}
 	return result;
 }

@@ -3,6 +3,7 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/watch.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
@@ -189,7 +190,7 @@ TypedArray<Vector2i> TerrainScatter3D::get_shown_tiles(const Variant &p_layer) c
 	std::uint32_t layer = 0;
 	if (find_layer_index("get_shown_tiles", p_layer, layer)) {
 		for (const glm::ivec2 &tile : display().tiles(layer)) {
-			result.push_back(Vector2i(tile.x, tile.y));
+			append(result, Vector2i(tile.x, tile.y));
 		}
 	}
 	return result;
@@ -353,7 +354,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 	TypedArray<ScatterLayer> layers;
 	const TypedArray<ScatterLayer> &by_index = all_layers();
 	for (const std::size_t index : node_layers_.order()) {
-		layers.push_back(by_index[static_cast<int64_t>(index)]);
+		append(layers, by_index[static_cast<int64_t>(index)]);
 	}
 	bool has_water = water_enabled_;
 	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {

@@ -1,6 +1,7 @@
 #include "nodes/scatter/tile_visual.hpp"
 
 #include "core/placement/tile_instances.hpp"
+#include "nodes/common/engine_arrays.hpp"
 
 #include <godot_cpp/classes/rendering_server.hpp>
 #include <godot_cpp/variant/basis.hpp>
@@ -93,10 +94,13 @@ void TileVisual::set_instances(const MeshUpload &upload) {
 		allocate(instances_);
 	}
 	PackedFloat32Array buffer = upload.buffer;
-	if (instances_ < capacity_) {
-		// The renderer wants all that it has room for. What is left over is never drawn.
-		buffer.resize(capacity_ * stride);
-		std::fill(buffer.ptrw() + instances_ * stride, buffer.ptrw() + capacity_ * stride, 0.0F);
+	try {
+		if (instances_ < capacity_) {
+			// The renderer requires a buffer of its whole capacity. The rest is never drawn.
+			buffer = resized_copy(buffer, capacity_ * stride);
+		}
+	} catch (const std::bad_alloc &) {
+		allocate(instances_); // Slower, but the instances that are drawn and those that are counted must not differ.
 	}
 	for_each_handle([&](Handle &handle) {
 		// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
@@ -254,12 +258,9 @@ void TileVisual::set_scale(float scale) {
 }
 
 PackedFloat32Array TileVisual::read_back() const {
-	PackedFloat32Array buffer = RenderingServer::get_singleton()->multimesh_get_buffer(drawn_by_.multimesh);
+	const PackedFloat32Array buffer = RenderingServer::get_singleton()->multimesh_get_buffer(drawn_by_.multimesh);
 	const int64_t floats = instances_ * static_cast<int64_t>(floats_per_instance(data_));
-	if (buffer.size() > floats) {
-		buffer.resize(floats);
-	}
-	return buffer;
+	return buffer.size() > floats ? resized_copy(buffer, floats) : buffer;
 }
 
 } // namespace thicket

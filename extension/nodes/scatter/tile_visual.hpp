@@ -44,7 +44,7 @@ public:
 	void apply(const LayerDrawing &drawing);
 	void set_visible(bool visible);
 
-	/// Replaces the instances; all of them are drawn until `set_drawn`.
+	/// Replaces the instances; all of them are drawn until `set_drawn`. Throws nothing.
 	void set_instances(const MeshUpload &upload);
 
 	// What may change without another upload. Each does nothing where that is so already.

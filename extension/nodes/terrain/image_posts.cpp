@@ -1,5 +1,7 @@
 #include "nodes/terrain/image_posts.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
+
 #include <godot_cpp/classes/resource.hpp>
 #include <godot_cpp/classes/texture2d.hpp>
 #include <godot_cpp/core/object.hpp>
@@ -121,6 +123,9 @@ Status read_posts(const Ref<Image> &p_image, const char *p_property, Posts &r_po
 	Posts posts;
 	posts.count = {image->get_width(), image->get_height()};
 	posts.floats.resize(static_cast<std::size_t>(bytes.size()) / sizeof(float));
+	if (posts.floats.size() != static_cast<std::size_t>(posts.count.x) * static_cast<std::size_t>(posts.count.y)) {
+		throw std::bad_alloc(); // The engine had no memory to convert it.
+	}
 	std::memcpy(posts.floats.data(), bytes.ptr(), posts.floats.size() * sizeof(float));
 	if (!floats) {
 		posts.steps.reserve(posts.floats.size());
@@ -142,8 +147,7 @@ bool read_region(const Ref<Image> &p_image, const PixelRect &rect, Posts &r_post
 	const PackedByteArray all = p_image->get_data(); // Shared only for as long as this takes.
 	const std::int64_t row = pixel * rect.size().x;
 	PackedByteArray part;
-	part.resize(row * rect.size().y);
-	std::uint8_t *out = part.ptrw();
+	std::uint8_t *out = resize(part, row * rect.size().y).data();
 	for (std::int64_t y = rect.min.y; y < rect.max.y; ++y, out += row) {
 		std::memcpy(out, all.ptr() + (y * p_image->get_width() + rect.min.x) * pixel, static_cast<std::size_t>(row));
 	}

@@ -1,6 +1,7 @@
 #include "nodes/terrain/mesh_copy.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/surface_streams.hpp"
 
 #include <godot_cpp/classes/rendering_server.hpp>
@@ -39,8 +40,7 @@ glm::vec3 floats_of(const Vector3 &p_vector) { return {to_core(p_vector)}; }
 template <typename Number, class Packed>
 PackedByteArray packed_as(const Packed &p_numbers) {
 	PackedByteArray bytes;
-	bytes.resize(p_numbers.size() * static_cast<std::int64_t>(sizeof(Number)));
-	std::uint8_t *out = bytes.ptrw();
+	std::uint8_t *out = resize(bytes, p_numbers.size() * static_cast<std::int64_t>(sizeof(Number))).data();
 	for (const auto &number : std::span(p_numbers.ptr(), static_cast<std::size_t>(p_numbers.size()))) {
 		Number stored{};
 		if constexpr (std::is_same_v<Number, glm::vec3>) {

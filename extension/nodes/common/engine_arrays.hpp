@@ -1,0 +1,58 @@
+#pragma once
+
+#include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <span>
+
+namespace thicket {
+
+// The engine's arrays report an allocation that failed by a line in the log, and keep their size. Each function here throws
+// std::bad_alloc instead, to be caught at the border (guard.hpp). tests/test_allocations.py permits no other way to resize an array of
+// the engine, to write its elements or to append to it.
+
+/// The elements of a packed array, to be written. Other arrays must not share its memory: one that came from the engine is copied first, by
+/// `resized_copy`, since the engine ends where it runs out of memory for a hidden copy. Godot 4.4 would even write to the shared memory.
+template <class Packed>
+auto writable(Packed &r_array) {
+	const std::int64_t size = r_array.size();
+	auto *first = size > 0 ? r_array.ptrw() : nullptr; // Once: each time is a call into the engine.
+	if (size > 0 && first == nullptr) {
+		throw std::bad_alloc();
+	}
+	return std::span(first, static_cast<std::size_t>(size));
+}
+
+/// Resizes a packed array whose memory no other shares, and returns its elements. New ones are 0.
+template <class Packed>
+auto resize(Packed &r_array, std::int64_t size) {
+	r_array.resize(size);
+	if (r_array.size() != size) {
+		throw std::bad_alloc();
+	}
+	return writable(r_array);
+}
+
+/// A copy with memory of its own, cut off at `size` elements, or filled up with 0.
+template <class Packed>
+Packed resized_copy(const Packed &array, std::int64_t size) {
+	Packed result;
+	const auto elements = resize(result, size);
+	std::copy_n(array.ptr(), std::min(array.size(), size), elements.begin());
+	return result;
+}
+
+/// Appends an element to an Array or a TypedArray.
+inline void append(godot::Array &r_array, const godot::Variant &element) {
+	const std::int64_t size = r_array.size();
+	r_array.push_back(element);
+	if (r_array.size() != size + 1) {
+		throw std::bad_alloc();
+	}
+}
+
+} // namespace thicket
