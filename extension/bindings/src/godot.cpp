@@ -25,6 +25,9 @@ void load_docs() {
 	constexpr int64_t compression_deflate = 1; // FileAccess.COMPRESSION_DEFLATE
 	PackedByteArray compressed;
 	compressed.resize(doc_data.compressed_size);
+	if (compressed.size() != doc_data.compressed_size) {
+		return; // The engine has no memory for them, and has printed so.
+	}
 	std::copy_n(doc_data.data, doc_data.compressed_size, compressed.ptrw());
 	const PackedByteArray xml = compressed.decompress(doc_data.uncompressed_size, compression_deflate);
 	gdextension_interface::editor_help_load_xml_from_utf8_chars_and_len(

@@ -1,15 +1,19 @@
 #include <godot_cpp/classes/object.hpp>
+#include <godot_cpp/core/border.hpp>
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/object.hpp>
 #include <godot_cpp/core/singleton.hpp>
 #include <godot_cpp/godot.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
 #include <mutex>
+#include <new>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -19,7 +23,7 @@ namespace internal {
 
 namespace {
 
-thread_local Construction next_construction;
+thread_local GodotObject *next_owner = nullptr;
 
 /// A class of the engine that is offered.
 struct EngineClass {
@@ -50,7 +54,37 @@ void register_engine_class(LazyName &p_name, const GDExtensionInstanceBindingCal
 	engine_classes.emplace_front(p_name, p_callbacks);
 }
 
-void Access::expect(const Construction &p_next) { next_construction = p_next; }
+GodotObject *Access::new_object(const StringName &p_engine_class) {
+	GodotObject *object = gdextension_interface::classdb_construct_object2(p_engine_class._native_ptr());
+	if (!object) {
+		throw std::bad_alloc();
+	}
+	return object;
+}
+
+void Access::expect(GodotObject *p_owner) { next_owner = p_owner; }
+
+void Access::attach(Wrapped *p_wrapped, const StringName *p_extension_class,
+		const GDExtensionInstanceBindingCallbacks &p_callbacks) {
+	if (p_extension_class) {
+		gdextension_interface::object_set_instance(p_wrapped->_owner, p_extension_class->_native_ptr(), p_wrapped);
+	}
+	gdextension_interface::object_set_instance_binding(p_wrapped->_owner, library, p_wrapped, &p_callbacks);
+}
+
+void report_exception(const char *p_entry) noexcept {
+	const char *why = "failed within";
+	try {
+		throw;
+	} catch (const std::bad_alloc &) {
+		why = "needs more memory than there is";
+	} catch (const std::length_error &) {
+		why = "needs more memory than there is";
+	} catch (...) {}
+	std::array<char, 256> text{};
+	std::snprintf(text.data(), text.size(), "Thicket: %s %s", p_entry, why);
+	gdextension_interface::print_error(text.data(), __FUNCTION__, __FILE__, __LINE__, false);
+}
 
 void Access::post_initialize(Object *p_object) { p_object->notification(Object::NOTIFICATION_POSTINITIALIZE); }
 
@@ -65,6 +99,11 @@ Object *wrapper_of(GodotObject *p_object) {
 		const auto nearest = std::find_if(engine_classes.begin(), engine_classes.end(),
 				[p_object](EngineClass &engine_class) { return engine_class.wraps(p_object); });
 		wrapper = gdextension_interface::object_get_instance_binding(p_object, library, &nearest->callbacks);
+		if (!wrapper) {
+			// The engine keeps even a binding that could not be made, and would make no other.
+			gdextension_interface::object_free_instance_binding(p_object, library);
+			throw std::bad_alloc();
+		}
 	}
 	return static_cast<Object *>(static_cast<Wrapped *>(wrapper));
 }
@@ -92,22 +131,11 @@ void release_wrappers() {
 } // namespace internal
 
 Wrapped::Wrapped() {
-	const internal::Construction own = std::exchange(internal::next_construction, {});
-	_owner = own.owner;
-	if (!own.callbacks) {
-		if (!_owner) {
-			std::fputs("The engine makes its objects, and ours: C++ cannot.\n", stderr);
-			std::abort();
-		}
-		return;
-	}
+	_owner = std::exchange(internal::next_owner, nullptr);
 	if (!_owner) {
-		_owner = gdextension_interface::classdb_construct_object2(own.engine_class->_native_ptr());
+		std::fputs("The engine makes its objects, and ours: C++ cannot.\n", stderr);
+		std::abort();
 	}
-	if (own.extension_class) {
-		gdextension_interface::object_set_instance(_owner, own.extension_class->_native_ptr(), this);
-	}
-	gdextension_interface::object_set_instance_binding(_owner, internal::library, this, own.callbacks);
 }
 
 } // namespace godot

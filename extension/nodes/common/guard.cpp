@@ -51,11 +51,15 @@ const char *kept_method_name(const StringName &p_class, const StringName &p_meth
 
 void report_failed_call(const char *method, std::span<const Variant> arguments) noexcept {
 	const char *why = reason();
-	String list;
-	for (const Variant &argument : arguments) {
-		list = list + (list.is_empty() ? "" : ", ") + in_short(argument);
+	try {
+		String list;
+		for (const Variant &argument : arguments) {
+			list = list + (list.is_empty() ? "" : ", ") + in_short(argument);
+		}
+		ERR_PRINT(vformat("%s(%s) %s", String(method), list, String(why)));
+	} catch (...) {
+		ERR_PRINT(why); // There is no memory for more words.
 	}
-	ERR_PRINT(vformat("%s(%s) %s", String(method), list, String(why)));
 }
 
 } // namespace thicket

@@ -18,15 +18,6 @@ class Access;
 template <typename T>
 class Class;
 
-/// What the next Wrapped on this thread is to be: its constructor takes no arguments, so that classes need not pass
-/// them on.
-struct Construction {
-	GodotObject *owner = nullptr; ///< The object of the engine to wrap; null to make one.
-	const StringName *engine_class = nullptr;
-	const StringName *extension_class = nullptr;                    ///< Null for a class of the engine.
-	const GDExtensionInstanceBindingCallbacks *callbacks = nullptr; ///< Null where the engine asked for the wrapper.
-};
-
 } // namespace internal
 
 /// The C++ side of an object of the engine. The engine owns it: for its own classes it is an instance binding, made when
@@ -64,7 +55,14 @@ class Access {
 public:
 	/// Tells the object that it is complete (NOTIFICATION_POSTINITIALIZE).
 	static void post_initialize(Object *p_object);
-	static void expect(const Construction &p_next);
+	/// A new object of a class of the engine. Throws std::bad_alloc where the engine makes none.
+	static GodotObject *new_object(const StringName &p_engine_class);
+	/// Has the next Wrapped on this thread wrap an object of the engine: its constructor takes no arguments, so that classes need not pass
+	/// them on.
+	static void expect(GodotObject *p_owner);
+	/// Makes a complete wrapper known to the object that it wraps. `p_extension_class`: null for a class of the engine.
+	static void attach(Wrapped *p_wrapped, const StringName *p_extension_class,
+			const GDExtensionInstanceBindingCallbacks &p_callbacks);
 	static void destroy(Wrapped *p_wrapped) { delete p_wrapped; }
 };
 

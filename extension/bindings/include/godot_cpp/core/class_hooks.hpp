@@ -1,6 +1,8 @@
 #pragma once
 
 #include <godot_cpp/classes/wrapped.hpp>
+#include <godot_cpp/core/border.hpp>
+#include <godot_cpp/core/gdextension_interface_loader.hpp>
 #include <godot_cpp/core/marshal.hpp>
 #include <godot_cpp/core/property_info.hpp>
 #include <godot_cpp/core/signature.hpp>
@@ -22,7 +24,7 @@ void bind_virtual(const char *p_name, uint32_t p_hash) {
 				[](GDExtensionClassInstancePtr p_instance, const GDExtensionConstTypePtr *p_args,
 						GDExtensionTypePtr r_result) {
 					auto *self = static_cast<typename Sign::Owner *>(static_cast<Wrapped *>(p_instance));
-					Sign::ptrcall(self, Method, p_args, r_result);
+					at_border("a virtual method", [&] { Sign::ptrcall(self, Method, p_args, r_result); });
 				});
 	}
 }
@@ -37,32 +39,32 @@ class Class {
 	using Parent = Class<typename T::parent_type>;
 
 public:
-	/// Makes the next T that this thread constructs wrap `p_owner`, or a new object of the engine if that is null.
-	static void prepare(GodotObject *p_owner) {
-		Access::expect({p_owner, &engine_class<T>(), extension_class(), &callbacks});
+	/// A T that wraps a new object of the engine.
+	static T *construct() {
+		GodotObject *owner = Access::new_object(engine_class<T>());
+		try {
+			return wrap(owner);
+		} catch (...) {
+			gdextension_interface::object_destroy(owner);
+			throw;
+		}
 	}
 
-	/// For `GDExtensionClassCreationInfo4`.
+	/// For `GDExtensionClassCreationInfo4`. Null where memory ends.
 	static GDExtensionObjectPtr create_instance(void *, GDExtensionBool p_notify) {
-		if (p_notify) {
-			return make()->_owner;
-		}
-		prepare(nullptr);
-		return (new T)->_owner;
+		return at_border("a new object", [=] { return (p_notify ? make() : construct())->_owner; });
 	}
 
 	/// For `memnew`.
 	static T *make() {
-		prepare(nullptr);
-		T *object = new T;
+		T *object = construct();
 		Access::post_initialize(object);
 		return object;
 	}
 
 	/// The library was loaded anew: `p_owner` lost the instance that the old one gave it.
 	static GDExtensionClassInstancePtr recreate_instance(void *, GDExtensionObjectPtr p_owner) {
-		prepare(p_owner);
-		return static_cast<Wrapped *>(new T);
+		return at_border("an object after a reload", [=] { return static_cast<Wrapped *>(wrap(p_owner)); });
 	}
 
 	static void free_instance(void *, GDExtensionClassInstancePtr p_instance) {
@@ -71,16 +73,18 @@ public:
 
 	/// Base classes first; from the back where the engine takes something down.
 	static void notification(GDExtensionClassInstancePtr p_instance, int32_t p_what, GDExtensionBool p_reversed) {
-		notify(self(p_instance), p_what, p_reversed != 0);
+		at_border("a notification", [=] { notify(self(p_instance), p_what, p_reversed != 0); });
 	}
 
 	/// Lets `_validate_property` change what the inspector is told of a property. Base classes first.
 	static GDExtensionBool validate_property(
 			GDExtensionClassInstancePtr p_instance, GDExtensionPropertyInfo *p_property) {
-		PropertyInfo info(p_property);
-		validate(self(p_instance), info);
-		info._update(p_property);
-		return true;
+		return at_border("a look at a property", [=] {
+			PropertyInfo info(p_property);
+			validate(self(p_instance), info);
+			info._update(p_property);
+			return GDExtensionBool{true};
+		});
 	}
 
 	/// Calls `_bind_methods`, which every class of ours declares.
@@ -97,8 +101,7 @@ public:
 	// references: the engine asks whether an object may die, and the answer is always yes.
 	static void *create_binding(void *, void *p_owner) {
 		if constexpr (is_engine_class) {
-			Access::expect({p_owner, nullptr, nullptr, nullptr});
-			return static_cast<Wrapped *>(new T);
+			return at_border("an object's wrapper", [=] { return static_cast<Wrapped *>(instance(p_owner)); });
 		} else {
 			return nullptr;
 		}
@@ -112,6 +115,23 @@ public:
 	static constexpr GDExtensionInstanceBindingCallbacks callbacks{create_binding, free_binding, reference_binding};
 
 private:
+	/// A T for an object of the engine, which does not know it yet.
+	static T *instance(void *p_owner) {
+		Access::expect(p_owner);
+		try {
+			return new T;
+		} catch (...) {
+			Access::expect(nullptr);
+			throw;
+		}
+	}
+
+	static T *wrap(GodotObject *p_owner) {
+		T *object = instance(p_owner);
+		Access::attach(object, extension_class(), callbacks);
+		return object;
+	}
+
 	static T *self(GDExtensionClassInstancePtr p_instance) {
 		return static_cast<T *>(static_cast<Wrapped *>(p_instance));
 	}

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <godot_cpp/core/border.hpp>
 #include <godot_cpp/core/signature.hpp>
 
 #include <array>
@@ -77,12 +78,17 @@ struct MethodCalls {
 	static void call(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstVariantPtr *p_args,
 			GDExtensionInt p_given, GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
 		const auto &bind = *static_cast<const MethodBind *>(p_bind);
-		Sign::call(self(p_instance), bind.method.template as<M>(), p_args, p_given, bind.defaults, r_result, *r_error);
+		at_border("a call", [&] {
+			Sign::call(
+					self(p_instance), bind.method.template as<M>(), p_args, p_given, bind.defaults, r_result, *r_error);
+		});
 	}
 	static void ptrcall(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstTypePtr *p_args,
 			GDExtensionTypePtr r_result) {
-		Sign::ptrcall(
-				self(p_instance), static_cast<const MethodBind *>(p_bind)->method.template as<M>(), p_args, r_result);
+		at_border("a call", [=] {
+			Sign::ptrcall(self(p_instance), static_cast<const MethodBind *>(p_bind)->method.template as<M>(), p_args,
+					r_result);
+		});
 	}
 
 private:
