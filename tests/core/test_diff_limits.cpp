@@ -1,4 +1,4 @@
-// What a receiver allows a diff to do, and what it finds out about one before it is applied.
+// A receiver bounds what a diff may do, and reads what it names before it is applied.
 
 #include "allocation_count.hpp"
 #include "core/state/diff_summary.hpp"
@@ -95,7 +95,7 @@ TEST_CASE("diff limits: a bomb is refused by its counts, before any id is read")
 		CHECK(is_beyond_limits(status));
 		CHECK(describe(status) ==
 				"changes must be at most 2097152 (max_changes of diff_limits), got 8000000. Refuse the sender, or "
-		        "raise that "
+				"raise that "
 				"limit in diff_limits");
 		CHECK(is_beyond_limits(state.merge_diff(diff, changes)));
 		CHECK(state.revision() == 0);
@@ -240,7 +240,7 @@ TEST_CASE("diff limits: a foreign clock moves this one by what is allowed, and r
 		REQUIRE(state.advance(200.0, changes).ok());
 		CHECK_FALSE(state.removed(point_id(1, 1, 1))); // It grows again as it should.
 	}
-	// Who replaces everything brings the clock.
+	// A diff that replaces everything brings the clock.
 	InstanceState owner;
 	Changes changes;
 	REQUIRE(owner.advance(5.0, changes).ok());
@@ -287,7 +287,7 @@ TEST_CASE("diff summary: what a diff names, by layer, and where") {
 	CHECK_FALSE(summary.layers.at(3).has_bounds);
 	CHECK_FALSE(summary.layers.at(3).has_all_bounds);
 	CHECK(receiver.revision() == 0);
-	// What is too large is not read, and its front says how large it is.
+	// A diff that is too large is not read; its front says how large it is.
 	DiffLimits limits;
 	limits.max_changes = 5;
 	CHECK(is_beyond_limits(receiver.inspect(diff_of(sender, 0), summary, limits)));

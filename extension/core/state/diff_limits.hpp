@@ -10,14 +10,14 @@ namespace thicket {
 
 inline constexpr std::size_t max_instance_data = 65536; ///< Bytes an instance.
 
-/// What a receiver allows a diff to do. The defaults suit a client that follows its server.
+/// Bounds on what a diff may do to the state of its receiver. The defaults suit a client that follows its server.
 struct DiffLimits {
 	std::uint64_t max_changes = std::uint64_t{1} << 21;       ///< Ids that one diff names.
 	std::uint64_t max_total_changes = std::uint64_t{1} << 24; ///< Removed, hand-placed and data, held after it.
 	std::uint64_t max_added = std::uint64_t{1} << 20;         ///< Hand-placed instances, held after it.
 	std::uint64_t max_data_size = max_instance_data;          ///< Bytes an instance.
 	Rect area{};                                              ///< World meters; empty for no bound.
-	bool allow_replacement = true;                            ///< Of everything, by one diff.
+	bool allow_replacement = true;                            ///< One diff may replace everything.
 	double max_clock_advance = 60.0; ///< Seconds that a diff of some ids moves the clock, at most.
 
 	/// Refuses no diff. The clock still moves by at most its default.
@@ -39,10 +39,10 @@ Status unknown_cells(std::uint16_t layer);
 /// Refuses a diff that starts at a revision of its sender after `known`, the last that was received.
 Status missing_before(std::uint64_t base, std::uint64_t known);
 
-/// Whether one of the functions above refused, the last excluded.
+/// True for a status of the functions above, but for `missing_before`.
 bool is_beyond_limits(const Status &status);
 
-/// Whether `missing_before` refused.
+/// True for a status of `missing_before`.
 bool is_missing_earlier(const Status &status);
 
 } // namespace thicket

@@ -8,19 +8,19 @@
 
 namespace thicket {
 
-/// What a diff says, found out before it is applied.
+/// The content of a diff, read before it is applied.
 struct DiffSummary {
-	/// What it says of a layer.
+	/// Its content for one layer.
 	struct Layer {
 		std::uint64_t removed = 0;    ///< Points.
 		std::uint64_t standing = 0;   ///< Points that are restored, or have data only.
 		std::uint64_t added = 0;      ///< Hand-placed instances that are there.
 		std::uint64_t gone = 0;       ///< Hand-placed instances that are not there any more.
 		std::uint64_t with_data = 0;  ///< Instances.
-		std::uint64_t data_bytes = 0; ///< Of all of these.
+		std::uint64_t data_bytes = 0; ///< Bytes of these data.
 		Rect bounds{};                ///< World meters, around cells of points and positions of hand-placed ones.
-		bool has_bounds = false;      ///< Whether any position is known.
-		bool has_all_bounds = true;   ///< Whether all are: of points those of a claimed layer.
+		bool has_bounds = false;      ///< True if any position is known.
+		bool has_all_bounds = true;   ///< True if all are: those of points need a claimed layer.
 	};
 
 	bool replaces_everything = false;

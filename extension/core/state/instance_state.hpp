@@ -207,7 +207,7 @@ public:
 	/// all there is, and what `save` gave, replaces everything, the clock too. Refuses as `load` does, and what the limits forbid
 	/// (is_beyond_limits).
 	///
-	/// Of a state with a name it follows the order: a diff that ends at a known revision is late or repeated and changes nothing; one that
+	/// Diffs of a state with a name are applied in order: a diff that ends at a known revision is late or repeated and changes nothing; one that
 	/// begins after the last known revision is refused (is_missing_earlier): diffs are missing before it.
 	Status apply(
 			std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes, const DiffLimits &limits = {});
@@ -236,17 +236,17 @@ public:
 	/// changed nothing. One is pending.
 	Status finish_pending_diff(StateChanges &r_changes);
 
-	/// Joins what another state holds to what is held here. Removed by either is removed, for the longer time; placed by either is placed.
-	/// Of two different data, and of two different places of one hand-placed id, those count that were written last by the clock of the
-	/// state that wrote them; at the same time, the greater bytes or numbers. The clock becomes the later one, and what is due by then
-	/// stands. A join knows no order and no repetition: states that have met in any way hold the same. So what was undone comes back from a
-	/// state that still holds it: a point that was restored, a hand-placed instance that was removed, data that were erased.
-	/// Refuses stamps that contradict this state's as `layer`.
+	/// Joins the content of another state to this one. Removed by either is removed, for the longer time; placed by either is placed. For two
+	/// different data, and two different places of one hand-placed id, the last write wins, by the clock of the state that wrote it; at the
+	/// same time, the greater bytes or numbers win. The clock becomes the later one, and points that are due by then stand. The order and
+	/// number of joins do not matter: states that have met in any way hold the same. So what was undone comes back from a state that still
+	/// holds it: a restored point, a hand-placed instance that was removed, erased data. Refuses stamps that contradict this state's as
+	/// `layer`.
 	Status merge(const InstanceState &other, std::vector<InstanceChange> &r_changes);
 
-	/// The same for what a diff or a saved state says, in any order, with losses and repetitions. What the diff says of restored points and
-	/// of hand-placed ones that are gone changes nothing. The clock moves by at most what the limits allow. Refuses as `apply` does, except
-	/// that a whole state is joined, and replaces nothing.
+	/// Joins the content of a diff or a saved state, in any order, with losses and repetitions. Restored points and hand-placed instances
+	/// that are gone change nothing. The clock moves by at most what the limits allow. Refuses as `apply` does, except that a whole state is
+	/// joined, and replaces nothing.
 	Status merge_diff(
 			std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes, const DiffLimits &limits = {});
 

@@ -73,7 +73,7 @@ struct InstanceState::Content {
 	ChangeLog log;
 	std::uint64_t revision = 0;
 	std::uint64_t origin = 0; ///< Names this state to others; 0 for no name.
-	KnownRevisions known;     ///< Of others.
+	KnownRevisions known;     ///< Revisions of other states.
 	bool logging = true;      ///< Off where what is changed is forgotten anyway.
 	double time = 0.0;
 	bool whole = true; ///< False after `share`, before `complete`.
@@ -176,8 +176,8 @@ struct InstanceState::Content {
 	Status take_in(
 			const StateRecord &record, double clock, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
 
-	/// Whether what `each` says (see change_all), which comes from a record, keeps to limits: how much is held then, and where what is
-	/// changed stands.
+	/// Refuses the changes of `each` (see change_all), which come from a record, if they exceed limits: how much is held after them, and
+	/// where they are.
 	template <typename Each>
 	Status check_changes(const StateRecord &record, const Each &each, const DiffLimits &limits) const {
 		if (limits.area.empty() && size() + record.size() + record.with_data.size() <= limits.max_total_changes &&

@@ -54,7 +54,7 @@ void append_count(std::uint64_t count, std::vector<std::uint8_t> &r_bytes) {
 	r_bytes.push_back(static_cast<std::uint8_t>(count));
 }
 
-/// What is longer than a count ever is is written again otherwise, and so refused.
+/// A count that is longer than it need be is refused later: it is written again in fewer bytes.
 std::uint64_t take_count(ByteReader &r_bytes) {
 	std::uint64_t count = 0;
 	std::uint8_t byte = 0x80;

@@ -26,7 +26,8 @@ struct StateHeader {
 	double time = 0.0;
 	StateOrigin origin;
 	std::map<std::uint16_t, std::uint64_t> stamps;
-	std::array<std::uint64_t, list_count> sizes{}; ///< Of the lists. The former format has only the first of them here.
+	std::array<std::uint64_t, list_count>
+			sizes{}; ///< Sizes of the lists. The former format has only the first of them here.
 
 	/// How many ids the record names; of the former format those that are removed.
 	std::uint64_t named() const { return sizes[removed] + sizes[standing] + sizes[gone] + sizes[added]; }

@@ -13,9 +13,10 @@
 
 namespace thicket {
 
-/// Who wrote a record, and which changes of that state it holds.
+/// The state that wrote a record, and which changes of that state it holds.
 struct StateOrigin {
-	std::uint64_t name = 0; ///< Of the state; 0 for none: then the record can be applied at any time, in any order.
+	std::uint64_t name =
+			0; ///< The name of the state; 0 for none: then the record can be applied at any time, in any order.
 	std::uint64_t base = 0; ///< The record holds what changed after this revision; 0 in a whole one.
 	std::uint64_t end = 0;  ///< The revision of the state when it was written.
 
@@ -98,7 +99,7 @@ private:
 	void add_data(std::uint64_t code, Entry &r_entry) const;
 };
 
-/// Whether the lists of a record say one thing of each id, and nothing twice, and have the stamps of their layers.
+/// True if the lists of a record say one thing of each id, nothing twice, and have the stamps of their layers.
 bool is_consistent(const StateRecord &record);
 
 /// Refuses what AddedInstance refuses, naming it.
@@ -107,7 +108,7 @@ Status validate(const AddedInstance &instance);
 /// The same with zeros that have no sign, so that equal instances have the same bits.
 AddedInstance without_signed_zeros(AddedInstance instance);
 
-/// Whether `left` is written before `right` where both were placed at the same time. No two different ones are equal.
+/// True if `right` wins over `left` where both were placed at the same time. Of two different instances, one wins.
 bool is_less(const AddedInstance &left, const AddedInstance &right);
 
 } // namespace thicket

@@ -10,7 +10,7 @@
 
 namespace thicket {
 
-/// What a ScatterState lets diffs of others do. A new one suits a server that takes diffs of players; a state without one has the
+/// Bounds on what diffs of others may do to a ScatterState. A new one suits a server that takes diffs of players; a state without one has the
 /// defaults of DiffLimits, for a client that follows its server. A property ignores a number out of its range, with an error.
 class ScatterDiffLimits : public godot::Resource {
 	GDCLASS(ScatterDiffLimits, godot::Resource)

@@ -102,7 +102,7 @@ public:
 	godot::Error merge_diff(const godot::PackedByteArray &p_diff);
 	void clear();
 
-	/// What apply_diff, apply_diff_async and merge_diff take from others; null for what suits a client of a server (see DiffLimits).
+	/// Bounds apply_diff, apply_diff_async and merge_diff; null for bounds that suit a client of a server (see DiffLimits).
 	void set_diff_limits(const godot::Ref<ScatterDiffLimits> &p_limits);
 	godot::Ref<ScatterDiffLimits> get_diff_limits() const { return diff_limits_; }
 

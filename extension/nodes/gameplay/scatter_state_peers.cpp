@@ -1,4 +1,4 @@
-// What a ScatterState finds out about diffs of others, and what it lets them do.
+// Diffs of others: a ScatterState inspects them, bounds them, and finds out what is missing.
 
 #include "core/base/split_mix.hpp"
 #include "core/state/diff_summary.hpp"
