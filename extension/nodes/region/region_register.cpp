@@ -1,5 +1,6 @@
 #include "nodes/region/region_register.hpp"
 
+#include "core/base/guard.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
 
@@ -112,7 +113,9 @@ std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<Scatter
 		return last;
 	}
 	auto next = std::make_shared<ShapeSet>();
-	if (next->set(std::move(shapes)).ok()) { // Each was valid by itself.
+	const Status status = next->set(std::move(shapes));
+	throw_if_out_of_memory(status);
+	if (status.ok()) { // Each was valid by itself.
 		last = std::move(next);
 	}
 	return last;
