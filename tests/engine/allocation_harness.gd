@@ -1,0 +1,82 @@
+extends SceneTree
+## A small scene that uses much of the library, for tests/test_allocations.py: there one allocation after another fails in it.
+##
+## No step waits, so a step that fails returns to `_run` and the next one runs. The last line is "result: " and a hash of all answers.
+
+const MOST_FRAMES := 60 ## In which the scatter should settle.
+
+var scatter: TerrainScatter3D
+var answers: Array = []
+
+
+func _initialize() -> void:
+	_run.call_deferred()
+
+
+func _run() -> void:
+	command("sweep")
+	make_scene()
+	await settle()
+	read_tiles()
+	for step in steps():
+		step.call()
+		await process_frame
+	await settle()
+	read_tiles()
+	print("result: %d" % hash(answers))
+	command("end")
+	quit()
+
+
+## Makes `scatter`, in the tree.
+func make_scene() -> void:
+	pass
+
+
+func steps() -> Array[Callable]:
+	return []
+
+
+func command(text: String) -> void:
+	OS.set_environment("THICKET_ALLOCATIONS", text)
+
+
+func settle() -> void:
+	for frame in MOST_FRAMES:
+		await process_frame
+		if scatter != null and scatter.is_settled():
+			return
+
+
+func make_layer(layer_name: String, radius: float, meshes: Array) -> ScatterLayer:
+	var layer := ScatterLayer.new()
+	layer.resource_name = layer_name
+	layer.radius = radius
+	layer.tile_size = 32.0
+	layer.view_distance = 48.0
+	layer.meshes = meshes
+	return layer
+
+
+func make_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain) -> void:
+	var viewer := Node3D.new()
+	root.add_child(viewer)
+	scatter = TerrainScatter3D.new()
+	scatter.layers = layers
+	scatter.terrain = terrain
+	scatter.state = ScatterState.new()
+	scatter.frame_budget_usec = 50000
+	root.add_child(scatter)
+	scatter.viewers = [scatter.get_path_to(viewer)]
+
+
+func read_tiles() -> void:
+	for layer in scatter.layers.size():
+		for at in scatter.get_shown_tiles(layer):
+			var tile := scatter.get_tile(layer, at)
+			answers.push_back([layer, at, tile.get_digest()])
+			for mesh in tile.get_mesh_count():
+				answers.push_back([tile.get_ids(mesh), tile.get_buffer(mesh)])
+	var built := scatter.build_rect(0, Rect2(0, 0, 16, 16))
+	for mesh in built.get_mesh_count():
+		answers.push_back([built.get_ids(mesh), built.get_buffer(mesh)])

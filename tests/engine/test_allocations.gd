@@ -1,0 +1,144 @@
+extends "queries_harness.gd"
+## Large allocations fail, one after another; tests/test_allocations.py preloads what makes them fail. Each call returns its usual answer
+## or prints an error, and the next one is as good as ever. Small ones are left out here: without them the engine ends.
+
+const LARGE := 1000 ## Bytes.
+const MOST := 400   ## Allocations of a call that fail in turn.
+
+
+## Calls `work` until no more of its allocations fails. `work` returns what should be the same each time.
+func sweep(what: String, work: Callable, bytes := LARGE) -> void:
+	var expected: Variant = work.call()
+	check_no_error(what)
+	var failed := 0
+	for number in range(1, MOST + 1):
+		OS.set_environment("THICKET_ALLOCATIONS", "fail %d %d" % [number, bytes])
+		var got: Variant = work.call()
+		OS.set_environment("THICKET_ALLOCATIONS", "stop")
+		var told := errors.take()
+		if told.is_empty():
+			check(got == expected, "%s: allocation %d fails silently" % [what, number])
+			if number > failed + 8:
+				break # No allocation is left.
+		else:
+			failed = number
+	check(failed > 0, what + ": no allocation fails")
+	check(OS.get_environment("THICKET_ALLOCATIONS") == "", "the library that makes them fail is preloaded")
+	check(work.call() == expected, what + ": as good as ever")
+	check_no_error(what + ", afterwards")
+
+
+func test_answers_of_queries() -> void:
+	var scatter := make_wood(make_viewer())
+	await settle(scatter)
+	var all := Rect2(-60, -60, 120, 120)
+	sweep("ids", func() -> PackedInt64Array: return scatter.query_rect(all).ids)
+	sweep("layers", func() -> PackedInt32Array: return scatter.query_rect(all).layers)
+	sweep("positions", func() -> PackedVector3Array: return scatter.query_rect(all).positions)
+	sweep("transforms", func() -> PackedFloat32Array: return scatter.query_rect(all).transforms)
+	var found := scatter.query_rect(all)
+	OS.set_environment("THICKET_ALLOCATIONS", "fail 1 %d" % LARGE)
+	check(found.transforms.is_empty(), "nothing comes without memory")
+	OS.set_environment("THICKET_ALLOCATIONS", "stop")
+	check_memory_error("ScatterInstances.get_transforms")
+	check(found.transforms.size() == 12 * found.size(), "the same answer has them later")
+
+
+func test_tiles() -> void:
+	var scatter := make_wood(make_viewer())
+	await settle(scatter)
+	sweep("a tile's ids", func() -> Array: return ids_of(scatter.get_tile(1, Vector2i(0, 0))))
+	sweep("a built area", func() -> Array:
+		var built := scatter.build_rect(1, Rect2(0, 0, 30, 30))
+		return [ids_of(built), buffers_of(built)] if built != null else [])
+
+
+func test_masks() -> void:
+	var mask := ScatterMask.new()
+	mask.set_pixels(Rect2i(0, 0, 64, 64), noise(64 * 64))
+	sweep("a mask's data", func() -> PackedByteArray: return mask.data)
+	sweep("a mask's pixels", func() -> PackedByteArray: return mask.get_pixels(Rect2i(0, 0, 64, 64)))
+
+
+func test_states() -> void:
+	var scatter := make_wood(make_viewer())
+	scatter.state = ScatterState.new()
+	scatter.state.designed = true
+	await settle(scatter)
+	var ids := scatter.query_rect(Rect2(-40, -40, 80, 80)).ids
+	scatter.remove_instances(ids)
+	sweep("removed ids", func() -> PackedInt64Array: return scatter.state.get_removed())
+	sweep("bytes", func() -> bool: return scatter.state.to_bytes().size() > 1000)
+	sweep("removal", func() -> int:
+		for id in ids:
+			scatter.state.restore(id)
+		return scatter.remove_instances(ids).size())
+	var data := PackedByteArray()
+	data.resize(3000)
+	# To read it the engine allocates, and ends where it cannot.
+	sweep("data of an instance", func() -> bool: return scatter.state.set_instance_data(ids[0], data))
+
+
+func test_samplers() -> void:
+	var sampler := PoissonSampler.new()
+	var rect := Rect2(0, 0, 30, 30)
+	sweep("points", func() -> Array:
+		var points := sampler.sample(rect)
+		return [points.ids, points.ranks, points.positions])
+	sweep("exact points", func() -> Array:
+		var points := sampler.sample_exact(0, 0, 30, 30)
+		return [points.x, points.y, points.positions])
+	sampler.method = PoissonSampler.METHOD_HIERARCHICAL
+	sweep("a domain", func() -> PackedVector2Array: return sampler.sample_domain(rect))
+	sweep("an exact domain", func() -> PackedFloat64Array: return sampler.sample_domain_exact(0, 0, 30, 30).y)
+
+
+## On worker threads. A tile that could not be made is reported; those that were uploaded are whole.
+func test_streaming() -> void:
+	var expected := await stream(0)
+	check_no_error("a stream")
+	var hits := 0
+	for number in range(1, 200, 3):
+		var got := await stream(number)
+		var told := errors.take()
+		hits += int(not told.is_empty())
+		for layer in expected.size():
+			for tile: Vector2i in got[layer]:
+				var whole: bool = got[layer][tile] == expected[layer][tile]
+				check(whole or (got[layer][tile] == [] and not told.is_empty()), "allocation %d: tile %s is whole" % [number, tile])
+			check(got[layer].size() == expected[layer].size() or not told.is_empty(), "allocation %d fails silently" % number)
+	check(hits > 20, "%d allocations failed" % hits)
+
+
+## All shown tiles by layer, with what the renderer has of them.
+func stream(number: int) -> Array:
+	var viewer := make_viewer()
+	var scatter := make_wood(viewer)
+	if number > 0:
+		OS.set_environment("THICKET_ALLOCATIONS", "worker %d %d" % [number, LARGE])
+	await settle(scatter)
+	OS.set_environment("THICKET_ALLOCATIONS", "stop")
+	var result := []
+	for layer in scatter.layers.size():
+		var tiles := {}
+		for tile in scatter.get_shown_tiles(layer):
+			var shown := scatter.get_tile(layer, tile)
+			tiles[tile] = [ids_of(shown), buffers_of(shown)] if shown.get_mesh_count() > 0 else []
+		result.push_back(tiles)
+	scatter.free()
+	viewer.free()
+	return result
+
+
+func noise(count: int) -> PackedByteArray:
+	var random := RandomNumberGenerator.new()
+	random.seed = 1
+	var bytes := PackedByteArray()
+	for index in count:
+		bytes.push_back(random.randi_range(0, 255))
+	return bytes
+
+
+func check_memory_error(asked_for: String) -> void:
+	var told := Array(errors.take()).filter(func(message: String) -> bool: return "more memory than there is" in message)
+	check(told.size() == 1 and asked_for in told[0], "%s: one error, got %s" % [asked_for, told])
