@@ -114,12 +114,20 @@ TEST_CASE("out of memory: a single change of a state happens or does not") {
 TEST_CASE("out of memory: a state loads, follows and merges wholly or not at all") {
 	for (const std::uint64_t seed : {4u, 5u}) {
 		for (const int disturbances : {0, 60, 400}) {
-			const InstanceState other = some_state(seed + 100, 200);
+			InstanceState other = some_state(seed + 100, 200);
 			const StateBytes saved = bytes_of(other);
 			const StateBytes diff = diff_of(other, other.revision() / 2);
+			other.set_origin(5);
+			const StateBytes named = diff_of(other, 0);
 			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.load(saved, game.changes); });
 			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.apply(saved, game.changes); });
 			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.apply(diff, game.changes); });
+			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.apply(named, game.changes); });
+			fail_change("data", seed, disturbances, [&](Game &game) {
+				const Status status = game.state.merge_diff(diff, game.changes);
+				REQUIRE(game.state.known_revision(5) == 0);
+				return status;
+			});
 			fail_change("other", seed, disturbances, [&](Game &game) { return game.state.merge(other, game.changes); });
 		}
 	}
