@@ -73,14 +73,16 @@ void Access::attach(Wrapped *p_wrapped, const StringName *p_extension_class,
 }
 
 void report_exception(const char *p_entry) noexcept {
-	const char *why = "failed within";
+	const char *why = nullptr;
 	try {
 		throw;
 	} catch (const std::bad_alloc &) {
 		why = "needs more memory than there is";
 	} catch (const std::length_error &) {
 		why = "needs more memory than there is";
-	} catch (...) {}
+	} catch (...) {
+		why = "failed within";
+	}
 	std::array<char, 256> text{};
 	std::snprintf(text.data(), text.size(), "Thicket: %s %s", p_entry, why);
 	gdextension_interface::print_error(text.data(), __FUNCTION__, __FILE__, __LINE__, false);
