@@ -2,8 +2,8 @@ extends RefCounted
 ## Replaces files of a project whole or not at all: what is written goes into a file beside the old one, and takes its place once the disk
 ## has all of it. After an error the old file is as it was. The library does the same for [ScatterState] and [ScatterMask].
 
-## Added after a file to find out whether the disk has room left.
-const PROBE_BYTES := 1 << 16
+## Added after a file to find out whether the disk has room left: more than the blocks in which disks are usually divided.
+const PROBE_BYTES := 1 << 14
 ## How files begin and end that ResourceSaver writes as binary.
 const MARKS: Array[String] = ["RSRC", "RSCC"]
 
