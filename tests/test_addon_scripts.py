@@ -78,7 +78,8 @@ def test_faults_are_noticed(godot, tmp_path, fault):
     link_library(tmp_path)
     (addon / "editor/.gdignore").touch()
     shutil.copytree(REPO / "demo_project/addons/thicket/baking", addon / "baking")
-    shutil.copy(REPO / "demo_project/addons/thicket/library_gate.gd", addon)
+    for shared in ("library_gate.gd", "whole_file.gd"):
+        shutil.copy(REPO / "demo_project/addons/thicket" / shared, addon)
     (addon / "editor/faulty.gd").write_text("extends RefCounted\n\n\n" + source)
     found = {part for part in ("compile", "names", "renamed") if check(godot, tmp_path, part)[0]}
     assert found & finders == finders and bool(found) == bool(finders), found

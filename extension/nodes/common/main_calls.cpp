@@ -1,5 +1,6 @@
 #include "nodes/common/main_calls.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/script_call.hpp"
 
@@ -28,7 +29,7 @@ void call_on_main_thread(const Object *p_object, const char *method, std::span<c
 	guarded_call(method, [&] {
 		Array bound;
 		for (const Variant &argument : arguments) {
-			bound.push_back(argument);
+			append(bound, argument);
 		}
 		Callable callable(const_cast<Object *>(p_object), StringName(std::strrchr(method, '.') + 1));
 		const std::lock_guard lock(mutex);

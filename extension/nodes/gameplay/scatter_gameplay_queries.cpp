@@ -2,6 +2,7 @@
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/threads.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
@@ -36,7 +37,7 @@ void report_query(const char *p_method, const Status &status) {
 Array copied(const Array &p_array) {
 	Array copy;
 	for (int64_t index = 0; index < p_array.size(); ++index) {
-		copy.push_back(p_array[index]);
+		append(copy, p_array[index]);
 	}
 	return copy;
 }
