@@ -1,8 +1,10 @@
 extends "harness.gd"
 ## ScatterState: what it keeps, tells, gives to peers and to files, and refuses.
 
-const SPOT := "user://thicket_state"
 const LAYER := 3
+
+## A file of this run alone: the same tests may run at once in engines that share user://.
+var _spot := "user://thicket_state_%d" % randi()
 
 ## What a state has emitted, in order.
 class Heard:
@@ -145,10 +147,10 @@ func test_files() -> void:
 	for count: int in [0, 20]:
 		var state := make_state(count)
 		for ending: String in [".tres", ".res"]:
-			check_equal(ResourceSaver.save(state, SPOT + ending), OK, "saved")
-			var loaded: ScatterState = ResourceLoader.load(SPOT + ending, "", ResourceLoader.CACHE_MODE_IGNORE)
+			check_equal(ResourceSaver.save(state, _spot + ending), OK, "saved")
+			var loaded: ScatterState = ResourceLoader.load(_spot + ending, "", ResourceLoader.CACHE_MODE_IGNORE)
 			check_same(loaded, state, ending)
-			DirAccess.remove_absolute(SPOT + ending)
+			DirAccess.remove_absolute(_spot + ending)
 		check_same(state.duplicate(), state, "a copy")
 		check_same(state.duplicate(true), state, "a deep copy")
 	var blank := ScatterState.new()
@@ -167,12 +169,12 @@ func test_a_million_removals_take_less_than_4_mb() -> void:
 	for index in 1_000_000:
 		state.remove(LAYER << 48 | random.randi() << 16 | random.randi() & 0xffff)
 	print("a million removals: %d ms" % (Time.get_ticks_msec() - start))
-	check_equal(ResourceSaver.save(state, SPOT + ".res"), OK, "saved")
-	var size := FileAccess.open(SPOT + ".res", FileAccess.READ).get_length()
+	check_equal(ResourceSaver.save(state, _spot + ".res"), OK, "saved")
+	var size := FileAccess.open(_spot + ".res", FileAccess.READ).get_length()
 	check(size < 4_000_000 and size > 3_600_000, "%d bytes in a file" % size)
-	var loaded: ScatterState = ResourceLoader.load(SPOT + ".res", "", ResourceLoader.CACHE_MODE_IGNORE)
+	var loaded: ScatterState = ResourceLoader.load(_spot + ".res", "", ResourceLoader.CACHE_MODE_IGNORE)
 	check_equal(loaded.get_digest(), state.get_digest(), "the file")
-	DirAccess.remove_absolute(SPOT + ".res")
+	DirAccess.remove_absolute(_spot + ".res")
 
 
 func refuse(state: ScatterState, bytes: PackedByteArray, what: String) -> void:
@@ -208,13 +210,13 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	scatter.remove_instance(id)
 	var state := scatter.state
 	var shown := digests(scatter, 0)
-	check_equal(ResourceSaver.save(state, SPOT + ".res"), OK, "saved")
-	var whole := FileAccess.get_file_as_bytes(SPOT + ".res")
+	check_equal(ResourceSaver.save(state, _spot + ".res"), OK, "saved")
+	var whole := FileAccess.get_file_as_bytes(_spot + ".res")
 	whole[whole.size() - 40] ^= 16
-	var file := FileAccess.open(SPOT + ".res", FileAccess.WRITE)
+	var file := FileAccess.open(_spot + ".res", FileAccess.WRITE)
 	file.store_buffer(whole)
 	file.close()
-	var loaded := ResourceLoader.load(SPOT + ".res", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
+	var loaded := ResourceLoader.load(_spot + ".res", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
 	check_error(["ScatterState.from_bytes: data"], "a damaged file")
 	check_equal(loaded.get_removed_count(), 0, "nothing came of it")
 	check(scatter.state == state and state.is_removed(id) and not scatter.has_instance(id), "the running state is as it was")
@@ -234,4 +236,4 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	check_equal(state.from_bytes(bytes), OK, "its own")
 	check(not scatter.has_instance(id), "and is gone again")
 	check_equal(digests(scatter, 0), shown, "the picture")
-	DirAccess.remove_absolute(SPOT + ".res")
+	DirAccess.remove_absolute(_spot + ".res")
