@@ -46,6 +46,8 @@ std::string demand(ErrorCode code, const std::string &allowed) {
 		case ErrorCode::out_of_memory: return "needs more memory than there is";
 		case ErrorCode::corrupt: return "is truncated, damaged or of another kind";
 		case ErrorCode::foreign: return "was made for another seed, radius or number of levels";
+		case ErrorCode::not_allowed: return known ? "must be " + allowed : "is missing";
+		case ErrorCode::out_of_order: return known ? "must be " + allowed : "is out of order";
 		case ErrorCode::margin_too_wide: return "needs a wider margin of cells than is allowed";
 		case ErrorCode::cancelled: return "was cancelled";
 	}
@@ -64,15 +66,24 @@ const char *usual_remedy(ErrorCode code) {
 	}
 }
 
+bool has_value(const Status &status) {
+	switch (status.code) {
+		case ErrorCode::none:
+		case ErrorCode::missing:
+		case ErrorCode::corrupt:
+		case ErrorCode::cancelled: return false;
+		case ErrorCode::not_allowed: return status.allowed.has_min() || status.allowed.has_max();
+		default: return true;
+	}
+}
+
 } // namespace
 
 std::string describe(const Status &status) {
 	std::string text = status.property;
 	text += ' ';
 	text += demand(status.code, text_of(status.allowed));
-	const bool has_value = status.code != ErrorCode::missing && status.code != ErrorCode::none &&
-			status.code != ErrorCode::corrupt && status.code != ErrorCode::cancelled;
-	if (has_value) {
+	if (has_value(status)) {
 		text += ", got ";
 		text += as_text(status.value);
 	}

@@ -21,6 +21,8 @@ enum class ErrorCode : std::uint8_t {
 	out_of_memory,   ///< The machine has not enough memory for the request.
 	corrupt,         ///< Stored bytes that are truncated, damaged or of another kind.
 	foreign,         ///< Ids of another point set than those that are there.
+	not_allowed,     ///< More than the limits that a receiver has set, or what they cannot be checked for.
+	out_of_order,    ///< What begins after all that was received: something is missing before it.
 	margin_too_wide, ///< Points that no margin in the limit decides; Status::site says where.
 	cancelled,       ///< The caller's cancel flag was raised; outputs are unspecified but valid.
 };
@@ -71,7 +73,8 @@ struct [[nodiscard]] Status {
 	const char *property = ""; ///< The property that was refused; a string literal.
 	double value = 0.0;        ///< The value that it had.
 	PointSetSite site{};       ///< Where it happened, of errors that depend on where.
-	AllowedRange allowed{};    ///< Of out_of_range, wrong_size, too_many_points, not_finite and inverted.
+	AllowedRange
+			allowed{}; ///< Of out_of_range, wrong_size, too_many_points, not_finite, inverted, not_allowed and out_of_order.
 	const char *remedy =
 			""; ///< What to do about it, as a sentence without its period; a string literal. Empty for what the code suggests.
 

@@ -24,6 +24,8 @@ struct DiffLimits {
 	static DiffLimits none();
 };
 
+// Refusals have ErrorCode::not_allowed, that of `missing_before` ErrorCode::out_of_order.
+
 /// Refuses more than `most` of something. `limit` is a string literal that names the limit.
 Status check_limit(const char *what, std::uint64_t value, std::uint64_t most, const char *limit);
 
@@ -38,11 +40,5 @@ Status unknown_cells(std::uint16_t layer);
 
 /// Refuses a diff that starts at a revision of its sender after `known`, the last that was received.
 Status missing_before(std::uint64_t base, std::uint64_t known);
-
-/// True for a status of the functions above, but for `missing_before`.
-bool is_beyond_limits(const Status &status);
-
-/// True for a status of `missing_before`.
-bool is_missing_earlier(const Status &status);
 
 } // namespace thicket

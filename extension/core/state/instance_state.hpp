@@ -205,10 +205,10 @@ public:
 
 	/// Takes over what `diff_since` of another state gave: those ids become what they are there, all others stay. A diff that had to give
 	/// all there is, and what `save` gave, replaces everything, the clock too. Refuses as `load` does, and what the limits forbid
-	/// (is_beyond_limits).
+	/// (ErrorCode::not_allowed).
 	///
 	/// Diffs of a state with a name are applied in order: a diff that ends at a known revision is late or repeated and changes nothing; one that
-	/// begins after the last known revision is refused (is_missing_earlier): diffs are missing before it.
+	/// begins after the last known revision is refused (ErrorCode::out_of_order): diffs are missing before it.
 	Status apply(
 			std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes, const DiffLimits &limits = {});
 

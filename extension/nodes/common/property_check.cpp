@@ -22,10 +22,13 @@ void report(const char *owner, const Status &status) {
 }
 
 godot::Error error_of(const Status &status) {
-	if (status.ok()) {
-		return godot::OK;
+	switch (status.code) {
+		case ErrorCode::none: return godot::OK;
+		case ErrorCode::corrupt: return godot::ERR_FILE_CORRUPT;
+		case ErrorCode::not_allowed: return godot::ERR_UNAUTHORIZED;
+		case ErrorCode::out_of_order: return godot::ERR_UNAVAILABLE;
+		default: return godot::ERR_INVALID_DATA;
 	}
-	return status.code == ErrorCode::corrupt ? godot::ERR_FILE_CORRUPT : godot::ERR_INVALID_DATA;
 }
 
 godot::String sentence(const char *owner, const Status &status) {

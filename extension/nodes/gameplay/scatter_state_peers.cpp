@@ -76,7 +76,7 @@ Dictionary ScatterState::inspect_diff(const PackedByteArray &p_diff) const {
 		layers[number(layer)] = dictionary_of(content);
 	}
 	Dictionary result;
-	result["error"] = static_cast<int64_t>(error_of_state(status));
+	result["error"] = static_cast<int64_t>(error_of(status));
 	result["message"] = status.ok() ? String() : String(describe(status).c_str());
 	result["replaces_everything"] = summary.replaces_everything;
 	result["origin"] = number(summary.origin.name);
