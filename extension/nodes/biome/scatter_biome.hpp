@@ -14,13 +14,11 @@ namespace thicket {
 /// What grows in one kind of land: a meadow, a forest, a swamp. Settings only; a ScatterBiomeMap says where it lies.
 ///
 /// `changed` is emitted by every setter. The array of layers is shared with scripts, and what they do to it counts.
-class ScatterBiome : public godot::Resource {
+class ScatterBiome : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterBiome, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// The water in the biome.
 	enum WaterMode : std::int64_t {
 		WATER_MODE_INHERIT, ///< That of the node.
@@ -59,8 +57,6 @@ private:
 	double density_ = 1.0;
 	WaterMode water_mode_ = WATER_MODE_INHERIT;
 	double water_level_ = 0.0;
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

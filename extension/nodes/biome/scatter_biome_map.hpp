@@ -19,13 +19,11 @@ namespace thicket {
 ///
 /// `changed` is emitted by every setter, and whenever a biome or the image emits it. The array of biomes, and the
 /// arrays of their layers, are shared with scripts: what they do to them counts from the next `notice`.
-class ScatterBiomeMap : public godot::Resource {
+class ScatterBiomeMap : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterBiomeMap, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// BiomePixels, for scripts.
 	enum MapMode : std::int64_t {
 		MAP_MODE_COLORS,
@@ -152,8 +150,6 @@ private:
 	bool outdated_ = true;      ///< `map_` is not what the properties say.
 	Status status_;             ///< What is wrong with them.
 	godot::String complaint_;   ///< The error that was printed last; empty while all is well.
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

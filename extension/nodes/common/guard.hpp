@@ -151,7 +151,7 @@ void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults)
 
 /// In a class whose methods are bound with bind_guarded, after GDCLASS: the rule of those that are bound without one, and what the
 /// engine calls in their place. These have to be members of the class itself, as godot-cpp binds nothing else. A class with
-/// other rules than ThreadUse::any has a `ThreadGuard &thread_guard() const` besides, or inherits it.
+/// other rules than ThreadUse::any is ThreadGuarded besides.
 #define THICKET_GUARDED_METHODS(m_use) \
 	template <typename> \
 	friend struct ::thicket::MemberFunction; \

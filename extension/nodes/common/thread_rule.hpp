@@ -39,8 +39,7 @@ struct BoundMethod {
 
 class ThreadTurn;
 
-/// Which threads are in methods of an object, and whether the scene tree uses it. A member of each class whose methods have the rules
-/// `main`, `owner` or `relayed`.
+/// Which threads are in methods of an object, and whether the scene tree uses it.
 class ThreadGuard {
 public:
 	ThreadGuard() = default;
@@ -61,6 +60,19 @@ private:
 
 	std::atomic<std::int32_t> scene_uses_ = 0;
 	std::atomic<std::int32_t> calls_ = 0; ///< Threads in const methods, or `writing` for one in another.
+};
+
+/// A base, after that of the engine, of each class whose methods have the rules `main`, `owner` or `relayed`.
+class ThreadGuarded {
+public:
+	ThreadGuard &thread_guard() const { return thread_guard_; }
+
+protected:
+	ThreadGuarded() = default;
+	~ThreadGuarded() = default;
+
+private:
+	mutable ThreadGuard thread_guard_;
 };
 
 /// One call of a method, from its check to its end. What the method calls back may call the same object again, and may free it.

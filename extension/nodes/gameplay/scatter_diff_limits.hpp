@@ -12,13 +12,11 @@ namespace thicket {
 
 /// Bounds on what diffs of others may do to a ScatterState. A new one suits a server that takes diffs of players; a state without one has the
 /// defaults of DiffLimits, for a client that follows its server. A property ignores a number out of its range, with an error.
-class ScatterDiffLimits : public godot::Resource {
+class ScatterDiffLimits : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterDiffLimits, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// See DiffLimits. Counts are 0 to max_count.
 	void set_max_changes(int64_t p_count);
 	int64_t get_max_changes() const { return static_cast<int64_t>(limits_.max_changes); }
@@ -61,7 +59,6 @@ private:
 			.allow_replacement = false,
 			.max_clock_advance = 0.0};
 	godot::Rect2 area_;
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -51,13 +51,11 @@ struct Removal {
 };
 
 /// What a game has changed about a scattered world: removed and hand-placed instances, and data. A resource to save, and bytes to send.
-class ScatterState : public godot::Resource {
+class ScatterState : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterState, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// Names itself to states that will apply its diffs, by a number that no other state has.
 	ScatterState();
 	~ScatterState() override;
@@ -207,8 +205,6 @@ private:
 	const godot::StringName instances_changed_ =
 			"instances_changed"; ///< The signal: making a name costs as much as a removal.
 	std::uint64_t frame_ = std::numeric_limits<std::uint64_t>::max(); ///< The last in which a node moved the clock on.
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

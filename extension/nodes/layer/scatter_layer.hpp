@@ -76,13 +76,11 @@ struct SwitchProperty {
 ///
 /// `changed` is emitted by every setter, and whenever one of the layer's own resources emits it. Only what is painted on the
 /// mask comes as `area_changed`, with the rectangle of the world outside which the mask is as it was.
-class ScatterLayer : public godot::Resource {
+class ScatterLayer : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterLayer, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// ImageChannel, for scripts.
 	enum MaskChannel : std::int64_t {
 		MASK_CHANNEL_RED,
@@ -381,8 +379,6 @@ private:
 	godot::Ref<godot::PhysicsMaterial> physics_material_;
 	godot::Ref<godot::PackedScene> scene_;
 	std::vector<BodyPart> convex_hulls_; ///< Of each of the meshes.
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

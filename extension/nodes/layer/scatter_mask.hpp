@@ -17,13 +17,11 @@ namespace thicket {
 /// A density that is painted, over the whole plane: PaintedMask as a resource of the engine. Several layers may share one.
 ///
 /// A dab, and pixels put back, emit `area_changed` with the rectangle that they changed; everything else emits `changed`.
-class ScatterMask : public godot::Resource {
+class ScatterMask : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterMask, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// Brush::Mode.
 	enum Mode : std::int64_t {
 		MODE_PAINT,
@@ -93,8 +91,6 @@ private:
 	PaintedMask mask_;
 	double background_ = 1.0;                             ///< As it was set; the mask's own is rounded.
 	mutable std::shared_ptr<const PaintedMask> snapshot_; ///< Null where it has to be made.
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -12,13 +12,11 @@ namespace thicket {
 
 /// Where tiles of a size lie in the world: core/base/tile_grid.hpp for scripts, in double precision. Bounds are min x, min z, max x and max z in meters,
 /// half-open.
-class ScatterTileGrid : public godot::RefCounted {
+class ScatterTileGrid : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(ScatterTileGrid, godot::RefCounted)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// Meters, 0.1 to 1e6. Any other value prints an error and is ignored.
 	void set_tile_size(double p_size);
 	double get_tile_size() const { return tile_size_; }
@@ -45,8 +43,6 @@ private:
 	bool accept(const char *p_property, double p_along) const;
 
 	double tile_size_ = 64.0;
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -29,13 +29,11 @@ struct LodLook {
 };
 
 /// How a ScatterModel looks from a distance on: one of its levels of detail. Emits `changed` whenever anything is set, and whenever one of its meshes does.
-class ScatterLod : public godot::Resource {
+class ScatterLod : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterLod, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// GeometryInstance3D.ShadowCastingSetting, and what the layer says.
 	enum CastShadow : std::int64_t {
 		CAST_SHADOW_LAYER = -1,
@@ -88,8 +86,6 @@ private:
 	double distance_ = 0.0;
 	LodLook look_;
 	CastShadow cast_shadow_ = CAST_SHADOW_LAYER;
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -36,13 +36,11 @@ struct DrawnLod {
 ///
 /// Any thread may set properties, as the engine's loader does: a setter keeps the scene and reads nothing of it. The main thread reads the scene when the
 /// model is first needed: a node in steps (`read_step`), a getter all at once. On other threads, getters return what has been read so far.
-class ScatterModel : public godot::Resource {
+class ScatterModel : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterModel, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// A scene to read LODs and shapes from; they follow it. An empty scene prints an error, and the property stays. If reading another one fails,
 	/// an error is printed then, the model keeps what it has, and the property goes back to the scene that this is from; a model that has
 	/// nothing keeps the scene, so that saving does not lose it. Null keeps what was read last, from then on to be edited by hand.
@@ -119,8 +117,6 @@ private:
 	godot::TypedArray<godot::Shape3D> shapes_;
 	godot::TypedArray<godot::Transform3D> shape_transforms_;
 	godot::PackedStringArray remarks_;
-
-	mutable ThreadGuard thread_guard_;
 };
 
 /// A name for a scene in an error: its path, or what it is.

@@ -51,7 +51,7 @@ void ScatterRegion3D::notified(int p_what) {
 }
 
 void ScatterRegion3D::enter() {
-	thread_guard_.enter_scene();
+	thread_guard().enter_scene();
 	for (Node *node = get_parent(); node != nullptr && host_ == nullptr; node = node->get_parent()) {
 		host_ = dynamic_cast<RegionHost *>(node);
 	}
@@ -62,7 +62,7 @@ void ScatterRegion3D::enter() {
 }
 
 void ScatterRegion3D::leave() {
-	thread_guard_.leave_scene();
+	thread_guard().leave_scene();
 	if (host_ != nullptr) {
 		std::exchange(host_, nullptr)->remove_region(this);
 	}

@@ -50,13 +50,11 @@ struct RegionSizes {
 
 /// A part of the world that excludes layers of the TerrainScatter3D above it, or includes them.
 /// It counts while it is in the tree and not hidden. Only the tiles that it touches are made anew when it changes.
-class ScatterRegion3D : public godot::Node3D {
+class ScatterRegion3D : public godot::Node3D, public ThreadGuarded {
 	GDCLASS(ScatterRegion3D, godot::Node3D)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	enum Shape {
 		SHAPE_BOX,      ///< `size`, around the node.
 		SHAPE_SPHERE,   ///< `radius`.
@@ -155,8 +153,6 @@ private:
 				points; ///< Shares its memory with the curve's, which lies elsewhere once that changes.
 	};
 	SeenPath seen_;
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -23,13 +23,11 @@ namespace thicket {
 /// The samplers themselves, for scripts: windows onto one infinite Poisson-disk set, and whole domains at once by one of the
 /// methods of the seed paper. Serves one call at a time: a second one, from another thread or from within the first,
 /// prints an error and gives nothing. Objects are independent of each other and agree bit for bit.
-class PoissonSampler : public godot::RefCounted {
+class PoissonSampler : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(PoissonSampler, godot::RefCounted)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// How `sample_domain` fills a rectangle; see DomainMethod for all but the first.
 	enum Method : std::int64_t {
 		METHOD_TILES, ///< The window of the infinite set that `sample` looks at.
@@ -135,8 +133,6 @@ private:
 	DomainStats stats_;
 	std::atomic<bool> busy_ = false;
 	std::atomic<bool> cancelled_ = false; ///< Of the call under way.
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -44,7 +44,7 @@ Ref<ScatterTile> ScatterTile::shown(
 		}
 	}
 	result->display_ = display;
-	result->thread_guard_.enter_scene(); // Its buffers are read back from the renderer.
+	result->thread_guard().enter_scene(); // Its buffers are read back from the renderer.
 	result->layer_ = layer;
 	result->number_ = tile;
 	return result;

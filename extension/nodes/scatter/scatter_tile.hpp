@@ -26,13 +26,11 @@ namespace thicket {
 
 /// The instances of a rectangle of the world, by mesh: of a tile on show, or built for whoever asked. An index of a mesh that is not
 /// there prints an error and gives a default.
-class ScatterTile : public godot::RefCounted {
+class ScatterTile : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(ScatterTile, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// The result of a call that was refused.
 	static godot::Ref<ScatterTile> make_empty() { return memnew(ScatterTile); }
 
@@ -87,8 +85,6 @@ private:
 	std::weak_ptr<const TileDisplay> display_;
 	std::uint32_t layer_ = 0;
 	glm::ivec2 number_{0};
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

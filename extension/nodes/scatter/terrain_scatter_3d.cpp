@@ -88,7 +88,7 @@ void TerrainScatter3D::start() {
 	set_process_internal(true);
 	was_inside_ = true;
 	if (!std::exchange(running_, true)) {
-		thread_guard_.enter_scene();
+		thread_guard().enter_scene();
 		if (terrain_.is_valid()) {
 			terrain_->enter(this, world_offset_);
 		}
@@ -109,7 +109,7 @@ void TerrainScatter3D::stop() {
 	if (!std::exchange(running_, false)) {
 		return;
 	}
-	thread_guard_.leave_scene();
+	thread_guard().leave_scene();
 	navigation_.stop();
 	if (terrain_.is_valid()) {
 		terrain_->leave(this);

@@ -45,13 +45,11 @@ namespace thicket {
 ///
 /// The node has properties and signals. Its stream makes and draws tiles; its ScatterGameplay answers questions and keeps changes.
 /// Both are shared with whoever calls them, because scripts that run in the middle of a call may free the node.
-class TerrainScatter3D : public godot::Node3D, public RegionHost {
+class TerrainScatter3D : public godot::Node3D, public ThreadGuarded, public RegionHost {
 	GDCLASS(TerrainScatter3D, godot::Node3D)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	TerrainScatter3D();
 	~TerrainScatter3D() override;
 
@@ -386,8 +384,6 @@ private:
 	bool was_settled_ = true;
 	int64_t load_problems_ = 0; ///< Of instance_load_, as the tree warns of them.
 	bool displaced_ = false;    ///< See is_displaced; as the tree warns of it.
-
-	mutable ThreadGuard thread_guard_;
 };
 
 } // namespace thicket

@@ -46,13 +46,11 @@ struct GroundFigures {
 /// The ground that layers stand on. Extend it in a script by `_get_heights`, or use one of the shipped kinds.
 ///
 /// All public methods may run a script, which may do anything, even let go of the terrain: they keep it until they return.
-class ScatterTerrain : public godot::Resource {
+class ScatterTerrain : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterTerrain, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	ThreadGuard &thread_guard() const { return thread_guard_; }
-
 	/// An immutable view of the ground as it is now, for the host of this id, safe on any thread for as long as it is held.
 	/// Null when there is no ground to give, or when it may only be asked on the main thread.
 	std::shared_ptr<const Terrain> snapshot(std::uint64_t host);
@@ -206,8 +204,6 @@ private:
 	std::vector<GroundHost> hosts_;
 	std::chrono::steady_clock::time_point deadline_;
 	std::uint64_t followed_frame_ = ~std::uint64_t{0}; ///< The engine's frame of the last `follow`.
-
-	mutable ThreadGuard thread_guard_;
 };
 
 /// A ground as one of its hosts uses it.
