@@ -40,43 +40,16 @@ void InstanceSnapshot::keep(const WorldTile &tile, const Tile &made) const {
 		made_instances_ = 0;
 	}
 	if (made_.emplace(key_of(tile), made).second) {
-		made_instances_ += instance_count(*made) + 1; // A tile without instances takes memory, too.
+		made_instances_ += kept_size(*made);
 	}
 }
 
-Status InstanceSnapshot::Source::find_tile(std::uint32_t layer, glm::ivec2 tile, Tile &r_tile) {
-	std::vector<Tile> tiles;
-	const WorldTile wanted{layer, tile};
-	const Status status = find_tiles({&wanted, 1}, tiles);
-	r_tile = tiles.empty() ? nullptr : tiles.front();
-	return status;
+InstanceSnapshot::Tile InstanceSnapshot::Source::find(const WorldTile &tile) { return snapshot_.find(tile); }
+
+Status InstanceSnapshot::Source::make(std::span<const WorldTile> tiles, std::vector<Tile> &r_tiles) {
+	return snapshot_.maker_(tiles, r_tiles);
 }
 
-Status InstanceSnapshot::Source::find_tiles(std::span<const WorldTile> tiles, std::vector<Tile> &r_tiles) {
-	std::vector<WorldTile> missing;
-	std::vector<std::size_t> missed; // Where each is missed in `tiles`.
-	r_tiles.clear();
-	for (const WorldTile &tile : tiles) {
-		r_tiles.push_back(snapshot_.find(tile));
-		if (r_tiles.back() == nullptr) {
-			missed.push_back(r_tiles.size() - 1);
-			missing.push_back(tile);
-		}
-	}
-	if (missing.empty()) {
-		// Fast path: all tiles are known.
-		return {};
-	}
-	std::vector<Tile> made;
-	const Status status = snapshot_.maker_(missing, made);
-	made.resize(missing.size());
-	for (std::size_t i = 0; i < missing.size(); ++i) {
-		if (made[i] != nullptr) {
-			snapshot_.keep(missing[i], made[i]);
-		}
-		r_tiles[missed[i]] = std::move(made[i]);
-	}
-	return status;
-}
+void InstanceSnapshot::Source::keep(const WorldTile &tile, const Tile &made) { snapshot_.keep(tile, made); }
 
 } // namespace thicket

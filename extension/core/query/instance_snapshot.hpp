@@ -42,13 +42,15 @@ public:
 private:
 	using Tile = std::shared_ptr<const KeptTile>;
 
-	class Source : public TileSource {
+	class Source : public MakingTileSource {
 	public:
 		explicit Source(const InstanceSnapshot &snapshot) : snapshot_(snapshot) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, Tile &r_tile) override;
-		Status find_tiles(std::span<const WorldTile> tiles, std::vector<Tile> &r_tiles) override;
 
 	private:
+		Tile find(const WorldTile &tile) override;
+		Status make(std::span<const WorldTile> tiles, std::vector<Tile> &r_tiles) override;
+		void keep(const WorldTile &tile, const Tile &made) override;
+
 		const InstanceSnapshot &snapshot_;
 	};
 

@@ -8,14 +8,6 @@
 
 namespace thicket {
 
-std::size_t instance_count(const KeptTile &tile) {
-	std::size_t count = 0;
-	for (const KeptMesh &mesh : tile.meshes) {
-		count += mesh.size();
-	}
-	return count;
-}
-
 void InstanceWorld::set_layers(std::vector<QueryLayer> layers) {
 	const auto outdated = [&](const auto &entry) {
 		const std::uint32_t layer = std::get<0>(entry.first);
@@ -73,7 +65,7 @@ void InstanceWorld::clear() {
 }
 
 void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> instances) {
-	const std::size_t size = instance_count(*instances) + 1; // A tile without instances takes memory, too.
+	const std::size_t size = kept_size(*instances);
 	kept_since_looking_ += size;
 	tiles_.insert_or_assign(Key{layer, tile.x, tile.y}, Entry{std::move(instances), size, ++uses_});
 	if (layer < layers_.size() && new_tiles_.size() < most_new_tiles) {
@@ -190,44 +182,19 @@ Status InstanceWorld::NearSource::find_tile(
 	return {};
 }
 
-Status InstanceWorld::MakingSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
-	std::vector<std::shared_ptr<const KeptTile>> tiles;
-	const WorldTile asked{layer, tile};
-	const Status status = find_tiles({&asked, 1}, tiles);
-	r_tile = tiles.empty() ? nullptr : tiles.front();
-	return status;
+std::shared_ptr<const KeptTile> InstanceWorld::MakingSource::find(const WorldTile &tile) { return world_.find(tile); }
+
+Status InstanceWorld::MakingSource::make(
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+	const TileMaker maker = world_.maker_; // A script that is asked for the ground may replace it.
+	edits_ = world_.edits_;
+	return maker(tiles, r_tiles);
 }
 
-/// Has those made in one go that are not known.
-Status InstanceWorld::MakingSource::find_tiles(
-		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
-	std::vector<WorldTile> missing;
-	std::vector<std::size_t> missed; // Where each is missed in `tiles`.
-	r_tiles.clear();
-	for (const WorldTile &tile : tiles) {
-		r_tiles.push_back(world_.find(tile));
-		if (r_tiles.back() == nullptr) {
-			missed.push_back(r_tiles.size() - 1);
-			missing.push_back(tile);
-		}
+void InstanceWorld::MakingSource::keep(const WorldTile &tile, const std::shared_ptr<const KeptTile> &made) {
+	if (edits_ == world_.edits_) {
+		world_.keep(tile.layer, tile.tile, made);
 	}
-	if (missing.empty()) {
-		// Fast path: all tiles are known.
-		return {};
-	}
-	const TileMaker maker = world_.maker_; // A script that is asked for the ground may replace it.
-	const std::uint64_t edits = world_.edits_;
-	std::vector<std::shared_ptr<const KeptTile>> made;
-	const Status status = maker(missing, made);
-	made.resize(missing.size());
-	for (std::size_t i = 0; i < missing.size(); ++i) {
-		if (made[i] != nullptr && edits == world_.edits_) {
-			world_.keep(missing[i].layer, missing[i].tile, made[i]);
-		}
-		r_tiles[missed[i]] = std::move(made[i]);
-	}
-	return status;
 }
 
 } // namespace thicket

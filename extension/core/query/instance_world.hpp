@@ -2,6 +2,7 @@
 
 #include "core/placement/layer_edits.hpp"
 #include "core/query/instance_query.hpp"
+#include "core/query/making_tile_source.hpp"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -36,9 +37,6 @@ struct KnownTile {
 	WorldTileKey key;
 	std::shared_ptr<const KeptTile> tile; ///< Never null.
 };
-
-/// Of all meshes.
-std::size_t instance_count(const KeptTile &tile);
 
 /// What stands in a world, for all who ask: the tiles that are known (shared with those on show, and some that were made for
 /// queries) and what a game has changed. One thread at a time.
@@ -110,7 +108,7 @@ public:
 private:
 	struct Entry {
 		std::shared_ptr<const KeptTile> tile;
-		std::size_t size = 0;           ///< Instances.
+		std::size_t size = 0;           ///< See kept_size.
 		mutable std::uint64_t used = 0; ///< When it was last asked for.
 		bool outdated = false;          ///< An edit has touched it: good enough for who is near, wrong for who asks.
 	};
@@ -134,15 +132,17 @@ private:
 		const InstanceWorld &world_;
 	};
 
-	class MakingSource : public TileSource {
+	class MakingSource : public MakingTileSource {
 	public:
 		explicit MakingSource(InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override;
-		Status find_tiles(
-				std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) override;
 
 	private:
+		std::shared_ptr<const KeptTile> find(const WorldTile &tile) override;
+		Status make(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) override;
+		void keep(const WorldTile &tile, const std::shared_ptr<const KeptTile> &made) override;
+
 		InstanceWorld &world_;
+		std::uint64_t edits_ = 0; ///< Of the world, when tiles were asked for last. After others they are not kept.
 	};
 
 	using Key = WorldTileKey;

@@ -1,0 +1,51 @@
+#include "core/query/making_tile_source.hpp"
+
+#include <utility>
+
+namespace thicket {
+
+Status MakingTileSource::find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
+	std::vector<std::shared_ptr<const KeptTile>> tiles;
+	const WorldTile wanted{layer, tile};
+	const Status status = find_tiles({&wanted, 1}, tiles);
+	r_tile = tiles.empty() ? nullptr : tiles.front();
+	return status;
+}
+
+Status MakingTileSource::find_tiles(
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+	std::vector<WorldTile> missing;
+	std::vector<std::size_t> missed; // Where each is missed in `tiles`.
+	r_tiles.clear();
+	for (const WorldTile &tile : tiles) {
+		r_tiles.push_back(find(tile));
+		if (r_tiles.back() == nullptr) {
+			missed.push_back(r_tiles.size() - 1);
+			missing.push_back(tile);
+		}
+	}
+	if (missing.empty()) {
+		// Fast path: all tiles are known.
+		return {};
+	}
+	std::vector<std::shared_ptr<const KeptTile>> made;
+	const Status status = make(missing, made);
+	made.resize(missing.size());
+	for (std::size_t i = 0; i < missing.size(); ++i) {
+		if (made[i] != nullptr) {
+			keep(missing[i], made[i]);
+		}
+		r_tiles[missed[i]] = std::move(made[i]);
+	}
+	return status;
+}
+
+std::size_t kept_size(const KeptTile &tile) {
+	std::size_t size = 1;
+	for (const KeptMesh &mesh : tile.meshes) {
+		size += mesh.size();
+	}
+	return size;
+}
+
+} // namespace thicket
