@@ -1,9 +1,8 @@
 #include "core/near/tile_overlay.hpp"
 
+#include "core/base/basis_scale.hpp"
 #include "core/base/guard.hpp"
 #include "core/placement/instance_data.hpp"
-
-#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -16,10 +15,6 @@ using Ids = std::vector<std::uint64_t>;
 
 bool covers(const Overlay &overlay, bool any_removed, std::uint64_t id) {
 	return (any_removed && overlay.state->removed(id)) || (overlay.hidden != nullptr && overlay.hidden->contains(id));
-}
-
-float largest_scale(const glm::mat3 &basis) {
-	return std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});
 }
 
 void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettings &layer, glm::dvec3 origin,

@@ -2,6 +2,7 @@
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
+#include "core/base/basis_scale.hpp"
 #include "core/base/guard.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/gameplay/navigation_parse.hpp"
@@ -10,10 +11,8 @@
 #include <godot_cpp/variant/packed_vector3_array.hpp>
 
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -70,10 +69,6 @@ void add(const Obstruction &obstruction, NavigationMeshSourceGeometryData3D &r_g
 	// Not carved, which the engine does after it has kept the agent's radius from all that is in the way.
 	r_geometry.add_projected_obstruction(outline, static_cast<float>(obstruction.bottom),
 			static_cast<float>(obstruction.top - obstruction.bottom), false);
-}
-
-double largest_scale(const glm::mat3 &basis) {
-	return std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});
 }
 
 /// The hand-placed instances of a layer that may obstruct an area of the world, by id.

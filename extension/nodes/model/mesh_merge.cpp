@@ -1,5 +1,6 @@
 #include "nodes/model/mesh_merge.hpp"
 
+#include "core/base/basis_scale.hpp"
 #include "nodes/common/boxes.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
@@ -152,11 +153,6 @@ PackedInt32Array unpacked(const PackedByteArray &p_bytes, int64_t vertices) {
 	return result;
 }
 
-double largest_scale(const Transform3D &p_transform) {
-	const glm::dmat3 basis = to_core(p_transform.basis);
-	return std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});
-}
-
 /// Adds to each stream of a surface how far the blend shapes move it.
 class Blend {
 public:
@@ -251,8 +247,9 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 	const Array lods = stored.get("lods", Array()); // There is none where nothing was generated.
 	for (int64_t lod = 0; lod < lods.size(); ++lod) {
 		const Dictionary coarser = lods[lod];
-		piece.lods.push_back({static_cast<double>(coarser["edge_length"]) * largest_scale(part.transform),
-				unpacked(coarser["index_data"], piece.vertices)});
+		piece.lods.push_back(
+				{static_cast<double>(coarser["edge_length"]) * largest_scale(to_core(part.transform.basis)),
+						unpacked(coarser["index_data"], piece.vertices)});
 	}
 	std::ranges::stable_sort(piece.lods, {}, &IndexLod::edge_length);
 	result.pieces.push_back(std::move(piece));

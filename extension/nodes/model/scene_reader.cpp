@@ -1,5 +1,6 @@
 #include "nodes/model/scene_reader.hpp"
 
+#include "core/base/basis_scale.hpp"
 #include "core/model/model_lods.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/stripped.hpp"
@@ -14,7 +15,6 @@
 #include <godot_cpp/core/memory.hpp>
 #include <godot_cpp/core/object.hpp>
 
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include <algorithm>
@@ -118,7 +118,7 @@ void Walk::visit(Node *p_node, const Above &above, bool is_root) {
 bool Walk::accept(Node *p_node, const Transform3D &p_transform) {
 	constexpr double flat = 1e-9; // Of the volume that a cube with the longest side would have.
 	const glm::dmat3 basis = to_core(p_transform.basis);
-	const double side = std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});
+	const double side = largest_scale(basis);
 	const double volume = glm::determinant(basis);
 	if (volume < -flat * side * side * side) {
 		fail(vformat("\"%s\" has a negative scale: apply its transform where the model is made", p_node->get_name()));
