@@ -1,0 +1,67 @@
+#pragma once
+
+#include "core/base/status.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <span>
+#include <vector>
+
+namespace thicket::cost {
+
+using Points = std::vector<glm::dvec2>;
+
+/// A kind of input, of any size.
+class Recipe {
+public:
+	explicit Recipe(std::uint64_t seed);
+
+	std::uint64_t below(std::uint64_t count) { return random_() % count; }
+
+	double number(double from, double to);
+
+	/// Points in an order that is as hard as any: all at one place, in turns at two, along lines, at random, on a spiral or a grid.
+	Points points(std::size_t count) const;
+
+	/// Ids of points of sets, all different.
+	std::vector<std::uint64_t> ids(std::size_t count) const;
+
+	const char *name() const;
+	double step() const { return step_; }
+
+private:
+	enum class Kind : std::uint8_t { one_place, two_places, line, line_back, crowd, wide, star, comb, grid };
+	static constexpr std::size_t kinds = 9;
+
+	std::uint64_t seed_;
+	std::mt19937_64 random_;
+	Kind kind_;
+	double step_;
+	std::uint64_t stride_ = 1;
+};
+
+/// Positions that stay the same at every size of an input.
+Points fixed_places();
+
+/// Ends the program where an input is refused.
+void need(const Status &status);
+
+/// The steps that `work` takes.
+std::uint64_t steps_of(const std::function<void()> &work);
+
+/// A case: the steps of what it is about, for an input of a size.
+struct Case {
+	const char *name;
+	std::uint64_t (*run)(const Recipe &recipe, std::size_t count);
+};
+
+std::span<const Case> cases_of_states();
+std::span<const Case> cases_of_masks();
+std::span<const Case> cases_of_regions();
+std::span<const Case> cases_of_meshes();
+
+} // namespace thicket::cost

@@ -1,0 +1,48 @@
+#include "tests/cost/growth.hpp"
+
+#include "core/rules/painted_mask.hpp"
+
+#include <array>
+
+namespace thicket::cost {
+
+namespace {
+
+/// Dabs of one size. Pixels are meters.
+PaintedMask painted(const Recipe &recipe, std::size_t count) {
+	PaintedMask mask;
+	need(mask.reset(1.0, 0.0));
+	for (const glm::dvec2 &center : recipe.points(count)) {
+		Rect changed;
+		Brush brush;
+		brush.center = center;
+		brush.radius = 3.0;
+		need(mask.paint(brush, changed));
+	}
+	return mask;
+}
+
+constexpr std::size_t dabs_divisor = 8; // A dab is many steps.
+
+std::uint64_t paint(const Recipe &recipe, std::size_t count) {
+	return steps_of([&] { painted(recipe, count / dabs_divisor); });
+}
+
+std::uint64_t save_and_load_mask(const Recipe &recipe, std::size_t count) {
+	const PaintedMask mask = painted(recipe, count / dabs_divisor);
+	return steps_of([&] {
+		PaintedMask loaded;
+		need(loaded.from_bytes(mask.to_bytes()));
+	});
+}
+
+constexpr std::array cases = {
+		Case{"mask: dabs", paint},
+		Case{"mask: save and load", save_and_load_mask},
+};
+
+} // namespace
+
+std::span<const Case> cases_of_masks() { return cases; }
+
+} // namespace thicket::cost

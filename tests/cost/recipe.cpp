@@ -1,0 +1,86 @@
+#include "tests/cost/growth.hpp"
+
+#include "tests/cost/steps.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace thicket::cost {
+
+Recipe::Recipe(std::uint64_t seed) :
+		seed_(seed), random_(seed), kind_(static_cast<Kind>(below(kinds))), step_(std::exp2(number(-6.0, 6.0))) {
+	stride_ = below(3) == 0 ? std::uint64_t{1} << below(40) : 1 + below(1000);
+}
+
+double Recipe::number(double from, double to) {
+	return from + (to - from) * static_cast<double>(random_() >> 11) * 0x1p-53;
+}
+
+Points Recipe::points(std::size_t count) const {
+	std::mt19937_64 own(seed_);
+	const auto any = [&own] {
+		return static_cast<double>(own() >> 11) * 0x1p-53 - 0.5;
+	};
+	Points result;
+	for (std::size_t i = 0; i < count; ++i) {
+		const auto at = static_cast<double>(i);
+		switch (kind_) {
+			case Kind::one_place: result.emplace_back(3.0, 4.0); break;
+			case Kind::two_places: result.emplace_back(i % 2 == 0 ? -step_ : step_, 0.0); break;
+			case Kind::line: result.emplace_back(step_ * at, 0.0); break;
+			case Kind::line_back: result.emplace_back(step_ * (static_cast<double>(count) - at), step_); break;
+			case Kind::crowd: result.emplace_back(step_ * any(), step_ * any()); break;
+			case Kind::wide: result.emplace_back(1e5 * any(), 1e5 * any()); break;
+			case Kind::star: result.emplace_back(i % 2 == 0 ? 0.0 : 1e3 * any(), i % 2 == 0 ? 0.0 : 1e3 * any()); break;
+			case Kind::comb: result.emplace_back(step_ * at, (i / 2) % 2 == 0 ? 0.0 : 1e3); break;
+			default:
+				result.emplace_back(step_ * static_cast<double>(i % 32), step_ * static_cast<double>(i / 32));
+				break;
+		}
+	}
+	return result;
+}
+
+std::vector<std::uint64_t> Recipe::ids(std::size_t count) const {
+	std::vector<std::uint64_t> result;
+	for (std::size_t i = 0; i < count; ++i) {
+		const std::uint64_t number = stride_ * (i + 1);
+		const auto layer = static_cast<std::uint64_t>(kind_) % 3 == 0 ? i % 5 : 0;
+		result.push_back(layer << 48 | (number & 0xffffffffffff));
+	}
+	std::ranges::sort(result);
+	result.erase(std::unique(result.begin(), result.end()), result.end());
+	return result;
+}
+
+const char *Recipe::name() const {
+	static constexpr std::array<const char *, kinds> names = {
+			"one place", "two places", "line", "line back", "crowd", "wide", "star", "comb", "grid"};
+	return names[static_cast<std::size_t>(kind_)];
+}
+
+Points fixed_places() {
+	Points places;
+	for (int i = 0; i < 16; ++i) {
+		places.emplace_back(-500.0 + 70.0 * i, 3.0 * i);
+	}
+	return places;
+}
+
+void need(const Status &status) {
+	if (!status.ok()) {
+		std::fprintf(stderr, "growth: an input was refused: %s\n", describe(status).c_str());
+		std::abort();
+	}
+}
+
+std::uint64_t steps_of(const std::function<void()> &work) {
+	const std::uint64_t before = steps();
+	work();
+	return steps() - before;
+}
+
+} // namespace thicket::cost
