@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from . import fields
@@ -56,6 +58,15 @@ _costs = members(
 )
 
 
+@contextmanager
+def refusing(path: Path, remedy: str) -> Iterator[None]:
+    """Turns the Refused of a check into a BakeError that names the file and says what to do."""
+    try:
+        yield
+    except fields.Refused as refused:
+        raise BakeError(f"{path}: {refused}; {remedy}") from None
+
+
 def read_json(path: Path) -> dict:
     """The JSON object in a file. Raises BakeError for anything else, and for one that has a field twice."""
     try:
@@ -88,19 +99,15 @@ def check_manifest(said: dict, manifest: Path) -> None:
     version = said.get("version")
     if type(version) is not int or version != VERSION:
         raise BakeError(f"{manifest}: version must be {VERSION}, the one that is known here, got {fields.shown(version)}; bake again with this version of Thicket")
-    try:
+    with refusing(manifest, REMEDY):
         _manifest(said)
         _check_sense(said)
-    except fields.Refused as refused:
-        raise BakeError(f"{manifest}: {refused}; {REMEDY}") from None
 
 
 def check_costs(said: dict, manifest: Path) -> None:
     """As check_manifest, for the fields that a forecast reads."""
-    try:
+    with refusing(manifest, REMEDY):
         _costs(said)
-    except fields.Refused as refused:
-        raise BakeError(f"{manifest}: {refused}; {REMEDY}") from None
 
 
 def check_rect(rect: list) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 from .fields import Refused as BadField
 from .fields import items, mapping, members, number, text, whole
 from .format import BakeError, name_of
-from .manifest import LENGTH, METERS, MOST_TILES, RADII, RECT, check_rect, read_json
+from .manifest import LENGTH, METERS, MOST_TILES, RADII, RECT, check_rect, read_json, refusing
 from .tile_engine import Refused
 
 WORLD = "world.json"
@@ -54,11 +54,9 @@ def _read_world(folder: Path) -> dict:
         raise BakeError(f"{error}; {again}") from None
     if "columns" not in world:
         raise BakeError(f"{folder} was made by another version of Thicket: {again}")
-    try:
+    with refusing(folder / WORLD, again):
         _world(world)
         _check_sense(world)
-    except BadField as refused:
-        raise BakeError(f"{folder / WORLD}: {refused}; {again}") from None
     return world
 
 

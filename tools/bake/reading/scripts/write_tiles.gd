@@ -127,23 +127,25 @@ func _write_world(job: Dictionary, payload: PackedByteArray) -> String:
 	return _save(scene, job.scene) if error == OK else "Cannot pack the scene of %s: %s." % [job.scene, error_string(error)]
 
 
-## As [method _save], for the bytes of a file.
 func _write(content: PackedByteArray, path: String) -> String:
 	var partial := path + ".partial"
 	var file := FileAccess.open(partial, FileAccess.WRITE)
-	var is_stored := file != null and file.store_buffer(content)
-	var error := file.get_error() if file != null else FileAccess.get_open_error()
-	if file != null:
-		file.close()
-	if is_stored:
-		error = DirAccess.rename_absolute(partial, path)
-	return "" if is_stored and error == OK else UNWRITABLE % [path, error_string(error)]
+	if file == null:
+		return _moved(partial, path, FileAccess.get_open_error())
+	var error := OK
+	if not file.store_buffer(content):
+		error = ERR_FILE_CANT_WRITE
+	file.close()
+	return _moved(partial, path, error)
 
 
-## Writes beside the final path first, and moves there what is whole.
 func _save(resource: Resource, path: String) -> String:
 	var partial := "%s.partial.%s" % [path.get_basename(), path.get_extension()]
-	var error := ResourceSaver.save(resource, partial, ResourceSaver.FLAG_COMPRESS)
+	return _moved(partial, path, ResourceSaver.save(resource, partial, ResourceSaver.FLAG_COMPRESS))
+
+
+## Moves a file to its final path if it was written whole, which [param error] says. Returns what went wrong, or "".
+func _moved(partial: String, path: String, error: Error) -> String:
 	if error == OK:
 		error = DirAccess.rename_absolute(partial, path)
 	return "" if error == OK else UNWRITABLE % [path, error_string(error)]
