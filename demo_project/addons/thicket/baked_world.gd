@@ -6,7 +6,7 @@ extends Node3D
 ## Files are read on threads, and at most [member frame_budget_usec] of a frame go into tiles that come or go, or one tile where that takes longer. What is
 ## baked stands as it is: for rules, felling and queries use [code]TerrainScatter3D[/code].
 ##
-## The index and the tiles are data: reading them runs no code of whoever wrote them, so they may come from players. The index has the SHA-256 of
+## The index and the tiles are data: reading them runs no code that they contain, so they may come from players. The index has the SHA-256 of
 ## each tile, and a tile with a different one is not shown. Meshes and materials are loaded as the game's own files, and only from [code]res://[/code].
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")

@@ -1,5 +1,5 @@
 extends RefCounted
-## A file of a baked world: a JSON object and bytes, behind a SHA-256 of both. Reading one runs no code of whoever wrote it.
+## A file of a baked world: a JSON object and bytes, behind a SHA-256 of both. Reading one runs no code from it.
 ##
 ## A file never goes through the engine's [ResourceLoader], which runs scripts that a resource holds. It begins with 48 bytes: [constant MAGIC],
 ## the version (32 bits, little-endian like all numbers), the SHA-256 of everything after it (32 bytes), the length of the JSON text, and the size of
@@ -16,7 +16,7 @@ const _START := 48 # Where the text begins.
 const _HASHED_FROM := 40
 const _HASHED_AT_ONCE := 1 << 16
 
-## What is wrong with the file, or with a field of it that was read; empty if nothing is.
+## The error of the file, or of a field of it that was read; empty if there is none.
 var problem := ""
 ## The JSON object.
 var header: Dictionary = {}

@@ -32,7 +32,7 @@ var centers := PackedFloat64Array()
 ## The SHA-256 of each tile's file, 32 bytes each; see [code]baked_world_file.gd[/code].
 var digests := PackedByteArray()
 
-## What is wrong with the file; empty if nothing is.
+## The error of the file; empty if there is none.
 var problem := ""
 
 

@@ -17,7 +17,7 @@ var _on_threads: bool
 var _is_requested := false
 
 
-## Of an index. Without [param on_threads] each is loaded by the caller of [method load_step].
+## Loads the models of an index. Without [param on_threads] each is loaded by the caller of [method load_step].
 func _init(index: Index, on_threads: bool) -> void:
 	_on_threads = on_threads
 	_waiting = index.meshes + index.materials
