@@ -17,9 +17,10 @@ std::uint64_t code_of(std::uint64_t id);
 /// The id that has this code.
 std::uint64_t id_of(std::uint64_t code);
 
-/// Adds a list of numbers, each larger than the one before: the gaps between them in blocks of 128, each with the parameter that suits it, as Golomb and Rice have it (R. F. Rice, "Some practical universal noiseless coding techniques", 1979). A
-/// random number of 2^48 costs 30 bits in a list of a million, neighbors cost a few. The same list gives the same bytes. What comes of it
-/// once `cancel` was raised, from any thread, is of no use; null for never.
+/// Adds a list of numbers, each larger than the one before: the gaps between them in blocks of 128, each with the parameter that suits
+/// it, as Golomb and Rice have it (R. F. Rice, "Some practical universal noiseless coding techniques", 1979). A random number of 2^48
+/// costs 30 bits in a list of a million, neighbors cost a few. The same list gives the same bytes. What comes of it once `cancel` was
+/// raised, from any thread, is of no use; null for never.
 void append_ascending(std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes,
 		const std::atomic<bool> *cancel = nullptr);
 

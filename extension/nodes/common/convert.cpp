@@ -64,6 +64,10 @@ Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, glm::dvec3 of
 	return {to_engine(basis), to_engine(position, offset)};
 }
 
+std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {
+	return {p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())};
+}
+
 PackedByteArray packed_bytes(std::span<const std::uint8_t> bytes) { return copied<PackedByteArray>(bytes); }
 
 PackedInt32Array packed_integers(std::span<const std::int32_t> integers) { return copied<PackedInt32Array>(integers); }

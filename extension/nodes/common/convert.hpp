@@ -57,6 +57,9 @@ Packed packed(std::span<const Element> elements, Convert of) {
 	return result;
 }
 
+/// The bytes of an array, for as long as it is held and not written to.
+std::span<const std::uint8_t> span_of(const godot::PackedByteArray &p_bytes);
+
 godot::PackedByteArray packed_bytes(std::span<const std::uint8_t> bytes);
 godot::PackedInt32Array packed_integers(std::span<const std::int32_t> integers);
 godot::PackedInt64Array packed_ids(std::span<const std::uint64_t> ids);

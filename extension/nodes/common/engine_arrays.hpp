@@ -55,4 +55,13 @@ inline void append(godot::Array &r_array, const godot::Variant &element) {
 	}
 }
 
+/// A copy with memory of its own; its elements are the same, not copies.
+inline godot::Array copied(const godot::Array &array) {
+	godot::Array copy;
+	for (std::int64_t index = 0; index < array.size(); ++index) {
+		append(copy, array[index]);
+	}
+	return copy;
+}
+
 } // namespace thicket

@@ -1,10 +1,13 @@
 #include "nodes/common/file_replace.hpp"
 
 #include "core/base/disk_file.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/classes/dir_access.hpp>
 #include <godot_cpp/classes/file_access.hpp>
 #include <godot_cpp/classes/project_settings.hpp>
+#include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/variant/char_string.hpp>
 
 #include <string>
@@ -49,17 +52,17 @@ bool is_resource_file(const PackedByteArray &p_bytes) {
 	return begins("RSRC") || begins("RSCC") || begins("[gd_");
 }
 
-Error refuse(const char *p_deed, const String &p_path, const char *p_why, Error p_error, String &r_problem) {
-	r_problem = vformat("cannot %s %s: %s", p_deed, p_path, p_why);
+Error refuse(const char *p_method, const char *p_deed, const String &p_path, const char *p_why, Error p_error) {
+	ERR_PRINT(vformat("%s: cannot %s %s: %s", p_method, p_deed, p_path, p_why));
 	return p_error == OK ? FAILED : p_error;
 }
 
 } // namespace
 
-Error replace_file(const String &p_path, const PackedByteArray &p_bytes, String &r_problem) {
+Error replace_file(const char *p_method, const String &p_path, const PackedByteArray &p_bytes) {
 	const std::string path = resolved_path(system_path(p_path));
 	const auto failed = [&](const char *p_why, Error p_error) {
-		return refuse("write", p_path, p_why, p_error, r_problem);
+		return refuse(p_method, "write", p_path, p_why, p_error);
 	};
 	if (path.empty()) {
 		return failed("the path is empty. Pass one such as user://forest.state", ERR_FILE_BAD_PATH);
@@ -91,15 +94,16 @@ Error replace_file(const String &p_path, const PackedByteArray &p_bytes, String 
 	return OK;
 }
 
-Error read_saved_file(const String &p_path, PackedByteArray &r_bytes, String &r_problem) {
+Error load_saved_file(const char *p_method, const String &p_path,
+		const std::function<Status(std::span<const std::uint8_t> bytes)> &load) {
 	const auto failed = [&](const char *p_why, Error p_error) {
-		return refuse("load", p_path, p_why, p_error, r_problem);
+		return refuse(p_method, "load", p_path, p_why, p_error);
 	};
 	if (!FileAccess::file_exists(p_path)) {
 		return failed("there is no such file. Save one with save_to_file(), or call FileAccess.file_exists() first",
 				ERR_FILE_NOT_FOUND);
 	}
-	PackedByteArray bytes = FileAccess::get_file_as_bytes(p_path);
+	const PackedByteArray bytes = FileAccess::get_file_as_bytes(p_path);
 	const Error error = FileAccess::get_open_error();
 	if (error != OK) {
 		return failed("it may not be read. Let the game read it", error);
@@ -110,8 +114,8 @@ Error read_saved_file(const String &p_path, PackedByteArray &r_bytes, String &r_
 				"load it with ResourceLoader once, and save it with save_to_file()",
 				ERR_FILE_UNRECOGNIZED);
 	}
-	r_bytes = bytes;
-	return OK;
+	const Status status = load(span_of(bytes));
+	return status.ok() ? OK : failed(describe(status).c_str(), error_of(status));
 }
 
 } // namespace thicket

@@ -1,18 +1,26 @@
 #pragma once
 
+#include "core/base/status.hpp"
+
 #include <godot_cpp/classes/global_constants.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/string.hpp>
 
+#include <cstdint>
+#include <functional>
+#include <span>
+
 namespace thicket {
 
-/// Makes `p_path` (user://, res:// or a path of the system) a file that holds these bytes. They go into a new file beside it first, which
-/// takes its place once the disk has all of it. After an error the old file is as it was, and `r_problem` says why, as
-/// "cannot write PATH: REASON. REMEDY".
-godot::Error replace_file(const godot::String &p_path, const godot::PackedByteArray &p_bytes, godot::String &r_problem);
+// What a class's save_to_file and load_from_file do. An error is printed as "METHOD: cannot write PATH: REASON. REMEDY".
 
-/// All bytes of a file that `save_to_file` of a class wrote. Refuses a resource of the engine, which loading could let run scripts. After an
-/// error `r_problem` says why, as for `replace_file`.
-godot::Error read_saved_file(const godot::String &p_path, godot::PackedByteArray &r_bytes, godot::String &r_problem);
+/// Makes `p_path` (user://, res:// or a path of the system) a file that holds these bytes. They go into a new file beside it first, which
+/// takes its place once the disk has all of it. After an error the old file is as it was.
+godot::Error replace_file(const char *p_method, const godot::String &p_path, const godot::PackedByteArray &p_bytes);
+
+/// Hands all bytes of a file to `load`, whose refusal becomes the error. Refuses a resource of the engine, which loading could let run
+/// scripts.
+godot::Error load_saved_file(const char *p_method, const godot::String &p_path,
+		const std::function<Status(std::span<const std::uint8_t> bytes)> &load);
 
 } // namespace thicket

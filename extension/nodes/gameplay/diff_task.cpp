@@ -32,9 +32,7 @@ PackedInt64Array ids_of_changes(std::span<const InstanceChange> changes) {
 DiffTask::DiffTask(const PackedByteArray &p_diff, const Callable &p_callback) :
 		bytes_(p_diff), callback_(p_callback.is_null() ? Variant() : Variant(p_callback)) {}
 
-std::span<const std::uint8_t> DiffTask::bytes() const {
-	return {bytes_.ptr(), static_cast<std::size_t>(bytes_.size())};
-}
+std::span<const std::uint8_t> DiffTask::bytes() const { return span_of(bytes_); }
 
 void DiffTask::start(Object *p_owner) {
 	owner_ = p_owner;

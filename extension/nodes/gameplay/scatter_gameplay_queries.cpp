@@ -34,14 +34,6 @@ void report_query(const char *p_method, const Status &status) {
 	}
 }
 
-Array copied(const Array &p_array) {
-	Array copy;
-	for (int64_t index = 0; index < p_array.size(); ++index) {
-		append(copy, p_array[index]);
-	}
-	return copy;
-}
-
 } // namespace
 
 /// False, with an error, where there is nothing to ask, and for a node that is gone by now.
@@ -63,15 +55,7 @@ bool ScatterGameplay::ask(const char *p_method, const AskedQuery &query) {
 
 bool ScatterGameplay::find_filter(
 		const char *p_method, const Variant &p_layers, const Callable &p_predicate, QueryFilter &r_filter) const {
-	if (!alive()) {
-		return false;
-	}
-	if (const String problem = find_layers(host_->layers(), p_layers, r_filter.layers); !problem.is_empty()) {
-		ERR_PRINT(String(name_of(p_method).c_str()) + String(": ") + problem);
-		return false;
-	}
-	r_filter.accepts = to_predicate(name_of(p_method), p_predicate, offset_);
-	return true;
+	return alive() && make_filter(name_of(p_method), host_->layers(), p_layers, p_predicate, offset_, r_filter);
 }
 
 Ref<ScatterInstances> ScatterGameplay::query_rect(

@@ -4,7 +4,6 @@
 #include "nodes/gameplay/script_queries.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
-#include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/memory.hpp>
 
 #include <string>
@@ -41,12 +40,7 @@ bool ScatterSnapshot::ask(const char *p_method, const AskedQuery &query) const {
 
 bool ScatterSnapshot::find_filter(
 		const char *p_method, const Variant &p_layers, const Callable &p_predicate, QueryFilter &r_filter) const {
-	if (const String problem = find_layers(layers_, p_layers, r_filter.layers); !problem.is_empty()) {
-		ERR_PRINT(String(name_of(p_method).c_str()) + String(": ") + problem);
-		return false;
-	}
-	r_filter.accepts = to_predicate(name_of(p_method), p_predicate, offset_);
-	return true;
+	return make_filter(name_of(p_method), layers_, p_layers, p_predicate, offset_, r_filter);
 }
 
 Ref<ScatterInstances> ScatterSnapshot::query_rect(

@@ -20,10 +20,6 @@ namespace thicket {
 
 namespace {
 
-std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {
-	return {p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())};
-}
-
 /// A value as bytes; none for null. False for an object, and for what is far too large.
 bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 	constexpr int64_t far_too_large = 1 << 24;

@@ -18,34 +18,19 @@ namespace thicket {
 
 Error ScatterState::save_to_file(const String &p_path) const {
 	std::vector<std::uint8_t> bytes;
-	Error error = told("save_to_file", state_.save(bytes));
-	if (error != OK) {
-		return error;
-	}
-	String problem;
-	error = replace_file(p_path, packed_bytes(bytes), problem);
-	if (error != OK) {
-		ERR_PRINT("ScatterState.save_to_file: " + problem);
-	}
-	return error;
+	const Error error = told("save_to_file", state_.save(bytes));
+	return error == OK ? replace_file("ScatterState.save_to_file", p_path, packed_bytes(bytes)) : error;
 }
 
 Error ScatterState::load_from_file(const String &p_path) {
-	PackedByteArray bytes;
-	String problem;
-	const Error error = read_saved_file(p_path, bytes, problem);
-	if (error != OK) {
-		ERR_PRINT("ScatterState.load_from_file: " + problem);
-		return error;
-	}
-	wait_for_diffs();
 	std::vector<InstanceChange> changes;
-	const Status status = state_.load({bytes.ptr(), static_cast<std::size_t>(bytes.size())}, changes);
-	if (!status.ok()) {
-		ERR_PRINT(vformat("ScatterState.load_from_file: cannot load %s: %s", p_path, String(describe(status).c_str())));
-	}
+	const Error error =
+			load_saved_file("ScatterState.load_from_file", p_path, [&](std::span<const std::uint8_t> bytes) {
+				wait_for_diffs();
+				return state_.load(bytes, changes);
+			});
 	tell(std::move(changes));
-	return error_of(status);
+	return error;
 }
 
 void ScatterState::warn_if_cached() {
@@ -58,9 +43,8 @@ void ScatterState::warn_if_cached() {
 	warned_ = true;
 	WARN_PRINT(vformat(
 			"TerrainScatter3D.state: load() keeps %s in memory, and returns this same state again, with all that the "
-			"game "
-			"changes. For saved games call ScatterState.save_to_file() and load_from_file(). For what a designer has "
-			"placed set ScatterState.designed, so that each node gets a copy.",
+			"game changes. For saved games call ScatterState.save_to_file() and load_from_file(). For what a designer "
+			"has placed set ScatterState.designed, so that each node gets a copy.",
 			path));
 }
 

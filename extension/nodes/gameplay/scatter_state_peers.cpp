@@ -31,10 +31,6 @@ std::uint64_t new_origin() {
 	return name != 0 ? name : 1;
 }
 
-std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {
-	return {p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())};
-}
-
 Variant number(std::uint64_t value) { return static_cast<int64_t>(value); }
 
 Dictionary dictionary_of(const DiffSummary::Layer &layer) {

@@ -10,13 +10,16 @@
 #include "nodes/common/convert.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 #include "nodes/gameplay/scatter_instances.hpp"
+#include "nodes/layer/layer_reference.hpp"
 
+#include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/variant/callable.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/rect2.hpp>
 
 #include <glm/geometric.hpp>
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -28,6 +31,18 @@ struct QueryWish {
 	const godot::Variant &layers;
 	const godot::Callable &predicate;
 };
+
+/// An asker's `find_filter`, for `method` (`Class.method`). `layers` are what find_layers takes.
+template <class Layers>
+bool make_filter(const std::string &method, const Layers &layers, const godot::Variant &p_layers,
+		const godot::Callable &p_predicate, glm::dvec3 offset, QueryFilter &r_filter) {
+	if (const godot::String problem = find_layers(layers, p_layers, r_filter.layers); !problem.is_empty()) {
+		ERR_PRINT(godot::String(method.c_str()) + godot::String(": ") + problem);
+		return false;
+	}
+	r_filter.accepts = to_predicate(method, p_predicate, offset);
+	return true;
+}
 
 template <class Asker>
 godot::Ref<ScatterInstances> answer_rect(Asker &asker, const QueryWish &wish, const godot::Rect2 &p_rect) {

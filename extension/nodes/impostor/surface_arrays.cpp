@@ -1,5 +1,6 @@
 #include "nodes/impostor/surface_arrays.hpp"
 
+#include "nodes/common/convert.hpp"
 #include "nodes/common/surface_streams.hpp"
 
 #include <godot_cpp/classes/resource.hpp>
@@ -87,7 +88,7 @@ Status read_texture(const Ref<Image> &p_image, SurfaceTexture &r_texture) {
 	copy->clear_mipmaps();
 	copy->convert(Image::FORMAT_RGBA8);
 	const PackedByteArray bytes = copy->get_data();
-	return r_texture.set(copy->get_width(), copy->get_height(), {bytes.ptr(), static_cast<std::size_t>(bytes.size())});
+	return r_texture.set(copy->get_width(), copy->get_height(), span_of(bytes));
 }
 
 } // namespace thicket

@@ -52,10 +52,7 @@ String nothing_to_draw(std::size_t entry, const Ref<PackedScene> &p_scene, const
 } // namespace
 
 bool LayerMeshes::set_entries(const Array &p_entries) {
-	Array entries;
-	for (int64_t index = 0; index < p_entries.size(); ++index) {
-		append(entries, p_entries[index]);
-	}
+	const Array entries = copied(p_entries);
 	if (!take(entries)) {
 		return false;
 	}

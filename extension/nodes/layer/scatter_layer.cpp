@@ -87,7 +87,6 @@ void ScatterLayer::bind_advanced() {
 	bind_export();
 }
 
-// The order of the inspector: what stands there, where, how it is drawn, and what it is to a game.
 void ScatterLayer::add_used(SceneUse::List &r_used) const {
 	r_used.add(mask_);
 	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
@@ -98,6 +97,7 @@ void ScatterLayer::add_used(SceneUse::List &r_used) const {
 	}
 }
 
+// The order of the inspector: what stands there, where, how it is drawn, and what it is to a game.
 void ScatterLayer::_bind_methods() {
 	bind_basics();
 	bind_placement();

@@ -100,11 +100,11 @@ void ScatterMask::set_data(const PackedByteArray &p_data) {
 		clear();
 		return;
 	}
-	report(class_name, take(p_data));
+	report(class_name, take(span_of(p_data)));
 }
 
-Status ScatterMask::take(const PackedByteArray &p_bytes) {
-	const Status status = mask_.from_bytes({p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())});
+Status ScatterMask::take(std::span<const std::uint8_t> bytes) {
+	const Status status = mask_.from_bytes(bytes);
 	if (status.ok()) {
 		// The bytes know it to 1/255 only; what a scene says beside them is finer.
 		if (std::lround(255.0 * background_) != std::lround(255.0 * mask_.background())) {
@@ -153,8 +153,7 @@ PackedByteArray ScatterMask::get_pixels(const Rect2i &p_rect) const {
 
 Rect2 ScatterMask::set_pixels(const Rect2i &p_rect, const PackedByteArray &p_pixels) {
 	Rect changed;
-	const Status status =
-			mask_.write(pixel_rect(p_rect), {p_pixels.ptr(), static_cast<std::size_t>(p_pixels.size())}, changed);
+	const Status status = mask_.write(pixel_rect(p_rect), span_of(p_pixels), changed);
 	return announce(status, changed);
 }
 

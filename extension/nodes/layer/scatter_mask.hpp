@@ -85,7 +85,7 @@ private:
 	void reset(double p_pixel_size, double p_background);
 
 	/// What bytes say, in place of all that is here; nothing where they are refused.
-	Status take(const godot::PackedByteArray &p_bytes);
+	Status take(std::span<const std::uint8_t> bytes);
 	godot::Rect2 announce(const Status &status, const Rect &changed);
 
 	PaintedMask mask_;

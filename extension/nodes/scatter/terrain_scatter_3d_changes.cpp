@@ -256,9 +256,8 @@ TileMaker TerrainScatter3D::worker_tile_maker() const {
 		if (ground == nullptr) {
 			return Status::missing("thread_safe_ground",
 					"The terrain can be sampled on the main thread only (a script that is not thread-safe, or "
-					"colliders), so the snapshot "
-					"has the tiles that were loaded when it was made, and no others. Use request_rect() or "
-					"request_sphere()");
+					"colliders), so the snapshot has the tiles that were loaded when it was made, and no others. Use "
+					"request_rect() or request_sphere()");
 		}
 		std::vector<TileOrder> orders;
 		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);

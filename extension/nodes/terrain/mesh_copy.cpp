@@ -23,10 +23,6 @@ namespace thicket {
 
 namespace {
 
-std::span<const std::uint8_t> bytes_of(const PackedByteArray &p_bytes) {
-	return {p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())};
-}
-
 MeshSurface::Shape shape_of(std::int64_t primitive) {
 	switch (primitive) {
 		case SurfacePrimitive::triangles: return MeshSurface::Shape::triangles;
@@ -64,8 +60,8 @@ bool is_stored(const Mesh &p_mesh) {
 Status MeshCopy::append_faces(std::vector<glm::vec3> &r_corners) const {
 	for (const Surface &surface : surfaces_) {
 		MeshSurface stored = surface.layout;
-		stored.vertices = bytes_of(surface.vertices);
-		stored.indices = bytes_of(surface.indices);
+		stored.vertices = span_of(surface.vertices);
+		stored.indices = span_of(surface.indices);
 		if (const Status status = thicket::append_faces(stored, r_corners); !status.ok()) {
 			return status;
 		}

@@ -1,5 +1,6 @@
 #include "nodes/terrain/shared_pixels.hpp"
 
+#include "nodes/common/convert.hpp"
 #include "nodes/terrain/image_posts.hpp"
 
 #include <godot_cpp/classes/object.hpp>
@@ -7,7 +8,6 @@
 #include <godot_cpp/core/object.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
 
-#include <cstddef>
 #include <memory>
 #include <utility>
 
@@ -22,7 +22,7 @@ Ref<Image> image_in(const Variant &p_value) {
 
 bool share_pixels(const Ref<Image> &p_image, int pixel_bytes, PixelGrid &r_pixels) {
 	const auto bytes = std::make_shared<PackedByteArray>(p_image->get_data());
-	SharedBytes shared{bytes, {bytes->ptr(), static_cast<std::size_t>(bytes->size())}};
+	SharedBytes shared{bytes, span_of(*bytes)};
 	return r_pixels.set({p_image->get_width(), p_image->get_height()}, pixel_bytes, std::move(shared)).ok();
 }
 
@@ -44,7 +44,7 @@ bool patch_pixels(const Ref<Image> &p_image, const PixelRect &rect, PixelGrid &r
 		return false;
 	}
 	const PackedByteArray bytes = p_image->get_data(); // Shared only for as long as this takes.
-	return r_pixels.patch(rect, {bytes.ptr(), static_cast<std::size_t>(bytes.size())}).ok();
+	return r_pixels.patch(rect, span_of(bytes)).ok();
 }
 
 } // namespace thicket
